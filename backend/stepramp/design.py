@@ -1,0 +1,170 @@
+"""Design: the document that everything starts from.
+
+A design describes an axis, the timer that steps it, a ramp, the method that computes the ramp, a lookup table and a
+move. It is one JSON document (`"schema": "stepramp/1"`) and is validated on every way in.
+"""
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from stepramp.errors import Rejected, Rejection
+from stepramp.validation import Document, ListOf, OneOf, Text, Within, refuse
+
+MOST_STEPS = 10_000_000
+"""Longest move and longest ramp [steps]."""
+
+MOST_TABLE_ROWS = 1000
+
+MethodName = Literal["exact", "first_order", "table"]
+Arithmetic = Literal["float64", "float32"]
+Rounding = Literal["nearest"]
+
+ARITHMETICS: dict[MethodName, tuple[Arithmetic, ...]] = {
+    "exact": ("float64", "float32"),
+    "first_order": ("float32", "float64"),
+    "table": ("float64", "float32"),
+}
+"""The arithmetics of each method, the usual one first. A table is not computed: there it makes no difference."""
+
+Speed = Annotated[float, Within(0, 1_000_000, "steps/s", above=True)]
+Acceleration = Annotated[float, Within(0, 1_000_000_000, "steps/s²", above=True)]
+
+
+class Axis(Document):
+    """What one turn of the motor means. Only shown units depend on it."""
+
+    full_steps_per_rev: Annotated[int, Within(1, 100_000, "full steps")] = Field(
+        200, description="Full steps of one turn of the motor [full steps]"
+    )
+    microsteps: Annotated[int, Within(1, 1024, "microsteps")] = Field(
+        1, description="Pulses of the driver for one full step [steps per full step]"
+    )
+    travel_per_rev: Annotated[float, Within(0, 1_000_000, above=True)] = Field(
+        360.0, description="Distance that the axis covers in one turn of the motor [travel_unit]"
+    )
+    travel_unit: Annotated[Literal["mm", "deg"], OneOf()] = Field("deg", description="Unit of the axis' travel")
+
+
+class Timer(Document):
+    """The timer that steps the motor."""
+
+    frequency_hz: Annotated[float, Within(1000, 1_000_000_000, "Hz")] = Field(
+        description="F: ticks a second of the step timer [Hz]"
+    )
+    counter_bits: Annotated[int, Within(8, 64, "bits")] = Field(16, description="Width of the timer's counter [bits]")
+    shortest_interval_us: Annotated[float, Within(0, 1_000_000, "µs", above=True)] = Field(
+        20.0, description="Least time that the controller needs between two pulses [µs]"
+    )
+
+
+class RampParameters(Document):
+    """The speeds and accelerations that a ramp is computed from."""
+
+    base_speed_steps_per_s: Annotated[float, Within(0, 1_000_000, "steps/s")] = Field(
+        0.0, description="v0: speed at which the ramp begins and ends [steps/s]"
+    )
+    slew_speed_steps_per_s: Speed = Field(description="v: speed that the ramp leads to [steps/s]")
+    acceleration_steps_per_s2: Acceleration = Field(description="a: gain of speed a second [steps/s²]")
+    deceleration_steps_per_s2: Acceleration | None = Field(
+        None, description="d: loss of speed a second [steps/s²]; null: the same as the acceleration"
+    )
+
+    @model_validator(mode="after")
+    def _base_below_slew(self) -> Self:
+        if self.base_speed_steps_per_s > self.slew_speed_steps_per_s:
+            refuse(
+                "base_speed_steps_per_s",
+                self.base_speed_steps_per_s,
+                f"a number from 0 to the slew speed, {self.slew_speed_steps_per_s:,} steps/s",
+            )
+        return self
+
+    @property
+    def slowdown_steps_per_s2(self) -> float:
+        """The deceleration that holds, given or not [steps/s²]."""
+        given = self.deceleration_steps_per_s2
+        return self.acceleration_steps_per_s2 if given is None else given
+
+
+class Method(Document):
+    """How the intervals are computed."""
+
+    name: Annotated[MethodName, OneOf()] = Field(
+        "exact", description="exact: formula (9); first_order: formula (20); table: the lookup table"
+    )
+    arithmetic: Annotated[Arithmetic, OneOf()] = Field(
+        "float64", description="Numbers it is computed in; float32 is what C float gives, operation for operation"
+    )
+    rounding: Annotated[Rounding, OneOf()] = Field("nearest", description="How an interval becomes whole ticks")
+
+
+Index = Annotated[int, Within(1, MOST_STEPS, "steps")]
+Delay = Annotated[int, Within(1, 2**32 - 1, "µs or ticks")]
+Row = Annotated[tuple[Index, Delay], ListOf("two whole numbers, the last ramp index [steps] and the delay", length=2)]
+
+
+class Table(Document):
+    """A lookup table as gauge libraries use it."""
+
+    rows: Annotated[list[Row], ListOf("rows of two whole numbers")] = Field(
+        description="[last ramp index of the row [steps], delay [interval_unit]]: the delay at ramp index k is that of "
+        "the first row whose index is at least k",
+    )
+    interval_unit: Annotated[Literal["us", "ticks"], OneOf()] = Field("us", description="Unit of the delays")
+
+    @model_validator(mode="after")
+    def _sorted(self) -> Self:
+        if not 1 <= len(self.rows) <= MOST_TABLE_ROWS:
+            refuse("rows", self.rows, f"from 1 to {MOST_TABLE_ROWS:,} rows")
+        for number in range(1, len(self.rows)):
+            before, index = self.rows[number - 1][0], self.rows[number][0]
+            if index <= before:
+                refuse(f"rows.{number}.0", index, f"more than the ramp index of the row before, {before:,}")
+        return self
+
+
+class Move(Document):
+    """The move that the design is shown with."""
+
+    steps: Annotated[int, Within(-MOST_STEPS, MOST_STEPS, "steps, but not 0")] = Field(
+        description="Length of the move, negative for backwards [steps]"
+    )
+
+    @model_validator(mode="after")
+    def _moves(self) -> Self:
+        if self.steps == 0:
+            refuse("steps", 0, f"a whole number from {-MOST_STEPS:,} to {MOST_STEPS:,} steps, but not 0")
+        return self
+
+
+class Design(Document):
+    """The design document, version 1."""
+
+    schema_: Annotated[Literal["stepramp/1"], OneOf()] = Field(
+        alias="schema", description="Name and version of the document's format"
+    )
+    name: Annotated[str, Text(100)] = Field("", description="What people call it")
+    axis: Axis = Axis()
+    timer: Timer
+    ramp: RampParameters
+    method: Method = Method()
+    table: Table | None = None
+    move: Move
+
+    @model_validator(mode="after")
+    def _table_for_table(self) -> Self:
+        if self.method.name == "table" and self.table is None:
+            refuse("table", None, "a table, since method.name is 'table'")
+        return self
+
+    def with_method(self, name: MethodName, arithmetic: Arithmetic | None = None) -> Self:
+        """Return the design with another method; with the arithmetic usual for it unless one is given.
+
+        The design's own method keeps its arithmetic. Raises Rejected when the method is `table` and there is no table.
+        """
+        if name == "table" and self.table is None:
+            raise Rejected([Rejection("table", None, "a table, since the method is 'table'")])
+        own = self.method.arithmetic if name == self.method.name else ARITHMETICS[name][0]
+        method = Method(name=name, arithmetic=arithmetic or own, rounding=self.method.rounding)
+        return self.model_copy(update={"method": method})

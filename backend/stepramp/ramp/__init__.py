@@ -1,0 +1,1 @@
+"""Pure numerics of ramps: arrays in, arrays out. Nothing here knows of HTTP, files, serial ports or plots."""

@@ -1,0 +1,142 @@
+"""Profile: the arrays of one planned move."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepramp.design import MOST_STEPS, Arithmetic, Design
+from stepramp.errors import Rejected, Rejection
+from stepramp.ramp.kinematics import Number, exact_intervals, ramp_steps, slew_interval
+from stepramp.ramp.move import Ramp, play, split
+from stepramp.ramp.recurrences import first_order_down, first_order_up
+from stepramp.ramp.table import table_ramp
+from stepramp.ramp.timer import Warning, nearest, timer_warnings
+from stepramp.units import speed_from_interval, ticks_from_us
+
+NUMBERS: dict[Arithmetic, Number] = {"float64": np.float64, "float32": np.float32}
+
+
+@dataclass(frozen=True)
+class Phase:
+    """A stretch of a move, from its first step to its last, counted from 1."""
+
+    name: str
+    first_step: int
+    last_step: int
+
+
+@dataclass(frozen=True)
+class Profile:
+    """One planned move of N steps. Pulse 1 is at time 0; pulse i + 1 comes `intervals_ticks[i - 1]` after pulse i."""
+
+    intervals_ticks: NDArray[np.int64]
+    """Wait after each pulse [ticks], shape (N,)."""
+    time_s: NDArray[np.float64]
+    """Instant of each pulse [s], shape (N,)."""
+    position_steps: NDArray[np.int64]
+    """Position after each pulse [steps], shape (N,)."""
+    speed_steps_per_s: NDArray[np.float64]
+    """Speed of each interval, v = F / p (7) [steps/s], shape (N,)."""
+    duration_s: float
+    """From pulse 1 to the end of the last interval [s]."""
+    phases: tuple[Phase, ...]
+    """The stretches that have steps, in order of time."""
+    warnings: tuple[Warning, ...]
+
+    def steps_of(self, phase: str) -> int:
+        """Return the number of steps of a phase, 0 when the move has none."""
+        return sum(each.last_step - each.first_step + 1 for each in self.phases if each.name == phase)
+
+
+def real_ramp(design: Design) -> Ramp:
+    """Return the design's ramp as its method computes it, in ticks not yet rounded.
+
+    Raises Rejected when the ramp is longer than 10,000,000 steps, or does not fit the method.
+    """
+    if design.method.name == "table":
+        return _table(design)
+    timer_hz, ramp = design.timer.frequency_hz, design.ramp
+    up_steps = _length(design, ramp.acceleration_steps_per_s2, "acceleration")
+    down_steps = _length(design, ramp.slowdown_steps_per_s2, "deceleration")
+    number = NUMBERS[design.method.arithmetic]
+    if design.method.name == "exact":
+        base = ramp.base_speed_steps_per_s
+        up = exact_intervals(timer_hz, base, ramp.acceleration_steps_per_s2, up_steps, number)
+        down = exact_intervals(timer_hz, base, ramp.slowdown_steps_per_s2, down_steps, number)
+    else:
+        speeds = (ramp.base_speed_steps_per_s, ramp.slew_speed_steps_per_s)
+        up = first_order_up(timer_hz, *speeds, ramp.acceleration_steps_per_s2, up_steps, number)
+        down = first_order_down(timer_hz, *speeds, ramp.slowdown_steps_per_s2, down_steps, number)
+    return Ramp(up=up, slew=float(number(slew_interval(timer_hz, ramp.slew_speed_steps_per_s))), down=down)
+
+
+def ramp_of(design: Design) -> Ramp:
+    """Return the design's ramp in whole ticks of its timer: what a controller is sent.
+
+    Raises Rejected as real_ramp does, and when an interval rounds to 0 ticks.
+    """
+    ramp = nearest(real_ramp(design))
+    if ramp.slew < 1 or any(side.size and side.min() < 1 for side in (ramp.up, ramp.down)):
+        fastest = f"at most {2 * design.timer.frequency_hz:,.0f} steps/s with this timer: an interval is 1 tick or more"
+        field, value = "ramp.slew_speed_steps_per_s", design.ramp.slew_speed_steps_per_s
+        raise Rejected([Rejection(field, value, fastest)])
+    return ramp
+
+
+def profile_of(design: Design) -> Profile:
+    """Return the profile of the design's move.
+
+    Raises Rejected as ramp_of does.
+    """
+    ramp, steps = ramp_of(design), abs(design.move.steps)
+    intervals = play(ramp, steps).astype(np.int64, copy=False)
+    ends = np.cumsum(intervals)
+    timer_hz = design.timer.frequency_hz
+    return Profile(
+        intervals_ticks=intervals,
+        time_s=np.concatenate(([0], ends[:-1])) / timer_hz,
+        position_steps=np.arange(1, steps + 1) * int(math.copysign(1, design.move.steps)),
+        speed_steps_per_s=timer_hz / intervals,
+        duration_s=float(ends[-1]) / timer_hz,
+        phases=_phases(ramp, steps),
+        warnings=tuple(_short_move(design, ramp, steps) + timer_warnings(intervals, design.timer)),
+    )
+
+
+def _phases(ramp: Ramp, steps: int) -> tuple[Phase, ...]:
+    n_up, n_down = split(ramp, steps)
+    cuts = (("accelerate", 0, n_up), ("slew", n_up, steps - n_down), ("decelerate", steps - n_down, steps))
+    return tuple(Phase(name, before + 1, last) for name, before, last in cuts if last > before)
+
+
+def _short_move(design: Design, ramp: Ramp, steps: int) -> list[Warning]:
+    needed = ramp.up.size + ramp.down.size
+    if steps >= needed:
+        return []
+    peak = speed_from_interval(float(play(ramp, steps).min()), design.timer.frequency_hz)
+    message = f"Too short to reach full speed, which takes {needed:,} steps: the move peaks at {peak:,.0f} steps/s."
+    return [Warning("move.steps", message)]
+
+
+def _length(design: Design, acceleration: float, which: str) -> int:
+    """Return a side's length [steps]; a ramp that no move could play is refused before its arrays are made."""
+    base, slew = design.ramp.base_speed_steps_per_s, design.ramp.slew_speed_steps_per_s
+    steps = ramp_steps(base, slew, acceleration)
+    if steps > MOST_STEPS:
+        least = (slew**2 - base**2) / (2 * MOST_STEPS)
+        allowed = f"at least {least:,.6g} steps/s² between these speeds, for a ramp of at most {MOST_STEPS:,} steps"
+        raise Rejected([Rejection(f"ramp.{which}_steps_per_s2", acceleration, allowed)])
+    return steps
+
+
+def _table(design: Design) -> Ramp:
+    table = design.table
+    if table is None:
+        raise Rejected([Rejection("table", None, "a table, since method.name is 'table'")])
+    rows = np.array(table.rows, dtype=np.int64)
+    delays = rows[:, 1].astype(np.float64)
+    if table.interval_unit == "us":
+        delays = delays * ticks_from_us(1, design.timer.frequency_hz)
+    return table_ramp(rows[:, 0], delays)

@@ -1,0 +1,85 @@
+"""Segments: intervals as short straight lines, which is how a controller stores and plays them.
+
+A segment is (interval, count, add): `count` intervals, the first `interval` ticks long, each next one `add` ticks
+longer.
+"""
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+MOST_ADD = 32767
+MOST_COUNT = 65535
+
+
+class Segment(NamedTuple):
+    """`count` intervals, the first `interval` [ticks] long, each next one `add` [ticks] longer."""
+
+    interval: int
+    count: int  # type: ignore[assignment]  # hides tuple.count, which nothing here calls
+    add: int
+
+
+def compress(intervals: NDArray[np.int64], bound_ticks: int) -> list[Segment]:
+    """Return the fewest segments whose intervals all lie within `bound_ticks` of the given ones [ticks].
+
+    Each segment is as long as any can be from where the last one ended, which makes their number least: a part of a
+    segment that fits also fits. Of the lines that reach as far, the one is taken that brings the sum of all intervals
+    so far closest to the given sum, so that the time at which a step comes doesn't drift.
+
+    intervals: whole [ticks], shape (steps,); may be empty.
+    """
+    table = _compress(np.ascontiguousarray(intervals, dtype=np.int64), bound_ticks)
+    return [Segment(*map(int, row)) for row in table]
+
+
+def expand(segments: Iterable[Segment]) -> NDArray[np.int64]:
+    """Return the intervals that segments stand for [ticks], shape (total count,)."""
+    lines = [interval + add * np.arange(count, dtype=np.int64) for interval, count, add in segments]
+    return np.concatenate(lines) if lines else np.empty(0, np.int64)
+
+
+@njit(cache=True)
+def _compress(intervals, bound):  # type: ignore[no-untyped-def]  # compiled
+    out = np.empty((intervals.size, 3), np.int64)
+    made, at, drift = 0, 0, 0
+    while at < intervals.size:
+        best = np.array([intervals[at], 1, 0])
+        best_drift = drift
+        for first in range(intervals[at] - bound, intervals[at] + bound + 1):
+            count, low, high, total = _longest(intervals, at, first, bound)
+            if count < best[1]:
+                continue
+            # Of the adds that reach as far, the one that leaves the least drift.
+            pairs = count * (count - 1) // 2
+            wanted = (total - drift - count * first) / pairs if pairs else 0.0
+            add = min(max(int(np.rint(wanted)), low), high)
+            left = drift + count * first + pairs * add - total
+            if count > best[1] or abs(left) < abs(best_drift):
+                best[:] = (first, count, add)
+                best_drift = left
+        out[made] = best
+        drift = best_drift
+        at += best[1]
+        made += 1
+    return out[:made]
+
+
+@njit(cache=True)
+def _longest(intervals, at, first, bound):  # type: ignore[no-untyped-def]  # compiled
+    """Return how far a line from `first` fits the intervals from `at` on, between which adds, and their sum."""
+    low, high, count, total = -MOST_ADD, MOST_ADD, 1, intervals[at]
+    if first < 1:
+        return 0, 0, 0, total
+    while at + count < intervals.size and count < MOST_COUNT:
+        given = intervals[at + count]
+        # Ceiling and floor of what add must lie between.
+        next_low = max(low, -((first + bound - given) // count))
+        next_high = min(high, (given + bound - first) // count)
+        if next_low > next_high:
+            break
+        low, high, count, total = next_low, next_high, count + 1, total + given
+    return count, (low if count > 1 else 0), (high if count > 1 else 0), total

@@ -1,0 +1,121 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from designs import design
+from stepramp.errors import Rejected
+from stepramp.ramp.profile import Phase, profile_of
+
+
+def test_exact_profile_of_the_lead_screw_stage() -> None:
+    profile = profile_of(design(move__steps=500))
+    i = np.arange(1, 101)
+    ramp = np.floor(2e6 / np.sqrt(2 * 5000 * i) + 0.5)
+    np.testing.assert_array_equal(profile.intervals_ticks, np.concatenate((ramp, np.full(300, 2000), ramp[::-1])))
+    assert profile.phases == (Phase("accelerate", 1, 100), Phase("slew", 101, 400), Phase("decelerate", 401, 500))
+    assert profile.time_s[0] == 0
+    np.testing.assert_allclose(np.diff(profile.time_s), profile.intervals_ticks[:-1] / 2e6, rtol=1e-9)
+    assert profile.duration_s == pytest.approx(profile.intervals_ticks.sum() / 2e6, rel=1e-15)
+    assert profile.speed_steps_per_s.max() == 1000
+    assert profile.warnings == ()
+
+
+def test_a_short_move_never_reaches_slew_speed() -> None:
+    profile = profile_of(design(move__steps=50))
+    assert profile.phases == (Phase("accelerate", 1, 25), Phase("decelerate", 26, 50))
+    assert profile.intervals_ticks.min() == round(2e6 / (2 * 5000 * 25) ** 0.5)
+    assert [warning.field for warning in profile.warnings] == ["move.steps"]
+    assert "500 steps/s" in profile.warnings[0].message
+
+
+def test_a_faster_deceleration_takes_fewer_steps() -> None:
+    profile = profile_of(design(ramp__deceleration_steps_per_s2=20_000, move__steps=1000))
+    assert [profile.steps_of(name) for name in ("accelerate", "slew", "decelerate")] == [100, 875, 25]
+    assert profile.intervals_ticks[-1] == round(2e6 / (2 * 20_000) ** 0.5)
+
+
+def test_a_short_move_with_two_accelerations_peaks_where_both_speeds_are_equal() -> None:
+    profile = profile_of(design(ramp__deceleration_steps_per_s2=20_000, move__steps=50))
+    assert [profile.steps_of(name) for name in ("accelerate", "slew", "decelerate")] == [40, 0, 10]
+
+
+def test_a_negative_move_is_the_same_backwards() -> None:
+    forward, back = profile_of(design(move__steps=70)), profile_of(design(move__steps=-70))
+    np.testing.assert_array_equal(forward.intervals_ticks, back.intervals_ticks)
+    np.testing.assert_array_equal(forward.position_steps, -back.position_steps)
+    assert back.position_steps[-1] == -70
+
+
+def test_one_step() -> None:
+    profile = profile_of(design(move__steps=1))
+    assert profile.intervals_ticks.tolist() == [20_000]
+    assert profile.time_s.tolist() == [0]
+
+
+def test_base_speed_equal_to_slew_speed_is_a_move_without_ramp() -> None:
+    profile = profile_of(design(ramp__base_speed_steps_per_s=1000, move__steps=10))
+    assert profile.phases == (Phase("slew", 1, 10),)
+
+
+def test_formula_20_lands_faster_than_it_started() -> None:
+    # Backwards, formula (20) amplifies its error: the last interval is shorter than the first.
+    profile = profile_of(design(method__name="first_order", method__arithmetic="float32"))
+    assert profile.intervals_ticks[0] == 20_000
+    assert profile.intervals_ticks[-1] < 15_000
+
+
+def test_halves_are_rounded_up() -> None:
+    # p_S = 1e6 / 160000 = 6.25 and 1e6 / 400000 = 2.5 ticks.
+    fast = design(timer__frequency_hz=1e6, ramp__slew_speed_steps_per_s=400_000, ramp__acceleration_steps_per_s2=1e9)
+    assert profile_of(fast).intervals_ticks.min() == 3
+
+
+@pytest.mark.parametrize("which", ["acceleration", "deceleration"])
+def test_a_ramp_longer_than_any_move_is_refused_before_it_is_made(which: str) -> None:
+    with pytest.raises(Rejected) as caught:
+        profile_of(design(**{f"ramp__{which}_steps_per_s2": 1e-6}))
+    [rejection] = caught.value.rejections
+    assert (rejection.field, rejection.value) == (f"ramp.{which}_steps_per_s2", 1e-6)
+    assert "at least 0.05 steps/s²" in rejection.allowed
+
+
+def test_an_interval_of_no_ticks_is_refused() -> None:
+    with pytest.raises(Rejected) as caught:
+        profile_of(design(timer__frequency_hz=1000, ramp__slew_speed_steps_per_s=3000))
+    [rejection] = caught.value.rejections
+    assert (rejection.field, rejection.value) == ("ramp.slew_speed_steps_per_s", 3000)
+    assert "at most 2,000 steps/s" in rejection.allowed
+
+
+@given(
+    name=st.sampled_from(["exact", "first_order"]),
+    timer=st.floats(1e5, 1e8),
+    base=st.floats(0, 500),
+    gain=st.floats(0, 20_000),
+    acceleration=st.floats(100, 1e7),
+    deceleration=st.floats(100, 1e7),
+    steps=st.integers(-5000, 5000).filter(bool),
+)
+def test_laws_of_every_profile(
+    name: str, timer: float, base: float, gain: float, acceleration: float, deceleration: float, steps: int
+) -> None:
+    slew = base + gain + 1
+    profile = profile_of(
+        design(
+            method__name=name,
+            timer__frequency_hz=timer,
+            ramp__base_speed_steps_per_s=base,
+            ramp__slew_speed_steps_per_s=slew,
+            ramp__acceleration_steps_per_s2=acceleration,
+            ramp__deceleration_steps_per_s2=deceleration,
+            move__steps=steps,
+        )
+    )
+    assert profile.intervals_ticks.size == abs(steps)
+    assert profile.position_steps[-1] == steps
+    assert profile.intervals_ticks.min() >= round(timer / slew) - 1
+    assert sum(profile.steps_of(name) for name in ("accelerate", "slew", "decelerate")) == abs(steps)
+    peak = int(profile.intervals_ticks.argmin())
+    assert np.all(np.diff(profile.intervals_ticks[: peak + 1]) <= 0)
+    assert np.all(np.diff(profile.intervals_ticks[peak:]) >= 0)
