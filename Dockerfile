@@ -1,0 +1,19 @@
+# The server with its page, built by the same commands as `./dev run`.
+#   docker build -t stepramp .
+#   docker run --rm --network host --device /dev/ttyACM0 --group-add dialout stepramp
+# The server listens on 127.0.0.1 only, so the container shares the host's network; leave --device out without a board.
+FROM python:3.12-slim
+
+WORKDIR /opt/stepramp
+COPY dev pyproject.toml README.md ./
+COPY requirements requirements
+COPY backend backend
+COPY frontend frontend
+RUN ./dev install && useradd --create-home stepramp
+
+# Compiled numerics are kept where the user may write.
+ENV NUMBA_CACHE_DIR=/home/stepramp/.cache/numba
+USER stepramp
+HEALTHCHECK --interval=30s --timeout=5s --start-period=20s \
+  CMD [".venv/bin/python", "-c", "import urllib.request as r; r.urlopen('http://127.0.0.1:8000/api/v1/health', timeout=4)"]
+ENTRYPOINT [".venv/bin/stepramp", "--no-browser"]

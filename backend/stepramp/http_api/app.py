@@ -1,0 +1,47 @@
+"""The application: routes, pages, and what guards them."""
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+
+from fastapi import FastAPI
+
+from stepramp import __version__
+from stepramp.controllers.devices import Devices
+from stepramp.http_api import devices, pages, planning
+from stepramp.http_api.errors import ErrorList, handle_errors
+from stepramp.http_api.security import LoopbackOnly
+
+DESCRIPTION = """
+Plans stepper-motor ramps and plays them on attached controllers.
+
+A design is one JSON document. Every rejection names the field, its value and what is allowed, in one shape on all
+routes. Words and units are those of the page: intervals in ticks of the design's timer, speeds in steps/s.
+"""
+
+
+@asynccontextmanager
+async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
+    """Let go of every device when the server ends; one that moves is stopped first."""
+    yield
+    app.state.devices.close()
+
+
+def create_app() -> FastAPI:
+    """Return the application with no device connected."""
+    app = FastAPI(
+        title="StepRamp",
+        version=__version__,
+        description=DESCRIPTION,
+        docs_url=None,
+        redoc_url=None,
+        openapi_url="/api/v1/openapi.json",
+        lifespan=_lifespan,
+        responses={422: {"model": ErrorList, "description": "A value can't be used"}},
+    )
+    app.state.devices = Devices()
+    app.include_router(planning.router, prefix="/api/v1")
+    app.include_router(devices.router, prefix="/api/v1")
+    handle_errors(app)
+    pages.add(app)
+    app.add_middleware(LoopbackOnly)
+    return app

@@ -1,0 +1,109 @@
+"""The one shape in which the API tells what went wrong."""
+
+import math
+
+from fastapi import FastAPI, Request
+from fastapi.exceptions import RequestValidationError
+from pydantic import BaseModel, Field
+from starlette.exceptions import HTTPException
+from starlette.responses import Response
+
+from stepramp.design import Design
+from stepramp.errors import DeviceLost, Forbidden, NotFound, Refused, Rejected, Rejection, StepRampError
+from stepramp.http_api.json_response import json_response
+from stepramp.validation import rejections
+
+STATUS: dict[type[StepRampError], int] = {Rejected: 422, NotFound: 404, Refused: 409, Forbidden: 403, DeviceLost: 502}
+
+
+class ErrorItem(BaseModel):
+    """One thing that is wrong."""
+
+    field: str | None = Field(description="Path of the field in the request's body; null when it is no field's fault")
+    value: object = Field(description="What was given")
+    allowed: str | None = Field(description="What is allowed")
+    message: str = Field(description="The same as a sentence")
+
+
+class ErrorList(BaseModel):
+    """What went wrong, the same for all routes."""
+
+    errors: list[ErrorItem]
+
+
+def error_response(error: StepRampError) -> Response:
+    """Return the response that stands for an error."""
+    if isinstance(error, Rejected):
+        return _response(422, [_item(rejection) for rejection in error.rejections])
+    status = next(code for kind, code in STATUS.items() if isinstance(error, kind))
+    return _response(status, [_sentence(str(error))])
+
+
+def handle_errors(app: FastAPI) -> None:
+    """Have the application answer every error in the one shape."""
+
+    async def own(_: Request, error: Exception) -> Response:
+        assert isinstance(error, StepRampError)
+        return error_response(_in_body(error) if isinstance(error, Rejected) else error)
+
+    async def invalid(_: Request, error: Exception) -> Response:
+        assert isinstance(error, RequestValidationError)
+        if any(each["type"] == "json_invalid" for each in error.errors()):
+            return _response(422, [_sentence("The request's body is not JSON.")])
+        return error_response(Rejected(rejections(error.errors(), skip=1)))
+
+    async def http(request: Request, error: Exception) -> Response:
+        assert isinstance(error, HTTPException)
+        asked = f"{request.method} {request.url.path}"
+        message = f"{error.detail}: {asked}. The routes are described at /docs."
+        return _response(error.status_code, [_sentence(message)], dict(error.headers or {}))
+
+    async def unexpected(_: Request, error: Exception) -> Response:
+        return _response(500, [_sentence(f"StepRamp made a mistake: {type(error).__name__}. It is logged.")])
+
+    app.add_exception_handler(StepRampError, own)
+    app.add_exception_handler(RequestValidationError, invalid)
+    app.add_exception_handler(HTTPException, http)
+    app.add_exception_handler(Exception, unexpected)
+
+
+def _in_body(error: Rejected) -> Rejected:
+    """Return the rejection of a design's field with the field's path in the request's body, where designs are."""
+    return Rejected(
+        [
+            Rejection(f"design.{each.field}", each.value, each.allowed)
+            if each.field.split(".")[0] in Design.model_fields
+            else each
+            for each in error.rejections
+        ]
+    )
+
+
+def _item(rejection: Rejection) -> dict[str, object]:
+    return {
+        "field": rejection.field,
+        "value": _json_value(rejection.value),
+        "allowed": rejection.allowed,
+        "message": rejection.message,
+    }
+
+
+def _sentence(message: str) -> dict[str, object]:
+    return {"field": None, "value": None, "allowed": None, "message": message}
+
+
+def _json_value(value: object) -> object:
+    """Return what was given so that JSON can carry it: NaN, infinities and numbers of many digits become text."""
+    if isinstance(value, float) and not math.isfinite(value):
+        return str(value)
+    if isinstance(value, int) and abs(value) >= 2**63:
+        return str(value)[:80]
+    if isinstance(value, list | tuple):
+        return [_json_value(each) for each in value[:20]]
+    if isinstance(value, dict):
+        return {str(name): _json_value(each) for name, each in list(value.items())[:20]}
+    return value
+
+
+def _response(status: int, items: list[dict[str, object]], headers: dict[str, str] | None = None) -> Response:
+    return json_response({"errors": items}, status, headers)

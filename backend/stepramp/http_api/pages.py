@@ -1,0 +1,45 @@
+"""The page, the API's own pages and the scripts they need: files on this machine, nothing from elsewhere."""
+
+from importlib.resources import files
+from pathlib import Path
+
+import fastapi_offline
+import plotly
+from fastapi import FastAPI
+from starlette.responses import FileResponse, Response
+from starlette.staticfiles import StaticFiles
+
+PACKAGE = Path(str(files("stepramp")))
+PLOTLY = Path(plotly.__file__).parent / "package_data" / "plotly.min.js"
+SWAGGER_UI = Path(fastapi_offline.__file__).parent / "static"
+
+
+def frontend() -> Path:
+    """Return the folder of the page: inside an installed package, beside `backend/` in a checkout."""
+    installed = PACKAGE / "frontend"
+    return installed if installed.is_dir() else PACKAGE.parents[1] / "frontend"
+
+
+class Revalidated(StaticFiles):
+    """Files that a browser asks about each time, so that a new version is never mixed with an old one."""
+
+    def file_response(self, *args: object, **kwargs: object) -> Response:
+        """Return the file, or that it hasn't changed."""
+        response = super().file_response(*args, **kwargs)  # type: ignore[arg-type]  # handed on as they come
+        response.headers["cache-control"] = "no-cache"
+        return response
+
+
+def add(app: FastAPI) -> None:
+    """Add the page at /, the API's page at /docs, and what they load below /assets."""
+
+    @app.get("/assets/plotly.min.js", include_in_schema=False)
+    async def plotly_script() -> FileResponse:
+        return FileResponse(PLOTLY, media_type="text/javascript", headers={"cache-control": "no-cache"})
+
+    @app.get("/docs", include_in_schema=False)
+    async def docs() -> FileResponse:
+        return FileResponse(frontend() / "docs" / "index.html", headers={"cache-control": "no-cache"})
+
+    app.mount("/assets/swagger-ui", Revalidated(directory=SWAGGER_UI))
+    app.mount("/", Revalidated(directory=frontend(), html=True))

@@ -1,0 +1,72 @@
+"""Routes that plan: a design in, profiles and errors out. They keep nothing."""
+
+from typing import Annotated
+
+from fastapi import APIRouter
+from pydantic import Field
+from starlette.responses import Response
+
+from stepramp import __version__, examples
+from stepramp.design import MOST_STEPS, Design, MethodName
+from stepramp.http_api.json_response import json_response
+from stepramp.http_api.planning_models import (
+    ErrorsAnswer,
+    ExamplesAnswer,
+    HealthAnswer,
+    ProfileAnswer,
+    errors_content,
+    profile_content,
+)
+from stepramp.ramp.error_curves import error_curve
+from stepramp.ramp.profile import profile_of
+from stepramp.validation import Document, ListOf, OneOf, Within
+
+router = APIRouter(tags=["planning"])
+
+MostPoints = Annotated[
+    Annotated[int, Within(10, MOST_STEPS, "points, or null for every step")] | None,
+    Field(description="Thin the arrays to about so many steps that keep the curve's shape; null: every step"),
+]
+
+
+class ProfileRequest(Document):
+    """A design whose move is to be planned."""
+
+    design: Design
+    max_points: MostPoints = None
+
+
+class ErrorsRequest(Document):
+    """A design and the methods that are to be compared."""
+
+    design: Design
+    methods: Annotated[list[Annotated[MethodName, OneOf()]], ListOf("method names")] = Field(
+        description="Methods to compare, each with the design's arithmetic or else the one usual for it"
+    )
+    reference: Annotated[MethodName, OneOf()] = Field("exact", description="Method that they are compared with")
+    max_points: MostPoints = None
+
+
+@router.post("/profile", response_model=ProfileAnswer)
+def profile(request: ProfileRequest) -> Response:
+    """Plan a design's move: intervals, times, positions and speeds of its steps, its phases, and a summary."""
+    return json_response(profile_content(profile_of(request.design), request.max_points))
+
+
+@router.post("/errors", response_model=ErrorsAnswer)
+def errors(request: ErrorsRequest) -> Response:
+    """Compare methods with a reference, step by step: relative error and error in ticks of each interval."""
+    curves = [error_curve(request.design, method, request.reference) for method in request.methods]
+    return json_response(errors_content(request.reference, curves, request.max_points))
+
+
+@router.get("/examples", response_model=ExamplesAnswer)
+def example_designs() -> Response:
+    """Return designs to start from."""
+    return json_response({"examples": examples.all_examples()})
+
+
+@router.get("/health")
+def health() -> HealthAnswer:
+    """Tell that the server works."""
+    return HealthAnswer(status="ok", version=__version__)

@@ -1,0 +1,12 @@
+from collections.abc import Iterator
+
+import pytest
+from starlette.testclient import TestClient
+
+from stepramp.http_api.app import create_app
+
+
+@pytest.fixture
+def client() -> Iterator[TestClient]:
+    with TestClient(create_app(), base_url="http://127.0.0.1:8000", raise_server_exceptions=False) as client:
+        yield client

@@ -1,0 +1,94 @@
+import json
+
+import pytest
+from starlette.testclient import TestClient
+
+from designs import document
+
+
+def errors_of(response, status: int) -> list[dict]:
+    assert response.status_code == status, response.text
+    body = response.json()
+    assert set(body) == {"errors"}
+    assert body["errors"]
+    for error in body["errors"]:
+        assert set(error) == {"field", "value", "allowed", "message"}
+        assert error["message"].endswith(".")
+        assert "Traceback" not in error["message"]
+    return body["errors"]
+
+
+@pytest.mark.parametrize(
+    ("change", "value", "shown"),
+    [
+        ("timer__frequency_hz", 0, 0),
+        ("timer__frequency_hz", "abc", "abc"),
+        ("ramp__slew_speed_steps_per_s", -5, -5),
+        ("ramp__acceleration_steps_per_s2", None, None),
+        ("ramp__base_speed_steps_per_s", 5000, 5000),
+        ("move__steps", 0, 0),
+        ("move__steps", 10**12, 10**12),
+        ("move__steps", 10**40, str(10**40)),
+        ("method__name", "magic", "magic"),
+    ],
+)
+def test_a_rejection_names_field_value_and_what_is_allowed(
+    client: TestClient, change: str, value: object, shown: object
+) -> None:
+    response = client.post("/api/v1/profile", content=json.dumps({"design": document(**{change: value})}),
+                           headers={"content-type": "application/json"})  # fmt: skip
+    [error] = errors_of(response, 422)
+    assert error["field"] == "design." + change.replace("__", ".")
+    assert error["value"] == shown
+    assert error["allowed"]
+    assert error["field"] in error["message"]
+
+
+@pytest.mark.parametrize("literal", ["NaN", "Infinity", "-Infinity", "1e400"])
+def test_numbers_that_are_none_are_refused(client: TestClient, literal: str) -> None:
+    text = json.dumps({"design": document(ramp__slew_speed_steps_per_s=12345.5)}).replace("12345.5", literal)
+    response = client.post("/api/v1/profile", content=text, headers={"content-type": "application/json"})
+    [error] = errors_of(response, 422)
+    assert error["field"] == "design.ramp.slew_speed_steps_per_s"
+    assert "up to 1,000,000 steps/s" in error["allowed"]
+
+
+def test_rejections_that_the_numerics_make_have_the_same_path(client: TestClient) -> None:
+    response = client.post("/api/v1/profile", json={"design": document(ramp__acceleration_steps_per_s2=1e-6)})
+    [error] = errors_of(response, 422)
+    assert error["field"] == "design.ramp.acceleration_steps_per_s2"
+
+
+@pytest.mark.parametrize("body", ["", "{", "[]", "5", "null", '"x"', "{}", '{"design": 5}', '{"design": []}', "\ud800"])
+@pytest.mark.parametrize("route", ["profile", "errors"])
+def test_bodies_that_are_no_request_are_refused(client: TestClient, route: str, body: str) -> None:
+    content = body.encode("utf-8", "surrogatepass")
+    response = client.post(f"/api/v1/{route}", content=content, headers={"content-type": "application/json"})
+    errors_of(response, 422)
+
+
+def test_unknown_fields_of_a_request_are_refused(client: TestClient) -> None:
+    [error] = errors_of(client.post("/api/v1/profile", json={"design": document(), "points": 5}), 422)
+    assert (error["field"], error["allowed"]) == ("points", "nothing; there is no such field")
+
+
+@pytest.mark.parametrize("points", [0, 9, 10**9, "many", 12.5, True])
+def test_a_wrong_number_of_points_is_refused(client: TestClient, points: object) -> None:
+    [error] = errors_of(client.post("/api/v1/profile", json={"design": document(), "max_points": points}), 422)
+    assert (error["field"], error["value"]) == ("max_points", points)
+    assert "from 10 to 10,000,000 points" in error["allowed"]
+
+
+@pytest.mark.parametrize(("methods", "field"), [(["magic"], "methods.0"), ("exact", "methods"), (None, "methods")])
+def test_wrong_methods_are_refused(client: TestClient, methods: object, field: str) -> None:
+    [error] = errors_of(client.post("/api/v1/errors", json={"design": document(), "methods": methods}), 422)
+    assert error["field"] == field
+
+
+def test_pages_and_routes_that_are_not_there(client: TestClient) -> None:
+    [error] = errors_of(client.get("/api/v1/nothing"), 404)
+    assert error["message"] == "Not Found: GET /api/v1/nothing. The routes are described at /docs."
+    errors_of(client.get("/nothing.html"), 404)
+    errors_of(client.get("/../pyproject.toml"), 404)
+    errors_of(client.get("/api/v1/profile"), 404)
+    errors_of(client.post("/index.html"), 405)
