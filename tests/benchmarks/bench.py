@@ -7,8 +7,9 @@ import statistics
 import time
 from collections.abc import Callable
 
-from designs import design, document
 from starlette.testclient import TestClient
+
+from designs import design, document
 from stepramp.http_api.app import create_app
 from stepramp.ramp.error_curves import error_curve
 from stepramp.ramp.profile import profile_of, ramp_of

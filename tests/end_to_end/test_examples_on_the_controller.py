@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+
 from simulator.avr import SimulatedController, build_firmware, missing_tools
 from stepramp.examples import all_examples
 from tools import require

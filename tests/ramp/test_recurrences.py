@@ -4,10 +4,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tools import require
 
 from stepramp.ramp.kinematics import ramp_steps
 from stepramp.ramp.recurrences import first_order_down, first_order_up
+from tools import require
 
 RAMPS = [
     (1_000_000, 100, 2000, 4000),
