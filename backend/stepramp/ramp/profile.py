@@ -8,11 +8,11 @@ from numpy.typing import NDArray
 
 from stepramp.design import MOST_STEPS, Arithmetic, Design
 from stepramp.errors import Rejected, Rejection
-from stepramp.ramp.kinematics import Number, exact_intervals, ramp_steps, slew_interval
+from stepramp.ramp.kinematics import Number, Slope
+from stepramp.ramp.methods import sides_of
 from stepramp.ramp.move import Ramp, play, split
-from stepramp.ramp.recurrences import first_order_down, first_order_up
 from stepramp.ramp.table import table_ramp
-from stepramp.ramp.timer import Warning, nearest, timer_warnings
+from stepramp.ramp.timer import Warning, carried, rounded, timer_warnings
 from stepramp.units import speed_from_interval, ticks_from_us
 
 NUMBERS: dict[Arithmetic, Number] = {"float64": np.float64, "float32": np.float32}
@@ -57,29 +57,23 @@ def real_ramp(design: Design) -> Ramp:
     """
     if design.method.name == "table":
         return _table(design)
-    timer_hz, ramp = design.timer.frequency_hz, design.ramp
-    up_steps = _length(design, ramp.acceleration_steps_per_s2, "acceleration")
-    down_steps = _length(design, ramp.slowdown_steps_per_s2, "deceleration")
+    up = _slope(design, design.ramp.acceleration_steps_per_s2, "acceleration")
+    down = _slope(design, design.ramp.slowdown_steps_per_s2, "deceleration")
     number = NUMBERS[design.method.arithmetic]
-    if design.method.name == "exact":
-        base = ramp.base_speed_steps_per_s
-        up = exact_intervals(timer_hz, base, ramp.acceleration_steps_per_s2, up_steps, number)
-        down = exact_intervals(timer_hz, base, ramp.slowdown_steps_per_s2, down_steps, number)
-    else:
-        speeds = (ramp.base_speed_steps_per_s, ramp.slew_speed_steps_per_s)
-        up = first_order_up(timer_hz, *speeds, ramp.acceleration_steps_per_s2, up_steps, number)
-        down = first_order_down(timer_hz, *speeds, ramp.slowdown_steps_per_s2, down_steps, number)
-    return Ramp(up=up, slew=float(number(slew_interval(timer_hz, ramp.slew_speed_steps_per_s))), down=down)
+    sides = sides_of(design.method)
+    return Ramp(up=sides.up(up, number), slew=float(number(up.slew_interval)), down=sides.down(down, number))
 
 
 def ramp_of(design: Design) -> Ramp:
     """Return the design's ramp in whole ticks of its timer: what a controller is sent.
 
-    Raises Rejected as real_ramp does, and when an interval rounds to 0 ticks.
+    With rounding `carry` the remainders are carried along each side, in order of time; the slew interval, which a
+    controller repeats, is rounded to the nearest tick. Raises Rejected as real_ramp does, and when an interval comes
+    to 0 ticks.
     """
-    ramp = nearest(real_ramp(design))
+    ramp = rounded(real_ramp(design), design.method.rounding)
     if ramp.slew < 1 or any(side.size and side.min() < 1 for side in (ramp.up, ramp.down)):
-        fastest = f"at most {2 * design.timer.frequency_hz:,.0f} steps/s with this timer: an interval is 1 tick or more"
+        fastest = f"at most {design.timer.frequency_hz:,.0f} steps/s with this timer: an interval is 1 tick or more"
         field, value = "ramp.slew_speed_steps_per_s", design.ramp.slew_speed_steps_per_s
         raise Rejected([Rejection(field, value, fastest)])
     return ramp
@@ -91,7 +85,7 @@ def profile_of(design: Design) -> Profile:
     Raises Rejected as ramp_of does.
     """
     ramp, steps = ramp_of(design), abs(design.move.steps)
-    intervals = play(ramp, steps).astype(np.int64, copy=False)
+    intervals = _intervals(design, ramp, steps)
     ends = np.cumsum(intervals)
     timer_hz = design.timer.frequency_hz
     return Profile(
@@ -103,6 +97,13 @@ def profile_of(design: Design) -> Profile:
         phases=_phases(ramp, steps),
         warnings=tuple(_short_move(design, ramp, steps) + timer_warnings(intervals, design.timer)),
     )
+
+
+def _intervals(design: Design, ramp: Ramp, steps: int) -> NDArray[np.int64]:
+    """Return a move's intervals in whole ticks. A remainder that is carried goes through the whole move."""
+    if design.method.rounding != "carry":
+        return play(ramp, steps).astype(np.int64, copy=False)
+    return carried(play(real_ramp(design), steps, split(ramp, steps)))
 
 
 def _phases(ramp: Ramp, steps: int) -> tuple[Phase, ...]:
@@ -120,15 +121,15 @@ def _short_move(design: Design, ramp: Ramp, steps: int) -> list[Warning]:
     return [Warning("move.steps", message)]
 
 
-def _length(design: Design, acceleration: float, which: str) -> int:
-    """Return a side's length [steps]; a ramp that no move could play is refused before its arrays are made."""
+def _slope(design: Design, acceleration: float, which: str) -> Slope:
+    """Return one side's slope; a ramp that no move could play is refused before its arrays are made."""
     base, slew = design.ramp.base_speed_steps_per_s, design.ramp.slew_speed_steps_per_s
-    steps = ramp_steps(base, slew, acceleration)
-    if steps > MOST_STEPS:
+    slope = Slope(design.timer.frequency_hz, base, slew, acceleration)
+    if slope.length > MOST_STEPS:
         least = (slew**2 - base**2) / (2 * MOST_STEPS)
         allowed = f"at least {least:,.6g} steps/s² between these speeds, for a ramp of at most {MOST_STEPS:,} steps"
         raise Rejected([Rejection(f"ramp.{which}_steps_per_s2", acceleration, allowed)])
-    return steps
+    return slope
 
 
 def _table(design: Design) -> Ramp:

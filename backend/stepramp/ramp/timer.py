@@ -4,8 +4,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from stepramp.design import Timer
+from stepramp.design import Rounding, Timer
 from stepramp.ramp.move import Intervals, Ramp
 from stepramp.units import speed_from_interval, ticks_from_us, us_from_ticks
 
@@ -18,19 +19,40 @@ class Warning:
     message: str
 
 
-def nearest(ramp: Ramp) -> Ramp:
-    """Return the ramp in whole ticks, each interval rounded to the nearest, halves up."""
-    return Ramp(up=_nearest(ramp.up), slew=math.floor(ramp.slew + 0.5), down=_nearest(ramp.down))
+def rounded(ramp: Ramp, rounding: Rounding) -> Ramp:
+    """Return the ramp in whole ticks.
+
+    nearest: each interval to the nearest, halves up. floor: down. carry: down along each side in order of time, the
+    remainder going into the next interval; the slew interval to the nearest.
+    """
+    match rounding:
+        case "nearest":
+            return Ramp(up=_nearest(ramp.up), slew=math.floor(ramp.slew + 0.5), down=_nearest(ramp.down))
+        case "floor":
+            return Ramp(up=_floor(ramp.up), slew=math.floor(ramp.slew), down=_floor(ramp.down))
+        case "carry":
+            down = carried(ramp.down[::-1])[::-1]
+            return Ramp(up=carried(ramp.up), slew=math.floor(ramp.slew + 0.5), down=down)
 
 
-def _nearest(intervals: Intervals) -> Intervals:
-    return np.floor(intervals.astype(np.float64) + 0.5).astype(np.int64)
+def carried(intervals: Intervals) -> NDArray[np.int64]:
+    """Return intervals in whole ticks, rounded down, the remainder of each going into the next, shape (steps,)."""
+    ends = np.floor(np.cumsum(intervals, dtype=np.float64)).astype(np.int64)
+    return np.diff(ends, prepend=0)
+
+
+def _nearest(intervals: Intervals) -> NDArray[np.int64]:
+    return _floor(intervals.astype(np.float64) + 0.5)
+
+
+def _floor(intervals: Intervals) -> NDArray[np.int64]:
+    return np.floor(intervals).astype(np.int64)
 
 
 def rescaled(ramp: Ramp, from_hz: float, to_hz: float) -> Ramp:
     """Return a ramp given in ticks of one timer [Hz] in whole ticks of another, each interval to the nearest."""
     factor = to_hz / from_hz
-    return nearest(Ramp(up=ramp.up * factor, slew=ramp.slew * factor, down=ramp.down * factor))
+    return rounded(Ramp(up=ramp.up * factor, slew=ramp.slew * factor, down=ramp.down * factor), "nearest")
 
 
 def timer_warnings(intervals: Intervals, timer: Timer) -> list[Warning]:
