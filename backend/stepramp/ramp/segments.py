@@ -70,14 +70,17 @@ def _compress(intervals, bound):  # type: ignore[no-untyped-def]  # compiled
 
 @njit(cache=True)
 def _longest(intervals, at, first, bound):  # type: ignore[no-untyped-def]  # compiled
-    """Return how far a line from `first` fits the intervals from `at` on, between which adds, and their sum."""
+    """Return how far a line from `first` fits the intervals from `at` on, between which adds, and their sum.
+
+    No interval of a line is shorter than 1 tick.
+    """
     low, high, count, total = -MOST_ADD, MOST_ADD, 1, intervals[at]
     if first < 1:
         return 0, 0, 0, total
     while at + count < intervals.size and count < MOST_COUNT:
         given = intervals[at + count]
         # Ceiling and floor of what add must lie between.
-        next_low = max(low, -((first + bound - given) // count))
+        next_low = max(low, -((first - max(given - bound, 1)) // count))
         next_high = min(high, (given + bound - first) // count)
         if next_low > next_high:
             break
