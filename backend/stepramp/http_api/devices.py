@@ -125,16 +125,17 @@ async def events(socket: WebSocket, devices: Registry) -> None:
 
     with devices.listening(wake):
         sender = asyncio.create_task(_send_changes(socket, devices, changed))
-        with suppress(WebSocketDisconnect):
-            while True:
-                await socket.receive_text()
+        while (await socket.receive())["type"] != "websocket.disconnect":
+            pass
         sender.cancel()
 
 
 async def _send_changes(socket: WebSocket, devices: Devices, changed: asyncio.Event) -> None:
-    while True:
-        changed.clear()
-        answer = DevicesAnswer.model_validate({"devices": devices.views()})
-        await socket.send_text(answer.model_dump_json())
-        await asyncio.sleep(EVENT_PAUSE_S)
-        await changed.wait()
+    # Starlette raises one or the other when the page has gone: which one depends on who noticed first.
+    with suppress(WebSocketDisconnect, RuntimeError):
+        while True:
+            changed.clear()
+            answer = DevicesAnswer.model_validate({"devices": devices.views()})
+            await socket.send_text(answer.model_dump_json())
+            await asyncio.sleep(EVENT_PAUSE_S)
+            await changed.wait()

@@ -1,0 +1,1 @@
+"""Controllers: one module a family, all behind one protocol class, and the registry of those that are connected."""

@@ -1,0 +1,65 @@
+"""Frames: COBS(message ‖ CRC-16) and a zero byte, as in docs/serial_protocol.md.
+
+COBS is Cheshire and Baker, "Consistent Overhead Byte Stuffing", 1999. Frames here are far shorter than the 254 bytes
+after which COBS would need a second kind of block.
+"""
+
+LONGEST_FRAME = 60
+"""Length of the longest frame, its zero included [bytes]."""
+LONGEST_MESSAGE = LONGEST_FRAME - 4
+"""What is left for the message: not the CRC's two bytes, COBS's one and the zero [bytes]."""
+
+
+def crc16(data: bytes) -> int:
+    """Return CRC-16/CCITT-FALSE: polynomial 0x1021, start 0xFFFF, not reflected."""
+    crc = 0xFFFF
+    for byte in data:
+        crc ^= byte << 8
+        for _ in range(8):
+            crc = (crc << 1 ^ 0x1021 if crc & 0x8000 else crc << 1) & 0xFFFF
+    return crc
+
+
+def encode_frame(message: bytes) -> bytes:
+    """Return the frame of a message of up to LONGEST_MESSAGE bytes, its zero included.
+
+    Raises ValueError for a longer one.
+    """
+    if len(message) > LONGEST_MESSAGE:
+        raise ValueError(f"A message of {len(message)} bytes; allowed: at most {LONGEST_MESSAGE}.")
+    checked = message + crc16(message).to_bytes(2, "little")
+    # Each block says where the next zero would stand, and leaves it out.
+    return b"".join(bytes([len(block) + 1]) + block for block in checked.split(b"\0")) + b"\0"
+
+
+def decode_frame(frame: bytes) -> bytes | None:
+    """Return the message of a frame, given without its zero; None for what isn't a frame."""
+    if not 0 < len(frame) < LONGEST_FRAME:
+        return None
+    blocks = []
+    at = 0
+    while at < len(frame):
+        length = frame[at]
+        block = frame[at + 1 : at + length]
+        if len(block) != length - 1 or 0 in block:
+            return None
+        blocks.append(block)
+        at += length
+    checked = b"\0".join(blocks)
+    message, crc = checked[:-2], checked[-2:]
+    return message if len(crc) == 2 and crc16(message) == int.from_bytes(crc, "little") else None
+
+
+class FrameSplitter:
+    """Cuts a stream of bytes into messages, and drops what isn't one."""
+
+    def __init__(self) -> None:
+        self._pending = bytearray()
+
+    def feed(self, data: bytes) -> list[bytes]:
+        """Take bytes as they come and return the messages they complete."""
+        *frames, rest = (bytes(self._pending) + data).split(b"\0")
+        # Noise without zeros must not pile up; one byte too many is enough to be known as too long.
+        self._pending = bytearray(rest[:LONGEST_FRAME])
+        messages = (decode_frame(frame) for frame in frames)
+        return [message for message in messages if message is not None]

@@ -1,0 +1,151 @@
+"""One thread a port that owns it: others hand it calls and wait for the results.
+
+Urgent calls (stop and halt) go first, also between two frames of a long call, which lets them through with `give_way`.
+They refuse the calls that still wait: a move asked for before a stop must not begin after it.
+"""
+
+import threading
+from collections import deque
+from collections.abc import Callable
+from concurrent.futures import Future
+from time import monotonic
+from typing import Any, TypeVar
+
+from stepramp.errors import DeviceLost, Refused, StepRampError
+
+T = TypeVar("T")
+_Call = tuple[Future[Any], Callable[[], Any]]
+
+
+class Worker:
+    """The thread of one port. It ends when it is closed, or when a call or a poll raises DeviceLost.
+
+    poll: called when nothing else is to be done; returns after how many seconds it wants to be called again.
+    ended: called once, last, in the thread: with the loss that ended it, or None when it was closed.
+    """
+
+    def __init__(self, name: str, poll: Callable[[], float], ended: Callable[[DeviceLost | None], None]) -> None:
+        self._poll = poll
+        self._ended = ended
+        self._changed = threading.Condition()
+        self._urgent: deque[_Call] = deque()
+        self._waiting: deque[_Call] = deque()
+        self._closed = False
+        self._loss: DeviceLost | None = None
+        self._in_urgent_call = False
+        self._thread = threading.Thread(target=self._run, name=f"port {name}", daemon=True)
+        self._thread.start()
+
+    def call(self, job: Callable[[], T]) -> T:
+        """Run a job in the thread, after those that wait already, and return its result or raise what it raised.
+
+        Raises DeviceLost when the device is lost before, Refused when a stop or the closing came first.
+        """
+        with self._changed:
+            future = self._enqueue(job, self._waiting)
+        return future.result()
+
+    def call_urgently(self, job: Callable[[], T]) -> "Future[T]":
+        """Let a job run next, refuse the ordinary calls that wait, and return the job's result to come.
+
+        Raises DeviceLost or Refused when the thread has ended.
+        """
+        with self._changed:
+            future = self._enqueue(job, self._urgent)
+            overtaken = list(self._waiting)
+            self._waiting.clear()
+        for waiting, _ in overtaken:
+            waiting.set_exception(Refused("A stop came first; nothing was done."))
+        return future
+
+    def give_way(self, pause_s: float = 0.0) -> None:
+        """Run the urgent calls that wait, and those that come within a pause [s]: for long calls, between frames.
+
+        Raises DeviceLost when one of them found the device lost.
+        """
+        if self._in_urgent_call:
+            return
+        deadline = monotonic() + pause_s
+        while (call := self._next_call(deadline, urgent_only=True)) is not None:
+            self._in_urgent_call = True
+            self._serve(call)
+            self._in_urgent_call = False
+        if self._loss is not None:
+            raise self._loss
+
+    def close(self) -> None:
+        """End the thread once its present call is done, and wait for that; calls that wait are refused."""
+        with self._changed:
+            self._closed = True
+            self._changed.notify_all()
+        if threading.current_thread() is not self._thread:
+            self._thread.join()
+
+    def _enqueue(self, job: Callable[[], T], queue: deque[_Call]) -> "Future[T]":
+        if self._closed or self._loss is not None:
+            raise self._end_error()
+        future: Future[T] = Future()
+        queue.append((future, job))
+        self._changed.notify_all()
+        return future
+
+    def _run(self) -> None:
+        poll_at = monotonic()
+        try:
+            while not self._closed and self._loss is None:
+                call = self._next_call(poll_at)
+                if call is not None:
+                    self._serve(call)
+                    poll_at = monotonic()
+                elif not self._closed:
+                    poll_at = monotonic() + self._poll_once()
+        finally:
+            # Also after a mistake of ours in a poll: nobody must wait for a thread that is no more.
+            self._end()
+
+    def _next_call(self, deadline: float, *, urgent_only: bool = False) -> _Call | None:
+        """Wait for a call up to a deadline of the monotonic clock [s]; None when none came or the thread shall end."""
+        with self._changed:
+            while True:
+                if self._urgent:
+                    return self._urgent.popleft()
+                if self._waiting and not urgent_only and not self._closed:
+                    return self._waiting.popleft()
+                wait_s = deadline - monotonic()
+                if wait_s <= 0 or self._closed or self._loss is not None:
+                    return None
+                self._changed.wait(wait_s)
+
+    def _serve(self, call: _Call) -> None:
+        future, job = call
+        try:
+            result = job()
+        except DeviceLost as loss:
+            # The caller hears of it last, when everyone can see that the device is lost.
+            with self._changed:
+                self._loss = loss
+                self._waiting.append(call)
+        except Exception as error:
+            future.set_exception(error)
+        else:
+            future.set_result(result)
+
+    def _poll_once(self) -> float:
+        try:
+            return self._poll()
+        except StepRampError as error:
+            self._loss = error if isinstance(error, DeviceLost) else DeviceLost(str(error))
+            return 0.0
+
+    def _end(self) -> None:
+        with self._changed:
+            self._closed = True
+            left = [*self._urgent, *self._waiting]
+            self._urgent.clear()
+            self._waiting.clear()
+        self._ended(self._loss)
+        for future, _ in left:
+            future.set_exception(self._end_error())
+
+    def _end_error(self) -> StepRampError:
+        return self._loss or Refused("The device was disconnected.")

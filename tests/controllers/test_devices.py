@@ -1,0 +1,284 @@
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+
+import pytest
+
+from controllers.usb_board import UsbBoard
+from designs import design
+from stepramp.controllers import stepramp_controller
+from stepramp.controllers.device import Device, DeviceState
+from stepramp.controllers.devices import Devices
+from stepramp.controllers.messages import CommitRequest, DataRequest, MoveByRequest, StatusRequest
+from stepramp.controllers.virtual import VirtualController
+from stepramp.errors import DeviceLost, NotFound, Refused, Rejected, StepRampError
+
+PATIENCE_S = 10.0
+LONG_MOVE = 100_000
+
+
+@pytest.fixture
+def devices() -> Iterator[Devices]:
+    devices = Devices()
+    yield devices
+    devices.close()
+
+
+@pytest.fixture
+def port(plug_in: Callable) -> str:
+    """Return the port of a virtual controller that is in real time and forgets nothing."""
+    return plug_in(VirtualController())
+
+
+def wait_for(device: Device, state: DeviceState) -> None:
+    deadline = time.monotonic() + PATIENCE_S
+    while device.view.state is not state:
+        assert time.monotonic() < deadline, f"still {device.view}"
+        time.sleep(0.005)
+
+
+def test_connecting_moves_nothing(devices: Devices, port: str) -> None:
+    view = devices.connect(port).view
+    assert (view.id, view.port, view.name, view.state) == ("1", port, "Virtual controller", DeviceState.READY)
+    assert (view.timer_hz, view.firmware_version, view.ramp, view.pushed) == (2_000_000, "0.1.0", None, None)
+    assert (view.position_steps, view.target_steps, view.speed_steps_per_s) == (0, 0, 0.0)
+
+
+def test_connecting_again_returns_the_same_device(devices: Devices, port: str) -> None:
+    assert devices.connect(port) is devices.connect(port)
+    with ThreadPoolExecutor(8) as pool:
+        assert len(set(pool.map(devices.connect, [port] * 8))) == 1
+    assert len(devices.views()) == 1
+
+
+def test_two_threads_connect_a_new_port_at_once(devices: Devices, port: str) -> None:
+    with ThreadPoolExecutor(8) as pool:
+        assert {device.view.id for device in pool.map(devices.connect, [port] * 8)} == {"1"}
+
+
+def test_what_cant_be_connected_is_forgotten(devices: Devices) -> None:
+    with pytest.raises(DeviceLost):
+        devices.connect("/dev/there-is-none")
+    with pytest.raises(Rejected):
+        devices.connect("spy://x")
+    assert devices.views() == []
+    with pytest.raises(NotFound, match="'1'"):
+        devices.get("1")
+
+
+def test_push_move_stop(devices: Devices, port: str) -> None:
+    device = devices.connect(port)
+    report = device.push(design())
+    assert report.verified
+    assert device.view.pushed == report
+    assert device.view.state is DeviceState.READY
+    assert device.view.ramp is not None
+    assert device.view.ramp.sequence == report.sequence == 1
+    device.move_by(LONG_MOVE)
+    assert (device.view.state, device.view.target_steps) == (DeviceState.MOVING, LONG_MOVE)
+    for refused in (lambda: device.push(design()), lambda: devices.disconnect("1"), lambda: device.move_by(1)):
+        with pytest.raises(Refused, match="The motor moves"):
+            refused()
+    device.stop().result(PATIENCE_S)
+    assert device.view.state is DeviceState.STOPPING
+    wait_for(device, DeviceState.READY)
+    assert 0 < device.view.position_steps == device.view.target_steps < LONG_MOVE
+    device.move_to(0)
+    wait_for(device, DeviceState.READY)
+    assert device.view.position_steps == 0
+    devices.disconnect("1")
+    assert devices.views() == []
+
+
+def test_halt_is_at_once(devices: Devices, port: str) -> None:
+    device = devices.connect(port)
+    device.push(design())
+    device.move_by(LONG_MOVE)
+    device.halt().result(PATIENCE_S)
+    assert device.view.state is DeviceState.READY
+
+
+def test_the_ramp_outlives_the_connection(devices: Devices, port: str) -> None:
+    devices.connect(port).push(design())
+    devices.disconnect("1")
+    device = devices.connect(port)
+    assert device.view.id == "2"
+    assert device.view.ramp is not None
+    assert device.view.pushed is None
+
+
+def test_a_move_without_a_ramp_is_refused(devices: Devices, port: str) -> None:
+    with pytest.raises(Refused, match="no ramp"):
+        devices.connect(port).move_by(1)
+
+
+def test_a_stop_gets_through_in_the_midst_of_a_push_and_the_push_goes_on(devices: Devices, port: str) -> None:
+    device = devices.connect(port)
+    with ThreadPoolExecutor(1) as pool:
+        pushing = pool.submit(device.push, design())
+        wait_for(device, DeviceState.WRITING)
+        began = time.monotonic()
+        device.stop().result(PATIENCE_S)
+        assert time.monotonic() - began < 0.3
+        assert device.view.state is DeviceState.WRITING
+        assert not pushing.done()
+        assert pushing.result(PATIENCE_S).verified
+
+
+def test_a_move_that_waits_behind_a_push_does_not_begin_after_a_stop(devices: Devices, port: str) -> None:
+    device = devices.connect(port)
+    with ThreadPoolExecutor(2) as pool:
+        pushing = pool.submit(device.push, design())
+        wait_for(device, DeviceState.WRITING)
+        moving = pool.submit(device.move_by, LONG_MOVE)
+        while not device._worker._waiting:
+            time.sleep(0.001)
+        device.stop().result(PATIENCE_S)
+        with pytest.raises(Refused, match="A stop came first"):
+            moving.result(PATIENCE_S)
+        assert pushing.result(PATIENCE_S).verified
+    assert device.view.position_steps == 0
+
+
+def test_all_are_stopped_whatever_they_do(devices: Devices, plug_in: Callable) -> None:
+    moving = [devices.connect(plug_in(VirtualController())) for _ in range(2)]
+    for device in moving:
+        device.push(design())
+        device.move_by(LONG_MOVE)
+    with UsbBoard() as board:
+        lost = devices.connect(board.port)
+        board.unplug()
+        wait_for(lost, DeviceState.LOST)
+    devices.stop_all()
+    assert [device.view.state for device in moving] == [DeviceState.STOPPING] * 2
+    assert lost.view.state is DeviceState.LOST
+
+
+def test_the_end_of_the_program_stops_what_moves(plug_in: Callable) -> None:
+    virtual, devices = VirtualController(), Devices()
+    device = devices.connect(plug_in(virtual))
+    device.push(design())
+    device.move_by(LONG_MOVE)
+    devices.close()
+    assert virtual._motor.stopping
+    assert devices.views() == []
+    assert device.view.state is DeviceState.LOST
+
+
+def test_listeners_hear_of_each_change(devices: Devices, port: str) -> None:
+    states: list[list[str]] = []
+    with devices.listening(lambda: states.append([view.state.value for view in devices.views()])):
+        device = devices.connect(port)
+        device.push(design())
+        device.move_by(50)
+        wait_for(device, DeviceState.READY)
+        devices.disconnect("1")
+    heard = [state for index, state in enumerate(states) if index == 0 or state != states[index - 1]]
+    assert heard[:5] == [["connecting"], ["ready"], ["writing"], ["ready"], ["moving"]]
+    assert heard[-1] == []
+    count = len(states)
+    devices.connect(port)
+    assert len(states) == count
+
+
+def unplugged_while_idle(board: UsbBoard, _: Device) -> None:
+    board.unplug()
+
+
+def unplugged_in_a_push(board: UsbBoard, device: Device) -> None:
+    board.unplug_at(DataRequest.KIND, after=2)
+    device.push(design())
+
+
+def unplugged_while_writing(board: UsbBoard, device: Device) -> None:
+    board.unplug_at(CommitRequest.KIND)
+    device.push(design())
+
+
+def unplugged_as_a_move_begins(board: UsbBoard, device: Device) -> None:
+    board.unplug_at(MoveByRequest.KIND)
+    device.move_by(LONG_MOVE)
+
+
+def unplugged_in_a_move(board: UsbBoard, device: Device) -> None:
+    device.move_by(LONG_MOVE)
+    board.unplug_at(StatusRequest.KIND, after=3)
+
+
+@pytest.mark.parametrize(
+    "unplug",
+    [
+        unplugged_while_idle,
+        unplugged_in_a_push,
+        unplugged_while_writing,
+        unplugged_as_a_move_begins,
+        unplugged_in_a_move,
+    ],
+)
+def test_unplugging(devices: Devices, port: str, unplug: Callable[[UsbBoard, Device], None]) -> None:
+    other = devices.connect(port)
+    other.push(design())
+    other.move_by(LONG_MOVE)
+    with UsbBoard() as board:
+        device = devices.connect(board.port)
+        device.push(design())
+        try:
+            unplug(board, device)
+        except StepRampError as error:
+            assert isinstance(error, DeviceLost)
+        wait_for(device, DeviceState.LOST)
+    assert device.view.message is not None
+    assert board.port in device.view.message
+    assert device.view.speed_steps_per_s == 0
+    for refused in (lambda: device.push(design()), lambda: device.move_by(1), device.stop, device.halt):
+        with pytest.raises(DeviceLost):
+            refused()
+    with pytest.raises(DeviceLost):
+        devices.connect(board.port)
+    assert device.view.state is DeviceState.LOST
+    assert other.view.state is DeviceState.MOVING
+    devices.disconnect(device.view.id)
+    assert [view.id for view in devices.views()] == [other.view.id]
+
+
+def test_a_lost_device_is_connected_again_under_its_id(devices: Devices, plug_in: Callable) -> None:
+    virtual = VirtualController()
+    port = plug_in(virtual)
+    device = devices.connect(port)
+    device.push(design())
+    virtual.opened()  # The board is reset: it forgets the session.
+    wait_for(device, DeviceState.LOST)
+    assert "was restarted" in (device.view.message or "")
+    again = devices.connect(port)
+    assert again is device
+    assert (again.view.id, again.view.state, again.view.message) == ("1", DeviceState.READY, None)
+    assert again.view.pushed is None
+
+
+class Silent:
+    """Answers nothing."""
+
+    def opened(self) -> None:
+        pass
+
+    def exchange(self, _: bytes) -> bytes:
+        return b""
+
+
+def test_what_is_not_connected_yet_cant_be_asked(
+    devices: Devices, plug_in: Callable, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(stepramp_controller, "HELLO_TIMEOUT_S", 0.5)
+    with ThreadPoolExecutor(1) as pool:
+        connecting = pool.submit(devices.connect, plug_in(Silent()))
+        while not devices.views():
+            time.sleep(0.001)
+        device = devices.get("1")
+        assert device.view.state is DeviceState.CONNECTING
+        with pytest.raises(Refused, match="still being connected"):
+            device.stop()
+        with pytest.raises(DeviceLost, match="Nothing at"):
+            connecting.result(PATIENCE_S)
+    assert devices.views() == []

@@ -1,0 +1,71 @@
+"""A board on a cable that can be unplugged: the virtual controller behind a pseudo-terminal."""
+
+from __future__ import annotations
+
+import os
+import select
+import threading
+import tty
+from typing import Self
+
+from stepramp.controllers.frames import FrameSplitter
+from stepramp.controllers.messages import Message
+from stepramp.controllers.virtual import VirtualController
+
+
+class UsbBoard:
+    """Plugged in while the context lasts.
+
+    unplug_at: the cable comes out when a request of this kind has arrived; after: so many of them.
+    """
+
+    def __init__(self, controller: VirtualController | None = None) -> None:
+        self.controller = controller or VirtualController()
+        self.requests: list[int] = []
+        self._unplug_at: tuple[int, int] | None = None
+        self._splitter = FrameSplitter()
+        self._unplugged = threading.Event()
+        self._far_end, near_end = os.openpty()
+        tty.setraw(near_end)
+        self.port = os.ttyname(near_end)
+        os.close(near_end)
+        self._thread = threading.Thread(target=self._serve)
+
+    def unplug_at(self, kind: int, after: int = 1) -> None:
+        self._unplug_at = (kind, after + self.requests.count(kind))
+
+    def unplug(self) -> None:
+        self._unplugged.set()
+        self._thread.join()
+
+    def __enter__(self) -> Self:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.unplug()
+
+    def _serve(self) -> None:
+        while not self._unplugged.is_set():
+            if not select.select([self._far_end], [], [], 0.01)[0]:
+                continue
+            try:
+                data = os.read(self._far_end, 4096)
+            except OSError:
+                # Nobody has the port open: what Linux says of a pseudo-terminal until somebody does.
+                self._unplugged.wait(0.01)
+                continue
+            self._note(data)
+            if not self._unplugged.is_set():
+                os.write(self._far_end, self.controller.exchange(data))
+        os.close(self._far_end)
+
+    def _note(self, data: bytes) -> None:
+        for frame in self._splitter.feed(data):
+            message = Message.unpack(frame)
+            if message is not None:
+                self.requests.append(message.kind)
+        if self._unplug_at is not None:
+            kind, count = self._unplug_at
+            if self.requests.count(kind) >= count:
+                self._unplugged.set()

@@ -1,0 +1,128 @@
+import os
+import socket
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from stepramp.errors import DeviceLost, Rejected
+from stepramp.link.serial_port import SerialPort
+
+
+def received(port: SerialPort, count: int) -> bytes:
+    data = b""
+    while len(data) < count and (more := port.read(5.0)):
+        data += more
+    return data
+
+
+def read_for_ever(port: SerialPort) -> None:
+    while True:
+        port.read(1.0)
+
+
+def write_for_ever(port: SerialPort) -> None:
+    while True:
+        port.write(bytes(1000))
+
+
+def test_bytes_go_both_ways(cable: Any) -> None:
+    port = SerialPort(cable.port)
+    port.write(b"\x00out\xff")
+    assert os.read(cable.far_end, 100) == b"\x00out\xff"
+    os.write(cable.far_end, b"\x11in\x13\x03")
+    assert received(port, 5) == b"\x11in\x13\x03"
+    port.close()
+
+
+def test_reading_ends_when_the_time_is_up(cable: Any) -> None:
+    port = SerialPort(cable.port)
+    began = time.monotonic()
+    assert port.read(0.1) == b""
+    assert time.monotonic() - began >= 0.1
+    port.close()
+
+
+def test_reading_returns_as_soon_as_something_comes(cable: Any) -> None:
+    port = SerialPort(cable.port)
+    sender = threading.Timer(0.05, os.write, (cable.far_end, b"x"))
+    sender.start()
+    began = time.monotonic()
+    assert port.read(30.0) == b"x"
+    assert time.monotonic() - began < 10
+    sender.join()
+    port.close()
+
+
+@pytest.mark.parametrize("use", [lambda port: port.read(1.0), lambda port: port.write(b"x")], ids=["read", "write"])
+def test_an_unplugged_port_is_a_lost_device(cable: Any, use: Callable[[SerialPort], object]) -> None:
+    port = SerialPort(cable.port)
+    cable.unplug()
+    with pytest.raises(DeviceLost, match="is gone"):
+        use(port)
+    port.close()
+    port.close()
+
+
+def test_unplugging_while_a_read_waits(cable: Any) -> None:
+    port = SerialPort(cable.port)
+    unplug = threading.Timer(0.1, cable.unplug)
+    unplug.start()
+    with pytest.raises(DeviceLost):
+        port.read(30.0)
+    unplug.join()
+    port.close()
+
+
+def test_a_port_is_held_alone_and_can_be_opened_again(cable: Any) -> None:
+    port = SerialPort(cable.port)
+    with pytest.raises(DeviceLost, match="can't be opened"):
+        SerialPort(cable.port)
+    port.close()
+    SerialPort(cable.port).close()
+
+
+def test_a_port_that_takes_nothing_is_lost(cable: Any) -> None:
+    port = SerialPort(cable.port)
+    with pytest.raises(DeviceLost):
+        write_for_ever(port)
+    port.close()
+
+
+def test_no_such_port_and_no_port_at_all(tmp_path: Path) -> None:
+    with pytest.raises(DeviceLost, match="No such file"):
+        SerialPort(str(tmp_path / "ttyNONE"))
+    (tmp_path / "file").write_text("not a terminal")
+    with pytest.raises(DeviceLost, match="can't be opened"):
+        SerialPort(str(tmp_path / "file"))
+
+
+@pytest.mark.parametrize("port", ["spy:///dev/ttyS0?file=x", "hwgrep://.*", "loop://", "http://example.org"])
+def test_other_addresses_are_refused(port: str) -> None:
+    with pytest.raises(Rejected) as caught:
+        SerialPort(port)
+    assert caught.value.rejections[0].field == "port"
+
+
+def test_a_port_on_the_network() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        port = SerialPort(f"socket://127.0.0.1:{server.getsockname()[1]}")
+        far_end, _ = server.accept()
+        with far_end:
+            port.write(b"out")
+            assert far_end.recv(100) == b"out"
+            far_end.sendall(b"in")
+            assert received(port, 2) == b"in"
+        with pytest.raises(DeviceLost):
+            read_for_ever(port)
+        port.close()
+
+
+def test_nobody_listens_on_the_network() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        number = server.getsockname()[1]
+    with pytest.raises(DeviceLost):
+        SerialPort(f"socket://127.0.0.1:{number}")
