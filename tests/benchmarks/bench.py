@@ -11,7 +11,7 @@ from starlette.testclient import TestClient
 
 from designs import design, document
 from stepramp.http_api.app import create_app
-from stepramp.ramp.error_curves import error_curve
+from stepramp.ramp.error_curves import error_curves
 from stepramp.ramp.profile import profile_of, ramp_of
 from stepramp.ramp.segments import compress
 
@@ -49,7 +49,7 @@ def numerics() -> None:
         for method in METHODS:
             one = planned.with_method(method)  # type: ignore[arg-type]  # a name from METHODS
             profile = milliseconds(lambda one=one: profile_of(one))
-            errors = milliseconds(lambda one=one: error_curve(one, one.method.name, "exact"))
+            errors = milliseconds(lambda one=one: error_curves(one, one.method.name, "exact"))
             print(f"| {steps:,} | {method} | {profile:.2f} | {errors:.2f} |", flush=True)
 
 

@@ -11,9 +11,22 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, Field
 
 from stepramp.design import Design, MethodName
-from stepramp.ramp.error_curves import ErrorCurve
+from stepramp.ramp.error_curves import ErrorCurves
 from stepramp.ramp.profile import Profile
 from stepramp.ramp.thinning import kept_steps
+
+CurveName = Literal[
+    "relative_error",
+    "tick_error",
+    "speed_error_steps_per_s",
+    "time_error_s",
+    "position_lag_steps",
+    "implied_acceleration_steps_per_s2",
+    "method_error_ticks",
+    "arithmetic_error_ticks",
+    "rounding_error_ticks",
+    "compression_error_ticks",
+]
 
 
 class PhaseAnswer(BaseModel):
@@ -62,22 +75,38 @@ class ExtremeAnswer(BaseModel):
     step: int = Field(description="First step that has it, counted from 1 [steps]")
 
 
-class ErrorCurveAnswer(BaseModel):
-    """One method's errors against the reference."""
+class ErrorCurvesAnswer(BaseModel):
+    """One method's errors against the reference. Curves that were not asked for are left out."""
 
     method: MethodName
-    step: list[int] = Field(description="Which steps the arrays are of, counted from 1 [steps]")
-    relative_error: list[float] = Field(description="Interval over reference interval, less 1: 0.01 is 1 % too long")
-    tick_error: list[float] = Field(description="Interval less reference interval [ticks]")
+    step: list[int] = Field(description="Which steps the curves are of, counted from 1 [steps]")
+    relative_error: list[float] | None = Field(
+        None, description="Interval over reference interval, less 1: 0.01 is 1 % too long"
+    )
+    tick_error: list[float] | None = Field(None, description="Interval less reference interval [ticks]")
+    speed_error_steps_per_s: list[float] | None = Field(None, description="Speed less reference speed [steps/s]")
+    time_error_s: list[float] | None = Field(None, description="How much later each interval ends [s]")
+    position_lag_steps: list[float] | None = Field(None, description="Steps that the reference is ahead [steps]")
+    implied_acceleration_steps_per_s2: list[float] | None = Field(None, description="(v_i² - v_(i-1)²) / 2 [steps/s²]")
+    method_error_ticks: list[float] | None = Field(None, description="Part of the method itself [ticks]")
+    arithmetic_error_ticks: list[float] | None = Field(None, description="Part of the arithmetic [ticks]")
+    rounding_error_ticks: list[float] | None = Field(None, description="Part of the rounding [ticks]")
+    compression_error_ticks: list[float] | None = Field(None, description="Part of the segments [ticks]")
     largest_relative_error: ExtremeAnswer
     largest_tick_error: ExtremeAnswer = Field(description="[ticks]")
+    rms_relative_error: float = Field(description="Root of the mean square of the relative errors")
+    relative_error_at_ramp_end: float = Field(description="Relative error of the last step of the acceleration")
+    peak_acceleration_steps_per_s2: ExtremeAnswer = Field(description="Implied acceleration furthest from 0 [steps/s²]")
+    time_difference_s: float = Field(description="How much longer than the reference the move takes [s]")
+    landing_error_steps_per_s: float = Field(description="Speed of the last interval less the base speed [steps/s]")
+    waiting_steps: int = Field(description="Steps at the end that wait at the last interval [steps]")
 
 
 class ErrorsAnswer(BaseModel):
     """Errors of methods against a reference that is not rounded to ticks."""
 
     reference: MethodName
-    methods: list[ErrorCurveAnswer]
+    methods: list[ErrorCurvesAnswer]
 
 
 class ExampleAnswer(BaseModel):
@@ -126,21 +155,35 @@ def profile_content(profile: Profile, most_points: int | None) -> dict[str, Any]
     }
 
 
-def errors_content(reference: MethodName, curves: Sequence[ErrorCurve], most_points: int | None) -> dict[str, Any]:
-    """Return error curves as an ErrorsAnswer's content, each thinned to about so many points."""
-    return {"reference": reference, "methods": [_curve_content(curve, most_points) for curve in curves]}
+def errors_content(
+    reference: MethodName, judged: Sequence[ErrorCurves], names: Sequence[CurveName], most_points: int | None
+) -> dict[str, Any]:
+    """Return the error curves of those names as an ErrorsAnswer's content, each thinned to about so many points."""
+    return {"reference": reference, "methods": [_curves_content(each, names, most_points) for each in judged]}
 
 
-def _curve_content(curve: ErrorCurve, most_points: int | None) -> dict[str, Any]:
-    kept = _kept(curve.relative_error, curve.profile, most_points)
+def _curves_content(judged: ErrorCurves, names: Sequence[CurveName], most_points: int | None) -> dict[str, Any]:
+    kept = _kept(judged.relative_error, judged.profile, most_points)
     return {
-        "method": curve.method,
+        "method": judged.method,
         "step": kept + 1,
-        "relative_error": curve.relative_error[kept],
-        "tick_error": curve.tick_error[kept],
-        "largest_relative_error": vars(curve.largest_relative_error),
-        "largest_tick_error": vars(curve.largest_tick_error),
+        **{name: _curve(judged, name)[kept] for name in names},
+        "largest_relative_error": vars(judged.largest_relative_error),
+        "largest_tick_error": vars(judged.largest_tick_error),
+        "rms_relative_error": judged.rms_relative_error,
+        "relative_error_at_ramp_end": judged.relative_error_at_ramp_end,
+        "peak_acceleration_steps_per_s2": vars(judged.peak_acceleration),
+        "time_difference_s": judged.time_difference_s,
+        "landing_error_steps_per_s": judged.landing_error_steps_per_s,
+        "waiting_steps": judged.waiting_steps,
     }
+
+
+def _curve(judged: ErrorCurves, name: CurveName) -> NDArray[np.float64]:
+    """Return a curve by its name in the answer; a part of the error is named for its source."""
+    part = name.removesuffix("_error_ticks")
+    curve: NDArray[np.float64] = getattr(judged.parts, part) if part != name else getattr(judged, name)
+    return curve
 
 
 def _kept(
