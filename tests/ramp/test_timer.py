@@ -3,9 +3,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as stn
 
-from designs import design
 from stepramp.ramp.move import Ramp
-from stepramp.ramp.profile import profile_of
 from stepramp.ramp.timer import carried, rescaled, rounded
 
 
@@ -41,16 +39,3 @@ def test_rescaling_is_within_half_a_tick() -> None:
     given = np.arange(1000, 2000)
     scaled = rescaled(Ramp(up=given, slew=1000, down=given), 84e6, 2e6)
     assert np.all(np.abs(scaled.up - given / 42) <= 0.5)
-
-
-def test_an_interval_wider_than_the_counter_says_what_to_change() -> None:
-    [warning] = profile_of(design(timer__frequency_hz=16e6)).warnings
-    assert warning.field == "timer.counter_bits"
-    assert "160,000 ticks" in warning.message
-    assert "use 18 bits" in warning.message
-
-
-def test_an_interval_shorter_than_the_controller_needs_says_what_to_change() -> None:
-    [warning] = profile_of(design(timer__shortest_interval_us=1500)).warnings
-    assert warning.field == "timer.shortest_interval_us"
-    assert "at most 667 steps/s" in warning.message

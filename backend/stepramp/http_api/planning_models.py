@@ -55,6 +55,16 @@ class WarningAnswer(BaseModel):
     message: str = Field(description="What happens and what to change")
 
 
+class SlewResolutionAnswer(BaseModel):
+    """How finely the timer divides speeds at slew speed."""
+
+    relative: float = Field(description="One tick as a part of the slew interval: 0.01 is 1 %")
+    speed_below_steps_per_s: float = Field(description="Nearest speed of whole ticks, not above [steps/s]")
+    speed_above_steps_per_s: float | None = Field(
+        description="Nearest speed of whole ticks, not below; null when that would be less than a tick [steps/s]"
+    )
+
+
 class ProfileAnswer(BaseModel):
     """One planned move. Pulse 1 is at time 0; pulse i + 1 comes intervals_ticks of step i later."""
 
@@ -65,6 +75,7 @@ class ProfileAnswer(BaseModel):
     speed_steps_per_s: list[float] = Field(description="Speed of each interval, v = F / p (7) [steps/s]")
     phases: list[PhaseAnswer] = Field(description="Stretches of the move that have steps, in order of time")
     summary: SummaryAnswer
+    slew_resolution: SlewResolutionAnswer
     warnings: list[WarningAnswer]
 
 
@@ -148,6 +159,7 @@ def profile_content(profile: Profile, most_points: int | None) -> dict[str, Any]
             "slew_steps": profile.steps_of("slew"),
             "decelerate_steps": profile.steps_of("decelerate"),
         },
+        "slew_resolution": vars(profile.slew_resolution),
         "warnings": [
             {"field": warning.field and f"design.{warning.field}", "message": warning.message}
             for warning in profile.warnings

@@ -12,7 +12,8 @@ from stepramp.ramp.kinematics import Number, Slope
 from stepramp.ramp.methods import sides_of
 from stepramp.ramp.move import Ramp, play, split
 from stepramp.ramp.table import table_ramp
-from stepramp.ramp.timer import Warning, carried, rounded, timer_warnings
+from stepramp.ramp.timer import carried, rounded
+from stepramp.ramp.timer_limits import SlewResolution, Warning, slew_resolution, timer_warnings
 from stepramp.units import speed_from_interval, ticks_from_us
 
 NUMBERS: dict[Arithmetic, Number] = {"float64": np.float64, "float32": np.float32}
@@ -43,6 +44,8 @@ class Profile:
     """From pulse 1 to the end of the last interval [s]."""
     phases: tuple[Phase, ...]
     """The stretches that have steps, in order of time."""
+    slew_resolution: SlewResolution
+    """How finely the timer divides speeds at slew speed."""
     warnings: tuple[Warning, ...]
 
     def steps_of(self, phase: str) -> int:
@@ -86,6 +89,7 @@ def profile_of(design: Design) -> Profile:
     """
     ramp, steps = ramp_of(design), abs(design.move.steps)
     intervals = _intervals(design, ramp, steps)
+    slew_ticks = real_ramp(design).slew
     ends = np.cumsum(intervals)
     timer_hz = design.timer.frequency_hz
     return Profile(
@@ -95,7 +99,8 @@ def profile_of(design: Design) -> Profile:
         speed_steps_per_s=timer_hz / intervals,
         duration_s=float(ends[-1]) / timer_hz,
         phases=_phases(ramp, steps),
-        warnings=tuple(_short_move(design, ramp, steps) + timer_warnings(intervals, design.timer)),
+        warnings=tuple(_short_move(design, ramp, steps) + timer_warnings(design, intervals, slew_ticks)),
+        slew_resolution=slew_resolution(slew_ticks, timer_hz),
     )
 
 
