@@ -20,7 +20,7 @@ NUMBERS_ABOVE_ZERO = (
     "ramp__deceleration_steps_per_s2",
 )
 WHOLE_NUMBERS = ("axis__full_steps_per_rev", "axis__microsteps", "timer__counter_bits", "move__steps")
-NONSENSE = (0, -1, math.nan, math.inf, -math.inf, "12", "", True, [1], {}, 1e300, 10**400)
+NONSENSE = (0, 1e-300, -1, math.nan, math.inf, -math.inf, "12", "", True, [1], {}, 1e300, 10**400)
 
 
 def refused(changed: object) -> list[tuple[str, object, str]]:

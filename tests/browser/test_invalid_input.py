@@ -26,7 +26,7 @@ def test_nonsense_is_told_at_its_field_and_stays_there(stepramp: StepRampPage) -
     for text in NONSENSE:
         field.fill(text)
         expect(message).to_contain_text(f"Slew speed is {text if text in NUMBERS else repr(text)};")
-        expect(message).to_contain_text("a number more than 0 and up to 1,000,000 steps/s")
+        expect(message).to_contain_text("a number from 0.001 to 1,000,000 steps/s")
         expect(field).to_have_attribute("aria-invalid", "true")
         assert field.get_attribute("aria-describedby") == message.get_attribute("id")
         field.blur()

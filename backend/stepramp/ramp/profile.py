@@ -17,6 +17,9 @@ from stepramp.units import speed_from_interval, ticks_from_us
 
 NUMBERS: dict[Arithmetic, Number] = {"float64": np.float64, "float32": np.float32}
 
+MOST_TICKS = 2**62
+"""Longest move [ticks]: its instants fit in 64 bits."""
+
 
 @dataclass(frozen=True)
 class Phase:
@@ -88,12 +91,15 @@ def ramp_of(design: Design) -> Ramp:
 def profile_of(design: Design) -> Profile:
     """Return the profile of the design's move.
 
-    Raises Rejected as ramp_of does.
+    Raises Rejected as ramp_of does, and when the move takes more ticks than can be counted.
     """
     ramp, steps = ramp_of(design), abs(design.move.steps)
     intervals = play(ramp, steps).astype(np.int64, copy=False)
-    ends = np.cumsum(intervals)
     timer_hz = design.timer.frequency_hz
+    if intervals.sum(dtype=np.float64) > MOST_TICKS:
+        allowed = f"a lower frequency, so that the move takes at most {MOST_TICKS:,} ticks"
+        raise Rejected([Rejection("timer.frequency_hz", timer_hz, allowed)])
+    ends = np.cumsum(intervals)
     return Profile(
         intervals_ticks=intervals,
         time_s=np.concatenate(([0], ends[:-1])) / timer_hz,
