@@ -20,7 +20,7 @@ NUMBERS_ABOVE_ZERO = (
     "ramp__deceleration_steps_per_s2",
 )
 WHOLE_NUMBERS = ("axis__full_steps_per_rev", "axis__microsteps", "timer__counter_bits", "move__steps")
-NONSENSE = (0, -1, math.nan, math.inf, -math.inf, "12", "", True, [1], {}, 1e300, 10**400)
+NONSENSE = (0, 1e-300, -1, math.nan, math.inf, -math.inf, "12", "", True, [1], {}, 1e300, 10**400)
 
 
 def refused(changed: object) -> list[tuple[str, object, str]]:
@@ -118,9 +118,13 @@ def test_what_is_no_document_is_refused(value: object) -> None:
     ("path", "value", "allowed"),
     [
         ("schema", "stepramp/2", "stepramp/1"),
-        ("method__name", "newton", "exact, first_order, table"),
+        (
+            "method__name",
+            "magic",
+            "exact, ideal, midpoint, first_order, second_order, compromise, tuned, newton, austin, table",
+        ),
         ("method__arithmetic", "fixed", "float64, float32"),
-        ("method__rounding", "up", "nearest"),
+        ("method__rounding", "up", "nearest, floor, carry"),
         ("axis__travel_unit", "inch", "mm, deg"),
         ("table__interval_unit", "ms", "us, ticks"),
         ("name", 5, "a text of up to 100 characters"),

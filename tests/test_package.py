@@ -42,7 +42,7 @@ def test_the_installed_program_serves_the_page_from_any_folder(wheel: Path, tmp_
         address = server.stdout.readline().split()[3]
         with urllib.request.urlopen(address, timeout=20) as page:
             assert b"<title>StepRamp" in page.read()
-        with urllib.request.urlopen(f"{address}assets/plotly.min.js", timeout=20) as script:
+        with urllib.request.urlopen(f"{address}assets/plotly/plotly.min.js", timeout=20) as script:
             assert script.status == 200
     finally:
         server.terminate()

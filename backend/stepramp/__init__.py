@@ -13,15 +13,13 @@ array([20000, 14142, 11547])
 0.671791
 """
 
-from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 from stepramp.errors import Rejected, StepRampError
+from stepramp.version import __version__
 
 if TYPE_CHECKING:
     from stepramp.notebook import Design, PlannedMove
-
-__version__ = version("stepramp")
 
 __all__ = ["Design", "PlannedMove", "Rejected", "StepRampError", "__version__"]
 

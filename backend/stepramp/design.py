@@ -40,8 +40,8 @@ ARITHMETICS: dict[MethodName, tuple[Arithmetic, ...]] = {
 }
 """The arithmetics of each method, the usual one first. A table is not computed: there it makes no difference."""
 
-Speed = Annotated[float, Within(0, 1_000_000, "steps/s", above=True)]
-Acceleration = Annotated[float, Within(0, 1_000_000_000, "steps/s²", above=True)]
+Speed = Annotated[float, Within(0.001, 1_000_000, "steps/s")]
+Acceleration = Annotated[float, Within(0.001, 1_000_000_000, "steps/s²")]
 
 
 class Axis(Document):
@@ -53,7 +53,7 @@ class Axis(Document):
     microsteps: Annotated[int, Within(1, 1024, "microsteps")] = Field(
         1, description="Pulses of the driver for one full step [steps per full step]"
     )
-    travel_per_rev: Annotated[float, Within(0, 1_000_000, above=True)] = Field(
+    travel_per_rev: Annotated[float, Within(0.001, 1_000_000)] = Field(
         360.0, description="Distance that the axis covers in one turn of the motor [travel_unit]"
     )
     travel_unit: Annotated[Literal["mm", "deg"], OneOf()] = Field("deg", description="Unit of the axis' travel")
@@ -66,7 +66,7 @@ class Timer(Document):
         description="F: ticks a second of the step timer [Hz]"
     )
     counter_bits: Annotated[int, Within(8, 64, "bits")] = Field(16, description="Width of the timer's counter [bits]")
-    shortest_interval_us: Annotated[float, Within(0, 1_000_000, "µs", above=True)] = Field(
+    shortest_interval_us: Annotated[float, Within(0.001, 1_000_000, "µs")] = Field(
         20.0, description="Least time that the controller needs between two pulses [µs]"
     )
 

@@ -48,24 +48,21 @@ class _Allowance:
 
 
 class Within(_Allowance):
-    """A number from low to high [unit]; more than low when `above` is set. Whole when the annotated type is int."""
+    """A number from low to high [unit]. Whole when the annotated type is int."""
 
-    def __init__(self, low: float, high: float, unit: str = "", *, above: bool = False) -> None:
-        self.low, self.high, self.unit, self.above = low, high, unit, above
+    def __init__(self, low: float, high: float, unit: str = "") -> None:
+        self.low, self.high, self.unit = low, high, unit
 
     def __get_pydantic_core_schema__(self, source: type, handler: GetCoreSchemaHandler) -> CoreSchema:
-        span = (
-            f"more than {self.low:,} and up to {self.high:,}" if self.above else f"from {self.low:,} to {self.high:,}"
-        )
         whole = source is int
-        self.allowed = f"a {'whole ' if whole else ''}number {span} {self.unit}".rstrip()
+        kind = "a whole number" if whole else "a number"
+        self.allowed = f"{kind} from {self.low:,} to {self.high:,} {self.unit}".rstrip()
         if whole:
             number: CoreSchema = core_schema.no_info_before_validator_function(
                 _whole, core_schema.int_schema(strict=True, ge=int(self.low), le=int(self.high))
             )
         else:
-            least, above = (None, self.low) if self.above else (self.low, None)
-            number = core_schema.float_schema(strict=True, allow_inf_nan=False, ge=least, gt=above, le=self.high)
+            number = core_schema.float_schema(strict=True, allow_inf_nan=False, ge=self.low, le=self.high)
         return self._guard(number)
 
 

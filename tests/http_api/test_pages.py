@@ -23,8 +23,10 @@ def test_the_page_and_the_api_page_load_from_this_server_alone(client: TestClien
 
 
 def test_plotly_is_the_installed_package_s(client: TestClient) -> None:
-    response = client.get("/assets/plotly.min.js")
+    response = client.get("/assets/plotly/plotly.min.js")
     assert response.headers["content-type"].startswith("text/javascript")
+    etag = {"if-none-match": response.headers["etag"]}
+    assert client.get("/assets/plotly/plotly.min.js", headers=etag).status_code == 304
     assert "plotly.js v" in response.text[:200]
 
 

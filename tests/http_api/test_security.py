@@ -2,7 +2,7 @@ import pytest
 from starlette.testclient import TestClient
 from starlette.websockets import WebSocketDisconnect
 
-ROUTES = ["/", "/docs", "/api/v1/health", "/api/v1/ports", "/assets/plotly.min.js"]
+ROUTES = ["/", "/docs", "/api/v1/health", "/api/v1/ports", "/assets/plotly/plotly.min.js"]
 EVENTS = "/api/v1/devices/events"
 
 

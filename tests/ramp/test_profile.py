@@ -74,9 +74,9 @@ def test_halves_are_rounded_up() -> None:
 @pytest.mark.parametrize("which", ["acceleration", "deceleration"])
 def test_a_ramp_longer_than_any_move_is_refused_before_it_is_made(which: str) -> None:
     with pytest.raises(Rejected) as caught:
-        profile_of(design(**{f"ramp__{which}_steps_per_s2": 1e-6}))
+        profile_of(design(**{f"ramp__{which}_steps_per_s2": 0.01}))
     [rejection] = caught.value.rejections
-    assert (rejection.field, rejection.value) == (f"ramp.{which}_steps_per_s2", 1e-6)
+    assert (rejection.field, rejection.value) == (f"ramp.{which}_steps_per_s2", 0.01)
     assert "at least 0.05 steps/s²" in rejection.allowed
 
 
@@ -86,6 +86,14 @@ def test_an_interval_of_no_ticks_is_refused() -> None:
     [rejection] = caught.value.rejections
     assert (rejection.field, rejection.value) == ("ramp.slew_speed_steps_per_s", 3000)
     assert "at most 1,000 steps/s" in rejection.allowed
+
+
+def test_a_move_of_more_ticks_than_can_be_counted_is_refused() -> None:
+    endless = design(
+        timer__frequency_hz=1e9, method__name="table", table__rows=[[1, 4_000_000_000]], move__steps=10_000_000
+    )
+    with pytest.raises(Rejected, match=r"timer.frequency_hz is 1000000000.0; allowed: a lower frequency"):
+        profile_of(endless)
 
 
 @given(

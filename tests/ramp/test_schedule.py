@@ -212,6 +212,6 @@ def test_there_are_one_to_four_axes(mode: Mode, number: int) -> None:
 
 def test_what_is_wrong_with_a_design_is_refused_at_its_place() -> None:
     with pytest.raises(Rejected) as caught:
-        schedule_of([design(), design(ramp__acceleration_steps_per_s2=1e-6)], "independent")
+        schedule_of([design(), design(ramp__acceleration_steps_per_s2=0.01)], "independent")
     [rejection] = caught.value.rejections
-    assert (rejection.field, rejection.value) == ("designs.1.ramp.acceleration_steps_per_s2", 1e-6)
+    assert (rejection.field, rejection.value) == ("designs.1.ramp.acceleration_steps_per_s2", 0.01)

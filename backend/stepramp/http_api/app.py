@@ -5,11 +5,11 @@ from contextlib import asynccontextmanager
 
 from fastapi import FastAPI
 
-from stepramp import __version__
 from stepramp.controllers.devices import Devices
-from stepramp.http_api import devices, pages, planning, tables
+from stepramp.http_api import devices, pages, planning, schedule, tables
 from stepramp.http_api.errors import ErrorList, handle_errors
 from stepramp.http_api.security import LoopbackOnly
+from stepramp.version import __version__
 
 DESCRIPTION = """
 Plans stepper-motor ramps and plays them on attached controllers.
@@ -40,6 +40,7 @@ def create_app() -> FastAPI:
     )
     app.state.devices = Devices()
     app.include_router(planning.router, prefix="/api/v1")
+    app.include_router(schedule.router, prefix="/api/v1")
     app.include_router(tables.router, prefix="/api/v1")
     app.include_router(devices.router, prefix="/api/v1")
     handle_errors(app)

@@ -10,7 +10,7 @@ from starlette.responses import FileResponse, Response
 from starlette.staticfiles import StaticFiles
 
 PACKAGE = Path(str(files("stepramp")))
-PLOTLY = Path(plotly.__file__).parent / "package_data" / "plotly.min.js"
+PLOTLY = Path(plotly.__file__).parent / "package_data"
 SWAGGER_UI = Path(fastapi_offline.__file__).parent / "static"
 
 
@@ -33,13 +33,10 @@ class Revalidated(StaticFiles):
 def add(app: FastAPI) -> None:
     """Add the page at /, the API's page at /docs, and what they load below /assets."""
 
-    @app.get("/assets/plotly.min.js", include_in_schema=False)
-    async def plotly_script() -> FileResponse:
-        return FileResponse(PLOTLY, media_type="text/javascript", headers={"cache-control": "no-cache"})
-
     @app.get("/docs", include_in_schema=False)
     async def docs() -> FileResponse:
         return FileResponse(frontend() / "docs" / "index.html", headers={"cache-control": "no-cache"})
 
+    app.mount("/assets/plotly", Revalidated(directory=PLOTLY))
     app.mount("/assets/swagger-ui", Revalidated(directory=SWAGGER_UI))
     app.mount("/", Revalidated(directory=frontend(), html=True))

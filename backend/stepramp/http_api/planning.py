@@ -6,8 +6,8 @@ from fastapi import APIRouter
 from pydantic import Field
 from starlette.responses import Response
 
-from stepramp import __version__, examples
 from stepramp.design import MOST_STEPS, Design, MethodName
+from stepramp.examples import all_examples
 from stepramp.http_api.json_response import json_response
 from stepramp.http_api.planning_models import (
     CurveName,
@@ -21,6 +21,7 @@ from stepramp.http_api.planning_models import (
 from stepramp.ramp.error_curves import error_curves
 from stepramp.ramp.profile import profile_of
 from stepramp.validation import Document, ListOf, OneOf, Within
+from stepramp.version import __version__
 
 router = APIRouter(tags=["planning"])
 
@@ -73,7 +74,7 @@ def errors(request: ErrorsRequest) -> Response:
 @router.get("/examples", response_model=ExamplesAnswer)
 def example_designs() -> Response:
     """Return designs to start from."""
-    return json_response({"examples": examples.all_examples()})
+    return json_response({"examples": all_examples()})
 
 
 @router.get("/health")

@@ -62,7 +62,7 @@ class CheckRequest(Document):
     rows: Annotated[list[Row], ListOf("rows of two whole numbers")] = Field(
         description="[last ramp index of the row [steps], delay [µs]]"
     )
-    slew_interval_us: Annotated[float, Within(0, 10**9, "µs", above=True)] | None = Field(
+    slew_interval_us: Annotated[float, Within(0.001, 10**9, "µs")] | None = Field(
         None, description="Delay of the slew speed that the table should lead to [µs]; null: the end is not judged"
     )
 
@@ -78,7 +78,7 @@ class FitRequest(Document):
 
     design: Design
     rows: Annotated[int, Within(1, MOST_TABLE_ROWS, "rows")] | None = Field(None, description="Most rows [rows]")
-    largest_relative_error: Annotated[float, Within(0, 1, above=True)] | None = Field(
+    largest_relative_error: Annotated[float, Within(0.000001, 1)] | None = Field(
         None, description="Largest relative error of a delay: 0.05 is 5 %"
     )
     bytes: Annotated[int, Within(4, 4 * MOST_TABLE_ROWS, "bytes")] | None = Field(

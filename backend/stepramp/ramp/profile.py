@@ -10,13 +10,16 @@ from stepramp.design import MOST_STEPS, Arithmetic, Design
 from stepramp.errors import Rejected, Rejection
 from stepramp.ramp.kinematics import Number, Slope
 from stepramp.ramp.methods import sides_of
-from stepramp.ramp.move import Ramp, play, split
+from stepramp.ramp.move import Intervals, Ramp, play, split
 from stepramp.ramp.table import table_ramp
 from stepramp.ramp.timer import carried, rounded
 from stepramp.ramp.timer_limits import SlewResolution, Warning, slew_resolution, timer_warnings
 from stepramp.units import speed_from_interval, ticks_from_us
 
 NUMBERS: dict[Arithmetic, Number] = {"float64": np.float64, "float32": np.float32}
+
+MOST_TICKS = 2**62
+"""Longest move [ticks]: its instants fit in 64 bits."""
 
 
 @dataclass(frozen=True)
@@ -75,23 +78,24 @@ def ramp_of(design: Design) -> Ramp:
     to 0 ticks.
     """
     ramp = rounded(real_ramp(design), design.method.rounding)
-    if ramp.slew < 1 or any(side.size and side.min() < 1 for side in (ramp.up, ramp.down)):
-        fastest = f"at most {design.timer.frequency_hz:,.0f} steps/s with this timer: an interval is 1 tick or more"
-        field, value = "ramp.slew_speed_steps_per_s", design.ramp.slew_speed_steps_per_s
-        raise Rejected([Rejection(field, value, fastest)])
+    for intervals in (ramp.up, np.array([ramp.slew]), ramp.down):
+        _refuse_no_ticks(design, intervals)
     return ramp
 
 
 def profile_of(design: Design) -> Profile:
     """Return the profile of the design's move.
 
-    Raises Rejected as ramp_of does.
+    Raises Rejected as ramp_of does, and when the move takes more ticks than can be counted.
     """
     ramp, steps = ramp_of(design), abs(design.move.steps)
     intervals = _intervals(design, ramp, steps)
     slew_ticks = real_ramp(design).slew
-    ends = np.cumsum(intervals)
     timer_hz = design.timer.frequency_hz
+    if intervals.sum(dtype=np.float64) > MOST_TICKS:
+        allowed = f"a lower frequency, so that the move takes at most {MOST_TICKS:,} ticks"
+        raise Rejected([Rejection("timer.frequency_hz", timer_hz, allowed)])
+    ends = np.cumsum(intervals)
     return Profile(
         intervals_ticks=intervals,
         time_s=np.concatenate(([0], ends[:-1])) / timer_hz,
@@ -108,7 +112,16 @@ def _intervals(design: Design, ramp: Ramp, steps: int) -> NDArray[np.int64]:
     """Return a move's intervals in whole ticks. A remainder that is carried goes through the whole move."""
     if design.method.rounding != "carry":
         return play(ramp, steps).astype(np.int64, copy=False)
-    return carried(play(real_ramp(design), steps, split(ramp, steps)))
+    intervals = carried(play(real_ramp(design), steps, split(ramp, steps)))
+    _refuse_no_ticks(design, intervals)
+    return intervals
+
+
+def _refuse_no_ticks(design: Design, intervals: Intervals) -> None:
+    if intervals.size and intervals.min() < 1:
+        fastest = f"at most {design.timer.frequency_hz:,.0f} steps/s with this timer: an interval is 1 tick or more"
+        field, value = "ramp.slew_speed_steps_per_s", design.ramp.slew_speed_steps_per_s
+        raise Rejected([Rejection(field, value, fastest)])
 
 
 def _phases(ramp: Ramp, steps: int) -> tuple[Phase, ...]:

@@ -76,7 +76,7 @@ def _shorter_than_shortest(shortest: int, timer: Timer) -> Warning | None:
     fastest = speed_from_interval(least, timer.frequency_hz)
     return Warning(
         "timer.shortest_interval_us",
-        f"The shortest interval, {us_from_ticks(shortest, timer.frequency_hz):,.3g} µs, is less than the "
+        f"The shortest interval, {us_from_ticks(shortest, timer.frequency_hz):,.2f} µs, is less than the "
         f"{timer.shortest_interval_us:g} µs that the controller needs: "
         f"use a slew speed of at most {fastest:,.0f} steps/s.",
     )

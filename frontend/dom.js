@@ -1,0 +1,127 @@
+// @ts-check
+// Building elements.
+
+/** @typedef {import('./messages.js').Message} Message */
+/** @typedef {Node | string | null | undefined | false} Child */
+
+const ICONS = {
+  theme: 'M8 2.5a5.5 5.5 0 1 0 0 11a5.5 5.5 0 0 0 0-11',
+  down: 'M4 6l4 4 4-4',
+  plus: 'M8 3v10M3 8h10',
+  more: 'M3.5 8h.01M8 8h.01M12.5 8h.01',
+  ok: 'M3.5 8.5l3 3 6-7',
+  warning: 'M8 2.5l6 11H2zM8 6.5v3.2M8 11.7v.1',
+  error: 'M8 2.2a5.8 5.8 0 1 0 0 11.6a5.8 5.8 0 0 0 0-11.6M8 5v3.5M8 10.8v.1',
+  paste: 'M5 3.5h-.5a1 1 0 0 0-1 1v8a1 1 0 0 0 1 1h7a1 1 0 0 0 1-1v-8a1 1 0 0 0-1-1H11M6 2.5h4v2.5H6z',
+  remove: 'M4.5 4.5l7 7M11.5 4.5l-7 7',
+  refresh: 'M13 8a5 5 0 1 1-1.5-3.6M13 2.8v3h-3',
+  send: 'M8 13V3.5M4.5 6.5L8 3l3.5 3.5',
+  link: 'M6.5 9.5l3-3M7.5 4.5l1-1a2.8 2.8 0 0 1 4 4l-1 1M8.5 11.5l-1 1a2.8 2.8 0 0 1-4-4l1-1',
+};
+
+/**
+ * Make an element. Properties that the element knows are set as properties, all others as attributes.
+ * @template {keyof HTMLElementTagNameMap} Tag
+ * @param {Tag} tag
+ * @param {Record<string, unknown>} [properties]
+ * @param {...Child} children
+ * @returns {HTMLElementTagNameMap[Tag]}
+ */
+export function element(tag, properties = {}, ...children) {
+  const made = document.createElement(tag);
+  for (const [name, value] of Object.entries(properties)) {
+    if (name in made) Reflect.set(made, name, value);
+    else if (value !== null && value !== undefined && value !== false) made.setAttribute(name, String(value));
+  }
+  made.append(...children.filter(isPresent));
+  return made;
+}
+
+/** @param {Child} child @returns {child is Node | string} */
+function isPresent(child) {
+  return child !== null && child !== undefined && child !== false;
+}
+
+/** @param {string} tag @param {Record<string, string | number>} [attributes] */
+export function svgElement(tag, attributes = {}) {
+  const made = document.createElementNS('http://www.w3.org/2000/svg', tag);
+  for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, String(value));
+  return made;
+}
+
+/** @param {keyof typeof ICONS} name */
+export function icon(name) {
+  const drawing = svgElement('svg', { class: 'icon', viewBox: '0 0 16 16', 'aria-hidden': 'true' });
+  drawing.append(svgElement('path', { d: ICONS[name] }));
+  if (name === 'theme') drawing.append(svgElement('path', { d: 'M8 2.5a5.5 5.5 0 0 1 0 11z', fill: 'currentColor' }));
+  return drawing;
+}
+
+/**
+ * A row of buttons of which one is pressed.
+ * @template {string} Value
+ * @param {string} label
+ * @param {[Value, string][]} choices
+ * @param {(value: Value) => void} onChoose
+ */
+export function segmented(label, choices, onChoose) {
+  const group = element('span', { className: 'segmented', role: 'group', 'aria-label': label });
+  for (const [value, text] of choices) {
+    group.append(
+      element('button', { type: 'button', textContent: text, 'data-value': value, onclick: () => onChoose(value) }),
+    );
+  }
+  return {
+    element: group,
+    /** @param {Value} value */
+    press(value) {
+      for (const button of group.querySelectorAll('button')) {
+        button.setAttribute('aria-pressed', String(button.dataset.value === value));
+      }
+    },
+  };
+}
+
+/**
+ * A drop-down list in the page's own looks.
+ * @param {string} label
+ * @param {(value: string) => void} onChoose
+ */
+export function picker(label, onChoose) {
+  const select = element('select', { 'aria-label': label, onchange: () => onChoose(select.value) });
+  return {
+    element: element('span', { className: 'picker' }, select, icon('down')),
+    select,
+    /** Show these choices with one chosen; the list is rebuilt only when it differs, so an open one stays open.
+     * @param {[string, string][]} choices @param {string} chosen */
+    offer(choices, chosen) {
+      const shown = [...select.options].map((option) => [option.value, option.text]);
+      if (JSON.stringify(shown) !== JSON.stringify(choices)) {
+        select.replaceChildren(...choices.map(([value, text]) => element('option', { value, textContent: text })));
+      }
+      select.value = chosen;
+    },
+  };
+}
+
+/** A line that says what is wrong or worth a look.
+ * @param {Message} message @param {string} [id] */
+export function messageLine({ text, isWarning }, id) {
+  return element(
+    'p',
+    { className: isWarning ? 'message warning' : 'message', ...(id ? { id } : {}) },
+    icon(isWarning ? 'warning' : 'error'),
+    element('span', { textContent: text }),
+  );
+}
+
+/** Mark a control as wrong and tie its message to it; without a message the mark goes.
+ * @param {HTMLElement} control @param {HTMLElement} box where the message is shown
+ * @param {Message | undefined} message */
+export function showMessage(control, box, message) {
+  const id = `${control.id}-message`;
+  control.setAttribute('aria-invalid', String(message !== undefined && !message.isWarning));
+  if (message) control.setAttribute('aria-describedby', id);
+  else control.removeAttribute('aria-describedby');
+  if (box.textContent !== (message?.text ?? '')) box.replaceChildren(...(message ? [messageLine(message, id)] : []));
+}

@@ -1,0 +1,98 @@
+// @ts-check
+// What the last push asked for, sent and read back, item by item.
+
+import { element, icon, messageLine } from '../../dom.js';
+import { formatFigures, formatFixed } from '../../numbers.js';
+
+/** @typedef {import('../../types.js').Device} Device */
+
+const STAGES = ['requested', 'sent', 'read back', 'verified'];
+
+export function createPushReport() {
+  const stages = STAGES.map((name) => element('div', { textContent: name }));
+  const bar = element('div', { className: 'stages', 'aria-hidden': 'true' }, ...stages);
+  const details = element('div', { className: 'push-details' });
+  let known = '';
+
+  /** @param {import('../../types.js').Push} pushed @param {boolean} isChanged */
+  function showDetails(pushed, isChanged) {
+    const rows = pushed.items.map((item) =>
+      element(
+        'tr',
+        {},
+        element(
+          'th',
+          { scope: 'row' },
+          item.name,
+          !item.name.endsWith(item.unit) && element('small', { textContent: ` ${item.unit}` }),
+        ),
+        ...[item.requested, item.sent, item.read_back].map((value) => element('td', { textContent: value })),
+        element(
+          'td',
+          { className: item.sent === item.read_back ? 'same' : 'differs' },
+          icon(item.sent === item.read_back ? 'ok' : 'error'),
+          element('span', {
+            className: 'unseen',
+            textContent: item.sent === item.read_back ? 'as sent' : 'not as sent',
+          }),
+        ),
+      ),
+    );
+    details.replaceChildren(
+      element(
+        'div',
+        { className: 'push-head' },
+        element('b', {
+          className: pushed.verified ? 'verified' : 'differs',
+          textContent: pushed.verified ? 'Read back as sent' : 'Not as sent',
+        }),
+        element('span', {
+          textContent: `ramp ${pushed.sequence} · ${pushed.segments} segments · ${formatFixed(pushed.bytes)} bytes`,
+        }),
+      ),
+      element(
+        'table',
+        {},
+        element(
+          'thead',
+          {},
+          element(
+            'tr',
+            {},
+            ...['', 'requested', 'sent', 'read back', ''].map((text) =>
+              element('th', { scope: 'col', textContent: text }),
+            ),
+          ),
+        ),
+        element('tbody', {}, ...rows),
+      ),
+      ...(pushed.largest_deviation_us > 0
+        ? [
+            element('p', {
+              className: 'reason',
+              textContent: `Largest deviation from the design: ${formatFigures(pushed.largest_deviation_us, 3)} µs`,
+            }),
+          ]
+        : []),
+      ...pushed.warnings.map((text) => messageLine({ text, isWarning: true })),
+      ...(isChanged ? [messageLine({ text: 'The design has changed since this push.', isWarning: true })] : []),
+    );
+  }
+
+  return {
+    element: element('div', { className: 'push-report', id: 'push-report' }, bar, details),
+    /** @param {Device | null} device @param {{isPushing: boolean, isChanged: boolean}} situation */
+    show(device, { isPushing, isChanged }) {
+      const pushed = device?.pushed ?? null;
+      const reached = isPushing ? 1 : pushed === null ? 0 : pushed.verified ? STAGES.length : STAGES.length - 1;
+      stages.forEach((stage, index) => {
+        stage.className = index < reached ? 'done' : isPushing && index < STAGES.length - 1 ? 'doing' : '';
+      });
+      details.hidden = isPushing || pushed === null;
+      const state = JSON.stringify([pushed, isChanged]);
+      if (state === known) return;
+      known = state;
+      if (pushed) showDetails(pushed, isChanged);
+    },
+  };
+}

@@ -1,0 +1,68 @@
+// @ts-check
+// The legend: one switch a method, with its largest error.
+
+import { element, svgElement } from '../../dom.js';
+import { METHODS, REFERENCE } from '../../methods.js';
+import { formatSignedPercent } from '../../numbers.js';
+
+/** @typedef {import('../../types.js').Answer} Answer */
+/** @typedef {import('../../types.js').MethodName} MethodName */
+
+/** @param {(name: MethodName) => void} onSwitch */
+export function createLegend(onSwitch) {
+  const chips = METHODS.map(({ name, label }) => {
+    const figure = element('em');
+    const chip = element(
+      'button',
+      { className: 'chip', type: 'button', 'data-method': name, onclick: () => onSwitch(name) },
+      swatch(name),
+      label,
+      figure,
+    );
+    return { name, label, chip, figure };
+  });
+  return {
+    element: element(
+      'div',
+      { className: 'legend', role: 'group', 'aria-label': 'Methods shown' },
+      ...chips.map(({ chip }) => chip),
+    ),
+    /** @param {Answer | null} answer @param {Set<MethodName>} shown @param {MethodName} active */
+    show(answer, shown, active) {
+      for (const { name, label, chip, figure } of chips) {
+        const largest = answer?.errors[name]?.largest_relative_error;
+        const failure = answer?.failures[name];
+        const isEmpty = answer !== null && name === 'table' && answer.design.table === null;
+        chip.setAttribute('aria-pressed', String(shown.has(name)));
+        chip.dataset.active = String(name === active);
+        figure.textContent =
+          name === REFERENCE
+            ? 'reference'
+            : isEmpty
+              ? 'no rows'
+              : failure
+                ? 'fails'
+                : largest
+                  ? `${formatSignedPercent(largest.value)} %`
+                  : '';
+        chip.title =
+          failure ??
+          `${shown.has(name) ? 'Hide' : 'Show'} ${label}${largest ? `; largest error at step ${largest.step}` : ''}`;
+      }
+    },
+  };
+}
+
+/** @param {MethodName} name */
+function swatch(name) {
+  const drawing = svgElement('svg', { viewBox: '0 0 18 8', 'aria-hidden': 'true' });
+  const style = `stroke: var(--method-${name})`;
+  drawing.append(
+    svgElement('line', { x1: 0, y1: 4, x2: 18, y2: 4, style, 'stroke-width': name === REFERENCE ? 3 : 2.5 }),
+  );
+  if (name === 'table')
+    drawing.append(
+      svgElement('circle', { cx: 9, cy: 4, r: 3, 'stroke-width': 2, style: `${style}; fill: var(--plot)` }),
+    );
+  return drawing;
+}

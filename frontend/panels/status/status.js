@@ -1,0 +1,51 @@
+// @ts-check
+// The bar at the foot: what the cursor reads, how to zoom, and whether the server is there.
+
+import { element } from '../../dom.js';
+import { formatFixed } from '../../numbers.js';
+
+/** @param {HTMLElement} root */
+export function createStatus(root) {
+  const reading = element('span', { className: 'reading' });
+  const kept = element('span', { className: 'kept not-phone' });
+  const server = element('span', { className: 'server', id: 'server-state', role: 'status' });
+  root.replaceChildren(
+    reading,
+    element('span', { className: 'grow' }),
+    element('span', { className: 'wide-only', textContent: 'Wheel zooms, drag selects, double-click shows all' }),
+    element('span', { className: 'grow wide-only' }),
+    kept,
+    server,
+  );
+
+  /** @param {string} label @param {string} value */
+  const part = (label, value) => element('span', {}, `${label} `, element('b', { textContent: value }));
+
+  return {
+    /** @param {import('../../curves.js').Reading | null} at @param {string} method */
+    showReading(at, method) {
+      const own = at?.methods.find((one) => one.method === method);
+      if (!at || !own) {
+        reading.replaceChildren('Point at a plot to read it');
+        return;
+      }
+      const error = Number.isFinite(own.percent) ? [part('error', `${formatFixed(own.percent, 2)} %`)] : [];
+      reading.replaceChildren(
+        part('Step', formatFixed(at.step)),
+        part('t', `${formatFixed(at.time_s * 1e3, 2)} ms`),
+        part('delay', `${formatFixed(own.ticks)} ticks = ${formatFixed(own.delay_us, 1)} µs`),
+        part('', `${formatFixed(own.speed, 1)} steps/s`),
+        ...error,
+      );
+    },
+    /** @param {boolean} isThere */
+    showServer(isThere) {
+      server.classList.toggle('gone', !isThere);
+      server.textContent = isThere ? 'server connected' : 'Server gone: trying again…';
+    },
+    /** @param {boolean} isKept whether the browser could keep the design */
+    showKept(isKept) {
+      kept.textContent = isKept ? 'saved in this browser' : 'not saved: this browser keeps nothing';
+    },
+  };
+}

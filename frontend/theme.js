@@ -1,0 +1,38 @@
+// @ts-check
+// Light and dark: as the system has it until a person chooses.
+
+import { memory } from './memory.js';
+
+/** @typedef {'light' | 'dark'} Theme */
+
+const systemIsLight = matchMedia('(prefers-color-scheme: light)');
+
+/** @returns {Theme} */
+function wanted() {
+  const chosen = memory.theme();
+  if (chosen === 'light' || chosen === 'dark') return chosen;
+  return systemIsLight.matches ? 'light' : 'dark';
+}
+
+/** Put the theme on the page and keep it in step with the system.
+ * @param {() => void} onChange */
+export function startTheme(onChange) {
+  document.documentElement.dataset.theme = wanted();
+  systemIsLight.addEventListener('change', () => {
+    document.documentElement.dataset.theme = wanted();
+    onChange();
+  });
+}
+
+/** Change to the other theme and remember it. */
+export function switchTheme() {
+  const theme = document.documentElement.dataset.theme === 'dark' ? 'light' : 'dark';
+  document.documentElement.dataset.theme = theme;
+  memory.keepTheme(theme);
+}
+
+/** A colour or font token as it stands in the present theme.
+ * @param {string} name such as "--grid" */
+export function token(name) {
+  return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+}

@@ -1,0 +1,126 @@
+"""A page of the real server in a real browser; what goes wrong unseen in it fails the test."""
+
+import re
+from collections.abc import Callable, Iterator
+
+import pytest
+from playwright.sync_api import Browser, BrowserContext, Page, sync_playwright
+
+from browser.server import CHROMIUM, CHROMIUM_ARGUMENTS, Server
+from browser.stepramp_page import StepRampPage
+from tools import require
+
+DESKTOP = (1440, 900)
+
+
+class Watch:
+    """What must not happen in a page: errors, and requests to anywhere but the server."""
+
+    def __init__(self, base_url: str) -> None:
+        self.base_url = base_url
+        self.expected: list[str] = []
+        self.errors: list[str] = []
+        self.elsewhere: list[str] = []
+
+    def follow(self, page: Page) -> None:
+        """Take note of what happens in a page."""
+        page.on("pageerror", lambda error: self.errors.append(f"page error: {error}"))
+        page.on("console", lambda message: message.type == "error" and self.errors.append(message.text))
+        page.on("request", lambda request: self._request(request.url))
+
+    def _request(self, url: str) -> None:
+        if not url.startswith((self.base_url, "data:", "blob:")):
+            self.elsewhere.append(url)
+
+    def check(self) -> None:
+        """Fail for everything that was not expected."""
+        unexpected = [text for text in self.errors if not any(re.search(one, text) for one in self.expected)]
+        assert unexpected == []
+        assert self.elsewhere == []
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Browser]:
+    require(*([] if CHROMIUM.exists() else [str(CHROMIUM)]))
+    with sync_playwright() as playwright:
+        launched = playwright.chromium.launch(executable_path=CHROMIUM, args=CHROMIUM_ARGUMENTS)
+        yield launched
+        launched.close()
+
+
+@pytest.fixture(scope="session")
+def shared_server(browser: Browser) -> Iterator[Server]:
+    """Start one server for all tests that don't end it; only where there is a browser to use it."""
+    del browser
+    with Server() as server:
+        yield server
+
+
+@pytest.fixture
+def server(shared_server: Server) -> Iterator[Server]:
+    """Return the server; whatever a test left connected is stopped and let go of."""
+    yield shared_server
+    StepRampPage.release_devices(shared_server.url)
+
+
+@pytest.fixture
+def watch(server: Server) -> Iterator[Watch]:
+    watched = Watch(server.url)
+    yield watched
+    watched.check()
+
+
+@pytest.fixture(scope="session")
+def context(browser: Browser, shared_server: Server) -> Iterator[BrowserContext]:
+    """Return one browser profile for all pages, so that Plotly is compiled once."""
+    made = browser.new_context(base_url=shared_server.url)
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def open_page(context: BrowserContext, server: Server, watch: Watch) -> Iterator[Callable[..., StepRampPage]]:
+    """Return a function that opens the page as if the browser had never seen it."""
+
+    pages: list[Page] = []
+
+    def opened(size: tuple[int, int] = DESKTOP, theme: str = "dark") -> StepRampPage:
+        page = new_page(context, watch, size, theme)
+        pages.append(page)
+        return StepRampPage(page, server.url).open()
+
+    yield opened
+    for page in pages:
+        page.close()
+
+
+@pytest.fixture(scope="module")
+def module_watch(shared_server: Server) -> Iterator[Watch]:
+    watched = Watch(shared_server.url)
+    yield watched
+    watched.check()
+
+
+@pytest.fixture(scope="module")
+def module_page(context: BrowserContext, shared_server: Server, module_watch: Watch) -> Iterator[StepRampPage]:
+    """Return one page for all tests of a module that start over instead of loading it again."""
+    page = new_page(context, module_watch)
+    yield StepRampPage(page, shared_server.url).open()
+    page.close()
+
+
+def new_page(context: BrowserContext, watch: Watch, size: tuple[int, int] = DESKTOP, theme: str = "dark") -> Page:
+    """Return an empty tab of a browser that has kept nothing."""
+    page = context.new_page()
+    page.set_default_timeout(10_000)
+    page.set_viewport_size({"width": size[0], "height": size[1]})
+    page.emulate_media(color_scheme=theme)
+    kept = {"origin": watch.base_url.rstrip("/"), "storageTypes": "local_storage"}
+    context.new_cdp_session(page).send("Storage.clearDataForOrigin", kept)
+    watch.follow(page)
+    return page
+
+
+@pytest.fixture
+def stepramp(open_page: Callable[..., StepRampPage]) -> StepRampPage:
+    return open_page()

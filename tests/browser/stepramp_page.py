@@ -1,0 +1,141 @@
+"""The page as a person uses it: what the tests do with it and read off it, in one place."""
+
+import json
+import re
+import time
+import urllib.request
+from collections.abc import Callable
+from typing import Any, Self
+
+from playwright.sync_api import Locator, Page, expect
+
+SLEW_SPEED = "ramp.slew_speed_steps_per_s"
+ACCELERATION = "ramp.acceleration_steps_per_s2"
+REFUSED_VALUE = r"status of 422"
+"""The browser itself reports every refused request as an error; tests of wrong values expect it."""
+
+
+def until(condition: Callable[[], Any], within_s: float = 8) -> None:
+    """Wait until a condition holds. (The page's security policy forbids Playwright's own way.)"""
+    deadline = time.monotonic() + within_s
+    while not condition():
+        assert time.monotonic() < deadline, "it did not come about in time"
+        time.sleep(0.03)
+
+
+class StepRampPage:
+    """The open page."""
+
+    def __init__(self, page: Page, url: str) -> None:
+        self.page, self.url = page, url
+
+    def open(self) -> Self:
+        self.page.goto(self.url)
+        self.wait_for_plots()
+        return self
+
+    def reload(self) -> None:
+        self.page.reload()
+        self.wait_for_plots()
+
+    def wait_for_plots(self) -> None:
+        self.page.locator(".figure .scatterlayer path.js-line").first.wait_for()
+
+    def field(self, path: str) -> Locator:
+        return self.page.locator(f'.parameter[data-path="{path}"] input.number')
+
+    def slider(self, path: str) -> Locator:
+        return self.page.locator(f'.parameter[data-path="{path}"] .slider')
+
+    def message(self, path: str) -> Locator:
+        return self.page.locator(f'.parameter[data-path="{path}"] .message')
+
+    def curves(self) -> dict[str, list[float]]:
+        """Return the y values of every visible trace, by method and plot: "first_order-error"."""
+        script = """() => Object.fromEntries(document.querySelector('.figure').data
+            .filter((trace) => trace.visible).map((trace) => [trace.uid, Array.from(trace.y)]))"""
+        return self.page.evaluate(script)
+
+    def x_axis(self) -> dict[str, Any]:
+        script = "() => { const axis = document.querySelector('.figure').layout.xaxis; "
+        return self.page.evaluate(script + "return {type: axis.type, range: axis.range, title: axis.title.text}; }")
+
+    def edit_and_wait(self, path: str, text: str) -> None:
+        """Type a value that is right and wait until the plots show it."""
+        before = self.curves()
+        self.field(path).fill(text)
+        until(lambda: self.curves() != before)
+
+    def figure_text(self, name: str) -> str:
+        return self.page.locator(f'[data-figure="{name}"]').inner_text()
+
+    def table_rows(self) -> list[list[str]]:
+        rows = self.page.locator("#table-rows tr.row")
+        return [[cell.input_value() for cell in row.locator("input").all()] for row in rows.all()]
+
+    def paste_into_table(self, text: str) -> None:
+        """Paste as Ctrl+V does, with the focus in the grid."""
+        script = """(text) => { const data = new DataTransfer(); data.setData('text/plain', text);
+            document.querySelector('#table-rows').dispatchEvent(
+                new ClipboardEvent('paste', {clipboardData: data, bubbles: true, cancelable: true})); }"""
+        self.page.evaluate(script, text)
+
+    def show_panel(self, name: str) -> None:
+        """Choose a tab where there are tabs."""
+        tab = self.page.locator(f'.tabs [data-value="{name}"]')
+        if tab.is_visible():
+            tab.click()
+
+    def start_over(self) -> None:
+        """Go back to what a fresh page shows, without the second that loading it takes."""
+        self.choose_example("Lead-screw stage")
+        self.page.locator('#axis-choice [data-value="step"]').click()
+        self.page.locator('#view-choice [data-value="whole"]').click()
+        until(lambda: "671.8 ms" in self.figure_text("duration").replace("\u202f", " "))
+        until(lambda: self.x_axis()["range"][0] < 1 and 500 < self.x_axis()["range"][1] < 505)
+
+    def choose_example(self, title: str) -> None:
+        self.page.locator("#examples").click()
+        self.page.locator("#menu-list button b", has_text=re.compile(f"^{title}")).click()
+
+    @property
+    def state(self) -> Locator:
+        return self.page.locator(".panel.device .pill")
+
+    @property
+    def position(self) -> Locator:
+        return self.page.locator("#live-position")
+
+    def connect(self) -> None:
+        self.show_panel("device")
+        self.page.locator("#port").select_option("sim://")
+        self.page.locator("#connect").click()
+        expect(self.state).to_have_text("ready", timeout=10_000)
+
+    def push(self) -> None:
+        self.page.locator("#push").click()
+        expect(self.page.locator(".push-head .verified")).to_be_visible(timeout=20_000)
+        expect(self.state).to_have_text("ready")
+
+    def move(self, steps: str, kind: str = "by") -> None:
+        self.page.locator(f'.panel.device .segmented [data-value="{kind}"]').click()
+        self.page.locator("#move-steps").fill(steps)
+        self.page.locator("#move").click()
+
+    def devices(self) -> list[dict[str, Any]]:
+        return self.ask(self.url, "GET", "devices")["devices"]
+
+    @staticmethod
+    def ask(url: str, method: str, path: str) -> Any:
+        """Ask the server without the page, as another program would."""
+        request = urllib.request.Request(f"{url}api/v1/{path}", method=method)
+        with urllib.request.urlopen(request, timeout=10) as response:
+            return json.load(response)
+
+    @classmethod
+    def release_devices(cls, url: str) -> None:
+        """Stop and disconnect every device."""
+        for device in cls.ask(url, "GET", "devices")["devices"]:
+            cls.ask(url, "POST", f"devices/{device['id']}/halt")
+            until(lambda one=device["id"]: cls.ask(url, "GET", f"devices/{one}")["state"] in ("ready", "lost"))
+            cls.ask(url, "DELETE", f"devices/{device['id']}")

@@ -1,0 +1,180 @@
+"""The page's modules that know no page, run in the browser they are made for."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+from playwright.sync_api import Browser, Page
+
+from browser.server import Server
+from browser.stepramp_page import StepRampPage
+
+
+@pytest.fixture(scope="module")
+def page(browser: Browser, shared_server: Server) -> Iterator[Page]:
+    opened = browser.new_page()
+    StepRampPage(opened, shared_server.url).open()
+    yield opened
+    opened.close()
+
+
+def call(page: Page, module: str, function: str, *arguments: object) -> Any:
+    script = "async ([module, name, values]) => (await import(`/${module}`))[name](...values)"
+    return page.evaluate(script, [module, function, list(arguments)])
+
+
+@pytest.mark.parametrize(
+    ("text", "rows"),
+    [
+        ("{ 10, 5000 }, { 30, 1500 }", [[10, 5000], [30, 1500]]),
+        ("{10,5000},{30,1500},", [[10, 5000], [30, 1500]]),
+        ("{{10, 5000}, {30, 1500}}", [[10, 5000], [30, 1500]]),
+        ("unsigned short accelTable[][2] = {\n {  10, 5000},\n {30,1500}\n};", [[10, 5000], [30, 1500]]),
+        ("const uint16_t t[1][2] PROGMEM = { {10u, 5000UL} };", [[10, 5000]]),
+        ("uint16_t t[][2] = { 10, 5000, 30, 1500 };", [[10, 5000], [30, 1500]]),
+        ("/* {1, 2}, */ {0x0A, 0x1388} // {3, 4}", [[10, 5000]]),
+        ("{ 10,\r\n 5000 },\r\n\r\n{ 30, 1500 }", [[10, 5000], [30, 1500]]),
+        ("{10, 5e3}", [[10, 5000]]),
+        ("{0, 5000}", [[0, 5000]]),
+        ("10\t5000\n30\t1500\n", [[10, 5000], [30, 1500]]),
+        ("10, 5000\n30; 1500", [[10, 5000], [30, 1500]]),
+        ("{-1, 5000}", [[-1, 5000]]),
+    ],
+)
+def test_tables_that_are_understood(page: Page, text: str, rows: list[list[float]]) -> None:
+    assert call(page, "c_table.js", "parseTable", text) == {"rows": rows, "problem": None}
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "nothing to read"),
+        ("  // {1, 2}", "nothing to read"),
+        ("{}", "Row 1: a number is missing"),
+        ("{{}}", "Row 1: a number is missing"),
+        ("t[][2] = {};", "No row found"),
+        ("t[][2] = {1, 2, 3};", "3 numbers don’t make rows of two"),
+        ("{10}", "Row 1 has 1 value;"),
+        ("{10, 5000}, {30}", "Row 2 has 1 value;"),
+        ("{10, 5000, 1}, {30, 1500}", "Row 1 has 3 values"),
+        ("{10, 5000}, {30, fast}", "Row 2: “fast” is not a number"),
+        ("{10, }, {30, 1500}", "Row 1"),
+        ("{010, 5000}, {30, 1500}", "octal"),
+        ("{10, 5000", "1 closing brace(s)"),
+        ("10, 5000}", "1 opening brace(s)"),
+        ("{{{10, 5000}}, {30, 1500}}", "nested deeper"),
+        ("{10, 5000} + {30, 1500}", "stands between the rows"),
+        ("{10, 1e999}, {30, 1}", "too large"),
+        ("hello", "Row 1 has 1 value"),
+    ],
+)
+def test_tables_that_are_not_understood_are_explained(page: Page, text: str, words: str) -> None:
+    reading = call(page, "c_table.js", "parseTable", text)
+    assert reading["rows"] is None
+    assert words in reading["problem"]
+
+
+@pytest.mark.parametrize(
+    ("text", "entry"),
+    [
+        ("1,000,000", 1_000_000),
+        ("1 000", 1000),
+        ("1’000.5", 1000.5),
+        ("-5", -5),
+        ("−5", -5),
+        (" 2e6 ", 2_000_000),
+        (".5", 0.5),
+        ("1,5", "1,5"),
+        ("1,0000", "1,0000"),
+        ("12 34", "12 34"),
+        ("1e400", "1e400"),
+        ("NaN", "NaN"),
+        ("Infinity", "Infinity"),
+        ("0x10", "0x10"),
+        ("", ""),
+        ("abc", "abc"),
+    ],
+)
+def test_entries_are_numbers_or_stay_as_typed(page: Page, text: str, entry: float | str) -> None:
+    assert call(page, "numbers.js", "parseEntry", text) == entry
+
+
+def test_a_formatted_entry_reads_back_as_the_same_number(page: Page) -> None:
+    for value in (0, 1, 999, 1000, 1234567, -1234.5, 0.001, 1e21, 16_000_000.25):
+        assert call(page, "numbers.js", "parseEntry", call(page, "numbers.js", "formatEntry", value)) == value
+
+
+def test_a_slider_gives_back_what_it_shows(page: Page) -> None:
+    script = """async () => { const {GROUPS, sliderPosition, sliderValue} = await import('/fields.js');
+        return GROUPS.flatMap((group) => group.fields).flatMap(({path, slider}) => [slider.from, slider.to]
+            .filter((end) => sliderValue(slider, sliderPosition(slider, end), 1) !== end)
+            .map((end) => [path, end])); }"""
+    assert page.evaluate(script) == []
+
+
+SCENE = """async (change) => {
+    const {figureOf} = await import('/figure.js');
+    const {curveOf} = await import('/curves.js');
+    const profile = {step: [1, 2, 3, 4], intervals_ticks: [20000, 10000, 10000, 20000], time_s: [0, .01, .015, .02],
+        position_steps: [1, 2, 3, 4], speed_steps_per_s: [100, 200, 200, 100],
+        phases: [{name: 'accelerate', first_step: 1, last_step: 2}, {name: 'decelerate', first_step: 3, last_step: 4}],
+        summary: {steps: 4, duration_s: .03, peak_speed_steps_per_s: 200, accelerate_steps: 2, slew_steps: 0,
+            decelerate_steps: 2}, warnings: []};
+    const answer = {design: {axis: {full_steps_per_rev: 200, microsteps: 2, travel_per_rev: 8, travel_unit: 'mm'},
+        timer: {frequency_hz: 2e6}, method: {name: change.method ?? 'first_order'}},
+        profiles: {exact: profile, first_order: profile, table: profile}, failures: {},
+        errors: {first_order: {step: [1, 4], relative_error: [0, -.25]},
+            table: {step: [1, 4], relative_error: [0, .1]}}};
+    const scene = {answer, axis: 'step', view: 'whole', only: 'velocity', zoom: null, compact: false, moving: false,
+        shown: new Set(['exact', 'first_order', 'table']), size: {width: 800, height: 600}, colours: {}, font: 'serif',
+        ...change};
+    scene.shown = new Set(scene.shown);
+    scene.curves = Object.fromEntries(['exact', 'first_order', 'table']
+        .map((name) => [name, curveOf(answer, name, scene.axis)]));
+    return figureOf(scene);
+}"""
+
+
+def test_traces_come_in_three_a_method_the_chosen_one_last_and_widest(page: Page) -> None:
+    traces = page.evaluate(SCENE, {"method": "table"})["traces"]
+    assert [trace["uid"] for trace in traces] == [
+        f"{method}-{plot}" for method in ("exact", "first_order", "table") for plot in ("velocity", "delay", "error")
+    ]
+    assert max(trace["line"]["width"] for trace in traces) == traces[-1]["line"]["width"]
+    assert [trace["yaxis"] for trace in traces[:3]] == ["y", "y2", "y3"]
+    assert traces[0]["y"] == [100, 200, 200, 100]
+    assert traces[1]["y"] == [10000, 5000, 5000, 10000], "in µs"
+    assert traces[5]["y"] == [0, -25], "in per cent"
+    assert traces[6]["line"]["shape"] == "vh", "a table is a staircase"
+
+
+def test_hidden_methods_and_a_phone_s_other_plots_are_invisible(page: Page) -> None:
+    traces = page.evaluate(SCENE, {"shown": ["exact", "first_order"], "compact": True, "only": "delay"})["traces"]
+    assert [trace["uid"] for trace in traces if trace["visible"]] == ["exact-delay", "first_order-delay"]
+
+
+def test_axes_show_all_curves_and_stack_without_overlap(page: Page) -> None:
+    layout = page.evaluate(SCENE, {})["layout"]
+    domains = [layout[name]["domain"] for name in ("yaxis3", "yaxis2", "yaxis")]
+    assert domains[0][0] == pytest.approx(0, abs=1e-9)
+    assert domains[0][1] < domains[1][0] < domains[1][1] < domains[2][0]
+    assert domains[2][1] == pytest.approx(1)
+    assert layout["yaxis"]["range"][1] > 200
+    assert layout["yaxis2"]["type"] == "log"
+    assert layout["yaxis3"]["range"][0] < -25
+    assert layout["yaxis3"]["range"][1] > 10
+    assert len(layout["shapes"]) == 6, "two ramps in three plots"
+
+
+def test_the_start_is_logarithmic_over_steps_and_near_over_time(page: Page) -> None:
+    assert page.evaluate(SCENE, {"view": "start"})["layout"]["xaxis"]["type"] == "log"
+    over_time = page.evaluate(SCENE, {"view": "start", "axis": "time"})["layout"]["xaxis"]
+    assert over_time["type"] == "linear"
+    assert over_time["range"][1] < 10
+
+
+def test_a_move_of_another_length_is_placed_by_its_ramps(page: Page) -> None:
+    summary = {"steps": 500, "accelerate_steps": 100, "slew_steps": 300, "decelerate_steps": 100}
+    places = {(0, 2000): 0, (50, 1950): 50, (1000, 1000): 250, (1950, 50): 450, (2000, 0): 500, (250, 250): 250}
+    for (done, remaining), step in places.items():
+        assert call(page, "curves.js", "plottedStep", {"summary": summary}, done, remaining) == step

@@ -1,0 +1,36 @@
+"""The server ends and comes back."""
+
+from playwright.sync_api import Browser, expect
+
+from browser.conftest import Watch
+from browser.server import Server
+from browser.stepramp_page import SLEW_SPEED, StepRampPage, until
+
+GONE = r"ERR_CONNECTION|WebSocket connection|ERR_INCOMPLETE"
+
+
+def test_the_page_says_so_and_goes_on_when_it_is_back(browser: Browser) -> None:
+    with Server() as server:
+        context = browser.new_context(viewport={"width": 1440, "height": 900})
+        page = context.new_page()
+        watch = Watch(server.url)
+        watch.expected.append(GONE)
+        watch.follow(page)
+        stepramp = StepRampPage(page, server.url).open()
+        expect(page.locator("#server-state")).to_have_text("server connected")
+        server.stop()
+        expect(page.locator("#server-state")).to_contain_text("Server gone", timeout=10_000)
+        expect(page.locator("#connect")).to_be_disabled()
+        stepramp.field(SLEW_SPEED).fill("700")
+        page.locator("#stop").click()
+        expect(page.locator(".summary-messages")).to_contain_text("STOP did not get through")
+        server.start()
+        expect(page.locator("#server-state")).to_have_text("server connected", timeout=10_000)
+        until(lambda: "of 700 asked for" in stepramp.figure_text("peak"))
+        expect(page.locator(".summary-messages")).to_be_hidden()
+        # A server just started has a virtual controller that was never given a ramp.
+        stepramp.connect()
+        expect(page.locator("#move-reason")).to_have_text("Push a ramp first.")
+        expect(page.locator("#move")).to_be_disabled()
+        context.close()
+        watch.check()

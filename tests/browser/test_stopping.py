@@ -1,0 +1,84 @@
+"""STOP: from anywhere, at any time."""
+
+import pytest
+from playwright.sync_api import expect
+
+from browser.conftest import Watch
+from browser.stepramp_page import REFUSED_VALUE, StepRampPage, until
+
+FAR = 1_000_000
+
+
+@pytest.fixture
+def moving(stepramp: StepRampPage) -> StepRampPage:
+    """Return the page with a move of a thousand seconds under way, on a ramp that takes a second to slow down."""
+    stepramp.edit_and_wait("ramp.acceleration_steps_per_s2", "1000")
+    stepramp.connect()
+    stepramp.push()
+    stepramp.move(str(FAR))
+    expect(stepramp.state).to_have_text("moving")
+    expect(stepramp.page.locator(".moving-dot")).to_have_attribute("visibility", "visible")
+    until(lambda: stepramp.devices()[0]["speed_steps_per_s"] > 600)
+    return stepramp
+
+
+def at_rest(stepramp: StepRampPage) -> int:
+    """Return where the motor stands once it stands still."""
+    expect(stepramp.state).to_have_text("ready", timeout=5_000)
+    position: int = stepramp.devices()[0]["position_steps"]
+    assert 0 < position < FAR
+    expect(stepramp.position).to_have_text(f"{position:,}")
+    return position
+
+
+def test_the_button_slows_the_motor_down(moving: StepRampPage) -> None:
+    before = moving.devices()[0]["position_steps"]
+    moving.page.locator("#stop").click()
+    expect(moving.state).to_have_text("stopping")
+    expect(moving.page.locator("#stop")).to_contain_text("HALT")
+    assert at_rest(moving) > before + 100, "it slows down with its ramp"
+    expect(moving.page.locator("#stop")).to_contain_text("STOP")
+    expect(moving.page.locator(".moving-dot")).to_have_attribute("visibility", "hidden")
+
+
+def test_escape_stops_while_typing_and_a_second_one_halts(moving: StepRampPage, watch: Watch) -> None:
+    watch.expected.append(REFUSED_VALUE)
+    moving.field("move.steps").focus()
+    moving.page.keyboard.type("9")
+    moving.page.keyboard.press("Escape")
+    expect(moving.state).to_have_text("stopping")
+    stopping_at = moving.devices()[0]["position_steps"]
+    moving.page.keyboard.press("Escape")
+    assert at_rest(moving) < stopping_at + 400, "no further step"
+
+
+def test_escape_and_the_button_work_while_the_dialog_is_open(moving: StepRampPage) -> None:
+    page = moving.page
+    page.locator("#paste-table").click()
+    page.locator("#paste-text").fill("{1, 2}")
+    page.keyboard.press("Escape")
+    expect(moving.state).to_have_text("stopping")
+    expect(page.locator("#paste-dialog")).to_be_hidden()
+    page.locator("#paste-table").click()
+    page.locator("#stop").click()
+    at_rest(moving)
+
+
+def test_nothing_moves_on_load_connect_or_reload(stepramp: StepRampPage) -> None:
+    sent: list[str] = []
+    stepramp.page.on("request", lambda request: sent.append(f"{request.method} {request.url}"))
+    stepramp.connect()
+    stepramp.reload()
+    expect(stepramp.state).to_have_text("ready")
+    stepramp.page.locator("#method").select_option("table")
+    stepramp.page.wait_for_timeout(600)
+    assert [one for one in sent if one.endswith(("/move", "/push"))] == []
+    device = stepramp.devices()[0]
+    assert (device["state"], device["position_steps"], device["target_steps"]) == ("ready", 0, 0)
+
+
+def test_a_reload_in_the_middle_of_a_move_finds_it_again(moving: StepRampPage) -> None:
+    moving.reload()
+    expect(moving.state).to_have_text("moving")
+    moving.page.keyboard.press("Escape")
+    at_rest(moving)
