@@ -1,0 +1,172 @@
+"""The real firmware in a simulated ATmega328P behind a pseudo-terminal, and its pins' edges."""
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import tempfile
+from functools import cache
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+import numpy.typing as npt
+
+CLOCK_HZ = 16_000_000
+STEP_PIN = 2
+DIRECTION_PIN = 3
+EDGE = np.dtype([("cycle", "<i8"), ("pin", "i1"), ("value", "i1")])
+
+_HERE = Path(__file__).parent
+_FIRMWARE = _HERE.parent.parent / "firmware"
+_SIMAVR_HEADER = Path("/usr/include/simavr/sim_avr.h")
+_LIBRARIES = ["-lsimavrparts", "-lsimavr", "-lelf", "-lpthread", "-lutil"]
+_POWER_CUT_EXIT = 3
+
+
+class BuildError(RuntimeError):
+    """The firmware or the simulator can't be built."""
+
+
+def missing_tools() -> list[str]:
+    """Return the names of the tools that building and running the simulator need and this machine lacks."""
+    missing = [tool for tool in ("avr-gcc", "make", "gcc") if shutil.which(tool) is None]
+    return missing if _SIMAVR_HEADER.exists() else [*missing, "simavr (libsimavr-dev)"]
+
+
+def _run(command: list[str]) -> None:
+    result = subprocess.run(command, capture_output=True, text=True, check=False)
+    if result.returncode:
+        raise BuildError(f"{' '.join(command)} failed:\n{result.stdout}{result.stderr}")
+
+
+def _refuse_missing_tools() -> None:
+    if missing := missing_tools():
+        raise BuildError(f"missing: {', '.join(missing)}")
+
+
+@cache
+def _build_folder() -> Path:
+    """Return a folder of this process, so that two test runs at a time don't build into the same files."""
+    folder = tempfile.TemporaryDirectory(prefix="stepramp-build-")
+    _build_folders.append(folder)
+    return Path(folder.name)
+
+
+_build_folders: list[tempfile.TemporaryDirectory[str]] = []
+
+
+@cache
+def build_firmware() -> Path:
+    """Build the firmware, once a process; return its ELF file. BuildError when a tool is missing or the build fails."""
+    _refuse_missing_tools()
+    build = _build_folder() / "firmware"
+    _run(["make", "-C", str(_FIRMWARE), f"BUILD={build}"])
+    return build / "stepramp.elf"
+
+
+@cache
+def build_harness() -> Path:
+    """Build the simulator, once a process; return its program. BuildError as above."""
+    _refuse_missing_tools()
+    program = _build_folder() / "avr_host"
+    sources = sorted(str(source) for source in _HERE.glob("*.c"))
+    flags = ["-std=gnu11", "-O2", "-Wall", "-Wextra", "-Werror", "-I/usr/include/simavr"]
+    _run(["gcc", *flags, "-o", str(program), *sources, *_LIBRARIES])
+    return program
+
+
+class SimulatedController:
+    """A controller that can be opened at `port`, and whose pins can be looked at.
+
+    `boot_ms`: opening the port resets it, and it is deaf for so long, like an Arduino Uno (0: opening does nothing).
+    `real_time`: at 16 MHz; otherwise as fast as this machine can. `eeprom`: the file that keeps its EEPROM (default: a
+    new one in `workdir`). `cut_power_at_write`: the power fails in the middle of that EEPROM write, counted from 1;
+    `start` runs it again, with the power on for good.
+    """
+
+    def __init__(
+        self,
+        firmware_elf: Path,
+        workdir: Path,
+        *,
+        boot_ms: int = 0,
+        real_time: bool = True,
+        eeprom: Path | None = None,
+        cut_power_at_write: int | None = None,
+    ) -> None:
+        self.port = str(workdir / "avr-tty")
+        self.eeprom = eeprom or workdir / "eeprom.bin"
+        self.statistics: dict[str, Any] = {}
+        """What the last run counted; filled by `stop`."""
+        self._firmware = firmware_elf
+        self._edges = workdir / "edges.bin"
+        self._boot_ms = boot_ms
+        self._real_time = real_time
+        self._cut_power_at_write = cut_power_at_write
+        self._process: subprocess.Popen[str] | None = None
+
+    def start(self) -> None:
+        """Switch it on. RuntimeError when the simulator doesn't start, or runs already."""
+        if self._process:
+            raise RuntimeError("The simulated controller runs already.")
+        command = [str(build_harness()), "--link", self.port, "--edges", str(self._edges), "--eeprom", str(self.eeprom)]
+        command += ["--boot-ms", str(self._boot_ms)]
+        command += [] if self._real_time else ["--free-running"]
+        if self._cut_power_at_write is not None:
+            command += ["--cut-power-at", str(self._cut_power_at_write)]
+            self._cut_power_at_write = None
+        self._process = subprocess.Popen([*command, str(self._firmware)], stdout=subprocess.PIPE, text=True)
+        if self._process.stdout is None or self._process.stdout.readline() != "ready\n":
+            self._process.kill()
+            self._process.communicate()
+            self._process = None
+            raise RuntimeError(f"The simulator did not start: {' '.join(command)}")
+
+    def stop(self) -> None:
+        """Switch it off, and read what it counted. Does nothing when it doesn't run."""
+        if self._process is None:
+            return
+        process, self._process = self._process, None
+        process.terminate()
+        try:
+            output, _ = process.communicate(timeout=10)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.communicate()
+            raise
+        if process.returncode not in (0, _POWER_CUT_EXIT):
+            raise RuntimeError(f"The simulator ended with {process.returncode}.")
+        self.statistics = json.loads(output)
+
+    def wait_for_power_cut(self, timeout_s: float = 30.0) -> None:
+        """Wait until the power has been cut. subprocess.TimeoutExpired when that doesn't happen."""
+        if self._process:
+            self._process.wait(timeout_s)
+
+    def press_reset(self) -> None:
+        """Press the reset button. RuntimeError when it doesn't run."""
+        if self._process is None:
+            raise RuntimeError("The simulated controller doesn't run.")
+        os.kill(self._process.pid, signal.SIGUSR1)
+
+    def edges(self) -> npt.NDArray[np.void]:
+        """Return the edges of the pins since `start`: cycle [1/16 µs], pin, value.
+
+        While it runs, the last 10 ms may be missing; after `stop` they are complete.
+        """
+        data = self._edges.read_bytes()
+        return np.frombuffer(data[: len(data) - len(data) % EDGE.itemsize], dtype=EDGE)
+
+    def __enter__(self) -> Self:
+        self.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.stop()
+
+
+def pulses(edges: npt.NDArray[np.void]) -> npt.NDArray[np.int64]:
+    """Return the cycles at which the step pin rises."""
+    return edges["cycle"][(edges["pin"] == STEP_PIN) & (edges["value"] == 1)]

@@ -1,0 +1,249 @@
+/* Runs the firmware of an ATmega328P at 16 MHz in libsimavr, behind a pseudo-terminal. See --help. */
+#include <errno.h>
+#include <getopt.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <simavr/sim_avr.h>
+#include <simavr/sim_elf.h>
+
+#include "host.h"
+
+static const char help[] =
+    "usage: avr_host [options] firmware.elf\n"
+    "Runs the firmware of an ATmega328P at 16 MHz behind a pseudo-terminal. Prints `ready` after 50 ms of\n"
+    "simulated time, and on SIGTERM, SIGINT or when the power has been cut what it counted, as a line of\n"
+    "JSON. SIGUSR1 is the reset button.\n"
+    "\n"
+    "  --link PATH       make PATH a symbolic link to the pseudo-terminal (default: avr-tty)\n"
+    "  --edges FILE      log each edge of pins 0 to 13: i64 cycle, i8 pin, i8 value\n"
+    "  --eeprom FILE     keep the EEPROM in FILE\n"
+    "  --cut-power-at N  cut the power in the middle of EEPROM write N, counted from 1\n"
+    "  --boot-ms N       opening the terminal resets the processor, which then is deaf for N ms (0: no reset)\n"
+    "  --free-running    run as fast as possible (default: in real time)\n"
+    "  --help            print this\n";
+
+enum { POLL_CYCLES = 1600 /* 100 us */, FLUSH_CYCLES = 160000 /* 10 ms */, PAINT = 0xA5, SRAM_BEGINS = 0x100 };
+enum { READY_CYCLES = 800000 /* 50 ms */ };
+enum { POWER_CUT_EXIT = 3 };
+
+struct options {
+    const char *link, *edges, *eeprom, *firmware;
+    long cut_power_at;
+    unsigned boot_ms;
+    bool free_running;
+};
+
+static avr_t *avr;
+static elf_firmware_t firmware;
+static avr_cycle_count_t runs_from;
+static volatile sig_atomic_t stop_asked, reset_asked;
+
+static void on_signal(int signal_number)
+{
+    if (signal_number == SIGUSR1) {
+        reset_asked = 1;
+    } else {
+        stop_asked = 1;
+    }
+}
+
+static unsigned stack_begins(void)
+{
+    return SRAM_BEGINS + firmware.datasize + firmware.bsssize;
+}
+
+/* The stack grows down over the paint; what is left of it has never been used. */
+static unsigned untouched_stack(void)
+{
+    unsigned address = stack_begins();
+    while (address <= avr->ramend && avr->data[address] == PAINT) {
+        address++;
+    }
+    return address - stack_begins();
+}
+
+static void finish(bool power_was_cut)
+{
+    struct serial_counts serial = serial_line_counts();
+    edges_flush();
+    serial_line_detach();
+    printf("{\"cycles\": %llu, \"received_bytes\": %ld, \"lost_bytes\": %ld, \"sent_bytes\": %ld, "
+           "\"longest_answer_cycles\": %llu, \"eeprom_writes\": %ld, "
+           "\"edges\": %ld, \"longest_interrupt_cycles\": %llu, \"stack_bytes\": %u, \"untouched_stack_bytes\": %u, "
+           "\"power_was_cut\": %s}\n",
+           (unsigned long long)avr->cycle, serial.received, serial.lost, serial.sent,
+           (unsigned long long)serial.longest_answer, eeprom_writes(), edges_count(),
+           (unsigned long long)timer1_longest_interrupt(), avr->ramend + 1 - stack_begins(), untouched_stack(),
+           power_was_cut ? "true" : "false");
+    fflush(stdout);
+}
+
+static void on_power_cut(void)
+{
+    finish(true);
+    _exit(POWER_CUT_EXIT);
+}
+
+static bool parse_options(int count, char **words, struct options *options)
+{
+    static const struct option names[] = {
+        {"link", required_argument, NULL, 'l'},    {"edges", required_argument, NULL, 'e'},
+        {"eeprom", required_argument, NULL, 'm'},  {"cut-power-at", required_argument, NULL, 'c'},
+        {"boot-ms", required_argument, NULL, 'b'}, {"free-running", no_argument, NULL, 'f'},
+        {"help", no_argument, NULL, 'h'},          {NULL, 0, NULL, 0}};
+    int option;
+    while ((option = getopt_long(count, words, "", names, NULL)) != -1) {
+        switch (option) {
+        case 'l': options->link = optarg; break;
+        case 'e': options->edges = optarg; break;
+        case 'm': options->eeprom = optarg; break;
+        case 'c': options->cut_power_at = strtol(optarg, NULL, 10); break;
+        case 'b': options->boot_ms = (unsigned)strtoul(optarg, NULL, 10); break;
+        case 'f': options->free_running = true; break;
+        case 'h': fputs(help, stdout); exit(0);
+        default: return false;
+        }
+    }
+    options->firmware = words[optind];
+    return optind == count - 1;
+}
+
+/* Standard output is ours: simavr may only complain, and to standard error. */
+static void log_errors(avr_t *mcu, const int level, const char *format, va_list values)
+{
+    (void)mcu;
+    if (level == LOG_ERROR) {
+        vfprintf(stderr, format, values);
+    }
+}
+
+static bool load(const struct options *options)
+{
+    avr_global_logger_set(log_errors);
+    if (elf_read_firmware(options->firmware, &firmware) != 0) {
+        return false;
+    }
+    firmware.frequency = CLOCK_HZ;
+    avr = avr_make_mcu_by_name("atmega328p");
+    avr_init(avr);
+    avr_load_firmware(avr, &firmware);
+    memset(avr->data + stack_begins(), PAINT, avr->ramend + 1 - stack_begins());
+    timer1_attach(avr);
+    return eeprom_attach(avr, options->eeprom, options->cut_power_at, on_power_cut) &&
+           edges_attach(avr, options->edges) && serial_line_attach(avr, options->link, options->boot_ms);
+}
+
+/* Resets the processor. It begins to run after `boot_ms`, as its boot loader waits so long for a new program. */
+static void reset(unsigned boot_ms)
+{
+    avr_cycle_count_t now = avr->cycle;
+    avr_reset(avr);
+    avr->cycle = now;
+    runs_from = now + CLOCK_HZ / 1000 * boot_ms;
+    timer1_reset();
+    edges_reset();
+    serial_line_reset();
+    serial_line_deaf_until(runs_from);
+}
+
+static double seconds(void)
+{
+    struct timespec time;
+    clock_gettime(CLOCK_MONOTONIC, &time);
+    return (double)time.tv_sec + (double)time.tv_nsec * 1e-9;
+}
+
+/* Sleeps while the processor is ahead of the clock. When it is far behind, on a busy machine, the lost time is given up
+ * rather than caught up. */
+static void keep_real_time(void)
+{
+    static const double most_behind_s = 0.1;
+    static double started_at;
+    double now = seconds();
+    double simulated = (double)avr->cycle / CLOCK_HZ;
+    if (started_at == 0 || now - started_at - simulated > most_behind_s) {
+        started_at = now - simulated;
+    }
+    double ahead_s = started_at + simulated - now;
+    if (ahead_s > 0.0005) {
+        struct timespec pause = {(time_t)ahead_s, (long)((ahead_s - (double)(time_t)ahead_s) * 1e9)};
+        nanosleep(&pause, NULL);
+    }
+}
+
+/* Says once that the firmware has had the time to begin. */
+static void say_when_ready(void)
+{
+    static bool is_said;
+    if (!is_said && avr->cycle >= READY_CYCLES) {
+        is_said = true;
+        printf("ready\n");
+        fflush(stdout);
+    }
+}
+
+/* Lets the processor go on by a little. Returns false when it has stopped for good. */
+static bool processor_runs(void)
+{
+    if (avr->cycle < runs_from) {
+        avr->cycle += POLL_CYCLES;
+        return true;
+    }
+    int state = avr_run(avr);
+    return state != cpu_Done && state != cpu_Crashed;
+}
+
+static bool run(const struct options *options)
+{
+    avr_cycle_count_t next_poll = 0, next_flush = 0;
+    while (!stop_asked) {
+        if (!processor_runs()) {
+            fprintf(stderr, "avr_host: the processor has stopped\n");
+            return false;
+        }
+        if (avr->cycle < next_poll) {
+            continue;
+        }
+        next_poll = avr->cycle + POLL_CYCLES;
+        say_when_ready();
+        if (serial_line_poll()) {
+            reset(options->boot_ms);
+        }
+        if (reset_asked) {
+            reset_asked = 0;
+            reset(options->boot_ms);
+        }
+        if (avr->cycle >= next_flush) {
+            next_flush = avr->cycle + FLUSH_CYCLES;
+            edges_flush();
+        }
+        if (!options->free_running) {
+            keep_real_time();
+        }
+    }
+    return true;
+}
+
+int main(int count, char **words)
+{
+    struct options options = {.link = "avr-tty"};
+    if (!parse_options(count, words, &options)) {
+        fputs(help, stderr);
+        return 2;
+    }
+    signal(SIGTERM, on_signal);
+    signal(SIGINT, on_signal);
+    signal(SIGUSR1, on_signal);
+    if (!load(&options)) {
+        fprintf(stderr, "avr_host: can't begin with %s\n", options.firmware);
+        return 2;
+    }
+    bool good = run(&options);
+    finish(false);
+    return good ? 0 : 1;
+}

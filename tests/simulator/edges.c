@@ -1,0 +1,67 @@
+#include <stdio.h>
+
+#include <simavr/avr_ioport.h>
+
+#include "host.h"
+
+enum { PINS = 14, FIRST_PIN_OF_PORT_B = 8 };
+
+static avr_t *avr;
+static FILE *log_file;
+static long count;
+static uint8_t values[PINS];
+
+static void log_edge(int pin, uint8_t value)
+{
+    if (values[pin] == value) {
+        return;
+    }
+    values[pin] = value;
+    count++;
+    if (log_file) {
+        int64_t cycle = (int64_t)avr->cycle;
+        int8_t pin_and_value[2] = {(int8_t)pin, (int8_t)value};
+        fwrite(&cycle, sizeof cycle, 1, log_file);
+        fwrite(pin_and_value, sizeof pin_and_value, 1, log_file);
+    }
+}
+
+static void on_pin(avr_irq_t *irq, uint32_t value, void *its_value)
+{
+    (void)irq;
+    log_edge((int)((uint8_t *)its_value - values), (uint8_t)value);
+}
+
+bool edges_attach(avr_t *mcu, const char *file)
+{
+    avr = mcu;
+    if (file && !(log_file = fopen(file, "wb"))) {
+        perror(file);
+        return false;
+    }
+    for (int pin = 0; pin < PINS; pin++) {
+        char port = pin < FIRST_PIN_OF_PORT_B ? 'D' : 'B';
+        avr_irq_t *irq = avr_io_getirq(avr, AVR_IOCTL_IOPORT_GETIRQ(port), pin % FIRST_PIN_OF_PORT_B);
+        avr_irq_register_notify(irq, on_pin, values + pin);
+    }
+    return true;
+}
+
+void edges_reset(void)
+{
+    for (int pin = 0; pin < PINS; pin++) {
+        log_edge(pin, 0);
+    }
+}
+
+void edges_flush(void)
+{
+    if (log_file) {
+        fflush(log_file);
+    }
+}
+
+long edges_count(void)
+{
+    return count;
+}
