@@ -1,5 +1,6 @@
 """The application: routes, pages, and what guards them."""
 
+import threading
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
@@ -9,6 +10,7 @@ from stepramp.controllers.devices import Devices
 from stepramp.http_api import devices, pages, planning, schedule, tables
 from stepramp.http_api.errors import ErrorList, handle_errors
 from stepramp.http_api.security import LoopbackOnly
+from stepramp.ramp.warm_up import warm_up
 from stepramp.version import __version__
 
 DESCRIPTION = """
@@ -21,7 +23,8 @@ routes. Words and units are those of the page: intervals in ticks of the design'
 
 @asynccontextmanager
 async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
-    """Let go of every device when the server ends; one that moves is stopped first."""
+    """Compile the numerics in the background; at the end let go of every device, one that moves being stopped first."""
+    threading.Thread(target=warm_up, daemon=True).start()
     yield
     app.state.devices.close()
 

@@ -1,0 +1,24 @@
+"""Compiling before it is needed: the numerics are compiled when they first run, and kept for the next start."""
+
+import numpy as np
+
+from stepramp.design import ARITHMETICS, Design
+from stepramp.ramp.error_curves import error_curves
+from stepramp.ramp.segments import compress
+
+
+def warm_up() -> None:
+    """Run each method once in each of its arithmetics, and the compression, on a small ramp."""
+    small = Design.checked(
+        {
+            "schema": "stepramp/1",
+            "timer": {"frequency_hz": 1_000_000},
+            "ramp": {"slew_speed_steps_per_s": 200, "acceleration_steps_per_s2": 1000},
+            "table": {"rows": [[10, 5000]]},
+            "move": {"steps": 100},
+        }
+    )
+    compress(np.array([2, 1]), 1)
+    for name, arithmetics in ARITHMETICS.items():
+        for arithmetic in arithmetics:
+            error_curves(small.with_method(name, arithmetic), name, "exact")
