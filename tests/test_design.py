@@ -123,7 +123,7 @@ def test_what_is_no_document_is_refused(value: object) -> None:
             "magic",
             "exact, ideal, midpoint, first_order, second_order, compromise, tuned, newton, austin, table",
         ),
-        ("method__arithmetic", "fixed", "float64, float32"),
+        ("method__arithmetic", "decimal", "float64, float32, fixed"),
         ("method__rounding", "up", "nearest, floor, carry"),
         ("axis__travel_unit", "inch", "mm, deg"),
         ("table__interval_unit", "ms", "us, ticks"),

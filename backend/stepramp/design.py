@@ -19,12 +19,12 @@ MOST_TABLE_ROWS = 1000
 MethodName = Literal[
     "exact", "ideal", "midpoint", "first_order", "second_order", "compromise", "tuned", "newton", "austin", "table"
 ]
-Arithmetic = Literal["float64", "float32"]
+Arithmetic = Literal["float64", "float32", "fixed"]
 Rounding = Literal["nearest", "floor", "carry"]
 TunedFor = Literal["largest_error", "time"]
 
 CLOSED_FORM: tuple[Arithmetic, ...] = ("float64", "float32")
-STEP_BY_STEP: tuple[Arithmetic, ...] = ("float32", "float64")
+STEP_BY_STEP: tuple[Arithmetic, ...] = ("float32", "float64", "fixed")
 
 ARITHMETICS: dict[MethodName, tuple[Arithmetic, ...]] = {
     "exact": CLOSED_FORM,
@@ -35,10 +35,14 @@ ARITHMETICS: dict[MethodName, tuple[Arithmetic, ...]] = {
     "compromise": STEP_BY_STEP,
     "tuned": STEP_BY_STEP,
     "newton": STEP_BY_STEP,
-    "austin": STEP_BY_STEP,
+    "austin": ("float32", "float64"),
     "table": CLOSED_FORM,
 }
-"""The arithmetics of each method, the usual one first. A table is not computed: there it makes no difference."""
+"""The arithmetics of each method, the usual one first.
+
+A table is not computed: there it makes no difference. Austin's recurrence divides at each step, which the integers of
+`fixed` do without; and what needs a square root is not for them.
+"""
 
 Speed = Annotated[float, Within(0.001, 1_000_000, "steps/s")]
 Acceleration = Annotated[float, Within(0.001, 1_000_000_000, "steps/s²")]
@@ -111,7 +115,9 @@ class Method(Document):
         "table: the lookup table",
     )
     arithmetic: Annotated[Arithmetic, OneOf()] = Field(
-        "float64", description="Numbers it is computed in; float32 is what C float gives, operation for operation"
+        "float64",
+        description="Numbers it is computed in: float32 is what C float gives, operation for operation; fixed the "
+        "integers of a controller without floating point",
     )
     rounding: Annotated[Rounding, OneOf()] = Field(
         "nearest",
@@ -123,6 +129,13 @@ class Method(Document):
         description="What `tuned` makes least: the largest relative error of an interval, or the error of the time "
         "that the ramp takes",
     )
+
+    @model_validator(mode="after")
+    def _arithmetic_of_the_method(self) -> Self:
+        possible = ARITHMETICS[self.name]
+        if self.arithmetic not in possible:
+            refuse("arithmetic", self.arithmetic, f"{', '.join(possible)} with method.name '{self.name}'")
+        return self
 
 
 Index = Annotated[int, Within(1, MOST_STEPS, "steps")]

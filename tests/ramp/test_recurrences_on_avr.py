@@ -10,7 +10,7 @@ import pytest
 
 from simulator.avr import SimulatedController, missing_tools
 from stepramp.ramp.kinematics import Slope
-from stepramp.ramp.methods import SIDES
+from stepramp.ramp.methods import IN_NUMBERS
 from tools import require
 
 SLOPES = [Slope(1_000_000, 100, 2000, 4000), Slope(2_000_000, 0, 1000, 5000), Slope(16_000_000, 3.7, 3333.3, 12_345.6)]
@@ -64,6 +64,6 @@ def test_float32_is_what_avr_gcc_gives_bit_for_bit(tmp_path: Path, slope: Slope,
     require(*missing_tools())
     with SimulatedController(program(tmp_path, slope, METHODS[method]), tmp_path, real_time=False) as controller:
         sent = np.frombuffer(received(controller, 8 * slope.steps), "<u4")
-    sides = SIDES[method]
+    sides = IN_NUMBERS[method]
     up, down = sides.up(slope, np.float32), sides.down(slope, np.float32)
     np.testing.assert_array_equal(np.concatenate((up, down[::-1])).view(np.uint32), sent)

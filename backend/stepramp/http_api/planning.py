@@ -19,7 +19,7 @@ from stepramp.http_api.planning_models import (
     profile_content,
 )
 from stepramp.ramp.error_curves import error_curves
-from stepramp.ramp.profile import profile_of
+from stepramp.ramp.profile import profile_of, tuning_report
 from stepramp.validation import Document, ListOf, OneOf, Within
 from stepramp.version import __version__
 
@@ -60,7 +60,7 @@ class ErrorsRequest(Document):
 @router.post("/profile", response_model=ProfileAnswer)
 def profile(request: ProfileRequest) -> Response:
     """Plan a design's move: intervals, times, positions and speeds of its steps, its phases, and a summary."""
-    return json_response(profile_content(profile_of(request.design), request.max_points))
+    return json_response(profile_content(profile_of(request.design), tuning_report(request.design), request.max_points))
 
 
 @router.post("/errors", response_model=ErrorsAnswer)

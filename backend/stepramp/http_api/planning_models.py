@@ -14,6 +14,7 @@ from stepramp.design import Design, MethodName
 from stepramp.ramp.error_curves import ErrorCurves
 from stepramp.ramp.profile import Profile
 from stepramp.ramp.thinning import kept_steps
+from stepramp.ramp.tuning import TuningReport
 
 CurveName = Literal[
     "relative_error",
@@ -65,6 +66,19 @@ class SlewResolutionAnswer(BaseModel):
     )
 
 
+class TuningAnswer(BaseModel):
+    """What the method `tuned` found, and how much better it is than formulas (20), (22) and (23)."""
+
+    coefficient_up: float = Field(description="c of p (1 + q + c q²) for the acceleration")
+    coefficient_down: float = Field(description="c of p (1 + q + c q²) for the deceleration")
+    largest_relative_error: dict[MethodName, float] = Field(
+        description="By method, the largest relative error of an interval, without sign: 0.01 is 1 %"
+    )
+    time_error: dict[MethodName, float] = Field(
+        description="By method, how much longer the ramp takes than the exact one: 0.01 is 1 %"
+    )
+
+
 class ProfileAnswer(BaseModel):
     """One planned move. Pulse 1 is at time 0; pulse i + 1 comes intervals_ticks of step i later."""
 
@@ -76,6 +90,7 @@ class ProfileAnswer(BaseModel):
     phases: list[PhaseAnswer] = Field(description="Stretches of the move that have steps, in order of time")
     summary: SummaryAnswer
     slew_resolution: SlewResolutionAnswer
+    tuning: TuningAnswer | None = Field(description="For the method `tuned`; null for others")
     warnings: list[WarningAnswer]
 
 
@@ -141,7 +156,7 @@ class HealthAnswer(BaseModel):
     version: str
 
 
-def profile_content(profile: Profile, most_points: int | None) -> dict[str, Any]:
+def profile_content(profile: Profile, tuning: TuningReport | None, most_points: int | None) -> dict[str, Any]:
     """Return a profile as a ProfileAnswer's content, thinned to about so many points."""
     kept = _kept(profile.intervals_ticks, profile, most_points)
     return {
@@ -160,6 +175,7 @@ def profile_content(profile: Profile, most_points: int | None) -> dict[str, Any]
             "decelerate_steps": profile.steps_of("decelerate"),
         },
         "slew_resolution": vars(profile.slew_resolution),
+        "tuning": tuning and vars(tuning),
         "warnings": [
             {"field": warning.field and f"design.{warning.field}", "message": warning.message}
             for warning in profile.warnings

@@ -6,17 +6,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stepramp.design import MOST_STEPS, Arithmetic, Design
+from stepramp.design import MOST_STEPS, Design
 from stepramp.errors import Rejected, Rejection
-from stepramp.ramp.kinematics import Number, Slope
-from stepramp.ramp.methods import sides_of
+from stepramp.ramp import tuning
+from stepramp.ramp.kinematics import Slope
+from stepramp.ramp.methods import NUMBERS, sides_of
 from stepramp.ramp.move import Intervals, Ramp, play, split
 from stepramp.ramp.table import table_ramp
 from stepramp.ramp.timer import carried, rounded
 from stepramp.ramp.timer_limits import SlewResolution, Warning, slew_resolution, timer_warnings
 from stepramp.units import speed_from_interval, ticks_from_us
-
-NUMBERS: dict[Arithmetic, Number] = {"float64": np.float64, "float32": np.float32}
 
 MOST_TICKS = 2**62
 """Longest move [ticks]: its instants fit in 64 bits."""
@@ -65,9 +64,10 @@ def real_ramp(design: Design) -> Ramp:
         return _table(design)
     up = _slope(design, design.ramp.acceleration_steps_per_s2, "acceleration")
     down = _slope(design, design.ramp.slowdown_steps_per_s2, "deceleration")
-    number = NUMBERS[design.method.arithmetic]
     sides = sides_of(design.method)
-    return Ramp(up=sides.up(up, number), slew=float(number(up.slew_interval)), down=sides.down(down, number))
+    # The slew interval is in the method's numbers too; integers have as many digits as it needs.
+    number = NUMBERS.get(design.method.arithmetic, np.float64)
+    return Ramp(up=sides.up(up), slew=float(number(up.slew_interval)), down=sides.down(down))
 
 
 def ramp_of(design: Design) -> Ramp:
@@ -106,6 +106,15 @@ def profile_of(design: Design) -> Profile:
         warnings=tuple(_short_move(design, ramp, steps) + timer_warnings(design, intervals, slew_ticks)),
         slew_resolution=slew_resolution(slew_ticks, timer_hz),
     )
+
+
+def tuning_report(design: Design) -> tuning.TuningReport | None:
+    """Return what tuning does for a design whose method is `tuned`; None for others. Raises Rejected as real_ramp."""
+    if design.method.name != "tuned":
+        return None
+    up = _slope(design, design.ramp.acceleration_steps_per_s2, "acceleration")
+    down = _slope(design, design.ramp.slowdown_steps_per_s2, "deceleration")
+    return tuning.report(up, down, design.method.tuned_for)
 
 
 def _intervals(design: Design, ramp: Ramp, steps: int) -> NDArray[np.int64]:
