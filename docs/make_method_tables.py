@@ -9,7 +9,7 @@ import numpy as np
 
 from stepramp.design import ARITHMETICS, Design
 from stepramp.ramp.move import Ramp
-from stepramp.ramp.profile import real_ramp
+from stepramp.ramp.plan import real_ramp
 
 PAGE = Path(__file__).with_name("methods.md")
 MARK = "<!-- tables -->\n"

@@ -12,7 +12,8 @@ from starlette.testclient import TestClient
 from designs import design, document
 from stepramp.http_api.app import create_app
 from stepramp.ramp.error_curves import error_curves
-from stepramp.ramp.profile import profile_of, ramp_of
+from stepramp.ramp.plan import ramp_of
+from stepramp.ramp.profile import profile_of
 from stepramp.ramp.segments import compress
 
 STEPS = (1_000, 100_000, 10_000_000)

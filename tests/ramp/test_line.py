@@ -10,7 +10,8 @@ from stepramp.design import Design
 from stepramp.errors import Rejected
 from stepramp.ramp.line import leader_of, line_profile, steps_together
 from stepramp.ramp.move import play
-from stepramp.ramp.profile import Profile, profile_of, real_ramp
+from stepramp.ramp.plan import real_ramp
+from stepramp.ramp.profile import Profile, profile_of
 
 GAUGE = [[10, 5000], [30, 1500], [100, 1000], [150, 800], [300, 600]]
 

@@ -8,7 +8,8 @@ from stepramp.design import ARITHMETICS, Design
 from stepramp.errors import Rejected
 from stepramp.ramp.fixed_point import fixed_newton_up, fixed_taylor_down
 from stepramp.ramp.kinematics import Slope, exact_intervals
-from stepramp.ramp.profile import profile_of, ramp_of, real_ramp
+from stepramp.ramp.plan import ramp_of, real_ramp
+from stepramp.ramp.profile import profile_of
 from stepramp.ramp.tuning import best_coefficient, taylor_down, taylor_up, tuned_down, tuned_up
 
 COMBINATIONS = [(name, arithmetic) for name, known in ARITHMETICS.items() for arithmetic in known]

@@ -18,8 +18,9 @@ from stepramp.http_api.planning_models import (
     errors_content,
     profile_content,
 )
-from stepramp.ramp.error_curves import error_curves
-from stepramp.ramp.profile import profile_of, tuning_report
+from stepramp.ramp.error_curves import all_error_curves
+from stepramp.ramp.plan import tuning_report
+from stepramp.ramp.profile import profile_of
 from stepramp.validation import Document, ListOf, OneOf, Within
 from stepramp.version import __version__
 
@@ -67,7 +68,7 @@ def profile(request: ProfileRequest) -> Response:
 def errors(request: ErrorsRequest) -> Response:
     """Compare methods with a reference, step by step: relative error and error in ticks of each interval."""
     bound = request.segment_bound_ticks
-    judged = [error_curves(request.design, method, request.reference, bound) for method in request.methods]
+    judged = all_error_curves(request.design, request.methods, request.reference, bound)
     return json_response(errors_content(request.reference, judged, request.curves, request.max_points))
 
 

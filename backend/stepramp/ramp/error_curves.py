@@ -1,5 +1,6 @@
 """How far a move's intervals lie from those of a reference, where that comes from, and what it does to the move."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -7,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepramp.design import Design, MethodName
-from stepramp.ramp.move import Ramp, play, split
-from stepramp.ramp.profile import Profile, profile_of, ramp_of, real_ramp
+from stepramp.ramp.move import Ramp, play
+from stepramp.ramp.plan import Plan, plan_of, real_ramp
+from stepramp.ramp.profile import Profile, profile_of
 from stepramp.ramp.segments import compress, expand
 
 Curve = NDArray[np.float64]
@@ -47,9 +49,21 @@ class ErrorCurves:
     """The intervals that are judged: the profile's, or those that its segments give [ticks]."""
     reference_ticks: Curve
     """The reference's intervals [ticks]."""
-    parts: Parts
+    precise_ticks: Curve
+    """The method's intervals in float64 before rounding [ticks]."""
     timer_hz: float
     base_speed_steps_per_s: float
+
+    @cached_property
+    def parts(self) -> Parts:
+        """Where the errors come from [ticks]."""
+        computed = self.profile.plan.real_intervals
+        return Parts(
+            method=self.precise_ticks - self.reference_ticks,
+            arithmetic=computed - self.precise_ticks,
+            rounding=self.profile.intervals_ticks - computed,
+            compression=(self.played_ticks - self.profile.intervals_ticks).astype(np.float64),
+        )
 
     @cached_property
     def tick_error(self) -> Curve:
@@ -138,31 +152,41 @@ def error_curves(
     With segment_bound_ticks, the move is judged as a controller plays it whose segments keep to that bound [ticks].
     Raises Rejected when the design does not fit one of the methods.
     """
-    own, steps = design.with_method(method), abs(design.move.steps)
-    profile, sides = profile_of(own), split(ramp_of(own), steps)
-    played = profile.intervals_ticks if segment_bound_ticks is None else _from_segments(own, segment_bound_ticks)
-    reference_ticks = _real(design.with_method(reference, "float64"))
-    precise, computed = _real(design.with_method(method, "float64"), sides), _real(own, sides)
-    parts = Parts(
-        method=precise - reference_ticks,
-        arithmetic=computed - precise,
-        rounding=profile.intervals_ticks - computed,
-        compression=(played - profile.intervals_ticks).astype(np.float64),
+    [judged] = all_error_curves(design, [method], reference, segment_bound_ticks)
+    return judged
+
+
+def all_error_curves(
+    design: Design, methods: Sequence[MethodName], reference: MethodName, segment_bound_ticks: int | None = None
+) -> list[ErrorCurves]:
+    """Return the errors of the design's move by several methods against one reference; see error_curves."""
+    reference_ticks = plan_of(design.with_method(reference, "float64")).real_intervals
+    return [_judged(design.with_method(method), reference_ticks, segment_bound_ticks) for method in methods]
+
+
+def _judged(design: Design, reference_ticks: Curve, segment_bound_ticks: int | None) -> ErrorCurves:
+    profile = profile_of(design)
+    plan = profile.plan
+    precise = plan.real_intervals
+    if design.method.arithmetic != "float64":
+        precise = play(real_ramp(design.with_method(design.method.name, "float64")), plan.steps, plan.sides)
+    return ErrorCurves(
+        method=design.method.name,
+        profile=profile,
+        played_ticks=profile.intervals_ticks
+        if segment_bound_ticks is None
+        else _from_segments(plan, segment_bound_ticks),
+        reference_ticks=reference_ticks,
+        precise_ticks=precise.astype(np.float64, copy=False),
+        timer_hz=design.timer.frequency_hz,
+        base_speed_steps_per_s=design.ramp.base_speed_steps_per_s,
     )
-    timer_hz, base = design.timer.frequency_hz, design.ramp.base_speed_steps_per_s
-    return ErrorCurves(method, profile, played, reference_ticks, parts, timer_hz, base)
 
 
-def _real(design: Design, sides: tuple[int, int] | None = None) -> Curve:
-    """Return the move's intervals before rounding [ticks], shape (N,)."""
-    return play(real_ramp(design), abs(design.move.steps), sides).astype(np.float64)
-
-
-def _from_segments(design: Design, bound_ticks: int) -> NDArray[np.int64]:
+def _from_segments(plan: Plan, bound_ticks: int) -> NDArray[np.int64]:
     """Return the move's intervals as segments give them [ticks], shape (N,)."""
-    ramp = ramp_of(design)
-    up, down = (expand(compress(side.astype(np.int64), bound_ticks)) for side in (ramp.up, ramp.down))
-    return play(Ramp(up, ramp.slew, down), abs(design.move.steps)).astype(np.int64)
+    up, down = (expand(compress(side.astype(np.int64), bound_ticks)) for side in (plan.ramp.up, plan.ramp.down))
+    return play(Ramp(up, plan.ramp.slew, down), plan.steps).astype(np.int64)
 
 
 def _extreme(curve: Curve) -> Extreme:

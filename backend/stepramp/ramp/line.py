@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from stepramp.design import Design, Table
 from stepramp.errors import Rejected, Rejection
 from stepramp.ramp.move import play
-from stepramp.ramp.profile import Profile, profile_of, real_ramp
+from stepramp.ramp.plan import real_ramp
+from stepramp.ramp.profile import Profile, profile_of
 from stepramp.units import ticks_from_us
 
 QUANTITIES = {

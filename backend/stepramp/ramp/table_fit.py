@@ -13,7 +13,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from stepramp.design import Design
-from stepramp.ramp.profile import real_ramp
+from stepramp.ramp.plan import real_ramp
 from stepramp.units import us_from_ticks
 
 BYTES_PER_ROW = 4
