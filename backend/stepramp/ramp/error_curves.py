@@ -166,21 +166,26 @@ def all_error_curves(
 
 def _judged(design: Design, reference_ticks: Curve, segment_bound_ticks: int | None) -> ErrorCurves:
     profile = profile_of(design)
-    plan = profile.plan
-    precise = plan.real_intervals
-    if design.method.arithmetic != "float64":
-        precise = play(real_ramp(design.with_method(design.method.name, "float64")), plan.steps, plan.sides)
+    played = profile.intervals_ticks
+    if segment_bound_ticks is not None:
+        played = _from_segments(profile.plan, segment_bound_ticks)
     return ErrorCurves(
         method=design.method.name,
         profile=profile,
-        played_ticks=profile.intervals_ticks
-        if segment_bound_ticks is None
-        else _from_segments(plan, segment_bound_ticks),
+        played_ticks=played,
         reference_ticks=reference_ticks,
-        precise_ticks=precise.astype(np.float64, copy=False),
+        precise_ticks=_precise(design, profile.plan),
         timer_hz=design.timer.frequency_hz,
         base_speed_steps_per_s=design.ramp.base_speed_steps_per_s,
     )
+
+
+def _precise(design: Design, plan: Plan) -> Curve:
+    """Return the move's intervals by its method in float64, before rounding [ticks], shape (N,)."""
+    if design.method.arithmetic == "float64":
+        return plan.real_intervals
+    precise = real_ramp(design.with_method(design.method.name, "float64"))
+    return play(precise, plan.steps, plan.sides).astype(np.float64, copy=False)
 
 
 def _from_segments(plan: Plan, bound_ticks: int) -> NDArray[np.int64]:
