@@ -8,6 +8,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 Number = type[np.float32] | type[np.float64]
@@ -59,7 +60,7 @@ def exact_intervals(slope: Slope, number: Number) -> NDArray[np.floating]:
     p_i = F / sqrt(v0² + 2 a i): what the recurrence (9) comes to, by (5) and (7), without its rounding errors.
     Computed in numbers of the given type, in this order of operations.
     """
-    return _at_speed_after(slope, _counted(slope.steps, number), number)
+    return _from_step(slope, 1.0, slope.steps, number)
 
 
 def midpoint_intervals(slope: Slope, number: Number) -> NDArray[np.floating]:
@@ -68,8 +69,7 @@ def midpoint_intervals(slope: Slope, number: Number) -> NDArray[np.floating]:
     p_i = F / sqrt(v0² + 2 a (i - 1/2)). The steps are those whose centre lies before the end of the slope: one more
     than slope.steps when its length is half a step or more over.
     """
-    steps = math.ceil(slope.length - 0.5)
-    return _at_speed_after(slope, _counted(steps, number) - number(0.5), number)
+    return _from_step(slope, 0.5, math.ceil(slope.length - 0.5), number)
 
 
 def ideal_intervals(slope: Slope, number: Number) -> NDArray[np.floating]:
@@ -78,22 +78,24 @@ def ideal_intervals(slope: Slope, number: Number) -> NDArray[np.floating]:
     p_i = F (t(i) - t(i - 1)) with t(i) = (sqrt(v0² + 2 a i) - v0) / a. The difference is taken as
     2 F / (v(i) + v(i - 1)), which is the same without losing digits.
     """
-    speeds = _speed_after(slope, np.arange(slope.steps + 1).astype(number), number)
+    base, acceleration = number(slope.base_speed), number(slope.acceleration)
+    counted: NDArray[np.floating] = np.arange(slope.steps + 1).astype(number)
+    speeds = np.sqrt(base * base + number(2) * acceleration * counted)
     intervals: NDArray[np.floating] = number(2) * number(slope.timer_hz) / (speeds[1:] + speeds[:-1])
     return intervals
 
 
-def _counted(steps: int, number: Number) -> NDArray[np.floating]:
-    return np.arange(1, steps + 1).astype(number)
+def _from_step(slope: Slope, first: float, steps: int, number: Number) -> NDArray[np.floating]:
+    """Return F / sqrt(v0² + 2 a S) for S = first, first + 1 …, by (5) and (7) [ticks], shape (steps,)."""
+    out = np.empty(steps, number)
+    base, twice = number(slope.base_speed), number(2) * number(slope.acceleration)
+    _at_speeds(number(slope.timer_hz), base * base, twice, number(first), number(1), out)
+    return out
 
 
-def _speed_after(slope: Slope, steps: NDArray[np.floating], number: Number) -> NDArray[np.floating]:
-    """Return v = sqrt(v0² + 2 a S), formula (5) [steps/s]."""
-    base, acceleration = number(slope.base_speed), number(slope.acceleration)
-    speeds: NDArray[np.floating] = np.sqrt(base * base + number(2) * acceleration * steps)
-    return speeds
-
-
-def _at_speed_after(slope: Slope, steps: NDArray[np.floating], number: Number) -> NDArray[np.floating]:
-    intervals: NDArray[np.floating] = number(slope.timer_hz) / _speed_after(slope, steps, number)
-    return intervals
+@njit(cache=True)
+def _at_speeds(timer_hz, base_squared, twice, step, one, out):  # type: ignore[no-untyped-def]  # compiled
+    # Counted in the numbers of the result; all steps of a move have exact numbers in float32 too.
+    for i in range(out.size):
+        out[i] = timer_hz / np.sqrt(base_squared + twice * step)
+        step = step + one

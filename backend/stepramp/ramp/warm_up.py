@@ -21,4 +21,4 @@ def warm_up() -> None:
     compress(np.array([2, 1]), 1)
     for name, arithmetics in ARITHMETICS.items():
         for arithmetic in arithmetics:
-            error_curves(small.with_method(name, arithmetic), name, "exact")
+            _ = error_curves(small.with_method(name, arithmetic), name, "exact").relative_error
