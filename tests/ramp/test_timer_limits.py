@@ -31,9 +31,16 @@ def test_a_coarse_slew_speed_names_its_neighbours() -> None:
     fast = design(timer__frequency_hz=1e6, ramp__slew_speed_steps_per_s=30_000, ramp__acceleration_steps_per_s2=1e6)
     [warning] = profile_of(fast).warnings
     assert warning.field == "timer.frequency_hz"
-    assert "One tick is 3.0% of the slew interval" in warning.message
+    assert "One tick is 3.0 % of the slew interval" in warning.message
     assert "29,412 and 30,303 steps/s" in warning.message
     assert "at least 3,000,000 Hz" in warning.message
+
+
+def test_a_slew_speed_of_whole_ticks_needs_no_other() -> None:
+    fast = design(timer__frequency_hz=1e6, ramp__slew_speed_steps_per_s=20_000, ramp__acceleration_steps_per_s2=1e6)
+    [warning] = profile_of(fast).warnings
+    assert "Speeds near the slew speed are 2.0 % apart" in warning.message
+    assert "Use one of them" not in warning.message
 
 
 @pytest.mark.parametrize("which", ["acceleration", "deceleration"])

@@ -77,7 +77,7 @@ def _shorter_than_shortest(shortest: int, timer: Timer) -> Warning | None:
     return Warning(
         "timer.shortest_interval_us",
         f"The shortest interval, {us_from_ticks(shortest, timer.frequency_hz):,.2f} µs, is less than the "
-        f"{timer.shortest_interval_us:g} µs that the controller needs: "
+        f"{timer.shortest_interval_us:,g} µs that the controller needs: "
         f"use a slew speed of at most {fastest:,.0f} steps/s.",
     )
 
@@ -86,14 +86,18 @@ def _coarse_slew(slew_interval_ticks: float, timer: Timer) -> Warning | None:
     resolution = slew_resolution(slew_interval_ticks, timer.frequency_hz)
     if resolution.relative <= COARSE:
         return None
-    above = resolution.speed_above_steps_per_s
-    speeds = f"{resolution.speed_below_steps_per_s:,.0f}" + (f" and {above:,.0f}" if above else "")
+    below, above = resolution.speed_below_steps_per_s, resolution.speed_above_steps_per_s
     finer = timer.frequency_hz * resolution.relative / COARSE
-    return Warning(
-        "timer.frequency_hz",
-        f"One tick is {resolution.relative:.1%} of the slew interval: the nearest speeds are {speeds} steps/s. "
-        f"Use one of them, or a timer of at least {finer:,.0f} Hz for a resolution of {COARSE:.0%}.",
-    )
+    advice = f"a timer of at least {finer:,.0f} Hz has a resolution of {100 * COARSE:g} %."
+    if below == above:
+        text = f"Speeds near the slew speed are {100 * resolution.relative:.1f} % apart; {advice}"
+    else:
+        speeds = f"{below:,.0f}" + (f" and {above:,.0f}" if above else "")
+        text = (
+            f"One tick is {100 * resolution.relative:.1f} % of the slew interval: the nearest speeds are {speeds} "
+            f"steps/s. Use one of them; {advice}"
+        )
+    return Warning("timer.frequency_hz", text)
 
 
 def _first_step_above_slew(design: Design) -> Warning | None:
