@@ -36,7 +36,7 @@ export function withTable(design, rows, unit) {
 }
 
 /** The methods to ask the server about: the design's own in any case, and of the shown ones those that are possible.
- * @param {Design} design @param {Set<MethodName>} shown */
+ * @param {Design} design @param {ReadonlySet<MethodName>} shown */
 export function methodsToCompute(design, shown) {
   const isPossible = (/** @type {MethodName} */ name) => name !== 'table' || design.table !== null;
   return METHODS.map((method) => method.name).filter(

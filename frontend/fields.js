@@ -144,12 +144,12 @@ export const CHOICES = {
   'method.arithmetic': {
     label: 'Arithmetic',
     formula: '',
-    help: 'How the target computes: float32 is what C float gives, operation for operation, float64 what double gives.',
+    help: 'How the target computes: float32 is what C float gives, operation for operation, float64 what double gives, fixed the integers of a chip without either.',
   },
   'method.rounding': {
     label: 'Rounding',
     formula: '',
-    help: 'Each delay is rounded to the nearest whole tick of the timer, just as the controller counts it.',
+    help: 'How a delay becomes whole ticks: nearest, down (floor), or down with the rest carried into the next delay.',
   },
   'axis.travel_unit': {
     label: 'Travel unit',

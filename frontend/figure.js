@@ -29,12 +29,13 @@ export function drawingOrder(active) {
 }
 
 /** @param {Scene} scene */
-function tracesOf({ answer, curves, shown, colours, compact, only, moving }) {
+function tracesOf({ answer, curves, shown, colours, dashes, compact, only, moving }) {
   const active = answer.design.method.name;
   return drawingOrder(active).flatMap((name) => {
     const curve = curves[name];
     const line = {
       color: colours[name],
+      dash: dashes[name],
       width: name === active ? 2.25 : name === REFERENCE ? 2 : 1.4,
       simplify: moving,
     };

@@ -14,7 +14,7 @@ import { activeProfile, interpolate } from './curves.js';
 /** @typedef {object} Scene
  * @property {Answer} answer
  * @property {Partial<Record<MethodName, Curve>>} curves  over `axis`; that of the chosen method is always there
- * @property {Set<MethodName>} shown         the methods that are drawn
+ * @property {ReadonlySet<MethodName>} shown         the methods that are drawn
  * @property {AxisName} axis
  * @property {ViewName} view
  * @property {[number, number] | null} zoom  in axis units (not logarithms); null: as the view has it
@@ -22,6 +22,7 @@ import { activeProfile, interpolate } from './curves.js';
  * @property {boolean} compact               one plot at a time, for narrow windows
  * @property {PlotName} only                 the one plot
  * @property {Colours} colours
+ * @property {Record<string, string>} dashes  of lines by method, as Plotly wants them
  * @property {string} font
  * @property {boolean} moving                while a slider moves: fewer points a line, quicker */
 

@@ -8,6 +8,7 @@ import { methodsToCompute, withMethod, withTable, withValue } from './design.js'
 import { createFleet } from './fleet.js';
 import { memory } from './memory.js';
 import { sortMessages } from './messages.js';
+import { SHOWN_AT_FIRST } from './methods.js';
 import { newestWins } from './newest.js';
 import { createDevice } from './panels/device/device.js';
 import { createHeader } from './panels/header/header.js';
@@ -23,12 +24,14 @@ import { startTheme, switchTheme } from './theme.js';
 /** @typedef {import('./types.js').Answer} Answer */
 /** @typedef {import('./types.js').Design} Design */
 /** @typedef {import('./types.js').Example} Example */
+/** @typedef {import('./types.js').MethodName} MethodName */
 
 /** @param {string} id */
 const part = (id) => /** @type {HTMLElement} */ (document.getElementById(id));
 
 /** @type {Design | null} */
 let design = memory.design();
+const shown = new Set(memory.shown() ?? SHOWN_AT_FIRST);
 /** @type {Answer | null} */
 let answer = null;
 /** What was wrong with the newest design asked about. @type {import('./types.js').Rejection[]} */
@@ -76,8 +79,8 @@ const parameters = createParameters(part('parameters'), {
 });
 const summary = createSummary(part('summary'));
 const status = createStatus(part('status'));
-const plots = createPlots(part('figure'), {
-  onShown: () => compute(),
+const plots = createPlots(part('figure'), shown, {
+  onSwitch: switchMethod,
   onReading: (reading) => status.showReading(reading, answer?.design.method.name ?? ''),
 });
 const table = createTable(part('table'), (rows, unit) => design && edit(withTable(design, rows, unit)));
@@ -94,7 +97,7 @@ const compute = newestWins(async () => {
   if (design === null) return;
   const asked = design;
   try {
-    answer = await calculate(asked, methodsToCompute(asked, plots.shown));
+    answer = await calculate(asked, methodsToCompute(asked, shown));
     rejections = [];
     staleness = null;
     plots.show(answer);
@@ -111,6 +114,8 @@ const compute = newestWins(async () => {
 
 /** @param {Design} changed */
 function edit(changed) {
+  // A method that is chosen is shown; it may be hidden again.
+  if (changed.method.name !== design?.method.name) memory.keepShown(shown.add(changed.method.name));
   design = changed;
   status.showKept(memory.keepDesign(changed));
   showDesign(changed);
@@ -118,11 +123,19 @@ function edit(changed) {
   compute();
 }
 
-/** @param {Design} shown */
-function showDesign(shown) {
-  header.showName(shown.name);
-  parameters.show(shown);
-  table.show(shown);
+/** @param {MethodName} name */
+function switchMethod(name) {
+  if (!shown.delete(name)) shown.add(name);
+  memory.keepShown(shown);
+  plots.redraw();
+  compute();
+}
+
+/** @param {Design} present */
+function showDesign(present) {
+  header.showName(present.name);
+  parameters.show(present);
+  table.show(present);
 }
 
 function showMessages() {

@@ -2,12 +2,15 @@
 // What the browser remembers between visits.
 
 import { isDesign } from './design.js';
+import { METHODS } from './methods.js';
 
 /** @typedef {import('./types.js').Design} Design */
+/** @typedef {import('./types.js').MethodName} MethodName */
 
 const DESIGN = 'stepramp.design';
 const REPLACED = 'stepramp.design.replaced';
 const UNREADABLE = 'stepramp.design.unreadable';
+const SHOWN = 'stepramp.shown';
 const THEME = 'stepramp.theme';
 
 /** Private windows may refuse storage: the page then works without a memory.
@@ -53,6 +56,13 @@ export const memory = {
   replacedDesign: () => readDesign(REPLACED),
   /** @param {Design} design */
   keepReplacedDesign: (design) => write(REPLACED, JSON.stringify(design)),
+  /** The methods last shown, unknown names left out; null: nothing is kept. @returns {MethodName[] | null} */
+  shown: () => {
+    const names = read(SHOWN)?.split(' ');
+    return names ? METHODS.map((method) => method.name).filter((name) => names.includes(name)) : null;
+  },
+  /** @param {Iterable<MethodName>} names */
+  keepShown: (names) => write(SHOWN, [...names].join(' ')),
   /** @returns {string | null} */
   theme: () => read(THEME),
   /** @param {string} theme */

@@ -15,6 +15,7 @@ import { GROUPS } from './fields.js';
 const CHOICE_LABELS = {
   'method.name': 'Method',
   'method.arithmetic': 'Arithmetic',
+  'method.rounding': 'Rounding',
   'axis.travel_unit': 'Travel unit',
   table: 'Lookup table',
 };

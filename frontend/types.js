@@ -4,7 +4,8 @@
 /** What a field holds: a number, or the text of a field that isn't one (the server says what is wrong with it).
  * @typedef {number | string} Entry */
 
-/** @typedef {'exact' | 'first_order' | 'table'} MethodName */
+/** @typedef {'exact' | 'ideal' | 'midpoint' | 'first_order' | 'second_order' | 'compromise' | 'tuned' | 'newton' |
+ *   'austin' | 'table'} MethodName */
 
 /** @typedef {object} Design
  * @property {string} schema

@@ -118,9 +118,13 @@ def test_what_is_no_document_is_refused(value: object) -> None:
     ("path", "value", "allowed"),
     [
         ("schema", "stepramp/2", "stepramp/1"),
-        ("method__name", "newton", "exact, first_order, table"),
-        ("method__arithmetic", "fixed", "float64, float32"),
-        ("method__rounding", "up", "nearest"),
+        (
+            "method__name",
+            "magic",
+            "exact, ideal, midpoint, first_order, second_order, compromise, tuned, newton, austin, table",
+        ),
+        ("method__arithmetic", "decimal", "float64, float32, fixed"),
+        ("method__rounding", "up", "nearest, floor, carry"),
         ("axis__travel_unit", "inch", "mm, deg"),
         ("table__interval_unit", "ms", "us, ticks"),
         ("name", 5, "a text of up to 100 characters"),

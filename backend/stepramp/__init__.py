@@ -1,10 +1,33 @@
-"""StepRamp: interactive designer for stepper-motor acceleration ramps."""
+"""StepRamp: interactive designer for stepper-motor acceleration ramps.
 
-from importlib.metadata import version
+>>> import stepramp
+>>> design = stepramp.Design(
+...     timer={"frequency_hz": 2_000_000},
+...     ramp={"slew_speed_steps_per_s": 1000, "acceleration_steps_per_s2": 5000},
+...     move={"steps": 500},
+... )
+>>> profile = design.profile()
+>>> profile.intervals_ticks[:3]
+array([20000, 14142, 11547])
+>>> profile.duration_s
+0.671791
+"""
 
-from stepramp.design import Design
+from typing import TYPE_CHECKING, Any
+
 from stepramp.errors import Rejected, StepRampError
+from stepramp.version import __version__
 
-__version__ = version("stepramp")
+if TYPE_CHECKING:
+    from stepramp.notebook import Design, PlannedMove
 
-__all__ = ["Design", "Rejected", "StepRampError", "__version__"]
+__all__ = ["Design", "PlannedMove", "Rejected", "StepRampError", "__version__"]
+
+
+def __getattr__(name: str) -> Any:
+    """Load the numerics when they are first asked for: the command line's --help does without them."""
+    if name in ("Design", "PlannedMove"):
+        from stepramp import notebook  # noqa: PLC0415  # loading it here is the purpose
+
+        return getattr(notebook, name)
+    raise AttributeError(f"module 'stepramp' has no attribute {name!r}")

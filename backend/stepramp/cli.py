@@ -9,8 +9,8 @@ from collections.abc import Sequence
 
 import uvicorn
 
-from stepramp import __version__
 from stepramp.errors import Rejected, Rejection
+from stepramp.version import __version__
 
 LOOPBACK = "127.0.0.1"
 FIRST_PORT = 8000

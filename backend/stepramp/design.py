@@ -16,16 +16,33 @@ MOST_STEPS = 10_000_000
 
 MOST_TABLE_ROWS = 1000
 
-MethodName = Literal["exact", "first_order", "table"]
-Arithmetic = Literal["float64", "float32"]
-Rounding = Literal["nearest"]
+MethodName = Literal[
+    "exact", "ideal", "midpoint", "first_order", "second_order", "compromise", "tuned", "newton", "austin", "table"
+]
+Arithmetic = Literal["float64", "float32", "fixed"]
+Rounding = Literal["nearest", "floor", "carry"]
+TunedFor = Literal["largest_error", "time"]
+
+CLOSED_FORM: tuple[Arithmetic, ...] = ("float64", "float32")
+STEP_BY_STEP: tuple[Arithmetic, ...] = ("float32", "float64", "fixed")
 
 ARITHMETICS: dict[MethodName, tuple[Arithmetic, ...]] = {
-    "exact": ("float64", "float32"),
-    "first_order": ("float32", "float64"),
-    "table": ("float64", "float32"),
+    "exact": CLOSED_FORM,
+    "ideal": CLOSED_FORM,
+    "midpoint": CLOSED_FORM,
+    "first_order": STEP_BY_STEP,
+    "second_order": STEP_BY_STEP,
+    "compromise": STEP_BY_STEP,
+    "tuned": STEP_BY_STEP,
+    "newton": STEP_BY_STEP,
+    "austin": ("float32", "float64"),
+    "table": CLOSED_FORM,
 }
-"""The arithmetics of each method, the usual one first. A table is not computed: there it makes no difference."""
+"""The arithmetics of each method, the usual one first.
+
+A table is not computed: there it makes no difference. Austin's recurrence divides at each step, which the integers of
+`fixed` do without; and what needs a square root is not for them.
+"""
 
 Speed = Annotated[float, Within(0.001, 1_000_000, "steps/s")]
 Acceleration = Annotated[float, Within(0.001, 1_000_000_000, "steps/s²")]
@@ -91,12 +108,34 @@ class Method(Document):
     """How the intervals are computed."""
 
     name: Annotated[MethodName, OneOf()] = Field(
-        "exact", description="exact: formula (9); first_order: formula (20); table: the lookup table"
+        "exact",
+        description="exact: formula (9). ideal: true instants of constant acceleration. midpoint: speed at the centre "
+        "of the step. first_order, second_order, compromise: formulas (20), (22), (23). tuned: p (1 + q + c q²) with "
+        "the c that suits the ramp. newton: w = v² kept by addition, p corrected by one Newton step. austin: AVR446. "
+        "table: the lookup table",
     )
     arithmetic: Annotated[Arithmetic, OneOf()] = Field(
-        "float64", description="Numbers it is computed in; float32 is what C float gives, operation for operation"
+        "float64",
+        description="Numbers it is computed in: float32 is what C float gives, operation for operation; fixed the "
+        "integers of a controller without floating point",
     )
-    rounding: Annotated[Rounding, OneOf()] = Field("nearest", description="How an interval becomes whole ticks")
+    rounding: Annotated[Rounding, OneOf()] = Field(
+        "nearest",
+        description="How an interval becomes whole ticks: to the nearest; down; or down with the remainder carried "
+        "into the next interval",
+    )
+    tuned_for: Annotated[TunedFor, OneOf()] = Field(
+        "largest_error",
+        description="What `tuned` makes least: the largest relative error of an interval, or the error of the time "
+        "that the ramp takes",
+    )
+
+    @model_validator(mode="after")
+    def _arithmetic_of_the_method(self) -> Self:
+        possible = ARITHMETICS[self.name]
+        if self.arithmetic not in possible:
+            refuse("arithmetic", self.arithmetic, f"{', '.join(possible)} with method.name '{self.name}'")
+        return self
 
 
 Index = Annotated[int, Within(1, MOST_STEPS, "steps")]
@@ -166,5 +205,5 @@ class Design(Document):
         if name == "table" and self.table is None:
             raise Rejected([Rejection("table", None, "a table, since the method is 'table'")])
         own = self.method.arithmetic if name == self.method.name else ARITHMETICS[name][0]
-        method = Method(name=name, arithmetic=arithmetic or own, rounding=self.method.rounding)
-        return self.model_copy(update={"method": method})
+        changes = {"name": name, "arithmetic": arithmetic or own}
+        return self.model_copy(update={"method": self.method.model_copy(update=changes)})

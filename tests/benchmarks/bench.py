@@ -3,16 +3,24 @@
 usage: ./dev bench
 """
 
+import resource
 import statistics
+import subprocess
+import tempfile
 import time
 from collections.abc import Callable
+from pathlib import Path
 
+import numpy as np
 from starlette.testclient import TestClient
 
 from designs import design, document
 from stepramp.http_api.app import create_app
-from stepramp.ramp.error_curves import error_curve
-from stepramp.ramp.profile import profile_of, ramp_of
+from stepramp.ramp.error_curves import error_curves, relative_errors
+from stepramp.ramp.kinematics import Slope, exact_intervals
+from stepramp.ramp.plan import ramp_of
+from stepramp.ramp.profile import profile_of
+from stepramp.ramp.recurrences import COMPROMISE, FIRST_ORDER, SECOND_ORDER, taylor_up
 from stepramp.ramp.segments import compress
 
 STEPS = (1_000, 100_000, 10_000_000)
@@ -41,6 +49,33 @@ def long_ramp(steps: int) -> dict[str, object]:
     }
 
 
+def against_c() -> None:
+    """Print the time of exact, (20), (22), (23) and their error curves, next to that of the same in C."""
+    print("| steps of the ramp | StepRamp ms | C ms | ratio |\n|---:|---:|---:|---:|")
+    with tempfile.TemporaryDirectory() as folder:
+        program = Path(folder) / "methods"
+        source = Path(__file__).with_name("methods.c")
+        subprocess.run(["gcc", "-O2", "-o", str(program), str(source), "-lm"], check=True)
+        for steps in STEPS:
+            slope = Slope(1e6, 0, (2 * 4000 * (steps + 0.5)) ** 0.5, 4000)
+            ours = milliseconds(lambda slope=slope: compared(slope))
+            words = [program, "1e6", "0", repr(slope.slew_speed), "4000", str(steps)]
+            in_c = float(subprocess.run(words, check=True, capture_output=True, text=True).stdout)
+            print(f"| {steps:,} | {ours:.3f} | {in_c:.3f} | {ours / in_c:.2f} |", flush=True)
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    print(f"\nLargest memory of this process so far: {peak:,.0f} MiB\n")
+
+
+def compared(slope: Slope) -> list[object]:
+    """Compute a slope exactly and by formulas (20), (22) and (23), and their errors."""
+    exact = exact_intervals(slope, np.float64)
+    results: list[object] = [exact]
+    for coefficient in (FIRST_ORDER, SECOND_ORDER, COMPROMISE):
+        intervals = taylor_up(slope, coefficient, np.float64)
+        results += [intervals, relative_errors(intervals, exact)]
+    return results
+
+
 def numerics() -> None:
     """Print the time of profiles and error curves."""
     print("| steps | method | profile ms | error curve ms |\n|---:|---|---:|---:|")
@@ -49,7 +84,7 @@ def numerics() -> None:
         for method in METHODS:
             one = planned.with_method(method)  # type: ignore[arg-type]  # a name from METHODS
             profile = milliseconds(lambda one=one: profile_of(one))
-            errors = milliseconds(lambda one=one: error_curve(one, one.method.name, "exact"))
+            errors = milliseconds(lambda one=one: error_curves(one, one.method.name, "exact"))
             print(f"| {steps:,} | {method} | {profile:.2f} | {errors:.2f} |", flush=True)
 
 
@@ -76,6 +111,7 @@ def requests() -> None:
 
 
 if __name__ == "__main__":
+    against_c()
     numerics()
     segments()
     requests()

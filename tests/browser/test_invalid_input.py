@@ -61,6 +61,7 @@ def test_several_wrong_values_are_told_at_once_each_at_its_place(stepramp: StepR
 
 
 def test_a_number_outside_the_slider_is_taken_as_it_is(stepramp: StepRampPage) -> None:
+    stepramp.edit_and_wait(SLEW_SPEED, "5,000")  # below it, so steep a ramp has no steps and that is warned of
     stepramp.edit_and_wait(ACCELERATION, "2,500,000")
     expect(stepramp.field(ACCELERATION)).to_have_value("2,500,000")
     expect(stepramp.message(ACCELERATION)).to_have_count(0)

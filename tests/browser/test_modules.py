@@ -126,8 +126,8 @@ SCENE = """async (change) => {
         errors: {first_order: {step: [1, 4], relative_error: [0, -.25]},
             table: {step: [1, 4], relative_error: [0, .1]}}};
     const scene = {answer, axis: 'step', view: 'whole', only: 'velocity', zoom: null, compact: false, moving: false,
-        shown: new Set(['exact', 'first_order', 'table']), size: {width: 800, height: 600}, colours: {}, font: 'serif',
-        ...change};
+        shown: new Set(['exact', 'first_order', 'table']), size: {width: 800, height: 600}, colours: {}, dashes: {},
+        font: 'serif', ...change};
     scene.shown = new Set(scene.shown);
     scene.curves = Object.fromEntries(['exact', 'first_order', 'table']
         .map((name) => [name, curveOf(answer, name, scene.axis)]));
@@ -136,16 +136,18 @@ SCENE = """async (change) => {
 
 
 def test_traces_come_in_three_a_method_the_chosen_one_last_and_widest(page: Page) -> None:
-    traces = page.evaluate(SCENE, {"method": "table"})["traces"]
+    all_traces = page.evaluate(SCENE, {"method": "first_order", "dashes": {"table": "5px, 3px"}})["traces"]
+    traces = [trace for trace in all_traces if trace["visible"]]
     assert [trace["uid"] for trace in traces] == [
-        f"{method}-{plot}" for method in ("exact", "first_order", "table") for plot in ("velocity", "delay", "error")
+        f"{method}-{plot}" for method in ("exact", "table", "first_order") for plot in ("velocity", "delay", "error")
     ]
     assert max(trace["line"]["width"] for trace in traces) == traces[-1]["line"]["width"]
     assert [trace["yaxis"] for trace in traces[:3]] == ["y", "y2", "y3"]
     assert traces[0]["y"] == [100, 200, 200, 100]
     assert traces[1]["y"] == [10000, 5000, 5000, 10000], "in µs"
-    assert traces[5]["y"] == [0, -25], "in per cent"
-    assert traces[6]["line"]["shape"] == "vh", "a table is a staircase"
+    assert traces[3]["line"]["shape"] == "vh", "a table is a staircase"
+    assert [trace["line"].get("dash") for trace in traces[2:5]] == [None, "5px, 3px", "5px, 3px"]
+    assert traces[8]["y"] == [0, -25], "in per cent"
 
 
 def test_hidden_methods_and_a_phone_s_other_plots_are_invisible(page: Page) -> None:

@@ -7,7 +7,7 @@ from designs import design
 from stepramp.controllers.messages import HelloReply
 from stepramp.controllers.push import plan_push, unpacked
 from stepramp.errors import Rejected
-from stepramp.ramp.profile import ramp_of
+from stepramp.ramp.plan import ramp_of
 from stepramp.ramp.timer import rescaled
 
 

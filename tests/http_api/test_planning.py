@@ -91,3 +91,37 @@ def test_the_longest_move_is_planned(client: TestClient) -> None:
 
 def test_health(client: TestClient) -> None:
     assert client.get("/api/v1/health").json() == {"status": "ok", "version": "0.1.0"}
+
+
+def test_tuned_says_how_much_better_it_is(client: TestClient) -> None:
+    tuning = profile(client, method__name="tuned", ramp__slew_speed_steps_per_s=2000, move__steps=1200,
+                     ramp__acceleration_steps_per_s2=4000)["tuning"]  # fmt: skip
+    errors = tuning["largest_relative_error"]
+    assert errors["tuned"] < 0.04 < errors["compromise"] < errors["second_order"] < errors["first_order"]
+    assert abs(tuning["time_error"]["tuned"]) < abs(tuning["time_error"]["first_order"])
+    assert 0 < tuning["coefficient_up"] < tuning["coefficient_down"] < 4
+    assert profile(client)["tuning"] is None
+
+
+def test_the_timer_s_resolution_at_slew_speed(client: TestClient) -> None:
+    resolution = profile(client, timer__frequency_hz=1e6, ramp__slew_speed_steps_per_s=30_000,
+                         ramp__acceleration_steps_per_s2=1e6)["slew_resolution"]  # fmt: skip
+    assert resolution == {
+        "relative": pytest.approx(0.03),
+        "speed_below_steps_per_s": pytest.approx(29_411.76, abs=0.01),
+        "speed_above_steps_per_s": pytest.approx(30_303.03, abs=0.01),
+    }
+
+
+def test_curves_are_sent_on_request(client: TestClient) -> None:
+    names = ["time_error_s", "method_error_ticks", "arithmetic_error_ticks", "rounding_error_ticks", "tick_error",
+             "compression_error_ticks", "position_lag_steps", "implied_acceleration_steps_per_s2"]  # fmt: skip
+    body = {"design": document(), "methods": ["newton"], "curves": names, "segment_bound_ticks": 2}
+    [curves] = client.post("/api/v1/errors", json=body).json()["methods"]
+    assert "relative_error" not in curves
+    parts = np.sum([curves[name] for name in names if name.endswith("_error_ticks")], axis=0)
+    np.testing.assert_allclose(parts, curves["tick_error"], atol=1e-6)
+    assert any(curves["compression_error_ticks"])
+    assert curves["landing_error_steps_per_s"] > 0
+    refused = client.post("/api/v1/errors", json={**body, "curves": ["magic"]})
+    assert refused.json()["errors"][0]["field"] == "curves.0"

@@ -85,7 +85,7 @@ def test_an_interval_of_no_ticks_is_refused() -> None:
         profile_of(design(timer__frequency_hz=1000, ramp__slew_speed_steps_per_s=3000))
     [rejection] = caught.value.rejections
     assert (rejection.field, rejection.value) == ("ramp.slew_speed_steps_per_s", 3000)
-    assert "at most 2,000 steps/s" in rejection.allowed
+    assert "at most 1,000 steps/s" in rejection.allowed
 
 
 def test_a_move_of_more_ticks_than_can_be_counted_is_refused() -> None:

@@ -16,11 +16,8 @@ def line_fits(given: list[int], bound: int) -> bool:
     for first in range(max(1, given[0] - bound), given[0] + bound + 1):
         for add in range(given[1] - bound - first, given[1] + bound - first + 1):
             line = [first + add * k for k in range(len(given))]
-            if (
-                abs(add) <= MOST_ADD
-                and min(line) >= 1
-                and all(abs(a - b) <= bound for a, b in zip(line, given, strict=True))
-            ):
+            near = all(abs(a - b) <= bound for a, b in zip(line, given, strict=True))
+            if near and abs(add) <= MOST_ADD and min(line) >= 1:
                 return True
     return False
 

@@ -17,7 +17,7 @@ from stepramp.controllers.ramp_image import MOST_SEGMENTS, BadRampImage, RampIma
 from stepramp.design import Design
 from stepramp.errors import Rejected, Rejection
 from stepramp.ramp.move import Ramp
-from stepramp.ramp.profile import ramp_of
+from stepramp.ramp.plan import ramp_of
 from stepramp.ramp.segments import compress, expand
 from stepramp.ramp.timer import rescaled
 from stepramp.units import MICROSECONDS_PER_SECOND, speed_from_interval, us_from_ticks

@@ -1,15 +1,17 @@
 """The application: routes, pages, and what guards them."""
 
+import threading
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
 from fastapi import FastAPI
 
-from stepramp import __version__
 from stepramp.controllers.devices import Devices
-from stepramp.http_api import devices, pages, planning
+from stepramp.http_api import devices, pages, planning, schedule, tables
 from stepramp.http_api.errors import ErrorList, handle_errors
 from stepramp.http_api.security import LoopbackOnly
+from stepramp.ramp.warm_up import warm_up
+from stepramp.version import __version__
 
 DESCRIPTION = """
 Plans stepper-motor ramps and plays them on attached controllers.
@@ -21,7 +23,8 @@ routes. Words and units are those of the page: intervals in ticks of the design'
 
 @asynccontextmanager
 async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
-    """Let go of every device when the server ends; one that moves is stopped first."""
+    """Compile the numerics in the background; at the end let go of every device, one that moves being stopped first."""
+    threading.Thread(target=warm_up, daemon=True).start()
     yield
     app.state.devices.close()
 
@@ -40,6 +43,8 @@ def create_app() -> FastAPI:
     )
     app.state.devices = Devices()
     app.include_router(planning.router, prefix="/api/v1")
+    app.include_router(schedule.router, prefix="/api/v1")
+    app.include_router(tables.router, prefix="/api/v1")
     app.include_router(devices.router, prefix="/api/v1")
     handle_errors(app)
     pages.add(app)

@@ -6,10 +6,11 @@ from fastapi import APIRouter
 from pydantic import Field
 from starlette.responses import Response
 
-from stepramp import __version__, examples
 from stepramp.design import MOST_STEPS, Design, MethodName
+from stepramp.examples import all_examples
 from stepramp.http_api.json_response import json_response
 from stepramp.http_api.planning_models import (
+    CurveName,
     ErrorsAnswer,
     ExamplesAnswer,
     HealthAnswer,
@@ -17,9 +18,11 @@ from stepramp.http_api.planning_models import (
     errors_content,
     profile_content,
 )
-from stepramp.ramp.error_curves import error_curve
+from stepramp.ramp.error_curves import all_error_curves
+from stepramp.ramp.plan import tuning_report
 from stepramp.ramp.profile import profile_of
 from stepramp.validation import Document, ListOf, OneOf, Within
+from stepramp.version import __version__
 
 router = APIRouter(tags=["planning"])
 
@@ -44,26 +47,35 @@ class ErrorsRequest(Document):
         description="Methods to compare, each with the design's arithmetic or else the one usual for it"
     )
     reference: Annotated[MethodName, OneOf()] = Field("exact", description="Method that they are compared with")
+    curves: Annotated[list[Annotated[CurveName, OneOf()]], ListOf("curve names")] = Field(
+        default=["relative_error", "tick_error"], description="Curves wanted; the figures come in any case"
+    )
+    segment_bound_ticks: Annotated[int, Within(0, 10_000, "ticks, or null for no segments")] | None = Field(
+        None,
+        description="Judge the move as a controller plays it from segments that keep to this bound [ticks]; null: as "
+        "it is planned",
+    )
     max_points: MostPoints = None
 
 
 @router.post("/profile", response_model=ProfileAnswer)
 def profile(request: ProfileRequest) -> Response:
     """Plan a design's move: intervals, times, positions and speeds of its steps, its phases, and a summary."""
-    return json_response(profile_content(profile_of(request.design), request.max_points))
+    return json_response(profile_content(profile_of(request.design), tuning_report(request.design), request.max_points))
 
 
 @router.post("/errors", response_model=ErrorsAnswer)
 def errors(request: ErrorsRequest) -> Response:
     """Compare methods with a reference, step by step: relative error and error in ticks of each interval."""
-    curves = [error_curve(request.design, method, request.reference) for method in request.methods]
-    return json_response(errors_content(request.reference, curves, request.max_points))
+    bound = request.segment_bound_ticks
+    judged = all_error_curves(request.design, request.methods, request.reference, bound)
+    return json_response(errors_content(request.reference, judged, request.curves, request.max_points))
 
 
 @router.get("/examples", response_model=ExamplesAnswer)
 def example_designs() -> Response:
     """Return designs to start from."""
-    return json_response({"examples": examples.all_examples()})
+    return json_response({"examples": all_examples()})
 
 
 @router.get("/health")

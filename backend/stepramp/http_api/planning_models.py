@@ -11,9 +11,23 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, Field
 
 from stepramp.design import Design, MethodName
-from stepramp.ramp.error_curves import ErrorCurve
+from stepramp.ramp.error_curves import ErrorCurves
 from stepramp.ramp.profile import Profile
 from stepramp.ramp.thinning import kept_steps
+from stepramp.ramp.tuning import TuningReport
+
+CurveName = Literal[
+    "relative_error",
+    "tick_error",
+    "speed_error_steps_per_s",
+    "time_error_s",
+    "position_lag_steps",
+    "implied_acceleration_steps_per_s2",
+    "method_error_ticks",
+    "arithmetic_error_ticks",
+    "rounding_error_ticks",
+    "compression_error_ticks",
+]
 
 
 class PhaseAnswer(BaseModel):
@@ -42,6 +56,29 @@ class WarningAnswer(BaseModel):
     message: str = Field(description="What happens and what to change")
 
 
+class SlewResolutionAnswer(BaseModel):
+    """How finely the timer divides speeds at slew speed."""
+
+    relative: float = Field(description="One tick as a part of the slew interval: 0.01 is 1 %")
+    speed_below_steps_per_s: float = Field(description="Nearest speed of whole ticks, not above [steps/s]")
+    speed_above_steps_per_s: float | None = Field(
+        description="Nearest speed of whole ticks, not below; null when that would be less than a tick [steps/s]"
+    )
+
+
+class TuningAnswer(BaseModel):
+    """What the method `tuned` found, and how much better it is than formulas (20), (22) and (23)."""
+
+    coefficient_up: float = Field(description="c of p (1 + q + c q²) for the acceleration")
+    coefficient_down: float = Field(description="c of p (1 + q + c q²) for the deceleration")
+    largest_relative_error: dict[MethodName, float] = Field(
+        description="By method, the largest relative error of an interval, without sign: 0.01 is 1 %"
+    )
+    time_error: dict[MethodName, float] = Field(
+        description="By method, how much longer the ramp takes than the exact one: 0.01 is 1 %"
+    )
+
+
 class ProfileAnswer(BaseModel):
     """One planned move. Pulse 1 is at time 0; pulse i + 1 comes intervals_ticks of step i later."""
 
@@ -52,6 +89,8 @@ class ProfileAnswer(BaseModel):
     speed_steps_per_s: list[float] = Field(description="Speed of each interval, v = F / p (7) [steps/s]")
     phases: list[PhaseAnswer] = Field(description="Stretches of the move that have steps, in order of time")
     summary: SummaryAnswer
+    slew_resolution: SlewResolutionAnswer
+    tuning: TuningAnswer | None = Field(description="For the method `tuned`; null for others")
     warnings: list[WarningAnswer]
 
 
@@ -62,22 +101,38 @@ class ExtremeAnswer(BaseModel):
     step: int = Field(description="First step that has it, counted from 1 [steps]")
 
 
-class ErrorCurveAnswer(BaseModel):
-    """One method's errors against the reference."""
+class ErrorCurvesAnswer(BaseModel):
+    """One method's errors against the reference. Curves that were not asked for are left out."""
 
     method: MethodName
-    step: list[int] = Field(description="Which steps the arrays are of, counted from 1 [steps]")
-    relative_error: list[float] = Field(description="Interval over reference interval, less 1: 0.01 is 1 % too long")
-    tick_error: list[float] = Field(description="Interval less reference interval [ticks]")
+    step: list[int] = Field(description="Which steps the curves are of, counted from 1 [steps]")
+    relative_error: list[float] | None = Field(
+        None, description="Interval over reference interval, less 1: 0.01 is 1 % too long"
+    )
+    tick_error: list[float] | None = Field(None, description="Interval less reference interval [ticks]")
+    speed_error_steps_per_s: list[float] | None = Field(None, description="Speed less reference speed [steps/s]")
+    time_error_s: list[float] | None = Field(None, description="How much later each interval ends [s]")
+    position_lag_steps: list[float] | None = Field(None, description="Steps that the reference is ahead [steps]")
+    implied_acceleration_steps_per_s2: list[float] | None = Field(None, description="(v_i² - v_(i-1)²) / 2 [steps/s²]")
+    method_error_ticks: list[float] | None = Field(None, description="Part of the method itself [ticks]")
+    arithmetic_error_ticks: list[float] | None = Field(None, description="Part of the arithmetic [ticks]")
+    rounding_error_ticks: list[float] | None = Field(None, description="Part of the rounding [ticks]")
+    compression_error_ticks: list[float] | None = Field(None, description="Part of the segments [ticks]")
     largest_relative_error: ExtremeAnswer
     largest_tick_error: ExtremeAnswer = Field(description="[ticks]")
+    rms_relative_error: float = Field(description="Root of the mean square of the relative errors")
+    relative_error_at_ramp_end: float = Field(description="Relative error of the last step of the acceleration")
+    peak_acceleration_steps_per_s2: ExtremeAnswer = Field(description="Implied acceleration furthest from 0 [steps/s²]")
+    time_difference_s: float = Field(description="How much longer than the reference the move takes [s]")
+    landing_error_steps_per_s: float = Field(description="Speed of the last interval less the base speed [steps/s]")
+    waiting_steps: int = Field(description="Steps at the end that wait at the last interval [steps]")
 
 
 class ErrorsAnswer(BaseModel):
     """Errors of methods against a reference that is not rounded to ticks."""
 
     reference: MethodName
-    methods: list[ErrorCurveAnswer]
+    methods: list[ErrorCurvesAnswer]
 
 
 class ExampleAnswer(BaseModel):
@@ -101,7 +156,7 @@ class HealthAnswer(BaseModel):
     version: str
 
 
-def profile_content(profile: Profile, most_points: int | None) -> dict[str, Any]:
+def profile_content(profile: Profile, tuning: TuningReport | None, most_points: int | None) -> dict[str, Any]:
     """Return a profile as a ProfileAnswer's content, thinned to about so many points."""
     kept = _kept(profile.intervals_ticks, profile, most_points)
     return {
@@ -119,6 +174,8 @@ def profile_content(profile: Profile, most_points: int | None) -> dict[str, Any]
             "slew_steps": profile.steps_of("slew"),
             "decelerate_steps": profile.steps_of("decelerate"),
         },
+        "slew_resolution": vars(profile.slew_resolution),
+        "tuning": tuning and vars(tuning),
         "warnings": [
             {"field": warning.field and f"design.{warning.field}", "message": warning.message}
             for warning in profile.warnings
@@ -126,21 +183,35 @@ def profile_content(profile: Profile, most_points: int | None) -> dict[str, Any]
     }
 
 
-def errors_content(reference: MethodName, curves: Sequence[ErrorCurve], most_points: int | None) -> dict[str, Any]:
-    """Return error curves as an ErrorsAnswer's content, each thinned to about so many points."""
-    return {"reference": reference, "methods": [_curve_content(curve, most_points) for curve in curves]}
+def errors_content(
+    reference: MethodName, judged: Sequence[ErrorCurves], names: Sequence[CurveName], most_points: int | None
+) -> dict[str, Any]:
+    """Return the error curves of those names as an ErrorsAnswer's content, each thinned to about so many points."""
+    return {"reference": reference, "methods": [_curves_content(each, names, most_points) for each in judged]}
 
 
-def _curve_content(curve: ErrorCurve, most_points: int | None) -> dict[str, Any]:
-    kept = _kept(curve.relative_error, curve.profile, most_points)
+def _curves_content(judged: ErrorCurves, names: Sequence[CurveName], most_points: int | None) -> dict[str, Any]:
+    kept = _kept(judged.relative_error, judged.profile, most_points)
     return {
-        "method": curve.method,
+        "method": judged.method,
         "step": kept + 1,
-        "relative_error": curve.relative_error[kept],
-        "tick_error": curve.tick_error[kept],
-        "largest_relative_error": vars(curve.largest_relative_error),
-        "largest_tick_error": vars(curve.largest_tick_error),
+        **{name: _curve(judged, name)[kept] for name in names},
+        "largest_relative_error": vars(judged.largest_relative_error),
+        "largest_tick_error": vars(judged.largest_tick_error),
+        "rms_relative_error": judged.rms_relative_error,
+        "relative_error_at_ramp_end": judged.relative_error_at_ramp_end,
+        "peak_acceleration_steps_per_s2": vars(judged.peak_acceleration),
+        "time_difference_s": judged.time_difference_s,
+        "landing_error_steps_per_s": judged.landing_error_steps_per_s,
+        "waiting_steps": judged.waiting_steps,
     }
+
+
+def _curve(judged: ErrorCurves, name: CurveName) -> NDArray[np.float64]:
+    """Return a curve by its name in the answer; a part of the error is named for its source."""
+    part = name.removesuffix("_error_ticks")
+    curve: NDArray[np.float64] = getattr(judged.parts, part) if part != name else getattr(judged, name)
+    return curve
 
 
 def _kept(

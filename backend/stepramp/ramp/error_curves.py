@@ -1,13 +1,20 @@
-"""How far the intervals of a profile lie from those of a reference."""
+"""How far a move's intervals lie from those of a reference, where that comes from, and what it does to the move."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from stepramp.design import Design, MethodName
-from stepramp.ramp.move import play
-from stepramp.ramp.profile import Profile, profile_of, real_ramp
+from stepramp.ramp.move import Ramp, play
+from stepramp.ramp.plan import Plan, plan_of, real_ramp
+from stepramp.ramp.profile import Profile, profile_of
+from stepramp.ramp.segments import compress, expand
+
+Curve = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -19,16 +26,78 @@ class Extreme:
 
 
 @dataclass(frozen=True)
-class ErrorCurve:
-    """The errors of one method's intervals, as they are in whole ticks, against a reference that is not rounded."""
+class Parts:
+    """Where the error of each interval comes from [ticks], each of shape (N,); together they are the whole error."""
+
+    method: Curve
+    """The method in float64 less the reference: what the formula itself gets wrong."""
+    arithmetic: Curve
+    """The method in the design's arithmetic less the same in float64."""
+    rounding: Curve
+    """Whole ticks less the intervals before rounding."""
+    compression: Curve
+    """As a controller plays it from segments less whole ticks; 0 without a bound for the segments."""
+
+
+@dataclass(frozen=True)
+class ErrorCurves:
+    """One method's move against a reference that is not rounded, step by step: arrays of shape (N,)."""
 
     method: MethodName
     profile: Profile
     """The method's own profile of the move."""
-    relative_error: NDArray[np.float64]
-    """p_i / reference_i - 1, shape (N,): 0.01 is an interval 1 % too long."""
-    tick_error: NDArray[np.float64]
-    """p_i - reference_i [ticks], shape (N,)."""
+    played_ticks: NDArray[np.int64]
+    """The intervals that are judged: the profile's, or those that its segments give [ticks]."""
+    reference_ticks: Curve
+    """The reference's intervals [ticks]."""
+    precise_ticks: Curve
+    """The method's intervals in float64 before rounding [ticks]."""
+    timer_hz: float
+    base_speed_steps_per_s: float
+
+    @cached_property
+    def parts(self) -> Parts:
+        """Where the errors come from [ticks]."""
+        computed = self.profile.plan.real_intervals
+        return Parts(
+            method=self.precise_ticks - self.reference_ticks,
+            arithmetic=computed - self.precise_ticks,
+            rounding=self.profile.intervals_ticks - computed,
+            compression=(self.played_ticks - self.profile.intervals_ticks).astype(np.float64),
+        )
+
+    @cached_property
+    def tick_error(self) -> Curve:
+        """p_i - reference_i [ticks]."""
+        return self.played_ticks - self.reference_ticks
+
+    @cached_property
+    def relative_error(self) -> Curve:
+        """p_i / reference_i - 1: 0.01 is an interval 1 % too long."""
+        return relative_errors(self.played_ticks, self.reference_ticks)
+
+    @cached_property
+    def speed_error_steps_per_s(self) -> Curve:
+        """F / p_i - F / reference_i, by (7) [steps/s]."""
+        return self.timer_hz / self.played_ticks - self.timer_hz / self.reference_ticks
+
+    @cached_property
+    def time_error_s(self) -> Curve:
+        """How much later than the reference each step's interval ends: the errors so far, added up [s]."""
+        return np.cumsum(self.tick_error) / self.timer_hz
+
+    @cached_property
+    def position_lag_steps(self) -> Curve:
+        """Steps that the reference is ahead at the end of each interval; between its steps in proportion [steps]."""
+        ends, reference_ends = np.cumsum(self.played_ticks), np.cumsum(self.reference_ticks)
+        counted = np.arange(1, ends.size + 1)
+        return np.interp(ends, np.concatenate(([0], reference_ends)), np.concatenate(([0], counted))) - counted
+
+    @cached_property
+    def implied_acceleration_steps_per_s2(self) -> Curve:
+        """(v_i² - v_(i-1)²) / 2: the acceleration between two intervals, by (6); the first from the base speed."""
+        squares = (self.timer_hz / self.played_ticks) ** 2
+        return np.diff(squares, prepend=self.base_speed_steps_per_s**2) / 2
 
     @property
     def largest_relative_error(self) -> Extreme:
@@ -40,18 +109,106 @@ class ErrorCurve:
         """The tick error furthest from 0 [ticks]."""
         return _extreme(self.tick_error)
 
+    @property
+    def rms_relative_error(self) -> float:
+        """The root of the mean square of the relative errors."""
+        return float(np.sqrt(np.mean(self.relative_error**2)))
 
-def error_curve(design: Design, method: MethodName, reference: MethodName) -> ErrorCurve:
+    @property
+    def relative_error_at_ramp_end(self) -> float:
+        """The relative error of the last step of the acceleration; of the first step when there is none."""
+        return float(self.relative_error[max(self.profile.steps_of("accelerate"), 1) - 1])
+
+    @property
+    def peak_acceleration(self) -> Extreme:
+        """The implied acceleration furthest from 0 after the first interval [steps/s²]."""
+        if self.played_ticks.size == 1:
+            return _extreme(self.implied_acceleration_steps_per_s2)
+        later = _extreme(self.implied_acceleration_steps_per_s2[1:])
+        return Extreme(later.value, later.step + 1)
+
+    @property
+    def time_difference_s(self) -> float:
+        """How much longer than the reference the whole move takes [s]."""
+        return float(self.time_error_s[-1])
+
+    @property
+    def landing_error_steps_per_s(self) -> float:
+        """The speed of the last interval less the base speed [steps/s]."""
+        return float(self.timer_hz / self.played_ticks[-1] - self.base_speed_steps_per_s)
+
+    @property
+    def waiting_steps(self) -> int:
+        """Steps at the end, beyond the first, that all run at the last interval: a deceleration that ended early."""
+        level = self.played_ticks[::-1] == self.played_ticks[-1]
+        same = self.played_ticks.size if level.all() else int(np.argmin(level))
+        return min(same, max(self.profile.steps_of("decelerate"), 1)) - 1
+
+
+def error_curves(
+    design: Design, method: MethodName, reference: MethodName, segment_bound_ticks: int | None = None
+) -> ErrorCurves:
     """Return the errors of the design's move by one method against another, step by step.
 
-    Raises Rejected when the design does not fit one of them.
+    With segment_bound_ticks, the move is judged as a controller plays it whose segments keep to that bound [ticks].
+    Raises Rejected when the design does not fit one of the methods.
     """
-    profile = profile_of(design.with_method(method))
-    intervals = profile.intervals_ticks
-    true = play(real_ramp(design.with_method(reference, "float64")), abs(design.move.steps)).astype(np.float64)
-    return ErrorCurve(method, profile, relative_error=intervals / true - 1, tick_error=intervals - true)
+    [judged] = all_error_curves(design, [method], reference, segment_bound_ticks)
+    return judged
 
 
-def _extreme(curve: NDArray[np.float64]) -> Extreme:
+def all_error_curves(
+    design: Design, methods: Sequence[MethodName], reference: MethodName, segment_bound_ticks: int | None = None
+) -> list[ErrorCurves]:
+    """Return the errors of the design's move by several methods against one reference; see error_curves."""
+    reference_ticks = plan_of(design.with_method(reference, "float64")).real_intervals
+    return [_judged(design.with_method(method), reference_ticks, segment_bound_ticks) for method in methods]
+
+
+def relative_errors(intervals: NDArray[np.int64] | Curve, reference: Curve) -> Curve:
+    """Return intervals / reference - 1, shape (N,)."""
+    out = np.empty(reference.size)
+    _relative_errors(intervals, reference, out)
+    return out
+
+
+@njit(cache=True)
+def _relative_errors(intervals, reference, out):  # type: ignore[no-untyped-def]  # compiled
+    # In one pass: over millions of steps it is memory that takes the time.
+    for i in range(out.size):
+        out[i] = intervals[i] / reference[i] - 1.0
+
+
+def _judged(design: Design, reference_ticks: Curve, segment_bound_ticks: int | None) -> ErrorCurves:
+    profile = profile_of(design)
+    played = profile.intervals_ticks
+    if segment_bound_ticks is not None:
+        played = _from_segments(profile.plan, segment_bound_ticks)
+    return ErrorCurves(
+        method=design.method.name,
+        profile=profile,
+        played_ticks=played,
+        reference_ticks=reference_ticks,
+        precise_ticks=_precise(design, profile.plan),
+        timer_hz=design.timer.frequency_hz,
+        base_speed_steps_per_s=design.ramp.base_speed_steps_per_s,
+    )
+
+
+def _precise(design: Design, plan: Plan) -> Curve:
+    """Return the move's intervals by its method in float64, before rounding [ticks], shape (N,)."""
+    if design.method.arithmetic == "float64":
+        return plan.real_intervals
+    precise = real_ramp(design.with_method(design.method.name, "float64"))
+    return play(precise, plan.steps, plan.sides).astype(np.float64, copy=False)
+
+
+def _from_segments(plan: Plan, bound_ticks: int) -> NDArray[np.int64]:
+    """Return the move's intervals as segments give them [ticks], shape (N,)."""
+    up, down = (expand(compress(side.astype(np.int64), bound_ticks)) for side in (plan.ramp.up, plan.ramp.down))
+    return play(Ramp(up, plan.ramp.slew, down), plan.steps).astype(np.int64)
+
+
+def _extreme(curve: Curve) -> Extreme:
     at = int(np.abs(curve).argmax())
     return Extreme(value=float(curve[at]), step=at + 1)

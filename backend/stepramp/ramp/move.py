@@ -42,8 +42,11 @@ def split(ramp: Ramp, steps: int) -> tuple[int, int]:
     return steps - n_down, n_down
 
 
-def play(ramp: Ramp, steps: int) -> Intervals:
-    """Return the intervals of a move, in order of time, shape (steps,)."""
-    n_up, n_down = split(ramp, steps)
+def play(ramp: Ramp, steps: int, sides: tuple[int, int] | None = None) -> Intervals:
+    """Return the intervals of a move, in order of time, shape (steps,).
+
+    sides: how many are of the up and of the down list; without it, as `split` says.
+    """
+    n_up, n_down = sides or split(ramp, steps)
     slew = np.full(steps - n_up - n_down, ramp.slew, ramp.up.dtype)
     return np.concatenate((ramp.up[:n_up], slew, ramp.down[:n_down][::-1]))

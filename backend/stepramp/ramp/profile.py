@@ -6,16 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stepramp.design import MOST_STEPS, Arithmetic, Design
+from stepramp.design import Design
 from stepramp.errors import Rejected, Rejection
-from stepramp.ramp.kinematics import Number, exact_intervals, ramp_steps, slew_interval
-from stepramp.ramp.move import Ramp, play, split
-from stepramp.ramp.recurrences import first_order_down, first_order_up
-from stepramp.ramp.table import table_ramp
-from stepramp.ramp.timer import Warning, nearest, timer_warnings
-from stepramp.units import speed_from_interval, ticks_from_us
-
-NUMBERS: dict[Arithmetic, Number] = {"float64": np.float64, "float32": np.float32}
+from stepramp.ramp.plan import Plan, plan_of
+from stepramp.ramp.timer_limits import SlewResolution, Warning, slew_resolution, timer_warnings
+from stepramp.units import speed_from_interval
 
 MOST_TICKS = 2**62
 """Longest move [ticks]: its instants fit in 64 bits."""
@@ -46,56 +41,24 @@ class Profile:
     """From pulse 1 to the end of the last interval [s]."""
     phases: tuple[Phase, ...]
     """The stretches that have steps, in order of time."""
+    slew_resolution: SlewResolution
+    """How finely the timer divides speeds at slew speed."""
     warnings: tuple[Warning, ...]
+    plan: Plan
+    """The ramp that the move is played from."""
 
     def steps_of(self, phase: str) -> int:
         """Return the number of steps of a phase, 0 when the move has none."""
         return sum(each.last_step - each.first_step + 1 for each in self.phases if each.name == phase)
 
 
-def real_ramp(design: Design) -> Ramp:
-    """Return the design's ramp as its method computes it, in ticks not yet rounded.
-
-    Raises Rejected when the ramp is longer than 10,000,000 steps, or does not fit the method.
-    """
-    if design.method.name == "table":
-        return _table(design)
-    timer_hz, ramp = design.timer.frequency_hz, design.ramp
-    up_steps = _length(design, ramp.acceleration_steps_per_s2, "acceleration")
-    down_steps = _length(design, ramp.slowdown_steps_per_s2, "deceleration")
-    number = NUMBERS[design.method.arithmetic]
-    if design.method.name == "exact":
-        base = ramp.base_speed_steps_per_s
-        up = exact_intervals(timer_hz, base, ramp.acceleration_steps_per_s2, up_steps, number)
-        down = exact_intervals(timer_hz, base, ramp.slowdown_steps_per_s2, down_steps, number)
-    else:
-        speeds = (ramp.base_speed_steps_per_s, ramp.slew_speed_steps_per_s)
-        up = first_order_up(timer_hz, *speeds, ramp.acceleration_steps_per_s2, up_steps, number)
-        down = first_order_down(timer_hz, *speeds, ramp.slowdown_steps_per_s2, down_steps, number)
-    return Ramp(up=up, slew=float(number(slew_interval(timer_hz, ramp.slew_speed_steps_per_s))), down=down)
-
-
-def ramp_of(design: Design) -> Ramp:
-    """Return the design's ramp in whole ticks of its timer: what a controller is sent.
-
-    Raises Rejected as real_ramp does, and when an interval rounds to 0 ticks.
-    """
-    ramp = nearest(real_ramp(design))
-    if ramp.slew < 1 or any(side.size and side.min() < 1 for side in (ramp.up, ramp.down)):
-        fastest = f"at most {2 * design.timer.frequency_hz:,.0f} steps/s with this timer: an interval is 1 tick or more"
-        field, value = "ramp.slew_speed_steps_per_s", design.ramp.slew_speed_steps_per_s
-        raise Rejected([Rejection(field, value, fastest)])
-    return ramp
-
-
 def profile_of(design: Design) -> Profile:
     """Return the profile of the design's move.
 
-    Raises Rejected as ramp_of does, and when the move takes more ticks than can be counted.
+    Raises Rejected as plan_of does, and when the move takes more ticks than can be counted.
     """
-    ramp, steps = ramp_of(design), abs(design.move.steps)
-    intervals = play(ramp, steps).astype(np.int64, copy=False)
-    timer_hz = design.timer.frequency_hz
+    plan, timer_hz = plan_of(design), design.timer.frequency_hz
+    intervals, steps, slew_ticks = plan.intervals, plan.steps, plan.real.slew
     if intervals.sum(dtype=np.float64) > MOST_TICKS:
         allowed = f"a lower frequency, so that the move takes at most {MOST_TICKS:,} ticks"
         raise Rejected([Rejection("timer.frequency_hz", timer_hz, allowed)])
@@ -106,43 +69,23 @@ def profile_of(design: Design) -> Profile:
         position_steps=np.arange(1, steps + 1) * int(math.copysign(1, design.move.steps)),
         speed_steps_per_s=timer_hz / intervals,
         duration_s=float(ends[-1]) / timer_hz,
-        phases=_phases(ramp, steps),
-        warnings=tuple(_short_move(design, ramp, steps) + timer_warnings(intervals, design.timer)),
+        phases=_phases(plan),
+        warnings=tuple(_short_move(design, plan) + timer_warnings(design, intervals, slew_ticks)),
+        slew_resolution=slew_resolution(slew_ticks, timer_hz),
+        plan=plan,
     )
 
 
-def _phases(ramp: Ramp, steps: int) -> tuple[Phase, ...]:
-    n_up, n_down = split(ramp, steps)
+def _phases(plan: Plan) -> tuple[Phase, ...]:
+    steps, (n_up, n_down) = plan.steps, plan.sides
     cuts = (("accelerate", 0, n_up), ("slew", n_up, steps - n_down), ("decelerate", steps - n_down, steps))
     return tuple(Phase(name, before + 1, last) for name, before, last in cuts if last > before)
 
 
-def _short_move(design: Design, ramp: Ramp, steps: int) -> list[Warning]:
-    needed = ramp.up.size + ramp.down.size
-    if steps >= needed:
+def _short_move(design: Design, plan: Plan) -> list[Warning]:
+    needed = plan.ramp.up.size + plan.ramp.down.size
+    if plan.steps >= needed:
         return []
-    peak = speed_from_interval(float(play(ramp, steps).min()), design.timer.frequency_hz)
+    peak = speed_from_interval(float(plan.intervals.min()), design.timer.frequency_hz)
     message = f"Too short to reach full speed, which takes {needed:,} steps: the move peaks at {peak:,.0f} steps/s."
     return [Warning("move.steps", message)]
-
-
-def _length(design: Design, acceleration: float, which: str) -> int:
-    """Return a side's length [steps]; a ramp that no move could play is refused before its arrays are made."""
-    base, slew = design.ramp.base_speed_steps_per_s, design.ramp.slew_speed_steps_per_s
-    steps = ramp_steps(base, slew, acceleration)
-    if steps > MOST_STEPS:
-        least = (slew**2 - base**2) / (2 * MOST_STEPS)
-        allowed = f"at least {least:,.6g} steps/s² between these speeds, for a ramp of at most {MOST_STEPS:,} steps"
-        raise Rejected([Rejection(f"ramp.{which}_steps_per_s2", acceleration, allowed)])
-    return steps
-
-
-def _table(design: Design) -> Ramp:
-    table = design.table
-    if table is None:
-        raise Rejected([Rejection("table", None, "a table, since method.name is 'table'")])
-    rows = np.array(table.rows, dtype=np.int64)
-    delays = rows[:, 1].astype(np.float64)
-    if table.interval_unit == "us":
-        delays = delays * ticks_from_us(1, design.timer.frequency_hz)
-    return table_ramp(rows[:, 0], delays)

@@ -21,7 +21,7 @@ import { createNumber } from './number.js';
 export function createParameters(root, handlers) {
   const info = createInfo();
   const numbers = GROUPS.flatMap((group) => group.fields).map((field) => createNumber(field, handlers));
-  const method = createMethod(handlers, info.show);
+  const method = createMethod(handlers, info);
   const groups = GROUPS.map((group) =>
     element(
       'section',
@@ -74,52 +74,25 @@ function createInfo() {
 }
 
 /**
- * The choice of the method and its arithmetic.
+ * The choice of the method, its arithmetic and how its delays become ticks.
  * @param {{onEdit: (path: string, value: unknown) => void, onMethod: (name: MethodName) => void}} handlers
- * @param {(label: string, formula: string, help: string) => void} showInfo
+ * @param {ReturnType<typeof createInfo>} info
  */
-function createMethod({ onEdit, onMethod }, showInfo) {
+function createMethod({ onEdit, onMethod }, info) {
   const name = picker('Method', (value) => onMethod(/** @type {MethodName} */ (value)));
   name.element.classList.add('quiet');
   name.select.id = 'method';
+  const nameBox = element('div');
   const arithmetics = [...new Set(METHODS.flatMap((method) => method.arithmetic))].sort().reverse();
-  const arithmetic = segmented(
-    'Arithmetic',
-    arithmetics.map((one) => [one, one]),
-    (value) => onEdit('method.arithmetic', value),
-  );
-  arithmetic.element.classList.add('fill');
-  const [nameBox, arithmeticBox] = [element('div'), element('div', { className: 'messages' })];
-  arithmetic.element.id = 'arithmetic';
-  const rows = {
-    arithmetic: element(
-      'div',
-      { className: 'choice' },
-      element('span', { textContent: 'Arithmetic' }),
-      arithmetic.element,
-      arithmeticBox,
-    ),
-    rounding: element(
-      'div',
-      { className: 'choice' },
-      element('span', { textContent: 'Rounding' }),
-      element('span', { className: 'value', textContent: 'to the nearest tick' }),
-    ),
-  };
+  const arithmetic = createChoice('method.arithmetic', arithmetics, onEdit);
+  const rounding = createChoice('method.rounding', ['nearest', 'floor', 'carry'], onEdit);
   const head = element('div', { className: 'group-head' }, element('h2', { textContent: 'Method' }), name.element);
-  for (const [part, path] of /** @type {[HTMLElement, string][]} */ ([
-    [rows.arithmetic, 'method.arithmetic'],
-    [rows.rounding, 'method.rounding'],
-  ])) {
-    const { label, formula, help } = CHOICES[path];
-    for (const event of ['pointerenter', 'focusin']) part.addEventListener(event, () => showInfo(label, formula, help));
-  }
-  for (const event of ['pointerenter', 'focusin']) {
-    head.addEventListener(event, () => {
-      const { label, formula, help } = methodOf(/** @type {MethodName} */ (name.select.value));
-      showInfo(label, formula, help);
-    });
-  }
+  info.explain(head, () => {
+    const { label, formula, help } = methodOf(/** @type {MethodName} */ (name.select.value));
+    info.show(label, formula, help);
+  });
+  for (const { path, element: row } of [arithmetic, rounding])
+    info.explain(row, () => info.show(CHOICES[path].label, CHOICES[path].formula, CHOICES[path].help));
 
   return {
     element: element(
@@ -127,8 +100,8 @@ function createMethod({ onEdit, onMethod }, showInfo) {
       { className: 'group', 'aria-label': 'Method' },
       head,
       nameBox,
-      rows.arithmetic,
-      rows.rounding,
+      arithmetic.element,
+      rounding.element,
     ),
     /** @param {Design} design */
     show(design) {
@@ -136,15 +109,44 @@ function createMethod({ onEdit, onMethod }, showInfo) {
         METHODS.map((method) => [method.name, method.label]),
         design.method.name,
       );
-      const offered = methodOf(design.method.name).arithmetic;
-      for (const button of arithmetic.element.querySelectorAll('button'))
-        button.hidden = !offered.includes(button.dataset.value ?? '');
-      arithmetic.press(valueAt(design, 'method.arithmetic'));
+      arithmetic.show(design, methodOf(design.method.name).arithmetic);
+      rounding.show(design);
     },
     /** @param {Messages['fields']} messages */
     showMessage(messages) {
       showMessage(name.select, nameBox, messages.get('method.name'));
-      showMessage(arithmetic.element, arithmeticBox, messages.get('method.arithmetic'));
+      arithmetic.showMessage(messages);
+      rounding.showMessage(messages);
     },
+  };
+}
+
+/**
+ * One choice of a few, with its message beneath.
+ * @param {string} path where it stands in the design
+ * @param {string[]} values
+ * @param {(path: string, value: unknown) => void} onEdit
+ */
+function createChoice(path, values, onEdit) {
+  const { label } = CHOICES[path];
+  const control = segmented(
+    label,
+    values.map((value) => [value, value]),
+    (value) => onEdit(path, value),
+  );
+  control.element.classList.add('fill');
+  control.element.id = label.toLowerCase();
+  const box = element('div', { className: 'messages' });
+  return {
+    path,
+    element: element('div', { className: 'choice' }, element('span', { textContent: label }), control.element, box),
+    /** @param {Design} design @param {string[]} [offered] */
+    show(design, offered = values) {
+      for (const button of control.element.querySelectorAll('button'))
+        button.hidden = !offered.includes(button.dataset.value ?? '');
+      control.press(valueAt(design, path));
+    },
+    /** @param {Messages['fields']} messages */
+    showMessage: (messages) => showMessage(control.element, box, messages.get(path)),
   };
 }

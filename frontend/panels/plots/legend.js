@@ -1,9 +1,10 @@
 // @ts-check
 // The legend: one switch a method, with its largest error.
 
-import { element, svgElement } from '../../dom.js';
+import { element } from '../../dom.js';
 import { METHODS, REFERENCE } from '../../methods.js';
 import { formatSignedPercent } from '../../numbers.js';
+import { methodSwatch } from '../../swatch.js';
 
 /** @typedef {import('../../types.js').Answer} Answer */
 /** @typedef {import('../../types.js').MethodName} MethodName */
@@ -15,8 +16,8 @@ export function createLegend(onSwitch) {
     const chip = element(
       'button',
       { className: 'chip', type: 'button', 'data-method': name, onclick: () => onSwitch(name) },
-      swatch(name),
-      label,
+      methodSwatch(name),
+      element('span', { textContent: label }),
       figure,
     );
     return { name, label, chip, figure };
@@ -27,7 +28,7 @@ export function createLegend(onSwitch) {
       { className: 'legend', role: 'group', 'aria-label': 'Methods shown' },
       ...chips.map(({ chip }) => chip),
     ),
-    /** @param {Answer | null} answer @param {Set<MethodName>} shown @param {MethodName} active */
+    /** @param {Answer | null} answer @param {ReadonlySet<MethodName>} shown @param {MethodName} active */
     show(answer, shown, active) {
       for (const { name, label, chip, figure } of chips) {
         const largest = answer?.errors[name]?.largest_relative_error;
@@ -51,18 +52,4 @@ export function createLegend(onSwitch) {
       }
     },
   };
-}
-
-/** @param {MethodName} name */
-function swatch(name) {
-  const drawing = svgElement('svg', { viewBox: '0 0 18 8', 'aria-hidden': 'true' });
-  const style = `stroke: var(--method-${name})`;
-  drawing.append(
-    svgElement('line', { x1: 0, y1: 4, x2: 18, y2: 4, style, 'stroke-width': name === REFERENCE ? 3 : 2.5 }),
-  );
-  if (name === 'table')
-    drawing.append(
-      svgElement('circle', { cx: 9, cy: 4, r: 3, 'stroke-width': 2, style: `${style}; fill: var(--plot)` }),
-    );
-  return drawing;
 }

@@ -6,6 +6,7 @@ import { drawingOrder } from '../../figure.js';
 import { PLOTS, xPixel, yPixel } from '../../frame.js';
 import { methodOf } from '../../methods.js';
 import { formatFixed } from '../../numbers.js';
+import { methodSwatch } from '../../swatch.js';
 
 /** @typedef {import('../../curves.js').MethodReading} MethodReading */
 /** @typedef {import('../../curves.js').Reading} Reading */
@@ -69,7 +70,7 @@ export function createOverlay() {
     phases.replaceChildren(...frame.phases.map((phase) => phaseBar(frame, phase)));
   }
 
-  /** @param {Frame} frame @param {Reading | null} at @param {MethodName} active @param {Set<MethodName>} shown */
+  /** @param {Frame} frame @param {Reading | null} at @param {MethodName} active @param {ReadonlySet<MethodName>} shown */
   function read(frame, at, active, shown) {
     cursor.replaceChildren();
     tooltip.hidden = at === null;
@@ -114,7 +115,8 @@ export function createOverlay() {
     tooltip.replaceChildren(readingTable(at, visible));
     const isRight = x + TOOLTIP_GAP + tooltip.offsetWidth > frame.left + frame.width;
     Object.assign(tooltip.style, {
-      left: `${isRight ? x - TOOLTIP_GAP - tooltip.offsetWidth : x + TOOLTIP_GAP}px`,
+      // Where neither side has room for it, it covers the cursor rather than leave the page.
+      left: `${Math.max(0, isRight ? x - TOOLTIP_GAP - tooltip.offsetWidth : x + TOOLTIP_GAP)}px`,
       top: `${(frame.plots[1].top === frame.top ? frame.top : frame.plots[1].top) + 8}px`,
     });
   }
@@ -163,7 +165,7 @@ function readingTable(at, methods) {
     return element(
       'tr',
       {},
-      element('td', {}, element('i', { style: `background: var(--method-${one.method})` }), methodOf(one.method).label),
+      element('td', {}, methodSwatch(one.method), methodOf(one.method).label),
       cell(about + formatFixed(one.ticks)),
       cell(formatFixed(one.delay_us, 1)),
       cell(formatFixed(one.speed, 1)),

@@ -22,9 +22,10 @@ const COMPACT = matchMedia('(max-width: 700px)');
 
 /**
  * @param {HTMLElement} root
- * @param {{onShown: (shown: Set<MethodName>) => void, onReading: (reading: Reading | null) => void}} handlers
+ * @param {ReadonlySet<MethodName>} shown the methods to draw, as they are at each drawing
+ * @param {{onSwitch: (name: MethodName) => void, onReading: (reading: Reading | null) => void}} handlers
  */
-export function createPlots(root, handlers) {
+export function createPlots(root, shown, handlers) {
   const view = {
     axis: /** @type {import('../../curves.js').AxisName} */ ('step'),
     view: /** @type {import('../../frame.js').ViewName} */ ('whole'),
@@ -32,7 +33,6 @@ export function createPlots(root, handlers) {
     zoom: /** @type {[number, number] | null} */ (null),
     moving: false,
   };
-  const shown = new Set(METHODS.map((method) => method.name));
   /** @type {Answer | null} */
   let answer = null;
   /** @type {Partial<Record<MethodName, import('../../curves.js').Curve>>} */
@@ -54,11 +54,7 @@ export function createPlots(root, handlers) {
     onView: (name) => look({ view: name, zoom: null }),
     onPlot: (only) => look({ only }),
   });
-  const legend = createLegend((name) => {
-    if (!shown.delete(name)) shown.add(name);
-    handlers.onShown(shown);
-    redraw();
-  });
+  const legend = createLegend(handlers.onSwitch);
   const overlay = createOverlay();
   const figure = /** @type {any} */ (element('div', { className: 'figure' }));
   const scope = element(
@@ -129,6 +125,7 @@ export function createPlots(root, handlers) {
       size,
       compact: COMPACT.matches,
       colours: colours(),
+      dashes: dashes(),
       font: token('--font'),
     });
     frame = made.frame;
@@ -228,7 +225,6 @@ export function createPlots(root, handlers) {
   }
 
   return {
-    shown,
     /** @param {Answer} newest */
     show(newest) {
       answer = newest;
@@ -267,6 +263,11 @@ function colours() {
     tick: token('--text-3'),
     phase: token('--phase-ramp'),
   };
+}
+
+/** @returns {Record<string, string>} */
+function dashes() {
+  return Object.fromEntries(METHODS.map(({ name }) => [name, token(`--dash-${name}`) || 'solid']));
 }
 
 /** Plotly, when its script has run; null when it could not be loaded. @returns {Promise<any>} */

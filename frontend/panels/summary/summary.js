@@ -2,9 +2,10 @@
 // The figures of the chosen method in one row, and above them what is worth a second look.
 
 import { activeProfile } from '../../curves.js';
-import { element, messageLine, svgElement } from '../../dom.js';
+import { element, messageLine } from '../../dom.js';
 import { methodOf, REFERENCE } from '../../methods.js';
 import { formatFigures, formatFixed, formatSignedPercent } from '../../numbers.js';
+import { methodSwatch } from '../../swatch.js';
 
 /** @typedef {import('../../types.js').Answer} Answer */
 
@@ -24,7 +25,7 @@ export function createSummary(root) {
         (summary.steps * Number(answer.design.axis.travel_per_rev)) /
         (Number(answer.design.axis.full_steps_per_rev) * Number(answer.design.axis.microsteps));
       figures.replaceChildren(
-        stat('method', 'Method', [swatch(name), methodOf(name).label], arithmetic),
+        stat('method', 'Method', [methodSwatch(name), methodOf(name).label], arithmetic),
         stat(
           'duration',
           'Duration',
@@ -80,13 +81,6 @@ function duration(seconds) {
   if (seconds < 1) return [formatFigures(seconds * 1000), small('ms')];
   if (seconds < 600) return [formatFixed(seconds, 3), small('s')];
   return [formatFixed(Math.floor(seconds / 60)), small('min '), formatFixed(Math.floor(seconds % 60)), small('s')];
-}
-
-/** @param {string} method */
-function swatch(method) {
-  const drawing = svgElement('svg', { viewBox: '0 0 16 4', 'aria-hidden': 'true' });
-  drawing.append(svgElement('path', { d: 'M0 2h16', 'stroke-width': 3, style: `stroke: var(--method-${method})` }));
-  return drawing;
 }
 
 /** @param {import('../../types.js').Profile['summary']} summary */

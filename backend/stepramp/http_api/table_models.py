@@ -1,0 +1,108 @@
+"""What the routes for lookup tables answer."""
+
+from collections.abc import Sequence
+from typing import Any, Literal
+
+from pydantic import BaseModel, Field
+
+from stepramp.ramp.table_check import RowChange, RowFinding
+from stepramp.ramp.table_fit import BYTES_PER_ROW, FittedTable
+from stepramp.ramp.table_play import TableMoves
+
+
+class StepsAnswer(BaseModel):
+    """Steps in order of time, one value a step in each list."""
+
+    at_us: list[int] = Field(description="Instant of the step [µs]")
+    position: list[int] = Field(description="Position after the step [steps]")
+    direction: list[int] = Field(description="1 up, -1 down")
+    ramp_index: list[int] = Field(description="Ramp index after the step [steps]")
+    delay_us: list[int] = Field(description="Wait after the step [µs]")
+
+
+class StopAnswer(BaseModel):
+    """The gauge came to rest."""
+
+    at_us: int = Field(description="Instant at which it is at rest [µs]")
+    position: int = Field(description="Where [steps]")
+
+
+class PlayAnswer(BaseModel):
+    """The moves of a gauge."""
+
+    steps: StepsAnswer
+    stops: list[StopAnswer]
+
+
+class FindingAnswer(BaseModel):
+    """Something about a row."""
+
+    row: int = Field(description="Row, counted from 0")
+    reason: str
+    wrong: bool = Field(description="Whether a gauge can't play the table as it stands")
+
+
+class RowChangeAnswer(BaseModel):
+    """The jump in speed where a row begins."""
+
+    row: int = Field(description="Row, counted from 0; row 0 begins from rest")
+    acceleration_steps_per_s2: float = Field(
+        description="(v² - u²) / 2, from the row before's speed u to this row's v within one step [steps/s²]"
+    )
+
+
+class CheckAnswer(BaseModel):
+    """What is to be said about a table."""
+
+    findings: list[FindingAnswer]
+    row_changes: list[RowChangeAnswer]
+    mean_acceleration_steps_per_s2: float = Field(
+        description="What would reach the table's top speed in as many steps, v² / (2 S) [steps/s²]"
+    )
+
+
+class FittedTableAnswer(BaseModel):
+    """A lookup table as a design has it."""
+
+    rows: list[tuple[int, int]] = Field(description="[last ramp index of the row [steps], delay [interval_unit]]")
+    interval_unit: Literal["us", "ticks"]
+
+
+class FitAnswer(BaseModel):
+    """The best table, and how good it is."""
+
+    table: FittedTableAnswer
+    rows: int = Field(description="Rows of the table [rows]")
+    bytes: int = Field(description="Memory of the table, 4 bytes a row [bytes]")
+    largest_relative_error: float = Field(description="Largest relative error of a delay: 0.05 is 5 %")
+    relative_errors: list[float] = Field(description="Largest relative error of each row")
+
+
+def play_content(moves: TableMoves) -> dict[str, Any]:
+    """Return moves as a PlayAnswer's content."""
+    stops = zip(moves.stop_at_us.tolist(), moves.stop_position.tolist(), strict=True)
+    return {
+        "steps": {name: getattr(moves, name) for name in StepsAnswer.model_fields},
+        "stops": [{"at_us": at_us, "position": position} for at_us, position in stops],
+    }
+
+
+def check_answer(findings: Sequence[RowFinding], changes: Sequence[RowChange], mean: float) -> CheckAnswer:
+    """Return findings and row changes as an answer."""
+    return CheckAnswer(
+        findings=[FindingAnswer(**vars(finding)) for finding in findings],
+        row_changes=[RowChangeAnswer(**vars(change)) for change in changes],
+        mean_acceleration_steps_per_s2=mean,
+    )
+
+
+def fit_answer(fitted: FittedTable, interval_unit: Literal["us", "ticks"]) -> FitAnswer:
+    """Return a fitted table as an answer."""
+    rows = [(index, delay) for index, delay in fitted.rows.tolist()]
+    return FitAnswer(
+        table=FittedTableAnswer(rows=rows, interval_unit=interval_unit),
+        rows=len(rows),
+        bytes=BYTES_PER_ROW * len(rows),
+        largest_relative_error=fitted.largest_relative_error,
+        relative_errors=fitted.relative_errors.tolist(),
+    )

@@ -1,0 +1,124 @@
+"""Routes for lookup tables: play, check and fit them. They keep nothing."""
+
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from fastapi import APIRouter
+from pydantic import Field, model_validator
+from starlette.responses import Response
+
+from stepramp.design import MOST_STEPS, MOST_TABLE_ROWS, Design, Row, Table
+from stepramp.http_api import table_models as models
+from stepramp.http_api.json_response import json_response
+from stepramp.ramp.table_check import check_table, mean_acceleration, row_changes
+from stepramp.ramp.table_fit import BYTES_PER_ROW, FittedTable, fit_error, fit_rows, ramp_delays
+from stepramp.ramp.table_play import play_table
+from stepramp.validation import Document, ListOf, OneOf, Within, refuse
+
+router = APIRouter(prefix="/table", tags=["lookup tables"])
+
+MOST_TARGETS = 10_000
+WISHES = ("rows", "largest_relative_error", "bytes")
+
+
+class TableInMicroseconds(Table):
+    """A lookup table whose delays are times."""
+
+    interval_unit: Annotated[Literal["us"], OneOf()] = Field("us", description="Unit of the delays")
+
+
+class Target(Document):
+    """A position that is asked for, and when."""
+
+    at_us: Annotated[int, Within(0, 10**12, "µs")] = Field(description="Instant at which the target is set [µs]")
+    target: Annotated[int, Within(-MOST_STEPS, MOST_STEPS, "steps")] = Field(
+        description="Position asked for; kept within 0 to range_steps - 1 [steps]"
+    )
+
+
+class PlayRequest(Document):
+    """A table and the targets that it is to be played towards."""
+
+    table: TableInMicroseconds
+    range_steps: Annotated[int, Within(1, MOST_STEPS, "steps")] = Field(description="Range of the gauge [steps]")
+    targets: Annotated[list[Target], ListOf("targets")] = Field(
+        description="Targets in the order in which they are set"
+    )
+
+    @model_validator(mode="after")
+    def _in_order(self) -> Self:
+        if len(self.targets) > MOST_TARGETS:
+            refuse("targets", self.targets, f"at most {MOST_TARGETS:,} targets")
+        for number in range(1, len(self.targets)):
+            before, at_us = self.targets[number - 1].at_us, self.targets[number].at_us
+            if at_us < before:
+                refuse(f"targets.{number}.at_us", at_us, f"not before the target before it, at {before:,} µs")
+        return self
+
+
+class CheckRequest(Document):
+    """A table to be checked; its rows may be in any order."""
+
+    rows: Annotated[list[Row], ListOf("rows of two whole numbers")] = Field(
+        description="[last ramp index of the row [steps], delay [µs]]"
+    )
+    slew_interval_us: Annotated[float, Within(0.001, 10**9, "µs")] | None = Field(
+        None, description="Delay of the slew speed that the table should lead to [µs]; null: the end is not judged"
+    )
+
+    @model_validator(mode="after")
+    def _some_rows(self) -> Self:
+        if not 1 <= len(self.rows) <= MOST_TABLE_ROWS:
+            refuse("rows", self.rows, f"from 1 to {MOST_TABLE_ROWS:,} rows")
+        return self
+
+
+class FitRequest(Document):
+    """A ramp and the size or the quality of the table that is to stand for it: exactly one of the three."""
+
+    design: Design
+    rows: Annotated[int, Within(1, MOST_TABLE_ROWS, "rows")] | None = Field(None, description="Most rows [rows]")
+    largest_relative_error: Annotated[float, Within(0.000001, 1)] | None = Field(
+        None, description="Largest relative error of a delay: 0.05 is 5 %"
+    )
+    bytes: Annotated[int, Within(4, 4 * MOST_TABLE_ROWS, "bytes")] | None = Field(
+        None, description="Most memory, 4 bytes a row [bytes]"
+    )
+    interval_unit: Annotated[Literal["us", "ticks"], OneOf()] = Field("us", description="Unit of the delays")
+
+    @model_validator(mode="after")
+    def _one_wish(self) -> Self:
+        given = [name for name in WISHES if getattr(self, name) is not None]
+        if len(given) != 1:
+            refuse("rows", self.rows, f"exactly one of {', '.join(WISHES)}; given: {', '.join(given) or 'none'}")
+        return self
+
+
+@router.post("/play", response_model=models.PlayAnswer)
+def play(request: PlayRequest) -> Response:
+    """Play a table as a gauge library does: targets may change in flight; it stops before it reverses."""
+    rows = np.array(request.table.rows, dtype=np.int64)
+    at_us = np.array([each.at_us for each in request.targets], dtype=np.int64)
+    targets = np.array([each.target for each in request.targets], dtype=np.int64)
+    return json_response(models.play_content(play_table(rows, request.range_steps, at_us, targets)))
+
+
+@router.post("/check")
+def check(request: CheckRequest) -> models.CheckAnswer:
+    """Check a table: what is wrong with each row, and the acceleration that each row change asks for."""
+    return models.check_answer(
+        check_table(request.rows, request.slew_interval_us), row_changes(request.rows), mean_acceleration(request.rows)
+    )
+
+
+@router.post("/fit")
+def fit(request: FitRequest) -> models.FitAnswer:
+    """Fit a table to a ramp: the least error for a number of rows or bytes, or the fewest rows for an error."""
+    return models.fit_answer(_fitted(request), request.interval_unit)
+
+
+def _fitted(request: FitRequest) -> FittedTable:
+    ramp = ramp_delays(request.design, request.interval_unit)
+    if request.largest_relative_error is not None:
+        return fit_error(ramp, request.largest_relative_error)
+    return fit_rows(ramp, request.rows or (request.bytes or 0) // BYTES_PER_ROW)

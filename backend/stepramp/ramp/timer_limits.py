@@ -1,0 +1,116 @@
+"""What a timer can't do of a ramp, and what to change."""
+
+import math
+from dataclasses import dataclass
+
+from stepramp.design import Design, Timer
+from stepramp.ramp.move import Intervals
+from stepramp.units import speed_from_interval, ticks_from_us, us_from_ticks
+
+COARSE = 0.01
+"""Resolution at slew speed above which people are warned."""
+
+
+@dataclass(frozen=True)
+class Warning:
+    """Something that works, but not as the design says; `field` is where it can be changed."""
+
+    field: str | None
+    message: str
+
+
+@dataclass(frozen=True)
+class SlewResolution:
+    """How finely the timer divides speeds near an interval."""
+
+    relative: float
+    """One tick as a part of the interval: 0.01 is 1 %."""
+    speed_below_steps_per_s: float
+    """The nearest speed of whole ticks that is not above the one asked for [steps/s]."""
+    speed_above_steps_per_s: float | None
+    """The nearest speed of whole ticks that is not below the one asked for; None when that is no tick [steps/s]."""
+
+
+def slew_resolution(interval_ticks: float, timer_hz: float) -> SlewResolution:
+    """Return how finely a timer [Hz] divides speeds near an interval that is not yet rounded [ticks]."""
+    shorter = math.floor(interval_ticks)
+    return SlewResolution(
+        relative=1 / interval_ticks,
+        speed_below_steps_per_s=speed_from_interval(math.ceil(interval_ticks), timer_hz),
+        speed_above_steps_per_s=speed_from_interval(shorter, timer_hz) if shorter else None,
+    )
+
+
+def timer_warnings(design: Design, intervals: Intervals, slew_interval_ticks: float) -> list[Warning]:
+    """Return what the design's timer can't do of a move's intervals [ticks], shape (steps,).
+
+    slew_interval_ticks: the slew interval before rounding [ticks].
+    """
+    longest, shortest = int(intervals.max()), int(intervals.min())
+    found = (
+        _wider_than_counter(longest, design.timer),
+        _shorter_than_shortest(shortest, design.timer),
+        _coarse_slew(slew_interval_ticks, design.timer),
+        _first_step_above_slew(design),
+    )
+    return [warning for warning in found if warning is not None]
+
+
+def _wider_than_counter(longest: int, timer: Timer) -> Warning | None:
+    widest = 2**timer.counter_bits - 1
+    if longest <= widest:
+        return None
+    slower = timer.frequency_hz * widest / longest
+    return Warning(
+        "timer.counter_bits",
+        f"The longest interval, {longest:,} ticks, does not fit in a counter of {timer.counter_bits} bits "
+        f"(at most {widest:,}): use {longest.bit_length()} bits, a timer of at most {slower:,.0f} Hz, "
+        "or a higher base speed.",
+    )
+
+
+def _shorter_than_shortest(shortest: int, timer: Timer) -> Warning | None:
+    least = ticks_from_us(timer.shortest_interval_us, timer.frequency_hz)
+    if shortest >= least:
+        return None
+    fastest = speed_from_interval(least, timer.frequency_hz)
+    return Warning(
+        "timer.shortest_interval_us",
+        f"The shortest interval, {us_from_ticks(shortest, timer.frequency_hz):,.2f} µs, is less than the "
+        f"{timer.shortest_interval_us:,g} µs that the controller needs: "
+        f"use a slew speed of at most {fastest:,.0f} steps/s.",
+    )
+
+
+def _coarse_slew(slew_interval_ticks: float, timer: Timer) -> Warning | None:
+    resolution = slew_resolution(slew_interval_ticks, timer.frequency_hz)
+    if resolution.relative <= COARSE:
+        return None
+    below, above = resolution.speed_below_steps_per_s, resolution.speed_above_steps_per_s
+    finer = timer.frequency_hz * resolution.relative / COARSE
+    advice = f"a timer of at least {finer:,.0f} Hz has a resolution of {100 * COARSE:g} %."
+    if below == above:
+        text = f"Speeds near the slew speed are {100 * resolution.relative:.1f} % apart; {advice}"
+    else:
+        speeds = f"{below:,.0f}" + (f" and {above:,.0f}" if above else "")
+        text = (
+            f"One tick is {100 * resolution.relative:.1f} % of the slew interval: the nearest speeds are {speeds} "
+            f"steps/s. Use one of them; {advice}"
+        )
+    return Warning("timer.frequency_hz", text)
+
+
+def _first_step_above_slew(design: Design) -> Warning | None:
+    """Warn when n = 2 a / v² > 1, by (13): then the speed after one step would be above the slew speed."""
+    slew, base = design.ramp.slew_speed_steps_per_s, design.ramp.base_speed_steps_per_s
+    for which in ("acceleration", "deceleration"):
+        field = f"{which}_steps_per_s2"
+        rate = getattr(design.ramp, field)
+        if design.method.name != "table" and rate is not None and 2 * rate > slew**2:
+            reached, most = math.sqrt(base**2 + 2 * rate), (slew**2 - base**2) / 2
+            return Warning(
+                f"ramp.{field}",
+                f"At {rate:,.0f} steps/s² a single step would reach {reached:,.0f} steps/s, above the slew speed "
+                f"(2 a / v² is more than 1): there is no ramp. Use at most {most:,.0f} steps/s².",
+            )
+    return None

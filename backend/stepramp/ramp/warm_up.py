@@ -1,0 +1,31 @@
+"""Compiling before it is needed: the numerics are compiled when they first run, and kept for the next start."""
+
+import time
+
+import numpy as np
+
+from stepramp.design import ARITHMETICS, Design
+from stepramp.ramp.error_curves import error_curves
+from stepramp.ramp.segments import compress
+
+TURN_S = 0.02
+
+
+def warm_up() -> None:
+    """Run each method once in each of its arithmetics, the usual ones first, and the compression, on a small ramp."""
+    small = Design.checked(
+        {
+            "schema": "stepramp/1",
+            "timer": {"frequency_hz": 1_000_000},
+            "ramp": {"slew_speed_steps_per_s": 200, "acceleration_steps_per_s2": 1000},
+            "table": {"rows": [[10, 5000]]},
+            "move": {"steps": 100},
+        }
+    )
+    usual = [(name, arithmetics[0]) for name, arithmetics in ARITHMETICS.items()]
+    rest = [(name, arithmetic) for name, arithmetics in ARITHMETICS.items() for arithmetic in arithmetics[1:]]
+    for name, arithmetic in usual + rest:
+        _ = error_curves(small.with_method(name, arithmetic), name, "exact").relative_error
+        # One thing is compiled at a time: what a request needs goes before the next of these.
+        time.sleep(TURN_S)
+    compress(np.array([2, 1]), 1)

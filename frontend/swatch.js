@@ -1,0 +1,26 @@
+// @ts-check
+// The piece of line that stands for a method wherever it is named.
+
+import { svgElement } from './dom.js';
+import { REFERENCE } from './methods.js';
+
+/** @param {import('./types.js').MethodName} name */
+export function methodSwatch(name) {
+  const drawing = svgElement('svg', { class: 'swatch', viewBox: '0 0 18 8', 'aria-hidden': 'true' });
+  const stroke = `stroke: var(--method-${name})`;
+  drawing.append(
+    svgElement('line', {
+      x1: 0,
+      y1: 4,
+      x2: 18,
+      y2: 4,
+      style: `${stroke}; stroke-dasharray: var(--dash-${name}, none)`,
+      'stroke-width': name === REFERENCE ? 3 : 2.5,
+    }),
+  );
+  if (name === 'table')
+    drawing.append(
+      svgElement('circle', { cx: 9, cy: 4, r: 3, 'stroke-width': 2, style: `${stroke}; fill: var(--plot)` }),
+    );
+  return drawing;
+}

@@ -1,0 +1,71 @@
+import json
+from pathlib import Path
+
+import pytest
+from starlette.testclient import TestClient
+
+from designs import document
+
+RECORD = json.loads((Path(__file__).parents[1] / "reference" / "gauge_table_moves.json").read_text())
+
+
+@pytest.mark.parametrize("case", RECORD["cases"], ids=[case["name"] for case in RECORD["cases"]])
+def test_recorded_moves_over_the_api(client: TestClient, case: dict) -> None:
+    body = {"table": {"rows": case["table"], "interval_unit": "us"}, "range_steps": case["range_steps"],
+            "targets": case["targets"]}  # fmt: skip
+    answer = client.post("/api/v1/table/play", json=body).json()
+    names = ("at_us", "position", "direction", "ramp_index", "delay_us")
+    assert [list(step) for step in zip(*(answer["steps"][name] for name in names), strict=True)] == case["steps"]
+    assert [[stop["at_us"], stop["position"]] for stop in answer["stops"]] == case["stops"]
+
+
+@pytest.mark.parametrize(
+    ("change", "field"),
+    [
+        ({"table": {"rows": [[10, 500]], "interval_unit": "ticks"}}, "table.interval_unit"),
+        ({"range_steps": 0}, "range_steps"),
+        ({"targets": [{"at_us": 5, "target": 1}, {"at_us": 4, "target": 1}]}, "targets.1.at_us"),
+        ({"targets": [{"at_us": -1, "target": 1}]}, "targets.0.at_us"),
+        ({"targets": 7}, "targets"),
+    ],
+)
+def test_what_can_t_be_played_is_refused(client: TestClient, change: dict, field: str) -> None:
+    body = {"table": {"rows": [[10, 500]]}, "range_steps": 945, "targets": [{"at_us": 0, "target": 5}], **change}
+    response = client.post("/api/v1/table/play", json=body)
+    assert response.status_code == 422
+    assert [error["field"] for error in response.json()["errors"]] == [field]
+
+
+def fit(client: TestClient, **wish: object) -> dict:
+    gauge = document(
+        timer__frequency_hz=1e6, ramp__base_speed_steps_per_s=200, ramp__slew_speed_steps_per_s=1666,
+        ramp__acceleration_steps_per_s2=8000,
+    )  # fmt: skip
+    return client.post("/api/v1/table/fit", json={"design": gauge, **wish}).json()
+
+
+def test_a_table_is_fitted_by_rows_error_or_bytes(client: TestClient) -> None:
+    by_rows, by_bytes = fit(client, rows=5), fit(client, bytes=23)
+    assert by_rows == by_bytes
+    assert (by_rows["rows"], by_rows["bytes"], len(by_rows["table"]["rows"])) == (5, 20, 5)
+    assert by_rows["largest_relative_error"] == pytest.approx(0.1979, abs=1e-4)
+    by_error = fit(client, largest_relative_error=by_rows["largest_relative_error"])
+    assert by_error["rows"] == 5
+    # The fitted table is a table of a design.
+    client.post("/api/v1/profile", json={"design": document(table=by_rows["table"])}).raise_for_status()
+
+
+@pytest.mark.parametrize(
+    "wish", [{}, {"rows": 5, "bytes": 20}, {"rows": 0}, {"largest_relative_error": 0}, {"bytes": 3}]
+)
+def test_a_wish_that_is_none_is_refused(client: TestClient, wish: dict) -> None:
+    response = client.post("/api/v1/table/fit", json={"design": document(), **wish})
+    assert response.status_code == 422
+    assert all(error["allowed"] for error in response.json()["errors"])
+
+
+def test_a_table_is_checked_row_by_row(client: TestClient) -> None:
+    body = {"rows": [[10, 5000], [5, 6000]], "slew_interval_us": 600}
+    answer = client.post("/api/v1/table/check", json=body).json()
+    assert [(each["row"], each["wrong"]) for each in answer["findings"]] == [(1, True), (1, False), (1, False)]
+    assert answer["row_changes"][0]["acceleration_steps_per_s2"] == pytest.approx(20_000)

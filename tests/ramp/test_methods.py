@@ -1,0 +1,95 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from designs import design, document
+from stepramp.design import ARITHMETICS, Design
+from stepramp.errors import Rejected
+from stepramp.ramp.fixed_point import fixed_newton_up, fixed_taylor_down
+from stepramp.ramp.kinematics import Slope, exact_intervals
+from stepramp.ramp.plan import ramp_of, real_ramp
+from stepramp.ramp.profile import profile_of
+from stepramp.ramp.tuning import best_coefficient, taylor_down, taylor_up, tuned_down, tuned_up
+
+COMBINATIONS = [(name, arithmetic) for name, known in ARITHMETICS.items() for arithmetic in known]
+ROUNDINGS = ("nearest", "floor", "carry")
+
+
+@pytest.mark.parametrize(("name", "arithmetic"), COMBINATIONS)
+@pytest.mark.parametrize("rounding", ROUNDINGS)
+def test_every_combination_plans_moves_of_every_length(name: str, arithmetic: str, rounding: str) -> None:
+    for steps in (1, 2, 77, -300, 1000):
+        profile = profile_of(
+            design(
+                method__name=name, method__arithmetic=arithmetic, method__rounding=rounding, move__steps=steps,
+                ramp__base_speed_steps_per_s=20, ramp__deceleration_steps_per_s2=7000,
+            )
+        )  # fmt: skip
+        assert profile.intervals_ticks.size == abs(steps)
+        assert profile.intervals_ticks.min() > 0
+        assert profile.position_steps[-1] == steps
+
+
+@pytest.mark.parametrize("name", ["exact", "ideal", "midpoint", "austin", "table"])
+def test_a_combination_that_makes_no_sense_is_refused_by_name(name: str) -> None:
+    with pytest.raises(Rejected) as caught:
+        Design.checked(document(method__name=name, method__arithmetic="fixed"))
+    [rejection] = caught.value.rejections
+    assert (rejection.field, rejection.value) == ("method.arithmetic", "fixed")
+    assert f"with method.name '{name}'" in rejection.allowed
+
+
+def test_fixed_is_the_integers_of_the_controller() -> None:
+    newton = real_ramp(design(method__name="newton", method__arithmetic="fixed"))
+    np.testing.assert_array_equal(newton.up, fixed_newton_up(Slope(2e6, 0, 1000, 5000)).ticks)
+    compromise = real_ramp(design(method__name="compromise", method__arithmetic="fixed"))
+    np.testing.assert_array_equal(compromise.down, fixed_taylor_down(Slope(2e6, 0, 1000, 5000), 1.0).ticks)
+
+
+@pytest.mark.parametrize("name", ["first_order", "compromise", "newton"])
+def test_fixed_comes_to_the_ticks_of_float64_but_for_one(name: str) -> None:
+    fixed, precise = (
+        ramp_of(design(method__name=name, method__arithmetic=arithmetic)) for arithmetic in ("fixed", "float64")
+    )
+    assert np.abs(fixed.up - precise.up).max() <= 1
+    assert np.abs(fixed.down - precise.down).max() <= 1
+
+
+def test_a_ramp_that_fixed_can_t_compute_is_refused_with_the_reason() -> None:
+    with pytest.raises(Rejected) as caught:
+        profile_of(design(timer__frequency_hz=1e9, ramp__acceleration_steps_per_s2=1, ramp__slew_speed_steps_per_s=10,
+                          method__name="newton", method__arithmetic="fixed"))  # fmt: skip
+    [rejection] = caught.value.rejections
+    assert rejection.field == "method.arithmetic"
+    assert "The initial interval is 707,106,781 ticks" in rejection.allowed
+
+
+slopes = st.builds(Slope, st.just(1e6), st.floats(0, 300), st.floats(400, 3000), st.floats(1000, 20_000))
+
+
+@given(slopes, st.floats(0, 4))
+def test_no_other_coefficient_has_a_smaller_largest_error(slope: Slope, coefficient: float) -> None:
+    exact = exact_intervals(slope, np.float64)
+    if exact.size < 2:
+        return
+    for side, tuned in ((taylor_up, tuned_up), (taylor_down, tuned_down)):
+        best = np.abs(tuned(slope, "largest_error", np.float64) / exact - 1).max()
+        other = np.abs(side(slope, coefficient, np.float64) / exact - 1).max()
+        assert best <= other + 1e-6
+
+
+@given(slopes)
+def test_a_ramp_tuned_for_time_takes_the_exact_time_where_any_coefficient_does(slope: Slope) -> None:
+    exact = exact_intervals(slope, np.float64).sum()
+    for side, tuned in ((taylor_up, tuned_up), (taylor_down, tuned_down)):
+        if 0.01 < best_coefficient(slope, side, "time") < 3.99:
+            assert tuned(slope, "time", np.float64).sum() == pytest.approx(exact, rel=1e-6)
+
+
+def test_tuned_is_better_than_20_22_and_23_from_rest() -> None:
+    slope = Slope(1e6, 0, 2000, 4000)
+    exact = exact_intervals(slope, np.float64)
+    errors = [np.abs(taylor_up(slope, c, np.float64) / exact - 1).max() for c in (0, 1.5, 1)]
+    assert [round(float(error), 2) for error in errors] == [0.29, 0.27, 0.06]
+    assert np.abs(tuned_up(slope, "largest_error", np.float64) / exact - 1).max() < 0.02

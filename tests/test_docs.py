@@ -1,0 +1,23 @@
+import importlib.util
+import json
+from pathlib import Path
+
+from stepramp.http_api.app import create_app
+
+DOCS = Path(__file__).parents[1] / "docs"
+
+
+def test_the_tables_of_the_methods_are_those_that_the_script_makes() -> None:
+    found = importlib.util.spec_from_file_location("make_method_tables", DOCS / "make_method_tables.py")
+    assert found is not None
+    assert found.loader is not None
+    script = importlib.util.module_from_spec(found)
+    found.loader.exec_module(script)
+    written = (DOCS / "methods.md").read_text(encoding="utf-8").split(script.MARK)[1]
+    assert written == "\n" + script.tables(), "run: .venv/bin/python docs/make_method_tables.py"
+
+
+def test_the_description_of_the_api_is_that_of_the_server() -> None:
+    committed = json.loads((DOCS / "openapi.json").read_text(encoding="utf-8"))
+    again = "run: .venv/bin/python docs/make_openapi.py"
+    assert committed == json.loads(json.dumps(create_app().openapi())), again
