@@ -7,6 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from designs import design
+from stepramp.errors import Rejected
 from stepramp.ramp.table_fit import WIDEST, FittedTable, RampDelays, fit_error, fit_rows, ramp_delays
 
 delay_lists = st.lists(st.floats(2, 60), min_size=1, max_size=7)
@@ -54,14 +55,23 @@ def test_the_error_it_states_is_the_error_it_has(delays: list[float], rows: int)
     assert fitted.largest_relative_error == pytest.approx(error_of(table, delays), abs=1e-12)
 
 
-@given(delay_lists, st.floats(0.02, 0.9))
+@given(delay_lists, st.floats(0.0001, 0.9))
 def test_no_table_of_fewer_rows_keeps_an_error(delays: list[float], error: float) -> None:
-    fitted = fit_error(RampDelays(1, np.array(delays)), error)
-    achievable = least_error(delays, len(delays))
-    if achievable <= error:
-        assert fitted.largest_relative_error <= error + 1e-12
-        if len(fitted.rows) > 1:
-            assert least_error(delays, len(fitted.rows) - 1) > error - 1e-12
+    achievable, ramp = least_error(delays, len(delays)), RampDelays(1, np.array(delays))
+    if achievable > error:
+        with pytest.raises(Rejected, match=r"largest_relative_error is .*; allowed: at least"):
+            fit_error(ramp, error)
+        return
+    fitted = fit_error(ramp, error)
+    assert fitted.largest_relative_error <= error + 1e-12
+    if len(fitted.rows) > 1:
+        assert least_error(delays, len(fitted.rows) - 1) > error - 1e-12
+
+
+def test_a_ramp_of_more_steps_than_16_bits_count_is_refused() -> None:
+    long = design(ramp__slew_speed_steps_per_s=10_000, ramp__acceleration_steps_per_s2=700)
+    with pytest.raises(Rejected, match=r"acceleration_steps_per_s2 is 700.0; allowed: at least 762\.963 steps/s²"):
+        ramp_delays(long, "us")
 
 
 @given(st.data())

@@ -12,7 +12,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from stepramp.design import Design
+from stepramp.design import MOST_TABLE_ROWS, Design
+from stepramp.errors import Rejected, Rejection
 from stepramp.ramp.plan import real_ramp
 from stepramp.units import us_from_ticks
 
@@ -49,12 +50,18 @@ def ramp_delays(design: Design, interval_unit: Literal["us", "ticks"]) -> RampDe
 
     At ramp index k it is the interval of step k, and after the last the slew interval; at 0, where a deceleration
     ends, that of the base speed, unless that is 0. A design whose own method is a table is fitted to the exact ramp.
-    Raises Rejected as real_ramp does.
+    Raises Rejected as real_ramp does, and when a ramp index would be wider than 16 bits.
     """
     fitted = design.with_method("exact") if design.method.name == "table" else design
     ramp, base, timer_hz = real_ramp(fitted), design.ramp.base_speed_steps_per_s, design.timer.frequency_hz
     at_rest = [timer_hz / base] if base > 0 else []
     ticks = np.concatenate((at_rest, ramp.up, [ramp.slew])).astype(np.float64)
+    if ramp.up.size >= WIDEST:
+        acceleration, slew = design.ramp.acceleration_steps_per_s2, design.ramp.slew_speed_steps_per_s
+        allowed = (
+            f"at least {(slew**2 - base**2) / (2 * (WIDEST - 1)):,.6g} steps/s², so that ramp indices fit in 16 bits"
+        )
+        raise Rejected([Rejection("ramp.acceleration_steps_per_s2", acceleration, allowed)])
     unit = us_from_ticks(1, timer_hz) if interval_unit == "us" else 1.0
     return RampDelays(0 if at_rest else 1, ticks * unit)
 
@@ -78,8 +85,16 @@ def fit_rows(ramp: RampDelays, rows: int) -> FittedTable:
 
 
 def fit_error(ramp: RampDelays, largest_relative_error: float) -> FittedTable:
-    """Return the table of fewest rows none of whose delays is off by more than a relative error; see fit_rows."""
-    return _table(ramp, _reach(ramp.delays, largest_relative_error))
+    """Return the table of fewest rows none of whose delays is off by more than a relative error; see fit_rows.
+
+    Raises Rejected when that takes finer delays than whole ones of 16 bits, or more than 1,000 rows.
+    """
+    fitted = _table(ramp, _reach(ramp.delays, largest_relative_error))
+    if fitted.largest_relative_error > largest_relative_error * (1 + 1e-12) or len(fitted.rows) > MOST_TABLE_ROWS:
+        least = fit_rows(ramp, MOST_TABLE_ROWS).largest_relative_error
+        allowed = f"at least {least:.3g}, the best that {MOST_TABLE_ROWS:,} rows of whole 16-bit delays can do here"
+        raise Rejected([Rejection("largest_relative_error", largest_relative_error, allowed)])
+    return fitted
 
 
 def _table(ramp: RampDelays, ends: NDArray[np.int64]) -> FittedTable:
