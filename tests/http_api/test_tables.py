@@ -64,6 +64,22 @@ def test_a_wish_that_is_none_is_refused(client: TestClient, wish: dict) -> None:
     assert all(error["allowed"] for error in response.json()["errors"])
 
 
+def test_linear_rows_do_better_with_fewer(client: TestClient) -> None:
+    linear = fit(client, rows=5, row_kind="linear")
+    assert linear["table"] is None
+    assert (linear["rows"], linear["bytes"], len(linear["linear_rows"])) == (5, 30, 5)
+    assert linear["largest_relative_error"] < 0.04
+    assert fit(client, bytes=33, row_kind="linear") == linear
+    assert fit(client, largest_relative_error=0.04, row_kind="linear")["rows"] <= 5
+
+
+def test_an_error_that_whole_delays_can_t_keep_is_refused(client: TestClient) -> None:
+    for kind in ("constant", "linear"):
+        [error] = fit(client, largest_relative_error=0.00001, row_kind=kind)["errors"]
+        assert error["field"] == "largest_relative_error"
+        assert "at least 0.00077" in error["allowed"]
+
+
 def test_a_table_is_checked_row_by_row(client: TestClient) -> None:
     body = {"rows": [[10, 5000], [5, 6000]], "slew_interval_us": 600}
     answer = client.post("/api/v1/table/check", json=body).json()

@@ -7,6 +7,7 @@ from pydantic import BaseModel, Field
 
 from stepramp.ramp.table_check import RowChange, RowFinding
 from stepramp.ramp.table_fit import BYTES_PER_ROW, FittedTable
+from stepramp.ramp.table_fit_linear import BYTES_PER_LINEAR_ROW
 from stepramp.ramp.table_play import TableMoves
 
 
@@ -71,9 +72,14 @@ class FittedTableAnswer(BaseModel):
 class FitAnswer(BaseModel):
     """The best table, and how good it is."""
 
-    table: FittedTableAnswer
+    table: FittedTableAnswer | None = Field(description="Rows of constant delay, as a design has them; null for linear")
+    linear_rows: list[tuple[int, int, int]] | None = Field(
+        description="[last ramp index of the row [steps], delay at its first ramp index, what is added each step "
+        "[interval_unit]]; null for rows of constant delay"
+    )
+    interval_unit: Literal["us", "ticks"]
     rows: int = Field(description="Rows of the table [rows]")
-    bytes: int = Field(description="Memory of the table, 4 bytes a row [bytes]")
+    bytes: int = Field(description="Memory of the table: 4 bytes a row of constant delay, 6 a linear one [bytes]")
     largest_relative_error: float = Field(description="Largest relative error of a delay: 0.05 is 5 %")
     relative_errors: list[float] = Field(description="Largest relative error of each row")
 
@@ -96,13 +102,18 @@ def check_answer(findings: Sequence[RowFinding], changes: Sequence[RowChange], m
     )
 
 
-def fit_answer(fitted: FittedTable, interval_unit: Literal["us", "ticks"]) -> FitAnswer:
+def fit_answer(
+    fitted: FittedTable, row_kind: Literal["constant", "linear"], interval_unit: Literal["us", "ticks"]
+) -> FitAnswer:
     """Return a fitted table as an answer."""
-    rows = [(index, delay) for index, delay in fitted.rows.tolist()]
+    is_linear, count = row_kind == "linear", len(fitted.rows)
+    rows = [tuple(row) for row in fitted.rows.tolist()]
     return FitAnswer(
-        table=FittedTableAnswer(rows=rows, interval_unit=interval_unit),
-        rows=len(rows),
-        bytes=BYTES_PER_ROW * len(rows),
+        table=None if is_linear else FittedTableAnswer(rows=rows, interval_unit=interval_unit),
+        linear_rows=rows if is_linear else None,
+        interval_unit=interval_unit,
+        rows=count,
+        bytes=count * (BYTES_PER_LINEAR_ROW if is_linear else BYTES_PER_ROW),
         largest_relative_error=fitted.largest_relative_error,
         relative_errors=fitted.relative_errors.tolist(),
     )

@@ -12,6 +12,7 @@ from stepramp.http_api import table_models as models
 from stepramp.http_api.json_response import json_response
 from stepramp.ramp.table_check import check_table, mean_acceleration, row_changes
 from stepramp.ramp.table_fit import BYTES_PER_ROW, FittedTable, fit_error, fit_rows, ramp_delays
+from stepramp.ramp.table_fit_linear import BYTES_PER_LINEAR_ROW, fit_linear_error, fit_linear_rows
 from stepramp.ramp.table_play import play_table
 from stepramp.validation import Document, ListOf, OneOf, Within, refuse
 
@@ -81,8 +82,11 @@ class FitRequest(Document):
     largest_relative_error: Annotated[float, Within(0.000001, 1)] | None = Field(
         None, description="Largest relative error of a delay: 0.05 is 5 %"
     )
-    bytes: Annotated[int, Within(4, 4 * MOST_TABLE_ROWS, "bytes")] | None = Field(
-        None, description="Most memory, 4 bytes a row [bytes]"
+    bytes: Annotated[int, Within(6, 6 * MOST_TABLE_ROWS, "bytes")] | None = Field(
+        None, description="Most memory: 4 bytes a row of constant delay, 6 a linear one [bytes]"
+    )
+    row_kind: Annotated[Literal["constant", "linear"], OneOf()] = Field(
+        "constant", description="Rows of constant delay, or rows whose delay changes by a whole number each step"
     )
     interval_unit: Annotated[Literal["us", "ticks"], OneOf()] = Field("us", description="Unit of the delays")
 
@@ -114,11 +118,13 @@ def check(request: CheckRequest) -> models.CheckAnswer:
 @router.post("/fit")
 def fit(request: FitRequest) -> models.FitAnswer:
     """Fit a table to a ramp: the least error for a number of rows or bytes, or the fewest rows for an error."""
-    return models.fit_answer(_fitted(request), request.interval_unit)
+    return models.fit_answer(_fitted(request), request.row_kind, request.interval_unit)
 
 
 def _fitted(request: FitRequest) -> FittedTable:
-    ramp = ramp_delays(request.design, request.interval_unit)
+    ramp, is_linear = ramp_delays(request.design, request.interval_unit), request.row_kind == "linear"
     if request.largest_relative_error is not None:
-        return fit_error(ramp, request.largest_relative_error)
-    return fit_rows(ramp, request.rows or (request.bytes or 0) // BYTES_PER_ROW)
+        return (fit_linear_error if is_linear else fit_error)(ramp, request.largest_relative_error)
+    bytes_per_row = BYTES_PER_LINEAR_ROW if is_linear else BYTES_PER_ROW
+    rows = min(request.rows or (request.bytes or 0) // bytes_per_row, MOST_TABLE_ROWS)
+    return (fit_linear_rows if is_linear else fit_rows)(ramp, rows)

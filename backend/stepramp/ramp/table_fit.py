@@ -5,6 +5,7 @@ Over a stretch of delays from p_max down to p_min, a row's delay y is off by y /
 they are (p_max - p_min) / (p_max + p_min). With whole delays it is one of the two whole numbers around y.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -90,8 +91,16 @@ def fit_error(ramp: RampDelays, largest_relative_error: float) -> FittedTable:
     Raises Rejected when that takes finer delays than whole ones of 16 bits, or more than 1,000 rows.
     """
     fitted = _table(ramp, _reach(ramp.delays, largest_relative_error))
+    return reached(fitted, largest_relative_error, lambda: fit_rows(ramp, MOST_TABLE_ROWS))
+
+
+def reached(fitted: FittedTable, largest_relative_error: float, best: Callable[[], FittedTable]) -> FittedTable:
+    """Return a fitted table that keeps to an error in at most 1,000 rows.
+
+    Raises Rejected, with the error of the best table, when it doesn't.
+    """
     if fitted.largest_relative_error > largest_relative_error * (1 + 1e-12) or len(fitted.rows) > MOST_TABLE_ROWS:
-        least = fit_rows(ramp, MOST_TABLE_ROWS).largest_relative_error
+        least = best().largest_relative_error
         allowed = f"at least {least:.3g}, the best that {MOST_TABLE_ROWS:,} rows of whole 16-bit delays can do here"
         raise Rejected([Rejection("largest_relative_error", largest_relative_error, allowed)])
     return fitted
