@@ -3,7 +3,7 @@
 The answers are written straight to JSON, arrays and all; the models only describe them.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, Literal
 
 import numpy as np
@@ -184,7 +184,7 @@ def profile_content(profile: Profile, tuning: TuningReport | None, most_points: 
 
 
 def errors_content(
-    reference: MethodName, judged: Sequence[ErrorCurves], names: Sequence[CurveName], most_points: int | None
+    reference: MethodName, judged: Iterable[ErrorCurves], names: Sequence[CurveName], most_points: int | None
 ) -> dict[str, Any]:
     """Return the error curves of those names as an ErrorsAnswer's content, each thinned to about so many points."""
     return {"reference": reference, "methods": [_curves_content(each, names, most_points) for each in judged]}

@@ -1,6 +1,6 @@
 """How far a move's intervals lie from those of a reference, where that comes from, and what it does to the move."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -159,10 +159,11 @@ def error_curves(
 
 def all_error_curves(
     design: Design, methods: Sequence[MethodName], reference: MethodName, segment_bound_ticks: int | None = None
-) -> list[ErrorCurves]:
-    """Return the errors of the design's move by several methods against one reference; see error_curves."""
+) -> Iterator[ErrorCurves]:
+    """Yield the errors of the design's move by several methods against one reference; see error_curves."""
     reference_ticks = plan_of(design.with_method(reference, "float64")).real_intervals
-    return [_judged(design.with_method(method), reference_ticks, segment_bound_ticks) for method in methods]
+    for method in methods:
+        yield _judged(design.with_method(method), reference_ticks, segment_bound_ticks)
 
 
 def relative_errors(intervals: NDArray[np.int64] | Curve, reference: Curve) -> Curve:

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,12 +32,10 @@ class Profile:
 
     intervals_ticks: NDArray[np.int64]
     """Wait after each pulse [ticks], shape (N,)."""
-    time_s: NDArray[np.float64]
-    """Instant of each pulse [s], shape (N,)."""
-    position_steps: NDArray[np.int64]
-    """Position after each pulse [steps], shape (N,)."""
-    speed_steps_per_s: NDArray[np.float64]
-    """Speed of each interval, v = F / p (7) [steps/s], shape (N,)."""
+    timer_hz: float
+    """Ticks a second [Hz]."""
+    direction: int
+    """1 forwards, -1 backwards."""
     duration_s: float
     """From pulse 1 to the end of the last interval [s]."""
     phases: tuple[Phase, ...]
@@ -46,6 +45,22 @@ class Profile:
     warnings: tuple[Warning, ...]
     plan: Plan
     """The ramp that the move is played from."""
+
+    @cached_property
+    def time_s(self) -> NDArray[np.float64]:
+        """Instant of each pulse [s], shape (N,)."""
+        ends = np.cumsum(self.intervals_ticks)
+        return np.concatenate(([0], ends[:-1])) / self.timer_hz
+
+    @cached_property
+    def position_steps(self) -> NDArray[np.int64]:
+        """Position after each pulse [steps], shape (N,)."""
+        return np.arange(1, self.intervals_ticks.size + 1) * self.direction
+
+    @cached_property
+    def speed_steps_per_s(self) -> NDArray[np.float64]:
+        """Speed of each interval, v = F / p (7) [steps/s], shape (N,)."""
+        return self.timer_hz / self.intervals_ticks
 
     def steps_of(self, phase: str) -> int:
         """Return the number of steps of a phase, 0 when the move has none."""
@@ -58,17 +73,15 @@ def profile_of(design: Design) -> Profile:
     Raises Rejected as plan_of does, and when the move takes more ticks than can be counted.
     """
     plan, timer_hz = plan_of(design), design.timer.frequency_hz
-    intervals, steps, slew_ticks = plan.intervals, plan.steps, plan.real.slew
+    intervals, slew_ticks = plan.intervals, plan.real.slew
     if intervals.sum(dtype=np.float64) > MOST_TICKS:
         allowed = f"a lower frequency, so that the move takes at most {MOST_TICKS:,} ticks"
         raise Rejected([Rejection("timer.frequency_hz", timer_hz, allowed)])
-    ends = np.cumsum(intervals)
     return Profile(
         intervals_ticks=intervals,
-        time_s=np.concatenate(([0], ends[:-1])) / timer_hz,
-        position_steps=np.arange(1, steps + 1) * int(math.copysign(1, design.move.steps)),
-        speed_steps_per_s=timer_hz / intervals,
-        duration_s=float(ends[-1]) / timer_hz,
+        timer_hz=timer_hz,
+        direction=int(math.copysign(1, design.move.steps)),
+        duration_s=int(intervals.sum()) / timer_hz,
         phases=_phases(plan),
         warnings=tuple(_short_move(design, plan) + timer_warnings(design, intervals, slew_ticks)),
         slew_resolution=slew_resolution(slew_ticks, timer_hz),
