@@ -1,31 +1,56 @@
 #include "controller.h"
 
-#include <stddef.h>
-#include <string.h>
-
 #include "frame.h"
 #include "limits.h"
+#include "machine.h"
 #include "message.h"
-#include "player.h"
-#include "ramp_image.h"
+#include "port.h"
 #include "ramp_store.h"
 #include "reply.h"
+#include "report.h"
 #include "slots.h"
+#include "trace.h"
 
-enum { NO_SESSION = 0 };
+enum { NO_SESSION = 0, VALUE_BYTES = 4 };
+
+/* A line of all axes is the longest request of which all bytes are kept. Those of a delivery go to the ramp store. */
+enum { KEPT_BYTES = MESSAGE_HEADER_BYTES + 2 + VALUE_BYTES * AXES, DATA_AT = MESSAGE_HEADER_BYTES + 2 };
+
+/* Where the fields of a message's header lie. */
+enum { KIND_AT = 0, SESSION_AT = 1, TAG_AT = 3 };
 
 static struct frame_receiver receiver;
+static uint8_t request[KEPT_BYTES];
 static uint16_t session = NO_SESSION;
-static uint8_t answered[MESSAGE_HEADER_BYTES]; /* the header of the request answered last */
+static uint8_t answered_kind, answered_tag; /* the request answered last */
 
-static void reply_active_ramp(void)
+/* ---- what is known of the controller; `body` has the length that expected_length demands ---- */
+
+static void reply_ramp_in_use(void)
 {
-    reply_u32(slots_active().sequence);
-    reply_u16(slots_active().crc);
+    reply_u32(slots_sequence());
+    reply_u16(ramp_store_crc());
 }
 
-/* ---- requests; `body` has the length that request_length_is_good demands ---- */
+/* Two numbers, or four, in one: that takes less room than to reply one after the other. */
+#define TWO_U16(first, second) ((first) | (uint32_t)(second) << 16)
+#define TWO_U8(first, second) ((uint16_t)((first) | (second) << 8))
 
+static void reply_limits(void)
+{
+    reply_u32(TWO_U16(TWO_U8(PROTOCOL_VERSION, FIRMWARE_MAJOR), TWO_U8(FIRMWARE_MINOR, FIRMWARE_PATCH)));
+    reply_u32(FAST_CLOCK_HZ);
+    reply_u32(SLOW_CLOCK_HZ);
+    reply_u32(TWO_U16(SHORTEST_INTERVAL_1_AXIS_TICKS, SHORTEST_INTERVAL_2_AXES_TICKS));
+    reply_u32(TWO_U16(SHORTEST_INTERVAL_3_AXES_TICKS, SHORTEST_INTERVAL_4_AXES_TICKS));
+    reply_u32(TWO_U16(SHORTEST_INTERVAL_LINE_2_TICKS, SHORTEST_INTERVAL_LINE_3_TICKS));
+    reply_u16(SHORTEST_INTERVAL_LINE_4_TICKS);
+    reply_u32(LONGEST_INTERVAL_TICKS);
+    reply_u32(TWO_U16(SHORTEST_FORMULA_INTERVAL_TICKS, LARGEST_IMAGE_BYTES));
+    reply_u16(TWO_U8(MOST_SEGMENTS, AXES));
+}
+
+/* A client that begins anew gets no notices that another one has asked for. */
 static void answer_hello(const uint8_t *body, uint16_t new_session)
 {
     if (body[0] != PROTOCOL_VERSION) {
@@ -37,204 +62,304 @@ static void answer_hello(const uint8_t *body, uint16_t new_session)
         return;
     }
     session = new_session;
-    reply_ok();
-    reply_u8(PROTOCOL_VERSION);
-    reply_u8(FIRMWARE_MAJOR);
-    reply_u8(FIRMWARE_MINOR);
-    reply_u8(FIRMWARE_PATCH);
-    reply_u32(TIMER_FREQUENCY_HZ);
-    reply_u32(SHORTEST_INTERVAL_TICKS);
-    reply_u32(LONGEST_INTERVAL_TICKS);
-    reply_u16(LARGEST_IMAGE_BYTES);
-    reply_u16(MOST_SEGMENTS);
-    reply_u8(AXES);
-    reply_active_ramp();
+    report_start(0, 0);
+    trace_off();
+    notice_drop();
+    reply_limits();
+    reply_u8(port_reset_cause());
+    reply_ramp_in_use();
+    reply_u8((uint8_t)ramp_store_in_use());
 }
 
-static void answer_status(void)
+static void answer_status(const uint8_t *body)
 {
-    struct motor_report report = player_report();
-    reply_ok();
-    reply_u8(ramp_store_is_writing() ? STATE_WRITING : (uint8_t)report.state);
-    reply_u32((uint32_t)report.position);
-    reply_u32((uint32_t)report.target);
-    reply_u32(report.interval);
-    reply_u32(report.steps_made);
-    reply_active_ramp();
-    reply_u8(ramp_store_last_write_failed());
+    if (body[0] >= AXES) {
+        reply_refusal(STATUS_OUT_OF_RANGE, body[0]);
+        return;
+    }
+    struct axis_report report = machine_report(body[0]);
+    reply_u8(slots_are_writing() ? STATE_WRITING : machine_is_moving() ? STATE_MOVING : STATE_IDLE);
+    reply_u8(report.state);
+    reply_numbers(&report.position, 4); /* and target, interval, steps made */
+    reply_ramp_in_use();
+    reply_u8(machine_is_enabled() ? ramp_store_flags() | FLAG_ENABLED : ramp_store_flags());
+    reply_u8(machine_starved());
 }
+
+static void answer_report(const uint8_t *body)
+{
+    if (body[0] > MOST_REPORTS_HZ) {
+        reply_refusal(STATUS_OUT_OF_RANGE, body[0]);
+    } else {
+        report_start(body[0], port_milliseconds());
+    }
+}
+
+static void answer_trace(const uint8_t *body)
+{
+    uint8_t axis = body[0];
+    uint16_t every = read_u16(body + 1);
+    if (axis == TRACE_OFF) {
+        trace_off();
+    } else if (axis >= ramp_store_axes()) {
+        reply_refusal(STATUS_OUT_OF_RANGE, axis);
+        return;
+    } else {
+        uint16_t least = ramp_store_trace_every(axis);
+        every = every < least ? least : every;
+        trace_arm(axis, every);
+    }
+    reply_u16(every);
+}
+
+/* ---- ramps and settings ---- */
 
 static void answer_begin(const uint8_t *body)
 {
     uint16_t length = read_u16(body);
     if (length > LARGEST_IMAGE_BYTES) {
         reply_refusal(STATUS_OUT_OF_RANGE, LARGEST_IMAGE_BYTES);
-        return;
+    } else {
+        ramp_store_deliver(length, read_u16(body + 2));
     }
-    ramp_store_stage(length, read_u16(body + 2));
-    reply_ok();
-}
-
-static void answer_data(const uint8_t *body, uint8_t body_length)
-{
-    const struct staged_image *staged = ramp_store_staged();
-    uint8_t count = (uint8_t)(body_length - 2);
-    if (staged->staging == NOTHING_BEGUN || read_u16(body) != staged->received) {
-        reply_refusal(STATUS_OUT_OF_ORDER, staged->received);
-        return;
-    }
-    if (count > staged->length - staged->received) {
-        reply_refusal(STATUS_OUT_OF_RANGE, staged->length);
-        return;
-    }
-    ramp_store_receive(body + 2, count);
-    reply_ok();
-    reply_u16(staged->received);
 }
 
 static void answer_end(void)
 {
-    struct staged_image *staged = ramp_store_staged();
-    if (staged->staging == NOTHING_BEGUN || staged->received != staged->length) {
-        reply_refusal(STATUS_OUT_OF_ORDER, staged->received);
-        return;
-    }
-    if (staged->received_crc != staged->crc) {
-        reply_refusal(STATUS_BAD_CRC, staged->received_crc);
-        return;
-    }
-    struct image_check check = ramp_image_check(staged->bytes, staged->length);
-    if (!check.good) {
-        reply_refusal(STATUS_BAD_RAMP, check.bad_segment);
-        return;
-    }
-    staged->staging = CHECKED;
-    reply_ok();
-    reply_u8(check.up_segments);
-    reply_u8(check.down_segments);
-}
-
-static void answer_commit(void)
-{
-    const struct staged_image *staged = ramp_store_staged();
-    if (staged->staging != CHECKED) {
-        reply_refusal(STATUS_OUT_OF_ORDER, staged->received);
-        return;
-    }
-    ramp_store_commit();
-    reply_ok();
+    uint16_t detail;
+    uint8_t status = ramp_store_check(&detail);
+    reply_u8(ramp_image_axes(slot_content.image));
+    reply_u8(ramp_image_ramps(slot_content.image));
+    reply_status(status, detail);
 }
 
 static void answer_read(const uint8_t *body)
 {
-    const struct staged_image *staged = ramp_store_staged();
-    uint8_t source = body[0];
+    uint8_t source = body[0], count = body[3];
     uint16_t offset = read_u16(body + 1);
-    uint8_t count = body[3];
-    if (source > SOURCE_STAGED || count < 1 || count > MOST_DATA_BYTES) {
-        reply_refusal(STATUS_OUT_OF_RANGE, source > SOURCE_STAGED ? source : count);
+    if (source > SOURCE_PREVIOUS || count < 1 || count > MOST_DATA_BYTES) {
+        reply_refusal(STATUS_OUT_OF_RANGE, source > SOURCE_PREVIOUS ? source : count);
         return;
     }
-    uint16_t total = source == SOURCE_STORED ? slots_active().length : staged->received;
-    reply_ok();
+    bool is_ram = source == SOURCE_RAM;
+    enum slot_choice slot = source == SOURCE_STORED ? ACTIVE_SLOT : PREVIOUS_SLOT;
+    uint16_t total = is_ram ? ramp_store_ram_length() : slots_image_length(slot);
     reply_u16(total);
     for (; count != 0 && offset < total; count--, offset++) {
-        reply_u8(source == SOURCE_STORED ? slots_read(offset) : staged->bytes[offset]);
+        reply_u8(is_ram ? slot_content.image[offset] : slots_read(slot, offset));
     }
 }
 
-/* Begins a move from `position` to `target`, whose distance may be anything up to 2^32 - 1 steps. */
-static void begin_move(int32_t position, int32_t target)
+static void answer_write_settings(const uint8_t *body)
 {
-    bool forward = target > position;
-    uint32_t steps = forward ? (uint32_t)target - (uint32_t)position : (uint32_t)position - (uint32_t)target;
-    if (steps != 0) {
-        player_move(ramp_store_active(), steps, forward);
+    uint8_t bad = settings_check(body);
+    if (bad != SETTINGS_BYTES) {
+        reply_refusal(STATUS_OUT_OF_RANGE, bad);
+    } else {
+        ramp_store_use_settings(body);
     }
-    reply_ok();
-    reply_u32((uint32_t)target);
 }
 
-static void answer_move_by(const uint8_t *body)
+/* ---- moves; the axes of the mask are known to be there ---- */
+
+/* Reads a value for each axis of a mask. */
+static void read_values(uint8_t axes, const uint8_t *bytes, int32_t values[MOST_AXES])
 {
-    int32_t steps = (int32_t)read_u32(body);
-    int32_t position = player_report().position;
-    int32_t target = (int32_t)((uint32_t)position + (uint32_t)steps);
-    bool left_the_range = steps > 0 ? target < position : target > position;
-    if (steps == 0 || left_the_range) {
-        reply_refusal(STATUS_OUT_OF_RANGE, 0);
+    for (uint8_t i = 0; i < MOST_AXES; i++, axes >>= 1) {
+        values[i] = 0;
+        if ((axes & 1) != 0) {
+            values[i] = (int32_t)read_u32(bytes);
+            bytes += VALUE_BYTES;
+        }
+    }
+}
+
+/* Adds to each number of steps where that axis would come to rest. Returns the first axis that would leave the range,
+ * or MOST_AXES. */
+static uint8_t make_targets(uint8_t axes, int32_t values[MOST_AXES])
+{
+    for (uint8_t i = 0; i < MOST_AXES; i++, axes >>= 1) {
+        int32_t from = machine_report(i).target;
+        int32_t target = (int32_t)((uint32_t)from + (uint32_t)values[i]);
+        if ((axes & 1) != 0 && (values[i] >= 0) != (target >= from)) {
+            return i;
+        }
+        values[i] = target;
+    }
+    return MOST_AXES;
+}
+
+/* Answers a move that has begun with its targets. */
+static void reply_targets(uint8_t axes)
+{
+    for (uint8_t i = 0; i < MOST_AXES; i++, axes >>= 1) {
+        if ((axes & 1) != 0) {
+            reply_u32((uint32_t)machine_report(i).target);
+        }
+    }
+}
+
+/* Begins a motion. Returns its status. */
+static uint8_t move(uint8_t kind, uint8_t axes, const uint8_t *body, uint16_t *detail)
+{
+    int32_t values[MOST_AXES];
+    read_values(axes, kind == KIND_LINE ? body + 1 : body, values);
+    if (kind == KIND_LINE) {
+        return machine_line(axes, body[0], values, detail);
+    }
+    if (kind == KIND_RUN) {
+        return machine_run(axes, values, detail);
+    }
+    if (kind == KIND_SET_POSITION) {
+        machine_set_position(axes, values);
+        return STATUS_OK;
+    }
+    if (kind == KIND_MOVE_BY) {
+        *detail = make_targets(axes, values);
+        if (*detail != MOST_AXES) {
+            return STATUS_OUT_OF_RANGE;
+        }
+    }
+    return machine_move_to(axes, values, detail);
+}
+
+/* Some of the axes that the ramp in use has, and no others. */
+static bool mask_is_good(uint8_t axes)
+{
+    if (axes != 0 && axes >> ramp_store_axes() == 0) {
+        return true;
+    }
+    reply_refusal(STATUS_OUT_OF_RANGE, axes);
+    return false;
+}
+
+/* A request that names axes, all at rest or free to change what they do. */
+static void answer_for_axes(uint8_t kind, const uint8_t *body)
+{
+    uint8_t axes = *body++;
+    uint16_t detail = 0;
+    if (!ramp_store_make_ready()) {
+        reply_refusal(STATUS_NO_RAMP, 0);
         return;
     }
-    begin_move(position, target);
+    if (!mask_is_good(axes)) {
+        return;
+    }
+    uint8_t status = kind == KIND_ZERO ? machine_zero(axes, read_u16(body), &detail) : move(kind, axes, body, &detail);
+    if (kind <= KIND_MOVE_TO || kind == KIND_LINE) {
+        reply_targets(axes);
+    }
+    reply_status(status, detail);
 }
 
-static void answer_stop(void)
+/* Without a mask: all axes. */
+static void answer_stop_or_halt(uint8_t kind, const uint8_t *body, uint8_t length)
 {
-    player_stop();
-    reply_ok();
-}
-
-static void answer_halt(void)
-{
-    player_halt();
-    reply_ok();
+    uint8_t axes = length == 0 ? (1u << AXES) - 1 : body[0];
+    if (length != 0 && !mask_is_good(axes)) {
+        return;
+    }
+    if (kind == KIND_STOP) {
+        machine_stop(axes);
+    } else {
+        machine_halt(axes);
+    }
 }
 
 /* ---- dispatch ---- */
 
-static bool kind_is_known(uint8_t kind)
+enum { UNKNOWN_KIND = 0xFF };
+
+static uint8_t bytes_of_values(uint8_t mask)
 {
-    return kind == KIND_HELLO || kind == KIND_STATUS || (kind >= KIND_BEGIN && kind <= KIND_READ) ||
-           kind == KIND_MOVE_BY || kind == KIND_MOVE_TO || kind == KIND_STOP || kind == KIND_HALT;
+    uint8_t bytes = 0;
+    for (; mask != 0; mask &= (uint8_t)(mask - 1)) {
+        bytes += VALUE_BYTES;
+    }
+    return bytes;
 }
 
-static bool request_length_is_good(uint8_t kind, uint8_t length)
+/* How long the body of a request must be, when it has this `length`; or UNKNOWN_KIND. */
+static uint8_t expected_length(uint8_t kind, const uint8_t *body, uint8_t length)
 {
     switch (kind) {
     case KIND_HELLO:
-        return length == 1;
+    case KIND_STATUS:
+    case KIND_REPORT:
+        return 1;
+    case KIND_TRACE:
+    case KIND_ZERO:
+        return 3;
     case KIND_BEGIN:
     case KIND_READ:
+        return 4;
+    case KIND_DATA:
+        return length < 3 ? 3 : length > 2 + MOST_DATA_BYTES ? 2 + MOST_DATA_BYTES : length;
+    case KIND_END:
+    case KIND_COMMIT:
+    case KIND_TRY:
+    case KIND_ROLL_BACK:
+    case KIND_READ_SETTINGS:
+        return 0;
+    case KIND_WRITE_SETTINGS:
+        return SETTINGS_BYTES;
     case KIND_MOVE_BY:
     case KIND_MOVE_TO:
-        return length == 4;
-    case KIND_DATA:
-        return length > 2 && length <= 2 + MOST_DATA_BYTES;
+    case KIND_RUN:
+    case KIND_SET_POSITION:
+        return (uint8_t)(1 + bytes_of_values(body[0]));
+    case KIND_LINE:
+        return (uint8_t)(2 + bytes_of_values(body[0]));
+    case KIND_STOP:
+    case KIND_HALT:
+        return length != 0;
     default:
-        return length == 0;
+        return UNKNOWN_KIND;
     }
 }
 
-/* Refuses what would change the ramp or begin a move while one is in use. Returns false when it has refused. */
-static bool motor_and_slots_are_free(void)
+/* Refuses what would disturb a move or a write. Returns false when it has refused. What may come in flight changes what
+ * a motor does while it moves; all others of their sort wait for its rest. */
+static bool is_free_for(uint8_t kind)
 {
-    if (player_is_moving()) {
+    bool may_come_in_flight = kind >= KIND_MOVE_BY && kind <= KIND_RUN;
+    if (kind < KIND_BEGIN || kind == KIND_READ || kind == KIND_READ_SETTINGS || kind >= KIND_STOP) {
+        return true;
+    }
+    if (may_come_in_flight ? machine_is_on_a_line() : machine_is_moving()) {
         reply_refusal(STATUS_MOVING, 0);
         return false;
     }
-    if (ramp_store_is_writing()) {
+    if (slots_are_writing()) {
         reply_refusal(STATUS_WRITING, 0);
         return false;
     }
     return true;
 }
 
-/* Refuses a move without a ramp. Returns false when it has refused. */
-static bool ramp_is_there(void)
+static void answer_data(const uint8_t *body, uint8_t length)
 {
-    if (ramp_store_active() == NULL) {
-        reply_refusal(STATUS_NO_RAMP, 0);
-        return false;
-    }
-    return true;
+    uint16_t detail;
+    uint8_t status = ramp_store_receive(read_u16(body), (uint8_t)(length - 2), &detail);
+    reply_u16(ramp_store_received());
+    reply_status(status, detail);
 }
 
-static void answer_when_free(uint8_t kind, const uint8_t *body, uint8_t length)
+static void answer_known(uint8_t kind, uint16_t its_session, const uint8_t *body, uint8_t length)
 {
-    if (!motor_and_slots_are_free()) {
-        return;
-    }
     switch (kind) {
+    case KIND_HELLO:
+        answer_hello(body, its_session);
+        break;
+    case KIND_STATUS:
+        answer_status(body);
+        break;
+    case KIND_REPORT:
+        answer_report(body);
+        break;
+    case KIND_TRACE:
+        answer_trace(body);
+        break;
     case KIND_BEGIN:
         answer_begin(body);
         break;
@@ -245,76 +370,91 @@ static void answer_when_free(uint8_t kind, const uint8_t *body, uint8_t length)
         answer_end();
         break;
     case KIND_COMMIT:
-        answer_commit();
-        break;
-    case KIND_MOVE_BY:
-        if (ramp_is_there()) {
-            answer_move_by(body);
+    case KIND_TRY:
+        if (!(kind == KIND_TRY ? ramp_store_try() : ramp_store_commit())) {
+            reply_refusal(STATUS_OUT_OF_ORDER, ramp_store_received());
         }
-        break;
-    default: /* KIND_MOVE_TO */
-        if (ramp_is_there()) {
-            begin_move(player_report().position, (int32_t)read_u32(body));
-        }
-    }
-}
-
-static void answer_known(uint8_t kind, uint16_t its_session, const uint8_t *body, uint8_t length)
-{
-    switch (kind) {
-    case KIND_HELLO:
-        answer_hello(body, its_session);
-        break;
-    case KIND_STATUS:
-        answer_status();
         break;
     case KIND_READ:
         answer_read(body);
         break;
-    case KIND_STOP:
-        answer_stop();
+    case KIND_ROLL_BACK:
+        if (!ramp_store_roll_back()) {
+            reply_refusal(STATUS_NO_RAMP, 0);
+        }
         break;
+    case KIND_READ_SETTINGS:
+        reply_bytes(ramp_store_settings(), SETTINGS_BYTES);
+        break;
+    case KIND_WRITE_SETTINGS:
+        answer_write_settings(body);
+        break;
+    case KIND_STOP:
     case KIND_HALT:
-        answer_halt();
+        answer_stop_or_halt(kind, body, length);
         break;
     default:
-        answer_when_free(kind, body, length);
+        answer_for_axes(kind, body);
     }
 }
 
-/* Answers a request: writes the message of the reply. */
-static void answer(const uint8_t *message, uint8_t message_length)
+static bool is_of_session(void)
 {
-    uint8_t kind = message[0];
-    uint16_t its_session = read_u16(message + 1);
-    uint8_t length = (uint8_t)(message_length - MESSAGE_HEADER_BYTES);
-    reply_begin(kind, its_session, message[3]);
-    if (kind != KIND_HELLO && (session == NO_SESSION || its_session != session)) {
+    return session != NO_SESSION && read_u16(request + SESSION_AT) == session;
+}
+
+/* Answers the request, whose body has this length: writes the message of the reply. */
+static void answer(uint8_t length)
+{
+    uint8_t kind = request[KIND_AT];
+    const uint8_t *body = request + MESSAGE_HEADER_BYTES;
+    uint8_t expected = expected_length(kind, body, length);
+    reply_begin(request);
+    if (kind != KIND_HELLO && !is_of_session()) {
+        answered_kind = KIND_HELLO;
         reply_refusal(STATUS_STALE_SESSION, 0);
-    } else if (!kind_is_known(kind)) {
+    } else if (expected == UNKNOWN_KIND) {
         reply_refusal(STATUS_UNKNOWN_KIND, kind);
-    } else if (!request_length_is_good(kind, length)) {
+    } else if (expected != length) {
         reply_refusal(STATUS_BAD_LENGTH, length);
-    } else {
-        answer_known(kind, its_session, message + MESSAGE_HEADER_BYTES, length);
+    } else if (is_free_for(kind)) {
+        answer_known(kind, read_u16(request + SESSION_AT), body, length);
     }
 }
 
-/* The same request as the last one: its reply was lost. A hello never counts as one, as it begins anew. */
-static bool is_repeat(const uint8_t *message)
+/* The same request as the last one: its reply was lost. A hello never counts as one, as it begins anew; nor does a
+ * request of another session, which changes nothing and so is simply answered again. */
+static bool is_repeat(void)
 {
-    return memcmp(message, answered, sizeof answered) == 0 && message[0] != KIND_HELLO;
+    return request[KIND_AT] == answered_kind && request[TAG_AT] == answered_tag && answered_kind != KIND_HELLO &&
+           is_of_session();
+}
+
+/* Keeps a byte of the request that is coming in. */
+static void keep(uint8_t index, uint8_t byte)
+{
+    if (index < KEPT_BYTES) {
+        request[index] = byte;
+    }
+    if (index >= DATA_AT && request[KIND_AT] == KIND_DATA) {
+        ramp_store_put((uint8_t)(index - DATA_AT), byte);
+    }
 }
 
 void controller_receive(uint8_t byte)
 {
-    uint8_t length = frame_receive(&receiver, byte);
+    uint8_t length = frame_receive(&receiver, &byte);
+    if (length == FRAME_HAS_BYTE) {
+        keep(frame_byte_index(&receiver), byte);
+        return;
+    }
     if (length < MESSAGE_HEADER_BYTES || reply_is_going_out()) {
         return;
     }
-    if (!is_repeat(receiver.bytes)) {
-        answer(receiver.bytes, length);
-        memcpy(answered, receiver.bytes, sizeof answered);
+    if (!is_repeat()) {
+        answered_kind = request[KIND_AT];
+        answered_tag = request[TAG_AT];
+        answer((uint8_t)(length - MESSAGE_HEADER_BYTES));
         reply_end();
     }
     reply_send();
@@ -327,11 +467,17 @@ bool controller_next_byte(uint8_t *byte)
 
 void controller_begin(void)
 {
+    machine_begin();
     ramp_store_begin();
 }
 
+/* Reports come at fixed times, so they go before traces, which have room for all that waits in the meantime. */
 void controller_poll(void)
 {
-    player_poll();
+    uint16_t now_ms = port_milliseconds();
+    machine_poll();
     ramp_store_poll();
+    if (!report_poll(session, now_ms)) {
+        trace_poll(session, now_ms);
+    }
 }

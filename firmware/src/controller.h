@@ -1,5 +1,5 @@
-/* The controller: answers requests, one at a time. A port hands it the bytes that come in, fetches those that go out,
- * and calls controller_poll in each round of its main loop. */
+/* The controller: answers requests, one at a time, and sends reports and traces. A port hands it the bytes that come
+ * in, fetches those that go out, and calls controller_poll in each round of its main loop. */
 #ifndef STEPRAMP_CONTROLLER_H
 #define STEPRAMP_CONTROLLER_H
 
@@ -10,7 +10,7 @@
 extern "C" {
 #endif
 
-/* At start: loads the stored ramp. Nothing moves. */
+/* At start: loads what is stored. Nothing moves. */
 void controller_begin(void);
 
 /* Takes a byte from the serial port. */
@@ -19,7 +19,7 @@ void controller_receive(uint8_t byte);
 /* Gives the next byte for the serial port. Returns false when there is none. */
 bool controller_next_byte(uint8_t *byte);
 
-/* Goes on, by a little, with what takes long: writing a ramp, finding the way down. */
+/* Goes on, by a little, with what takes long: moves, writing a ramp, reports. */
 void controller_poll(void);
 
 #ifdef __cplusplus

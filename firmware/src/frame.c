@@ -1,5 +1,12 @@
 #include "frame.h"
 
+#include <stdbool.h>
+
+#include "message.h"
+
+/* Counts in a receiver: of a frame whose message is empty, or as long as it may be. */
+enum { EMPTY_COUNT = 1 + CRC_BYTES, LONGEST_COUNT = 1 + LONGEST_MESSAGE + CRC_BYTES };
+
 uint16_t crc16_update(uint16_t crc, uint8_t byte)
 {
     /* Eight shifts of the polynomial x^16 + x^12 + x^5 + 1 at once: its three terms give the three xors. */
@@ -8,62 +15,61 @@ uint16_t crc16_update(uint16_t crc, uint8_t byte)
     return (uint16_t)((crc << 8) ^ ((uint16_t)high << 12) ^ ((uint16_t)high << 5) ^ high);
 }
 
-/* Adds a decoded byte. The CRC is kept up as bytes arrive, so that the end of a frame costs no more than any byte. */
-static void append(struct frame_receiver *receiver, uint8_t byte)
-{
-    if (receiver->length == sizeof receiver->bytes) {
-        receiver->too_long = true;
-        return;
-    }
-    if (receiver->length >= CRC_BYTES) {
-        receiver->crc = crc16_update(receiver->crc, receiver->bytes[receiver->length - CRC_BYTES]);
-    }
-    receiver->bytes[receiver->length++] = byte;
-}
-
-/* Returns the length of the message if what has been received is a whole and undamaged one, else 0. */
-static uint8_t finished_length(const struct frame_receiver *receiver)
-{
-    uint8_t length = receiver->length;
-    if (receiver->too_long || receiver->group_left != 0 || length <= CRC_BYTES) {
-        return 0;
-    }
-    uint16_t sent = (uint16_t)(receiver->bytes[length - 2] | (uint16_t)receiver->bytes[length - 1] << 8);
-    return sent == receiver->crc ? (uint8_t)(length - CRC_BYTES) : 0;
-}
-
-uint8_t frame_receive(struct frame_receiver *receiver, uint8_t byte)
-{
-    if (byte == 0) {
-        uint8_t length = receiver->begun ? finished_length(receiver) : 0;
-        receiver->begun = false;
-        return length;
-    }
-    if (!receiver->begun) {
-        receiver->begun = true;
-        receiver->too_long = false;
-        receiver->length = 0;
-        receiver->crc = CRC16_START;
-        receiver->group_left = (uint8_t)(byte - 1);
-    } else if (receiver->group_left == 0) {
-        append(receiver, 0); /* a code byte stands for the zero before its group */
-        receiver->group_left = (uint8_t)(byte - 1);
-    } else {
-        append(receiver, byte);
-        receiver->group_left--;
-    }
-    return 0;
-}
-
-uint8_t frame_encode(uint8_t frame[LONGEST_FRAME], uint8_t message_length)
+uint16_t crc16(const uint8_t *bytes, uint16_t count)
 {
     uint16_t crc = CRC16_START;
-    for (uint8_t i = 1; i <= message_length; i++) {
-        crc = crc16_update(crc, frame[i]);
+    for (; count != 0; count--) {
+        crc = crc16_update(crc, *bytes++);
     }
-    uint8_t end = (uint8_t)(message_length + CRC_BYTES + 1);
-    frame[end - 2] = (uint8_t)crc;
-    frame[end - 1] = (uint8_t)(crc >> 8);
+    return crc;
+}
+
+/* The length of the message if what has been received is a whole and undamaged one, else 0. */
+static uint8_t finished_length(const struct frame_receiver *receiver)
+{
+    uint8_t length = (uint8_t)(receiver->count - EMPTY_COUNT);
+    bool is_whole = length <= LONGEST_MESSAGE && receiver->group_left == 0;
+    return is_whole && read_u16(receiver->tail) == receiver->crc ? length : 0;
+}
+
+uint8_t frame_receive(struct frame_receiver *receiver, uint8_t *in_and_out)
+{
+    uint8_t byte = *in_and_out;
+    if (byte == 0) {
+        uint8_t length = finished_length(receiver);
+        receiver->count = 0;
+        receiver->group_left = 0;
+        return length;
+    }
+    if (receiver->group_left-- == 0) {
+        receiver->group_left = (uint8_t)(byte - 1);
+        byte = 0; /* a code byte stands for the zero before its group, but the first one for nothing */
+        if (receiver->count == 0) {
+            receiver->crc = CRC16_START;
+            receiver->count = 1;
+            return FRAME_GOES_ON;
+        }
+    }
+    uint8_t decoded = receiver->tail[0];
+    receiver->tail[0] = receiver->tail[1];
+    receiver->tail[1] = byte;
+    if (receiver->count <= LONGEST_COUNT) { /* beyond it is too long, and stays so */
+        receiver->count++;
+    }
+    if (receiver->count <= EMPTY_COUNT || receiver->count > LONGEST_COUNT) {
+        return FRAME_GOES_ON;
+    }
+    /* The CRC is kept up as bytes arrive, so that the end of a frame costs no more than any byte. */
+    receiver->crc = crc16_update(receiver->crc, decoded);
+    *in_and_out = decoded;
+    return FRAME_HAS_BYTE;
+}
+
+uint8_t frame_encode(uint8_t *frame, uint8_t message_length)
+{
+    uint8_t end = (uint8_t)(1 + message_length);
+    write_u16(frame + end, crc16(frame + 1, message_length));
+    end = (uint8_t)(end + CRC_BYTES);
     /* Each zero, and the place before the first byte, takes the distance to the next zero. No frame is long enough for
      * COBS's groups of 254 bytes. */
     uint8_t code_at = 0;

@@ -2,7 +2,6 @@
 #ifndef STEPRAMP_FRAME_H
 #define STEPRAMP_FRAME_H
 
-#include <stdbool.h>
 #include <stdint.h>
 
 #ifdef __cplusplus
@@ -10,9 +9,10 @@ extern "C" {
 #endif
 
 enum {
-    LONGEST_FRAME = 60,  /* [bytes], the zero byte that ends it included */
+    LONGEST_FRAME = 60, /* [bytes], the zero byte that ends it included */
     CRC_BYTES = 2,
-    LONGEST_MESSAGE = 56 /* [bytes]: a frame less COBS's code byte, the CRC and the zero byte */
+    FRAME_EXTRA_BYTES = CRC_BYTES + 2,                  /* of a frame: COBS's code byte, the CRC and the zero byte */
+    LONGEST_MESSAGE = LONGEST_FRAME - FRAME_EXTRA_BYTES /* [bytes] */
 };
 
 #define CRC16_START 0xFFFFu
@@ -20,21 +20,32 @@ enum {
 /* CRC-16/CCITT-FALSE continued by one byte; begins with CRC16_START. */
 uint16_t crc16_update(uint16_t crc, uint8_t byte);
 
-/* A frame as it arrives. All zero is a good beginning. */
+/* The CRC of some bytes. */
+uint16_t crc16(const uint8_t *bytes, uint16_t count);
+
+/* A frame as it arrives. It gives the bytes of the message one by one, so that none of them needs a place that doesn't
+ * have one yet. All zero is a good beginning. */
 struct frame_receiver {
-    uint8_t bytes[LONGEST_MESSAGE + CRC_BYTES]; /* the message, decoded so far */
-    uint8_t length;                             /* bytes decoded so far */
-    uint8_t group_left;                         /* bytes still to come before COBS's next code byte */
-    bool begun;                                 /* a byte of this frame has come */
-    bool too_long;
-    uint16_t crc; /* of all but the last two bytes decoded: those may be the frame's own CRC */
+    uint8_t tail[CRC_BYTES]; /* what has been decoded last: may be the frame's own CRC */
+    uint8_t count;           /* bytes received, COBS's first code byte included; 0: the frame has not begun */
+    uint8_t group_left;      /* bytes still to come before COBS's next code byte */
+    uint16_t crc;            /* of the message so far */
 };
 
-/* Takes one byte from the line. Returns the length of the message in `bytes` when it ends a good frame, else 0. */
-uint8_t frame_receive(struct frame_receiver *receiver, uint8_t byte);
+enum { FRAME_GOES_ON = 0, FRAME_HAS_BYTE = 0xFF };
+
+/* Takes one byte from the line. Returns FRAME_HAS_BYTE when it gives one more byte of the message in its place, the
+ * length of the message when it ends a good frame, or FRAME_GOES_ON. A damaged frame may give bytes, but no length. */
+uint8_t frame_receive(struct frame_receiver *receiver, uint8_t *byte);
+
+/* The byte's place in the message, after FRAME_HAS_BYTE. */
+static inline uint8_t frame_byte_index(const struct frame_receiver *receiver)
+{
+    return (uint8_t)(receiver->count - (CRC_BYTES + 2));
+}
 
 /* Makes a frame, in place, of the message that lies from frame[1] on. Returns the frame's length. */
-uint8_t frame_encode(uint8_t frame[LONGEST_FRAME], uint8_t message_length);
+uint8_t frame_encode(uint8_t *frame, uint8_t message_length);
 
 #ifdef __cplusplus
 }

@@ -1,25 +1,42 @@
-/* What the hardware must do for the portable part. A port implements these functions; it also calls the player from
- * its timer interrupt (player.h) and moves bytes between its serial port and the controller (controller.h). */
+/* What the hardware must do for the portable part, besides the engine (engine.h). A port also moves bytes between its
+ * serial port and the controller (controller.h). */
 #ifndef STEPRAMP_PORT_H
 #define STEPRAMP_PORT_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "settings.h"
+
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-/* Sets the direction pin, then begins to serve the player's events; the first one not earlier than 20 us from now. */
-void port_start_events(bool forward);
+/* At rest, and not in line mode; empties the queues. The pins take their resting levels: every direction is forward
+ * then, step pins are inactive. A step pin of which each edge is a step stays as it is when it was one before. Gauges
+ * stay where they are. */
+void engine_configure(const struct settings *settings);
 
-/* From its return on no event is served. May be called at rest. */
-void port_stop_events(void);
+/* What a segment of this axis carries in step_mask and turn_mask; never 0. Of a gauge, only that they aren't 0 counts. */
+uint8_t engine_step_mask(uint8_t axis);
+uint8_t engine_turn_mask(uint8_t axis);
+
+/* The enable pin of all drivers. Gauges have none. After a reset by the watchdog it stays as it was until the first
+ * call, so that no motor coasts. */
+void port_enable(bool on);
+
+/* Two clocks that count up and over [64 us], [ms]. To be called at least every 10 ms. */
+uint16_t port_time(void);
+uint16_t port_milliseconds(void);
+
+/* Why the processor began: bits of enum reset_cause. */
+uint8_t port_reset_cause(void);
+enum reset_cause { RESET_POWER_ON = 1, RESET_EXTERNAL = 2, RESET_BROWN_OUT = 4, RESET_WATCHDOG = 8 };
 
 /* A byte of EEPROM. While one is being written, this waits for it: up to 3.4 ms. */
 uint8_t port_eeprom_read(uint16_t address);
 
-/* Begins to write a byte of EEPROM; only when none is being written, and no event can come. */
+/* Begins to write a byte of EEPROM; only when none is being written. */
 void port_eeprom_write(uint16_t address, uint8_t value);
 
 /* A byte is being written. */

@@ -1,144 +1,227 @@
 #include "ramp_image.h"
 
-enum { FORMAT = 1, DOWN_IS_UP = 1, HEADER_BYTES = 8 };
+#include "formula.h"
+#include "limits.h"
+#include "message.h"
 
-static uint8_t segments_of(const uint8_t *image)
+enum { FORMAT = 2, FAST_CLOCK = 1, DOWN_IS_UP = 1 };
+
+/* Offsets: of the image's header, of a ramp's, and of what a ramp of segments begins with. */
+enum { AXES_AT = RAMP_IMAGE_AXES_AT, RAMPS_AT = 3, HEADER_BYTES = 4 };
+enum { RAMP_LENGTH_AT = 1, RAMP_HEADER_BYTES = 3 };
+enum { FLAGS_AT = 0, UP_AT = 1, DOWN_AT = 2, SLEW_AT = 3, UP_BYTES_AT = 7, LISTS_AT = 9 };
+
+enum { MORE_FOLLOWS = 0x80, MOST_NUMBER_BYTES = 5, MOST_LAST_BYTE = 0x07 /* of 5: 28 bits come before it */ };
+
+/* Reads a list of segments of which nothing is known yet. */
+struct list_reader {
+    const uint8_t *next;
+    const uint8_t *end;
+    uint16_t shortest; /* [ticks] */
+    uint32_t expected; /* [ticks] the interval that would continue the last segment */
+    int16_t add;
+};
+
+/* The longest interval is a power of 2 less 1, so that its highest byte tells. */
+static bool is_allowed(uint16_t shortest, uint32_t interval)
 {
-    return (uint8_t)(image[2] + image[3]);
+    return interval >= shortest && (uint8_t)(interval >> 24) <= LONGEST_INTERVAL_TICKS >> 24;
 }
 
-static void begin_reading(struct image_reader *reader, const uint8_t *image, uint16_t length)
+/* Goes to the end of a number. Returns false when it doesn't end in time, or isn't less than 2^31: no segment that has
+ * such a number can be good. */
+static bool number_ends(struct list_reader *reader)
 {
-    reader->image = image;
-    reader->next = image + HEADER_BYTES;
-    reader->end = image + length;
-    reader->read = 0;
-}
-
-/* A number of 7 bits a byte, low bits first. Returns false when it doesn't end, or doesn't fit 32 bits. */
-static bool read_number(struct image_reader *reader, uint32_t *number)
-{
-    *number = 0;
-    for (uint8_t shift = 0; shift < 32 && reader->next != reader->end; shift += 7) {
+    for (uint8_t bytes = 1; bytes <= MOST_NUMBER_BYTES && reader->next != reader->end; bytes++) {
         uint8_t byte = *reader->next++;
-        uint32_t bits = byte & 0x7Fu;
-        if (shift == 28 && bits > 0x0F) {
-            return false;
-        }
-        *number |= bits << shift;
-        if (byte < 0x80) {
-            return true;
+        if ((byte & MORE_FOLLOWS) == 0) {
+            return bytes < MOST_NUMBER_BYTES || byte <= MOST_LAST_BYTE;
         }
     }
     return false;
 }
 
-/* 0, 1, 2, 3 ... as 0, -1, 1, -2 ..., modulo 2^32. */
-static uint32_t zigzag_decoded(uint32_t number)
+/* Reads the next segment. The byte before it ends a number, or is the high byte of a length: either is less than 128.
+ * All sums are modulo 2^32: an interval is at most 2^28 ticks, and a segment changes it by at most 2^31, so that what
+ * has left the allowed range can't be back in it. */
+static bool segment_is_good(struct list_reader *reader)
 {
-    return (number >> 1) ^ (0u - (number & 1u));
-}
-
-static bool interval_is_allowed(uint32_t interval)
-{
-    return interval >= SHORTEST_INTERVAL_TICKS && interval <= LONGEST_INTERVAL_TICKS;
-}
-
-/* The last interval of the segment that was read last. */
-static uint32_t last_interval(const struct image_reader *reader)
-{
-    return segment_interval(reader->first, &reader->segment, (uint16_t)(reader->segment.count - 1));
-}
-
-/* Reads the next segment, which is packed as the change from the one before it in its list, or from zeros. All sums are
- * modulo 2^32: none of them is further than 2^31 + 2^26 from 0, so that one that leaves the allowed range can't come
- * back into it. Returns false when the segment is bad. */
-static bool read_segment(struct image_reader *reader)
-{
-    struct segment *segment = &reader->segment;
-    bool list_begins = reader->read == 0 || reader->read == reader->image[2];
-    if (list_begins) {
-        *segment = (struct segment){0, 0, 0};
-        reader->first = 0;
-    }
-    uint32_t count, interval_change, add_change;
-    if (!read_number(reader, &count) || !read_number(reader, &interval_change) || !read_number(reader, &add_change)) {
+    if (!number_ends(reader) || !number_ends(reader) || !number_ends(reader)) {
         return false;
     }
-    uint32_t change = zigzag_decoded(interval_change);
-    uint32_t first = segment_interval(reader->first, segment, segment->count) + change;
-    uint32_t add_above_lowest = (uint32_t)segment->add + zigzag_decoded(add_change) + 0x8000u;
-    if (count < 1 || count > 0xFFFF || add_above_lowest > 0xFFFF || !interval_is_allowed(first)) {
+    const uint8_t *at = reader->next;
+    int32_t add = reader->add + packed_signed_before(&at);
+    uint32_t first = reader->expected + (uint32_t)packed_signed_before(&at);
+    uint32_t after_first = packed_number_before(&at) - 1;
+    reader->add = (int16_t)add;
+    if (after_first >= UINT16_MAX || add != reader->add) {
         return false;
     }
-    reader->first = first;
-    segment->change = (interval_t)change;
-    segment->add = (int16_t)((int32_t)add_above_lowest - 0x8000);
-    segment->count = (uint16_t)count;
-    reader->read++;
-    return interval_is_allowed(last_interval(reader));
+    uint32_t last = first + (uint32_t)((int32_t)reader->add * (int32_t)(uint16_t)after_first);
+    reader->expected = last + (uint32_t)add;
+    return is_allowed(reader->shortest, first) && is_allowed(reader->shortest, last);
 }
 
-static uint32_t slew_interval_of(const uint8_t *image)
+/* Checks a list of `segments` that must fill what the reader has up to `end`. Returns how many are good: all of them,
+ * too, when more bytes follow. */
+static uint8_t good_segments(struct list_reader *reader, const uint8_t *end, uint8_t segments)
 {
-    return image[4] | (uint32_t)image[5] << 8 | (uint32_t)image[6] << 16 | (uint32_t)image[7] << 24;
+    uint8_t good = 0;
+    reader->end = end;
+    reader->expected = 0;
+    reader->add = 0;
+    while (good < segments && segment_is_good(reader)) {
+        good++;
+    }
+    return good;
 }
 
-static bool down_is_up(const uint8_t *image)
+/* What bad_segment and bad_part_of_ramp return of a good ramp: no ramp has so many segments. */
+enum { NO_PART = 0xFE };
+
+/* Checks a ramp of segments. Returns its first bad segment, those of down after those of up; or BAD_RAMP_HEADER. */
+static uint8_t bad_segment(const uint8_t *ramp, uint16_t length, uint16_t shortest)
 {
-    return (image[1] & DOWN_IS_UP) != 0;
+    if (length < LISTS_AT) {
+        return BAD_RAMP_HEADER;
+    }
+    uint8_t up = ramp[UP_AT], down = ramp[DOWN_AT];
+    uint16_t up_bytes = read_u16(ramp + UP_BYTES_AT);
+    if (ramp[FLAGS_AT] > DOWN_IS_UP || (uint16_t)up + down > MOST_SEGMENTS ||
+        (ramp[FLAGS_AT] == DOWN_IS_UP && down != 0) || !is_allowed(shortest, read_u32(ramp + SLEW_AT)) ||
+        up_bytes > length - LISTS_AT) {
+        return BAD_RAMP_HEADER;
+    }
+    struct list_reader reader = {.next = ramp + LISTS_AT, .shortest = shortest};
+    uint8_t good = good_segments(&reader, reader.next + up_bytes, up);
+    if (good == up && reader.next == reader.end) {
+        good = (uint8_t)(good + good_segments(&reader, ramp + length, down));
+        if (good == up + down && reader.next == reader.end) {
+            return NO_PART;
+        }
+    }
+    return good;
+}
+
+/* Rounded up, so that no interval is shorter than allowed. */
+static uint16_t shortest_of(const uint8_t *image, uint8_t kind)
+{
+    enum { FAST_TICKS = FAST_CLOCK_HZ / SLOW_CLOCK_HZ }; /* in a slow tick */
+    uint16_t shortest = kind == RAMP_BY_FORMULA ? SHORTEST_FORMULA_INTERVAL_TICKS : SHORTEST_INTERVAL_1_AXIS_TICKS;
+    return ramp_image_is_fast(image) ? shortest : (uint16_t)(shortest + FAST_TICKS - 1) / FAST_TICKS;
+}
+
+/* Checks the ramp that begins at `ramp`. Returns as bad_segment does. */
+static uint8_t bad_part_of_ramp(const uint8_t *image, const uint8_t *ramp, uint16_t length)
+{
+    uint8_t kind = ramp[0];
+    uint16_t shortest = shortest_of(image, kind);
+    const uint8_t *body = ramp + RAMP_HEADER_BYTES;
+    if (kind == RAMP_OF_SEGMENTS) {
+        return bad_segment(body, length, shortest);
+    }
+    bool is_good = HAS_FORMULAS && kind == RAMP_BY_FORMULA && length <= UINT8_MAX &&
+                   formula_check(body, (uint8_t)length, shortest, LONGEST_INTERVAL_TICKS);
+    return is_good ? NO_PART : BAD_RAMP_HEADER;
+}
+
+/* The axes' ramps are there, and each ramp is some axis'. */
+static bool assignment_is_good(const uint8_t *image)
+{
+    uint8_t used = 0, all = 0;
+    for (uint8_t ramp = 0; ramp < image[RAMPS_AT]; ramp++) {
+        all = (uint8_t)(all << 1 | 1);
+    }
+    for (uint8_t axis = 0; axis < image[AXES_AT]; axis++) {
+        used |= (uint8_t)(1u << (image[HEADER_BYTES + axis] & 7));
+        if (image[HEADER_BYTES + axis] >= image[RAMPS_AT]) {
+            return false;
+        }
+    }
+    return used == all;
 }
 
 static bool header_is_good(const uint8_t *image, uint16_t length)
 {
-    if (length < HEADER_BYTES || image[0] != FORMAT || (image[1] & ~DOWN_IS_UP) != 0) {
-        return false;
-    }
-    uint16_t segments = (uint16_t)(image[2] + image[3]);
-    bool lists_agree = !down_is_up(image) || image[3] == 0;
-    return segments <= MOST_SEGMENTS && lists_agree && interval_is_allowed(slew_interval_of(image));
+    /* Less 1, none of a number is the largest of all. */
+    uint8_t axes_less_1 = (uint8_t)(image[AXES_AT] - 1), ramps_less_1 = (uint8_t)(image[RAMPS_AT] - 1);
+    return image[0] == FORMAT && image[1] <= FAST_CLOCK && axes_less_1 < AXES && ramps_less_1 <= axes_less_1 &&
+           length > (uint16_t)(HEADER_BYTES + axes_less_1) && assignment_is_good(image);
+}
+
+static struct image_check bad_at(uint8_t ramp, uint8_t part)
+{
+    struct image_check check = {false, (uint16_t)(ramp << 8 | part)};
+    return check;
 }
 
 struct image_check ramp_image_check(const uint8_t *image, uint16_t length)
 {
-    struct image_check check = {false, BAD_IMAGE_HEADER, 0, 0};
-    if (!header_is_good(image, length)) {
+    struct image_check check = bad_at(BAD_IMAGE_HEADER, BAD_RAMP_HEADER);
+    if (length < HEADER_BYTES || !header_is_good(image, length)) {
         return check;
     }
-    struct image_reader reader;
-    begin_reading(&reader, image, length);
-    uint8_t segments = segments_of(image);
-    check.bad_segment = 0;
-    while (check.bad_segment < segments && read_segment(&reader)) {
-        check.bad_segment++;
+    const uint8_t *at = image + HEADER_BYTES + image[AXES_AT], *end = image + length;
+    for (uint8_t ramp = 0; ramp < image[RAMPS_AT]; ramp++) {
+        uint16_t left = (uint16_t)(end - at);
+        if (left < RAMP_HEADER_BYTES) {
+            return bad_at(ramp, BAD_RAMP_HEADER);
+        }
+        uint16_t ramp_bytes = read_u16(at + RAMP_LENGTH_AT);
+        if (ramp_bytes > left - RAMP_HEADER_BYTES) {
+            return bad_at(ramp, BAD_RAMP_HEADER);
+        }
+        uint8_t bad = bad_part_of_ramp(image, at, ramp_bytes);
+        if (bad != NO_PART) {
+            return bad_at(ramp, bad);
+        }
+        at += RAMP_HEADER_BYTES + ramp_bytes;
     }
-    check.good = check.bad_segment == segments && reader.next == reader.end;
-    check.up_segments = image[2];
-    check.down_segments = down_is_up(image) ? image[2] : image[3];
+    check.good = at == end;
     return check;
 }
 
-void ramp_image_begin_unpacking(struct image_reader *reader, const uint8_t *image, uint16_t length, struct ramp *ramp)
+uint8_t ramp_image_axes(const uint8_t *image)
 {
-    begin_reading(reader, image, length);
-    ramp->slew_interval = (interval_t)slew_interval_of(image);
-    ramp->up = (struct segment_list){ramp->segments, image[2], 0, 0};
-    ramp->down = (struct segment_list){ramp->segments + image[2], image[3], 0, 0};
+    return image[RAMP_IMAGE_AXES_AT];
 }
 
-bool ramp_image_unpack_segment(struct image_reader *reader, struct ramp *ramp)
+uint8_t ramp_image_ramps(const uint8_t *image)
 {
-    uint8_t index = reader->read;
-    if (index == segments_of(reader->image)) {
-        if (down_is_up(reader->image)) {
-            ramp->down = ramp->up;
-        }
-        return false;
+    return image[RAMPS_AT];
+}
+
+bool ramp_image_is_fast(const uint8_t *image)
+{
+    return (image[1] & FAST_CLOCK) != 0;
+}
+
+/* The lists of a ramp of segments, of `length` bytes. */
+static void find_lists(struct image_ramp *ramp, const uint8_t *body, uint16_t length)
+{
+    const uint8_t *middle = body + LISTS_AT + read_u16(body + UP_BYTES_AT);
+    ramp->slew_interval = read_u32(body + SLEW_AT);
+    ramp->up = (struct packed_list){body + LISTS_AT, middle};
+    ramp->down = (struct packed_list){middle, body + length};
+    if (body[FLAGS_AT] == DOWN_IS_UP) {
+        ramp->down = ramp->up;
     }
-    read_segment(reader);
-    ramp->segments[index] = reader->segment;
-    struct segment_list *list = index < ramp->up.length ? &ramp->up : &ramp->down;
-    list->steps += reader->segment.count; /* at most 120 * 65535 in all, far below 2^31 */
-    list->last_interval = (interval_t)last_interval(reader);
-    return true;
+}
+
+struct image_ramp ramp_image_ramp(const uint8_t *image, uint8_t axis)
+{
+    struct image_ramp ramp;
+    const uint8_t *at = image + HEADER_BYTES + image[AXES_AT];
+    for (uint8_t before = image[HEADER_BYTES + axis]; before != 0; before--) {
+        at += RAMP_HEADER_BYTES + read_u16(at + RAMP_LENGTH_AT);
+    }
+    const uint8_t *body = at + RAMP_HEADER_BYTES;
+    ramp.kind = at[0];
+    ramp.formula = body;
+    if (ramp.kind == RAMP_OF_SEGMENTS) {
+        find_lists(&ramp, body, read_u16(at + RAMP_LENGTH_AT));
+    } else if (HAS_FORMULAS) {
+        ramp.slew_interval = formula_slew_interval(body);
+    }
+    return ramp;
 }

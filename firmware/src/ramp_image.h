@@ -1,45 +1,52 @@
-/* The ramp image: a ramp as it is sent and stored. Its bytes are described in docs/serial_protocol.md. */
+/* The ramp image: the ramps of a machine's axes as they are sent and stored. Its bytes are described in
+ * docs/serial_protocol.md. Moves are played from it as it lies there. */
 #ifndef STEPRAMP_RAMP_IMAGE_H
 #define STEPRAMP_RAMP_IMAGE_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "ramp.h"
+#include "ramp_cursor.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-/* Where an image is bad when it isn't a segment. */
-#define BAD_IMAGE_HEADER 0xFFFFu
+/* Where an image is bad, when it is not in a ramp or not in a ramp's segment. */
+#define BAD_IMAGE_HEADER 0xFFu
+#define BAD_RAMP_HEADER 0xFFu
 
 /* What a check of an image found. */
 struct image_check {
     bool good;
-    uint16_t bad_segment; /* index of the first bad segment, one past the last when bytes follow it, or the header */
-    uint8_t up_segments;
-    uint8_t down_segments; /* as many as up when the image says that they are the same list */
+    uint16_t bad; /* high byte: the first bad ramp, or BAD_IMAGE_HEADER; low: its bad segment, or BAD_RAMP_HEADER */
 };
 
 /* Checks an image, wholly, without changing anything. */
 struct image_check ramp_image_check(const uint8_t *image, uint16_t length);
 
-/* Reads an image from its first segment to its last. */
-struct image_reader {
-    const uint8_t *image;
-    const uint8_t *next;
-    const uint8_t *end;
-    struct segment segment; /* the last one read */
-    uint32_t first;         /* [ticks] its first interval */
-    uint8_t read;           /* segments read so far */
+enum ramp_kind { RAMP_OF_SEGMENTS = 0, RAMP_BY_FORMULA = 1 };
+
+/* A ramp of an image that has been checked. */
+struct image_ramp {
+    uint8_t kind;            /* enum ramp_kind */
+    uint32_t slew_interval;  /* [ticks] */
+    struct packed_list up;   /* of segments, from the slow end */
+    struct packed_list down; /* likewise */
+    const uint8_t *formula;  /* its constants; means nothing of a ramp of segments, as the lists do of a formula */
 };
 
-/* Begins to unpack an image that has been checked and found good. */
-void ramp_image_begin_unpacking(struct image_reader *reader, const uint8_t *image, uint16_t length, struct ramp *ramp);
+/* Where an image says how many axes it has. */
+enum { RAMP_IMAGE_AXES_AT = 2 };
 
-/* Unpacks one segment: a few hundred cycles. Returns false when the ramp is complete. */
-bool ramp_image_unpack_segment(struct image_reader *reader, struct ramp *ramp);
+uint8_t ramp_image_axes(const uint8_t *image);
+uint8_t ramp_image_ramps(const uint8_t *image);
+
+/* Its ticks are those of the fast clock. */
+bool ramp_image_is_fast(const uint8_t *image);
+
+/* The ramp of an axis. */
+struct image_ramp ramp_image_ramp(const uint8_t *image, uint8_t axis);
 
 #ifdef __cplusplus
 }

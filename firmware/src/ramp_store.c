@@ -1,80 +1,263 @@
 #include "ramp_store.h"
 
 #include <stddef.h>
+#include <string.h>
 
 #include "frame.h"
-#include "ramp_image.h"
+#include "machine.h"
+#include "message.h"
 #include "slots.h"
 
-static struct ramp active; /* good when slots_active() has a sequence number */
-static struct staged_image staged;
-static struct image_reader unpacking; /* of the staged image into the active ramp, after it has been written */
-static bool is_unpacking;
-static bool last_write_failed;
+/* The image in RAM, and its settings, are slot_content; its length is slot_image_length. */
+
+enum { TRACE_VALUES_A_SECOND = 1000 };
+
+/* What the image in RAM is. */
+enum content { NOTHING, RECEIVING, CHECKED, ON_TRIAL, STORED };
+
+static uint8_t content = NOTHING;
+static uint8_t flags;     /* FLAG_WRITE_FAILED; FLAG_ON_TRIAL of the settings only */
+static uint16_t received; /* [bytes] of the image: those behind are free */
+static uint16_t crc;      /* of the image in RAM, or announced for it */
+
+static bool is_playable(void)
+{
+    return content >= ON_TRIAL;
+}
+
+/* ---- what is in use ---- */
+
+/* The settings in RAM are packed. Where that is how a struct lies, they are one. */
+static const struct settings *settings_in_use(void)
+{
+#if IS_LITTLE_ENDIAN
+    return &slot_content.settings;
+#else
+    static struct settings settings;
+    settings = settings_unpack(ramp_store_settings());
+    return &settings;
+#endif
+}
+
+/* Gives the machine what it is to use. */
+static void use(void)
+{
+    machine_use(is_playable() ? slot_content.image : NULL, settings_in_use());
+}
+
+/* Takes note of the image in RAM, which is the stored one now; or there is none. */
+static void use_stored_image(bool is_there)
+{
+    content = is_there ? STORED : NOTHING;
+    received = is_there ? slot_image_length : 0;
+    crc = crc16(slot_content.image, received);
+    use();
+}
+
+/* The same, and the settings are the stored ones, too. */
+static void use_stored(bool is_there)
+{
+    flags &= (uint8_t)~FLAG_ON_TRIAL;
+    if (!is_there) {
+        struct settings settings = settings_default();
+        settings_pack(&settings, (uint8_t *)&slot_content.settings);
+    }
+    use_stored_image(is_there);
+}
 
 void ramp_store_begin(void)
 {
-    if (slots_find(staged.bytes)) {
-        ramp_image_begin_unpacking(&unpacking, staged.bytes, slots_active().length, &active);
-        while (ramp_image_unpack_segment(&unpacking, &active)) {
-        }
+    flags = 0;
+    use_stored(slots_find());
+}
+
+enum ramp_in_use ramp_store_in_use(void)
+{
+    return content == ON_TRIAL ? RAMP_ON_TRIAL : slots_hold(ACTIVE_SLOT) ? STORED_RAMP : NO_RAMP;
+}
+
+uint16_t ramp_store_crc(void)
+{
+    return is_playable() ? crc : slots_hold(ACTIVE_SLOT) ? slots_image_crc(ACTIVE_SLOT) : 0;
+}
+
+uint8_t ramp_store_axes(void)
+{
+    if (is_playable()) {
+        return ramp_image_axes(slot_content.image);
     }
+    return slots_hold(ACTIVE_SLOT) ? slots_read(ACTIVE_SLOT, RAMP_IMAGE_AXES_AT) : 0;
+}
+
+uint8_t ramp_store_flags(void)
+{
+    return content == ON_TRIAL ? flags | FLAG_ON_TRIAL : flags;
+}
+
+/* All of it has 16 bits when the slew interval is less than that of so many values. */
+uint16_t ramp_store_trace_every(uint8_t axis)
+{
+    if (!is_playable()) {
+        return 1;
+    }
+    bool is_fast = ramp_image_is_fast(slot_content.image);
+    uint16_t ticks_a_value = is_fast ? FAST_CLOCK_HZ / TRACE_VALUES_A_SECOND : SLOW_CLOCK_HZ / TRACE_VALUES_A_SECOND;
+    uint32_t slew_interval = ramp_image_ramp(slot_content.image, axis).slew_interval;
+    if (slew_interval >= ticks_a_value) {
+        return 1;
+    }
+    uint16_t slew_ticks = (uint16_t)slew_interval;
+    return (uint16_t)(ticks_a_value + slew_ticks - 1) / slew_ticks;
+}
+
+bool ramp_store_make_ready(void)
+{
+    if (!is_playable() && slots_hold(ACTIVE_SLOT)) {
+        struct settings in_use = slot_content.settings;
+        bool is_there = slots_load(ACTIVE_SLOT);
+        slot_content.settings = in_use;
+        use_stored_image(is_there);
+    }
+    return is_playable();
+}
+
+const uint8_t *ramp_store_settings(void)
+{
+    return (const uint8_t *)&slot_content.settings;
+}
+
+void ramp_store_use_settings(const uint8_t bytes[SETTINGS_BYTES])
+{
+    memcpy(&slot_content.settings, bytes, SETTINGS_BYTES);
+    flags |= FLAG_ON_TRIAL;
+    use();
+}
+
+/* ---- delivery ---- */
+
+void ramp_store_deliver(uint16_t length, uint16_t announced_crc)
+{
+    content = RECEIVING;
+    slot_image_length = length;
+    received = 0;
+    crc = announced_crc;
+    use();
+}
+
+bool ramp_store_is_delivered_to(void)
+{
+    return content == RECEIVING || content == CHECKED;
+}
+
+uint16_t ramp_store_received(void)
+{
+    return ramp_store_is_delivered_to() ? received : 0;
+}
+
+void ramp_store_put(uint8_t index, uint8_t byte)
+{
+    uint16_t offset = received + index;
+    if (offset < LARGEST_IMAGE_BYTES) {
+        slot_content.image[offset] = byte;
+    }
+}
+
+uint8_t ramp_store_receive(uint16_t offset, uint8_t count, uint16_t *detail)
+{
+    *detail = ramp_store_received();
+    if (!ramp_store_is_delivered_to() || offset != received) {
+        return STATUS_OUT_OF_ORDER;
+    }
+    if (count > slot_image_length - received) {
+        *detail = slot_image_length;
+        return STATUS_OUT_OF_RANGE;
+    }
+    received += count;
+    return STATUS_OK;
+}
+
+uint8_t ramp_store_check(uint16_t *detail)
+{
+    *detail = ramp_store_received();
+    if (!ramp_store_is_delivered_to() || received != slot_image_length) {
+        return STATUS_OUT_OF_ORDER;
+    }
+    *detail = crc16(slot_content.image, received);
+    if (*detail != crc) {
+        return STATUS_BAD_CRC;
+    }
+    struct image_check check = ramp_image_check(slot_content.image, received);
+    if (!check.good) {
+        *detail = check.bad;
+        return STATUS_BAD_RAMP;
+    }
+    content = CHECKED;
+    return STATUS_OK;
+}
+
+bool ramp_store_try(void)
+{
+    if (content != CHECKED) {
+        return false;
+    }
+    content = ON_TRIAL;
+    use();
+    return true;
+}
+
+/* ---- storing ---- */
+
+bool ramp_store_commit(void)
+{
+    if (content < CHECKED) {
+        return false;
+    }
+    flags &= (uint8_t)~FLAG_WRITE_FAILED;
+    slots_begin_write();
+    return true;
+}
+
+/* The previous ramp is loaded now, to be sure of it, and comes into use when its slot is the active one. */
+static bool roll_back_to_previous(void)
+{
+    if (!slots_hold(PREVIOUS_SLOT)) {
+        return false;
+    }
+    content = NOTHING;
+    use();
+    if (!slots_load(PREVIOUS_SLOT)) {
+        use_stored(slots_load(ACTIVE_SLOT));
+        return false;
+    }
+    flags &= (uint8_t)~FLAG_WRITE_FAILED;
+    received = slot_image_length;
+    slots_begin_roll_back();
+    return true;
+}
+
+bool ramp_store_roll_back(void)
+{
+    if (ramp_store_is_delivered_to() || (ramp_store_flags() & FLAG_ON_TRIAL) != 0) {
+        use_stored(slots_load(ACTIVE_SLOT));
+        return true;
+    }
+    return roll_back_to_previous();
 }
 
 void ramp_store_poll(void)
 {
-    switch (slots_poll()) {
-    case WRITTEN:
-        ramp_image_begin_unpacking(&unpacking, staged.bytes, staged.length, &active);
-        is_unpacking = true;
-        break;
-    case WRITE_FAILED:
-        last_write_failed = true;
-        break;
-    default:
-        is_unpacking = is_unpacking && ramp_image_unpack_segment(&unpacking, &active);
+    enum write_progress progress = slots_poll();
+    if (progress == WRITTEN) {
+        use_stored(true);
+    } else if (progress == WRITE_FAILED) {
+        flags |= FLAG_WRITE_FAILED;
+        if (content == NOTHING) { /* the previous ramp is in RAM, to be rolled back to */
+            use_stored(slots_load(ACTIVE_SLOT));
+        }
     }
 }
 
-const struct ramp *ramp_store_active(void)
+uint16_t ramp_store_ram_length(void)
 {
-    return slots_active().sequence == 0 ? NULL : &active;
-}
-
-struct staged_image *ramp_store_staged(void)
-{
-    return &staged;
-}
-
-void ramp_store_stage(uint16_t length, uint16_t crc)
-{
-    staged.length = length;
-    staged.crc = crc;
-    staged.received = 0;
-    staged.received_crc = CRC16_START;
-    staged.staging = RECEIVING;
-}
-
-void ramp_store_receive(const uint8_t *bytes, uint8_t count)
-{
-    for (uint8_t i = 0; i < count; i++) {
-        staged.bytes[staged.received++] = bytes[i];
-        staged.received_crc = crc16_update(staged.received_crc, bytes[i]);
-    }
-}
-
-void ramp_store_commit(void)
-{
-    last_write_failed = false;
-    slots_begin_write(staged.bytes, staged.length, staged.crc);
-}
-
-bool ramp_store_is_writing(void)
-{
-    return slots_are_writing() || is_unpacking;
-}
-
-bool ramp_store_last_write_failed(void)
-{
-    return last_write_failed;
+    return received;
 }

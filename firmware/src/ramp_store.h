@@ -1,51 +1,85 @@
-/* The two ramps of a controller: the active one, with which moves are played and which EEPROM keeps, and the staged
- * one, an image in RAM on its way to become active. */
+/* The ramp image and the settings in use, and what is stored of them. There is one image in RAM: the stored one, one
+ * that is on trial, or one that is being delivered. While one is delivered none can be played, so that a move brings
+ * the stored one back first. */
 #ifndef STEPRAMP_RAMP_STORE_H
 #define STEPRAMP_RAMP_STORE_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "ramp.h"
+#include "limits.h"
+#include "ramp_image.h"
+#include "settings.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-enum staging { NOTHING_BEGUN, RECEIVING, CHECKED };
-
-struct staged_image {
-    uint8_t bytes[LARGEST_IMAGE_BYTES];
-    uint16_t length;   /* [bytes] announced */
-    uint16_t received; /* [bytes] */
-    uint16_t crc;      /* announced */
-    uint16_t received_crc;
-    enum staging staging;
-};
-
-/* At start: makes the stored ramp active, if there is one. */
+/* At start: uses what is stored, or no ramp and the default settings. */
 void ramp_store_begin(void);
 
 /* Goes on with writing, by a little. */
 void ramp_store_poll(void);
 
-/* NULL when there is none. */
-const struct ramp *ramp_store_active(void);
+/* ---- what is in use ---- */
 
-/* The staged image; `staging` is for the caller to set to CHECKED. */
-struct staged_image *ramp_store_staged(void);
+enum ramp_in_use { NO_RAMP = 0, STORED_RAMP = 1, RAMP_ON_TRIAL = 2 };
 
-void ramp_store_stage(uint16_t length, uint16_t crc);
+/* While a ramp is delivered: the stored one. */
+enum ramp_in_use ramp_store_in_use(void);
 
-/* Adds bytes to the staged image; there must be room for them. */
-void ramp_store_receive(const uint8_t *bytes, uint8_t count);
+/* CRC of the image in use and its number of axes; 0 without one. */
+uint16_t ramp_store_crc(void);
+uint8_t ramp_store_axes(void);
 
-/* Begins to write the staged image, which must be checked. When that has gone well it becomes the active ramp. */
-void ramp_store_commit(void);
+/* FLAG_WRITE_FAILED and FLAG_ON_TRIAL, of status: the last write has failed; the ramp or the settings in use are not
+ * the stored ones. */
+uint8_t ramp_store_flags(void);
 
-/* Neither ramp may be changed or used now. */
-bool ramp_store_is_writing(void);
-bool ramp_store_last_write_failed(void);
+/* Every k-th step of this axis gives about 1000 values a second at slew speed. 1 while a ramp is delivered. */
+uint16_t ramp_store_trace_every(uint8_t axis);
+
+/* Sees to it that the machine has the ramp in use, dropping what was delivered. Returns false when there is none. */
+bool ramp_store_make_ready(void);
+
+/* The settings in use, packed. */
+const uint8_t *ramp_store_settings(void);
+
+/* Uses settings that have been checked, from now on, in RAM. */
+void ramp_store_use_settings(const uint8_t bytes[SETTINGS_BYTES]);
+
+/* ---- delivery ---- */
+
+/* Begins a delivery; the length is at most LARGEST_IMAGE_BYTES. */
+void ramp_store_deliver(uint16_t length, uint16_t crc);
+
+/* A delivery has begun, and has neither been used nor dropped. */
+bool ramp_store_is_delivered_to(void);
+
+uint16_t ramp_store_received(void); /* [bytes]; 0 without a delivery */
+
+/* Puts a byte behind what has been received: it only counts when ramp_store_receive says so. Until then it is in
+ * nobody's way, so that the bytes of a request can go where they belong before that has come to its end. */
+void ramp_store_put(uint8_t index, uint8_t byte);
+
+/* Adds so many of these bytes to the delivery, at this offset. Returns STATUS_OK, or why not. */
+uint8_t ramp_store_receive(uint16_t offset, uint8_t count, uint16_t *detail);
+
+/* Checks a delivery that is whole. Returns STATUS_OK, or why it can't be used. */
+uint8_t ramp_store_check(uint16_t *detail);
+
+/* Uses the ramp that was checked, in RAM. Returns false when there is none. */
+bool ramp_store_try(void);
+
+/* Begins to store the ramp that was checked, or is in use, with the settings. Returns false when there is none. */
+bool ramp_store_commit(void);
+
+/* Drops what is delivered or on trial; when there is nothing of the kind begins to make the previous ramp the active
+ * one again. Returns false when there is no previous one. */
+bool ramp_store_roll_back(void);
+
+/* What is in RAM: the delivery as far as it goes, or the ramp in use. */
+uint16_t ramp_store_ram_length(void);
 
 #ifdef __cplusplus
 }

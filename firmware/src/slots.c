@@ -1,190 +1,237 @@
 #include "slots.h"
 
-#include <stddef.h>
 #include <string.h>
 
 #include "frame.h"
+#include "message.h"
 #include "port.h"
 #include "ramp_image.h"
 
-enum { MAGIC = 0x53, SLOT_FORMAT = 1, NO_SLOT = 0xFF, ERASED = 0xFF };
+enum { MAGIC = 0x53, SLOT_FORMAT = 2, ERASED = 0xFF };
 
-/* A write goes through these stages in this order, each from its last byte back to its first, so that the very last
- * byte written is the first of the header, without which a slot is none. */
-enum stage { REST, INVALIDATE_HEADER, WRITE_IMAGE, CHECK_IMAGE, WRITE_HEADER, CHECK_HEADER };
+/* Where the parts of a header lie. */
+enum header_offset { AT_MAGIC = 0, AT_FORMAT = 1, AT_LENGTH = 2, AT_SEQUENCE = 4, AT_CRC = 8, AT_HEADER_CRC = 10 };
 
-static uint8_t active_slot = NO_SLOT;
-static struct stored_image active;
+/* What is still to be written, each from its last byte back to its first, so that the very last byte is the first of
+ * the header, without which a slot is none. Rolling back begins with WRITE_HEADER. */
+enum stage { REST = 0, WRITE_HEADER = 1, WRITE_CONTENT = 2, INVALIDATE_HEADER = 3 };
 
-static struct {
-    enum stage stage;
-    uint8_t slot;
-    uint16_t left; /* bytes left in this stage, counted from the first byte of what it writes or checks */
-    const uint8_t *image;
-    struct stored_image stored;
-    uint8_t header[SLOT_HEADER_BYTES];
-} writing;
+struct slot_content slot_content;
+uint16_t slot_image_length;
+
+/* What is known of the slots: a bit for each enum slot_choice that holds something good, and what follows. */
+enum { HAS_ACTIVE = 1 << ACTIVE_SLOT, HAS_PREVIOUS = 1 << PREVIOUS_SLOT, HAS_BEEN_WRITTEN = 4 };
+
+static uint8_t active_slot; /* 0 or 1 */
+static uint8_t known;       /* HAS_BEEN_WRITTEN: the next byte, which is yet to be checked */
+static uint8_t stage;       /* enum stage */
+static uint16_t left;       /* bytes left in this stage */
+
+static uint8_t slot_of(enum slot_choice choice)
+{
+    return active_slot ^ choice;
+}
 
 static uint16_t address_of(uint8_t slot, uint16_t offset)
 {
-    return (uint16_t)(slot * SLOT_BYTES + offset);
+    return slot == 0 ? offset : (uint16_t)(SLOT_BYTES + offset);
 }
 
-static uint16_t header_crc(const uint8_t header[SLOT_HEADER_BYTES])
+/* ---- headers ---- */
+
+/* Reads a slot's header. Returns false when it is none. */
+static bool read_header(uint8_t slot, uint8_t header[SLOT_HEADER_BYTES])
 {
-    uint16_t crc = CRC16_START;
-    for (uint8_t i = 0; i < SLOT_HEADER_BYTES - CRC_BYTES; i++) {
-        crc = crc16_update(crc, header[i]);
+    for (uint8_t i = 0; i < SLOT_HEADER_BYTES; i++) {
+        header[i] = port_eeprom_read(address_of(slot, i));
+    }
+    return header[AT_MAGIC] == MAGIC && header[AT_FORMAT] == SLOT_FORMAT;
+}
+
+/* The sequence number of a slot. Rolling back changes it, and the header's CRC, in place. When the power was cut
+ * meanwhile, they don't go together, but the content is whole and has its own CRC: then the slot counts as older than
+ * any other (0). */
+static uint32_t sequence_of(uint8_t slot)
+{
+    uint8_t header[SLOT_HEADER_BYTES];
+    bool is_whole = read_header(slot, header) && read_u16(header + AT_HEADER_CRC) == crc16(header, AT_HEADER_CRC);
+    return is_whole ? read_u32(header + AT_SEQUENCE) : 0;
+}
+
+/* It is read whenever it is asked for, as room is scarcer than time: so is all else that a header says. */
+uint32_t slots_sequence(void)
+{
+    if (!slots_hold(ACTIVE_SLOT)) {
+        return 0;
+    }
+    uint32_t sequence = sequence_of(active_slot);
+    return sequence == 0 ? 1 : sequence; /* 0 would say that there is none */
+}
+
+/* ---- contents ---- */
+
+static uint8_t *content_bytes(void)
+{
+    return (uint8_t *)&slot_content;
+}
+
+/* Loads the slot if it holds something good. */
+static bool load(uint8_t slot)
+{
+    uint8_t header[SLOT_HEADER_BYTES];
+    uint16_t length = 0;
+    if (read_header(slot, header)) {
+        length = read_u16(header + AT_LENGTH);
+    }
+    if (length <= SETTINGS_BYTES || length > SETTINGS_BYTES + LARGEST_IMAGE_BYTES) {
+        return false;
+    }
+    for (uint16_t i = 0; i < length; i++) {
+        content_bytes()[i] = port_eeprom_read(address_of(slot, SLOT_HEADER_BYTES + i));
+    }
+    slot_image_length = (uint16_t)(length - SETTINGS_BYTES);
+    return crc16(content_bytes(), length) == read_u16(header + AT_CRC) &&
+           settings_check(content_bytes()) == SETTINGS_BYTES &&
+           ramp_image_check(slot_content.image, slot_image_length).good;
+}
+
+bool slots_load(enum slot_choice choice)
+{
+    uint8_t bit = choice == ACTIVE_SLOT ? HAS_ACTIVE : HAS_PREVIOUS;
+    known &= (uint8_t)~bit;
+    if (!load(slot_of(choice))) {
+        return false;
+    }
+    known |= bit;
+    return true;
+}
+
+/* Loads the older slot first, only to know whether it is good, then the newer one; without that, the older one is the
+ * active one. */
+bool slots_find(void)
+{
+    stage = REST;
+    active_slot = sequence_of(1) > sequence_of(0);
+    slots_load(PREVIOUS_SLOT);
+    if (slots_load(ACTIVE_SLOT)) {
+        return true;
+    }
+    active_slot = slot_of(PREVIOUS_SLOT);
+    known = 0;
+    return slots_load(ACTIVE_SLOT);
+}
+
+bool slots_hold(enum slot_choice choice)
+{
+    return (known & (choice == ACTIVE_SLOT ? HAS_ACTIVE : HAS_PREVIOUS)) != 0;
+}
+
+uint16_t slots_image_length(enum slot_choice choice)
+{
+    uint8_t header[SLOT_HEADER_BYTES];
+    read_header(slot_of(choice), header);
+    return slots_hold(choice) ? (uint16_t)(read_u16(header + AT_LENGTH) - SETTINGS_BYTES) : 0;
+}
+
+uint8_t slots_read(enum slot_choice choice, uint16_t offset)
+{
+    return port_eeprom_read(address_of(slot_of(choice), SLOT_HEADER_BYTES + SETTINGS_BYTES + offset));
+}
+
+uint16_t slots_image_crc(enum slot_choice choice)
+{
+    uint16_t crc = CRC16_START, length = slots_image_length(choice);
+    for (uint16_t i = 0; i < length; i++) {
+        crc = crc16_update(crc, slots_read(choice, i));
     }
     return crc;
 }
 
-static void make_header(uint8_t header[SLOT_HEADER_BYTES], const struct stored_image *stored)
+/* ---- writing ---- */
+
+static uint16_t content_length(void)
 {
-    header[0] = MAGIC;
-    header[1] = SLOT_FORMAT;
-    header[2] = (uint8_t)stored->length;
-    header[3] = (uint8_t)(stored->length >> 8);
-    for (uint8_t i = 0; i < 4; i++) {
-        header[4 + i] = (uint8_t)(stored->sequence >> (8 * i));
-    }
-    header[8] = (uint8_t)stored->crc;
-    header[9] = (uint8_t)(stored->crc >> 8);
-    uint16_t crc = header_crc(header);
-    header[10] = (uint8_t)crc;
-    header[11] = (uint8_t)(crc >> 8);
+    return SETTINGS_BYTES + slot_image_length;
 }
 
-/* Reads a slot's header. Returns false, and a sequence of 0, when it is none. */
-static bool read_header(uint8_t slot, struct stored_image *stored)
+static void begin_stage(uint8_t next)
 {
-    uint8_t header[SLOT_HEADER_BYTES], expected[SLOT_HEADER_BYTES];
-    for (uint8_t i = 0; i < SLOT_HEADER_BYTES; i++) {
-        header[i] = port_eeprom_read(address_of(slot, i));
-    }
-    stored->length = (uint16_t)(header[2] | (uint16_t)header[3] << 8);
-    stored->sequence = 0;
-    for (uint8_t i = 0; i < 4; i++) {
-        stored->sequence |= (uint32_t)header[4 + i] << (8 * i);
-    }
-    stored->crc = (uint16_t)(header[8] | (uint16_t)header[9] << 8);
-    make_header(expected, stored);
-    if (memcmp(header, expected, sizeof header) == 0 && stored->length <= LARGEST_IMAGE_BYTES) {
-        return true;
-    }
-    stored->sequence = 0;
-    return false;
+    stage = next;
+    left = next == WRITE_CONTENT ? content_length() : next == WRITE_HEADER ? SLOT_HEADER_BYTES : 1;
 }
 
-static bool load_if_good(uint8_t slot, uint8_t image[LARGEST_IMAGE_BYTES])
+void slots_begin_roll_back(void)
 {
-    struct stored_image stored;
-    if (!read_header(slot, &stored)) {
-        return false;
-    }
-    uint16_t crc = CRC16_START;
-    for (uint16_t i = 0; i < stored.length; i++) {
-        image[i] = port_eeprom_read(address_of(slot, SLOT_HEADER_BYTES + i));
-        crc = crc16_update(crc, image[i]);
-    }
-    if (crc != stored.crc || !ramp_image_check(image, stored.length).good) {
-        return false;
-    }
-    active_slot = slot;
-    active = stored;
-    return true;
+    known &= HAS_ACTIVE;
+    begin_stage(WRITE_HEADER);
 }
 
-bool slots_find(uint8_t image[LARGEST_IMAGE_BYTES])
+void slots_begin_write(void)
 {
-    struct stored_image first, second;
-    active_slot = NO_SLOT;
-    active = (struct stored_image){0, 0, 0};
-    writing.stage = REST;
-    read_header(0, &first);
-    read_header(1, &second);
-    uint8_t newer = second.sequence > first.sequence;
-    return load_if_good(newer, image) || load_if_good(!newer, image);
-}
-
-struct stored_image slots_active(void)
-{
-    return active;
-}
-
-uint8_t slots_read(uint16_t offset)
-{
-    return port_eeprom_read(address_of(active_slot, SLOT_HEADER_BYTES + offset));
-}
-
-void slots_begin_write(const uint8_t *image, uint16_t length, uint16_t crc)
-{
-    writing.slot = active_slot == 0;
-    writing.image = image;
-    writing.stored.sequence = active.sequence + 1;
-    writing.stored.length = length;
-    writing.stored.crc = crc;
-    make_header(writing.header, &writing.stored);
-    writing.left = 1;
-    writing.stage = INVALIDATE_HEADER;
+    slots_begin_roll_back();
+    begin_stage(INVALIDATE_HEADER);
 }
 
 bool slots_are_writing(void)
 {
-    return writing.stage != REST;
+    return stage != REST;
 }
 
-/* The byte that must stand at the beginning of this stage's part of the slot plus `index`. */
+/* A byte of the header to be written. It takes a while, as it needs the content's CRC, but so does writing a byte. */
+static uint8_t header_byte(uint8_t index)
+{
+    uint8_t header[SLOT_HEADER_BYTES];
+    header[AT_MAGIC] = MAGIC;
+    header[AT_FORMAT] = SLOT_FORMAT;
+    write_u16(header + AT_LENGTH, content_length());
+    write_u32(header + AT_SEQUENCE, slots_sequence() + 1);
+    write_u16(header + AT_CRC, crc16(content_bytes(), content_length()));
+    write_u16(header + AT_HEADER_CRC, crc16(header, AT_HEADER_CRC));
+    return header[index];
+}
+
 static uint8_t wanted_byte(uint16_t index)
 {
-    switch (writing.stage) {
-    case INVALIDATE_HEADER:
-        return ERASED;
-    case WRITE_IMAGE:
-    case CHECK_IMAGE:
-        return writing.image[index];
-    default:
-        return writing.header[index];
-    }
+    return stage == WRITE_HEADER    ? header_byte((uint8_t)index)
+           : stage == WRITE_CONTENT ? content_bytes()[index]
+                                    : ERASED;
 }
 
 /* Goes on to the next stage; after the last one the slot written is the active one. */
 static enum write_progress next_stage(void)
 {
-    if (writing.stage == CHECK_HEADER) {
-        writing.stage = REST;
-        active_slot = writing.slot;
-        active = writing.stored;
-        return WRITTEN;
+    begin_stage((uint8_t)(stage - 1));
+    if (stage != REST) {
+        return WRITING;
     }
-    writing.stage++;
-    bool is_image = writing.stage == WRITE_IMAGE || writing.stage == CHECK_IMAGE;
-    writing.left = is_image ? writing.stored.length : SLOT_HEADER_BYTES;
-    return WRITING;
+    active_slot = slot_of(PREVIOUS_SLOT);
+    known = slots_hold(ACTIVE_SLOT) ? HAS_ACTIVE | HAS_PREVIOUS : HAS_ACTIVE;
+    return WRITTEN;
 }
 
 enum write_progress slots_poll(void)
 {
-    if (writing.stage == REST) {
+    if (stage == REST) {
         return NOT_WRITING;
     }
     if (port_eeprom_is_busy()) {
         return WRITING;
     }
-    if (writing.left == 0) {
+    if (left == 0) {
         return next_stage();
     }
-    writing.left--;
-    bool is_image = writing.stage == WRITE_IMAGE || writing.stage == CHECK_IMAGE;
-    uint16_t address = address_of(writing.slot, (uint16_t)((is_image ? SLOT_HEADER_BYTES : 0) + writing.left));
-    uint8_t wanted = wanted_byte(writing.left);
-    if (port_eeprom_read(address) == wanted) {
-        return WRITING; /* nothing to do: a byte that stands there already isn't worn out */
-    }
-    if (writing.stage == CHECK_IMAGE || writing.stage == CHECK_HEADER) {
-        writing.stage = REST;
+    uint16_t index = (uint16_t)(left - 1);
+    uint16_t address = address_of(slot_of(PREVIOUS_SLOT), stage == WRITE_CONTENT ? SLOT_HEADER_BYTES + index : index);
+    uint8_t wanted = wanted_byte(index);
+    if (port_eeprom_read(address) == wanted) { /* a byte that stands there already isn't worn out */
+        known &= (uint8_t)~HAS_BEEN_WRITTEN;
+        left = index;
+    } else if ((known & HAS_BEEN_WRITTEN) != 0) {
+        stage = REST;
         return WRITE_FAILED;
+    } else {
+        port_eeprom_write(address, wanted);
+        known |= HAS_BEEN_WRITTEN;
     }
-    port_eeprom_write(address, wanted);
     return WRITING;
 }

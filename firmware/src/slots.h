@@ -1,5 +1,6 @@
-/* Two slots of EEPROM for ramp images, of which one is active. A write goes to the other one, a byte at a time, its
- * header last: a power cut at any moment leaves the old image or the new one. */
+/* Two slots of EEPROM, each for the settings and a ramp image. One is active. What is stored goes to the other one, a
+ * byte at a time, its header last; rolling back makes the other one the newer again by its header alone. A power cut at
+ * any moment leaves a whole old content active or a whole new one. */
 #ifndef STEPRAMP_SLOTS_H
 #define STEPRAMP_SLOTS_H
 
@@ -7,6 +8,7 @@
 #include <stdint.h>
 
 #include "limits.h"
+#include "settings.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -14,24 +16,39 @@ extern "C" {
 
 enum { SLOT_BYTES = 512, SLOT_HEADER_BYTES = 12 };
 
-/* What is known of the active slot. Without one all is 0. */
-struct stored_image {
-    uint32_t sequence; /* 1 for the first image ever written, then one more for each */
-    uint16_t length;   /* [bytes] */
-    uint16_t crc;
+/* What a slot holds, as it lies there, and its only copy in RAM: that is loaded and stored. */
+struct slot_content {
+    struct settings settings; /* packed */
+    uint8_t image[LARGEST_IMAGE_BYTES];
 };
+extern struct slot_content slot_content;
+extern uint16_t slot_image_length; /* [bytes] of the image in RAM, or announced for it */
 
-struct stored_image slots_active(void);
+enum slot_choice { ACTIVE_SLOT, PREVIOUS_SLOT };
 
-/* At start: makes the newest slot active whose header, CRC and content are good, and leaves its image in `image`.
- * Returns false when there is none. */
-bool slots_find(uint8_t image[LARGEST_IMAGE_BYTES]);
+/* At start: makes the newest slot active whose header, CRC, settings and ramp are good, and loads it. Returns false
+ * when there is none; then the content in RAM means nothing. */
+bool slots_find(void);
 
-/* A byte of the active image. */
-uint8_t slots_read(uint16_t offset);
+/* The active slot's number: 1 for the first one ever written, then one more each time; 0: none. */
+uint32_t slots_sequence(void);
 
-/* Begins to write an image, which must stay as it is until the write has ended. */
-void slots_begin_write(const uint8_t *image, uint16_t length, uint16_t crc);
+/* A slot holds something good. The length of its ramp image then [bytes], else 0. */
+bool slots_hold(enum slot_choice choice);
+uint16_t slots_image_length(enum slot_choice choice);
+
+/* A byte of a slot's ramp image, and the CRC of the whole, which takes some milliseconds. */
+uint8_t slots_read(enum slot_choice choice, uint16_t offset);
+uint16_t slots_image_crc(enum slot_choice choice);
+
+/* Loads a slot. Returns false when it holds nothing, or nothing good: it holds nothing then from now on. */
+bool slots_load(enum slot_choice choice);
+
+/* Begins to store the content in RAM, which must stay as it is until the write has ended. */
+void slots_begin_write(void);
+
+/* Begins to make the previous slot the active one. It must be in RAM, and stay there until the write has ended. */
+void slots_begin_roll_back(void);
 
 enum write_progress { NOT_WRITING, WRITING, WRITTEN, WRITE_FAILED };
 

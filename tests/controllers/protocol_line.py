@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 
 from stepramp.controllers.frames import FrameSplitter, crc16, encode_frame
 from stepramp.controllers.messages import (
+    NOTICE_KINDS,
     REPLY,
+    AxisState,
     BeginRequest,
     CommitRequest,
     DataReply,
@@ -16,8 +19,9 @@ from stepramp.controllers.messages import (
     EndRequest,
     HelloReply,
     HelloRequest,
+    MachineState,
     Message,
-    MotorState,
+    Notice,
     ReadReply,
     ReadRequest,
     Refusal,
@@ -25,6 +29,8 @@ from stepramp.controllers.messages import (
     Request,
     StatusReply,
     StatusRequest,
+    TryRequest,
+    unpack_notice,
     unpack_reply,
 )
 from stepramp.controllers.ramp_image import RampImage
@@ -36,11 +42,13 @@ PATIENCE_S = 20.0
 
 
 class Line:
-    """A port to the controller, with a session: requests go out, replies come back."""
+    """A port to the controller, with a session: requests go out, replies come back, notices pile up."""
 
     def __init__(self, port: str) -> None:
         self.port = SerialPort(port)
+        self.notices: list[tuple[Message, Notice | None]] = []
         self._splitter = FrameSplitter()
+        self._waiting: list[Message] = []
         self._tag = 0
         self.write(b"\0")
         self.hello()
@@ -53,11 +61,23 @@ class Line:
         self.port.write(data)
 
     def read(self, timeout_s: float = REPLY_TIMEOUT_S) -> Message | None:
+        """Return the next message that is no notice."""
         deadline = time.monotonic() + timeout_s
-        while (left_s := deadline - time.monotonic()) > 0:
-            for frame in self._splitter.feed(self.port.read(left_s)):
-                return Message.unpack(frame)
-        return None
+        while True:
+            while self._waiting:
+                message = self._waiting.pop(0)
+                if message.kind not in NOTICE_KINDS:
+                    return message
+                self.notices.append((message, unpack_notice(message)))
+            left_s = deadline - time.monotonic()
+            if left_s <= 0:
+                return None
+            messages = (Message.unpack(frame) for frame in self._splitter.feed(self.port.read(left_s)))
+            self._waiting += [message for message in messages if message is not None]
+
+    def hear(self, for_s: float) -> None:
+        """Take notices for a while; nothing else may come."""
+        assert self.read(for_s) is None
 
     def exchange(self, message: Message) -> Message | None:
         self.write(encode_frame(message.pack()))
@@ -75,14 +95,22 @@ class Line:
         assert isinstance(reply, reply_type), reply
         return reply
 
-    def status(self) -> StatusReply:
-        return self.good(StatusRequest(), StatusReply)
+    def status(self, axis: int = 0) -> StatusReply:
+        return self.good(StatusRequest(axis), StatusReply)
 
-    def wait_for(self, state: MotorState) -> StatusReply:
+    def wait_until(self, condition: Callable[[StatusReply], bool], axis: int = 0) -> StatusReply:
         deadline = time.monotonic() + PATIENCE_S
-        while (status := self.status()).state != state:
+        while not condition(status := self.status(axis)):
             assert time.monotonic() < deadline, status
         return status
+
+    def wait_for_rest(self, axis: int = 0) -> StatusReply:
+        """Wait until no axis moves and nothing is written; return what an axis then says."""
+        return self.wait_until(lambda status: status.state == MachineState.IDLE, axis)
+
+    def wait_for_axis(self, axis: int) -> StatusReply:
+        """Wait until one axis is at rest."""
+        return self.wait_until(lambda status: status.axis_state == AxisState.IDLE, axis)
 
     def deliver(self, image: bytes, crc: int | None = None) -> Reply | Refusal:
         self.good(BeginRequest(len(image), crc16(image) if crc is None else crc))
@@ -90,13 +118,18 @@ class Line:
             self.good(DataRequest(offset, image[offset : offset + 48]), DataReply)
         return self.ask(EndRequest(), EndReply)
 
+    def use(self, image: RampImage) -> None:
+        """Have an image used without storing it, which is quick."""
+        assert isinstance(self.deliver(image.encode()), EndReply)
+        self.good(TryRequest())
+
     def store(self, image: RampImage) -> None:
         assert isinstance(self.deliver(image.encode()), EndReply)
         self.good(CommitRequest())
-        self.wait_for(MotorState.IDLE)
+        self.wait_for_rest()
 
-    def stored(self) -> bytes:
+    def read_image(self, source: int = 0) -> bytes:
         data = b""
-        while (part := self.good(ReadRequest(0, len(data), 48), ReadReply)).data:
+        while (part := self.good(ReadRequest(source, len(data), 48), ReadReply)).data:
             data += part.data
         return data

@@ -4,19 +4,29 @@ import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 
+import numpy as np
 import pytest
 
 from controllers.usb_board import UsbBoard
 from designs import design
-from stepramp.controllers import stepramp_controller
-from stepramp.controllers.device import Device, DeviceState
+from stepramp.controllers import conversation
+from stepramp.controllers.controller import Asked
+from stepramp.controllers.device import Device
+from stepramp.controllers.device_view import DeviceState
 from stepramp.controllers.devices import Devices
-from stepramp.controllers.messages import CommitRequest, DataRequest, MoveByRequest, StatusRequest
+from stepramp.controllers.messages import CommitRequest, DataRequest, MoveByRequest, ReportRequest, StatusRequest
+from stepramp.controllers.settings import Settings
 from stepramp.controllers.virtual import VirtualController
 from stepramp.errors import DeviceLost, NotFound, Refused, Rejected, StepRampError
+from stepramp.ramp.move import play
+from stepramp.ramp.plan import ramp_of
 
 PATIENCE_S = 10.0
 LONG_MOVE = 100_000
+
+
+def by(*steps: int) -> list[Asked]:
+    return [Asked(axis, each, f"axes.{axis}.by_steps") for axis, each in enumerate(steps)]
 
 
 @pytest.fixture
@@ -42,7 +52,7 @@ def wait_for(device: Device, state: DeviceState) -> None:
 def test_connecting_moves_nothing(devices: Devices, port: str) -> None:
     view = devices.connect(port).view
     assert (view.id, view.port, view.name, view.state) == ("1", port, "Virtual controller", DeviceState.READY)
-    assert (view.timer_hz, view.firmware_version, view.ramp, view.pushed) == (2_000_000, "0.1.0", None, None)
+    assert (view.timer_hz, view.firmware_version, view.ramp, view.pushed) == (2_000_000, "0.2.0", None, None)
     assert (view.position_steps, view.target_steps, view.speed_steps_per_s) == (0, 0, 0.0)
 
 
@@ -70,38 +80,128 @@ def test_what_cant_be_connected_is_forgotten(devices: Devices) -> None:
 
 def test_push_move_stop(devices: Devices, port: str) -> None:
     device = devices.connect(port)
-    report = device.push(design())
+    report = device.push([design()])
     assert report.verified
     assert device.view.pushed == report
     assert device.view.state is DeviceState.READY
     assert device.view.ramp is not None
     assert device.view.ramp.sequence == report.sequence == 1
-    device.move_by(LONG_MOVE)
+    device.move_by(by(LONG_MOVE))
     assert (device.view.state, device.view.target_steps) == (DeviceState.MOVING, LONG_MOVE)
-    for refused in (lambda: device.push(design()), lambda: devices.disconnect("1"), lambda: device.move_by(1)):
+    for refused in (lambda: device.push([design()]), lambda: devices.disconnect("1"), device.keep):
         with pytest.raises(Refused, match="The motor moves"):
             refused()
     device.stop().result(PATIENCE_S)
     assert device.view.state is DeviceState.STOPPING
     wait_for(device, DeviceState.READY)
     assert 0 < device.view.position_steps == device.view.target_steps < LONG_MOVE
-    device.move_to(0)
+    device.move_to(by(0))
     wait_for(device, DeviceState.READY)
     assert device.view.position_steps == 0
     devices.disconnect("1")
     assert devices.views() == []
 
 
+def test_four_axes(devices: Devices, port: str) -> None:
+    device = devices.connect(port)
+    assert [axis.axis for axis in device.view.axes] == [0]
+    device.push([design(), design(ramp__slew_speed_steps_per_s=500), design(), design()])
+    device.move_by(by(300, -200, 0, 50))
+    assert [axis.state for axis in device.view.axes] == [DeviceState.MOVING] * 2 + [
+        DeviceState.READY,
+        DeviceState.MOVING,
+    ]
+    assert [axis.target_steps for axis in device.view.axes] == [300, -200, 0, 50]
+    assert (device.view.state, device.view.target_steps) == (DeviceState.MOVING, 300)
+    device.move_to([Asked(1, 60, "axes.0.to_steps")])
+    wait_for(device, DeviceState.READY)
+    assert [axis.position_steps for axis in device.view.axes] == [300, 60, 0, 50]
+    device.stop([0]).result(PATIENCE_S)
+    device.run([Asked(2, 400.0, "axes.0.speed_steps_per_s")])
+    device.halt([2]).result(PATIENCE_S)
+    device.line([*by(-30, 20), Asked(3, 5, "axes.2.by_steps")])
+    wait_for(device, DeviceState.READY)
+    assert [device.view.axes[axis].position_steps for axis in (0, 1, 3)] == [270, 80, 55]
+    device.set_position(by(-7))
+    assert device.view.position_steps == -7
+    device.zero([0], 10)
+    wait_for(device, DeviceState.READY)
+    assert device.view.axes[0].position_steps == 0
+
+
+def test_a_device_is_listened_to_while_it_moves(devices: Devices) -> None:
+    with UsbBoard() as board:
+        device = devices.connect(board.port)
+        device.push([design()])
+        device.move_by(by(LONG_MOVE))
+        positions = {device.view.position_steps}
+        before = board.requests.count(StatusRequest.KIND)
+        deadline = time.monotonic() + 0.5
+        while time.monotonic() < deadline:
+            positions.add(device.view.position_steps)
+            time.sleep(0.002)
+        assert board.requests.count(StatusRequest.KIND) - before <= 3
+        assert len(positions) >= 12
+        device.halt().result(PATIENCE_S)
+        devices.disconnect("1")
+    assert board.requests[-1] == ReportRequest.KIND
+
+
+def test_a_ramp_on_trial_and_what_becomes_of_it(devices: Devices, port: str) -> None:
+    device = devices.connect(port)
+    device.push([design()])
+    device.push([design(ramp__slew_speed_steps_per_s=500)], mode="try")
+    assert (device.view.on_trial, device.view.ramp.sequence) == (True, 1)
+    device.roll_back()
+    assert not device.view.on_trial
+    with pytest.raises(Refused, match="Nothing is on trial"):
+        device.roll_back()
+    device.push([design(), design()], mode="try")
+    device.keep()
+    assert (device.view.on_trial, device.view.ramp.sequence, len(device.view.axes)) == (False, 2, 2)
+    device.restore()
+    assert (device.view.ramp.sequence, len(device.view.axes)) == (3, 1)
+    assert device.view.state is DeviceState.READY
+
+
+def test_settings(devices: Devices, port: str) -> None:
+    device = devices.connect(port)
+    assert device.settings() == Settings()
+    device.use_settings(Settings(pulse_width_us=8))
+    assert (device.settings().pulse_width_us, device.view.on_trial) == (8, True)
+    with pytest.raises(Refused, match="push a design first"):
+        device.keep()
+    device.push([design()])
+    assert not device.view.on_trial
+    devices.disconnect("1")
+    assert devices.connect(port).settings().pulse_width_us == 8
+
+
+def test_a_trace(devices: Devices, port: str) -> None:
+    device = devices.connect(port)
+    device.push([design(), design()])
+    with pytest.raises(Refused, match="No move has been traced"):
+        device.trace()
+    assert device.trace_moves(1, 0) == 1
+    device.move_by(by(50, -120))
+    wait_for(device, DeviceState.READY)
+    trace = device.trace()
+    assert (trace.axis, trace.complete, trace.step.tolist()) == (1, True, list(range(1, 121)))
+    assert np.abs(trace.deviation_us).max() == 0
+    intervals = play(ramp_of(design()), 120)
+    assert trace.planned_ticks.tolist() == [0, *np.cumsum(intervals)[:-1].tolist()]
+
+
 def test_halt_is_at_once(devices: Devices, port: str) -> None:
     device = devices.connect(port)
-    device.push(design())
-    device.move_by(LONG_MOVE)
+    device.push([design()])
+    device.move_by(by(LONG_MOVE))
     device.halt().result(PATIENCE_S)
     assert device.view.state is DeviceState.READY
 
 
 def test_the_ramp_outlives_the_connection(devices: Devices, port: str) -> None:
-    devices.connect(port).push(design())
+    devices.connect(port).push([design()])
     devices.disconnect("1")
     device = devices.connect(port)
     assert device.view.id == "2"
@@ -111,13 +211,13 @@ def test_the_ramp_outlives_the_connection(devices: Devices, port: str) -> None:
 
 def test_a_move_without_a_ramp_is_refused(devices: Devices, port: str) -> None:
     with pytest.raises(Refused, match="no ramp"):
-        devices.connect(port).move_by(1)
+        devices.connect(port).move_by(by(1))
 
 
 def test_a_stop_gets_through_in_the_midst_of_a_push_and_the_push_goes_on(devices: Devices, port: str) -> None:
     device = devices.connect(port)
     with ThreadPoolExecutor(1) as pool:
-        pushing = pool.submit(device.push, design())
+        pushing = pool.submit(device.push, [design()])
         wait_for(device, DeviceState.WRITING)
         began = time.monotonic()
         device.stop().result(PATIENCE_S)
@@ -130,9 +230,9 @@ def test_a_stop_gets_through_in_the_midst_of_a_push_and_the_push_goes_on(devices
 def test_a_move_that_waits_behind_a_push_does_not_begin_after_a_stop(devices: Devices, port: str) -> None:
     device = devices.connect(port)
     with ThreadPoolExecutor(2) as pool:
-        pushing = pool.submit(device.push, design())
+        pushing = pool.submit(device.push, [design()])
         wait_for(device, DeviceState.WRITING)
-        moving = pool.submit(device.move_by, LONG_MOVE)
+        moving = pool.submit(device.move_by, by(LONG_MOVE))
         while not device._worker._waiting:
             time.sleep(0.001)
         device.stop().result(PATIENCE_S)
@@ -145,8 +245,8 @@ def test_a_move_that_waits_behind_a_push_does_not_begin_after_a_stop(devices: De
 def test_all_are_stopped_whatever_they_do(devices: Devices, plug_in: Callable) -> None:
     moving = [devices.connect(plug_in(VirtualController())) for _ in range(2)]
     for device in moving:
-        device.push(design())
-        device.move_by(LONG_MOVE)
+        device.push([design()])
+        device.move_by(by(LONG_MOVE))
     with UsbBoard() as board:
         lost = devices.connect(board.port)
         board.unplug()
@@ -159,10 +259,10 @@ def test_all_are_stopped_whatever_they_do(devices: Devices, plug_in: Callable) -
 def test_the_end_of_the_program_stops_what_moves(plug_in: Callable) -> None:
     virtual, devices = VirtualController(), Devices()
     device = devices.connect(plug_in(virtual))
-    device.push(design())
-    device.move_by(LONG_MOVE)
+    device.push([design()])
+    device.move_by(by(LONG_MOVE))
     devices.close()
-    assert virtual._motor.stopping
+    assert virtual._machine._motors[0].stopping
     assert devices.views() == []
     assert device.view.state is DeviceState.LOST
 
@@ -171,8 +271,8 @@ def test_listeners_hear_of_each_change(devices: Devices, port: str) -> None:
     states: list[list[str]] = []
     with devices.listening(lambda: states.append([view.state.value for view in devices.views()])):
         device = devices.connect(port)
-        device.push(design())
-        device.move_by(50)
+        device.push([design()])
+        device.move_by(by(50))
         wait_for(device, DeviceState.READY)
         devices.disconnect("1")
     heard = [state for index, state in enumerate(states) if index == 0 or state != states[index - 1]]
@@ -189,22 +289,24 @@ def unplugged_while_idle(board: UsbBoard, _: Device) -> None:
 
 def unplugged_in_a_push(board: UsbBoard, device: Device) -> None:
     board.unplug_at(DataRequest.KIND, after=2)
-    device.push(design())
+    device.push([design()])
 
 
 def unplugged_while_writing(board: UsbBoard, device: Device) -> None:
     board.unplug_at(CommitRequest.KIND)
-    device.push(design())
+    device.push([design()])
 
 
 def unplugged_as_a_move_begins(board: UsbBoard, device: Device) -> None:
     board.unplug_at(MoveByRequest.KIND)
-    device.move_by(LONG_MOVE)
+    device.move_by(by(LONG_MOVE))
 
 
 def unplugged_in_a_move(board: UsbBoard, device: Device) -> None:
-    device.move_by(LONG_MOVE)
-    board.unplug_at(StatusRequest.KIND, after=3)
+    device.move_by(by(LONG_MOVE))
+    board.unplug_at(StatusRequest.KIND)
+    time.sleep(0.1)
+    device.move_by(by(1))
 
 
 @pytest.mark.parametrize(
@@ -219,11 +321,11 @@ def unplugged_in_a_move(board: UsbBoard, device: Device) -> None:
 )
 def test_unplugging(devices: Devices, port: str, unplug: Callable[[UsbBoard, Device], None]) -> None:
     other = devices.connect(port)
-    other.push(design())
-    other.move_by(LONG_MOVE)
+    other.push([design()])
+    other.move_by(by(LONG_MOVE))
     with UsbBoard() as board:
         device = devices.connect(board.port)
-        device.push(design())
+        device.push([design()])
         try:
             unplug(board, device)
         except StepRampError as error:
@@ -232,7 +334,7 @@ def test_unplugging(devices: Devices, port: str, unplug: Callable[[UsbBoard, Dev
     assert device.view.message is not None
     assert board.port in device.view.message
     assert device.view.speed_steps_per_s == 0
-    for refused in (lambda: device.push(design()), lambda: device.move_by(1), device.stop, device.halt):
+    for refused in (lambda: device.push([design()]), lambda: device.move_by(by(1)), device.stop, device.halt):
         with pytest.raises(DeviceLost):
             refused()
     with pytest.raises(DeviceLost):
@@ -247,7 +349,7 @@ def test_a_lost_device_is_connected_again_under_its_id(devices: Devices, plug_in
     virtual = VirtualController()
     port = plug_in(virtual)
     device = devices.connect(port)
-    device.push(design())
+    device.push([design()])
     virtual.opened()  # The board is reset: it forgets the session.
     wait_for(device, DeviceState.LOST)
     assert "was restarted" in (device.view.message or "")
@@ -270,7 +372,7 @@ class Silent:
 def test_what_is_not_connected_yet_cant_be_asked(
     devices: Devices, plug_in: Callable, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(stepramp_controller, "HELLO_TIMEOUT_S", 0.5)
+    monkeypatch.setattr(conversation, "HELLO_TIMEOUT_S", 0.5)
     with ThreadPoolExecutor(1) as pool:
         connecting = pool.submit(devices.connect, plug_in(Silent()))
         while not devices.views():

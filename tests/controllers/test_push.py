@@ -1,35 +1,54 @@
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from designs import design
 from stepramp.controllers.messages import HelloReply
-from stepramp.controllers.push import plan_push, unpacked
-from stepramp.errors import Rejected
+from stepramp.controllers.push import PushPlan, plan_push
+from stepramp.controllers.push_limits import PushLimits
+from stepramp.controllers.ramp_image import FormulaRamp, RampImage, SegmentRamp
+from stepramp.controllers.settings import Settings
+from stepramp.controllers.virtual import HELLO
+from stepramp.controllers.ways import unpacked
+from stepramp.design import Design
+from stepramp.errors import Rejected, Rejection
 from stepramp.ramp.plan import ramp_of
-from stepramp.ramp.timer import rescaled
+
+FAST = {"timer__frequency_hz": 16_000_000}
 
 
-def limits(
-    *, timer_hz: int = 2_000_000, intervals: range = range(40, 2**24), most_bytes: int = 500, most_segments: int = 120
-) -> HelloReply:
-    return HelloReply(1, 0, 1, 0, timer_hz, intervals.start, intervals.stop - 1, most_bytes, most_segments, 1, 0, 0)
+def limits(**changes: object) -> HelloReply:
+    return HelloReply(**{**vars(HELLO), **changes})
+
+
+def planned(*designs: Design, hello: HelloReply = HELLO, settings: Settings | None = None) -> PushPlan:
+    return plan_push(designs, hello, settings or Settings())
+
+
+def segments_of(plan: PushPlan, axis: int = 0) -> SegmentRamp:
+    ramp = plan.image.axes[axis]
+    assert isinstance(ramp, SegmentRamp)
+    return ramp
+
+
+def rejected(*designs: Design, hello: HelloReply = HELLO, settings: Settings | None = None) -> Rejection:
+    with pytest.raises(Rejected) as caught:
+        planned(*designs, hello=hello, settings=settings)
+    return caught.value.rejections[0]
 
 
 def test_a_ramp_that_fits_is_sent_as_it_is() -> None:
-    plan = plan_push(design(), limits())
-    ramp, sent = ramp_of(design()), unpacked(plan.image)
-    assert plan.bound_ticks == 0
+    plan = planned(design())
+    ramp, sent = ramp_of(design()), unpacked(plan.image.axes[0])
+    assert plan.bounds_ticks == (0,)
     assert np.array_equal(sent.up, ramp.up)
     assert np.array_equal(sent.down, ramp.down)
     assert sent.slew == ramp.slew
-    assert plan.image.down == plan.image.up
+    assert segments_of(plan).down == segments_of(plan).up
 
 
 def test_the_report_of_a_good_push() -> None:
-    plan = plan_push(design(ramp__deceleration_steps_per_s2=2500), limits())
-    report = plan.report(plan.image.encode(), 7)
+    plan = planned(design(ramp__deceleration_steps_per_s2=2500))
+    report = plan.report(plan.image.encode(), 7, kept=True)
     rows = {item.name: (item.unit, item.requested, item.sent, item.read_back) for item in report.items}
     crc = rows.pop("Ramp image CRC")
     assert rows == {
@@ -40,99 +59,260 @@ def test_the_report_of_a_good_push() -> None:
         "Last interval": ("µs", "14,142.0", "14,142.0", "14,142.0"),
     }
     assert crc[1] == crc[2] == crc[3]
-    assert report.verified
-    assert report.largest_deviation_us == 0
+    assert [item.axis for item in report.items] == [0] * 5 + [None]
+    assert (report.verified, report.kept, report.largest_deviation_us) == (True, True, 0)
     assert (report.sequence, report.bytes, report.warnings) == (7, len(plan.image.encode()), ())
-    assert report.segments == len(plan.image.up) + len(plan.image.down)
+    assert report.segments == len(segments_of(plan).up) + len(segments_of(plan).down)
 
 
-def test_the_report_tells_what_was_stored_instead() -> None:
-    plan = plan_push(design(), limits())
-    other = plan_push(design(ramp__slew_speed_steps_per_s=500), limits()).image.encode()
-    report = plan.report(other, 1)
+def test_the_report_tells_what_is_there_instead() -> None:
+    plan = planned(design())
+    other = planned(design(ramp__slew_speed_steps_per_s=500)).image.encode()
+    report = plan.report(other, 1, kept=True)
     slew = next(item for item in report.items if item.name == "Slew interval")
     assert not report.verified
     assert (slew.sent, slew.read_back) == ("1,000.0", "2,000.0")
     assert "not what was sent" in report.warnings[0]
-    unreadable = plan.report(b"\xff" * 20, 1)
+    unreadable = plan.report(b"\xff" * 20, 1, kept=True)
     assert unreadable.items[0].read_back == "unreadable"
 
 
 def test_a_ramp_without_steps_has_no_first_interval() -> None:
-    flat = plan_push(design(ramp__base_speed_steps_per_s=1000), limits())
-    names = [item.name for item in flat.report(flat.image.encode(), 1).items]
-    assert ("First interval" in names) == bool(flat.image.up)
+    flat = planned(design(ramp__base_speed_steps_per_s=1000))
+    names = [item.name for item in flat.report(flat.image.encode(), 1, kept=True).items]
+    assert ("First interval" in names) == bool(segments_of(flat).up)
 
 
-@given(st.sampled_from([1_000_000, 2_000_000, 16_000_000, 1_234_567]))
-def test_another_timer_moves_intervals_by_half_a_tick_at_most(timer_hz: int) -> None:
-    plan = plan_push(design(), limits(timer_hz=timer_hz, most_bytes=10_000))
-    ramp = rescaled(ramp_of(design()), 2_000_000, timer_hz)
-    sent = unpacked(plan.image)
-    assert np.abs(sent.up - ramp.up).max() <= plan.bound_ticks
-    report = plan.report(plan.image.encode(), 1)
-    assert report.largest_deviation_us <= (plan.bound_ticks + 0.5) / timer_hz * 1e6 + 1e-6
-    assert bool(report.warnings) == bool(report.largest_deviation_us)
+# ---- several axes ----
+
+
+def test_equal_ramps_are_sent_once() -> None:
+    plan = planned(design(), design(name="Other", move__steps=5), design(ramp__slew_speed_steps_per_s=500))
+    assert plan.image.axes[0] == plan.image.axes[1] != plan.image.axes[2]
+    assert len(plan.image.ramps) == 2
+    report = plan.report(plan.image.encode(), 1, kept=False)
+    assert [item.name for item in report.items if "slew" in item.name.lower()] == [
+        "Axis 0: slew interval",
+        "Axis 1: slew interval",
+        "Axis 2: slew interval",
+    ]
+    assert report.segments == plan.image.sent_segments
+
+
+def test_one_design_replaces_the_ramp_of_one_axis() -> None:
+    present = planned(design(), design(ramp__slew_speed_steps_per_s=500)).image
+    slower = design(ramp__slew_speed_steps_per_s=300)
+    plan = plan_push([slower], HELLO, Settings(), 1, present)
+    assert plan.image.axes == (present.axes[0], planned(slower).image.axes[0])
+    added = plan_push([slower], HELLO, Settings(), 2, present)
+    assert added.image.axes[:2] == present.axes
+    assert unpacked(added.image.axes[2]).slew == ramp_of(slower).slew
+
+
+@pytest.mark.parametrize(("axis", "axes"), [(1, 0), (2, 1), (-1, 1), (4, 4)])
+def test_an_axis_that_would_leave_a_gap(axis: int, axes: int) -> None:
+    present = planned(*[design()] * axes).image if axes else None
+    with pytest.raises(Rejected) as caught:
+        plan_push([design()], HELLO, Settings(), axis, present)
+    assert caught.value.rejections[0].field == "to_axis"
+
+
+def test_more_designs_than_axes() -> None:
+    assert rejected(*[design()] * 5).field == "axes"
+    assert rejected().field == "axes"
+
+
+def test_the_largest_ramp_is_made_coarser_first() -> None:
+    large = design(ramp__acceleration_steps_per_s2=600, ramp__deceleration_steps_per_s2=1100)
+    small = design(ramp__acceleration_steps_per_s2=20_000)
+    plan = planned(large, small)
+    assert len(plan.image.encode()) <= 440
+    assert plan.bounds_ticks[0] > 0 == plan.bounds_ticks[1]
+    warnings = plan.report(plan.image.encode(), 1, kept=True).warnings
+    assert len(warnings) == 1
+    assert "intervals of axis 0" in warnings[0]
+
+
+def test_axes_that_cant_all_move_at_once_are_told() -> None:
+    quick = design(**FAST, ramp__slew_speed_steps_per_s=35_000, ramp__acceleration_steps_per_s2=1e9)
+    plan = planned(quick, quick, quick, quick)
+    [warning] = plan.report(plan.image.encode(), 1, kept=True).warnings
+    # 4 (533 / 4) / 457, 457 fast ticks being 35,000 steps/s.
+    assert "all 4 axes together would take 117 %" in warning
+    assert planned(quick, quick).report(b"", 1, kept=True).warnings[1:] == ()
+
+
+# ---- as fast as segments are prepared ----
+
+STEEP = {**FAST, "ramp__slew_speed_steps_per_s": 29_000, "ramp__acceleration_steps_per_s2": 900_000}
+
+
+def shortest_row_s(plan: PushPlan) -> float:
+    """Return how long the quickest eight segments in a row of an image last [s]."""
+    rows = []
+    for each in plan.image.axes:
+        assert isinstance(each, SegmentRamp)
+        for segments in (each.up, each.down):
+            lengths = [sum(s.interval + i * s.add for i in range(s.count)) / 16e6 for s in segments]
+            rows += [sum(lengths[i : i + 8]) for i in range(len(lengths) - 7)]
+    return min(rows)
+
+
+def test_more_axes_get_fewer_segments_in_the_same_time() -> None:
+    one, two = planned(design(**STEEP)), planned(*[design(**STEEP)] * 2)
+    assert one.keeps_pace
+    assert shortest_row_s(one) >= 8 * 0.35e-3
+    assert two.keeps_pace
+    assert shortest_row_s(two) >= 2 * 8 * 0.35e-3
+    assert two.bounds_ticks[0] > one.bounds_ticks[0]
+    assert two.report(two.image.encode(), 1, kept=True).warnings[0].startswith("To fit the controller")
+
+
+def test_a_ramp_too_short_for_its_segments_is_sent_with_a_warning() -> None:
+    steeper = {**STEEP, "ramp__acceleration_steps_per_s2": 2_500_000}
+    plan = planned(*[design(**steeper)] * 4)
+    assert not plan.keeps_pace
+    warnings = plan.report(plan.image.encode(), 1, kept=True).warnings
+    assert any("all 4 motors moving together may have to wait" in warning for warning in warnings)
+
+
+# ---- clocks ----
+
+
+def test_the_clock_is_that_of_the_designs() -> None:
+    assert planned(design()).image.fast_clock is False
+    plan = planned(design(**FAST))
+    assert (plan.image.fast_clock, plan.timer_hz) == (True, 16_000_000)
+    assert unpacked(plan.image.axes[0]).slew == 16_000
+
+
+def test_a_timer_that_is_no_clock_of_the_controller() -> None:
+    rejection = rejected(design(timer__frequency_hz=1_000_000))
+    assert (rejection.field, rejection.value) == ("axes.0.timer.frequency_hz", 1_000_000)
+    assert "16,000,000 or 2,000,000 Hz" in rejection.allowed
+    with pytest.raises(Rejected) as caught:
+        plan_push([design(timer__frequency_hz=1_000_000)], HELLO, Settings(), 0)
+    assert caught.value.rejections[0].field == "timer.frequency_hz"
+
+
+def test_all_axes_have_one_clock() -> None:
+    rejection = rejected(design(), design(**FAST))
+    assert (rejection.field, rejection.value) == ("axes.1.timer.frequency_hz", 16_000_000)
+    assert rejection.allowed.startswith("2,000,000 Hz, that of axis 0")
+    present = planned(design(), design()).image
+    with pytest.raises(Rejected, match="2,000,000 Hz, that of the axes that keep their ramps"):
+        plan_push([design(**FAST)], HELLO, Settings(), 0, present)
+    alone = plan_push([design(**FAST)], HELLO, Settings(), 0, planned(design()).image)
+    assert alone.image.fast_clock
+
+
+# ---- memory ----
 
 
 def test_a_smaller_memory_takes_a_coarser_ramp_with_the_least_bound() -> None:
-    exact = plan_push(design(), limits())
-    coarse = plan_push(design(), limits(most_segments=20))
+    exact, coarse = planned(design()), planned(design(), hello=limits(most_segments=20))
     assert exact.image.sent_segments > coarse.image.sent_segments
     assert coarse.image.sent_segments <= 20
-    report = coarse.report(coarse.image.encode(), 1)
-    assert 0 < report.largest_deviation_us <= coarse.bound_ticks / 2
+    report = coarse.report(coarse.image.encode(), 1, kept=True)
+    assert 0 < report.largest_deviation_us <= coarse.bounds_ticks[0] / 2
     assert "To fit the controller's memory" in report.warnings[0]
-    small = plan_push(design(), limits(most_bytes=80))
+    small = planned(design(), hello=limits(largest_image_bytes=80))
     assert len(small.image.encode()) <= 80
 
 
 def test_a_ramp_that_no_bound_makes_fit_is_refused() -> None:
-    with pytest.raises(Rejected, match="at most 2 segments") as caught:
-        plan_push(design(), limits(most_segments=2))
+    rejection = rejected(design(), hello=limits(most_segments=2))
+    assert rejection.field == "axes.0.ramp.acceleration_steps_per_s2"
+    assert "at most 2 segments" in rejection.allowed
+    rejection = rejected(design(method__name="table"), hello=limits(most_segments=2))
+    assert rejection.field == "axes.0.table.rows"
+    assert "this one takes 10 segments" in rejection.allowed
+
+
+def test_the_ramps_that_stay_count_too() -> None:
+    uneven = design(ramp__acceleration_steps_per_s2=1500, ramp__deceleration_steps_per_s2=2500)
+    present = planned(uneven, design(ramp__acceleration_steps_per_s2=4000)).image
+    assert len(present.encode()) > 400
+    with pytest.raises(Rejected, match="make it shorter") as caught:
+        plan_push([design(ramp__acceleration_steps_per_s2=10)], HELLO, Settings(), 2, present)
     assert caught.value.rejections[0].field == "ramp.acceleration_steps_per_s2"
-    with pytest.raises(Rejected, match="this one takes 10 segments") as caught:
-        plan_push(design(method__name="table"), limits(most_segments=2))
-    assert caught.value.rejections[0].field == "table.rows"
 
 
 def test_compression_keeps_the_limits_that_the_design_keeps() -> None:
-    fastest = design(ramp__slew_speed_steps_per_s=1000)
-    plan = plan_push(fastest, limits(intervals=range(2000, 2**24), most_segments=20))
-    assert plan.bound_ticks > 0
-    assert plan.image.keeps(range(2000, 2**24))
+    hello = limits(shortest_intervals=(16_000,) * 4, most_segments=20)
+    plan = planned(design(), hello=hello)
+    assert plan.bounds_ticks[0] > 0
+    assert segments_of(plan).keeps(range(2000, 2**28))
+
+
+# ---- speeds ----
 
 
 @pytest.mark.parametrize(
-    ("changes", "intervals", "field", "allowed"),
+    ("changes", "hello", "field", "allowed"),
     [
-        ({"ramp__slew_speed_steps_per_s": 60_000}, range(40, 2**24), "ramp.slew_speed_steps_per_s", "50,000 steps/s"),
+        ({"ramp__slew_speed_steps_per_s": 160_000}, {}, "ramp.slew_speed_steps_per_s", "to 142,857.1429 steps/s"),
         (
-            {"ramp__slew_speed_steps_per_s": 0.1, "ramp__acceleration_steps_per_s2": 1},
-            range(40, 2**24),
+            {"ramp__slew_speed_steps_per_s": 0.005, "ramp__acceleration_steps_per_s2": 1},
+            {},
             "ramp.slew_speed_steps_per_s",
-            "from 0.119209",
+            "from 0.00745058",
         ),
-        ({}, range(40, 10_000), "ramp.acceleration_steps_per_s2", "4,999.5 µs"),
-        ({"method__name": "table"}, range(40, 5000), "table.rows.0.1", "to 2,499.5 µs"),
-        ({"method__name": "table"}, range(1400, 2**24), "table.rows.4.1", "from 700 to"),
+        ({}, {"longest_interval_ticks": 9999}, "ramp.acceleration_steps_per_s2", "4,999.5 µs"),
+        ({"method__name": "table"}, {"longest_interval_ticks": 4999}, "table.rows.0.1", "to 2,499.5 µs"),
+        ({"method__name": "table"}, {"shortest_intervals": (11_200,) * 4}, "table.rows.4.1", "from 700 to"),
         (
             {"method__name": "table", "table__interval_unit": "ticks"},
-            range(700, 2**24),
+            {"shortest_intervals": (5600,) * 4, "longest_interval_ticks": 2**24 - 1},
             "table.rows.4.1",
             "from 700 to 16,777,215 ticks",
         ),
     ],
 )
-def test_intervals_that_the_controller_cant_play(changes: dict, intervals: range, field: str, allowed: str) -> None:
-    with pytest.raises(Rejected) as caught:
-        plan_push(design(**changes), limits(intervals=intervals))
-    rejection = caught.value.rejections[0]
-    assert rejection.field == field
+def test_intervals_that_the_controller_cant_play(changes: dict, hello: dict, field: str, allowed: str) -> None:
+    rejection = rejected(design(**changes), hello=limits(**hello))
+    assert rejection.field == f"axes.0.{field}"
     assert allowed in rejection.allowed
     assert "this controller" in rejection.allowed
 
 
 def test_the_fastest_speed_that_is_allowed_is_taken() -> None:
-    plan = plan_push(design(ramp__slew_speed_steps_per_s=50_000, ramp__acceleration_steps_per_s2=1_000_000), limits())
-    assert plan.image.slew_interval_ticks == 40
+    quick = {"ramp__slew_speed_steps_per_s": 142_857, "ramp__acceleration_steps_per_s2": 1e8}
+    assert segments_of(planned(design(**quick))).slew_interval_ticks == 14
+    quick = FAST | {"ramp__slew_speed_steps_per_s": 150_943, "ramp__acceleration_steps_per_s2": 1e8}
+    assert segments_of(planned(design(**quick))).slew_interval_ticks == 106
+
+
+@pytest.mark.parametrize(
+    ("settings", "fastest"),
+    [
+        (Settings(), 16_000_000 / 106),
+        (Settings(pulse_width_us=10), 16_000_000 / (106 + 160)),
+        (Settings(outputs="gauges"), 5000),
+    ],
+)
+def test_settings_make_it_slower(settings: Settings, fastest: float) -> None:
+    assert PushLimits.of(HELLO, settings, 16_000_000).of_segments.start == round(16_000_000 / fastest)
+    above = design(**FAST, ramp__slew_speed_steps_per_s=fastest * 1.01, ramp__acceleration_steps_per_s2=1e8)
+    assert rejected(above, settings=settings).field == "axes.0.ramp.slew_speed_steps_per_s"
+
+
+# ---- formulas ----
+
+
+def by_formula(**changes: object) -> Design:
+    return design(method__name="newton", method__arithmetic="fixed", **changes)
+
+
+def test_a_formula_that_the_controller_computes_takes_no_segments() -> None:
+    plan = planned(by_formula(), design())
+    assert isinstance(plan.image.axes[0], FormulaRamp)
+    assert RampImage.decode(plan.image.encode()) == plan.image
+    report = plan.report(plan.image.encode(), 1, kept=True)
+    assert (report.verified, report.largest_deviation_us) == (True, 0)
+    assert next(item for item in report.items if item.name == "Axis 0: up ramp steps").read_back == "100"
+
+
+def test_a_formula_that_is_too_fast_to_be_computed_is_sent_as_segments() -> None:
+    quick = by_formula(**FAST, ramp__slew_speed_steps_per_s=40_000, ramp__acceleration_steps_per_s2=1e7)
+    assert isinstance(planned(quick).image.axes[0], SegmentRamp)

@@ -6,9 +6,10 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
+from controllers.ramps import IMAGE, four_axes
 from designs import design
-from stepramp.controllers import stepramp_controller
-from stepramp.controllers.controller import Activity, StoredRamp
+from stepramp.controllers import conversation, transfer
+from stepramp.controllers.controller import Activity, Asked, StoredRamp
 from stepramp.controllers.frames import FrameSplitter, crc16, encode_frame
 from stepramp.controllers.messages import (
     REPLY,
@@ -19,32 +20,50 @@ from stepramp.controllers.messages import (
     DoneReply,
     EndReply,
     EndRequest,
+    HaltRequest,
     HelloReply,
     HelloRequest,
+    LineRequest,
     Message,
-    MotorState,
     MoveByRequest,
-    MoveReply,
     MoveToRequest,
+    Notice,
     ReadReply,
     ReadRequest,
+    ReadSettingsRequest,
     Refusal,
     Reply,
     ReplyStatus,
+    ReportNotice,
+    ReportRequest,
     Request,
+    RollBackRequest,
+    RunRequest,
+    SetPositionRequest,
+    SettingsReply,
     StatusReply,
     StatusRequest,
     StopRequest,
+    TargetsReply,
+    TraceNotice,
+    TraceReply,
+    TraceRequest,
+    TryRequest,
+    WriteSettingsRequest,
+    ZeroRequest,
     pack_reply,
 )
+from stepramp.controllers.push import plan_push
+from stepramp.controllers.settings import Settings
 from stepramp.controllers.stepramp_controller import StepRampController
+from stepramp.controllers.virtual import HELLO
 from stepramp.errors import DeviceLost, Refused, Rejected
 from stepramp.link.serial_port import SerialPort
 
 SESSION = 0x1234
-HELLO = HelloReply(1, 0, 1, 0, 2_000_000, 40, 2**24 - 1, 500, 120, 1, 0, 0)
-IDLE = StatusReply(MotorState.IDLE, 0, 0, 0, 0, 1, 0xABCD, 0)
-IMAGE = bytes(range(60))
+BYTES = IMAGE.encode()
+IDLE = StatusReply(0, 0, 0, 0, 0, 0, 1, crc16(BYTES), 0, 0)
+NO_RAMP = StatusReply(0, 0, 0, 0, 0, 0, 0, 0, 0, 0)
 
 
 def sent(request: Request, tag: int) -> Message:
@@ -55,25 +74,60 @@ def replied(request: Request, reply: Reply | Refusal, tag: int, session: int = S
     return encode_frame(Message(request.KIND | REPLY, session, tag, pack_reply(reply)).pack())
 
 
+def said(notice: Notice, tag: int = 0, session: int = SESSION) -> bytes:
+    return encode_frame(Message(notice.KIND, session, tag, notice.pack()).pack())
+
+
+def by_steps(*values: int) -> list[Asked]:
+    return [Asked(axis, value, f"axes.{axis}.by_steps") for axis, value in enumerate(values)]
+
+
 class Script:
-    """A device that expects messages in an order and answers each with the bytes set against it."""
+    """A device that expects messages in an order and answers each with the bytes set against it.
 
-    def __init__(self) -> None:
-        self.pairs: list[tuple[Message, bytes]] = [
-            (sent(HelloRequest(), 0), replied(HelloRequest(), HELLO, 0)),
-        ]
+    The handshake is expected first; tags count on by themselves.
+    """
+
+    def __init__(self, hello: HelloReply = HELLO, settings: Settings | None = None, image: bytes = b"") -> None:
+        self.pairs: list[tuple[Message, bytes]] = [(sent(HelloRequest(), 0), replied(HelloRequest(), hello, 0))]
         self.splitter = FrameSplitter()
+        self.unasked = b""
+        self._tag = 0
+        self.then(ReadSettingsRequest(), SettingsReply((settings or Settings()).pack()))
+        if hello.ramp_in_use:
+            self.reads(0, image)
+        self.then(ReportRequest(50), DoneReply())
 
-    def then(self, request: Request, reply: Reply | Refusal | bytes, tag: int) -> Script:
-        answer = reply if isinstance(reply, bytes) else replied(request, reply, tag)
-        self.pairs.append((sent(request, tag), answer))
+    def then(self, request: Request, reply: Reply | Refusal | bytes, *, again: bool = False) -> Script:
+        """Expect a request with the next tag, or a repeat of the last one."""
+        self._tag = self._tag if again else (self._tag + 1) % 256
+        answer = reply if isinstance(reply, bytes) else replied(request, reply, self._tag)
+        self.pairs.append((sent(request, self._tag), answer))
         return self
+
+    def reads(self, source: int, image: bytes) -> Script:
+        """Expect that an image is read."""
+        for offset in range(0, max(1, len(image)), 48):
+            self.then(ReadRequest(source, offset, 48), ReadReply(len(image), image[offset : offset + 48]))
+        return self
+
+    def delivers(self, image: bytes, staged: bytes | None = None) -> Script:
+        """Expect that an image is sent and read back from RAM."""
+        self.then(BeginRequest(len(image), crc16(image)), DoneReply())
+        for offset in range(0, len(image), 48):
+            part = image[offset : offset + 48]
+            self.then(DataRequest(offset, part), DataReply(offset + len(part)))
+        return self.then(EndRequest(), EndReply(1, 1)).reads(1, image if staged is None else staged)
+
+    @property
+    def tag(self) -> int:
+        return self._tag
 
     def opened(self) -> None:
         pass
 
     def exchange(self, data: bytes) -> bytes:
-        answer = b""
+        answer, self.unasked = self.unasked, b""
         for frame in self.splitter.feed(data):
             expected, reply = self.pairs.pop(0)
             assert Message.unpack(frame) == expected
@@ -81,34 +135,39 @@ class Script:
         return answer
 
 
+def stored(image: bytes = BYTES) -> Script:
+    """Return the script of a controller that has a ramp."""
+    known = HelloReply(**{**vars(HELLO), "ramp_sequence": 1, "image_crc": crc16(image), "ramp_in_use": 1})
+    return Script(known, image=image)
+
+
 @pytest.fixture(autouse=True)
 def _quick(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(stepramp_controller.secrets, "randbelow", lambda _: SESSION - 1)
-    monkeypatch.setattr(stepramp_controller, "GARBAGE_S", 0.0)
-    monkeypatch.setattr(stepramp_controller, "REPLY_TIMEOUT_S", 0.01)
-    monkeypatch.setattr(stepramp_controller, "HELLO_INTERVAL_S", 0.01)
-    monkeypatch.setattr(stepramp_controller, "HELLO_TIMEOUT_S", 0.2)
+    monkeypatch.setattr(conversation.secrets, "randbelow", lambda _: SESSION - 1)
+    monkeypatch.setattr(conversation, "GARBAGE_S", 0.0)
+    monkeypatch.setattr(conversation, "REPLY_TIMEOUT_S", 0.01)
+    monkeypatch.setattr(conversation, "HELLO_INTERVAL_S", 0.01)
+    monkeypatch.setattr(conversation, "HELLO_TIMEOUT_S", 0.2)
+
+
+Connect = Callable[[Script], StepRampController]
 
 
 @pytest.fixture
-def script() -> Script:
-    return Script()
+def connect(plug_in: Callable) -> Iterator[Connect]:
+    """Connect to a script; at the end nothing of it may be left over."""
+    used: list[tuple[SerialPort, Script]] = []
 
-
-@pytest.fixture
-def connect(plug_in: Callable, script: Script) -> Iterator[Callable[[], StepRampController]]:
-    """Connect to the script; at the end nothing of it may be left over."""
-    ports: list[SerialPort] = []
-
-    def connect() -> StepRampController:
-        ports.append(SerialPort(plug_in(script)))
-        controller = StepRampController(ports[-1])
+    def connect(script: Script) -> StepRampController:
+        port = SerialPort(plug_in(script))
+        used.append((port, script))
+        controller = StepRampController(port)
         controller.connect()
         return controller
 
     yield connect
-    assert script.pairs == []
-    for port in ports:
+    for port, script in used:
+        assert script.pairs == []
         port.close()
 
 
@@ -119,104 +178,224 @@ def test_before_the_handshake_nothing_is_known(plug_in: Callable) -> None:
     port.close()
 
 
-def test_the_handshake(connect: Callable[[], StepRampController]) -> None:
-    controller = connect()
-    assert (controller.timer_hz, controller.firmware_version) == (2_000_000, "0.1.0")
+def test_the_handshake(connect: Connect) -> None:
+    controller = connect(Script())
+    assert (controller.timer_hz, controller.firmware_version) == (2_000_000, "0.2.0")
+    assert controller.clocks_hz == (16_000_000, 2_000_000)
     assert controller.identity == HELLO
 
 
-def test_hello_is_repeated_until_the_board_has_started(connect: Callable, script: Script) -> None:
-    hello, good = script.pairs.pop()
+def test_the_ramps_that_are_there_are_read(connect: Connect) -> None:
+    script = stored(four_axes().encode())
+    for axis in range(4):
+        script.then(StatusRequest(axis), IDLE)
+    assert len(connect(script).status().axes) == 4
+
+
+def test_ramps_on_trial_are_read_from_ram(connect: Connect) -> None:
+    known = HelloReply(**{**vars(HELLO), "ramp_in_use": 2})
+    script = Script(known, image=BYTES)
+    for number in range(2, 2 - (-len(BYTES) // 48)):
+        message, answer = script.pairs[number]
+        script.pairs[number] = (Message(message.kind, SESSION, message.tag, b"\1" + message.body[1:]), answer)
+    connect(script)
+
+
+def test_ramps_without_sense(connect: Connect) -> None:
+    script = stored(b"\xff" * 20)
+    script.pairs.pop()
+    with pytest.raises(DeviceLost, match="without sense"):
+        connect(script)
+
+
+def test_hello_is_repeated_until_the_board_has_started(connect: Connect) -> None:
+    script = Script()
+    hello, good = script.pairs[0]
     garbage = b"\xf0Booting\r\n" + bytes(3)
     late = replied(HelloRequest(), HELLO, 0, session=SESSION + 1)
-    script.pairs = [(hello, b""), (hello, garbage), (hello, late), (hello, good[:5]), (hello, b"\0" + good)]
-    assert connect().identity == HELLO
+    before = [(hello, b""), (hello, garbage), (hello, late), (hello, good[:5]), (hello, b"\0" + good)]
+    script.pairs[:1] = before
+    assert connect(script).identity == HELLO
 
 
-def test_nothing_answers(connect: Callable, script: Script) -> None:
-    hello, _ = script.pairs.pop()
+class Chattering(Script):
+    """Tells an earlier client what it does until it hears a hello."""
+
+    def exchange(self, data: bytes) -> bytes:
+        self.unasked = said(ReportNotice(0, 0, ((5, 0),)), session=7) if len(self.pairs) == 3 else b""
+        return super().exchange(data)
+
+
+def test_a_controller_that_still_reports_to_an_earlier_client(
+    connect: Connect, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(conversation, "GARBAGE_S", 0.01)
+    monkeypatch.setattr(conversation, "MOST_GARBAGE_S", 0.05)
+    assert connect(Chattering()).listen() is None
+
+
+def test_nothing_answers(connect: Connect) -> None:
+    script = Script()
+    hello, _ = script.pairs[0]
     script.pairs = [(hello, b"")] * 1000
     with pytest.raises(DeviceLost, match="Nothing at"):
-        connect()
+        connect(script)
     assert 5 <= 1000 - len(script.pairs) <= 21
     script.pairs.clear()
 
 
-def test_another_version_of_the_protocol(connect: Callable, script: Script) -> None:
-    hello, _ = script.pairs.pop()
-    script.pairs = [(hello, replied(HelloRequest(), Refusal(ReplyStatus.BAD_VERSION, 2), 0))]
-    with pytest.raises(Refused, match="speaks version 2"):
-        connect()
+def test_another_version_of_the_protocol(connect: Connect) -> None:
+    script = Script()
+    script.pairs = [(script.pairs[0][0], replied(HelloRequest(), Refusal(ReplyStatus.BAD_VERSION, 1), 0))]
+    with pytest.raises(Refused, match="speaks version 1 of the protocol, this program version 2"):
+        connect(script)
 
 
-def test_a_timer_of_0_hz_makes_no_sense(connect: Callable, script: Script) -> None:
-    hello, _ = script.pairs.pop()
+def test_a_clock_of_0_hz_makes_no_sense(connect: Connect) -> None:
+    script = Script()
     body = bytearray(pack_reply(HELLO))
     body[5:9] = bytes(4)
-    script.pairs = [(hello, encode_frame(Message(0x81, SESSION, 0, bytes(body)).pack()))]
+    script.pairs = [(script.pairs[0][0], encode_frame(Message(0x81, SESSION, 0, bytes(body)).pack()))]
     with pytest.raises(DeviceLost, match="0 Hz"):
-        connect()
+        connect(script)
 
 
-def test_what_a_status_means(connect: Callable, script: Script) -> None:
-    moving = StatusReply(MotorState.MOVING, -120, 2000, 4000, 120, 3, 0x1234, 0)
-    script.then(StatusRequest(), moving, 1).then(StatusRequest(), StatusReply(0, 5, 5, 0, 5, 0, 0, 0), 2)
-    controller = connect()
+def test_letting_go_ends_the_reports(connect: Connect) -> None:
+    connect(Script().then(ReportRequest(0), DoneReply())).disconnect()
+
+
+def test_what_a_status_means(connect: Connect) -> None:
+    moving = StatusReply(1, 1, -120, 2000, 4000, 120, 3, 0x1234, 6, 2)
+    stopping = StatusReply(1, 2, 5, 9, 8000, 5, 3, 0x1234, 0, 0)
+    script = stored().then(StatusRequest(0), moving).then(StatusRequest(0), stopping)
+    controller = connect(script.then(StatusRequest(0), StatusReply(3, 0, 5, 5, 0, 5, 1, 7, 0, 0)))
     status = controller.status()
-    assert (status.activity, status.position_steps, status.target_steps) == (Activity.MOVING, -120, 2000)
-    assert (status.speed_steps_per_s, status.ramp) == (500.0, StoredRamp(3, 0x1234))
-    status = controller.status()
-    assert (status.activity, status.speed_steps_per_s, status.ramp) == (Activity.READY, 0.0, None)
+    [axis] = status.axes
+    assert (status.activity, axis.position_steps, axis.target_steps) == (Activity.MOVING, -120, 2000)
+    assert (axis.speed_steps_per_s, axis.steps_made, status.ramp) == (500.0, 120, StoredRamp(3, 0x1234))
+    assert (status.on_trial, status.motors_on, status.starved) == (True, True, 2)
+    assert controller.status().activity is Activity.STOPPING
+    assert controller.status().activity is Activity.WRITING
 
 
-def test_a_lost_reply_is_asked_for_again_with_the_same_tag(connect: Callable, script: Script) -> None:
-    script.then(MoveByRequest(5), b"", 1).then(MoveByRequest(5), b"", 1).then(MoveByRequest(5), MoveReply(5), 1)
-    script.then(StopRequest(), DoneReply(), 2)
-    controller = connect()
-    controller.move_by(5)
+def test_without_a_ramp_there_is_still_one_axis(connect: Connect) -> None:
+    status = connect(Script().then(StatusRequest(0), NO_RAMP)).status()
+    assert (len(status.axes), status.ramp, status.activity) == (1, None, Activity.READY)
+
+
+# ---- reports ----
+
+
+def test_reports_are_heard_without_asking(connect: Connect) -> None:
+    moving = StatusReply(1, 1, 10, 2000, 4000, 10, 1, 7, 0, 0)
+    script = stored().then(StatusRequest(0), moving)
+    controller = connect(script)
+    assert controller.listen() is None
+    controller.status()
+    script.unasked = said(ReportNotice(1, 1, ((20, 2000),))) + said(ReportNotice(21, 1, ((40, 1000),)), 1)
+    heard = controller.listen()
+    assert heard is not None
+    [axis] = heard.axes
+    assert (axis.position_steps, axis.target_steps, axis.speed_steps_per_s) == (40, 2000, 2000.0)
+    assert (axis.steps_made, heard.activity) == (40, Activity.MOVING)
+    assert controller.listen() is None
+
+
+def test_a_report_of_another_state_is_reason_to_ask(connect: Connect) -> None:
+    moving = StatusReply(1, 1, 10, 2000, 4000, 10, 1, 7, 0, 0)
+    script = stored().then(StatusRequest(0), moving).then(StatusRequest(0), IDLE)
+    controller = connect(script)
+    controller.status()
+    script.unasked = said(ReportNotice(1, 0, ((0, 0),)))
+    heard = controller.listen()
+    assert heard is not None
+    assert heard.activity is Activity.READY
+
+
+def test_what_is_unasked_is_never_taken_for_a_reply(connect: Connect) -> None:
+    script = stored()
+    tag = script.tag + 1
+    report, trace = ReportNotice(0, 0, ((77, 0),)), TraceNotice(0, 1, 1, (5,))
+    noise = said(report, tag) + said(trace, tag) + encode_frame(Message(0xC7, SESSION, tag, b"\0").pack())
+    script.then(StatusRequest(0), noise + replied(StatusRequest(0), IDLE, tag) + said(report, tag + 1))
+    controller = connect(script)
+    assert controller.status().axes[0].position_steps == 0
+    heard = controller.listen()
+    assert heard is not None
+    assert heard.axes[0].position_steps == 77
+
+
+def test_notices_of_another_session_or_without_sense_are_dropped(connect: Connect) -> None:
+    script = stored().then(StatusRequest(0), IDLE)
+    controller = connect(script)
+    controller.status()
+    odd = encode_frame(Message(0xC0, SESSION, 1, b"\1").pack())
+    script.unasked = said(ReportNotice(0, 1, ((5, 9),)), session=SESSION + 1) + odd
+    assert controller.listen() is None
+
+
+# ---- lost replies ----
+
+
+def test_a_lost_reply_is_asked_for_again_with_the_same_tag(connect: Connect) -> None:
+    script = stored().then(StatusRequest(0), IDLE)
+    script.then(MoveByRequest(1, (5,)), b"").then(MoveByRequest(1, (5,)), b"", again=True)
+    script.then(MoveByRequest(1, (5,)), TargetsReply((5,)), again=True).then(StopRequest(), DoneReply())
+    controller = connect(script)
+    controller.move_by(by_steps(5))
     controller.stop()
 
 
-def test_a_garbled_reply_counts_as_lost(connect: Callable, script: Script) -> None:
-    good = replied(StatusRequest(), IDLE, 1)
+def test_a_garbled_reply_counts_as_lost(connect: Connect) -> None:
+    script = stored()
+    good = replied(StatusRequest(0), IDLE, script.tag + 1)
     garbled = good[:8] + bytes([good[8] ^ 1 or 2]) + good[9:]
-    script.then(StatusRequest(), garbled, 1).then(StatusRequest(), good[:-3] + b"\0", 1).then(StatusRequest(), IDLE, 1)
-    assert connect().status().ramp == StoredRamp(1, 0xABCD)
+    script.then(StatusRequest(0), garbled).then(StatusRequest(0), good[:-3] + b"\0", again=True)
+    script.then(StatusRequest(0), IDLE, again=True)
+    assert connect(script).status().ramp == StoredRamp(1, crc16(BYTES))
 
 
-def test_a_stale_reply_is_no_answer(connect: Callable, script: Script) -> None:
-    other = StatusReply(0, 99, 99, 0, 0, 0, 0, 0)
-    stale = replied(StatusRequest(), other, 0) + replied(StatusRequest(), other, 1, session=SESSION + 1)
-    script.then(StatusRequest(), stale + replied(StatusRequest(), IDLE, 1), 1)
-    assert connect().status().position_steps == 0
+def test_a_stale_reply_is_no_answer(connect: Connect) -> None:
+    script = stored()
+    tag = script.tag + 1
+    other = StatusReply(0, 0, 99, 99, 0, 0, 0, 0, 0, 0)
+    stale = replied(StatusRequest(0), other, tag - 1) + replied(StatusRequest(0), other, tag, session=SESSION + 1)
+    script.then(StatusRequest(0), stale + replied(StatusRequest(0), IDLE, tag))
+    assert connect(script).status().axes[0].position_steps == 0
 
 
-def test_no_answer_after_three_repeats(connect: Callable, script: Script) -> None:
-    for _ in range(4):
-        script.then(StatusRequest(), b"", 1)
+def test_no_answer_after_three_repeats(connect: Connect) -> None:
+    script = stored().then(StatusRequest(0), b"")
+    for _ in range(3):
+        script.then(StatusRequest(0), b"", again=True)
     with pytest.raises(DeviceLost, match="does not answer"):
-        connect().status()
+        connect(script).status()
 
 
-def test_a_controller_that_was_restarted_is_lost(connect: Callable, script: Script) -> None:
-    script.then(StatusRequest(), Refusal(ReplyStatus.STALE_SESSION), 1)
+def test_a_controller_that_was_restarted_is_lost(connect: Connect) -> None:
+    script = stored().then(StatusRequest(0), Refusal(ReplyStatus.STALE_SESSION))
     with pytest.raises(DeviceLost, match="was restarted"):
-        connect().status()
+        connect(script).status()
 
 
-@pytest.mark.parametrize("body", [b"", b"\x63\0\0", b"\0", b"\4\0", b"\0\x09" + bytes(23)])
-def test_answers_without_sense(connect: Callable, script: Script, body: bytes) -> None:
-    script.then(StatusRequest(), encode_frame(Message(0x82, SESSION, 1, body).pack()), 1)
+@pytest.mark.parametrize("body", [b"", b"\x63\0\0", b"\0", b"\4\0", b"\0\x09" + bytes(26), b"\0\0\x03" + bytes(25)])
+def test_answers_without_sense(connect: Connect, body: bytes) -> None:
+    script = stored()
+    script.then(StatusRequest(0), encode_frame(Message(0x82, SESSION, script.tag + 1, body).pack()))
     with pytest.raises(DeviceLost, match="without sense"):
-        connect().status()
+        connect(script).status()
 
 
-def test_tags_begin_again_after_255(connect: Callable, script: Script) -> None:
-    for number in range(1, 300):
-        script.then(StopRequest(), DoneReply(), number % 256)
-    controller = connect()
-    for _ in range(1, 300):
+def test_tags_begin_again_after_255(connect: Connect) -> None:
+    script = Script()
+    for _ in range(300):
+        script.then(StopRequest(), DoneReply())
+    controller = connect(script)
+    for _ in range(300):
         controller.stop()
+
+
+# ---- moves ----
 
 
 @pytest.mark.parametrize(
@@ -228,96 +407,304 @@ def test_tags_begin_again_after_255(connect: Callable, script: Script) -> None:
         (ReplyStatus.UNKNOWN_KIND, "unknown_kind"),
     ],
 )
-def test_refusals_in_words(connect: Callable, script: Script, status: ReplyStatus, words: str) -> None:
-    script.then(MoveToRequest(5), Refusal(status, 1), 1)
+def test_refusals_in_words(connect: Connect, status: ReplyStatus, words: str) -> None:
+    script = stored().then(StatusRequest(0), IDLE).then(MoveToRequest(1, (5,)), Refusal(status, 1))
     with pytest.raises(Refused, match=words):
-        connect().move_to(5)
+        connect(script).move_to([Asked(0, 5, "to_steps")])
 
 
-def test_targets_that_are_too_far(connect: Callable, script: Script) -> None:
-    script.then(MoveByRequest(2**31 - 1), Refusal(ReplyStatus.OUT_OF_RANGE), 1)
-    controller = connect()
+def four() -> Script:
+    """Return the script of a controller with four axes, and that of its status."""
+    script = stored(four_axes().encode())
+    for axis in range(4):
+        script.then(StatusRequest(axis), IDLE)
+    return script
+
+
+def test_several_axes_in_one_request(connect: Connect) -> None:
+    script = four().then(MoveByRequest(0b1001, (7, -3)), TargetsReply((7, -3)))
+    script.then(MoveToRequest(0b0110, (-5, 6)), TargetsReply((-5, 6)))
+    script.then(RunRequest(0b0011, (2000, -4000)), DoneReply())
+    script.then(LineRequest(0b0101, 0, (30, -10)), TargetsReply((30, -10)))
+    script.then(LineRequest(0b0011, 1, (30, -10)), TargetsReply((30, -10)))
+    script.then(SetPositionRequest(0b1000, (-9,)), DoneReply()).then(ZeroRequest(0b0010, 300), DoneReply())
+    script.then(StopRequest(b"\x06"), DoneReply()).then(HaltRequest(), DoneReply())
+    controller = connect(script)
+    controller.move_by([Asked(3, -3, "axes.0.by_steps"), Asked(0, 7, "axes.1.by_steps")])
+    controller.move_to([Asked(1, -5, "axes.0.to_steps"), Asked(2, 6, "axes.1.to_steps")])
+    controller.run([Asked(0, 1000.0, "a"), Asked(1, -500.0, "b")])
+    controller.line([Asked(0, 30, "axes.0.by_steps"), Asked(2, -10, "axes.1.by_steps")])
+    controller.line(by_steps(30, -10), ramp_axis=1)
+    controller.set_position([Asked(3, -9, "axes.0.position_steps")])
+    controller.zero([1], 300)
+    controller.stop([1, 2])
+    controller.halt()
+
+
+def test_a_line_plays_the_ramp_of_the_slowest_axis(connect: Connect) -> None:
+    # Axes 0 and 2 have a slew interval of 1,000 ticks, 1 and 3 of 900.
+    script = stored(four_axes().encode()).then(LineRequest(0b0110, 2, (30, -10)), TargetsReply((30, -10)))
+    connect(script).line([Asked(1, 30, "axes.0.by_steps"), Asked(2, -10, "axes.1.by_steps")])
+
+
+def test_without_a_ramp_nothing_is_asked(connect: Connect) -> None:
+    controller = connect(Script())
     for move in (
-        lambda: controller.move_by(2**31 - 1),
-        lambda: controller.move_by(2**31),
-        lambda: controller.move_by(0),
-        lambda: controller.move_to(-(2**31) - 1),
+        lambda: controller.move_by(by_steps(1)),
+        lambda: controller.run([Asked(0, 5.0, "speed_steps_per_s")]),
+        lambda: controller.zero([0], 5),
     ):
-        with pytest.raises(Rejected, match="target from -2,147,483,648"):
+        with pytest.raises(Refused, match="no ramp yet"):
             move()
 
 
-def delivered(script: Script, staged: bytes = IMAGE) -> Script:
-    """Script the way of IMAGE into the controller's RAM and back."""
-    script.then(BeginRequest(60, crc16(IMAGE)), DoneReply(), 1)
-    script.then(DataRequest(0, IMAGE[:48]), DataReply(48), 2).then(DataRequest(48, IMAGE[48:]), DataReply(60), 3)
-    script.then(EndRequest(), EndReply(1, 1), 4)
-    script.then(ReadRequest(1, 0, 48), ReadReply(60, staged[:48]), 5)
-    return script.then(ReadRequest(1, 48, 48), ReadReply(60, staged[48:]), 6)
+@pytest.mark.parametrize(
+    ("asked", "field"),
+    [
+        ([Asked(1, 5, "axes.0.by_steps")], "axes.0.axis"),
+        ([Asked(0, 5, "axes.0.by_steps"), Asked(0, 5, "axes.1.by_steps")], "axes.1.axis"),
+        ([Asked(0, 2**31, "by_steps")], "by_steps"),
+    ],
+)
+def test_what_is_rejected_before_it_is_sent(connect: Connect, asked: list[Asked], field: str) -> None:
+    with pytest.raises(Rejected) as caught:
+        connect(stored()).move_by(asked)
+    assert [each.field for each in caught.value.rejections] == [field]
 
 
-def test_storing_an_image(connect: Callable, script: Script) -> None:
-    writing = StatusReply(MotorState.WRITING, 0, 0, 0, 0, 1, 1, 0)
-    delivered(script).then(CommitRequest(), DoneReply(), 7).then(StatusRequest(), writing, 8)
-    script.then(StatusRequest(), StatusReply(0, 0, 0, 0, 0, 9, 1, 0), 9)
-    script.then(ReadRequest(0, 0, 48), ReadReply(60, IMAGE[:48]), 10)
-    script.then(ReadRequest(0, 48, 48), ReadReply(60, IMAGE[48:]), 11)
-    assert connect().store(IMAGE) == (IMAGE, 9)
+def test_the_axis_whose_target_is_too_far_is_named(connect: Connect) -> None:
+    script = four().then(MoveByRequest(0b0011, (1, 2**31 - 1)), Refusal(ReplyStatus.OUT_OF_RANGE, 1))
+    with pytest.raises(Rejected, match="target from -2,147,483,648") as caught:
+        connect(script).move_by(by_steps(1, 2**31 - 1))
+    assert caught.value.rejections[0].field == "axes.1.by_steps"
 
 
-def test_what_the_ram_holds_is_compared_before_it_is_stored(connect: Callable, script: Script) -> None:
-    delivered(script, staged=bytes(60))
+@pytest.mark.parametrize("speed", [2010.0, -2100.0, 0.005])
+def test_speeds_that_the_ramp_does_not_lead_to(connect: Connect, speed: float) -> None:
+    with pytest.raises(Rejected, match=r"from -2,000 to 2,000 steps/s, the slew speed") as caught:
+        connect(stored()).run([Asked(0, speed, "speed_steps_per_s")])
+    assert caught.value.rejections[0].field == "speed_steps_per_s"
+
+
+def fast_image() -> bytes:
+    return plan_push([design(timer__frequency_hz=16_000_000, ramp__slew_speed_steps_per_s=35_000,
+                             ramp__acceleration_steps_per_s2=1e9)] * 4, HELLO, Settings()).image.encode()  # fmt: skip
+
+
+def test_axes_that_are_too_fast_together_are_not_asked_to_move(connect: Connect) -> None:
+    # Four axes take at least 533 fast ticks each, 30,018 steps/s: 35,000 are 16,000,000 / 457 of them.
+    script = stored(fast_image())
+    for _ in range(2):
+        for axis in range(4):
+            script.then(StatusRequest(axis), IDLE)
+    with pytest.raises(Rejected, match=r"axes 0, 1, 2, 3 moving; this takes 117 %") as caught:
+        connect(script).move_by(by_steps(1, 1, 1, 1))
+    assert (caught.value.rejections[0].field, caught.value.rejections[0].value) == ("axes", "0, 1, 2, 3")
+
+
+def test_those_that_move_already_count(connect: Connect) -> None:
+    moving = StatusReply(1, 1, 0, 9, 457, 5, 1, 7, 0, 0)
+    script = stored(fast_image())
+    for _ in range(2):
+        for axis in range(4):
+            script.then(StatusRequest(axis), moving if axis else IDLE)
+    with pytest.raises(Rejected, match="this takes 117 %") as caught:
+        connect(script).move_by([Asked(0, 5, "by_steps")])
+    assert caught.value.rejections[0].field == "by_steps"
+
+
+def test_what_only_the_controller_finds_too_fast(connect: Connect) -> None:
+    script = four().then(MoveByRequest(1, (5,)), Refusal(ReplyStatus.TOO_FAST, 130))
+    with pytest.raises(Rejected, match="130 %"):
+        connect(script).move_by([Asked(0, 5, "by_steps")])
+
+
+def test_a_line_that_is_too_fast(connect: Connect) -> None:
+    image = plan_push([design(timer__frequency_hz=16_000_000, ramp__slew_speed_steps_per_s=100_000,
+                              ramp__acceleration_steps_per_s2=1e9)] * 4, HELLO, Settings()).image.encode()  # fmt: skip
+    with pytest.raises(Rejected, match="at most 90,395 steps/s, for a line of 4 axes") as caught:
+        connect(stored(image)).line(by_steps(5, 5, 5, 5))
+    assert caught.value.rejections[0].field == "ramp_axis"
+
+
+# ---- traces ----
+
+
+def test_a_trace_is_collected_with_the_plan_of_the_move(connect: Connect) -> None:
+    script = stored().then(TraceRequest(0, 2), TraceReply(2))
+    script.then(StatusRequest(0), IDLE).then(StatusRequest(0), IDLE)
+    script.then(MoveByRequest(1, (-5,)), TargetsReply((-5,)))
+    controller = connect(script)
+    assert controller.trace is None
+    assert controller.trace_moves(0, 2) == 2
+    controller.move_by([Asked(0, -5, "by_steps")])
+    # The slowest five of 4000, 2828 … up and 4000, 3900 … down: 4000 up, then 3700, 3800, 3900, 4000 down.
+    script.unasked = said(TraceNotice(0, 2, 1, (60_000, (60_000 + 7700) % 65_536))) + said(
+        TraceNotice(0x80, 2, 5, ((60_000 + 15_400 + 4) % 65_536,)), 1
+    )
+    controller.listen()
+    trace = controller.trace
+    assert trace is not None
+    assert (trace.complete, trace.step.tolist()) == (True, [1, 3, 5])
+    assert trace.planned_ticks.tolist() == [0, 7700, 15_400]
+    assert trace.deviation_us.tolist() == [0.0, 0.0, 2.0]
+
+
+def test_a_stop_ends_the_trace(connect: Connect) -> None:
+    script = stored().then(TraceRequest(0, 0), TraceReply(1))
+    script.then(StatusRequest(0), IDLE).then(StatusRequest(0), IDLE)
+    script.then(RunRequest(1, (2000,)), DoneReply()).then(StopRequest(), DoneReply())
+    controller = connect(script)
+    controller.trace_moves(0, 0)
+    controller.run([Asked(0, 1000.0, "speed_steps_per_s")])
+    script.unasked = said(TraceNotice(0, 1, 1, (1, 4001)))
+    controller.listen()
+    controller.stop()
+    script.unasked = said(TraceNotice(0x80, 1, 3, (9, 9)))
+    controller.listen()
+    trace = controller.trace
+    assert trace is not None
+    assert (trace.changed, trace.complete, trace.step.tolist()) == (True, True, [1, 2])
+
+
+def test_no_trace_of_an_axis_that_is_not_there(connect: Connect) -> None:
+    with pytest.raises(Rejected) as caught:
+        connect(stored()).trace_moves(2, 0)
+    assert caught.value.rejections[0].field == "traced_axis"
+
+
+# ---- ramps and settings ----
+
+
+def test_storing_an_image(connect: Connect) -> None:
+    writing = StatusReply(3, 0, 0, 0, 0, 0, 1, 1, 0, 0)
+    script = Script().delivers(BYTES).then(CommitRequest(), DoneReply()).then(StatusRequest(0), writing)
+    script.then(StatusRequest(0), StatusReply(0, 0, 0, 0, 0, 0, 9, 1, 0, 0)).reads(0, BYTES)
+    assert connect(script).store(BYTES) == (BYTES, 9)
+
+
+def test_trying_an_image(connect: Connect) -> None:
+    script = stored().delivers(BYTES).then(TryRequest(), DoneReply()).then(StatusRequest(0), IDLE).reads(1, BYTES)
+    assert connect(script).try_out(BYTES) == (BYTES, 1)
+
+
+def test_what_the_ram_holds_is_compared_before_it_is_used(connect: Connect) -> None:
+    controller = connect(Script().delivers(BYTES, staged=bytes(len(BYTES))))
     with pytest.raises(Refused, match="another ramp than the one sent"):
-        connect().store(IMAGE)
+        controller.store(BYTES)
 
 
-def test_a_memory_that_fails(connect: Callable, script: Script) -> None:
-    delivered(script).then(CommitRequest(), DoneReply(), 7)
-    script.then(StatusRequest(), StatusReply(0, 0, 0, 0, 0, 1, 1, 1), 8)
+def test_a_memory_that_fails(connect: Connect) -> None:
+    script = Script().delivers(BYTES).then(CommitRequest(), DoneReply())
+    script.then(StatusRequest(0), StatusReply(0, 0, 0, 0, 0, 0, 1, 1, 1, 0))
     with pytest.raises(Refused, match="could not store"):
-        connect().store(IMAGE)
+        connect(script).store(BYTES)
 
 
-def test_a_memory_that_never_gets_done(connect: Callable, script: Script, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(stepramp_controller, "WRITE_TIMEOUT_S", 0.0)
-    delivered(script).then(CommitRequest(), DoneReply(), 7)
-    script.then(StatusRequest(), StatusReply(MotorState.WRITING, 0, 0, 0, 0, 1, 1, 0), 8)
+def test_a_memory_that_never_gets_done(connect: Connect, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(transfer, "WRITE_TIMEOUT_S", 0.0)
+    script = Script().delivers(BYTES).then(CommitRequest(), DoneReply())
+    script.then(StatusRequest(0), StatusReply(3, 0, 0, 0, 0, 0, 1, 1, 0, 0))
     with pytest.raises(Refused, match="without an end"):
-        connect().store(IMAGE)
+        connect(script).store(BYTES)
 
 
 @pytest.mark.parametrize(
     ("refusal", "words"),
     [
         (Refusal(ReplyStatus.BAD_CRC, 0x1234), "arrived damaged"),
-        (Refusal(ReplyStatus.BAD_RAMP, 17), "refuses segment 17"),
+        (Refusal(ReplyStatus.BAD_RAMP, 0x0211), "refuses segment 17 of ramp 2"),
+        (Refusal(ReplyStatus.BAD_RAMP, 0x02FF), "refuses the header of ramp 2"),
+        (Refusal(ReplyStatus.BAD_RAMP, 0xFFFF), "refuses the ramps' header"),
         (Refusal(ReplyStatus.OUT_OF_ORDER, 48), r"out_of_order \(48\)"),
     ],
 )
-def test_an_image_that_is_refused(connect: Callable, script: Script, refusal: Refusal, words: str) -> None:
-    script.then(BeginRequest(1, crc16(b"x")), DoneReply(), 1).then(DataRequest(0, b"x"), DataReply(1), 2)
-    script.then(EndRequest(), refusal, 3)
+def test_an_image_that_is_refused(connect: Connect, refusal: Refusal, words: str) -> None:
+    script = Script().then(BeginRequest(1, crc16(b"x")), DoneReply()).then(DataRequest(0, b"x"), DataReply(1))
+    script.then(EndRequest(), refusal)
     with pytest.raises(Refused, match=words):
-        connect().store(b"x")
+        connect(script).store(b"x")
 
 
-def test_a_push_is_refused_while_moving(connect: Callable, script: Script) -> None:
-    controller = connect()
-    push = controller.prepare_push(design())
-    image = stepramp_controller.plan_push(design(), HELLO).image.encode()
-    script.then(BeginRequest(len(image), crc16(image)), Refusal(ReplyStatus.MOVING), 1)
+def test_a_push_is_refused_while_moving(connect: Connect) -> None:
+    image = plan_push([design()], HELLO, Settings()).image.encode()
+    controller = connect(Script().then(BeginRequest(len(image), crc16(image)), Refusal(ReplyStatus.MOVING)))
     with pytest.raises(Refused, match="moves"):
-        push()
+        controller.prepare_push([design()])()
 
 
-def test_it_gives_way_before_each_request_and_while_the_memory_is_written(plug_in: Callable, script: Script) -> None:
+def test_a_push_to_one_axis_does_not_undo_another(connect: Connect) -> None:
+    plan = plan_push([design()], HELLO, Settings(), 0)
+    image = plan.image.encode()
+    script = Script().delivers(image).then(TryRequest(), DoneReply()).then(StatusRequest(0), NO_RAMP).reads(1, image)
+    controller = connect(script)
+    first, second = (controller.prepare_push([design()], 0, "try") for _ in range(2))
+    assert not first().kept
+    with pytest.raises(Refused, match="changed in the meantime"):
+        second()
+
+
+def test_keeping(connect: Connect) -> None:
+    script = stored().then(CommitRequest(), DoneReply()).then(StatusRequest(0), IDLE).reads(0, BYTES)
+    connect(script).keep()
+    with pytest.raises(Refused, match="push a design first"):
+        connect(Script()).keep()
+
+
+def test_rolling_back(connect: Connect) -> None:
+    on_trial = StatusReply(0, 0, 0, 0, 0, 0, 1, 7, 2, 0)
+    script = stored().then(StatusRequest(0), on_trial).then(RollBackRequest(), DoneReply())
+    script.then(StatusRequest(0), IDLE).then(ReadSettingsRequest(), SettingsReply(Settings().pack())).reads(0, BYTES)
+    controller = connect(script.then(StatusRequest(0), IDLE))
+    controller.roll_back()
+    with pytest.raises(Refused, match="Nothing is on trial"):
+        controller.roll_back()
+
+
+def test_restoring(connect: Connect) -> None:
+    previous, restored = four_axes().encode(), StatusReply(0, 0, 0, 0, 0, 0, 2, 7, 0, 0)
+    settings = SettingsReply(Settings(pulse_width_us=4).pack())
+    script = stored().then(StatusRequest(0), IDLE).reads(2, previous).then(RollBackRequest(), DoneReply())
+    script.then(StatusRequest(0), restored).then(ReadSettingsRequest(), settings).reads(0, previous)
+    connect(script.then(StatusRequest(0), restored)).restore()
+
+
+def test_restoring_what_is_not_there_or_while_something_is_on_trial(connect: Connect) -> None:
+    script = stored().then(StatusRequest(0), IDLE).reads(2, b"")
+    with pytest.raises(Refused, match="no ramps that were stored before"):
+        connect(script).restore()
+    on_trial = StatusReply(0, 0, 0, 0, 0, 0, 1, 7, 2, 0)
+    with pytest.raises(Refused, match="roll them back first"):
+        connect(stored().then(StatusRequest(0), on_trial)).restore()
+
+
+def test_restoring_when_an_image_was_delivered_and_not_used(connect: Connect) -> None:
+    """The first roll back then only drops that one."""
+    settings, restored = SettingsReply(Settings().pack()), StatusReply(0, 0, 0, 0, 0, 0, 2, 7, 0, 0)
+    script = stored().then(StatusRequest(0), IDLE).reads(2, BYTES).then(RollBackRequest(), DoneReply())
+    script.then(StatusRequest(0), IDLE).then(ReadSettingsRequest(), settings).reads(0, BYTES)
+    script.then(StatusRequest(0), IDLE).then(RollBackRequest(), DoneReply())
+    script.then(StatusRequest(0), restored).then(ReadSettingsRequest(), settings).reads(0, BYTES)
+    connect(script).restore()
+
+
+def test_settings(connect: Connect) -> None:
+    other = Settings(pulse_width_us=9)
+    script = Script(settings=other).then(ReadSettingsRequest(), SettingsReply(other.pack()))
+    controller = connect(script.then(WriteSettingsRequest(Settings().pack()), DoneReply()))
+    assert controller.settings() == other
+    controller.use_settings(Settings())
+
+
+def test_it_gives_way_before_each_request_and_while_the_memory_is_written(plug_in: Callable) -> None:
     gaps: list[float] = []
-    delivered(script).then(CommitRequest(), DoneReply(), 7)
-    script.then(StatusRequest(), StatusReply(MotorState.WRITING, 0, 0, 0, 0, 1, 1, 0), 8)
-    script.then(StatusRequest(), IDLE, 9).then(ReadRequest(0, 0, 48), ReadReply(0, b""), 10)
+    script = Script().delivers(BYTES).then(CommitRequest(), DoneReply())
+    script.then(StatusRequest(0), StatusReply(3, 0, 0, 0, 0, 0, 1, 1, 0, 0))
+    script.then(StatusRequest(0), IDLE).then(ReadRequest(0, 0, 48), ReadReply(0, b""))
     port = SerialPort(plug_in(script))
     controller = StepRampController(port, gaps.append)
     controller.connect()
-    assert controller.store(IMAGE) == (b"", 1)
-    assert gaps == [0.0] * 8 + [stepramp_controller.WRITE_POLL_S] + [0.0] * 2
+    assert controller.store(BYTES) == (b"", 1)
+    requests = 2 + 3 + 2 * -(-len(BYTES) // 48)
+    assert gaps == [0.0] * (requests + 1) + [transfer.WRITE_POLL_S] + [0.0] * 2
     port.close()

@@ -1,76 +1,251 @@
+"""The virtual motors against the rule of docs/serial_protocol.md, played a step at a time by a program of its own."""
+
+from __future__ import annotations
+
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from stepramp.controllers.virtual_motion import Motion, VirtualMotor
+from designs import design
+from stepramp.controllers.course import pulse_instants
+from stepramp.controllers.formula_ways import FormulaWays
+from stepramp.controllers.list_ways import ListWays
+from stepramp.controllers.messages import AxisState
+from stepramp.controllers.virtual_motion import InstantsOf, VirtualMotor
 from stepramp.ramp.move import Ramp, play
+from stepramp.ramp.on_chip import on_chip_ramp
 
-HZ = 1000
-SIDES = st.lists(st.integers(5, 40), max_size=12).map(lambda side: np.array(sorted(side, reverse=True), np.int64))
-RAMPS = st.builds(Ramp, SIDES, st.integers(2, 5), SIDES)
-
-
-def motion_by_step(intervals: list[int], ticks: int) -> tuple[int, int]:
-    """Return pulses made and the present interval, found a step at a time."""
-    passed = 0
-    for index, interval in enumerate(intervals):
-        passed += interval
-        if ticks < passed:
-            return index + 1, interval
-    return len(intervals), 0
+SETUP_TICKS = 7
+FAR = 2**31 - 1
 
 
-@given(RAMPS, st.integers(1, 60), st.integers(0, 1500))
-def test_a_motion_is_where_its_intervals_say(ramp: Ramp, steps: int, ticks: int) -> None:
-    motion = Motion.of(ramp, steps)
-    intervals = [int(interval) for interval in play(ramp, steps)]
-    assert motion.steps == steps
-    assert motion.duration_ticks == sum(intervals)
-    assert (motion.pulses(ticks), motion.interval(ticks)) == motion_by_step(intervals, ticks)
+def falling(longest: int) -> st.SearchStrategy:
+    side = st.lists(st.integers(6, longest), max_size=12, unique=True)
+    return side.map(lambda intervals: np.array(sorted(intervals, reverse=True), np.int64))
 
 
-def stopped_intervals(ramp: Ramp, steps: int, ticks: int) -> list[int]:
-    """Return the intervals of a move that is stopped, by the words of the protocol's text."""
-    intervals = [int(interval) for interval in play(ramp, steps)]
-    whole = Motion.of(ramp, steps)
-    pulses, present = motion_by_step(intervals, ticks)
-    if pulses > whole.head.size + whole.slew_steps or not present:
-        return intervals
-    down = [int(interval) for interval in ramp.down]
-    if pulses <= whole.head.size:
-        down = down[: next((index for index, interval in enumerate(down) if interval <= present), len(down))]
-    return [*intervals[:pulses], *reversed(down)]
+RAMPS = st.builds(Ramp, falling(40), st.integers(2, 5), falling(40))
 
 
-@given(RAMPS, st.integers(1, 60), st.integers(0, 1500))
-def test_a_stop_follows_the_way_down_and_never_passes_the_target(ramp: Ramp, steps: int, ticks: int) -> None:
-    stopped = Motion.of(ramp, steps).stopped(ticks, ramp)
-    slewed = [stopped.slew_interval] * stopped.slew_steps
-    assert [*stopped.head, *slewed, *stopped.tail] == stopped_intervals(ramp, steps, ticks)
-    assert stopped.steps <= steps
+class SteppedMotor:
+    """The rule, an interval at a time; lists fall strictly. Instants are told as (instant, position)."""
+
+    def __init__(self, ramp: Ramp) -> None:
+        self.up, self.down = [int(each) for each in ramp.up], [int(each) for each in ramp.down]
+        self.slew = int(ramp.slew)
+        self.position = self.due = 0
+        self.interval = self.direction = 0
+        self.target, self.level, self.stops = 0, self.slew, False
+        self.falls = False
+        """The present interval is one of the way down."""
+
+    def longer(self, interval: int) -> int:
+        return sum(each > interval for each in self.down)
+
+    def next_interval(self, left: int) -> int:
+        """Return the interval that follows the present one, with so many steps left; 0: at rest."""
+        needed = self.longer(self.interval) if self.interval else 0
+        falls, self.falls = self.falls, True
+        if self.stops or left < needed or not left:
+            return self.down[needed - 1] if needed else 0
+        if falls and left == needed:
+            return self.down[left - 1]
+        if self.interval and self.interval < self.level and needed and self.down[needed - 1] <= self.level:
+            return self.down[needed - 1]
+        self.falls = False
+        present = self.level if 0 < self.interval < self.level else self.interval
+        for each in self.up:
+            if (not present or each < present or (falls and each == present)) and each >= self.level:
+                self.falls = left < 1 + self.longer(each)
+                return self.down[left - 1] if self.falls else each
+        steps_down = len(self.down) if self.level == self.slew else self.longer(self.level)
+        self.falls = left <= steps_down
+        return self.down[left - 1] if self.falls else self.level
+
+    def play(self, until: int) -> list[tuple[int, int]]:
+        """Return the pulses up to an instant."""
+        pulses = []
+        while self.due <= until:
+            if not self.interval:
+                if self.stops or self.target == self.position:
+                    return pulses
+                self.direction = 1 if self.target > self.position else -1
+                self.falls = False
+            left = max(0, (self.target - self.position) * self.direction)
+            self.interval = self.next_interval(left)
+            if self.interval:
+                self.position += self.direction
+                pulses.append((self.due, self.position))
+                self.due += self.interval
+            elif self.stops:
+                self.target, self.stops = self.position, False
+            elif self.target != self.position:
+                self.due += SETUP_TICKS
+        return pulses
+
+
+class Pulses:
+    """Notes the pulses of a motor."""
+
+    def __init__(self) -> None:
+        self.instants: list[int] = []
+        self.told: list[str] = []
+
+    def set_out(self) -> None:
+        self.told.append("out")
+
+    def pulses(self, first: int, count: int, instants_of: InstantsOf) -> None:
+        self.instants += instants_of(np.arange(first, first + count)).tolist()
+
+    def at_rest(self) -> None:
+        self.told.append("rest")
+
+
+@given(RAMPS, st.integers(1, 60))
+def test_a_course_from_rest_is_the_move_of_the_ramp(ramp: Ramp, steps: int) -> None:
+    ways = ListWays(ramp)
+    course = ways.course(ways.rest, steps)
+    intervals = [int(each) for each in play(ramp, steps)]
+    played = [each for stretch in course for each in np.resize(stretch.intervals, stretch.count).tolist()]
+    assert played == intervals
+    instants = pulse_instants(course, np.arange(1, steps + 3))
+    assert instants.tolist() == [*np.cumsum([0, *intervals]).tolist(), sum(intervals)]
+
+
+@given(st.lists(st.integers(5, 9), max_size=20), st.lists(st.integers(5, 9), max_size=20), st.integers(1, 50))
+def test_it_is_so_with_intervals_in_any_order(up: list[int], down: list[int], steps: int) -> None:
+    ramp = Ramp(np.array(up, np.int64), 6, np.array(down, np.int64))
+    ways = ListWays(ramp)
+    course = ways.course(ways.rest, steps)
+    played = [each for stretch in course for each in np.resize(stretch.intervals, stretch.count).tolist()]
+    assert played == [int(each) for each in play(ramp, steps)]
+
+
+ORDERS = st.one_of(
+    st.tuples(st.just("to"), st.integers(-80, 80)),
+    st.tuples(st.just("run"), st.sampled_from([-45, -20, -9, -5, 5, 9, 20, 45])),
+    st.tuples(st.just("stop"), st.just(0)),
+)
+
+
+@given(RAMPS, st.lists(st.tuples(st.integers(0, 300), ORDERS), min_size=1, max_size=6))
+@settings(max_examples=400)
+def test_orders_in_flight(ramp: Ramp, orders: list[tuple[int, tuple[str, int]]]) -> None:
+    pulses, stepped = Pulses(), SteppedMotor(ramp)
+    motor = VirtualMotor(ListWays(ramp), SETUP_TICKS, watch=pulses)
+    expected: list[tuple[int, int]] = []
+    now = 0
+    for wait, (what, value) in orders:
+        now += wait
+        motor.settle(now)
+        expected += stepped.play(now)
+        if not motor.moving:
+            stepped.due = now
+        if what == "stop":
+            motor.stop()
+            stepped.stops = stepped.stops or bool(stepped.interval)
+            if not stepped.interval:
+                stepped.target = stepped.position
+        elif what == "to":
+            motor.move_to(value, now)
+            stepped.target, stepped.level, stepped.stops = value, stepped.slew, False
+        else:
+            motor.run(abs(value), 1 if value > 0 else -1, now)
+            stepped.target, stepped.level, stepped.stops = FAR if value > 0 else -FAR - 1, abs(value), False
+        motor.settle(now)
+        expected += stepped.play(now)
+    motor.stop()
+    stepped.stops = bool(stepped.interval)
+    if not stepped.interval:
+        stepped.target = stepped.position
+    motor.settle(now + 10_000)
+    expected += stepped.play(now + 10_000)
+    assert pulses.instants == [instant for instant, _ in expected]
+    assert motor.position == stepped.position == motor.target
+    assert motor.state is AxisState.IDLE
+    assert pulses.told[:2] in ([], ["out", "rest"])
+
+
+@given(RAMPS, st.integers(-60, 60), st.lists(st.integers(0, 100), max_size=20))
+def test_a_motor_is_where_its_pulses_have_brought_it(ramp: Ramp, steps: int, waits: list[int]) -> None:
+    motor, stepped = VirtualMotor(ListWays(ramp), SETUP_TICKS), SteppedMotor(ramp)
+    motor.move_to(steps, 0)
+    stepped.target = steps
+    for now in np.cumsum([0, *waits]).tolist():
+        motor.settle(now)
+        stepped.play(now)
+        assert (motor.position, motor.interval) == (stepped.position, stepped.interval)
+        assert motor.steps_made == abs(motor.position)
+        assert motor.target == steps
 
 
 def test_a_move_of_two_thousand_million_steps_takes_no_memory() -> None:
-    ramp = Ramp(np.array([9, 5]), 2, np.array([9, 5]))
-    motion = Motion.of(ramp, 2**31)
-    assert motion.slew_steps == 2**31 - 4
-    assert motion.pulses(14 + 2 * 10**9) == 2 + 10**9 + 1
+    motor = VirtualMotor(ListWays(Ramp(np.array([9, 5]), 2, np.array([9, 5]))), SETUP_TICKS)
+    motor.move_to(2**31 - 1, 0)
+    motor.settle(14 + 2 * 10**9)
+    assert motor.position == 2 + 10**9 + 1
 
 
 @pytest.mark.parametrize("direction", [1, -1])
-def test_a_motor_counts_each_pulse(direction: int) -> None:
-    now = [0.0]
-    motor = VirtualMotor(lambda: now[0], HZ)
-    ramp = Ramp(np.array([10]), 5, np.array([10]))
-    motor.move(ramp, 4 * direction)
-    assert (motor.position, motor.target, motor.interval_ticks) == (direction, 4 * direction, 10)
-    now[0] = 0.0101
-    motor.settle()
-    assert (motor.position, motor.interval_ticks) == (2 * direction, 5)
+def test_a_halted_motor_counts_each_pulse(direction: int) -> None:
+    motor = VirtualMotor(ListWays(Ramp(np.array([10]), 5, np.array([10]))), SETUP_TICKS, position=100)
+    motor.move_to(100 + 4 * direction, 0)
+    motor.settle(10)
+    assert (motor.position, motor.target, motor.interval) == (100 + 2 * direction, 100 + 4 * direction, 5)
     motor.halt()
-    assert (motor.position, motor.target, motor.moving) == (2 * direction, 2 * direction, False)
-    motor.move(ramp, -2 * direction)
-    now[0] = 10.0
-    motor.settle()
-    assert (motor.position, motor.moving, motor.steps_made) == (0, False, 2)
+    assert (motor.position, motor.target, motor.moving) == (100 + 2 * direction, 100 + 2 * direction, False)
+    motor.move_to(100, 50)
+    motor.settle(1000)
+    assert (motor.position, motor.moving, motor.steps_made) == (100, False, 2)
+
+
+def test_a_run_tells_its_position_as_target_and_a_stop_where_it_ends() -> None:
+    motor = VirtualMotor(ListWays(Ramp(np.array([10, 8]), 5, np.array([10, 8]))), SETUP_TICKS)
+    motor.run(5, 1, 0)
+    motor.settle(100)
+    assert motor.target == motor.position
+    assert motor.resting_place == motor.position + 2
+    motor.stop()
+    assert (motor.state, motor.target) == (AxisState.STOPPING, motor.position + 2)
+
+
+@pytest.mark.parametrize("method", ["first_order", "compromise", "newton"])
+@pytest.mark.parametrize("deceleration", [None, 2500, 9000])
+class TestByFormula:
+    def ways(self, method: str, deceleration: float | None) -> FormulaWays:
+        wanted = design(method__name=method, method__arithmetic="fixed", ramp__deceleration_steps_per_s2=deceleration)
+        self.ramp = on_chip_ramp(wanted)
+        return FormulaWays(self.ramp)
+
+    def test_a_course_from_rest_is_the_move_of_the_ramp(self, method: str, deceleration: float | None) -> None:
+        ways = self.ways(method, deceleration)
+        for steps in (1, 2, 3, 10, 101, 300, 301, 1000):
+            course = ways.course(ways.rest, steps)
+            played = [each for stretch in course for each in np.resize(stretch.intervals, stretch.count).tolist()]
+            assert played == self.ramp.move(steps).tolist()
+
+    @pytest.mark.parametrize("at_ticks", [1, 30_000, 200_000, 400_000, 700_000])
+    @pytest.mark.parametrize("target", [-30, 0, 40, 180, 900])
+    def test_targets_in_flight_are_reached(
+        self, method: str, deceleration: float | None, at_ticks: int, target: int
+    ) -> None:
+        ways = self.ways(method, deceleration)
+        pulses = Pulses()
+        motor = VirtualMotor(ways, SETUP_TICKS, watch=pulses)
+        motor.move_to(400, 0)
+        motor.settle(at_ticks)
+        motor.move_to(target, at_ticks)
+        motor.settle(10**8)
+        assert (motor.position, motor.moving) == (target, False)
+        assert np.diff(pulses.instants).min() >= ways.slew_interval
+
+    def test_a_run_keeps_to_its_speed(self, method: str, deceleration: float | None) -> None:
+        motor = VirtualMotor(self.ways(method, deceleration), SETUP_TICKS)
+        for interval, until in ((5000, 10**6), (2000, 2 * 10**6), (9000, 3 * 10**6), (3000, 4 * 10**6)):
+            motor.run(interval, 1, until - 10**6)
+            motor.settle(until)
+            assert motor.interval == interval
+        motor.stop()
+        motor.settle(10**7)
+        assert not motor.moving

@@ -47,17 +47,17 @@ class UsbBoard:
 
     def _serve(self) -> None:
         while not self._unplugged.is_set():
-            if not select.select([self._far_end], [], [], 0.01)[0]:
-                continue
-            try:
-                data = os.read(self._far_end, 4096)
-            except OSError:
-                # Nobody has the port open: what Linux says of a pseudo-terminal until somebody does.
-                self._unplugged.wait(0.01)
-                continue
+            data = b""
+            if select.select([self._far_end], [], [], 0.005)[0]:
+                try:
+                    data = os.read(self._far_end, 4096)
+                except OSError:
+                    # Nobody has the port open: what Linux says of a pseudo-terminal until somebody does.
+                    self._unplugged.wait(0.01)
+                    continue
             self._note(data)
-            if not self._unplugged.is_set():
-                os.write(self._far_end, self.controller.exchange(data))
+            if not self._unplugged.is_set() and (said := self.controller.exchange(data)):
+                os.write(self._far_end, said)
         os.close(self._far_end)
 
     def _note(self, data: bytes) -> None:

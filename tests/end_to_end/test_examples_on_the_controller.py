@@ -18,7 +18,7 @@ from stepramp.examples import all_examples
 from tools import require
 
 CYCLES_PER_S = 16_000_000
-STEP_PIN, DIRECTION_PIN = 2, 3
+STEP_PIN, DIRECTION_PIN = 2, 5
 TOLERANCE_S = 2e-6
 
 

@@ -1,143 +1,128 @@
-"""The firmware on a simulated ATmega328P: when its step pin really rises."""
+"""The firmware on a simulated ATmega328P: when the step pin of one axis really rises, from rest to rest."""
 
 from collections.abc import Callable
+from functools import partial
+from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 
-from firmware.protocol import Client, Ramp, expand
-from simulator.avr import DIRECTION_PIN, STEP_PIN, SimulatedController, pulses
+from firmware.checker import CYCLES_PER_US, assert_good, lateness_us
+from firmware.protocol import HALT, SLOW_HZ, Client, Ramp
+from firmware.rig import BusyClient, Make, Plan, at_the_same_time, controller_in, image, move_by, play, until_made
 
-CYCLES_PER_TICK = 8
-TICK_US = 0.5
-LONGEST_INTERRUPT_CYCLES = 310
-"""Of 320 at the shortest interval: it must be over before the next one, and leave the main loop some time."""
-Make = Callable[..., SimulatedController]
-
-LEAD_SCREW = Ramp(
-    [(20_000, 1, 0), (14_142, 2, -2595), (10_000, 300, -20)], 2000, [(20_000, 2, -5858), (11_547, 40, -200)]
-)
-
-
-def fast(segments: int, count: int) -> Ramp:
-    """Return a ramp to the shortest interval, 20 µs, that makes as much work as its segments can."""
-    add = -1 if count > 1 else 0
-    up = [(40 + (segments - i) * count, count, add) for i in range(segments)]
-    return Ramp(up, 40, [(interval + 1, count, add) for interval, count, add in up])
+LATE_US, LATE_AT_SPEED_US = 2.0, 5.0
+"""Below 50,000 steps/s, and above."""
+PLANS = {
+    "lead screw": Plan(10_000, 100_000, 50_000, SLOW_HZ),
+    "fast clock": Plan(10_000, 100_000, 50_000),
+    "49,000": Plan(49_000, 2_000_000, 1_500_000),
+    "130,000": Plan(130_000, 6_000_000, 6_000_000),
+    "150,000": Plan(150_944, 8_000_000, 10_000_000),
+}
+WHOLE = {"lead screw": 2500, "fast clock": 2500, "49,000": 4000, "130,000": 12_000, "150,000": 30_000}
+Record = Callable[..., None]
 
 
-def deviations_us(edges: npt.NDArray[np.void], expected_ticks: list[int]) -> npt.NDArray[np.float64]:
-    """Return each interval between pulses less the expected one [µs]; there must be as many pulses as intervals."""
-    rises = pulses(edges)
-    assert len(rises) == len(expected_ticks)
-    return (np.diff(rises) / CYCLES_PER_TICK - expected_ticks[:-1]) * TICK_US
-
-
-def ticks_of(rises: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
-    """Return the timer ticks at which pulses begin, counted from anywhere.
-
-    Most begin at the earliest place in their tick or just after it. A few have to wait longer until an instruction is
-    over, so that they may seem to be in the next tick: only a place that is common counts as the earliest.
-    """
-    common = np.bincount(rises % CYCLES_PER_TICK, minlength=CYCLES_PER_TICK) > len(rises) / 20
-    earliest = next(place for place in range(CYCLES_PER_TICK) if common[place] and not common[place - 1])
-    return (rises - earliest) // CYCLES_PER_TICK
-
-
-def check_pins(edges: npt.NDArray[np.void]) -> None:
-    """Each pulse is long enough; the direction is set 20 µs before the first pulse and then keeps still."""
-    step = edges[edges["pin"] == STEP_PIN]
-    assert (np.diff(step["cycle"])[::2] >= 3 * 16).all()
-    for change in edges[edges["pin"] == DIRECTION_PIN]:
-        after = step["cycle"][step["cycle"] > change["cycle"]]
-        before = step["cycle"][step["cycle"] < change["cycle"]]
-        assert len(after) == 0 or after[0] - change["cycle"] >= 20 * 16
-        assert len(before) == 0 or change["cycle"] - before[-1] >= 20 * 16
-
-
-@pytest.mark.parametrize(
-    ("ramp", "steps"),
-    [
-        pytest.param(LEAD_SCREW, 2000, id="lead screw"),
-        pytest.param(LEAD_SCREW, 150, id="triangle"),
-        pytest.param(LEAD_SCREW, 345, id="exactly both lists"),
-        pytest.param(LEAD_SCREW, 1, id="one step"),
-        pytest.param(LEAD_SCREW, 2, id="two steps"),
-        pytest.param(fast(20, 4), 20_000, id="20 us slew"),
-        pytest.param(fast(60, 1), 1000, id="segments of one step at 20 us"),
-        pytest.param(Ramp([], 40, []), 5000, id="no lists"),
-        pytest.param(Ramp([(3000, 20, -100)], 1000, []), 100, id="only up"),
-        pytest.param(Ramp([], 1000, [(3000, 20, -100)]), 100, id="only down"),
-        pytest.param(
-            Ramp([(300_000, 5, -30_000), (65_537, 4, -1)], 65_536, [(70_000, 9, -3)]), 25, id="more than 65535 ticks"
-        ),
-        pytest.param(Ramp([(100, 2, -1)], 60, [(100, 2, -1)]), 70_000, id="slew of more than 65535 steps"),
-    ],
-)
-def test_every_interval_is_the_planned_one(
-    simulated_controller: Make, record_property: Callable[..., None], ramp: Ramp, steps: int
+@pytest.mark.parametrize("name", PLANS)
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_move_is_as_planned_and_as_designed(
+    simulated_controller: Make, record_property: Record, name: str, sign: int
 ) -> None:
-    with simulated_controller(real_time=False) as simulated, Client(simulated.port) as client:
-        client.hello()
-        client.push(ramp)
-        client.move_by(steps)
-        status = client.wait_until_idle()
-    assert (status.position, status.target, status.steps_made, status.interval) == (steps, steps, steps, 0)
-    edges = simulated.edges()
-    largest_us = np.abs(deviations_us(edges, ramp.intervals(steps))).max(initial=0.0)
-    cycles = simulated.statistics["longest_interrupt_cycles"]
-    record_property("largest_deviation_us", largest_us)
-    record_property("longest_interrupt_cycles", cycles)
-    assert largest_us <= TICK_US
-    assert cycles < LONGEST_INTERRUPT_CYCLES
-    check_pins(edges)
+    """Up, at slew speed and down, while the serial port is busy: no step is lost, early or late."""
+    plan, steps = PLANS[name], sign * WHOLE[name]
+    played = play(simulated_controller, image([plan]), move_by(steps))
+    late = lateness_us(played.steps(), plan.ramp.intervals(abs(steps)), plan.cycles_per_tick)
+    record_property("late_us", float(late.max()))
+    played.assert_nothing_lost()
+    allowed = LATE_US if plan.speed < 50_000 else LATE_AT_SPEED_US
+    assert late.max() <= allowed + plan.cycles_per_tick / CYCLES_PER_US
+    assert_good(played.edges, plan.limits(steps, late_us=allowed))
+
+
+@pytest.mark.parametrize("name", ["lead screw", "fast clock"])
+@pytest.mark.parametrize("steps", [1, 2, 3, 150])
+def test_a_move_too_short_for_its_ramp(simulated_controller: Make, name: str, steps: int) -> None:
+    plan = PLANS[name]
+    played = play(simulated_controller, image([plan]), move_by(steps))
+    late = lateness_us(played.steps(), plan.ramp.intervals(steps), plan.cycles_per_tick)
+    assert late.max() <= LATE_US + plan.cycles_per_tick / CYCLES_PER_US
+    assert_good(played.edges, plan.limits(steps))
+    played.assert_nothing_lost()
+
+
+UNEVEN = {
+    "no lists": (Ramp([], 300, []), 500),
+    "only up": (Ramp([(3000, 20, -100)], 1000, []), 100),
+    "only down": (Ramp([], 1000, [(3000, 20, -100)]), 100),
+    "segments of one step": (Ramp([(5000 - 40 * i, 1, 0) for i in range(40)], 3000, [(6000, 1, 0)]), 400),
+    "longer than 16 bits": (Ramp([(300_000, 5, -30_000), (65_537, 4, -1)], 65_536, [(70_000, 9, -3)]), 25),
+    "more than 65535 steps at slew speed": (Ramp([(400, 50, -2)], 300, [(400, 50, -2)]), 66_000),
+}
+
+
+@pytest.mark.parametrize("name", UNEVEN)
+def test_ramps_of_all_shapes(simulated_controller: Make, name: str) -> None:
+    ramp, steps = UNEVEN[name]
+    played = play(simulated_controller, ramp.image(fast=True), move_by(steps))
+    assert lateness_us(played.steps(), ramp.intervals(steps), 1).max() <= LATE_AT_SPEED_US
+    played.assert_nothing_lost()
+
+
+def test_half_a_step_a_second(simulated_controller: Make) -> None:
+    """Two seconds between two pulses, exact to half a microsecond; in both, some 2.2 s are played."""
+    slow = Ramp([], 4_000_000, [])
+
+    def two_pulses(client: BusyClient) -> None:
+        client.move_by(3)
+        until_made(client, 2)
+        client.expect_ok(HALT)
+
+    played = play(simulated_controller, slow.image(), two_pulses)
+    assert np.diff(played.steps()).tolist() == pytest.approx([32_000_000], abs=16)
 
 
 def test_there_and_back(simulated_controller: Make) -> None:
-    with simulated_controller(real_time=False) as simulated, Client(simulated.port) as client:
-        client.hello()
-        client.push(LEAD_SCREW)
-        for target in (500, -300, -300, 0, 1):
-            client.move_to(target)
-            assert client.wait_until_idle().position == target
-    edges = simulated.edges()
-    check_pins(edges)
-    assert len(pulses(edges)) == 500 + 800 + 300 + 1
-    step_or_direction = edges[(edges["value"] == 1) | (edges["pin"] == DIRECTION_PIN)]
-    position, forward = 0, False
-    for edge in step_or_direction:
-        if edge["pin"] == DIRECTION_PIN:
-            forward = edge["value"] == 1
-        else:
-            position += 1 if forward else -1
-    assert position == 1
+    """Each move for itself is good, and the position is that of the pins."""
+    plan, targets = PLANS["fast clock"], (500, -300, 100, 1, -1)
+    played = play(simulated_controller, image([plan]), *(move_by(steps) for steps in targets))
+    played.assert_nothing_lost()
+    assert played.statuses[0].position == sum(targets)
+    made = played.steps()
+    for steps in targets:
+        part, made = made[: abs(steps)], made[abs(steps) :]
+        ended = played.edges["cycle"] < (made[0] if made.size else np.inf)
+        begun = played.edges["cycle"] >= part[0] - 31 * CYCLES_PER_US
+        assert_good(with_direction(played.edges, begun & ended), plan.limits(steps))
+
+
+def with_direction(edges: np.ndarray, chosen: np.ndarray) -> np.ndarray:
+    """Return the chosen edges, and those of the direction pin before them."""
+    first = edges["cycle"][chosen][0]
+    return edges[chosen | ((edges["pin"] == 5) & (edges["cycle"] < first))]
 
 
 def test_nothing_moves_unasked(simulated_controller: Make) -> None:
-    """Neither at start, nor at hello, nor when a ramp is written, nor at a reset."""
+    """Neither at start, nor when a ramp is stored, nor at a reset."""
     with simulated_controller(real_time=False) as simulated, Client(simulated.port) as client:
         client.hello()
-        client.push(LEAD_SCREW)
-        client.push(fast(20, 4))
+        client.push(PLANS["lead screw"].ramp)
         simulated.press_reset()
         client.hello_until_answered()
         assert client.status().position == 0
-    assert len(simulated.edges()) == 0
+    assert not np.isin(simulated.edges()["pin"], (2, 3, 4, 12)).any()
 
 
-def test_status_while_moving_tells_the_present_interval(simulated_controller: Make) -> None:
-    with simulated_controller() as simulated, Client(simulated.port) as client:
-        client.hello()
-        client.push(LEAD_SCREW)
-        client.move_by(-1000)
-        plan = LEAD_SCREW.intervals(1000)
-        seen = 0
-        while (status := client.status()).state:
-            assert status.position == -status.steps_made
-            assert status.target == -1000
-            around = plan[max(status.steps_made - 2, 0) : status.steps_made + 1]
-            assert status.interval in around
-            seen += 1
-        assert seen > 10
-        assert len(expand(LEAD_SCREW.up)) == 303
+@pytest.mark.usefixtures("simulated_controller")
+def test_a_slew_of_any_length(tmp_path: Path, record_property: Record) -> None:
+    """150,000 steps/s for a second: up a ramp and down again, and with none at all. Two controllers at a time."""
+    ramps = (PLANS["150,000"].ramp, Ramp([], 106, []))
+    jobs = [
+        partial(play, partial(controller_in, tmp_path / str(i)), ramp.image(fast=True), move_by(150_000))
+        for i, ramp in enumerate(ramps)
+    ]
+    for played, ramp in zip(at_the_same_time(*jobs), ramps, strict=True):
+        late = lateness_us(played.steps(), ramp.intervals(150_000), 1)
+        record_property("late_us", float(late.max()))
+        assert late.max() <= LATE_AT_SPEED_US
+        played.assert_nothing_lost()

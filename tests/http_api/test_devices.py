@@ -16,9 +16,10 @@ DEVICES = "/api/v1/devices"
 LOCAL = {"host": "127.0.0.1:8000"}
 PATIENCE_S = 10.0
 DEVICE_FIELDS = {
-    "id", "port", "name", "state", "message", "position_steps", "target_steps", "speed_steps_per_s", "timer_hz",
-    "firmware_version", "ramp", "pushed",
+    "id", "port", "name", "state", "message", "position_steps", "target_steps", "speed_steps_per_s", "axes", "timer_hz",
+    "clocks_hz", "firmware_version", "ramp", "on_trial", "motors_on", "starved", "pushed",
 }  # fmt: skip
+AXIS_FIELDS = {"axis", "state", "position_steps", "target_steps", "speed_steps_per_s", "steps_made"}
 _numbers = itertools.count()
 
 
@@ -36,6 +37,17 @@ def device(client: TestClient, port: str) -> str:
     connected = client.post(DEVICES, json={"port": port}).json()
     route = f"{DEVICES}/{connected['id']}"
     assert client.post(f"{route}/push", json={"design": document()}).status_code == 200
+    return route
+
+
+@pytest.fixture
+def four_axes(client: TestClient, port: str) -> str:
+    """Return the route of a device with four axes, of which axis 1 is slower than the others."""
+    connected = client.post(DEVICES, json={"port": port}).json()
+    route = f"{DEVICES}/{connected['id']}"
+    slower = document(ramp__slew_speed_steps_per_s=500)
+    pushed = client.post(f"{route}/push", json={"axes": [document(), slower, document(), document()]})
+    assert pushed.status_code == 200, pushed.text
     return route
 
 
@@ -65,6 +77,9 @@ def test_connecting(client: TestClient, port: str) -> None:
     assert set(device) == DEVICE_FIELDS
     assert (device["id"], device["port"], device["state"], device["timer_hz"]) == ("1", port, "ready", 2_000_000)
     assert (device["ramp"], device["pushed"], device["message"]) == (None, None, None)
+    assert (device["clocks_hz"], device["on_trial"]) == ([16_000_000, 2_000_000], False)
+    [axis] = device["axes"]
+    assert set(axis) == AXIS_FIELDS
     assert client.post(DEVICES, json={"port": port}).json() == device
     assert client.get(f"{DEVICES}/1").json() == device
     assert client.get(DEVICES).json() == {"devices": [device]}
@@ -79,9 +94,10 @@ def test_pushing(client: TestClient, port: str) -> None:
     client.post(DEVICES, json={"port": port})
     push = client.post(f"{DEVICES}/1/push", json={"design": document()}).json()
     assert push["verified"] is True
-    slew = {"name": "Slew interval", "unit": "µs", "requested": "1,000.0", "sent": "1,000.0", "read_back": "1,000.0"}
-    assert slew in push["items"]
+    figures = {"requested": "1,000.0", "sent": "1,000.0", "read_back": "1,000.0"}
+    assert {"name": "Slew interval", "unit": "µs", "axis": 0, **figures} in push["items"]
     assert (push["largest_deviation_us"], push["sequence"], push["warnings"]) == (0.0, 1, [])
+    assert push["kept"] is True
     device = client.get(f"{DEVICES}/1").json()
     assert device["pushed"] == push
     assert device["ramp"]["sequence"] == 1
@@ -110,12 +126,156 @@ def test_what_is_refused_while_moving(client: TestClient, device: str) -> None:
     for response in (
         client.delete(device),
         client.post(f"{device}/push", json={"design": document()}),
-        client.post(f"{device}/move", json={"by_steps": 1}),
+        client.post(f"{device}/keep"),
+        client.post(f"{device}/roll_back"),
+        client.post(f"{device}/restore"),
+        client.put(f"{device}/settings", json={}),
+        client.post(f"{device}/position", json={"position_steps": 0}),
+        client.post(f"{device}/zero", json={"steps": 10}),
+        client.post(f"{device}/line", json={"axes": [{"axis": 0, "by_steps": 1}]}),
     ):
         assert "The motor moves" in error_of(response, 409)["message"]
     client.post(f"{device}/halt")
     assert client.delete(device).json() == {}
     assert client.get(DEVICES).json() == {"devices": []}
+
+
+def test_changing_a_move_on_its_way(client: TestClient, device: str) -> None:
+    client.post(f"{device}/move", json={"by_steps": 5000})
+    moving = client.post(f"{device}/move", json={"to_steps": -20}).json()
+    assert (moving["state"], moving["target_steps"]) == ("moving", -20)
+    assert wait_for(client, device, "ready")["position_steps"] == -20
+
+
+def test_running_at_a_speed(client: TestClient, device: str) -> None:
+    running = client.post(f"{device}/run", json={"speed_steps_per_s": -400}).json()
+    assert running["state"] == "moving"
+    deadline = time.monotonic() + PATIENCE_S
+    while client.get(device).json()["speed_steps_per_s"] != 400:
+        assert time.monotonic() < deadline
+    assert client.get(device).json()["position_steps"] < 0
+    client.post(f"{device}/run", json={"axes": [{"axis": 0, "speed_steps_per_s": 0}]})
+    stopped = wait_for(client, device, "ready")
+    assert stopped["target_steps"] == stopped["position_steps"] < 0
+
+
+def positions(device: dict[str, Any]) -> list[int]:
+    return [axis["position_steps"] for axis in device["axes"]]
+
+
+def test_four_axes_at_a_time(client: TestClient, four_axes: str) -> None:
+    moves = [{"axis": 0, "by_steps": 100}, {"axis": 3, "by_steps": -60}]
+    moving = client.post(f"{four_axes}/move", json={"axes": moves}).json()
+    assert [axis["state"] for axis in moving["axes"]] == ["moving", "ready", "ready", "moving"]
+    assert [axis["target_steps"] for axis in moving["axes"]] == [100, 0, 0, -60]
+    client.post(f"{four_axes}/move", json={"axes": [{"axis": 1, "to_steps": 30}]})
+    assert positions(wait_for(client, four_axes, "ready")) == [100, 30, 0, -60]
+    client.post(f"{four_axes}/move", json={"axes": [{"axis": each, "by_steps": 5000} for each in (0, 2)]})
+    client.post(f"{four_axes}/halt", json={"axes": [2]})
+    halted = client.get(four_axes).json()
+    assert [halted["axes"][axis]["state"] for axis in (0, 2)] == ["moving", "ready"]
+    client.post(f"{four_axes}/stop", json={})
+    assert wait_for(client, four_axes, "ready")["position_steps"] < 5100
+
+
+def test_a_line(client: TestClient, four_axes: str) -> None:
+    axes = [{"axis": 0, "by_steps": 90}, {"axis": 1, "by_steps": -30}, {"axis": 3, "by_steps": 0}]
+    moving = client.post(f"{four_axes}/line", json={"axes": axes}).json()
+    assert moving["state"] == "moving"
+    assert "The motor moves" in error_of(client.post(f"{four_axes}/move", json={"by_steps": 1}), 409)["message"]
+    assert positions(wait_for(client, four_axes, "ready")) == [90, -30, 0, 0]
+    client.post(f"{four_axes}/line", json={"axes": axes, "ramp_axis": 2})
+    assert positions(wait_for(client, four_axes, "ready")) == [180, -60, 0, 0]
+
+
+def test_positions_and_gauges(client: TestClient, four_axes: str) -> None:
+    named = client.post(f"{four_axes}/position", json={"position_steps": -77}).json()
+    assert (named["state"], named["position_steps"], named["target_steps"]) == ("ready", -77, -77)
+    axes = [{"axis": 1, "position_steps": 5}, {"axis": 2, "position_steps": 6}]
+    assert positions(client.post(f"{four_axes}/position", json={"axes": axes}).json()) == [-77, 5, 6, 0]
+    zeroing = client.post(f"{four_axes}/zero", json={"axes": [2], "steps": 40}).json()
+    assert zeroing["axes"][2]["target_steps"] == 0
+    ready = wait_for(client, four_axes, "ready")
+    assert (positions(ready), ready["axes"][2]["steps_made"]) == ([-77, 5, 0, 0], 40)
+
+
+def test_trying_keeping_and_bringing_back(client: TestClient, device: str) -> None:
+    slower = {"design": document(ramp__slew_speed_steps_per_s=500), "mode": "try"}
+    pushed = client.post(f"{device}/push", json=slower).json()
+    assert (pushed["kept"], pushed["sequence"]) == (False, 1)
+    assert client.get(device).json()["on_trial"] is True
+    assert client.post(f"{device}/roll_back").json()["on_trial"] is False
+    assert "Nothing is on trial" in error_of(client.post(f"{device}/roll_back"), 409)["message"]
+    assert "stored before" in error_of(client.post(f"{device}/restore"), 409)["message"]
+    client.post(f"{device}/push", json=slower | {"to_axis": 1})
+    kept = client.post(f"{device}/keep").json()
+    assert (kept["on_trial"], kept["ramp"]["sequence"], len(kept["axes"])) == (False, 2, 2)
+    restored = client.post(f"{device}/restore").json()
+    assert (restored["ramp"]["sequence"], len(restored["axes"])) == (3, 1)
+
+
+def test_settings(client: TestClient, device: str) -> None:
+    defaults = client.get(f"{device}/settings").json()
+    assert (defaults["outputs"], defaults["pulse_width_us"], defaults["enable_hold_ms"]) == (
+        "step_and_direction",
+        0,
+        None,
+    )
+    used = client.put(f"{device}/settings", json={"pulse_width_us": 5, "direction_inverted": [2, 0]}).json()
+    assert used == defaults | {"pulse_width_us": 5, "direction_inverted": [0, 2]}
+    assert client.get(f"{device}/settings").json() == used
+    assert client.get(device).json()["on_trial"] is True
+    client.post(f"{device}/keep")
+    assert client.get(device).json()["on_trial"] is False
+
+
+@pytest.mark.parametrize(
+    ("body", "field"),
+    [
+        ({"pulse_width_us": 101}, "pulse_width_us"),
+        ({"outputs": "relays"}, "outputs"),
+        ({"step_inverted": [4]}, "step_inverted.0"),
+        ({"step_inverted": None}, "step_inverted"),
+        ({"enable_level": True}, "enable_level"),
+        ({"pulse": 1}, "pulse"),
+    ],
+)
+def test_settings_that_cant_be(client: TestClient, device: str, body: dict[str, Any], field: str) -> None:
+    error = error_of(client.put(f"{device}/settings", json=body), 422)
+    assert error["field"] == field
+    assert error["allowed"]
+
+
+def test_a_trace(client: TestClient, four_axes: str) -> None:
+    assert "No move has been traced" in error_of(client.get(f"{four_axes}/trace"), 409)["message"]
+    armed = client.put(f"{four_axes}/trace", json={"traced_axis": 2, "every_steps": 3}).json()
+    assert armed == {"traced_axis": 2, "every_steps": 3}
+    client.post(f"{four_axes}/move", json={"axes": [{"axis": 2, "by_steps": -100}]})
+    wait_for(client, four_axes, "ready")
+    trace = client.get(f"{four_axes}/trace").json()
+    assert (trace["traced_axis"], trace["complete"], trace["changed"], trace["timer_hz"]) == (2, True, False, 2_000_000)
+    assert trace["step"] == list(range(1, 101, 3))
+    planned = client.post("/api/v1/profile", json={"design": document(move__steps=100)}).json()
+    instants = [0, *itertools.accumulate(planned["intervals_ticks"])]
+    assert trace["planned_ticks"] == trace["measured_ticks"] == instants[0:100:3]
+    assert trace["deviation_us"] == [0.0] * 34
+    off = client.put(f"{four_axes}/trace", json={"traced_axis": None}).json()
+    assert off["traced_axis"] is None
+
+
+def test_axes_that_are_too_fast_together(client: TestClient, port: str) -> None:
+    device = f"{DEVICES}/{client.post(DEVICES, json={'port': port}).json()['id']}"
+    quick = document(
+        timer__frequency_hz=16_000_000, ramp__slew_speed_steps_per_s=35_000, ramp__acceleration_steps_per_s2=1e9
+    )
+    pushed = client.post(f"{device}/push", json={"axes": [quick] * 4}).json()
+    assert "117 %" in pushed["warnings"][0]
+    moves = {"axes": [{"axis": axis, "by_steps": 5} for axis in range(4)]}
+    error = error_of(client.post(f"{device}/move", json=moves), 422)
+    assert (error["field"], error["value"]) == ("axes", "0, 1, 2, 3")
+    assert "117 %" in error["allowed"]
+    del moves["axes"][3]
+    assert client.post(f"{device}/move", json=moves).status_code == 200
 
 
 def test_moving_without_a_ramp(client: TestClient, port: str) -> None:
@@ -129,6 +289,17 @@ def test_no_such_device(client: TestClient) -> None:
         ("DELETE", "", None),
         ("POST", "/push", {"design": document()}),
         ("POST", "/move", {"by_steps": 1}),
+        ("POST", "/run", {"speed_steps_per_s": 1}),
+        ("POST", "/line", {"axes": [{"axis": 0, "by_steps": 1}]}),
+        ("POST", "/position", {"position_steps": 1}),
+        ("POST", "/zero", {"steps": 1}),
+        ("POST", "/keep", None),
+        ("POST", "/roll_back", None),
+        ("POST", "/restore", None),
+        ("GET", "/settings", None),
+        ("PUT", "/settings", {}),
+        ("GET", "/trace", None),
+        ("PUT", "/trace", {"traced_axis": None}),
         ("POST", "/stop", None),
         ("POST", "/halt", None),
     ):
@@ -165,12 +336,65 @@ def test_ports_that_cant_be_used(client: TestClient, body: dict[str, Any], field
         ({"by_steps": 1, "to_steps": 1}, "to_steps"),
         ({"to_steps": -(2**31) - 1}, "to_steps"),
         ({"steps": 1, "by_steps": 1}, "steps"),
+        ({"axes": []}, "axes"),
+        ({"axes": None}, "by_steps"),
+        ({"axes": 3}, "axes"),
+        ({"axes": [{"axis": 0}]}, "axes.0.by_steps"),
+        ({"axes": [{"axis": 0, "by_steps": 1, "to_steps": 1}]}, "axes.0.to_steps"),
+        ({"axes": [{"axis": 0, "by_steps": 1}, {"axis": 1, "to_steps": 1}]}, "axes.1.by_steps"),
+        ({"axes": [{"axis": 4, "by_steps": 1}]}, "axes.0.axis"),
+        ({"axes": [{"axis": 1, "by_steps": 1}]}, "axes.0.axis"),
+        ({"axes": [{"axis": 0, "by_steps": 1}] * 2}, "axes.1.axis"),
+        ({"axes": [{"axis": 0, "by_steps": 1}], "by_steps": 1}, "by_steps"),
     ],
 )
 def test_moves_that_cant_be_made(client: TestClient, device: str, body: dict[str, Any], field: str) -> None:
     error = error_of(client.post(f"{device}/move", json=body), 422)
     assert error["field"] == field
     assert error["allowed"]
+
+
+@pytest.mark.parametrize(
+    ("route", "body", "field"),
+    [
+        ("run", {}, "speed_steps_per_s"),
+        ("run", {"speed_steps_per_s": 1001.5}, "speed_steps_per_s"),
+        ("run", {"speed_steps_per_s": 1e-5}, "speed_steps_per_s"),
+        ("run", {"axes": [{"axis": 0, "speed_steps_per_s": -2000}]}, "axes.0.speed_steps_per_s"),
+        ("line", {}, "axes"),
+        ("line", {"axes": [{"axis": 0, "by_steps": 0}]}, "axes.0.by_steps"),
+        ("line", {"axes": [{"axis": 0, "by_steps": 5}], "ramp_axis": 1}, "ramp_axis"),
+        ("position", {}, "position_steps"),
+        ("position", {"position_steps": 2**31}, "position_steps"),
+        ("zero", {}, "steps"),
+        ("zero", {"steps": 65_536}, "steps"),
+        ("zero", {"steps": 5, "axes": []}, "axes"),
+        ("zero", {"steps": 5, "axes": [2]}, "axes"),
+        ("stop", {"axes": []}, "axes"),
+        ("halt", {"axes": [1]}, "axes"),
+        ("stop", {"axis": 1}, "axis"),
+        ("push", {}, "design"),
+        ("push", {"design": document(), "axes": [document()]}, "axes"),
+        ("push", {"design": document(), "to_axis": 2}, "to_axis"),
+        ("push", {"design": document(), "mode": "maybe"}, "mode"),
+        ("push", {"axes": []}, "axes"),
+        ("push", {"axes": [document(move__steps=0)]}, "axes.0.move.steps"),
+        ("push", {"axes": [document(), document(ramp__slew_speed_steps_per_s=200_000)]},
+         "axes.1.ramp.slew_speed_steps_per_s"),
+        ("push", {"axes": [document(timer__frequency_hz=1_000_000)]}, "axes.0.timer.frequency_hz"),
+        ("push", {"design": document(timer__frequency_hz=1_000_000)}, "design.timer.frequency_hz"),
+    ],
+)  # fmt: skip
+def test_what_cant_be_asked_for(client: TestClient, device: str, route: str, body: dict[str, Any], field: str) -> None:
+    error = error_of(client.post(f"{device}/{route}", json=body), 422)
+    assert error["field"] == field
+    assert error["allowed"]
+    assert client.get(device).json()["state"] == "ready"
+
+
+@pytest.mark.parametrize(("body", "field"), [({}, "traced_axis"), ({"traced_axis": 3}, "traced_axis")])
+def test_what_cant_be_traced(client: TestClient, device: str, body: dict[str, Any], field: str) -> None:
+    assert error_of(client.put(f"{device}/trace", json=body), 422)["field"] == field
 
 
 def test_a_target_that_only_the_device_knows_to_be_too_far(client: TestClient, device: str) -> None:
@@ -181,10 +405,10 @@ def test_a_target_that_only_the_device_knows_to_be_too_far(client: TestClient, d
 
 
 def test_a_design_that_the_controller_cant_play(client: TestClient, device: str) -> None:
-    design = document(ramp__slew_speed_steps_per_s=60_000)
+    design = document(ramp__slew_speed_steps_per_s=160_000)
     error = error_of(client.post(f"{device}/push", json={"design": design}), 422)
     assert error["field"] == "design.ramp.slew_speed_steps_per_s"
-    assert "to 50,000 steps/s with this controller" in error["allowed"]
+    assert "to 142,857.1429 steps/s with this controller" in error["allowed"]
 
 
 def test_the_socket_tells_all_at_once_and_then_each_change(client: TestClient, device: str) -> None:
@@ -195,8 +419,9 @@ def test_the_socket_tells_all_at_once_and_then_each_change(client: TestClient, d
         heard = [first]
         while heard[-1]["position_steps"] != 100 or heard[-1]["state"] != "ready":
             heard += socket.receive_json()["devices"]
-        positions = [each["position_steps"] for each in heard]
-        assert positions == sorted(positions)
+        places = [each["position_steps"] for each in heard]
+        assert places == sorted(places)
+        assert places == [each["axes"][0]["position_steps"] for each in heard]
         assert "moving" in {each["state"] for each in heard}
         client.delete(device)
         while socket.receive_json()["devices"]:

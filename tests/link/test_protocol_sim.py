@@ -1,3 +1,5 @@
+import time
+
 import pytest
 
 from stepramp.errors import DeviceLost
@@ -40,6 +42,35 @@ def test_a_virtual_port_is_as_exclusive_as_a_real_one() -> None:
         SerialPort("sim://alone")
     port.close()
     SerialPort("sim://alone").close()
+
+
+class Talkative:
+    """Says something unasked, after a while."""
+
+    def __init__(self) -> None:
+        self.silent_until = float("inf")
+
+    def opened(self) -> None:
+        self.silent_until = time.monotonic() + 0.05
+
+    def exchange(self, sent: bytes) -> bytes:
+        if sent or time.monotonic() < self.silent_until:
+            return sent
+        self.silent_until = float("inf")
+        return b"unasked"
+
+
+def test_a_virtual_device_is_heard_unasked() -> None:
+    protocol_sim.register("sim://talkative", Talkative())
+    port = SerialPort("sim://talkative")
+    assert port.pending() == b""
+    began = time.monotonic()
+    assert port.read(5.0) + port.pending() == b"unasked"
+    assert time.monotonic() - began < 1.0
+    port.write(b"hello")
+    assert port.pending() == b"hello"
+    assert port.pending() == b""
+    port.close()
 
 
 def test_a_virtual_device_can_go() -> None:

@@ -57,7 +57,24 @@ def test_reading_returns_as_soon_as_something_comes(cable: Any) -> None:
     port.close()
 
 
-@pytest.mark.parametrize("use", [lambda port: port.read(1.0), lambda port: port.write(b"x")], ids=["read", "write"])
+def test_what_has_come_in_is_there_without_waiting(cable: Any) -> None:
+    port = SerialPort(cable.port)
+    began = time.monotonic()
+    assert port.pending() == b""
+    assert time.monotonic() - began < 0.015
+    os.write(cable.far_end, b"\x00\x01")
+    data = b""
+    while len(data) < 2:
+        data += port.pending()
+    assert data == b"\x00\x01"
+    port.close()
+
+
+@pytest.mark.parametrize(
+    "use",
+    [lambda port: port.read(1.0), lambda port: port.pending(), lambda port: port.write(b"x")],
+    ids=["read", "pending", "write"],
+)
 def test_an_unplugged_port_is_a_lost_device(cable: Any, use: Callable[[SerialPort], object]) -> None:
     port = SerialPort(cable.port)
     cable.unplug()

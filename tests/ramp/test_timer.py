@@ -4,7 +4,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as stn
 
 from stepramp.ramp.move import Ramp
-from stepramp.ramp.timer import carried, rescaled, rounded
+from stepramp.ramp.timer import carried, rounded
 
 
 def test_nearest_rounds_halves_up() -> None:
@@ -28,14 +28,3 @@ def test_a_remainder_is_carried_into_the_next_interval() -> None:
 def test_carrying_keeps_the_time_of_every_step_within_a_tick(intervals: np.ndarray) -> None:
     late = np.cumsum(intervals) - np.cumsum(carried(intervals))
     assert np.all((late > -1e-3) & (late < 1 + 1e-3))
-
-
-def test_rescaling_to_a_multiple_is_exact() -> None:
-    ramp = rescaled(Ramp(up=np.array([7, 5]), slew=3, down=np.array([7])), 1e6, 2e6)
-    assert (ramp.up.tolist(), ramp.slew, ramp.down.tolist()) == ([14, 10], 6, [14])
-
-
-def test_rescaling_is_within_half_a_tick() -> None:
-    given = np.arange(1000, 2000)
-    scaled = rescaled(Ramp(up=given, slew=1000, down=given), 84e6, 2e6)
-    assert np.all(np.abs(scaled.up - given / 42) <= 0.5)

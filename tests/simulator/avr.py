@@ -6,6 +6,7 @@ import shutil
 import signal
 import subprocess
 import tempfile
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any, Self
@@ -47,7 +48,7 @@ def _refuse_missing_tools() -> None:
 
 
 @cache
-def _build_folder() -> Path:
+def folder_of_builds() -> Path:
     """Return a folder of this process, so that two test runs at a time don't build into the same files."""
     folder = tempfile.TemporaryDirectory(prefix="stepramp-build-")
     _build_folders.append(folder)
@@ -61,16 +62,26 @@ _build_folders: list[tempfile.TemporaryDirectory[str]] = []
 def build_firmware() -> Path:
     """Build the firmware, once a process; return its ELF file. BuildError when a tool is missing or the build fails."""
     _refuse_missing_tools()
-    build = _build_folder() / "firmware"
+    build = folder_of_builds() / "firmware"
     _run(["make", "-C", str(_FIRMWARE), f"BUILD={build}"])
     return build / "stepramp.elf"
+
+
+def build_program(name: str, sources: Sequence[Path]) -> Path:
+    """Build a program for the chip from its sources, the way the firmware is built. BuildError as above."""
+    _refuse_missing_tools()
+    program = folder_of_builds() / f"{name}.elf"
+    includes = [f"-I{folder}" for folder in sorted({str(source.parent) for source in sources})]
+    words = ["program", f"PROGRAM={program}", f"PROGRAM_SOURCES={' '.join(map(str, sources))}"]
+    _run(["make", "-C", str(_FIRMWARE), *words, f"INCLUDES={' '.join(includes)}"])
+    return program
 
 
 @cache
 def build_harness() -> Path:
     """Build the simulator, once a process; return its program. BuildError as above."""
     _refuse_missing_tools()
-    program = _build_folder() / "avr_host"
+    program = folder_of_builds() / "avr_host"
     sources = sorted(str(source) for source in _HERE.glob("*.c"))
     flags = ["-std=gnu11", "-O2", "-Wall", "-Wextra", "-Werror", "-I/usr/include/simavr"]
     _run(["gcc", *flags, "-o", str(program), *sources, *_LIBRARIES])

@@ -20,27 +20,36 @@ static const char help[] =
     "JSON. SIGUSR1 is the reset button.\n"
     "\n"
     "  --link PATH       make PATH a symbolic link to the pseudo-terminal (default: avr-tty)\n"
-    "  --edges FILE      log each edge of pins 0 to 13: i64 cycle, i8 pin, i8 value\n"
+    "  --edges FILE      log each edge of pins 0 to 13 and A0 to A5 (14 to 19): i64 cycle, i8 pin, i8 value\n"
     "  --eeprom FILE     keep the EEPROM in FILE\n"
     "  --cut-power-at N  cut the power in the middle of EEPROM write N, counted from 1\n"
     "  --boot-ms N       opening the terminal resets the processor, which then is deaf for N ms (0: no reset)\n"
     "  --free-running    run as fast as possible (default: in real time)\n"
+    "  --batch           no terminal: run as fast as possible until the program sleeps for good, say what was counted\n"
+    "  --data FILE       with --batch: put the bytes of FILE into the program memory, from 0x4000 on\n"
+    "  --sent FILE       with --batch: what the program sends over its serial port\n"
+    "  --busy            with --batch: bytes come in over the serial port without a pause\n"
     "  --help            print this\n";
 
 enum { POLL_CYCLES = 1600 /* 100 us */, FLUSH_CYCLES = 160000 /* 10 ms */, PAINT = 0xA5, SRAM_BEGINS = 0x100 };
 enum { READY_CYCLES = 800000 /* 50 ms */ };
 enum { POWER_CUT_EXIT = 3 };
+enum { DATA_BEGINS = 0x4000, MCUSR = 0x54, POWER_ON = 1, EXTERNAL_RESET = 2, TIMER1_VECTORS = 11, RECEIVE_VECTOR = 18 };
+#define LONGEST_BATCH_CYCLES (600 * CLOCK_HZ)
 
 struct options {
     const char *link, *edges, *eeprom, *firmware;
     long cut_power_at;
     unsigned boot_ms;
-    bool free_running;
+    bool free_running, batch, busy;
+    const char *data, *sent;
 };
 
 static avr_t *avr;
 static elf_firmware_t firmware;
 static avr_cycle_count_t runs_from;
+static long resets;
+static FILE *sent_file;
 static volatile sig_atomic_t stop_asked, reset_asked;
 
 static void on_signal(int signal_number)
@@ -52,8 +61,14 @@ static void on_signal(int signal_number)
     }
 }
 
+/* Behind the firmware's last variable. */
 static unsigned stack_begins(void)
 {
+    for (uint32_t i = 0; i < firmware.symbolcount; i++) {
+        if (strcmp(firmware.symbol[i]->symbol, "_end") == 0) {
+            return firmware.symbol[i]->addr & 0xFFFF;
+        }
+    }
     return SRAM_BEGINS + firmware.datasize + firmware.bsssize;
 }
 
@@ -67,18 +82,32 @@ static unsigned untouched_stack(void)
     return address - stack_begins();
 }
 
+static void print_interrupt(const char *name, struct interrupt_times times)
+{
+    printf("\"%s\": {\"count\": %llu, \"cycles\": %llu, \"shortest\": %llu, \"longest\": %llu}, ", name,
+           (unsigned long long)times.count, (unsigned long long)times.cycles, (unsigned long long)times.shortest,
+           (unsigned long long)times.longest);
+}
+
 static void finish(bool power_was_cut)
 {
     struct serial_counts serial = serial_line_counts();
     edges_flush();
     serial_line_detach();
-    printf("{\"cycles\": %llu, \"received_bytes\": %ld, \"lost_bytes\": %ld, \"sent_bytes\": %ld, "
+    if (sent_file) {
+        fclose(sent_file);
+    }
+    printf("{");
+    print_interrupt("compare_a", interrupt_times(TIMER1_VECTORS));
+    print_interrupt("compare_b", interrupt_times(TIMER1_VECTORS + 1));
+    print_interrupt("receive", interrupt_times(RECEIVE_VECTOR));
+    printf("\"resets\": %ld, \"cycles\": %llu, \"received_bytes\": %ld, \"lost_bytes\": %ld, \"sent_bytes\": %ld, "
            "\"longest_answer_cycles\": %llu, \"eeprom_writes\": %ld, "
            "\"edges\": %ld, \"longest_interrupt_cycles\": %llu, \"stack_bytes\": %u, \"untouched_stack_bytes\": %u, "
            "\"power_was_cut\": %s}\n",
-           (unsigned long long)avr->cycle, serial.received, serial.lost, serial.sent,
+           resets, (unsigned long long)avr->cycle, serial.received, serial.lost, serial.sent,
            (unsigned long long)serial.longest_answer, eeprom_writes(), edges_count(),
-           (unsigned long long)timer1_longest_interrupt(), avr->ramend + 1 - stack_begins(), untouched_stack(),
+           (unsigned long long)longest_step_interrupt(), avr->ramend + 1 - stack_begins(), untouched_stack(),
            power_was_cut ? "true" : "false");
     fflush(stdout);
 }
@@ -95,6 +124,8 @@ static bool parse_options(int count, char **words, struct options *options)
         {"link", required_argument, NULL, 'l'},    {"edges", required_argument, NULL, 'e'},
         {"eeprom", required_argument, NULL, 'm'},  {"cut-power-at", required_argument, NULL, 'c'},
         {"boot-ms", required_argument, NULL, 'b'}, {"free-running", no_argument, NULL, 'f'},
+        {"batch", no_argument, NULL, 'B'},         {"data", required_argument, NULL, 'd'},
+        {"sent", required_argument, NULL, 's'},    {"busy", no_argument, NULL, 'y'},
         {"help", no_argument, NULL, 'h'},          {NULL, 0, NULL, 0}};
     int option;
     while ((option = getopt_long(count, words, "", names, NULL)) != -1) {
@@ -105,6 +136,10 @@ static bool parse_options(int count, char **words, struct options *options)
         case 'c': options->cut_power_at = strtol(optarg, NULL, 10); break;
         case 'b': options->boot_ms = (unsigned)strtoul(optarg, NULL, 10); break;
         case 'f': options->free_running = true; break;
+        case 'B': options->batch = true; break;
+        case 'd': options->data = optarg; break;
+        case 's': options->sent = optarg; break;
+        case 'y': options->busy = true; break;
         case 'h': fputs(help, stdout); exit(0);
         default: return false;
         }
@@ -122,8 +157,47 @@ static void log_errors(avr_t *mcu, const int level, const char *format, va_list 
     }
 }
 
+static bool load_data(const char *file)
+{
+    FILE *data = fopen(file, "rb");
+    if (!data) {
+        perror(file);
+        return false;
+    }
+    size_t count = fread(avr->flash + DATA_BEGINS, 1, avr->flashend - DATA_BEGINS, data);
+    bool is_all = fgetc(data) == EOF && count > 0;
+    fclose(data);
+    return is_all;
+}
+
+static bool attach_line(const struct options *options)
+{
+    if (!options->batch) {
+        return serial_line_attach(avr, options->link, options->boot_ms);
+    }
+    if (options->sent && !(sent_file = fopen(options->sent, "wb"))) {
+        perror(options->sent);
+        return false;
+    }
+    serial_line_attach_to_file(avr, sent_file, options->busy);
+    return !options->data || load_data(options->data);
+}
+
+/* Called by simavr at each reset, whatever its reason. */
+static void on_reset(avr_io_t *unused)
+{
+    (void)unused;
+    resets++;
+    timer1_reset();
+    other_timers_reset();
+    interrupts_reset();
+    edges_reset();
+    serial_line_reset();
+}
+
 static bool load(const struct options *options)
 {
+    static avr_io_t resetting = {.kind = "reset", .reset = on_reset};
     avr_global_logger_set(log_errors);
     if (elf_read_firmware(options->firmware, &firmware) != 0) {
         return false;
@@ -133,9 +207,13 @@ static bool load(const struct options *options)
     avr_init(avr);
     avr_load_firmware(avr, &firmware);
     memset(avr->data + stack_begins(), PAINT, avr->ramend + 1 - stack_begins());
+    avr->data[MCUSR] = POWER_ON;
     timer1_attach(avr);
+    other_timers_attach(avr);
+    interrupts_attach(avr);
+    avr_register_io(avr, &resetting);
     return eeprom_attach(avr, options->eeprom, options->cut_power_at, on_power_cut) &&
-           edges_attach(avr, options->edges) && serial_line_attach(avr, options->link, options->boot_ms);
+           edges_attach(avr, options->edges) && attach_line(options);
 }
 
 /* Resets the processor. It begins to run after `boot_ms`, as its boot loader waits so long for a new program. */
@@ -143,11 +221,9 @@ static void reset(unsigned boot_ms)
 {
     avr_cycle_count_t now = avr->cycle;
     avr_reset(avr);
+    avr->data[MCUSR] = EXTERNAL_RESET;
     avr->cycle = now;
     runs_from = now + CLOCK_HZ / 1000 * boot_ms;
-    timer1_reset();
-    edges_reset();
-    serial_line_reset();
     serial_line_deaf_until(runs_from);
 }
 
@@ -229,6 +305,16 @@ static bool run(const struct options *options)
     return true;
 }
 
+/* Runs until the program sleeps with its interrupts disabled. */
+static bool run_batch(void)
+{
+    int state = cpu_Running;
+    while (state != cpu_Done && state != cpu_Crashed && avr->cycle < LONGEST_BATCH_CYCLES && !stop_asked) {
+        state = avr_run(avr);
+    }
+    return state == cpu_Done;
+}
+
 int main(int count, char **words)
 {
     struct options options = {.link = "avr-tty"};
@@ -243,7 +329,7 @@ int main(int count, char **words)
         fprintf(stderr, "avr_host: can't begin with %s\n", options.firmware);
         return 2;
     }
-    bool good = run(&options);
+    bool good = options.batch ? run_batch() : run(&options);
     finish(false);
     return good ? 0 : 1;
 }

@@ -4,7 +4,8 @@
 
 #include "host.h"
 
-enum { PINS = 14, FIRST_PIN_OF_PORT_B = 8 };
+enum { PINS = 20, FIRST_PIN_OF_PORT_B = 8, FIRST_PIN_OF_PORT_C = 14 };
+enum { TRANSMITTER_PIN = 1, UCSR0B = 0xC1, TXEN = 1 << 3 };
 
 static avr_t *avr;
 static FILE *log_file;
@@ -29,7 +30,21 @@ static void log_edge(int pin, uint8_t value)
 static void on_pin(avr_irq_t *irq, uint32_t value, void *its_value)
 {
     (void)irq;
-    log_edge((int)((uint8_t *)its_value - values), (uint8_t)value);
+    int pin = (int)((uint8_t *)its_value - values);
+    if (pin != TRANSMITTER_PIN || !(avr->data[UCSR0B] & TXEN)) {
+        log_edge(pin, (uint8_t)value);
+    }
+}
+
+static avr_irq_t *irq_of(int pin)
+{
+    if (pin < FIRST_PIN_OF_PORT_B) {
+        return avr_io_getirq(avr, AVR_IOCTL_IOPORT_GETIRQ('D'), pin);
+    }
+    if (pin < FIRST_PIN_OF_PORT_C) {
+        return avr_io_getirq(avr, AVR_IOCTL_IOPORT_GETIRQ('B'), pin - FIRST_PIN_OF_PORT_B);
+    }
+    return avr_io_getirq(avr, AVR_IOCTL_IOPORT_GETIRQ('C'), pin - FIRST_PIN_OF_PORT_C);
 }
 
 bool edges_attach(avr_t *mcu, const char *file)
@@ -40,16 +55,16 @@ bool edges_attach(avr_t *mcu, const char *file)
         return false;
     }
     for (int pin = 0; pin < PINS; pin++) {
-        char port = pin < FIRST_PIN_OF_PORT_B ? 'D' : 'B';
-        avr_irq_t *irq = avr_io_getirq(avr, AVR_IOCTL_IOPORT_GETIRQ(port), pin % FIRST_PIN_OF_PORT_B);
-        avr_irq_register_notify(irq, on_pin, values + pin);
+        avr_irq_register_notify(irq_of(pin), on_pin, values + pin);
     }
     return true;
 }
 
+/* simavr remembers a pin's level through a reset, and tells only of changes: so it is told too. */
 void edges_reset(void)
 {
     for (int pin = 0; pin < PINS; pin++) {
+        avr_raise_irq(irq_of(pin), 0);
         log_edge(pin, 0);
     }
 }

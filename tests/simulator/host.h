@@ -4,18 +4,37 @@
 
 #include <stdbool.h>
 #include <stdint.h>
+#include <stdio.h>
 
 #include <simavr/sim_avr.h>
 
 #define CLOCK_HZ 16000000ULL
 
-/* ---- timer1.c: Timer1 in normal mode with compare A, to the cycle ---- */
+/* ---- timer1.c: Timer1 in normal mode with compare A and B, to the cycle ---- */
 
 void timer1_attach(avr_t *avr);
-/* To be called after each reset of the processor. */
 void timer1_reset(void);
-/* [cycles] from the acceptance of the longest compare A interrupt to the end of its reti. */
-uint64_t timer1_longest_interrupt(void);
+
+/* ---- other_timers.c: Timer0 standing still, Timer2 counting ---- */
+
+void other_timers_attach(avr_t *avr);
+void other_timers_reset(void);
+
+/* ---- interrupts.c: what they cost ---- */
+
+struct interrupt_times {
+    uint64_t count;
+    uint64_t cycles; /* from acceptance to the end of reti, without other interrupts in between; all together */
+    uint64_t shortest, longest;
+};
+
+void interrupts_attach(avr_t *avr);
+void interrupts_reset(void);
+/* Begins to count anew. */
+void interrupts_forget(void);
+struct interrupt_times interrupt_times(int vector);
+/* [cycles] of compare A or B. */
+uint64_t longest_step_interrupt(void);
 
 /* ---- eeprom.c: EEPROM that takes its time, keeps its bytes in a file and can lose power ---- */
 
@@ -28,6 +47,9 @@ long eeprom_writes(void);
 
 /* `link` becomes a symbolic link to the terminal. With a `boot_ms` above 0 opening the terminal counts as a reset. */
 bool serial_line_attach(avr_t *avr, const char *link, unsigned boot_ms);
+/* Without a terminal: what the processor sends goes to `sent` (may be NULL), and when `is_busy` bytes come in one after the
+ * other from when the receiver has been enabled. */
+void serial_line_attach_to_file(avr_t *avr, FILE *sent, bool is_busy);
 /* Moves bytes between the terminal and the line. Returns true when the terminal has just been opened, with boot_ms. */
 bool serial_line_poll(void);
 /* What arrives before this cycle is lost: the boot loader eats it. */
@@ -45,7 +67,8 @@ struct serial_counts serial_line_counts(void);
 
 /* ---- edges.c: a log of the pins ---- */
 
-/* Each edge of Arduino pins 0 to 13 becomes a record of 10 bytes: i64 cycle, i8 pin, i8 value. `file` may be NULL. */
+/* Each edge of Arduino pins 0 to 13 and A0 to A5, which are 14 to 19, becomes a record of 10 bytes: i64 cycle, i8 pin, i8 value. `file` may be NULL.
+ * Pin 1 while the transmitter has it is left out. */
 bool edges_attach(avr_t *avr, const char *file);
 /* A reset lets go of all pins. */
 void edges_reset(void);

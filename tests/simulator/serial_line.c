@@ -14,7 +14,8 @@
 
 #include "host.h"
 
-enum { UBRR0L = 0xC4, UBRR0H = 0xC5, UCSR0A = 0xC0, U2X = 2 };
+enum { UBRR0L = 0xC4, UBRR0H = 0xC5, UCSR0A = 0xC0, UCSR0B = 0xC1, U2X = 2, RXEN = 1 << 4, RXCIE = 1 << 7 };
+enum { FIRST_BUSY_BYTE_CYCLES = 1000 };
 enum { BITS_OF_BYTE = 10, UART_HOLDS = 3, QUEUE_BYTES = 65536 };
 
 struct queue {
@@ -32,6 +33,7 @@ static struct termios raw;
 static struct queue to_avr, to_terminal;
 static avr_cycle_count_t deaf_until;
 static avr_cycle_count_t asked_at; /* when the last zero byte, which ends a frame, arrived; 0: answered */
+static uint8_t control; /* UCSR0B as it was written last */
 static struct serial_counts counts;
 
 /* The UART's own time for a byte; simavr counts 11 bits. */
@@ -48,6 +50,18 @@ static unsigned bytes_in_uart(void)
     return (uart->input.write + size - uart->input.read) % size;
 }
 
+/* simavr forgets a byte that comes while its interrupt is disabled. The real one interrupts once it is enabled again. */
+static void on_control_write(avr_t *mcu, avr_io_addr_t address, uint8_t value, void *unused)
+{
+    (void)unused;
+    bool was_masked = !(control & RXCIE);
+    control = value;
+    mcu->data[address] = value;
+    if ((value & RXCIE) && was_masked && bytes_in_uart() > 0 && !uart->rxc.pending) {
+        avr_raise_interrupt(mcu, &uart->rxc);
+    }
+}
+
 /* A byte has come over the line; the next one follows at once. */
 static avr_cycle_count_t on_byte_arrived(avr_t *mcu, avr_cycle_count_t when, void *unused)
 {
@@ -62,6 +76,31 @@ static avr_cycle_count_t on_byte_arrived(avr_t *mcu, avr_cycle_count_t when, voi
     }
     byte_is_coming = to_avr.in != to_avr.out;
     return byte_is_coming ? when + uart->cycles_per_byte : 0;
+}
+
+/* Bytes without end, as from a client that asks and asks. They begin with the receiver. */
+static avr_cycle_count_t on_busy_byte(avr_t *mcu, avr_cycle_count_t when, void *unused)
+{
+    (void)unused;
+    if (!(mcu->data[UCSR0B] & RXEN)) {
+        return when + uart->cycles_per_byte;
+    }
+    if (bytes_in_uart() >= UART_HOLDS) {
+        counts.lost++;
+    } else {
+        avr_raise_irq(uart_input, (uint8_t)counts.received);
+    }
+    counts.received++;
+    return when + uart->cycles_per_byte;
+}
+
+static void on_byte_sent_to_file(avr_irq_t *irq, uint32_t byte, void *file)
+{
+    (void)irq;
+    counts.sent++;
+    if (file) {
+        fputc((int)byte, file);
+    }
 }
 
 static void on_byte_sent(avr_irq_t *irq, uint32_t byte, void *unused)
@@ -98,13 +137,10 @@ static bool open_terminal(void)
     return true;
 }
 
-bool serial_line_attach(avr_t *mcu, const char *link, unsigned boot_ms)
+static void attach_uart(avr_t *mcu)
 {
     uint32_t no_flags = 0; /* neither an echo on the console nor a sleep at each poll */
     avr = mcu;
-    link_name = link;
-    opening_resets = boot_ms > 0;
-    was_open = !opening_resets;
     avr_ioctl(avr, AVR_IOCTL_UART_SET_FLAGS('0'), &no_flags);
     for (avr_io_t *io = avr->io_port; io; io = io->next) {
         if (strcmp(io->kind, "uart") == 0) {
@@ -112,9 +148,28 @@ bool serial_line_attach(avr_t *mcu, const char *link, unsigned boot_ms)
         }
     }
     avr_register_io_write(avr, UBRR0L, on_baud_write, &counts);
+    avr_register_io_write(avr, UCSR0B, on_control_write, &control);
     uart_input = avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_INPUT);
+}
+
+bool serial_line_attach(avr_t *mcu, const char *link, unsigned boot_ms)
+{
+    attach_uart(mcu);
+    link_name = link;
+    opening_resets = boot_ms > 0;
+    was_open = !opening_resets;
     avr_irq_register_notify(avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_OUTPUT), on_byte_sent, NULL);
     return open_terminal();
+}
+
+void serial_line_attach_to_file(avr_t *mcu, FILE *sent, bool is_busy)
+{
+    attach_uart(mcu);
+    avr_irq_t *output = avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_OUTPUT);
+    avr_irq_register_notify(output, on_byte_sent_to_file, sent);
+    if (is_busy) {
+        avr_cycle_timer_register(avr, FIRST_BUSY_BYTE_CYCLES, on_busy_byte, NULL);
+    }
 }
 
 static void read_terminal(void)
@@ -169,14 +224,17 @@ void serial_line_deaf_until(avr_cycle_count_t cycle)
 
 void serial_line_reset(void)
 {
+    control = 0;
     byte_is_coming = false;
     to_avr.out = to_avr.in;
 }
 
 void serial_line_detach(void)
 {
-    write_terminal(true);
-    unlink(link_name);
+    if (link_name) {
+        write_terminal(true);
+        unlink(link_name);
+    }
 }
 
 struct serial_counts serial_line_counts(void)

@@ -1,5 +1,5 @@
-/* Timer1 as the firmware uses it, in the place of simavr's: it counts up freely, exact to the cycle, and the four
- * cycles that the processor takes to accept an interrupt are charged, which simavr doesn't. */
+/* Timer1 as the firmware uses it, in the place of simavr's: it counts up freely, and both compare channels are exact to
+ * the cycle. */
 #include <string.h>
 
 #include <simavr/avr_timer.h>
@@ -10,39 +10,76 @@
 #include "host.h"
 
 enum { TIFR1 = 0x36, TIMSK1 = 0x6F, TCCR1A = 0x80, TCCR1B = 0x81 };
-enum { TCNT1L = 0x84, TCNT1H = 0x85, OCR1AL = 0x88, OCR1AH = 0x89 };
-enum { COMPARE_A = 2 /* in TIMSK1 and TIFR1 */, RESPONSE_CYCLES = 4, RETI_CYCLES = 4 };
+enum { TCNT1L = 0x84, TCNT1H = 0x85, OCR1AL = 0x88, OCR1AH = 0x89, OCR1BL = 0x8A, OCR1BH = 0x8B };
+enum { CHANNELS = 2 };
+
+struct channel {
+    avr_int_vector_t *vector;
+    uint8_t flag; /* in TIMSK1 and TIFR1 */
+    uint16_t compare;
+};
 
 static avr_t *avr;
-static avr_int_vector_t *compare_a;
-static avr_cycle_count_t started_at;
+static struct channel channels[CHANNELS] = {{.flag = 2}, {.flag = 4}};
 static unsigned prescaler; /* cycles a tick; 0: stopped */
-static uint16_t compare;
-static avr_cycle_count_t interrupt_began;
-static uint64_t longest_interrupt;
+static avr_cycle_count_t counted_from;
+static uint16_t count_then;
 
-static uint64_t ticks_since_start(void)
+/* The prescaler runs freely: ticks begin at its multiples, whenever the timer was started. */
+static uint64_t ticks_since(avr_cycle_count_t cycle)
 {
-    return prescaler ? (avr->cycle - started_at) / prescaler : 0;
+    return prescaler ? avr->cycle / prescaler - cycle / prescaler : 0;
+}
+
+static uint16_t count(void)
+{
+    return (uint16_t)(count_then + ticks_since(counted_from));
+}
+
+static bool waits_in_queue(const avr_int_vector_t *vector)
+{
+    const avr_int_pending_t *queue = &avr->interrupts.pending;
+    unsigned size = sizeof queue->buffer / sizeof queue->buffer[0];
+    for (unsigned i = queue->read; i != queue->write; i = (i + 1) % size) {
+        if (queue->buffer[i] == vector) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* An interrupt that is cleared stays in simavr's queue. Raised again, it must take that place instead of a further one,
+ * or the queue overflows when an interrupt routine clears and serves one event after the other. */
+static void raise_flag(struct channel *channel)
+{
+    if (!waits_in_queue(channel->vector)) {
+        avr_raise_interrupt(avr, channel->vector);
+        return;
+    }
+    avr->data[TIFR1] |= channel->flag;
+    channel->vector->pending = (avr->data[TIMSK1] & channel->flag) != 0;
+    if (channel->vector->pending && avr->sreg[S_I] && avr->interrupt_state == 0) {
+        avr->interrupt_state = 1;
+    }
 }
 
 /* The flag goes up at the end of the tick in which the counter has the compare value. */
-static avr_cycle_count_t on_match(avr_t *mcu, avr_cycle_count_t when, void *unused)
+static avr_cycle_count_t on_match(avr_t *mcu, avr_cycle_count_t when, void *channel)
 {
-    (void)unused;
-    avr_raise_interrupt(mcu, compare_a);
+    (void)mcu;
+    raise_flag(channel);
     return when + 65536ULL * prescaler;
 }
 
-static void schedule_match(void)
+static void schedule_match(struct channel *channel)
 {
-    avr_cycle_timer_cancel(avr, on_match, NULL);
+    avr_cycle_timer_cancel(avr, on_match, channel);
     if (prescaler == 0) {
         return;
     }
-    uint64_t now = ticks_since_start();
-    uint64_t match = now + (uint16_t)(compare - now) + 1;
-    avr_cycle_timer_register(avr, started_at + match * prescaler - avr->cycle, on_match, NULL);
+    uint64_t ticks = (uint64_t)(uint16_t)(channel->compare - count()) + 1;
+    avr_cycle_count_t match = (avr->cycle / prescaler + ticks) * prescaler;
+    avr_cycle_timer_register(avr, match - avr->cycle, on_match, channel);
 }
 
 static void on_plain_write(avr_t *mcu, avr_io_addr_t address, uint8_t value, void *unused)
@@ -54,60 +91,77 @@ static void on_plain_write(avr_t *mcu, avr_io_addr_t address, uint8_t value, voi
 static void on_compare_write(avr_t *mcu, avr_io_addr_t address, uint8_t value, void *unused)
 {
     (void)unused;
+    struct channel *channel = &channels[address == OCR1BL];
     mcu->data[address] = value;
-    compare = (uint16_t)(mcu->data[OCR1AH] << 8 | value);
-    schedule_match();
+    channel->compare = (uint16_t)(mcu->data[address + 1] << 8 | value);
+    schedule_match(channel);
 }
 
+static void restart_count(uint16_t value)
+{
+    count_then = value;
+    counted_from = avr->cycle;
+}
+
+static void schedule_matches(void)
+{
+    for (int i = 0; i < CHANNELS; i++) {
+        schedule_match(&channels[i]);
+    }
+}
+
+/* The counter keeps its value when its clock changes. */
 static void on_clock_select(avr_t *mcu, avr_io_addr_t address, uint8_t value, void *unused)
 {
     static const unsigned prescalers[8] = {0, 1, 8, 64, 256, 1024, 0, 0};
     (void)unused;
     mcu->data[address] = value;
+    restart_count(count());
     prescaler = prescalers[value & 7];
-    started_at = mcu->cycle;
-    schedule_match();
+    schedule_matches();
+}
+
+static void on_count_write(avr_t *mcu, avr_io_addr_t address, uint8_t value, void *unused)
+{
+    (void)address, (void)unused;
+    restart_count((uint16_t)(mcu->data[TCNT1H] << 8 | value));
+    schedule_matches();
 }
 
 static uint8_t on_count_read(avr_t *mcu, avr_io_addr_t address, void *unused)
 {
     (void)address, (void)unused;
-    uint64_t ticks = ticks_since_start();
-    mcu->data[TCNT1H] = (uint8_t)(ticks >> 8);
-    return mcu->data[TCNT1L] = (uint8_t)ticks;
+    uint16_t value = count();
+    mcu->data[TCNT1H] = (uint8_t)(value >> 8);
+    return mcu->data[TCNT1L] = (uint8_t)value;
 }
 
 /* A flag is cleared by writing 1 to it. */
 static void on_flags_write(avr_t *mcu, avr_io_addr_t address, uint8_t value, void *unused)
 {
     (void)unused;
-    if (value & COMPARE_A) {
-        avr_clear_interrupt(mcu, compare_a);
+    for (int i = 0; i < CHANNELS; i++) {
+        if (value & channels[i].flag) {
+            avr_clear_interrupt(mcu, channels[i].vector);
+        }
     }
     mcu->data[address] &= (uint8_t)~value;
 }
 
-/* A flag that is up already interrupts as soon as it is enabled. */
+/* A flag that is up already interrupts as soon as it is enabled; one that is masked waits. */
 static void on_mask_write(avr_t *mcu, avr_io_addr_t address, uint8_t value, void *unused)
 {
     (void)unused;
-    bool enabled = value & ~mcu->data[address] & COMPARE_A;
+    uint8_t before = mcu->data[address];
     mcu->data[address] = value;
-    if (enabled && (mcu->data[TIFR1] & COMPARE_A)) {
-        avr_raise_interrupt(mcu, compare_a);
-    }
-}
-
-static void on_interrupt(avr_irq_t *irq, uint32_t is_running, void *unused)
-{
-    (void)irq, (void)unused;
-    if (is_running) {
-        interrupt_began = avr->cycle;
-        avr->cycle += RESPONSE_CYCLES;
-    } else if (interrupt_began) {
-        uint64_t length = avr->cycle + RETI_CYCLES - interrupt_began;
-        longest_interrupt = length > longest_interrupt ? length : longest_interrupt;
-        interrupt_began = 0;
+    for (int i = 0; i < CHANNELS; i++) {
+        bool is_up = mcu->data[TIFR1] & channels[i].flag;
+        if ((value & ~before & channels[i].flag) && is_up) {
+            raise_flag(&channels[i]);
+        } else if ((before & ~value & channels[i].flag) && is_up) {
+            avr_clear_interrupt(mcu, channels[i].vector);
+            mcu->data[TIFR1] |= channels[i].flag;
+        }
     }
 }
 
@@ -124,29 +178,28 @@ void timer1_attach(avr_t *mcu)
     avr = mcu;
     for (avr_io_t *io = avr->io_port; io; io = io->next) {
         if (strcmp(io->kind, "timer") == 0 && ((avr_timer_t *)io)->name == '1') {
-            compare_a = &((avr_timer_t *)io)->comp[AVR_TIMER_COMPA].interrupt;
+            channels[0].vector = &((avr_timer_t *)io)->comp[AVR_TIMER_COMPA].interrupt;
+            channels[1].vector = &((avr_timer_t *)io)->comp[AVR_TIMER_COMPB].interrupt;
         }
     }
     replace(TCCR1A, on_plain_write, NULL);
     replace(TCCR1B, on_clock_select, NULL);
-    replace(TCNT1L, on_plain_write, on_count_read);
+    replace(TCNT1L, on_count_write, on_count_read);
     replace(TCNT1H, on_plain_write, NULL);
     replace(OCR1AL, on_compare_write, NULL);
     replace(OCR1AH, on_plain_write, NULL);
+    replace(OCR1BL, on_compare_write, NULL);
+    replace(OCR1BH, on_plain_write, NULL);
     replace(TIFR1, on_flags_write, NULL);
     replace(TIMSK1, on_mask_write, NULL);
-    avr_irq_register_notify(compare_a->irq + AVR_INT_IRQ_RUNNING, on_interrupt, NULL);
 }
 
 void timer1_reset(void)
 {
     prescaler = 0;
-    compare = 0;
-    interrupt_began = 0;
-    avr_cycle_timer_cancel(avr, on_match, NULL);
-}
-
-uint64_t timer1_longest_interrupt(void)
-{
-    return longest_interrupt;
+    restart_count(0);
+    for (int i = 0; i < CHANNELS; i++) {
+        channels[i].compare = 0;
+        avr_cycle_timer_cancel(avr, on_match, &channels[i]);
+    }
 }

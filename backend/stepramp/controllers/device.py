@@ -1,67 +1,32 @@
 """A device: one controller at one port, its state, and what can be asked of it from any thread."""
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Sequence
 from concurrent.futures import Future
 from contextlib import suppress
-from dataclasses import dataclass, replace
-from enum import StrEnum
+from dataclasses import replace
+from time import monotonic
 from typing import TypeVar
 
-from stepramp.controllers.controller import Activity, Controller, ControllerStatus, PushReport, StoredRamp
+from stepramp.controllers.controller import Asked, Controller, ControllerStatus, PushMode, PushReport
+from stepramp.controllers.device_view import UNDER_WAY, DeviceState, DeviceView
+from stepramp.controllers.settings import Settings
 from stepramp.controllers.stepramp_controller import StepRampController
+from stepramp.controllers.trace import Trace
 from stepramp.design import Design
 from stepramp.errors import DeviceLost, Refused, StepRampError
 from stepramp.link.ports import port_name
 from stepramp.link.serial_port import SerialPort
 from stepramp.link.worker import Worker
 
-MOVING_POLL_S = 1 / 20
+LISTEN_S = 1 / 50
+"""How often a device that moves is listened to: as often as it reports."""
+SILENCE_S = 1 / 10
+"""A device that moves and doesn't report for so long is asked."""
 IDLE_POLL_S = 1 / 2
 """Often enough to notice soon that a device was unplugged."""
 
 T = TypeVar("T")
-
-
-class DeviceState(StrEnum):
-    """Where a device is between connecting and being lost."""
-
-    CONNECTING = "connecting"
-    READY = "ready"
-    MOVING = "moving"
-    STOPPING = "stopping"
-    WRITING = "writing"
-    LOST = "lost"
-
-
-STATES = {
-    Activity.READY: DeviceState.READY,
-    Activity.MOVING: DeviceState.MOVING,
-    Activity.STOPPING: DeviceState.STOPPING,
-    Activity.WRITING: DeviceState.WRITING,
-}
-UNDER_WAY = (DeviceState.MOVING, DeviceState.STOPPING)
-
-
-@dataclass(frozen=True)
-class DeviceView:
-    """A device as it was at one moment; positions [steps], speed without sign [steps/s]."""
-
-    id: str
-    port: str
-    name: str
-    state: DeviceState = DeviceState.CONNECTING
-    message: str | None = None
-    """Why the device is lost."""
-    position_steps: int = 0
-    target_steps: int = 0
-    speed_steps_per_s: float = 0.0
-    timer_hz: int | None = None
-    """Known once connected, as are the firmware's version and the ramp."""
-    firmware_version: str | None = None
-    ramp: StoredRamp | None = None
-    pushed: PushReport | None = None
-    """The last push over this connection."""
 
 
 class Device:
@@ -79,6 +44,7 @@ class Device:
         self._controller: Controller | None = None
         self._worker: Worker | None = None
         self._pushing = False
+        self._heard_at = 0.0
 
     @property
     def view(self) -> DeviceView:
@@ -106,7 +72,7 @@ class Device:
                 self._worker.call(self._open)
             except StepRampError as error:
                 self._worker.close()
-                self._update(replace(self.view, state=DeviceState.LOST, message=str(error)))
+                self._update(self.view.at_a_loss(str(error)))
                 raise
 
     def disconnect(self) -> None:
@@ -126,33 +92,86 @@ class Device:
                     self.stop().result()
             self._close()
 
-    def push(self, design: Design) -> PushReport:
-        """Store the design's ramp in the controller; see Controller.prepare_push."""
+    def push(self, designs: Sequence[Design], first_axis: int | None = None, mode: PushMode = "keep") -> PushReport:
+        """Have the controller use the designs' ramps, and store them or not; see Controller.prepare_push."""
         controller, _ = self._ready()
         if self.view.state in UNDER_WAY:
             raise Refused("The motor moves: stop it first.")
-        store = controller.prepare_push(design)
-        return self._ask(lambda: self._push(store))
+        send = controller.prepare_push(designs, first_axis, mode)
+        return self._ask(lambda: self._push(send))
 
-    def move_by(self, by_steps: int) -> None:
-        """Begin to move by so many steps; see Controller."""
-        controller, _ = self._ready()
-        self._ask(lambda: self._then_refresh(lambda: controller.move_by(by_steps)))
+    def keep(self) -> None:
+        """Store the ramps and settings in use; see Controller."""
+        self._write(self._controller_now().keep)
 
-    def move_to(self, to_steps: int) -> None:
-        """Begin to move to a position [steps]; see Controller."""
-        controller, _ = self._ready()
-        self._ask(lambda: self._then_refresh(lambda: controller.move_to(to_steps)))
+    def roll_back(self) -> None:
+        """Use the stored ramps and settings again; see Controller."""
+        self._write(self._controller_now().roll_back)
 
-    def stop(self) -> "Future[None]":
-        """Slow down with the ramp, before anything else that was asked for; return the result to come."""
+    def restore(self) -> None:
+        """Make the ramps and settings that were stored before the stored ones; see Controller."""
+        self._write(self._controller_now().restore)
+
+    def settings(self) -> Settings:
+        """Ask for the settings in use."""
+        return self._ask(self._controller_now().settings)
+
+    def use_settings(self, settings: Settings) -> None:
+        """Use other settings until a roll back or a reset; see Controller."""
+        controller = self._controller_now()
+        self._write(lambda: controller.use_settings(settings))
+
+    def move_by(self, steps: Sequence[Asked]) -> None:
+        """Begin to move axes by so many steps; see Controller."""
+        controller = self._controller_now()
+        self._ask(lambda: self._then_refresh(lambda: controller.move_by(steps)))
+
+    def move_to(self, positions: Sequence[Asked]) -> None:
+        """Begin to move axes to positions [steps]; see Controller."""
+        controller = self._controller_now()
+        self._ask(lambda: self._then_refresh(lambda: controller.move_to(positions)))
+
+    def run(self, speeds: Sequence[Asked]) -> None:
+        """Run axes at speeds [steps/s]; see Controller."""
+        controller = self._controller_now()
+        self._ask(lambda: self._then_refresh(lambda: controller.run(speeds)))
+
+    def line(self, steps: Sequence[Asked], ramp_axis: int | None = None) -> None:
+        """Begin to move axes along a straight line; see Controller."""
+        controller = self._controller_now()
+        self._ask(lambda: self._then_refresh(lambda: controller.line(steps, ramp_axis)))
+
+    def set_position(self, positions: Sequence[Asked]) -> None:
+        """Call the places where axes are these positions [steps]; see Controller."""
+        controller = self._controller_now()
+        self._ask(lambda: self._then_refresh(lambda: controller.set_position(positions)))
+
+    def zero(self, axes: Collection[int], steps: int) -> None:
+        """Call the places where axes are so many steps and move them to 0; see Controller."""
+        controller = self._controller_now()
+        self._ask(lambda: self._then_refresh(lambda: controller.zero(axes, steps)))
+
+    def trace_moves(self, axis: int | None, every_steps: int) -> int:
+        """Trace every so many-th step of each move of an axis from now on; see Controller."""
+        controller = self._controller_now()
+        return self._ask(lambda: controller.trace_moves(axis, every_steps))
+
+    def trace(self) -> Trace:
+        """Return the trace of the last move that was traced, as far as it is known; Refused before there was one."""
+        trace = self._ask(self._trace)
+        if trace is None:
+            raise Refused("No move has been traced yet: ask for a trace, then move.")
+        return trace
+
+    def stop(self, axes: Collection[int] | None = None) -> "Future[None]":
+        """Slow axes, or all, down with the ramp, before anything else that was asked for; return the result to come."""
         controller, worker = self._ready()
-        return worker.call_urgently(lambda: self._then_refresh(controller.stop))
+        return worker.call_urgently(lambda: self._then_refresh(lambda: controller.stop(axes)))
 
-    def halt(self) -> "Future[None]":
+    def halt(self, axes: Collection[int] | None = None) -> "Future[None]":
         """Make no further step, before anything else that was asked for; return the result to come."""
         controller, worker = self._ready()
-        return worker.call_urgently(lambda: self._then_refresh(controller.halt))
+        return worker.call_urgently(lambda: self._then_refresh(lambda: controller.halt(axes)))
 
     def _ready(self) -> tuple[Controller, Worker]:
         """Return controller and worker; raises when there are none to be asked."""
@@ -163,6 +182,12 @@ class Device:
         if controller is None or worker is None:
             raise Refused(f"{view.name} is still being connected.")
         return controller, worker
+
+    def _controller_now(self) -> Controller:
+        return self._ready()[0]
+
+    def _write(self, job: Callable[[], None]) -> None:
+        self._ask(lambda: self._while_writing(job))
 
     def _ask(self, job: Callable[[], T]) -> T:
         _, worker = self._ready()
@@ -189,28 +214,49 @@ class Device:
         status = controller.status()
         with self._lock:
             self._controller = controller
-            known = replace(self._view, timer_hz=controller.timer_hz, firmware_version=controller.firmware_version)
-        self._update(_with_status(known, status))
+            self._view = replace(
+                self._view, firmware_version=controller.firmware_version, clocks_hz=controller.clocks_hz
+            )
+        self._show(status)
 
     def _poll(self) -> float:
         if self._controller is None:
             return IDLE_POLL_S
-        self._refresh()
-        return MOVING_POLL_S if self.view.state in UNDER_WAY else IDLE_POLL_S
+        if self.view.state not in UNDER_WAY:
+            self._refresh()
+        elif (heard := self._controller.listen()) is not None:
+            self._show(heard)
+        elif monotonic() - self._heard_at > SILENCE_S:
+            self._refresh()
+        return LISTEN_S if self.view.state in UNDER_WAY else IDLE_POLL_S
 
     def _ended(self, loss: DeviceLost | None) -> None:
+        if self._controller is not None and loss is None:
+            with suppress(StepRampError):
+                self._controller.disconnect()
         if self._port is not None:
             self._port.close()
         with self._lock:
             self._port = self._controller = None
-        message = "Disconnected." if loss is None else str(loss)
-        self._update(replace(self.view, state=DeviceState.LOST, message=message, speed_steps_per_s=0.0))
+        self._update(self.view.at_a_loss("Disconnected." if loss is None else str(loss)))
 
     def _refresh(self) -> None:
         assert self._controller is not None
-        view = _with_status(self.view, self._controller.status())
+        self._show(self._controller.status())
+
+    def _show(self, status: ControllerStatus) -> None:
+        assert self._controller is not None
+        self._heard_at = monotonic()
+        view = replace(self.view.with_status(status), timer_hz=self._controller.timer_hz)
         # A stop may ask in the midst of a push, when the controller itself isn't writing yet.
         self._update(replace(view, state=DeviceState.WRITING) if self._pushing else view)
+
+    def _trace(self) -> Trace | None:
+        assert self._controller is not None
+        heard = self._controller.listen()
+        if heard is not None:
+            self._show(heard)
+        return self._controller.trace
 
     def _then_refresh(self, job: Callable[[], None]) -> None:
         job()
@@ -226,25 +272,18 @@ class Device:
         if self.view.state in UNDER_WAY:
             raise Refused("The motor moves: stop it first.")
 
-    def _push(self, store: Callable[[], PushReport]) -> PushReport:
+    def _push(self, send: Callable[[], PushReport]) -> PushReport:
+        reports: list[PushReport] = []
+        self._while_writing(lambda: reports.append(send()))
+        self._update(replace(self.view, pushed=reports[0]))
+        return reports[0]
+
+    def _while_writing(self, job: Callable[[], None]) -> None:
         self._refuse_under_way()
         self._pushing = True
         self._update(replace(self.view, state=DeviceState.WRITING))
         try:
-            report = store()
-            self._update(replace(self.view, pushed=report))
-            return report
+            job()
         finally:
             self._pushing = False
             self._refresh()
-
-
-def _with_status(view: DeviceView, status: ControllerStatus) -> DeviceView:
-    return replace(
-        view,
-        state=STATES[status.activity],
-        position_steps=status.position_steps,
-        target_steps=status.target_steps,
-        speed_steps_per_s=status.speed_steps_per_s,
-        ramp=status.ramp,
-    )

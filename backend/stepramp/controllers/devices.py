@@ -5,7 +5,8 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 
-from stepramp.controllers.device import Device, DeviceView
+from stepramp.controllers.device import Device
+from stepramp.controllers.device_view import DeviceView
 from stepramp.controllers.virtual import VirtualController
 from stepramp.errors import NotFound, StepRampError
 from stepramp.link import protocol_sim

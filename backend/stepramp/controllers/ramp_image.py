@@ -1,40 +1,84 @@
-"""Ramp images: a ramp as the bytes that a controller stores; docs/serial_protocol.md has the format.
+"""Ramp images: the ramps of a controller's axes as the bytes that it stores; docs/serial_protocol.md has the format.
 
-An image holds segments packed as three variable-length numbers each, as differences from the segment before. Both
-lists begin at the slow end.
+A ramp is two lists of segments, both from the slow end, or the constants of a formula that the controller computes. A
+segment is packed as three variable-length numbers, as differences from the segment before. Axes may share a ramp.
 """
 
 import struct
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from stepramp.controllers.formula_constants import decode_formula
+from stepramp.controllers.messages import MOST_AXES, HelloReply
 from stepramp.ramp.segments import MOST_COUNT, Segment
 
-FORMAT = 1
+FORMAT = 2
+FAST_CLOCK = 0x01
+"""Flag: intervals are ticks of the fast clock."""
 SAME_DOWN = 0x01
-"""Flag: down is the same list as up and is left out."""
-MOST_SEGMENTS = 120
-MOST_LIST_STEPS = 2**31 - 1
-ANY_INTERVAL = range(1, 2**32)
-"""What the format can hold of an interval [ticks]; a controller's limits are narrower."""
-HEADER = 0xFFFF
-"""Index of the fault when it is no segment's."""
-_HEADER = struct.Struct("<BBBBI")
-_LONGEST_NUMBER = 5
-"""Bytes of the longest variable-length number, which holds 35 bits."""
+"""Flag of a ramp: down is the same list as up and is left out."""
+OF_SEGMENTS, BY_FORMULA = 0, 1
+MOST_SEGMENTS = 250
+LONGEST_INTERVAL_TICKS = 2**28 - 1
+HEADER = 0xFF
+"""Instead of a ramp's or a segment's number: the fault lies in the header."""
+_IMAGE_HEADER = struct.Struct("<BBBB")
+_RAMP_HEADER = struct.Struct("<BH")
+_LISTS_HEADER = struct.Struct("<BBBIH")
+_NUMBER_BITS = 32
 
 
 class BadRampImage(ValueError):
-    """Bytes that aren't a ramp image; `segment` is the index of the first bad one, those of down after those of up."""
+    """Bytes that aren't a ramp image: which ramp is the first bad one, and which of its segments, down after up."""
 
-    def __init__(self, segment: int, reason: str) -> None:
-        self.segment = segment
-        super().__init__(f"{reason} (segment {segment}).")
+    def __init__(self, ramp: int, segment: int, reason: str) -> None:
+        self.ramp, self.segment = ramp, segment
+        super().__init__(f"{reason} (ramp {ramp}, segment {segment}).")
+
+    @property
+    def detail(self) -> int:
+        """What a controller tells of it."""
+        return self.ramp << 8 | self.segment
 
 
 @dataclass(frozen=True)
-class RampImage:
-    """A ramp as a controller has it: two lists of segments, each from the slow end, and the interval between."""
+class IntervalLimits:
+    """Which intervals a controller plays."""
+
+    shortest: int
+    """Of a ramp of segments [fast ticks]."""
+    shortest_formula: int
+    """Of a ramp by formula [fast ticks]."""
+    longest_ticks: int
+    fast_ticks_a_slow_tick: int
+
+    @classmethod
+    def of(cls, hello: HelloReply) -> "IntervalLimits":
+        """Return the limits of a controller, from its hello."""
+        ratio = hello.fast_clock_hz // hello.slow_clock_hz
+        shortest, formula = hello.shortest_intervals[0], hello.shortest_formula_interval
+        return cls(shortest, formula, hello.longest_interval_ticks, ratio)
+
+    def of_segments(self, *, fast_clock: bool) -> range:
+        """Return the intervals allowed in a ramp of segments [ticks]."""
+        return self._from(self.shortest, fast_clock)
+
+    def by_formula(self, *, fast_clock: bool) -> range:
+        """Return the intervals allowed in a ramp by formula [ticks]."""
+        return self._from(self.shortest_formula, fast_clock)
+
+    def _from(self, shortest: int, fast_clock: bool) -> range:
+        ticks = shortest if fast_clock else -(-shortest // self.fast_ticks_a_slow_tick)
+        return range(ticks, self.longest_ticks + 1)
+
+
+ANY_INTERVAL = IntervalLimits(1, 1, LONGEST_INTERVAL_TICKS, 1)
+"""What the format can hold; a controller's limits are narrower."""
+
+
+@dataclass(frozen=True)
+class SegmentRamp:
+    """Two lists of segments, each from the slow end, and the interval between."""
 
     up: tuple[Segment, ...]
     slew_interval_ticks: int
@@ -46,50 +90,132 @@ class RampImage:
         return len(self.up) + (0 if self.down == self.up else len(self.down))
 
     def encode(self) -> bytes:
-        """Return the image as bytes; of any length, since what a controller takes is up to the controller."""
+        """Return the ramp as bytes, its header included."""
         same = self.down == self.up
-        down = () if same else self.down
-        header = _HEADER.pack(FORMAT, SAME_DOWN if same else 0, len(self.up), len(down), self.slew_interval_ticks)
-        return header + _pack_list(self.up) + _pack_list(down)
-
-    @classmethod
-    def decode(cls, image: bytes, limits: range = ANY_INTERVAL) -> "RampImage":
-        """Return bytes as an image whose intervals lie within limits [ticks]; BadRampImage when they aren't one."""
-        if len(image) < _HEADER.size:
-            raise BadRampImage(HEADER, f"{len(image)} bytes are too few for a ramp")
-        image_format, flags, up_count, down_count, slew = _HEADER.unpack_from(image)
-        if image_format != FORMAT or flags & ~SAME_DOWN:
-            raise BadRampImage(HEADER, f"format {image_format} with flags {flags} is not known")
-        if (flags and down_count) or up_count + down_count > MOST_SEGMENTS:
-            raise BadRampImage(HEADER, f"{up_count} and {down_count} segments, where {MOST_SEGMENTS} are allowed")
-        _check_interval(HEADER, slew, limits)
-        numbers = _Numbers(image[_HEADER.size :])
-        up = tuple(_unpack_list(numbers, up_count, 0, limits))
-        down = up if flags else tuple(_unpack_list(numbers, down_count, up_count, limits))
-        if numbers.left:
-            raise BadRampImage(up_count + down_count, f"{numbers.left} bytes follow the last segment")
-        return cls(up, slew, down)
+        up, down = _pack_list(self.up), b"" if same else _pack_list(self.down)
+        counts = SAME_DOWN if same else 0, len(self.up), 0 if same else len(self.down)
+        body = _LISTS_HEADER.pack(*counts, self.slew_interval_ticks, len(up)) + up + down
+        return _RAMP_HEADER.pack(OF_SEGMENTS, len(body)) + body
 
     def keeps(self, limits: range) -> bool:
         """Tell whether all intervals lie within limits [ticks]."""
-        try:
-            _check_interval(HEADER, self.slew_interval_ticks, limits)
-            for index, segment in enumerate((*self.up, *self.down)):
-                _check_segment(index, segment, limits)
-        except BadRampImage:
-            return False
-        return True
+        ends = [end for segment in (*self.up, *self.down) for end in (segment.interval, _last(segment))]
+        return all(interval in limits for interval in (self.slew_interval_ticks, *ends))
 
 
-def _check_segment(index: int, segment: Segment, limits: range) -> None:
-    _check_interval(index, segment.interval, limits)
-    _check_interval(index, segment.interval + (segment.count - 1) * segment.add, limits)
+@dataclass(frozen=True)
+class FormulaRamp:
+    """The constants of a ramp that the controller computes while it plays it, packed."""
+
+    constants: bytes
+
+    @property
+    def sent_segments(self) -> int:
+        """None: it needs no segments."""
+        return 0
+
+    def encode(self) -> bytes:
+        """Return the ramp as bytes, its header included."""
+        return _RAMP_HEADER.pack(BY_FORMULA, len(self.constants)) + self.constants
 
 
-def _check_interval(index: int, interval: int, limits: range) -> None:
-    if interval not in limits:
-        allowed = f"{limits.start:,} to {limits.stop - 1:,}"
-        raise BadRampImage(index, f"an interval of {interval:,} ticks, where {allowed} is allowed")
+AxisRamp = SegmentRamp | FormulaRamp
+
+
+@dataclass(frozen=True)
+class RampImage:
+    """The ramps of all axes, and the clock that they are played with."""
+
+    fast_clock: bool
+    axes: tuple[AxisRamp, ...]
+    """The ramp of each axis. Equal ones are stored once."""
+
+    @property
+    def ramps(self) -> tuple[AxisRamp, ...]:
+        """The ramps that the image holds, in the order of the axes that first use them."""
+        return tuple(dict.fromkeys(self.axes))
+
+    @property
+    def sent_segments(self) -> int:
+        """Number of segments that the image holds."""
+        return sum(ramp.sent_segments for ramp in self.ramps)
+
+    def encode(self) -> bytes:
+        """Return the image as bytes; of any length, since what a controller takes is up to the controller."""
+        ramps = self.ramps
+        header = _IMAGE_HEADER.pack(FORMAT, FAST_CLOCK if self.fast_clock else 0, len(self.axes), len(ramps))
+        assigned = bytes(ramps.index(ramp) for ramp in self.axes)
+        return header + assigned + b"".join(ramp.encode() for ramp in ramps)
+
+    @classmethod
+    def decode(cls, image: bytes, limits: IntervalLimits = ANY_INTERVAL) -> "RampImage":
+        """Return bytes as an image whose intervals lie within limits; BadRampImage when they aren't one."""
+        flags, numbers, ramps_count = _decode_header(image)
+        fast_clock, at = bool(flags & FAST_CLOCK), _IMAGE_HEADER.size + len(numbers)
+        ramps: list[AxisRamp] = []
+        for number in range(ramps_count):
+            if len(image) - at < _RAMP_HEADER.size:
+                raise BadRampImage(number, HEADER, "the image ends before this ramp")
+            kind, length = _RAMP_HEADER.unpack_from(image, at)
+            at += _RAMP_HEADER.size
+            if length > len(image) - at:
+                raise BadRampImage(number, HEADER, "the image ends within this ramp")
+            body = image[at : at + length]
+            at += length
+            if kind == OF_SEGMENTS:
+                ramps.append(_decode_lists(number, body, limits.of_segments(fast_clock=fast_clock)))
+            elif kind == BY_FORMULA:
+                ramps.append(_decode_formula(number, body, limits.by_formula(fast_clock=fast_clock)))
+            else:
+                raise BadRampImage(number, HEADER, f"kind {kind} is not known")
+        if at != len(image):
+            raise BadRampImage(HEADER, HEADER, f"{len(image) - at} bytes follow the last ramp")
+        return cls(fast_clock, tuple(ramps[each] for each in numbers))
+
+
+def _decode_header(image: bytes) -> tuple[int, bytes, int]:
+    """Return the flags, the number of each axis' ramp, and how many ramps there are."""
+    if len(image) < _IMAGE_HEADER.size:
+        raise BadRampImage(HEADER, HEADER, f"{len(image)} bytes are too few for a ramp image")
+    image_format, flags, axes, ramps = _IMAGE_HEADER.unpack_from(image)
+    numbers = image[_IMAGE_HEADER.size : _IMAGE_HEADER.size + axes]
+    if image_format != FORMAT or flags & ~FAST_CLOCK:
+        raise BadRampImage(HEADER, HEADER, f"format {image_format} with flags {flags} is not known")
+    if not 1 <= ramps <= axes <= MOST_AXES or len(numbers) != axes or set(numbers) != set(range(ramps)):
+        raise BadRampImage(HEADER, HEADER, f"{ramps} ramps for {axes} axes, where each ramp must be some axis'")
+    return flags, numbers, ramps
+
+
+def _decode_formula(number: int, constants: bytes, limits: range) -> FormulaRamp:
+    try:
+        decode_formula(constants, limits)
+    except ValueError as error:
+        raise BadRampImage(number, HEADER, str(error)) from error
+    return FormulaRamp(constants)
+
+
+def _decode_lists(number: int, body: bytes, limits: range) -> SegmentRamp:
+    if len(body) < _LISTS_HEADER.size:
+        raise BadRampImage(number, HEADER, f"{len(body)} bytes are too few for two lists")
+    flags, up_count, down_count, slew, up_bytes = _LISTS_HEADER.unpack_from(body)
+    lists = body[_LISTS_HEADER.size :]
+    if flags & ~SAME_DOWN or (flags and down_count) or up_bytes > len(lists):
+        raise BadRampImage(number, HEADER, f"flags {flags} with {down_count} down segments make no sense")
+    if up_count + down_count > MOST_SEGMENTS:
+        raise BadRampImage(number, HEADER, f"{up_count + down_count} segments, where {MOST_SEGMENTS} are allowed")
+    if slew not in limits:
+        raise BadRampImage(number, HEADER, _allowed(slew, limits))
+    up = tuple(_unpack_list(_Numbers(lists[:up_bytes], number), up_count, 0, limits))
+    down = tuple(_unpack_list(_Numbers(lists[up_bytes:], number), down_count, up_count, limits))
+    return SegmentRamp(up, slew, up if flags else down)
+
+
+def _last(segment: Segment) -> int:
+    return segment.interval + (segment.count - 1) * segment.add
+
+
+def _allowed(interval: int, limits: range) -> str:
+    return f"an interval of {interval:,} ticks, where {limits.start:,} to {limits.stop - 1:,} is allowed"
 
 
 def _pack_list(segments: Sequence[Segment]) -> bytes:
@@ -104,46 +230,51 @@ def _pack_list(segments: Sequence[Segment]) -> bytes:
 
 
 def _unpack_list(numbers: "_Numbers", count: int, first_index: int, limits: range) -> Iterator[Segment]:
-    expected = last_add = steps = 0
+    expected = last_add = 0
     for index in range(first_index, first_index + count):
         segment_count = numbers.next(index)
         interval = expected + _unzigzag(numbers.next(index))
         last_add += _unzigzag(numbers.next(index))
         if not 1 <= segment_count <= MOST_COUNT:
-            raise BadRampImage(index, f"a count of {segment_count}, where 1 to {MOST_COUNT:,} is allowed")
+            raise numbers.bad(index, f"a count of {segment_count}, where 1 to {MOST_COUNT:,} is allowed")
         if not -(2**15) <= last_add < 2**15:
-            raise BadRampImage(index, f"an add of {last_add}, where -32,768 to 32,767 is allowed")
-        steps += segment_count
-        if steps > MOST_LIST_STEPS:
-            raise BadRampImage(index, f"{steps:,} steps, where {MOST_LIST_STEPS:,} are allowed")
+            raise numbers.bad(index, f"an add of {last_add}, where -32,768 to 32,767 is allowed")
         segment = Segment(interval, segment_count, last_add)
-        _check_segment(index, segment, limits)
+        for end in (interval, _last(segment)):
+            if end not in limits:
+                raise numbers.bad(index, _allowed(end, limits))
         yield segment
         expected = interval + segment_count * last_add
+    if numbers.left:
+        raise numbers.bad(first_index + count, f"{numbers.left} bytes follow the last segment")
 
 
 class _Numbers:
     """LEB128: 7 bits a byte, low bits first, the top bit set on all bytes but the last."""
 
-    def __init__(self, data: bytes) -> None:
+    def __init__(self, data: bytes, ramp: int) -> None:
         self._data = data
+        self._ramp = ramp
         self._at = 0
 
     @property
     def left(self) -> int:
         return len(self._data) - self._at
 
+    def bad(self, segment: int, reason: str) -> BadRampImage:
+        return BadRampImage(self._ramp, segment, reason)
+
     def next(self, segment: int) -> int:
         value = 0
-        for place in range(_LONGEST_NUMBER):
+        for shift in range(0, _NUMBER_BITS, 7):
             if not self.left:
-                raise BadRampImage(segment, "the image ends within a segment")
+                raise self.bad(segment, "the list ends within a segment")
             byte = self._data[self._at]
             self._at += 1
-            value |= (byte & 0x7F) << 7 * place
-            if byte < 0x80:
+            value |= (byte & 0x7F) << shift
+            if byte < 0x80 and not value >> _NUMBER_BITS:
                 return value
-        raise BadRampImage(segment, f"a number longer than {_LONGEST_NUMBER} bytes")
+        raise self.bad(segment, f"a number of more than {_NUMBER_BITS} bits")
 
 
 def _pack_number(value: int) -> bytes:

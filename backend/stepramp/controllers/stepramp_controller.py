@@ -1,80 +1,67 @@
 """The family of controllers that speak docs/serial_protocol.md."""
 
-import secrets
-from collections.abc import Callable
-from time import monotonic, sleep
-from typing import TypeVar
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import replace
+from time import sleep
 
-from stepramp.controllers.controller import Activity, ControllerStatus, PushReport, StoredRamp
-from stepramp.controllers.frames import FrameSplitter, crc16, encode_frame
+from stepramp.controllers.controller import (
+    UNDER_WAY,
+    Activity,
+    Asked,
+    AxisStatus,
+    ControllerStatus,
+    PushMode,
+    PushReport,
+    StoredRamp,
+)
+from stepramp.controllers.conversation import Conversation
 from stepramp.controllers.messages import (
-    MOST_DATA,
-    PROTOCOL_VERSION,
-    REPLY,
-    BeginRequest,
-    CommitRequest,
-    DataReply,
-    DataRequest,
+    MOST_REPORTS_HZ,
+    AxesRequest,
+    AxisState,
     DoneReply,
-    EndReply,
-    EndRequest,
     HaltRequest,
     HelloReply,
-    HelloRequest,
-    Message,
-    MotorState,
+    LineRequest,
+    MachineState,
     MoveByRequest,
-    MoveReply,
     MoveToRequest,
-    ReadReply,
-    ReadRequest,
+    RampInUse,
+    ReadSettingsRequest,
     ReadSource,
-    Refusal,
-    Reply,
-    ReplyStatus,
-    Request,
+    ReportNotice,
+    ReportRequest,
+    RollBackRequest,
+    RunRequest,
+    SetPositionRequest,
+    SettingsReply,
+    StatusFlag,
     StatusReply,
     StatusRequest,
     StopRequest,
-    unpack_reply,
+    TargetsReply,
+    TraceNotice,
+    WriteSettingsRequest,
+    ZeroRequest,
+    mask_of,
 )
+from stepramp.controllers.motion_checks import MotionChecks
 from stepramp.controllers.push import plan_push
+from stepramp.controllers.ramp_image import BadRampImage, RampImage
+from stepramp.controllers.settings import Settings
+from stepramp.controllers.trace import Trace
+from stepramp.controllers.tracing import Tracing
+from stepramp.controllers.transfer import Transfer
 from stepramp.design import Design
-from stepramp.errors import DeviceLost, Refused, Rejected, Rejection
+from stepramp.errors import DeviceLost, Refused
 from stepramp.link.serial_port import SerialPort
 from stepramp.units import speed_from_interval
 
-HELLO_INTERVAL_S = 0.25
-HELLO_TIMEOUT_S = 5.0
-"""Many boards reset when their port is opened, and are deaf for up to 2 s."""
-GARBAGE_S = 0.05
-REPLY_TIMEOUT_S = 0.2
-MOST_REPEATS = 3
-WRITE_POLL_S = 0.02
-WRITE_TIMEOUT_S = 10.0
-"""Two slots of 512 bytes at 3.4 ms a byte, and more than twice that for slower memory."""
-FURTHEST_STEPS = 2**31 - 1
-
 ACTIVITIES = {
-    MotorState.IDLE: Activity.READY,
-    MotorState.MOVING: Activity.MOVING,
-    MotorState.STOPPING: Activity.STOPPING,
-    MotorState.WRITING: Activity.WRITING,
+    AxisState.IDLE: Activity.READY,
+    AxisState.MOVING: Activity.MOVING,
+    AxisState.STOPPING: Activity.STOPPING,
 }
-
-REFUSALS = {
-    ReplyStatus.MOVING: "The motor moves: stop it first.",
-    ReplyStatus.NO_RAMP: "The controller has no ramp yet: push a design first.",
-    ReplyStatus.WRITING: "The controller is storing a ramp: try again in a few seconds.",
-    ReplyStatus.BAD_CRC: "The ramp arrived damaged; the controller keeps the one it had.",
-    ReplyStatus.BAD_RAMP: "The controller refuses segment {detail} of the ramp; it keeps the one it had.",
-    ReplyStatus.BAD_VERSION: (
-        f"The controller speaks version {{detail}} of the protocol, this program version {PROTOCOL_VERSION}: "
-        "update the older of the two."
-    ),
-}
-
-R = TypeVar("R", bound=Reply)
 
 
 class StepRampController:
@@ -85,24 +72,34 @@ class StepRampController:
 
         give_way: called between two frames of a long exchange with how long there is time for other calls [s].
         """
-        self._port = port
-        self._give_way = give_way
-        self._splitter = FrameSplitter()
-        self._session = 0
-        self._tag = 0
+        self._port_name = port.name
+        self._conversation = Conversation(port, give_way)
+        self._transfer = Transfer(self._conversation, give_way)
         self._hello: HelloReply | None = None
+        self._settings = Settings()
+        self._image: RampImage | None = None
+        self._status: ControllerStatus | None = None
+        self._report: ReportNotice | None = None
+        self._tracing = Tracing(self._conversation)
+        self._checks = MotionChecks()
 
     @property
     def identity(self) -> HelloReply:
         """What the controller said in reply to hello; DeviceLost before there was one."""
         if self._hello is None:
-            raise DeviceLost(f"Port {self._port.name} is not connected.")
+            raise DeviceLost(f"Port {self._port_name} is not connected.")
         return self._hello
 
     @property
+    def clocks_hz(self) -> tuple[int, int]:
+        """The fast and the slow clock of the step timer [Hz]."""
+        return self.identity.fast_clock_hz, self.identity.slow_clock_hz
+
+    @property
     def timer_hz(self) -> int:
-        """Ticks a second of the step timer [Hz]."""
-        return self.identity.timer_frequency_hz
+        """Ticks a second of the clock that the ramps in use are played with [Hz]; without any, of the slow one."""
+        fast, slow = self.clocks_hz
+        return fast if self._image is not None and self._image.fast_clock else slow
 
     @property
     def firmware_version(self) -> str:
@@ -110,147 +107,265 @@ class StepRampController:
         said = self.identity
         return f"{said.firmware_major}.{said.firmware_minor}.{said.firmware_patch}"
 
-    def connect(self) -> None:
-        """Shake hands: drop what a reset left on the line, then say hello until it is answered.
+    @property
+    def trace(self) -> Trace | None:
+        """The trace of the last move that was traced, or is being."""
+        return self._tracing.trace
 
-        Raises DeviceLost when nothing answers, Refused when another protocol version does.
-        """
-        self._session = 1 + secrets.randbelow(0xFFFF)
-        self._tag = 0
-        message = Message(HelloRequest.KIND, self._session, self._tag, HelloRequest().pack())
-        deadline = monotonic() + HELLO_TIMEOUT_S
-        while self._port.read(GARBAGE_S) and monotonic() < deadline:
-            pass
-        reply = None
-        while reply is None and monotonic() < deadline:
-            # The lone zero ends whatever noise the board took for the beginning of a frame.
-            self._port.write(b"\0" + encode_frame(message.pack()))
-            reply = self._await_reply(message, HELLO_INTERVAL_S)
-        if reply is None:
-            raise DeviceLost(f"Nothing at {self._port.name} answers as a StepRamp controller.")
-        self._hello = self._understood(reply, HelloReply)
+    def connect(self) -> None:
+        """Shake hands, and learn which settings and ramps are in use; nothing moves."""
+        self._hello = self._conversation.begin()
+        self._use_settings(self.settings())
+        self._learn_image(RampInUse(self._hello.ramp_in_use))
+        self._conversation.ask(ReportRequest(MOST_REPORTS_HZ), DoneReply)
+
+    def disconnect(self) -> None:
+        """Ask for no more reports."""
+        self._conversation.ask(ReportRequest(0), DoneReply)
 
     def status(self) -> ControllerStatus:
-        """Ask what the controller is doing."""
-        return self._meaning(self._ask(StatusRequest(), StatusReply))
+        """Ask what the controller is doing, axis by axis."""
+        count = len(self._image.axes) if self._image else 1
+        replies = [self._conversation.ask(StatusRequest(axis), StatusReply) for axis in range(count)]
+        first = replies[0]
+        axes = tuple(self._axis_status(axis, reply) for axis, reply in enumerate(replies))
+        status = ControllerStatus(
+            activity=Activity.WRITING if first.state == MachineState.WRITING else _activity_of(axes),
+            axes=axes,
+            ramp=StoredRamp(first.ramp_sequence, first.image_crc) if self._image else None,
+            on_trial=bool(first.flags & StatusFlag.ON_TRIAL),
+            motors_on=bool(first.flags & StatusFlag.ENABLED),
+            starved=max(reply.starved for reply in replies),
+        )
+        self._status, self._report = status, None
+        return status
 
-    def prepare_push(self, design: Design) -> Callable[[], PushReport]:
-        """Work out the ramp image, without the port, and return the call that stores it; see Controller."""
-        plan = plan_push(design, self.identity)
+    def listen(self) -> ControllerStatus | None:
+        """Return what the reports since the last call say; None when there was none."""
+        self._hear()
+        report, self._report = self._report, None
+        before = self._status
+        if report is None or before is None or before.activity is Activity.WRITING:
+            return None
+        activities = [ACTIVITIES[report.state_of(axis)] for axis in range(len(report.axes))]
+        if activities != [axis.activity for axis in before.axes]:
+            return self.status()
+        axes = tuple(
+            self._moved_on(axis, position, interval)
+            for axis, (position, interval) in zip(before.axes, report.axes, strict=True)
+        )
+        self._status = replace(before, axes=axes)
+        return self._status
+
+    def prepare_push(
+        self, designs: Sequence[Design], first_axis: int | None = None, mode: PushMode = "keep"
+    ) -> Callable[[], PushReport]:
+        """Work out the ramp image, without the port, and return the call that sends it; see Controller."""
+        present = self._image
+        plan = plan_push(designs, self.identity, self._settings, first_axis, present)
 
         def push() -> PushReport:
-            stored, sequence = self.store(plan.image.encode())
-            return plan.report(stored, sequence)
+            if first_axis is not None and self._image is not present:
+                raise Refused("The controller's ramps were changed in the meantime: push again.")
+            kept = mode == "keep"
+            stored, sequence = self.store(plan.image.encode()) if kept else self.try_out(plan.image.encode())
+            return plan.report(stored, sequence, kept=kept)
 
         return push
 
     def store(self, image: bytes) -> tuple[bytes, int]:
         """Store a ramp image: send, read back from RAM, commit, read back from EEPROM.
 
-        Returns what was read back and the ramp's sequence number. Raises Refused when the controller can't take it,
-        or holds something else than what was sent: then the ramp it had stays active.
+        Returns what was read back and its sequence number. Raises Refused when the controller can't take it, or holds
+        something else than what was sent: then the ramps it had stay active.
         """
-        self._ask(BeginRequest(len(image), crc16(image)), DoneReply)
-        for offset in range(0, len(image), MOST_DATA):
-            self._ask(DataRequest(offset, image[offset : offset + MOST_DATA]), DataReply)
-        self._ask(EndRequest(), EndReply)
-        if self._read(ReadSource.STAGED) != image:
-            raise Refused("The controller's memory holds another ramp than the one sent; it keeps the one it had.")
-        self._ask(CommitRequest(), DoneReply)
-        written = self._await_written()
-        return self._read(ReadSource.STORED), written.ramp_sequence
+        self._transfer.deliver(image)
+        written = self._transfer.commit()
+        return self._learn_image(RampInUse.STORED), written.ramp_sequence
 
-    def move_by(self, by_steps: int) -> None:
-        """Begin to move by so many steps; see Controller."""
-        asked = Rejection("by_steps", by_steps, "not 0, and a target from -2,147,483,648 to 2,147,483,647 steps")
-        if by_steps == 0 or not -FURTHEST_STEPS - 1 <= by_steps <= FURTHEST_STEPS:
-            raise Rejected([asked])
-        self._ask(MoveByRequest(by_steps), MoveReply, asked)
+    def try_out(self, image: bytes) -> tuple[bytes, int]:
+        """Use a ramp image without storing it: send, read back from RAM, use. Returns as store does."""
+        self._transfer.deliver(image)
+        self._transfer.try_out()
+        sequence = self._conversation.ask(StatusRequest(0), StatusReply).ramp_sequence
+        return self._learn_image(RampInUse.ON_TRIAL), sequence
 
-    def move_to(self, to_steps: int) -> None:
-        """Begin to move to a position [steps]; see Controller."""
-        asked = Rejection("to_steps", to_steps, "a target from -2,147,483,648 to 2,147,483,647 steps")
-        if not -FURTHEST_STEPS - 1 <= to_steps <= FURTHEST_STEPS:
-            raise Rejected([asked])
-        self._ask(MoveToRequest(to_steps), MoveReply, asked)
+    def keep(self) -> None:
+        """Store the ramps and settings in use."""
+        if self._image is None:
+            raise Refused("There is no ramp that the settings could be stored with: push a design first.")
+        self._transfer.commit()
+        self._learn_image(RampInUse.STORED)
 
-    def stop(self) -> None:
+    def roll_back(self) -> None:
+        """Use the stored ramps and settings again; Refused when nothing else is in use."""
+        if not self.status().on_trial:
+            raise Refused("Nothing is on trial: the stored ramps and settings are in use.")
+        self._roll_back()
+
+    def restore(self) -> None:
+        """Make the ramps and settings that were stored before the stored ones; Refused when there are none."""
+        before = self.status()
+        if before.on_trial:
+            raise Refused("Ramps or settings are on trial: keep them or roll them back first.")
+        if not self._transfer.read(ReadSource.PREVIOUS):
+            raise Refused("The controller has no ramps that were stored before.")
+        self._roll_back()
+        sequence = before.ramp.sequence if before.ramp else 0
+        if self._conversation.ask(StatusRequest(0), StatusReply).ramp_sequence == sequence:
+            # An image had been delivered and not used: the first time only dropped that.
+            self._roll_back()
+
+    def settings(self) -> Settings:
+        """Ask for the settings in use."""
+        reply = self._conversation.ask(ReadSettingsRequest(), SettingsReply)
+        return Settings.unpack(reply.settings)
+
+    def use_settings(self, settings: Settings) -> None:
+        """Use other settings until a roll back or a reset."""
+        self._conversation.ask(WriteSettingsRequest(settings.pack()), DoneReply)
+        self._use_settings(settings)
+
+    def move_by(self, steps: Sequence[Asked]) -> None:
+        """Begin to move axes by so many steps; see Controller."""
+        self._move(steps, MoveByRequest)
+
+    def move_to(self, positions: Sequence[Asked]) -> None:
+        """Begin to move axes to positions [steps]; see Controller."""
+        self._move(positions, MoveToRequest)
+
+    def run(self, speeds: Sequence[Asked]) -> None:
+        """Run axes at speeds [steps/s]; see Controller."""
+        intervals = self._checks.intervals_of(speeds)
+        rejected = self._checks.unless_too_fast(self._moving, speeds, intervals)
+        self._tracing.prepare(intervals, self._hear)
+        request = RunRequest(mask_of(intervals), tuple(intervals[axis] for axis in sorted(intervals)))
+        self._conversation.ask(request, DoneReply, rejected)
+        self._checks.running |= {axis: abs(interval) for axis, interval in intervals.items() if interval}
+        self._tracing.runs(intervals, self._checks.ways, self.timer_hz)
+
+    def line(self, steps: Sequence[Asked], ramp_axis: int | None = None) -> None:
+        """Begin to move axes along a straight line; see Controller."""
+        values = self._checks.whole_values(steps)
+        axis = self._checks.ramp_axis(values, ramp_axis)
+        rejected = self._checks.unless_line_too_fast(steps, values, axis)
+        ordered = tuple(values[each] for each in sorted(values))
+        self._tracing.prepare(values, self._hear)
+        self._conversation.ask(LineRequest(mask_of(values), axis, ordered), TargetsReply, rejected)
+        self._tracing.goes_along_a_line(values, self._checks.ways[axis], self.timer_hz)
+
+    def set_position(self, positions: Sequence[Asked]) -> None:
+        """Call the places where axes are these positions [steps]."""
+        values = self._checks.whole_values(positions)
+        ordered = tuple(values[axis] for axis in sorted(values))
+        self._conversation.ask(SetPositionRequest(mask_of(values), ordered), DoneReply)
+
+    def zero(self, axes: Collection[int], steps: int) -> None:
+        """Call the places where axes are so many steps and move them to 0."""
+        asked = [Asked(axis, steps, "axes") for axis in axes]
+        values = self._checks.whole_values(asked)
+        rejected = self._checks.unless_too_fast(self._moving, asked, self._checks.slew_intervals(values))
+        self._tracing.prepare(values, self._hear)
+        self._conversation.ask(ZeroRequest(mask_of(values), steps), DoneReply, rejected)
+        self._tracing.moves(dict.fromkeys(values, -steps), self._checks.ways, self.timer_hz)
+
+    def stop(self, axes: Collection[int] | None = None) -> None:
         """Begin to slow down with the ramp."""
-        self._ask(StopRequest(), DoneReply)
+        self._tracing.change(axes)
+        self._conversation.ask(StopRequest(self._mask(axes)), DoneReply)
 
-    def halt(self) -> None:
+    def halt(self, axes: Collection[int] | None = None) -> None:
         """Make no further step."""
-        self._ask(HaltRequest(), DoneReply)
+        self._tracing.change(axes)
+        self._conversation.ask(HaltRequest(self._mask(axes)), DoneReply)
 
-    def _read(self, source: ReadSource) -> bytes:
-        """Return a whole ramp image; empty when there is none."""
-        data = b""
-        while True:
-            reply = self._ask(ReadRequest(source, len(data), MOST_DATA), ReadReply)
-            data += reply.data
-            if not reply.data or len(data) >= reply.total_bytes:
-                return data
+    def trace_moves(self, axis: int | None, every_steps: int) -> int:
+        """Trace every so many-th step of each move of an axis from now on; see Controller."""
+        if axis is not None:
+            self._checks.known_axes([Asked(axis, 0, "traced_axis")])
+        return self._tracing.arm(axis, every_steps)
 
-    def _await_written(self) -> StatusReply:
-        deadline = monotonic() + WRITE_TIMEOUT_S
-        while (reply := self._ask(StatusRequest(), StatusReply)).state == MotorState.WRITING:
-            if monotonic() >= deadline:
-                raise Refused(f"The controller has been storing the ramp for {WRITE_TIMEOUT_S:g} s without an end.")
-            self._give_way(WRITE_POLL_S)
-        if reply.write_result:
-            raise Refused("The controller could not store the ramp in its memory; it keeps the one it had.")
-        return reply
+    def _move(self, asked: Sequence[Asked], request: type[AxesRequest]) -> None:
+        values = self._checks.whole_values(asked)
+        rejected = self._checks.unless_too_fast(self._moving, asked, self._checks.slew_intervals(values))
+        starts = self._tracing.prepare(values, self._hear)
+        targets = self._conversation.ask(
+            request(mask_of(values), tuple(values[axis] for axis in sorted(values))), TargetsReply, rejected
+        )
+        for axis in values:
+            self._checks.running.pop(axis, None)
+        reached = dict(zip(sorted(values), targets.targets_steps, strict=True))
+        distances = {axis: reached[axis] - start for axis, start in starts.items()}
+        self._tracing.moves(distances, self._checks.ways, self.timer_hz)
 
-    def _meaning(self, reply: StatusReply) -> ControllerStatus:
-        moves = reply.interval_ticks > 0
-        return ControllerStatus(
-            activity=ACTIVITIES[MotorState(reply.state)],
+    def _moving(self, anew: bool) -> set[int]:
+        """Return the axes that move, as last heard or as asked anew."""
+        status = self._status if self._status is not None and not anew else self.status()
+        return {axis.axis for axis in status.axes if axis.activity in UNDER_WAY}
+
+    def _hear(self) -> None:
+        """Take what the controller has said unasked."""
+        for notice in self._conversation.notices():
+            if isinstance(notice, ReportNotice):
+                self._report = notice
+            elif isinstance(notice, TraceNotice):
+                self._tracing.take(notice)
+
+    def _mask(self, axes: Collection[int] | None) -> bytes:
+        if axes is None:
+            return b""
+        self._checks.known_axes([Asked(axis, 0, "axes") for axis in axes])
+        return bytes([mask_of(axes)])
+
+    def _roll_back(self) -> None:
+        self._conversation.ask(RollBackRequest(), DoneReply)
+        written = self._transfer.await_written()
+        self._use_settings(self.settings())
+        self._learn_image(RampInUse.STORED if written.ramp_sequence else RampInUse.NONE)
+
+    def _learn_image(self, in_use: RampInUse) -> bytes:
+        """Read the ramps in use, and return their image as bytes."""
+        source = ReadSource.RAM if in_use is RampInUse.ON_TRIAL else ReadSource.STORED
+        read = b"" if in_use is RampInUse.NONE else self._transfer.read(source)
+        try:
+            self._image = RampImage.decode(read) if read else None
+        except BadRampImage as error:
+            raise DeviceLost(f"The controller at {self._port_name} has ramps without sense: {error}") from error
+        self._checks.use(self._image, self.identity, self._settings)
+        return read
+
+    def _use_settings(self, settings: Settings) -> None:
+        self._settings = settings
+        self._checks.use(self._image, self.identity, settings)
+
+    def _axis_status(self, axis: int, reply: StatusReply) -> AxisStatus:
+        return AxisStatus(
+            axis=axis,
+            activity=ACTIVITIES[AxisState(reply.axis_state)],
             position_steps=reply.position_steps,
             target_steps=reply.target_steps,
-            speed_steps_per_s=speed_from_interval(reply.interval_ticks, self.timer_hz) if moves else 0.0,
-            ramp=StoredRamp(reply.ramp_sequence, reply.ramp_crc) if reply.ramp_sequence else None,
+            speed_steps_per_s=self._speed(reply.interval_ticks),
+            steps_made=reply.steps_made,
         )
 
-    def _ask(self, request: Request, reply_type: type[R], asked: Rejection | None = None) -> R:
-        """Send a request and return its reply; an unanswered one is repeated with the same tag.
+    def _moved_on(self, before: AxisStatus, position: int, interval: int) -> AxisStatus:
+        """Return the status of an axis that still does what it did, from a report."""
+        runs = before.activity is Activity.MOVING and before.axis in self._checks.running
+        made = before.steps_made + abs(position - before.position_steps)
+        target = position if runs or before.activity is Activity.READY else before.target_steps
+        return replace(
+            before,
+            position_steps=position,
+            target_steps=target,
+            speed_steps_per_s=self._speed(interval),
+            steps_made=made if before.activity in UNDER_WAY else before.steps_made,
+        )
 
-        asked: what to reject when the controller finds a value out of range.
-        """
-        self._give_way(0.0)
-        self._tag = (self._tag + 1) & 0xFF
-        message = Message(request.KIND, self._session, self._tag, request.pack())
-        for _ in range(1 + MOST_REPEATS):
-            self._port.write(encode_frame(message.pack()))
-            reply = self._await_reply(message, REPLY_TIMEOUT_S)
-            if reply is not None:
-                return self._understood(reply, reply_type, asked)
-        raise DeviceLost(f"The controller at {self._port.name} does not answer.")
+    def _speed(self, interval_ticks: int) -> float:
+        return speed_from_interval(interval_ticks, self.timer_hz) if interval_ticks else 0.0
 
-    def _await_reply(self, request: Message, timeout_s: float) -> Message | None:
-        """Return the reply to a request; what else comes in is the answer to an earlier one, or noise."""
-        deadline = monotonic() + timeout_s
-        while (left_s := deadline - monotonic()) > 0:
-            for frame in self._splitter.feed(self._port.read(left_s)):
-                reply = Message.unpack(frame)
-                if reply is not None and (reply.kind, reply.session, reply.tag) == (
-                    request.kind | REPLY,
-                    request.session,
-                    request.tag,
-                ):
-                    return reply
-        return None
 
-    def _understood(self, message: Message, reply_type: type[R], asked: Rejection | None = None) -> R:
-        """Return a reply's body; a refusal becomes the exception that says so."""
-        try:
-            reply = unpack_reply(reply_type, message.body)
-        except ValueError as error:
-            raise DeviceLost(f"The controller at {self._port.name} gives answers without sense: {error}") from error
-        if not isinstance(reply, Refusal):
-            return reply
-        if reply.status is ReplyStatus.STALE_SESSION:
-            raise DeviceLost(f"The controller at {self._port.name} was restarted: its position is no longer known.")
-        if reply.status is ReplyStatus.OUT_OF_RANGE and asked is not None:
-            raise Rejected([asked])
-        unexpected = f"The controller refuses: {reply.status.name.lower()} ({reply.detail})."
-        raise Refused(REFUSALS.get(reply.status, unexpected).format(detail=reply.detail))
+def _activity_of(axes: Sequence[AxisStatus]) -> Activity:
+    """Return what a controller does as a whole: it stops when all that move stop."""
+    activities = {axis.activity for axis in axes}
+    return next((each for each in (Activity.MOVING, Activity.STOPPING) if each in activities), Activity.READY)

@@ -1,147 +1,177 @@
-"""The virtual controller's motor: a move as a function of time, and how it stops."""
+"""The virtual controller's motors: each where its course has brought it, by a clock of ticks."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stepramp.ramp.move import Ramp, split
+from stepramp.controllers.course import Course, Ways
+from stepramp.controllers.messages import AxisState
+
+FURTHEST_FORWARD, FURTHEST_BACKWARD = 2**31 - 1, -(2**31)
+
+InstantsOf = Callable[[NDArray[np.int64]], NDArray[np.int64]]
 
 
-@dataclass(frozen=True)
-class Motion:
-    """The intervals of one move [ticks]: a head, one interval many times, and a tail.
+class Watch(Protocol):
+    """What is told of each pulse of a motor."""
 
-    A move may be 2³¹ steps long, so the slew intervals are never written out.
-    """
+    def set_out(self) -> None:
+        """Notice that the motor sets out from rest."""
 
-    head: NDArray[np.int64]
-    slew_interval: int
-    slew_steps: int
-    tail: NDArray[np.int64]
+    def pulses(self, first: int, count: int, instants_of: InstantsOf) -> None:
+        """Notice pulses, counted from 1 since the motor set out; instants_of returns when some of them came [ticks]."""
 
-    @classmethod
-    def of(cls, ramp: Ramp, steps: int) -> "Motion":
-        """Return the move of so many steps that the ramp gives."""
-        n_up, n_down = split(ramp, steps)
-        up, down = ramp.up[:n_up].astype(np.int64), ramp.down[:n_down].astype(np.int64)
-        return cls(up, int(ramp.slew), steps - n_up - n_down, down[::-1])
-
-    @property
-    def steps(self) -> int:
-        """Number of pulses, which is that of intervals."""
-        return self.head.size + self.slew_steps + self.tail.size
-
-    @property
-    def duration_ticks(self) -> int:
-        """From the first pulse to the end of the last interval [ticks]."""
-        return int(self.head.sum()) + self.slew_steps * self.slew_interval + int(self.tail.sum())
-
-    def intervals_passed(self, ticks: int) -> int:
-        """Return how many intervals have passed wholly, so long after the first pulse [ticks]."""
-        ticks_of_head = int(self.head.sum())
-        if ticks < ticks_of_head:
-            return _passed(self.head, ticks)
-        slewing = (ticks - ticks_of_head) // self.slew_interval
-        if slewing < self.slew_steps:
-            return self.head.size + slewing
-        ticks_of_tail = ticks - ticks_of_head - self.slew_steps * self.slew_interval
-        return self.head.size + self.slew_steps + _passed(self.tail, ticks_of_tail)
-
-    def pulses(self, ticks: int) -> int:
-        """Return how many pulses have been made, so long after the first [ticks]."""
-        return min(self.intervals_passed(ticks) + 1, self.steps)
-
-    def interval(self, ticks: int) -> int:
-        """Return the present interval [ticks], 0 when the move is over."""
-        index = self.intervals_passed(ticks)
-        if index < self.head.size:
-            return int(self.head[index])
-        if index < self.head.size + self.slew_steps:
-            return self.slew_interval
-        return int(self.tail[index - self.head.size - self.slew_steps]) if index < self.steps else 0
-
-    def stopped(self, ticks: int, ramp: Ramp) -> "Motion":
-        """Return this move as it goes on when a stop comes, so long after the first pulse [ticks].
-
-        The present interval runs out; then come the last of the ramp's down steps, those longer than it. While slewing
-        that is all of them. A move that slows down already ends where it would have ended.
-        """
-        index = self.intervals_passed(ticks)
-        if index >= self.head.size + self.slew_steps:
-            return self
-        down = ramp.down.astype(np.int64)
-        if index < self.head.size:
-            short_enough = np.flatnonzero(down <= self.head[index])
-            steps = int(short_enough[0]) if short_enough.size else down.size
-            way_down = Motion(self.head[: index + 1], self.slew_interval, 0, down[:steps][::-1])
-        else:
-            way_down = Motion(self.head, self.slew_interval, index - self.head.size + 1, down[::-1])
-        return way_down if way_down.steps < self.steps else self
-
-
-def _passed(intervals: NDArray[np.int64], ticks: int) -> int:
-    return int(np.searchsorted(np.cumsum(intervals), ticks, side="right"))
+    def at_rest(self) -> None:
+        """Notice that the motor has come to rest."""
 
 
 class VirtualMotor:
-    """A motor that moves by a clock [s], at so many ticks a second [Hz]. It is where the last call found it."""
+    """A motor that is where the last call of `settle` found it. All instants are ticks of the step timer.
 
-    def __init__(self, clock: Callable[[], float], timer_hz: int) -> None:
-        self._clock = clock
-        self._timer_hz = timer_hz
-        self._motion: Motion | None = None
-        self._began_s = 0.0
-        self._start = 0
+    setup_ticks: from a change of direction to the next pulse.
+    """
+
+    def __init__(self, ways: Ways, setup_ticks: int, position: int = 0, watch: Watch | None = None) -> None:
+        self._ways = ways
+        self._setup_ticks = setup_ticks
+        self.watch = watch
+        self._course: Course = []
+        self._began = 0
+        """Instant of the first pulse of the present stretch."""
+        self._done = 0
+        """Pulses of the present stretch."""
+        self._due = 0
+        """Instant of the next pulse, or of the end of the last interval."""
+        self._place = self._ways.rest
         self._direction = 1
+        self._destination = position
+        self._level: int | None = None
+        self._running = False
+        self.position = position
+        self.moving = False
         self.stopping = False
         self.steps_made = 0
-        """Pulses of the present move, or of the last one."""
-        self.interval_ticks = 0
+        """Since it last set out from rest."""
+
+    @property
+    def state(self) -> AxisState:
+        """What it is doing."""
+        if not self.moving:
+            return AxisState.IDLE
+        return AxisState.STOPPING if self.stopping else AxisState.MOVING
+
+    @property
+    def interval(self) -> int:
         """The interval that passes [ticks]; 0 at rest."""
-
-    @property
-    def moving(self) -> bool:
-        """Whether a move has not ended yet."""
-        return self._motion is not None
-
-    @property
-    def position(self) -> int:
-        """Where the motor is [steps]."""
-        return self._start + self._direction * self.steps_made
+        return self._place.interval if self.moving else 0
 
     @property
     def target(self) -> int:
-        """Where the motor will come to rest [steps]; its position at rest."""
-        return self._start + self._direction * self._motion.steps if self._motion else self.position
+        """Where it will come to rest [steps]; its position at rest, and as long as it runs at a speed."""
+        return self.position if self._running and not self.stopping else self._destination
 
-    def settle(self) -> None:
-        """Move to where the motor is by now."""
-        if self._motion is not None:
-            ticks = self._ticks()
-            self.steps_made = self._motion.pulses(ticks)
-            self.interval_ticks = self._motion.interval(ticks)
-            if not self.interval_ticks:
-                self._motion = None
+    @property
+    def resting_place(self) -> int:
+        """Where it would come to rest without anything further: on a run, when it were stopped [steps]."""
+        return self._stop_place() if self._running and not self.stopping else self._destination
 
-    def move(self, ramp: Ramp, steps: int) -> None:
-        """Begin to move by so many steps, not 0, from rest."""
-        self._start, self._direction = self.position, 1 if steps > 0 else -1
-        self._motion, self._began_s = Motion.of(ramp, abs(steps)), self._clock()
-        self.stopping = False
-        self.settle()
+    @property
+    def shortest_interval(self) -> int:
+        """The shortest interval that it may come to, when it is left to do what it does [ticks]."""
+        wanted = self._ways.slew_interval if self._level is None else self._level
+        return min(wanted, self.interval or wanted)
 
-    def stop(self, ramp: Ramp) -> None:
-        """Slow down with the ramp; nothing at rest, or when that has begun already."""
-        if self._motion is not None and not self.stopping:
-            self._motion = self._motion.stopped(self._ticks(), ramp)
-            self.stopping = True
+    def settle(self, now: int) -> None:
+        """Move to where it is by now."""
+        while self.moving and self._due <= now:
+            if self._course:
+                self._play(now)
+            elif self.position == self._destination:
+                self._rest()
+            else:
+                # It has passed its target, or turns: it goes on the other way.
+                self._plan_from_rest(self._due + self._setup_ticks)
+
+    def move_to(self, target: int, now: int) -> None:
+        """Go to a position at the ramp's slew speed."""
+        self._running = False
+        self._go(target, None, now)
+
+    def run(self, interval: int, direction: int, now: int) -> None:
+        """Go on and on with an interval, not shorter than the ramp's slew interval [ticks]."""
+        self._running = True
+        self._go(FURTHEST_FORWARD if direction > 0 else FURTHEST_BACKWARD, interval, now)
+
+    def stop(self) -> None:
+        """Slow down to rest."""
+        if not self.moving or self.stopping:
+            return
+        self.stopping = True
+        self._destination = self._stop_place()
+        if self._place.interval:
+            self._replan()
+        else:
+            self._rest()
 
     def halt(self) -> None:
         """Make no further step."""
-        self._motion = None
-        self.interval_ticks = 0
+        if self.moving:
+            self._destination = self.position
+            self._rest()
 
-    def _ticks(self) -> int:
-        return int((self._clock() - self._began_s) * self._timer_hz)
+    def place_at(self, position: int) -> None:
+        """Call the place where it rests a position."""
+        self.position = self._destination = position
+
+    def _go(self, target: int, level: int | None, now: int) -> None:
+        self._destination, self._level, self.stopping = target, level, False
+        if self.moving:
+            self._replan()
+        elif target != self.position:
+            self._set_out(now)
+
+    def _stop_place(self) -> int:
+        steps = self._ways.steps_to_rest(self._place) if self._place.interval else 0
+        return self.position + self._direction * steps
+
+    def _set_out(self, at: int) -> None:
+        self.moving, self.steps_made = True, 0
+        self._plan_from_rest(at)
+        if self.watch:
+            self.watch.set_out()
+
+    def _plan_from_rest(self, at: int) -> None:
+        self._place, self._due = self._ways.rest, at
+        self._replan()
+
+    def _replan(self) -> None:
+        """Plan what comes after the present interval."""
+        if not self._place.interval:
+            self._direction = 1 if self._destination > self.position else -1
+        ahead = max(0, (self._destination - self.position) * self._direction)
+        self._course = self._ways.course(self._place, ahead, self._level)
+        self._began, self._done = self._due, 0
+
+    def _play(self, now: int) -> None:
+        stretch = self._course[0]
+        done, began = self._done, self._began
+        self._done = stretch.pulses_within(now - began)
+        self._place = stretch.place_after(self._done)
+        self._due = began + stretch.ticks_to(self._done)
+        made = self._done - done
+        self.position += self._direction * made
+        self.steps_made += made
+        if self._done == stretch.count:
+            self._course.pop(0)
+            self._began, self._done = self._due, 0
+        if self.watch:
+            first = self.steps_made - made + 1
+            self.watch.pulses(first, made, lambda pulses: began + stretch.instants(pulses - first + done))
+
+    def _rest(self) -> None:
+        self.moving = self.stopping = self._running = False
+        self._course, self._place, self._level = [], self._ways.rest, None
+        if self.watch:
+            self.watch.at_rest()

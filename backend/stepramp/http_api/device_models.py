@@ -1,14 +1,13 @@
-"""What the device routes take and answer."""
+"""What the device routes take, and what they answer of devices."""
 
-from typing import Annotated, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from stepramp.controllers.device import DeviceState
+from stepramp.controllers.device_view import DeviceState
+from stepramp.controllers.settings import ListOrNull
 from stepramp.design import Design
-from stepramp.validation import Document, Text, Within, refuse
-
-Steps = Annotated[int, Within(-(2**31), 2**31 - 1, "steps")]
+from stepramp.validation import Document, OneOf, Text, Within, refuse
 
 
 class ConnectRequest(Document):
@@ -20,25 +19,25 @@ class ConnectRequest(Document):
 
 
 class PushRequest(Document):
-    """A design whose ramp is to be stored in the controller."""
+    """Designs whose ramps the controller is to use: one for one axis, or those of all axes."""
 
-    design: Design
-
-
-class MoveRequest(Document):
-    """Where to move: one of the two."""
-
-    by_steps: Steps | None = Field(None, description="How far from here, negative for backwards [steps]")
-    to_steps: Steps | None = Field(None, description="Which position to move to [steps]")
+    design: Design | None = Field(None, description="A design for one axis; the other axes keep their ramps")
+    to_axis: Annotated[int, Within(0, 3)] = Field(
+        0, description="Which axis `design` is for: one that has a ramp, or the next one"
+    )
+    axes: Annotated[list[Design] | None, ListOrNull("designs, one for each axis")] = Field(
+        None, description="The designs of all axes, axis 0 first, all made for the same clock of the controller"
+    )
+    mode: Annotated[Literal["keep", "try"], OneOf()] = Field(
+        "keep", description="keep: store the ramps. try: use them until they are kept, rolled back, or the board resets"
+    )
 
     @model_validator(mode="after")
     def _one_of_two(self) -> Self:
-        if self.by_steps is not None and self.to_steps is not None:
-            refuse("to_steps", self.to_steps, "nothing, since by_steps is given")
-        if self.by_steps is None and self.to_steps is None:
-            refuse("by_steps", None, "a whole number of steps, or else to_steps")
-        if self.by_steps == 0:
-            refuse("by_steps", 0, "a whole number of steps, but not 0")
+        if self.design is not None and self.axes is not None:
+            refuse("axes", f"{len(self.axes)} designs", "nothing, since design is given")
+        if self.design is None and self.axes is None:
+            refuse("design", None, "a design, or else axes")
         return self
 
 
@@ -63,10 +62,10 @@ class PortsAnswer(Answer):
 
 
 class RampAnswer(Answer):
-    """The ramp that a controller has."""
+    """The ramps that a controller has."""
 
-    sequence: int = Field(description="How many ramps were stored so far, this one included")
-    crc: int = Field(description="CRC-16 of its image")
+    sequence: int = Field(description="How often ramps were stored so far, these included; 0: they are only on trial")
+    crc: int = Field(description="CRC-16 of their image")
 
 
 class PushItemAnswer(Answer):
@@ -76,7 +75,8 @@ class PushItemAnswer(Answer):
     unit: str = Field(description="Unit of the figures: µs, steps, or none")
     requested: str = Field(description="What the design asks for")
     sent: str = Field(description="What was sent")
-    read_back: str = Field(description="What the controller stored")
+    read_back: str = Field(description="What the controller has")
+    axis: int | None = Field(description="Axis whose figure it is; null: all axes'")
 
 
 class PushAnswer(Answer):
@@ -84,13 +84,27 @@ class PushAnswer(Answer):
 
     items: list[PushItemAnswer]
     verified: bool = Field(description="Whether what was read back is what was sent, byte for byte")
-    segments: int = Field(description="Segments sent")
-    bytes: int = Field(description="Length of what the controller stored [bytes]")
+    segments: int = Field(description="Segments of all ramps that the controller now has")
+    bytes: int = Field(description="Length of their image [bytes]")
     largest_deviation_us: float = Field(
-        description="Largest difference between an interval of the design's ramp and the controller's [µs]"
+        description="Largest difference between an interval of a design's ramp and the controller's [µs]"
     )
-    sequence: int = Field(description="How many ramps the controller has stored so far, this one included")
-    warnings: list[str] = Field(description="What works, but not as the design says")
+    sequence: int = Field(description="How often the controller has stored ramps so far")
+    kept: bool = Field(description="Whether they are stored; otherwise on trial")
+    warnings: list[str] = Field(description="What works, but not as the designs say")
+
+
+class AxisAnswer(Answer):
+    """An axis as it is now."""
+
+    axis: int = Field(description="Its number, from 0")
+    state: DeviceState = Field(description="ready, moving or stopping; lost with its device")
+    position_steps: int = Field(description="Where its motor is [steps]")
+    target_steps: int = Field(
+        description="Where it will come to rest; its position as long as it runs at a speed [steps]"
+    )
+    speed_steps_per_s: float = Field(description="How fast it moves, without sign [steps/s]")
+    steps_made: int = Field(description="Steps since it last set out from rest [steps]")
 
 
 class DeviceAnswer(Answer):
@@ -99,14 +113,28 @@ class DeviceAnswer(Answer):
     id: str = Field(description="What the routes call it")
     port: str = Field(description="Where it is")
     name: str = Field(description="What people call it")
-    state: DeviceState = Field(description="lost: no longer there; connect to its port again")
+    state: DeviceState = Field(
+        description="moving: one of its axes moves; stopping: all that move slow down. lost: no longer there; connect "
+        "to its port again"
+    )
     message: str | None = Field(description="Why it is lost")
-    position_steps: int = Field(description="Where the motor is [steps]")
-    target_steps: int = Field(description="Where it will come to rest [steps]")
-    speed_steps_per_s: float = Field(description="How fast it moves, without sign [steps/s]")
-    timer_hz: int | None = Field(description="Ticks a second of its step timer [Hz]; null until it is connected")
+    position_steps: int = Field(description="Where the motor of axis 0 is [steps]")
+    target_steps: int = Field(description="Where axis 0 will come to rest [steps]")
+    speed_steps_per_s: float = Field(description="How fast axis 0 moves, without sign [steps/s]")
+    axes: list[AxisAnswer] = Field(description="All axes that have a ramp; axis 0 in any case, once connected")
+    timer_hz: int | None = Field(
+        description="Ticks a second of its step timer with the ramps in use [Hz]; null until it is connected"
+    )
+    clocks_hz: list[int] | None = Field(
+        description="Ticks a second that the timer can have, the fast and the slow [Hz]; null until it is connected"
+    )
     firmware_version: str | None = Field(description="Version of its firmware; null until it is connected")
-    ramp: RampAnswer | None = Field(description="The ramp it has; null for none")
+    ramp: RampAnswer | None = Field(description="The ramps that it uses; null for none")
+    on_trial: bool = Field(description="Whether ramps or settings are in use that are not stored")
+    motors_on: bool = Field(description="Whether its enable pin has the motors switched on")
+    starved: int = Field(
+        description="How often a motor's next step was not known in time since it started; 0 when all is well"
+    )
     pushed: PushAnswer | None = Field(description="The last push over this connection; null for none")
 
 

@@ -1,27 +1,27 @@
-"""Routes over the attached controllers, and the WebSocket that tells how they fare."""
+"""Routes over the attached controllers: connecting, ramps and settings, and the WebSocket that tells how they fare."""
 
 import asyncio
 from contextlib import suppress
-from typing import Annotated
 
-from fastapi import APIRouter, Depends, WebSocket, WebSocketDisconnect
-from starlette.requests import HTTPConnection
+from fastapi import APIRouter, WebSocket, WebSocketDisconnect
 
 from stepramp.controllers.devices import Devices
+from stepramp.controllers.settings import Settings
+from stepramp.http_api import motion
 from stepramp.http_api.device_models import (
     ConnectRequest,
     DeviceAnswer,
     DevicesAnswer,
     DisconnectedAnswer,
-    MoveRequest,
     PortsAnswer,
     PushAnswer,
     PushRequest,
 )
+from stepramp.http_api.device_registry import Registry
 from stepramp.http_api.errors import ErrorList
 from stepramp.link.ports import list_serial_ports
 
-EVENT_PAUSE_S = 1 / 20
+EVENT_PAUSE_S = 1 / 50
 
 router = APIRouter(
     tags=["devices"],
@@ -31,15 +31,7 @@ router = APIRouter(
         502: {"model": ErrorList, "description": "The device does not answer, or its port is gone"},
     },
 )
-
-
-def registry(connection: HTTPConnection) -> Devices:
-    """Return the application's devices."""
-    devices: Devices = connection.app.state.devices
-    return devices
-
-
-Registry = Annotated[Devices, Depends(registry)]
+router.include_router(motion.router)
 
 
 @router.get("/ports")
@@ -60,13 +52,6 @@ def connect(request: ConnectRequest, devices: Registry) -> DeviceAnswer:
     return DeviceAnswer.model_validate(devices.connect(request.port).view)
 
 
-@router.post("/devices/stop")
-def stop_all(devices: Registry) -> DevicesAnswer:
-    """Stop every device, whatever it does."""
-    devices.stop_all()
-    return DevicesAnswer.model_validate({"devices": devices.views()})
-
-
 @router.get("/devices/{device_id}")
 def one_device(device_id: str, devices: Registry) -> DeviceAnswer:
     """Return a device as it is now."""
@@ -75,47 +60,64 @@ def one_device(device_id: str, devices: Registry) -> DeviceAnswer:
 
 @router.delete("/devices/{device_id}")
 def disconnect(device_id: str, devices: Registry) -> DisconnectedAnswer:
-    """Let go of a device; refused while its motor moves."""
+    """Let go of a device; refused while a motor of it moves."""
     devices.disconnect(device_id)
     return DisconnectedAnswer()
 
 
 @router.post("/devices/{device_id}/push")
 def push(device_id: str, request: PushRequest, devices: Registry) -> PushAnswer:
-    """Store a design's ramp in the controller and read it back; refused while its motor moves."""
-    return PushAnswer.model_validate(devices.get(device_id).push(request.design))
-
-
-@router.post("/devices/{device_id}/move")
-def move(device_id: str, request: MoveRequest, devices: Registry) -> DeviceAnswer:
-    """Begin to move with the stored ramp, by so many steps or to a position."""
+    """Have the controller use designs' ramps, stored or on trial, and read them back; refused while a motor moves."""
     device = devices.get(device_id)
-    if request.to_steps is not None:
-        device.move_to(request.to_steps)
+    if request.axes is not None:
+        report = device.push(request.axes, mode=request.mode)
     else:
-        device.move_by(request.by_steps or 0)
-    return DeviceAnswer.model_validate(device.view)
+        assert request.design is not None
+        report = device.push([request.design], request.to_axis, request.mode)
+    return PushAnswer.model_validate(report)
 
 
-@router.post("/devices/{device_id}/stop")
-def stop(device_id: str, devices: Registry) -> DeviceAnswer:
-    """Slow down with the ramp, before anything else that was asked for."""
+@router.post("/devices/{device_id}/keep")
+def keep(device_id: str, devices: Registry) -> DeviceAnswer:
+    """Store the ramps and settings that are in use, on trial or not."""
     device = devices.get(device_id)
-    device.stop().result()
+    device.keep()
     return DeviceAnswer.model_validate(device.view)
 
 
-@router.post("/devices/{device_id}/halt")
-def halt(device_id: str, devices: Registry) -> DeviceAnswer:
-    """Make no further step, before anything else that was asked for. A fast motor may slip."""
+@router.post("/devices/{device_id}/roll_back")
+def roll_back(device_id: str, devices: Registry) -> DeviceAnswer:
+    """Drop the ramps and settings that are on trial: the stored ones are used again."""
     device = devices.get(device_id)
-    device.halt().result()
+    device.roll_back()
     return DeviceAnswer.model_validate(device.view)
+
+
+@router.post("/devices/{device_id}/restore")
+def restore(device_id: str, devices: Registry) -> DeviceAnswer:
+    """Bring back the ramps and settings that were stored before the present ones; a second time brings those back."""
+    device = devices.get(device_id)
+    device.restore()
+    return DeviceAnswer.model_validate(device.view)
+
+
+@router.get("/devices/{device_id}/settings")
+def settings(device_id: str, devices: Registry) -> Settings:
+    """Return the settings in use."""
+    return devices.get(device_id).settings()
+
+
+@router.put("/devices/{device_id}/settings")
+def use_settings(device_id: str, request: Settings, devices: Registry) -> Settings:
+    """Use other settings, what isn't given being the default; they are on trial until they are kept."""
+    device = devices.get(device_id)
+    device.use_settings(request)
+    return device.settings()
 
 
 @router.websocket("/devices/events")
 async def events(socket: WebSocket, devices: Registry) -> None:
-    """Send all devices at once and after each change, at most 20 times a second; the newest state wins."""
+    """Send all devices at once and after each change, at most 50 times a second; the newest state wins."""
     await socket.accept()
     loop, changed = asyncio.get_running_loop(), asyncio.Event()
 

@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from _typeshed import ReadableBuffer
 
 VIRTUAL_PORT = "sim://"
+LISTEN_S = 0.002
+"""How often an empty port listens to its device."""
 
 
 class VirtualDevice(Protocol):
@@ -22,7 +24,10 @@ class VirtualDevice(Protocol):
         """Notice that the port was opened, which resets many boards."""
 
     def exchange(self, sent: bytes) -> bytes:
-        """Take the bytes sent and return what comes back; OSError when the device has gone."""
+        """Take the bytes sent, if any, and return what comes back; OSError when the device has gone.
+
+        It is also called without any, to hear what the device says unasked.
+        """
 
 
 _devices: dict[str, VirtualDevice] = {}
@@ -63,12 +68,15 @@ class Serial(serial.SerialBase):
     @property
     def in_waiting(self) -> int:
         """Number of bytes that can be read at once."""
+        self._listen()
         return len(self._received)
 
     def read(self, size: int = 1, /) -> bytes:
-        """Return up to `size` bytes. Only a write brings more, so an empty port waits its timeout out."""
-        if not self._received:
-            time.sleep(self.timeout or 0)
+        """Return up to `size` bytes, as soon as there are any, or none when the timeout is over."""
+        deadline = time.monotonic() + (self.timeout or 0)
+        while not self._received and (left_s := deadline - time.monotonic()) > 0:
+            time.sleep(min(LISTEN_S, left_s))
+            self._listen()
         data = bytes(self._received[:size])
         del self._received[:size]
         return data
@@ -78,6 +86,9 @@ class Serial(serial.SerialBase):
         sent = bytes(data)
         self._received += _devices[str(self.port)].exchange(sent)
         return len(sent)
+
+    def _listen(self) -> None:
+        self._received += _devices[str(self.port)].exchange(b"")
 
     def _reconfigure_port(self) -> None:
         """Nothing to configure: called by pyserial when a setting changes."""

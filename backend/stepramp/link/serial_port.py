@@ -72,6 +72,13 @@ class SerialPort:
                 if data or monotonic() >= deadline:
                     return data
 
+    def pending(self) -> bytes:
+        """Return what has come in by now, without waiting; DeviceLost when the port is gone."""
+        with self._loss_told("is gone"):
+            waiting = self._serial.in_waiting
+            data: bytes = self._serial.read(waiting) if waiting else b""
+            return data
+
     def close(self) -> None:
         """Close the port; never raises, since it may be gone already."""
         with contextlib.suppress(DeviceLost), self._loss_told("is gone"):

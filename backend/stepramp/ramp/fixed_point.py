@@ -65,13 +65,13 @@ class Output(NamedTuple):
     def of(cls, ticks: float) -> Self:
         """Return the output that makes so many ticks of mantissa 2³²: as many whole bytes of fraction as fit.
 
-        An x that would be longer than any interval allowed never occurs: its multiplier is 0.
+        An x that would be longer than any interval allowed never occurs: its multiplier is the largest.
         """
         for fraction_bits in (24, 16, 8, 0):
             multiplier = round(math.ldexp(ticks, fraction_bits - 8))
             if multiplier < MULTIPLIER_LIMIT:
                 return cls(multiplier, fraction_bits)
-        return cls(0, 0)
+        return cls(MULTIPLIER_LIMIT - 1, 0)
 
 
 @dataclass(frozen=True)
@@ -118,6 +118,12 @@ class FixedIntervals:
     def ticks(self) -> NDArray[np.float64]:
         """The intervals with their fractions, exactly [ticks], shape (steps,)."""
         return np.ldexp(self.intervals.astype(np.float64), -self.fraction_bits.astype(np.int32))
+
+    @property
+    def whole_ticks(self) -> NDArray[np.int64]:
+        """The intervals in whole ticks: to the nearest, halves up [ticks], shape (steps,)."""
+        bits = self.fraction_bits.astype(np.int64)
+        return (self.intervals.astype(np.int64) + ((1 << bits) >> 1)) >> bits
 
 
 def refusal(slope: Slope) -> str | None:
@@ -166,8 +172,8 @@ def fixed_taylor_up(slope: Slope, coefficient: float) -> FixedIntervals:
         return _no_intervals()
     form, c = Format.of(slope), _whole_coefficient(coefficient)
     mantissas, exponents = _started(slope, form.longest)
-    _taylor(form.longest, c, True, form.longest, form.shortest, mantissas[1:], exponents[1:])
-    return _made(form, mantissas, exponents)
+    taylor_steps(form.longest, c, True, form.longest, form.shortest, mantissas[1:], exponents[1:])
+    return intervals_of(form, mantissas, exponents)
 
 
 def fixed_taylor_down(slope: Slope, coefficient: float) -> FixedIntervals:
@@ -182,8 +188,8 @@ def fixed_taylor_down(slope: Slope, coefficient: float) -> FixedIntervals:
         raise ValueError(reason)
     form, c = Format.of(slope), _whole_coefficient(coefficient)
     mantissas, exponents = _started(slope, form.shortest)
-    _taylor(form.shortest, c, False, form.longest, form.shortest, mantissas, exponents)
-    return _made(form, mantissas[::-1], exponents[::-1])
+    taylor_steps(form.shortest, c, False, form.longest, form.shortest, mantissas, exponents)
+    return intervals_of(form, mantissas[::-1], exponents[::-1])
 
 
 def fixed_newton_up(slope: Slope) -> FixedIntervals:
@@ -195,8 +201,8 @@ def fixed_newton_up(slope: Slope) -> FixedIntervals:
         return _no_intervals()
     form, one = Format.of(slope), 1 << RAMP_INDEX_BITS
     mantissas, exponents = _started(slope, form.longest)
-    _newton(form.longest, form.first_ramp_index, one, mantissas[1:], exponents[1:])
-    return _made(form, mantissas, exponents)
+    newton_steps(form.longest, form.first_ramp_index, one, mantissas[1:], exponents[1:])
+    return intervals_of(form, mantissas, exponents)
 
 
 def fixed_newton_down(slope: Slope) -> FixedIntervals:
@@ -208,8 +214,8 @@ def fixed_newton_down(slope: Slope) -> FixedIntervals:
         return _no_intervals()
     form, one = Format.of(slope), 1 << RAMP_INDEX_BITS
     mantissas, exponents = _started(slope, form.shortest)
-    _newton(form.shortest, form.first_ramp_index + slope.steps * one, -one, mantissas, exponents)
-    return _made(form, mantissas[::-1], exponents[::-1])
+    newton_steps(form.shortest, form.first_ramp_index + slope.steps * one, -one, mantissas, exponents)
+    return intervals_of(form, mantissas[::-1], exponents[::-1])
 
 
 def _ramp_index(slope: Slope, speed: float) -> float:
@@ -229,7 +235,8 @@ def _started(slope: Slope, first: Scaled) -> tuple[NDArray[np.uint32], NDArray[n
     return mantissas, exponents
 
 
-def _made(form: Format, mantissas: NDArray[np.uint32], exponents: NDArray[np.uint8]) -> FixedIntervals:
+def intervals_of(form: Format, mantissas: NDArray[np.uint32], exponents: NDArray[np.uint8]) -> FixedIntervals:
+    """Return the intervals of a slope's x, in the order given, shape (steps,)."""
     multipliers, fraction_bits = np.array(form.outputs).T
     intervals = np.empty(mantissas.size, np.uint32)
     _output(mantissas, exponents, multipliers, intervals)
@@ -242,11 +249,12 @@ def _no_intervals() -> FixedIntervals:
 
 
 @njit(cache=True)
-def _taylor(state, c, up, longest, shortest, mantissas, exponents):  # type: ignore[no-untyped-def]  # compiled
+def taylor_steps(state, c, up, longest, shortest, mantissas, exponents):  # type: ignore[no-untyped-def]  # compiled
+    """Fill mantissas and exponents with x after each further step by p (1 + q + c q²), both of shape (steps,)."""
     mantissa, exponent = state
     for i in range(mantissas.size):
         change = _taylor_change(mantissa, exponent, c, up)
-        mantissa, exponent = _normal(mantissa - change if up else mantissa + change, exponent)
+        mantissa, exponent = normal(mantissa - change if up else mantissa + change, exponent)
         if exponent > shortest[1] or (exponent == shortest[1] and mantissa < shortest[0]):
             mantissa, exponent = shortest
         if exponent < longest[1] or (exponent == longest[1] and mantissa > longest[0]):
@@ -276,11 +284,12 @@ def _taylor_change(mantissa, exponent, c, up):  # type: ignore[no-untyped-def]  
 
 
 @njit(cache=True)
-def _newton(state, k, gain, mantissas, exponents):  # type: ignore[no-untyped-def]  # compiled
+def newton_steps(state, k, gain, mantissas, exponents):  # type: ignore[no-untyped-def]  # compiled
+    """Fill mantissas and exponents with x after each further Newton step, both of shape (steps,); k: that of state."""
     mantissa, exponent = state
     for i in range(mantissas.size):
         k = k + gain
-        mantissa, exponent = _normal(_newton_corrected(mantissa, exponent, k), exponent)
+        mantissa, exponent = normal(_newton_corrected(mantissa, exponent, k), exponent)
         mantissas[i], exponents[i] = mantissa, exponent
 
 
@@ -288,22 +297,29 @@ def _newton(state, k, gain, mantissas, exponents):  # type: ignore[no-untyped-de
 def _newton_corrected(mantissa, exponent, k):  # type: ignore[no-untyped-def]  # compiled
     """Return x + x (1/2 - k x²), which is p + p (1 - w p² / F²) / 2, as a mantissa that may have to be normalised."""
     x = (mantissa + (1 << 15)) >> 16
-    square = x * x
-    # k in the scale of the exponent, 8 bits whole; its bytes times as much of x² as counts.
-    scaled = k >> (8 * exponent)
-    product = (
-        (scaled >> 24) * square
-        + ((scaled >> 16) & 255) * (square >> 8)
-        + ((scaled >> 8) & 255) * (square >> 16)
-        + (scaled & 255) * (square >> 24)
-    )
-    error = (1 << 31) - product
+    error = (1 << 31) - newton_product(mantissa, exponent, k)
     change = (x * (abs(error) >> 8)) >> 8
     return (x << 16) + change if error > 0 else (x << 16) - change
 
 
 @njit(cache=True)
-def _normal(mantissa, exponent):  # type: ignore[no-untyped-def]  # compiled
+def newton_product(mantissa, exponent, k):  # type: ignore[no-untyped-def]  # compiled
+    """Return k x² in 2⁻³²; k has RAMP_INDEX_BITS of fraction."""
+    x = (mantissa + (1 << 15)) >> 16
+    square = x * x
+    # k in the scale of the exponent, 8 bits whole; its bytes times as much of x² as counts.
+    scaled = k >> (8 * exponent)
+    return (
+        (scaled >> 24) * square
+        + ((scaled >> 16) & 255) * (square >> 8)
+        + ((scaled >> 8) & 255) * (square >> 16)
+        + (scaled & 255) * (square >> 24)
+    )
+
+
+@njit(cache=True)
+def normal(mantissa, exponent):  # type: ignore[no-untyped-def]  # compiled
+    """Return x with its mantissa in range, where its exponent can be changed."""
     if mantissa < LEAST_MANTISSA:
         return mantissa << 4, exponent + 1
     if mantissa >= MANTISSA_LIMIT and exponent > 0:

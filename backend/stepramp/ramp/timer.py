@@ -37,9 +37,3 @@ def _nearest(intervals: Intervals) -> NDArray[np.int64]:
 
 def _floor(intervals: Intervals) -> NDArray[np.int64]:
     return np.floor(intervals).astype(np.int64)
-
-
-def rescaled(ramp: Ramp, from_hz: float, to_hz: float) -> Ramp:
-    """Return a ramp given in ticks of one timer [Hz] in whole ticks of another, each interval to the nearest."""
-    factor = to_hz / from_hz
-    return rounded(Ramp(up=ramp.up * factor, slew=ramp.slew * factor, down=ramp.down * factor), "nearest")

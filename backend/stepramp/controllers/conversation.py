@@ -1,0 +1,135 @@
+"""A conversation with a controller: requests that are repeated until they are answered, and what it says in between."""
+
+import secrets
+from collections import deque
+from collections.abc import Callable, Iterator
+from time import monotonic
+from typing import TypeVar
+
+from stepramp.controllers.frames import FrameSplitter, encode_frame
+from stepramp.controllers.messages import (
+    NOTICE_KINDS,
+    REPLY,
+    HelloReply,
+    HelloRequest,
+    Message,
+    Notice,
+    Refusal,
+    Reply,
+    ReplyStatus,
+    Request,
+    unpack_notice,
+    unpack_reply,
+)
+from stepramp.controllers.refusals import exception_for
+from stepramp.errors import DeviceLost, Rejection
+from stepramp.link.serial_port import SerialPort
+
+HELLO_INTERVAL_S = 0.25
+HELLO_TIMEOUT_S = 5.0
+"""Many boards reset when their port is opened, and are deaf for up to 2 s."""
+GARBAGE_S = 0.05
+MOST_GARBAGE_S = 0.5
+"""A controller may still be telling an earlier client what it does; the hello ends that."""
+REPLY_TIMEOUT_S = 0.2
+MOST_REPEATS = 3
+
+R = TypeVar("R", bound=Reply)
+
+
+class Conversation:
+    """One session over an open port.
+
+    give_way: called before each request, for other calls that are more urgent.
+    """
+
+    def __init__(self, port: SerialPort, give_way: Callable[[float], None]) -> None:
+        self._port = port
+        self._give_way = give_way
+        self._splitter = FrameSplitter()
+        self._inbox: deque[Message] = deque()
+        self._notices: deque[Notice] = deque()
+        self._session = 0
+        self._tag = 0
+
+    def begin(self) -> HelloReply:
+        """Shake hands: drop what a reset left on the line, then say hello until it is answered.
+
+        Raises DeviceLost when nothing answers, Refused when another protocol version does.
+        """
+        self._session = 1 + secrets.randbelow(0xFFFF)
+        self._tag = 0
+        message = Message(HelloRequest.KIND, self._session, self._tag, HelloRequest().pack())
+        began = monotonic()
+        while monotonic() < began + MOST_GARBAGE_S and self._port.read(GARBAGE_S):
+            pass
+        reply = None
+        while reply is None and monotonic() < began + HELLO_TIMEOUT_S:
+            # The lone zero ends whatever noise the board took for the beginning of a frame.
+            self._port.write(b"\0" + encode_frame(message.pack()))
+            reply = self._await_reply(message, HELLO_INTERVAL_S)
+        if reply is None:
+            raise DeviceLost(f"Nothing at {self._port.name} answers as a StepRamp controller.")
+        return self._understood(reply, HelloReply, None)
+
+    def ask(self, request: Request, reply_type: type[R], rejected: Callable[[Refusal], Rejection] | None = None) -> R:
+        """Return the reply to a request, which is repeated when the answer is lost.
+
+        rejected: returns what is wrong with the values that were asked for, when the controller finds them too far or
+        too fast. Raises Rejected then, Refused for other refusals, DeviceLost when there is no answer.
+        """
+        self._give_way(0.0)
+        self._tag = (self._tag + 1) % 256
+        message = Message(request.KIND, self._session, self._tag, request.pack())
+        for _ in range(1 + MOST_REPEATS):
+            self._port.write(encode_frame(message.pack()))
+            reply = self._await_reply(message, REPLY_TIMEOUT_S)
+            if reply is not None:
+                return self._understood(reply, reply_type, rejected)
+        raise DeviceLost(f"The controller at {self._port.name} does not answer.")
+
+    def notices(self) -> Iterator[Notice]:
+        """Yield what the controller has said unasked, in order, without waiting for more."""
+        self._take(self._port.pending())
+        while self._inbox:
+            self._sort(self._inbox.popleft())
+        while self._notices:
+            yield self._notices.popleft()
+
+    def _await_reply(self, request: Message, timeout_s: float) -> Message | None:
+        """Return the reply to a request; what else comes in is unasked, the answer to an earlier one, or noise."""
+        expected = (request.kind | REPLY, request.session, request.tag)
+        deadline = monotonic() + timeout_s
+        while True:
+            while self._inbox:
+                message = self._inbox.popleft()
+                if (message.kind, message.session, message.tag) == expected:
+                    return message
+                self._sort(message)
+            left_s = deadline - monotonic()
+            if left_s <= 0:
+                return None
+            self._take(self._port.read(left_s))
+
+    def _take(self, data: bytes) -> None:
+        messages = (Message.unpack(frame) for frame in self._splitter.feed(data))
+        self._inbox.extend(message for message in messages if message is not None)
+
+    def _sort(self, message: Message) -> None:
+        """Keep a message if it is a notice of this session; a reply that nobody waits for any more is dropped."""
+        if message.kind in NOTICE_KINDS and message.session == self._session:
+            notice = unpack_notice(message)
+            if notice is not None:
+                self._notices.append(notice)
+
+    def _understood(self, message: Message, reply_type: type[R], rejected: Callable[[Refusal], Rejection] | None) -> R:
+        """Return a reply's body; a refusal becomes the exception that says so."""
+        try:
+            reply = unpack_reply(reply_type, message.body)
+        except ValueError as error:
+            raise DeviceLost(f"The controller at {self._port.name} gives answers without sense: {error}") from error
+        if not isinstance(reply, Refusal):
+            return reply
+        if reply.status is ReplyStatus.STALE_SESSION:
+            raise DeviceLost(f"The controller at {self._port.name} was restarted: its position is no longer known.")
+        raise exception_for(reply, rejected)

@@ -1,0 +1,101 @@
+"""Courses: what a motor plays of its ramp, from rest or from the midst of a move, until it comes to rest.
+
+A course is decided as the firmware decides it: as many steps of the way up as leave room for the way down, then the
+wanted speed, then the way down. So target and speed may change at any step. A target that is too close, or behind, is
+passed: the course then ends beyond it.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Ticks = NDArray[np.int64]
+
+
+class Place(Protocol):
+    """Where on its ramp a motor is; what more there is to it only its ways know."""
+
+    @property
+    def interval(self) -> int:
+        """The last one played [ticks]; 0 at rest."""
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """Pulses, an interval after each: the intervals of an array, or `count` times a single one."""
+
+    intervals: Ticks
+    count: int
+    place_after: Callable[[int], Place]
+    """Returns where the motor is once so many pulses have been made, at least one."""
+
+    @cached_property
+    def _ends(self) -> Ticks:
+        return np.cumsum(self.intervals)
+
+    @property
+    def _is_level(self) -> bool:
+        return self.intervals.size == 1
+
+    def pulses_within(self, ticks: int) -> int:
+        """Return how many pulses come up to so long after the first, itself included [ticks]."""
+        if self._is_level:
+            return min(self.count, ticks // int(self.intervals[0]) + 1)
+        return 1 + int(np.searchsorted(self._ends[:-1], ticks, side="right"))
+
+    def ticks_to(self, pulse: int) -> int:
+        """Return the time from the first pulse to another, counted from 0; the count: to the end [ticks]."""
+        if self._is_level:
+            return pulse * int(self.intervals[0])
+        return int(self._ends[pulse - 1]) if pulse else 0
+
+    def instants(self, pulses: NDArray[np.int64]) -> Ticks:
+        """Return the times from the first pulse to others, counted from 0 [ticks], shape of pulses."""
+        begins: Ticks = pulses * self.intervals[0] if self._is_level else np.append(0, self._ends)[pulses]
+        return begins
+
+
+Course = list[Stretch]
+
+
+class Ways(Protocol):
+    """The ways up and down of an axis' ramp."""
+
+    @property
+    def slew_interval(self) -> int:
+        """Interval at full speed [ticks]."""
+
+    @property
+    def by_formula(self) -> bool:
+        """Whether the controller computes it while it is played."""
+
+    @property
+    def rest(self) -> Place:
+        """The place of a motor at rest."""
+
+    def course(self, place: Place, steps: int, level: int | None = None) -> Course:
+        """Return what is played from a place on, to come to rest after so many steps, or later where that can't be.
+
+        level: interval of the speed wanted [ticks]; None: the slew speed.
+        """
+
+    def steps_to_rest(self, place: Place) -> int:
+        """Return the steps of the shortest way to rest from a place."""
+
+
+def pulse_instants(course: Sequence[Stretch], pulses: NDArray[np.int64]) -> Ticks:
+    """Return when pulses of a course come, counted from 1, from the first on [ticks], shape of pulses.
+
+    Pulses beyond the course come when it ends.
+    """
+    firsts = np.cumsum([0, *(stretch.count for stretch in course)])
+    begins = np.cumsum([0, *(stretch.ticks_to(stretch.count) for stretch in course)])
+    instants = np.full(pulses.shape, begins[-1], np.int64)
+    for stretch, first, begin in zip(course, firsts, begins, strict=False):
+        within = (pulses > first) & (pulses <= first + stretch.count)
+        instants[within] = begin + stretch.instants(pulses[within] - 1 - first)
+    return instants

@@ -1,0 +1,168 @@
+"""What is checked of a motion before it is asked for: axes, ranges, and what the controller's processor can serve."""
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+
+from stepramp.controllers.controller import Asked, values_of
+from stepramp.controllers.course import Ways
+from stepramp.controllers.messages import HelloReply, Refusal, ReplyStatus
+from stepramp.controllers.ramp_image import RampImage
+from stepramp.controllers.settings import Settings
+from stepramp.controllers.speed_limits import WHOLE, Pace, SpeedLimits, interval_ticks
+from stepramp.controllers.ways import ways_of
+from stepramp.errors import Refused, Rejected, Rejection
+from stepramp.units import speed_from_interval
+
+FURTHEST_STEPS = 2**31 - 1
+TARGETS = "a target from -2,147,483,648 to 2,147,483,647 steps"
+
+Rejecting = Callable[[Refusal], Rejection]
+
+
+class MotionChecks:
+    """What is known of the ramps and settings in use, and what it allows."""
+
+    def __init__(self) -> None:
+        self.ways: list[Ways] = []
+        """Of each axis."""
+        self.running: dict[int, int] = {}
+        """Intervals of the axes that were last asked to run at a speed [ticks]."""
+        self._limits: SpeedLimits | None = None
+        self._image: RampImage | None = None
+        self._longest_ticks = 0
+        self._timer_hz = 1
+
+    def use(self, image: RampImage | None, hello: HelloReply, settings: Settings) -> None:
+        """Check what is asked against these ramps and settings from now on."""
+        if image is not self._image or not self.ways:
+            self.ways = [ways_of(ramp) for ramp in image.axes] if image else []
+            self.running = {}
+        self._image = image
+        self._limits = SpeedLimits.of(hello, settings)
+        self._longest_ticks = hello.longest_interval_ticks
+        self._timer_hz = hello.fast_clock_hz if image is not None and image.fast_clock else hello.slow_clock_hz
+
+    def known_axes(self, asked: Sequence[Asked]) -> None:
+        """Reject axes that have no ramp, and one that is named twice; Refused when none has one."""
+        if not self.ways:
+            raise Refused("The controller has no ramp yet: push a design first.")
+        axes = [each.axis for each in asked]
+        for number, each in enumerate(asked):
+            field = _axis_field(each.field)
+            if not 0 <= each.axis < len(self.ways):
+                raise Rejected([Rejection(field, each.axis, f"an axis that has a ramp: 0 to {len(self.ways) - 1}")])
+            if each.axis in axes[:number]:
+                raise Rejected([Rejection(field, each.axis, "each axis once")])
+
+    def whole_values(self, asked: Sequence[Asked]) -> dict[int, int]:
+        """Return what is asked by axes, in ascending order; Rejected when a controller can't be told it."""
+        self.known_axes(asked)
+        for each in asked:
+            if not -FURTHEST_STEPS - 1 <= each.value <= FURTHEST_STEPS:
+                raise Rejected([Rejection(each.field, each.value, TARGETS)])
+        return {axis: int(value) for axis, value in values_of(asked).items()}
+
+    def intervals_of(self, speeds: Sequence[Asked]) -> dict[int, int]:
+        """Return the intervals of speeds by axes [ticks]; Rejected when an axis' ramp doesn't lead to one."""
+        self.known_axes(speeds)
+        for each in speeds:
+            interval, slew = abs(interval_ticks(each.value, self._timer_hz)), self.ways[each.axis].slew_interval
+            if each.value and not slew <= interval <= self._longest_ticks:
+                slowest, fastest = (speed_from_interval(ticks, self._timer_hz) for ticks in (self._longest_ticks, slew))
+                allowed = (
+                    f"from {-fastest:,.10g} to {fastest:,.10g} steps/s, the slew speed of the axis' ramp, and 0 or at "
+                    f"least {slowest:,.6g} either way"
+                )
+                raise Rejected([Rejection(each.field, each.value, allowed)])
+        return {axis: interval_ticks(speed, self._timer_hz) for axis, speed in values_of(speeds).items()}
+
+    def slew_intervals(self, axes: Collection[int]) -> dict[int, int]:
+        """Return the shortest intervals of axes' ramps [ticks]."""
+        return {axis: self.ways[axis].slew_interval for axis in axes}
+
+    def unless_too_fast(
+        self, moving: Callable[[bool], set[int]], asked: Sequence[Asked], intervals: Mapping[int, int]
+    ) -> Rejecting:
+        """Reject axes that can't be served with these intervals [ticks] next to those that move.
+
+        moving: returns the axes that move, as far as is known, or as asked anew. Returns what is to be rejected when
+        the controller finds something wrong itself.
+        """
+        going = self._going(moving(False), intervals)
+        if self._share(going) > WHOLE:
+            going = self._going(moving(True), intervals)
+        share = self._share(going)
+        if share > WHOLE:
+            raise Rejected([_too_fast(asked, round(100 * share), going)])
+        return _rejecting(asked, going)
+
+    def _going(self, moving: set[int], intervals: Mapping[int, int]) -> dict[int, int]:
+        """Return the shortest intervals of all axes that will move [ticks]."""
+        others = moving - set(intervals)
+        going = {axis: self.running.get(axis, self.ways[axis].slew_interval) for axis in others}
+        return going | {axis: abs(interval) for axis, interval in intervals.items() if interval}
+
+    def ramp_axis(self, steps: Mapping[int, int], ramp_axis: int | None) -> int:
+        """Return whose ramp a line plays: without a choice that of the slowest axis that goes along."""
+        if ramp_axis is None:
+            going = [axis for axis, count in steps.items() if count] or list(steps)
+            return max(going, key=lambda axis: self.ways[axis].slew_interval)
+        if not 0 <= ramp_axis < len(self.ways):
+            allowed = f"an axis that has a ramp: 0 to {len(self.ways) - 1}"
+            raise Rejected([Rejection("ramp_axis", ramp_axis, allowed)])
+        return ramp_axis
+
+    def unless_line_too_fast(self, asked: Sequence[Asked], steps: Mapping[int, int], ramp_axis: int) -> Rejecting:
+        """Reject a line that can't be served; returns as unless_too_fast does."""
+        assert self._limits is not None
+        going = sum(1 for count in steps.values() if count)
+        shortest = self.ways[ramp_axis].slew_interval
+        share = self._limits.line_share(going, self._fast(shortest))
+        if share > WHOLE:
+            fastest = speed_from_interval(shortest, self._timer_hz) / share
+            allowed = (
+                f"an axis whose ramp has a slew speed of at most {fastest:,.0f} steps/s, for a line of {going} axes"
+            )
+            raise Rejected([Rejection("ramp_axis", ramp_axis, allowed)])
+        return _rejecting(asked, dict.fromkeys(steps, shortest))
+
+    def _share(self, going: Mapping[int, int]) -> float:
+        assert self._limits is not None
+        return self._limits.share(
+            [Pace(self._fast(interval), self.ways[axis].by_formula) for axis, interval in going.items()]
+        )
+
+    def _fast(self, ticks: int) -> int:
+        assert self._limits is not None
+        return ticks * (self._limits.fast_clock_hz // self._timer_hz)
+
+
+def _axis_field(field: str) -> str:
+    """Return what a rejection calls the axis next to a value."""
+    if "." in field:
+        return field.rpartition(".")[0] + ".axis"
+    return field if field.endswith("axis") else "axes"
+
+
+def _rejecting(asked: Sequence[Asked], going: Mapping[int, int]) -> Rejecting:
+    """Return what is wrong when the controller itself finds a value too far, or axes too fast."""
+
+    def rejection(refusal: Refusal) -> Rejection:
+        if refusal.status is ReplyStatus.TOO_FAST:
+            return _too_fast(asked, refusal.detail, going)
+        to_blame = next((each for each in asked if each.axis == refusal.detail), asked[0])
+        return Rejection(to_blame.field, to_blame.value, TARGETS)
+
+    return rejection
+
+
+def _too_fast(asked: Sequence[Asked], percent: int, going: Mapping[int, int]) -> Rejection:
+    """Return the rejection of axes that would take more than the whole of a controller's processor."""
+    if len(asked) == 1 and len(going) == 1:
+        what = "a speed that takes at most 100 % of the controller's time with its settings"
+    else:
+        names = ", ".join(str(axis) for axis in sorted(going))
+        what = f"what takes at most 100 % of the controller's time, with axes {names} moving"
+    allowed = f"{what}; this takes {percent} %: move fewer axes at the same time, or slower"
+    if len(asked) == 1:
+        return Rejection(asked[0].field, asked[0].value, allowed)
+    return Rejection("axes", ", ".join(str(each.axis) for each in asked), allowed)

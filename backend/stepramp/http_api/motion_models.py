@@ -1,0 +1,258 @@
+"""What the routes take that move the axes of a device, and the trace that they answer."""
+
+from collections.abc import Sequence
+from typing import Annotated, Self
+
+from pydantic import BaseModel, Field, model_validator
+
+from stepramp.controllers.controller import Asked
+from stepramp.controllers.messages import MOST_AXES
+from stepramp.controllers.settings import AxisNumber, AxisNumbers, AxisNumbersOrNull, ListOrNull
+from stepramp.controllers.trace import Trace
+from stepramp.validation import Document, ListOf, Within, refuse
+
+Steps = Annotated[int, Within(-(2**31), 2**31 - 1, "steps")]
+Speed = Annotated[float, Within(-1_000_000, 1_000_000, "steps/s")]
+AXIS = "Which axis, from 0"
+
+
+class AxisMove(Document):
+    """Where one axis is to move: one of the two."""
+
+    axis: AxisNumber = Field(description=AXIS)
+    by_steps: Steps | None = Field(None, description="How far, from where it would come to rest [steps]")
+    to_steps: Steps | None = Field(None, description="Which position to move to [steps]")
+
+    @model_validator(mode="after")
+    def _one_of_two(self) -> Self:
+        _refuse_both_or_none(self.by_steps, self.to_steps)
+        return self
+
+
+class MoveRequest(Document):
+    """Where to move: axis 0 by so many steps or to a position, or several axes that begin together."""
+
+    by_steps: Steps | None = Field(
+        None, description="How far axis 0 moves from where it would come to rest, negative for backwards [steps]"
+    )
+    to_steps: Steps | None = Field(None, description="Which position axis 0 moves to [steps]")
+    axes: Annotated[list[AxisMove] | None, ListOrNull("moves of axes")] = Field(
+        None, description="Moves of several axes, all of them by_steps or all of them to_steps"
+    )
+
+    @model_validator(mode="after")
+    def _one_of_three(self) -> Self:
+        if self.axes is None:
+            _refuse_both_or_none(self.by_steps, self.to_steps)
+            if self.by_steps == 0:
+                refuse("by_steps", 0, "a whole number of steps, but not 0")
+            return self
+        _refuse_own_axes(self.axes, {"by_steps": self.by_steps, "to_steps": self.to_steps})
+        relative = self.axes[0].by_steps is not None
+        for number, each in enumerate(self.axes):
+            if (each.by_steps is not None) != relative:
+                given = "by_steps" if relative else "to_steps"
+                refuse(f"axes.{number}.{given}", None, f"a value, since axes.0 has {given}")
+        return self
+
+    @property
+    def is_relative(self) -> bool:
+        """Whether the axes move by steps; otherwise to positions."""
+        return (self.by_steps if self.axes is None else self.axes[0].by_steps) is not None
+
+    @property
+    def asked(self) -> list[Asked]:
+        """What is asked of the axes."""
+        name = "by_steps" if self.is_relative else "to_steps"
+        return _asked(self.axes, name, getattr(self, name))
+
+
+class AxisRun(Document):
+    """How fast one axis is to run."""
+
+    axis: AxisNumber = Field(description=AXIS)
+    speed_steps_per_s: Speed = Field(description="Speed, negative for backwards; 0 stops [steps/s]")
+
+
+class RunRequest(Document):
+    """How fast to run: axis 0, or several axes."""
+
+    speed_steps_per_s: Speed | None = Field(
+        None, description="Speed of axis 0, up to its ramp's slew speed, negative for backwards; 0 stops [steps/s]"
+    )
+    axes: Annotated[list[AxisRun] | None, ListOrNull("speeds of axes")] = Field(
+        None, description="Speeds of several axes"
+    )
+
+    @model_validator(mode="after")
+    def _one_of_two(self) -> Self:
+        _refuse_unless_one(self.axes, "speed_steps_per_s", self.speed_steps_per_s, "a speed in steps/s")
+        return self
+
+    @property
+    def asked(self) -> list[Asked]:
+        """What is asked of the axes."""
+        return _asked(self.axes, "speed_steps_per_s", self.speed_steps_per_s)
+
+
+class AxisSteps(Document):
+    """How far one axis goes along a line."""
+
+    axis: AxisNumber = Field(description=AXIS)
+    by_steps: Steps = Field(description="How far from here, negative for backwards [steps]")
+
+
+class LineRequest(Document):
+    """A straight line of several axes, which begin and end together."""
+
+    axes: Annotated[list[AxisSteps], ListOf("how far axes go")] = Field(description="The axes, and how far they go")
+    ramp_axis: AxisNumber | None = Field(
+        None,
+        description="Whose ramp the axis with most steps plays; null: that of the slowest axis that goes along, so "
+        "that none is faster than on its own",
+    )
+
+    @model_validator(mode="after")
+    def _some(self) -> Self:
+        _refuse_own_axes(self.axes, {})
+        if not any(each.by_steps for each in self.axes):
+            refuse("axes.0.by_steps", self.axes[0].by_steps, "a whole number of steps, not 0 for all axes")
+        return self
+
+    @property
+    def asked(self) -> list[Asked]:
+        """What is asked of the axes."""
+        return _asked(self.axes, "by_steps", None)
+
+
+class AxisPosition(Document):
+    """What the place of one axis is to be called."""
+
+    axis: AxisNumber = Field(description=AXIS)
+    position_steps: Steps = Field(description="Its position from now on [steps]")
+
+
+class PositionRequest(Document):
+    """What the place of axis 0, or of several axes, is to be called; nothing moves."""
+
+    position_steps: Steps | None = Field(None, description="Position of axis 0 from now on [steps]")
+    axes: Annotated[list[AxisPosition] | None, ListOrNull("positions of axes")] = Field(
+        None, description="Positions of several axes"
+    )
+
+    @model_validator(mode="after")
+    def _one_of_two(self) -> Self:
+        _refuse_unless_one(self.axes, "position_steps", self.position_steps, "a position in steps")
+        return self
+
+    @property
+    def asked(self) -> list[Asked]:
+        """What is asked of the axes."""
+        return _asked(self.axes, "position_steps", self.position_steps)
+
+
+class ZeroRequest(Document):
+    """Gauges that are to run against their stop, which is then position 0."""
+
+    axes: AxisNumbers = Field((0,), description="Which axes")
+    steps: Annotated[int, Within(1, 65_535, "steps")] = Field(
+        description="How far they move backwards: at least their whole range [steps]"
+    )
+
+    @model_validator(mode="after")
+    def _some(self) -> Self:
+        _refuse_own_axes(self.axes, {})
+        return self
+
+
+class AxesRequest(Document):
+    """Which axes are to stop."""
+
+    axes: AxisNumbersOrNull = Field(None, description="Which axes; null: all")
+
+    @model_validator(mode="after")
+    def _some(self) -> Self:
+        if self.axes is not None:
+            _refuse_own_axes(self.axes, {})
+        return self
+
+
+class TraceRequest(Document):
+    """Whose moves are to be traced from now on."""
+
+    traced_axis: AxisNumber | None = Field(description="Which axis, from 0; null: none")
+    every_steps: Annotated[int, Within(0, 65_535, "steps")] = Field(
+        0, description="Trace every so many-th step, or more seldom if the port can't carry them [steps]"
+    )
+
+
+class TracingAnswer(BaseModel):
+    """What will be traced."""
+
+    traced_axis: int | None = Field(description="Axis whose moves are traced from now on; null: none")
+    every_steps: int = Field(description="Of so many steps one is traced [steps]")
+
+
+class TraceAnswer(BaseModel):
+    """When the steps of the last traced move were made, by the controller's own timer."""
+
+    traced_axis: int = Field(description="Axis that moved")
+    every_steps: int = Field(description="Of so many steps one was traced [steps]")
+    timer_hz: int = Field(description="Ticks a second of the controller's timer [Hz]")
+    complete: bool = Field(description="Whether the move has ended and all of its trace is here")
+    changed: bool = Field(description="Whether the move was changed on its way; the trace then ends there")
+    step: list[int] = Field(
+        description="Which steps, counted from 1; those that the port could not carry are left out [steps]"
+    )
+    planned_ticks: list[int] = Field(description="When they were to be made, from the first step on [ticks]")
+    measured_ticks: list[int] = Field(description="When they were made, from the first step on [ticks]")
+    deviation_us: list[float] = Field(description="How much later than planned they were made [µs]")
+
+
+def trace_content(trace: Trace) -> dict[str, object]:
+    """Return a trace as a TraceAnswer's content."""
+    return {
+        "traced_axis": trace.axis,
+        "every_steps": trace.every_steps,
+        "timer_hz": trace.timer_hz,
+        "complete": trace.complete,
+        "changed": trace.changed,
+        "step": trace.step,
+        "planned_ticks": trace.planned_ticks,
+        "measured_ticks": trace.measured_ticks,
+        "deviation_us": trace.deviation_us,
+    }
+
+
+def _asked(axes: Sequence[Document] | None, name: str, own: float | None) -> list[Asked]:
+    """Return what is asked of axes, or of axis 0, with what rejections call it."""
+    if axes is None:
+        return [] if own is None else [Asked(0, own, name)]
+    fields = [(getattr(each, "axis"), getattr(each, name)) for each in axes]  # noqa: B009  # of several models
+    return [Asked(axis, value, f"axes.{number}.{name}") for number, (axis, value) in enumerate(fields)]
+
+
+def _refuse_both_or_none(by_steps: int | None, to_steps: int | None) -> None:
+    if by_steps is not None and to_steps is not None:
+        refuse("to_steps", to_steps, "nothing, since by_steps is given")
+    if by_steps is None and to_steps is None:
+        refuse("by_steps", None, "a whole number of steps, or else to_steps")
+
+
+def _refuse_own_axes(axes: Sequence[object], own: dict[str, int | None]) -> None:
+    """Refuse a list of no axes or too many, and what is given of axis 0 next to a list."""
+    if not 1 <= len(axes) <= MOST_AXES:
+        refuse("axes", f"{len(axes)} axes", f"a list of 1 to {MOST_AXES} axes")
+    for name, value in own.items():
+        if value is not None:
+            refuse(name, value, "nothing, since axes is given")
+
+
+def _refuse_unless_one(axes: Sequence[object] | None, name: str, value: float | None, wanted: str) -> None:
+    """Refuse a list of axes next to what is given of axis 0, and neither of them."""
+    if axes is not None and value is not None:
+        refuse(name, value, "nothing, since axes is given")
+    if axes is not None:
+        _refuse_own_axes(axes, {})
+    elif value is None:
+        refuse(name, None, f"{wanted}, or else axes")

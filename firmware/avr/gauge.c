@@ -1,0 +1,125 @@
+#include "gauge.h"
+
+#include <avr/interrupt.h>
+#include <avr/io.h>
+#include <avr/pgmspace.h>
+#include <util/atomic.h>
+
+#include "engine_event.h"
+#include "pins.h"
+#include "reset.h"
+
+/* One turn of the rotor's magnet has six states; these are their coils, the first pin in bit 0. */
+enum { STATES = 6 };
+static const uint8_t state_pins[STATES] PROGMEM = {0x9, 0x1, 0x7, 0x6, 0xE, 0x8};
+
+/* Where each gauge is. It outlives a reset by the watchdog, so that no needle jumps then. */
+static uint8_t states[GAUGES] __attribute__((section(".noinit")));
+
+static uint8_t backward; /* a bit for each gauge */
+static volatile uint8_t running;
+
+/* Puts all coils to their states. D2..D13 are twelve bits in a row over two ports. Both ports change within half a
+ * microsecond, which is nothing to a coil. */
+static void write_coils(void)
+{
+    uint16_t coils = 0;
+    for (uint8_t gauge = GAUGES; gauge-- > 0;) {
+        coils = (uint16_t)(coils << 4 | pgm_read_byte(&state_pins[states[gauge]]));
+    }
+    PORTD = (uint8_t)((PORTD & ~GAUGE_PINS_D) | (uint8_t)(coils << 2));
+    PORTB = (uint8_t)((PORTB & ~GAUGE_PINS_B) | (uint8_t)(coils >> 6));
+}
+
+void gauges_configure(void)
+{
+    static bool were_configured;
+    bool are_known = were_configured || (port_reset_cause() & RESET_WATCHDOG) != 0;
+    were_configured = true;
+    for (uint8_t gauge = 0; gauge < GAUGES; gauge++) {
+        if (states[gauge] >= STATES || !are_known) {
+            states[gauge] = 0;
+        }
+    }
+    backward = 0;
+    write_coils();
+    DDRD |= GAUGE_PINS_D;
+    DDRB |= GAUGE_PINS_B;
+}
+
+static void play_gauge(uint8_t gauge, uint16_t now)
+{
+    uint8_t result = play_event(&axis_players[gauge], queues[gauge], now);
+    if ((result & EVENT_STEP) != 0) {
+        uint8_t change = (backward & _BV(gauge)) != 0 ? STATES - 1 : 1;
+        states[gauge] = (uint8_t)((states[gauge] + change) % STATES);
+    }
+    if ((result & EVENT_TURN) != 0) {
+        backward ^= (uint8_t)_BV(gauge);
+    }
+    if ((result & EVENT_PARKED) != 0) {
+        running &= (uint8_t)~_BV(gauge);
+    }
+}
+
+/* Plays what is due, and sets the compare register to what comes next. Returns false when that is past already. */
+static bool play_due_gauges(void)
+{
+    uint16_t now = TCNT1;
+    uint16_t wait = LONGEST_WAIT_TICKS;
+    for (uint8_t gauge = 0; gauge < GAUGES; gauge++) {
+        if ((running & _BV(gauge)) != 0 && (int16_t)(axis_players[gauge].due - now) <= 0) {
+            play_gauge(gauge, now);
+        }
+        uint16_t until = (uint16_t)(axis_players[gauge].due - now);
+        if ((running & _BV(gauge)) != 0 && ((int16_t)until <= 0 || until < wait)) {
+            wait = (int16_t)until <= 0 ? 0 : until;
+        }
+    }
+    write_coils();
+    OCR1B = (uint16_t)(now + wait);
+    TIFR1 = _BV(OCF1B);
+    return (int16_t)((uint16_t)(now + wait) - TCNT1) > 0;
+}
+
+/* The step interrupt jumps here; the name pleases the compiler. */
+ISR(__vector_gauges)
+{
+    while (running != 0 && !play_due_gauges()) {
+    }
+    if (running == 0) {
+        write_coils();
+        TIMSK1 = 0;
+    }
+}
+
+void gauges_start(uint8_t axes, uint16_t delay_ticks)
+{
+    axes &= _BV(GAUGES) - 1;
+    ATOMIC_BLOCK(ATOMIC_RESTORESTATE)
+    {
+        uint16_t start = (uint16_t)(TCNT1 + delay_ticks);
+        for (uint8_t gauge = 0; gauge < GAUGES; gauge++) {
+            if ((axes & _BV(gauge)) != 0) {
+                axis_players[gauge].due = start;
+            }
+        }
+        bool is_first = running == 0 || (int16_t)(start - OCR1B) < 0;
+        if (axes != 0 && is_first) {
+            OCR1B = start;
+            TIFR1 = running == 0 ? _BV(OCF1B) : 0;
+        }
+        running |= axes;
+        TIMSK1 = running != 0 ? _BV(OCIE1B) : 0;
+    }
+}
+
+void gauges_halt(uint8_t axes)
+{
+    ATOMIC_BLOCK(ATOMIC_RESTORESTATE) { running &= (uint8_t)~axes; }
+}
+
+uint8_t gauges_running(void)
+{
+    return running;
+}

@@ -1,0 +1,246 @@
+/* The step interrupt of a straight line: see engine.h. One or more axes lead, up to three follow by Bresenham's
+ * algorithm: `error` is what is left until a follower's next step, in units of 1/delta of a leader's step.
+ *
+ * The pins of an event are known since the event before, so that all of them rise together and without delay. From
+ * acceptance to the end of reti: 106 cycles at most with one follower, 132 with two, 158 with three at a steady speed; 11
+ * more while it changes, and about 160 more when a piece of a line begins. */
+#define __SFR_OFFSET 0
+#include <avr/io.h>
+
+#include "engine.h"
+#include "pins.h"
+#include "step_interrupt.h"
+
+	.section .bss
+	.global line_player, line_pulse_pins
+line_player:
+	.zero LINE_PLAYER_BYTES
+line_pulse_pins:                             /* pins whose pulses end: not those of which each edge is a step */
+	.zero 1
+
+/* Toggles the pins in \pins, port B one instruction later. 5 cycles. Uses \scratch; the flags stay. */
+.macro TOGGLE pins, scratch
+	ldi  \scratch, 1 << AXIS_3_STEP_BIT
+	out  PIND, \pins
+	sbrc \pins, LINE_AXIS_3_BIT
+	out  PINB, \scratch
+.endm
+
+/* 8 cycles. Uses r24, r25. */
+.macro END_LINE_PULSE
+	lds  r24, line_player + LINE_PINS
+	sbic GPIOR0, LINE_SPECIAL
+	rcall special_end
+	TOGGLE r24, r25
+.endm
+
+/* Follower k: error -= delta; when that borrows, error += total, and it steps: its pin joins r27. 16 or 24 cycles.
+ * Uses r24 to r26. */
+.macro FOLLOW k
+	lds  r24, line_player + LINE_ERROR + 2 * \k
+	lds  r25, line_player + LINE_ERROR + 2 * \k + 1
+	lds  r26, line_player + LINE_DELTA + 2 * \k
+	sub  r24, r26
+	lds  r26, line_player + LINE_DELTA + 2 * \k + 1
+	sbc  r25, r26
+	brcc 1f
+	lds  r26, line_player + LINE_TOTAL
+	add  r24, r26
+	lds  r26, line_player + LINE_TOTAL + 1
+	adc  r25, r26
+	lds  r26, line_player + LINE_FOLLOWER_PINS + \k
+	or   r27, r26
+1:	sts  line_player + LINE_ERROR + 2 * \k, r24
+	sts  line_player + LINE_ERROR + 2 * \k + 1, r25
+.endm
+
+	.section .text.step_interrupt, "ax", @progbits
+
+/* Steps on the way of branches that don't reach far enough. They stand here so that what is frequent costs no jump. */
+to_count_high:
+	rjmp line_count_high
+to_next_is_known:
+	rjmp next_is_known
+
+	.global line_interrupt
+line_interrupt:
+	ENTER
+line_event:
+	lds  r26, line_player + LINE_PINS
+	TOGGLE r26, r27
+	lds  r24, line_player + LINE_INTERVAL
+	lds  r25, line_player + LINE_INTERVAL + 1
+	sbic GPIOR0, LINE_STEADY
+	rjmp 1f
+	lds  r26, line_player + LINE_ADD
+	lds  r27, line_player + LINE_ADD + 1
+	add  r26, r24
+	adc  r27, r25
+	sts  line_player + LINE_INTERVAL, r26
+	sts  line_player + LINE_INTERVAL + 1, r27
+1:	lds  r26, OCR1AL
+	lds  r27, OCR1AH
+	add  r26, r24
+	adc  r27, r25
+	PROGRAM OCR1AL
+	lds  r24, line_player + LINE_COUNT
+	subi r24, 1
+	sts  line_player + LINE_COUNT, r24
+	brcs to_count_high
+line_counted:
+	lds  r27, line_player + LINE_LEADER_PINS
+	tst  r27
+	breq to_next_is_known                /* silent: the followers wait too */
+	FOLLOW 0
+	sbis GPIOR0, LINE_TWO
+	rjmp next_is_known
+	FOLLOW 1
+	sbis GPIOR0, LINE_THREE
+	rjmp next_is_known
+	FOLLOW 2
+next_is_known:
+	END_LINE_PULSE
+	sts  line_player + LINE_PINS, r27
+	lds  r26, OCR1AL
+	lds  r27, OCR1AH
+	COMPARE_WITH_TIMER
+	brmi line_again
+	LEAVE
+line_again:
+	ldi  r24, 1 << OCF1A                 /* its compare match may have come as well: it isn't to be served twice */
+	out  TIFR1, r24
+	rjmp line_event
+
+/* r24 are the pins to end their pulse: only those that do, and not too early. Uses r25. */
+special_end:
+	lds  r25, line_pulse_pins
+	and  r24, r25
+	sbic GPIOR0, WIDE
+	rcall lengthen_pulse
+	ret
+
+line_count_high:
+	lds  r24, line_player + LINE_COUNT + 1
+	subi r24, 1
+	sts  line_player + LINE_COUNT + 1, r24
+	brcs line_load
+	rjmp line_counted
+
+line_load:
+	lds  r26, TCNT1L                     /* always so long after the edge: what is traced */
+	lds  r27, TCNT1H
+	push r30
+	push r31
+	lds  r30, line_player + LINE_TAIL
+	lds  r24, line_player + LINE_HEAD
+	cp   r30, r24
+	brne 1f
+	rjmp park_line
+1:	ldi  r31, hi8(line_queue)
+	COPY_INTERVAL line_player + LINE_INTERVAL
+	ld   r25, Z+
+	sts  line_player + LINE_ADD, r25
+	COPY line_player + LINE_ADD + 1
+	cbi  GPIOR0, LINE_STEADY
+	or   r24, r25
+	brne 1f
+	sbi  GPIOR0, LINE_STEADY
+1:	COPY line_player + LINE_COUNT
+	COPY line_player + LINE_COUNT + 1
+	ld   r24, Z+
+	ld   r25, Z+
+	mov  r26, r24
+	or   r26, r25
+	brne begin_piece
+	adiw r30, 2 * MOST_FOLLOWERS         /* total is 0: the piece goes on */
+	ld   r25, Z+
+	rjmp set_leaders
+
+/* r25:r24 = total; the deltas come next in the queue. */
+begin_piece:
+	sts  line_player + LINE_TOTAL, r24
+	sts  line_player + LINE_TOTAL + 1, r25
+	subi r24, 1                          /* (total - 1) / 2: so a follower's steps lie in the middle of their time */
+	sbci r25, 0
+	lsr  r25
+	ror  r24
+	sts  line_player + LINE_ERROR, r24
+	sts  line_player + LINE_ERROR + 1, r25
+	sts  line_player + LINE_ERROR + 2, r24
+	sts  line_player + LINE_ERROR + 3, r25
+	sts  line_player + LINE_ERROR + 4, r24
+	sts  line_player + LINE_ERROR + 5, r25
+	COPY line_player + LINE_DELTA
+	COPY line_player + LINE_DELTA + 1
+	COPY line_player + LINE_DELTA + 2
+	COPY line_player + LINE_DELTA + 3
+	COPY line_player + LINE_DELTA + 4
+	COPY line_player + LINE_DELTA + 5
+	ld   r25, Z+
+	/* bits 4 to 7 of r25: the followers. Their pins in the order of the axes. */
+	ldi  r26, lo8(line_player + LINE_FOLLOWER_PINS)
+	ldi  r27, hi8(line_player + LINE_FOLLOWER_PINS)
+	ldi  r24, 1 << FIRST_STEP_BIT
+	sbrc r25, 4
+	st   X+, r24
+	lsl  r24
+	sbrc r25, 5
+	st   X+, r24
+	lsl  r24
+	sbrc r25, 6
+	st   X+, r24
+	ldi  r24, 1 << LINE_AXIS_3_BIT
+	sbrc r25, 7
+	st   X+, r24
+	cbi  GPIOR0, LINE_TWO
+	cbi  GPIOR0, LINE_THREE
+	cpi  r26, lo8(line_player + LINE_FOLLOWER_PINS + 2)
+	breq two_followers
+	cpi  r26, lo8(line_player + LINE_FOLLOWER_PINS + 3)
+	brne set_leaders
+	sbi  GPIOR0, LINE_THREE
+two_followers:
+	sbi  GPIOR0, LINE_TWO
+
+/* Bits 0 to 3 of r25: the leaders. The axes that turn come next in the queue. */
+set_leaders:
+	andi r25, 0x0F
+	lsl  r25
+	lsl  r25
+	bst  r25, FIRST_STEP_BIT + 3
+	bld  r25, LINE_AXIS_3_BIT
+	andi r25, STEP_PINS_D | 1 << LINE_AXIS_3_BIT
+	sts  line_player + LINE_LEADER_PINS, r25
+	ld   r24, Z+
+	swap r24
+	andi r24, 0xF0
+	lsl  r24                             /* axes 0 to 2 are at their pins now, and axis 3 is in the carry */
+	ldi  r25, 1 << AXIS_3_DIRECTION_BIT
+	out  PIND, r24
+	brcc 1f
+	out  PINB, r25
+1:	sts  line_player + LINE_TAIL, r30    /* the queue has 256 bytes: the place wraps by itself */
+	pop  r31
+	pop  r30
+	rjmp line_counted
+
+park_line:
+	END_LINE_PULSE
+	lds  r24, line_player + LINE_EMPTY
+	inc  r24
+	sts  line_player + LINE_EMPTY, r24
+	ldi  r24, lo8(LONGEST_WAIT_TICKS)
+	sts  line_player + LINE_INTERVAL, r24
+	ldi  r24, hi8(LONGEST_WAIT_TICKS)
+	sts  line_player + LINE_INTERVAL + 1, r24
+	ldi  r24, 0
+	sts  line_player + LINE_ADD, r24
+	sts  line_player + LINE_ADD + 1, r24
+	sts  line_player + LINE_COUNT, r24
+	sts  line_player + LINE_COUNT + 1, r24
+	sts  line_player + LINE_LEADER_PINS, r24
+	sts  line_player + LINE_PINS, r24
+	sts  TIMSK1, r24                     /* on a line nothing else uses this timer's interrupts */
+	pop  r31
+	pop  r30
+	LEAVE

@@ -1,0 +1,130 @@
+/* The pins as the settings want them. */
+#include <avr/io.h>
+#include <util/atomic.h>
+
+#include "engine.h"
+#include "gauge.h"
+#include "pins.h"
+#include "port.h"
+#include "reset.h"
+#include "step_interrupt.h"
+
+/* What the engine's own pulses have, counted in the code [cycles]: 41 of a line and of the only axis of a channel. */
+enum { OWN_PULSE_CYCLES = 41, WIDTH_CALL_CYCLES = 16, WIDTH_UNIT_CYCLES = 8, CYCLES_PER_US = F_CPU / 1000000 };
+
+/* In engine.S and line.S */
+extern uint8_t engine_end_masks[MOST_AXES], engine_pulse_masks[MOST_AXES], engine_extra_width, line_pulse_pins;
+
+static uint8_t both_edges; /* as configured; a bit for each axis */
+static uint8_t step_inverted;
+static bool enable_active_high;
+static enum { AS_BEFORE_THE_RESET, OFF, ON } enabled;
+
+uint8_t engine_step_mask(uint8_t axis)
+{
+    return axis == 3 ? _BV(AXIS_3_STEP_BIT) : (uint8_t)(1 << (FIRST_STEP_BIT + axis));
+}
+
+uint8_t engine_turn_mask(uint8_t axis)
+{
+    return axis == 3 ? _BV(AXIS_3_DIRECTION_BIT) : (uint8_t)(1 << (FIRST_DIRECTION_BIT + axis));
+}
+
+static uint8_t line_pin(uint8_t axis)
+{
+    return axis == 3 ? _BV(LINE_AXIS_3_BIT) : engine_step_mask(axis);
+}
+
+/* A pin gets its level before it becomes an output. */
+static void set_pin(uint8_t axis, uint8_t mask, bool high)
+{
+    ATOMIC_BLOCK(ATOMIC_RESTORESTATE)
+    {
+        volatile uint8_t *port = axis == 3 ? &PORTB : &PORTD;
+        volatile uint8_t *data_direction = axis == 3 ? &DDRB : &DDRD;
+        *port = (uint8_t)((*port & ~mask) | (high ? mask : 0));
+        *data_direction |= mask;
+    }
+}
+
+/* Where each edge is a step, an edge less is a step less: such a pin keeps its level as long as it is one. */
+static void configure_axis(uint8_t axis, const struct settings *settings)
+{
+    uint8_t bit = (uint8_t)(1 << axis);
+    bool has_edges = (settings->both_edges & bit) != 0;
+    bool keeps_level = has_edges && (both_edges & bit) != 0 && ((settings->step_inverted ^ step_inverted) & bit) == 0;
+    if (!keeps_level) {
+        set_pin(axis, engine_step_mask(axis), (settings->step_inverted & bit) != 0);
+    }
+    set_pin(axis, engine_turn_mask(axis), (settings->direction_inverted & bit) == 0);
+    engine_end_masks[axis] = 0;
+    engine_pulse_masks[axis] = has_edges ? 0 : 0xFF;
+    line_pulse_pins |= has_edges ? 0 : line_pin(axis);
+}
+
+static void configure_width(uint8_t width_us)
+{
+    uint16_t cycles = (uint16_t)(width_us * CYCLES_PER_US);
+    GPIOR0 &= (uint8_t)~(_BV(WIDE) | _BV(LINE_SPECIAL));
+    if (cycles > OWN_PULSE_CYCLES) {
+        uint16_t most = OWN_PULSE_CYCLES + WIDTH_CALL_CYCLES;
+        engine_extra_width = cycles > most ? (uint8_t)((cycles - most + WIDTH_UNIT_CYCLES - 1) / WIDTH_UNIT_CYCLES) : 1;
+        GPIOR0 |= _BV(WIDE) | _BV(LINE_SPECIAL);
+    }
+    if (both_edges != 0) {
+        GPIOR0 |= _BV(LINE_SPECIAL);
+    }
+}
+
+static uint8_t enable_level(bool on)
+{
+    return on == enable_active_high ? ENABLE_HIGH : ENABLE_LOW;
+}
+
+/* After a reset by the watchdog the motors stay as they were before, until somebody has decided. */
+static void drive_enable_pin(void)
+{
+    if (enabled == AS_BEFORE_THE_RESET) {
+        enabled = enable_pin_level() == enable_level(true) ? ON : OFF;
+    }
+    enable_pin_drive(enable_level(enabled == ON));
+}
+
+/* Those pins of port B that only gauges use. */
+static void release_gauge_pins(void)
+{
+    uint8_t pins = GAUGE_PINS_B & (uint8_t)~(_BV(AXIS_3_STEP_BIT) | _BV(AXIS_3_DIRECTION_BIT) | _BV(ENABLE_BIT));
+    DDRB &= (uint8_t)~pins;
+    PORTB &= (uint8_t)~pins;
+}
+
+void engine_configure(const struct settings *settings)
+{
+    engine_park(0xFF);
+    if (settings->outputs == OUTPUTS_GAUGES) {
+        enable_pin_drive(ENABLE_NOT_DRIVEN);
+        GPIOR0 = _BV(GAUGE_OUTPUTS) | _BV(OTHER_MODE);
+        both_edges = 0;
+        gauges_configure();
+        return;
+    }
+    GPIOR0 = 0;
+    release_gauge_pins();
+    line_pulse_pins = 0;
+    for (uint8_t axis = 0; axis < MOST_AXES; axis++) {
+        configure_axis(axis, settings);
+    }
+    both_edges = settings->both_edges;
+    step_inverted = settings->step_inverted;
+    configure_width(settings->pulse_width_us);
+    enable_active_high = (settings->enable_flags & ENABLE_ACTIVE_HIGH) != 0;
+    drive_enable_pin();
+}
+
+void port_enable(bool on)
+{
+    enabled = on ? ON : OFF;
+    if ((GPIOR0 & _BV(GAUGE_OUTPUTS)) == 0) {
+        drive_enable_pin();
+    }
+}

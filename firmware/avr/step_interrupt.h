@@ -1,0 +1,135 @@
+/* What the step interrupts have in common, in assembly (engine.S, line.S) and in C.
+ *
+ * Timer1 counts freely. Compare A serves axes 0 and 2, compare B axes 1 and 3: two channels with up to two axes each.
+ * Invariants outside of an interrupt:
+ *  - a channel's interrupt is enabled as long as one of its axes runs;
+ *  - OCR1A, OCR1B hold the time of their channel's next event;
+ *  - with two axes running, SHARED is set, SECOND tells whose event that is, and both `due` are right; with one, SHARED
+ *    is clear, SECOND tells which of them runs, and its `due` is stale. */
+#ifndef STEPRAMP_STEP_INTERRUPT_H
+#define STEPRAMP_STEP_INTERRUPT_H
+
+/* Bits of GPIOR0: a test is one instruction, and so is setting one. engine.c counts on the places of the next four. */
+#define OTHER_MODE 0     /* compare A plays the line, or compare B the gauges */
+#define A_SECOND 1       /* channel A's next event is axis 2's */
+#define B_SECOND 2       /* channel B's next event is axis 3's */
+#define A_SHARED 3       /* both axes 0 and 2 run */
+#define B_SHARED 4       /* both axes 1 and 3 run */
+#define WIDE 5           /* pulses are to be lengthened */
+#define LINE_SPECIAL 6   /* a line's pulses are to be lengthened, or not all of them end */
+#define GAUGE_OUTPUTS 7  /* the pins are coils: compare B serves all axes */
+#define LINE_TWO A_SECOND   /* on a line: there is a second follower */
+#define LINE_THREE A_SHARED /* and a third */
+#define LINE_STEADY B_SECOND /* its interval stays as it is: at full speed there is no time to add 0 */
+
+/* Registers that an interrupt uses are saved where that takes one cycle. Timer0 stands still, so its registers are
+ * just bytes. Step interrupts don't nest, and nothing else uses these. */
+#define SAVED_R24 GPIOR1
+#define SAVED_SREG GPIOR2
+#define SAVED_R25 OCR0A
+#define SAVED_R26 OCR0B
+#define SAVED_R27 TCNT0
+
+/* Offsets in struct axis_player */
+#define DUE 0
+#define INTERVAL 2
+#define ADD 4
+#define COUNT 6
+#define STEP_MASK 8
+#define TAIL 9
+#define HEAD 10
+#define EMPTY 11
+
+/* Offsets in struct line_player */
+#define LINE_INTERVAL 0
+#define LINE_ADD 2
+#define LINE_COUNT 4
+#define LINE_TOTAL 6
+#define LINE_DELTA 8
+#define LINE_ERROR 14
+#define LINE_PINS 20
+#define LINE_LEADER_PINS 21
+#define LINE_FOLLOWER_PINS 22
+#define LINE_TAIL 26
+#define LINE_HEAD 27
+#define LINE_EMPTY 28
+#define LINE_PLAYER_BYTES 30
+
+/* In `pins` and such of a line, axis 0, 1, 2 have their bits of port D. Axis 3, which is on port B, has bit 1: on port D
+ * that is the serial transmitter's pin, which takes no notice of the port. */
+#define LINE_AXIS_3_BIT 1
+
+#ifdef __ASSEMBLER__
+
+/* 6 cycles. r24 to r27 are free then. */
+.macro ENTER
+	out  SAVED_R24, r24
+	in   r24, SREG
+	out  SAVED_SREG, r24
+	out  SAVED_R25, r25
+	out  SAVED_R26, r26
+	out  SAVED_R27, r27
+.endm
+
+/* 6 cycles and 4 */
+.macro LEAVE
+	in   r27, SAVED_R27
+	in   r26, SAVED_R26
+	in   r25, SAVED_R25
+	in   r24, SAVED_SREG
+	out  SREG, r24
+	in   r24, SAVED_R24
+	reti
+.endm
+
+/* r27:r26 = time of the event after this one; interval += add. 22 cycles. Uses r24, r25. */
+.macro ADVANCE interval, add, ocr
+	lds  r24, \interval
+	lds  r25, \interval + 1
+	lds  r26, \add
+	lds  r27, \add + 1
+	add  r26, r24
+	adc  r27, r25
+	sts  \interval, r26
+	sts  \interval + 1, r27
+	lds  r26, \ocr
+	lds  r27, \ocr + 1
+	add  r26, r24
+	adc  r27, r25
+.endm
+
+/* The next event is at r27:r26. 4 cycles. The high byte first: it is kept until the low one comes. */
+.macro PROGRAM ocr
+	sts  \ocr + 1, r27
+	sts  \ocr, r26
+.endm
+
+/* Negative when the event at r27:r26 is past. 6 cycles. Uses r24, r25.
+ * Then its compare match may have been missed. If it isn't past, the compare register must have been written at least
+ * 8 cycles ago, the longest tick: then there is a whole tick in which it matches. */
+.macro COMPARE_WITH_TIMER
+	lds  r24, TCNT1L
+	lds  r25, TCNT1H
+	cp   r26, r24
+	cpc  r27, r25
+.endm
+
+/* Copies a byte from the queue. 4 cycles. Uses r24. */
+.macro COPY to
+	ld   r24, Z+
+	sts  \to, r24
+.endm
+
+/* Copies the interval, whose place then gets the timer's value in r27:r26. 12 cycles. Uses r24. */
+.macro COPY_INTERVAL to
+	ld   r24, Z
+	st   Z+, r26
+	sts  \to, r24
+	ld   r24, Z
+	st   Z+, r27
+	sts  \to + 1, r24
+.endm
+
+#endif
+
+#endif

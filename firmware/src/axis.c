@@ -1,0 +1,366 @@
+#include "axis.h"
+
+#include "axis_by_formula.h"
+#include "axis_steps.h"
+
+/* A speed is held for a part of a piece at a time, while the way down is looked for. */
+enum { HOLD_DIVISOR = 4 };
+
+/* The number of steps of a list. */
+static uint32_t steps_of_list(const struct packed_list *list)
+{
+    struct ramp_cursor cursor;
+    cursor_begin(&cursor, list);
+    while (!cursor_is_at_end(&cursor)) {
+        cursor_forward(&cursor, list, (uint16_t)(cursor.count - cursor.taken));
+    }
+    return cursor_steps(&cursor);
+}
+
+void axis_begin(struct axis *axis, const struct image_ramp *ramp)
+{
+    *axis = (struct axis){0};
+    axis->level = ramp->slew_interval;
+    axis->is_slewing = true;
+    axis->is_by_formula = ramp->kind == RAMP_BY_FORMULA;
+    if (axis_is_by_formula(axis)) {
+        axis->constants = ramp->formula;
+    } else {
+        axis->up_list = ramp->up;
+        axis->down_list = ramp->down;
+        axis->down_steps = steps_of_list(&ramp->down);
+    }
+}
+
+/* ---- the way down ---- */
+
+/* Goes on looking for the way down from the present speed, over one segment. Returns true when it is found. */
+static bool way_down_is_found(struct axis *axis)
+{
+    return cursor_seek_forward(&axis->down, &axis->down_list, axis->shortest);
+}
+
+/* Instead of what can't be decided yet: nothing, or in a hurry some more of the present speed. */
+static void hold(struct axis *axis, const struct piece_limits *limits, struct piece *piece)
+{
+    if (limits->in_a_hurry && axis->interval != 0) {
+        uint16_t count = steps_that_fit(limits, axis->interval, 0, limits->steps);
+        count = count > HOLD_DIVISOR ? count / HOLD_DIVISOR : 1;
+        give_steps(axis, (struct piece){PIECE_STEPS, count, axis->interval, 0}, piece);
+    }
+}
+
+/* Turns to the way down: so that it ends at the target, or, when that is too close or the motor is to stop, the
+ * shortest. Intervals that are not longer than the present one may be part of it: they fill what is left between the
+ * last interval of the way up and the next, which would be one too many. */
+static void turn_down(struct axis *axis, const struct piece_limits *limits, struct piece *piece)
+{
+    if (!way_down_is_found(axis)) {
+        hold(axis, limits, piece);
+        return;
+    }
+    uint32_t left = steps_left(axis);
+    while (!axis->stopping && cursor_steps(&axis->down) < left && !cursor_is_at_end(&axis->down)) {
+        uint32_t missing = left - cursor_steps(&axis->down);
+        uint16_t rest = (uint16_t)(axis->down.count - axis->down.taken);
+        cursor_forward(&axis->down, &axis->down_list, missing < rest ? (uint16_t)missing : rest);
+    }
+    axis->phase = PHASE_DOWN;
+}
+
+/* ---- up ---- */
+
+/* The shortest interval once `count` more intervals of the present segment of the way up have been played. */
+static uint32_t shortest_after(const struct axis *axis, uint16_t count)
+{
+    const struct ramp_cursor *up = &axis->up;
+    uint16_t index = up->add < 0 ? (uint16_t)(up->taken + count - 1) : up->taken;
+    uint32_t interval = cursor_interval(up, index);
+    return interval < axis->shortest ? interval : axis->shortest;
+}
+
+/* After `count` more steps up the way down still fits into what is then left of `left` steps. */
+static bool leaves_room(const struct axis *axis, uint32_t left, uint16_t count)
+{
+    struct ramp_cursor down = axis->down;
+    uint32_t shortest = shortest_after(axis, count);
+    while (cursor_steps(&down) <= left - count) {
+        if (cursor_seek_forward(&down, &axis->down_list, shortest)) {
+            return cursor_steps(&down) <= left - count;
+        }
+    }
+    return false;
+}
+
+/* The most steps up, no more than `count`, that leave room for the way down: the more, the less room and the longer
+ * the way down. */
+static uint16_t most_that_leave_room(const struct axis *axis, uint32_t left, uint16_t count)
+{
+    if (leaves_room(axis, left, count)) {
+        return count;
+    }
+    uint16_t low = 0, high = (uint16_t)(count - 1);
+    while (low < high) {
+        uint16_t middle = (uint16_t)(high - (high - low) / 2);
+        if (leaves_room(axis, left, middle)) {
+            low = middle;
+        } else {
+            high = (uint16_t)(middle - 1);
+        }
+    }
+    return low;
+}
+
+/* The next steps of the present segment of the way up that may be taken, if the way down allows it: those that are not
+ * faster than wanted, and not past the target. */
+static uint16_t steps_up(const struct axis *axis, uint32_t left)
+{
+    uint16_t count = (uint16_t)(axis->up.count - axis->up.taken);
+    if (!axis->is_slewing) {
+        count = cursor_count_longer(&axis->up, axis->level - 1, count);
+    }
+    return count < left ? count : (uint16_t)left;
+}
+
+static void go_up(struct axis *axis, const struct piece_limits *limits, struct piece *piece)
+{
+    uint32_t left = axis->stopping ? 0 : steps_left(axis);
+    if (left == 0) {
+        turn_down(axis, limits, piece);
+        return;
+    }
+    uint16_t count = steps_up(axis, left);
+    if (count == 0) {
+        axis->phase = PHASE_LEVEL;
+        return;
+    }
+    uint32_t interval = cursor_interval(&axis->up, axis->up.taken);
+    count = steps_that_fit(limits, interval, axis->up.add, count);
+    if (left - count < axis->down_steps) {
+        if (!way_down_is_found(axis)) {
+            hold(axis, limits, piece);
+            return;
+        }
+        count = most_that_leave_room(axis, left, count);
+    }
+    if (count == 0) {
+        turn_down(axis, limits, piece);
+        return;
+    }
+    axis->shortest = shortest_after(axis, count);
+    struct ramp_cursor *up = &axis->up;
+    give_steps(axis, (struct piece){PIECE_STEPS, count, interval, up->add}, piece);
+    cursor_forward(up, &axis->up_list, count);
+}
+
+/* ---- level ---- */
+
+/* The speed wanted has become lower than the present one. */
+static bool is_too_fast(const struct axis *axis)
+{
+    return !axis->is_slewing && axis->interval != 0 && axis->interval < axis->level;
+}
+
+/* The steps of the way down from the speed wanted. Returns false when they are not known yet. */
+static bool know_steps_down(struct axis *axis, uint32_t *steps)
+{
+    if (axis->is_slewing) {
+        *steps = axis->down_steps;
+        return true;
+    }
+    if (axis->level < axis->shortest) {
+        axis->shortest = axis->level;
+    }
+    bool found = way_down_is_found(axis);
+    *steps = cursor_steps(&axis->down);
+    return found;
+}
+
+/* No more than `left` steps at the speed wanted. */
+static void give_level(struct axis *axis, const struct piece_limits *limits, uint32_t left, struct piece *piece)
+{
+    uint16_t count = steps_that_fit(limits, axis->level, 0, left < UINT16_MAX ? (uint16_t)left : UINT16_MAX);
+    if (axis->level < axis->shortest) {
+        axis->shortest = axis->level;
+    }
+    give_steps(axis, (struct piece){PIECE_STEPS, count, axis->level, 0}, piece);
+}
+
+static void go_level(struct axis *axis, const struct piece_limits *limits, struct piece *piece)
+{
+    uint32_t left = axis->stopping ? 0 : steps_left(axis), steps_down;
+    if (left > axis->down_steps && axis->is_slewing && cursor_is_at_end(&axis->up)) {
+        give_level(axis, limits, left - axis->down_steps, piece); /* most often, and soon decided */
+        return;
+    }
+    if (left == 0) {
+        turn_down(axis, limits, piece);
+    } else if (steps_up(axis, left) != 0) {
+        axis->phase = PHASE_UP;
+    } else if (is_too_fast(axis)) {
+        if (way_down_is_found(axis)) {
+            axis->phase = PHASE_DOWN;
+        } else {
+            hold(axis, limits, piece);
+        }
+    } else if (!know_steps_down(axis, &steps_down)) {
+        hold(axis, limits, piece);
+    } else if (left <= steps_down) {
+        turn_down(axis, limits, piece);
+    } else {
+        give_level(axis, limits, left - steps_down, piece);
+    }
+}
+
+/* ---- down ---- */
+
+/* Leaves the way down for a speed to go on with. Returns false when that has to be looked for still. */
+static bool turned_up(struct axis *axis)
+{
+    uint32_t interval = is_too_fast(axis) ? axis->level : axis->interval;
+    if (!cursor_seek_back(&axis->up, &axis->up_list, interval)) {
+        return false;
+    }
+    cursor_face_forward(&axis->down, &axis->down_list);
+    axis->interval = interval;
+    axis->shortest = interval;
+    axis->phase = PHASE_LEVEL;
+    return true;
+}
+
+static void go_down(struct axis *axis, const struct piece_limits *limits, struct piece *piece)
+{
+    struct ramp_cursor *down = &axis->down;
+    cursor_face_back(down);
+    bool goes_on = !axis->stopping && steps_left(axis) > cursor_steps(down);
+    uint16_t count = down->taken;
+    if (goes_on && is_too_fast(axis)) {
+        count = cursor_count_not_longer_back(down, axis->level);
+    }
+    if (goes_on && (count == 0 || !is_too_fast(axis)) && (turned_up(axis) || !limits->in_a_hurry)) {
+        return;
+    }
+    if (down->taken == 0) {
+        axis->phase = PHASE_REST;
+        return;
+    }
+    uint32_t interval = cursor_interval(down, (uint16_t)(down->taken - 1));
+    int16_t add = (int16_t)(0u - (uint16_t)down->add);
+    count = steps_that_fit(limits, interval, add, count == 0 ? 1 : count);
+    down->taken = (uint16_t)(down->taken - count);
+    give_steps(axis, (struct piece){PIECE_STEPS, count, interval, add}, piece);
+}
+
+/* ---- all of it ---- */
+
+static void go_on(struct axis *axis, const struct piece_limits *limits, struct piece *piece)
+{
+    switch (axis->phase) {
+    case PHASE_UP:
+        go_up(axis, limits, piece);
+        break;
+    case PHASE_LEVEL:
+        go_level(axis, limits, piece);
+        break;
+    default:
+        go_down(axis, limits, piece);
+    }
+}
+
+static void set_out(struct axis *axis)
+{
+    axis->backward = axis->target < axis->position;
+    axis->shortest = UINT32_MAX;
+    if (axis_is_by_formula(axis)) {
+        formula_rest(&axis->formula);
+    } else {
+        cursor_begin(&axis->up, &axis->up_list);
+        cursor_begin(&axis->down, &axis->down_list);
+    }
+    axis->phase = PHASE_UP;
+}
+
+void axis_next(struct axis *axis, const struct piece_limits *limits, struct piece *piece)
+{
+    piece->kind = PIECE_NONE;
+    if (axis->phase != PHASE_REST) {
+        if (axis_is_by_formula(axis)) {
+            axis_next_by_formula(axis, limits, piece);
+        } else {
+            go_on(axis, limits, piece);
+        }
+        return;
+    }
+    axis->interval = 0;
+    if (axis->stopping) {
+        axis->stopping = false;
+        axis->runs = false;
+        axis->target = axis->position;
+    }
+    if (axis->target == axis->position) {
+        piece->kind = PIECE_REST;
+    } else {
+        set_out(axis);
+        piece->kind = PIECE_SET_OUT;
+    }
+}
+
+void axis_look_ahead(struct axis *axis)
+{
+    bool is_known = axis->phase == PHASE_REST || axis->phase == PHASE_DOWN;
+    if (axis_is_by_formula(axis) || is_known || cursor_is_at_end(&axis->down)) {
+        return;
+    }
+    if (axis->phase == PHASE_LEVEL && axis->is_slewing && axis->interval == axis->level) {
+        cursor_seek_forward(&axis->down, &axis->down_list, 0);
+    } else {
+        way_down_is_found(axis);
+    }
+}
+
+void axis_move_to(struct axis *axis, uint32_t slew_interval, int32_t target)
+{
+    axis->target = target;
+    axis->level = slew_interval;
+    axis->is_slewing = true;
+    axis->stopping = false;
+    axis->runs = false;
+}
+
+void axis_run(struct axis *axis, bool backward, uint32_t interval, bool is_slewing)
+{
+    axis_move_to(axis, interval, backward ? INT32_MIN : INT32_MAX);
+    axis->is_slewing = is_slewing;
+    axis->runs = true;
+}
+
+void axis_stop(struct axis *axis)
+{
+    axis->stopping = true;
+}
+
+void axis_halt(struct axis *axis, int32_t position)
+{
+    axis->position = position;
+    axis->target = position;
+    axis->interval = 0;
+    axis->stopping = false;
+    axis->runs = false;
+    axis->batch_left = 0;
+    axis->phase = PHASE_REST;
+}
+
+/* The steps of the way down that are left. */
+static uint32_t steps_down_left(const struct axis *axis)
+{
+    return axis_is_by_formula(axis) ? formula_steps_down(&axis->formula) : cursor_steps(&axis->down);
+}
+
+int32_t axis_goal(const struct axis *axis)
+{
+    if (!axis->stopping) {
+        return axis->runs ? axis->position : axis->target;
+    }
+    uint32_t steps = axis->phase == PHASE_DOWN ? steps_down_left(axis) : 0;
+    return (int32_t)((uint32_t)axis->position + (axis->backward ? 0u - steps : steps));
+}

@@ -1,0 +1,147 @@
+#include "axis_by_formula.h"
+
+#include "axis_steps.h"
+
+/* How many intervals are computed at a time: more is faster, but 16 bits must hold their differences. On the way down
+ * the next one is at most 1.75 times as long, as x^2 is below 3/4. */
+static uint8_t batch_size(const struct axis *axis, bool goes_up)
+{
+    uint32_t interval = axis->interval;
+    if (interval == 0 || interval > 20000) {
+        return 1;
+    }
+    return goes_up || interval <= 2000 ? FORMULA_BATCH : interval <= 6000 ? 4 : 2;
+}
+
+/* The speed wanted has become lower than the present one. */
+static bool is_too_fast(const struct axis *axis)
+{
+    return !axis->is_slewing && axis->interval != 0 && axis->interval < axis->level;
+}
+
+/* ---- giving what has been computed ---- */
+
+/* Those of the batch that are evenly apart go as one piece: at high speeds most of them. */
+static void give_from_batch(struct axis *axis, const struct piece_limits *limits, struct piece *piece)
+{
+    const int16_t *adds = axis->adds + (axis->batch_size - axis->batch_left);
+    uint8_t count = 1, most = axis->batch_left;
+    if (most > limits->steps) {
+        most = (uint8_t)limits->steps;
+    }
+    while (count < most && adds[count - 1] == adds[0]) {
+        count++;
+    }
+    axis->batch_left = (uint8_t)(axis->batch_left - count);
+    give_steps(axis, (struct piece){PIECE_STEPS, count, axis->next, count > 1 ? adds[0] : 0}, piece);
+    if (axis->batch_left != 0) {
+        axis->next = axis->interval + (uint32_t)(int32_t)adds[count - 1];
+    }
+}
+
+static void go_level(struct axis *axis, const struct piece_limits *limits, uint32_t left, struct piece *piece)
+{
+    uint32_t steps_down = formula_steps_down(&axis->formula);
+    bool may_rise = axis->is_slewing || axis->interval > axis->level;
+    if (left <= steps_down || is_too_fast(axis)) {
+        axis->phase = PHASE_DOWN;
+    } else if (may_rise && !formula_slews(&axis->formula)) {
+        axis->phase = PHASE_UP;
+    } else {
+        left -= steps_down;
+        uint16_t count = steps_that_fit(limits, axis->level, 0, left < UINT16_MAX ? (uint16_t)left : UINT16_MAX);
+        give_steps(axis, (struct piece){PIECE_STEPS, count, axis->level, 0}, piece);
+    }
+}
+
+void axis_next_by_formula(struct axis *axis, const struct piece_limits *limits, struct piece *piece)
+{
+    if (axis->batch_left != 0) {
+        give_from_batch(axis, limits, piece);
+    } else if (axis->phase == PHASE_LEVEL) {
+        go_level(axis, limits, axis->stopping ? 0 : steps_left(axis), piece);
+    }
+}
+
+/* ---- computing ---- */
+
+static void keep_batch(struct axis *axis, const uint32_t *intervals, uint8_t size)
+{
+    axis->next = intervals[0];
+    axis->batch_size = size;
+    axis->batch_left = size;
+    for (uint8_t i = 1; i < size; i++) {
+        axis->adds[i - 1] = (int16_t)(uint16_t)(intervals[i] - intervals[i - 1]);
+    }
+}
+
+/* A batch of steps at one speed, at most `left` of them. */
+static void keep_level(struct axis *axis, uint32_t interval, uint32_t left)
+{
+    axis->next = interval;
+    axis->batch_size = left < FORMULA_BATCH ? (uint8_t)left : FORMULA_BATCH;
+    axis->batch_left = axis->batch_size;
+    for (uint8_t i = 0; i < FORMULA_BATCH - 1; i++) {
+        axis->adds[i] = 0;
+    }
+}
+
+/* Goes up, as long as that isn't faster than wanted and there is room: or else stays at this speed, or turns. */
+static void compute_up(struct axis *axis, uint32_t left)
+{
+    struct formula_state after = axis->formula;
+    uint32_t intervals[FORMULA_BATCH];
+    uint8_t most = axis->is_slewing ? batch_size(axis, true) : 1;
+    uint8_t size = formula_up(&after, axis->constants, intervals, most, left);
+    uint32_t steps_down = formula_steps_down(&axis->formula);
+    if (formula_slews(&axis->formula)) {
+        axis->phase = PHASE_LEVEL;
+    } else if (size != 0 && !axis->is_slewing && intervals[0] < axis->level) {
+        axis->phase = PHASE_LEVEL;
+        keep_level(axis, axis->level, left - steps_down);
+    } else if (size != 0) {
+        axis->formula = after;
+        keep_batch(axis, intervals, size);
+    } else if (left <= steps_down) {
+        axis->phase = PHASE_DOWN;
+    } else {
+        keep_level(axis,
+                   axis->interval == 0 ? formula_creep_interval(axis->constants) : formula_hold_interval(&axis->formula),
+                   left - steps_down);
+    }
+}
+
+static void compute_down(struct axis *axis, uint32_t left)
+{
+    uint32_t intervals[FORMULA_BATCH];
+    uint32_t steps_down = formula_steps_down(&axis->formula);
+    bool goes_on = left > steps_down;
+    if (steps_down == 0 && !goes_on) {
+        axis->phase = PHASE_REST;
+    } else if (goes_on && (!is_too_fast(axis) || steps_down == 0)) {
+        axis->phase = PHASE_UP;
+    } else {
+        uint8_t most = goes_on ? 1 : batch_size(axis, false);
+        uint8_t size = formula_down(&axis->formula, axis->constants, intervals, most);
+        if (size != 0) {
+            keep_batch(axis, intervals, size);
+        }
+    }
+}
+
+void axis_compute(struct axis *axis)
+{
+    if (!axis_is_by_formula(axis) || axis->batch_left != 0) {
+        return;
+    }
+    uint32_t left = axis->stopping ? 0 : steps_left(axis);
+    if (axis->phase == PHASE_UP) {
+        if (left == 0) {
+            axis->phase = PHASE_DOWN;
+        } else {
+            compute_up(axis, left);
+        }
+    } else if (axis->phase == PHASE_DOWN) {
+        compute_down(axis, left);
+    }
+}

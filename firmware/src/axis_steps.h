@@ -1,0 +1,31 @@
+/* Shared between the ways of an axis along segments (axis.c) and by formula (axis_by_formula.c). For no one else. */
+#ifndef STEPRAMP_AXIS_STEPS_H
+#define STEPRAMP_AXIS_STEPS_H
+
+#include "axis.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Steps from here to the target; 0 when it isn't ahead. */
+static inline uint32_t steps_left(const struct axis *axis)
+{
+    if (axis->backward) {
+        return axis->target < axis->position ? (uint32_t)axis->position - (uint32_t)axis->target : 0;
+    }
+    return axis->target > axis->position ? (uint32_t)axis->target - (uint32_t)axis->position : 0;
+}
+
+/* How many of `count` intervals, the first `interval` long, each next one longer by `add`, a piece may hold: at least
+ * one. */
+uint16_t steps_that_fit(const struct piece_limits *limits, uint32_t interval, int16_t add, uint16_t count);
+
+/* Gives a piece, and moves the axis along it. */
+void give_steps(struct axis *axis, struct piece given, struct piece *piece);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

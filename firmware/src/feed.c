@@ -1,0 +1,392 @@
+#include "feed.h"
+
+#include "engine.h"
+#include "lane.h"
+#include "line.h"
+#include "trace.h"
+
+/* A long interval is waited for in parts: first one that leaves no tiny rest, the last 13,616 ticks or longer. */
+enum { PART_TICKS = 16384 };
+
+/* The silence after the last interval of a move [ticks]: in it the engine finds the queue empty, or the direction may
+ * be changed. */
+enum { CLOSING_TICKS = 400 };
+
+/* Segments queued in one round of the main loop, at most: other axes want theirs too. */
+enum { SEGMENTS_AT_ONCE = 4 };
+
+/* Ticks of 64 us, as powers of 2. */
+enum { FAST_BITS = 10, SLOW_BITS = 7 };
+
+/* The longest piece [ticks]: some 4 ms. */
+enum { FAST_PIECE_TICKS = 60000, SLOW_PIECE_TICKS = 8000 };
+
+/* [64 us] Time to queue ahead: 6 ms, enough for the main loop's longest round when interrupts take nearly all of the
+ * processor, and little enough to begin a stop soon. Less than HURRY_TIME is too little. */
+enum { TIME_AHEAD = 94, HURRY_TIME = 12 };
+
+/* A segment is loaded at the beginning of the interval before it, so that some must be there however long that is: where
+ * the direction turns, the silence that ends a move, that in which the direction settles, a pulse, and the next. */
+enum { LEAST_SEGMENTS = 4 };
+
+struct feed_clock feed_clock;
+static uint8_t starved;
+
+/* Of the axis that is traced: pulses until the next one whose time is wanted, at both ends of the queue. */
+static uint16_t trace_to_queue, trace_to_play;
+
+/* ---- filling the queue ---- */
+
+/* `count` intervals, the first `interval` long, each next one longer by `add` [ticks]. */
+static uint32_t length_of(uint16_t interval, int16_t add, uint16_t count)
+{
+    uint32_t length = (uint32_t)count * interval;
+    if (add != 0) {
+        length += (uint32_t)add * (((uint32_t)count * (uint16_t)(count - 1u)) >> 1);
+    }
+    return length;
+}
+
+/* Moves the end of the queue on. */
+static void extend(struct feed *feed, uint32_t ticks)
+{
+    ticks += feed->end_ticks;
+    feed->end_time = (uint16_t)(feed->end_time + (feed_clock.is_fast ? ticks >> FAST_BITS : ticks >> SLOW_BITS));
+    feed->end_ticks = (uint16_t)ticks & ((1u << (feed_clock.is_fast ? FAST_BITS : SLOW_BITS)) - 1u);
+}
+
+static void queue_up(struct feed *feed, const struct piece *piece, uint8_t turns)
+{
+    bool is_step = piece->kind == PIECE_STEPS;
+    uint16_t interval = (uint16_t)piece->interval;
+    extend(feed, length_of(interval, piece->add, piece->count));
+    lane_put(feed->index, interval, piece->add, (uint16_t)(piece->count - 1u), is_step, turns);
+}
+
+static void queue_silence(struct feed *feed, uint16_t ticks, uint8_t turns)
+{
+    struct piece silence = {PIECE_NONE, 1, ticks, 0};
+    queue_up(feed, &silence, turns);
+}
+
+/* The first part of an interval; the rest becomes wait_left. */
+static uint16_t first_part(struct feed *feed, uint32_t interval)
+{
+    if (interval <= LONGEST_WAIT_TICKS) {
+        return (uint16_t)interval;
+    }
+    feed->wait_left = interval - PART_TICKS;
+    return PART_TICKS;
+}
+
+static void queue_wait(struct feed *feed)
+{
+    uint32_t wait = feed->wait_left;
+    feed->wait_left = 0;
+    queue_silence(feed, first_part(feed, wait), 0);
+}
+
+static void queue_steps(struct feed *feed, struct piece *piece)
+{
+    piece->interval = first_part(feed, piece->interval);
+    queue_up(feed, piece, 0);
+    feed->has_pulses = true;
+    if (feed->is_traced) {
+        trace_to_queue = (uint16_t)(trace_to_queue - piece->count);
+        if (trace_to_queue == 0) {
+            trace_to_queue = trace_every(feed->index);
+        }
+    }
+}
+
+/* The silence before the pulses, in which the direction settles. */
+static void queue_turn(struct feed *feed)
+{
+    uint8_t turns = feed->turns_too;
+    if (feed->pin_backward != feed->axis.backward) {
+        turns |= feed->bit;
+    }
+    feed->pin_backward = feed->axis.backward;
+    feed->turns_too = 0;
+    feed->turns_next = false;
+    queue_silence(feed, first_part(feed, feed_clock.setup_ticks), turns);
+}
+
+/* Ends what has been queued of a move. */
+static void queue_closing(struct feed *feed)
+{
+    feed->has_pulses = false;
+    queue_silence(feed, CLOSING_TICKS, 0);
+}
+
+/* Time for which steps are queued [64 us]. */
+static uint16_t time_ahead(const struct feed *feed)
+{
+    uint16_t ahead = (uint16_t)(feed->end_time - (feed->stage == FEED_PLAYING ? feed_clock.now : 0));
+    return ahead <= INT16_MAX ? ahead : 0; /* it is past */
+}
+
+/* The steps that one segment may have. */
+static uint16_t most_steps(const struct feed *feed)
+{
+    uint16_t most = feed->is_traced ? trace_to_queue : UINT16_MAX;
+    if (line_is_on() && line_most_steps() < most) {
+        most = line_most_steps();
+    }
+    return most;
+}
+
+static void queue_next_piece(struct feed *feed, uint16_t ahead)
+{
+    struct piece_limits limits = {feed_clock.is_fast ? FAST_PIECE_TICKS : SLOW_PIECE_TICKS, most_steps(feed),
+                                  feed->stage == FEED_PLAYING && ahead < HURRY_TIME};
+    struct piece piece;
+    if (limits.steps == 0) { /* a line ends where it was meant to */
+        axis_halt(&feed->axis, feed->axis.position);
+    }
+    axis_next(&feed->axis, &limits, &piece);
+    switch (piece.kind) {
+    case PIECE_STEPS:
+        queue_steps(feed, &piece);
+        break;
+    case PIECE_SET_OUT:
+        feed->turns_next = true;
+        if (feed->has_pulses) {
+            queue_closing(feed);
+        }
+        break;
+    case PIECE_REST:
+        if (feed->has_pulses) {
+            queue_closing(feed);
+        }
+        break;
+    default:
+        break;
+    }
+}
+
+static bool is_wanted(const struct feed *feed, uint16_t ahead)
+{
+    const struct lane *lane = lane_of(feed->index);
+    return lane_has_room(lane) && (ahead < TIME_AHEAD || lane_ahead(lane) < LEAST_SEGMENTS);
+}
+
+/* Queues one segment, or looks for what the next one takes. Returns false when nothing is wanted. */
+static bool fill(struct feed *feed)
+{
+    uint16_t ahead = time_ahead(feed);
+    if (!is_wanted(feed, ahead)) {
+        axis_look_ahead(&feed->axis);
+        return false;
+    }
+    if (feed->wait_left != 0) {
+        queue_wait(feed);
+    } else if (feed->turns_next) {
+        queue_turn(feed);
+    } else {
+        queue_next_piece(feed, ahead);
+    }
+    return true;
+}
+
+/* ---- what has been played ---- */
+
+static int32_t moved(int32_t position, bool backward, uint16_t steps)
+{
+    return (int32_t)((uint32_t)position + (backward ? 0u - (uint32_t)steps : steps));
+}
+
+/* The time of a segment's last event is that of loading the next. */
+static void trace_played(const struct feed *feed, uint16_t steps, uint8_t next)
+{
+    if (!feed->is_traced || steps == 0) {
+        return;
+    }
+    trace_to_play = (uint16_t)(trace_to_play - steps);
+    if (trace_to_play == 0) {
+        trace_to_play = trace_every(feed->index);
+        if (next != lane_of(feed->index)->tail) {
+            trace_value(feed->index, feed->played.steps_made, lane_loaded(feed->index, next).time);
+        }
+    }
+}
+
+/* Counts `steps` of a segment that has been loaded. */
+static void count(struct feed_progress *progress, const struct loaded *segment, uint16_t steps)
+{
+    progress->backward = progress->backward != segment->turns;
+    progress->position = moved(progress->position, progress->backward, steps);
+    progress->steps_made += steps;
+}
+
+/* Counts the segment that is retired next. It has been played. */
+static void retire(struct feed *feed)
+{
+    struct lane *lane = lane_of(feed->index);
+    uint8_t place = lane->retired;
+    struct loaded segment = lane_loaded(feed->index, place);
+    count(&feed->played, &segment, segment.steps);
+    if (line_is_on()) {
+        line_retire(&line_queue[place / LINE_SEGMENT_BYTES], segment.steps);
+    }
+    trace_played(feed, segment.steps, lane_next(place));
+    lane->retired = lane_next(place);
+}
+
+/* Retires what has been played. The segment loaded last, the one before the tail, is being played. */
+static void retire_played(struct feed *feed)
+{
+    const struct lane *lane = lane_of(feed->index);
+    if (lane->retired == lane->tail) {
+        return;
+    }
+    while (lane_next(lane->retired) != lane->tail) {
+        retire(feed);
+    }
+}
+
+/* ---- for the machine ---- */
+
+void feed_set_out(struct feed *feed)
+{
+    if (feed->stage != FEED_IDLE) {
+        return;
+    }
+    feed->stage = FEED_WAITING;
+    feed->end_time = 0;
+    feed->end_ticks = 0;
+    feed->played.steps_made = 0;
+    trace_begin_move(feed->index);
+    feed->is_traced = trace_every(feed->index) != 0;
+    if (feed->is_traced) {
+        trace_to_queue = 1; /* the first pulse */
+        trace_to_play = 1;
+    }
+}
+
+bool feed_is_ready(const struct feed *feed)
+{
+    uint8_t queued = lane_ahead(lane_of(feed->index));
+    return queued >= LEAST_SEGMENTS || (queued != 0 && axis_is_at_rest(&feed->axis));
+}
+
+void feed_started(struct feed *feed, uint16_t start_ticks)
+{
+    extend(feed, start_ticks);
+    feed->seen_empty = lane_of(feed->index)->empty;
+    feed->end_time = (uint16_t)(feed->end_time + feed_clock.now);
+    feed->has_run_dry = false;
+    feed->stage = FEED_PLAYING;
+}
+
+void feed_halted(struct feed *feed)
+{
+    feed->played = feed_progress(feed);
+    feed->pin_backward = feed->played.backward;
+    feed->stage = FEED_IDLE;
+    feed->wait_left = 0;
+    feed->turns_next = false;
+    feed->has_pulses = false;
+    axis_halt(&feed->axis, feed->played.position);
+    trace_end_move(feed->index);
+}
+
+/* Nothing is left to do, and nothing queued. */
+static bool is_done(const struct feed *feed)
+{
+    return axis_is_at_rest(&feed->axis) && feed->wait_left == 0 && !feed->turns_next && lane_ahead(lane_of(feed->index)) == 0;
+}
+
+static void become_idle(struct feed *feed)
+{
+    feed->stage = FEED_IDLE;
+    trace_end_move(feed->index);
+}
+
+/* The engine has found the queue empty. */
+static void parked(struct feed *feed)
+{
+    feed->seen_empty = lane_of(feed->index)->empty;
+    const struct lane *lane = lane_of(feed->index);
+    while (lane->retired != lane->tail) {
+        retire(feed);
+    }
+    if (is_done(feed)) {
+        become_idle(feed);
+        return;
+    }
+    feed->has_run_dry = feed->has_pulses;
+    if (feed->has_run_dry && starved != UINT8_MAX) {
+        starved++;
+    }
+    feed->stage = FEED_WAITING;
+    feed->end_time = 0;
+    feed->end_ticks = 0;
+}
+
+void feed_poll(struct feed *feed)
+{
+    if (feed->stage == FEED_IDLE) {
+        return;
+    }
+    if (feed->stage == FEED_PLAYING) {
+        retire_played(feed);
+        if (lane_of(feed->index)->empty != feed->seen_empty) {
+            parked(feed);
+            return;
+        }
+    } else if (is_done(feed)) { /* the target was taken back before the start */
+        become_idle(feed);
+        return;
+    }
+    for (uint8_t left = SEGMENTS_AT_ONCE; left != 0 && fill(feed); left--) {
+    }
+}
+
+/* The steps that have been played of a segment that has been loaded: all, but of the one that is being played. */
+static uint16_t steps_played(const struct feed *feed, const struct loaded *segment, uint8_t next,
+                             const struct engine_place *now)
+{
+    bool is_playing = next == now->tail && now->empty == feed->seen_empty;
+    return is_playing && segment->steps != 0 ? (uint16_t)(segment->steps - 1u - now->count_less_1) : segment->steps;
+}
+
+struct feed_progress feed_progress(const struct feed *feed)
+{
+    struct feed_progress progress = feed->played;
+    struct engine_place now = engine_place(feed->index);
+    uint8_t place = lane_of(feed->index)->retired;
+    if (feed->stage != FEED_PLAYING) {
+        now.tail = place;
+    }
+    line_in_progress = line.played;
+    while (place != now.tail) {
+        struct loaded segment = lane_loaded(feed->index, place);
+        uint8_t next = lane_next(place);
+        uint16_t steps = steps_played(feed, &segment, next, &now);
+        count(&progress, &segment, steps);
+        if (line_is_on()) {
+            line_play(&line_in_progress, &line_queue[place / LINE_SEGMENT_BYTES], steps);
+        }
+        place = next;
+    }
+    return progress;
+}
+
+uint32_t feed_interval(const struct feed *feed)
+{
+    const volatile uint16_t *present = line_is_on() ? &line_player.interval : &axis_players[feed->index].interval;
+    if (feed->stage == FEED_IDLE || feed->axis.interval > LONGEST_WAIT_TICKS) {
+        return feed->axis.interval;
+    }
+    uint16_t interval;
+    do {
+        interval = *present;
+    } while (interval != *present); /* an event came in between the two bytes */
+    return interval;
+}
+
+uint8_t feed_starved(void)
+{
+    return starved;
+}

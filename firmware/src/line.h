@@ -1,0 +1,71 @@
+/* A straight line: the axis with most steps leads and plays a ramp, the others make their steps with its. In pieces of
+ * at most 2^16 - 1 steps, as that is what the engine counts to; each begins and ends within half a step of the line. */
+#ifndef STEPRAMP_LINE_H
+#define STEPRAMP_LINE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "engine.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* A piece as far as it has been queued, or played. */
+struct line_piece {
+    uint16_t total; /* steps of the leader; 0: none yet */
+    uint16_t done;  /* of them */
+    uint16_t delta[MOST_FOLLOWERS];
+    uint32_t made[MOST_FOLLOWERS]; /* steps of the followers in the pieces before */
+};
+
+struct line {
+    bool is_on;
+    uint8_t leader;
+    uint8_t followers[MOST_FOLLOWERS]; /* axes, ascending */
+    uint8_t follower_count;
+    uint8_t axes;                      /* for LINE_AXES */
+    uint32_t left;                     /* steps of the leader that are in no piece yet */
+    uint32_t total;                    /* steps of the leader */
+    uint32_t steps[MOST_FOLLOWERS];
+    uint32_t rest[MOST_FOLLOWERS];     /* of the division of steps among the pieces */
+    struct line_piece queued;
+    struct line_piece played; /* and retired */
+};
+
+extern struct line line;
+
+/* As far as it had been played when feed_progress looked. */
+extern struct line_piece line_in_progress;
+
+static inline bool line_is_on(void)
+{
+    return line.is_on;
+}
+
+/* Begins a line of the axes that make steps; the leader makes at least one. */
+void line_begin(uint8_t leader, const uint32_t steps[MOST_AXES]);
+
+/* Steps that the next segment may have: those left of the piece in hand, or of the next one. */
+uint16_t line_most_steps(void);
+
+/* Completes a segment, of the leader's steps or silent, whose count is there. */
+void line_fill_in(volatile struct line_segment *segment, bool is_step);
+
+/* A segment of the line has been played, or `steps` of it. */
+void line_play(struct line_piece *piece, const struct line_segment *segment, uint16_t steps);
+
+static inline void line_retire(const struct line_segment *segment, uint16_t steps)
+{
+    line_play(&line.played, segment, steps);
+}
+
+/* Steps of a follower as far as its line has been played. */
+uint32_t line_steps_of(const struct line_piece *piece, uint8_t follower);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,543 @@
+#include "machine.h"
+
+#include <stddef.h>
+
+#include "engine.h"
+#include "feed.h"
+#include "limits.h"
+#include "line.h"
+#include "port.h"
+#include "ramp_image.h"
+
+/* From the start of a queue to its first segment [us]: time to queue some more. */
+#ifndef START_US
+#define START_US 200
+#endif
+
+enum { MOST_GAUGES = 3, SHARE_BITS = 12 };
+
+static const uint8_t *image;
+static const struct settings *settings;
+static struct feed feeds[MOST_AXES];
+static struct feed *end_of_feeds = feeds; /* after those of the image's axes */
+static bool is_enabled;
+static uint16_t enabled_ms; /* when the motors were enabled */
+static uint16_t rest_ms;    /* when the last of them came to rest */
+
+static bool is_moving(const struct feed *feed)
+{
+    return feed->stage != FEED_IDLE;
+}
+
+static uint8_t ticks_a_us(void)
+{
+    return ramp_image_is_fast(image) ? FAST_CLOCK_HZ / 1000000u : SLOW_CLOCK_HZ / 1000000u;
+}
+
+static struct image_ramp ramp_of(const struct feed *feed)
+{
+    return ramp_image_ramp(image, feed->index);
+}
+
+/* [ticks] */
+static uint32_t slew_interval_of(const struct feed *feed)
+{
+    return ramp_of(feed).slew_interval;
+}
+
+/* `position` and some steps in the direction of an axis. */
+static int32_t moved(int32_t position, bool backward, uint32_t steps)
+{
+    return (int32_t)((uint32_t)position + (backward ? 0u - steps : steps));
+}
+
+/* ---- the processor's share ---- */
+
+/* The share of the processor, in 4096ths, of one of `count` axes with this shortest interval [ticks], when all of them
+ * together need so many cycles for a step each. Rounded down, so that the shortest intervals allowed come to the whole. */
+static uint16_t share_of(uint32_t interval, uint16_t cycles, uint8_t count)
+{
+    if (interval > UINT16_MAX) {
+        return 0; /* or nearly so */
+    }
+    uint8_t fast_ticks_a_tick = ramp_image_is_fast(image) ? 1 : FAST_CLOCK_HZ / SLOW_CLOCK_HZ;
+    uint32_t share = ((uint32_t)cycles << SHARE_BITS) / (interval * fast_ticks_a_tick * count);
+    return share > UINT16_MAX / MOST_AXES ? UINT16_MAX / MOST_AXES : (uint16_t)share;
+}
+
+/* Not tables: an AVR would copy them into its RAM. */
+static uint16_t shortest_together(uint8_t count)
+{
+    return count < 2   ? SHORTEST_INTERVAL_1_AXIS_TICKS
+           : count < 3 ? SHORTEST_INTERVAL_2_AXES_TICKS
+           : count < 4 ? SHORTEST_INTERVAL_3_AXES_TICKS
+                       : SHORTEST_INTERVAL_4_AXES_TICKS;
+}
+
+static uint16_t shortest_on_a_line(uint8_t count)
+{
+    return count < 2   ? SHORTEST_INTERVAL_1_AXIS_TICKS
+           : count < 3 ? SHORTEST_INTERVAL_LINE_2_TICKS
+           : count < 4 ? SHORTEST_INTERVAL_LINE_3_TICKS
+                       : SHORTEST_INTERVAL_LINE_4_TICKS;
+}
+
+/* Cycles that `count` steps take, and wide pulses more. */
+static uint16_t cycles_with_pulses(uint16_t cycles, uint8_t count)
+{
+    return (uint16_t)(cycles + count * settings->pulse_width_us * (FAST_CLOCK_HZ / 1000000u));
+}
+
+static uint8_t share_status(uint16_t share, uint16_t *detail)
+{
+    if (share <= 1u << SHARE_BITS) {
+        return STATUS_OK;
+    }
+    *detail = (uint16_t)((uint32_t)share * 100 >> SHARE_BITS);
+    return STATUS_TOO_FAST;
+}
+
+/* The shortest interval that an axis comes to [ticks]: `wanted`, or when that is 0, what it does already. */
+static uint32_t shortest_interval(const struct feed *feed, uint32_t wanted)
+{
+    const struct axis *axis = &feed->axis;
+    if (wanted != 0) {
+        return wanted;
+    }
+    return axis->interval != 0 && axis->interval < axis->level ? axis->interval : axis->level;
+}
+
+/* The share of an axis that comes to this interval [ticks] when axes of `count` segment lists need `cycles` for a step
+ * each. Gauges, and ramps that are computed, have their own limits. */
+static uint16_t share_of_axis(const struct feed *feed, uint32_t interval, uint16_t cycles, uint8_t count)
+{
+    if (settings->outputs == OUTPUTS_GAUGES) {
+        return share_of(interval, SHORTEST_GAUGE_INTERVAL_TICKS, 1);
+    }
+    return axis_is_by_formula(&feed->axis)
+               ? share_of(interval, cycles_with_pulses(SHORTEST_FORMULA_INTERVAL_TICKS, 1), 1)
+               : share_of(interval, cycles, count);
+}
+
+/* Whether axes can move with these intervals [ticks], 0 for those that go on as they do. Gauges are slow: each has its
+ * limit, whatever the others do. */
+static uint8_t check_share(const uint32_t wanted[MOST_AXES], uint16_t *detail)
+{
+    bool are_gauges = settings->outputs == OUTPUTS_GAUGES;
+    uint8_t count = 0;
+    for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
+        count = (uint8_t)(count + (wanted[feed->index] != 0 || is_moving(feed)));
+    }
+    uint16_t cycles = cycles_with_pulses(shortest_together(count), count), sum = 0;
+    for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
+        if (wanted[feed->index] != 0 || is_moving(feed)) {
+            uint32_t interval = shortest_interval(feed, wanted[feed->index]);
+            uint16_t share = share_of_axis(feed, interval, cycles, count);
+            sum = are_gauges ? (share > sum ? share : sum) : (uint16_t)(sum + share);
+        }
+    }
+    return share_status(sum, detail);
+}
+
+/* ---- requests ---- */
+
+static uint8_t check_mask(uint8_t mask, uint16_t *detail)
+{
+    if (image == NULL) {
+        *detail = 0;
+        return STATUS_NO_RAMP;
+    }
+    *detail = mask;
+    bool is_known = mask != 0 && mask >> machine_axes() == 0;
+    bool has_pins = settings->outputs != OUTPUTS_GAUGES || mask >> MOST_GAUGES == 0;
+    return is_known && has_pins ? STATUS_OK : STATUS_OUT_OF_RANGE;
+}
+
+static uint32_t without_sign(int32_t number)
+{
+    return number < 0 ? 0u - (uint32_t)number : (uint32_t)number;
+}
+
+/* The interval that is wanted of an axis of the mask [ticks]; 0: a run at no speed, which is a stop. */
+static uint32_t wanted_interval(const struct feed *feed, int32_t value, bool is_run)
+{
+    return is_run ? without_sign(value) : slew_interval_of(feed);
+}
+
+static void begin_order(struct feed *feed, uint32_t interval, int32_t value, bool is_run)
+{
+    if (interval == 0) {
+        axis_stop(&feed->axis);
+        return;
+    }
+    if (is_run) {
+        axis_run(&feed->axis, value < 0, interval, interval == slew_interval_of(feed));
+    } else {
+        axis_move_to(&feed->axis, interval, value);
+    }
+    feed_set_out(feed);
+}
+
+/* Moves the axes of the mask to positions, or runs them at intervals with a sign. */
+static uint8_t order(uint8_t mask, const int32_t values[MOST_AXES], bool is_run, uint16_t *detail)
+{
+    uint32_t wanted[MOST_AXES] = {0};
+    uint8_t status = check_mask(mask, detail);
+    if (status != STATUS_OK) {
+        return status;
+    }
+    for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
+        uint32_t interval = (mask & feed->bit) != 0 ? wanted_interval(feed, values[feed->index], is_run) : 0;
+        wanted[feed->index] = interval;
+        if (interval != 0 && (interval < slew_interval_of(feed) || interval > LONGEST_INTERVAL_TICKS)) {
+            *detail = feed->index;
+            return STATUS_OUT_OF_RANGE;
+        }
+    }
+    status = check_share(wanted, detail);
+    for (struct feed *feed = feeds; status == STATUS_OK && feed != end_of_feeds; feed++) {
+        if ((mask & feed->bit) != 0) {
+            begin_order(feed, wanted[feed->index], values[feed->index], is_run);
+        }
+    }
+    return status;
+}
+
+uint8_t machine_move_to(uint8_t mask, const int32_t targets[MOST_AXES], uint16_t *detail)
+{
+    return order(mask, targets, false, detail);
+}
+
+uint8_t machine_run(uint8_t mask, const int32_t intervals[MOST_AXES], uint16_t *detail)
+{
+    return order(mask, intervals, true, detail);
+}
+
+void machine_set_position(uint8_t mask, const int32_t positions[MOST_AXES])
+{
+    for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
+        if ((mask & feed->bit) != 0) {
+            feed->played.position = positions[feed->index];
+            axis_halt(&feed->axis, positions[feed->index]);
+        }
+    }
+}
+
+uint8_t machine_zero(uint8_t mask, uint16_t steps, uint16_t *detail)
+{
+    const int32_t zeros[MOST_AXES] = {0};
+    uint8_t status = machine_move_to(mask, zeros, detail);
+    for (struct feed *feed = feeds; status == STATUS_OK && feed != end_of_feeds; feed++) {
+        if ((mask & feed->bit) != 0) {
+            feed->played.position = steps;
+            feed->axis.position = steps; /* it has not set out yet */
+        }
+    }
+    return status;
+}
+
+/* ---- lines ---- */
+
+/* Whether a line whose leader comes to this interval [ticks] is slow enough for `count` axes that make steps. */
+static uint8_t check_line_share(uint32_t interval, uint8_t count, uint16_t *detail)
+{
+    uint16_t cycles = cycles_with_pulses(shortest_on_a_line(count), 1);
+    return share_status(share_of(interval, cycles, 1), detail);
+}
+
+/* Lays out a line for the axis with most steps to lead, with this ramp. */
+static void begin_line(const struct image_ramp *ramp, const int32_t steps[MOST_AXES], const uint32_t lengths[MOST_AXES])
+{
+    struct feed *leader = feeds;
+    for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
+        leader = lengths[feed->index] > lengths[leader->index] ? feed : leader;
+    }
+    for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
+        bool backward = steps[feed->index] < 0;
+        if (feed != leader && lengths[feed->index] != 0 && feed->pin_backward != backward) {
+            feed->pin_backward = backward;
+            leader->turns_too |= feed->bit;
+        }
+    }
+    int32_t position = leader->played.position;
+    engine_set_line(true);
+    line_begin(leader->index, lengths);
+    axis_begin(&leader->axis, ramp);
+    axis_halt(&leader->axis, position);
+    axis_move_to(&leader->axis, ramp->slew_interval, moved(position, false, (uint32_t)steps[leader->index]));
+    feed_set_out(leader);
+}
+
+uint8_t machine_line(uint8_t mask, uint8_t ramp_axis, const int32_t steps[MOST_AXES], uint16_t *detail)
+{
+    uint32_t lengths[MOST_AXES] = {0};
+    uint8_t count = 0, status = check_mask(mask, detail);
+    if (status == STATUS_OK && (ramp_axis >= machine_axes() || settings->outputs == OUTPUTS_GAUGES)) {
+        *detail = ramp_axis;
+        return STATUS_OUT_OF_RANGE;
+    }
+    for (struct feed *feed = feeds; status == STATUS_OK && feed != end_of_feeds; feed++) {
+        int32_t by = (mask & feed->bit) != 0 ? steps[feed->index] : 0, from = feed->played.position;
+        int32_t target = moved(from, false, (uint32_t)by);
+        lengths[feed->index] = without_sign(by);
+        count = (uint8_t)(count + (by != 0));
+        if (by < 0 ? target > from : target < from) {
+            *detail = feed->index;
+            return STATUS_OUT_OF_RANGE;
+        }
+    }
+    if (status == STATUS_OK && count != 0) {
+        struct image_ramp ramp = ramp_image_ramp(image, ramp_axis);
+        status = check_line_share(ramp.slew_interval, count, detail);
+        if (status == STATUS_OK) {
+            begin_line(&ramp, steps, lengths);
+        }
+    }
+    return status;
+}
+
+/* At rest: all directions forward, whatever was queued of turns. */
+static void make_pins_ready(void)
+{
+    engine_configure(settings);
+    for (struct feed *feed = feeds; feed != feeds + MOST_AXES; feed++) {
+        feed->pin_backward = false;
+        feed->played.backward = false;
+        feed->turns_too = 0;
+    }
+}
+
+/* Begins with all axes at rest where they are, each with its own ramp. */
+static void begin_axes(void)
+{
+    for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
+        struct image_ramp ramp = ramp_of(feed);
+        axis_begin(&feed->axis, &ramp);
+        axis_halt(&feed->axis, feed->played.position);
+    }
+}
+
+/* The steps of an axis that follows in a line, as far as that has been played. */
+static uint32_t follower_steps(const struct feed *feed, const struct line_piece *piece)
+{
+    for (uint8_t k = 0; k < line.follower_count; k++) {
+        if (line.followers[k] == feed->index) {
+            return line_steps_of(piece, k);
+        }
+    }
+    return 0;
+}
+
+/* The line has come to rest: its axes are axes of their own again. */
+static void end_line(const struct line_piece *piece)
+{
+    for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
+        feed->played.position = moved(feed->played.position, feed->pin_backward, follower_steps(feed, piece));
+    }
+    line.is_on = false;
+    engine_set_line(false);
+    make_pins_ready();
+    begin_axes();
+}
+
+/* ---- stopping ---- */
+
+void machine_stop(uint8_t mask)
+{
+    for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
+        if (is_moving(feed) && (line_is_on() ? mask != 0 : (mask & feed->bit) != 0)) {
+            axis_stop(&feed->axis);
+        }
+    }
+}
+
+void machine_halt(uint8_t mask)
+{
+    if (line_is_on() && mask != 0) {
+        mask = feeds[line.leader].bit;
+    }
+    engine_halt(mask);
+    for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
+        if (is_moving(feed) && (mask & feed->bit) != 0) {
+            feed_halted(feed);
+        }
+    }
+    if (line_is_on() && mask != 0) {
+        end_line(&line_in_progress);
+    }
+    engine_park(mask);
+}
+
+/* ---- the state ---- */
+
+void machine_begin(void)
+{
+    engine_begin();
+    for (uint8_t i = 0; i < MOST_AXES; i++) {
+        feeds[i].index = i;
+        feeds[i].bit = (uint8_t)(1u << i);
+    }
+}
+
+void machine_use(const uint8_t *new_image, const struct settings *new_settings)
+{
+    image = new_image;
+    settings = new_settings;
+    end_of_feeds = feeds + (image == NULL ? 0 : ramp_image_axes(image));
+    make_pins_ready();
+    if (image != NULL) {
+        bool is_fast = ramp_image_is_fast(image);
+        engine_set_clock(is_fast);
+        feed_clock.is_fast = is_fast;
+        feed_clock.setup_ticks = (uint32_t)settings->direction_setup_us * ticks_a_us();
+        begin_axes();
+    }
+}
+
+uint8_t machine_axes(void)
+{
+    return (uint8_t)(end_of_feeds - feeds);
+}
+
+bool machine_is_moving(void)
+{
+    for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
+        if (is_moving(feed)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+bool machine_is_on_a_line(void)
+{
+    return line_is_on();
+}
+
+/* The report of an axis that follows in a line or rests beside it. */
+static void report_follower(const struct feed *feed, struct axis_report *report)
+{
+    const struct axis *leader = &feeds[line.leader].axis;
+    feed_progress(&feeds[line.leader]);
+    report->steps_made = follower_steps(feed, &line_in_progress);
+    report->position = moved(report->position, feed->pin_backward, report->steps_made);
+    report->target = report->position;
+    for (uint8_t k = 0; k < line.follower_count; k++) {
+        if (line.followers[k] == feed->index) {
+            report->state = leader->stopping ? AXIS_STOPPING : AXIS_MOVING;
+            if (!leader->stopping) {
+                report->target = moved(feed->played.position, feed->pin_backward, line.steps[k]);
+            }
+        }
+    }
+}
+
+struct axis_report machine_report(uint8_t index)
+{
+    const struct feed *feed = &feeds[index];
+    struct feed_progress progress = feed_progress(feed);
+    struct axis_report report = {AXIS_IDLE, progress.position, progress.position, 0, progress.steps_made};
+    if (line_is_on() && index != line.leader) {
+        report_follower(feed, &report);
+    } else if (is_moving(feed)) {
+        report.state = feed->axis.stopping ? AXIS_STOPPING : AXIS_MOVING;
+        report.interval = feed_interval(feed);
+        if (feed->axis.stopping || !feed->axis.runs) {
+            report.target = axis_goal(&feed->axis);
+        }
+    }
+    return report;
+}
+
+uint8_t machine_starved(void)
+{
+    return feed_starved();
+}
+
+bool machine_is_enabled(void)
+{
+    return is_enabled;
+}
+
+/* ---- the main loop ---- */
+
+/* The axes that wait for a start; 0 when one of them isn't ready. */
+static uint8_t axes_to_start(void)
+{
+    uint8_t mask = 0;
+    for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
+        if (feed->stage == FEED_WAITING) {
+            if (!feed_is_ready(feed)) {
+                return 0;
+            }
+            mask |= feed->bit;
+        }
+    }
+    return mask;
+}
+
+/* Enables the motors. Returns true when they have had time to hold. */
+static bool motors_are_ready(uint16_t now_ms)
+{
+    if (!is_enabled) {
+        is_enabled = true;
+        enabled_ms = now_ms;
+        port_enable(true);
+    }
+    return settings->enable_lead_ms == 0 || (uint16_t)(now_ms - enabled_ms) > settings->enable_lead_ms;
+}
+
+/* Disables motors that have been at rest for long enough. */
+static void let_go(uint16_t now_ms)
+{
+    if (machine_is_moving()) {
+        rest_ms = now_ms;
+    } else if (is_enabled && settings->enable_hold_ms != HOLD_FOR_EVER &&
+               (uint16_t)(now_ms - rest_ms) >= settings->enable_hold_ms) {
+        is_enabled = false;
+        port_enable(false);
+    }
+}
+
+/* Ticks from a start to the first segment. An axis whose queue ran dry while it moved has its interval first: its next
+ * step comes late then, but not early. */
+static uint16_t start_ticks(uint8_t mask)
+{
+    uint16_t ticks = (uint16_t)(START_US * ticks_a_us());
+    for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
+        uint32_t interval = feed->axis.interval < LONGEST_WAIT_TICKS ? feed->axis.interval : LONGEST_WAIT_TICKS;
+        if ((mask & feed->bit) != 0 && feed->has_run_dry && interval > ticks) {
+            ticks = (uint16_t)interval;
+        }
+    }
+    return ticks;
+}
+
+static void start(uint8_t mask)
+{
+    uint16_t ticks = start_ticks(mask);
+    engine_start(mask, ticks);
+    for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
+        if ((mask & feed->bit) != 0) {
+            feed_started(feed, ticks);
+        }
+    }
+}
+
+void machine_poll(void)
+{
+    feed_clock.now = port_time();
+    for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
+        feed_poll(feed);
+        axis_compute(&feed->axis);
+    }
+    if (line_is_on() && !is_moving(&feeds[line.leader])) {
+        end_line(&line.played);
+    }
+    uint16_t now_ms = port_milliseconds();
+    uint8_t mask = axes_to_start();
+    if (mask != 0 && motors_are_ready(now_ms)) {
+        start(mask);
+    }
+    let_go(now_ms);
+}

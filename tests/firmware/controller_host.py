@@ -1,0 +1,60 @@
+"""The whole portable firmware on this machine, under the sanitizers: the controller of protocol_driver.c."""
+
+import shutil
+import subprocess
+import tempfile
+from functools import cache
+from pathlib import Path
+from typing import Self
+
+_HERE = Path(__file__).parent
+_SOURCES = _HERE.parent.parent / "firmware" / "src"
+_FLAGS = ["-std=c99", "-g", "-O1", "-Wall", "-Wextra", "-Werror", "-fsanitize=address,undefined"]
+_build_folders: list[tempfile.TemporaryDirectory[str]] = []
+
+
+def missing_compiler() -> list[str]:
+    return [] if shutil.which("gcc") else ["gcc"]
+
+
+@cache
+def build(main: str) -> Path:
+    """Build the firmware with a program of this folder around it, once a process; return the program."""
+    folder = tempfile.TemporaryDirectory(prefix="stepramp-controller-")
+    _build_folders.append(folder)
+    program = Path(folder.name) / Path(main).stem
+    sources = [str(source) for source in sorted(_SOURCES.glob("*.c"))]
+    command = ["gcc", *_FLAGS, "-fno-sanitize-recover=all", f"-I{_SOURCES}", f"-I{_HERE}", "-o", str(program), *sources]
+    command += [str(_HERE / "protocol_port.c"), str(_HERE / main)]
+    result = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert result.returncode == 0, result.stderr
+    return program
+
+
+class Driver:
+    """A running driver. A crash, or anything that a sanitizer finds, fails the next `ask`."""
+
+    def __init__(self) -> None:
+        self._process = subprocess.Popen(
+            [str(build("protocol_driver.c"))], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+        )
+
+    def ask(self, *words: object) -> str:
+        assert self._process.stdin
+        assert self._process.stdout
+        self._process.stdin.write(" ".join(str(word) for word in words) + "\n")
+        self._process.stdin.flush()
+        answer = self._process.stdout.readline()
+        assert answer, f"The driver died of: {words}"
+        return answer.strip()
+
+    def send(self, data: bytes) -> bytes:
+        """Send bytes to the controller's serial port; return what it sends, until its line is quiet."""
+        return bytes.fromhex(self.ask("serial", data.hex() or "-").replace("-", ""))
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._process.communicate()
+        assert self._process.returncode == 0

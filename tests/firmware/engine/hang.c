@@ -1,0 +1,46 @@
+/* Enables the motors, then hangs until the watchdog resets the processor. Sends each time why the processor began. The
+ * second time it raises a pin for 100 ms by its clock, and ends. */
+#include <avr/interrupt.h>
+#include <avr/io.h>
+#include <avr/sleep.h>
+#include <avr/wdt.h>
+#include <util/delay.h>
+
+#include "clock.h"
+#include "engine.h"
+#include "port.h"
+#include "serial.h"
+
+static void wait_until(uint16_t ms)
+{
+    while (port_milliseconds() != ms) {
+    }
+}
+
+int main(void)
+{
+    struct settings settings = settings_default();
+    settings.enable_flags = ENABLE_ACTIVE_HIGH;
+    clock_begin();
+    serial_begin();
+    engine_begin();
+    engine_configure(&settings);
+    serial_send(port_reset_cause());
+    _delay_ms(1);
+    if (port_reset_cause() != RESET_WATCHDOG) {
+        port_enable(true);
+        wdt_enable(WDTO_15MS);
+        for (;;) {
+        }
+    }
+    DDRC = _BV(0);
+    wait_until(20);
+    PORTC = _BV(0);
+    wait_until(120);
+    PORTC = 0;
+    cli();
+    sleep_enable();
+    for (;;) { /* a byte that comes may wake it once more */
+        sleep_cpu();
+    }
+}

@@ -1,0 +1,143 @@
+#include "protocol_port.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "controller.h"
+#include "engine.h"
+#include "port.h"
+
+enum { BYTE_TICKS = 1389 /* a byte at 115200 baud, at 16 MHz */, ROUNDS_A_BYTE = 4 };
+enum { TICKS_A_MILLISECOND = 16000 };
+
+uint8_t port_eeprom[EEPROM_BYTES];
+long port_eeprom_writes;
+long port_cut_write;
+int port_cut_value = EEPROM_ERASED;
+uint32_t port_eeprom_write_ticks = 54400; /* 3.4 ms */
+int32_t port_steps[PORT_AXES];
+
+static uint64_t now_ticks, eeprom_busy_until;
+static uint8_t backward; /* direction pins, a bit for each axis */
+
+/* ---- pins ---- */
+
+static void on_step(uint8_t axes)
+{
+    for (uint8_t i = 0; i < PORT_AXES; i++) {
+        if ((axes >> i & 1) != 0) {
+            port_steps[i] = (int32_t)((uint32_t)port_steps[i] + ((backward >> i & 1) != 0 ? UINT32_MAX : 1));
+        }
+    }
+}
+
+static void on_turn(uint8_t axes)
+{
+    backward ^= axes;
+}
+
+void engine_configure(const struct settings *settings)
+{
+    (void)settings;
+    backward = 0;
+}
+
+uint8_t engine_step_mask(uint8_t axis)
+{
+    return (uint8_t)(1 << axis);
+}
+
+uint8_t engine_turn_mask(uint8_t axis)
+{
+    return (uint8_t)(0x10 << axis);
+}
+
+void port_enable(bool on)
+{
+    (void)on;
+}
+
+/* ---- clock and EEPROM ---- */
+
+uint16_t port_time(void)
+{
+    return (uint16_t)(now_ticks * 1000 / 64 / TICKS_A_MILLISECOND);
+}
+
+uint16_t port_milliseconds(void)
+{
+    return (uint16_t)(now_ticks / TICKS_A_MILLISECOND);
+}
+
+uint8_t port_reset_cause(void)
+{
+    return RESET_POWER_ON;
+}
+
+bool port_eeprom_is_busy(void)
+{
+    return now_ticks < eeprom_busy_until;
+}
+
+uint8_t port_eeprom_read(uint16_t address)
+{
+    if (address >= EEPROM_BYTES) {
+        fprintf(stderr, "EEPROM read at %u\n", address);
+        abort();
+    }
+    return port_eeprom[address];
+}
+
+void port_eeprom_write(uint16_t address, uint8_t value)
+{
+    if (address >= EEPROM_BYTES || port_eeprom_is_busy()) {
+        fprintf(stderr, "EEPROM written at %u, or while busy\n", address);
+        abort();
+    }
+    port_eeprom_writes++;
+    if (port_cut_write == 0 || port_eeprom_writes < port_cut_write) {
+        port_eeprom[address] = value;
+        eeprom_busy_until = now_ticks + port_eeprom_write_ticks;
+    } else if (port_eeprom_writes == port_cut_write && port_cut_value >= 0) {
+        port_eeprom[address] = (uint8_t)port_cut_value;
+    }
+}
+
+/* ---- time ---- */
+
+void port_begin(void)
+{
+    eeprom_busy_until = 0;
+    memset(port_steps, 0, sizeof port_steps);
+    controller_begin();
+    engine_set_outputs(on_step, on_turn);
+}
+
+void port_round(void)
+{
+    now_ticks += BYTE_TICKS / ROUNDS_A_BYTE;
+    engine_play((uint16_t)now_ticks);
+    controller_poll();
+}
+
+size_t port_run(unsigned long byte_times, const uint8_t *in, size_t in_length, uint8_t *out)
+{
+    size_t taken = 0, sent = 0;
+    for (; byte_times != 0; byte_times--) {
+        uint8_t byte;
+        if (taken < in_length) {
+            controller_receive(in[taken++]);
+        }
+        for (unsigned i = 0; i < ROUNDS_A_BYTE; i++) {
+            port_round();
+        }
+        if (controller_next_byte(&byte)) {
+            if (out) {
+                out[sent] = byte;
+            }
+            sent++;
+        }
+    }
+    return sent;
+}

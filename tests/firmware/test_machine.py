@@ -1,0 +1,219 @@
+"""Several axes: at the same time, and along a straight line."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from firmware.host import Host, missing_compiler
+from firmware.motion import OK, OUT_OF_RANGE, TOO_FAST, Machine, StoredRamp, build, image_of
+from firmware.test_motion import QUICK, SHARP
+from tools import require
+
+LEVEL = StoredRamp((), 2500, ())
+LONE = StoredRamp((5000, 4000), 3000, (6000, 4500, 3500))
+
+
+@pytest.fixture(scope="module")
+def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    require(*missing_compiler())
+    return build(tmp_path_factory.mktemp("machine"))
+
+
+@pytest.fixture(scope="module")
+def host(program: Path) -> Iterator[Host]:
+    with Host(program) as running:
+        yield running
+
+
+FOUR = image_of(QUICK, SHARP, LEVEL, LONE)
+counts = st.lists(st.integers(-150, 150), min_size=4, max_size=4)
+
+
+@given(targets=counts)
+def test_four_axes_at_the_same_time(host: Host, targets: list[int]) -> None:
+    """Each along its own ramp, and all from one instant."""
+    machine = Machine(host, FOUR)
+    assert machine.move(*targets) == (OK, 0)
+    machine.rest()
+    starts = set()
+    assert [machine.report(axis).position for axis in range(4)] == targets
+    for ramp, target, made in zip((QUICK, SHARP, LEVEL, LONE), targets, machine.all_steps(), strict=False):
+        assert made.travel == target
+        assert made.intervals == ramp.move(abs(target))[:-1]
+        starts.update(made.times[:1])
+    assert len(starts) <= 1
+
+
+@given(wait=st.integers(0, 60_000), later=st.integers(-80, 80), target=st.integers(-80, 80))
+def test_an_axis_may_start_while_others_move(host: Host, wait: int, later: int, target: int) -> None:
+    machine = Machine(host, FOUR)
+    machine.ask("move", 0b0001, 200)
+    machine.do("wait", wait)
+    machine.ask("move", 0b1010, 0, later, 0, target)
+    machine.rest()
+    quick, sharp, _, lone = machine.all_steps()
+    assert quick.intervals == QUICK.move(200)[:-1]
+    assert sharp.intervals == SHARP.move(abs(later))[:-1]
+    assert lone.intervals == LONE.move(abs(target))[:-1]
+    assert (sharp.travel, lone.travel) == (later, target)
+
+
+def test_stop_and_halt_of_some_axes(host: Host) -> None:
+    machine = Machine(host, FOUR)
+    machine.move(300, 300, 300, 300)
+    machine.do("wait", 60_000)
+    machine.do("stop", 0b0001)
+    machine.do("halt", 0b0100)
+    halted = machine.report(2).position
+    machine.rest()
+    made = [steps.travel for steps in machine.all_steps()]
+    assert made == [machine.report(axis).position for axis in range(4)]
+    assert 0 < made[0] < 300
+    assert made[1:] == [300, halted, 300]
+
+
+def test_a_ramp_may_be_shared(host: Host) -> None:
+    ramp = QUICK.encode()
+    machine = Machine(host, bytes([2, 0, 3, 1, 0, 0, 0]) + ramp)
+    machine.move(20, -50, 120)
+    machine.rest()
+    for steps, made in zip((20, 50, 120), machine.all_steps(), strict=False):
+        assert made.intervals == QUICK.move(steps)[:-1]
+
+
+def steps_together(leader_steps: int, steps: int) -> list[int]:
+    """Return with which step of the leader each step of a follower comes: the nearest, halves up."""
+    made = [(2 * i * steps + leader_steps) // (2 * leader_steps) for i in range(leader_steps + 1)]
+    return [i for i in range(1, leader_steps + 1) if made[i] > made[i - 1]]
+
+
+@given(steps=counts)
+@example(steps=[150, -150, 0, 1])
+@example(steps=[0, 0, 0, -3])
+@example(steps=[7, 100, 99, -50])
+def test_a_line(host: Host, steps: list[int]) -> None:
+    """The axis with most steps plays the ramp, the others make theirs together with it (Bresenham)."""
+    machine = Machine(host, FOUR)
+    assert machine.ask("line", 15, 0, *steps) == (OK, 0)
+    machine.rest()
+    assert [machine.report(axis).position for axis in range(4)] == steps
+    most = max(abs(s) for s in steps)
+    leader = [abs(s) for s in steps].index(most)
+    made = machine.all_steps()
+    assert made[leader].intervals == QUICK.move(most)[:-1]
+    for follower, count in zip(made, steps, strict=True):
+        assert follower.travel == count
+        if count:
+            assert follower.times == [made[leader].times[i - 1] for i in steps_together(most, abs(count))]
+    machine.move(*(0 for _ in steps))
+    machine.rest()
+    assert [made.travel for made in machine.all_steps()] == [-s for s in steps]
+
+
+@pytest.mark.parametrize("order", ["stop", "halt"])
+@given(steps=counts, wait=st.integers(0, 150_000))
+def test_a_line_is_left_early(host: Host, order: str, steps: list[int], wait: int) -> None:
+    """It stays on the line, and every axis knows where it is."""
+    machine = Machine(host, FOUR)
+    machine.ask("line", 15, 1, *steps)
+    machine.do("wait", wait)
+    machine.do(order, 1)
+    if order == "halt":
+        assert machine.report().state == 0
+    machine.rest()
+    made = [axis.travel for axis in machine.all_steps()]
+    assert made == [machine.report(axis).position for axis in range(4)]
+    most = max(abs(s) for s in steps)
+    leader = [abs(s) for s in steps].index(most)
+    for count, whole in zip(made, steps, strict=True):
+        if most:
+            assert abs(count) == (2 * abs(made[leader]) * abs(whole) + most) // (2 * most)
+
+
+def test_a_line_is_reported_on_its_way(host: Host) -> None:
+    machine = Machine(host, FOUR)
+    machine.ask("line", 15, 0, 100, -60, 0, 33)
+    for _ in range(40):
+        machine.do("wait", 7000)
+        reports = [machine.report(axis) for axis in range(4)]
+        lead = reports[0].position
+        assert reports[1].position == -((2 * lead * 60 + 100) // 200)
+        assert reports[3].position == (2 * lead * 33 + 100) // 200
+        assert [r.target for r in reports] == [100, -60, 0, 33]
+
+
+def test_a_line_of_more_steps_than_the_engine_counts(host: Host) -> None:
+    """In pieces of 32,768 steps, each of which begins and ends within half a step of the line."""
+    quick = StoredRamp((200, 150), 125, (200, 150))
+    machine = Machine(host, image_of(quick, quick, quick))
+    machine.ask("line", 7, 0, 150_000, 99_999, -1)
+    machine.rest()
+    leader, half, single = machine.all_steps()[:3]
+    assert (leader.travel, half.travel, single.travel) == (150_000, 99_999, -1)
+    at = {time: i + 1 for i, time in enumerate(leader.times)}
+    for i, time in enumerate(half.times):
+        assert abs((i + 1) / 99_999 * 150_000 - at[time]) <= 2
+    assert machine.report(0).starved == 0
+
+
+def test_a_line_within_the_range_of_positions(host: Host) -> None:
+    machine = Machine(host, FOUR)
+    machine.do("position", 2, 0, 2**31 - 5)
+    assert machine.ask("line", 3, 0, 100, 5) == (OUT_OF_RANGE, 1)
+    assert machine.ask("line", 3, 4, 100, 4) == (OUT_OF_RANGE, 4)
+    assert machine.ask("line", 3, 0, 100, 4) == (OK, 0)
+
+
+@pytest.mark.parametrize(
+    ("axes", "interval", "status"),
+    [
+        (1, 106, OK),
+        (2, 246, OK),
+        (2, 245, TOO_FAST),
+        (3, 380, OK),
+        (3, 379, TOO_FAST),
+        (4, 533, OK),
+        (4, 532, TOO_FAST),
+    ],
+)
+def test_the_fastest_axes_together(host: Host, axes: int, interval: int, status: int) -> None:
+    """65,000, 42,000 and 30,000 steps/s each."""
+    machine = Machine(host, image_of(*[StoredRamp((), interval, ())] * axes, fast=True), round_ticks=1000)
+    assert machine.move(*[100] * axes)[0] == status
+    machine.rest()
+    assert machine.report().starved == 0
+
+
+@pytest.mark.parametrize(
+    ("axes", "interval", "status"),
+    [(2, 133, OK), (2, 132, TOO_FAST), (3, 160, OK), (3, 159, TOO_FAST), (4, 177, OK), (4, 176, TOO_FAST)],
+)
+def test_the_fastest_lines(host: Host, axes: int, interval: int, status: int) -> None:
+    """120,000, 100,000 and 90,000 steps/s."""
+    machine = Machine(host, image_of(*[StoredRamp((), interval, ())] * axes, fast=True), round_ticks=1000)
+    assert machine.ask("line", (1 << axes) - 1, 0, *[100] * axes)[0] == status
+
+
+def test_an_axis_that_would_be_one_too_many(host: Host) -> None:
+    """The share of those that move already counts."""
+    machine = Machine(host, image_of(StoredRamp((), 200, ()), StoredRamp((), 400, ()), fast=True), round_ticks=1000)
+    assert machine.ask("move", 1, 100_000) == (OK, 0)
+    machine.do("wait", 100_000)
+    assert machine.ask("move", 2, 0, 10) == (OK, 0)
+    machine.do("halt", 15)
+    fast = StoredRamp((), 150, ())
+    machine = Machine(host, image_of(fast, fast, fast=True), round_ticks=1000)
+    machine.ask("move", 1, 100_000)
+    assert machine.ask("move", 2, 0, 10) == (TOO_FAST, 163)
+
+
+def test_gauges_have_three_axes_and_a_limit_of_their_own(host: Host) -> None:
+    settings = bytes([1, 0, 0, 0, 0, 0]) + (30).to_bytes(2, "little") + bytes(4)
+    machine = Machine(host, FOUR, settings)
+    assert machine.move(1, 1, 1) == (OK, 0)
+    assert machine.ask("move", 8, 0, 0, 0, 1) == (OUT_OF_RANGE, 8)
+    machine = Machine(host, image_of(StoredRamp((), 399, ())), settings)
+    assert machine.move(1) == (TOO_FAST, 100)
