@@ -14,7 +14,10 @@ from pathlib import Path
 import numpy as np
 from starlette.testclient import TestClient
 
+from benchmarks.firmware_engine import firmware_engine
+from benchmarks.firmware_machine import firmware_machine
 from designs import design, document
+from simulator.avr import missing_tools
 from stepramp.http_api.app import create_app
 from stepramp.ramp.error_curves import error_curves, relative_errors
 from stepramp.ramp.kinematics import Slope, exact_intervals
@@ -110,8 +113,20 @@ def requests() -> None:
                 print(f"| {steps:,} | {route}, 2,000 points | {spent:.2f} |", flush=True)
 
 
+def firmware() -> None:
+    """Print the tables of the firmware, or which tools are missing for them."""
+    print("\n## Firmware\n")
+    if missing := missing_tools():
+        print(f"Left out: {', '.join(missing)} missing.")
+        return
+    firmware_engine()
+    print()
+    firmware_machine()
+
+
 if __name__ == "__main__":
     against_c()
     numerics()
     segments()
     requests()
+    firmware()
