@@ -1,0 +1,258 @@
+#include "StepRamp.h"
+
+#include "arduino_port.h"
+#include "machine.h"
+#include "message.h"
+#include "ramp_image.h"
+#include "settings.h"
+
+StepRampClass StepRamp;
+
+static_assert((uint8_t)STEPRAMP_AXES == AXES && (uint8_t)STEPRAMP_GAUGES == GAUGES, "StepRamp.h and limits.h differ");
+static_assert((uint8_t)STEPRAMP_NO_PIN == (uint8_t)NO_PIN, "StepRamp.h and arduino_port.h differ");
+static_assert((uint16_t)STEPRAMP_HOLD == (uint16_t)HOLD_FOR_EVER, "StepRamp.h and settings.h differ");
+static_assert((uint8_t)STEPRAMP_MOVING == STATUS_MOVING && (uint8_t)STEPRAMP_NO_RAMP == STATUS_NO_RAMP &&
+                  (uint8_t)STEPRAMP_OUT_OF_RANGE == STATUS_OUT_OF_RANGE && (uint8_t)STEPRAMP_TOO_FAST == STATUS_TOO_FAST,
+              "StepRamp.h and message.h differ");
+
+namespace {
+
+struct settings settings_now = {OUTPUTS_STEP_AND_DIRECTION, 0, 0, 0, 0, 0, 30, 1, HOLD_FOR_EVER};
+const uint8_t *image; /* that is used; none before begin() */
+bool has_begun;
+
+uint8_t bit_of(uint8_t axis)
+{
+    return axis < AXES ? (uint8_t)(1u << axis) : 0;
+}
+
+uint8_t all_axes()
+{
+    return (uint8_t)((1u << machine_axes()) - 1u);
+}
+
+void set_bit(uint8_t *mask, uint8_t axis, bool on)
+{
+    *mask = (uint8_t)(on ? *mask | bit_of(axis) : *mask & ~bit_of(axis));
+}
+
+bool settings_are_good()
+{
+    uint8_t packed[SETTINGS_BYTES];
+    settings_pack(&settings_now, packed);
+    return settings_check(packed) == SETTINGS_BYTES;
+}
+
+StepRampResult move_to(uint8_t mask, const int32_t targets[AXES])
+{
+    uint16_t detail;
+    return machine_is_on_a_line() ? STEPRAMP_MOVING : (StepRampResult)machine_move_to(mask, targets, &detail);
+}
+
+/* `from` + `steps`, unless that is beyond what a position can be. */
+bool add_steps(int32_t from, int32_t steps, int32_t *target)
+{
+    *target = (int32_t)((uint32_t)from + (uint32_t)steps);
+    return (steps >= 0) == (*target >= from);
+}
+
+} // namespace
+
+/* ---- wiring and settings ---- */
+
+void StepRampClass::setStepper(uint8_t axis, uint8_t stepPin, uint8_t directionPin)
+{
+    if (axis < AXES) {
+        arduino_pins.step[axis] = stepPin;
+        arduino_pins.direction[axis] = directionPin;
+    }
+}
+
+void StepRampClass::setEnablePin(uint8_t pin)
+{
+    arduino_pins.enable = pin;
+}
+
+void StepRampClass::setGauge(uint8_t axis, uint8_t pin1, uint8_t pin2, uint8_t pin3, uint8_t pin4)
+{
+    if (axis < GAUGES) {
+        const uint8_t pins[COIL_PINS] = {pin1, pin2, pin3, pin4};
+        memcpy(arduino_pins.coils[axis], pins, sizeof pins);
+        settings_now.outputs = OUTPUTS_GAUGES;
+    }
+}
+
+void StepRampClass::setBothEdges(uint8_t axis, bool on)
+{
+    set_bit(&settings_now.both_edges, axis, on);
+}
+
+void StepRampClass::setStepInverted(uint8_t axis, bool on)
+{
+    set_bit(&settings_now.step_inverted, axis, on);
+}
+
+void StepRampClass::setDirectionInverted(uint8_t axis, bool on)
+{
+    set_bit(&settings_now.direction_inverted, axis, on);
+}
+
+void StepRampClass::setEnableActiveHigh(bool on)
+{
+    settings_now.enable_flags = on ? ENABLE_ACTIVE_HIGH : 0;
+}
+
+void StepRampClass::setPulseWidth(uint8_t microseconds)
+{
+    settings_now.pulse_width_us = microseconds;
+}
+
+void StepRampClass::setDirectionSetup(uint16_t microseconds)
+{
+    settings_now.direction_setup_us = microseconds;
+}
+
+void StepRampClass::setEnableLead(uint16_t milliseconds)
+{
+    settings_now.enable_lead_ms = milliseconds;
+}
+
+void StepRampClass::setEnableHold(uint16_t milliseconds)
+{
+    settings_now.enable_hold_ms = milliseconds;
+}
+
+bool StepRampClass::begin(const uint8_t *ramp, uint16_t length)
+{
+    if (!has_begun) {
+        has_begun = true;
+        arduino_begin();
+        machine_begin();
+    } else if (machine_is_moving()) {
+        return false;
+    }
+    if (!settings_are_good() || !ramp_image_check(ramp, length).good) {
+        return false;
+    }
+    image = ramp;
+    machine_use(image, &settings_now);
+    return true;
+}
+
+void StepRampClass::poll()
+{
+    machine_poll();
+    arduino_play();
+}
+
+/* ---- moves ---- */
+
+StepRampResult StepRampClass::moveTo(uint8_t axis, int32_t position)
+{
+    int32_t targets[AXES] = {position, position, position, position};
+    return move_to(bit_of(axis), targets);
+}
+
+StepRampResult StepRampClass::moveBy(uint8_t axis, int32_t steps)
+{
+    int32_t position;
+    return add_steps(target(axis), steps, &position) ? moveTo(axis, position) : STEPRAMP_OUT_OF_RANGE;
+}
+
+StepRampResult StepRampClass::moveAllTo(const int32_t positions[])
+{
+    int32_t targets[AXES] = {0};
+    memcpy(targets, positions, machine_axes() * sizeof targets[0]);
+    return move_to(all_axes(), targets);
+}
+
+StepRampResult StepRampClass::lineBy(const int32_t steps[], uint8_t rampAxis)
+{
+    uint16_t detail;
+    int32_t by[AXES] = {0};
+    memcpy(by, steps, machine_axes() * sizeof by[0]);
+    return machine_is_moving() ? STEPRAMP_MOVING : (StepRampResult)machine_line(all_axes(), rampAxis, by, &detail);
+}
+
+StepRampResult StepRampClass::run(uint8_t axis, int32_t interval)
+{
+    uint16_t detail;
+    int32_t intervals[AXES] = {interval, interval, interval, interval};
+    return machine_is_on_a_line() ? STEPRAMP_MOVING : (StepRampResult)machine_run(bit_of(axis), intervals, &detail);
+}
+
+StepRampResult StepRampClass::zero(uint8_t axis, uint16_t steps)
+{
+    uint16_t detail;
+    return isMoving(axis) ? STEPRAMP_MOVING : (StepRampResult)machine_zero(bit_of(axis), steps, &detail);
+}
+
+void StepRampClass::stop()
+{
+    machine_stop(all_axes());
+}
+
+void StepRampClass::stop(uint8_t axis)
+{
+    machine_stop(bit_of(axis));
+}
+
+void StepRampClass::halt()
+{
+    machine_halt(all_axes());
+}
+
+void StepRampClass::halt(uint8_t axis)
+{
+    machine_halt(bit_of(axis));
+}
+
+/* ---- what it does ---- */
+
+bool StepRampClass::isMoving()
+{
+    return machine_is_moving();
+}
+
+bool StepRampClass::isMoving(uint8_t axis)
+{
+    return axis < AXES && machine_report(axis).state != AXIS_IDLE;
+}
+
+int32_t StepRampClass::position(uint8_t axis)
+{
+    return axis < AXES ? machine_report(axis).position : 0;
+}
+
+int32_t StepRampClass::target(uint8_t axis)
+{
+    return axis < AXES ? machine_report(axis).target : 0;
+}
+
+StepRampResult StepRampClass::setPosition(uint8_t axis, int32_t position)
+{
+    if (axis >= machine_axes()) {
+        return STEPRAMP_OUT_OF_RANGE;
+    }
+    if (isMoving(axis) || machine_is_on_a_line()) {
+        return STEPRAMP_MOVING;
+    }
+    int32_t positions[AXES] = {position, position, position, position};
+    machine_set_position(bit_of(axis), positions);
+    return STEPRAMP_OK;
+}
+
+uint8_t StepRampClass::axes()
+{
+    return machine_axes();
+}
+
+uint32_t StepRampClass::ticksPerSecond()
+{
+    return arduino_is_fast() ? FAST_CLOCK_HZ : SLOW_CLOCK_HZ;
+}
+
+uint32_t StepRampClass::delayedMicroseconds()
+{
+    return arduino_delayed_us();
+}

@@ -1,0 +1,123 @@
+/* StepRamp for Arduino: moves up to four stepper motors, or three gauges, along ramps designed with StepRamp.
+ *
+ *   #include <StepRamp.h>
+ *   const uint8_t ramp[] = {...};                     // a ramp image, exported by StepRamp
+ *   void setup() {
+ *       StepRamp.setStepper(0, 2, 5);                 // axis 0: step on pin 2, direction on pin 5
+ *       StepRamp.begin(ramp, sizeof ramp);
+ *       StepRamp.moveTo(0, 1000);
+ *   }
+ *   void loop() { StepRamp.poll(); }
+ *
+ * Nothing here waits: poll() makes the steps that are due. Call it as often as you can, and don't use delay(). */
+#ifndef STEPRAMP_H
+#define STEPRAMP_H
+
+#include <Arduino.h>
+
+/* What moves and the like return. The numbers are those of the serial protocol. */
+enum StepRampResult : uint8_t {
+    STEPRAMP_OK = 0,
+    STEPRAMP_MOVING = 4,       /* not while something moves, or not while a line is drawn */
+    STEPRAMP_NO_RAMP = 5,      /* begin() has had no good ramp */
+    STEPRAMP_OUT_OF_RANGE = 6, /* there is no such axis, or no such position, or the interval is too short or too long */
+    STEPRAMP_TOO_FAST = 12     /* together, these axes need more time than the board has */
+};
+
+constexpr uint8_t STEPRAMP_AXES = 4;
+constexpr uint8_t STEPRAMP_GAUGES = 3;
+constexpr uint8_t STEPRAMP_NO_PIN = 255;
+constexpr uint16_t STEPRAMP_HOLD = 0xFFFF; /* for setEnableHold: motors stay enabled */
+
+class StepRampClass {
+public:
+    /* ---- wiring: before begin() ---- */
+
+    void setStepper(uint8_t axis, uint8_t stepPin, uint8_t directionPin);
+
+    /* One enable pin for all drivers. */
+    void setEnablePin(uint8_t pin);
+
+    /* A gauge such as the X25: its coils' four pins, which it drives itself. With a gauge, all axes are gauges. */
+    void setGauge(uint8_t axis, uint8_t pin1, uint8_t pin2, uint8_t pin3, uint8_t pin4);
+
+    /* ---- settings: before begin(). With a StepRampController the host sets them ---- */
+
+    void setBothEdges(uint8_t axis, bool on = true);         /* each edge of the step pin is a step */
+    void setStepInverted(uint8_t axis, bool on = true);      /* the step pin rests high */
+    void setDirectionInverted(uint8_t axis, bool on = true); /* forward is low */
+    void setEnableActiveHigh(bool on = true);
+    void setPulseWidth(uint8_t microseconds);      /* at least; 0 to 100 */
+    void setDirectionSetup(uint16_t microseconds); /* from the direction to the pulse; 20 to 15000, at first 30 */
+    void setEnableLead(uint16_t milliseconds);     /* from enabling to the first pulse; 0 to 1000, at first 1 */
+    void setEnableHold(uint16_t milliseconds);     /* from rest to disabling; at first STEPRAMP_HOLD */
+
+    /* Uses a ramp image, which must stay as it is; all positions are 0 at first. Returns false when the image, or a
+     * setting, isn't good: then nothing moves. At rest it may be called again. */
+    bool begin(const uint8_t *ramp, uint16_t length);
+
+    /* Makes the steps that are due, and plans further ones. */
+    void poll();
+
+    /* ---- moves. A new one may come while the last one is under way: the motor goes on from the speed it has ---- */
+
+    StepRampResult moveTo(uint8_t axis, int32_t position);
+    StepRampResult moveBy(uint8_t axis, int32_t steps); /* from where it would come to rest */
+
+    /* All axes of the ramp image set out at once. */
+    StepRampResult moveAllTo(const int32_t positions[]);
+
+    /* A straight line by so many steps of each axis of the ramp image, from rest to rest, with the ramp of one of them. */
+    StepRampResult lineBy(const int32_t steps[], uint8_t rampAxis = 0);
+
+    /* At a speed, until stop(): so many ticks a step; below 0 backward. */
+    StepRampResult run(uint8_t axis, int32_t interval);
+
+    /* A gauge: back against its stop by so many steps, which then is position 0. */
+    StepRampResult zero(uint8_t axis, uint16_t steps);
+
+    /* Slows down. */
+    void stop();
+    void stop(uint8_t axis);
+
+    /* No further step. A motor that was fast may slip. */
+    void halt();
+    void halt(uint8_t axis);
+
+    /* ---- what it does ---- */
+
+    bool isMoving();
+    bool isMoving(uint8_t axis);
+    int32_t position(uint8_t axis);
+    int32_t target(uint8_t axis);
+
+    /* At rest: says where the motor is. */
+    StepRampResult setPosition(uint8_t axis, int32_t position);
+
+    /* Axes of the ramp image; 0 without one. */
+    uint8_t axes();
+
+    /* Of the ramp image's intervals. */
+    uint32_t ticksPerSecond();
+
+    /* So long, all in all, motion has been delayed because poll() was called too late. */
+    uint32_t delayedMicroseconds();
+};
+
+extern StepRampClass StepRamp;
+
+/* A StepRamp controller: speaks the serial protocol with the StepRamp program, which sends it ramps and settings and
+ * moves its motors. The pins are those that StepRamp.setStepper() and the like have been told. On an AVR with 1 KB of
+ * EEPROM, ramps and settings are kept there; on other boards until the power goes. */
+class StepRampControllerClass {
+public:
+    /* Speaks over this port, which has begun at 115200 baud, instead of StepRamp.begin(). */
+    void begin(Stream &port);
+
+    /* In place of StepRamp.poll(). */
+    void poll();
+};
+
+extern StepRampControllerClass StepRampController;
+
+#endif

@@ -1,0 +1,50 @@
+"""The library where the board is no AVR: on this machine, under the sanitizers, with pins that are noted."""
+
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from firmware.arduino.board import LIBRARY
+from firmware.protocol import Ramp
+from tools import require
+
+HERE = Path(__file__).parent / "any_board"
+SOURCES = LIBRARY / "src"
+SLOW = Ramp([(10_000, 6, -1000), (4500, 50, -50)], 2000, [(10_000, 6, -1000), (4500, 40, -60)])
+FAST = Ramp([(80_000, 6, -8000), (36_000, 50, -400)], 16_000, [(80_000, 6, -8000), (36_000, 40, -480)])
+"""The same in ticks of the fast clock."""
+
+
+@pytest.fixture(scope="module")
+def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Everything compiled in C++11, the oldest that such boards have, and without a warning."""
+    require(*(tool for tool in ("gcc", "g++") if shutil.which(tool) is None))
+    folder = tmp_path_factory.mktemp("any_board")
+    flags = ["-DARDUINO=10819", "-g", "-O1", "-Wall", "-Wextra", "-Werror", f"-I{HERE}", f"-I{SOURCES}"]
+    sanitizers = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
+    objects = []
+    for source in [*SOURCES.glob("*.c"), *SOURCES.glob("*.cpp"), HERE / "scenarios.cpp"]:
+        compiler = ["gcc", "-std=gnu11"] if source.suffix == ".c" else ["g++", "-std=c++11"]
+        objects.append(str(folder / f"{source.name}.o"))
+        command = [*compiler, *flags, *sanitizers, "-c", str(source), "-o", objects[-1]]
+        result = subprocess.run(command, capture_output=True, text=True, check=False)
+        assert result.returncode == 0, result.stderr
+    subprocess.run(["g++", *sanitizers, "-o", str(folder / "scenarios"), *objects], check=True)
+    return folder / "scenarios"
+
+
+def check(program: Path, scenario: str, image: bytes) -> None:
+    result = subprocess.run([program, scenario, image.hex()], capture_output=True, text=True, check=False)
+    assert (result.returncode, result.stdout + result.stderr) == (0, "")
+
+
+@pytest.mark.parametrize("scenario", ["refuse", "move", "run", "set", "delay_loop", "gauge"])
+def test_it_does_what_its_header_says(program: Path, scenario: str) -> None:
+    check(program, scenario, SLOW.image(2))
+
+
+@pytest.mark.parametrize("scenario", ["move", "delay_loop"])
+def test_ramps_of_the_fast_clock_are_played_as_well(program: Path, scenario: str) -> None:
+    check(program, scenario, FAST.image(2, fast=True))

@@ -1,0 +1,111 @@
+"""The examples on a simulated Uno: when their pins really change."""
+
+from collections.abc import Callable
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from firmware.arduino.board import build, missing
+from firmware.arduino.pins import MOST_EARLY_US, Edges, Move, after_s, edges_until, moves_of, times_us
+from firmware.arduino.sketches import RAMPS
+from simulator.avr import CLOCK_HZ, SimulatedController
+from tools import require
+
+Make = Callable[..., SimulatedController]
+
+TICK_US = 0.5
+MOST_LATE_US = 500
+"""What one round of loop() may take in these examples, where nobody asks for reports."""
+SLOWER = 1.04
+"""So much longer a whole move may take."""
+STEP, DIRECTION, ENABLE = 2, 5, 8
+STATES = [0x9, 0x1, 0x7, 0x6, 0xE, 0x8]
+"""Coils of a gauge rotor's six states, the first pin in bit 0."""
+
+
+def check_move(move: Move, planned_ticks: list[int]) -> None:
+    """Its steps are as many as planned, and its intervals as long, within what polling makes of them."""
+    planned = np.array(planned_ticks[:-1]) * TICK_US
+    assert len(move.times_us) == len(planned_ticks)
+    late = move.intervals_us - planned
+    assert late.min() >= -MOST_EARLY_US
+    assert late.max() <= MOST_LATE_US
+    assert move.intervals_us.sum() <= planned.sum() * SLOWER + MOST_LATE_US
+
+
+def pulse_widths(edges: Edges) -> npt.NDArray[np.float64]:
+    rises, falls = times_us(edges, STEP, 1), times_us(edges, STEP, 0)
+    falls = falls[falls > rises[0]]
+    return falls[: len(rises)] - rises[: len(falls)]
+
+
+def test_the_stage_goes_to_its_places(simulated_uno: Make) -> None:
+    edges = edges_until(simulated_uno("LeadScrewStage"), after_s(6.5))
+    moves = moves_of(edges, STEP, DIRECTION, rest_us=500_000)
+    assert [(move.backward, len(move.times_us)) for move in moves[:3]] == [(False, 1000), (True, 750), (False, 375)]
+    for move in moves[:3]:
+        check_move(move, RAMPS["LeadScrewStage"].ramp.intervals(len(move.times_us)))
+    # Driven high, off, from begin() on; enabled for good by the first move.
+    enabled, rises = times_us(edges, ENABLE, 0), times_us(edges, STEP, 1)
+    assert len(enabled) == 1
+    assert 1000 <= rises[0] - enabled[0] < 10_000
+    turns = edges["cycle"][edges["pin"] == DIRECTION] * 1e6 / CLOCK_HZ
+    for turn in turns[turns < rises[-1]]:
+        assert rises[rises > turn][0] - turn >= 30
+
+
+def test_an_exported_ramp_is_played_to_and_fro(simulated_uno: Make) -> None:
+    edges = edges_until(simulated_uno("ExportedRamp"), after_s(3.6))
+    moves = moves_of(edges, STEP, DIRECTION, rest_us=500_000)
+    assert [(move.backward, len(move.times_us)) for move in moves[:2]] == [(False, 800), (True, 800)]
+    for move in moves[:2]:
+        check_move(move, RAMPS["ExportedRamp"].ramp.intervals(800))
+    assert pulse_widths(edges).min() >= 5
+
+
+def gauge_states(edges: Edges, gauge: int) -> tuple[npt.NDArray[np.float64], list[int]]:
+    """Return when a gauge's coils came to a new state [us], and the states. Its pins change one after the other."""
+    first = 2 + 4 * gauge
+    own = edges[(edges["pin"] >= first) & (edges["pin"] < first + 4)]
+    times = own["cycle"] * 1e6 / CLOCK_HZ
+    coils, states, whens = 0, [], []
+    for i, edge in enumerate(own):
+        bit = 1 << (edge["pin"] - first)
+        coils = coils | bit if edge["value"] else coils & ~bit
+        if i + 1 == len(own) or times[i + 1] - times[i] > 300:
+            whens.append(times[i])
+            states.append(STATES.index(coils))
+    return np.array(whens), states
+
+
+@pytest.fixture(scope="module")
+def gauge_edges(tmp_path_factory: pytest.TempPathFactory) -> Edges:
+    require(*missing())
+    simulated = SimulatedController(build("ThreeGauges").elf, tmp_path_factory.mktemp("gauges"), real_time=False)
+    return edges_until(simulated, after_s(7))
+
+
+@pytest.mark.parametrize("gauge", range(3))
+def test_gauges_are_zeroed_and_follow_their_values(gauge_edges: Edges, gauge: int) -> None:
+    times, states = gauge_states(gauge_edges, gauge)
+    # A step is one state on or back: nothing is left out.
+    changes = (np.diff(states) + 1) % 6 - 1
+    assert set(changes) <= {-1, 1}
+    assert (changes[:945] == -1).all()
+    positions = 945 + np.cumsum(changes)
+    assert positions[944] == 0
+    assert positions.min() == 0
+    assert positions.max() > 300
+    intervals = np.diff(times)
+    assert intervals.min() >= RAMPS["ThreeGauges"].ramp.slew * TICK_US - MOST_EARLY_US
+    # The first move is the ramp's, from rest to rest.
+    check_move(Move(True, times[1:946]), RAMPS["ThreeGauges"].ramp.intervals(945))
+
+
+def test_gauges_go_on_from_the_speed_they_have(gauge_edges: Edges) -> None:
+    """Four targets a second, a quarter of a second's way ahead: no needle stops in between."""
+    times, _ = gauge_states(gauge_edges, 0)
+    intervals = np.diff(times[960:])
+    first_interval_us = RAMPS["ThreeGauges"].ramp.up[0][0] * TICK_US
+    assert intervals[30:300].max() < first_interval_us / 2

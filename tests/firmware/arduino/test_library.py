@@ -1,0 +1,90 @@
+"""The Arduino library as a package: its properties, its keywords, the ramps in its examples."""
+
+import math
+import re
+from pathlib import Path
+
+import pytest
+
+from firmware.arduino.board import EXAMPLES, LIBRARY
+from firmware.arduino.sketches import RAMPS, TICKS_HZ, image_in
+from firmware.host import Host, missing_compiler
+from firmware.motion import build as build_driver
+from firmware.protocol import expand
+from tools import require
+
+SOURCES = LIBRARY / "src"
+CATEGORIES = {
+    *("Display", "Communication", "Signal Input/Output", "Sensors", "Device Control", "Timing", "Data Storage"),
+    *("Data Processing", "Other", "Uncategorized"),
+}
+"""Of the Arduino library specification."""
+
+
+def properties() -> dict[str, str]:
+    lines = (LIBRARY / "library.properties").read_text().splitlines()
+    return dict(line.split("=", 1) for line in lines if line and not line.startswith("#"))
+
+
+def header() -> str:
+    """Return the library's header without its comments."""
+    return re.sub(r"/\*.*?\*/|//[^\n]*", "", (SOURCES / "StepRamp.h").read_text(), flags=re.DOTALL)
+
+
+def test_the_properties_have_all_that_the_specification_demands() -> None:
+    found = properties()
+    demanded = ("name", "version", "author", "maintainer", "sentence", "paragraph", "category", "url", "architectures")
+    assert [field for field in demanded if not found.get(field)] == []
+    assert re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9 _.-]{0,62}", found["name"])
+    assert found["category"] in CATEGORIES
+    assert found["architectures"] == "*"
+    assert (SOURCES / found["includes"]).exists()
+    assert found["sentence"].endswith(".")
+
+
+def test_the_version_is_the_firmwares() -> None:
+    limits = (SOURCES / "limits.h").read_text()
+    parts = [re.search(rf"#define FIRMWARE_{part} (\d+)", limits) for part in ("MAJOR", "MINOR", "PATCH")]
+    assert properties()["version"] == ".".join(part[1] for part in parts if part)
+
+
+def test_keywords_are_the_public_names() -> None:
+    lines = [line for line in (LIBRARY / "keywords.txt").read_text().splitlines() if line and not line.startswith("#")]
+    keywords = {kind: set() for kind in ("KEYWORD1", "KEYWORD2", "LITERAL1")}
+    for line in lines:
+        word, kind = line.split("\t")
+        keywords[kind].add(word)
+    text = header()
+    types = set(re.findall(r"(?:class|enum) (\w+)", text)) | set(re.findall(r"extern \w+ (\w+);", text))
+    methods = set(re.findall(r"(\w+)\([^()]*\);", text))
+    constants = set(re.findall(r"\b(STEPRAMP_[A-Z_]+)\s*=", text))
+    assert keywords == {"KEYWORD1": types, "KEYWORD2": methods, "LITERAL1": constants}
+
+
+def test_each_example_is_in_a_folder_of_its_name() -> None:
+    assert EXAMPLES == ["Controller", "ExportedRamp", "LeadScrewStage", "ThreeGauges"]
+    for name in EXAMPLES:
+        text = (LIBRARY / "examples" / name / f"{name}.ino").read_text()
+        assert text.startswith("/*")
+        assert "#include <StepRamp.h>" in text
+        assert not re.search(r"\b(delay|String|malloc|new)\b *\(", text)
+
+
+@pytest.mark.parametrize("example", RAMPS)
+def test_the_bytes_are_the_ramp_that_the_comment_promises(example: str) -> None:
+    wanted = RAMPS[example]
+    assert image_in(example) == wanted.ramp.image(wanted.axes)
+    assert wanted.ramp.slew == round(TICKS_HZ / wanted.speed)
+    for segments, rate in ((wanted.ramp.up, wanted.acceleration), (wanted.ramp.down, wanted.deceleration)):
+        intervals = expand(segments)
+        first = TICKS_HZ / math.sqrt(2 * rate)
+        exact = [first / math.sqrt(n + 1) for n in range(len(intervals))]
+        assert max(abs(a - b) for a, b in zip(intervals, exact, strict=True)) <= wanted.bound_ticks + 0.5
+        assert abs(len(intervals) - wanted.speed**2 / (2 * rate)) <= 1
+
+
+def test_the_firmware_finds_the_bytes_good(tmp_path: Path) -> None:
+    require(*missing_compiler())
+    with Host(build_driver(tmp_path)) as host:
+        for example, wanted in RAMPS.items():
+            assert host.ask("check", image_in(example).hex()) == f"good {wanted.axes} 1"
