@@ -572,6 +572,8 @@ shorten:
         sbc     X3, P4
         cpi     X3, LEAST_MANTISSA_BYTE
         brcs    1f
+        cpi     X3, MANTISSA_LIMIT_BYTE
+        brcc    at_limit        ; x was rounded up to the limit, and E is 0
         rjmp    output
 1:      rjmp    next_exponent
 

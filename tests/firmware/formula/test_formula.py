@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import HealthCheck, assume, example, given, settings
 from hypothesis import strategies as st
 
 from firmware.formula.machine import MOST_AT_ONCE, Machine, build_for_chip, build_for_host
@@ -155,6 +155,10 @@ def test_steps_by_20_and_23_are_those_of_unbounded_integers(
     assert (stepped.mantissa, stepped.exponent) == expected[-1]
 
 
+ROUNDED_UP = Format(Scaled(2**32 - 1, 0), Scaled(15 << 24, 3), 0, tuple(Output(each, 0) for each in (1, 2, 3, 4)))
+"""With an x just below 15/16, which is rounded up to it and then doesn't change: the exponent does."""
+
+
 @given(
     way=ways(),
     exponent=exponents,
@@ -162,6 +166,7 @@ def test_steps_by_20_and_23_are_those_of_unbounded_integers(
     product=st.floats(0.2, 1.05),
     down=st.booleans(),
 )
+@example(way=ROUNDED_UP, exponent=3, mantissa=(240 << 24) - 48, product=0.5, down=False)
 @settings(per_machine, max_examples=500)
 def test_steps_by_newton_are_those_of_unbounded_integers(
     machine: Machine, way: Format, exponent: int, mantissa: int, product: float, down: bool
