@@ -566,6 +566,17 @@ def test_a_move_ends_a_run(line: Line) -> None:
     assert line.wait_for_rest().position_steps == 500
 
 
+def test_a_move_by_counts_from_where_a_run_is(line: Line) -> None:
+    """Or from what is queued already: 10 ms ahead at most, at an interval of 1.25 ms."""
+    line.use(IMAGE)
+    line.good(RunRequest(1, (2500,)))
+    before = line.wait_until(lambda status: status.interval_ticks == 2500)
+    (target,) = moved(line, MoveByRequest(1, (400,)))
+    after = line.status()
+    assert before.position_steps + 400 <= target <= after.position_steps + 400 + 8 + 1
+    assert line.wait_for_rest().position_steps == target
+
+
 def test_speeds_that_no_ramp_leads_to(line: Line) -> None:
     line.use(four_axes())
     refused(line, RunRequest(1, (999,)), ReplyStatus.OUT_OF_RANGE, 0)

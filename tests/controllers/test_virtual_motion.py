@@ -205,7 +205,6 @@ def test_a_run_tells_its_position_as_target_and_a_stop_where_it_ends() -> None:
     motor.run(5, 1, 0)
     motor.settle(100)
     assert motor.target == motor.position
-    assert motor.resting_place == motor.position + 2
     motor.stop()
     assert (motor.state, motor.target) == (AxisState.STOPPING, motor.position + 2)
 

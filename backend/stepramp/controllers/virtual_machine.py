@@ -116,8 +116,8 @@ class VirtualMachine:
         return self._asked(axis, lambda motor: motor.steps_made, 0)
 
     def move_by(self, steps: Mapping[int, int]) -> dict[int, int] | Refusal:
-        """Move axes from where they would come to rest, and return their targets."""
-        targets = {axis: self._motors[axis].resting_place + count for axis, count in steps.items()}
+        """Move axes from their targets, those that run from where they are, and return the new targets."""
+        targets = {axis: self._motors[axis].target + count for axis, count in steps.items()}
         return self._out_of_range(targets) or self.move_to(targets)
 
     def move_to(self, targets: dict[int, int]) -> dict[int, int] | Refusal:

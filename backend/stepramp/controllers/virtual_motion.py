@@ -73,11 +73,6 @@ class VirtualMotor:
         return self.position if self._running and not self.stopping else self._destination
 
     @property
-    def resting_place(self) -> int:
-        """Where it would come to rest without anything further: on a run, when it were stopped [steps]."""
-        return self._stop_place() if self._running and not self.stopping else self._destination
-
-    @property
     def shortest_interval(self) -> int:
         """The shortest interval that it may come to, when it is left to do what it does [ticks]."""
         wanted = self._ways.slew_interval if self._level is None else self._level
