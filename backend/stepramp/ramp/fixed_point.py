@@ -15,9 +15,9 @@ from dataclasses import dataclass
 from typing import NamedTuple, Self
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from stepramp.ramp.compiled import compiled
 from stepramp.ramp.kinematics import Slope
 
 LEAST_INTERVAL_TICKS = 1
@@ -248,7 +248,7 @@ def _no_intervals() -> FixedIntervals:
     return FixedIntervals(none, no_bits, none, no_bits)
 
 
-@njit(cache=True)
+@compiled
 def taylor_steps(state, c, up, longest, shortest, mantissas, exponents):  # type: ignore[no-untyped-def]  # compiled
     """Fill mantissas and exponents with x after each further step by p (1 + q + c q²), both of shape (steps,)."""
     mantissa, exponent = state
@@ -262,7 +262,7 @@ def taylor_steps(state, c, up, longest, shortest, mantissas, exponents):  # type
         mantissas[i], exponents[i] = mantissa, exponent
 
 
-@njit(cache=True)
+@compiled
 def _taylor_change(mantissa, exponent, c, up):  # type: ignore[no-untyped-def]  # compiled
     """Return by how much x (1 + q + c q²) is less or more than x, in units of the mantissa."""
     high, low = mantissa >> 16, (mantissa >> 8) & 255
@@ -283,7 +283,7 @@ def _taylor_change(mantissa, exponent, c, up):  # type: ignore[no-untyped-def]  
     return (product + half) >> shift
 
 
-@njit(cache=True)
+@compiled
 def newton_steps(state, k, gain, mantissas, exponents):  # type: ignore[no-untyped-def]  # compiled
     """Fill mantissas and exponents with x after each further Newton step, both of shape (steps,); k: that of state."""
     mantissa, exponent = state
@@ -293,7 +293,7 @@ def newton_steps(state, k, gain, mantissas, exponents):  # type: ignore[no-untyp
         mantissas[i], exponents[i] = mantissa, exponent
 
 
-@njit(cache=True)
+@compiled
 def _newton_corrected(mantissa, exponent, k):  # type: ignore[no-untyped-def]  # compiled
     """Return x + x (1/2 - k x²), which is p + p (1 - w p² / F²) / 2, as a mantissa that may have to be normalised."""
     x = (mantissa + (1 << 15)) >> 16
@@ -302,7 +302,7 @@ def _newton_corrected(mantissa, exponent, k):  # type: ignore[no-untyped-def]  #
     return (x << 16) + change if error > 0 else (x << 16) - change
 
 
-@njit(cache=True)
+@compiled
 def newton_product(mantissa, exponent, k):  # type: ignore[no-untyped-def]  # compiled
     """Return k x² in 2⁻³²; k has RAMP_INDEX_BITS of fraction."""
     x = (mantissa + (1 << 15)) >> 16
@@ -317,7 +317,7 @@ def newton_product(mantissa, exponent, k):  # type: ignore[no-untyped-def]  # co
     )
 
 
-@njit(cache=True)
+@compiled
 def normal(mantissa, exponent):  # type: ignore[no-untyped-def]  # compiled
     """Return x with its mantissa in range, where its exponent can be changed."""
     if mantissa < LEAST_MANTISSA:
@@ -327,7 +327,7 @@ def normal(mantissa, exponent):  # type: ignore[no-untyped-def]  # compiled
     return mantissa, exponent
 
 
-@njit(cache=True)
+@compiled
 def _output(mantissas, exponents, multipliers, intervals):  # type: ignore[no-untyped-def]  # compiled
     for i in range(mantissas.size):
         mantissa, multiplier = np.int64(mantissas[i]), multipliers[exponents[i]]

@@ -8,8 +8,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from stepramp.ramp.compiled import compiled
 
 Number = type[np.float32] | type[np.float64]
 """The arithmetic that a ramp is computed in."""
@@ -93,7 +94,7 @@ def _from_step(slope: Slope, first: float, steps: int, number: Number) -> NDArra
     return out
 
 
-@njit(cache=True)
+@compiled
 def _at_speeds(timer_hz, base_squared, twice, step, one, out):  # type: ignore[no-untyped-def]  # compiled
     # Counted in the numbers of the result; all steps of a move have exact numbers in float32 too.
     for i in range(out.size):

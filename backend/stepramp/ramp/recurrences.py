@@ -8,9 +8,9 @@ another: in float32 the results are those of a C program that computes in `float
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from stepramp.ramp.compiled import compiled
 from stepramp.ramp.kinematics import Number, Slope
 
 FIRST_ORDER, SECOND_ORDER, COMPROMISE = 0.0, 1.5, 1.0
@@ -111,7 +111,7 @@ def _austin_start(slope: Slope) -> tuple[int, float]:
     return start, 0.676 * unit if start == 0 else unit * (math.sqrt(start + 1) - math.sqrt(start))
 
 
-@njit(cache=True)
+@compiled
 def _taylor(interval, multiplier, one, coefficient, shortest, longest, out):  # type: ignore[no-untyped-def]  # compiled
     for i in range(out.size):
         q = multiplier * interval * interval
@@ -120,7 +120,7 @@ def _taylor(interval, multiplier, one, coefficient, shortest, longest, out):  # 
         out[i] = interval
 
 
-@njit(cache=True)
+@compiled
 def _newton(interval, constants, out):  # type: ignore[no-untyped-def]  # compiled
     w, gain, k, one, half = constants
     for i in range(out.size):
@@ -129,7 +129,7 @@ def _newton(interval, constants, out):  # type: ignore[no-untyped-def]  # compil
         out[i] = interval
 
 
-@njit(cache=True)
+@compiled
 def _austin(interval, divisor, four, two, out):  # type: ignore[no-untyped-def]  # compiled
     for i in range(out.size):
         interval = interval - two * interval / divisor

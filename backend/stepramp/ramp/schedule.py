@@ -6,11 +6,11 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from stepramp.design import Design
 from stepramp.errors import Rejected, Rejection
+from stepramp.ramp.compiled import compiled
 from stepramp.ramp.line import Limit, called, fields_of, leader_of, line_profile, steps_of, steps_together
 from stepramp.ramp.profile import Profile, profile_of
 from stepramp.ramp.thinning import kept_steps
@@ -216,7 +216,7 @@ def _bunched(designs: Sequence[Design], leader: int, number: int, axis: Axis) ->
     return [Warning(f"designs.{number}.timer.shortest_interval_us", message)]
 
 
-@njit(cache=True)
+@compiled
 def _close_pairs(time_s, axis, spacing_s, pairs):  # type: ignore[no-untyped-def]  # compiled
     """Count pairs of pulses that are closer than the spacing, and write the first of them as [earlier, later]."""
     in_window = np.zeros(256, np.int64)

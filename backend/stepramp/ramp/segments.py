@@ -8,8 +8,9 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from stepramp.ramp.compiled import compiled
 
 MOST_ADD = 32767
 MOST_COUNT = 65535
@@ -45,7 +46,7 @@ def expand(segments: Iterable[Segment]) -> NDArray[np.int64]:
     return np.concatenate(lines) if lines else np.empty(0, np.int64)
 
 
-@njit(cache=True)
+@compiled
 def _compress(intervals, bound):  # type: ignore[no-untyped-def]  # compiled
     out = np.empty((intervals.size, 3), np.int64)
     made, at, drift = 0, 0, 0
@@ -57,7 +58,7 @@ def _compress(intervals, bound):  # type: ignore[no-untyped-def]  # compiled
     return out[:made]
 
 
-@njit(cache=True)
+@compiled
 def _line_within_drift(intervals, at, bound, drift):  # type: ignore[no-untyped-def]  # compiled
     """Return the line that reaches furthest without letting the drift grow too far, and the drift after it."""
     most_count = MOST_COUNT
@@ -69,7 +70,7 @@ def _line_within_drift(intervals, at, bound, drift):  # type: ignore[no-untyped-
         most_count = line[1] - 1
 
 
-@njit(cache=True)
+@compiled
 def _furthest_line(intervals, at, bound, drift, most_count):  # type: ignore[no-untyped-def]  # compiled
     """Return (interval, count, add) of the line that reaches furthest, of several the one with the least drift."""
     best = np.array([intervals[at], 1, 0])
@@ -89,7 +90,7 @@ def _furthest_line(intervals, at, bound, drift, most_count):  # type: ignore[no-
     return best, best_drift
 
 
-@njit(cache=True)
+@compiled
 def _longest(intervals, at, first, bound, most_count):  # type: ignore[no-untyped-def]  # compiled
     """Return how far a line from `first` fits the intervals from `at` on, between which adds, and their sum.
 

@@ -10,11 +10,11 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from stepramp.design import MOST_TABLE_ROWS, Design
 from stepramp.errors import Rejected, Rejection
+from stepramp.ramp.compiled import compiled
 from stepramp.ramp.plan import real_ramp
 from stepramp.units import us_from_ticks
 
@@ -122,7 +122,7 @@ def _table(ramp: RampDelays, ends: NDArray[np.int64]) -> FittedTable:
     return FittedTable(rows, error(chosen))
 
 
-@njit(cache=True)
+@compiled
 def _reach(delays, error):  # type: ignore[no-untyped-def]  # compiled
     """Return one past the last delay of each row when each row reaches as far as the error allows."""
     ends = np.empty(delays.size, np.int64)

@@ -6,10 +6,10 @@ a given slope fits as long as one first delay satisfies all of them. All whole s
 """
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from stepramp.design import MOST_TABLE_ROWS
+from stepramp.ramp.compiled import compiled
 from stepramp.ramp.table_fit import WIDEST, FittedTable, RampDelays, fit_rows, reached
 
 BYTES_PER_LINEAR_ROW = 6
@@ -57,7 +57,7 @@ def _table(ramp: RampDelays, lines: NDArray[np.int64]) -> FittedTable:
     return FittedTable(lines + np.array([ramp.first_index - 1, 0, 0]), errors)
 
 
-@njit(cache=True)
+@compiled
 def _reach(delays, error):  # type: ignore[no-untyped-def]  # compiled
     """Return (one past the last delay, first delay, add) of each row when each reaches as far as the error allows."""
     lowest = np.maximum(1.0, np.ceil(delays * (1 - error))).astype(np.int64)
@@ -71,7 +71,7 @@ def _reach(delays, error):  # type: ignore[no-untyped-def]  # compiled
     return lines[:made]
 
 
-@njit(cache=True)
+@compiled
 def _furthest(delays, lowest, highest, at):  # type: ignore[no-untyped-def]  # compiled
     """Return the line that reaches furthest from a delay on; the nearest whole delay alone where none is allowed."""
     nearest = min(max(int(np.floor(delays[at] + 0.5)), 1), WIDEST)

@@ -7,11 +7,11 @@ moves differ, the record holds.
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from stepramp.design import MOST_STEPS
 from stepramp.errors import Rejected, Rejection
+from stepramp.ramp.compiled import compiled
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ def play_table(
     return TableMoves(*np.ascontiguousarray(steps.T), *np.ascontiguousarray(stops[:stopped].T))
 
 
-@njit(cache=True)
+@compiled
 def _play(indices, delays, range_steps, target_at_us, targets, steps, stops):  # type: ignore[no-untyped-def]  # compiled
     """Write as many steps as there is room for, and all stops; return how many of each there are."""
     top = indices[-1]
