@@ -33,10 +33,15 @@ class ErrorList(BaseModel):
 
 def error_response(error: StepRampError) -> Response:
     """Return the response that stands for an error."""
-    if isinstance(error, Rejected):
-        return _response(422, [_item(rejection) for rejection in error.rejections])
     status = next(code for kind, code in STATUS.items() if isinstance(error, kind))
-    return _response(status, [_sentence(str(error))])
+    return _response(status, error_items(error))
+
+
+def error_items(error: StepRampError) -> list[dict[str, object]]:
+    """Return the contents of the ErrorItems that stand for an error."""
+    if isinstance(error, Rejected):
+        return [_item(rejection) for rejection in error.rejections]
+    return [_sentence(str(error))]
 
 
 def handle_errors(app: FastAPI) -> None:
@@ -44,7 +49,7 @@ def handle_errors(app: FastAPI) -> None:
 
     async def own(_: Request, error: Exception) -> Response:
         assert isinstance(error, StepRampError)
-        return error_response(_in_body(error) if isinstance(error, Rejected) else error)
+        return error_response(in_body(error) if isinstance(error, Rejected) else error)
 
     async def invalid(_: Request, error: Exception) -> Response:
         assert isinstance(error, RequestValidationError)
@@ -67,7 +72,7 @@ def handle_errors(app: FastAPI) -> None:
     app.add_exception_handler(Exception, unexpected)
 
 
-def _in_body(error: Rejected) -> Rejected:
+def in_body(error: Rejected) -> Rejected:
     """Return the rejection of a design's field with the field's path in the request's body, where designs are."""
     return Rejected(
         [

@@ -101,7 +101,20 @@ class ExtremeAnswer(BaseModel):
     step: int = Field(description="First step that has it, counted from 1 [steps]")
 
 
-class ErrorCurvesAnswer(BaseModel):
+class ErrorFiguresAnswer(BaseModel):
+    """One method's errors against the reference in a few figures."""
+
+    largest_relative_error: ExtremeAnswer
+    largest_tick_error: ExtremeAnswer = Field(description="[ticks]")
+    rms_relative_error: float = Field(description="Root of the mean square of the relative errors")
+    relative_error_at_ramp_end: float = Field(description="Relative error of the last step of the acceleration")
+    peak_acceleration_steps_per_s2: ExtremeAnswer = Field(description="Implied acceleration furthest from 0 [steps/s²]")
+    time_difference_s: float = Field(description="How much longer than the reference the move takes [s]")
+    landing_error_steps_per_s: float = Field(description="Speed of the last interval less the base speed [steps/s]")
+    waiting_steps: int = Field(description="Steps at the end that wait at the last interval [steps]")
+
+
+class ErrorCurvesAnswer(ErrorFiguresAnswer):
     """One method's errors against the reference. Curves that were not asked for are left out."""
 
     method: MethodName
@@ -118,14 +131,6 @@ class ErrorCurvesAnswer(BaseModel):
     arithmetic_error_ticks: list[float] | None = Field(None, description="Part of the arithmetic [ticks]")
     rounding_error_ticks: list[float] | None = Field(None, description="Part of the rounding [ticks]")
     compression_error_ticks: list[float] | None = Field(None, description="Part of the segments [ticks]")
-    largest_relative_error: ExtremeAnswer
-    largest_tick_error: ExtremeAnswer = Field(description="[ticks]")
-    rms_relative_error: float = Field(description="Root of the mean square of the relative errors")
-    relative_error_at_ramp_end: float = Field(description="Relative error of the last step of the acceleration")
-    peak_acceleration_steps_per_s2: ExtremeAnswer = Field(description="Implied acceleration furthest from 0 [steps/s²]")
-    time_difference_s: float = Field(description="How much longer than the reference the move takes [s]")
-    landing_error_steps_per_s: float = Field(description="Speed of the last interval less the base speed [steps/s]")
-    waiting_steps: int = Field(description="Steps at the end that wait at the last interval [steps]")
 
 
 class ErrorsAnswer(BaseModel):
@@ -166,21 +171,31 @@ def profile_content(profile: Profile, tuning: TuningReport | None, most_points: 
         "position_steps": profile.position_steps[kept],
         "speed_steps_per_s": profile.speed_steps_per_s[kept],
         "phases": [vars(phase) for phase in profile.phases],
-        "summary": {
-            "steps": profile.intervals_ticks.size,
-            "duration_s": profile.duration_s,
-            "peak_speed_steps_per_s": profile.speed_steps_per_s.max(),
-            "accelerate_steps": profile.steps_of("accelerate"),
-            "slew_steps": profile.steps_of("slew"),
-            "decelerate_steps": profile.steps_of("decelerate"),
-        },
+        "summary": summary_content(profile),
         "slew_resolution": vars(profile.slew_resolution),
         "tuning": tuning and vars(tuning),
-        "warnings": [
-            {"field": warning.field and f"design.{warning.field}", "message": warning.message}
-            for warning in profile.warnings
-        ],
+        "warnings": warnings_content(profile),
     }
+
+
+def summary_content(profile: Profile) -> dict[str, Any]:
+    """Return a SummaryAnswer's content."""
+    return {
+        "steps": profile.intervals_ticks.size,
+        "duration_s": profile.duration_s,
+        "peak_speed_steps_per_s": profile.peak_speed_steps_per_s,
+        "accelerate_steps": profile.steps_of("accelerate"),
+        "slew_steps": profile.steps_of("slew"),
+        "decelerate_steps": profile.steps_of("decelerate"),
+    }
+
+
+def warnings_content(profile: Profile) -> list[dict[str, Any]]:
+    """Return the content of WarningAnswers, with the fields' paths in the request's body."""
+    return [
+        {"field": warning.field and f"design.{warning.field}", "message": warning.message}
+        for warning in profile.warnings
+    ]
 
 
 def errors_content(
@@ -196,6 +211,13 @@ def _curves_content(judged: ErrorCurves, names: Sequence[CurveName], most_points
         "method": judged.method,
         "step": kept + 1,
         **{name: _curve(judged, name)[kept] for name in names},
+        **figures_content(judged),
+    }
+
+
+def figures_content(judged: ErrorCurves) -> dict[str, Any]:
+    """Return the figures of a method's errors, as they stand in an ErrorFiguresAnswer."""
+    return {
         "largest_relative_error": vars(judged.largest_relative_error),
         "largest_tick_error": vars(judged.largest_tick_error),
         "rms_relative_error": judged.rms_relative_error,

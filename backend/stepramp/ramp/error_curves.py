@@ -1,14 +1,16 @@
 """How far a move's intervals lie from those of a reference, where that comes from, and what it does to the move."""
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from stepramp.design import Design, MethodName
+from stepramp.ramp.compiled import compiled
 from stepramp.ramp.move import Ramp, play
 from stepramp.ramp.plan import Plan, plan_of, real_ramp
 from stepramp.ramp.profile import Profile, profile_of
@@ -50,10 +52,15 @@ class ErrorCurves:
     """The intervals that are judged: the profile's, or those that its segments give [ticks]."""
     reference_ticks: Curve
     """The reference's intervals [ticks]."""
-    precise_ticks: Curve
-    """The method's intervals in float64 before rounding [ticks]."""
+    design: Design
+    """With the method that is judged."""
     timer_hz: float
     base_speed_steps_per_s: float
+
+    @cached_property
+    def precise_ticks(self) -> Curve:
+        """The method's intervals in float64 before rounding [ticks]."""
+        return _precise(self.design, self.profile.plan)
 
     @cached_property
     def parts(self) -> Parts:
@@ -99,38 +106,41 @@ class ErrorCurves:
         squares = (self.timer_hz / self.played_ticks) ** 2
         return np.diff(squares, prepend=self.base_speed_steps_per_s**2) / 2
 
+    @cached_property
+    def _figures(self) -> "_Figures":
+        # In one pass: over millions of steps it is memory that takes the time.
+        return _figures_of(self.played_ticks, self.reference_ticks, self.timer_hz, self.base_speed_steps_per_s)
+
     @property
     def largest_relative_error(self) -> Extreme:
         """The relative error furthest from 0."""
-        return _extreme(self.relative_error)
+        return self._figures.relative
 
     @property
     def largest_tick_error(self) -> Extreme:
         """The tick error furthest from 0 [ticks]."""
-        return _extreme(self.tick_error)
+        return self._figures.tick
 
     @property
     def rms_relative_error(self) -> float:
         """The root of the mean square of the relative errors."""
-        return float(np.sqrt(np.mean(self.relative_error**2)))
+        return math.sqrt(self._figures.sum_of_squares / self.played_ticks.size)
 
     @property
     def relative_error_at_ramp_end(self) -> float:
         """The relative error of the last step of the acceleration; of the first step when there is none."""
-        return float(self.relative_error[max(self.profile.steps_of("accelerate"), 1) - 1])
+        last = max(self.profile.steps_of("accelerate"), 1) - 1
+        return float(self.played_ticks[last] / self.reference_ticks[last] - 1)
 
     @property
     def peak_acceleration(self) -> Extreme:
         """The implied acceleration furthest from 0 after the first interval [steps/s²]."""
-        if self.played_ticks.size == 1:
-            return _extreme(self.implied_acceleration_steps_per_s2)
-        later = _extreme(self.implied_acceleration_steps_per_s2[1:])
-        return Extreme(later.value, later.step + 1)
+        return self._figures.acceleration
 
     @property
     def time_difference_s(self) -> float:
         """How much longer than the reference the whole move takes [s]."""
-        return float(self.time_error_s[-1])
+        return self._figures.sum_of_ticks / self.timer_hz
 
     @property
     def landing_error_steps_per_s(self) -> float:
@@ -161,9 +171,17 @@ def all_error_curves(
     design: Design, methods: Sequence[MethodName], reference: MethodName, segment_bound_ticks: int | None = None
 ) -> Iterator[ErrorCurves]:
     """Yield the errors of the design's move by several methods against one reference; see error_curves."""
-    reference_ticks = plan_of(design.with_method(reference, "float64")).real_intervals
+    reference_ticks = reference_intervals(design, reference)
     for method in methods:
-        yield _judged(design.with_method(method), reference_ticks, segment_bound_ticks)
+        yield judged_against(reference_ticks, design.with_method(method), segment_bound_ticks)
+
+
+def reference_intervals(design: Design, reference: MethodName) -> Curve:
+    """Return the intervals of the design's move by a method in float64, not rounded [ticks], shape (N,).
+
+    Raises Rejected when the design does not fit the method.
+    """
+    return plan_of(design.with_method(reference, "float64")).real_intervals
 
 
 def relative_errors(intervals: NDArray[np.int64] | Curve, reference: Curve) -> Curve:
@@ -173,14 +191,15 @@ def relative_errors(intervals: NDArray[np.int64] | Curve, reference: Curve) -> C
     return out
 
 
-@njit(cache=True)
+@compiled
 def _relative_errors(intervals, reference, out):  # type: ignore[no-untyped-def]  # compiled
     # In one pass: over millions of steps it is memory that takes the time.
     for i in range(out.size):
         out[i] = intervals[i] / reference[i] - 1.0
 
 
-def _judged(design: Design, reference_ticks: Curve, segment_bound_ticks: int | None) -> ErrorCurves:
+def judged_against(reference_ticks: Curve, design: Design, segment_bound_ticks: int | None = None) -> ErrorCurves:
+    """Return the errors of a design's move by its own method against intervals of its length; see error_curves."""
     profile = profile_of(design)
     played = profile.intervals_ticks
     if segment_bound_ticks is not None:
@@ -190,7 +209,7 @@ def _judged(design: Design, reference_ticks: Curve, segment_bound_ticks: int | N
         profile=profile,
         played_ticks=played,
         reference_ticks=reference_ticks,
-        precise_ticks=_precise(design, profile.plan),
+        design=design,
         timer_hz=design.timer.frequency_hz,
         base_speed_steps_per_s=design.ramp.base_speed_steps_per_s,
     )
@@ -210,6 +229,45 @@ def _from_segments(plan: Plan, bound_ticks: int) -> NDArray[np.int64]:
     return play(Ramp(up, plan.ramp.slew, down), plan.steps).astype(np.int64)
 
 
-def _extreme(curve: Curve) -> Extreme:
-    at = int(np.abs(curve).argmax())
-    return Extreme(value=float(curve[at]), step=at + 1)
+class _Figures(NamedTuple):
+    """What one pass over a move's intervals finds."""
+
+    relative: Extreme
+    tick: Extreme
+    acceleration: Extreme
+    sum_of_squares: float
+    """Of the relative errors."""
+    sum_of_ticks: float
+    """Of the tick errors."""
+
+
+def _figures_of(played: NDArray[np.int64], reference: Curve, timer_hz: float, base_speed: float) -> _Figures:
+    values, steps = np.empty(3), np.empty(3, np.int64)
+    sums = _scan(played, reference, timer_hz, base_speed, values, steps)
+    relative, tick, acceleration = (Extreme(float(values[i]), int(steps[i])) for i in range(3))
+    return _Figures(relative, tick, acceleration, *sums)
+
+
+@compiled
+def _scan(played, reference, timer_hz, base_speed, values, steps):  # type: ignore[no-untyped-def]  # compiled
+    """Find the extremes of relative error, tick error and implied acceleration; return the sums of _Figures."""
+    sum_of_squares = sum_of_ticks = 0.0
+    before = base_speed * base_speed
+    values[:] = 0.0
+    steps[:] = 1
+    for i in range(played.size):
+        ticks = played[i] - reference[i]
+        relative = played[i] / reference[i] - 1.0
+        speed = timer_hz / played[i]
+        acceleration = (speed * speed - before) / 2
+        before = speed * speed
+        sum_of_squares += relative * relative
+        sum_of_ticks += ticks
+        if abs(relative) > abs(values[0]):
+            values[0], steps[0] = relative, i + 1
+        if abs(ticks) > abs(values[1]):
+            values[1], steps[1] = ticks, i + 1
+        # The first interval's counts only when there is no other.
+        if i == 1 or abs(acceleration) > abs(values[2]):
+            values[2], steps[2] = acceleration, i + 1
+    return sum_of_squares, sum_of_ticks

@@ -62,6 +62,11 @@ class Profile:
         """Speed of each interval, v = F / p (7) [steps/s], shape (N,)."""
         return self.timer_hz / self.intervals_ticks
 
+    @property
+    def peak_speed_steps_per_s(self) -> float:
+        """Highest speed of an interval, that of the shortest [steps/s]."""
+        return self.timer_hz / int(self.intervals_ticks.min())
+
     def steps_of(self, phase: str) -> int:
         """Return the number of steps of a phase, 0 when the move has none."""
         return sum(each.last_step - each.first_step + 1 for each in self.phases if each.name == phase)

@@ -1,11 +1,16 @@
 """Which steps of a long move to draw, so that the curve looks the same."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
+from stepramp.ramp.compiled import compiled
 from stepramp.ramp.profile import Phase
 
 POINTS_PER_BUCKET = 4
+REST_SHARE = 4
+"""How much coarser the rest of a move is drawn than the part that is looked at."""
 
 
 def kept_steps(
@@ -21,12 +26,53 @@ def kept_steps(
     """
     if curve.size <= most:
         return np.arange(curve.size)
+    return _without_level_inside([curve], _thinned([curve], phases, most))
+
+
+def kept_steps_of_all(
+    curves: Sequence[NDArray[np.int64] | NDArray[np.float64]],
+    phases: tuple[Phase, ...],
+    most: int,
+    span: tuple[int, int] | None = None,
+) -> NDArray[np.int64]:
+    """Return about `most` steps, counted from 0 and increasing, that carry the shapes of several curves at once.
+
+    As kept_steps, but a stretch where all curves are level keeps only its two ends in a short move too.
+
+    curves: one value a step each, shape (N,), at least one.
+    span: first and last step of a part of the move, counted from 1, that gets the points; the rest then has about a
+    quarter as many, so that the whole move can still be drawn.
+    """
+    size = curves[0].size
+    first, last = span or (1, size)
+    if span is None or (first <= 1 and last >= size):
+        return _without_level_inside(curves, _thinned(curves, phases, most))
+    around = _thinned(curves, phases, most // REST_SHARE)
+    return _without_level_inside(curves, np.union1d(around, _thinned(curves, _within(phases, first, last), most)))
+
+
+def _within(phases: tuple[Phase, ...], first: int, last: int) -> tuple[Phase, ...]:
+    """Return the parts of phases that lie between two steps, counted from 1."""
+    cut = (Phase(each.name, max(each.first_step, first), min(each.last_step, last)) for each in phases)
+    return tuple(each for each in cut if each.first_step <= each.last_step)
+
+
+def _thinned(
+    curves: Sequence[NDArray[np.int64] | NDArray[np.float64]], phases: tuple[Phase, ...], most: int
+) -> NDArray[np.int64]:
+    """Return the steps to keep of adjoining phases, level stretches still whole."""
+    begin, end = phases[0].first_step - 1, phases[-1].last_step
+    if end - begin <= most:
+        return np.arange(begin, end)
     buckets = max(1, most // POINTS_PER_BUCKET // len(phases))
     starts = np.unique(np.concatenate([_bucket_starts(phase, buckets) for phase in phases]))
-    ends = np.append(starts[1:], curve.size)
-    least, greatest = _extremes(curve, starts, ends)
-    kept = np.unique(np.concatenate((starts, least, greatest, ends - 1)))
-    return _without_level_inside(curve, kept)
+    ends = np.append(starts[1:], end)
+    kept = [starts, ends - 1]
+    for curve in curves:
+        least, greatest = np.empty_like(starts), np.empty_like(starts)
+        _find_extremes(curve, starts, ends, least, greatest)
+        kept += [least, greatest]
+    return np.unique(np.concatenate(kept))
 
 
 def _bucket_starts(phase: Phase, buckets: int) -> NDArray[np.int64]:
@@ -43,21 +89,26 @@ def _bucket_starts(phase: Phase, buckets: int) -> NDArray[np.int64]:
     return phase.first_step - 1 + cuts.astype(np.int64)
 
 
-def _extremes(
-    curve: NDArray[np.int64] | NDArray[np.float64], starts: NDArray[np.int64], ends: NDArray[np.int64]
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return where each bucket is least and greatest, the first place of several."""
-    bucket = np.repeat(np.arange(starts.size), ends - starts)
-    places = []
-    for extreme in (np.minimum, np.maximum):
-        at = np.flatnonzero(curve == extreme.reduceat(curve, starts)[bucket])
-        places.append(at[np.searchsorted(at, starts)])
-    return places[0], places[1]
+@compiled
+def _find_extremes(curve, starts, ends, least, greatest):  # type: ignore[no-untyped-def]  # compiled
+    """Find where a curve is least and greatest in each bucket, the first place of several."""
+    for bucket in range(starts.size):
+        low = high = starts[bucket]
+        for i in range(starts[bucket] + 1, ends[bucket]):
+            if curve[i] < curve[low]:
+                low = i
+            if curve[i] > curve[high]:
+                high = i
+        least[bucket], greatest[bucket] = low, high
 
 
-def _without_level_inside(curve: NDArray[np.int64] | NDArray[np.float64], kept: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Leave out kept steps whose neighbours on both sides have the same value."""
-    values = curve[kept]
+def _without_level_inside(
+    curves: Sequence[NDArray[np.int64] | NDArray[np.float64]], kept: NDArray[np.int64]
+) -> NDArray[np.int64]:
+    """Leave out kept steps whose neighbours on both sides have the same values."""
     inside = np.zeros(kept.size, bool)
-    inside[1:-1] = (values[1:-1] == values[:-2]) & (values[1:-1] == values[2:])
+    inside[1:-1] = True
+    for curve in curves:
+        values = curve[kept]
+        inside[1:-1] &= (values[1:-1] == values[:-2]) & (values[1:-1] == values[2:])
     return kept[~inside]

@@ -1,0 +1,83 @@
+"""What plots need of a design's move by several methods, in one go: errors against one reference, thinned together."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepramp.design import Design, MethodName
+from stepramp.errors import Rejected, Rejection
+from stepramp.ramp.error_curves import ErrorCurves, Parts, judged_against, reference_intervals
+from stepramp.ramp.thinning import kept_steps_of_all
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """One method's move and the steps of it that are drawn."""
+
+    judged: ErrorCurves
+    kept: NDArray[np.int64]
+    """Steps, counted from 0 and increasing, shape (M,)."""
+    parts: Parts | None
+    """Where the errors come from, when that is wanted."""
+
+    @property
+    def start_ticks(self) -> NDArray[np.int64]:
+        """Instant of the pulse of each kept step [ticks], shape (M,)."""
+        played = self.judged.played_ticks
+        starts: NDArray[np.int64] = (np.cumsum(played) - played)[self.kept]
+        return starts
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """What is to be drawn of a design."""
+
+    design: Design
+    wanted: tuple[MethodName, ...]
+    reference: MethodName
+    most_points: int
+    span: tuple[int, int] | None = None
+    """First and last step of the part that is looked at, counted from 1."""
+    with_acceleration: bool = False
+    with_parts: bool = False
+    segment_bound_ticks: int | None = None
+    """Bound of the segments whose part in the error is wanted; everything else is as it is planned."""
+
+    def methods(self) -> Iterator[tuple[MethodName, Drawn | Rejected]]:
+        """Yield each wanted method with its curves, or with what keeps it from having any.
+
+        Raises Rejected when the reference or the design's own method doesn't fit the design, and when the span lies
+        outside the move.
+        """
+        self._check_span()
+        reference_ticks = reference_intervals(self.design, self.reference)
+        for method in self.wanted:
+            try:
+                yield method, self._drawn(method, reference_ticks)
+            except Rejected as rejected:
+                if method == self.design.method.name:
+                    raise
+                yield method, rejected
+
+    def _drawn(self, method: MethodName, reference_ticks: NDArray[np.float64]) -> Drawn:
+        design = self.design.with_method(method)
+        judged = judged_against(reference_ticks, design)
+        parts = judged_against(reference_ticks, design, self.segment_bound_ticks).parts if self.with_parts else None
+        curves: list[NDArray[np.int64] | NDArray[np.float64]] = [judged.played_ticks, judged.relative_error]
+        if self.with_acceleration:
+            curves.append(judged.implied_acceleration_steps_per_s2)
+        if parts is not None:
+            curves += vars(parts).values()
+        return Drawn(judged, kept_steps_of_all(curves, judged.profile.phases, self.most_points, self.span), parts)
+
+    def _check_span(self) -> None:
+        steps = abs(self.design.move.steps)
+        if self.span is None:
+            return
+        first, last = self.span
+        if first > steps:
+            raise Rejected([Rejection("first_step", first, f"a step of the move, from 1 to {steps:,}")])
+        if last < first or last > steps:
+            raise Rejected([Rejection("last_step", last, f"a step of the move, from first_step to {steps:,}")])
