@@ -84,7 +84,7 @@ def test_a_whole_number_may_be_written_with_an_exponent() -> None:
         ([[10, 500], [5, 400]], "table.rows.1.0", "more than the ramp index of the row before, 10"),
         ([[10, 500], [20, 0]], "table.rows.1.1", "a whole number from 1 to 4,294,967,295 µs or ticks"),
         ([[10, 500.5]], "table.rows.0.1", "a whole number from 1 to 4,294,967,295 µs or ticks"),
-        ([[0, 500]], "table.rows.0.0", "a whole number from 1 to 10,000,000 steps"),
+        ([[-1, 500]], "table.rows.0.0", "a whole number from 0 to 10,000,000 steps"),
         ([[10]], "table.rows.0", "a list of two whole numbers, the last ramp index [steps] and the delay"),
         ([[10, 500, 1]], "table.rows.0", "a list of two whole numbers, the last ramp index [steps] and the delay"),
         ([5], "table.rows.0", "a list of two whole numbers, the last ramp index [steps] and the delay"),

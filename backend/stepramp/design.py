@@ -138,7 +138,7 @@ class Method(Document):
         return self
 
 
-Index = Annotated[int, Within(1, MOST_STEPS, "steps")]
+Index = Annotated[int, Within(0, MOST_STEPS, "steps")]
 Delay = Annotated[int, Within(1, 2**32 - 1, "µs or ticks")]
 Row = Annotated[tuple[Index, Delay], ListOf("two whole numbers, the last ramp index [steps] and the delay", length=2)]
 

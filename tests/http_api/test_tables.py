@@ -85,3 +85,43 @@ def test_a_table_is_checked_row_by_row(client: TestClient) -> None:
     answer = client.post("/api/v1/table/check", json=body).json()
     assert [(each["row"], each["wrong"]) for each in answer["findings"]] == [(1, True), (1, False), (1, False)]
     assert answer["row_changes"][0]["acceleration_steps_per_s2"] == pytest.approx(20_000)
+
+
+def test_delays_in_ticks_are_checked_as_such(client: TestClient) -> None:
+    body = {"rows": [[10, 10000], [20, 12000]], "interval_unit": "ticks", "slew_interval_us": 600}
+    [missing] = client.post("/api/v1/table/check", json=body).json()["errors"]
+    assert missing["field"] == "frequency_hz"
+    answer = client.post("/api/v1/table/check", json={**body, "frequency_hz": 2e6}).json()
+    assert [each["reason"] for each in answer["findings"]] == [
+        "delay 12,000 ticks rises: the row before has 10,000 ticks",
+        "the last row is missing: the table ends at 12,000 ticks, far from the 1,200 ticks of the slew speed",
+    ]
+    # 10,000 ticks of 0.5 µs are 200 steps/s, reached within one step: 200² / 2.
+    assert answer["row_changes"][0]["acceleration_steps_per_s2"] == pytest.approx(20_000)
+
+
+def test_the_error_against_the_rows_is_that_of_each_fit(client: TestClient) -> None:
+    for kind, bytes_per_row in (("constant", 4), ("linear", 6)):
+        body = {"design": document(), "most_rows": 6, "row_kind": kind}
+        curve = client.post("/api/v1/table/fit/curve", json=body).json()
+        assert curve["rows"] == [1, 2, 3, 4, 5, 6]
+        assert curve["bytes"] == [bytes_per_row * rows for rows in curve["rows"]]
+        for rows, error in zip(curve["rows"], curve["largest_relative_error"], strict=True):
+            wish = {"design": document(), "rows": rows, "row_kind": kind}
+            assert client.post("/api/v1/table/fit", json=wish).json()["largest_relative_error"] == error
+
+
+def test_a_ramp_too_short_for_more_rows_has_a_short_curve(client: TestClient) -> None:
+    short = document(ramp__slew_speed_steps_per_s=100, ramp__acceleration_steps_per_s2=1000)  # 5 steps
+    curve = client.post("/api/v1/table/fit/curve", json={"design": short}).json()
+    assert curve["rows"] == [1, 2, 3, 4, 5], "five delays, the last of them the slew interval"
+    assert curve["largest_relative_error"][-1] < 0.001
+    refused = client.post("/api/v1/table/fit/curve", json={"design": short, "most_rows": 65}).json()
+    assert [error["field"] for error in refused["errors"]] == ["most_rows"]
+
+
+def test_a_table_fitted_from_a_base_speed_is_a_table_of_a_design(client: TestClient) -> None:
+    based = document(ramp__base_speed_steps_per_s=100)
+    fitted = client.post("/api/v1/table/fit", json={"design": based, "rows": 24}).json()["table"]
+    assert fitted["rows"][0] == [0, 10_000], "the interval of the base speed, where a deceleration ends"
+    client.post("/api/v1/profile", json={"design": document(table=fitted)}).raise_for_status()

@@ -84,6 +84,14 @@ class FitAnswer(BaseModel):
     relative_errors: list[float] = Field(description="Largest relative error of each row")
 
 
+class FitCurveAnswer(BaseModel):
+    """The best tables of several sizes: one value a table in each list, more rows from one to the next."""
+
+    rows: list[int] = Field(description="Rows of the table [rows]")
+    bytes: list[int] = Field(description="Memory of the table [bytes]")
+    largest_relative_error: list[float] = Field(description="Largest relative error of a delay: 0.05 is 5 %")
+
+
 def play_content(moves: TableMoves) -> dict[str, Any]:
     """Return moves as a PlayAnswer's content."""
     stops = zip(moves.stop_at_us.tolist(), moves.stop_position.tolist(), strict=True)
@@ -113,7 +121,21 @@ def fit_answer(
         linear_rows=rows if is_linear else None,
         interval_unit=interval_unit,
         rows=count,
-        bytes=count * (BYTES_PER_LINEAR_ROW if is_linear else BYTES_PER_ROW),
+        bytes=count * _bytes_per_row(row_kind),
         largest_relative_error=fitted.largest_relative_error,
         relative_errors=fitted.relative_errors.tolist(),
     )
+
+
+def fit_curve_answer(fitted: Sequence[FittedTable], row_kind: Literal["constant", "linear"]) -> FitCurveAnswer:
+    """Return tables for ever more rows as an answer; where a row more changed nothing, the table is there once."""
+    different = {len(table.rows): table.largest_relative_error for table in fitted}
+    return FitCurveAnswer(
+        rows=list(different),
+        bytes=[count * _bytes_per_row(row_kind) for count in different],
+        largest_relative_error=list(different.values()),
+    )
+
+
+def _bytes_per_row(row_kind: Literal["constant", "linear"]) -> int:
+    return BYTES_PER_LINEAR_ROW if row_kind == "linear" else BYTES_PER_ROW

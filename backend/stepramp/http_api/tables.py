@@ -10,8 +10,8 @@ from starlette.responses import Response
 from stepramp.design import MOST_STEPS, MOST_TABLE_ROWS, Design, Row, Table
 from stepramp.http_api import table_models as models
 from stepramp.http_api.json_response import json_response
-from stepramp.ramp.table_check import check_table, mean_acceleration, row_changes
-from stepramp.ramp.table_fit import BYTES_PER_ROW, FittedTable, fit_error, fit_rows, ramp_delays
+from stepramp.ramp.table_check import MICROSECONDS, DelayUnit, check_table, mean_acceleration, row_changes
+from stepramp.ramp.table_fit import BYTES_PER_ROW, FittedTable, RampDelays, fit_error, fit_rows, ramp_delays
 from stepramp.ramp.table_fit_linear import BYTES_PER_LINEAR_ROW, fit_linear_error, fit_linear_rows
 from stepramp.ramp.table_play import play_table
 from stepramp.validation import Document, ListOf, OneOf, Within, refuse
@@ -19,6 +19,7 @@ from stepramp.validation import Document, ListOf, OneOf, Within, refuse
 router = APIRouter(prefix="/table", tags=["lookup tables"])
 
 MOST_TARGETS = 10_000
+MOST_CURVE_ROWS = 64
 WISHES = ("rows", "largest_relative_error", "bytes")
 
 
@@ -61,7 +62,11 @@ class CheckRequest(Document):
     """A table to be checked; its rows may be in any order."""
 
     rows: Annotated[list[Row], ListOf("rows of two whole numbers")] = Field(
-        description="[last ramp index of the row [steps], delay [µs]]"
+        description="[last ramp index of the row [steps], delay [interval_unit]]"
+    )
+    interval_unit: Annotated[Literal["us", "ticks"], OneOf()] = Field("us", description="Unit of the delays")
+    frequency_hz: Annotated[float, Within(1, 10**9, "Hz")] | None = Field(
+        None, description="Timer frequency; needed for delays in ticks [Hz]"
     )
     slew_interval_us: Annotated[float, Within(0.001, 10**9, "µs")] | None = Field(
         None, description="Delay of the slew speed that the table should lead to [µs]; null: the end is not judged"
@@ -71,7 +76,18 @@ class CheckRequest(Document):
     def _some_rows(self) -> Self:
         if not 1 <= len(self.rows) <= MOST_TABLE_ROWS:
             refuse("rows", self.rows, f"from 1 to {MOST_TABLE_ROWS:,} rows")
+        if self.interval_unit == "ticks" and self.frequency_hz is None:
+            refuse("frequency_hz", None, "a timer frequency, since interval_unit is 'ticks'")
         return self
+
+    @property
+    def unit(self) -> DelayUnit:
+        """The unit of the delays."""
+        return (
+            DelayUnit("ticks", self.frequency_hz)
+            if self.interval_unit == "ticks" and self.frequency_hz
+            else MICROSECONDS
+        )
 
 
 class FitRequest(Document):
@@ -98,6 +114,19 @@ class FitRequest(Document):
         return self
 
 
+class FitCurveRequest(Document):
+    """A ramp that tables of several sizes are to stand for."""
+
+    design: Design
+    most_rows: Annotated[int, Within(1, MOST_CURVE_ROWS, "rows")] = Field(
+        32, description="Tables of 1 row to so many are fitted [rows]"
+    )
+    row_kind: Annotated[Literal["constant", "linear"], OneOf()] = Field(
+        "constant", description="Rows of constant delay, or rows whose delay changes by a whole number each step"
+    )
+    interval_unit: Annotated[Literal["us", "ticks"], OneOf()] = Field("us", description="Unit of the delays")
+
+
 @router.post("/play", response_model=models.PlayAnswer)
 def play(request: PlayRequest) -> Response:
     """Play a table as a gauge library does: targets may change in flight; it stops before it reverses."""
@@ -111,7 +140,9 @@ def play(request: PlayRequest) -> Response:
 def check(request: CheckRequest) -> models.CheckAnswer:
     """Check a table: what is wrong with each row, and the acceleration that each row change asks for."""
     return models.check_answer(
-        check_table(request.rows, request.slew_interval_us), row_changes(request.rows), mean_acceleration(request.rows)
+        check_table(request.rows, request.slew_interval_us, request.unit),
+        row_changes(request.rows, request.unit),
+        mean_acceleration(request.rows, request.unit),
     )
 
 
@@ -121,10 +152,22 @@ def fit(request: FitRequest) -> models.FitAnswer:
     return models.fit_answer(_fitted(request), request.row_kind, request.interval_unit)
 
 
+@router.post("/fit/curve")
+def fit_curve(request: FitCurveRequest) -> models.FitCurveAnswer:
+    """Fit tables of 1 row, 2 rows and so on to a ramp: how much smaller the error gets with each more."""
+    ramp = ramp_delays(request.design, request.interval_unit)
+    fitted = [_fitted_rows(ramp, rows, request.row_kind) for rows in range(1, request.most_rows + 1)]
+    return models.fit_curve_answer(fitted, request.row_kind)
+
+
 def _fitted(request: FitRequest) -> FittedTable:
     ramp, is_linear = ramp_delays(request.design, request.interval_unit), request.row_kind == "linear"
     if request.largest_relative_error is not None:
         return (fit_linear_error if is_linear else fit_error)(ramp, request.largest_relative_error)
     bytes_per_row = BYTES_PER_LINEAR_ROW if is_linear else BYTES_PER_ROW
     rows = min(request.rows or (request.bytes or 0) // bytes_per_row, MOST_TABLE_ROWS)
-    return (fit_linear_rows if is_linear else fit_rows)(ramp, rows)
+    return _fitted_rows(ramp, rows, request.row_kind)
+
+
+def _fitted_rows(ramp: RampDelays, rows: int, row_kind: Literal["constant", "linear"]) -> FittedTable:
+    return (fit_linear_rows if row_kind == "linear" else fit_rows)(ramp, rows)
