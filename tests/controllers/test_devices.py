@@ -3,6 +3,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from stepramp.controllers.controller import Asked
 from stepramp.controllers.device import Device
 from stepramp.controllers.device_view import DeviceState
 from stepramp.controllers.devices import Devices
+from stepramp.controllers.jog_lease import LEASE_S, JogLease
 from stepramp.controllers.messages import CommitRequest, DataRequest, MoveByRequest, ReportRequest, StatusRequest
 from stepramp.controllers.settings import Settings
 from stepramp.controllers.virtual import VirtualController
@@ -384,3 +386,92 @@ def test_what_is_not_connected_yet_cant_be_asked(
         with pytest.raises(DeviceLost, match="Nothing at"):
             connecting.result(PATIENCE_S)
     assert devices.views() == []
+
+
+class Cable:
+    """A port whose name stays while the same controller comes and goes, reset each time."""
+
+    def __init__(self, port: Path) -> None:
+        self.port = port
+        self.controller = VirtualController()
+        self.board: UsbBoard | None = None
+
+    def plug_in(self) -> None:
+        self.controller.opened()
+        self.board = UsbBoard(self.controller)
+        self.board.__enter__()
+        self.port.symlink_to(self.board.port)
+
+    def unplug(self) -> None:
+        self.port.unlink(missing_ok=True)
+        if self.board is not None:
+            self.board.unplug()
+
+
+@pytest.fixture
+def cable(tmp_path: Path) -> Iterator[Cable]:
+    made = Cable(tmp_path / "ttyACM0")
+    made.plug_in()
+    yield made
+    made.unplug()
+
+
+def test_what_was_unplugged_is_connected_again_by_itself_and_nothing_moves(devices: Devices, cable: Cable) -> None:
+    device = devices.connect(str(cable.port))
+    device.push([design()])
+    device.move_by(by(LONG_MOVE))
+    time.sleep(0.3)
+    cable.unplug()
+    wait_for(device, DeviceState.LOST)
+    assert "Axis 0 was moving, last heard of at" in (device.view.message or "")
+    assert device.view.unknown_positions == (0,)
+    cable.plug_in()
+    wait_for(device, DeviceState.READY)
+    view = device.view
+    assert (view.id, view.position_steps, view.target_steps, view.unknown_positions) == ("1", 0, 0, (0,))
+    device.set_position([Asked(0, 77, "position_steps")])
+    assert (device.view.position_steps, device.view.unknown_positions) == (77, ())
+
+
+def test_what_was_let_go_of_is_not_connected_again(devices: Devices, cable: Cable) -> None:
+    device = devices.connect(str(cable.port))
+    cable.unplug()
+    wait_for(device, DeviceState.LOST)
+    devices.disconnect("1")
+    cable.plug_in()
+    assert device.reconnect()
+    assert device.view.state is DeviceState.LOST
+    assert devices.views() == []
+
+
+def test_a_lease_runs_out_and_is_not_brought_back() -> None:
+    lease = JogLease(0)
+    assert lease.renew()
+    time.sleep(LEASE_S + 0.05)
+    assert not lease.holds
+    assert not lease.renew()
+    ended = JogLease(0)
+    ended.end()
+    assert not ended.renew()
+
+
+def test_a_jog_that_was_let_go_of_before_it_began(devices: Devices, port: str) -> None:
+    device = devices.connect(port)
+    device.push([design()])
+    lease = JogLease(0)
+    device.end_jog(lease)
+    with pytest.raises(Refused, match="let go before it began"):
+        device.jog(lease, Asked(0, 400.0, "speed_steps_per_s"))
+    assert device.view.state is DeviceState.READY
+
+
+def test_a_jog_that_nobody_renews_slows_down(devices: Devices, port: str) -> None:
+    device = devices.connect(port)
+    device.push([design()])
+    device.jog(JogLease(0), Asked(0, 400.0, "speed_steps_per_s"))
+    wait_for(device, DeviceState.READY)
+    position = device.view.position_steps
+    # 400 steps/s for 0.4 s, and what it takes to slow down: 16 steps with 5,000 steps/s².
+    assert 20 < position < 400
+    time.sleep(0.3)
+    assert device.view.position_steps == position

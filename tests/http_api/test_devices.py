@@ -17,7 +17,8 @@ LOCAL = {"host": "127.0.0.1:8000"}
 PATIENCE_S = 10.0
 DEVICE_FIELDS = {
     "id", "port", "name", "state", "message", "position_steps", "target_steps", "speed_steps_per_s", "axes", "timer_hz",
-    "clocks_hz", "firmware_version", "ramp", "on_trial", "motors_on", "starved", "pushed",
+    "clocks_hz", "firmware_version", "ramp", "on_trial", "motors_on", "starved", "pushed", "progress", "shuttle",
+    "unknown_positions", "in_control", "heard_s",
 }  # fmt: skip
 AXIS_FIELDS = {"axis", "state", "position_steps", "target_steps", "speed_steps_per_s", "steps_made"}
 _numbers = itertools.count()

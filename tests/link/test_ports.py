@@ -1,12 +1,17 @@
+from pathlib import Path
+
 import pytest
 from serial.tools import list_ports
 from serial.tools.list_ports_common import ListPortInfo
 
-from stepramp.link.ports import Port, list_serial_ports, port_name
+from stepramp.link.ports import Port, find_again, known_port, list_serial_ports, port_name
 
 
-def found(device: str, description: str = "n/a", usb: tuple[int, int] | None = None) -> ListPortInfo:
+def found(
+    device: str, description: str = "n/a", usb: tuple[int, int] | None = None, serial_number: str | None = None
+) -> ListPortInfo:
     info = ListPortInfo(device, skip_link_detection=True)
+    info.serial_number = serial_number
     info.description = description
     info.vid, info.pid = usb or (None, None)
     return info
@@ -47,3 +52,34 @@ def test_ports_have_names_that_people_know_and_the_virtual_one_is_last() -> None
 )
 def test_the_name_of_a_port(port: str, name: str) -> None:
     assert port_name(port) == name
+
+
+UNO = (0x2341, 0x0043)
+
+
+def test_a_board_is_known_again_by_its_serial_number_wherever_it_comes_back(monkeypatch: pytest.MonkeyPatch) -> None:
+    attached = [found("/dev/ttyACM0", usb=UNO, serial_number="A1"), found("/dev/ttyACM1", usb=UNO, serial_number="B2")]
+    monkeypatch.setattr(list_ports, "comports", lambda: attached)
+    lost = known_port("/dev/ttyACM1")
+    attached[:] = [found("/dev/ttyACM0", usb=UNO, serial_number="A1")]
+    assert find_again(lost) is None
+    attached.append(found("/dev/ttyACM2", usb=UNO, serial_number="B2"))
+    assert find_again(lost) == "/dev/ttyACM2"
+
+
+def test_a_board_without_a_serial_number_is_known_by_its_port_and_kind(monkeypatch: pytest.MonkeyPatch) -> None:
+    attached = [found("/dev/ttyUSB0", usb=(0x1A86, 0x7523))]
+    monkeypatch.setattr(list_ports, "comports", lambda: attached)
+    lost = known_port("/dev/ttyUSB0")
+    assert find_again(lost) == "/dev/ttyUSB0"
+    attached[:] = [found("/dev/ttyUSB0", usb=UNO), found("/dev/ttyUSB1", usb=(0x1A86, 0x7523))]
+    assert find_again(lost) is None
+
+
+def test_what_else_can_come_back(tmp_path: Path) -> None:
+    path = tmp_path / "pty"
+    assert find_again(known_port(str(path))) is None
+    path.touch()
+    assert find_again(known_port(str(path))) == str(path)
+    assert find_again(known_port("socket://127.0.0.1:3000")) == "socket://127.0.0.1:3000"
+    assert find_again(known_port("sim://nobody-there")) is None

@@ -92,6 +92,39 @@ class PushReport:
 
 
 @dataclass(frozen=True)
+class PreviewItem:
+    """One figure that a push would bring: as the controller has it now, and as it would be."""
+
+    name: str
+    unit: str
+    on_device: str | None
+    """None: the controller has no such figure."""
+    to_send: str | None
+    """None: it would have none any more."""
+    axis: int | None
+    """Whose it is; None: all axes'."""
+
+    @property
+    def differs(self) -> bool:
+        """Whether the push would change it."""
+        return self.on_device != self.to_send
+
+
+@dataclass(frozen=True)
+class PushPreview:
+    """What a push would change, before anything is sent."""
+
+    items: tuple[PreviewItem, ...]
+    same: bool
+    """The controller has exactly these ramps already."""
+    segments: int
+    bytes: int
+    """Length of what the controller would be sent [bytes]."""
+    largest_deviation_us: float
+    warnings: tuple[str, ...]
+
+
+@dataclass(frozen=True)
 class Asked:
     """What a request asks of one axis; `field` is what a rejection calls the value."""
 
@@ -146,6 +179,9 @@ class Controller(Protocol):
         This may take a while and doesn't use the port: for any thread, so that the port's stays free for a stop.
         Raises Rejected when the controller can't play a ramp. The call raises Refused when it can't take them now.
         """
+
+    def preview_push(self, designs: Sequence[Design], first_axis: int | None = None) -> PushPreview:
+        """Return what a push of the same would change, without the port: for any thread. Raises as prepare_push."""
 
     def keep(self) -> None:
         """Store the ramps and settings in use."""

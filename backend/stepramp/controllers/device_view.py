@@ -1,9 +1,12 @@
 """What is known of a device at one moment."""
 
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 
 from stepramp.controllers.controller import Activity, AxisStatus, ControllerStatus, PushReport, StoredRamp
+from stepramp.controllers.progress import Progress
+from stepramp.controllers.shuttle import Shuttle
 
 
 class DeviceState(StrEnum):
@@ -58,6 +61,16 @@ class DeviceView:
     starved: int = 0
     pushed: PushReport | None = None
     """The last push over this connection."""
+    progress: Progress | None = None
+    """How far the push has come that is under way."""
+    shuttle: Shuttle | None = None
+    """An axis goes there and back."""
+    unknown_positions: tuple[int, ...] = ()
+    """Axes that may be elsewhere than they count, since the device was lost."""
+    in_control: str | None = None
+    """The page that is in control of the device."""
+    heard_s: float = field(default=0.0, compare=False)
+    """When the controller said so, by the monotonic clock [s]."""
 
     def with_status(self, status: ControllerStatus) -> "DeviceView":
         """Return the device as its controller now says it is."""
@@ -75,10 +88,35 @@ class DeviceView:
             starved=status.starved,
         )
 
+    def anew(self, port: str, name: str) -> "DeviceView":
+        """Return the device as it is while it is connected again: what is known of it stays, what it said doesn't."""
+        return DeviceView(self.id, port, name, unknown_positions=self.unknown_positions, in_control=self.in_control)
+
+    def with_known_positions(self, axes: Collection[int]) -> "DeviceView":
+        """Return the device once somebody has said where axes are."""
+        return replace(self, unknown_positions=tuple(axis for axis in self.unknown_positions if axis not in axes))
+
     def at_a_loss(self, message: str) -> "DeviceView":
         """Return the device as it is once its controller is no longer there."""
         axes = tuple(replace(axis, state=DeviceState.LOST, speed_steps_per_s=0.0) for axis in self.axes)
-        return replace(self, state=DeviceState.LOST, message=message, speed_steps_per_s=0.0, axes=axes)
+        return replace(
+            self,
+            state=DeviceState.LOST,
+            message=" ".join((message, *self._midst())),
+            speed_steps_per_s=0.0,
+            axes=axes,
+            unknown_positions=tuple(sorted({*self.unknown_positions, *(axis.axis for axis in self.axes)})),
+            progress=None,
+            shuttle=None,
+        )
+
+    def _midst(self) -> Iterator[str]:
+        """Yield what was going on, for somebody who wonders what has come of it."""
+        if self.state is DeviceState.WRITING:
+            yield "It was being given ramps or settings: it has the old ones or the new ones whole, never a mixture."
+        for axis in self.axes:
+            if axis.state in UNDER_WAY:
+                yield f"Axis {axis.axis} was moving, last heard of at {axis.position_steps:,} steps."
 
 
 def _axis_view(status: AxisStatus) -> AxisView:

@@ -1,14 +1,16 @@
 """The registry of connected devices, for any thread."""
 
 import threading
+from collections import Counter
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 
 from stepramp.controllers.device import Device
-from stepramp.controllers.device_view import DeviceView
+from stepramp.controllers.device_view import DeviceState, DeviceView
+from stepramp.controllers.returning import Returning
 from stepramp.controllers.virtual import VirtualController
-from stepramp.errors import NotFound, StepRampError
+from stepramp.errors import NotFound, Refused, StepRampError
 from stepramp.link import protocol_sim
 from stepramp.link.protocol_sim import VIRTUAL_PORT
 
@@ -28,13 +30,13 @@ class Devices:
         self._lock = threading.Lock()
         self._devices: dict[str, Device] = {}
         self._listeners: list[Listener] = []
+        self._pages: Counter[str] = Counter()
         self._last_id = 0
+        self._returning = Returning(self._lost)
 
     def views(self) -> list[DeviceView]:
         """Return all devices as they are now, in the order in which they were connected."""
-        with self._lock:
-            devices = list(self._devices.values())
-        return [device.view for device in devices]
+        return [device.view for device in self._all()]
 
     def get(self, device_id: str) -> Device:
         """Return a device; NotFound when there is none of that id."""
@@ -43,6 +45,45 @@ class Devices:
         if device is None:
             raise NotFound(f"There is no device {device_id!r}.")
         return device
+
+    def acting(self, device_id: str, page: str | None) -> Device:
+        """Return a device for a page that acts on it, and is from then on in control; None: a program, never hindered.
+
+        Refused while another page is in control. A page that doesn't listen is never in control: nobody would know when
+        it is gone.
+        """
+        device = self.get(device_id)
+        if page is not None and self._is_there(page):
+            device.take_control(page)
+        elif page is not None:
+            device.refuse_others(page)
+        return device
+
+    def take_over(self, device_id: str, page: str) -> Device:
+        """Put a page in control of a device, whichever was before; Refused when the page doesn't listen."""
+        device = self.get(device_id)
+        if not self._is_there(page):
+            raise Refused("Only a page that listens to the devices' events can be in control of one.")
+        device.take_control(page, over=True)
+        return device
+
+    @contextmanager
+    def present(self, page: str | None) -> Iterator[None]:
+        """Note that a page is there and listens; once it is gone, it is in control of nothing."""
+        if page is None:
+            yield
+            return
+        with self._lock:
+            self._pages[page] += 1
+        try:
+            yield
+        finally:
+            with self._lock:
+                self._pages[page] -= 1
+                self._pages += Counter()  # Only those above zero stay.
+            if not self._is_there(page):
+                for device in self._all():
+                    device.leave_control(page)
 
     def connect(self, port: str) -> Device:
         """Return the device at a port, connected: the one that is there already, or a new one.
@@ -70,10 +111,8 @@ class Devices:
 
     def stop_all(self) -> None:
         """Stop every device, all at the same time; those that can't be asked tell so by their state."""
-        with self._lock:
-            devices = list(self._devices.values())
         pending = []
-        for device in devices:
+        for device in self._all():
             with suppress(StepRampError):
                 pending.append(device.stop())
         for stopped in pending:
@@ -82,6 +121,7 @@ class Devices:
 
     def close(self) -> None:
         """Stop what moves and let go of all devices."""
+        self._returning.end()
         with self._lock:
             devices = list(self._devices.values())
             self._devices.clear()
@@ -99,6 +139,17 @@ class Devices:
         finally:
             with self._lock:
                 self._listeners.remove(listener)
+
+    def _all(self) -> list[Device]:
+        with self._lock:
+            return list(self._devices.values())
+
+    def _lost(self) -> list[Device]:
+        return [device for device in self._all() if device.view.state is DeviceState.LOST]
+
+    def _is_there(self, page: str) -> bool:
+        with self._lock:
+            return self._pages[page] > 0
 
     def _at(self, port: str) -> tuple[Device, bool]:
         with self._lock:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from stepramp.controllers.controller import PushItem, PushReport
+from stepramp.controllers.controller import PreviewItem, PushItem, PushPreview, PushReport
 from stepramp.controllers.frames import crc16
 from stepramp.controllers.messages import HelloReply
 from stepramp.controllers.push_limits import PushLimits
@@ -135,6 +135,32 @@ class PushPlan:
             kept=kept,
             warnings=tuple(self._warnings(verified=stored == encoded)),
         )
+
+    def preview(self, present: RampImage | None, present_hz: int) -> PushPreview:
+        """Return what the push would change of the ramps that the controller has, played with a clock [Hz]."""
+        return PushPreview(
+            items=tuple(self._differences(present, present_hz)),
+            same=present is not None and present.encode() == self.image.encode(),
+            segments=self.image.sent_segments,
+            bytes=len(self.image.encode()),
+            largest_deviation_us=max(map(self._deviation_us, self.wanted)),
+            warnings=tuple(self._warnings(verified=True)),
+        )
+
+    def _differences(self, present: RampImage | None, present_hz: int) -> Iterator[PreviewItem]:
+        before = present.axes if present else ()
+        yield PreviewItem("Axes with a ramp", "", str(len(before)), str(len(self.image.axes)), None)
+        yield PreviewItem("Clock", "Hz", f"{present_hz:,}" if present else None, f"{self.timer_hz:,}", None)
+        pushed = {each.axis for each in self.wanted}
+        for axis in range(max(len(before), len(self.image.axes))):
+            if axis < len(self.image.axes) and axis not in pushed:
+                continue
+            there = _figures(unpacked(before[axis]), present_hz) if axis < len(before) else {}
+            here = _figures(unpacked(self.image.axes[axis]), self.timer_hz) if axis < len(self.image.axes) else {}
+            for name, unit in {**here, **there}:
+                yield PreviewItem(name, unit, there.get((name, unit)), here.get((name, unit)), axis)
+        crc = f"0x{crc16(present.encode()):04X}" if present else None
+        yield PreviewItem("Ramp image CRC", "", crc, f"0x{crc16(self.image.encode()):04X}", None)
 
     def _items(self, stored: bytes) -> Iterator[PushItem]:
         try:

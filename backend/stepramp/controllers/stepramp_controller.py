@@ -11,6 +11,7 @@ from stepramp.controllers.controller import (
     AxisStatus,
     ControllerStatus,
     PushMode,
+    PushPreview,
     PushReport,
     StoredRamp,
 )
@@ -46,6 +47,7 @@ from stepramp.controllers.messages import (
     mask_of,
 )
 from stepramp.controllers.motion_checks import MotionChecks
+from stepramp.controllers.progress import Tell
 from stepramp.controllers.push import plan_push
 from stepramp.controllers.ramp_image import BadRampImage, RampImage
 from stepramp.controllers.settings import Settings
@@ -67,14 +69,17 @@ ACTIVITIES = {
 class StepRampController:
     """A client of the protocol; see Controller for what its calls do."""
 
-    def __init__(self, port: SerialPort, give_way: Callable[[float], None] = sleep) -> None:
+    def __init__(
+        self, port: SerialPort, give_way: Callable[[float], None] = sleep, tell: Tell = lambda _: None
+    ) -> None:
         """Talk over an open port.
 
         give_way: called between two frames of a long exchange with how long there is time for other calls [s].
+        tell: called with how far a push has come.
         """
         self._port_name = port.name
         self._conversation = Conversation(port, give_way)
-        self._transfer = Transfer(self._conversation, give_way)
+        self._transfer = Transfer(self._conversation, give_way, tell)
         self._hello: HelloReply | None = None
         self._settings = Settings()
         self._image: RampImage | None = None
@@ -172,6 +177,12 @@ class StepRampController:
             return plan.report(stored, sequence, kept=kept)
 
         return push
+
+    def preview_push(self, designs: Sequence[Design], first_axis: int | None = None) -> PushPreview:
+        """Work out what a push would change; see Controller."""
+        present, present_hz = self._image, self.timer_hz
+        plan = plan_push(designs, self.identity, self._settings, first_axis, present)
+        return plan.preview(present, present_hz)
 
     def store(self, image: bytes) -> tuple[bytes, int]:
         """Store a ramp image: send, read back from RAM, commit, read back from EEPROM.

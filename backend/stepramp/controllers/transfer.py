@@ -23,6 +23,7 @@ from stepramp.controllers.messages import (
     StatusRequest,
     TryRequest,
 )
+from stepramp.controllers.progress import Progress, PushStage, Tell
 from stepramp.errors import Refused
 
 WRITE_POLL_S = 0.02
@@ -34,20 +35,25 @@ class Transfer:
     """What moves ramp images over a conversation.
 
     give_way: called while the controller writes, with how long there is time for other calls [s].
+    tell: called with how far a transfer has come.
     """
 
-    def __init__(self, conversation: Conversation, give_way: Callable[[float], None]) -> None:
+    def __init__(
+        self, conversation: Conversation, give_way: Callable[[float], None], tell: Tell = lambda _: None
+    ) -> None:
         self._conversation = conversation
         self._give_way = give_way
+        self._tell = tell
 
     def deliver(self, image: bytes) -> None:
         """Send an image and read it back from RAM; Refused when the controller can't take it, or holds another."""
         ask = self._conversation.ask
         ask(BeginRequest(len(image), crc16(image)), DoneReply)
         for offset in range(0, len(image), MOST_DATA):
+            self._tell(Progress(PushStage.SENDING, offset, len(image)))
             ask(DataRequest(offset, image[offset : offset + MOST_DATA]), DataReply)
         ask(EndRequest(), EndReply)
-        if self.read(ReadSource.RAM) != image:
+        if self.read(ReadSource.RAM, PushStage.CHECKING) != image:
             raise Refused("The controller's memory holds another ramp than the one sent; it keeps the one it had.")
 
     def try_out(self) -> None:
@@ -56,6 +62,7 @@ class Transfer:
 
     def commit(self) -> StatusReply:
         """Have what is in RAM stored, and return the status once it is; Refused when it can't be."""
+        self._tell(Progress(PushStage.STORING, 0, 0))
         self._conversation.ask(CommitRequest(), DoneReply)
         return self.await_written()
 
@@ -70,11 +77,12 @@ class Transfer:
             raise Refused("The controller could not store the ramp in its memory; it keeps the one it had.")
         return reply
 
-    def read(self, source: ReadSource) -> bytes:
+    def read(self, source: ReadSource, stage: PushStage = PushStage.READING_BACK) -> bytes:
         """Return a whole ramp image; empty when there is none."""
         data = b""
         while True:
             reply = self._conversation.ask(ReadRequest(source, len(data), MOST_DATA), ReadReply)
             data += reply.data
+            self._tell(Progress(stage, len(data), reply.total_bytes))
             if not reply.data or len(data) >= reply.total_bytes:
                 return data

@@ -5,6 +5,7 @@ from typing import Annotated, Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from stepramp.controllers.device_view import DeviceState
+from stepramp.controllers.progress import PushStage
 from stepramp.controllers.settings import ListOrNull
 from stepramp.design import Design
 from stepramp.validation import Document, OneOf, Text, Within, refuse
@@ -18,8 +19,8 @@ class ConnectRequest(Document):
     )
 
 
-class PushRequest(Document):
-    """Designs whose ramps the controller is to use: one for one axis, or those of all axes."""
+class PushDesigns(Document):
+    """Designs whose ramps a controller is to use: one for one axis, or those of all axes."""
 
     design: Design | None = Field(None, description="A design for one axis; the other axes keep their ramps")
     to_axis: Annotated[int, Within(0, 3)] = Field(
@@ -27,9 +28,6 @@ class PushRequest(Document):
     )
     axes: Annotated[list[Design] | None, ListOrNull("designs, one for each axis")] = Field(
         None, description="The designs of all axes, axis 0 first, all made for the same clock of the controller"
-    )
-    mode: Annotated[Literal["keep", "try"], OneOf()] = Field(
-        "keep", description="keep: store the ramps. try: use them until they are kept, rolled back, or the board resets"
     )
 
     @model_validator(mode="after")
@@ -39,6 +37,24 @@ class PushRequest(Document):
         if self.design is None and self.axes is None:
             refuse("design", None, "a design, or else axes")
         return self
+
+    @property
+    def designs(self) -> list[Design]:
+        """The designs, of one axis or of all."""
+        return self.axes if self.axes is not None else [self.design] if self.design is not None else []
+
+    @property
+    def first_axis(self) -> int | None:
+        """Axis of the only design; None: they are those of all axes."""
+        return self.to_axis if self.axes is None else None
+
+
+class PushRequest(PushDesigns):
+    """Designs whose ramps the controller is to use, and for how long."""
+
+    mode: Annotated[Literal["keep", "try"], OneOf()] = Field(
+        "keep", description="keep: store the ramps. try: use them until they are kept, rolled back, or the board resets"
+    )
 
 
 class Answer(BaseModel):
@@ -94,6 +110,50 @@ class PushAnswer(Answer):
     warnings: list[str] = Field(description="What works, but not as the designs say")
 
 
+class PreviewItemAnswer(Answer):
+    """One figure that a push would bring, as text."""
+
+    name: str = Field(description="What it is")
+    unit: str = Field(description="Unit of the figures: µs, steps, Hz, or none")
+    on_device: str | None = Field(description="What the controller has; null for nothing")
+    to_send: str | None = Field(description="What it would have; null for nothing")
+    differs: bool = Field(description="Whether the push would change it")
+    axis: int | None = Field(description="Axis whose figure it is; null: all axes'")
+
+
+class PreviewAnswer(Answer):
+    """What a push would change of the ramps in use."""
+
+    items: list[PreviewItemAnswer]
+    same: bool = Field(description="Whether the controller has exactly these ramps already, byte for byte")
+    segments: int = Field(description="Segments of all ramps that would be sent")
+    bytes: int = Field(description="Length of their image [bytes]")
+    largest_deviation_us: float = Field(
+        description="Largest difference between an interval of a design's ramp and the one sent [µs]"
+    )
+    warnings: list[str] = Field(description="What would work, but not as the designs say")
+
+
+class ProgressAnswer(Answer):
+    """How far a push has come."""
+
+    stage: PushStage = Field(
+        description="planning, sending, checking (reading back before it is used), storing, reading_back; in this order"
+    )
+    bytes_done: int = Field(description="How far this stage has come [bytes]")
+    bytes_total: int = Field(description="How far it goes; 0: that isn't counted in bytes [bytes]")
+
+
+class ShuttleAnswer(Answer):
+    """An axis that goes there and back."""
+
+    axis: int = Field(description="Which axis, from 0")
+    by_steps: int = Field(description="How far it goes [steps]")
+    times: int = Field(description="How often there and back")
+    times_done: int = Field(description="How often it is back already")
+    pause_s: float = Field(description="Pause at each end [s]")
+
+
 class AxisAnswer(Answer):
     """An axis as it is now."""
 
@@ -114,8 +174,8 @@ class DeviceAnswer(Answer):
     port: str = Field(description="Where it is")
     name: str = Field(description="What people call it")
     state: DeviceState = Field(
-        description="moving: one of its axes moves; stopping: all that move slow down. lost: no longer there; connect "
-        "to its port again"
+        description="moving: one of its axes moves; stopping: all that move slow down. lost: no longer there; it is "
+        "connected again when it comes back"
     )
     message: str | None = Field(description="Why it is lost")
     position_steps: int = Field(description="Where the motor of axis 0 is [steps]")
@@ -136,6 +196,15 @@ class DeviceAnswer(Answer):
         description="How often a motor's next step was not known in time since it started; 0 when all is well"
     )
     pushed: PushAnswer | None = Field(description="The last push over this connection; null for none")
+    progress: ProgressAnswer | None = Field(description="How far the push has come that is under way; null for none")
+    shuttle: ShuttleAnswer | None = Field(description="What goes there and back; null for nothing")
+    unknown_positions: list[int] = Field(
+        description="Axes that may be elsewhere than they count, since the device was lost; until they are set"
+    )
+    in_control: str | None = Field(
+        description="The page that is in control: others must take over first. null for none; programs need none"
+    )
+    heard_s: float = Field(description="When the controller said so, by a clock of the server [s]")
 
 
 class DevicesAnswer(Answer):

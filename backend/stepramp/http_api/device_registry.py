@@ -1,10 +1,11 @@
-"""How the routes come by the application's devices."""
+"""How the routes come by the application's devices, and who asks."""
 
 from typing import Annotated
 
-from fastapi import Depends
+from fastapi import Depends, Header
 from starlette.requests import HTTPConnection
 
+from stepramp.controllers.device import Device
 from stepramp.controllers.devices import Devices
 
 
@@ -15,3 +16,19 @@ def registry(connection: HTTPConnection) -> Devices:
 
 
 Registry = Annotated[Devices, Depends(registry)]
+Page = Annotated[
+    str | None,
+    Header(
+        alias="X-StepRamp-Page",
+        description="Which page asks, if one does: the `page` that its WebSocket of events was opened with. While "
+        "another page is in control of the device, it is refused with 409; programs leave it out",
+    ),
+]
+
+
+def acting(device_id: str, devices: Registry, page: Page = None) -> Device:
+    """Return a device for somebody who acts on it; Refused for a page while another one is in control."""
+    return devices.acting(device_id, page)
+
+
+Acting = Annotated[Device, Depends(acting)]

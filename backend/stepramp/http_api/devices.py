@@ -7,17 +7,20 @@ from fastapi import APIRouter, WebSocket, WebSocketDisconnect
 
 from stepramp.controllers.devices import Devices
 from stepramp.controllers.settings import Settings
-from stepramp.http_api import motion
+from stepramp.errors import Refused
+from stepramp.http_api import jog, motion
 from stepramp.http_api.device_models import (
     ConnectRequest,
     DeviceAnswer,
     DevicesAnswer,
     DisconnectedAnswer,
     PortsAnswer,
+    PreviewAnswer,
     PushAnswer,
+    PushDesigns,
     PushRequest,
 )
-from stepramp.http_api.device_registry import Registry
+from stepramp.http_api.device_registry import Acting, Page, Registry
 from stepramp.http_api.errors import ErrorList
 from stepramp.link.ports import list_serial_ports
 
@@ -32,6 +35,7 @@ router = APIRouter(
     },
 )
 router.include_router(motion.router)
+router.include_router(jog.router)
 
 
 @router.get("/ports")
@@ -47,9 +51,12 @@ def all_devices(devices: Registry) -> DevicesAnswer:
 
 
 @router.post("/devices")
-def connect(request: ConnectRequest, devices: Registry) -> DeviceAnswer:
+def connect(request: ConnectRequest, devices: Registry, page: Page = None) -> DeviceAnswer:
     """Connect to a port, which takes up to 6 s, and return its device. Nothing moves."""
-    return DeviceAnswer.model_validate(devices.connect(request.port).view)
+    device = devices.connect(request.port)
+    with suppress(Refused):  # It was connected already, and another page is in control: it stays so.
+        devices.acting(device.view.id, page)
+    return DeviceAnswer.model_validate(device.view)
 
 
 @router.get("/devices/{device_id}")
@@ -59,44 +66,50 @@ def one_device(device_id: str, devices: Registry) -> DeviceAnswer:
 
 
 @router.delete("/devices/{device_id}")
-def disconnect(device_id: str, devices: Registry) -> DisconnectedAnswer:
+def disconnect(device: Acting, devices: Registry) -> DisconnectedAnswer:
     """Let go of a device; refused while a motor of it moves."""
-    devices.disconnect(device_id)
+    devices.disconnect(device.view.id)
     return DisconnectedAnswer()
 
 
+@router.post("/devices/{device_id}/control")
+def take_over(device_id: str, devices: Registry, page: Page = None) -> DeviceAnswer:
+    """Put the page that asks in control, whichever was before. Nothing moves or stops by that but another's jog."""
+    if page is None:
+        raise Refused("Only a page can be in control: say which in the header X-StepRamp-Page.")
+    return DeviceAnswer.model_validate(devices.take_over(device_id, page).view)
+
+
 @router.post("/devices/{device_id}/push")
-def push(device_id: str, request: PushRequest, devices: Registry) -> PushAnswer:
+def push(request: PushRequest, device: Acting) -> PushAnswer:
     """Have the controller use designs' ramps, stored or on trial, and read them back; refused while a motor moves."""
-    device = devices.get(device_id)
-    if request.axes is not None:
-        report = device.push(request.axes, mode=request.mode)
-    else:
-        assert request.design is not None
-        report = device.push([request.design], request.to_axis, request.mode)
-    return PushAnswer.model_validate(report)
+    return PushAnswer.model_validate(device.push(request.designs, request.first_axis, request.mode))
+
+
+@router.post("/devices/{device_id}/push/preview")
+def preview_push(device_id: str, request: PushDesigns, devices: Registry) -> PreviewAnswer:
+    """Return what a push would change of the ramps in use; nothing is sent."""
+    preview = devices.get(device_id).preview_push(request.designs, request.first_axis)
+    return PreviewAnswer.model_validate(preview)
 
 
 @router.post("/devices/{device_id}/keep")
-def keep(device_id: str, devices: Registry) -> DeviceAnswer:
+def keep(device: Acting) -> DeviceAnswer:
     """Store the ramps and settings that are in use, on trial or not."""
-    device = devices.get(device_id)
     device.keep()
     return DeviceAnswer.model_validate(device.view)
 
 
 @router.post("/devices/{device_id}/roll_back")
-def roll_back(device_id: str, devices: Registry) -> DeviceAnswer:
+def roll_back(device: Acting) -> DeviceAnswer:
     """Drop the ramps and settings that are on trial: the stored ones are used again."""
-    device = devices.get(device_id)
     device.roll_back()
     return DeviceAnswer.model_validate(device.view)
 
 
 @router.post("/devices/{device_id}/restore")
-def restore(device_id: str, devices: Registry) -> DeviceAnswer:
+def restore(device: Acting) -> DeviceAnswer:
     """Bring back the ramps and settings that were stored before the present ones; a second time brings those back."""
-    device = devices.get(device_id)
     device.restore()
     return DeviceAnswer.model_validate(device.view)
 
@@ -108,16 +121,18 @@ def settings(device_id: str, devices: Registry) -> Settings:
 
 
 @router.put("/devices/{device_id}/settings")
-def use_settings(device_id: str, request: Settings, devices: Registry) -> Settings:
+def use_settings(request: Settings, device: Acting) -> Settings:
     """Use other settings, what isn't given being the default; they are on trial until they are kept."""
-    device = devices.get(device_id)
     device.use_settings(request)
     return device.settings()
 
 
 @router.websocket("/devices/events")
-async def events(socket: WebSocket, devices: Registry) -> None:
-    """Send all devices at once and after each change, at most 50 times a second; the newest state wins."""
+async def events(socket: WebSocket, devices: Registry, page: str | None = None) -> None:
+    """Send all devices at once and after each change, at most 50 times a second; the newest state wins.
+
+    page: what the page that listens calls itself; it can be in control of devices as long as it does.
+    """
     await socket.accept()
     loop, changed = asyncio.get_running_loop(), asyncio.Event()
 
@@ -125,7 +140,7 @@ async def events(socket: WebSocket, devices: Registry) -> None:
         with suppress(RuntimeError):  # The server ended in this very moment; nobody listens any more.
             loop.call_soon_threadsafe(changed.set)
 
-    with devices.listening(wake):
+    with devices.listening(wake), devices.present(page):
         sender = asyncio.create_task(_send_changes(socket, devices, changed))
         while (await socket.receive())["type"] != "websocket.disconnect":
             pass

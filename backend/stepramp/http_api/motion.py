@@ -4,7 +4,7 @@ from fastapi import APIRouter
 from starlette.responses import Response
 
 from stepramp.http_api.device_models import DeviceAnswer, DevicesAnswer
-from stepramp.http_api.device_registry import Registry
+from stepramp.http_api.device_registry import Acting, Registry
 from stepramp.http_api.json_response import json_response
 from stepramp.http_api.motion_models import (
     AxesRequest,
@@ -12,6 +12,7 @@ from stepramp.http_api.motion_models import (
     MoveRequest,
     PositionRequest,
     RunRequest,
+    ShuttleRequest,
     TraceAnswer,
     TraceRequest,
     TracingAnswer,
@@ -30,9 +31,8 @@ def stop_all(devices: Registry) -> DevicesAnswer:
 
 
 @router.post("/devices/{device_id}/move")
-def move(device_id: str, request: MoveRequest, devices: Registry) -> DeviceAnswer:
+def move(request: MoveRequest, device: Acting) -> DeviceAnswer:
     """Begin to move with the ramps in use, by so many steps or to positions, also from the midst of a move."""
-    device = devices.get(device_id)
     if request.is_relative:
         device.move_by(request.asked)
     else:
@@ -40,42 +40,50 @@ def move(device_id: str, request: MoveRequest, devices: Registry) -> DeviceAnswe
     return DeviceAnswer.model_validate(device.view)
 
 
+@router.post("/devices/{device_id}/there_and_back")
+def there_and_back(request: ShuttleRequest, device: Acting) -> DeviceAnswer:
+    """Begin to go there and back, so many times, from rest. Whatever else is asked of axes ends it, as does a stop."""
+    device.go_there_and_back(request.shuttle, request.asked)
+    return DeviceAnswer.model_validate(device.view)
+
+
 @router.post("/devices/{device_id}/run")
-def run(device_id: str, request: RunRequest, devices: Registry) -> DeviceAnswer:
-    """Run at speeds until something else is asked for, also from the midst of a move."""
-    device = devices.get(device_id)
+def run(request: RunRequest, device: Acting) -> DeviceAnswer:
+    """Run at speeds until something else is asked for, also from the midst of a move.
+
+    To run only as long as somebody holds a button, open the WebSocket `/devices/{device_id}/jog` instead: send
+    `{"do": "run", "axis": 0, "speed_steps_per_s": 400}`, then `{"do": "hold"}` at least every 0.4 s. The axis slows
+    down when that stops, when the socket closes, or at `{"do": "end"}`.
+    """
     device.run(request.asked)
     return DeviceAnswer.model_validate(device.view)
 
 
 @router.post("/devices/{device_id}/line")
-def line(device_id: str, request: LineRequest, devices: Registry) -> DeviceAnswer:
+def line(request: LineRequest, device: Acting) -> DeviceAnswer:
     """Begin to move along a straight line, from rest."""
-    device = devices.get(device_id)
     device.line(request.asked, request.ramp_axis)
     return DeviceAnswer.model_validate(device.view)
 
 
 @router.post("/devices/{device_id}/position")
-def position(device_id: str, request: PositionRequest, devices: Registry) -> DeviceAnswer:
+def position(request: PositionRequest, device: Acting) -> DeviceAnswer:
     """Call the places where axes are at rest something else. Nothing moves."""
-    device = devices.get(device_id)
     device.set_position(request.asked)
     return DeviceAnswer.model_validate(device.view)
 
 
 @router.post("/devices/{device_id}/zero")
-def zero(device_id: str, request: ZeroRequest, devices: Registry) -> DeviceAnswer:
+def zero(request: ZeroRequest, device: Acting) -> DeviceAnswer:
     """Move gauges backwards against their stop, which is position 0 from then on."""
-    device = devices.get(device_id)
     device.zero(request.axes, request.steps)
     return DeviceAnswer.model_validate(device.view)
 
 
 @router.put("/devices/{device_id}/trace")
-def trace_moves(device_id: str, request: TraceRequest, devices: Registry) -> TracingAnswer:
+def trace_moves(request: TraceRequest, device: Acting) -> TracingAnswer:
     """Trace the moves of an axis that begin from now on: when each step, or every so many-th, was made."""
-    every = devices.get(device_id).trace_moves(request.traced_axis, request.every_steps)
+    every = device.trace_moves(request.traced_axis, request.every_steps)
     return TracingAnswer(traced_axis=request.traced_axis, every_steps=every)
 
 

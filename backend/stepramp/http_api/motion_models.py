@@ -1,15 +1,16 @@
 """What the routes take that move the axes of a device, and the trace that they answer."""
 
 from collections.abc import Sequence
-from typing import Annotated, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import BaseModel, Field, model_validator
 
 from stepramp.controllers.controller import Asked
 from stepramp.controllers.messages import MOST_AXES
 from stepramp.controllers.settings import AxisNumber, AxisNumbers, AxisNumbersOrNull, ListOrNull
+from stepramp.controllers.shuttle import Shuttle
 from stepramp.controllers.trace import Trace
-from stepramp.validation import Document, ListOf, Within, refuse
+from stepramp.validation import Document, ListOf, OneOf, Within, refuse
 
 Steps = Annotated[int, Within(-(2**31), 2**31 - 1, "steps")]
 Speed = Annotated[float, Within(-1_000_000, 1_000_000, "steps/s")]
@@ -65,6 +66,48 @@ class MoveRequest(Document):
         """What is asked of the axes."""
         name = "by_steps" if self.is_relative else "to_steps"
         return _asked(self.axes, name, getattr(self, name))
+
+
+class ShuttleRequest(Document):
+    """How one axis is to go there and back."""
+
+    axis: AxisNumber = Field(0, description=AXIS)
+    by_steps: Annotated[int, Within(-(2**31), 2**31 - 1, "steps, but not 0")] = Field(
+        description="How far it goes, from where it is at rest, negative for backwards [steps]"
+    )
+    times: Annotated[int, Within(1, 10_000)] = Field(1, description="How often there and back")
+    pause_s: Annotated[float, Within(0, 3600, "s")] = Field(0.0, description="Pause at each end [s]")
+
+    @model_validator(mode="after")
+    def _somewhere(self) -> Self:
+        if self.by_steps == 0:
+            refuse("by_steps", 0, "a whole number of steps, but not 0")
+        return self
+
+    @property
+    def shuttle(self) -> Shuttle:
+        """It, before it begins."""
+        return Shuttle(self.axis, self.by_steps, self.times, self.pause_s)
+
+    @property
+    def asked(self) -> Asked:
+        """What is asked of the axis first."""
+        return Asked(self.axis, self.by_steps, "by_steps")
+
+
+class JogRequest(Document):
+    """What the WebSocket of a jog is told."""
+
+    do: Annotated[Literal["run", "hold", "end"], OneOf()] = Field(
+        description="run: begin, or change the speed. hold: go on. end: slow down"
+    )
+    axis: AxisNumber = Field(0, description=AXIS)
+    speed_steps_per_s: Speed = Field(0.0, description="Speed to run at, negative for backwards [steps/s]")
+
+    @property
+    def asked(self) -> Asked:
+        """How fast the axis is to run."""
+        return Asked(self.axis, self.speed_steps_per_s, "speed_steps_per_s")
 
 
 class AxisRun(Document):

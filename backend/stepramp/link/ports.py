@@ -1,17 +1,23 @@
 """The serial ports of this machine, with names that people know."""
 
-from dataclasses import dataclass
-from pathlib import PurePath
+from dataclasses import dataclass, field
+from pathlib import Path, PurePath
 
 from serial.tools import list_ports
 from serial.tools.list_ports_common import ListPortInfo
 
-from stepramp.link.protocol_sim import VIRTUAL_PORT
+from stepramp.link.protocol_sim import VIRTUAL_PORT, registered
 
 BOARDS = {
     (0x2341, 0x0043): "Arduino Uno",
     (0x2341, 0x0001): "Arduino Uno",
     (0x2A03, 0x0043): "Arduino Uno",
+    (0x2341, 0x0010): "Arduino Mega 2560",
+    (0x2341, 0x0042): "Arduino Mega 2560",
+    (0x2A03, 0x0042): "Arduino Mega 2560",
+    (0x2341, 0x8036): "Arduino Leonardo",
+    (0x2341, 0x003D): "Arduino Due",
+    (0x2341, 0x0058): "Arduino Nano Every",
     (0x1A86, 0x7523): "CH340 adapter",
     (0x0403, 0x6001): "FTDI adapter",
     (0x10C4, 0xEA60): "CP2102 adapter",
@@ -35,12 +41,14 @@ class Port:
     port: str
     name: str
     virtual: bool = False
+    usb: tuple[int, int, str | None] | None = field(default=None, compare=False)
+    """USB vendor, product and serial number of what is plugged in, as far as they are known."""
 
 
 def list_serial_ports() -> list[Port]:
     """Return the ports of this machine in order of their names, the virtual one last."""
     found = sorted(list_ports.comports(), key=lambda info: info.device)
-    real = [Port(info.device, _board_name(info)) for info in found if _is_attached(info)]
+    real = [Port(info.device, _board_name(info), usb=_usb_of(info)) for info in found if _is_attached(info)]
     return [*real, Port(VIRTUAL_PORT, "Virtual controller (nothing attached)", virtual=True)]
 
 
@@ -50,6 +58,32 @@ def port_name(port: str) -> str:
         return "Virtual controller"
     known = {listed.port: listed.name for listed in list_serial_ports()}
     return known.get(port, port if "://" in port else PurePath(port).name)
+
+
+def known_port(port: str) -> Port:
+    """Return what is known of a port, so that it can be found again once it has been unplugged."""
+    listed = {each.port: each for each in list_serial_ports() if not each.virtual}
+    return listed.get(port, Port(port, port_name(port)))
+
+
+def find_again(lost: Port) -> str | None:
+    """Return where a port that was lost is again; None as long as it isn't.
+
+    A board with a USB serial number is known by that, wherever it comes back; any other by the name of its port, and
+    by the kind of board, if that was known.
+    """
+    if "://" in lost.port:
+        return lost.port if not lost.port.startswith(VIRTUAL_PORT) or registered(lost.port) else None
+    if lost.usb is None:
+        return lost.port if PurePath(lost.port).is_absolute() and Path(lost.port).exists() else None
+    alike = [each.port for each in list_serial_ports() if each.usb == lost.usb]
+    if lost.usb[2] is not None:
+        return alike[0] if alike else None
+    return lost.port if lost.port in alike else None
+
+
+def _usb_of(info: ListPortInfo) -> tuple[int, int, str | None] | None:
+    return None if info.vid is None or info.pid is None else (info.vid, info.pid, info.serial_number)
 
 
 def _is_attached(info: ListPortInfo) -> bool:
