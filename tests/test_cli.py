@@ -1,9 +1,14 @@
+import asyncio
+import json
 import socket
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import pytest
 
+from designs import document
 from stepramp.cli import free_port, main, port_number
 from stepramp.errors import Rejected
 
@@ -22,6 +27,26 @@ def test_a_port_of_a_server_that_ended_is_free_at_once() -> None:
         client.close()
     with free_port(port) as again:
         assert again.getsockname()[1] == port
+
+
+def test_answers_are_sent_without_waiting_for_more() -> None:
+    # In a thread of its own: browser tests of the same process leave a loop running in this one.
+    with free_port(8800) as listener, ThreadPoolExecutor(1) as pool:
+        assert pool.submit(asyncio.run, _has_no_delay(listener)).result()
+
+
+async def _has_no_delay(listener: socket.socket) -> bool:
+    accepted: asyncio.Future[bool] = asyncio.get_running_loop().create_future()
+
+    def note(_: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        connection = writer.get_extra_info("socket")
+        accepted.set_result(connection.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY) != 0)
+        writer.close()
+
+    async with await asyncio.start_server(note, sock=listener):
+        _, client = await asyncio.open_connection(*listener.getsockname())
+        client.close()
+        return await accepted
 
 
 @pytest.mark.parametrize("text", ["0", "65536", "-1", "http", "", "80.5", "٣"])
@@ -43,3 +68,30 @@ def test_help_and_version_come_without_loading_the_server() -> None:
         [sys.executable, "-m", "stepramp.cli", "--version"], check=True, capture_output=True, text=True
     )
     assert version.stdout.startswith("StepRamp 0.")
+
+
+def test_a_design_is_exported_to_a_file(tmp_path: Path) -> None:
+    (tmp_path / "design.json").write_text(json.dumps(document(name="Stage", move__steps=7)))
+    assert main(["export", "csv", str(tmp_path / "design.json"), str(tmp_path / "steps.csv")]) == 0
+    assert len((tmp_path / "steps.csv").read_text().splitlines()) == 8
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["pdf", "design.json", "-"], "format is 'pdf'; allowed: c_table, c_table_progmem"),
+        (["csv", "absent.json", "-"], "design is 'absent.json'; allowed: a file with a design document"),
+        (["csv", "text.json", "-"], "design is 'text.json'; allowed: a file with a design document"),
+        (["csv", "wrong.json", "-"], "timer.frequency_hz is 0; allowed: a number from 1,000"),
+        (["csv", "design.json", "absent/steps.csv"], "file is 'absent/steps.csv'; allowed: a file that can be written"),
+    ],
+)
+def test_what_can_t_be_exported_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], words: list[str], message: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("design.json").write_text(json.dumps(document()))
+    Path("text.json").write_text("not JSON")
+    Path("wrong.json").write_text(json.dumps(document(timer__frequency_hz=0)))
+    assert main(["export", *words]) == 2
+    assert capsys.readouterr().err.startswith(f"stepramp: {message}")

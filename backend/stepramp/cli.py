@@ -1,11 +1,15 @@
-"""The command line: `stepramp` starts the server and opens the page."""
+"""The command line: `stepramp` starts the server and opens the page; `stepramp export` writes a design as a file."""
 
 import argparse
+import json
+import os
 import socket
 import sys
 import threading
 import webbrowser
 from collections.abc import Sequence
+from pathlib import Path
+from typing import get_args
 
 import uvicorn
 
@@ -24,14 +28,50 @@ def main(arguments: Sequence[str] | None = None) -> int:
     port_help = f"port on {LOOPBACK}, the next free one if taken (default: {FIRST_PORT})"
     parser.add_argument("--port", default=str(FIRST_PORT), help=port_help)
     parser.add_argument("--no-browser", action="store_true", help="do not open the page")
+    commands = parser.add_subparsers(dest="command", title="instead of the server")
+    exporting = commands.add_parser("export", help="write a design in a format, as C code or as a report")
+    exporting.add_argument("format", help="c_table, c_newton, csv, html …; a wrong one lists them all")
+    exporting.add_argument("design", help="file with a design document, - for standard input")
+    exporting.add_argument("file", help="file to write, - for standard output")
     options = parser.parse_args(arguments)
     try:
+        if options.command == "export":
+            export_design(options.format, options.design, options.file)
+            return 0
         listener = free_port(port_number(options.port))
     except Rejected as error:
         print(f"stepramp: {error}", file=sys.stderr)
         return 2
     serve(listener, open_page=not options.no_browser)
     return 0
+
+
+def export_design(format_name: str, source: str, target: str) -> None:
+    """Write a design in a format; `-` stands for standard input and output.
+
+    Raises Rejected when a file can't be read or written, the format is none, or the design can't be exported.
+    """
+    from stepramp.design import Design  # noqa: PLC0415  # load slowly: not for --help
+    from stepramp.exports.export import FormatName, Options, export  # noqa: PLC0415
+
+    formats = {name: name for name in get_args(FormatName)}
+    if format_name not in formats:
+        raise Rejected([Rejection("format", format_name, ", ".join(formats))])
+    try:
+        text = sys.stdin.read() if source == "-" else Path(source).read_text(encoding="utf-8")
+        design = Design.checked(json.loads(text))
+    except (OSError, ValueError) as error:
+        if isinstance(error, Rejected):
+            raise
+        raise Rejected([Rejection("design", source, f"a file with a design document ({error})")]) from None
+    made = export(design, formats[format_name], Options())
+    try:
+        if target == "-":
+            sys.stdout.buffer.write(made.content)
+        else:
+            Path(target).write_bytes(made.content)
+    except OSError as error:
+        raise Rejected([Rejection("file", target, f"a file that can be written ({error})")]) from None
 
 
 def port_number(text: str) -> int:
@@ -51,9 +91,13 @@ def free_port(first: int) -> socket.socket:
     """
     last = min(first + PORTS_TRIED - 1, 65535)
     for port in range(first, last + 1):
-        listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
-        # A port of a server that has just ended is free again at once; one that is in use stays refused.
-        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        # With the protocol named, asyncio sends an answer at once; else its second part waits until the first has
+        # been acknowledged, 40 ms later.
+        listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
+        if os.name == "posix":
+            # A port of a server that has just ended is free again at once; one in use stays refused. Windows does both
+            # without it, and with it would share a port in use.
+            listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
             listener.bind((LOOPBACK, port))
             listener.listen(128)
@@ -69,7 +113,9 @@ def serve(listener: socket.socket, *, open_page: bool) -> None:
     from stepramp.http_api.app import create_app  # noqa: PLC0415  # numba and FastAPI load slowly: not for --help
 
     address = f"http://{LOOPBACK}:{listener.getsockname()[1]}/"
-    server = uvicorn.Server(uvicorn.Config(create_app(), log_level="warning", ws="websockets-sansio"))
+    # Within one machine, compressing what goes over a WebSocket takes longer than sending it.
+    config = uvicorn.Config(create_app(), log_level="warning", ws="websockets-sansio", ws_per_message_deflate=False)
+    server = uvicorn.Server(config)
     print(f"StepRamp is at {address} (Ctrl+C ends it)", flush=True)
     if open_page:
         # The socket listens already: a browser that is quicker than the server waits for it.

@@ -4,6 +4,7 @@ from starlette.websockets import WebSocketDisconnect
 
 ROUTES = ["/", "/docs", "/api/v1/health", "/api/v1/ports", "/assets/plotly/plotly.min.js"]
 EVENTS = "/api/v1/devices/events"
+SOCKETS = (EVENTS, "/api/v1/devices/1/jog", "/api/v1/curves/socket")
 
 
 @pytest.mark.parametrize("host", ["127.0.0.1:8000", "localhost:8000", "localhost", "[::1]:8000", "LOCALHOST:8000"])
@@ -35,13 +36,15 @@ def test_pages_from_elsewhere_can_ask_for_nothing(client: TestClient, origin: st
     assert client.get("/api/v1/health", headers=headers).status_code == 403
     assert client.post("/api/v1/devices", json={"port": "sim://"}, headers=headers).status_code == 403
     assert client.options("/api/v1/devices", headers=headers).status_code == 403
-    with pytest.raises(WebSocketDisconnect), client.websocket_connect(EVENTS, headers=headers):
-        pass
+    for socket in SOCKETS:
+        with pytest.raises(WebSocketDisconnect), client.websocket_connect(socket, headers=headers):
+            pass
     assert client.get("/api/v1/devices").json() == {"devices": []}
 
 
-def test_a_websocket_for_another_host_is_refused(client: TestClient) -> None:
-    with pytest.raises(WebSocketDisconnect), client.websocket_connect(EVENTS, headers={"host": "evil.example"}):
+@pytest.mark.parametrize("socket", SOCKETS)
+def test_a_websocket_for_another_host_is_refused(client: TestClient, socket: str) -> None:
+    with pytest.raises(WebSocketDisconnect), client.websocket_connect(socket, headers={"host": "evil.example"}):
         pass
 
 

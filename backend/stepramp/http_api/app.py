@@ -7,7 +7,7 @@ from contextlib import asynccontextmanager
 from fastapi import FastAPI
 
 from stepramp.controllers.devices import Devices
-from stepramp.http_api import devices, pages, planning, schedule, tables
+from stepramp.http_api import curves, devices, exports, pages, planning, schedule, tables
 from stepramp.http_api.errors import ErrorList, handle_errors
 from stepramp.http_api.security import LoopbackOnly
 from stepramp.ramp.warm_up import warm_up
@@ -43,8 +43,10 @@ def create_app() -> FastAPI:
     )
     app.state.devices = Devices()
     app.include_router(planning.router, prefix="/api/v1")
+    app.include_router(curves.router, prefix="/api/v1")
     app.include_router(schedule.router, prefix="/api/v1")
     app.include_router(tables.router, prefix="/api/v1")
+    app.include_router(exports.router, prefix="/api/v1")
     app.include_router(devices.router, prefix="/api/v1")
     handle_errors(app)
     pages.add(app)

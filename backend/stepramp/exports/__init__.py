@@ -1,0 +1,1 @@
+"""What a design is exported as: C headers, CSV, JSON, a report, pictures."""

@@ -1,0 +1,43 @@
+"""A ramp as segments in a C header, with what plays them."""
+
+from stepramp.design import Design
+from stepramp.errors import Rejected, Rejection
+from stepramp.exports.c_text import filled, heading, ramp_values, ticks_types
+from stepramp.ramp.move import Intervals
+from stepramp.ramp.plan import plan_of
+from stepramp.ramp.segments import Segment, compress
+
+MOST_SEGMENTS = 65_535
+
+
+def segments_header(design: Design, name: str, bound_ticks: int) -> str:
+    """Return the design's ramp as segments whose intervals lie within a bound of the planned ones [ticks].
+
+    Raises Rejected as plan_of does, and when it takes more than 65,535 segments.
+    """
+    ramp = plan_of(design).ramp
+    up, down = (_segments(side, bound_ticks) for side in (ramp.up, ramp.down))
+    if len(up) + len(down) > MOST_SEGMENTS:
+        allowed = f"more, so that the ramp takes at most {MOST_SEGMENTS:,} segments instead of {len(up) + len(down):,}"
+        raise Rejected([Rejection("segment_bound_ticks", bound_ticks, allowed)])
+    longest = max(int(ramp.slew), *(int(side.max(initial=0)) for side in (ramp.up, ramp.down))) + bound_ticks
+    values = heading(design, name, "segments") | ramp_values(design) | ticks_types(longest)
+    return filled(
+        "segments.h",
+        values | {
+            "method": design.method.name,
+            "arithmetic": design.method.arithmetic,
+            "bound": f"{bound_ticks} tick{'' if bound_ticks == 1 else 's'}",
+            "slew": str(ramp.slew),
+            "up_lines": _lines(up),
+            "down_lines": _lines(down),
+        },
+    )  # fmt: skip
+
+
+def _segments(intervals: Intervals, bound_ticks: int) -> list[Segment]:
+    return compress(intervals.astype("int64"), bound_ticks)
+
+
+def _lines(segments: list[Segment]) -> str:
+    return "\n".join(f"    {{{interval}, {count}, {add}}}," for interval, count, add in segments)

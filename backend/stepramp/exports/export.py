@@ -1,0 +1,106 @@
+"""The formats that a design is exported in, by name."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+from stepramp.design import Arithmetic, Design, MethodName
+from stepramp.exports.c_formula import formula_header
+from stepramp.exports.c_segments import segments_header
+from stepramp.exports.c_table import table_header
+from stepramp.exports.listing import csv, document
+from stepramp.exports.names import identifier_of
+from stepramp.exports.picture import picture_of
+from stepramp.exports.report import report
+from stepramp.ramp.error_curves import ErrorCurves, all_error_curves
+
+FormatName = Literal[
+    "c_table", "c_table_progmem", "c_segments", "c_first_order", "c_second_order", "c_compromise", "c_newton",
+    "csv", "json", "html", "svg", "png",
+]  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Options:
+    """What is wanted besides the design."""
+
+    name: str | None = None
+    """Begin of the names in C and of the file's name; None: made of the design's name."""
+    methods: tuple[MethodName, ...] = ()
+    """Methods that reports and pictures compare the design's own with."""
+    arithmetic: Arithmetic | None = None
+    """Of the C code of a formula; None: the design's own for its own method, else the one usual for the formula."""
+    segment_bound_ticks: int = 0
+    """How far intervals of segments may be from the planned ones [ticks]."""
+
+
+@dataclass(frozen=True)
+class Exported:
+    """A file, complete."""
+
+    file_name: str
+    media_type: str
+    content: bytes
+
+
+@dataclass(frozen=True)
+class _Format:
+    ending: str
+    media_type: str
+    make: Callable[[Design, str, Options], str | bytes]
+
+
+HEADER, TEXT = "text/x-c; charset=utf-8", "charset=utf-8"
+
+_FORMATS: dict[FormatName, _Format] = {
+    "c_table": _Format("_table.h", HEADER, lambda design, name, _: table_header(design, name, in_progmem=False)),
+    "c_table_progmem": _Format(
+        "_table_progmem.h", HEADER, lambda design, name, _: table_header(design, name, in_progmem=True)
+    ),
+    "c_segments": _Format(
+        "_segments.h", HEADER, lambda design, name, options: segments_header(design, name, options.segment_bound_ticks)
+    ),
+    "c_first_order": _Format(
+        "_first_order.h",
+        HEADER,
+        lambda design, name, options: formula_header(design, "first_order", name, options.arithmetic),
+    ),
+    "c_second_order": _Format(
+        "_second_order.h",
+        HEADER,
+        lambda design, name, options: formula_header(design, "second_order", name, options.arithmetic),
+    ),
+    "c_compromise": _Format(
+        "_compromise.h",
+        HEADER,
+        lambda design, name, options: formula_header(design, "compromise", name, options.arithmetic),
+    ),
+    "c_newton": _Format(
+        "_newton.h", HEADER, lambda design, name, options: formula_header(design, "newton", name, options.arithmetic)
+    ),
+    "csv": _Format(".csv", f"text/csv; {TEXT}", lambda design, *_: csv(design)),
+    "json": _Format(".json", "application/json", lambda design, *_: document(design)),
+    "html": _Format(".html", f"text/html; {TEXT}", lambda design, _, options: report(design, _moves(design, options))),
+    "svg": _Format(".svg", "image/svg+xml", lambda design, _, options: picture_of(_moves(design, options), "svg")),
+    "png": _Format(".png", "image/png", lambda design, _, options: picture_of(_moves(design, options), "png")),
+}
+
+
+def export(design: Design, format_name: FormatName, options: Options) -> Exported:
+    """Return a design in a format.
+
+    Raises Rejected when the design can't be planned, or lacks what the format is about.
+    """
+    chosen = _FORMATS[format_name]
+    name = options.name or identifier_of(design.name)
+    content = chosen.make(design, name, options)
+    return Exported(
+        file_name=f"{name}{chosen.ending}",
+        media_type=chosen.media_type,
+        content=content.encode() if isinstance(content, str) else content,
+    )
+
+
+def _moves(design: Design, options: Options) -> list[ErrorCurves]:
+    methods = dict.fromkeys((design.method.name, *options.methods))
+    return list(all_error_curves(design, list(methods), "exact"))

@@ -1,0 +1,75 @@
+"""Exports over HTTP: every format, and what is refused. tests/exports runs the C files."""
+
+from pathlib import Path
+from typing import Any, get_args
+
+import numpy as np
+import pytest
+from starlette.testclient import TestClient
+
+from designs import document
+from exports.c_program import PLAY_MOVES, compiled, printed
+from stepramp.exports.export import FormatName
+
+TYPES = {
+    **dict.fromkeys((name for name in get_args(FormatName) if name.startswith("c_")), "text/x-c; charset=utf-8"),
+    "csv": "text/csv; charset=utf-8",
+    "json": "application/json",
+    "html": "text/html; charset=utf-8",
+    "svg": "image/svg+xml",
+    "png": "image/png",
+}
+
+
+def exported(client: TestClient, kind: str, **body: Any) -> Any:
+    return client.post(f"/api/v1/export/{kind}", json={"design": document(), **body})
+
+
+@pytest.mark.parametrize("name", TYPES)
+def test_every_format_comes_as_a_file_of_its_kind(client: TestClient, name: str) -> None:
+    answer = exported(client, name, design=document(name="Lead-screw stage"))
+    assert answer.status_code == 200, answer.text
+    assert answer.headers["content-type"] == TYPES[name]
+    ending = f"_{name[2:]}.h" if name.startswith("c_") else f".{name}"
+    assert answer.headers["content-disposition"] == f'attachment; filename="lead_screw_stage{ending}"'
+    assert len(answer.content) > 500
+
+
+@pytest.mark.parametrize("name", ["c_segments", "c_first_order", "c_second_order", "c_compromise", "c_newton"])
+@pytest.mark.parametrize("steps", [5, 150, 333])
+def test_exported_code_plays_the_move_that_profile_plans(
+    client: TestClient, tmp_path: Path, name: str, steps: int
+) -> None:
+    method = {"name": name.removeprefix("c_").replace("segments", "tuned"), "arithmetic": "fixed"}
+    asked = document(method=method, move__steps=steps, ramp__deceleration_steps_per_s2=8000)
+    program = compiled(tmp_path, exported(client, name, design=asked, name="axis_2").text, "axis_2", PLAY_MOVES)
+    planned = client.post("/api/v1/profile", json={"design": asked}).json()["intervals_ticks"]
+    np.testing.assert_array_equal(printed(program, [steps]), planned)
+
+
+@pytest.mark.parametrize(
+    ("name", "body", "field", "allowed"),
+    [
+        ("c_code", {}, "format", ", ".join(get_args(FormatName))),
+        ("c_table", {"design": document(table=None)}, "design.table", "a table: this design has none to export"),
+        ("c_table", {"name": "2 axes"}, "name", "a letter, then letters, digits and underscores"),
+        ("c_table", {"name": "double"}, "name", "no keyword of C"),
+        ("html", {"methods": ["fastest"]}, "methods.0", "exact, ideal, midpoint"),
+        ("html", {"methods": ["table"], "design": document(table=None)}, "design.table", "a table"),
+        ("c_newton", {"arithmetic": "decimal"}, "arithmetic", "float64, float32, fixed"),
+        ("c_segments", {"segment_bound_ticks": -1}, "segment_bound_ticks", "a whole number from 0 to 10,000 ticks"),
+        ("csv", {"design": document(move__steps=2_000_000)}, "design.move.steps", "up to 1,000,000 steps"),
+        ("json", {"colour": "red"}, "colour", "nothing; there is no such field"),
+        ("json", {"design": document(move__steps=0)}, "design.move.steps", "but not 0"),
+        ("json", {"design": document(name=7)}, "design.name", "a text of up to 100 characters"),
+    ],
+)
+def test_what_can_t_be_exported_is_refused_by_field_value_and_what_is_allowed(
+    client: TestClient, name: str, body: dict[str, Any], field: str, allowed: str
+) -> None:
+    answer = exported(client, name, **body)
+    assert answer.status_code == 422
+    [error] = answer.json()["errors"]
+    assert error["field"] == field
+    assert allowed in error["allowed"]
+    assert error["message"].startswith(field)
