@@ -104,8 +104,8 @@ def test_its_limits_are_kept(simulated_uno: Make, record_property: Callable[...,
     planned = np.array(ramp.intervals(steps)[:-1]) / 2
     for axis in range(axes):
         late = np.diff(rises_us(simulated, axis)) - planned
-        record_property(f"latest_us_{axis}", round(late.max()))
-        record_property(f"longer_percent_{axis}", round(100 * late.sum() / planned.sum(), 1))
+        record_property(f"latest_us_{axis}", round(float(late.max())))
+        record_property(f"longer_percent_{axis}", round(100 * float(late.sum() / planned.sum()), 1))
         assert late.min() >= -MOST_EARLY_US
         assert late.max() <= LATE_WITH_REPORTS_US
         assert late.sum() <= 0.1 * planned.sum()
