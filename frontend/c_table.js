@@ -1,8 +1,10 @@
 // @ts-check
-// Reading a lookup table out of pasted text: a C initialiser such as `{ 10, 5000 }, { 30, 1500 }`, alone or within its
-// declaration, or two numbers a line as a spreadsheet gives them.
+// A lookup table as text. Read from a C initialiser such as `{ 10, 5000 }, { 30, 1500 }`, alone or within its
+// declaration, or from lines of cells as CSV and spreadsheets have them; written as C and as CSV.
 
-/** @typedef {{rows: [number, number][], problem: null} | {rows: null, problem: string}} Reading */
+/** @typedef {import('./design.js').Rows} Rows */
+/** The unit is that which the text names; none: it names none.
+ * @typedef {{rows: [number, number][], problem: null, unit?: 'us' | 'ticks'} | {rows: null, problem: string, unit?: undefined}} Reading */
 
 const C_NUMBER = /^[+-]?(0x[0-9a-f]+|(\d+\.?\d*|\.\d+)(e[+-]?\d+)?)$/i;
 
@@ -12,11 +14,19 @@ const C_NUMBER = /^[+-]?(0x[0-9a-f]+|(\d+\.?\d*|\.\d+)(e[+-]?\d+)?)$/i;
  * @returns {Reading}
  */
 export function parseTable(text) {
-  const code = text.replace(/\/\*[\s\S]*?\*\//g, ' ').replace(/\/\/[^\n]*/g, ' ');
+  const code = text
+    .replace(/^\ufeff/, '')
+    .replace(/\/\*[\s\S]*?\*\//g, ' ')
+    .replace(/\/\/[^\n]*/g, ' ');
   if (code.trim() === '') return { rows: null, problem: 'There is nothing to read yet.' };
   try {
     const rows = code.includes('{') || code.includes('}') ? initialiserRows(code) : lineRows(code);
-    return { rows: rows.map(([step, interval]) => [step, interval]), problem: null };
+    const unit = namedUnit(text);
+    return {
+      rows: rows.map(([step, interval]) => [step, interval]),
+      problem: null,
+      ...(unit === null ? {} : { unit }),
+    };
   } catch (error) {
     if (error instanceof Unreadable) return { rows: null, problem: error.message };
     throw error;
@@ -64,7 +74,8 @@ function isBalanced(code) {
   return true;
 }
 
-/** Rows of an initialiser without inner braces: `{ 10, 5000, 30, 1500 }`. @param {string} body */
+/** Rows of an initialiser without inner braces: `{ 10, 5000, 30, 1500 }`.
+ * @param {string} body */
 function flatRows(body) {
   const words = body.split(',').filter((word) => word.trim() !== '');
   if (words.length === 0) throw new Unreadable('No row found between the braces.');
@@ -72,13 +83,73 @@ function flatRows(body) {
   return words.filter((_, index) => index % 2 === 0).map((word, index) => pair([word, words[2 * index + 1]], index));
 }
 
-/** @param {string} text two numbers a line, parted by commas, semicolons, tabs or spaces */
+/** The unit of the delays that a heading or a comment names.
+ * @param {string} text @returns {'us' | 'ticks' | null} */
+function namedUnit(text) {
+  const isUs = /(µs|μs|(^|[^a-z])us([^a-z]|$)|microsec)/i.test(text);
+  const isTicks = /ticks?([^a-z]|$)/i.test(text);
+  return isUs === isTicks ? null : isUs ? 'us' : 'ticks';
+}
+
+/** @param {string} text a row a line, its cells parted by tabs, semicolons, commas or spaces */
 function lineRows(text) {
   const lines = text
     .split('\n')
-    .map((line) => line.trim())
-    .filter((line) => line !== '');
-  return lines.map((line, index) => pair(line.split(/\s*[,;\t]\s*|\s+/), index));
+    .map((line) => line.replace(/\r$/, ''))
+    .filter((line) => line.trim() !== '' && !/^sep=.$/i.test(line.trim()))
+    .map(cellsOf);
+  const hasHeading = lines.length > 1 && lines[0].length > 1 && lines[0].every((cell) => !/\d/.test(cell));
+  if (!hasHeading) return lines.map((cells, index) => pair(cells, index));
+  const [heading, ...body] = lines;
+  const [step, delay] = columnsOf(heading);
+  return body.map((cells, index) => pair([cells[step] ?? '', cells[delay] ?? ''], index));
+}
+
+/** Which columns a heading calls the step and the delay; the first two where it says nothing of them.
+ * @param {string[]} heading */
+function columnsOf(heading) {
+  const step = heading.findIndex((cell) => /step|index/i.test(cell) && !/\//.test(cell));
+  const delay = heading.findIndex((cell) => /delay|interval|period|wait/i.test(cell));
+  if (step >= 0 && delay >= 0) return [step, delay];
+  if (heading.length === 2) return [0, 1];
+  throw new Unreadable(
+    `The heading has ${heading.length} columns, and none that are called “step” and “delay”: “${shortened(heading.join(', '))}”.`,
+  );
+}
+
+/** @param {string} line */
+function cellsOf(line) {
+  const separator = ['\t', ';', ','].find((sign) => line.includes(sign)) ?? ' ';
+  if (separator === ' ') return line.trim().split(/\s+/);
+  // Quotation marks keep a separator within a cell.
+  const cells = line.match(CELLS[separator]) ?? [];
+  return cells.map((cell) =>
+    plainNumber(
+      cell
+        .trim()
+        .replace(/^"(.*)"$/, '$1')
+        .trim(),
+    ),
+  );
+}
+
+/** Patterns of cells by separator.
+ * @type {Record<string, RegExp>} */
+const CELLS = {
+  ',': /("[^"]*"|[^,])+|(?<=,|^)(?=,|$)/g,
+  ';': /("[^"]*"|[^;])+|(?<=;|^)(?=;|$)/g,
+  '\t': /("[^"]*"|[^\t])+|(?<=\t|^)(?=\t|$)/g,
+};
+
+/** A number as a spreadsheet writes it, without what parts its thousands and with a point for a decimal comma: 8,284 and
+ * 1.234.567 are whole, as rows are; 1500,5 is not. Other text stays.
+ * @param {string} cell */
+function plainNumber(cell) {
+  if (/^[+-]?[1-9]\d{0,2}([ ,'’\u00a0\u202f]\d{3})+(\.\d*)?$/.test(cell))
+    return cell.replace(/[ ,'’\u00a0\u202f]/g, '');
+  if (/^[+-]?[1-9]\d{0,2}(\.\d{3}){2,}$|^[+-]?[1-9]\d{0,2}(\.\d{3})+,\d+$/.test(cell))
+    return cell.replaceAll('.', '').replace(',', '.');
+  return /^[+-]?\d+,\d+$/.test(cell) ? cell.replace(',', '.') : cell;
 }
 
 /** @param {string[]} words @param {number} index of the row, from 0 */
@@ -88,7 +159,7 @@ function pair(words, index) {
   if (values.length === 1 && values[0] === '') throw new Unreadable(`Row ${index + 1}: a number is missing.`);
   if (values.length !== 2) {
     throw new Unreadable(
-      `Row ${index + 1} has ${values.length} value${values.length === 1 ? '' : 's'}; a row is last step and delay.`,
+      `Row ${index + 1} has ${values.length} value${values.length === 1 ? '' : 's'}; a row is last index and delay.`,
     );
   }
   return values.map((value) => number(value, index));
@@ -114,4 +185,31 @@ function number(word, index) {
 function shortened(text) {
   const line = text.replace(/\s+/g, ' ');
   return line.length > 32 ? `${line.slice(0, 31)}…` : line;
+}
+
+const WIDEST_16_BIT = 65535;
+
+/** @param {Rows} rows of numbers @param {string} unit 'us' or 'ticks' */
+export function tableAsC(rows, unit) {
+  const type = rows.flat().every((value) => Number(value) <= WIDEST_16_BIT) ? 'uint16_t' : 'uint32_t';
+  const lines = rows.map(([index, delay]) => `  {${index}, ${delay}},\n`);
+  return (
+    `/* A row: last ramp index, delay in ${unit}. */\n` +
+    `const ${type} ramp_table[${rows.length}][2] = {\n${lines.join('')}};\n`
+  );
+}
+
+/** @param {Rows} rows of numbers @param {string} unit 'us' or 'ticks' */
+export function tableAsCsv(rows, unit) {
+  return [`last_index,delay_${unit}`, ...rows.map((row) => row.join(','))].map((line) => `${line}\r\n`).join('');
+}
+
+/** @param {[number, number, number][]} rows last index, delay at the first step, what is added each step
+ * @param {string} unit 'us' or 'ticks' */
+export function linearTableAsC(rows, unit) {
+  const lines = rows.map((row) => `  {${row.join(', ')}},\n`);
+  return (
+    `/* A row: last ramp index, delay at its first step in ${unit}, what is added each step. */\n` +
+    `const int32_t ramp_table[${rows.length}][3] = {\n${lines.join('')}};\n`
+  );
 }

@@ -1,59 +1,82 @@
 // @ts-check
-// One round of questions to the server: a profile of each method shown, and their errors against the exact ramp.
+// One question to the server: the design's move by each method shown, with the errors against the exact ramp.
 
-import { api, Refusal } from './api.js';
-import { withMethod } from './design.js';
+import { api } from './api.js';
 import { REFERENCE } from './methods.js';
 
 /** @typedef {import('./types.js').Answer} Answer */
 /** @typedef {import('./types.js').Design} Design */
 /** @typedef {import('./types.js').MethodName} MethodName */
 
+/** What is wanted beside the curves themselves.
+ * @typedef {object} Details
+ * @property {[number, number] | null} range  first and last step of the part that is looked at; null: the whole move
+ * @property {boolean} acceleration           the acceleration that is implied by the delays
+ * @property {boolean} parts                  where the error comes from
+ * @property {boolean} isMoving               a slider moves: quick is better than fine */
+
+/** @type {Details} */
+export const NO_DETAILS = { range: null, acceleration: false, parts: false, isMoving: false };
+
 // As many points as a wide screen has pixels: more can't be seen.
 const MAX_POINTS = 2000;
+// While a slider moves: one for each two pixels, since the next curves come before these are looked at closely.
+const MOVING_POINTS = 400;
+// How far a controller's segments may move an interval when the error's parts are shown [ticks].
+export const SEGMENT_BOUND_TICKS = 1;
 
 /**
  * Compute a design with its own method and the others shown.
  * Throws Refusal when the design itself is refused, ServerGone when nobody answers.
  * @param {Design} design
- * @param {MethodName[]} methods without double entries, the design's own and the reference among them
+ * @param {MethodName[]} methods without double entries, the design's own among them
+ * @param {Details} [details]
  * @returns {Promise<Answer>}
  */
-export async function calculate(design, methods) {
-  /** @type {Answer} */
-  const answer = { design, profiles: {}, errors: {}, failures: {} };
-  const compared = methods.filter((name) => name !== REFERENCE);
-  const profiles = methods.map(async (name) => {
-    try {
-      answer.profiles[name] = await api.profile(withMethod(design, name), MAX_POINTS);
-    } catch (error) {
-      // Another method may fail where the chosen one works: then only its curve is missing.
-      if (name === design.method.name || !(error instanceof Refusal)) throw error;
-      answer.failures[name] = error.message;
-    }
+export async function calculate(design, methods, details = NO_DETAILS) {
+  const range = rangeWithin(details.range, Math.abs(Number(design.move.steps)));
+  const ask = details.isMoving ? api.movingCurves : api.curves;
+  const drawn = await ask({
+    design,
+    methods,
+    reference: REFERENCE,
+    max_points: details.isMoving ? MOVING_POINTS : MAX_POINTS,
+    ...(range && { first_step: range[0], last_step: range[1] }),
+    acceleration: details.acceleration,
+    parts: details.parts,
+    segment_bound_ticks: details.parts ? SEGMENT_BOUND_TICKS : null,
   });
-  await Promise.all([...profiles, compare(answer, compared).catch(unlessRefused)]);
-  // The design is sound, so a refusal was one method's: it must not hide the errors of the others.
-  const missing = compared.filter((name) => !answer.errors[name]);
-  await Promise.all(
-    missing.map((name) =>
-      compare(answer, [name]).catch((error) => {
-        unlessRefused(error);
-        answer.failures[name] ??= error.message;
-      }),
-    ),
-  );
+  return answerFrom(design, range, drawn);
+}
+
+/** A range that a shorter move still has; null when nothing is left of it, or all of the move.
+ * @param {[number, number] | null} range @param {number} steps */
+export function rangeWithin(range, steps) {
+  if (range === null || !(range[0] < steps)) return null;
+  const [first, last] = [Math.max(1, range[0]), Math.min(steps, range[1])];
+  return first === 1 && last === steps ? null : /** @type {[number, number]} */ ([first, last]);
+}
+
+/** @param {Design} design @param {[number, number] | null} range @param {import('./types.js').DrawnCurves} drawn
+ * @returns {Answer} */
+export function answerFrom(design, range, drawn) {
+  /** @type {Answer} */
+  const answer = { design, range, profiles: {}, errors: {}, failures: {} };
+  for (const { method, step, intervals_ticks, start_ticks, phases, summary, warnings, ...errors } of drawn.methods) {
+    answer.profiles[method] = {
+      step,
+      intervals_ticks,
+      time_s: start_ticks.map((ticks) => ticks / drawn.timer_hz),
+      position_steps: drawn.direction === 1 ? step : step.map((each) => -each),
+      speed_steps_per_s: intervals_ticks.map((ticks) => drawn.timer_hz / ticks),
+      phases,
+      summary,
+      warnings,
+    };
+    answer.errors[method] = { method, step, ...errors };
+  }
+  for (const { method, errors } of drawn.failures) {
+    answer.failures[method] = errors.map((one) => one.message).join(' ');
+  }
   return answer;
-}
-
-/** @param {Answer} answer @param {MethodName[]} methods */
-async function compare(answer, methods) {
-  if (methods.length === 0) return;
-  const { methods: curves } = await api.errors(answer.design, methods, REFERENCE, MAX_POINTS);
-  for (const curve of curves) answer.errors[curve.method] = curve;
-}
-
-/** @param {unknown} error */
-function unlessRefused(error) {
-  if (!(error instanceof Refusal)) throw error;
 }

@@ -2,10 +2,12 @@
 // From the server's answers to curves: what is drawn over which axis, and what the cursor reads.
 
 import { REFERENCE } from './methods.js';
+import { shownValue, STEPS_AND_SECONDS, unitWord } from './units.js';
 
 /** @typedef {import('./types.js').Answer} Answer */
 /** @typedef {import('./types.js').MethodName} MethodName */
 /** @typedef {import('./types.js').Profile} Profile */
+/** @typedef {import('./types.js').ErrorPart} ErrorPart */
 /** @typedef {'step' | 'time' | 'position'} AxisName */
 
 /** @typedef {object} Curve
@@ -13,15 +15,19 @@ import { REFERENCE } from './methods.js';
  * @property {number[]} x           in the unit of the axis
  * @property {number[]} ticks
  * @property {number[]} speed       [steps/s]
+ * @property {number[]} shownSpeed  in the unit chosen
  * @property {number[]} delay_us
  * @property {number[]} time_s
- * @property {{step: number[], x: number[], percent: number[]}} error  against the reference */
+ * @property {{step: number[], x: number[], percent: number[]}} error  against the reference
+ * @property {number[] | null} acceleration                implied, in the unit chosen, at each step of the error
+ * @property {Record<ErrorPart, number[]> | null} parts     of the error, in per cent of the reference's interval */
 
 /** @typedef {object} MethodReading
  * @property {MethodName} method
  * @property {number} ticks
  * @property {number} delay_us
  * @property {number} speed      [steps/s]
+ * @property {number} shownSpeed in the unit chosen
  * @property {number} percent    error against the reference; NaN: not known
  * @property {boolean} isExact   the step was computed, or lies on a plateau; false: between two computed ones */
 /** @typedef {{step: number, time_s: number, x: number, methods: MethodReading[]}} Reading */
@@ -54,6 +60,12 @@ export function interpolate(from, to, at) {
 export function axisScale(answer, axis) {
   const { full_steps_per_rev, microsteps, travel_per_rev, travel_unit } = answer.design.axis;
   if (axis === 'position') {
+    const units = unitsOf(answer);
+    // Counted in steps it would be the axis of steps again: then it is in the unit that the axis travels in.
+    if (units.length !== 'steps') {
+      const factor = shownValue(units, answer.design, 'length', 1);
+      return { factor, title: `position, ${unitWord(units, answer.design, 'length')}` };
+    }
     return {
       factor: Number(travel_per_rev) / (Number(full_steps_per_rev) * Number(microsteps)),
       title: `position, ${travel_unit}`,
@@ -64,6 +76,12 @@ export function axisScale(answer, axis) {
     return duration < 10 ? { factor: 1000, title: 'time, ms' } : { factor: 1, title: 'time, s' };
   }
   return { factor: 1, title: 'step' };
+}
+
+/** The units that an answer is shown in.
+ * @param {Answer} answer */
+export function unitsOf(answer) {
+  return answer.units ?? STEPS_AND_SECONDS;
 }
 
 /** @param {Answer} answer @returns {Profile} */
@@ -79,23 +97,45 @@ export function curveOf(answer, method, axis) {
   const along = axis === 'step' ? profile.step : axis === 'time' ? profile.time_s : profile.position_steps;
   const x = factor === 1 ? along : along.map((value) => value * factor);
   const frequency = Number(answer.design.timer.frequency_hz);
-  const curve = answer.errors[method];
-  const error =
-    method === REFERENCE
-      ? { step: [profile.step[0], profile.step[profile.step.length - 1]], x: [x[0], x[x.length - 1]], percent: [0, 0] }
-      : {
-          step: curve?.step ?? [],
-          x: curve?.step.map((step) => interpolate(profile.step, x, step)) ?? [],
-          percent: curve?.relative_error.map((fraction) => fraction * 100) ?? [],
-        };
+  const perStep = shownValue(unitsOf(answer), answer.design, 'speed', 1);
+  const speed = profile.speed_steps_per_s;
   return {
     step: profile.step,
     x,
     ticks: profile.intervals_ticks,
-    speed: profile.speed_steps_per_s,
+    speed,
+    shownSpeed: perStep === 1 ? speed : speed.map((value) => value * perStep),
     time_s: profile.time_s,
     delay_us: profile.intervals_ticks.map((ticks) => (ticks / frequency) * 1e6),
-    error,
+    ...errorsOf(answer, method, x),
+  };
+}
+
+/** @param {Answer} answer @param {MethodName} method @param {number[]} x of each step of the method's profile
+ * @returns {Pick<Curve, 'error' | 'acceleration' | 'parts'>} */
+function errorsOf(answer, method, x) {
+  const errors = answer.errors[method];
+  if (!errors) return { error: { step: [], x: [], percent: [] }, acceleration: null, parts: null };
+  const { step, relative_error, implied_acceleration_steps_per_s2, parts } = errors;
+  const { intervals_ticks } = /** @type {Profile} */ (answer.profiles[method]);
+  const perStep = shownValue(unitsOf(answer), answer.design, 'acceleration', 1);
+  const inPercent = (/** @type {number[]} */ ticks) =>
+    ticks.map((part, i) => ((part * (1 + relative_error[i])) / intervals_ticks[i]) * 100);
+  return {
+    // The reference is the line that the others are held against, without the rounding of its own delays.
+    error:
+      method === REFERENCE && !parts
+        ? { step: [step[0], step[step.length - 1]], x: [x[0], x[x.length - 1]], percent: [0, 0] }
+        : { step, x, percent: relative_error.map((fraction) => fraction * 100) },
+    acceleration: implied_acceleration_steps_per_s2?.map((value) => value * perStep) ?? null,
+    parts: parts
+      ? {
+          method: inPercent(parts.method),
+          arithmetic: inPercent(parts.arithmetic),
+          rounding: inPercent(parts.rounding),
+          compression: inPercent(parts.compression),
+        }
+      : null,
   };
 }
 
@@ -114,6 +154,7 @@ export function readingAt(curves, lead, x) {
       ticks: interpolate(other.step, other.ticks, step),
       delay_us: interpolate(other.step, other.delay_us, step),
       speed: interpolate(other.step, other.speed, step),
+      shownSpeed: interpolate(other.step, other.shownSpeed, step),
       percent: other.error.step.length === 0 ? NaN : interpolate(other.error.step, other.error.percent, step),
       isExact: other.step[at] === step || other.ticks[at] === other.ticks[at - 1],
     };
@@ -144,4 +185,65 @@ export function plottedStep(profile, done, remaining) {
   const slew = Math.max(1, done + remaining - accelerate_steps - decelerate_steps);
   const share = (done - accelerate_steps) / slew;
   return Math.round(accelerate_steps + share * Math.max(0, steps - accelerate_steps - decelerate_steps));
+}
+
+/** @typedef {{label: string, colour: number, time_s: number[], speed: number[], delay_us: number[]}} AxisMove
+ *   one of several axes; `speed` in the unit it is shown in, `colour` from 0 */
+/** @typedef {{x: number, axes: {label: string, colour: number, velocity: number, delay: number}[]}} AxesReading */
+
+/** What all axes do at a time; an axis that has arrived does nothing.
+ * @param {import('./frame.js').AxisCurve[]} axes @param {number} x [s] @returns {AxesReading} */
+export function axesReadingAt(axes, x) {
+  return {
+    x,
+    axes: axes.map((axis) => {
+      const isMoving = x >= axis.x[0] && x <= axis.x[axis.x.length - 1];
+      const at = (/** @type {number[]} */ values) => (isMoving ? interpolate(axis.x, values, x) : NaN);
+      return {
+        label: axis.label,
+        colour: axis.colour,
+        velocity: isMoving ? at(axis.velocity) : 0,
+        delay: at(axis.delay),
+      };
+    }),
+  };
+}
+
+/** The steps of a move that was measured, with how each lies against its plan.
+ * @typedef {object} MeasuredMove
+ * @property {number[]} step               counted from 1
+ * @property {number[]} time_s
+ * @property {number[]} speed_steps_per_s
+ * @property {number[]} delay_us
+ * @property {number[]} deviation_us */
+
+/** A measured move over the axis of the plots.
+ * @param {Answer} answer @param {AxisName} axis @param {MeasuredMove} move @returns {import('./frame.js').Measured} */
+export function measuredOver(answer, axis, move) {
+  const perStep = shownValue(unitsOf(answer), answer.design, 'speed', 1);
+  return {
+    x: along(answer, axis, move.step, move.time_s),
+    velocity: move.speed_steps_per_s.map((speed) => speed * perStep),
+    delay: move.delay_us,
+    deviation: move.deviation_us,
+  };
+}
+
+/** A move that runs, over the axis of the plots.
+ * @param {Answer} answer @param {AxisName} axis
+ * @param {{time_s: number[], position: number[], speed: number[]}} samples since its start [s, steps, steps/s] */
+export function liveOver(answer, axis, { time_s, position, speed }) {
+  const perStep = shownValue(unitsOf(answer), answer.design, 'speed', 1);
+  return {
+    x: along(answer, axis, position.map(Math.abs), time_s),
+    velocity: speed.map((each) => Math.abs(each) * perStep),
+  };
+}
+
+/** Steps and times as places on the axis.
+ * @param {Answer} answer @param {AxisName} axis @param {number[]} steps @param {number[]} times */
+function along(answer, axis, steps, times) {
+  const { factor } = axisScale(answer, axis);
+  const direction = axis === 'position' ? Math.sign(Number(answer.design.move.steps)) : 1;
+  return (axis === 'time' ? times : steps).map((value) => value * factor * direction);
 }

@@ -13,8 +13,21 @@ const ICONS = {
   warning: 'M8 2.5l6 11H2zM8 6.5v3.2M8 11.7v.1',
   error: 'M8 2.2a5.8 5.8 0 1 0 0 11.6a5.8 5.8 0 0 0 0-11.6M8 5v3.5M8 10.8v.1',
   paste: 'M5 3.5h-.5a1 1 0 0 0-1 1v8a1 1 0 0 0 1 1h7a1 1 0 0 0 1-1v-8a1 1 0 0 0-1-1H11M6 2.5h4v2.5H6z',
+  copy: 'M5.5 5.5h7v7h-7zM3.5 10.5v-7h7',
+  fit: 'M2.5 12.5h3v-4h3.5v-3h4.5M2.5 9.5C5 5 8 3.5 13.5 3',
+  pin: 'M6 2.5h4v4l2 2.5H4L6 6.5zM8 9v4.5',
   remove: 'M4.5 4.5l7 7M11.5 4.5l-7 7',
   refresh: 'M13 8a5 5 0 1 1-1.5-3.6M13 2.8v3h-3',
+  undo: 'M6 3.5L2.5 7L6 10.5M2.5 7h7a3.5 3.5 0 0 1 0 7H7',
+  redo: 'M10 3.5L13.5 7L10 10.5M13.5 7h-7a3.5 3.5 0 0 0 0 7H9',
+  open: 'M2.5 12.5v-9h4l1.5 2h5.5v2M2.5 12.5l2-5h10l-2 5z',
+  save: 'M3 3h8l2 2v8H3zM5.5 3v3.5h4.5V3M5 13V9.5h6V13',
+  share: 'M8 10V2.5M5 5.2L8 2.5l3 2.7M5 7.5H3.5v6h9v-6H11',
+  export: 'M8 2.5V10M5 7.2L8 10l3-2.8M3 10.5v3h10v-3',
+  keys: 'M6.2 6.2a1.8 1.8 0 1 1 2.6 1.6c-.6.3-.8.7-.8 1.4M8 11.4v.1M8 2.2a5.8 5.8 0 1 0 0 11.6a5.8 5.8 0 0 0 0-11.6',
+  left: 'M10 3.5L5.5 8l4.5 4.5',
+  right: 'M6 3.5L10.5 8L6 12.5',
+  gear: 'M3 4.5h6M12 4.5h1M3 11.5h1M7 11.5h6M10.5 3v3M5.5 10v3',
   send: 'M8 13V3.5M4.5 6.5L8 3l3.5 3.5',
   link: 'M6.5 9.5l3-3M7.5 4.5l1-1a2.8 2.8 0 0 1 4 4l-1 1M8.5 11.5l-1 1a2.8 2.8 0 0 1-4-4l1-1',
 };
@@ -120,7 +133,10 @@ export function messageLine({ text, isWarning }, id) {
  * @param {Message | undefined} message */
 export function showMessage(control, box, message) {
   const id = `${control.id}-message`;
-  control.setAttribute('aria-invalid', String(message !== undefined && !message.isWarning));
+  const isInvalid = String(message !== undefined && !message.isWarning);
+  // Nothing new: this is asked of every field whenever a slider moves.
+  if (control.getAttribute('aria-invalid') === isInvalid && box.textContent === (message?.text ?? '')) return;
+  control.setAttribute('aria-invalid', isInvalid);
   if (message) control.setAttribute('aria-describedby', id);
   else control.removeAttribute('aria-describedby');
   if (box.textContent !== (message?.text ?? '')) box.replaceChildren(...(message ? [messageLine(message, id)] : []));

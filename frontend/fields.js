@@ -1,17 +1,20 @@
 // @ts-check
 // The table of parameters: what each is called, its unit, the reach of its slider, its formula and what it does.
 
-/** @typedef {object} Slider
- * @property {number} from
- * @property {number} to
- * @property {'linear' | 'log'} scale   log where the reach spans decades
- * @property {number} figures           significant figures that the slider sets; 0: whole numbers */
+/** What a hand sets: the reach of a slider, and what one step of it, of the wheel or of an arrow key is.
+ * A logarithmic one, whose reach spans decades, steps by about 1 % and is set to some significant figures (0: to whole
+ * numbers); or it doubles. A linear one steps by its strides: fine, usual, coarse.
+ * @typedef {{from: number, to: number} & ({scale: 'log', figures: number, doubles?: boolean} |
+ *   {scale: 'linear', strides: [number, number, number]})} Slider */
 
 /** @typedef {object} Field
  * @property {string} path       where it stands in the design document
  * @property {string} label
  * @property {string} symbol
  * @property {string} unit
+ * @property {import('./units.js').Quantity} [quantity]  what can be shown in other units
+ * @property {boolean} [isWhole]        only whole numbers
+ * @property {[number, number]} limits  least and most that the server takes
  * @property {Slider} slider
  * @property {string} formula    numbers of its formulas; empty: none
  * @property {string} help */
@@ -26,7 +29,9 @@ export const GROUPS = [
         label: 'Steps a turn',
         symbol: '',
         unit: 'full steps',
-        slider: { from: 20, to: 800, scale: 'linear', figures: 0 },
+        isWhole: true,
+        limits: [1, 100_000],
+        slider: { from: 20, to: 800, scale: 'linear', strides: [1, 1, 10] },
         formula: '',
         help: 'Full steps of one turn of the motor, before microstepping: 200 for the usual 1.8° motor.',
       },
@@ -35,7 +40,9 @@ export const GROUPS = [
         label: 'Microsteps',
         symbol: '',
         unit: 'per step',
-        slider: { from: 1, to: 256, scale: 'log', figures: 0 },
+        isWhole: true,
+        limits: [1, 1024],
+        slider: { from: 1, to: 256, scale: 'log', figures: 0, doubles: true },
         formula: '',
         help: 'Driver pulses for one full step. Every step in the plots is one pulse.',
       },
@@ -44,6 +51,7 @@ export const GROUPS = [
         label: 'Travel a turn',
         symbol: '',
         unit: '',
+        limits: [0.001, 1_000_000],
         slider: { from: 0.5, to: 400, scale: 'log', figures: 2 },
         formula: '',
         help: 'Distance the axis covers in one turn of the motor. It scales the position axis, not the ramp.',
@@ -58,7 +66,8 @@ export const GROUPS = [
         label: 'Frequency',
         symbol: 'F',
         unit: 'Hz',
-        slider: { from: 1e4, to: 1e8, scale: 'log', figures: 3 },
+        limits: [1000, 1e9],
+        slider: { from: 1e4, to: 2e8, scale: 'log', figures: 3 },
         formula: '7',
         help: 'Ticks a second of the step timer. Delays are whole ticks, so a low F coarsens the top speeds.',
       },
@@ -67,7 +76,9 @@ export const GROUPS = [
         label: 'Counter',
         symbol: '',
         unit: 'bits',
-        slider: { from: 8, to: 32, scale: 'linear', figures: 0 },
+        isWhole: true,
+        limits: [8, 64],
+        slider: { from: 8, to: 64, scale: 'linear', strides: [1, 1, 8] },
         formula: '',
         help: 'Width of the timer’s counter. The longest delay, that of the first step, has to fit into it.',
       },
@@ -76,6 +87,7 @@ export const GROUPS = [
         label: 'Shortest delay',
         symbol: '',
         unit: 'µs',
+        limits: [0.001, 1_000_000],
         slider: { from: 1, to: 1000, scale: 'log', figures: 3 },
         formula: '',
         help: 'The least time that the firmware needs between two pulses. It sets the highest slew speed.',
@@ -90,7 +102,9 @@ export const GROUPS = [
         label: 'Base speed',
         symbol: 'v₀',
         unit: 'steps/s',
-        slider: { from: 0, to: 1000, scale: 'linear', figures: 0 },
+        quantity: 'speed',
+        limits: [0, 1_000_000],
+        slider: { from: 0, to: 1000, scale: 'linear', strides: [1, 10, 100] },
         formula: '17',
         help: 'Speed at which the ramp begins and ends. Sets the first delay; from rest (0) the methods differ most.',
       },
@@ -99,6 +113,8 @@ export const GROUPS = [
         label: 'Slew speed',
         symbol: 'v',
         unit: 'steps/s',
+        quantity: 'speed',
+        limits: [0.001, 1_000_000],
         slider: { from: 50, to: 50000, scale: 'log', figures: 3 },
         formula: '18',
         help: 'Speed that the ramp leads to. Its delay is F / v, rounded to whole ticks.',
@@ -108,6 +124,8 @@ export const GROUPS = [
         label: 'Acceleration',
         symbol: 'a',
         unit: 'steps/s²',
+        quantity: 'acceleration',
+        limits: [0.001, 1e9],
         slider: { from: 100, to: 1e6, scale: 'log', figures: 3 },
         formula: '4, 16',
         help: 'Gain of speed each second. The ramp takes (v² − v₀²) / 2a steps.',
@@ -117,6 +135,8 @@ export const GROUPS = [
         label: 'Deceleration',
         symbol: 'd',
         unit: 'steps/s²',
+        quantity: 'acceleration',
+        limits: [0.001, 1e9],
         slider: { from: 100, to: 1e6, scale: 'log', figures: 3 },
         formula: '4, 16',
         help: 'Loss of speed each second. It follows the acceleration until it is set; emptied, it follows again.',
@@ -131,6 +151,9 @@ export const GROUPS = [
         label: 'Distance',
         symbol: 'N',
         unit: 'steps',
+        quantity: 'length',
+        isWhole: true,
+        limits: [-10_000_000, 10_000_000],
         slider: { from: 1, to: 1e6, scale: 'log', figures: 3 },
         formula: '',
         help: 'Length of the plotted move; negative moves backward. Too short for the slew speed, it is a triangle.',
@@ -139,7 +162,8 @@ export const GROUPS = [
   },
 ];
 
-/** Explanations of what is no number. @type {Record<string, {label: string, formula: string, help: string}>} */
+/** Explanations of what is no number.
+ * @type {Record<string, {label: string, formula: string, help: string}>} */
 export const CHOICES = {
   'method.arithmetic': {
     label: 'Arithmetic',
@@ -151,30 +175,14 @@ export const CHOICES = {
     formula: '',
     help: 'How a delay becomes whole ticks: nearest, down (floor), or down with the rest carried into the next delay.',
   },
+  'method.tuned_for': {
+    label: 'Tuned for',
+    formula: '',
+    help: 'What the method makes least with its c: the largest error of a delay, or the error of the time that the ramp takes.',
+  },
   'axis.travel_unit': {
     label: 'Travel unit',
     formula: '',
     help: 'mm for a screw or a belt, degrees for a turntable or a gauge.',
   },
 };
-
-/** Positions of a slider: enough that neighbouring ones differ by less than anyone can set by hand. */
-export const SLIDER_POSITIONS = 1000;
-
-/** Where a value lies on a slider; a value outside its reach lies at its end. The sign of a distance does not matter.
- * @param {Slider} slider @param {number} value */
-export function sliderPosition({ from, to, scale }, value) {
-  const magnitude = Math.min(to, Math.max(from, Math.abs(value)));
-  const fraction =
-    scale === 'log' ? Math.log(magnitude / from) / Math.log(to / from) : (magnitude - from) / (to - from);
-  return fraction * SLIDER_POSITIONS;
-}
-
-/** The value at a position of a slider, rounded to what a hand can mean. The sign of the value before is kept.
- * @param {Slider} slider @param {number} position @param {number} before */
-export function sliderValue({ from, to, scale, figures }, position, before) {
-  const fraction = position / SLIDER_POSITIONS;
-  const value = scale === 'log' ? from * (to / from) ** fraction : from + (to - from) * fraction;
-  const rounded = figures === 0 ? Math.round(value) : Number(value.toPrecision(figures));
-  return before < 0 ? -rounded : rounded;
-}

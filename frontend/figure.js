@@ -1,68 +1,44 @@
 // @ts-check
-// The figure: curves in, Plotly's traces and layout out. Nothing of the page.
+// The figure: lines and frame in, Plotly's traces and layout out. Nothing of the page.
 
 import { axisScale } from './curves.js';
-import { frameOf, PLOTS } from './frame.js';
-import { METHODS, REFERENCE } from './methods.js';
+import { frameOf, PLOTS, xPixel } from './frame.js';
+import { linesOf } from './lines.js';
 
-/** @typedef {import('./types.js').MethodName} MethodName */
 /** @typedef {import('./frame.js').Frame} Frame */
 /** @typedef {import('./frame.js').PlotFrame} PlotFrame */
 /** @typedef {import('./frame.js').PlotName} PlotName */
 /** @typedef {import('./frame.js').Range} Range */
 /** @typedef {import('./frame.js').Scene} Scene */
+/** @typedef {import('./lines.js').Line} Line */
 
 // Room that a hidden plot keeps: Plotly takes anything smaller for the whole height.
 const COLLAPSED = [0, 0.001];
+const Y_AXES = { velocity: 'y', delay: 'y2', error: 'y3', acceleration: 'y4' };
 
 /** @param {Scene} scene */
 export function figureOf(scene) {
   const frame = frameOf(scene);
-  return { traces: tracesOf(scene), layout: layoutOf(scene, frame), frame };
+  return { frame, lines: linesOf(scene, frame) };
 }
 
-/** The order of drawing: the reference at the bottom, the chosen method on top.
- * @param {MethodName} active @returns {MethodName[]} */
-export function drawingOrder(active) {
-  const others = METHODS.map((method) => method.name).filter((name) => name !== REFERENCE && name !== active);
-  return active === REFERENCE ? [...others, REFERENCE] : [REFERENCE, ...others, active];
-}
-
-/** @param {Scene} scene */
-function tracesOf({ answer, curves, shown, colours, dashes, compact, only, moving }) {
-  const active = answer.design.method.name;
-  return drawingOrder(active).flatMap((name) => {
-    const curve = curves[name];
-    const line = {
-      color: colours[name],
-      dash: dashes[name],
-      width: name === active ? 2.25 : name === REFERENCE ? 2 : 1.4,
-      simplify: moving,
-    };
-    // A table holds its delay up to a row's last step and then jumps: its line is a staircase.
-    const staircase = { ...line, shape: name === 'table' ? 'vh' : 'linear' };
-    return PLOTS.map((plot) => {
-      const [x, y] =
-        plot.name === 'error'
-          ? [curve?.error.x, curve?.error.percent]
-          : [curve?.x, plot.name === 'velocity' ? curve?.speed : curve?.delay_us];
-      const visible = curve !== undefined && shown.has(name) && (!compact || plot.name === only);
-      return {
-        type: 'scatter',
-        mode: 'lines',
-        name,
-        meta: plot.name,
-        uid: `${name}-${plot.name}`,
-        x: x ?? [],
-        y: y ?? [],
-        xaxis: 'x',
-        yaxis: plot.axis,
-        visible,
-        hoverinfo: 'skip',
-        line: plot.name === 'error' ? line : staircase,
-      };
-    });
-  });
+/** @param {Line[]} lines */
+export function tracesOf(lines) {
+  return lines.map(({ uid, name, plot, x, y, shape, colour, dash, width, isVisible }) => ({
+    type: 'scatter',
+    mode: 'lines',
+    name,
+    meta: plot,
+    uid,
+    x,
+    y,
+    xaxis: 'x',
+    yaxis: Y_AXES[plot],
+    visible: isVisible,
+    hoverinfo: 'skip',
+    // Plotly's own thinning would slope a long plateau; the server has thinned the points already.
+    line: { color: colour, dash, width, shape, simplify: false },
+  }));
 }
 
 /** @param {Range} range in the units that Plotly wants: the logarithm on a logarithmic axis */
@@ -70,7 +46,8 @@ function plotlyRange({ low, high, isLog }) {
   return isLog ? [Math.log10(low), Math.log10(high)] : [low, high];
 }
 
-/** Labels at 1, 2 and 5 of each decade, at 1 only where there are many decades. @param {Range} range */
+/** Labels at 1, 2 and 5 of each decade, at 1 only where there are many decades.
+ * @param {Range} range */
 function logTicks({ low, high }) {
   const decades = Math.log10(high / low);
   const parts = decades > 4 ? [1] : [1, 2, 5];
@@ -82,11 +59,12 @@ function logTicks({ low, high }) {
 }
 
 /** @param {Scene} scene @param {Frame} frame */
-function layoutOf(scene, frame) {
+export function layoutOf(scene, frame) {
   const { size, compact, colours, font } = scene;
   const tickfont = { size: compact ? 11 : 10, color: colours.tick, family: font };
   const common = { tickfont, gridcolor: colours.grid, zeroline: false, ticks: '' };
-  const xTicks = frame.x.isLog ? { tickvals: logTicks(frame.x) } : { nticks: compact ? 5 : 11 };
+  const isFew = frame.x.isLog && frame.x.high < frame.x.low * 3;
+  const xTicks = frame.x.isLog && !isFew ? { tickvals: logTicks(frame.x) } : { nticks: compact ? 5 : 11 };
   return {
     autosize: false,
     width: size.width,
@@ -110,31 +88,45 @@ function layoutOf(scene, frame) {
       ticklabelstandoff: 2,
       automargin: false,
       title: {
-        text: frame.x.isLog ? 'step, logarithmic' : axisScale(scene.answer, scene.axis).title,
+        text: titleOfX(scene, frame),
         font: { size: compact ? 12 : 11, color: colours.tick },
         standoff: 4,
       },
     },
-    ...Object.fromEntries(frame.plots.map((plot) => [`${yAxisKey(plot.name)}`, yAxis(scene, frame, plot, common)])),
-    shapes: frame.phases
-      .filter((phase) => phase.name !== 'slew')
-      .flatMap((phase) => shading(frame, phase, colours.phase)),
+    yaxis: yAxis(scene, frame, 'velocity', common),
+    yaxis2: yAxis(scene, frame, 'delay', common),
+    yaxis3: yAxis(scene, frame, 'error', common),
+    ...(frame.acceleration && { yaxis4: accelerationAxis(frame, frame.acceleration, common) }),
+    shapes: shadingsOf(frame).map((rectangle) => ({
+      type: 'rect',
+      xref: 'x',
+      yref: `${rectangle.axis} domain`,
+      x0: rectangle.x0,
+      x1: rectangle.x1,
+      y0: 0,
+      y1: 1,
+      fillcolor: colours.phase,
+      line: { width: 0 },
+      layer: 'below',
+    })),
   };
 }
 
-/** @param {PlotName} name */
-function yAxisKey(name) {
-  return { velocity: 'yaxis', delay: 'yaxis2', error: 'yaxis3' }[name];
+/** @param {Scene} scene @param {Frame} frame */
+function titleOfX(scene, frame) {
+  if (scene.axes) return 'time since the start, s';
+  return frame.x.isLog ? 'step, logarithmic' : axisScale(scene.answer, scene.axis).title;
 }
 
-/** @param {Scene} scene @param {Frame} frame @param {PlotFrame} plot @param {object} common */
-function yAxis({ size, compact }, frame, plot, common) {
+/** @param {Scene} scene @param {Frame} frame @param {PlotName} name @param {object} common */
+function yAxis({ size, compact, third = 'error' }, frame, name, common) {
+  const plot = /** @type {PlotFrame} */ (frame.plots.find((one) => one.name === name));
   const inner = size.height - frame.top - frame.bottom;
   const bottom = 1 - (plot.top + plot.height - frame.top) / inner;
   const domain = plot.isVisible ? [Math.max(0, bottom), Math.min(1, bottom + plot.height / inner)] : COLLAPSED;
   const numbers =
-    plot.name === 'error'
-      ? { nticks: 8, ticksuffix: ' %', tickformat: '~g' }
+    name === 'error'
+      ? { nticks: 8, ticksuffix: third === 'deviation' ? '' : ' %', tickformat: '~g' }
       : plot.range.isLog
         ? { tickvals: logTicks(plot.range), tickformat: compact ? '~s' : ',~f' }
         : { nticks: 6, tickformat: ',~f' };
@@ -151,23 +143,43 @@ function yAxis({ size, compact }, frame, plot, common) {
   };
 }
 
-/** @param {Frame} frame @param {Frame['phases'][0]} phase @param {string} colour */
-function shading(frame, phase, colour) {
-  // A shape from 0 has no place on a logarithmic axis: it begins at the left edge instead.
-  const start = frame.x.isLog ? Math.max(phase.from, frame.x.low) : phase.from;
-  const x0 = frame.x.isLog && phase.from <= 1 ? frame.x.low : start;
-  return frame.plots
-    .filter((plot) => plot.isVisible)
-    .map((plot) => ({
-      type: 'rect',
-      xref: 'x',
-      yref: `${PLOTS.find((one) => one.name === plot.name)?.axis} domain`,
-      x0,
-      x1: phase.to,
-      y0: 0,
-      y1: 1,
-      fillcolor: colour,
-      line: { width: 0 },
-      layer: 'below',
-    }));
+/** @param {Frame} frame @param {Range} range @param {object} common */
+function accelerationAxis({ plots }, range, common) {
+  return {
+    ...common,
+    overlaying: 'y',
+    side: 'right',
+    range: plotlyRange(range),
+    visible: plots[0].isVisible,
+    showgrid: false,
+    fixedrange: true,
+    tickmode: 'auto',
+    nticks: 6,
+    tickformat: '~s',
+    ticklabelstandoff: 4,
+    automargin: false,
+  };
+}
+
+/** The stretches of acceleration and deceleration, shaded in each plot that is seen.
+ * @param {Frame} frame @returns {{axis: string, plot: PlotFrame, x0: number, x1: number}[]} */
+function shadingsOf(frame) {
+  return frame.phases
+    .filter((phase) => phase.name !== 'slew')
+    .flatMap((phase) => {
+      // A shape from 0 has no place on a logarithmic axis: it begins at the left edge instead.
+      const x0 = frame.x.isLog ? (phase.from <= 1 ? frame.x.low : Math.max(phase.from, frame.x.low)) : phase.from;
+      return frame.plots
+        .filter((plot) => plot.isVisible)
+        .map((plot) => ({ axis: PLOTS.find((one) => one.name === plot.name)?.axis ?? '', plot, x0, x1: phase.to }));
+    });
+}
+
+/** The paths of the shadings, in pixels of the figure, in the order of the layout's shapes.
+ * @param {Frame} frame */
+export function shadingPaths(frame) {
+  return shadingsOf(frame).map(({ plot, x0, x1 }) => {
+    const [left, right] = [xPixel(frame, x0), xPixel(frame, x1)];
+    return `M${left},${plot.top}H${right}V${plot.top + plot.height}H${left}Z`;
+  });
 }

@@ -1,41 +1,105 @@
 // @ts-check
 // The devices as the server tells of them, and what is asked of them. Nothing here moves a motor unasked.
 
-import { api, Refusal, watchDevices } from './api.js';
+import { api, PAGE, Refusal, watchDevices } from './api.js';
+import { createJog } from './jogging.js';
+import { newestWins } from './newest.js';
+import { createFollower, measuredFrom } from './traces.js';
 
 /** @typedef {import('./types.js').Design} Design */
 /** @typedef {import('./types.js').Device} Device */
 /** @typedef {import('./types.js').Port} Port */
+/** @typedef {import('./types.js').Preview} Preview */
+/** @typedef {import('./types.js').Pushed} Pushed */
 /** @typedef {import('./types.js').Rejection} Rejection */
+/** @typedef {{isDesignValid: boolean, designs: Design[], active: number, units: import('./units.js').Units}} Work */
 
-/** What makes two designs the same ramp: all but the name. @param {Design} design */
-function rampKey(design) {
-  return JSON.stringify({ ...design, name: '' });
+/** A design that is still being changed is not asked about. */
+const PREVIEW_AFTER_MS = 250;
+/** The end of a trace comes over the wire a moment after the last step. */
+const TRACE_ATTEMPTS = 10;
+const TRACE_PAUSE_MS = 100;
+
+/** What makes designs the same ramps: all but their names.
+ * @param {Design[]} designs */
+function rampKey(designs) {
+  return JSON.stringify(designs.map((design) => ({ ...design, name: '' })));
+}
+
+/** What a push sends: one design goes to one axis, several are those of all axes.
+ * @param {Design[]} designs @param {number} toAxis @returns {Pushed} */
+function pushOf(designs, toAxis) {
+  return designs.length === 1 ? { design: designs[0], to_axis: toAxis } : { axes: designs };
+}
+
+/** @param {unknown} error @returns {Rejection[]} */
+function rejectionsOf(error) {
+  if (error instanceof Refusal) return error.rejections;
+  const message = error instanceof Error ? error.message : String(error);
+  return [{ field: null, value: null, allowed: null, message }];
 }
 
 /**
  * @param {{onChange: () => void, onPorts: (ports: Port[]) => void, onRejected: (rejections: Rejection[]) => void,
+ *   onMeasured: (measured: import('./types.js').Measured | null) => void,
  *   say: (text: string) => void, onLink: (isThere: boolean) => void}} handlers
  */
-export function createFleet({ onChange, onPorts, onRejected, say, onLink }) {
+export function createFleet({ onChange, onPorts, onRejected, onMeasured, say, onLink }) {
   /** @type {Device[]} */
   let devices = [];
   let isServerThere = true;
-  /** What is being asked of the device: "connect", "push" …; null: nothing. @type {string | null} */
+  /** What is being asked of the device: "connect", "push" …; null: nothing.
+   * @type {string | null} */
   let asking = null;
-  /** The ramp last pushed from this page, by device. @type {Map<string, string>} */
+  /** The ramps last pushed from this page, by device.
+   * @type {Map<string, string>} */
   const pushed = new Map();
-  /** Where each device last was at rest: the moves that the plots follow begin there. @type {Map<string, number>} */
-  const restingPlaces = new Map();
+  const follower = createFollower();
+  let isTracing = true;
+  /** Devices whose present move this page has traced.
+   * @type {Set<string>} */
+  const traced = new Set();
+  /** @type {Map<string, import('./types.js').Trace>} */
+  const traces = new Map();
+  const jog = createJog(onRejected);
+  /** What a push would change, or why there can be none, and of what that was said.
+   * @type {{key: string, preview: Preview | null, problem: string}} */
+  let known = { key: '', preview: null, problem: '' };
+  /** @type {{device: Device, wanted: Pushed, key: string} | null} */
+  let previewed = null;
+  let previewTimer = 0;
 
-  /** @param {Device[]} known */
-  function update(known) {
-    for (const device of known) {
+  /** @param {Device[]} told */
+  function update(told) {
+    for (const device of told) {
       const before = devices.find((one) => one.id === device.id);
-      if (before?.state !== device.state) say(`${device.name}: ${device.state} at ${device.position_steps} steps`);
-      if (device.state === 'ready') restingPlaces.set(device.id, device.position_steps);
+      follower.follow(device);
+      if (before?.state !== device.state) {
+        say(`${device.name}: ${device.state}${device.state === 'lost' ? '' : ` at ${device.position_steps} steps`}`);
+        // What was being traced before a loss, or by a server that has ended, is not told any more.
+        if (before === undefined || device.state === 'lost') traced.delete(device.id);
+        if (device.state === 'ready' && traced.delete(device.id)) readTrace(device.id);
+        if (device.state === 'lost') jog.end();
+      }
     }
-    devices = known;
+    devices = told;
+    onChange();
+  }
+
+  /** @param {string} id */
+  async function readTrace(id) {
+    try {
+      for (let attempt = 0; attempt < TRACE_ATTEMPTS; attempt += 1) {
+        const trace = await api.trace(id);
+        traces.set(id, trace);
+        if (trace.complete) break;
+        await new Promise((resolve) => setTimeout(resolve, TRACE_PAUSE_MS));
+      }
+    } catch (error) {
+      onRejected(rejectionsOf(error));
+    }
+    const trace = traces.get(id);
+    onMeasured(trace && trace.step.length > 1 ? measuredFrom(trace) : null);
     onChange();
   }
 
@@ -50,72 +114,131 @@ export function createFleet({ onChange, onPorts, onRejected, say, onLink }) {
     try {
       await ask();
     } catch (error) {
-      onRejected(
-        error instanceof Refusal
-          ? error.rejections
-          : [
-              {
-                field: null,
-                value: null,
-                allowed: null,
-                message: String(error instanceof Error ? error.message : error),
-              },
-            ],
-      );
+      onRejected(rejectionsOf(error));
     } finally {
       asking = null;
       onChange();
     }
   }
 
+  const askPreview = newestWins(async () => {
+    if (previewed === null) return;
+    const { device, wanted, key } = previewed;
+    try {
+      known = { key, preview: await api.preview(device.id, wanted), problem: '' };
+    } catch (error) {
+      if (!(error instanceof Refusal && error.status === 422)) {
+        previewed = null; // Not now: asked again when there is news of the device.
+        return;
+      }
+      known = { key, preview: null, problem: error.message };
+    }
+    onChange();
+  });
+
+  /** What a push would change, as far as it is known; asked for when it is another than before.
+   * @param {Device} device @param {Design[]} designs @param {number} toAxis
+   * @returns {{preview: Preview | null, problem: string}} */
+  function previewOf(device, designs, toAxis) {
+    const key = JSON.stringify([device.id, device.ramp, device.on_trial, device.timer_hz, toAxis, rampKey(designs)]);
+    if (previewed?.key !== key) {
+      previewed = { device, wanted: pushOf(designs, toAxis), key };
+      clearTimeout(previewTimer);
+      previewTimer = setTimeout(askPreview, PREVIEW_AFTER_MS);
+    }
+    return known.key === key ? known : { preview: null, problem: '' };
+  }
+
   return {
     devices: () => devices,
     isServerThere: () => isServerThere,
-    /** @param {Device | null} device @param {Design} design @param {boolean} isDesignValid
+    jog,
+    /** @param {Device | null} device @param {number} toAxis which axis a single design is for @param {Work} work
      * @returns {import('./types.js').Situation} */
-    situation(device, design, isDesignValid) {
+    situation(device, toAxis, work) {
       const last = device ? pushed.get(device.id) : undefined;
+      const canPreview = isServerThere && work.isDesignValid && device?.state === 'ready';
+      const would = canPreview && device ? previewOf(device, work.designs, toAxis) : null;
       return {
+        ...work,
         isServerThere,
-        isDesignValid,
         isBusy: asking !== null,
         isPushing: asking === 'push',
-        isChanged: last !== undefined && last !== rampKey(design),
+        isChanged: last !== undefined && last !== rampKey(work.designs),
+        isOthers: device !== null && device.in_control !== null && device.in_control !== PAGE,
+        isTracing,
+        preview: would?.preview ?? null,
+        previewProblem: would?.problem ?? '',
+        trace: device ? (traces.get(device.id) ?? null) : null,
       };
     },
-    /** The move that runs, counted from its start and its end; null when nothing runs.
-     * @param {Device | null} device @param {number} planned steps of the plotted move */
-    runningMove(device, planned) {
-      if (!device || (device.state !== 'moving' && device.state !== 'stopping')) return null;
-      const remaining = Math.abs(device.target_steps - device.position_steps);
-      const start = restingPlaces.get(device.id);
-      const done = start === undefined ? Math.max(0, planned - remaining) : Math.abs(device.position_steps - start);
-      return { done, remaining, speed: Math.abs(device.speed_steps_per_s) };
+    /** The move of an axis that runs, counted from its start and its end; null when nothing runs.
+     * @param {Device | null} device @param {number} axis @param {number} planned steps of the plotted move */
+    runningMove(device, axis, planned) {
+      const one = device?.axes[axis];
+      if (!device || !one || (one.state !== 'moving' && one.state !== 'stopping')) return null;
+      const remaining = Math.abs(one.target_steps - one.position_steps);
+      const start = follower.restingPlace(device.id, axis);
+      const done = start === undefined ? Math.max(0, planned - remaining) : Math.abs(one.position_steps - start);
+      return { done, remaining, speed: one.speed_steps_per_s };
     },
+    /** What is known of the running or last move of an axis.
+     * @param {Device | null} device @param {number} axis */
+    samples: (device, axis) => (device ? follower.samples(device.id, axis) : null),
     refreshPorts: () => request('ports', async () => onPorts((await api.ports()).ports)),
     /** @param {string} port */
     connect: (port) => request('connect', () => api.connect(port)),
     /** @param {Device} device */
     disconnect: (device) => request('disconnect', () => api.disconnect(device.id)),
-    /** @param {Device} device @param {Design} design */
-    push: (device, design) =>
+    /** @param {Device} device */
+    takeOver: (device) => request('control', () => api.act(device.id, 'control')),
+    /** @param {Device} device @param {Design[]} designs @param {number} toAxis @param {'keep' | 'try'} mode */
+    push: (device, designs, toAxis, mode) =>
       request('push', async () => {
-        const report = await api.push(device.id, design);
-        pushed.set(device.id, rampKey(design));
+        const report = await api.push(device.id, { ...pushOf(designs, toAxis), mode });
+        pushed.set(device.id, rampKey(designs));
         say(
           report.verified
-            ? `Ramp ${report.sequence} pushed and read back as sent`
+            ? `Ramp pushed ${mode === 'try' ? 'on trial' : 'and stored'}, and read back as sent`
             : 'The ramp read back is not the one sent',
         );
       }),
-    /** @param {Device} device @param {{by_steps: unknown} | {to_steps: unknown}} move */
-    move: (device, move) => request('move', () => api.move(device.id, move)),
+    /** @param {Device} device @param {'keep' | 'roll_back' | 'restore'} what */
+    store: (device, what) =>
+      request(what, async () => {
+        await api.act(device.id, what);
+        if (what !== 'keep') pushed.delete(device.id);
+        say({ keep: 'Kept', roll_back: 'Rolled back', restore: 'Restored' }[what]);
+      }),
+    /** Move: only ever because somebody pressed for it. An axis that sets out from rest is traced, if it is wanted.
+     * @param {Device} device @param {number} axis whose move is traced
+     * @param {'move' | 'run' | 'line' | 'there_and_back' | 'zero'} what @param {unknown} body */
+    go: (device, axis, what, body) =>
+      request(what, async () => {
+        if (isTracing && device.state === 'ready') {
+          await api.traceMoves(device.id, axis);
+          traced.add(device.id);
+        }
+        onMeasured(null);
+        await api.act(device.id, what, body);
+      }),
+    /** @param {Device} device @param {number} axis @param {unknown} steps */
+    setPosition: (device, axis, steps) =>
+      request('position', () => api.act(device.id, 'position', { axes: [{ axis, position_steps: steps }] })),
+    /** @param {boolean} wanted */
+    trace(wanted) {
+      isTracing = wanted;
+      onChange();
+    },
     watch: () =>
       watchDevices(update, (isThere) => {
         if (isThere === isServerThere) return;
         isServerThere = isThere;
+        if (!isThere) jog.end();
         onLink(isThere);
         onChange();
       }),
   };
 }
+
+/** @typedef {ReturnType<typeof createFleet>} Fleet */

@@ -3,13 +3,17 @@
 
 import { isDesign } from './design.js';
 import { METHODS } from './methods.js';
+import { STEPS_AND_SECONDS } from './units.js';
+import { MOST_AXES } from './workbench.js';
 
-/** @typedef {import('./types.js').Design} Design */
 /** @typedef {import('./types.js').MethodName} MethodName */
+/** @typedef {import('./workbench.js').State} State */
+/** @typedef {import('./units.js').Units} Units */
 
-const DESIGN = 'stepramp.design';
-const REPLACED = 'stepramp.design.replaced';
-const UNREADABLE = 'stepramp.design.unreadable';
+const STATE = 'stepramp.work';
+const REPLACED = 'stepramp.work.replaced';
+const UNREADABLE = 'stepramp.work.unreadable';
+const UNITS = 'stepramp.units';
 const SHOWN = 'stepramp.shown';
 const THEME = 'stepramp.theme';
 
@@ -33,13 +37,14 @@ function write(key, text) {
   }
 }
 
-/** @param {string} key @returns {Design | null} */
-function readDesign(key) {
+/** Axes, and what else is kept with them; null: there is nothing, or it can't be shown and is kept aside.
+ * @param {string} key @returns {State | null} */
+function readState(key) {
   const text = read(key);
   if (text === null) return null;
   try {
-    const document = JSON.parse(text);
-    if (isDesign(document)) return document;
+    const state = JSON.parse(text);
+    if (isState(state)) return state;
   } catch {
     // Not even JSON: kept aside below, like a document of another shape.
   }
@@ -47,16 +52,40 @@ function readDesign(key) {
   return null;
 }
 
+/** @param {any} state @returns {state is State} */
+function isState(state) {
+  return (
+    Array.isArray(state?.axes) &&
+    state.axes.length >= 1 &&
+    state.axes.length <= MOST_AXES &&
+    state.axes.every(isDesign) &&
+    Number.isInteger(state.active) &&
+    state.active >= 0 &&
+    state.active < state.axes.length &&
+    (state.together === 'independent' || state.together === 'line') &&
+    (state.kept === null || isDesign(state.kept))
+  );
+}
+
 export const memory = {
-  /** The design last worked on; one that can't be shown is kept aside. */
-  design: () => readDesign(DESIGN),
-  /** @param {Design} design */
-  keepDesign: (design) => write(DESIGN, JSON.stringify(design)),
-  /** The design that an example took the place of. */
-  replacedDesign: () => readDesign(REPLACED),
-  /** @param {Design} design */
-  keepReplacedDesign: (design) => write(REPLACED, JSON.stringify(design)),
-  /** The methods last shown, unknown names left out; null: nothing is kept. @returns {MethodName[] | null} */
+  /** What was last worked on. */
+  state: () => readState(STATE),
+  /** @param {State} state */
+  keepState: (state) => write(STATE, JSON.stringify(state)),
+  /** What an example, a file or a link took the place of. */
+  replaced: () => readState(REPLACED),
+  /** @param {State} state */
+  keepReplaced: (state) => write(REPLACED, JSON.stringify(state)),
+  /** @returns {Units} */
+  units: () => {
+    const [length, time] = (read(UNITS) ?? '').split(' ');
+    const isKnown = ['steps', 'rev', 'deg', 'mm'].includes(length) && ['s', 'min'].includes(time);
+    return isKnown ? /** @type {Units} */ ({ length, time }) : STEPS_AND_SECONDS;
+  },
+  /** @param {Units} units */
+  keepUnits: ({ length, time }) => write(UNITS, `${length} ${time}`),
+  /** The methods last shown, unknown names left out; null: nothing is kept.
+   * @returns {MethodName[] | null} */
   shown: () => {
     const names = read(SHOWN)?.split(' ');
     return names ? METHODS.map((method) => method.name).filter((name) => names.includes(name)) : null;

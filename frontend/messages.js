@@ -4,8 +4,10 @@
 import { GROUPS } from './fields.js';
 
 /** @typedef {import('./types.js').Rejection} Rejection */
-/** @typedef {{text: string, isWarning: boolean}} Message */
-/** @typedef {{column: number | null} & Message} RowMessage */
+/** What was refused, when something was, is kept to be told in other units.
+ * @typedef {{text: string, isWarning: boolean, refused?: {value: unknown, allowed: string}}} Message */
+/** A remark is worth a look, and no more: it is told in full where the row is selected.
+ * @typedef {{column: number | null, isRemark?: boolean} & Message} RowMessage */
 
 /** @typedef {object} Messages
  * @property {Map<string, Message>} fields  by path in the design
@@ -16,6 +18,7 @@ const CHOICE_LABELS = {
   'method.name': 'Method',
   'method.arithmetic': 'Arithmetic',
   'method.rounding': 'Rounding',
+  'method.tuned_for': 'Tuned for',
   'axis.travel_unit': 'Travel unit',
   table: 'Lookup table',
 };
@@ -29,31 +32,46 @@ const ROW = /^table\.rows\.(\d+)(?:\.([01]))?$/;
 
 /**
  * Sort messages by the place that shows them. Errors come before warnings: the first at a place is kept.
- * @param {{field: string | null, message: string}[]} errors
+ * @param {Rejection[]} errors
  * @param {{field: string | null, message: string}[]} warnings
  * @returns {Messages}
  */
 export function sortMessages(errors, warnings) {
   /** @type {Messages} */
   const sorted = { fields: new Map(), rows: new Map(), others: [] };
-  for (const { field, message } of errors) place(sorted, field, message, false);
+  for (const { field, message, value, allowed } of errors) {
+    place(sorted, field, message, false, allowed === null ? undefined : { value, allowed });
+  }
   for (const { field, message } of warnings) place(sorted, field, message, true);
   return sorted;
 }
 
-/** @param {Messages} sorted @param {string | null} field @param {string} message @param {boolean} isWarning */
-function place(sorted, field, message, isWarning) {
+/** What is said of all axes together, each message with the axis it is about.
+ * @param {{field: string | null, message: string}[]} list @param {boolean} isWarning @returns {Message[]} */
+export function axesMessages(list, isWarning) {
+  return list.map(({ field, message }) => {
+    const [, axis, path] = /^designs\.(\d+)\.(.*)$/.exec(field ?? '') ?? [];
+    const label = LABELS.get(path);
+    const text = (label === undefined ? message : named(message, field, label)).replace(/\bdesigns\.(\d)/g, 'axis $1');
+    const isNamed = axis === undefined || text.includes(`axis ${axis}`);
+    return { text: isNamed ? text : `Axis ${axis}: ${text}`, isWarning };
+  });
+}
+
+/** @param {Messages} sorted @param {string | null} field @param {string} message @param {boolean} isWarning
+ * @param {Message['refused']} [refused] */
+function place(sorted, field, message, isWarning, refused) {
   const whole = (field ?? '').replace(/^design\./, '');
   const row = ROW.exec(whole);
   // The table has one place for all that is not about one row.
   const path = /^table\b/.test(whole) ? 'table' : whole;
   if (row) {
     const [index, column] = [Number(row[1]), row[2] === undefined ? null : Number(row[2])];
-    const label = `Row ${index + 1}${column === null ? '' : column === 0 ? ', last step,' : ', delay,'}`;
+    const label = `Row ${index + 1}${column === null ? '' : column === 0 ? ', last index,' : ', delay,'}`;
     if (!sorted.rows.has(index)) sorted.rows.set(index, { column, text: named(message, field, label), isWarning });
   } else if (LABELS.has(path)) {
     const text = named(message, field, /** @type {string} */ (LABELS.get(path)));
-    if (!sorted.fields.has(path)) sorted.fields.set(path, { text, isWarning });
+    if (!sorted.fields.has(path)) sorted.fields.set(path, { text, isWarning, refused });
   } else {
     sorted.others.push({ text: message, isWarning });
   }

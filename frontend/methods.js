@@ -83,10 +83,12 @@ export const METHODS = [
   },
 ];
 
-/** The method that the others are held against. @type {MethodName} */
+/** The method that the others are held against.
+ * @type {MethodName} */
 export const REFERENCE = 'exact';
 
-/** What is shown until a person chooses. @type {MethodName[]} */
+/** What is shown until a person chooses.
+ * @type {MethodName[]} */
 export const SHOWN_AT_FIRST = ['exact', 'first_order', 'second_order', 'compromise', 'newton', 'table'];
 
 /** @param {MethodName} name */

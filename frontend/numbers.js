@@ -32,11 +32,16 @@ export function formatEntry(entry) {
   return fraction === undefined ? grouped : `${grouped}.${fraction}`;
 }
 
+/** By digits after the point: to make one takes a hundred times as long as to use it.
+ * @type {Intl.NumberFormat[]} */
+const formats = [];
+
 /** @param {number} value @param {number} [digits] digits after the point */
 export function formatFixed(value, digits = 0) {
   const options = { minimumFractionDigits: digits, maximumFractionDigits: digits };
-  return value
-    .toLocaleString('en-US', options)
+  formats[digits] ??= new Intl.NumberFormat('en-US', options);
+  return formats[digits]
+    .format(value)
     .replace(/^-(?=[0.,]*$)/, '')
     .replace('-', '\u2212');
 }

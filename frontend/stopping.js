@@ -23,7 +23,7 @@ export function createStop(devices, say) {
   async function halt() {
     const moving = devices().filter(isMoving);
     if (moving.length === 0) await api.stopAll();
-    await Promise.all(moving.map((device) => api.halt(device.id)));
+    await Promise.all(moving.map((device) => api.act(device.id, 'halt')));
     say('Halted', false);
   }
 

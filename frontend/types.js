@@ -14,7 +14,7 @@
  * @property {{frequency_hz: Entry, counter_bits: Entry, shortest_interval_us: Entry}} timer
  * @property {{base_speed_steps_per_s: Entry, slew_speed_steps_per_s: Entry, acceleration_steps_per_s2: Entry,
  *   deceleration_steps_per_s2: Entry | null}} ramp
- * @property {{name: MethodName, arithmetic: string, rounding: string}} method
+ * @property {{name: MethodName, arithmetic: string, rounding: string, tuned_for?: string}} method
  * @property {{rows: [Entry, Entry][], interval_unit: string} | null} table
  * @property {{steps: Entry}} move */
 
@@ -31,15 +31,33 @@
  *   slew_steps: number, decelerate_steps: number}} summary
  * @property {{field: string | null, message: string}[]} warnings */
 
-/** @typedef {object} ErrorCurve
+/** One method's errors against the reference.
+ * @typedef {object} ErrorCurve
  * @property {MethodName} method
  * @property {number[]} step
  * @property {number[]} relative_error
- * @property {{value: number, step: number}} largest_relative_error */
+ * @property {number[]} [implied_acceleration_steps_per_s2]  when it was asked for
+ * @property {Record<ErrorPart, number[]>} [parts]            when they were asked for [ticks]
+ * @property {{value: number, step: number}} largest_relative_error
+ * @property {{value: number, step: number}} peak_acceleration_steps_per_s2
+ * @property {number} landing_error_steps_per_s */
+
+/** Where an error comes from.
+ * @typedef {'method' | 'arithmetic' | 'rounding' | 'compression'} ErrorPart */
+
+/** What the server answers to be drawn.
+ * @typedef {object} DrawnCurves
+ * @property {number} timer_hz
+ * @property {1 | -1} direction
+ * @property {(ErrorCurve & {intervals_ticks: number[], start_ticks: number[]} &
+ *   Pick<Profile, 'phases' | 'summary' | 'warnings'>)[]} methods
+ * @property {{method: MethodName, errors: Rejection[]}[]} failures */
 
 /** One round of answers to one design: everything that the plots and the summary show.
  * @typedef {object} Answer
  * @property {Design} design
+ * @property {[number, number] | null} range  first and last step of the part that has the points; null: the whole move
+ * @property {import('./units.js').Units} [units]  that it is shown in
  * @property {Partial<Record<MethodName, Profile>>} profiles
  * @property {Partial<Record<MethodName, ErrorCurve>>} errors
  * @property {Partial<Record<MethodName, string>>} failures  why a method has no profile */
@@ -48,6 +66,22 @@
 
 /** @typedef {{title: string, description: string, design: Design}} Example */
 
+/** What a fitted table is to keep to: one of rows, bytes and largest_relative_error (a fraction).
+ * @typedef {{rows?: number, bytes?: number, largest_relative_error?: number, row_kind: 'constant' | 'linear',
+ *   interval_unit: string}} FitWish */
+
+/** @typedef {object} FittedTable
+ * @property {{rows: [number, number][], interval_unit: string} | null} table  null for linear rows
+ * @property {[number, number, number][] | null} linear_rows  last ramp index, first delay, what is added each step
+ * @property {number} rows
+ * @property {number} bytes
+ * @property {number} largest_relative_error
+ * @property {number[]} relative_errors */
+
+/** @typedef {{steps: {at_us: number[], position: number[]}, stops: {at_us: number, position: number}[]}} PlayedTable */
+
+/** @typedef {{rows: number[], bytes: number[], largest_relative_error: number[]}} FitCurve */
+
 /** @typedef {{port: string, name: string, virtual: boolean}} Port */
 
 /** @typedef {{name: string, unit: string, requested: string, sent: string, read_back: string}} PushItem */
@@ -55,7 +89,51 @@
 /** @typedef {{items: PushItem[], verified: boolean, segments: number, bytes: number, largest_deviation_us: number,
  *   sequence: number, warnings: string[]}} Push */
 
+/** What is pushed: a design for one axis, or those of all.
+ * @typedef {{mode?: 'keep' | 'try'} & ({design: Design, to_axis: number} | {axes: Design[]})} Pushed */
+
+/** @typedef {{name: string, unit: string, on_device: string | null, to_send: string | null, differs: boolean,
+ *   axis: number | null}} PreviewItem */
+
+/** @typedef {{items: PreviewItem[], same: boolean, segments: number, bytes: number, largest_deviation_us: number,
+ *   warnings: string[]}} Preview */
+
+/** @typedef {{stage: 'planning' | 'sending' | 'checking' | 'storing' | 'reading_back', bytes_done: number,
+ *   bytes_total: number}} Progress */
+
+/** @typedef {{traced_axis: number, every_steps: number, timer_hz: number, complete: boolean, changed: boolean,
+ *   step: number[], planned_ticks: number[], measured_ticks: number[], deviation_us: number[]}} Trace */
+
+/** A finished move as it was made.
+ * @typedef {object} Measured
+ * @property {number[]} step
+ * @property {number[]} time_s
+ * @property {number[]} speed_steps_per_s
+ * @property {number[]} delay_us
+ * @property {number[]} deviation_us  how much later than planned */
+
+/** A running move as the controller tells of it, since it set out.
+ * @typedef {{time_s: number[], position: number[], speed: number[]}} Samples */
+
+/** How the controller drives its pins; see the API.
+ * @typedef {Record<string, unknown>} Settings */
+
+/** @typedef {object} AxisState
+ * @property {number} axis
+ * @property {'ready' | 'moving' | 'stopping' | 'lost'} state
+ * @property {number} position_steps
+ * @property {number} target_steps
+ * @property {number} speed_steps_per_s
+ * @property {number} steps_made */
+
 /** @typedef {object} Device
+ * @property {AxisState[]} axes
+ * @property {boolean} on_trial
+ * @property {Progress | null} progress
+ * @property {{axis: number, by_steps: number, times: number, times_done: number, pause_s: number} | null} shuttle
+ * @property {number[]} unknown_positions  axes that may be elsewhere than they count, since the device was lost
+ * @property {string | null} in_control    the page that is
+ * @property {number} heard_s
  * @property {string} id
  * @property {string} port
  * @property {string} name
@@ -78,6 +156,20 @@
  * @property {boolean} isDesignValid
  * @property {boolean} isBusy          something is being asked of a device
  * @property {boolean} isPushing
- * @property {boolean} isChanged       the design is another than the one last pushed */
+ * @property {boolean} isChanged       the design is another than the one last pushed
+ * @property {boolean} isOthers        another page is in control
+ * @property {boolean} isTracing
+ * @property {Preview | null} preview  what a push would change
+ * @property {string} previewProblem   why the device can't take the design
+ * @property {Trace | null} trace      of the last traced move
+ * @property {Design[]} designs        of all axes of the page
+ * @property {number} active           the one in hand
+ * @property {import('./units.js').Units} units */
 
 export {};
+
+/** Axes that begin together, each thinned.
+ * @typedef {object} ScheduledAxes
+ * @property {{name: string, pulses: {time_s: number[], speed_steps_per_s: number[]}}[]} axes
+ * @property {{field: string, message: string}[]} limits           what makes a line slower than its leader
+ * @property {{field: string | null, message: string}[]} warnings */

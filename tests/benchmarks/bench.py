@@ -16,6 +16,8 @@ from starlette.testclient import TestClient
 
 from benchmarks.firmware_engine import firmware_engine
 from benchmarks.firmware_machine import firmware_machine
+from benchmarks.frame_times import frame_times
+from browser.server import CHROMIUM
 from designs import design, document
 from simulator.avr import missing_tools
 from stepramp.http_api.app import create_app
@@ -107,10 +109,20 @@ def requests() -> None:
     with TestClient(create_app(), base_url="http://127.0.0.1") as client:
         for steps in (10_000, 1_000_000):
             changed = document(**long_ramp(steps))
-            for route, more in (("profile", {}), ("errors", {"methods": list(METHODS)})):
+            compared = {"methods": list(METHODS)}
+            for route, more in (("profile", {}), ("errors", compared), ("curves", compared)):
                 body = {"design": changed, "max_points": 2000, **more}
                 spent = milliseconds(lambda route=route, body=body: client.post(f"/api/v1/{route}", json=body))
                 print(f"| {steps:,} | {route}, 2,000 points | {spent:.2f} |", flush=True)
+
+
+def frames() -> None:
+    """Print the times from a slider's event to the painted frame, or that there is no browser."""
+    print("\n## In the browser\n")
+    if CHROMIUM.exists():
+        frame_times()
+    else:
+        print(f"Left out: {CHROMIUM} missing.")
 
 
 def firmware() -> None:
@@ -129,4 +141,5 @@ if __name__ == "__main__":
     numerics()
     segments()
     requests()
+    frames()
     firmware()

@@ -1,8 +1,10 @@
 """The page as a person uses it: what the tests do with it and read off it, in one place."""
 
+import contextlib
 import json
 import re
 import time
+import urllib.error
 import urllib.request
 from collections.abc import Callable
 from typing import Any, Self
@@ -21,6 +23,12 @@ def until(condition: Callable[[], Any], within_s: float = 8) -> None:
     while not condition():
         assert time.monotonic() < deadline, "it did not come about in time"
         time.sleep(0.03)
+
+
+def call(page: Page, module: str, function: str, *arguments: object) -> Any:
+    """Call a function of one of the page's modules."""
+    script = "async ([module, name, values]) => (await import(`/${module}`))[name](...values)"
+    return page.evaluate(script, [module, function, list(arguments)])
 
 
 class StepRampPage:
@@ -112,12 +120,18 @@ class StepRampPage:
         self.page.locator("#connect").click()
         expect(self.state).to_have_text("ready", timeout=10_000)
 
+    def device_section(self, name: str) -> None:
+        """Show a section of the device panel: push, move, jog, trace."""
+        self.page.locator(f'#device-sections [data-value="{name}"]').click()
+
     def push(self) -> None:
+        self.device_section("push")
         self.page.locator("#push").click()
         expect(self.page.locator(".push-head .verified")).to_be_visible(timeout=20_000)
         expect(self.state).to_have_text("ready")
 
     def move(self, steps: str, kind: str = "by") -> None:
+        self.device_section("move")
         self.page.locator(f'.panel.device .segmented [data-value="{kind}"]').click()
         self.page.locator("#move-steps").fill(steps)
         self.page.locator("#move").click()
@@ -126,9 +140,11 @@ class StepRampPage:
         return self.ask(self.url, "GET", "devices")["devices"]
 
     @staticmethod
-    def ask(url: str, method: str, path: str) -> Any:
+    def ask(url: str, method: str, path: str, body: object = None) -> Any:
         """Ask the server without the page, as another program would."""
-        request = urllib.request.Request(f"{url}api/v1/{path}", method=method)
+        content = None if body is None else json.dumps(body).encode()
+        headers = {} if body is None else {"Content-Type": "application/json"}
+        request = urllib.request.Request(f"{url}api/v1/{path}", content, headers, method=method)
         with urllib.request.urlopen(request, timeout=10) as response:
             return json.load(response)
 
@@ -136,6 +152,7 @@ class StepRampPage:
     def release_devices(cls, url: str) -> None:
         """Stop and disconnect every device."""
         for device in cls.ask(url, "GET", "devices")["devices"]:
-            cls.ask(url, "POST", f"devices/{device['id']}/halt")
+            with contextlib.suppress(urllib.error.HTTPError):  # It is lost: nothing moves that could be stopped.
+                cls.ask(url, "POST", f"devices/{device['id']}/halt")
             until(lambda one=device["id"]: cls.ask(url, "GET", f"devices/{one}")["state"] in ("ready", "lost"))
             cls.ask(url, "DELETE", f"devices/{device['id']}")

@@ -56,7 +56,7 @@ def test_several_wrong_values_are_told_at_once_each_at_its_place(stepramp: StepR
     expect(stepramp.page.locator("#table-1-1")).to_have_attribute("aria-describedby", "table-1-message")
     stepramp.page.locator("#table-1-1").fill("4000")
     stepramp.page.locator("#table-2-0").fill("1")
-    expect(stepramp.page.locator("#table-2-message")).to_contain_text("Row 3, last step, is 1")
+    expect(stepramp.page.locator("#table-2-message")).to_contain_text("Row 3, last index, is 1")
     expect(stepramp.page.locator("#table-1-message")).to_have_count(0)
 
 

@@ -30,16 +30,16 @@ def test_a_wrong_value_is_kept_and_told_again(stepramp: StepRampPage, watch: Wat
 
 def test_a_stored_document_that_makes_no_sense_is_set_aside(stepramp: StepRampPage) -> None:
     for text in ("{not json", '{"schema": "stepramp/9"}'):
-        stepramp.page.evaluate("(text) => localStorage.setItem('stepramp.design', text)", text)
+        stepramp.page.evaluate("(text) => localStorage.setItem('stepramp.work', text)", text)
         stepramp.reload()
         expect(stepramp.page.locator(".design-name")).to_have_value("Lead-screw stage")
-        assert stepramp.page.evaluate("localStorage.getItem('stepramp.design.unreadable')") == text
+        assert stepramp.page.evaluate("localStorage.getItem('stepramp.work.unreadable')") == text
 
 
 def test_a_stored_document_with_unknown_parts_is_told_and_can_be_left(stepramp: StepRampPage, watch: Watch) -> None:
     watch.expected.append(REFUSED_VALUE)
-    script = """() => { const design = JSON.parse(localStorage.getItem('stepramp.design'));
-        localStorage.setItem('stepramp.design', JSON.stringify({...design, extra: 1})); }"""
+    script = """() => { const state = JSON.parse(localStorage.getItem('stepramp.work')); state.axes[0].extra = 1;
+        localStorage.setItem('stepramp.work', JSON.stringify(state)); }"""
     stepramp.page.evaluate(script)
     stepramp.page.reload()
     expect(stepramp.page.locator(".summary-messages")).to_contain_text("extra")

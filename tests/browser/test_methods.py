@@ -59,9 +59,7 @@ def test_only_what_is_shown_is_asked_for(stepramp: StepRampPage) -> None:
     asked: list[str] = []
 
     def note(request: Request) -> None:
-        if request.url.endswith("/profile"):
-            asked.append(json.loads(request.post_data or "")["design"]["method"]["name"])
-        elif request.url.endswith("/errors"):
+        if request.url.endswith("/curves"):
             asked.extend(json.loads(request.post_data or "")["methods"])
 
     until(lambda: drawn(stepramp) == SHOWN_AT_FIRST)

@@ -1,13 +1,12 @@
 """The page's modules that know no page, run in the browser they are made for."""
 
 from collections.abc import Iterator
-from typing import Any
 
 import pytest
 from playwright.sync_api import Browser, Page
 
 from browser.server import Server
-from browser.stepramp_page import StepRampPage
+from browser.stepramp_page import StepRampPage, call
 
 
 @pytest.fixture(scope="module")
@@ -16,11 +15,6 @@ def page(browser: Browser, shared_server: Server) -> Iterator[Page]:
     StepRampPage(opened, shared_server.url).open()
     yield opened
     opened.close()
-
-
-def call(page: Page, module: str, function: str, *arguments: object) -> Any:
-    script = "async ([module, name, values]) => (await import(`/${module}`))[name](...values)"
-    return page.evaluate(script, [module, function, list(arguments)])
 
 
 @pytest.mark.parametrize(
@@ -104,34 +98,28 @@ def test_a_formatted_entry_reads_back_as_the_same_number(page: Page) -> None:
         assert call(page, "numbers.js", "parseEntry", call(page, "numbers.js", "formatEntry", value)) == value
 
 
-def test_a_slider_gives_back_what_it_shows(page: Page) -> None:
-    script = """async () => { const {GROUPS, sliderPosition, sliderValue} = await import('/fields.js');
-        return GROUPS.flatMap((group) => group.fields).flatMap(({path, slider}) => [slider.from, slider.to]
-            .filter((end) => sliderValue(slider, sliderPosition(slider, end), 1) !== end)
-            .map((end) => [path, end])); }"""
-    assert page.evaluate(script) == []
-
-
 SCENE = """async (change) => {
-    const {figureOf} = await import('/figure.js');
+    const {figureOf, layoutOf, tracesOf} = await import('/figure.js');
     const {curveOf} = await import('/curves.js');
-    const profile = {step: [1, 2, 3, 4], intervals_ticks: [20000, 10000, 10000, 20000], time_s: [0, .01, .015, .02],
-        position_steps: [1, 2, 3, 4], speed_steps_per_s: [100, 200, 200, 100],
+    const profile = {step: [1, 2, 3, 4], intervals_ticks: [20000, 4000, 4000, 20000], time_s: [0, .01, .012, .014],
+        position_steps: [1, 2, 3, 4], speed_steps_per_s: [100, 500, 500, 100],
         phases: [{name: 'accelerate', first_step: 1, last_step: 2}, {name: 'decelerate', first_step: 3, last_step: 4}],
-        summary: {steps: 4, duration_s: .03, peak_speed_steps_per_s: 200, accelerate_steps: 2, slew_steps: 0,
+        summary: {steps: 4, duration_s: .024, peak_speed_steps_per_s: 500, accelerate_steps: 2, slew_steps: 0,
             decelerate_steps: 2}, warnings: []};
     const answer = {design: {axis: {full_steps_per_rev: 200, microsteps: 2, travel_per_rev: 8, travel_unit: 'mm'},
         timer: {frequency_hz: 2e6}, method: {name: change.method ?? 'first_order'}},
         profiles: {exact: profile, first_order: profile, table: profile}, failures: {},
-        errors: {first_order: {step: [1, 4], relative_error: [0, -.25]},
-            table: {step: [1, 4], relative_error: [0, .1]}}};
-    const scene = {answer, axis: 'step', view: 'whole', only: 'velocity', zoom: null, compact: false, moving: false,
+        errors: {exact: {step: profile.step, relative_error: [0, 0, 0, 0]},
+            first_order: {step: profile.step, relative_error: [0, 0, 0, -.25]},
+            table: {step: profile.step, relative_error: [0, 0, 0, .1]}}};
+    const scene = {answer, axis: 'step', view: 'whole', only: 'velocity', zoom: null, compact: false,
         shown: new Set(['exact', 'first_order', 'table']), size: {width: 800, height: 600}, colours: {}, dashes: {},
         font: 'serif', ...change};
     scene.shown = new Set(scene.shown);
     scene.curves = Object.fromEntries(['exact', 'first_order', 'table']
         .map((name) => [name, curveOf(answer, name, scene.axis)]));
-    return figureOf(scene);
+    const {lines, frame} = figureOf(scene);
+    return {traces: tracesOf(lines), layout: layoutOf(scene, frame)};
 }"""
 
 
@@ -143,11 +131,44 @@ def test_traces_come_in_three_a_method_the_chosen_one_last_and_widest(page: Page
     ]
     assert max(trace["line"]["width"] for trace in traces) == traces[-1]["line"]["width"]
     assert [trace["yaxis"] for trace in traces[:3]] == ["y", "y2", "y3"]
-    assert traces[0]["y"] == [100, 200, 200, 100]
-    assert traces[1]["y"] == [10000, 5000, 5000, 10000], "in µs"
-    assert traces[3]["line"]["shape"] == "vh", "a table is a staircase"
+    assert traces[0]["y"] == [100, 500, 500, 100]
+    assert traces[1]["y"] == [10000, 2000, 2000, 10000], "in µs"
     assert [trace["line"].get("dash") for trace in traces[2:5]] == [None, "5px, 3px", "5px, 3px"]
-    assert traces[8]["y"] == [0, -25], "in per cent"
+    assert traces[8]["y"] == [0, 0, 0, -25], "in per cent"
+
+
+def test_few_steps_are_drawn_as_steps_and_a_table_always_is(page: Page) -> None:
+    def shapes(**change: object) -> dict[str, str]:
+        return {trace["uid"]: trace["line"]["shape"] for trace in page.evaluate(SCENE, change)["traces"]}
+
+    assert {shapes()[f"first_order-{plot}"] for plot in ("velocity", "delay", "error")} == {"hvh"}
+    assert shapes(axis="time")["first_order-delay"] == "hv", "an interval follows its pulse"
+    narrow = shapes(size={"width": 80, "height": 600})
+    assert (narrow["first_order-velocity"], narrow["table-velocity"], narrow["table-error"]) == (
+        "linear",
+        "vh",
+        "linear",
+    )
+
+
+def test_ranges_stay_while_a_slider_moves_as_long_as_all_fits(page: Page) -> None:
+    script = """async (peaks) => { const {frameOf} = await import('/frame.js');
+        const sceneOf = (peak) => ({answer: {design: {axis: {}, method: {name: 'exact'}},
+            profiles: {exact: {phases: [{name: 'accelerate', first_step: 1, last_step: 2}]}}},
+            shown: new Set(['exact']),
+            curves: {exact: {step: [1, 2], x: [1, 2], shownSpeed: [0, peak], delay_us: [9, 1],
+                error: {x: [1, 2], percent: [0, 1]}}}, axis: 'step', view: 'whole', zoom: null,
+            size: {width: 800, height: 600}, compact: false, only: 'velocity'});
+        let held = null;
+        return peaks.map((peak) => {
+            held = frameOf({...sceneOf(peak), held, hold: 'while it fits'});
+            return held.plots[0].range.high;
+        }); }"""
+    tight, same, grown, still, shrunk = page.evaluate(script, [100, 90, 150, 160, 20])
+    assert tight == pytest.approx(112)
+    assert same == tight
+    assert grown == still > 168, "with room for more"
+    assert 20 < shrunk < 60
 
 
 def test_hidden_methods_and_a_phone_s_other_plots_are_invisible(page: Page) -> None:
@@ -161,7 +182,7 @@ def test_axes_show_all_curves_and_stack_without_overlap(page: Page) -> None:
     assert domains[0][0] == pytest.approx(0, abs=1e-9)
     assert domains[0][1] < domains[1][0] < domains[1][1] < domains[2][0]
     assert domains[2][1] == pytest.approx(1)
-    assert layout["yaxis"]["range"][1] > 200
+    assert layout["yaxis"]["range"][1] > 500
     assert layout["yaxis2"]["type"] == "log"
     assert layout["yaxis3"]["range"][0] < -25
     assert layout["yaxis3"]["range"][1] > 10
@@ -180,3 +201,35 @@ def test_a_move_of_another_length_is_placed_by_its_ramps(page: Page) -> None:
     places = {(0, 2000): 0, (50, 1950): 50, (1000, 1000): 250, (1950, 50): 450, (2000, 0): 500, (250, 250): 250}
     for (done, remaining), step in places.items():
         assert call(page, "curves.js", "plottedStep", {"summary": summary}, done, remaining) == step
+
+
+def path_of(page: Page, x: list[float], y: list[float], shape: str = "linear", *, log: bool = False) -> str:
+    scale = {"at": 0, "per": 10, "isLog": False}
+    up = {"at": 100, "per": -10, "isLog": log}
+    return call(page, "thinning.js", "pathOf", {"x": x, "y": y, "shape": shape}, scale, up, 100)
+
+
+def test_paths_go_through_their_points_in_each_shape(page: Page) -> None:
+    assert path_of(page, [0, 1, 2], [1, 2, 2]) == "M0,90L10,80L20,80"
+    assert path_of(page, [0, 1], [1, 2], "hv") == "M0,90H10V80"
+    assert path_of(page, [0, 1], [1, 2], "vh") == "M0,90V80H10"
+    assert path_of(page, [0, 1], [1, 2], "hvh") == "M0,90H5V80H10"
+    assert path_of(page, [2, 1, 0], [1, 2, 3]) == "M20,90L10,80L0,70", "a move backward"
+    assert path_of(page, [0, 1, 2, 3], [1, 0, 1, 1], log=True) == "M0,100M20,100L30,100", "0 has no logarithm"
+
+
+def test_paths_keep_the_extremes_of_each_column_of_pixels_and_leave_out_what_is_not_seen(page: Page) -> None:
+    x = [i / 1000 for i in range(10_000)]
+    y = [5 + 4 * (-1) ** i if 4000 < i < 4010 else 5 for i in range(10_000)]
+    path = path_of(page, x, y)
+    assert path.count("L") < 300
+    places = [tuple(map(float, place.split(","))) for place in path[1:].split("L")]
+    assert {down for right, down in places if 39 <= right <= 41} == {10, 50, 90}
+    assert path_of(page, [-50, -40, 1, 2, 40, 50], [1, 1, 2, 2, 3, 3]) == "M-400,90L10,80L20,80L400,70"
+
+
+def test_a_range_is_kept_within_the_move(page: Page) -> None:
+    cases = [([5, 90], 100, [5, 90]), ([-3, 90], 100, [1, 90]), ([5, 190], 100, [5, 100]), ([1, 100], 100, None),
+             ([100, 200], 100, None), (None, 100, None), ([5, 90], None, None)]  # fmt: skip
+    for wanted, steps, expected in cases:
+        assert call(page, "calculation.js", "rangeWithin", wanted, steps) == expected

@@ -1,7 +1,11 @@
 """What the plots show and how they are looked at."""
 
+from collections import Counter
+from collections.abc import Callable
+from typing import Any
+
 import pytest
-from playwright.sync_api import expect
+from playwright.sync_api import WebSocket, expect
 
 from browser.stepramp_page import ACCELERATION, SLEW_SPEED, StepRampPage, until
 
@@ -35,21 +39,28 @@ def test_the_slider_changes_the_number_and_the_plots_at_once(stepramp: StepRampP
     until(lambda: "1,000" in stepramp.figure_text("peak"))
 
 
-def test_requests_do_not_pile_up_while_a_slider_is_dragged(stepramp: StepRampPage) -> None:
-    under_way, most = 0, 0
+def test_requests_do_not_pile_up_while_a_slider_is_dragged(open_page: Callable[..., StepRampPage]) -> None:
+    # Questions over the socket and requests, each on its own: the browser reports the two out of step.
+    under_way, most, total = Counter[str](), Counter[str](), Counter[str]()
 
-    def asked(_: object) -> None:
-        nonlocal under_way, most
-        under_way += 1
-        most = max(most, under_way)
+    def begun(way: str) -> None:
+        under_way[way] += 1
+        total[way] += 1
+        most[way] = max(most[way], under_way[way])
 
-    def answered(_: object) -> None:
-        nonlocal under_way
-        under_way -= 1
+    def ended(way: str) -> None:
+        under_way[way] -= 1
 
+    def opened(socket: WebSocket) -> None:
+        if "/curves/" in socket.url:
+            socket.on("framesent", lambda _: begun("socket"))
+            socket.on("framereceived", lambda _: ended("socket"))
+
+    stepramp = open_page()  # whose socket nobody has opened yet
     page = stepramp.page
-    page.on("request", asked)
-    page.on("requestfinished", answered)
+    page.on("request", lambda request: request.url.endswith("/curves") and begun("request"))
+    page.on("requestfinished", lambda request: request.url.endswith("/curves") and ended("request"))
+    page.on("websocket", opened)
     box = stepramp.slider(SLEW_SPEED).bounding_box()
     assert box
     page.mouse.move(box["x"] + box["width"] * 0.3, box["y"] + 7)
@@ -58,7 +69,8 @@ def test_requests_do_not_pile_up_while_a_slider_is_dragged(stepramp: StepRampPag
     page.mouse.up()
     value = float(stepramp.field(SLEW_SPEED).input_value().replace(",", ""))
     until(lambda: f"of {value:,.0f} asked for" in stepramp.figure_text("peak"))
-    assert most <= 7, "six profiles and their errors: one round"
+    assert most == {"socket": 1, "request": 1}
+    assert total["socket"] > 5
 
 
 def test_the_views_show_their_part_of_the_move(stepramp: StepRampPage) -> None:
@@ -146,3 +158,163 @@ def test_the_phases_are_labelled(stepramp: StepRampPage) -> None:
         expect(stepramp.page.locator(f'[data-phase="{name}"]')).to_contain_text(words)
     stepramp.field("move.steps").fill("100")
     expect(stepramp.page.locator('[data-phase="slew"]')).to_have_count(0)
+
+
+def design_of(stepramp: StepRampPage, **changes: dict[str, object]) -> dict[str, Any]:
+    """Return the lead-screw stage with other values, as the server has it."""
+    examples = stepramp.ask(stepramp.url, "GET", "examples")["examples"]
+    design = next(one["design"] for one in examples if one["title"] == "Lead-screw stage")
+    return {**design, **{part: {**design[part], **values} for part, values in changes.items()}}
+
+
+def trace(stepramp: StepRampPage, uid: str) -> dict[str, Any]:
+    script = """(uid) => { const one = document.querySelector('.figure').data.find((trace) => trace.uid === uid);
+        return one && {x: Array.from(one.x), y: Array.from(one.y), visible: one.visible, shape: one.line.shape}; }"""
+    return stepramp.page.evaluate(script, uid)
+
+
+def test_zoomed_in_every_step_is_there_and_drawn_as_a_step(stepramp: StepRampPage) -> None:
+    stepramp.field("move.steps").fill("200000")
+    stepramp.field(ACCELERATION).fill("10")
+    until(lambda: stepramp.x_axis()["range"][1] > 200_000)
+    whole = stepramp.ask(stepramp.url, "POST", "profile", {"design": design_of(
+        stepramp, move={"steps": 200_000}, ramp={"acceleration_steps_per_s2": 10})})  # fmt: skip
+    assert len(trace(stepramp, "exact-delay")["x"]) < 5_000
+    box = stepramp.page.locator(".scope").bounding_box()
+    assert box
+    stepramp.page.mouse.move(box["x"] + 120, box["y"] + 150)
+    for _ in range(13):
+        stepramp.page.mouse.wheel(0, -500)
+
+    def in_view() -> dict[int, float]:
+        low, high = stepramp.x_axis()["range"]
+        drawn = trace(stepramp, "exact-delay")
+        return {step: delay for step, delay in zip(drawn["x"], drawn["y"], strict=True) if low <= step <= high}
+
+    def is_whole() -> bool:
+        low, high = stepramp.x_axis()["range"]
+        return high - low < 400 and len(in_view()) >= int(high) - int(low) - 1
+
+    until(is_whole)
+    for step, delay in in_view().items():
+        assert delay == pytest.approx(whole["intervals_ticks"][step - 1] / 2)
+    until(lambda: trace(stepramp, "exact-delay")["shape"] == "hvh")
+    stepramp.page.keyboard.press("Escape")
+
+
+def test_the_implied_acceleration_is_drawn_when_wanted(stepramp: StepRampPage) -> None:
+    switch = stepramp.page.locator("#show-acceleration")
+    assert trace(stepramp, "implied-acceleration") is None
+    switch.click()
+    until(lambda: (trace(stepramp, "implied-acceleration") or {}).get("visible"))
+    drawn = trace(stepramp, "implied-acceleration")
+    body = {"design": design_of(stepramp), "methods": ["exact"], "curves": ["implied_acceleration_steps_per_s2"]}
+    [errors] = stepramp.ask(stepramp.url, "POST", "errors", body)["methods"]
+    expected = [errors["implied_acceleration_steps_per_s2"][step - 1] for step in drawn["x"]]
+    assert drawn["y"] == pytest.approx(expected, rel=1e-5)
+    switch.click()
+    until(lambda: trace(stepramp, "implied-acceleration") is None)
+
+
+def test_the_error_is_split_into_its_parts(stepramp: StepRampPage) -> None:
+    stepramp.page.locator("#method").select_option("second_order")
+    stepramp.page.locator('#third-choice [data-value="parts"]').click()
+    until(lambda: (trace(stepramp, "part-method") or {}).get("visible"))
+    until(lambda: not trace(stepramp, "newton-error")["visible"])
+    method = {"name": "second_order", "arithmetic": "float32"}
+    names = [f"{part}_error_ticks" for part in ("method", "arithmetic", "rounding", "compression")]
+    body = {"design": design_of(stepramp, method=method), "methods": ["second_order"], "segment_bound_ticks": 1,
+            "curves": [*names, "tick_error", "relative_error"]}  # fmt: skip
+    [errors] = stepramp.ask(stepramp.url, "POST", "errors", body)["methods"]
+    # By (17) and (5), the intervals that the parts are measured by.
+    reference = [2e6 / (2 * 5000 * step) ** 0.5 for step in range(1, 101)]
+    for part in ("method", "arithmetic", "rounding", "compression"):
+        drawn = trace(stepramp, f"part-{part}")
+        shares = dict(zip(drawn["x"], drawn["y"], strict=True))
+        for step in (1, 2, 3, 50, 100):
+            expected = errors[f"{part}_error_ticks"][step - 1] / reference[step - 1] * 100
+            assert shares[step] == pytest.approx(expected, rel=1e-3, abs=1e-4), part
+    stepramp.page.locator('#third-choice [data-value="error"]').click()
+    until(lambda: trace(stepramp, "newton-error")["visible"])
+
+
+SLIDE = """async ([path, count]) => {
+    const slider = document.querySelector(`.parameter[data-path="${path}"] .slider`);
+    for (let i = 0; i < count; i += 1) {
+        slider.value = String(Number(slider.max) * (0.5 + 0.02 * (i % 5)));
+        slider.dispatchEvent(new Event('input', {bubbles: true}));
+        await new Promise((done) => requestAnimationFrame(done));
+    }
+}"""
+
+
+def test_while_a_slider_moves_only_paths_are_rewritten_and_then_all_is_drawn_with_care(stepramp: StepRampPage) -> None:
+    page = stepramp.page
+    page.evaluate(SLIDE, [ACCELERATION, 5])
+    watch = """async ([path]) => {
+        const figure = document.querySelector('.figure');
+        const drawn = figure.data, paths = new Set();
+        const line = figure.querySelector('.traceexact-velocity path.js-line');
+        const slider = document.querySelector(`.parameter[data-path="${path}"] .slider`);
+        for (let i = 0; i < 40; i += 1) {
+            slider.value = String(Number(slider.max) * (0.55 + 0.0002 * i));
+            slider.dispatchEvent(new Event('input', {bubbles: true}));
+            await new Promise((done) => setTimeout(done, 15));
+            paths.add(line.getAttribute('d'));
+        }
+        return [paths.size, line.isConnected];
+    }"""
+    rewritten, is_same = page.evaluate(watch, [ACCELERATION])
+    assert rewritten > 3
+    assert is_same
+    page.locator(f'.parameter[data-path="{ACCELERATION}"] .slider').dispatch_event("change")
+    value = float(stepramp.field(ACCELERATION).input_value().replace(",", ""))
+    first = (2 * value) ** 0.5
+    until(lambda: trace(stepramp, "exact-velocity")["y"][0] == pytest.approx(first, rel=1e-3))
+
+
+def test_hundreds_of_edits_leave_nothing_behind(stepramp: StepRampPage) -> None:
+    page = stepramp.page
+    session = page.context.new_cdp_session(page)
+
+    def left() -> tuple[float, float, float]:
+        page.wait_for_timeout(600)
+        session.send("HeapProfiler.collectGarbage")
+        heap, dom = session.send("Runtime.getHeapUsage"), session.send("Memory.getDOMCounters")
+        return heap["usedSize"] / 2**20, dom["nodes"], dom["jsEventListeners"]
+
+    page.evaluate(SLIDE, [ACCELERATION, 100])
+    heap, nodes, listeners = left()
+    page.evaluate(SLIDE, [ACCELERATION, 400])
+    heap_after, nodes_after, listeners_after = left()
+    assert heap_after < heap + 3, "MiB"
+    assert nodes_after < nodes + 200
+    assert listeners_after < listeners + 20
+
+
+def test_fingers_zoom_pan_and_show_all(stepramp: StepRampPage) -> None:
+    touch = """([kind, id, x]) => { const scope = document.querySelector('.scope');
+        const box = scope.getBoundingClientRect();
+        scope.dispatchEvent(new PointerEvent(kind, {pointerId: id, pointerType: 'touch', bubbles: true,
+            clientX: box.left + x, clientY: box.top + 120})); }"""
+
+    def do(kind: str, finger: int, x: float) -> None:
+        stepramp.page.evaluate(touch, [kind, finger, x])
+
+    whole = stepramp.x_axis()["range"]
+    do("pointerdown", 1, 300)
+    do("pointerdown", 2, 500)
+    do("pointermove", 2, 700)
+    for finger in (1, 2):
+        do("pointerup", finger, 500)
+    until(lambda: stepramp.x_axis()["range"][1] - stepramp.x_axis()["range"][0] < 0.6 * (whole[1] - whole[0]))
+    low = stepramp.x_axis()["range"][0]
+    do("pointerdown", 3, 400)
+    do("pointermove", 3, 440)
+    do("pointerup", 3, 440)
+    until(lambda: whole[0] <= stepramp.x_axis()["range"][0] < low)
+    stepramp.page.wait_for_timeout(400)
+    for finger in (4, 5):
+        do("pointerdown", finger, 600)
+        do("pointerup", finger, 600)
+    until(lambda: stepramp.x_axis()["range"] == whole)

@@ -1,140 +1,122 @@
 // @ts-check
-// The device: which one, what it does, pushing the ramp to it and moving with it.
+// The device: which one, what it does, and in sections what can be done with it.
 
-import { element, icon, messageLine, picker, segmented, showMessage } from '../../dom.js';
-import { formatEntry, formatFixed, parseEntry } from '../../numbers.js';
-import { createPushReport } from './push_report.js';
+import { element, icon, messageLine, picker, segmented } from '../../dom.js';
+import { createJogSection } from './jog_section.js';
+import { createLive } from './live.js';
+import { createMoveSection } from './move_section.js';
+import { createPushSection } from './push_section.js';
+import { createSettingsDialog } from './settings_dialog.js';
+import { createTraceSection } from './trace_section.js';
 
 /** @typedef {import('../../types.js').Device} Device */
 /** @typedef {import('../../types.js').Port} Port */
-/** @typedef {{by_steps: unknown} | {to_steps: unknown}} Move */
-
 /** @typedef {import('../../types.js').Situation} Situation */
+/** @typedef {import('./section.js').Section} Section */
+/** @typedef {'push' | 'move' | 'jog' | 'trace'} SectionName */
+
+/** @type {[SectionName, string][]} */
+const SECTIONS = [
+  ['push', 'Push'],
+  ['move', 'Move'],
+  ['jog', 'Jog'],
+  ['trace', 'Trace'],
+];
+/** What people read for a state; all others are called what they are.
+ * @type {Record<string, string>} */
+const STATE_WORDS = { none: 'not connected', connecting: 'waiting for the board' };
 
 /**
  * @param {HTMLElement} root
- * @param {object} handlers
- * @param {() => void} handlers.onRefresh
- * @param {() => void} handlers.onPort
- * @param {(port: string) => void} handlers.onConnect
- * @param {(device: Device) => void} handlers.onDisconnect
- * @param {(device: Device) => void} handlers.onPush
- * @param {(device: Device, move: Move) => void} handlers.onMove
+ * @param {import('../../fleet.js').Fleet} fleet
+ * @param {() => void} onChoice  another device or axis was chosen
  */
-export function createDevice(root, handlers) {
+export function createDevice(root, fleet, onChoice) {
   /** @type {Port[]} */
   let ports = [];
   /** @type {Device[]} */
   let devices = [];
   let port = '';
+  /** The device shown last, which keeps its id when it comes back at another port.
+   * @type {string | null} */
+  let shownId = null;
   let isPortChosen = false;
-  /** What the server refused last, other than a move. */
+  let axis = 0;
+  /** @type {SectionName} */
+  let chosen = 'push';
+  /** What the server refused last, other than what a field shows. */
   let refused = '';
-  /** @type {'by' | 'to'} */
-  let kind = 'by';
+  /** @type {Situation | null} */
+  let situation = null;
 
-  const pill = element('span', { className: 'pill' });
+  const pill = element('span', { className: 'pill', role: 'status' });
+  const settings = createSettingsDialog();
+  const gear = iconButton('settings', 'How the controller drives its pins', 'gear', () => {
+    const present = device();
+    if (present) settings.open(present);
+  });
   const choice = picker('Port', (value) => {
     port = value;
     isPortChosen = true;
+    shownId = null;
     refused = '';
-    handlers.onPort();
+    onChoice();
   });
   choice.element.classList.add('grow');
   choice.select.id = 'port';
-  const refresh = element(
-    'button',
-    {
-      className: 'button square',
-      type: 'button',
-      'aria-label': 'Look for ports again',
-      title: 'Look for ports again',
-      onclick: handlers.onRefresh,
-    },
-    icon('refresh'),
-  );
+  const refresh = iconButton('refresh-ports', 'Look for ports again', 'refresh', fleet.refreshPorts);
   const connect = element('button', { className: 'button', id: 'connect', type: 'button', onclick: toggleConnection });
   const problem = element('div', { className: 'problem', role: 'alert' });
-  const report = createPushReport();
-  const push = element(
-    'button',
-    {
-      className: 'button primary grow',
-      id: 'push',
+  const control = element(
+    'div',
+    { className: 'others', id: 'others', role: 'status' },
+    messageLine({ text: 'Another page is in control of it. You see all it does, and STOP works.', isWarning: true }),
+    element('button', {
+      className: 'button small',
+      id: 'take-over',
       type: 'button',
-      'aria-describedby': 'push-reason',
-      onclick: () => withDevice(handlers.onPush),
-    },
-    icon('send'),
-    element('span'),
+      textContent: 'Take over',
+      onclick: () => withDevice(fleet.takeOver),
+    }),
   );
-  const pushReason = element('p', { className: 'reason', id: 'push-reason' });
-  const kinds = segmented(
-    'Kind of move',
-    [
-      ['by', 'By'],
-      ['to', 'To'],
-    ],
-    (value) => {
-      kind = value;
-      kinds.press(kind);
-    },
-  );
-  kinds.press(kind);
-  const distance = element('input', {
-    id: 'move-steps',
-    inputMode: 'numeric',
-    autocomplete: 'off',
-    spellcheck: false,
-    value: '400',
-    'aria-label': 'Steps to move, or position to move to',
-    onblur: () => {
-      distance.value = formatEntry(parseEntry(distance.value));
-    },
+  const live = createLive();
+  const axisChoice = picker('Axis of the device', (value) => {
+    axis = Number(value);
+    onChoice();
   });
-  const move = element('button', {
-    className: 'button',
-    id: 'move',
-    type: 'submit',
-    'aria-describedby': 'move-reason',
-    textContent: 'Move',
+  axisChoice.select.id = 'device-axis';
+  /** @type {Record<SectionName, Section>} */
+  const sections = {
+    push: createPushSection({
+      push: (present, mode) => situation && fleet.push(present, situation.designs, axis, mode),
+      store: fleet.store,
+    }),
+    move: createMoveSection(fleet.go),
+    jog: createJogSection(fleet.jog, fleet),
+    trace: createTraceSection(fleet.trace),
+  };
+  const tabs = segmented('Work with the device', SECTIONS, (name) => {
+    chosen = name;
+    onChoice();
   });
-  const moveReason = element('p', { className: 'reason', id: 'move-reason' });
-  const moveProblem = element('div', { className: 'problem' });
-  const position = readout('Position', 'steps', 'position');
-  const speed = readout('Speed', 'steps/s', 'speed');
-  const form = element(
-    'form',
-    { className: 'line', onsubmit: submitted },
-    kinds.element,
-    element(
-      'span',
-      { className: 'field grow' },
-      distance,
-      element('span', { className: 'unit', textContent: 'steps' }),
-    ),
-    move,
-  );
+  tabs.element.classList.add('fill', 'grow');
+  tabs.element.id = 'device-sections';
   root.replaceChildren(
-    element('div', { className: 'panel-head' }, element('h2', { textContent: 'Device' }), pill),
+    element('div', { className: 'panel-head' }, element('h2', { textContent: 'Device' }), pill, gear),
     element(
       'div',
       { className: 'device-body' },
       element('div', { className: 'line' }, choice.element, refresh, connect),
       problem,
-      element('div', { className: 'live' }, position.element, speed.element),
-      form,
-      moveProblem,
-      moveReason,
-      element('div', { className: 'separator' }),
-      element('div', { className: 'line' }, push),
-      pushReason,
-      report.element,
+      control,
+      live.element,
+      element('div', { className: 'line' }, tabs.element, axisChoice.element),
+      ...SECTIONS.map(([name]) => sections[name].element),
     ),
   );
 
   function device() {
-    return devices.find((one) => one.port === port) ?? null;
+    return devices.find((one) => one.id === shownId) ?? devices.find((one) => one.port === port) ?? null;
   }
 
   /** @param {(device: Device) => void} act */
@@ -145,18 +127,13 @@ export function createDevice(root, handlers) {
 
   function toggleConnection() {
     const present = device();
-    if (present && present.state !== 'lost') handlers.onDisconnect(present);
-    else handlers.onConnect(port);
-  }
-
-  /** @param {SubmitEvent} event */
-  function submitted(event) {
-    event.preventDefault();
-    const steps = parseEntry(distance.value);
-    withDevice((present) => handlers.onMove(present, kind === 'by' ? { by_steps: steps } : { to_steps: steps }));
+    if (present && present.state !== 'lost') fleet.disconnect(present);
+    else fleet.connect(port);
   }
 
   function offerPorts() {
+    const present = devices.find((one) => one.id === shownId);
+    if (present) port = present.port;
     const gone = devices
       .filter((one) => !ports.some((known) => known.port === one.port))
       .map((one) => /** @type {[string, string]} */ ([one.port, `${one.name} (${one.port})`]));
@@ -164,51 +141,73 @@ export function createDevice(root, handlers) {
     // Until a person chooses, a device that is connected already comes first: a reload finds it again.
     if (!isPortChosen || !choices.some(([value]) => value === port)) port = devices[0]?.port ?? choices[0]?.[0] ?? '';
     choice.offer(choices.length > 0 ? choices : [['', 'no port found']], port);
+    shownId = device()?.id ?? null;
   }
 
-  /** @param {Situation} situation */
-  function show(situation) {
-    const present = device();
-    const isConnected = present !== null && present.state !== 'lost';
+  /** Why nothing can be asked of a device; empty: something can.
+   * @param {Device | null} present @param {Situation} now */
+  function hindrance(present, now) {
+    if (!now.isServerThere) return 'The server is gone.';
+    if (present === null || present.state === 'lost') return 'Connect a device first.';
+    if (now.isOthers) return 'Another page is in control.';
+    if (present.state === 'connecting') return 'It is waiting for the board.';
+    return present.state === 'writing' ? 'It is writing its ramp.' : '';
+  }
+
+  function showSections() {
+    if (situation === null) return;
+    const found = device();
+    const present = found?.state === 'lost' ? null : found;
     const isMoving = present?.state === 'moving' || present?.state === 'stopping';
-    pill.dataset.state = present?.state ?? 'none';
-    pill.textContent = present?.state ?? 'not connected';
-    connect.textContent = isConnected ? 'Disconnect' : situation.isBusy && !present ? 'Connecting…' : 'Connect';
-    connect.disabled = !situation.isServerThere || situation.isBusy || isMoving || port === '';
-    connect.title = isMoving ? 'Stop it first' : '';
-    showProblem(present?.state === 'lost' ? (present.message ?? 'The device is lost.') : refused);
-    const noDevice = !situation.isServerThere ? 'The server is gone.' : !isConnected ? 'Connect a device first.' : '';
-    const inTheWay =
-      noDevice ||
-      (isMoving
-        ? 'Wait until it is at rest, or stop it.'
-        : present?.state === 'writing'
-          ? 'It is writing its ramp.'
-          : present?.state === 'connecting'
-            ? 'It is connecting.'
-            : '');
-    able(push, pushReason, inTheWay || (!situation.isDesignValid ? 'Correct the design first.' : ''), situation.isBusy);
-    able(move, moveReason, inTheWay || (!present?.ramp ? 'Push a ramp first.' : ''), situation.isBusy);
-    if (pushReason.textContent === moveReason.textContent) pushReason.textContent = '';
-    pushReason.hidden = pushReason.textContent === '';
-    moveReason.hidden = moveReason.textContent === '';
-    const label = /** @type {HTMLElement} */ (push.lastElementChild);
-    label.textContent = situation.isPushing
-      ? 'Pushing…'
-      : situation.isChanged && present?.ramp
-        ? 'Push the changes'
-        : 'Push the ramp';
-    report.show(isConnected ? present : null, situation);
-    showLive(isConnected ? present : null);
+    const context = {
+      device: present,
+      axis,
+      design: situation.designs[axis] ?? situation.designs[situation.active],
+      inTheWay: hindrance(found, situation),
+      notAtRest: isMoving ? 'Wait until it is at rest, or stop it.' : '',
+      situation,
+    };
+    live.show(context);
+    tabs.press(chosen);
+    for (const [name] of SECTIONS) {
+      sections[name].element.hidden = name !== chosen;
+      sections[name].show(context);
+    }
   }
 
   /** @param {Device | null} present */
-  function showLive(present) {
-    position.show(
-      present ? formatFixed(present.position_steps) : '–',
-      present && present.target_steps !== present.position_steps ? `to ${formatFixed(present.target_steps)}` : '',
+  function showAxes(present) {
+    const count = present?.axes.length ?? 0;
+    // One more than there are: the next axis may be given a ramp.
+    const isGiving = chosen === 'push' && situation?.designs.length === 1 && count > 0 && count < 4 && present?.ramp;
+    const offered = isGiving ? count + 1 : count;
+    if (axis >= Math.max(1, offered)) axis = 0;
+    axisChoice.element.hidden = offered < 2;
+    axisChoice.offer(
+      Array.from({ length: Math.max(1, offered) }, (_, index) => [String(index), `Axis ${index}`]),
+      String(axis),
     );
-    speed.show(present ? formatFixed(Math.abs(present.speed_steps_per_s)) : '–', '');
+  }
+
+  /** @param {Situation} now */
+  function show(now) {
+    situation = now;
+    const present = device();
+    const isConnected = present !== null && present.state !== 'lost';
+    const isMoving = present?.state === 'moving' || present?.state === 'stopping';
+    const state = present?.state ?? 'none';
+    pill.dataset.state = state;
+    const word = STATE_WORDS[state] ?? state;
+    if (pill.textContent !== word) pill.textContent = word;
+    connect.textContent = isConnected ? 'Disconnect' : now.isBusy && !present ? 'Connecting…' : 'Connect';
+    connect.disabled = !now.isServerThere || now.isBusy || isMoving || port === '' || (isConnected && now.isOthers);
+    connect.title = isMoving ? 'Stop it first' : '';
+    gear.disabled = hindrance(present, now) !== '' || isMoving || now.isBusy;
+    control.hidden = !now.isOthers || !isConnected;
+    const lost = present?.state === 'lost' ? `${present.message ?? 'It is lost.'} It is connected again once it is back.` : '';
+    showProblem([lost, refused === present?.message ? '' : refused].filter(Boolean).join(' '));
+    showAxes(isConnected ? present : null);
+    showSections();
   }
 
   /** @param {string} text */
@@ -219,23 +218,15 @@ export function createDevice(root, handlers) {
 
   return {
     device,
+    /** The axis that is worked with. */
+    axis: () => axis,
     show,
-    /** Take what the server refused, a move at its field and all else under the port; an empty list takes it away.
+    /** Take what the server refused: shown at its field, or else under the port; an empty list takes it away.
      * @param {import('../../types.js').Rejection[]} rejections */
     showRejections(rejections) {
-      const ofMove = rejections.find(({ field }) => field === 'by_steps' || field === 'to_steps');
-      showMessage(
-        distance,
-        moveProblem,
-        ofMove && {
-          text: ofMove.message.replace(/^(by|to)_steps/, kind === 'by' ? 'Steps' : 'Position'),
-          isWarning: false,
-        },
-      );
-      refused = rejections
-        .filter((one) => one !== ofMove)
-        .map(({ message }) => message)
-        .join(' ');
+      const others = sections.move.reject?.(rejections) ?? rejections;
+      refused = others.map(({ message }) => message).join(' ');
+      if (situation) show(situation);
     },
     /** @param {Port[]} known */
     showPorts(known) {
@@ -250,25 +241,11 @@ export function createDevice(root, handlers) {
   };
 }
 
-/**
- * @param {HTMLButtonElement} button @param {HTMLElement} reason where it is told why not
- * @param {string} why empty: it can be used @param {boolean} isBusy
- */
-function able(button, reason, why, isBusy) {
-  button.disabled = why !== '' || isBusy;
-  reason.textContent = why;
-}
-
-/** @param {string} label @param {string} unit @param {string} name */
-function readout(label, unit, name) {
-  const value = element('b', { id: `live-${name}` });
-  const more = element('small', { className: 'target' });
-  return {
-    element: element('div', {}, element('span', {}, label, more), value, element('small', { textContent: ` ${unit}` })),
-    /** @param {string} text @param {string} note */
-    show(text, note) {
-      value.textContent = text;
-      more.textContent = note;
-    },
-  };
+/** @param {string} id @param {string} label @param {'gear' | 'refresh'} drawing @param {() => void} onclick */
+function iconButton(id, label, drawing, onclick) {
+  return element(
+    'button',
+    { className: 'button square', id, type: 'button', 'aria-label': label, title: label, onclick },
+    icon(drawing),
+  );
 }

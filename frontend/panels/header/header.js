@@ -1,15 +1,26 @@
 // @ts-check
-// The head of the page: whose design it is, examples, theme, what the device does, and STOP.
+// The head of the page: whose design it is, its history, files and links, examples, theme, what the device does, and STOP.
 
-import { element, icon, messageLine, svgElement } from '../../dom.js';
+import { element, icon, svgElement } from '../../dom.js';
+import { createLinkDialog } from './link_dialog.js';
+import { createMenu } from './menu.js';
+import { createNotice } from './notice.js';
+import { createShortcuts } from './shortcuts.js';
 
 /** @typedef {import('../../types.js').Device} Device */
 /** @typedef {import('../../types.js').Example} Example */
+/** @typedef {Parameters<typeof icon>[0]} Drawing */
 
 /**
  * @param {HTMLElement} root
  * @param {object} handlers
  * @param {(name: string) => void} handlers.onName
+ * @param {() => void} handlers.onUndo
+ * @param {() => void} handlers.onRedo
+ * @param {() => void} handlers.onOpen
+ * @param {() => void} handlers.onSave
+ * @param {() => void} handlers.onShare
+ * @param {() => void} handlers.onExport
  * @param {(example: Example) => void} handlers.onExample
  * @param {() => void} handlers.onBack
  * @param {() => void} handlers.onTheme
@@ -23,64 +34,120 @@ export function createHeader(root, handlers) {
     autocomplete: 'off',
     oninput: () => handlers.onName(name.value),
   });
-  const menu = createMenu(handlers);
-  const theme = element(
-    'button',
-    {
-      className: 'button quiet square not-phone',
-      type: 'button',
-      'aria-label': 'Switch between light and dark',
-      title: 'Light or dark',
-      onclick: handlers.onTheme,
-    },
-    icon('theme'),
+  const shortcuts = createShortcuts(handlers);
+  const notice = createNotice();
+  const linkDialog = createLinkDialog();
+  const undo = tool('undo', 'Undo', 'Undo (Ctrl+Z)', handlers.onUndo);
+  const redo = tool('redo', 'Redo', 'Redo (Ctrl+Shift+Z)', handlers.onRedo);
+  const theme = tool('theme', 'Switch between light and dark', 'Light or dark', handlers.onTheme);
+  const keys = tool('keys', 'Keyboard shortcuts', 'Keyboard shortcuts (?)', shortcuts.open);
+  for (const button of [redo, theme, keys]) button.classList.add('not-phone');
+  undo.disabled = redo.disabled = true;
+  const menu = createMenu(handlers, [
+    ['Redo', handlers.onRedo],
+    ['Open a file …', handlers.onOpen],
+    ['Save as a file', handlers.onSave],
+    ['Share a link', handlers.onShare],
+    ['Export …', handlers.onExport],
+    ['Light or dark', handlers.onTheme],
+    ['Keyboard shortcuts', shortcuts.open],
+  ]);
+  const device = createDevice(handlers.onStop);
+  root.replaceChildren(
+    brand(),
+    element('span', { className: 'rule not-phone' }),
+    name,
+    element('span', { className: 'tools', role: 'group', 'aria-label': 'History' }, undo, redo),
+    element('span', { className: 'rule not-phone' }),
+    element(
+      'span',
+      { className: 'tools not-phone', role: 'group', 'aria-label': 'Files and links' },
+      wordTool('open', 'Open', 'Open a file (Ctrl+O), or drop one on the page', handlers.onOpen),
+      wordTool('save', 'Save', 'Save as a file (Ctrl+S)', handlers.onSave),
+      wordTool('link', 'Share', 'Copy a link that holds the whole design', handlers.onShare),
+      wordTool('export', 'Export', 'Export as C, CSV, a report or pictures', handlers.onExport),
+    ),
+    menu.element,
+    element('span', { className: 'grow not-phone' }),
+    keys,
+    theme,
+    device.pill,
+    device.stop,
+    notice.element,
   );
+
+  return {
+    /** @param {string} text */
+    showName(text) {
+      // What is being typed is there already; an undo meanwhile is not.
+      if (name.value !== text) name.value = text;
+      document.title = text === '' ? 'StepRamp' : `${text} · StepRamp`;
+    },
+    /** @param {boolean} canUndo @param {boolean} canRedo */
+    showHistory(canUndo, canRedo) {
+      const focused = document.activeElement;
+      undo.disabled = !canUndo;
+      redo.disabled = !canRedo;
+      menu.enable('Redo', canRedo);
+      // A button that is disabled under the finger hands its focus on: the keyboard must not lose its place.
+      const next = focused === undo && !canUndo ? redo : focused === redo && !canRedo ? undo : null;
+      if (next !== null) (next.offsetParent === null ? menu.opener : next).focus();
+    },
+    showExamples: menu.showExamples,
+    showDevice: device.show,
+    showNotice: notice.show,
+    showLink: linkDialog.open,
+  };
+}
+
+/** A button with a drawing.
+ * @param {Drawing} drawing @param {string} label @param {string} title @param {() => void} onclick */
+function tool(drawing, label, title, onclick) {
+  return element(
+    'button',
+    { className: 'button quiet square', id: `head-${drawing}`, type: 'button', 'aria-label': label, title, onclick },
+    icon(drawing),
+  );
+}
+
+/** A button with a drawing, and where there is room, its name.
+ * @param {Drawing} drawing @param {string} text
+ * @param {string} title @param {() => void} onclick */
+function wordTool(drawing, text, title, onclick) {
+  return element(
+    'button',
+    { className: 'button quiet word', id: `head-${drawing}`, type: 'button', 'aria-label': text, title, onclick },
+    icon(drawing),
+    element('span', { className: 'wide-only', textContent: text }),
+  );
+}
+
+/** What the device does, and STOP.
+ * @param {() => void} onStop */
+function createDevice(onStop) {
   const who = element('span', { className: 'who not-phone' });
   const word = element('span');
   const pill = element('span', { className: 'pill', id: 'device-pill' }, who, word);
   const stopText = element('span');
   const stop = element(
     'button',
-    { className: 'stop', id: 'stop', type: 'button', onclick: handlers.onStop },
+    { className: 'stop', id: 'stop', type: 'button', onclick: onStop },
     stopText,
     element('kbd', { className: 'not-phone', 'aria-hidden': 'true', textContent: 'Esc' }),
   );
-  root.replaceChildren(
-    brand(),
-    element('span', { className: 'rule not-phone' }),
-    name,
-    menu.element,
-    element('span', { className: 'grow not-phone' }),
-    theme,
-    pill,
-    stop,
-  );
-  showStopping(false);
 
-  /** @param {boolean} isStopping */
-  function showStopping(isStopping) {
+  /** @param {Device | null} device @param {boolean} isStopping whether a second press halts */
+  function show(device, isStopping) {
+    pill.dataset.state = device?.state ?? 'none';
+    who.textContent = device ? `${device.name} ·` : '';
+    word.textContent = device ? device.state : 'no device';
     stopText.textContent = isStopping ? 'HALT' : 'STOP';
-    stop.setAttribute(
-      'aria-label',
-      isStopping ? 'Halt at once without slowing down (Escape)' : 'Stop every motor (Escape)',
-    );
+    const label = isStopping ? 'Halt at once without slowing down (Escape)' : 'Stop every motor (Escape)';
+    stop.setAttribute('aria-label', label);
   }
 
-  return {
-    /** @param {string} text */
-    showName(text) {
-      if (document.activeElement !== name) name.value = text;
-      document.title = text === '' ? 'StepRamp' : `${text} · StepRamp`;
-    },
-    showExamples: menu.showExamples,
-    /** @param {Device | null} device @param {boolean} isStopping whether a second press halts */
-    showDevice(device, isStopping) {
-      pill.dataset.state = device?.state ?? 'none';
-      who.textContent = device ? `${device.name} ·` : '';
-      word.textContent = device ? device.state : 'no device';
-      showStopping(isStopping);
-    },
-  };
+  show(null, false);
+  return { pill, stop, show };
 }
 
 function brand() {
@@ -99,92 +166,4 @@ function brand() {
     drawing,
     element('span', { className: 'not-phone', textContent: 'StepRamp' }),
   );
-}
-
-/** @param {{onExample: (example: Example) => void, onBack: () => void, onTheme: () => void}} handlers */
-function createMenu(handlers) {
-  const large = icon('more');
-  large.classList.add('large', 'phone-only');
-  const arrow = icon('down');
-  arrow.classList.add('not-phone');
-  const list = element('div', { className: 'menu-list', id: 'menu-list', hidden: true });
-  const opener = element(
-    'button',
-    {
-      className: 'button quiet',
-      id: 'examples',
-      type: 'button',
-      'aria-label': 'Examples',
-      'aria-expanded': 'false',
-      'aria-controls': 'menu-list',
-      onclick: () => open(Boolean(list.hidden)),
-    },
-    element('span', { className: 'not-phone', textContent: 'Examples' }),
-    arrow,
-    large,
-  );
-  const whole = element('div', { className: 'menu' }, opener, list);
-
-  /** @param {boolean} isOpen */
-  function open(isOpen) {
-    list.hidden = !isOpen;
-    opener.setAttribute('aria-expanded', String(isOpen));
-    if (isOpen) list.querySelector('button')?.focus();
-  }
-
-  /** @param {string} title @param {string} text @param {() => void} onChoose @param {string} [className] */
-  function item(title, text, onChoose, className = '') {
-    const choose = () => {
-      open(false);
-      opener.focus();
-      onChoose();
-    };
-    return element(
-      'button',
-      { type: 'button', className, onclick: choose },
-      element('b', { textContent: title }),
-      text !== '' && element('span', { textContent: text }),
-    );
-  }
-
-  whole.addEventListener('keydown', (event) => {
-    if (event.key === 'Escape' && !list.hidden) {
-      open(false);
-      opener.focus();
-    }
-    const step = { ArrowDown: 1, ArrowUp: -1 }[event.key];
-    if (step === undefined || list.hidden) return;
-    event.preventDefault();
-    const items = [...list.querySelectorAll('button')].filter((one) => one.offsetParent !== null);
-    const at = items.findIndex((one) => one === document.activeElement);
-    items[(at + step + items.length) % items.length].focus();
-  });
-  addEventListener('pointerdown', (event) => {
-    if (!list.hidden && event.target instanceof Node && !whole.contains(event.target)) open(false);
-  });
-
-  return {
-    element: whole,
-    /** @param {Example[]} examples @param {string | null} replaced name of the design that can be had back */
-    showExamples(examples, replaced) {
-      list.replaceChildren(
-        ...examples.map((example) => item(example.title, example.description, () => handlers.onExample(example))),
-        ...(examples.length === 0
-          ? [messageLine({ text: 'The examples come with the server, which does not answer.', isWarning: true })]
-          : []),
-        ...(replaced === null
-          ? []
-          : [
-              element('hr'),
-              item(
-                `Back to your “${replaced || 'unnamed'}”`,
-                'The design that an example took the place of.',
-                handlers.onBack,
-              ),
-            ]),
-        element('hr', { className: 'phone-only' }),
-        item('Light or dark', '', handlers.onTheme, 'phone-only'),
-      );
-    },
-  };
 }

@@ -1,38 +1,198 @@
 // @ts-check
 // One parameter: its name, a number that can be typed, and a slider. What is typed is passed on as it was typed; only
-// the slider has a reach.
+// the slider has a reach. It is shown in the unit that is chosen; the design stays in its own.
 
 import { valueAt } from '../../design.js';
 import { element, icon, picker, showMessage } from '../../dom.js';
-import { SLIDER_POSITIONS, sliderPosition, sliderValue } from '../../fields.js';
-import { formatEntry, parseEntry } from '../../numbers.js';
+import { formatEntry } from '../../numbers.js';
+import { inShownUnit } from './rejection_text.js';
+import { factorOf, readEntry, shownEntry, unitOf } from './shown_entry.js';
+import { SLIDER_POSITIONS, sliderPosition, sliderValue, stepped } from './stepping.js';
+import { watchWheel } from './wheel.js';
 
 /** @typedef {import('../../types.js').Design} Design */
+/** @typedef {import('../../types.js').Entry} Entry */
+/** @typedef {import('../../units.js').Units} Units */
+/** @typedef {import('./stepping.js').Stride} Stride */
+/** @typedef {{onEdit: (path: string, value: unknown, gesture?: string) => void,
+ *   onSliding: (isMoving: boolean) => void}} Handlers */
 
 // The one parameter that may be left open: it then follows another.
 const FOLLOWERS = /** @type {Record<string, string>} */ ({
   'ramp.deceleration_steps_per_s2': 'ramp.acceleration_steps_per_s2',
 });
 const TRAVEL = 'axis.travel_per_rev';
+/** @type {Record<string, [1 | -1, Stride | null]>} */
+const STEP_KEYS = { ArrowUp: [1, null], ArrowDown: [-1, null], PageUp: [1, 'coarse'], PageDown: [-1, 'coarse'] };
+/** In a field these move the caret.
+ * @type {typeof STEP_KEYS} */
+const SLIDER_KEYS = { ...STEP_KEYS, ArrowRight: [1, null], ArrowLeft: [-1, null] };
+const END_KEYS = /** @type {Record<string, number>} */ ({ Home: 0, End: SLIDER_POSITIONS });
+
+/** @param {import('../../fields.js').Field} field @param {Handlers} handlers */
+export function createNumber(field, { onEdit, onSliding }) {
+  const { path } = field;
+  const leader = FOLLOWERS[path];
+  /** @type {{design: Design, units: Units, factor: number} | null} */
+  let shown = null;
+  /** What was typed last, to be shown again as it was typed.
+   * @type {{text: string, entry: Entry, factor: number} | null} */
+  let typed = null;
+
+  const parts = buildRow(field, leader !== undefined, (unit) => onEdit('axis.travel_unit', unit));
+  const { input, slider, note } = parts;
+  input.addEventListener('input', type);
+  input.addEventListener('blur', () => showText());
+  input.addEventListener('keydown', (event) => pressed(event, STEP_KEYS, step));
+  slider.addEventListener('input', slide);
+  slider.addEventListener('change', () => onSliding(false));
+  slider.addEventListener('keydown', (event) => pressed(event, SLIDER_KEYS, stepSlider));
+  parts.follow?.addEventListener('click', toggleFollow);
+  const hasFocus = () => document.activeElement === input || document.activeElement === slider;
+  watchWheel(input, hasFocus, (direction, event) => step(direction, strideOf(event)));
+  watchWheel(slider, hasFocus, (direction, event) => stepSlider(direction, strideOf(event)));
+
+  function type() {
+    if (shown === null) return;
+    const { factor } = shown;
+    const { entry, exact } = readEntry(field, input.value, factor);
+    typed = { text: input.value, entry, factor };
+    note.textContent = exact === null ? '' : roundingNote(input.value.trim(), exact, Number(entry));
+    onEdit(path, leader !== undefined && entry === '' ? null : entry, `type:${path}`);
+  }
+
+  function slide() {
+    if (shown === null) return;
+    onSliding(true);
+    onEdit(path, sliderValue(field, Number(slider.value), Number(current()), shown.factor), `slide:${path}`);
+  }
+
+  /** @param {KeyboardEvent} event @param {typeof STEP_KEYS} keys @param {typeof step} toNext */
+  function pressed(event, keys, toNext) {
+    if (event.ctrlKey || event.metaKey) return;
+    const end = keys === SLIDER_KEYS ? END_KEYS[event.key] : undefined;
+    const [direction, stride] = keys[event.key] ?? [null, null];
+    if (end === undefined && direction === null) return;
+    event.preventDefault();
+    if (end !== undefined) onEdit(path, sliderValue(field, end, Number(current())), `step:${path}`);
+    else if (direction !== null) toNext(direction, stride ?? strideOf(event));
+  }
+
+  /** Text that is no number has no neighbour: it stays.
+   * @param {1 | -1} direction @param {Stride} stride */
+  function step(direction, stride) {
+    const value = Number(current());
+    if (shown === null || !Number.isFinite(value)) return;
+    onEdit(path, stepped(field, value, direction, stride, shown.factor), `step:${path}`);
+  }
+
+  /** A slider has no sign: it moves away from 0 and back towards it, and ends there.
+   * @param {1 | -1} direction @param {Stride} stride */
+  function stepSlider(direction, stride) {
+    const value = Number(current());
+    if (shown === null || !Number.isFinite(value)) return;
+    const next = stepped(field, Math.abs(value), direction, stride, shown.factor);
+    if (next >= 0) onEdit(path, value < 0 ? -next : next, `step:${path}`);
+  }
+
+  function toggleFollow() {
+    if (shown === null || leader === undefined) return;
+    onEdit(path, valueAt(shown.design, path) === null ? valueAt(shown.design, leader) : null);
+  }
+
+  /** The value that holds, its own or the one it follows.
+   * @returns {Entry} */
+  function current() {
+    if (shown === null) return 0;
+    return valueAt(shown.design, path) ?? (leader === undefined ? '' : valueAt(shown.design, leader));
+  }
+
+  /** A move is of whole steps: what a typed length becomes.
+   * @param {string} text @param {number} exact @param {number} whole */
+  function roundingNote(text, exact, whole) {
+    if (shown === null) return '';
+    const unit = unitOf(shown.units, shown.design, field);
+    return `${text} ${unit} would be ${formatEntry(exact)} ${field.unit}: it is ${formatEntry(whole)}, ${shownEntry(whole, shown.factor)} ${unit}.`;
+  }
+
+  function showText() {
+    if (shown === null) return;
+    const { design, factor } = shown;
+    const own = valueAt(design, path);
+    const isOpen = own === null && leader !== undefined;
+    const isAsTyped = typed !== null && typed.entry === own && typed.factor === factor;
+    if (!isAsTyped) note.textContent = '';
+    input.placeholder = isOpen ? shownEntry(current(), factor) : '';
+    // What is being typed stays as it is typed: "1." must not turn into "1" under the hand.
+    const isHere = document.activeElement === input;
+    if (isHere && (isOpen ? input.value.trim() === '' : readEntry(field, input.value, factor).entry === own)) return;
+    const isKept = isAsTyped && typed !== null && note.textContent === '';
+    const value = isKept ? readEntry({ ...field, isWhole: false }, typed?.text ?? '', 1).entry : null;
+    input.value = isOpen ? '' : value === null ? shownEntry(own, factor) : formatEntry(value);
+  }
+
+  function showSlider() {
+    if (shown === null) return;
+    const value = Number(current());
+    if (Number.isFinite(value)) {
+      const position = sliderPosition(field.slider, value);
+      slider.value = String(position);
+      slider.style.setProperty('--filled', `${((position / SLIDER_POSITIONS) * 100).toFixed(2)}%`);
+    }
+    slider.setAttribute('aria-valuetext', `${shownEntry(current(), shown.factor)} ${unitText()}`);
+  }
+
+  function unitText() {
+    if (shown === null) return '';
+    return path === TRAVEL ? shown.design.axis.travel_unit : unitOf(shown.units, shown.design, field);
+  }
+
+  return {
+    field,
+    element: parts.row,
+    label: parts.label,
+    /** @param {Design} design @param {Units} units */
+    show(design, units) {
+      const before = shown && JSON.stringify([valueAt(shown.design, path), current(), shown.factor, unitText()]);
+      shown = { design, units, factor: factorOf(units, design, field) };
+      const now = JSON.stringify([valueAt(design, path), current(), shown.factor, unitText()]);
+      // A slider under the hand changes one number of many, many times a second.
+      if (now === before && !hasFocus()) return;
+      const isOpen = leader !== undefined && valueAt(design, path) === null;
+      parts.row.classList.toggle('follows', isOpen);
+      parts.follow?.setAttribute('aria-pressed', String(isOpen));
+      parts.showUnit(unitText());
+      showText();
+      showSlider();
+    },
+    /** @param {import('../../messages.js').Messages['fields']} messages */
+    showMessage(messages) {
+      const own = shown ? inShownUnit(messages.get(path), shown.units, shown.design, field) : undefined;
+      showMessage(input, parts.box, own ?? (path === TRAVEL ? messages.get('axis.travel_unit') : undefined));
+    },
+  };
+}
+
+/** @param {MouseEvent | KeyboardEvent} event @returns {Stride} */
+function strideOf({ shiftKey, altKey }) {
+  return shiftKey ? 'coarse' : altKey ? 'fine' : 'usual';
+}
 
 /**
+ * The elements of a row.
  * @param {import('../../fields.js').Field} field
- * @param {{onEdit: (path: string, value: unknown) => void, onSliding: (isMoving: boolean) => void}} handlers
+ * @param {boolean} canFollow
+ * @param {(unit: string) => void} onTravelUnit
  */
-export function createNumber(field, { onEdit, onSliding }) {
-  const leader = FOLLOWERS[field.path];
+function buildRow(field, canFollow, onTravelUnit) {
   const id = `parameter-${field.path.replaceAll('.', '-')}`;
-  /** @type {Design | null} */
-  let shown = null;
-
   const input = element('input', {
     id,
     className: 'number',
     inputMode: 'decimal',
     autocomplete: 'off',
     spellcheck: false,
-    oninput: typed,
-    onblur: () => shown && show(shown),
+    'aria-description': field.help,
   });
   const slider = element('input', {
     className: 'slider',
@@ -41,125 +201,55 @@ export function createNumber(field, { onEdit, onSliding }) {
     max: String(SLIDER_POSITIONS),
     step: 'any',
     'aria-label': `${field.label}, slider`,
-    oninput: slid,
-    onchange: () => onSliding(false),
-    onkeydown: nudged,
   });
-  const unit = field.path === TRAVEL ? picker('Travel unit', (value) => onEdit('axis.travel_unit', value)) : null;
-  unit?.element.classList.add('quiet');
-  const follow =
-    leader === undefined
-      ? null
-      : element(
-          'button',
-          {
-            className: 'follow',
-            type: 'button',
-            'aria-label': `${field.label} follows the acceleration`,
-            title: 'Follow the acceleration',
-            onclick: toggleFollow,
-          },
-          icon('link'),
-        );
+  const travelUnit = field.path === TRAVEL ? picker('Travel unit', onTravelUnit) : null;
+  travelUnit?.element.classList.add('quiet');
+  const unit = element('span', { className: 'unit' });
+  const follow = canFollow ? followButton(field.label) : null;
   const box = element('div', { className: 'messages' });
-  const label = element(
-    'label',
-    { htmlFor: id },
-    field.label,
-    field.symbol !== '' && element('i', { textContent: field.symbol }),
-  );
+  const note = element('p', { className: 'note', role: 'status' });
+  const symbol = field.symbol !== '' && element('i', { textContent: field.symbol });
+  const label = element('label', { htmlFor: id }, field.label, symbol);
   const row = element(
     'div',
     { className: 'parameter', 'data-path': field.path },
     element('div', { className: 'name' }, label, follow),
-    element(
-      'span',
-      { className: 'field' },
-      input,
-      unit?.element ?? element('span', { className: 'unit', textContent: field.unit }),
-    ),
+    element('span', { className: 'field' }, input, travelUnit?.element ?? unit),
     slider,
-    box,
+    element('div', { className: 'remarks' }, note, box),
   );
-
-  function typed() {
-    const entry = parseEntry(input.value);
-    onEdit(field.path, leader !== undefined && entry === '' ? null : entry);
-  }
-
-  function slid() {
-    onSliding(true);
-    onEdit(field.path, sliderValue(field.slider, Number(slider.value), Number(current())));
-  }
-
-  /** Arrow keys move by what can be told apart: one for whole numbers, about one per cent of the way else.
-   * @param {KeyboardEvent} event */
-  function nudged(event) {
-    const direction = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 }[event.key];
-    if (direction === undefined) return;
-    event.preventDefault();
-    const { scale, figures } = field.slider;
-    const before = Number(current());
-    const next = sliderValue(
-      field.slider,
-      Math.min(SLIDER_POSITIONS, Math.max(0, Number(slider.value) + direction * (event.shiftKey ? 50 : 10))),
-      before,
-    );
-    const isStuck = figures === 0 && (scale === 'linear' || next === before);
-    const whole = Math.min(
-      field.slider.to,
-      Math.max(field.slider.from, Math.abs(before) + direction * (event.shiftKey ? 10 : 1)),
-    );
-    onEdit(field.path, isStuck ? whole : next);
-  }
-
-  function toggleFollow() {
-    if (shown === null || leader === undefined) return;
-    onEdit(field.path, valueAt(shown, field.path) === null ? valueAt(shown, leader) : null);
-  }
-
-  /** The value that holds, its own or the one it follows. */
-  function current() {
-    if (shown === null) return 0;
-    const own = valueAt(shown, field.path);
-    return own === null && leader !== undefined ? valueAt(shown, leader) : own;
-  }
-
-  /** @param {Design} design */
-  function show(design) {
-    shown = design;
-    const own = valueAt(design, field.path);
-    const isOpen = own === null && leader !== undefined;
-    // What is being typed stays as it is typed: "1." must not turn into "1" under the hand.
-    const isTyping =
-      document.activeElement === input && (isOpen ? input.value.trim() === '' : parseEntry(input.value) === own);
-    if (!isTyping) input.value = isOpen ? '' : formatEntry(own);
-    const value = Number(current());
-    input.placeholder = isOpen ? formatEntry(current()) : '';
-    row.classList.toggle('follows', isOpen);
-    follow?.setAttribute('aria-pressed', String(isOpen));
-    unit?.offer(
-      [
-        ['mm', 'mm'],
-        ['deg', 'deg'],
-      ],
-      design.axis.travel_unit,
-    );
-    if (Number.isFinite(value)) {
-      const position = sliderPosition(field.slider, value);
-      slider.value = String(position);
-      slider.style.setProperty('--filled', `${((position / SLIDER_POSITIONS) * 100).toFixed(2)}%`);
-    }
-    slider.setAttribute('aria-valuetext', `${formatEntry(current())} ${unit ? design.axis.travel_unit : field.unit}`);
-  }
-
   return {
-    field,
-    element: row,
-    show,
-    /** @param {import('../../messages.js').Messages['fields']} messages */
-    showMessage(messages) {
-      showMessage(input, box, messages.get(field.path) ?? (unit ? messages.get('axis.travel_unit') : undefined));
+    row,
+    label,
+    input,
+    slider,
+    follow,
+    box,
+    note,
+    /** @param {string} word */
+    showUnit(word) {
+      unit.textContent = word;
+      travelUnit?.offer(
+        [
+          ['mm', 'mm'],
+          ['deg', 'deg'],
+        ],
+        word,
+      );
     },
   };
+}
+
+/** @param {string} label */
+function followButton(label) {
+  return element(
+    'button',
+    {
+      className: 'follow',
+      type: 'button',
+      'aria-label': `${label} follows the acceleration`,
+      title: 'Follow the acceleration',
+    },
+    icon('link'),
+  );
 }

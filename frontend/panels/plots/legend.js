@@ -36,7 +36,7 @@ export function createLegend(onSwitch) {
         const isEmpty = answer !== null && name === 'table' && answer.design.table === null;
         chip.setAttribute('aria-pressed', String(shown.has(name)));
         chip.dataset.active = String(name === active);
-        figure.textContent =
+        const text =
           name === REFERENCE
             ? 'reference'
             : isEmpty
@@ -46,9 +46,12 @@ export function createLegend(onSwitch) {
                 : largest
                   ? `${formatSignedPercent(largest.value)} %`
                   : '';
-        chip.title =
+        const title =
           failure ??
           `${shown.has(name) ? 'Hide' : 'Show'} ${label}${largest ? `; largest error at step ${largest.step}` : ''}`;
+        // While a slider moves this comes many times a second: what stays the same is left alone.
+        if (figure.textContent !== text) figure.textContent = text;
+        if (chip.title !== title) chip.title = title;
       }
     },
   };

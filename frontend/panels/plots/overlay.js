@@ -2,15 +2,18 @@
 // What lies over the figure: titles, phases, the cursor with its tooltip, and the dot of a move that runs.
 
 import { element, icon, svgElement } from '../../dom.js';
-import { drawingOrder } from '../../figure.js';
 import { PLOTS, xPixel, yPixel } from '../../frame.js';
+import { drawingOrder, PARTS } from '../../lines.js';
 import { methodOf } from '../../methods.js';
-import { formatFixed } from '../../numbers.js';
+import { formatFigures, formatFixed } from '../../numbers.js';
 import { methodSwatch } from '../../swatch.js';
 
 /** @typedef {import('../../curves.js').MethodReading} MethodReading */
 /** @typedef {import('../../curves.js').Reading} Reading */
+/** @typedef {import('../../curves.js').AxesReading} AxesReading */
 /** @typedef {import('../../frame.js').Frame} Frame */
+/** @typedef {import('../../frame.js').PlotName} PlotName */
+/** @typedef {import('../../frame.js').Third} Third */
 /** @typedef {import('../../types.js').MethodName} MethodName */
 
 const PHASE_WORDS = /** @type {Record<string, string>} */ ({
@@ -18,30 +21,25 @@ const PHASE_WORDS = /** @type {Record<string, string>} */ ({
   slew: 'Slew',
   decelerate: 'Decelerate',
 });
+const PART_WORDS = { method: 'Method', arithmetic: 'Arithmetic', rounding: 'Rounding', compression: 'Segments' };
 const TOOLTIP_GAP = 14;
 
-/** What each plot shows of a reading. @type {Record<string, {value: (at: MethodReading) => number, digits: number}>} */
-const READ = {
-  velocity: { value: (at) => at.speed, digits: 1 },
-  delay: { value: (at) => at.delay_us, digits: 1 },
-  error: { value: (at) => at.percent, digits: 2 },
-};
+/** What each plot shows of a reading.
+ * @type {Record<PlotName, (at: MethodReading) => number>} */
+const READ = { velocity: (at) => at.shownSpeed, delay: (at) => at.delay_us, error: (at) => at.percent };
+const PERCENT_DIGITS = 2;
 
-export function createOverlay() {
-  const titles = PLOTS.map((plot) => {
+/** @param {Partial<Record<PlotName, HTMLElement>>} tools what can be switched at a plot's title */
+export function createOverlay(tools) {
+  const titles = PLOTS.map(({ name }) => {
+    const heading = element('b');
+    const unit = element('span');
+    const key = element('span', { className: 'part-key', 'aria-hidden': 'true' });
     const reading = element('span', { className: 'reading' });
-    return {
-      name: plot.name,
-      reading,
-      element: element(
-        'div',
-        { className: 'plot-title' },
-        element('b', { textContent: plot.title }),
-        plot.unit,
-        reading,
-      ),
-    };
+    const title = element('div', { className: 'plot-title' }, heading, unit, tools[name], key, reading);
+    return { name, heading, unit, key, reading, element: title };
   });
+  titles[2].key.append(...PARTS.map(([part, dash]) => partKey(part, dash)));
   const phases = element('div', { className: 'phases' });
   const cursor = svgElement('g');
   const dot = svgElement('circle', { class: 'moving-dot', r: 5, visibility: 'hidden' });
@@ -55,64 +53,46 @@ export function createOverlay() {
     icon('warning'),
     element('span', {}, reason, remedy),
   );
+  let shownPhases = '';
   drawing.append(cursor, dot);
 
-  /** @param {Frame} frame */
-  function place(frame) {
-    for (const { name, element: title } of titles) {
+  /** @param {Frame} frame @param {Third} third */
+  function place(frame, third) {
+    for (const { name, heading, unit, key, element: title } of titles) {
       const plot = frame.plots.find((one) => one.name === name);
       title.hidden = !plot?.isVisible;
       if (!plot) continue;
+      setText(heading, plot.title);
+      setText(unit, plot.unit);
+      key.hidden = name !== 'error' || third !== 'parts';
       // The topmost visible plot has the phases between its title and itself.
       const above = plot.top === frame.top ? 39 : 21;
       Object.assign(title.style, { left: `${frame.left}px`, width: `${frame.width}px`, top: `${plot.top - above}px` });
     }
-    phases.replaceChildren(...frame.phases.map((phase) => phaseBar(frame, phase)));
+    const present = JSON.stringify([frame.phases, frame.x, frame.left, frame.width, frame.top]);
+    if (present !== shownPhases) phases.replaceChildren(...frame.phases.map((phase) => phaseBar(frame, phase)));
+    shownPhases = present;
   }
 
-  /** @param {Frame} frame @param {Reading | null} at @param {MethodName} active @param {ReadonlySet<MethodName>} shown */
-  function read(frame, at, active, shown) {
-    cursor.replaceChildren();
-    tooltip.hidden = at === null;
-    for (const { reading } of titles) reading.replaceChildren();
-    if (at === null) return;
-    const x = xPixel(frame, at.x);
-    cursor.append(
-      svgElement('line', {
-        class: 'cursor',
-        x1: x,
-        x2: x,
-        y1: frame.top,
-        y2: Math.max(...frame.plots.map((plot) => plot.top + plot.height)),
-      }),
-    );
-    const visible = at.methods.filter((one) => shown.has(one.method));
-    const drawn = drawingOrder(active).flatMap((name) => visible.filter((one) => one.method === name));
-    for (const plot of frame.plots.filter((one) => one.isVisible)) {
-      for (const one of drawn) {
-        const value = READ[plot.name].value(one);
-        if (Number.isFinite(value))
-          cursor.append(
-            svgElement('circle', {
-              class: 'cursor-dot',
-              r: 3,
-              cx: x,
-              cy: yPixel(plot, value),
-              style: `fill: var(--method-${one.method})`,
-            }),
-          );
-      }
-    }
-    const own = at.methods.find((one) => one.method === active);
-    for (const { name, reading } of titles) {
-      const { value, digits } = READ[name];
-      if (own && Number.isFinite(value(own)))
-        reading.replaceChildren(
-          `${methodOf(active).label} `,
-          element('b', { textContent: formatFixed(value(own), digits) }),
-        );
-    }
-    tooltip.replaceChildren(readingTable(at, visible));
+  /** @param {Frame} frame @param {number} x */
+  function drawCursor(frame, x) {
+    const y2 = Math.max(...frame.plots.filter((plot) => plot.isVisible).map((plot) => plot.top + plot.height));
+    cursor.append(svgElement('line', { class: 'cursor', x1: x, x2: x, y1: frame.top, y2 }));
+  }
+
+  /** @param {Frame} frame @param {PlotName} name @param {number} x @param {number} value @param {string} colour */
+  function drawDot(frame, name, x, value, colour) {
+    const plot = frame.plots.find((one) => one.name === name);
+    if (!plot?.isVisible || !Number.isFinite(value)) return;
+    const cy = yPixel(plot, value);
+    if (!(cy >= plot.top - 1 && cy <= plot.top + plot.height + 1)) return;
+    cursor.append(svgElement('circle', { class: 'cursor-dot', r: 3, cx: x, cy, style: `fill: ${colour}` }));
+  }
+
+  /** @param {Frame} frame @param {number} x @param {HTMLElement} table */
+  function showTooltip(frame, x, table) {
+    tooltip.replaceChildren(table);
+    tooltip.hidden = false;
     const isRight = x + TOOLTIP_GAP + tooltip.offsetWidth > frame.left + frame.width;
     Object.assign(tooltip.style, {
       // Where neither side has room for it, it covers the cursor rather than leave the page.
@@ -121,10 +101,47 @@ export function createOverlay() {
     });
   }
 
+  function clear() {
+    cursor.replaceChildren();
+    tooltip.hidden = true;
+    for (const { reading } of titles) reading.replaceChildren();
+  }
+
   return {
     elements: [...titles.map((title) => title.element), phases, drawing, tooltip, note],
     place,
-    read,
+    clear,
+    /** @param {Frame} frame @param {Reading} at @param {MethodName} active @param {ReadonlySet<MethodName>} shown
+     * @param {Third} third */
+    read(frame, at, active, shown, third) {
+      clear();
+      const x = xPixel(frame, at.x);
+      drawCursor(frame, x);
+      const visible = at.methods.filter((one) => shown.has(one.method));
+      const drawn = drawingOrder(active).flatMap((name) => visible.filter((one) => one.method === name));
+      const plots = PLOTS.filter(({ name }) => name !== 'error' || third === 'error');
+      for (const { name } of plots)
+        for (const one of drawn) drawDot(frame, name, x, READ[name](one), `var(--method-${one.method})`);
+      const own = at.methods.find((one) => one.method === active);
+      for (const { name, reading } of titles) {
+        if (!own || !plots.some((plot) => plot.name === name)) continue;
+        const value = READ[name](own);
+        const text = name === 'error' ? formatFixed(value, PERCENT_DIGITS) : formatReading(value);
+        if (Number.isFinite(value)) reading.append(`${methodOf(active).label} `, element('b', { textContent: text }));
+      }
+      showTooltip(frame, x, readingTable(at, visible, frame.plots[0].unit));
+    },
+    /** @param {Frame} frame @param {AxesReading} at */
+    readAxes(frame, at) {
+      clear();
+      const x = xPixel(frame, at.x);
+      drawCursor(frame, x);
+      for (const axis of at.axes) {
+        drawDot(frame, 'velocity', x, axis.velocity, `var(--axis-${axis.colour})`);
+        drawDot(frame, 'delay', x, axis.delay, `var(--axis-${axis.colour})`);
+      }
+      showTooltip(frame, x, axesTable(at, frame.plots[0].unit));
+    },
     /** @param {Frame} frame @param {{x: number, speed: number} | null} at */
     showMove(frame, at) {
       const velocity = frame.plots[0];
@@ -132,8 +149,9 @@ export function createOverlay() {
       const isInside = velocity.isVisible && x >= frame.left - 1 && x <= frame.left + frame.width + 1;
       dot.setAttribute('visibility', at && isInside ? 'visible' : 'hidden');
       if (!at || !isInside) return;
+      const { low, high } = velocity.range;
       dot.setAttribute('cx', String(x));
-      dot.setAttribute('cy', String(yPixel(velocity, Math.min(at.speed, velocity.range.high))));
+      dot.setAttribute('cy', String(yPixel(velocity, Math.max(low, Math.min(at.speed, high)))));
     },
     /** @param {import('../../types.js').Staleness} staleness */
     showStale(staleness) {
@@ -142,6 +160,26 @@ export function createOverlay() {
       remedy.textContent = staleness === 'unanswered' ? ': the server does not answer' : ': correct what is marked';
     },
   };
+}
+
+/** @param {HTMLElement} box @param {string} text */
+function setText(box, text) {
+  if (box.textContent !== text) box.textContent = text;
+}
+
+/** A tenth of a unit, or finer where values are small.
+ * @param {number} value */
+function formatReading(value) {
+  if (!Number.isFinite(value) || value === 0) return value === 0 ? '0' : '–';
+  return Math.abs(value) < 100 ? formatFigures(value) : formatFixed(value, 1);
+}
+
+/** @param {import('../../curves.js').ErrorPart} part @param {string} dash */
+function partKey(part, dash) {
+  const drawing = svgElement('svg', { class: 'swatch', viewBox: '0 0 18 8' });
+  const style = `stroke: var(--part-${part}); stroke-dasharray: ${dash === 'solid' ? 'none' : dash}`;
+  drawing.append(svgElement('line', { x1: 0, y1: 4, x2: 18, y2: 4, 'stroke-width': 2.5, style }));
+  return element('span', {}, drawing, PART_WORDS[part]);
 }
 
 /** @param {Frame} frame @param {Frame['phases'][0]} phase */
@@ -157,9 +195,11 @@ function phaseBar(frame, phase) {
   return bar;
 }
 
-/** @param {Reading} at @param {MethodReading[]} methods */
-function readingTable(at, methods) {
-  const cell = (/** @type {string} */ text) => element('td', { textContent: text });
+/** @param {string} text */
+const cell = (text) => element('td', { textContent: text });
+
+/** @param {Reading} at @param {MethodReading[]} methods @param {string} speedUnit */
+function readingTable(at, methods, speedUnit) {
   const rows = methods.map((one) => {
     const about = one.isExact ? '' : '≈ ';
     return element(
@@ -168,8 +208,8 @@ function readingTable(at, methods) {
       element('td', {}, methodSwatch(one.method), methodOf(one.method).label),
       cell(about + formatFixed(one.ticks)),
       cell(formatFixed(one.delay_us, 1)),
-      cell(formatFixed(one.speed, 1)),
-      cell(Number.isFinite(one.percent) ? `${formatFixed(one.percent, 2)} %` : ''),
+      cell(formatReading(one.shownSpeed)),
+      cell(Number.isFinite(one.percent) ? `${formatFixed(one.percent, PERCENT_DIGITS)} %` : ''),
     );
   });
   return element(
@@ -181,7 +221,28 @@ function readingTable(at, methods) {
       element('th', { colSpan: 2, textContent: `Step ${formatFixed(at.step)}` }),
       element('th', { colSpan: 3, textContent: `${formatFixed(at.time_s * 1e3, 2)} ms` }),
     ),
-    element('tr', { className: 'head' }, cell(''), cell('ticks'), cell('µs'), cell('steps/s'), cell('error')),
+    element('tr', { className: 'head' }, cell(''), cell('ticks'), cell('µs'), cell(speedUnit), cell('error')),
+    ...rows,
+  );
+}
+
+/** @param {AxesReading} at @param {string} speedUnit */
+function axesTable(at, speedUnit) {
+  const rows = at.axes.map(({ label, colour, velocity, delay }) => {
+    const swatch = element('i', { className: 'axis-swatch', style: `background: var(--axis-${colour})` });
+    return element(
+      'tr',
+      {},
+      element('td', {}, swatch, label),
+      cell(formatReading(delay)),
+      cell(formatReading(velocity)),
+    );
+  });
+  return element(
+    'table',
+    {},
+    element('tr', {}, element('th', { colSpan: 3, textContent: `${formatFixed(at.x * 1e3, 2)} ms` })),
+    element('tr', { className: 'head' }, cell(''), cell('µs'), cell(speedUnit)),
     ...rows,
   );
 }

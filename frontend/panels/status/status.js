@@ -12,7 +12,7 @@ export function createStatus(root) {
   root.replaceChildren(
     reading,
     element('span', { className: 'grow' }),
-    element('span', { className: 'wide-only', textContent: 'Wheel zooms, drag selects, double-click shows all' }),
+    element('span', { className: 'wide-only', textContent: 'Wheel zooms, drag selects, double-click shows all, or adds a row in the delay plot' }),
     element('span', { className: 'grow wide-only' }),
     kept,
     server,

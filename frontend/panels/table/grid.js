@@ -7,26 +7,40 @@ import { formatEntry, formatFixed, parseEntry } from '../../numbers.js';
 /** @typedef {import('../../types.js').Entry} Entry */
 /** @typedef {import('../../design.js').Rows} Rows */
 
-const COLUMNS = ['last step', 'delay'];
+/** @typedef {import('../../messages.js').RowMessage} RowMessage */
+
+const INDEX_HELP =
+  'Last ramp index that the row holds for. The first step of a ramp is at index 2, so a row ends with the step before; ' +
+  'slowing down, the last step is at index 0.';
+const COLUMNS = ['last index', 'delay'];
 
 /**
  * @param {object} handlers
  * @param {(index: number, column: number, entry: Entry) => void} handlers.onTyped
  * @param {(index: number) => void} handlers.onRemove
+ * @param {(after: number) => void} handlers.onInsert
+ * @param {(index: number) => void} handlers.onSelect
  */
-export function createGrid({ onTyped, onRemove }) {
+export function createGrid({ onTyped, onRemove, onInsert, onSelect }) {
   let selected = -1;
+  /** @type {Map<number, RowMessage>} */
+  let messages = new Map();
   /** Write the rows again, as numbers are written. */
   let settle = () => {};
   const delayHead = element('span');
   const body = element('tbody');
 
-  /** @param {KeyboardEvent} event @param {number} index @param {number} column */
+  /** Enter and the arrows go along a column, Insert makes a row.
+   * @param {KeyboardEvent} event @param {number} index
+   * @param {number} column the one after the numbers is that of the buttons */
   function walked(event, index, column) {
     const by = { ArrowDown: 1, Enter: 1, ArrowUp: -1 }[event.key];
-    if (by === undefined) return;
+    const isButton = column === COLUMNS.length;
+    if (event.key === 'Insert') onInsert(index);
+    else if (isButton && (event.key === 'Delete' || event.key === 'Backspace')) onRemove(index);
+    else if (by !== undefined && !(isButton && event.key === 'Enter')) focusCell(index + by, column);
+    else return;
     event.preventDefault();
-    focusCell(index + by, column);
   }
 
   /** @param {number} index */
@@ -46,8 +60,8 @@ export function createGrid({ onTyped, onRemove }) {
     );
     const row = element(
       'tr',
-      { className: 'row', onclick: () => select(index) },
-      element('td', { textContent: String(index + 1) }),
+      { className: 'row', onclick: () => choose(index) },
+      element('td', {}, icon('warning'), String(index + 1)),
       ...inputs.map((input) => element('td', {}, input)),
       element('td', { className: 'speed' }),
       element(
@@ -61,26 +75,39 @@ export function createGrid({ onTyped, onRemove }) {
             'aria-label': `Delete row ${index + 1}`,
             title: `Delete row ${index + 1}`,
             onclick: () => onRemove(index),
+            onkeydown: (/** @type {KeyboardEvent} */ event) => walked(event, index, COLUMNS.length),
           },
           icon('remove'),
         ),
       ),
     );
-    row.addEventListener('focusin', () => select(index));
+    row.addEventListener('focusin', () => choose(index));
     return [row, element('tr', { className: 'row-message', hidden: true }, element('td', { colSpan: 5 }))];
   }
 
   /** @param {number} index */
+  function choose(index) {
+    if (selected === index) return;
+    select(index);
+    onSelect(index);
+  }
+
+  /** @param {number} index -1: none */
   function select(index) {
     selected = index;
-    body.querySelectorAll('tr.row').forEach((row, at) => row.classList.toggle('selected', at === index));
+    body.querySelectorAll('tr.row').forEach((row, at) => {
+      row.classList.toggle('selected', at === index);
+      if (at === index) row.scrollIntoView({ block: 'nearest' });
+    });
+    showMessages();
   }
 
   /** @param {number} index @param {number} column */
   function focusCell(index, column) {
-    const cell = body.querySelectorAll('tr.row')[index]?.querySelectorAll('input')[column];
+    const row = body.querySelectorAll('tr.row')[index];
+    const cell = /** @type {HTMLElement | undefined} */ (row?.querySelectorAll('input, button')[column]);
     cell?.focus();
-    cell?.select();
+    if (cell instanceof HTMLInputElement) cell.select();
   }
 
   /** @param {Rows} rows @param {string} unit @param {(interval: Entry) => number} speedOf NaN where there is none */
@@ -97,7 +124,27 @@ export function createGrid({ onTyped, onRemove }) {
       });
       const speed = speedOf(rows[index][1]);
       const cell = /** @type {HTMLElement} */ (row.querySelector('.speed'));
-      cell.textContent = Number.isFinite(speed) ? formatFixed(speed, 1) : '–';
+      const text = Number.isFinite(speed) ? formatFixed(speed, 1) : '–';
+      if (cell.textContent !== text) cell.textContent = text;
+    });
+  }
+
+  function showMessages() {
+    const boxes = body.querySelectorAll('tr.row-message');
+    body.querySelectorAll('tr.row').forEach((row, index) => {
+      const message = messages.get(index);
+      const box = /** @type {HTMLTableRowElement} */ (boxes[index]);
+      // A remark is marked in any case, and told where the row is selected: most rows may have one.
+      box.hidden = message === undefined || (message.isRemark === true && index !== selected);
+      row.classList.toggle('remarked', message?.isWarning === true);
+      /** @type {HTMLElement} */ (row).title = message?.isRemark ? message.text : '';
+      row.querySelectorAll('input').forEach((input, column) => {
+        const isMeant = message !== undefined && (message.column ?? column) === column;
+        input.setAttribute('aria-invalid', String(isMeant && !message.isWarning));
+        if (isMeant) input.setAttribute('aria-describedby', `table-${index}-message`);
+        else input.removeAttribute('aria-describedby');
+      });
+      box.cells[0].replaceChildren(...(message ? [messageLine(message, `table-${index}-message`)] : []));
     });
   }
 
@@ -108,28 +155,18 @@ export function createGrid({ onTyped, onRemove }) {
     select,
     /** Index of the row last touched; -1: none. */
     selected: () => Math.min(selected, body.children.length / 2 - 1),
-    /** @param {import('../../messages.js').Messages['rows']} rowMessages */
+    /** @param {Map<number, RowMessage>} rowMessages */
     showMessages(rowMessages) {
-      const boxes = body.querySelectorAll('tr.row-message');
-      body.querySelectorAll('tr.row').forEach((row, index) => {
-        const message = rowMessages.get(index);
-        const box = /** @type {HTMLTableRowElement} */ (boxes[index]);
-        box.hidden = message === undefined;
-        row.querySelectorAll('input').forEach((input, column) => {
-          const isMeant = message !== undefined && (message.column ?? column) === column;
-          input.setAttribute('aria-invalid', String(isMeant && !message.isWarning));
-          if (isMeant) input.setAttribute('aria-describedby', `table-${index}-message`);
-          else input.removeAttribute('aria-describedby');
-        });
-        box.cells[0].replaceChildren(...(message ? [messageLine(message, `table-${index}-message`)] : []));
-      });
+      messages = rowMessages;
+      showMessages();
     },
   };
 }
 
 /** @param {HTMLElement} body @param {HTMLElement} delayHead */
 function gridOf(body, delayHead) {
-  const names = ['#', 'to step', delayHead, 'steps/s', element('span', { className: 'unseen', textContent: 'delete' })];
+  const indexHead = element('abbr', { textContent: 'to index', title: INDEX_HELP });
+  const names = ['#', indexHead, delayHead, 'steps/s', element('span', { className: 'unseen', textContent: 'delete' })];
   const head = element('tr', {}, ...names.map((name) => element('th', { scope: 'col' }, name)));
   const table = element('table', { 'aria-label': 'Rows of the lookup table' }, element('thead', {}, head), body);
   return element('div', { className: 'rows', id: 'table-rows', tabIndex: -1 }, table);

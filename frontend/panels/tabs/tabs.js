@@ -10,8 +10,8 @@ const TABS = [
   ['device', 'Device'],
 ];
 
-/** @param {HTMLElement} root */
-export function createTabs(root) {
+/** @param {HTMLElement} root @param {(name: string) => void} onChoose */
+export function createTabs(root, onChoose) {
   const buttons = TABS.map(([name, label]) =>
     element('button', {
       type: 'button',
@@ -19,7 +19,7 @@ export function createTabs(root) {
       'aria-controls': name,
       'data-value': name,
       textContent: label,
-      onclick: () => choose(name),
+      onclick: () => pick(name),
     }),
   );
   root.replaceChildren(
@@ -45,8 +45,14 @@ export function createTabs(root) {
     const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
     if (step === undefined) return;
     const next = (TABS.findIndex(([name]) => name === document.body.dataset.tab) + step + TABS.length) % TABS.length;
-    choose(TABS[next][0]);
+    pick(TABS[next][0]);
     buttons[next].focus();
+  }
+
+  /** @param {string} name */
+  function pick(name) {
+    choose(name);
+    onChoose(name);
   }
 
   choose('parameters');

@@ -1,0 +1,132 @@
+// @ts-check
+// The formats that a design can be exported in, and what each is good for.
+
+/** What of the request a format looks at besides the design.
+ * @typedef {'name' | 'arithmetic' | 'segment_bound_ticks' | 'methods'} ExportOption */
+/** @typedef {{name: string, label: string, help: string, kind: 'text' | 'picture' | 'page', options: ExportOption[]}} ExportFormat */
+
+/** @type {ExportOption[]} */
+const OF_A_FORMULA = ['name', 'arithmetic'];
+const PLAYED = 'C99, for moves of any length; gives the planned delays, to the tick.';
+
+/** @type {{title: string, formats: ExportFormat[]}[]} */
+export const EXPORT_GROUPS = [
+  {
+    title: 'C code',
+    formats: [
+      {
+        name: 'c_segments',
+        label: 'Ramp, as segments',
+        help: 'Header with the ramp as short straight lines, and the few lines of C that play them: no arithmetic but adding.',
+        kind: 'text',
+        options: ['name', 'segment_bound_ticks'],
+      },
+      {
+        name: 'c_first_order',
+        label: 'Formula 20',
+        help: `p (1 + q), the quickest. ${PLAYED}`,
+        kind: 'text',
+        options: OF_A_FORMULA,
+      },
+      {
+        name: 'c_second_order',
+        label: 'Formula 22',
+        help: `p (1 + q + 1.5 q²), best with a base speed. ${PLAYED}`,
+        kind: 'text',
+        options: OF_A_FORMULA,
+      },
+      {
+        name: 'c_compromise',
+        label: 'Formula 23',
+        help: `p (1 + q + q²), best of the three from rest. ${PLAYED}`,
+        kind: 'text',
+        options: OF_A_FORMULA,
+      },
+      {
+        name: 'c_newton',
+        label: 'Newton',
+        help: `One Newton step a delay: corrects itself, up and down. ${PLAYED}`,
+        kind: 'text',
+        options: OF_A_FORMULA,
+      },
+      {
+        name: 'c_table',
+        label: 'Lookup table',
+        help: 'Header with the table as an array, and a function that looks a delay up.',
+        kind: 'text',
+        options: ['name'],
+      },
+      {
+        name: 'c_table_progmem',
+        label: 'Lookup table, PROGMEM',
+        help: 'The same in the program memory of an AVR, where it takes no RAM.',
+        kind: 'text',
+        options: ['name'],
+      },
+    ],
+  },
+  {
+    title: 'Data',
+    formats: [
+      {
+        name: 'csv',
+        label: 'Steps, CSV',
+        help: 'Every step: interval in ticks and µs, time, position, speed.',
+        kind: 'text',
+        options: [],
+      },
+      {
+        name: 'json',
+        label: 'Design, JSON',
+        help: 'The design itself, to be opened here or sent to the API.',
+        kind: 'text',
+        options: [],
+      },
+    ],
+  },
+  {
+    title: 'Report',
+    formats: [
+      {
+        name: 'html',
+        label: 'Report, HTML',
+        help: 'One page with numbers, warnings and plots of the methods shown; opens offline in any browser.',
+        kind: 'page',
+        options: ['methods'],
+      },
+      {
+        name: 'svg',
+        label: 'Plots, SVG',
+        help: 'The plots of the methods shown, sharp at any size.',
+        kind: 'picture',
+        options: ['methods'],
+      },
+      {
+        name: 'png',
+        label: 'Plots, PNG',
+        help: 'The plots of the methods shown, as a picture of 1500 × 1350 dots.',
+        kind: 'picture',
+        options: ['methods'],
+      },
+    ],
+  },
+];
+
+export const EXPORT_FORMATS = EXPORT_GROUPS.flatMap((group) => group.formats);
+
+/**
+ * The beginning of a long text, in whole lines, and how much of it that is; all of a short one.
+ * @param {string} text @param {number} mostLines
+ * @returns {{shown: string, lines: number, shownLines: number}}
+ */
+export function beginning(text, mostLines) {
+  const lines = text.replace(/\n$/, '').split('\n');
+  const shownLines = Math.min(lines.length, mostLines);
+  return { shown: lines.slice(0, shownLines).join('\n'), lines: lines.length, shownLines };
+}
+
+/** @param {number} bytes */
+export function formatBytes(bytes) {
+  if (bytes < 1000) return `${bytes} bytes`;
+  return bytes < 1e6 ? `${(bytes / 1e3).toFixed(1)} kB` : `${(bytes / 1e6).toFixed(1)} MB`;
+}

@@ -1,0 +1,51 @@
+// @ts-check
+// Jogging: an axis runs while a finger or a key holds it. The server slows it down by itself when it is no longer told
+// to go on, so that nothing that happens to this page, its tab or the connection keeps a motor running.
+
+import { openJog } from './api.js';
+
+/** @typedef {import('./types.js').Rejection} Rejection */
+
+/** The server waits four times as long. */
+const RENEW_MS = 100;
+
+/** @param {(rejections: Rejection[]) => void} onRefused */
+export function createJog(onRefused) {
+  /** @type {WebSocket | null} */
+  let socket = null;
+  let timer = 0;
+
+  function end() {
+    clearInterval(timer);
+    const ending = socket;
+    socket = null;
+    if (ending === null) return;
+    // What has not been opened yet says nothing, and so nothing begins.
+    if (ending.readyState === WebSocket.OPEN) ending.send(JSON.stringify({ do: 'end' }));
+    ending.close();
+  }
+
+  /** @param {string} id @param {number} axis @param {unknown} speed steps/s, negative for backwards */
+  function begin(id, axis, speed) {
+    end();
+    const opened = openJog(id);
+    socket = opened;
+    opened.onopen = () => {
+      if (socket !== opened) return;
+      opened.send(JSON.stringify({ do: 'run', axis, speed_steps_per_s: speed }));
+      timer = setInterval(() => opened.send(JSON.stringify({ do: 'hold' })), RENEW_MS);
+    };
+    opened.onmessage = (event) => {
+      onRefused(JSON.parse(event.data).errors);
+      if (socket === opened) end();
+    };
+    opened.onclose = () => {
+      if (socket === opened) end();
+    };
+  }
+
+  addEventListener('blur', end);
+  addEventListener('pagehide', end);
+  document.addEventListener('visibilitychange', () => document.hidden && end());
+  return { begin, end, isHeld: () => socket !== null };
+}

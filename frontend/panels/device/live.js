@@ -1,0 +1,57 @@
+// @ts-check
+// Where an axis is and how fast it moves.
+
+import { element, messageLine } from '../../dom.js';
+import { formatFigures, formatFixed } from '../../numbers.js';
+import { shownValue, unitsFor, unitWord } from '../../units.js';
+
+/** @typedef {import('./section.js').Context} Context */
+
+export function createLive() {
+  const position = readout('Position', 'position');
+  const speed = readout('Speed', 'speed');
+  const unknown = element(
+    'div',
+    { id: 'unknown-position' },
+    messageLine({
+      text: 'It was lost and is back: this is what the controller now counts. Look where the axis is, then set its position under Jog.',
+      isWarning: true,
+    }),
+  );
+  return {
+    element: element('div', { className: 'live-box' }, element('div', { className: 'live' }, position.element, speed.element), unknown),
+    /** @param {Context} context */
+    show({ device, axis, design, situation }) {
+      const state = device?.axes[axis] ?? null;
+      const { units } = situation;
+      const isInSteps = unitsFor(units, design).length === 'steps';
+      const length = (/** @type {number} */ steps) =>
+        isInSteps ? formatFixed(steps) : formatFigures(shownValue(units, design, 'length', steps), 6);
+      const isUnderWay = state !== null && state.target_steps !== state.position_steps;
+      const notes = [
+        state && !isInSteps ? `${formatFixed(state.position_steps)} steps` : '',
+        isUnderWay ? `to ${length(state.target_steps)}` : '',
+      ];
+      position.show(state ? length(state.position_steps) : '–', unitWord(units, design, 'length'), notes.filter(Boolean).join(' · '));
+      const shown = state ? shownValue(units, design, 'speed', state.speed_steps_per_s) : 0;
+      speed.show(state ? (isInSteps ? formatFixed(shown) : formatFigures(shown)) : '–', unitWord(units, design, 'speed'), '');
+      unknown.hidden = !device?.unknown_positions.includes(axis);
+    },
+  };
+}
+
+/** @param {string} label @param {string} name */
+function readout(label, name) {
+  const value = element('b', { id: `live-${name}` });
+  const more = element('small', { className: 'target' });
+  const unit = element('small');
+  return {
+    element: element('div', {}, element('span', {}, label, more), value, ' ', unit),
+    /** @param {string} text @param {string} word @param {string} note */
+    show(text, word, note) {
+      if (value.textContent !== text) value.textContent = text;
+      if (unit.textContent !== word) unit.textContent = word;
+      if (more.textContent !== note) more.textContent = note;
+    },
+  };
+}

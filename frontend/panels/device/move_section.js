@@ -1,0 +1,164 @@
+// @ts-check
+// Moves: by so much, to a place, there and back, several axes along a line.
+
+import { element, segmented, showMessage } from '../../dom.js';
+import { formatEntry, parseEntry } from '../../numbers.js';
+import { quantityField } from './quantity.js';
+import { able } from './section.js';
+
+/** @typedef {import('../../types.js').Device} Device */
+/** @typedef {import('./section.js').Context} Context */
+/** @typedef {'by' | 'to' | 'back' | 'line'} Kind */
+
+const FIRST_STEPS = 400;
+const MOST_AXES = 4;
+const BUTTONS = { by: 'Move', to: 'Move', back: 'Start', line: 'Move' };
+
+/** @param {(device: Device, axis: number, what: 'move' | 'line' | 'there_and_back', body: unknown) => void} go */
+export function createMoveSection(go) {
+  /** @type {Kind} */
+  let kind = 'by';
+  /** @type {Context | null} */
+  let context = null;
+  const kinds = segmented(
+    'Kind of move',
+    [
+      ['by', 'By'],
+      ['to', 'To'],
+      ['back', 'There and back'],
+      ['line', 'Line'],
+    ],
+    (value) => {
+      kind = value;
+      if (context) show(context);
+    },
+  );
+  kinds.element.classList.add('fill');
+  const distance = quantityField({
+    id: 'move-steps',
+    label: 'How far to move, or which position to move to',
+    quantity: 'length',
+    start: FIRST_STEPS,
+  });
+  const times = plainField('move-times', 'Times', '×', '3');
+  const pause = plainField('move-pause', 'Pause at each end', 's pause', '0.5');
+  const lines = Array.from({ length: MOST_AXES }, (_, axis) =>
+    quantityField({ id: `line-${axis}`, label: `How far axis ${axis} moves`, quantity: 'length', start: FIRST_STEPS }),
+  );
+  const rows = lines.map((field, axis) =>
+    element('label', { className: 'line-axis' }, element('span', { textContent: `Axis ${axis}` }), field.element),
+  );
+  const several = element('div', { className: 'line-axes' }, ...rows);
+  const repeat = element('div', { className: 'line' }, times.element, pause.element);
+  const move = element('button', {
+    className: 'button',
+    id: 'move',
+    type: 'submit',
+    'aria-describedby': 'move-reason',
+  });
+  const inSteps = element('p', { className: 'reason', id: 'move-in-steps' });
+  const reason = element('p', { className: 'reason', id: 'move-reason' });
+  const problem = element('div', { className: 'problem' });
+  const under = element('p', { className: 'reason', id: 'move-shuttle', role: 'status' });
+  const form = element(
+    'form',
+    { className: 'section', onsubmit: submitted, oninput: showSteps },
+    kinds.element,
+    several,
+    repeat,
+    element('div', { className: 'line' }, distance.element, move),
+    problem,
+    inSteps,
+    under,
+    reason,
+  );
+
+  /** @param {SubmitEvent} event */
+  function submitted(event) {
+    event.preventDefault();
+    if (!context?.device || move.disabled) return;
+    const { device, axis } = context;
+    const steps = distance.value();
+    if (kind === 'line') {
+      const own = device.axes.map((one) => ({ axis: one.axis, by_steps: lines[one.axis].value() }));
+      go(device, axis, 'line', { axes: own });
+    } else if (kind === 'back') {
+      const [often, seconds] = [parseEntry(times.input.value), parseEntry(pause.input.value)];
+      go(device, axis, 'there_and_back', { axis, by_steps: steps, times: often, pause_s: seconds });
+    } else if (axis === 0) {
+      go(device, axis, 'move', kind === 'by' ? { by_steps: steps } : { to_steps: steps });
+    } else {
+      const own = kind === 'by' ? { axis, by_steps: steps } : { axis, to_steps: steps };
+      go(device, axis, 'move', { axes: [own] });
+    }
+  }
+
+  function showSteps() {
+    inSteps.textContent = kind === 'line' ? '' : distance.inSteps();
+    inSteps.hidden = inSteps.textContent === '';
+  }
+
+  /** @param {Context} present */
+  function show(present) {
+    context = present;
+    const { device, situation, design, inTheWay, notAtRest } = present;
+    const count = device?.axes.length ?? 1;
+    const lineButton = /** @type {HTMLElement} */ (kinds.element.querySelector('[data-value="line"]'));
+    lineButton.hidden = count < 2;
+    if (count < 2 && kind === 'line') kind = 'by';
+    kinds.press(kind);
+    distance.show(situation.units, design);
+    lines.forEach((field, axis) => {
+      field.show(situation.units, situation.designs[axis] ?? design);
+      rows[axis].hidden = axis >= count;
+    });
+    several.hidden = kind !== 'line';
+    repeat.hidden = kind !== 'back';
+    distance.element.hidden = kind === 'line';
+    move.textContent = BUTTONS[kind];
+    const shuttle = device?.shuttle ?? null;
+    under.textContent = shuttle
+      ? `There and back: ${shuttle.times_done} of ${shuttle.times} done. Stop ends it, also in a pause.`
+      : '';
+    under.hidden = shuttle === null;
+    const noRamp = device && !device.ramp ? 'Push a ramp first.' : '';
+    able([move], reason, inTheWay || notAtRest || noRamp, situation.isBusy);
+    showSteps();
+  }
+
+  return {
+    element: form,
+    show,
+    /** @param {import('../../types.js').Rejection[]} rejections */
+    reject(rejections) {
+      const ofMove = rejections.find(({ field }) => /(^|\.)(by|to)_steps$/.test(field ?? ''));
+      const label = kind === 'to' ? 'Position' : 'Steps';
+      const text = ofMove?.message.replace(/^(axes\.\d\.)?(by|to)_steps/, label) ?? '';
+      showMessage(distance.input, problem, ofMove && { text, isWarning: false });
+      return rejections.filter((one) => one !== ofMove);
+    },
+  };
+}
+
+/** @param {string} id @param {string} label @param {string} unit @param {string} value */
+function plainField(id, label, unit, value) {
+  const input = element('input', {
+    id,
+    value,
+    inputMode: 'decimal',
+    autocomplete: 'off',
+    'aria-label': label,
+    onblur: () => {
+      input.value = formatEntry(parseEntry(input.value));
+    },
+  });
+  return {
+    input,
+    element: element(
+      'span',
+      { className: 'field grow' },
+      input,
+      element('span', { className: 'unit', textContent: unit }),
+    ),
+  };
+}

@@ -1,0 +1,77 @@
+// @ts-check
+// A field for a length or a speed in the unit that is chosen; what is asked for is in steps and seconds.
+
+import { element } from '../../dom.js';
+import { formatEntry, formatFixed, parseEntry } from '../../numbers.js';
+import { shownValue, storedValue, unitsFor, unitWord } from '../../units.js';
+
+/** @typedef {import('../../types.js').Design} Design */
+/** @typedef {import('../../types.js').Entry} Entry */
+/** @typedef {import('../../units.js').Units} Units */
+
+const MOST_FIGURES = 7;
+
+/**
+ * @param {{id: string, label: string, quantity: 'length' | 'speed', start: Entry}} what
+ *   start: steps or steps/s
+ */
+export function quantityField({ id, label, quantity, start }) {
+  /** In steps or steps/s, or the text that is no number.
+   * @type {Entry} */
+  let entry = start;
+  /** @type {{units: Units, design: Design} | null} */
+  let shown = null;
+  const input = element('input', {
+    id,
+    inputMode: 'decimal',
+    autocomplete: 'off',
+    spellcheck: false,
+    'aria-label': label,
+    oninput: read,
+    onblur: write,
+  });
+  const unit = element('span', { className: 'unit' });
+  const box = element('span', { className: 'field grow' }, input, unit);
+
+  function read() {
+    const typed = parseEntry(input.value);
+    entry = typed;
+    if (typeof typed !== 'number' || shown === null) return;
+    const stored = storedValue(shown.units, shown.design, quantity, typed);
+    // A motor makes whole steps; in steps the server says so of any other number.
+    const isInSteps = unitsFor(shown.units, shown.design).length === 'steps';
+    entry = quantity === 'length' && !isInSteps ? Math.round(stored) : stored;
+  }
+
+  function write() {
+    if (shown === null || typeof entry !== 'number') return;
+    const value = shownValue(shown.units, shown.design, quantity, entry);
+    input.value = formatEntry(Number(value.toPrecision(MOST_FIGURES)));
+    if (unitsFor(shown.units, shown.design).length === 'steps' && quantity === 'length') input.value = formatEntry(entry);
+  }
+
+  return {
+    element: box,
+    input,
+    value: () => entry,
+    /** @param {Entry} value steps or steps/s */
+    set(value) {
+      entry = value;
+      write();
+    },
+    /** What the motor does, where that isn't what the field says; '' where it is. */
+    inSteps() {
+      const isInSteps = shown === null || unitsFor(shown.units, shown.design).length === 'steps';
+      if (isInSteps || typeof entry !== 'number') return '';
+      return quantity === 'length' ? `${formatFixed(entry)} steps` : `${formatFixed(entry, 1)} steps/s`;
+    },
+    /** @param {Units} units @param {Design} design */
+    show(units, design) {
+      const word = unitWord(units, design, quantity);
+      const isSame = shown !== null && unit.textContent === word && shown.design.axis === design.axis;
+      shown = { units, design };
+      unit.textContent = word;
+      if (!isSame) write();
+    },
+  };
+}

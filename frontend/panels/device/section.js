@@ -1,0 +1,31 @@
+// @ts-check
+// What the sections of the device panel share.
+
+/** @typedef {import('../../types.js').Device} Device */
+/** @typedef {import('../../types.js').Design} Design */
+
+/** What a section shows.
+ * @typedef {object} Context
+ * @property {Device | null} device  null: none, or it is lost
+ * @property {number} axis
+ * @property {Design} design         of this axis
+ * @property {string} inTheWay       why nothing can be asked of the device now; empty: something can
+ * @property {string} notAtRest      why nothing can be begun; empty: it is at rest
+ * @property {import('../../types.js').Situation} situation */
+
+/** The part of the panel for one kind of work.
+ * @typedef {object} Section
+ * @property {HTMLElement} element
+ * @property {(context: Context) => void} show
+ * @property {(rejections: import('../../types.js').Rejection[]) => import('../../types.js').Rejection[]} [reject]
+ *   shows those that it has a field for and returns the others */
+
+/**
+ * @param {HTMLButtonElement[]} buttons @param {HTMLElement} reason where it is told why not
+ * @param {string} why empty: they can be used @param {boolean} isBusy
+ */
+export function able(buttons, reason, why, isBusy) {
+  for (const button of buttons) button.disabled = why !== '' || isBusy;
+  if (reason.textContent !== why) reason.textContent = why;
+  reason.hidden = why === '';
+}

@@ -1,0 +1,176 @@
+// @ts-check
+// The dialog for how the controller drives its pins. What is used here is on trial until it is kept.
+
+import { api } from '../../api.js';
+import { createDialog, dialogFoot } from '../../dialog.js';
+import { element, icon, messageLine } from '../../dom.js';
+import { formatEntry, parseEntry } from '../../numbers.js';
+
+/** @typedef {import('../../types.js').Device} Device */
+/** @typedef {import('../../types.js').Settings} Settings */
+/** @typedef {{name: string, label: string, explained: string} & ({choices: [string, string][]} | {axes: true} |
+ *   {unit: string, nullable?: string})} Setting */
+
+/** @type {Setting[]} */
+const SETTINGS = [
+  {
+    name: 'outputs',
+    label: 'Outputs',
+    explained: 'A step and a direction pin for each axis, or four coil pins for each of three gauges.',
+    choices: [
+      ['step_and_direction', 'Step and direction'],
+      ['gauges', 'Gauges'],
+    ],
+  },
+  { name: 'both_edges', label: 'Step at both edges', explained: 'Axes whose driver steps when the pin rises and when it falls.', axes: true },
+  { name: 'step_inverted', label: 'Step pin inverted', explained: 'Axes whose step pin rests high.', axes: true },
+  { name: 'direction_inverted', label: 'Direction inverted', explained: 'Axes whose direction pin is low for forwards: they turn the other way.', axes: true },
+  { name: 'pulse_width_us', label: 'Pulse width', explained: 'Least width of a step pulse; 0: as short as the controller makes it. See the data sheet of the driver.', unit: 'µs' },
+  { name: 'direction_setup_us', label: 'Direction setup', explained: 'Time from a change of direction to the next pulse.', unit: 'µs' },
+  {
+    name: 'enable_level',
+    label: 'Enable level',
+    explained: 'Level of the enable pin while the motors are on. Most drivers want it low.',
+    choices: [
+      ['low', 'Low'],
+      ['high', 'High'],
+    ],
+  },
+  { name: 'enable_lead_ms', label: 'Enable lead', explained: 'Time from switching the motors on to the first pulse.', unit: 'ms' },
+  { name: 'enable_hold_ms', label: 'Enable hold', explained: 'Time from the last step to switching the motors off; empty: they stay on.', unit: 'ms', nullable: 'stay on' },
+];
+const MOST_AXES = 4;
+
+export function createSettingsDialog() {
+  /** @type {Device | null} */
+  let device = null;
+  const controls = SETTINGS.map(controlOf);
+  const problem = element('div', { className: 'problem', role: 'alert' });
+  const dialog = createDialog(
+    { id: 'settings-dialog', title: 'How the controller drives its pins', onSubmit: submitted },
+    ...controls.map((control) => control.element),
+    problem,
+    element('p', { className: 'reason', textContent: 'They are on trial until they are kept, in the Push section.' }),
+    dialogFoot(
+      () => dialog.close(),
+      element('button', { className: 'button primary', id: 'use-settings', type: 'submit', textContent: 'Use them' }),
+    ),
+  );
+
+  /** @param {unknown} error */
+  function showProblem(error) {
+    const text = error instanceof Error ? error.message : String(error);
+    problem.replaceChildren(messageLine({ text, isWarning: false }));
+  }
+
+  /** @param {SubmitEvent} event */
+  async function submitted(event) {
+    event.preventDefault();
+    if (device === null) return;
+    problem.replaceChildren();
+    try {
+      await api.useSettings(device.id, Object.fromEntries(controls.map((control) => [control.name, control.value()])));
+      dialog.close();
+    } catch (error) {
+      showProblem(error);
+    }
+  }
+
+  return {
+    /** @param {Device} present */
+    async open(present) {
+      device = present;
+      problem.replaceChildren();
+      try {
+        const settings = await api.settings(present.id);
+        for (const control of controls) control.show(settings[control.name]);
+      } catch (error) {
+        showProblem(error);
+      }
+      dialog.open(controls[0].first());
+    },
+  };
+}
+
+/** @param {Setting} setting */
+function controlOf(setting) {
+  const id = `setting-${setting.name}`;
+  const hint = `${id}-hint`;
+  const made =
+    'choices' in setting ? choice(id, hint, setting.choices) : 'axes' in setting ? axesBoxes(setting.label, hint) : number(id, hint, setting);
+  return {
+    name: setting.name,
+    value: made.value,
+    show: made.show,
+    first: () => /** @type {HTMLElement | null} */ (made.element.querySelector('input, select')),
+    element: element(
+      'div',
+      { className: 'setting' },
+      element('label', { htmlFor: id, textContent: setting.label }),
+      made.element,
+      element('p', { className: 'reason', id: hint, textContent: setting.explained }),
+    ),
+  };
+}
+
+/** @param {string} id @param {string} hint @param {[string, string][]} choices */
+function choice(id, hint, choices) {
+  const select = element(
+    'select',
+    { id, 'aria-describedby': hint },
+    ...choices.map(([value, textContent]) => element('option', { value, textContent })),
+  );
+  return {
+    element: /** @type {HTMLElement} */ (element('span', { className: 'picker' }, select, icon('down'))),
+    value: () => /** @type {unknown} */ (select.value),
+    /** @param {unknown} value */
+    show(value) {
+      select.value = String(value);
+    },
+  };
+}
+
+/** @param {string} label @param {string} hint */
+function axesBoxes(label, hint) {
+  const boxes = Array.from({ length: MOST_AXES }, (_, axis) =>
+    element('input', { type: 'checkbox', 'aria-label': `${label}: axis ${axis}`, 'aria-describedby': hint }),
+  );
+  return {
+    element: /** @type {HTMLElement} */ (
+      element(
+        'span',
+        { className: 'line check' },
+        ...boxes.map((box, axis) => element('label', { className: 'line' }, box, String(axis))),
+      )
+    ),
+    value: () => /** @type {unknown} */ (boxes.flatMap((box, axis) => (box.checked ? [axis] : []))),
+    /** @param {unknown} value */
+    show(value) {
+      const chosen = Array.isArray(value) ? value : [];
+      boxes.forEach((box, axis) => {
+        box.checked = chosen.includes(axis);
+      });
+    },
+  };
+}
+
+/** @param {string} id @param {string} hint @param {{unit: string, nullable?: string}} setting */
+function number(id, hint, { unit, nullable }) {
+  const input = element('input', {
+    id,
+    inputMode: 'decimal',
+    autocomplete: 'off',
+    placeholder: nullable ?? '',
+    'aria-describedby': hint,
+  });
+  return {
+    element: /** @type {HTMLElement} */ (
+      element('span', { className: 'field' }, input, element('span', { className: 'unit', textContent: unit }))
+    ),
+    value: () => /** @type {unknown} */ (nullable && input.value.trim() === '' ? null : parseEntry(input.value)),
+    /** @param {unknown} value */
+    show(value) {
+      input.value = value === null ? '' : formatEntry(/** @type {number} */ (value));
+    },
+  };
+}

@@ -1,0 +1,68 @@
+// @ts-check
+// The trace: whether moves are measured, and what the last one says in figures. The plots show the rest.
+
+import { element } from '../../dom.js';
+import { formatFigures, formatFixed } from '../../numbers.js';
+
+/** @typedef {import('./section.js').Context} Context */
+
+/** @param {(wanted: boolean) => void} onTrace */
+export function createTraceSection(onTrace) {
+  const box = element('input', { type: 'checkbox', id: 'trace', onchange: () => onTrace(box.checked) });
+  const figures = element('dl', { className: 'trace-figures', id: 'trace-figures' });
+  const note = element('p', { className: 'reason', id: 'trace-note' });
+
+  /** @param {import('../../types.js').Trace} trace */
+  function figuresOf(trace) {
+    const last = trace.measured_ticks.length - 1;
+    const duration = last < 0 ? 0 : trace.measured_ticks[last] / trace.timer_hz;
+    const latest = Math.max(0, ...trace.deviation_us);
+    const earliest = Math.min(0, ...trace.deviation_us);
+    return [
+      ['Axis', String(trace.traced_axis)],
+      ['Steps measured', `${formatFixed(trace.step.length)}, ${everyWord(trace.every_steps)}`],
+      ['From first to last', `${formatFigures(duration, 5)} s`],
+      ['Latest', `${formatFigures(latest, 3)} µs`],
+      ['Earliest', `${formatFigures(earliest, 3)} µs`],
+    ];
+  }
+
+  return {
+    element: element(
+      'div',
+      { className: 'section' },
+      element('label', { className: 'line check' }, box, element('span', { textContent: 'Measure moves begun here' })),
+      figures,
+      note,
+    ),
+    /** @param {Context} context */
+    show({ situation }) {
+      box.checked = situation.isTracing;
+      const { trace } = situation;
+      const shown = trace ? figuresOf(trace) : [];
+      const known = JSON.stringify(shown);
+      if (figures.dataset.known !== known) {
+        figures.dataset.known = known;
+        figures.replaceChildren(
+          ...shown.flatMap(([name, value]) => [
+            element('dt', { textContent: name }),
+            element('dd', { textContent: value }),
+          ]),
+        );
+      }
+      note.textContent = !trace
+        ? 'The controller tells when it made each step of a move that begins at rest; the plots lay that over the plan.'
+        : trace.changed
+          ? 'The move was changed on its way: the trace ends there.'
+          : trace.complete
+            ? ''
+            : 'The end of the trace did not come.';
+      note.hidden = note.textContent === '';
+    },
+  };
+}
+
+/** @param {number} every */
+function everyWord(every) {
+  return every === 1 ? 'every one' : `one of ${formatFixed(every)}`;
+}

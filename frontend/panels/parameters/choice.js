@@ -1,0 +1,37 @@
+// @ts-check
+// One choice of a few words, with its message beneath.
+
+import { valueAt } from '../../design.js';
+import { element, segmented, showMessage } from '../../dom.js';
+import { CHOICES } from '../../fields.js';
+
+/** @typedef {import('../../types.js').Design} Design */
+
+/**
+ * @param {string} path where it stands in the design
+ * @param {[string, string][]} values and what each is called; the first holds where the design has none
+ * @param {(path: string, value: unknown) => void} onEdit
+ */
+export function createChoice(path, values, onEdit) {
+  const { label, help } = CHOICES[path];
+  const control = segmented(label, values, (value) => onEdit(path, value));
+  control.element.classList.add('fill');
+  control.element.id = label.toLowerCase().replaceAll(' ', '-');
+  control.element.setAttribute('aria-description', help);
+  const name = element('span', { textContent: label });
+  const box = element('div', { className: 'messages' });
+  return {
+    explanation: CHOICES[path],
+    name,
+    element: element('div', { className: 'choice' }, name, control.element, box),
+    /** @param {Design} design @param {string[]} [offered] */
+    show(design, offered) {
+      for (const button of control.element.querySelectorAll('button')) {
+        button.hidden = offered !== undefined && !offered.includes(button.dataset.value ?? '');
+      }
+      control.press(valueAt(design, path) ?? values[0][0]);
+    },
+    /** @param {import('../../messages.js').Messages['fields']} messages */
+    showMessage: (messages) => showMessage(control.element, box, messages.get(path)),
+  };
+}

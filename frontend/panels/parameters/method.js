@@ -1,0 +1,63 @@
+// @ts-check
+// The choice of the method, its arithmetic, how its delays become ticks, and what it is tuned for.
+
+import { element, picker, showMessage } from '../../dom.js';
+import { METHODS, methodOf } from '../../methods.js';
+import { createChoice } from './choice.js';
+
+/** @typedef {import('../../types.js').Design} Design */
+/** @typedef {import('../../types.js').MethodName} MethodName */
+
+/** @param {string[]} words @returns {[string, string][]} */
+const asTheyAre = (words) => words.map((word) => [word, word]);
+
+/**
+ * @param {{onEdit: (path: string, value: unknown) => void, onMethod: (name: MethodName) => void}} handlers
+ * @param {ReturnType<typeof import('./info.js').createInfo>} info
+ */
+export function createMethod({ onEdit, onMethod }, info) {
+  const name = picker('Method', (value) => onMethod(/** @type {MethodName} */ (value)));
+  name.element.classList.add('quiet');
+  name.select.id = 'method';
+  const nameBox = element('div');
+  const arithmetics = [...new Set(METHODS.flatMap((method) => method.arithmetic))].sort().reverse();
+  const arithmetic = createChoice('method.arithmetic', asTheyAre(arithmetics), onEdit);
+  const rounding = createChoice('method.rounding', asTheyAre(['nearest', 'floor', 'carry']), onEdit);
+  /** @type {[string, string][]} */
+  const aims = [
+    ['largest_error', 'largest error'],
+    ['time', 'time'],
+  ];
+  const tunedFor = createChoice('method.tuned_for', aims, onEdit);
+  const choices = [arithmetic, rounding, tunedFor];
+  const title = element('h2', { textContent: 'Method' });
+  const head = element('div', { className: 'group-head' }, title, name.element);
+  info.explain(head, () => methodOf(/** @type {MethodName} */ (name.select.value)), title);
+  for (const choice of choices) info.explain(choice.element, () => choice.explanation, choice.name);
+
+  return {
+    element: element(
+      'section',
+      { className: 'group', 'aria-label': 'Method' },
+      head,
+      nameBox,
+      ...choices.map((choice) => choice.element),
+    ),
+    /** @param {Design} design */
+    show(design) {
+      name.offer(
+        METHODS.map((method) => [method.name, method.label]),
+        design.method.name,
+      );
+      arithmetic.show(design, methodOf(design.method.name).arithmetic);
+      rounding.show(design);
+      tunedFor.show(design);
+      tunedFor.element.hidden = design.method.name !== 'tuned';
+    },
+    /** @param {import('../../messages.js').Messages['fields']} messages */
+    showMessage(messages) {
+      showMessage(name.select, nameBox, messages.get('method.name'));
+      for (const choice of choices) choice.showMessage(messages);
+    },
+  };
+}

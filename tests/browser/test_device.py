@@ -1,0 +1,311 @@
+"""The device panel: pushing with its differences first, every kind of move, jogging, two tabs, settings, units."""
+
+from __future__ import annotations
+
+import re
+import time
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from playwright.sync_api import Page, expect
+
+from browser.conftest import Watch
+from browser.stepramp_page import ACCELERATION, SLEW_SPEED, StepRampPage, until
+
+REFUSED = r"status of 4(09|22)"
+FAR = 1_000_000
+
+
+@pytest.fixture
+def pushed(stepramp: StepRampPage) -> StepRampPage:
+    stepramp.connect()
+    stepramp.push()
+    return stepramp
+
+
+def device_of(page: StepRampPage) -> dict[str, Any]:
+    [device] = page.devices()
+    return device
+
+
+def changes(page: StepRampPage) -> dict[str, tuple[str, str]]:
+    rows = page.page.locator("#push-preview tbody tr").all()
+    cells = [[cell.inner_text() for cell in row.locator("th, td").all()] for row in rows]
+    return {name: (there, here) for name, there, here in cells}
+
+
+def test_what_differs_is_shown_before_it_is_pushed(pushed: StepRampPage) -> None:
+    page = pushed.page
+    stored = device_of(pushed)["ramp"]["sequence"]
+    expect(page.locator("#push-preview")).to_contain_text("The device has this ramp")
+    pushed.edit_and_wait(SLEW_SPEED, "500")
+    expect(page.locator("#push-preview")).to_contain_text("A push would change")
+    differing = changes(pushed)
+    # With 5,000 steps/s² 1,000 steps/s are reached in 100 steps, 500 in 25.
+    assert differing["Up ramp steps"] == ("100", "25")
+    assert differing["Slew interval µs"] == ("1,000.0", "2,000.0")
+    assert "First interval µs" not in differing
+    assert device_of(pushed)["ramp"]["sequence"] == stored, "nothing is sent by looking"
+    pushed.push()
+    expect(page.locator("#push-preview")).to_contain_text("The device has this ramp")
+    assert device_of(pushed)["ramp"]["sequence"] == stored + 1
+
+
+def test_a_push_shows_how_far_it_has_come(stepramp: StepRampPage) -> None:
+    stepramp.connect()
+    script = """() => { window.seen = []; const box = document.querySelector('#push-progress');
+        new MutationObserver(() => box.hidden || window.seen.push(box.innerText))
+            .observe(box, {subtree: true, childList: true, attributes: true, characterData: true}); }"""
+    stepramp.page.evaluate(script)
+    stepramp.push()
+    seen = stepramp.page.evaluate("() => window.seen")
+    assert any("Storing" in text for text in seen), seen
+    expect(stepramp.page.locator("#push-progress")).to_be_hidden()
+
+
+def test_try_then_keep_or_roll_back_and_restore(pushed: StepRampPage) -> None:
+    page = pushed.page
+    stored = device_of(pushed)["ramp"]["sequence"]
+    pushed.edit_and_wait(SLEW_SPEED, "500")
+    page.locator("#try").click()
+    expect(page.locator("#keep-ramp")).to_be_visible()
+    until(lambda: device_of(pushed)["on_trial"])
+    page.locator("#roll-back").click()
+    expect(page.locator("#keep-ramp")).to_be_hidden()
+    expect(page.locator("#push-preview")).to_contain_text("A push would change")
+    page.locator("#try").click()
+    page.locator("#keep-ramp").click()
+    expect(page.locator("#keep-ramp")).to_be_hidden()
+    assert (device_of(pushed)["on_trial"], device_of(pushed)["ramp"]["sequence"]) == (False, stored + 1)
+    page.locator("#restore").click()
+    until(lambda: device_of(pushed)["ramp"]["sequence"] == stored + 2)
+    expect(page.locator("#push-preview")).to_contain_text("A push would change")
+    assert changes(pushed)["Slew interval µs"] == ("1,000.0", "2,000.0")
+
+
+def test_there_and_back(pushed: StepRampPage) -> None:
+    page = pushed.page
+    pushed.device_section("move")
+    page.locator('.panel.device [data-value="back"]').click()
+    page.locator("#move-steps").fill("60")
+    page.locator("#move-times").fill("2")
+    page.locator("#move-pause").fill("0.1")
+    page.locator("#move").click()
+    expect(page.locator("#move-shuttle")).to_contain_text("of 2 done")
+    until(lambda: device_of(pushed)["target_steps"] == 60)
+    until(lambda: device_of(pushed)["shuttle"] is None)
+    expect(pushed.position).to_have_text("0")
+    page.locator("#move-pause").fill("30")
+    page.locator("#move").click()
+    expect(pushed.position).to_have_text("60")
+    page.keyboard.press("Escape")
+    expect(page.locator("#move-shuttle")).to_be_hidden()
+    assert device_of(pushed)["position_steps"] == 60, "a stop ends it in a pause, too"
+
+
+def press_and_hold(page: Page, name: str) -> None:
+    page.locator(name).hover()
+    page.mouse.down()
+
+
+def at_rest(pushed: StepRampPage) -> int:
+    until(lambda: device_of(pushed)["state"] == "ready")
+    position: int = device_of(pushed)["position_steps"]
+    return position
+
+
+def test_a_jog_lasts_as_long_as_the_button_is_held(pushed: StepRampPage) -> None:
+    pushed.device_section("jog")
+    press_and_hold(pushed.page, "#jog-left")
+    until(lambda: device_of(pushed)["state"] == "moving")
+    until(lambda: device_of(pushed)["position_steps"] < -200)
+    expect(pushed.state).to_have_text("moving")
+    pushed.page.mouse.up()
+    assert at_rest(pushed) < -200
+
+
+def test_a_jog_by_key(pushed: StepRampPage) -> None:
+    pushed.device_section("jog")
+    page = pushed.page
+    page.locator("#jog-speed").fill("400")
+    page.locator("#jog-right").focus()
+    page.keyboard.down("Space")
+    until(lambda: device_of(pushed)["speed_steps_per_s"] > 390)
+    page.keyboard.up("Space")
+    assert at_rest(pushed) > 0
+
+
+def hide(page: Page) -> None:
+    script = """() => { Object.defineProperty(document, 'hidden', {value: true, configurable: true});
+        document.dispatchEvent(new Event('visibilitychange')); }"""
+    page.evaluate(script)
+
+
+def fall_silent(page: Page) -> None:
+    """Let nothing more be said over the socket, which stays open: as if the page hung."""
+    page.evaluate("() => { WebSocket.prototype.send = () => {}; WebSocket.prototype.close = () => {}; }")
+
+
+@pytest.mark.parametrize(
+    "end",
+    [
+        pytest.param(lambda page: page.close(), id="tab closed"),
+        pytest.param(lambda page: page.reload(), id="reloaded"),
+        pytest.param(hide, id="hidden"),
+        pytest.param(fall_silent, id="silent"),
+        pytest.param(lambda page: page.keyboard.press("Escape"), id="escape"),
+    ],
+)
+def test_a_jog_ends_with_what_holds_it(pushed: StepRampPage, end: Callable[[Page], None]) -> None:
+    pushed.device_section("jog")
+    press_and_hold(pushed.page, "#jog-right")
+    until(lambda: device_of(pushed)["position_steps"] > 100)
+    end(pushed.page)
+    place = at_rest(pushed)
+    time.sleep(0.5)
+    assert device_of(pushed)["position_steps"] == place
+
+
+def test_running_at_a_speed_and_calling_the_place_something(pushed: StepRampPage, watch: Watch) -> None:
+    watch.expected.append(REFUSED)
+    page = pushed.page
+    pushed.device_section("jog")
+    page.locator("#jog-speed").fill("99999")
+    page.locator("#run-ahead").click()
+    expect(page.locator(".device .problem").first).to_contain_text("speed_steps_per_s is 99999")
+    page.locator("#jog-speed").fill("300")
+    page.locator("#run-back").click()
+    until(lambda: device_of(pushed)["speed_steps_per_s"] > 290)
+    expect(page.locator("#set-position-button")).to_be_disabled()
+    page.locator("#stop").click()
+    at_rest(pushed)
+    page.locator("#set-position").fill("-50")
+    page.locator("#set-position-button").click()
+    expect(pushed.position).to_have_text("\u221250")
+
+
+def test_the_measured_trace(pushed: StepRampPage) -> None:
+    pushed.move("500")
+    at_rest(pushed)
+    pushed.device_section("trace")
+    figures = pushed.page.locator("#trace-figures")
+    expect(figures).to_contain_text("500, every one")
+    # The virtual controller is never late.
+    expect(figures).to_contain_text("0.00 µs")
+    pushed.page.locator("#trace").uncheck()
+    pushed.move("10")
+    at_rest(pushed)
+    pushed.device_section("trace")
+    expect(figures).to_contain_text("500, every one")
+
+
+def test_several_axes(stepramp: StepRampPage) -> None:
+    page = stepramp.page
+    page.get_by_role("button", name="Add an axis").click()
+    stepramp.connect()
+    stepramp.device_section("push")
+    expect(page.locator("#push")).to_have_text("Push the 2 ramps")
+    stepramp.push()
+    assert len(device_of(stepramp)["axes"]) == 2
+    page.locator("#device-axis").select_option("1")
+    stepramp.move("30")
+    until(lambda: device_of(stepramp)["axes"][1]["position_steps"] == 30)
+    expect(stepramp.position).to_have_text("30")
+    stepramp.device_section("move")
+    page.locator('.panel.device [data-value="line"]').click()
+    page.locator("#line-0").fill("100")
+    page.locator("#line-1").fill("-50")
+    expect(page.locator("#move")).to_be_enabled()
+    page.locator("#move").click()
+    until(lambda: [one["position_steps"] for one in device_of(stepramp)["axes"]] == [100, -20])
+
+
+def test_settings_are_explained_and_on_trial(pushed: StepRampPage, watch: Watch) -> None:
+    watch.expected.append(REFUSED)
+    page = pushed.page
+    page.locator("#settings").click()
+    expect(page.locator("#setting-direction_setup_us")).to_have_value("30")
+    expect(page.locator("#setting-pulse_width_us-hint")).to_contain_text("Least width")
+    page.locator("#setting-pulse_width_us").fill("900")
+    page.locator("#use-settings").click()
+    expect(page.locator("#settings-dialog .message")).to_contain_text("pulse_width_us is 900; allowed")
+    page.locator("#setting-pulse_width_us").fill("8")
+    page.get_by_label("Direction inverted: axis 0").check()
+    page.locator("#use-settings").click()
+    expect(page.locator("#settings-dialog")).to_be_hidden()
+    settings = pushed.ask(pushed.url, "GET", f"devices/{device_of(pushed)['id']}/settings")
+    assert (settings["pulse_width_us"], settings["direction_inverted"]) == (8, [0])
+    expect(page.locator("#keep-ramp")).to_be_visible()
+    page.locator("#roll-back").click()
+    until(lambda: not device_of(pushed)["on_trial"])
+
+
+def test_lengths_in_the_chosen_unit(pushed: StepRampPage) -> None:
+    page = pushed.page
+    page.locator('[aria-label="Unit of length"] [data-value="mm"]').click()
+    # 400 steps make one turn of 8 mm.
+    pushed.move("2.5")
+    expect(page.locator("#move-in-steps")).to_have_text("125 steps")
+    until(lambda: device_of(pushed)["position_steps"] == 125)
+    expect(pushed.position).to_have_text(re.compile(r"^2\.50*$"))
+    expect(page.locator(".live .target").first).to_contain_text("125 steps")
+
+
+def test_two_tabs(open_page: Callable[..., StepRampPage], watch: Watch) -> None:
+    watch.expected.append(REFUSED)
+    first, second = open_page(), open_page()
+    first.connect()
+    first.push()
+    expect(second.state).to_have_text("ready")
+    expect(second.page.locator("#others")).to_be_visible()
+    expect(first.page.locator("#others")).to_be_hidden()
+    expect(second.page.locator("#push")).to_be_disabled()
+    first.edit_and_wait(ACCELERATION, "1000")
+    first.push()
+    first.move(str(FAR))
+    expect(second.state).to_have_text("moving")
+    second.page.keyboard.press("Escape")
+    until(lambda: device_of(first)["state"] == "ready")
+    second.page.locator("#take-over").click()
+    expect(second.page.locator("#others")).to_be_hidden()
+    expect(first.page.locator("#others")).to_be_visible()
+    second.move("10")
+    at_rest(second)
+    second.page.close()
+    expect(first.page.locator("#others")).to_be_hidden()
+
+
+def test_nothing_moves_by_undo_or_by_taking_a_look(pushed: StepRampPage) -> None:
+    pushed.edit_and_wait(SLEW_SPEED, "500")
+    sent: list[str] = []
+    pushed.page.on("request", lambda request: sent.append(f"{request.method} {request.url}"))
+    for section in ("move", "jog", "trace", "push"):
+        pushed.device_section(section)
+    pushed.page.keyboard.press("Control+z")
+    pushed.page.keyboard.press("Control+Shift+z")
+    pushed.page.wait_for_timeout(600)
+    asked = [one for one in sent if "/devices/" in one and not one.endswith("/push/preview")]
+    assert asked == []
+    assert device_of(pushed)["position_steps"] == 0
+
+
+def test_by_keyboard_only(stepramp: StepRampPage) -> None:
+    page = stepramp.page
+    page.locator("#port").focus()
+    until(lambda: page.locator("#connect").is_enabled())
+    page.keyboard.press("Tab")
+    page.keyboard.press("Tab")
+    page.keyboard.press("Enter")
+    expect(stepramp.state).to_have_text("ready", timeout=10_000)
+    page.locator("#push").focus()
+    page.keyboard.press("Enter")
+    expect(page.locator(".push-head .verified")).to_be_visible(timeout=20_000)
+    page.locator('#device-sections [data-value="push"]').focus()
+    page.keyboard.press("Tab")
+    page.keyboard.press("Enter")
+    page.locator("#move-steps").focus()
+    page.keyboard.press("Control+a")
+    page.keyboard.type("25")
+    page.keyboard.press("Enter")
+    until(lambda: device_of(stepramp)["position_steps"] == 25)

@@ -1,0 +1,165 @@
+"""A board that is unplugged in the middle of things and plugged in again; a server that ends and comes back."""
+
+from __future__ import annotations
+
+import json
+import urllib.request
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from playwright.sync_api import Browser, expect
+
+from browser.conftest import Watch
+from browser.server import Server
+from browser.stepramp_page import ACCELERATION, SLEW_SPEED, StepRampPage, until
+from controllers.usb_board import UsbBoard
+from stepramp.controllers.messages import DataRequest
+from stepramp.controllers.virtual import VirtualController
+
+LOST = r"status of 502"
+GONE = r"ERR_CONNECTION|WebSocket connection|ERR_INCOMPLETE"
+FAR = 1_000_000
+
+
+class Cable:
+    """A port whose name stays while boards come and go: the same controller, reset each time it is plugged in."""
+
+    def __init__(self, port: Path) -> None:
+        self.port = port
+        self._controller = VirtualController()
+        self.board: UsbBoard | None = None
+
+    def plug_in(self) -> UsbBoard:
+        self._controller.opened()
+        self.board = UsbBoard(self._controller)
+        self.board.__enter__()
+        self.port.symlink_to(self.board.port)
+        return self.board
+
+    def unplug(self) -> None:
+        self.port.unlink(missing_ok=True)
+        if self.board is not None:
+            self.board.unplug()
+
+
+@pytest.fixture
+def cable(tmp_path: Path) -> Iterator[Cable]:
+    made = Cable(tmp_path / "ttyACM7")
+    made.plug_in()
+    yield made
+    made.unplug()
+
+
+@pytest.fixture
+def plugged(stepramp: StepRampPage, cable: Cable) -> StepRampPage:
+    """Return the page with the board connected by a program: a pseudo-terminal is in no list of ports."""
+    body = json.dumps({"port": str(cable.port)}).encode()
+    request = urllib.request.Request(
+        f"{stepramp.url}api/v1/devices", body, {"Content-Type": "application/json"}, method="POST"
+    )
+    with urllib.request.urlopen(request, timeout=20):
+        pass
+    expect(stepramp.state).to_have_text("ready")
+    expect(stepramp.page.locator("#port option:checked")).to_contain_text("ttyACM7")
+    return stepramp
+
+
+def device_of(page: StepRampPage) -> dict[str, Any]:
+    [device] = page.devices()
+    return device
+
+
+def test_unplugged_in_the_middle_of_a_push(plugged: StepRampPage, cable: Cable, watch: Watch) -> None:
+    watch.expected.append(LOST)
+    page = plugged.page
+    plugged.push()
+    plugged.edit_and_wait(SLEW_SPEED, "500")
+    assert cable.board is not None
+    cable.board.unplug_at(DataRequest.KIND, after=2)
+    page.locator("#push").click()
+    expect(plugged.state).to_have_text("lost", timeout=15_000)
+    expect(page.locator(".device .problem").first).to_contain_text(
+        "the old ones or the new ones whole, never a mixture"
+    )
+    expect(page.locator("#push")).to_be_disabled()
+    assert plugged.field(SLEW_SPEED).input_value() == "500"
+    cable.unplug()
+    cable.plug_in()
+    expect(plugged.state).to_have_text("ready", timeout=20_000)
+    assert device_of(plugged)["ramp"]["sequence"] == 1, "the ramp that it had"
+    expect(page.locator("#push-preview")).to_contain_text("A push would change")
+    plugged.push()
+    assert device_of(plugged)["ramp"]["sequence"] == 2
+
+
+def test_unplugged_in_the_middle_of_a_move(plugged: StepRampPage, cable: Cable) -> None:
+    page = plugged.page
+    plugged.push()
+    plugged.move(str(FAR))
+    until(lambda: device_of(plugged)["position_steps"] > 100)
+    cable.unplug()
+    expect(plugged.state).to_have_text("lost", timeout=15_000)
+    expect(page.locator(".device .problem").first).to_contain_text("Axis 0 was moving, last heard of at")
+    expect(page.locator("#move-reason")).to_have_text("Connect a device first.")
+    cable.plug_in()
+    expect(plugged.state).to_have_text("ready", timeout=20_000)
+    expect(page.locator("#unknown-position")).to_be_visible()
+    expect(plugged.position).to_have_text("0")
+    page.wait_for_timeout(500)
+    assert device_of(plugged)["position_steps"] == 0, "it doesn't go on by itself"
+    plugged.device_section("jog")
+    page.locator("#set-position").fill("1234")
+    page.locator("#set-position-button").click()
+    expect(page.locator("#unknown-position")).to_be_hidden()
+    expect(plugged.position).to_have_text("1,234")
+
+
+def test_unplugged_while_jogging_and_plugged_in_while_still_held(plugged: StepRampPage, cable: Cable) -> None:
+    plugged.push()
+    plugged.device_section("jog")
+    plugged.page.locator("#jog-right").hover()
+    plugged.page.mouse.down()
+    until(lambda: device_of(plugged)["state"] == "moving")
+    cable.unplug()
+    expect(plugged.state).to_have_text("lost", timeout=15_000)
+    cable.plug_in()
+    expect(plugged.state).to_have_text("ready", timeout=20_000)
+    plugged.page.wait_for_timeout(500)
+    assert device_of(plugged)["position_steps"] == 0
+    plugged.page.mouse.up()
+
+
+def on_own_server(browser: Browser, act: Callable[[StepRampPage, Server], None]) -> None:
+    with Server() as server:
+        context = browser.new_context(viewport={"width": 1440, "height": 900})
+        page = context.new_page()
+        watch = Watch(server.url)
+        watch.expected.append(GONE)
+        watch.follow(page)
+        act(StepRampPage(page, server.url).open(), server)
+        context.close()
+        watch.check()
+
+
+def test_the_server_ends_in_the_middle_of_a_move_and_comes_back(browser: Browser) -> None:
+    def act(stepramp: StepRampPage, server: Server) -> None:
+        page = stepramp.page
+        stepramp.edit_and_wait(ACCELERATION, "2000")
+        stepramp.connect()
+        stepramp.push()
+        stepramp.move(str(FAR))
+        expect(stepramp.state).to_have_text("moving")
+        server.stop()
+        expect(page.locator("#server-state")).to_contain_text("Server gone", timeout=10_000)
+        expect(page.locator("#move-reason")).to_have_text("The server is gone.")
+        server.start()
+        expect(page.locator("#server-state")).to_have_text("server connected", timeout=10_000)
+        expect(stepramp.state).to_have_text("not connected")
+        stepramp.connect()
+        page.wait_for_timeout(500)
+        assert (device_of(stepramp)["state"], device_of(stepramp)["position_steps"]) == ("ready", 0)
+        assert stepramp.field(ACCELERATION).input_value() == "2,000"
+
+    on_own_server(browser, act)

@@ -1,0 +1,253 @@
+"""Designs as text and as links: read whole or not at all, and then it is said why."""
+
+import base64
+import json
+import zlib
+from collections.abc import Iterator
+from typing import Any, get_args
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from playwright.sync_api import Browser, Page
+
+from browser.server import Server
+from browser.stepramp_page import StepRampPage, call
+from designs import document
+from stepramp import design as rules
+from stepramp.design import Design
+
+LONGEST_LINK = 100_000
+LONGEST_TEXT = 1_000_000
+
+
+@pytest.fixture(scope="module")
+def page(browser: Browser, shared_server: Server) -> Iterator[Page]:
+    opened = browser.new_page()
+    StepRampPage(opened, shared_server.url).open()
+    yield opened
+    opened.close()
+
+
+def designs() -> st.SearchStrategy[dict[str, Any]]:
+    """Return designs of every shape: any text, any number, and text where numbers belong."""
+    entries = st.one_of(
+        st.floats(allow_nan=False, allow_infinity=False), st.integers(-(2**53) + 1, 2**53 - 1), st.text(max_size=5)
+    )
+    rows = st.lists(st.lists(entries, min_size=2, max_size=2), max_size=30)
+    words = st.sampled_from
+    return st.fixed_dictionaries(
+        {
+            "schema": st.just("stepramp/1"),
+            "name": st.text(max_size=100),
+            "axis": st.fixed_dictionaries(
+                {
+                    **dict.fromkeys(("full_steps_per_rev", "microsteps", "travel_per_rev"), entries),
+                    "travel_unit": words(["mm", "deg"]),
+                }
+            ),
+            "timer": st.fixed_dictionaries(dict.fromkeys(rules.Timer.model_fields, entries)),
+            "ramp": st.fixed_dictionaries(
+                {
+                    **dict.fromkeys(rules.RampParameters.model_fields, entries),
+                    "deceleration_steps_per_s2": st.none() | entries,
+                }
+            ),
+            "method": st.fixed_dictionaries(
+                {
+                    "name": words(get_args(rules.MethodName)),
+                    "arithmetic": words(get_args(rules.Arithmetic)),
+                    "rounding": words(get_args(rules.Rounding)),
+                    "tuned_for": words(get_args(rules.TunedFor)),
+                }
+            ),
+            "table": st.none() | st.fixed_dictionaries({"rows": rows, "interval_unit": words(["us", "ticks"])}),
+            "move": st.fixed_dictionaries({"steps": entries}),
+        }
+    )
+
+
+def works() -> st.SearchStrategy[dict[str, Any]]:
+    """Return what a person can have in hand: one axis, or up to four together."""
+    one = st.tuples(st.lists(designs(), min_size=1, max_size=1), st.just("independent"))
+    more = st.tuples(st.lists(designs(), min_size=2, max_size=4), st.sampled_from(["independent", "line"]))
+    return (one | more).map(lambda both: {"axes": both[0], "together": both[1]})
+
+
+def link(text: str) -> str:
+    """Return the link that carries a text, made by other means than the page's."""
+    packer = zlib.compressobj(9, zlib.DEFLATED, -zlib.MAX_WBITS)
+    packed = packer.compress(text.encode()) + packer.flush()
+    return "#d=" + base64.urlsafe_b64encode(packed).decode().rstrip("=")
+
+
+def problem(page: Page, text: str) -> str:
+    reading = call(page, "documents.js", "readDocument", text)
+    assert reading["document"] is None
+    return str(reading["problem"])
+
+
+def link_problem(page: Page, fragment: str) -> str:
+    reading = call(page, "link.js", "decodeLink", fragment)
+    assert reading["document"] is None
+    return str(reading["problem"])
+
+
+def test_any_document_comes_back_from_a_file_and_from_a_link(page: Page) -> None:
+    script = """async (work) => {
+        const {readDocument, writeDocument} = await import('/documents.js');
+        const {encodeLink, decodeLink} = await import('/link.js');
+        const read = [readDocument(writeDocument(work)), await decodeLink(await encodeLink(work))];
+        return JSON.stringify(read); }"""
+
+    @given(works())
+    @settings(max_examples=100, deadline=None)
+    def comes_back(work: dict[str, Any]) -> None:
+        # JavaScript has one kind of numbers.
+        read = json.loads(page.evaluate(script, work), parse_int=float)
+        assert read == [{"document": work, "problem": None}] * 2
+
+    comes_back()
+
+
+def test_links_and_files_are_what_other_programs_write_and_read(page: Page) -> None:
+    one = document(name="Drehteller µ-Schritt, 軸 ½ 🛠")
+    work = {"axes": [one], "together": "independent"}
+    written = call(page, "documents.js", "writeDocument", work)
+    assert json.loads(written) == one
+    assert written == json.dumps(one, indent=2, ensure_ascii=False).replace("8.0", "8")
+    machine = {"schema": "stepramp-machine/1", "together": "line", "axes": [one, document(name="Y")]}
+    for text, axes, together in [(written, [one], "independent"), (json.dumps(machine), machine["axes"], "line")]:
+        reading = call(page, "link.js", "decodeLink", link(text))
+        assert reading["problem"] is None
+        assert reading["document"]["together"] == together
+        assert [Design.checked(axis) for axis in reading["document"]["axes"]] == [Design.checked(axis) for axis in axes]
+    fragment = call(page, "link.js", "encodeLink", {"axes": machine["axes"], "together": "line"})
+    packed = fragment.removeprefix("#d=")
+    text = zlib.decompress(base64.urlsafe_b64decode(packed + "=" * (-len(packed) % 4)), -zlib.MAX_WBITS)
+    assert json.loads(text) == machine
+
+
+def test_what_a_design_leaves_out_is_what_the_server_takes_for_it(page: Page) -> None:
+    least = {
+        "schema": "stepramp/1",
+        "timer": {"frequency_hz": 1e6},
+        "ramp": {"slew_speed_steps_per_s": 1000, "acceleration_steps_per_s2": 5000},
+        "move": {"steps": 10},
+    }
+    reading = call(page, "documents.js", "readDocument", "\ufeff" + json.dumps(least))
+    assert reading["document"]["axes"] == [Design.checked(least).model_dump(mode="json", by_alias=True)]
+
+
+@pytest.mark.parametrize("schema", ["stepramp/2", "stepramp/1.1", "stepramp/17-beta", "stepramp-machine/2"])
+@pytest.mark.parametrize("rest", [{}, {"shape": {"kind": "s-curve"}}, {"axes": [document()]}])
+def test_a_newer_format_is_told(page: Page, schema: str, rest: dict[str, Any]) -> None:
+    text = json.dumps({"schema": schema, **rest})
+    for said in (problem(page, text), link_problem(page, link(text))):
+        assert "newer StepRamp" in said
+        assert f'"{schema}"' in said
+        assert "stepramp/1" in said
+
+
+def test_a_newer_axis_of_a_machine_is_told(page: Page) -> None:
+    axes = [document(), document(schema="stepramp/2")]
+    said = problem(page, json.dumps({"schema": "stepramp-machine/1", "together": "line", "axes": axes}))
+    assert "newer StepRamp" in said
+
+
+def machine_with(axes: object, together: object = "line", **others: object) -> dict[str, object]:
+    return {"schema": "stepramp-machine/1", "together": together, "axes": axes, **others}
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "not JSON"),
+        ("hello", "not JSON"),
+        ('{"schema": "stepramp/1", "name": "cut o', "not JSON"),
+        ("null", "not a StepRamp design"),
+        ("[1, 2]", "not a StepRamp design"),
+        ("17", "not a StepRamp design"),
+        ("{}", "schema is missing"),
+        ('{"schema": "other/1"}', 'schema is "other/1"; allowed: "stepramp/1"'),
+        ('{"schema": 1}', "schema is 1;"),
+        (" " * LONGEST_TEXT + "{}", "longer than 1,000,000 characters"),
+        ("[" * 500_000, "not JSON"),
+    ],
+)
+def test_nonsense_is_told(page: Page, text: str, words: str) -> None:
+    assert words in problem(page, text)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "words"),
+    [
+        (document(extra=1), "no field extra"),
+        (document(axis__extra=1), "no field axis.extra"),
+        (document(name=5), "name is 5; allowed: a text"),
+        (document(ramp=[]), "ramp is []; allowed: an object"),
+        (document(ramp={}), "ramp.slew_speed_steps_per_s is missing; allowed: a number"),
+        (document(timer=None), "timer is missing"),
+        (document(move__steps=None), "move.steps is null; allowed: a number"),
+        (document(move__steps=True), "move.steps is true"),
+        (document(ramp__deceleration_steps_per_s2={}), "ramp.deceleration_steps_per_s2 is {}"),
+        (document(axis__travel_unit="inch"), 'axis.travel_unit is "inch"; allowed: deg, mm'),
+        (document(method__name="__proto__"), 'method.name is "__proto__"; allowed: exact, ideal'),
+        (document(method__arithmetic="float16"), 'method.arithmetic is "float16"'),
+        (document(method__rounding="up"), 'method.rounding is "up"'),
+        (document(method__tuned_for="fun"), 'method.tuned_for is "fun"'),
+        (document(table=[]), "table is []"),
+        (document(table__rows={}), "table.rows is {}"),
+        (document(table__rows=[[1]]), "table.rows.0 is [1]; allowed: a row of two numbers"),
+        (document(table__rows=[[1, 2], [3, None]]), "table.rows.1.1 is null; allowed: a number"),
+        (document(table__interval_unit="s"), 'table.interval_unit is "s"; allowed: us, ticks'),
+        (machine_with([]), "axes is []; allowed: from 1 to 4 designs"),
+        (machine_with([document()] * 5), "allowed: from 1 to 4 designs"),
+        (machine_with({"0": document()}), "allowed: from 1 to 4 designs"),
+        (machine_with([document(), 3]), "not a StepRamp design at axes.1"),
+        (machine_with([document(), document(move__steps=[])]), "axes.1.move.steps is []"),
+        (machine_with([document()], together="apart"), 'together is "apart"; allowed: independent, line'),
+        (machine_with([document()], speed=1), "no field speed"),
+    ],
+)
+def test_what_the_page_could_not_show_is_told_with_its_field(page: Page, wrong: object, words: str) -> None:
+    assert words in problem(page, json.dumps(wrong))
+
+
+def test_a_number_too_large_for_any_machine_is_told(page: Page) -> None:
+    text = json.dumps(document(move__steps=123454321)).replace("123454321", "1e999")
+    assert "move.steps is Infinity; allowed: a number" in problem(page, text)
+
+
+def test_damaged_links_are_told(page: Page) -> None:
+    whole = link(json.dumps(document()))
+    for cut in (4, 5, len(whole) // 2, len(whole) - 4, len(whole) - 1):
+        assert "damaged" in link_problem(page, whole[:cut])
+    for fragment in ("", "#d=", "#d=%%%", "#d=hello", "#plots", whole + "AAAA", "#d=" + "_" * 50):
+        assert "damaged" in link_problem(page, fragment)
+    assert "not JSON" in link_problem(page, link("hello"))
+    assert "not a StepRamp design" in link_problem(page, link("[]"))
+
+
+def test_a_huge_link_is_neither_made_nor_read(page: Page) -> None:
+    assert "at most 100,000" in link_problem(page, "#d=" + "A" * LONGEST_LINK)
+    # A short link can stand for a text of any length.
+    bomb = link(" " * 50_000_000)
+    assert len(bomb) < LONGEST_LINK
+    assert "longer than 1,000,000" in link_problem(page, bomb)
+    script = """async (work) => (await import('/link.js')).encodeLink(work).catch((error) => error.message)"""
+    noise = "".join(chr(0x4E00 + 40_503 * place % 20_000) for place in range(90_000))
+    made = page.evaluate(script, {"axes": [document(name=noise)], "together": "independent"})
+    assert "at most 100,000" in made
+
+
+def test_the_largest_machine_fits_into_a_link(page: Page) -> None:
+    rows = [[10_007 * row - row % 997, 4_294_967_295 - 999_983 * row * (row % 7)] for row in range(1, 1000)]
+    axes = [document(name="x" * 100, table={"rows": rows, "interval_unit": "us"}) for _ in range(4)]
+    # No row like any other, so that nothing is gained by the axes being alike.
+    for number, axis in enumerate(axes):
+        axis["table"]["rows"] = [[step - number, abs(delay) % 2**32 + number] for step, delay in rows]
+        axis["method"]["tuned_for"] = "time"
+    fragment = call(page, "link.js", "encodeLink", {"axes": axes, "together": "line"})
+    assert len(fragment) < LONGEST_LINK
+    assert call(page, "link.js", "decodeLink", fragment)["document"]["axes"] == axes

@@ -1,0 +1,180 @@
+"""The export dialog: every format with its preview, copy, download, refusals; by keyboard alone."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import get_args
+
+import pytest
+from playwright.sync_api import Browser, BrowserContext, Locator, Page, expect
+
+from browser.conftest import Watch
+from browser.server import Server
+from browser.stepramp_page import REFUSED_VALUE, SLEW_SPEED, StepRampPage, call, until
+from stepramp.exports.export import FormatName
+
+PHONE = (390, 844)
+PICTURES = ("svg", "png")
+
+
+class ExportDialog:
+    """The dialog as a person uses it."""
+
+    def __init__(self, page: Page) -> None:
+        self.page = page
+        self.element = page.locator("#export-dialog")
+        self.preview = page.locator("#export-preview")
+        self.note = page.locator(".export-note")
+        self.copy = page.locator("#export-copy")
+        self.download = page.locator("#export-download")
+
+    def format(self, name: str) -> Locator:
+        return self.element.locator(f'input[value="{name}"]')
+
+    def choose(self, name: str) -> None:
+        self.element.locator(f'label:has(input[value="{name}"])').click()
+        self.wait_for(name)
+
+    def wait_for(self, name: str) -> None:
+        until(lambda: self.element.get_attribute("data-shown") == name)
+
+    def save(self, folder: Path) -> Path:
+        with self.page.expect_download() as download:
+            self.download.click()
+        saved = folder / download.value.suggested_filename
+        download.value.save_as(saved)
+        return saved
+
+
+@pytest.fixture
+def dialog(stepramp: StepRampPage) -> ExportDialog:
+    stepramp.page.locator("#head-export").click()
+    opened = ExportDialog(stepramp.page)
+    opened.wait_for("c_segments")
+    return opened
+
+
+def test_the_page_offers_every_format_of_the_server(module_page: StepRampPage) -> None:
+    script = "async () => (await import('/exports.js')).EXPORT_FORMATS.map((format) => format.name)"
+    assert sorted(module_page.page.evaluate(script)) == sorted(get_args(FormatName))
+
+
+def test_a_long_text_is_shown_in_part(module_page: StepRampPage) -> None:
+    page = module_page.page
+    assert call(page, "exports.js", "beginning", "a\nb\nc\n", 2) == {"shown": "a\nb", "lines": 3, "shownLines": 2}
+    assert call(page, "exports.js", "beginning", "a\nb\n", 2) == {"shown": "a\nb", "lines": 2, "shownLines": 2}
+    shown = [call(page, "exports.js", "formatBytes", size) for size in (999, 1000, 1_234_567)]
+    assert shown == ["999 bytes", "1.0 kB", "1.2 MB"]
+
+
+def test_every_format_is_previewed_and_saved(dialog: ExportDialog, tmp_path: Path) -> None:
+    for name in get_args(FormatName):
+        dialog.choose(name)
+        saved = dialog.save(tmp_path)
+        expect(dialog.note).to_contain_text(saved.name)
+        assert saved.stat().st_size > 500
+        if name in PICTURES:
+            width = dialog.preview.locator("img").evaluate("(image) => image.decode().then(() => image.naturalWidth)")
+            assert width > 500
+        elif name != "html":
+            text = saved.read_text(encoding="utf-8")
+            assert dialog.preview.inner_text().splitlines()[:100] == text.splitlines()[:100]
+        expect(dialog.copy).to_be_enabled(enabled=name not in (*PICTURES, "html"))
+    dialog.choose("csv")
+    expect(dialog.preview.locator("pre")).to_contain_text("step,interval_ticks,interval_us")
+
+
+def test_a_copy_goes_to_the_clipboard(dialog: ExportDialog, context: BrowserContext) -> None:
+    context.grant_permissions(["clipboard-read", "clipboard-write"])
+    dialog.choose("json")
+    dialog.copy.click()
+    expect(dialog.note).to_contain_text("Copied")
+    copied = json.loads(dialog.page.evaluate("navigator.clipboard.readText()"))
+    assert copied["ramp"]["slew_speed_steps_per_s"] == 1000
+    context.clear_permissions()
+
+
+def test_options_change_the_file(dialog: ExportDialog) -> None:
+    dialog.choose("c_newton")
+    dialog.page.locator("#export-name").fill("x_axis")
+    dialog.element.get_by_label("Computes in").select_option("fixed")
+    expect(dialog.preview).to_contain_text("in fixed.")
+    expect(dialog.preview).to_contain_text("static inline x_axis_ticks x_axis_next(")
+    dialog.choose("c_segments")
+    expect(dialog.element.get_by_label("Computes in")).to_be_hidden()
+    dialog.page.locator("#export-bound").fill("9")
+    expect(dialog.preview).to_contain_text("9 ticks from what is planned")
+
+
+def test_refusals_are_shown_and_what_is_right_again_is_exported(dialog: ExportDialog, watch: Watch) -> None:
+    watch.expected.append(REFUSED_VALUE)
+    dialog.choose("c_newton")
+    dialog.page.locator("#export-name").fill("2 axes")
+    expect(dialog.preview.locator(".message")).to_contain_text("name is '2 axes'; allowed: a letter, then letters")
+    expect(dialog.download).to_be_disabled()
+    expect(dialog.copy).to_be_disabled()
+    dialog.page.locator("#export-name").fill("axis_2")
+    expect(dialog.download).to_be_enabled()
+
+
+def test_it_works_by_keyboard_alone(stepramp: StepRampPage) -> None:
+    page = stepramp.page
+    page.locator("#head-export").focus()
+    page.keyboard.press("Enter")
+    dialog = ExportDialog(page)
+    expect(dialog.format("c_segments")).to_be_focused()
+    page.keyboard.press("ArrowDown")
+    dialog.wait_for("c_first_order")
+    for _ in range(8):
+        page.keyboard.press("Tab")
+        if dialog.download.evaluate("(button) => button === document.activeElement"):
+            break
+    with page.expect_download() as download:
+        page.keyboard.press("Enter")
+    assert download.value.suggested_filename.endswith("_first_order.h")
+    page.keyboard.press("Escape")
+    expect(dialog.element).to_be_hidden()
+    expect(page.locator("#head-export")).to_be_focused()
+
+
+def test_the_export_follows_the_design(dialog: ExportDialog, stepramp: StepRampPage) -> None:
+    dialog.choose("json")
+    stepramp.field(SLEW_SPEED).evaluate("(field) => { field.value = '900'; field.dispatchEvent(new Event('input')); }")
+    expect(dialog.preview).to_contain_text('"slew_speed_steps_per_s": 900')
+
+
+def test_a_server_that_is_gone_is_told(dialog: ExportDialog, watch: Watch) -> None:
+    watch.expected.append("ERR_FAILED")
+    dialog.page.route("**/api/v1/export/*", lambda route: route.abort())
+    dialog.choose("csv")
+    expect(dialog.preview.locator(".message")).to_contain_text("The server does not answer")
+    expect(dialog.download).to_be_disabled()
+
+
+def test_stop_stays_in_reach_and_the_dialog_fits_a_phone(open_page: Callable[..., StepRampPage]) -> None:
+    page = open_page(PHONE).page
+    page.locator("#examples").click()
+    page.locator("#menu-list button b", has_text="Export").click()
+    dialog = ExportDialog(page)
+    dialog.wait_for("c_segments")
+    page.locator("#stop").click(trial=True)
+    for button in (dialog.download, dialog.copy, dialog.format("png")):
+        button.scroll_into_view_if_needed()
+    assert page.evaluate("document.documentElement.scrollWidth") <= PHONE[0]
+
+
+def test_a_saved_report_opens_without_a_server(
+    dialog: ExportDialog, browser: Browser, server: Server, tmp_path: Path
+) -> None:
+    dialog.choose("html")
+    saved = dialog.save(tmp_path)
+    page = browser.new_page()
+    watch = Watch(server.url)
+    watch.follow(page)
+    page.goto(saved.as_uri())
+    page.locator("#plots .scatterlayer path.js-line").first.wait_for()
+    assert page.locator("#plots .subplot").count() == 3
+    expect(page.locator("h1")).to_have_text("Lead-screw stage")
+    page.close()
+    assert watch.errors == []
+    assert [url for url in watch.elsewhere if url != saved.as_uri()] == []

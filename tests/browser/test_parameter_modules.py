@@ -1,0 +1,317 @@
+"""Parameters as text, in units, on sliders and in steps: the modules behind the fields."""
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from playwright.sync_api import Browser, Page
+
+from browser.server import Server
+from browser.stepramp_page import StepRampPage, call
+from designs import document
+from stepramp.design import Design
+
+MOTOR_TURN_STEPS = 400
+SCREW_MM = 8
+STEP_MM = SCREW_MM / MOTOR_TURN_STEPS
+
+
+@pytest.fixture(scope="module")
+def page(browser: Browser, shared_server: Server) -> Iterator[Page]:
+    opened = browser.new_page()
+    StepRampPage(opened, shared_server.url).open()
+    yield opened
+    opened.close()
+
+
+def stepped(page: Page, path: str, *rest: object) -> Any:
+    script = """async ([path, rest]) => { const {GROUPS} = await import('/fields.js');
+        const {stepped} = await import('/panels/parameters/stepping.js');
+        return stepped(GROUPS.flatMap((group) => group.fields).find((field) => field.path === path), ...rest); }"""
+    return page.evaluate(script, [path, list(rest)])
+
+
+SLEW, STEPS, MICROSTEPS, BASE = (
+    "ramp.slew_speed_steps_per_s",
+    "move.steps",
+    "axis.microsteps",
+    "ramp.base_speed_steps_per_s",
+)
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "direction", "stride", "factor", "expected"),
+    [
+        # About 1 % of the value, a 1, 2 or 5 with zeros, to the next multiple of it.
+        (SLEW, 1000, 1, "usual", 1, 1010),
+        (SLEW, 1000, -1, "usual", 1, 990),
+        (SLEW, 1234, 1, "usual", 1, 1240),
+        (SLEW, 1234, -1, "usual", 1, 1230),
+        (SLEW, 5000, 1, "usual", 1, 5050),
+        (SLEW, 2000, 1, "usual", 1, 2020),
+        (SLEW, 1000, 1, "coarse", 1, 1100),
+        (SLEW, 1000, 1, "fine", 1, 1001),
+        (SLEW, 0.001, -1, "usual", 1, 0.001),
+        (SLEW, 1_000_000, 1, "usual", 1, 1_000_000),
+        (SLEW, 2_000_000, -1, "usual", 1, 1_000_000),
+        # In millimetres the steps are round in millimetres: 1,000 steps/s are 20 mm/s, the next is 20.2.
+        (SLEW, 1000, 1, "usual", STEP_MM, 1010),
+        (SLEW, 1000, 1, "coarse", STEP_MM, 1100),
+        (SLEW, 617.28, 1, "usual", STEP_MM, 620),
+        # A whole number goes on by at least one.
+        (STEPS, 20, 1, "usual", 1, 21),
+        (STEPS, 20, -1, "fine", 1, 19),
+        (STEPS, 500, 1, "usual", 1, 505),
+        (STEPS, 500, 1, "coarse", 1, 550),
+        (STEPS, -500, 1, "usual", 1, -495),
+        (STEPS, -500, -1, "usual", 1, -505),
+        (STEPS, 2.5, 1, "usual", 1, 3),
+        # There is no move of no steps.
+        (STEPS, 1, -1, "usual", 1, -1),
+        (STEPS, -1, 1, "usual", 1, 1),
+        # Drivers know powers of two.
+        (MICROSTEPS, 1, 1, "usual", 1, 2),
+        (MICROSTEPS, 16, 1, "usual", 1, 32),
+        (MICROSTEPS, 16, -1, "usual", 1, 8),
+        (MICROSTEPS, 10, 1, "usual", 1, 16),
+        (MICROSTEPS, 10, -1, "usual", 1, 8),
+        (MICROSTEPS, 4, 1, "coarse", 1, 16),
+        (MICROSTEPS, 10, 1, "fine", 1, 11),
+        (MICROSTEPS, 1, -1, "usual", 1, 1),
+        (MICROSTEPS, 1024, 1, "usual", 1, 1024),
+        # A linear one has strides of its own.
+        (BASE, 0, 1, "usual", 1, 10),
+        (BASE, 0, 1, "fine", 1, 1),
+        (BASE, 0, 1, "coarse", 1, 100),
+        (BASE, 3, -1, "usual", 1, 0),
+        (BASE, 0, -1, "usual", 1, 0),
+        ("axis.full_steps_per_rev", 200, 1, "usual", 1, 201),
+        ("axis.full_steps_per_rev", 200, 1, "coarse", 1, 210),
+        ("timer.counter_bits", 16, 1, "coarse", 1, 24),
+        ("timer.counter_bits", 64, 1, "usual", 1, 64),
+        ("timer.frequency_hz", 2_000_000, 1, "usual", 1, 2_020_000),
+    ],
+)
+def test_a_step_goes_to_the_next_round_value(
+    page: Page, path: str, value: float, direction: int, stride: str, factor: float, expected: float
+) -> None:
+    assert stepped(page, path, value, direction, stride, factor) == pytest.approx(expected, rel=1e-12)
+
+
+def test_steps_up_and_down_always_move_and_stay_allowed(page: Page) -> None:
+    script = """async (values) => { const {GROUPS} = await import('/fields.js');
+        const {stepped} = await import('/panels/parameters/stepping.js');
+        const wrong = [];
+        for (const field of GROUPS.flatMap((group) => group.fields))
+            for (const value of values.map((one) => field.isWhole ? Math.round(one) : one)) {
+                const [least, most] = field.limits;
+                if (value < least || value > most) continue;
+                for (const stride of ['fine', 'usual', 'coarse']) for (const direction of [1, -1]) {
+                    const next = stepped(field, value, direction, stride, 0.02);
+                    const isThere = value === (direction > 0 ? most : least);
+                    const hasMoved = Math.sign(next - value) === direction;
+                    if ((!isThere && !hasMoved) || next < least || next > most)
+                        wrong.push([field.path, value, stride, next]);
+                } }
+        return wrong; }"""
+
+    @given(st.lists(st.floats(1e-3, 1e9) | st.floats(-1e7, 1e7), min_size=50, max_size=50))
+    @settings(max_examples=10, deadline=None)
+    def moves(values: list[float]) -> None:
+        assert page.evaluate(script, values) == []
+
+    moves()
+
+
+def test_the_limits_are_those_of_the_server(page: Page) -> None:
+    """Both ends are taken, and what lies beyond them is not."""
+    script = """async () => (await import('/fields.js')).GROUPS.flatMap((group) => group.fields)
+        .map(({path, limits, isWhole}) => [path, limits, isWhole ?? false])"""
+    fields = page.evaluate(script)
+    assert len(fields) == 11
+    for path, (least, most), is_whole in fields:
+        part, name = path.split(".")
+        # No other value than this one may be what is refused.
+        rest = {"ramp": {"base_speed_steps_per_s": 0, "slew_speed_steps_per_s": 1_000_000}}.get(part, {})
+        for value, is_taken in ((least, True), (most, True), (least - 1, False), (most + 1, False)):
+            changed = document()
+            changed[part] |= rest | {name: int(value) if is_whole else float(value)}
+            try:
+                Design.checked(changed)
+                assert is_taken, (path, value)
+            except ValueError:
+                assert not is_taken, (path, value)
+
+
+def test_a_slider_gives_back_what_it_shows(page: Page) -> None:
+    script = """async () => { const {GROUPS} = await import('/fields.js');
+        const {sliderPosition, sliderValue} = await import('/panels/parameters/stepping.js');
+        return GROUPS.flatMap((group) => group.fields).flatMap((field) => [field.slider.from, field.slider.to]
+            .filter((end) => sliderValue(field, sliderPosition(field.slider, end), 1) !== end)
+            .map((end) => [field.path, end])); }"""
+    assert page.evaluate(script) == []
+
+
+def test_a_slider_sets_round_values_in_the_unit_shown(page: Page) -> None:
+    script = """async ([path, position, before, factor]) => { const {GROUPS} = await import('/fields.js');
+        const {sliderValue} = await import('/panels/parameters/stepping.js');
+        const field = GROUPS.flatMap((group) => group.fields).find((one) => one.path === path);
+        return sliderValue(field, position, before, factor); }"""
+    for position in range(0, 1001, 7):
+        shown = page.evaluate(script, [SLEW, position, 1, STEP_MM]) * STEP_MM
+        assert shown == pytest.approx(float(f"{shown:.3g}"), rel=1e-12)
+        assert float(page.evaluate(script, [STEPS, position, -1, STEP_MM])).is_integer()
+        assert page.evaluate(script, [STEPS, position, -1, STEP_MM]) < 0
+
+
+def test_what_is_typed_comes_back_in_every_unit(page: Page) -> None:
+    script = """async ([texts, factor]) => { const {readEntry, shownEntry} =
+        await import('/panels/parameters/shown_entry.js');
+        return texts.map((text) => shownEntry(readEntry({isWhole: false}, text, factor).entry, factor)); }"""
+    texts = ["0", "1", "10", "7.5", "0.125", "0.3", "33.333333", "1,234.5678", "999,999", "0.0001", "12o0", "", "1,5"]
+    for factor in (1, STEP_MM, 0.9, 1 / MOTOR_TURN_STEPS, STEP_MM * 60, 1 / 3):
+        assert page.evaluate(script, [texts, factor]) == texts
+
+
+def test_no_digit_before_the_point_is_dropped(page: Page) -> None:
+    @given(st.floats(1e-6, 1e12), st.floats(1e-6, 1e6))
+    @settings(max_examples=100, deadline=None)
+    def is_close(stored: float, factor: float) -> None:
+        text = call(page, "panels/parameters/shown_entry.js", "shownEntry", stored, factor)
+        assert math.isclose(float(text.replace(",", "")), stored * factor, rel_tol=6e-8)
+
+    is_close()
+
+
+@pytest.mark.parametrize(
+    ("text", "entry", "exact"),
+    [("10", 500, None), ("10.02", 501, None), ("10.01", 501, 500.5), ("10.005", 500, 500.25), ("0.001", 0, 0.05)],
+)
+def test_a_length_becomes_whole_steps_and_it_is_said(page: Page, text: str, entry: int, exact: float | None) -> None:
+    reading = call(page, "panels/parameters/shown_entry.js", "readEntry", {"isWhole": True}, text, STEP_MM)
+    assert reading == {"entry": entry, "exact": exact}
+
+
+def test_steps_are_never_rounded_when_typed_as_steps(page: Page) -> None:
+    reading = call(page, "panels/parameters/shown_entry.js", "readEntry", {"isWhole": True}, "2.5", 1)
+    assert reading == {"entry": 2.5, "exact": None}
+
+
+def told(page: Page, path: str, value: object, allowed: str, length: str = "mm", time: str = "s") -> str:
+    script = """async ([path, refused, units, design]) => { const {GROUPS} = await import('/fields.js');
+        const {inShownUnit} = await import('/panels/parameters/rejection_text.js');
+        const field = GROUPS.flatMap((group) => group.fields).find((one) => one.path === path);
+        const message = {text: 'as the server tells it', isWarning: false, refused};
+        return inShownUnit(message, units, design, field).text; }"""
+    units = {"length": length, "time": time}
+    return str(page.evaluate(script, [path, {"value": value, "allowed": allowed}, units, document()]))
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "allowed", "text"),
+    [
+        (
+            SLEW,
+            2_000_000,
+            "a number from 0.001 to 1,000,000 steps/s",
+            "Slew speed is 40,000 mm/s (2,000,000 steps/s); allowed: a number from 0.00002 to 20,000 mm/s.",
+        ),
+        (
+            BASE,
+            2000,
+            "a number from 0 to the slew speed, 1,000 steps/s",
+            "Base speed is 40 mm/s (2,000 steps/s); allowed: a number from 0 to the slew speed, 20 mm/s.",
+        ),
+        (
+            SLEW,
+            "12o0",
+            "a number from 0.001 to 1,000,000 steps/s",
+            "Slew speed is '12o0'; allowed: a number from 0.00002 to 20,000 mm/s.",
+        ),
+        (
+            "ramp.acceleration_steps_per_s2",
+            0.01,
+            "at least 50,000.5 steps/s² between these speeds, for a ramp of at most 10,000,000 steps",
+            "Acceleration is 0.0002 mm/s² (0.01 steps/s²); allowed: at least 1,000.01 mm/s² between these speeds, "
+            "for a ramp of at most 10,000,000 steps.",
+        ),
+        (
+            SLEW,
+            900_000,
+            "at most 800,000 steps/s with this timer: an interval is 1 tick or more",
+            "Slew speed is 18,000 mm/s (900,000 steps/s); allowed: at most 16,000 mm/s with this timer: "
+            "an interval is 1 tick or more.",
+        ),
+        (
+            STEPS,
+            0,
+            "a whole number from -10,000,000 to 10,000,000 steps, but not 0",
+            "Distance is 0 mm (0 steps); allowed: whole steps from -200,000 to 200,000 mm, but not 0.",
+        ),
+        # What doesn't name the unit is not understood well enough to be converted.
+        (SLEW, 5, "something else", "as the server tells it"),
+    ],
+)
+def test_what_is_refused_is_told_in_the_unit_shown(
+    page: Page, path: str, value: object, allowed: str, text: str
+) -> None:
+    assert told(page, path, value, allowed) == text
+
+
+def test_limits_are_rounded_to_what_is_allowed(page: Page) -> None:
+    """In turns a minute the limits have endless digits; what is told must not be refused."""
+    text = told(page, SLEW, 5, "a number from 0.001 to 1,000,000 steps/s", "rev", "min")
+    low, high = (
+        float(word.replace(",", "")) for word in (text.split("from ")[1].split()[0], text.split("to ")[1].split()[0])
+    )
+    assert low * MOTOR_TURN_STEPS / 60 >= 0.001
+    assert high * MOTOR_TURN_STEPS / 60 <= 1_000_000
+    assert told(page, SLEW, 5, "a number from 1 to 2 steps/s", "deg").endswith("from 0.9 to 1.8 °/s.")
+
+
+def test_steps_and_seconds_are_left_to_the_server(page: Page) -> None:
+    assert told(page, SLEW, 5, "a number from 1 to 2 steps/s", "steps") == "as the server tells it"
+
+
+# Facts of data sheets: steps of one turn of the output, and what a turn moves.
+AXES = {
+    "NEMA 17 · T8 screw, 8 mm": (200, None, 4 * 2, "mm"),
+    "NEMA 17 · T8 screw, 2 mm": (200, None, 1 * 2, "mm"),
+    "NEMA 17 · GT2 belt, 20 teeth": (200, None, 20 * 2, "mm"),
+    "NEMA 17 · turntable": (200, None, 360, "deg"),
+    "Gauge X25, X27 · ⅓°": (360 * 3, 1, 360, "deg"),
+    "Gauge X25, X27 · ¹⁄₁₂°": (360 * 12 / 4, 4, 360, "deg"),
+    "28BYJ-48 · full steps": (32 * 64, 1, 360, "deg"),
+    "28BYJ-48 · half steps": (64 * 64 / 2, 2, 360, "deg"),
+}
+TIMERS = {
+    "Uno, Nano, Mega · 2 MHz": (16_000_000 / 8, 16),
+    "Uno, Nano, Mega · 16 MHz": (16_000_000, 16),
+    "Teensy 4 · 24 MHz": (24_000_000, 32),
+    "ESP32 · 40 MHz": (80_000_000 / 2, 64),
+    "Pico · PIO, 125 MHz": (125_000_000, 32),
+    "Pico · timer, 1 MHz": (1_000_000, 32),
+}
+
+
+def test_presets_are_the_facts_of_data_sheets_and_designs_the_server_takes(page: Page) -> None:
+    presets = page.evaluate("async () => (await import('/presets.js')).PRESETS")
+    assert [preset["name"] for preset in presets["axis"]] == list(AXES)
+    assert [preset["name"] for preset in presets["timer"]] == list(TIMERS)
+    for preset in presets["axis"]:
+        full_steps, microsteps, travel, unit = AXES[preset["name"]]
+        facts = {"full_steps_per_rev": full_steps, "travel_per_rev": travel, "travel_unit": unit}
+        assert preset["values"] == facts | ({} if microsteps is None else {"microsteps": microsteps})
+    for preset in presets["timer"]:
+        frequency, bits = TIMERS[preset["name"]]
+        assert preset["values"] == {"frequency_hz": frequency, "counter_bits": bits}
+    for part, ones in presets.items():
+        for preset in ones:
+            before = document()
+            changed = call(page, "presets.js", "withPreset", before, part, preset)
+            assert {name for name in before if changed[name] != before[name]} <= {part}
+            Design.checked(changed)
+            assert call(page, "presets.js", "presetOf", changed, part) == preset
