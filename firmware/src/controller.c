@@ -11,6 +11,10 @@
 #include "slots.h"
 #include "trace.h"
 
+/* A run has no end of its own: it ends when nobody has asked for anything for so long [256 ms]. A program that has died,
+ * or a cable that has been pulled, leaves no motor running. */
+enum { MOST_SILENCE = 4 };
+
 enum { NO_SESSION = 0, VALUE_BYTES = 4 };
 
 /* A line of all axes is the longest request of which all bytes are kept. Those of a delivery go to the ramp store. */
@@ -23,6 +27,8 @@ static struct frame_receiver receiver;
 static uint8_t request[KEPT_BYTES];
 static uint16_t session = NO_SESSION;
 static uint8_t answered_kind, answered_tag; /* the request answered last */
+static uint8_t heard;                       /* when the last request came: port_milliseconds() / 256 */
+static uint8_t guarded;                     /* axes that a request has set running */
 
 /* ---- what is known of the controller; `body` has the length that expected_length demands ---- */
 
@@ -208,6 +214,7 @@ static uint8_t move(uint8_t kind, uint8_t axes, const uint8_t *body, uint16_t *d
         return machine_line(axes, body[0], values, detail);
     }
     if (kind == KIND_RUN) {
+        guarded |= axes;
         return machine_run(axes, values, detail);
     }
     if (kind == KIND_SET_POSITION) {
@@ -245,6 +252,7 @@ static void answer_for_axes(uint8_t kind, const uint8_t *body)
     if (!mask_is_good(axes)) {
         return;
     }
+    guarded &= (uint8_t)~axes;
     uint8_t status = kind == KIND_ZERO ? machine_zero(axes, read_u16(body), &detail) : move(kind, axes, body, &detail);
     if (kind <= KIND_MOVE_TO || kind == KIND_LINE) {
         reply_targets(axes);
@@ -451,6 +459,7 @@ void controller_receive(uint8_t byte)
     if (length < MESSAGE_HEADER_BYTES || reply_is_going_out()) {
         return;
     }
+    heard = (uint8_t)(port_milliseconds() >> 8);
     if (!is_repeat()) {
         answered_kind = request[KIND_AT];
         answered_tag = request[TAG_AT];
@@ -475,6 +484,10 @@ void controller_begin(void)
 void controller_poll(void)
 {
     uint16_t now_ms = port_milliseconds();
+    if ((uint8_t)((now_ms >> 8) - heard) > MOST_SILENCE) {
+        machine_stop(guarded);
+        guarded = 0;
+    }
     machine_poll();
     ramp_store_poll();
     if (!report_poll(session, now_ms)) {

@@ -14,34 +14,12 @@ from playwright.sync_api import Browser, expect
 from browser.conftest import Watch
 from browser.server import Server
 from browser.stepramp_page import ACCELERATION, SLEW_SPEED, StepRampPage, until
-from controllers.usb_board import UsbBoard
+from controllers.usb_board import Cable
 from stepramp.controllers.messages import DataRequest
-from stepramp.controllers.virtual import VirtualController
 
 LOST = r"status of 502"
 GONE = r"ERR_CONNECTION|WebSocket connection|ERR_INCOMPLETE"
 FAR = 1_000_000
-
-
-class Cable:
-    """A port whose name stays while boards come and go: the same controller, reset each time it is plugged in."""
-
-    def __init__(self, port: Path) -> None:
-        self.port = port
-        self._controller = VirtualController()
-        self.board: UsbBoard | None = None
-
-    def plug_in(self) -> UsbBoard:
-        self._controller.opened()
-        self.board = UsbBoard(self._controller)
-        self.board.__enter__()
-        self.port.symlink_to(self.board.port)
-        return self.board
-
-    def unplug(self) -> None:
-        self.port.unlink(missing_ok=True)
-        if self.board is not None:
-            self.board.unplug()
 
 
 @pytest.fixture

@@ -577,6 +577,28 @@ def test_a_move_by_counts_from_where_a_run_is(line: Line) -> None:
     assert line.wait_for_rest().position_steps == target
 
 
+def test_a_run_ends_when_nobody_asks_for_anything_and_a_move_goes_on(line: Line) -> None:
+    line.use(four_axes())
+    line.good(ReportRequest(50))
+    moved(line, MoveByRequest(2, (LONG_MOVE,)))
+    line.good(RunRequest(1, (1500,)))
+    for _ in range(6):  # any request keeps it running
+        line.hear(0.4)
+        assert line.status().axis_state == AxisState.MOVING
+    line.notices.clear()
+    for _ in range(100):
+        line.hear(0.1)
+        if any(report.state_of(0) == AxisState.IDLE for report in reports(line)):
+            break
+    told = reports(line)
+    slowing = next(report for report in told if report.state_of(0) != AxisState.MOVING)
+    assert 950 <= (slowing.time_ms - told[0].time_ms) % 2**16 <= 1350
+    assert told[-1].state_of(0) == AxisState.IDLE
+    assert told[-1].state_of(1) == AxisState.MOVING
+    line.good(StopRequest())
+    line.wait_for_rest()
+
+
 def test_speeds_that_no_ramp_leads_to(line: Line) -> None:
     line.use(four_axes())
     refused(line, RunRequest(1, (999,)), ReplyStatus.OUT_OF_RANGE, 0)

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from controllers.usb_board import UsbBoard
+from controllers.usb_board import Cable, UsbBoard
 from designs import design
 from stepramp.controllers import conversation
 from stepramp.controllers.controller import Asked
@@ -374,7 +374,7 @@ class Silent:
 def test_what_is_not_connected_yet_cant_be_asked(
     devices: Devices, plug_in: Callable, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(conversation, "HELLO_TIMEOUT_S", 0.5)
+    monkeypatch.setattr(conversation, "MOST_HELLOS", 2)
     with ThreadPoolExecutor(1) as pool:
         connecting = pool.submit(devices.connect, plug_in(Silent()))
         while not devices.views():
@@ -386,26 +386,6 @@ def test_what_is_not_connected_yet_cant_be_asked(
         with pytest.raises(DeviceLost, match="Nothing at"):
             connecting.result(PATIENCE_S)
     assert devices.views() == []
-
-
-class Cable:
-    """A port whose name stays while the same controller comes and goes, reset each time."""
-
-    def __init__(self, port: Path) -> None:
-        self.port = port
-        self.controller = VirtualController()
-        self.board: UsbBoard | None = None
-
-    def plug_in(self) -> None:
-        self.controller.opened()
-        self.board = UsbBoard(self.controller)
-        self.board.__enter__()
-        self.port.symlink_to(self.board.port)
-
-    def unplug(self) -> None:
-        self.port.unlink(missing_ok=True)
-        if self.board is not None:
-            self.board.unplug()
 
 
 @pytest.fixture
@@ -475,3 +455,15 @@ def test_a_jog_that_nobody_renews_slows_down(devices: Devices, port: str) -> Non
     assert 20 < position < 400
     time.sleep(0.3)
     assert device.view.position_steps == position
+
+
+def test_a_run_goes_on_for_as_long_as_the_server_is_there(devices: Devices, port: str) -> None:
+    """The controller ends a run that nobody asks about for 1.3 s."""
+    device = devices.connect(port)
+    device.push([design()])
+    device.run([Asked(0, 100.0, "speed_steps_per_s")])
+    time.sleep(3.0)
+    assert device.view.state is DeviceState.MOVING
+    assert device.view.position_steps > 200
+    device.stop()
+    wait_for(device, DeviceState.READY)

@@ -6,6 +6,7 @@ import os
 import select
 import threading
 import tty
+from pathlib import Path
 from typing import Self
 
 from stepramp.controllers.frames import FrameSplitter
@@ -69,3 +70,24 @@ class UsbBoard:
             kind, count = self._unplug_at
             if self.requests.count(kind) >= count:
                 self._unplugged.set()
+
+
+class Cable:
+    """A port whose name stays while boards come and go: the same controller, reset each time it is plugged in."""
+
+    def __init__(self, port: Path) -> None:
+        self.port = port
+        self.controller = VirtualController()
+        self.board: UsbBoard | None = None
+
+    def plug_in(self) -> UsbBoard:
+        self.controller.opened()
+        self.board = UsbBoard(self.controller)
+        self.board.__enter__()
+        self.port.symlink_to(self.board.port)
+        return self.board
+
+    def unplug(self) -> None:
+        self.port.unlink(missing_ok=True)
+        if self.board is not None:
+            self.board.unplug()

@@ -31,6 +31,8 @@ from stepramp.link.worker import Worker
 
 LISTEN_S = 1 / 50
 """How often a device that moves is listened to: as often as it reports."""
+HEARTBEAT_S = 1 / 3
+"""So often a controller is asked while it moves [s]: what runs at a speed stops when nobody asks any more."""
 SILENCE_S = 1 / 10
 """A device that moves and doesn't report for so long is asked."""
 IDLE_POLL_S = 1 / 2
@@ -57,6 +59,7 @@ class Device:
         self._known_port = known_port(port)
         self._let_go = False
         self._jog: JogLease | None = None
+        self._asked_s = 0.0
 
     @property
     def view(self) -> DeviceView:
@@ -330,7 +333,9 @@ class Device:
             return IDLE_POLL_S
         self._let_jogs_end()
         under_way, heard_s = self.view.state in UNDER_WAY, self.view.heard_s
-        if under_way and (heard := self._controller.listen()) is not None:
+        if under_way and monotonic() - self._asked_s > HEARTBEAT_S:
+            self._refresh()
+        elif under_way and (heard := self._controller.listen()) is not None:
             self._show(heard)
         elif monotonic() - heard_s > (SILENCE_S if under_way else IDLE_POLL_S):
             self._refresh()
@@ -349,6 +354,7 @@ class Device:
 
     def _refresh(self) -> None:
         assert self._controller is not None
+        self._asked_s = monotonic()
         self._show(self._controller.status())
 
     def _show(self, status: ControllerStatus) -> None:

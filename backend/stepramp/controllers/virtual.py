@@ -160,6 +160,7 @@ class VirtualController:
 
     def _answer(self, request: Message) -> Message:
         self._settle()
+        self._machine.heard()
         header = (request.session, request.kind, request.tag)
         if header in self._last_answer and request.kind != HelloRequest.KIND:
             return self._last_answer[header]

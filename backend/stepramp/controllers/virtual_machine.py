@@ -16,6 +16,8 @@ from stepramp.controllers.ways import ways_of
 from stepramp.units import ticks_from_us
 
 POSITIONS = range(-(2**31), 2**31)
+GUARD_S = 1.28
+"""So long an axis runs at a speed after the last request [s]; boards that count in steps of 0.256 s may take less."""
 
 T = TypeVar("T")
 
@@ -35,6 +37,8 @@ class VirtualMachine:
         self._line: VirtualLine | None = None
         self._enabled = False
         self._rested_s = 0.0
+        self._heard_s = 0.0
+        self._guarded: set[int] = set()
         self.trace: TraceRecorder | None = None
 
     @property
@@ -78,15 +82,18 @@ class VirtualMachine:
         """Return k, so that every k-th step of an axis comes so many times a second at full speed."""
         return -(-(self._timer_hz // values_a_second) // self._ways[axis].slew_interval)
 
+    def heard(self) -> None:
+        """Note that a request has come: what runs at a speed may go on."""
+        self._heard_s = self._clock()
+
     def settle(self) -> None:
         """Move to where all motors are by now."""
-        was_moving, now = self.moving, self._now()
-        if self._line is not None:
-            if not self._line.settle(now):
-                self._line = None
-        else:
-            for motor in self._motors:
-                motor.settle(now)
+        was_moving, guarded_until = self.moving, int((self._heard_s + GUARD_S) * self._timer_hz)
+        if self._guarded and self._now() > guarded_until:
+            self._settle_at(guarded_until)
+            self.stop(self._guarded)
+            self._guarded = set()
+        self._settle_at(self._now())
         if was_moving and not self.moving:
             self._rested_s = self._clock()
         hold_ms = self._limits.settings.enable_hold_ms
@@ -125,6 +132,7 @@ class VirtualMachine:
         refusal = self._too_fast({axis: self._ways[axis].slew_interval for axis in targets})
         if refusal is None:
             now = self._begin()
+            self._guarded -= set(targets)
             for axis, target in targets.items():
                 self._motors[axis].move_to(target, now)
         return refusal or targets
@@ -139,6 +147,7 @@ class VirtualMachine:
         if refusal is None:
             self.stop(axis for axis in intervals if axis not in running)
             now = self._begin()
+            self._guarded |= set(running)
             for axis, interval in running.items():
                 self._motors[axis].run(abs(interval), 1 if interval > 0 else -1, now)
         return refusal
@@ -152,6 +161,7 @@ class VirtualMachine:
         share = self._limits.line_share(len(going), self._fast(self._ways[ramp_axis].slew_interval))
         refusal = self._out_of_range(targets) or _too_much(share)
         if refusal is None and going:
+            self._guarded -= set(going)
             watches = {self.trace.axis: self.trace} if self.trace and self.trace.axis in going else {}
             led = {axis: self._motors[axis] for axis in going}
             self._line = VirtualLine(led, {axis: steps[axis] for axis in going}, self._ways[ramp_axis], watches)
@@ -190,6 +200,14 @@ class VirtualMachine:
                 self.settle()
         if not self.moving:
             self._rested_s = self._clock()
+
+    def _settle_at(self, now: int) -> None:
+        if self._line is not None:
+            if not self._line.settle(now):
+                self._line = None
+            return
+        for motor in self._motors:
+            motor.settle(now)
 
     def _motor(self, axis: int) -> VirtualMotor:
         setup_ticks = round(ticks_from_us(self._limits.settings.direction_setup_us, self._timer_hz))
