@@ -147,7 +147,6 @@ def _quick(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(conversation, "GARBAGE_S", 0.0)
     monkeypatch.setattr(conversation, "REPLY_TIMEOUT_S", 0.01)
     monkeypatch.setattr(conversation, "HELLO_INTERVAL_S", 0.01)
-    monkeypatch.setattr(conversation, "HELLO_TIMEOUT_S", 0.2)
 
 
 Connect = Callable[[Script], StepRampController]

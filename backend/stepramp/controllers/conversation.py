@@ -26,8 +26,8 @@ from stepramp.errors import DeviceLost, Rejection
 from stepramp.link.serial_port import SerialPort
 
 HELLO_INTERVAL_S = 0.25
-HELLO_TIMEOUT_S = 5.0
-"""Many boards reset when their port is opened, and are deaf for up to 2 s."""
+MOST_HELLOS = 20
+"""Many boards reset when their port is opened, and are deaf for up to 2 s; others take longer."""
 GARBAGE_S = 0.05
 MOST_GARBAGE_S = 0.5
 """A controller may still be telling an earlier client what it does; the hello ends that."""
@@ -63,14 +63,13 @@ class Conversation:
         began = monotonic()
         while monotonic() < began + MOST_GARBAGE_S and self._port.read(GARBAGE_S):
             pass
-        reply = None
-        while reply is None and monotonic() < began + HELLO_TIMEOUT_S:
+        for _ in range(MOST_HELLOS):
             # The lone zero ends whatever noise the board took for the beginning of a frame.
             self._port.write(b"\0" + encode_frame(message.pack()))
             reply = self._await_reply(message, HELLO_INTERVAL_S)
-        if reply is None:
-            raise DeviceLost(f"Nothing at {self._port.name} answers as a StepRamp controller.")
-        return self._understood(reply, HelloReply, None)
+            if reply is not None:
+                return self._understood(reply, HelloReply, None)
+        raise DeviceLost(f"Nothing at {self._port.name} answers as a StepRamp controller.")
 
     def ask(self, request: Request, reply_type: type[R], rejected: Callable[[Refusal], Rejection] | None = None) -> R:
         """Return the reply to a request, which is repeated when the answer is lost.
