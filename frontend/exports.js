@@ -22,6 +22,13 @@ export const EXPORT_GROUPS = [
         options: ['name', 'segment_bound_ticks'],
       },
       {
+        name: 'c_ramp_image',
+        label: 'Ramp, for the library',
+        help: 'Header with the ramp as the bytes that StepRamp’s firmware plays: for sketches with the StepRamp library.',
+        kind: 'text',
+        options: ['name', 'segment_bound_ticks'],
+      },
+      {
         name: 'c_first_order',
         label: 'Formula 20',
         help: `p (1 + q), the quickest. ${PLAYED}`,

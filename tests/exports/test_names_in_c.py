@@ -11,7 +11,7 @@ from stepramp.exports.export import Options, export
 USE = "int main(void) { return 0; }\n"
 
 
-@pytest.mark.parametrize("format_name", ["c_table", "c_segments", "c_compromise", "c_newton"])
+@pytest.mark.parametrize("format_name", ["c_table", "c_segments", "c_ramp_image", "c_compromise", "c_newton"])
 @pytest.mark.parametrize("name", [NASTY, "*/ int x = 1; /*", "\\", "default"])
 def test_no_name_of_a_design_breaks_a_header(tmp_path: Path, format_name: Any, name: str) -> None:
     compiled(tmp_path, export(design(name=name), format_name, Options()).content.decode(), "", USE)

@@ -6,6 +6,7 @@ from typing import Literal
 
 from stepramp.design import Arithmetic, Design, MethodName
 from stepramp.exports.c_formula import formula_header
+from stepramp.exports.c_ramp_image import ramp_image_header
 from stepramp.exports.c_segments import segments_header
 from stepramp.exports.c_table import table_header
 from stepramp.exports.listing import csv, document
@@ -15,8 +16,8 @@ from stepramp.exports.report import report
 from stepramp.ramp.error_curves import ErrorCurves, all_error_curves
 
 FormatName = Literal[
-    "c_table", "c_table_progmem", "c_segments", "c_first_order", "c_second_order", "c_compromise", "c_newton",
-    "csv", "json", "html", "svg", "png",
+    "c_table", "c_table_progmem", "c_segments", "c_ramp_image", "c_first_order", "c_second_order", "c_compromise",
+    "c_newton", "csv", "json", "html", "svg", "png",
 ]  # fmt: skip
 
 
@@ -59,6 +60,11 @@ _FORMATS: dict[FormatName, _Format] = {
     ),
     "c_segments": _Format(
         "_segments.h", HEADER, lambda design, name, options: segments_header(design, name, options.segment_bound_ticks)
+    ),
+    "c_ramp_image": _Format(
+        "_ramp_image.h",
+        HEADER,
+        lambda design, name, options: ramp_image_header(design, name, options.segment_bound_ticks),
     ),
     "c_first_order": _Format(
         "_first_order.h",

@@ -1,5 +1,5 @@
-/* A ramp that is compiled in, without a host: the bytes are a ramp image, as the StepRamp program exports it. To use one
- * of your own, put its bytes in place of these.
+/* A ramp that is compiled in, without a host: the bytes are a ramp image, as the StepRamp program exports it (Export,
+ * Ramp, for the library). To use one of your own, put its bytes in place of these.
  *
  * A driver's step is on pin 2, its direction on pin 5. The motor makes 800 steps forward and 800 back, again and again.
  * What it does is told at the serial port at 115200 baud.

@@ -1,0 +1,21 @@
+/* $title
+ *
+ * Method $method in $arithmetic, rounded: $rounding. F $timer_hz Hz, v0 $base_speed, v $slew_speed steps/s,
+ * a $acceleration, d $deceleration steps/s^2. No interval is more than $bound from what is planned.
+ * A ramp image, for sketches with the StepRamp library:
+ *
+ *     StepRamp.setStepper(0, 2, 5);                      step and direction pin of axis 0
+ *     StepRamp.begin(${name}_ramp, sizeof ${name}_ramp);    false: too fast for this board
+ *     StepRamp.moveTo(0, 800);                           and StepRamp.poll() in loop()
+ *
+ * The motor is driven from these bytes as they are: they stay in RAM. A larger bound takes fewer of them. */
+#ifndef $guard
+#define $guard
+
+#include <stdint.h>
+
+static const uint8_t ${name}_ramp[] = {
+$bytes
+};
+
+#endif
