@@ -215,14 +215,15 @@ export function axesReadingAt(axes, x) {
  * @property {number[]} time_s
  * @property {number[]} speed_steps_per_s
  * @property {number[]} delay_us
- * @property {number[]} deviation_us */
+ * @property {number[]} deviation_us
+ * @property {number | null} length        steps from rest to rest; null: not known */
 
 /** A measured move over the axis of the plots.
  * @param {Answer} answer @param {AxisName} axis @param {MeasuredMove} move @returns {import('./frame.js').Measured} */
 export function measuredOver(answer, axis, move) {
   const perStep = shownValue(unitsOf(answer), answer.design, 'speed', 1);
   return {
-    x: along(answer, axis, move.step, move.time_s),
+    x: along(answer, axis, plotted(answer, move.step, move.length), move.time_s),
     velocity: move.speed_steps_per_s.map((speed) => speed * perStep),
     delay: move.delay_us,
     deviation: move.deviation_us,
@@ -231,13 +232,21 @@ export function measuredOver(answer, axis, move) {
 
 /** A move that runs, over the axis of the plots.
  * @param {Answer} answer @param {AxisName} axis
- * @param {{time_s: number[], position: number[], speed: number[]}} samples since its start [s, steps, steps/s] */
-export function liveOver(answer, axis, { time_s, position, speed }) {
+ * @param {import('./types.js').Samples} samples since its start [s, steps, steps/s] */
+export function liveOver(answer, axis, { time_s, position, speed, length }) {
   const perStep = shownValue(unitsOf(answer), answer.design, 'speed', 1);
   return {
-    x: along(answer, axis, position.map(Math.abs), time_s),
+    x: along(answer, axis, plotted(answer, position.map(Math.abs), length), time_s),
     velocity: speed.map((each) => Math.abs(each) * perStep),
   };
+}
+
+/** Steps of a move of another length at the steps of the plotted one that they stand for.
+ * @param {Answer} answer @param {number[]} steps @param {number | null} length null: not known; they stay */
+function plotted(answer, steps, length) {
+  if (length === null) return steps;
+  const profile = activeProfile(answer);
+  return steps.map((step) => plottedStep(profile, step, Math.max(0, length - step)));
 }
 
 /** Steps and times as places on the axis.

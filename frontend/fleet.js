@@ -4,7 +4,7 @@
 import { api, PAGE, Refusal, watchDevices } from './api.js';
 import { createJog } from './jogging.js';
 import { newestWins } from './newest.js';
-import { createFollower, measuredFrom } from './traces.js';
+import { createFollower, isEndless, measuredFrom } from './traces.js';
 
 /** @typedef {import('./types.js').Design} Design */
 /** @typedef {import('./types.js').Device} Device */
@@ -177,7 +177,7 @@ export function createFleet({ onChange, onPorts, onRejected, onMeasured, say, on
     runningMove(device, axis, planned) {
       const one = device?.axes[axis];
       if (!device || !one || (one.state !== 'moving' && one.state !== 'stopping')) return null;
-      const remaining = Math.abs(one.target_steps - one.position_steps);
+      const remaining = isEndless(one) ? Infinity : Math.abs(one.target_steps - one.position_steps);
       const start = follower.restingPlace(device.id, axis);
       const done = start === undefined ? Math.max(0, planned - remaining) : Math.abs(one.position_steps - start);
       return { done, remaining, speed: one.speed_steps_per_s };

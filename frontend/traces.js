@@ -22,7 +22,15 @@ export function measuredFrom(trace) {
     speed_steps_per_s: delay.map((seconds) => 1 / seconds),
     delay_us: delay.map((seconds) => seconds * MICROSECONDS),
     deviation_us: trace.deviation_us,
+    // What was changed on its way is traced as far as that: where it came to rest is not told.
+    length: trace.changed ? null : trace.step[trace.step.length - 1],
   };
+}
+
+/** Whether an axis runs at a speed, and so has no target but where it is.
+ * @param {import('./types.js').AxisState} axis */
+export function isEndless({ state, target_steps, position_steps }) {
+  return state === 'moving' && target_steps === position_steps;
 }
 
 /** Follows the axes of devices from where they set out until they set out again. */
@@ -41,7 +49,7 @@ export function createFollower() {
     let run = before;
     if (isMoving && !before?.isMoving) {
       const fromSteps = resting.get(key) ?? axis.position_steps;
-      run = { samples: { time_s: [], position: [], speed: [] }, fromSteps, fromSeconds: device.heard_s, isMoving };
+      run = { samples: { time_s: [], position: [], speed: [], length: null }, fromSteps, fromSeconds: device.heard_s, isMoving };
       runs.set(key, run);
     }
     if (run && (isMoving || before?.isMoving)) add(run, device.heard_s, axis);
@@ -61,6 +69,7 @@ export function createFollower() {
       time_s: [...time_s, heard - run.fromSeconds],
       position: [...position, Math.abs(axis.position_steps - run.fromSteps)],
       speed: [...speed, axis.speed_steps_per_s],
+      length: isEndless(axis) ? null : Math.abs(axis.target_steps - run.fromSteps),
     };
   }
 

@@ -110,10 +110,11 @@
  * @property {number[]} time_s
  * @property {number[]} speed_steps_per_s
  * @property {number[]} delay_us
- * @property {number[]} deviation_us  how much later than planned */
+ * @property {number[]} deviation_us  how much later than planned
+ * @property {number | null} length     steps from rest to rest; null: not known */
 
-/** A running move as the controller tells of it, since it set out.
- * @typedef {{time_s: number[], position: number[], speed: number[]}} Samples */
+/** A running move as the controller tells of it, since it set out: so many steps long; null while it has no end.
+ * @typedef {{time_s: number[], position: number[], speed: number[], length: number | null}} Samples */
 
 /** How the controller drives its pins; see the API.
  * @typedef {Record<string, unknown>} Settings */

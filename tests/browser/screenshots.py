@@ -1,6 +1,6 @@
 """Pictures of the page for the documentation and for looking at.  usage: python tests/browser/screenshots.py FOLDER.
 
-Each size in both themes: at rest, with wrong values, and while a move runs. `screenshot.png` is the one in docs/.
+Each size in both themes: at rest, with wrong values, and while a move runs. Those named screenshot are in docs/.
 """
 
 import sys
@@ -27,7 +27,9 @@ def main(folder: Path) -> None:
             for size in SIZES:
                 take_all(opened(browser, server, size, theme), folder, f"{size}-{theme}")
                 StepRampPage.release_devices(server.url)
-        take_for_documentation(opened(browser, server, "wide", "dark"), folder)
+        take_device(opened(browser, server, "wide", "dark"), folder)
+        StepRampPage.release_devices(server.url)
+        take_comparison(opened(browser, server, "wide", "light"), folder)
         browser.close()
 
 
@@ -71,14 +73,32 @@ def take_all(stepramp: StepRampPage, folder: Path, name: str) -> None:
     shoot(page, folder, f"{name}-examples")
 
 
-def take_for_documentation(stepramp: StepRampPage, folder: Path) -> None:
-    """Take the picture of the docs: the lead-screw stage, pushed to the virtual controller."""
+def take_device(stepramp: StepRampPage, folder: Path) -> None:
+    """Take the first picture of the docs: the lead-screw stage, pushed to the virtual controller."""
     stepramp.choose_example("Lead-screw stage")
     stepramp.connect()
     stepramp.push()
     stepramp.field(SLEW_SPEED).focus()
     stepramp.page.locator(".scope").hover(position={"x": 460, "y": 300})
     shoot(stepramp.page, folder, "screenshot")
+
+
+def take_comparison(stepramp: StepRampPage, folder: Path) -> None:
+    """Take the second: a formula's start, where its error comes from, the design before, and the trace of a move."""
+    page = stepramp.page
+    stepramp.choose_example("Lead-screw stage")
+    page.locator("#method").select_option("first_order")
+    stepramp.connect()
+    stepramp.push()
+    stepramp.move("500")
+    stepramp.device_section("trace")
+    page.locator("#trace-figures dd").first.wait_for()
+    page.locator("#keep").click()
+    stepramp.field("ramp.acceleration_steps_per_s2").fill("8000")
+    page.locator('#view-choice [data-value="start"]').click()
+    page.get_by_role("button", name="Parts").click()
+    page.locator(".scope").hover(position={"x": 300, "y": 300})
+    shoot(page, folder, "screenshot-light")
 
 
 if __name__ == "__main__":

@@ -100,7 +100,9 @@ ANSWER = {
         "move": {"steps": -500},
     },
     "units": {"length": "mm", "time": "s"},
-    "profiles": {"exact": {"summary": {"duration_s": 2}}},
+    "profiles": {
+        "exact": {"summary": {"duration_s": 2, "steps": 500, "accelerate_steps": 100, "decelerate_steps": 100}}
+    },
     "errors": {},
 }
 
@@ -113,10 +115,27 @@ def test_what_was_measured_lies_over_its_plan(
 ) -> None:
     page = open_page().page
     move = {"step": [1, 100], "time_s": [0, 0.5], "speed_steps_per_s": [100, 800], "delay_us": [10_000, 1_250],
-            "deviation_us": [0, 3]}  # fmt: skip
+            "deviation_us": [0, 3], "length": 100}  # fmt: skip
     measured = call(page, "curves.js", "measuredOver", ANSWER, axis, move)
     assert measured == {"x": pytest.approx(x), "velocity": pytest.approx([2, 16]), "delay": [10_000, 1_250],
                         "deviation": [0, 3]}  # fmt: skip
-    samples = {"time_s": [0, 0.5], "position": [-1, -100], "speed": [-100, -800]}
+    samples = {"time_s": [0, 0.5], "position": [-1, -100], "speed": [-100, -800], "length": 100}
     live = call(page, "curves.js", "liveOver", ANSWER, axis, samples)
     assert live == {"x": pytest.approx(x), "velocity": pytest.approx([2, 16])}
+
+
+def test_a_move_of_another_length_lies_over_the_ramps_of_the_plan(open_page: Callable[..., StepRampPage]) -> None:
+    """A plan of 500 steps, 100 of them up and 100 down; a move of 300 slews for 100 steps instead of 300."""
+    page = open_page().page
+    steps, places = [50, 100, 150, 200, 250, 300], [50, 100, 250, 400, 450, 500]
+    same = {"time_s": [0.1] * 6, "speed": [1] * 6, "position": steps}
+    assert call(page, "curves.js", "liveOver", ANSWER, "step", {**same, "length": 300})["x"] == places
+    assert call(page, "curves.js", "liveOver", ANSWER, "step", {**same, "length": None})["x"] == steps
+    move = {
+        "step": steps,
+        "time_s": [0.1] * 6,
+        "speed_steps_per_s": [1] * 6,
+        "delay_us": [1] * 6,
+        "deviation_us": [0] * 6,
+    }
+    assert call(page, "curves.js", "measuredOver", ANSWER, "step", move)["x"] == places

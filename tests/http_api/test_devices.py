@@ -69,7 +69,7 @@ def error_of(response: Any, status: int) -> dict[str, Any]:
 
 def test_the_virtual_port_is_last(client: TestClient) -> None:
     last = client.get("/api/v1/ports").json()["ports"][-1]
-    assert last == {"port": "sim://", "name": "Virtual controller (nothing attached)", "virtual": True}
+    assert last == {"port": "sim://", "name": "Virtual (nothing attached)", "virtual": True}
 
 
 def test_connecting(client: TestClient, port: str) -> None:

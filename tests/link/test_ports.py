@@ -37,7 +37,7 @@ def test_ports_have_names_that_people_know_and_the_virtual_one_is_last() -> None
         Port("/dev/ttyUSB1", "Some board on ttyUSB1"),
         Port("/dev/ttyUSB2", "ttyUSB2"),
         Port("/dev/ttyUSB3", "Modem on ttyUSB3"),
-        Port("sim://", "Virtual controller (nothing attached)", virtual=True),
+        Port("sim://", "Virtual (nothing attached)", virtual=True),
     ]
 
 

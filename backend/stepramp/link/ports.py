@@ -49,7 +49,7 @@ def list_serial_ports() -> list[Port]:
     """Return the ports of this machine in order of their names, the virtual one last."""
     found = sorted(list_ports.comports(), key=lambda info: info.device)
     real = [Port(info.device, _board_name(info), usb=_usb_of(info)) for info in found if _is_attached(info)]
-    return [*real, Port(VIRTUAL_PORT, "Virtual controller (nothing attached)", virtual=True)]
+    return [*real, Port(VIRTUAL_PORT, "Virtual (nothing attached)", virtual=True)]
 
 
 def port_name(port: str) -> str:

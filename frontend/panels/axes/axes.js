@@ -106,6 +106,7 @@ export function createAxes(root, { onChoose, onAdd, onRemove, onTogether, onAll 
       several.hidden = state.axes.length === 1;
       together.press(state.together);
       all.press(areAllShown ? 'all' : 'one');
+      list.classList.toggle('coloured', areAllShown && state.axes.length > 1);
     },
   };
 }

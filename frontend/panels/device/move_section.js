@@ -10,7 +10,9 @@ import { able } from './section.js';
 /** @typedef {import('./section.js').Context} Context */
 /** @typedef {'by' | 'to' | 'back' | 'line'} Kind */
 
-const FIRST_STEPS = 400;
+/** Proposed is the move that is planned.
+ * @param {import('../../types.js').Design} design */
+const planned = ({ move }) => move.steps;
 const MOST_AXES = 4;
 const BUTTONS = { by: 'Move', to: 'Move', back: 'Start', line: 'Move' };
 
@@ -38,12 +40,12 @@ export function createMoveSection(go) {
     id: 'move-steps',
     label: 'How far to move, or which position to move to',
     quantity: 'length',
-    start: FIRST_STEPS,
+    start: planned,
   });
   const times = plainField('move-times', 'Times', '×', '3');
   const pause = plainField('move-pause', 'Pause at each end', 's pause', '0.5');
   const lines = Array.from({ length: MOST_AXES }, (_, axis) =>
-    quantityField({ id: `line-${axis}`, label: `How far axis ${axis} moves`, quantity: 'length', start: FIRST_STEPS }),
+    quantityField({ id: `line-${axis}`, label: `How far axis ${axis} moves`, quantity: 'length', start: planned }),
   );
   const rows = lines.map((field, axis) =>
     element('label', { className: 'line-axis' }, element('span', { textContent: `Axis ${axis}` }), field.element),

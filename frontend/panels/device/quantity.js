@@ -12,13 +12,14 @@ import { shownValue, storedValue, unitsFor, unitWord } from '../../units.js';
 const MOST_FIGURES = 7;
 
 /**
- * @param {{id: string, label: string, quantity: 'length' | 'speed', start: Entry}} what
- *   start: steps or steps/s
+ * @param {{id: string, label: string, quantity: 'length' | 'speed', start: Entry | ((design: Design) => Entry)}} what
+ *   start: steps or steps/s, or how they follow from the design until something is typed
  */
 export function quantityField({ id, label, quantity, start }) {
   /** In steps or steps/s, or the text that is no number.
    * @type {Entry} */
-  let entry = start;
+  let entry = typeof start === 'function' ? '' : start;
+  let isTyped = false;
   /** @type {{units: Units, design: Design} | null} */
   let shown = null;
   const input = element('input', {
@@ -35,6 +36,7 @@ export function quantityField({ id, label, quantity, start }) {
 
   function read() {
     const typed = parseEntry(input.value);
+    isTyped = true;
     entry = typed;
     if (typeof typed !== 'number' || shown === null) return;
     const stored = storedValue(shown.units, shown.design, quantity, typed);
@@ -56,6 +58,7 @@ export function quantityField({ id, label, quantity, start }) {
     value: () => entry,
     /** @param {Entry} value steps or steps/s */
     set(value) {
+      isTyped = true;
       entry = value;
       write();
     },
@@ -71,7 +74,10 @@ export function quantityField({ id, label, quantity, start }) {
       const isSame = shown !== null && unit.textContent === word && shown.design.axis === design.axis;
       shown = { units, design };
       unit.textContent = word;
-      if (!isSame) write();
+      const proposed = typeof start === 'function' && !isTyped ? start(design) : entry;
+      if (isSame && proposed === entry) return;
+      entry = proposed;
+      write();
     },
   };
 }

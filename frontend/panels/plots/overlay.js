@@ -93,12 +93,14 @@ export function createOverlay(tools) {
   function showTooltip(frame, x, table) {
     tooltip.replaceChildren(table);
     tooltip.hidden = false;
+    // Of the one plot of a narrow window it would hide most: there it lies beneath.
+    const isBeneath = frame.plots[1].top === frame.top;
     const isRight = x + TOOLTIP_GAP + tooltip.offsetWidth > frame.left + frame.width;
-    Object.assign(tooltip.style, {
-      // Where neither side has room for it, it covers the cursor rather than leave the page.
-      left: `${Math.max(0, isRight ? x - TOOLTIP_GAP - tooltip.offsetWidth : x + TOOLTIP_GAP)}px`,
-      top: `${(frame.plots[1].top === frame.top ? frame.top : frame.plots[1].top) + 8}px`,
-    });
+    const beside = isRight ? x - TOOLTIP_GAP - tooltip.offsetWidth : x + TOOLTIP_GAP;
+    tooltip.classList.toggle('beneath', isBeneath);
+    // Where neither side has room for it, it covers the cursor rather than leave the page.
+    tooltip.style.left = isBeneath ? '' : `${Math.max(0, beside)}px`;
+    tooltip.style.top = isBeneath ? '' : `${frame.plots[1].top + 8}px`;
   }
 
   function clear() {

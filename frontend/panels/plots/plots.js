@@ -68,7 +68,7 @@ export function createPlots(root, shown, handlers) {
     kept: /** @type {Answer | null} */ (null),
     axes: /** @type {AxisMove[] | null} */ (null),
     measured: /** @type {MeasuredMove | null} */ (null),
-    live: /** @type {{time_s: number[], position: number[], speed: number[]} | null} */ (null),
+    live: /** @type {import('../../types.js').Samples | null} */ (null),
   };
   /** @type {Answer | null} */
   let answer = null;
@@ -399,6 +399,8 @@ export function createPlots(root, shown, handlers) {
     showAxes(axes) {
       if (axes === null && beside.axes === null) return;
       if (axes === null || beside.axes === null) view.zoom = null;
+      // What the lines are, the numbers of the axes' tabs tell by their colours.
+      legend.element.hidden = axes !== null;
       lay({ axes });
       drawQuickly();
     },

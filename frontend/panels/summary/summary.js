@@ -139,7 +139,7 @@ function peak(answer) {
 /** @param {Answer} answer @returns {Figure} */
 function largestError({ design, errors }) {
   const largest = errors[design.method.name]?.largest_relative_error;
-  if (design.method.name === REFERENCE) return { value: '–', unit: '', more: 'this is the reference', isHigh: false };
+  if (design.method.name === REFERENCE) return { value: '–', unit: '', more: 'the reference', isHigh: false };
   if (!largest) return { value: '–', unit: '', more: '', isHigh: false };
   const more = largest.value === 0 ? '' : `at step ${formatFixed(largest.step)}`;
   return { value: formatSignedPercent(largest.value), unit: '%', more, isHigh: false };
@@ -170,7 +170,7 @@ function landing(answer) {
   if (speed === undefined) return { value: '–', unit: '', more: '', isHigh: false };
   const shown = shownValue(unitsOf(answer), answer.design, 'speed', speed);
   const unit = unitWord(unitsOf(answer), answer.design, 'speed');
-  return { value: formatSigned(shown), unit, more: 'last step against base speed', isHigh: false };
+  return { value: formatSigned(shown), unit, more: 'against base speed', isHigh: false };
 }
 
 /** @param {number} speed */
