@@ -4,13 +4,15 @@ import re
 from collections.abc import Callable, Iterator
 
 import pytest
-from playwright.sync_api import Browser, BrowserContext, Page, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, Page, expect, sync_playwright
 
 from browser.server import CHROMIUM, CHROMIUM_ARGUMENTS, Server
 from browser.stepramp_page import StepRampPage
 from tools import require
 
 DESKTOP = (1440, 900)
+# A machine that is busy is slow, not wrong.
+expect.set_options(timeout=20_000)
 
 
 class Watch:

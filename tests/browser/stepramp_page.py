@@ -17,7 +17,7 @@ REFUSED_VALUE = r"status of 422"
 """The browser itself reports every refused request as an error; tests of wrong values expect it."""
 
 
-def until(condition: Callable[[], Any], within_s: float = 8) -> None:
+def until(condition: Callable[[], Any], within_s: float = 20) -> None:
     """Wait until a condition holds. (The page's security policy forbids Playwright's own way.)"""
     deadline = time.monotonic() + within_s
     while not condition():

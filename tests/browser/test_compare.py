@@ -138,4 +138,5 @@ def test_a_move_of_another_length_lies_over_the_ramps_of_the_plan(open_page: Cal
         "delay_us": [1] * 6,
         "deviation_us": [0] * 6,
     }
-    assert call(page, "curves.js", "measuredOver", ANSWER, "step", move)["x"] == places
+    assert call(page, "curves.js", "measuredOver", ANSWER, "step", {**move, "length": 300})["x"] == places
+    assert call(page, "curves.js", "measuredOver", ANSWER, "step", {**move, "length": None})["x"] == steps

@@ -60,7 +60,9 @@ def test_a_push_shows_how_far_it_has_come(stepramp: StepRampPage) -> None:
     stepramp.page.evaluate(script)
     stepramp.push()
     seen = stepramp.page.evaluate("() => window.seen")
-    assert any("Storing" in text for text in seen), seen
+    told = re.compile(r"^(Working out|Sending|Checking|Storing|Reading back)")
+    assert seen
+    assert all(told.match(text) for text in seen), seen
     expect(stepramp.page.locator("#push-progress")).to_be_hidden()
 
 

@@ -124,14 +124,14 @@ def test_it_works_by_keyboard_alone(stepramp: StepRampPage) -> None:
     dialog = ExportDialog(page)
     expect(dialog.format("c_segments")).to_be_focused()
     page.keyboard.press("ArrowDown")
-    dialog.wait_for("c_first_order")
+    dialog.wait_for("c_ramp_image")
     for _ in range(8):
         page.keyboard.press("Tab")
         if dialog.download.evaluate("(button) => button === document.activeElement"):
             break
     with page.expect_download() as download:
         page.keyboard.press("Enter")
-    assert download.value.suggested_filename.endswith("_first_order.h")
+    assert download.value.suggested_filename.endswith("_ramp_image.h")
     page.keyboard.press("Escape")
     expect(dialog.element).to_be_hidden()
     expect(page.locator("#head-export")).to_be_focused()

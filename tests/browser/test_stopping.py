@@ -4,7 +4,7 @@ import pytest
 from playwright.sync_api import expect
 
 from browser.conftest import Watch
-from browser.stepramp_page import REFUSED_VALUE, StepRampPage, until
+from browser.stepramp_page import REFUSED_VALUE, SLEW_SPEED, StepRampPage, until
 
 FAR = 1_000_000
 
@@ -64,17 +64,27 @@ def test_escape_and_the_button_work_while_the_dialog_is_open(moving: StepRampPag
     at_rest(moving)
 
 
-def test_nothing_moves_on_load_connect_or_reload(stepramp: StepRampPage) -> None:
-    sent: list[str] = []
-    stepramp.page.on("request", lambda request: sent.append(f"{request.method} {request.url}"))
+def test_nothing_moves_on_load_connect_undo_or_reload(stepramp: StepRampPage) -> None:
+    page = stepramp.page
+    asked: list[str] = []
+    page.on("request", lambda request: request.method != "GET" and asked.append(request.url))
+    page.on("websocket", lambda socket: asked.append(socket.url))
     stepramp.connect()
+    stepramp.push()
+    before = stepramp.devices()[0]
+    asked.clear()
     stepramp.reload()
     expect(stepramp.state).to_have_text("ready")
-    stepramp.page.locator("#method").select_option("table")
-    stepramp.page.wait_for_timeout(600)
-    assert [one for one in sent if one.endswith(("/move", "/push"))] == []
-    device = stepramp.devices()[0]
-    assert (device["state"], device["position_steps"], device["target_steps"]) == ("ready", 0, 0)
+    page.locator("#method").select_option("table")
+    stepramp.edit_and_wait(SLEW_SPEED, "900")
+    for keys in ("Control+z", "Control+z", "Control+Shift+Z", "Control+z"):
+        page.keyboard.press(keys)
+    stepramp.choose_example("Gauge")
+    page.keyboard.press("Control+z")
+    page.wait_for_timeout(600)
+    of_devices = {url.partition("/api/v1/devices/")[2].partition("?")[0].partition("/")[2] for url in asked}
+    assert of_devices <= {"", "push/preview"}, asked
+    assert stepramp.devices()[0] | {"heard_s": 0, "in_control": ""} == before | {"heard_s": 0, "in_control": ""}
 
 
 def test_a_reload_in_the_middle_of_a_move_finds_it_again(moving: StepRampPage) -> None:
