@@ -114,11 +114,13 @@ def module_page(context: BrowserContext, shared_server: Server, module_watch: Wa
 def new_page(context: BrowserContext, watch: Watch, size: tuple[int, int] = DESKTOP, theme: str = "dark") -> Page:
     """Return an empty tab of a browser that has kept nothing."""
     page = context.new_page()
-    page.set_default_timeout(10_000)
+    page.set_default_timeout(20_000)
     page.set_viewport_size({"width": size[0], "height": size[1]})
     page.emulate_media(color_scheme=theme)
     kept = {"origin": watch.base_url.rstrip("/"), "storageTypes": "local_storage"}
     context.new_cdp_session(page).send("Storage.clearDataForOrigin", kept)
+    # Never a dialog of the system: it is asked for here, before anything can open one.
+    page.on("filechooser", lambda _: None)
     watch.follow(page)
     return page
 

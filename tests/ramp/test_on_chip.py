@@ -5,7 +5,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
@@ -121,6 +121,7 @@ def at_shortest(side: FixedIntervals, form: Format) -> NDArray[np.bool_]:
 
 
 @given(both_slopes, methods, st.floats(0, 1))
+@example((Slope(2e6, 0.0, 1.0, 0.3032653298563167), Slope(2e6, 0.0, 1.0, 0.11156508007421492)), "first_order", 1.0)
 def test_a_short_move_rises_as_far_as_it_can_holds_and_falls(
     sides: tuple[Slope, Slope], method: OnChipMethod, part: float
 ) -> None:
@@ -136,7 +137,8 @@ def test_a_short_move_rises_as_far_as_it_can_holds_and_falls(
     motor = OnChipMotor(ramp)
     u = motor.fitting(steps, steps)
     if u == 0:
-        assert 1 + steps_down_by_hand(1, sides) > steps
+        # A single step up may be all of the way up.
+        assert 1 + (n_down if n_up == 1 else steps_down_by_hand(1, sides)) > steps
         assert set(move) == {max(nearest(State(*side.form.longest), side.form) for side in (ramp.up, ramp.down))}
         return
     up, down = ramp.up.form, ramp.down.form

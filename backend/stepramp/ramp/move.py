@@ -10,6 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from stepramp.ramp.compiled import compiled
+
 Intervals = NDArray[np.int64] | NDArray[np.float32] | NDArray[np.float64] | NDArray[np.floating]
 
 
@@ -33,13 +35,19 @@ def split(ramp: Ramp, steps: int) -> tuple[int, int]:
     """
     if steps >= ramp.up.size + ramp.down.size:
         return ramp.up.size, ramp.down.size
-    # A list's next interval blocks those behind it, so it is its running minimum that decides.
-    up = np.minimum.accumulate(ramp.up[:steps])
-    down = np.minimum.accumulate(ramp.down[:steps])
-    # Intervals of `up` that are taken before `down`'s j-th: those that are at least as long.
-    before = np.searchsorted(-up, -down, side="right")
-    n_down = int(np.count_nonzero(before + np.arange(down.size) < steps))
-    return steps - n_down, n_down
+    n_up = int(_taken_of_up(ramp.up, ramp.down, steps))
+    return n_up, steps - n_up
+
+
+@compiled
+def _taken_of_up(up, down, steps):  # type: ignore[no-untyped-def]  # compiled
+    n_up = n_down = 0
+    while n_up + n_down < steps:
+        if n_down == down.size or (n_up < up.size and up[n_up] >= down[n_down]):
+            n_up += 1
+        else:
+            n_down += 1
+    return n_up
 
 
 def play(ramp: Ramp, steps: int, sides: tuple[int, int] | None = None) -> Intervals:

@@ -65,14 +65,21 @@ def _thinned(
     if end - begin <= most:
         return np.arange(begin, end)
     buckets = max(1, most // POINTS_PER_BUCKET // len(phases))
-    starts = np.unique(np.concatenate([_bucket_starts(phase, buckets) for phase in phases]))
+    starts = _in_order([_bucket_starts(phase, buckets) for phase in phases])
     ends = np.append(starts[1:], end)
     kept = [starts, ends - 1]
     for curve in curves:
         least, greatest = np.empty_like(starts), np.empty_like(starts)
         _find_extremes(curve, starts, ends, least, greatest)
         kept += [least, greatest]
-    return np.unique(np.concatenate(kept))
+    return _in_order(kept)
+
+
+def _in_order(parts: Sequence[NDArray[np.int64]]) -> NDArray[np.int64]:
+    """Return all steps of several lists, each once: quicker than numpy's unique, which doesn't count on order."""
+    steps = np.sort(np.concatenate(parts), kind="stable")
+    once: NDArray[np.int64] = steps[np.append(True, steps[1:] != steps[:-1])]
+    return once
 
 
 def _bucket_starts(phase: Phase, buckets: int) -> NDArray[np.int64]:

@@ -88,6 +88,8 @@ export function createPlots(root, shown, handlers) {
    * @type {number | null} */
   let pointer = null;
   let awaitedFrame = 0;
+  /** The room for the plots [px]; none: they can't be seen. */
+  let size = { width: 0, height: 0 };
   let settling = 0;
   /** The frame whose ranges stay while a point is dragged.
    * @type {Frame | null} */
@@ -157,7 +159,11 @@ export function createPlots(root, shown, handlers) {
     isZoomed: () => view.zoom !== null,
   });
 
-  new ResizeObserver(redraw).observe(scope);
+  // Asked of the page itself at each drawing, it would have to lay everything out anew for the answer.
+  new ResizeObserver(([{ contentRect }]) => {
+    size = { width: Math.round(contentRect.width), height: Math.round(contentRect.height) };
+    redraw();
+  }).observe(scope);
   COMPACT.addEventListener('change', redraw);
   painter.load().then((isThere) => {
     if (isThere) redraw();
@@ -214,7 +220,6 @@ export function createPlots(root, shown, handlers) {
 
   /** @param {Pick<Scene, 'held' | 'hold'>} [holding] @returns {Scene | null} */
   function sceneOf(holding = {}) {
-    const size = { width: scope.clientWidth, height: scope.clientHeight };
     if (!answer || !painter.isLoaded() || size.width === 0 || size.height === 0) return null;
     look ??= readLook();
     const firmly = held && { held, hold: /** @type {const} */ ('firmly') };
