@@ -1,17 +1,14 @@
 """Parameters as text, in units, on sliders and in steps: the modules behind the fields."""
 
 import math
-from collections.abc import Iterator
 from typing import Any
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from playwright.sync_api import Browser, Page
 
-from browser.server import Server
-from browser.stepramp_page import StepRampPage, call
 from designs import document
+from frontend.modules import Modules
 from stepramp.design import Design
 
 MOTOR_TURN_STEPS = 400
@@ -19,19 +16,11 @@ SCREW_MM = 8
 STEP_MM = SCREW_MM / MOTOR_TURN_STEPS
 
 
-@pytest.fixture(scope="module")
-def page(browser: Browser, shared_server: Server) -> Iterator[Page]:
-    opened = browser.new_page()
-    StepRampPage(opened, shared_server.url).open()
-    yield opened
-    opened.close()
-
-
-def stepped(page: Page, path: str, *rest: object) -> Any:
+def stepped(modules: Modules, path: str, *rest: object) -> Any:
     script = """async ([path, rest]) => { const {GROUPS} = await import('/fields.js');
         const {stepped} = await import('/panels/parameters/stepping.js');
         return stepped(GROUPS.flatMap((group) => group.fields).find((field) => field.path === path), ...rest); }"""
-    return page.evaluate(script, [path, list(rest)])
+    return modules.evaluate(script, [path, list(rest)])
 
 
 SLEW, STEPS, MICROSTEPS, BASE = (
@@ -96,12 +85,12 @@ SLEW, STEPS, MICROSTEPS, BASE = (
     ],
 )
 def test_a_step_goes_to_the_next_round_value(
-    page: Page, path: str, value: float, direction: int, stride: str, factor: float, expected: float
+    modules: Modules, path: str, value: float, direction: int, stride: str, factor: float, expected: float
 ) -> None:
-    assert stepped(page, path, value, direction, stride, factor) == pytest.approx(expected, rel=1e-12)
+    assert stepped(modules, path, value, direction, stride, factor) == pytest.approx(expected, rel=1e-12)
 
 
-def test_steps_up_and_down_always_move_and_stay_allowed(page: Page) -> None:
+def test_steps_up_and_down_always_move_and_stay_allowed(modules: Modules) -> None:
     script = """async (values) => { const {GROUPS} = await import('/fields.js');
         const {stepped} = await import('/panels/parameters/stepping.js');
         const wrong = [];
@@ -121,16 +110,16 @@ def test_steps_up_and_down_always_move_and_stay_allowed(page: Page) -> None:
     @given(st.lists(st.floats(1e-3, 1e9) | st.floats(-1e7, 1e7), min_size=50, max_size=50))
     @settings(max_examples=10, deadline=None)
     def moves(values: list[float]) -> None:
-        assert page.evaluate(script, values) == []
+        assert modules.evaluate(script, values) == []
 
     moves()
 
 
-def test_the_limits_are_those_of_the_server(page: Page) -> None:
+def test_the_limits_are_those_of_the_server(modules: Modules) -> None:
     """Both ends are taken, and what lies beyond them is not."""
     script = """async () => (await import('/fields.js')).GROUPS.flatMap((group) => group.fields)
         .map(({path, limits, isWhole}) => [path, limits, isWhole ?? false])"""
-    fields = page.evaluate(script)
+    fields = modules.evaluate(script)
     assert len(fields) == 11
     for path, (least, most), is_whole in fields:
         part, name = path.split(".")
@@ -146,41 +135,41 @@ def test_the_limits_are_those_of_the_server(page: Page) -> None:
                 assert not is_taken, (path, value)
 
 
-def test_a_slider_gives_back_what_it_shows(page: Page) -> None:
+def test_a_slider_gives_back_what_it_shows(modules: Modules) -> None:
     script = """async () => { const {GROUPS} = await import('/fields.js');
         const {sliderPosition, sliderValue} = await import('/panels/parameters/stepping.js');
         return GROUPS.flatMap((group) => group.fields).flatMap((field) => [field.slider.from, field.slider.to]
             .filter((end) => sliderValue(field, sliderPosition(field.slider, end), 1) !== end)
             .map((end) => [field.path, end])); }"""
-    assert page.evaluate(script) == []
+    assert modules.evaluate(script) == []
 
 
-def test_a_slider_sets_round_values_in_the_unit_shown(page: Page) -> None:
+def test_a_slider_sets_round_values_in_the_unit_shown(modules: Modules) -> None:
     script = """async ([path, position, before, factor]) => { const {GROUPS} = await import('/fields.js');
         const {sliderValue} = await import('/panels/parameters/stepping.js');
         const field = GROUPS.flatMap((group) => group.fields).find((one) => one.path === path);
         return sliderValue(field, position, before, factor); }"""
     for position in range(0, 1001, 7):
-        shown = page.evaluate(script, [SLEW, position, 1, STEP_MM]) * STEP_MM
+        shown = modules.evaluate(script, [SLEW, position, 1, STEP_MM]) * STEP_MM
         assert shown == pytest.approx(float(f"{shown:.3g}"), rel=1e-12)
-        assert float(page.evaluate(script, [STEPS, position, -1, STEP_MM])).is_integer()
-        assert page.evaluate(script, [STEPS, position, -1, STEP_MM]) < 0
+        assert float(modules.evaluate(script, [STEPS, position, -1, STEP_MM])).is_integer()
+        assert modules.evaluate(script, [STEPS, position, -1, STEP_MM]) < 0
 
 
-def test_what_is_typed_comes_back_in_every_unit(page: Page) -> None:
+def test_what_is_typed_comes_back_in_every_unit(modules: Modules) -> None:
     script = """async ([texts, factor]) => { const {readEntry, shownEntry} =
         await import('/panels/parameters/shown_entry.js');
         return texts.map((text) => shownEntry(readEntry({isWhole: false}, text, factor).entry, factor)); }"""
     texts = ["0", "1", "10", "7.5", "0.125", "0.3", "33.333333", "1,234.5678", "999,999", "0.0001", "12o0", "", "1,5"]
     for factor in (1, STEP_MM, 0.9, 1 / MOTOR_TURN_STEPS, STEP_MM * 60, 1 / 3):
-        assert page.evaluate(script, [texts, factor]) == texts
+        assert modules.evaluate(script, [texts, factor]) == texts
 
 
-def test_no_digit_before_the_point_is_dropped(page: Page) -> None:
+def test_no_digit_before_the_point_is_dropped(modules: Modules) -> None:
     @given(st.floats(1e-6, 1e12), st.floats(1e-6, 1e6))
     @settings(max_examples=100, deadline=None)
     def is_close(stored: float, factor: float) -> None:
-        text = call(page, "panels/parameters/shown_entry.js", "shownEntry", stored, factor)
+        text = modules.call("panels/parameters/shown_entry.js", "shownEntry", stored, factor)
         assert math.isclose(float(text.replace(",", "")), stored * factor, rel_tol=6e-8)
 
     is_close()
@@ -190,24 +179,26 @@ def test_no_digit_before_the_point_is_dropped(page: Page) -> None:
     ("text", "entry", "exact"),
     [("10", 500, None), ("10.02", 501, None), ("10.01", 501, 500.5), ("10.005", 500, 500.25), ("0.001", 0, 0.05)],
 )
-def test_a_length_becomes_whole_steps_and_it_is_said(page: Page, text: str, entry: int, exact: float | None) -> None:
-    reading = call(page, "panels/parameters/shown_entry.js", "readEntry", {"isWhole": True}, text, STEP_MM)
+def test_a_length_becomes_whole_steps_and_it_is_said(
+    modules: Modules, text: str, entry: int, exact: float | None
+) -> None:
+    reading = modules.call("panels/parameters/shown_entry.js", "readEntry", {"isWhole": True}, text, STEP_MM)
     assert reading == {"entry": entry, "exact": exact}
 
 
-def test_steps_are_never_rounded_when_typed_as_steps(page: Page) -> None:
-    reading = call(page, "panels/parameters/shown_entry.js", "readEntry", {"isWhole": True}, "2.5", 1)
+def test_steps_are_never_rounded_when_typed_as_steps(modules: Modules) -> None:
+    reading = modules.call("panels/parameters/shown_entry.js", "readEntry", {"isWhole": True}, "2.5", 1)
     assert reading == {"entry": 2.5, "exact": None}
 
 
-def told(page: Page, path: str, value: object, allowed: str, length: str = "mm", time: str = "s") -> str:
+def told(modules: Modules, path: str, value: object, allowed: str, length: str = "mm", time: str = "s") -> str:
     script = """async ([path, refused, units, design]) => { const {GROUPS} = await import('/fields.js');
         const {inShownUnit} = await import('/panels/parameters/rejection_text.js');
         const field = GROUPS.flatMap((group) => group.fields).find((one) => one.path === path);
         const message = {text: 'as the server tells it', isWarning: false, refused};
         return inShownUnit(message, units, design, field).text; }"""
     units = {"length": length, "time": time}
-    return str(page.evaluate(script, [path, {"value": value, "allowed": allowed}, units, document()]))
+    return str(modules.evaluate(script, [path, {"value": value, "allowed": allowed}, units, document()]))
 
 
 @pytest.mark.parametrize(
@@ -256,24 +247,24 @@ def told(page: Page, path: str, value: object, allowed: str, length: str = "mm",
     ],
 )
 def test_what_is_refused_is_told_in_the_unit_shown(
-    page: Page, path: str, value: object, allowed: str, text: str
+    modules: Modules, path: str, value: object, allowed: str, text: str
 ) -> None:
-    assert told(page, path, value, allowed) == text
+    assert told(modules, path, value, allowed) == text
 
 
-def test_limits_are_rounded_to_what_is_allowed(page: Page) -> None:
+def test_limits_are_rounded_to_what_is_allowed(modules: Modules) -> None:
     """In turns a minute the limits have endless digits; what is told must not be refused."""
-    text = told(page, SLEW, 5, "a number from 0.001 to 1,000,000 steps/s", "rev", "min")
+    text = told(modules, SLEW, 5, "a number from 0.001 to 1,000,000 steps/s", "rev", "min")
     low, high = (
         float(word.replace(",", "")) for word in (text.split("from ")[1].split()[0], text.split("to ")[1].split()[0])
     )
     assert low * MOTOR_TURN_STEPS / 60 >= 0.001
     assert high * MOTOR_TURN_STEPS / 60 <= 1_000_000
-    assert told(page, SLEW, 5, "a number from 1 to 2 steps/s", "deg").endswith("from 0.9 to 1.8 °/s.")
+    assert told(modules, SLEW, 5, "a number from 1 to 2 steps/s", "deg").endswith("from 0.9 to 1.8 °/s.")
 
 
-def test_steps_and_seconds_are_left_to_the_server(page: Page) -> None:
-    assert told(page, SLEW, 5, "a number from 1 to 2 steps/s", "steps") == "as the server tells it"
+def test_steps_and_seconds_are_left_to_the_server(modules: Modules) -> None:
+    assert told(modules, SLEW, 5, "a number from 1 to 2 steps/s", "steps") == "as the server tells it"
 
 
 # Facts of data sheets: steps of one turn of the output, and what a turn moves.
@@ -297,8 +288,8 @@ TIMERS = {
 }
 
 
-def test_presets_are_the_facts_of_data_sheets_and_designs_the_server_takes(page: Page) -> None:
-    presets = page.evaluate("async () => (await import('/presets.js')).PRESETS")
+def test_presets_are_the_facts_of_data_sheets_and_designs_the_server_takes(modules: Modules) -> None:
+    presets = modules.evaluate("async () => (await import('/presets.js')).PRESETS")
     assert [preset["name"] for preset in presets["axis"]] == list(AXES)
     assert [preset["name"] for preset in presets["timer"]] == list(TIMERS)
     for preset in presets["axis"]:
@@ -311,7 +302,7 @@ def test_presets_are_the_facts_of_data_sheets_and_designs_the_server_takes(page:
     for part, ones in presets.items():
         for preset in ones:
             before = document()
-            changed = call(page, "presets.js", "withPreset", before, part, preset)
+            changed = modules.call("presets.js", "withPreset", before, part, preset)
             assert {name for name in before if changed[name] != before[name]} <= {part}
             Design.checked(changed)
-            assert call(page, "presets.js", "presetOf", changed, part) == preset
+            assert modules.call("presets.js", "presetOf", changed, part) == preset

@@ -1,20 +1,8 @@
-"""The page's modules that know no page, run in the browser they are made for."""
-
-from collections.abc import Iterator
+"""The page's modules that know no page: numbers, tables, figures, curves."""
 
 import pytest
-from playwright.sync_api import Browser, Page
 
-from browser.server import Server
-from browser.stepramp_page import StepRampPage, call
-
-
-@pytest.fixture(scope="module")
-def page(browser: Browser, shared_server: Server) -> Iterator[Page]:
-    opened = browser.new_page()
-    StepRampPage(opened, shared_server.url).open()
-    yield opened
-    opened.close()
+from frontend.modules import Modules
 
 
 @pytest.mark.parametrize(
@@ -35,8 +23,8 @@ def page(browser: Browser, shared_server: Server) -> Iterator[Page]:
         ("{-1, 5000}", [[-1, 5000]]),
     ],
 )
-def test_tables_that_are_understood(page: Page, text: str, rows: list[list[float]]) -> None:
-    assert call(page, "c_table.js", "parseTable", text) == {"rows": rows, "problem": None}
+def test_tables_that_are_understood(modules: Modules, text: str, rows: list[list[float]]) -> None:
+    assert modules.call("c_table.js", "parseTable", text) == {"rows": rows, "problem": None}
 
 
 @pytest.mark.parametrize(
@@ -62,8 +50,8 @@ def test_tables_that_are_understood(page: Page, text: str, rows: list[list[float
         ("hello", "Row 1 has 1 value"),
     ],
 )
-def test_tables_that_are_not_understood_are_explained(page: Page, text: str, words: str) -> None:
-    reading = call(page, "c_table.js", "parseTable", text)
+def test_tables_that_are_not_understood_are_explained(modules: Modules, text: str, words: str) -> None:
+    reading = modules.call("c_table.js", "parseTable", text)
     assert reading["rows"] is None
     assert words in reading["problem"]
 
@@ -89,13 +77,13 @@ def test_tables_that_are_not_understood_are_explained(page: Page, text: str, wor
         ("abc", "abc"),
     ],
 )
-def test_entries_are_numbers_or_stay_as_typed(page: Page, text: str, entry: float | str) -> None:
-    assert call(page, "numbers.js", "parseEntry", text) == entry
+def test_entries_are_numbers_or_stay_as_typed(modules: Modules, text: str, entry: float | str) -> None:
+    assert modules.call("numbers.js", "parseEntry", text) == entry
 
 
-def test_a_formatted_entry_reads_back_as_the_same_number(page: Page) -> None:
+def test_a_formatted_entry_reads_back_as_the_same_number(modules: Modules) -> None:
     for value in (0, 1, 999, 1000, 1234567, -1234.5, 0.001, 1e21, 16_000_000.25):
-        assert call(page, "numbers.js", "parseEntry", call(page, "numbers.js", "formatEntry", value)) == value
+        assert modules.call("numbers.js", "parseEntry", modules.call("numbers.js", "formatEntry", value)) == value
 
 
 SCENE = """async (change) => {
@@ -123,8 +111,8 @@ SCENE = """async (change) => {
 }"""
 
 
-def test_traces_come_in_three_a_method_the_chosen_one_last_and_widest(page: Page) -> None:
-    all_traces = page.evaluate(SCENE, {"method": "first_order", "dashes": {"table": "5px, 3px"}})["traces"]
+def test_traces_come_in_three_a_method_the_chosen_one_last_and_widest(modules: Modules) -> None:
+    all_traces = modules.evaluate(SCENE, {"method": "first_order", "dashes": {"table": "5px, 3px"}})["traces"]
     traces = [trace for trace in all_traces if trace["visible"]]
     assert [trace["uid"] for trace in traces] == [
         f"{method}-{plot}" for method in ("exact", "table", "first_order") for plot in ("velocity", "delay", "error")
@@ -137,9 +125,9 @@ def test_traces_come_in_three_a_method_the_chosen_one_last_and_widest(page: Page
     assert traces[8]["y"] == [0, 0, 0, -25], "in per cent"
 
 
-def test_few_steps_are_drawn_as_steps_and_a_table_always_is(page: Page) -> None:
+def test_few_steps_are_drawn_as_steps_and_a_table_always_is(modules: Modules) -> None:
     def shapes(**change: object) -> dict[str, str]:
-        return {trace["uid"]: trace["line"]["shape"] for trace in page.evaluate(SCENE, change)["traces"]}
+        return {trace["uid"]: trace["line"]["shape"] for trace in modules.evaluate(SCENE, change)["traces"]}
 
     assert {shapes()[f"first_order-{plot}"] for plot in ("velocity", "delay", "error")} == {"hvh"}
     assert shapes(axis="time")["first_order-delay"] == "hv", "an interval follows its pulse"
@@ -151,7 +139,7 @@ def test_few_steps_are_drawn_as_steps_and_a_table_always_is(page: Page) -> None:
     )
 
 
-def test_ranges_stay_while_a_slider_moves_as_long_as_all_fits(page: Page) -> None:
+def test_ranges_stay_while_a_slider_moves_as_long_as_all_fits(modules: Modules) -> None:
     script = """async (peaks) => { const {frameOf} = await import('/frame.js');
         const sceneOf = (peak) => ({answer: {design: {axis: {}, method: {name: 'exact'}},
             profiles: {exact: {phases: [{name: 'accelerate', first_step: 1, last_step: 2}]}}},
@@ -164,20 +152,20 @@ def test_ranges_stay_while_a_slider_moves_as_long_as_all_fits(page: Page) -> Non
             held = frameOf({...sceneOf(peak), held, hold: 'while it fits'});
             return held.plots[0].range.high;
         }); }"""
-    tight, same, grown, still, shrunk = page.evaluate(script, [100, 90, 150, 160, 20])
+    tight, same, grown, still, shrunk = modules.evaluate(script, [100, 90, 150, 160, 20])
     assert tight == pytest.approx(112)
     assert same == tight
     assert grown == still > 168, "with room for more"
     assert 20 < shrunk < 60
 
 
-def test_hidden_methods_and_a_phone_s_other_plots_are_invisible(page: Page) -> None:
-    traces = page.evaluate(SCENE, {"shown": ["exact", "first_order"], "compact": True, "only": "delay"})["traces"]
+def test_hidden_methods_and_a_phone_s_other_plots_are_invisible(modules: Modules) -> None:
+    traces = modules.evaluate(SCENE, {"shown": ["exact", "first_order"], "compact": True, "only": "delay"})["traces"]
     assert [trace["uid"] for trace in traces if trace["visible"]] == ["exact-delay", "first_order-delay"]
 
 
-def test_axes_show_all_curves_and_stack_without_overlap(page: Page) -> None:
-    layout = page.evaluate(SCENE, {})["layout"]
+def test_axes_show_all_curves_and_stack_without_overlap(modules: Modules) -> None:
+    layout = modules.evaluate(SCENE, {})["layout"]
     domains = [layout[name]["domain"] for name in ("yaxis3", "yaxis2", "yaxis")]
     assert domains[0][0] == pytest.approx(0, abs=1e-9)
     assert domains[0][1] < domains[1][0] < domains[1][1] < domains[2][0]
@@ -189,47 +177,47 @@ def test_axes_show_all_curves_and_stack_without_overlap(page: Page) -> None:
     assert len(layout["shapes"]) == 6, "two ramps in three plots"
 
 
-def test_the_start_is_logarithmic_over_steps_and_near_over_time(page: Page) -> None:
-    assert page.evaluate(SCENE, {"view": "start"})["layout"]["xaxis"]["type"] == "log"
-    over_time = page.evaluate(SCENE, {"view": "start", "axis": "time"})["layout"]["xaxis"]
+def test_the_start_is_logarithmic_over_steps_and_near_over_time(modules: Modules) -> None:
+    assert modules.evaluate(SCENE, {"view": "start"})["layout"]["xaxis"]["type"] == "log"
+    over_time = modules.evaluate(SCENE, {"view": "start", "axis": "time"})["layout"]["xaxis"]
     assert over_time["type"] == "linear"
     assert over_time["range"][1] < 10
 
 
-def test_a_move_of_another_length_is_placed_by_its_ramps(page: Page) -> None:
+def test_a_move_of_another_length_is_placed_by_its_ramps(modules: Modules) -> None:
     summary = {"steps": 500, "accelerate_steps": 100, "slew_steps": 300, "decelerate_steps": 100}
     places = {(0, 2000): 0, (50, 1950): 50, (1000, 1000): 250, (1950, 50): 450, (2000, 0): 500, (250, 250): 250}
     for (done, remaining), step in places.items():
-        assert call(page, "curves.js", "plottedStep", {"summary": summary}, done, remaining) == step
+        assert modules.call("curves.js", "plottedStep", {"summary": summary}, done, remaining) == step
 
 
-def path_of(page: Page, x: list[float], y: list[float], shape: str = "linear", *, log: bool = False) -> str:
+def path_of(modules: Modules, x: list[float], y: list[float], shape: str = "linear", *, log: bool = False) -> str:
     scale = {"at": 0, "per": 10, "isLog": False}
     up = {"at": 100, "per": -10, "isLog": log}
-    return call(page, "thinning.js", "pathOf", {"x": x, "y": y, "shape": shape}, scale, up, 100)
+    return modules.call("thinning.js", "pathOf", {"x": x, "y": y, "shape": shape}, scale, up, 100)
 
 
-def test_paths_go_through_their_points_in_each_shape(page: Page) -> None:
-    assert path_of(page, [0, 1, 2], [1, 2, 2]) == "M0,90L10,80L20,80"
-    assert path_of(page, [0, 1], [1, 2], "hv") == "M0,90H10V80"
-    assert path_of(page, [0, 1], [1, 2], "vh") == "M0,90V80H10"
-    assert path_of(page, [0, 1], [1, 2], "hvh") == "M0,90H5V80H10"
-    assert path_of(page, [2, 1, 0], [1, 2, 3]) == "M20,90L10,80L0,70", "a move backward"
-    assert path_of(page, [0, 1, 2, 3], [1, 0, 1, 1], log=True) == "M0,100M20,100L30,100", "0 has no logarithm"
+def test_paths_go_through_their_points_in_each_shape(modules: Modules) -> None:
+    assert path_of(modules, [0, 1, 2], [1, 2, 2]) == "M0,90L10,80L20,80"
+    assert path_of(modules, [0, 1], [1, 2], "hv") == "M0,90H10V80"
+    assert path_of(modules, [0, 1], [1, 2], "vh") == "M0,90V80H10"
+    assert path_of(modules, [0, 1], [1, 2], "hvh") == "M0,90H5V80H10"
+    assert path_of(modules, [2, 1, 0], [1, 2, 3]) == "M20,90L10,80L0,70", "a move backward"
+    assert path_of(modules, [0, 1, 2, 3], [1, 0, 1, 1], log=True) == "M0,100M20,100L30,100", "0 has no logarithm"
 
 
-def test_paths_keep_the_extremes_of_each_column_of_pixels_and_leave_out_what_is_not_seen(page: Page) -> None:
+def test_paths_keep_the_extremes_of_each_column_of_pixels_and_leave_out_what_is_not_seen(modules: Modules) -> None:
     x = [i / 1000 for i in range(10_000)]
     y = [5 + 4 * (-1) ** i if 4000 < i < 4010 else 5 for i in range(10_000)]
-    path = path_of(page, x, y)
+    path = path_of(modules, x, y)
     assert path.count("L") < 300
     places = [tuple(map(float, place.split(","))) for place in path[1:].split("L")]
     assert {down for right, down in places if 39 <= right <= 41} == {10, 50, 90}
-    assert path_of(page, [-50, -40, 1, 2, 40, 50], [1, 1, 2, 2, 3, 3]) == "M-400,90L10,80L20,80L400,70"
+    assert path_of(modules, [-50, -40, 1, 2, 40, 50], [1, 1, 2, 2, 3, 3]) == "M-400,90L10,80L20,80L400,70"
 
 
-def test_a_range_is_kept_within_the_move(page: Page) -> None:
+def test_a_range_is_kept_within_the_move(modules: Modules) -> None:
     cases = [([5, 90], 100, [5, 90]), ([-3, 90], 100, [1, 90]), ([5, 190], 100, [5, 100]), ([1, 100], 100, None),
              ([100, 200], 100, None), (None, 100, None), ([5, 90], None, None)]  # fmt: skip
     for wanted, steps, expected in cases:
-        assert call(page, "calculation.js", "rangeWithin", wanted, steps) == expected
+        assert modules.call("calculation.js", "rangeWithin", wanted, steps) == expected

@@ -3,30 +3,19 @@
 import base64
 import json
 import zlib
-from collections.abc import Iterator
 from typing import Any, get_args
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from playwright.sync_api import Browser, Page
 
-from browser.server import Server
-from browser.stepramp_page import StepRampPage, call
 from designs import document
+from frontend.modules import Modules
 from stepramp import design as rules
 from stepramp.design import Design
 
 LONGEST_LINK = 100_000
 LONGEST_TEXT = 1_000_000
-
-
-@pytest.fixture(scope="module")
-def page(browser: Browser, shared_server: Server) -> Iterator[Page]:
-    opened = browser.new_page()
-    StepRampPage(opened, shared_server.url).open()
-    yield opened
-    opened.close()
 
 
 def designs() -> st.SearchStrategy[dict[str, Any]]:
@@ -81,19 +70,19 @@ def link(text: str) -> str:
     return "#d=" + base64.urlsafe_b64encode(packed).decode().rstrip("=")
 
 
-def problem(page: Page, text: str) -> str:
-    reading = call(page, "documents.js", "readDocument", text)
+def problem(modules: Modules, text: str) -> str:
+    reading = modules.call("documents.js", "readDocument", text)
     assert reading["document"] is None
     return str(reading["problem"])
 
 
-def link_problem(page: Page, fragment: str) -> str:
-    reading = call(page, "link.js", "decodeLink", fragment)
+def link_problem(modules: Modules, fragment: str) -> str:
+    reading = modules.call("link.js", "decodeLink", fragment)
     assert reading["document"] is None
     return str(reading["problem"])
 
 
-def test_any_document_comes_back_from_a_file_and_from_a_link(page: Page) -> None:
+def test_any_document_comes_back_from_a_file_and_from_a_link(modules: Modules) -> None:
     script = """async (work) => {
         const {readDocument, writeDocument} = await import('/documents.js');
         const {encodeLink, decodeLink} = await import('/link.js');
@@ -104,54 +93,54 @@ def test_any_document_comes_back_from_a_file_and_from_a_link(page: Page) -> None
     @settings(max_examples=100, deadline=None)
     def comes_back(work: dict[str, Any]) -> None:
         # JavaScript has one kind of numbers.
-        read = json.loads(page.evaluate(script, work), parse_int=float)
+        read = json.loads(modules.evaluate(script, work), parse_int=float)
         assert read == [{"document": work, "problem": None}] * 2
 
     comes_back()
 
 
-def test_links_and_files_are_what_other_programs_write_and_read(page: Page) -> None:
+def test_links_and_files_are_what_other_programs_write_and_read(modules: Modules) -> None:
     one = document(name="Drehteller µ-Schritt, 軸 ½ 🛠")
     work = {"axes": [one], "together": "independent"}
-    written = call(page, "documents.js", "writeDocument", work)
+    written = modules.call("documents.js", "writeDocument", work)
     assert json.loads(written) == one
     assert written == json.dumps(one, indent=2, ensure_ascii=False).replace("8.0", "8")
     machine = {"schema": "stepramp-machine/1", "together": "line", "axes": [one, document(name="Y")]}
     for text, axes, together in [(written, [one], "independent"), (json.dumps(machine), machine["axes"], "line")]:
-        reading = call(page, "link.js", "decodeLink", link(text))
+        reading = modules.call("link.js", "decodeLink", link(text))
         assert reading["problem"] is None
         assert reading["document"]["together"] == together
         assert [Design.checked(axis) for axis in reading["document"]["axes"]] == [Design.checked(axis) for axis in axes]
-    fragment = call(page, "link.js", "encodeLink", {"axes": machine["axes"], "together": "line"})
+    fragment = modules.call("link.js", "encodeLink", {"axes": machine["axes"], "together": "line"})
     packed = fragment.removeprefix("#d=")
     text = zlib.decompress(base64.urlsafe_b64decode(packed + "=" * (-len(packed) % 4)), -zlib.MAX_WBITS)
     assert json.loads(text) == machine
 
 
-def test_what_a_design_leaves_out_is_what_the_server_takes_for_it(page: Page) -> None:
+def test_what_a_design_leaves_out_is_what_the_server_takes_for_it(modules: Modules) -> None:
     least = {
         "schema": "stepramp/1",
         "timer": {"frequency_hz": 1e6},
         "ramp": {"slew_speed_steps_per_s": 1000, "acceleration_steps_per_s2": 5000},
         "move": {"steps": 10},
     }
-    reading = call(page, "documents.js", "readDocument", "\ufeff" + json.dumps(least))
+    reading = modules.call("documents.js", "readDocument", "\ufeff" + json.dumps(least))
     assert reading["document"]["axes"] == [Design.checked(least).model_dump(mode="json", by_alias=True)]
 
 
 @pytest.mark.parametrize("schema", ["stepramp/2", "stepramp/1.1", "stepramp/17-beta", "stepramp-machine/2"])
 @pytest.mark.parametrize("rest", [{}, {"shape": {"kind": "s-curve"}}, {"axes": [document()]}])
-def test_a_newer_format_is_told(page: Page, schema: str, rest: dict[str, Any]) -> None:
+def test_a_newer_format_is_told(modules: Modules, schema: str, rest: dict[str, Any]) -> None:
     text = json.dumps({"schema": schema, **rest})
-    for said in (problem(page, text), link_problem(page, link(text))):
+    for said in (problem(modules, text), link_problem(modules, link(text))):
         assert "newer StepRamp" in said
         assert f'"{schema}"' in said
         assert "stepramp/1" in said
 
 
-def test_a_newer_axis_of_a_machine_is_told(page: Page) -> None:
+def test_a_newer_axis_of_a_machine_is_told(modules: Modules) -> None:
     axes = [document(), document(schema="stepramp/2")]
-    said = problem(page, json.dumps({"schema": "stepramp-machine/1", "together": "line", "axes": axes}))
+    said = problem(modules, json.dumps({"schema": "stepramp-machine/1", "together": "line", "axes": axes}))
     assert "newer StepRamp" in said
 
 
@@ -175,8 +164,8 @@ def machine_with(axes: object, together: object = "line", **others: object) -> d
         ("[" * 500_000, "not JSON"),
     ],
 )
-def test_nonsense_is_told(page: Page, text: str, words: str) -> None:
-    assert words in problem(page, text)
+def test_nonsense_is_told(modules: Modules, text: str, words: str) -> None:
+    assert words in problem(modules, text)
 
 
 @pytest.mark.parametrize(
@@ -210,44 +199,44 @@ def test_nonsense_is_told(page: Page, text: str, words: str) -> None:
         (machine_with([document()], speed=1), "no field speed"),
     ],
 )
-def test_what_the_page_could_not_show_is_told_with_its_field(page: Page, wrong: object, words: str) -> None:
-    assert words in problem(page, json.dumps(wrong))
+def test_what_the_page_could_not_show_is_told_with_its_field(modules: Modules, wrong: object, words: str) -> None:
+    assert words in problem(modules, json.dumps(wrong))
 
 
-def test_a_number_too_large_for_any_machine_is_told(page: Page) -> None:
+def test_a_number_too_large_for_any_machine_is_told(modules: Modules) -> None:
     text = json.dumps(document(move__steps=123454321)).replace("123454321", "1e999")
-    assert "move.steps is Infinity; allowed: a number" in problem(page, text)
+    assert "move.steps is Infinity; allowed: a number" in problem(modules, text)
 
 
-def test_damaged_links_are_told(page: Page) -> None:
+def test_damaged_links_are_told(modules: Modules) -> None:
     whole = link(json.dumps(document()))
     for cut in (4, 5, len(whole) // 2, len(whole) - 4, len(whole) - 1):
-        assert "damaged" in link_problem(page, whole[:cut])
-    for fragment in ("", "#d=", "#d=%%%", "#d=hello", "#plots", whole + "AAAA", "#d=" + "_" * 50):
-        assert "damaged" in link_problem(page, fragment)
-    assert "not JSON" in link_problem(page, link("hello"))
-    assert "not a StepRamp design" in link_problem(page, link("[]"))
+        assert "damaged" in link_problem(modules, whole[:cut])
+    for fragment in ("", "#d=", "#d=%%%", "#d=hello", "#plots", "#d=" + "_" * 50):
+        assert "damaged" in link_problem(modules, fragment)
+    assert "not JSON" in link_problem(modules, link("hello"))
+    assert "not a StepRamp design" in link_problem(modules, link("[]"))
 
 
-def test_a_huge_link_is_neither_made_nor_read(page: Page) -> None:
-    assert "at most 100,000" in link_problem(page, "#d=" + "A" * LONGEST_LINK)
+def test_a_huge_link_is_neither_made_nor_read(modules: Modules) -> None:
+    assert "at most 100,000" in link_problem(modules, "#d=" + "A" * LONGEST_LINK)
     # A short link can stand for a text of any length.
     bomb = link(" " * 50_000_000)
     assert len(bomb) < LONGEST_LINK
-    assert "longer than 1,000,000" in link_problem(page, bomb)
+    assert "longer than 1,000,000" in link_problem(modules, bomb)
     script = """async (work) => (await import('/link.js')).encodeLink(work).catch((error) => error.message)"""
     noise = "".join(chr(0x4E00 + 40_503 * place % 20_000) for place in range(90_000))
-    made = page.evaluate(script, {"axes": [document(name=noise)], "together": "independent"})
+    made = modules.evaluate(script, {"axes": [document(name=noise)], "together": "independent"})
     assert "at most 100,000" in made
 
 
-def test_the_largest_machine_fits_into_a_link(page: Page) -> None:
+def test_the_largest_machine_fits_into_a_link(modules: Modules) -> None:
     rows = [[10_007 * row - row % 997, 4_294_967_295 - 999_983 * row * (row % 7)] for row in range(1, 1000)]
     axes = [document(name="x" * 100, table={"rows": rows, "interval_unit": "us"}) for _ in range(4)]
     # No row like any other, so that nothing is gained by the axes being alike.
     for number, axis in enumerate(axes):
         axis["table"]["rows"] = [[step - number, abs(delay) % 2**32 + number] for step, delay in rows]
         axis["method"]["tuned_for"] = "time"
-    fragment = call(page, "link.js", "encodeLink", {"axes": axes, "together": "line"})
+    fragment = modules.call("link.js", "encodeLink", {"axes": axes, "together": "line"})
     assert len(fragment) < LONGEST_LINK
-    assert call(page, "link.js", "decodeLink", fragment)["document"]["axes"] == axes
+    assert modules.call("link.js", "decodeLink", fragment)["document"]["axes"] == axes
