@@ -214,7 +214,6 @@ static uint8_t move(uint8_t kind, uint8_t axes, const uint8_t *body, uint16_t *d
         return machine_line(axes, body[0], values, detail);
     }
     if (kind == KIND_RUN) {
-        guarded |= axes;
         return machine_run(axes, values, detail);
     }
     if (kind == KIND_SET_POSITION) {
@@ -252,8 +251,10 @@ static void answer_for_axes(uint8_t kind, const uint8_t *body)
     if (!mask_is_good(axes)) {
         return;
     }
-    guarded &= (uint8_t)~axes;
     uint8_t status = kind == KIND_ZERO ? machine_zero(axes, read_u16(body), &detail) : move(kind, axes, body, &detail);
+    if (status == STATUS_OK) {
+        guarded = kind == KIND_RUN ? guarded | axes : guarded & (uint8_t)~axes;
+    }
     if (kind <= KIND_MOVE_TO || kind == KIND_LINE) {
         reply_targets(axes);
     }

@@ -585,6 +585,7 @@ def test_a_run_ends_when_nobody_asks_for_anything_and_a_move_goes_on(line: Line)
     for _ in range(6):  # any request keeps it running
         line.hear(0.4)
         assert line.status().axis_state == AxisState.MOVING
+    refused(line, MoveByRequest(1, (2**31 - 1,)), ReplyStatus.OUT_OF_RANGE, 0)  # changes nothing of it
     line.notices.clear()
     for _ in range(100):
         line.hear(0.1)

@@ -664,6 +664,17 @@ def test_a_run_ends_when_nobody_asks_for_anything(controller: Controller) -> Non
     assert controller.status(1).axis_state == p.IN_MOTION
 
 
+def test_what_is_refused_changes_nothing_of_that(controller: Controller) -> None:
+    controller.push(TWO_AXES)
+    controller.ok(p.RUN, for_axes({0: 5000}))
+    controller.ok(p.MOVE_TO, for_axes({1: 100_000}))
+    assert controller.refused(p.MOVE_BY, for_axes({0: 2**31 - 1})) == (p.OUT_OF_RANGE, 0)
+    assert controller.refused(p.RUN, for_axes({1: 1})) == (p.OUT_OF_RANGE, 1)
+    controller.run(SILENT)
+    assert controller.status(0).axis_state == p.IDLE
+    assert controller.status(1).axis_state == p.IN_MOTION
+
+
 @pytest.mark.parametrize("next_one", [p.ZERO, p.LINE, p.MOVE_BY])
 def test_what_comes_after_a_run_needs_nobody(controller: Controller, next_one: int) -> None:
     controller.push(TWO_AXES)
