@@ -2,24 +2,27 @@
 // The only module that talks to the server.
 
 import { createConversation } from './conversation.js';
+import { createEvents } from './events.js';
+import { createGate } from './gate.js';
 
 /** @typedef {import('./types.js').Design} Design */
 /** @typedef {import('./types.js').Device} Device */
 /** @typedef {import('./types.js').Rejection} Rejection */
 /** @typedef {import('./types.js').FitWish} FitWish */
+/** @typedef {import('./gestures.js').Gesture} Gesture */
 
 const ANSWER_WITHIN_MS = 15_000;
 const PUSH_WITHIN_MS = 90_000;
 const EXPORT_WITHIN_MS = 60_000;
-const FIRST_RECONNECT_MS = 250;
-const LONGEST_RECONNECT_MS = 2_000;
+/** A stop that is not answered so soon is said over the socket of events, too. */
+const STOP_WITHIN_MS = 100;
+/** Browsers have six connections to a server: some stay free, so that what stops does not stand in line. */
+const MOST_REQUESTS = 4;
 /** The status of what is understood but can't be done. */
 const UNPROCESSABLE = 422;
 
 /** What this page calls itself: the server knows by it which page is in control of a device. */
 export const PAGE = crypto.randomUUID();
-
-const aborting = /** @type {typeof AbortSignal & {timeout: (ms: number) => AbortSignal}} */ (AbortSignal);
 
 /** The server understood and said no: one rejection or more. */
 export class Refusal extends Error {
@@ -34,37 +37,78 @@ export class Refusal extends Error {
 /** The server can't be reached, or its answer makes no sense. */
 export class ServerGone extends Error {}
 
+/** It was ended on the way, by somebody who knows. */
+export class Ended extends Error {}
+
 /** @param {string} path */
 function address(path) {
   return new URL(`api/v1/${path}`, document.baseURI);
 }
 
+const gate = createGate(MOST_REQUESTS);
+
+/** How a request differs from most.
+ * @typedef {object} Manner
+ * @property {number} [withinMs]
+ * @property {(response: Response) => Promise<any>} [read] what makes the answer of a response that is no refusal
+ * @property {Gesture} [gesture]    what it is a part of
+ * @property {AbortSignal} [ended]  what ends it
+ * @property {boolean} [isUrgent]   it stands in no line */
+
 /**
  * @param {'GET' | 'POST' | 'PUT' | 'DELETE'} method
  * @param {string} path
  * @param {unknown} [body]
- * @param {number} [withinMs]
- * @param {(response: Response) => Promise<any>} [read] what makes the answer of a response that is no refusal
+ * @param {Manner} [manner]
  * @returns {Promise<any>}
  */
-async function request(method, path, body, withinMs = ANSWER_WITHIN_MS, read = readJson) {
+async function request(method, path, body, manner = {}) {
+  const { withinMs = ANSWER_WITHIN_MS, read = readJson, gesture, ended = gesture?.ended, isUrgent = false } = manner;
+  /** @type {Record<string, string>} */
   const headers = { 'X-StepRamp-Page': PAGE };
-  const options =
-    body === undefined
-      ? { headers }
-      : { headers: { ...headers, 'Content-Type': 'application/json' }, body: JSON.stringify(body) };
-  let response, answer;
+  if (gesture) headers['X-StepRamp-Stops'] = String(gesture.stops);
+  if (body !== undefined) headers['Content-Type'] = 'application/json';
+  const options = { method, headers, body: body === undefined ? undefined : JSON.stringify(body) };
+  const exchange = async (/** @type {AbortSignal} */ signal) => {
+    const response = await fetch(address(path), { ...options, signal });
+    return { response, answer: await (response.ok ? read : readJson)(response) };
+  };
+  let exchanged;
   try {
-    response = await fetch(address(path), { method, ...options, signal: aborting.timeout(withinMs) });
-    answer = await (response.ok ? read : readJson)(response);
+    exchanged = await within(withinMs, ended, (signal) => (isUrgent ? exchange(signal) : gate(() => exchange(signal))));
   } catch (error) {
+    if (ended?.aborted) throw new Ended('It was ended.');
     throw new ServerGone(`The server does not answer (${error instanceof Error ? error.message : error}).`);
   }
+  const { response, answer } = exchanged;
   if (response.ok) return answer;
+  if (ended?.aborted) throw new Ended('It was ended.');
   const rejections = answer?.errors ?? [
     { field: null, value: null, allowed: null, message: `The server answers with status ${response.status}.` },
   ];
   throw new Refusal(response.status, rejections);
+}
+
+/** Do what a signal ends when it takes too long, or something else has ended; then it fails at once.
+ * @template T @param {number} ms @param {AbortSignal | undefined} ended @param {(signal: AbortSignal) => Promise<T>} act
+ * @returns {Promise<T>} */
+async function within(ms, ended, act) {
+  const end = new AbortController();
+  const stop = () => end.abort(new Error('ended'));
+  const timer = setTimeout(() => end.abort(new Error('it took too long')), ms);
+  ended?.addEventListener('abort', stop);
+  if (ended?.aborted) stop();
+  const over = new Promise((_, reject) => {
+    const fail = () => reject(end.signal.reason);
+    end.signal.addEventListener('abort', fail);
+    if (end.signal.aborted) fail();
+  });
+  try {
+    return /** @type {T} */ (await Promise.race([over, act(end.signal)]));
+  } finally {
+    clearTimeout(timer);
+    ended?.removeEventListener('abort', stop);
+  }
 }
 
 /** @param {Response} response */
@@ -78,6 +122,7 @@ async function readFile(response) {
   return { file: await response.blob(), name };
 }
 
+const events = createEvents(() => socketAddress('devices/events'));
 const sliding = createConversation(() => socketAddress('curves/socket'), ANSWER_WITHIN_MS);
 
 export const api = {
@@ -115,7 +160,8 @@ export const api = {
 
   /** @param {string} format @param {Record<string, unknown>} wanted the design, and what the format looks at besides
    * @returns {Promise<{file: Blob, name: string}>} */
-  exportDesign: (format, wanted) => request('POST', `export/${format}`, wanted, EXPORT_WITHIN_MS, readFile),
+  exportDesign: (format, wanted) =>
+    request('POST', `export/${format}`, wanted, { withinMs: EXPORT_WITHIN_MS, read: readFile }),
 
   /** @param {object} play table, range_steps and targets @returns {Promise<import('./types.js').PlayedTable>} */
   playTable: (play) => request('POST', 'table/play', play),
@@ -127,38 +173,78 @@ export const api = {
   connect: (port) => request('POST', 'devices', { port }),
 
   /** @param {string} id */
-  disconnect: (id) => request('DELETE', `devices/${encodeURIComponent(id)}`),
+  disconnect: (id) => request('DELETE', device(id)),
 
   /** @param {string} id @param {import('./types.js').Pushed} wanted @returns {Promise<import('./types.js').Push>} */
-  push: (id, wanted) => request('POST', `devices/${encodeURIComponent(id)}/push`, wanted, PUSH_WITHIN_MS),
+  push: (id, wanted) => request('POST', `${device(id)}/push`, wanted, { withinMs: PUSH_WITHIN_MS }),
 
   /** What a push would change; nothing is sent.
    * @param {string} id @param {import('./types.js').Pushed} wanted @returns {Promise<import('./types.js').Preview>} */
-  preview: (id, wanted) => request('POST', `devices/${encodeURIComponent(id)}/push/preview`, wanted, PUSH_WITHIN_MS),
+  preview: (id, wanted) => request('POST', `${device(id)}/push/preview`, wanted, { withinMs: PUSH_WITHIN_MS }),
 
-  /** Have a device do something else that has a route of its own.
-   * @param {string} id
-   * @param {'move' | 'run' | 'line' | 'there_and_back' | 'position' | 'zero' | 'halt' | 'keep' | 'roll_back' |
-   *   'restore' | 'control'} what
+  /** Have a device do something else that moves nothing and has a route of its own.
+   * @param {string} id @param {'position' | 'keep' | 'roll_back' | 'restore' | 'control'} what
    * @param {unknown} [body] @returns {Promise<Device>} */
-  act: (id, what, body) => request('POST', `devices/${encodeURIComponent(id)}/${what}`, body, PUSH_WITHIN_MS),
+  act: (id, what, body) => request('POST', `${device(id)}/${what}`, body, { withinMs: PUSH_WITHIN_MS }),
+
+  /** @param {string} id @param {'move' | 'run' | 'line' | 'there_and_back' | 'zero'} what @param {unknown} body
+   * @param {Gesture} gesture @returns {Promise<Device>} */
+  move: (id, what, body, gesture) =>
+    request('POST', `${device(id)}/${what}`, body, { withinMs: PUSH_WITHIN_MS, gesture }),
+
+  /** @param {string} id @param {import('./types.js').SoftLimits[]} axes @returns {Promise<Device>} */
+  limit: (id, axes) => request('PUT', `${device(id)}/soft_limits`, { axes }),
 
   /** @param {string} id @returns {Promise<import('./types.js').Settings>} */
-  settings: (id) => request('GET', `devices/${encodeURIComponent(id)}/settings`),
+  settings: (id) => request('GET', `${device(id)}/settings`),
 
   /** @param {string} id @param {unknown} settings @returns {Promise<import('./types.js').Settings>} */
-  useSettings: (id, settings) => request('PUT', `devices/${encodeURIComponent(id)}/settings`, settings),
+  useSettings: (id, settings) => request('PUT', `${device(id)}/settings`, settings),
 
   /** Have the moves of an axis traced that begin from now on.
-   * @param {string} id @param {number} axis */
-  traceMoves: (id, axis) => request('PUT', `devices/${encodeURIComponent(id)}/trace`, { traced_axis: axis }),
+   * @param {string} id @param {number} axis @param {Gesture} gesture */
+  traceMoves: (id, axis, gesture) => request('PUT', `${device(id)}/trace`, { traced_axis: axis }, { gesture }),
 
   /** @param {string} id @returns {Promise<import('./types.js').Trace>} */
-  trace: (id) => request('GET', `devices/${encodeURIComponent(id)}/trace`),
+  trace: (id) => request('GET', `${device(id)}/trace`),
 
-  /** @returns {Promise<{devices: Device[]}>} */
-  stopAll: () => request('POST', 'devices/stop'),
+  /** Slow all devices down.
+   * @returns {Promise<{devices: Device[]}>} what they do once it is granted */
+  stopAll: () => stop({ do: 'stop', device: null }, 'devices/stop'),
+
+  /** @param {string} id @returns {Promise<{devices: Device[]}>} */
+  halt: (id) => stop({ do: 'halt', device: id }, `${device(id)}/halt`),
 };
+
+/** Stop by a request, which the server serves before all else. One that is not answered soon waits for the requests of
+ * other tabs: then it is said over the socket of events, too, and whichever is answered first counts.
+ * @param {import('./events.js').Stop} wanted @param {string} path @returns {Promise<{devices: Device[]}>} */
+async function stop(wanted, path) {
+  const answered = new AbortController();
+  // A request that is still in line is never sent: it would stop what is asked for after this.
+  const asRequest = request('POST', path, undefined, { ended: answered.signal, isUrgent: true });
+  const isLate = new Promise((resolve) => {
+    asRequest.catch(resolve);
+    setTimeout(resolve, STOP_WITHIN_MS);
+  });
+  const overEvents = isLate.then(() => {
+    if (answered.signal.aborted) throw new Ended('It was answered.');
+    return events.stop(wanted);
+  });
+  try {
+    const told = await Promise.any([asRequest, overEvents]);
+    return 'devices' in told ? told : { devices: [told] };
+  } catch {
+    return await asRequest;
+  } finally {
+    answered.abort();
+  }
+}
+
+/** @param {string} id */
+function device(id) {
+  return `devices/${encodeURIComponent(id)}`;
+}
 
 /** @param {string} path */
 function socketAddress(path) {
@@ -171,28 +257,8 @@ function socketAddress(path) {
 /** The socket that a jog lives in: the axis slows down when it ends, or when nothing is said over it for 0.4 s.
  * @param {string} id */
 export function openJog(id) {
-  return new WebSocket(socketAddress(`devices/${encodeURIComponent(id)}/jog`));
+  return new WebSocket(socketAddress(`${device(id)}/jog`));
 }
 
-/**
- * Hear of every change of the devices, for as long as the page lives; reconnects by itself.
- * @param {(devices: Device[]) => void} onDevices
- * @param {(isConnected: boolean) => void} onLink
- */
-export function watchDevices(onDevices, onLink) {
-  let waitMs = FIRST_RECONNECT_MS;
-  const open = () => {
-    const socket = new WebSocket(socketAddress('devices/events'));
-    socket.onopen = () => {
-      waitMs = FIRST_RECONNECT_MS;
-      onLink(true);
-    };
-    socket.onmessage = (event) => onDevices(JSON.parse(event.data).devices);
-    socket.onclose = () => {
-      onLink(false);
-      setTimeout(open, waitMs);
-      waitMs = Math.min(LONGEST_RECONNECT_MS, waitMs * 2);
-    };
-  };
-  open();
-}
+/** Hear of every change of the devices, for as long as the page lives. */
+export const watchDevices = events.watch;

@@ -1,8 +1,10 @@
 // @ts-check
 // The devices as the server tells of them, and what is asked of them. Nothing here moves a motor unasked.
 
-import { api, PAGE, Refusal, watchDevices } from './api.js';
+import { api, Ended, PAGE, Refusal, watchDevices } from './api.js';
+import { createGestures } from './gestures.js';
 import { createJog } from './jogging.js';
+import { memory } from './memory.js';
 import { newestWins } from './newest.js';
 import { createFollower, isEndless, measuredFrom } from './traces.js';
 
@@ -61,7 +63,8 @@ export function createFleet({ onChange, onPorts, onRejected, onMeasured, say, on
   const traced = new Set();
   /** @type {Map<string, import('./types.js').Trace>} */
   const traces = new Map();
-  const jog = createJog(onRejected);
+  const gestures = createGestures();
+  const jog = createJog(gestures, onRejected);
   /** What a push would change, or why there can be none, and of what that was said.
    * @type {{key: string, preview: Preview | null, problem: string}} */
   let known = { key: '', preview: null, problem: '' };
@@ -71,6 +74,7 @@ export function createFleet({ onChange, onPorts, onRejected, onMeasured, say, on
 
   /** @param {Device[]} told */
   function update(told) {
+    gestures.hear(told);
     for (const device of told) {
       const before = devices.find((one) => one.id === device.id);
       follower.follow(device);
@@ -86,13 +90,24 @@ export function createFleet({ onChange, onPorts, onRejected, onMeasured, say, on
     onChange();
   }
 
+  /** The trace as far as it is known; null when a stop refuses the look at it, as it does all else that waits.
+   * @param {string} id */
+  async function traceNow(id) {
+    try {
+      return await api.trace(id);
+    } catch (error) {
+      if (error instanceof Refusal && error.status === 409) return null;
+      throw error;
+    }
+  }
+
   /** @param {string} id */
   async function readTrace(id) {
     try {
       for (let attempt = 0; attempt < TRACE_ATTEMPTS; attempt += 1) {
-        const trace = await api.trace(id);
-        traces.set(id, trace);
-        if (trace.complete) break;
+        const trace = await traceNow(id);
+        if (trace) traces.set(id, trace);
+        if (trace?.complete) break;
         await new Promise((resolve) => setTimeout(resolve, TRACE_PAUSE_MS));
       }
     } catch (error) {
@@ -114,7 +129,7 @@ export function createFleet({ onChange, onPorts, onRejected, onMeasured, say, on
     try {
       await ask();
     } catch (error) {
-      onRejected(rejectionsOf(error));
+      if (!(error instanceof Ended)) onRejected(rejectionsOf(error));
     } finally {
       asking = null;
       onChange();
@@ -149,8 +164,16 @@ export function createFleet({ onChange, onPorts, onRejected, onMeasured, say, on
     return known.key === key ? known : { preview: null, problem: '' };
   }
 
+  /** End what is on its way to set motors moving: nothing more of it is sent. */
+  function endMotions() {
+    gestures.end();
+    jog.end();
+  }
+
   return {
     devices: () => devices,
+    endMotions,
+    hearStops: gestures.hear,
     isServerThere: () => isServerThere,
     jog,
     /** @param {Device | null} device @param {number} toAxis which axis a single design is for @param {Work} work
@@ -213,18 +236,30 @@ export function createFleet({ onChange, onPorts, onRejected, onMeasured, say, on
     /** Move: only ever because somebody pressed for it. An axis that sets out from rest is traced, if it is wanted.
      * @param {Device} device @param {number} axis whose move is traced
      * @param {'move' | 'run' | 'line' | 'there_and_back' | 'zero'} what @param {unknown} body */
-    go: (device, axis, what, body) =>
-      request(what, async () => {
+    go(device, axis, what, body) {
+      const gesture = gestures.begin(device);
+      return request(what, async () => {
         if (isTracing && device.state === 'ready') {
-          await api.traceMoves(device.id, axis);
+          await api.traceMoves(device.id, axis, gesture);
           traced.add(device.id);
         }
         onMeasured(null);
-        await api.act(device.id, what, body);
-      }),
+        await api.move(device.id, what, body, gesture);
+      });
+    },
     /** @param {Device} device @param {number} axis @param {unknown} steps */
     setPosition: (device, axis, steps) =>
       request('position', () => api.act(device.id, 'position', { axes: [{ axis, position_steps: steps }] })),
+    /** Keep axes within soft limits, and remember those of the port; fails when they are refused.
+     * @param {Device} device @param {import('./types.js').SoftLimits[]} axes */
+    async limit(device, axes) {
+      await api.limit(device.id, axes);
+      memory.keepSoftLimits(device.port, axes);
+      onChange();
+    },
+    /** Bring those of the port back into force.
+     * @param {Device} device @param {import('./types.js').SoftLimits[]} axes */
+    limitAgain: (device, axes) => request('soft_limits', () => api.limit(device.id, axes)),
     /** @param {boolean} wanted */
     trace(wanted) {
       isTracing = wanted;
@@ -234,7 +269,10 @@ export function createFleet({ onChange, onPorts, onRejected, onMeasured, say, on
       watchDevices(update, (isThere) => {
         if (isThere === isServerThere) return;
         isServerThere = isThere;
-        if (!isThere) jog.end();
+        if (!isThere) {
+          endMotions();
+          gestures.forget();
+        }
         onLink(isThere);
         onChange();
       }),

@@ -4,13 +4,14 @@
 
 import { openJog } from './api.js';
 
+/** @typedef {import('./types.js').Device} Device */
 /** @typedef {import('./types.js').Rejection} Rejection */
 
 /** The server waits four times as long. */
 const RENEW_MS = 100;
 
-/** @param {(rejections: Rejection[]) => void} onRefused */
-export function createJog(onRefused) {
+/** @param {import('./gestures.js').Gestures} gestures @param {(rejections: Rejection[]) => void} onRefused */
+export function createJog(gestures, onRefused) {
   /** @type {WebSocket | null} */
   let socket = null;
   let timer = 0;
@@ -25,14 +26,15 @@ export function createJog(onRefused) {
     ending.close();
   }
 
-  /** @param {string} id @param {number} axis @param {unknown} speed steps/s, negative for backwards */
-  function begin(id, axis, speed) {
+  /** @param {Device} device @param {number} axis @param {unknown} speed steps/s, negative for backwards */
+  function begin(device, axis, speed) {
     end();
-    const opened = openJog(id);
+    const { stops } = gestures.begin(device);
+    const opened = openJog(device.id);
     socket = opened;
     opened.onopen = () => {
       if (socket !== opened) return;
-      opened.send(JSON.stringify({ do: 'run', axis, speed_steps_per_s: speed }));
+      opened.send(JSON.stringify({ do: 'run', axis, speed_steps_per_s: speed, stops }));
       timer = setInterval(() => opened.send(JSON.stringify({ do: 'hold' })), RENEW_MS);
     };
     opened.onmessage = (event) => {

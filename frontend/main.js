@@ -6,6 +6,7 @@ import { createBeside } from './beside.js';
 import { calculate, NO_DETAILS } from './calculation.js';
 import { activeProfile } from './curves.js';
 import { methodsToCompute, withMethod, withTable, withValue } from './design.js';
+import { watchEscape } from './escape.js';
 import { openFile, saveFile, watchDrops } from './files.js';
 import { createFleet } from './fleet.js';
 import { historyKey } from './history_keys.js';
@@ -135,7 +136,7 @@ const fleet = createFleet({
     refresh();
   },
 });
-const stop = createStop(fleet.devices, (text, hasFailed) => {
+const stop = createStop(fleet, (text, hasFailed) => {
   if (hasFailed) urgent.set('stop', text);
   else urgent.delete('stop');
   announce(text);
@@ -366,11 +367,10 @@ async function refresh() {
 
 // ---- keys ----
 
-// Escape stops wherever the focus is; a key held down is one press.
+watchEscape(pressStop);
 addEventListener(
   'keydown',
   (event) => {
-    if (event.key === 'Escape' && !event.repeat) pressStop();
     const step = historyKey(event);
     if (step === null) return;
     event.preventDefault();

@@ -9,6 +9,7 @@ import { MOST_AXES } from './workbench.js';
 /** @typedef {import('./types.js').MethodName} MethodName */
 /** @typedef {import('./workbench.js').State} State */
 /** @typedef {import('./units.js').Units} Units */
+/** @typedef {import('./types.js').SoftLimits} SoftLimits */
 
 const STATE = 'stepramp.work';
 const REPLACED = 'stepramp.work.replaced';
@@ -16,6 +17,8 @@ const UNREADABLE = 'stepramp.work.unreadable';
 const UNITS = 'stepramp.units';
 const SHOWN = 'stepramp.shown';
 const THEME = 'stepramp.theme';
+const RUN_SECONDS = 'stepramp.run_seconds';
+const SOFT_LIMITS = 'stepramp.soft_limits';
 
 /** Private windows may refuse storage: the page then works without a memory.
  * @param {string} key */
@@ -67,6 +70,25 @@ function isState(state) {
   );
 }
 
+/** @returns {Record<string, SoftLimits[]>} by port */
+function readSoftLimits() {
+  try {
+    const kept = JSON.parse(read(SOFT_LIMITS) ?? '{}');
+    const entries = Object.entries(kept ?? {}).filter(([, axes]) => Array.isArray(axes) && axes.every(isLimited));
+    return Object.fromEntries(entries);
+  } catch {
+    return {};
+  }
+}
+
+/** Whether an axis has a soft limit, and none that can't be one.
+ * @param {any} limits @returns {limits is SoftLimits} */
+function isLimited(limits) {
+  const both = [limits?.lowest_steps, limits?.highest_steps];
+  const areKnown = both.every((steps) => steps === null || Number.isInteger(steps));
+  return Number.isInteger(limits?.axis) && areKnown && both.some((steps) => steps !== null);
+}
+
 export const memory = {
   /** What was last worked on. */
   state: () => readState(STATE),
@@ -92,6 +114,19 @@ export const memory = {
   },
   /** @param {Iterable<MethodName>} names */
   keepShown: (names) => write(SHOWN, [...names].join(' ')),
+  /** How long a run lasts, as it was last typed [s]. */
+  runSeconds: () => read(RUN_SECONDS) ?? '10',
+  /** @param {string} text */
+  keepRunSeconds: (text) => write(RUN_SECONDS, text),
+  /** The soft limits last set at a port, of the axes that have some.
+   * @param {string} port */
+  softLimits: (port) => readSoftLimits()[port] ?? [],
+  /** @param {string} port @param {SoftLimits[]} axes those that are set now; others stay */
+  keepSoftLimits(port, axes) {
+    const all = readSoftLimits();
+    const others = (all[port] ?? []).filter(({ axis }) => !axes.some((one) => one.axis === axis));
+    write(SOFT_LIMITS, JSON.stringify({ ...all, [port]: [...others, ...axes].filter(isLimited) }));
+  },
   /** @returns {string | null} */
   theme: () => read(THEME),
   /** @param {string} theme */

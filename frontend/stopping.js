@@ -9,33 +9,41 @@ import { api } from './api.js';
 const isStopping = (device) => device.state === 'stopping';
 /** @param {Device} device */
 const isMoving = (device) => device.state === 'moving' || isStopping(device);
+/** @param {Device} device */
+const isOutOfReach = (device) => device.state === 'lost' || device.state === 'connecting';
 
 /**
- * @param {() => Device[]} devices as last heard of
+ * @param {object} fleet
+ * @param {() => Device[]} fleet.devices as last heard of
+ * @param {() => void} fleet.endMotions nothing of what was asked for until now is sent any more
+ * @param {(devices: Device[]) => void} fleet.hearStops what a stop's answer tells
  * @param {(text: string, hasFailed: boolean) => void} say
  */
-export function createStop(devices, say) {
+export function createStop({ devices, endMotions, hearStops }, say) {
   let unanswered = 0;
 
   const isUnderWay = () => unanswered > 0 || devices().some(isStopping);
 
-  /** What is not known to be at rest is stopped again. */
+  /** Whatever may move: what sets out just now is not known to move yet. */
   async function halt() {
-    const moving = devices().filter(isMoving);
-    if (moving.length === 0) await api.stopAll();
-    await Promise.all(moving.map((device) => api.act(device.id, 'halt')));
+    const inReach = devices().filter((device) => !isOutOfReach(device));
+    const halts = inReach.map((device) => api.halt(device.id));
+    const answers = await Promise.all(halts.length > 0 ? halts : [api.stopAll()]);
+    for (const answer of answers) hearStops(answer.devices);
     say('Halted', false);
   }
 
   async function slowDown() {
     const { devices: stopped } = await api.stopAll();
-    say(stopped.some(isMoving) ? 'Stopping' : 'Nothing moves', false);
+    hearStops(stopped);
+    say(words(stopped), false);
   }
 
   return {
     isUnderWay,
     async press() {
       const act = isUnderWay() ? halt : slowDown;
+      endMotions();
       unanswered += 1;
       try {
         await act();
@@ -46,4 +54,12 @@ export function createStop(devices, say) {
       }
     },
   };
+}
+
+/** What has come of a stop.
+ * @param {Device[]} stopped */
+function words(stopped) {
+  const what = stopped.some(isMoving) ? 'Stopping' : 'Nothing moves';
+  const others = stopped.filter(isOutOfReach).map((device) => device.name);
+  return others.length === 0 ? what : `${what}. Stopped as soon as it answers: ${others.join(', ')}`;
 }

@@ -125,7 +125,12 @@
  * @property {number} position_steps
  * @property {number} target_steps
  * @property {number} speed_steps_per_s
- * @property {number} steps_made */
+ * @property {number} steps_made
+ * @property {number | null} lowest_steps   soft limit; null: none
+ * @property {number | null} highest_steps */
+
+/** What is asked for: numbers, or the text that is none; null for no limit.
+ * @typedef {{axis: number, lowest_steps: Entry | null, highest_steps: Entry | null}} SoftLimits */
 
 /** @typedef {object} Device
  * @property {AxisState[]} axes
@@ -134,6 +139,7 @@
  * @property {{axis: number, by_steps: number, times: number, times_done: number, pause_s: number} | null} shuttle
  * @property {number[]} unknown_positions  axes that may be elsewhere than they count, since the device was lost
  * @property {string | null} in_control    the page that is
+ * @property {number} stops                grows with each stop of it
  * @property {number} heard_s
  * @property {string} id
  * @property {string} port

@@ -71,6 +71,15 @@ def test_moves_beyond_the_limits_are_refused(value: float) -> None:
     assert allowed == "a whole number from -10,000,000 to 10,000,000 steps, but not 0"
 
 
+@pytest.mark.parametrize("speed", [5e-324, 2e-311, 1e-222, 0.00099])
+def test_a_base_speed_is_none_or_not_slower_than_the_slowest(speed: float) -> None:
+    [(field, value, allowed)] = refused(document(ramp__base_speed_steps_per_s=speed))
+    assert (field, value) == ("ramp.base_speed_steps_per_s", speed)
+    assert allowed == "0, or a number from 0.001 steps/s to the slew speed"
+    for possible in (0, 0.001):
+        assert design(ramp__base_speed_steps_per_s=possible).ramp.base_speed_steps_per_s == possible
+
+
 def test_a_whole_number_may_be_written_with_an_exponent() -> None:
     assert design(move__steps=2e6).move.steps == 2_000_000
 
@@ -78,8 +87,8 @@ def test_a_whole_number_may_be_written_with_an_exponent() -> None:
 @pytest.mark.parametrize(
     ("rows", "field", "allowed"),
     [
-        ([], "table.rows", "from 1 to 1,000 rows"),
-        ([[1, 1]] * 1001, "table.rows", "from 1 to 1,000 rows"),
+        ([], "table.rows", "a list of 1 to 1,000 rows of two whole numbers"),
+        ([[1, 1]] * 1001, "table.rows", "a list of 1 to 1,000 rows of two whole numbers"),
         ([[10, 500], [10, 400]], "table.rows.1.0", "more than the ramp index of the row before, 10"),
         ([[10, 500], [5, 400]], "table.rows.1.0", "more than the ramp index of the row before, 10"),
         ([[10, 500], [20, 0]], "table.rows.1.1", "a whole number from 1 to 4,294,967,295 µs or ticks"),
@@ -88,7 +97,7 @@ def test_a_whole_number_may_be_written_with_an_exponent() -> None:
         ([[10]], "table.rows.0", "a list of two whole numbers, the last ramp index [steps] and the delay"),
         ([[10, 500, 1]], "table.rows.0", "a list of two whole numbers, the last ramp index [steps] and the delay"),
         ([5], "table.rows.0", "a list of two whole numbers, the last ramp index [steps] and the delay"),
-        ("{10, 500}", "table.rows", "a list of rows of two whole numbers"),
+        ("{10, 500}", "table.rows", "a list of 1 to 1,000 rows of two whole numbers"),
     ],
 )
 def test_a_table_is_refused_by_row(rows: object, field: str, allowed: str) -> None:

@@ -1,5 +1,6 @@
 import importlib.util
 import json
+import re
 from pathlib import Path
 
 from stepramp.http_api.app import create_app
@@ -21,3 +22,14 @@ def test_the_description_of_the_api_is_that_of_the_server() -> None:
     committed = json.loads((DOCS / "openapi.json").read_text(encoding="utf-8"))
     again = "run: .venv/bin/python docs/make_openapi.py"
     assert committed == json.loads(json.dumps(create_app().openapi())), again
+
+
+def test_each_fault_names_tests_that_are_there() -> None:
+    named = re.findall(r"`([^`]*test_[^`]*)`", (DOCS / "faults.md").read_text(encoding="utf-8"))
+    assert len(named) > 30
+    source = ""
+    for name in named:
+        # As tests/folder/test_file.py::test_name, or test_name of the file named before it.
+        path, _, function = name.rpartition("::") if not name.endswith(".py") else (name, "", "")
+        source = (DOCS.parent / path).read_text(encoding="utf-8") if path else source
+        assert not function or f"def {function}(" in source, name

@@ -1,6 +1,7 @@
 """The command line: `stepramp` starts the server and opens the page; `stepramp export` writes a design as a file."""
 
 import argparse
+import gc
 import json
 import os
 import socket
@@ -8,6 +9,7 @@ import sys
 import threading
 import webbrowser
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import get_args
 
@@ -19,6 +21,8 @@ from stepramp.version import __version__
 LOOPBACK = "127.0.0.1"
 FIRST_PORT = 8000
 PORTS_TRIED = 100
+SWITCH_S = 0.0005
+"""After so long a thread that computes in Python lets another go on [s]. A stop wakes several, one after the other."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -42,7 +46,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except Rejected as error:
         print(f"stepramp: {error}", file=sys.stderr)
         return 2
-    serve(listener, open_page=not options.no_browser)
+    with suppress(KeyboardInterrupt):  # Ended before there was a server.
+        serve(listener, open_page=not options.no_browser)
     return 0
 
 
@@ -110,17 +115,33 @@ def free_port(first: int) -> socket.socket:
 
 def serve(listener: socket.socket, *, open_page: bool) -> None:
     """Serve the page and the API until interrupted."""
-    from stepramp.http_api.app import create_app  # noqa: PLC0415  # numba and FastAPI load slowly: not for --help
+    # numba and FastAPI load slowly: not for --help
+    from stepramp.http_api.app import create_app  # noqa: PLC0415
+    from stepramp.http_api.asked_at import numbering  # noqa: PLC0415
+    from stepramp.http_api.bodies import MOST_BYTES  # noqa: PLC0415
+    from stepramp.http_api.server import GRACE_S, Server  # noqa: PLC0415
 
     address = f"http://{LOOPBACK}:{listener.getsockname()[1]}/"
     # Within one machine, compressing what goes over a WebSocket takes longer than sending it.
-    config = uvicorn.Config(create_app(), log_level="warning", ws="websockets-sansio", ws_per_message_deflate=False)
-    server = uvicorn.Server(config)
+    app = create_app()
+    config = uvicorn.Config(
+        app,
+        log_level="warning",
+        http=numbering(app.state.devices.order.next),
+        ws="websockets-sansio",
+        ws_per_message_deflate=False,
+        ws_max_size=MOST_BYTES,
+        timeout_graceful_shutdown=GRACE_S,
+    )
+    server = Server(config, app.state.devices.end_motion)
+    sys.setswitchinterval(SWITCH_S)
+    # What is loaded by now stays: to look through it for garbage again and again would halt all threads for 0.1 s.
+    gc.freeze()
     print(f"StepRamp is at {address} (Ctrl+C ends it)", flush=True)
     if open_page:
         # The socket listens already: a browser that is quicker than the server waits for it.
         threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
-    server.run(sockets=[listener])
+    server.serve_until_ended(listener)
 
 
 if __name__ == "__main__":

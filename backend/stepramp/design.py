@@ -16,6 +16,9 @@ MOST_STEPS = 10_000_000
 
 MOST_TABLE_ROWS = 1000
 
+MOST_NAMES = 20
+"""Longest list of methods, or of curves; naming one twice is harmless."""
+
 MethodName = Literal[
     "exact", "ideal", "midpoint", "first_order", "second_order", "compromise", "tuned", "newton", "austin", "table"
 ]
@@ -44,7 +47,10 @@ A table is not computed: there it makes no difference. Austin's recurrence divid
 `fixed` do without; and what needs a square root is not for them.
 """
 
-Speed = Annotated[float, Within(0.001, 1_000_000, "steps/s")]
+SLOWEST_STEPS_PER_S = 0.001
+"""Slower speeds than this are none, except 0: their intervals are beyond all numbers [steps/s]."""
+
+Speed = Annotated[float, Within(SLOWEST_STEPS_PER_S, 1_000_000, "steps/s")]
 Acceleration = Annotated[float, Within(0.001, 1_000_000_000, "steps/s²")]
 
 
@@ -79,7 +85,7 @@ class RampParameters(Document):
     """The speeds and accelerations that a ramp is computed from."""
 
     base_speed_steps_per_s: Annotated[float, Within(0, 1_000_000, "steps/s")] = Field(
-        0.0, description="v0: speed at which the ramp begins and ends [steps/s]"
+        0.0, description="v0: speed at which the ramp begins and ends; 0, or at least 0.001 [steps/s]"
     )
     slew_speed_steps_per_s: Speed = Field(description="v: speed that the ramp leads to [steps/s]")
     acceleration_steps_per_s2: Acceleration = Field(description="a: gain of speed a second [steps/s²]")
@@ -89,6 +95,12 @@ class RampParameters(Document):
 
     @model_validator(mode="after")
     def _base_below_slew(self) -> Self:
+        if 0 < self.base_speed_steps_per_s < SLOWEST_STEPS_PER_S:
+            refuse(
+                "base_speed_steps_per_s",
+                self.base_speed_steps_per_s,
+                f"0, or a number from {SLOWEST_STEPS_PER_S} steps/s to the slew speed",
+            )
         if self.base_speed_steps_per_s > self.slew_speed_steps_per_s:
             refuse(
                 "base_speed_steps_per_s",
@@ -146,7 +158,7 @@ Row = Annotated[tuple[Index, Delay], ListOf("two whole numbers, the last ramp in
 class Table(Document):
     """A lookup table as gauge libraries use it."""
 
-    rows: Annotated[list[Row], ListOf("rows of two whole numbers")] = Field(
+    rows: Annotated[list[Row], ListOf("rows of two whole numbers", most=MOST_TABLE_ROWS, least=1)] = Field(
         description="[last ramp index of the row [steps], delay [interval_unit]]: the delay at ramp index k is that of "
         "the first row whose index is at least k",
     )
@@ -154,8 +166,6 @@ class Table(Document):
 
     @model_validator(mode="after")
     def _sorted(self) -> Self:
-        if not 1 <= len(self.rows) <= MOST_TABLE_ROWS:
-            refuse("rows", self.rows, f"from 1 to {MOST_TABLE_ROWS:,} rows")
         for number in range(1, len(self.rows)):
             before, index = self.rows[number - 1][0], self.rows[number][0]
             if index <= before:
@@ -167,7 +177,7 @@ class Move(Document):
     """The move that the design is shown with."""
 
     steps: Annotated[int, Within(-MOST_STEPS, MOST_STEPS, "steps, but not 0")] = Field(
-        description="Length of the move, negative for backwards [steps]"
+        description="Length of the move, negative for backwards [steps]", json_schema_extra={"not": {"const": 0}}
     )
 
     @model_validator(mode="after")

@@ -8,8 +8,16 @@ StepRampError
 └── DeviceLost          the device doesn't answer, or its port is gone
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+
+MOST_TOLD = 20
+"""So many rejections are told one by one, and so many items of a value that is told back."""
+LONGEST_TOLD = 200
+"""Length of the longest text that is told back whole [characters]."""
+DEEPEST_TOLD = 3
+"""How deep lists and objects that are told back may be nested."""
 
 
 class StepRampError(Exception):
@@ -31,11 +39,21 @@ class Rejection:
 
 
 class Rejected(StepRampError, ValueError):
-    """One or more values can't be used; nothing was done."""
+    """One or more values can't be used; nothing was done.
 
-    def __init__(self, rejections: Sequence[Rejection]) -> None:
-        self.rejections = tuple(rejections)
-        super().__init__("\n".join(rejection.message for rejection in self.rejections))
+    more: how many there are besides; of the rejections only the first MOST_TOLD are kept, the others are counted.
+    """
+
+    def __init__(self, rejections: Sequence[Rejection], more: int = 0) -> None:
+        self.rejections = tuple(rejections[:MOST_TOLD])
+        self.more = more + len(rejections) - len(self.rejections)
+        sentences = [rejection.message for rejection in self.rejections]
+        super().__init__("\n".join([*sentences, self.more_message] if self.more else sentences))
+
+    @property
+    def more_message(self) -> str:
+        """How many there are besides, as a sentence."""
+        return f"{self.more:,} more values can't be used." if self.more > 1 else "One more value can't be used."
 
 
 class NotFound(StepRampError, LookupError):
@@ -56,6 +74,51 @@ class DeviceLost(StepRampError):
 
 def shown(value: object) -> str:
     """Return a value as it stands in a message: short, on one line."""
-    text = "missing" if value is None else repr(value) if isinstance(value, str) else str(value)
+    told = brief(value)
+    text = "missing" if value is None else repr(told) if isinstance(value, str) else str(told)
     text = " ".join(text.split())
     return text if len(text) <= 80 else text[:77] + "…"
+
+
+def brief(value: object) -> object:
+    """Return a value as it is told back: as it was given if it is short, and always something that JSON can carry.
+
+    Long texts end early, long or deep lists and objects become words, and so do NaN, infinities and numbers of more
+    than 64 bits.
+    """
+    told = _brief(value, DEEPEST_TOLD)
+    return _in_words(value) if isinstance(told, list | dict) and len(str(told)) > 2 * LONGEST_TOLD else told
+
+
+def escaped(text: str) -> str:
+    """Return text with a backslash and a number in place of each half of a surrogate pair, which no UTF-8 can carry."""
+    return text.encode("utf-8", "backslashreplace").decode()
+
+
+def _brief(value: object, depth: int) -> object:
+    if value is None or isinstance(value, bool):
+        return value
+    if isinstance(value, int):
+        return value if abs(value) < 2**63 else _cut(hex(value) if value.bit_length() > 14_000 else str(value))
+    if isinstance(value, float):
+        return value if math.isfinite(value) else str(value)
+    if isinstance(value, list | tuple):
+        few = depth > 0 and len(value) <= MOST_TOLD
+        return [_brief(each, depth - 1) for each in value] if few else _in_words(value)
+    if isinstance(value, dict):
+        few = depth > 0 and len(value) <= MOST_TOLD
+        named = {_cut(str(name)): each for name, each in value.items()} if few else {}
+        return {name: _brief(each, depth - 1) for name, each in named.items()} if few else _in_words(value)
+    return _cut(value if isinstance(value, str) else repr(value))
+
+
+def _cut(text: str) -> str:
+    if len(text) > LONGEST_TOLD:
+        return f"{escaped(text[:LONGEST_TOLD])}… ({len(text):,} characters)"
+    return escaped(text)
+
+
+def _in_words(value: object) -> str:
+    if isinstance(value, dict):
+        return f"an object of {len(value):,} fields"
+    return f"a list of {len(value):,} items" if isinstance(value, list | tuple) else "a value"

@@ -10,12 +10,11 @@ from pydantic import Field, ValidationError
 
 from stepramp import design as document
 from stepramp.design import MethodName
-from stepramp.errors import Rejected
 from stepramp.figure import figure_of
 from stepramp.ramp.error_curves import ErrorCurves, error_curves
 from stepramp.ramp.profile import Phase, Profile, profile_of
 from stepramp.ramp.timer_limits import Warning
-from stepramp.validation import OneOf, rejections
+from stepramp.validation import OneOf, rejected
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
@@ -46,7 +45,7 @@ class Design(document.Design):
         try:
             super().__init__(**parts)
         except ValidationError as error:
-            raise Rejected(rejections(error.errors())) from None
+            raise rejected(error.errors(include_url=False)) from None
 
     def profile(self) -> "PlannedMove":
         """Plan the move.

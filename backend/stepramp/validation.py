@@ -4,10 +4,22 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NoReturn, Self, get_args
 
-from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, ValidationError, ValidatorFunctionWrapHandler
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    ValidationError,
+    ValidatorFunctionWrapHandler,
+    model_validator,
+)
+from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, ErrorDetails, PydanticCustomError, core_schema
 
-from stepramp.errors import Rejected, Rejection
+from stepramp.errors import MOST_TOLD, Rejected, Rejection, escaped
+
+LONGEST_NAME = 100
+"""Length of the longest field name that is told whole [characters]."""
 
 
 class Document(BaseModel):
@@ -24,7 +36,28 @@ class Document(BaseModel):
         try:
             return cls.model_validate(document)
         except ValidationError as error:
-            raise Rejected(rejections(error.errors())) from error
+            raise rejected(error.errors(include_url=False)) from error
+
+    @model_validator(mode="before")
+    @classmethod
+    def _few_unknown_fields(cls, document: object) -> object:
+        """Leave out unknown fields beyond those that are told: an error for each of 100,000 takes a second."""
+        if not isinstance(document, dict) or len(document) <= len(cls.model_fields) + MOST_TOLD:
+            return document
+        known = {field.alias or name for name, field in cls.model_fields.items()}
+        unknown = [name for name in document if name not in known]
+        told = {name: each for name, each in document.items() if name in known}
+        told |= {name: document[name] for name in unknown[:MOST_TOLD]}
+        if len(unknown) > MOST_TOLD:
+            told[unknown[MOST_TOLD]] = _Untold(len(unknown) - MOST_TOLD)
+        return told
+
+
+@dataclass(frozen=True)
+class _Untold:
+    """Stands for unknown fields that are only counted."""
+
+    count: int
 
 
 def refuse(field: str, value: object, allowed: str) -> NoReturn:
@@ -74,19 +107,51 @@ class OneOf(_Allowance):
         return self._guard(handler(source))
 
 
+class TrueOrFalse(_Allowance):
+    """True or false, and nothing that only looks like it."""
+
+    allowed = "true or false"
+
+    def __get_pydantic_core_schema__(self, source: type, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return self._guard(core_schema.bool_schema(strict=True))
+
+
 @dataclass
 class ListOf(_Allowance):
-    """A list of things described in words, of a given length or any; its items are validated on their own."""
+    """A list of things described in words, of a given length, or of `least` to `most` of them.
+
+    Its length is checked before its items, which are validated on their own.
+    """
 
     things: str
     length: int | None = None
+    most: int | None = None
+    least: int = 0
+
+    def __post_init__(self) -> None:
+        if self.most is None:
+            self.allowed = f"a list of {self.things}"
+        elif self.least:
+            self.allowed = f"a list of {self.least} to {self.most:,} {self.things}"
+        else:
+            self.allowed = f"a list of up to {self.most:,} {self.things}"
 
     def __get_pydantic_core_schema__(self, source: type, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_before_validator_function(self._check, handler(source))
 
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
+        described = handler(schema)
+        if self.most is not None:
+            of_list = next(each for each in (described, *described.get("anyOf", ())) if each.get("type") == "array")
+            of_list |= {"minItems": self.least, "maxItems": self.most}
+        return described
+
     def _check(self, value: object) -> object:
+        context: dict[str, object] = {"allowed": self.allowed}
         if not isinstance(value, list | tuple) or self.length not in (None, len(value)):
-            raise PydanticCustomError("refused", "allowed: {allowed}", {"allowed": f"a list of {self.things}"})
+            raise PydanticCustomError("refused", "allowed: {allowed}", context)
+        if len(value) < self.least or (self.most is not None and len(value) > self.most):
+            raise PydanticCustomError("refused", "allowed: {allowed}", context | {"value": f"{len(value):,} items"})
         return value
 
 
@@ -106,14 +171,16 @@ def _whole(value: object) -> object:
     return int(value) if isinstance(value, float) and value.is_integer() else value
 
 
-def rejections(errors: Sequence[ErrorDetails], skip: int = 0) -> list[Rejection]:
-    """Return pydantic's errors as rejections; the first `skip` parts of each location are left out."""
-    return [_rejection(error, skip) for error in errors]
+def rejected(errors: Sequence[ErrorDetails], skip: int = 0) -> Rejected:
+    """Return pydantic's errors as one Rejected; the first `skip` parts of each location are left out."""
+    untold = (error["input"] for error in errors[MOST_TOLD:])
+    more = sum(each.count if isinstance(each, _Untold) else 1 for each in untold)
+    return Rejected([_rejection(error, skip) for error in errors[:MOST_TOLD]], more)
 
 
 def _rejection(error: ErrorDetails, skip: int) -> Rejection:
     context = error.get("ctx", {})
-    path = [str(part) for part in error["loc"][skip:]]
+    path = [_part(part) for part in error["loc"][skip:]]
     value = context.get("value", error["input"])
     if "field" in context:
         path.append(str(context["field"]))
@@ -129,3 +196,9 @@ def _rejection(error: ErrorDetails, skip: int) -> Rejection:
         case _:
             allowed = error["msg"]
     return Rejection(".".join(path) or "document", value, allowed)
+
+
+def _part(part: int | str) -> str:
+    """Return a part of a field's path, short: a name may be anything that the client has made up."""
+    name = escaped(str(part))
+    return name if len(name) <= LONGEST_NAME else name[:LONGEST_NAME] + "…"

@@ -17,6 +17,7 @@ from starlette.testclient import TestClient
 from benchmarks.firmware_engine import firmware_engine
 from benchmarks.firmware_machine import firmware_machine
 from benchmarks.frame_times import frame_times
+from benchmarks.stop_latency import stop_latency
 from browser.server import CHROMIUM
 from designs import design, document
 from simulator.avr import missing_tools
@@ -125,6 +126,12 @@ def frames() -> None:
         print(f"Left out: {CHROMIUM} missing.")
 
 
+def stops() -> None:
+    """Print how long a STOP takes, idle and under load."""
+    print("\n## Stops\n")
+    stop_latency()
+
+
 def firmware() -> None:
     """Print the tables of the firmware, or which tools are missing for them."""
     print("\n## Firmware\n")
@@ -142,4 +149,5 @@ if __name__ == "__main__":
     segments()
     requests()
     frames()
+    stops()
     firmware()

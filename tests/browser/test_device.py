@@ -162,7 +162,7 @@ def fall_silent(page: Page) -> None:
 def test_a_jog_ends_with_what_holds_it(pushed: StepRampPage, end: Callable[[Page], None]) -> None:
     pushed.device_section("jog")
     press_and_hold(pushed.page, "#jog-right")
-    until(lambda: device_of(pushed)["position_steps"] > 100)
+    until(lambda: device_of(pushed)["position_steps"] > 40)
     end(pushed.page)
     place = at_rest(pushed)
     time.sleep(0.5)
@@ -216,11 +216,73 @@ def test_several_axes(stepramp: StepRampPage) -> None:
     expect(stepramp.position).to_have_text("30")
     stepramp.device_section("move")
     page.locator('.panel.device [data-value="line"]').click()
+    for axis in (0, 1):
+        box = page.locator(f"#line-{axis}").bounding_box()
+        assert box
+        assert box["width"] > 150, "it is as wide as the panel"
     page.locator("#line-0").fill("100")
     page.locator("#line-1").fill("-50")
     expect(page.locator("#move")).to_be_enabled()
     page.locator("#move").click()
     until(lambda: [one["position_steps"] for one in device_of(stepramp)["axes"]] == [100, -20])
+
+
+def spans_of(page: StepRampPage) -> list[tuple[int | None, int | None]]:
+    return [(one["lowest_steps"], one["highest_steps"]) for one in device_of(page)["axes"]]
+
+
+def test_soft_limits_of_each_of_several_axes(stepramp: StepRampPage, watch: Watch) -> None:
+    watch.expected.append(REFUSED)
+    page = stepramp.page
+    page.get_by_role("button", name="Add an axis").click()
+    stepramp.connect()
+    stepramp.push()
+
+    def set_by_another_program(axis: int, lowest: int) -> None:
+        limits = {"axes": [{"axis": axis, "lowest_steps": lowest}]}
+        stepramp.ask(stepramp.url, "PUT", f"devices/{device_of(stepramp)['id']}/soft_limits", limits)
+
+    def type_highest(axis: int, text: str) -> None:
+        page.locator(f"#limit-{axis}-highest").fill(text)
+        page.locator("#use-settings").click()
+
+    page.locator("#settings").click()
+    type_highest(0, "500")
+    expect(page.locator("#settings-dialog")).to_be_hidden()
+    # What is not touched in the dialog stays as another program set it meanwhile, and a refusal is at its own axis.
+    page.locator("#settings").click()
+    set_by_another_program(0, -7)
+    type_highest(1, "0.5")
+    expect(page.locator("#limit-1-highest-message")).to_contain_text("Highest is 0.5; allowed: a whole number")
+    expect(page.locator("#settings-dialog .message")).to_have_count(1)
+    type_highest(1, "600")
+    expect(page.locator("#settings-dialog")).to_be_hidden()
+    assert spans_of(stepramp) == [(-7, None), (None, 600)]
+    # Axis 0 has others than are remembered, axis 1 those: the first is offered, and only on asking set.
+    expect(page.locator("#limits-offer")).to_contain_text("axis 0 up to 500 steps, are not in force.")
+    page.locator("#connect").click()
+    expect(stepramp.state).to_have_text("not connected")
+    page.locator("#connect").click()
+    expect(page.locator("#limits-offer")).to_contain_text(
+        "axis 0 up to 500 steps, axis 1 up to 600 steps, are not in force."
+    )
+    set_by_another_program(1, -9)
+    expect(page.locator("#limits-offer")).to_contain_text(
+        "axis 0 up to 500 steps, axis 1 up to 600 steps, are not in force."
+    )
+    page.locator("#set-limits").click()
+    expect(page.locator("#limits-offer")).to_be_hidden()
+    assert spans_of(stepramp) == [(None, 500), (None, 600)]
+    # Taken away on purpose, they are forgotten; those of the other axis are not.
+    page.locator("#settings").click()
+    type_highest(0, "")
+    expect(page.locator("#settings-dialog")).to_be_hidden()
+    page.locator("#connect").click()
+    expect(stepramp.state).to_have_text("not connected")
+    page.locator("#connect").click()
+    expect(page.locator("#limits-offer")).to_contain_text(
+        "Soft limits of this port, axis 1 up to 600 steps, are not in force."
+    )
 
 
 def test_settings_are_explained_and_on_trial(pushed: StepRampPage, watch: Watch) -> None:

@@ -42,7 +42,8 @@ def test_the_button_slows_the_motor_down(moving: StepRampPage) -> None:
 
 
 def test_escape_stops_while_typing_and_a_second_one_halts(moving: StepRampPage, watch: Watch) -> None:
-    watch.expected.append(REFUSED_VALUE)
+    # Said twice on a busy machine, a halt refuses the look at the trace in between; that is taken again.
+    watch.expected += [REFUSED_VALUE, r"status of 409"]
     moving.field("move.steps").focus()
     moving.page.keyboard.type("9")
     moving.page.keyboard.press("Escape")
@@ -50,6 +51,18 @@ def test_escape_stops_while_typing_and_a_second_one_halts(moving: StepRampPage, 
     stopping_at = moving.devices()[0]["position_steps"]
     moving.page.keyboard.press("Escape")
     assert at_rest(moving) < stopping_at + 400, "no further step"
+
+
+@pytest.mark.parametrize("list_of", ["#port", "#method"])
+def test_escape_stops_once_while_a_list_is_open(moving: StepRampPage, list_of: str) -> None:
+    """Chromium closes the list with the key and does not tell the page that it went down."""
+    page = moving.page
+    page.locator(list_of).click()
+    until(lambda: page.locator(list_of).evaluate("(list) => list.matches(':open')"))
+    before = moving.devices()[0]["position_steps"]
+    page.keyboard.press("Escape")
+    expect(moving.state).to_have_text("stopping")
+    assert at_rest(moving) > before + 100, "it slows down with its ramp: pressed twice it would halt"
 
 
 def test_escape_and_the_button_work_while_the_dialog_is_open(moving: StepRampPage) -> None:

@@ -799,11 +799,12 @@ def test_reports_come_as_often_as_asked_for(line: Line) -> None:
     refused(line, ReportRequest(51), ReplyStatus.OUT_OF_RANGE, 51)
     line.good(ReportRequest(50))
     moved(line, MoveByRequest(5, (LONG_MOVE, -LONG_MOVE)))
-    began = time.monotonic()
     line.hear(1.0)
-    count = len(reports(line)) / (time.monotonic() - began)
     line.good(ReportRequest(0))
-    assert 35 <= count <= 55
+    # By the controller's own clock: on a busy machine all is late, and what the line has no room for is left out.
+    pauses_ms = np.diff([report.time_ms for report in reports(line)]) % 65_536
+    assert 18 <= np.median(pauses_ms) <= 28
+    assert pauses_ms.mean() >= 18
     tags = [message.tag for message, _ in line.notices]
     assert [(tag - tags[0]) % 256 for tag in tags] == list(range(len(tags)))
     assert {message.session for message, _ in line.notices} == {SESSION}
@@ -897,7 +898,7 @@ def test_the_client_traces_a_move_against_its_plan(port: str) -> None:
     every = controller.trace_moves(0, 0)
     controller.move_by([Asked(0, 300, "by_steps")])
     deadline = time.monotonic() + 10
-    while (trace := controller.trace) is None or not trace.complete:
+    while (work_out := controller.trace) is None or not (trace := work_out()).complete:
         assert time.monotonic() < deadline
         controller.listen()
         time.sleep(0.02)

@@ -1,8 +1,10 @@
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -11,15 +13,25 @@ import pytest
 from controllers.usb_board import Cable, UsbBoard
 from designs import design
 from stepramp.controllers import conversation
+from stepramp.controllers import device as device_module
+from stepramp.controllers import devices as devices_module
 from stepramp.controllers.controller import Asked
 from stepramp.controllers.device import Device
-from stepramp.controllers.device_view import DeviceState
+from stepramp.controllers.device_view import DeviceState, DeviceView
 from stepramp.controllers.devices import Devices
-from stepramp.controllers.jog_lease import LEASE_S, JogLease
-from stepramp.controllers.messages import CommitRequest, DataRequest, MoveByRequest, ReportRequest, StatusRequest
+from stepramp.controllers.leases import JOG_S, Lease
+from stepramp.controllers.messages import (
+    AxisState,
+    CommitRequest,
+    DataRequest,
+    MoveByRequest,
+    ReportRequest,
+    StatusRequest,
+)
 from stepramp.controllers.settings import Settings
 from stepramp.controllers.virtual import VirtualController
 from stepramp.errors import DeviceLost, NotFound, Refused, Rejected, StepRampError
+from stepramp.link.ports import Port
 from stepramp.ramp.move import play
 from stepramp.ramp.plan import ramp_of
 
@@ -34,6 +46,7 @@ def by(*steps: int) -> list[Asked]:
 @pytest.fixture
 def devices() -> Iterator[Devices]:
     devices = Devices()
+    devices.look_for_lost_ones()
     yield devices
     devices.close()
 
@@ -119,7 +132,7 @@ def test_four_axes(devices: Devices, port: str) -> None:
     wait_for(device, DeviceState.READY)
     assert [axis.position_steps for axis in device.view.axes] == [300, 60, 0, 50]
     device.stop([0]).result(PATIENCE_S)
-    device.run([Asked(2, 400.0, "axes.0.speed_steps_per_s")])
+    device.run([Asked(2, 400.0, "axes.0.speed_steps_per_s")], Lease({2: 400.0}, 60))
     device.halt([2]).result(PATIENCE_S)
     device.line([*by(-30, 20), Asked(3, 5, "axes.2.by_steps")])
     wait_for(device, DeviceState.READY)
@@ -264,7 +277,8 @@ def test_the_end_of_the_program_stops_what_moves(plug_in: Callable) -> None:
     device.push([design()])
     device.move_by(by(LONG_MOVE))
     devices.close()
-    assert virtual._machine._motors[0].stopping
+    assert virtual._machine._motors[0].state is not AxisState.MOVING
+    assert virtual._machine._motors[0].position < LONG_MOVE
     assert devices.views() == []
     assert device.view.state is DeviceState.LOST
 
@@ -383,7 +397,7 @@ def test_what_is_not_connected_yet_cant_be_asked(
         assert device.view.state is DeviceState.CONNECTING
         with pytest.raises(Refused, match="still being connected"):
             device.stop()
-        with pytest.raises(DeviceLost, match="Nothing at"):
+        with pytest.raises(DeviceLost, match="Nothing answers at"):
             connecting.result(PATIENCE_S)
     assert devices.views() == []
 
@@ -425,12 +439,12 @@ def test_what_was_let_go_of_is_not_connected_again(devices: Devices, cable: Cabl
 
 
 def test_a_lease_runs_out_and_is_not_brought_back() -> None:
-    lease = JogLease(0)
+    lease = Lease({0: 400.0})
     assert lease.renew()
-    time.sleep(LEASE_S + 0.05)
+    time.sleep(JOG_S + 0.05)
     assert not lease.holds
     assert not lease.renew()
-    ended = JogLease(0)
+    ended = Lease({0: 400.0})
     ended.end()
     assert not ended.renew()
 
@@ -438,17 +452,17 @@ def test_a_lease_runs_out_and_is_not_brought_back() -> None:
 def test_a_jog_that_was_let_go_of_before_it_began(devices: Devices, port: str) -> None:
     device = devices.connect(port)
     device.push([design()])
-    lease = JogLease(0)
-    device.end_jog(lease)
+    lease = Lease({0: 400.0})
+    device.end_run(lease)
     with pytest.raises(Refused, match="let go before it began"):
-        device.jog(lease, Asked(0, 400.0, "speed_steps_per_s"))
+        device.run([Asked(0, 400.0, "speed_steps_per_s")], lease)
     assert device.view.state is DeviceState.READY
 
 
 def test_a_jog_that_nobody_renews_slows_down(devices: Devices, port: str) -> None:
     device = devices.connect(port)
     device.push([design()])
-    device.jog(JogLease(0), Asked(0, 400.0, "speed_steps_per_s"))
+    device.run([Asked(0, 400.0, "speed_steps_per_s")], Lease({0: 400.0}))
     wait_for(device, DeviceState.READY)
     position = device.view.position_steps
     # 400 steps/s for 0.4 s, and what it takes to slow down: 16 steps with 5,000 steps/s².
@@ -457,13 +471,81 @@ def test_a_jog_that_nobody_renews_slows_down(devices: Devices, port: str) -> Non
     assert device.view.position_steps == position
 
 
-def test_a_run_goes_on_for_as_long_as_the_server_is_there(devices: Devices, port: str) -> None:
+def test_a_run_goes_on_for_as_long_as_its_lease_holds(devices: Devices, port: str) -> None:
     """The controller ends a run that nobody asks about for 1.3 s."""
     device = devices.connect(port)
     device.push([design()])
-    device.run([Asked(0, 100.0, "speed_steps_per_s")])
+    device.run([Asked(0, 100.0, "speed_steps_per_s")], Lease({0: 100.0}, 60))
     time.sleep(3.0)
     assert device.view.state is DeviceState.MOVING
     assert device.view.position_steps > 200
     device.stop()
     wait_for(device, DeviceState.READY)
+
+
+def test_only_one_of_two_pages_wins_control(devices: Devices, port: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The second asks exactly between the first one's look whether the device is free and its taking it."""
+    device = devices.connect(port)
+    refuse_others, won = device_module._refuse_others, []
+
+    def take(page: str) -> None:
+        with suppress(Refused):
+            device.take_control(page)
+            won.append(page)
+
+    second = threading.Thread(target=take, args=("two",))
+
+    def look(view: DeviceView, page: str) -> None:
+        refuse_others(view, page)
+        if page == "one":
+            second.start()
+            second.join(0.2)
+
+    monkeypatch.setattr(device_module, "_refuse_others", look)
+    take("one")
+    second.join(PATIENCE_S)
+    assert (won, device.view.in_control) == (["one"], "one")
+
+
+def test_the_ports_are_listed_without_keeping_anyone_waiting(
+    devices: Devices, port: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    listing, go_on = threading.Event(), threading.Event()
+
+    def slow(name: str) -> Port:
+        listing.set()
+        assert go_on.wait(PATIENCE_S)
+        return Port(name, name)
+
+    monkeypatch.setattr(devices_module, "known_port", slow)
+    with ThreadPoolExecutor(2) as pool:
+        connecting = pool.submit(devices.connect, port)
+        assert listing.wait(PATIENCE_S)
+        assert pool.submit(devices.views).result(PATIENCE_S) == []
+        go_on.set()
+        connecting.result(PATIENCE_S)
+
+
+def test_a_listener_that_fails_keeps_nobody_waiting(
+    devices: Devices, port: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    heard = []
+
+    def fail() -> None:
+        raise ZeroDivisionError("a mistake")
+
+    with devices.listening(fail), devices.listening(lambda: heard.append(1)):
+        device = devices.connect(port)
+        device.push([design()])
+        device.move_by(by(10))
+        wait_for(device, DeviceState.READY)
+        assert heard
+    assert "could not be told" in caplog.text
+
+
+def test_nothing_is_looked_for_before_the_server_begins() -> None:
+    """Its thread belongs to the server's life, not to the making of the application."""
+    before = threading.active_count()
+    devices = Devices()
+    assert threading.active_count() == before
+    devices.close()

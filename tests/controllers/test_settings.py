@@ -67,7 +67,7 @@ def test_packed_settings_out_of_range(packed: str, field: str) -> None:
     ("given_", "field", "allowed"),
     [
         ({"outputs": "relays"}, "outputs", "step_and_direction, gauges"),
-        ({"both_edges": 3}, "both_edges", "a list of axes, whole numbers from 0 to 3"),
+        ({"both_edges": 3}, "both_edges", "a list of up to 16 axes, whole numbers from 0 to 3"),
         ({"both_edges": [4]}, "both_edges.0", "a whole number from 0 to 3"),
         ({"pulse_width_us": 1.5}, "pulse_width_us", "a whole number from 0 to 100 µs"),
         ({"enable_hold_ms": 65_535}, "enable_hold_ms", "or null: they stay on"),

@@ -39,15 +39,15 @@ def test_no_values() -> None:
 def test_a_trace_of_a_whole_move() -> None:
     collector = TraceCollector(1, 2)
     assert collector.trace() is None
-    collector.begin(plan(7), HZ)
+    collector.begin(lambda: plan(7), HZ)
     instants = np.array([0, 160_000, 260_000, 380_000 - 10_000])
     told = (instants + np.array([0, 5, -3, 10]) + 12_345) % 2**16
     collector.take(TraceNotice(1, 2, 1, tuple(told[:3].tolist())))
-    trace = collector.trace()
+    trace = collector.trace()()
     assert trace is not None
     assert (trace.complete, trace.changed, trace.step.tolist()) == (False, False, [1, 3, 5])
     collector.take(TraceNotice(1 | TRACE_LAST, 2, 7, tuple(told[3:].tolist())))
-    trace = collector.trace()
+    trace = collector.trace()()
     assert trace is not None
     assert trace.complete
     assert trace.step.tolist() == [1, 3, 5, 7]
@@ -58,10 +58,10 @@ def test_a_trace_of_a_whole_move() -> None:
 
 def test_values_that_the_port_could_not_carry_are_left_out() -> None:
     collector = TraceCollector(0, 1)
-    collector.begin(plan(7), HZ)
+    collector.begin(lambda: plan(7), HZ)
     collector.take(TraceNotice(0, 1, 1, (100,)))
     collector.take(TraceNotice(TRACE_LAST, 1, 6, ((100 + 310_000) % 2**16, (100 + 380_000) % 2**16)))
-    trace = collector.trace()
+    trace = collector.trace()()
     assert trace is not None
     assert trace.step.tolist() == [1, 6, 7]
     assert trace.deviation_us.tolist() == [0, 0, 0]
@@ -70,11 +70,11 @@ def test_values_that_the_port_could_not_carry_are_left_out() -> None:
 def test_what_is_not_of_this_move_is_left_out() -> None:
     collector = TraceCollector(0, 1)
     collector.take(TraceNotice(0, 1, 1, (5,)))
-    collector.begin(plan(3), HZ)
+    collector.begin(lambda: plan(3), HZ)
     collector.take(TraceNotice(2, 1, 1, (5,)))
     collector.take(TraceNotice(TRACE_LAST, 1, 1, (7,)))
     collector.take(TraceNotice(0, 1, 1, (9,)))
-    trace = collector.trace()
+    trace = collector.trace()()
     assert trace is not None
     assert (trace.complete, trace.step.tolist()) == (True, [1])
 
@@ -82,11 +82,11 @@ def test_what_is_not_of_this_move_is_left_out() -> None:
 def test_a_trace_ends_where_the_move_was_changed() -> None:
     collector = TraceCollector(0, 1)
     collector.change()
-    collector.begin(plan(7), HZ)
+    collector.begin(lambda: plan(7), HZ)
     collector.take(TraceNotice(0, 1, 1, (0,)))
     collector.change()
     collector.take(TraceNotice(TRACE_LAST, 1, 2, (1, 2)))
-    trace = collector.trace()
+    trace = collector.trace()()
     assert trace is not None
     assert (trace.complete, trace.changed, trace.step.tolist()) == (True, True, [1])
 
@@ -97,9 +97,9 @@ def test_the_trace_of_a_follower_begins_with_its_first_step() -> None:
     # Steps 1 and 2 of 2 come with the leader's ceil(7 / 4) = 2nd and ceil(21 / 4) = 6th.
     assert followed.instants(np.array([1, 2])).tolist() == [90_000, 310_000]
     collector = TraceCollector(0, 1)
-    collector.begin(followed, HZ)
+    collector.begin(lambda: followed, HZ)
     collector.take(TraceNotice(TRACE_LAST, 1, 1, (7, (7 + 220_000) % 2**16)))
-    trace = collector.trace()
+    trace = collector.trace()()
     assert trace is not None
     assert trace.planned_ticks.tolist() == trace.measured_ticks.tolist() == [0, 220_000]
 

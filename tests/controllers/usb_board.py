@@ -23,6 +23,8 @@ class UsbBoard:
     def __init__(self, controller: VirtualController | None = None) -> None:
         self.controller = controller or VirtualController()
         self.requests: list[int] = []
+        self.unheard: list[int] = []
+        self._is_mute = False
         self._unplug_at: tuple[int, int] | None = None
         self._splitter = FrameSplitter()
         self._unplugged = threading.Event()
@@ -34,6 +36,14 @@ class UsbBoard:
 
     def unplug_at(self, kind: int, after: int = 1) -> None:
         self._unplug_at = (kind, after + self.requests.count(kind))
+
+    def mute(self) -> None:
+        """Hear and answer nothing from now on, as a controller that hangs."""
+        self._is_mute = True
+
+    def speak(self) -> None:
+        """Hear and answer again."""
+        self._is_mute = False
 
     def unplug(self) -> None:
         self._unplugged.set()
@@ -53,19 +63,21 @@ class UsbBoard:
                 try:
                     data = os.read(self._far_end, 4096)
                 except OSError:
-                    # Nobody has the port open: what Linux says of a pseudo-terminal until somebody does.
+                    # Nobody has the port open: what Linux says of a pseudo-terminal until somebody does. Time goes on.
+                    self.controller.exchange(b"")
                     self._unplugged.wait(0.01)
                     continue
-            self._note(data)
-            if not self._unplugged.is_set() and (said := self.controller.exchange(data)):
+            is_mute = self._is_mute
+            self._note(data, self.unheard if is_mute else self.requests)
+            if not self._unplugged.is_set() and (said := self.controller.exchange(b"" if is_mute else data)):
                 os.write(self._far_end, said)
         os.close(self._far_end)
 
-    def _note(self, data: bytes) -> None:
+    def _note(self, data: bytes, requests: list[int]) -> None:
         for frame in self._splitter.feed(data):
             message = Message.unpack(frame)
             if message is not None:
-                self.requests.append(message.kind)
+                requests.append(message.kind)
         if self._unplug_at is not None:
             kind, count = self._unplug_at
             if self.requests.count(kind) >= count:

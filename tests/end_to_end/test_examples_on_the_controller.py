@@ -1,11 +1,6 @@
 """The three examples, pushed through the HTTP API and a serial port to the real firmware, judged by its pin edges."""
 
-import json
-import os
-import subprocess
-import sys
 import time
-import urllib.request
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -13,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from server_process import ServerProcess
 from simulator.avr import SimulatedController, build_firmware, missing_tools
 from stepramp.examples import all_examples
 from tools import require
@@ -22,32 +18,10 @@ STEP_PIN, DIRECTION_PIN = 2, 5
 TOLERANCE_S = 2e-6
 
 
-class Server:
-    """The server as a user starts it, and requests to it."""
-
-    def __init__(self) -> None:
-        command = [sys.executable, "-m", "stepramp.cli", "--no-browser", "--port", "8700"]
-        self._process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env={**os.environ})
-        assert self._process.stdout is not None
-        self._address = self._process.stdout.readline().split()[3]
-
-    def close(self) -> None:
-        self._process.terminate()
-        self._process.communicate(timeout=20)
-
-    def ask(self, method: str, route: str, body: object = None) -> Any:
-        data = None if body is None else json.dumps(body).encode()
-        request = urllib.request.Request(f"{self._address}api/v1/{route}", data, method=method)
-        request.add_header("content-type", "application/json")
-        with urllib.request.urlopen(request, timeout=30) as response:
-            return json.load(response)
-
-
 @pytest.fixture(scope="module")
-def server() -> Iterator[Server]:
-    server = Server()
-    yield server
-    server.close()
+def server() -> Iterator[ServerProcess]:
+    with ServerProcess(8700) as server:
+        yield server
 
 
 @pytest.fixture
@@ -57,7 +31,7 @@ def controller(tmp_path: Path) -> Iterator[SimulatedController]:
         yield controller
 
 
-def wait_until_ready(server: Server, device: str) -> dict[str, Any]:
+def wait_until_ready(server: ServerProcess, device: str) -> dict[str, Any]:
     for _ in range(600):
         state = server.ask("GET", f"devices/{device}")
         if state["state"] == "ready":
@@ -83,7 +57,7 @@ def moves_of(example: dict[str, Any]) -> list[int]:
 
 @pytest.mark.parametrize("example", all_examples(), ids=lambda example: example["title"])
 def test_every_edge_of_a_move_comes_when_the_profile_says(
-    server: Server, controller: SimulatedController, example: dict[str, Any], record_property: Any
+    server: ServerProcess, controller: SimulatedController, example: dict[str, Any], record_property: Any
 ) -> None:
     design = example["design"]
     device = server.ask("POST", "devices", {"port": controller.port})["id"]

@@ -90,5 +90,38 @@ def test_pages_and_routes_that_are_not_there(client: TestClient) -> None:
     assert error["message"] == "Not Found: GET /api/v1/nothing. The routes are described at /docs."
     errors_of(client.get("/nothing.html"), 404)
     errors_of(client.get("/../pyproject.toml"), 404)
-    errors_of(client.get("/api/v1/profile"), 404)
-    errors_of(client.post("/index.html"), 405)
+    errors_of(client.post("/api/v1/nothing"), 404)
+    errors_of(client.get("/api"), 404)
+    errors_of(client.get("/api/v1/profile/"), 404)
+    errors_of(client.get("/x%00y"), 404)
+    [long] = errors_of(client.get("/" + "x" * 10_000), 404)
+    assert len(long["message"]) < 400
+
+
+@pytest.mark.parametrize(
+    ("method", "path", "allowed"),
+    [
+        ("GET", "/api/v1/profile", "POST"),
+        ("TRACE", "/api/v1/profile", "POST"),
+        ("OPTIONS", "/api/v1/devices", "GET, POST"),
+        ("HEAD", "/api/v1/devices/1", "GET, DELETE"),
+        ("PATCH", "/api/v1/devices/%ff%00", "GET, DELETE"),
+        ("POST", "/api/v1/devices/1/settings", "GET, PUT"),
+        ("FROBNICATE", "/api/v1/export/csv", "POST"),
+        ("POST", "/index.html", "GET, HEAD"),
+        ("POST", "/docs", "GET"),
+        ("POST", "/assets/plotly/plotly.min.js", "GET, HEAD"),
+    ],
+)
+def test_a_method_that_a_path_does_not_know(client: TestClient, method: str, path: str, allowed: str) -> None:
+    answer = client.request(method, path)
+    assert (answer.status_code, answer.headers["allow"]) == (405, allowed)
+    if method != "HEAD":
+        [error] = errors_of(answer, 405)
+        assert error["message"].endswith(f"; allowed: {allowed}.")
+
+
+@pytest.mark.parametrize("device_id", ["%00", "%ff", "..%2f..", "%ed%a0%80", "x" * 5000, "%F0%9F%9A%80", "1%20"])
+def test_odd_ids_are_no_devices(client: TestClient, device_id: str) -> None:
+    [error] = errors_of(client.get(f"/api/v1/devices/{device_id}/settings?x=%00&&=&x=1"), 404)
+    assert len(error["message"]) < 400

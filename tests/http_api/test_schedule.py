@@ -111,7 +111,7 @@ def test_one_axis_is_a_line_of_its_own(client: TestClient) -> None:
 @pytest.mark.parametrize(("number", "mode"), [(0, "line"), (5, "line"), (0, "independent"), (5, "independent")])
 def test_too_few_or_too_many_designs_are_refused(client: TestClient, number: int, mode: str) -> None:
     error = rejection(client, {"designs": [document()] * number, "mode": mode})
-    assert (error["field"], error["value"]) == ("designs", f"{number} designs")
+    assert (error["field"], error["value"]) == ("designs", f"{number} items")
     assert error["allowed"] == "a list of 1 to 4 designs"
 
 

@@ -1,4 +1,7 @@
+import errno
+import fcntl
 import os
+import re
 import socket
 import threading
 import time
@@ -7,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import serial
 
 from stepramp.errors import DeviceLost, Rejected
 from stepramp.link.serial_port import SerialPort
@@ -96,7 +100,7 @@ def test_unplugging_while_a_read_waits(cable: Any) -> None:
 
 def test_a_port_is_held_alone_and_can_be_opened_again(cable: Any) -> None:
     port = SerialPort(cable.port)
-    with pytest.raises(DeviceLost, match="can't be opened"):
+    with pytest.raises(DeviceLost, match=f"Port {cable.port} is in use by another program: end that first."):
         SerialPort(cable.port)
     port.close()
     SerialPort(cable.port).close()
@@ -110,14 +114,57 @@ def test_a_port_that_takes_nothing_is_lost(cable: Any) -> None:
 
 
 def test_no_such_port_and_no_port_at_all(tmp_path: Path) -> None:
-    with pytest.raises(DeviceLost, match="No such file"):
-        SerialPort(str(tmp_path / "ttyNONE"))
+    for name in ("ttyNONE", "x" * 5000, "x/y"):
+        with pytest.raises(DeviceLost, match="There is no port"):
+            SerialPort(str(tmp_path / name))
     (tmp_path / "file").write_text("not a terminal")
-    with pytest.raises(DeviceLost, match="can't be opened"):
+    with pytest.raises(DeviceLost, match="file is no serial port"):
         SerialPort(str(tmp_path / "file"))
+    with pytest.raises(DeviceLost, match="can't be opened: Is a directory"):
+        SerialPort(str(tmp_path))
 
 
-@pytest.mark.parametrize("port", ["spy:///dev/ttyS0?file=x", "hwgrep://.*", "loop://", "http://example.org"])
+def test_a_port_that_another_program_holds_in_its_own_way(cable: Any) -> None:
+    other = os.open(cable.port, os.O_RDWR | os.O_NOCTTY)
+    fcntl.flock(other, fcntl.LOCK_EX)
+    with pytest.raises(DeviceLost, match="is in use by another program"):
+        SerialPort(cable.port)
+    os.close(other)
+    SerialPort(cable.port).close()
+
+
+@pytest.mark.parametrize(
+    ("error", "words"),
+    [
+        (serial.SerialException(errno.EBUSY, "could not open port"), "in use by another program"),
+        (serial.SerialException(errno.EAGAIN, "Could not exclusively lock port"), "in use by another program"),
+        (serial.SerialException("could not open port 'COM3': PermissionError(13, 'Access is denied.', None, 5)"),
+         "in use by another program"),
+        (serial.SerialException("could not open port 'COM9': FileNotFoundError(2, '', None, 2)"), "There is no port"),
+        (serial.SerialException(errno.EACCES, "could not open port"), "usermod -aG dialout"),
+        (PermissionError(errno.EPERM, "Operation not permitted"), "usermod -aG dialout"),
+        (serial.SerialException(errno.ENODEV, "could not open port"), "There is no port"),
+        (serial.SerialException("could not open port"), "can't be opened: could not open port."),
+    ],
+)  # fmt: skip
+def test_why_a_port_cant_be_opened(cable: Any, monkeypatch: pytest.MonkeyPatch, error: Exception, words: str) -> None:
+    # Who may do everything, as in CI, is refused nothing: the system's errors are made here.
+    def refuse(_: object) -> None:
+        raise error
+
+    monkeypatch.setattr(serial.Serial, "open", refuse)
+    with pytest.raises(DeviceLost, match=re.escape(words)):
+        SerialPort(cable.port)
+
+
+@pytest.mark.parametrize(
+    "port",
+    ["spy:///dev/ttyS0?file=x", "hwgrep://.*", "loop://", "http://example.org", "", " ", "a\0b", "COM1\n", "\ud800",
+     "socket://", "socket://bad", "socket://h:99999", "socket://h:0", "socket://h:-1", "socket://h:x", "socket://:80",
+     "socket://h:\u0663", "socket://[::1", "socket://u:p@h:80", "socket://h:80/x", "socket://h:80?x", "socket://h:80#x",
+     "socket://h:80\0", "socket://" + "a" * 70 + ":80", "socket://a..b:80", "rfc2217://h", "rfc2217://h:80?x=1",
+     "SOCKET://h:80", "socket:/h:80://"],
+)  # fmt: skip
 def test_other_addresses_are_refused(port: str) -> None:
     with pytest.raises(Rejected) as caught:
         SerialPort(port)

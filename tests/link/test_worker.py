@@ -231,3 +231,80 @@ def test_closing_lets_the_present_call_end_and_refuses_the_others(port: Port) ->
         port.worker.call(lambda: None)
     port.worker.close()
     assert port.ends == [None]
+
+
+def test_a_mistake_in_telling_the_end_leaves_nobody_waiting(caplog: pytest.LogCaptureFixture) -> None:
+    def cant_tell(_: DeviceLost | None) -> None:
+        raise ZeroDivisionError("a mistake")
+
+    worker = Worker("test", lambda: 0.01, cant_tell)
+    results: list[object] = []
+    begun, go_on = threading.Event(), threading.Event()
+
+    def lose_later() -> None:
+        begun.set()
+        assert go_on.wait(PATIENCE_S)
+        lose()
+
+    threads = [in_thread(lambda: worker.call(lose_later), results)]
+    assert begun.wait(PATIENCE_S)
+    threads.append(in_thread(lambda: worker.call(lambda: "moved"), results))
+    wait_until(lambda: bool(worker._waiting))
+    go_on.set()
+    for thread in threads:
+        thread.join(PATIENCE_S)
+    assert [type(result) for result in results] == [DeviceLost, DeviceLost]
+    assert "could not be told" in caplog.text
+
+
+def test_a_stop_that_nobody_waits_for_any_more_is_carried_out(port: Port) -> None:
+    push = port.occupy()
+    stopped = port.worker.call_urgently(lambda: "stopped")
+    assert not stopped.cancel()
+    push.give_way()
+    push.end()
+    assert stopped.result(PATIENCE_S) == "stopped"
+    assert port.worker.call(lambda: "still there") == "still there"
+
+
+def test_a_long_call_ends_where_it_gives_way_once_the_thread_is_to_end(port: Port) -> None:
+    results: list[object] = []
+    begun = threading.Event()
+
+    def connect() -> None:
+        begun.set()
+        while True:
+            port.worker.give_way(0.01)
+
+    thread = in_thread(lambda: port.worker.call(connect), results)
+    assert begun.wait(PATIENCE_S)
+    port.worker.close(PATIENCE_S)
+    thread.join(PATIENCE_S)
+    assert isinstance(results[0], Refused)
+
+
+def test_polls_come_however_many_calls_wait(port: Port) -> None:
+    """What a poll sees to, as leases that run out, must not wait for those who ask and ask."""
+    ended = threading.Event()
+
+    def ask_and_ask() -> None:
+        while not ended.is_set():
+            port.worker.call(lambda: None)
+
+    threads = [in_thread(ask_and_ask, []) for _ in range(6)]
+    for _ in range(20):
+        assert port.polled.acquire(timeout=PATIENCE_S)
+    ended.set()
+    for thread in threads:
+        thread.join(PATIENCE_S)
+
+
+def test_an_urgent_call_may_leave_those_that_wait(port: Port) -> None:
+    push = port.occupy()
+    results: list[object] = []
+    waiting = in_thread(lambda: port.worker.call(lambda: "asked"), results)
+    wait_until(lambda: bool(port.worker._waiting))
+    ended = port.worker.call_urgently(lambda: "ended", overtakes=False)
+    push.end()
+    waiting.join(PATIENCE_S)
+    assert (results, ended.result(PATIENCE_S)) == (["asked"], "ended")

@@ -33,7 +33,7 @@ def axis_design(base: float, gain: float, acceleration: float, deceleration: flo
 
 computed = st.builds(
     axis_design,
-    base=st.just(0.0) | st.floats(0, 300),
+    base=st.just(0.0) | st.floats(0.001, 300),
     gain=st.floats(1, 1500),
     acceleration=st.floats(100, 1e5),
     deceleration=st.none() | st.floats(100, 1e5),

@@ -8,6 +8,7 @@ from typing import Literal, Protocol
 from stepramp.controllers.settings import Settings
 from stepramp.controllers.trace import Trace
 from stepramp.design import Design
+from stepramp.errors import Refused
 
 PushMode = Literal["keep", "try"]
 
@@ -133,6 +134,10 @@ class Asked:
     field: str
 
 
+class AnswerUnknown(Refused):
+    """An answer was lost, and something more urgent came before the request could be repeated."""
+
+
 class Controller(Protocol):
     """A controller at an open port. All calls raise DeviceLost when it no longer answers.
 
@@ -153,8 +158,8 @@ class Controller(Protocol):
         """Version of the firmware, such as 0.2.0; known once connected."""
 
     @property
-    def trace(self) -> Trace | None:
-        """The trace of the last move that was traced, or is being; None before there was one."""
+    def trace(self) -> Callable[[], Trace] | None:
+        """What works out the trace of the last move that was traced, in any thread; None before there was one."""
 
     def connect(self) -> None:
         """Shake hands with a controller that may just have been reset; Refused when it is of another kind."""
@@ -221,10 +226,13 @@ class Controller(Protocol):
         """Call the places where axes are so many steps and move them to 0, as gauges find their stop."""
 
     def stop(self, axes: Collection[int] | None = None) -> None:
-        """Begin to slow down with the ramp: these axes, or all."""
+        """Begin to slow down with the ramp: these axes, or all, also when one of them has no ramp."""
 
     def halt(self, axes: Collection[int] | None = None) -> None:
-        """Make no further step: these axes, or all."""
+        """Make no further step: these axes, or all, also when one of them has no ramp."""
+
+    def steps_to_rest(self, axis: int, speed_steps_per_s: float) -> int:
+        """Return how many steps an axis takes to slow down from a speed [steps/s], without the port."""
 
     def trace_moves(self, axis: int | None, every_steps: int) -> int:
         """Trace every so many-th step of each move of an axis from now on, and return that number; None: no more.

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from time import monotonic
 from typing import TypeVar
 
+from stepramp.controllers.controller import AnswerUnknown
 from stepramp.controllers.frames import FrameSplitter, encode_frame
 from stepramp.controllers.messages import (
     NOTICE_KINDS,
@@ -40,7 +41,7 @@ R = TypeVar("R", bound=Reply)
 class Conversation:
     """One session over an open port.
 
-    give_way: called before each request, for other calls that are more urgent.
+    give_way: called before each request, and before it is repeated, for other calls that are more urgent.
     """
 
     def __init__(self, port: SerialPort, give_way: Callable[[float], None]) -> None:
@@ -51,36 +52,46 @@ class Conversation:
         self._notices: deque[Notice] = deque()
         self._session = 0
         self._tag = 0
+        self._heard_bytes = self._heard_messages = 0
 
     def begin(self) -> HelloReply:
         """Shake hands: drop what a reset left on the line, then say hello until it is answered.
 
-        Raises DeviceLost when nothing answers, Refused when another protocol version does.
+        Raises DeviceLost when nothing answers or what talks there is no StepRamp controller, Refused when another
+        protocol version does.
         """
         self._session = 1 + secrets.randbelow(0xFFFF)
         self._tag = 0
         message = Message(HelloRequest.KIND, self._session, self._tag, HelloRequest().pack())
         began = monotonic()
-        while monotonic() < began + MOST_GARBAGE_S and self._port.read(GARBAGE_S):
-            pass
+        while monotonic() < began + MOST_GARBAGE_S and (garbage := self._port.read(GARBAGE_S)):
+            self._heard_bytes += len(garbage)
         for _ in range(MOST_HELLOS):
+            self._give_way(0.0)
             # The lone zero ends whatever noise the board took for the beginning of a frame.
             self._port.write(b"\0" + encode_frame(message.pack()))
             reply = self._await_reply(message, HELLO_INTERVAL_S)
             if reply is not None:
                 return self._understood(reply, HelloReply, None)
-        raise DeviceLost(f"Nothing at {self._port.name} answers as a StepRamp controller.")
+        if self._heard_bytes and not self._heard_messages:
+            raise DeviceLost(f"Something talks at {self._port.name}, but it is not a StepRamp controller.")
+        raise DeviceLost(f"Nothing answers at {self._port.name}: is it a StepRamp controller, and has it power?")
 
     def ask(self, request: Request, reply_type: type[R], rejected: Callable[[Refusal], Rejection] | None = None) -> R:
         """Return the reply to a request, which is repeated when the answer is lost.
 
         rejected: returns what is wrong with the values that were asked for, when the controller finds them too far or
-        too fast. Raises Rejected then, Refused for other refusals, DeviceLost when there is no answer.
+        too fast. Raises Rejected then, Refused for other refusals, DeviceLost when there is no answer, AnswerUnknown
+        when another request came in between, so that the repeat of what must not be done twice were a new one.
         """
         self._give_way(0.0)
         self._tag = (self._tag + 1) % 256
         message = Message(request.KIND, self._session, self._tag, request.pack())
-        for _ in range(1 + MOST_REPEATS):
+        for attempt in range(1 + MOST_REPEATS):
+            if attempt:
+                self._give_way(0.0)
+            if message.tag != self._tag and not request.HARMLESS_TWICE:
+                raise AnswerUnknown("Something came in between, and the controller's answer was lost: try again.")
             self._port.write(encode_frame(message.pack()))
             reply = self._await_reply(message, REPLY_TIMEOUT_S)
             if reply is not None:
@@ -111,8 +122,12 @@ class Conversation:
             self._take(self._port.read(left_s))
 
     def _take(self, data: bytes) -> None:
-        messages = (Message.unpack(frame) for frame in self._splitter.feed(data))
-        self._inbox.extend(message for message in messages if message is not None)
+        unpacked = (Message.unpack(frame) for frame in self._splitter.feed(data))
+        messages = [message for message in unpacked if message is not None]
+        self._inbox.extend(messages)
+        self._heard_bytes += len(data)
+        # What a cable sends back of our own isn't a controller's.
+        self._heard_messages += sum(1 for message in messages if message.kind & REPLY)
 
     def _sort(self, message: Message) -> None:
         """Keep a message if it is a notice of this session; a reply that nobody waits for any more is dropped."""

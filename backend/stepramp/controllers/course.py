@@ -86,6 +86,9 @@ class Ways(Protocol):
     def steps_to_rest(self, place: Place) -> int:
         """Return the steps of the shortest way to rest from a place."""
 
+    def steps_from(self, interval: int) -> int:
+        """Return the steps of the way to rest from the speed of an interval [ticks]."""
+
 
 def pulse_instants(course: Sequence[Stretch], pulses: NDArray[np.int64]) -> Ticks:
     """Return when pulses of a course come, counted from 1, from the first on [ticks], shape of pulses.

@@ -1,14 +1,15 @@
 """A device: one controller at one port, its state, and what can be asked of it from any thread."""
 
 import threading
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from concurrent.futures import Future
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from time import monotonic
 from typing import TypeVar
 
 from stepramp.controllers.controller import (
+    AnswerUnknown,
     Asked,
     Controller,
     ControllerStatus,
@@ -16,16 +17,18 @@ from stepramp.controllers.controller import (
     PushPreview,
     PushReport,
 )
-from stepramp.controllers.device_view import UNDER_WAY, DeviceState, DeviceView
-from stepramp.controllers.jog_lease import JogLease
+from stepramp.controllers.device_view import UNDER_WAY, AxisView, DeviceState, DeviceView
+from stepramp.controllers.leases import Lease, Leases
 from stepramp.controllers.progress import Progress, PushStage
 from stepramp.controllers.settings import Settings
 from stepramp.controllers.shuttle import Shuttle
+from stepramp.controllers.soft_limits import FREE, Span, comes_too_near, out_of_limits, refuse_beyond
 from stepramp.controllers.stepramp_controller import StepRampController
+from stepramp.controllers.stops import Order, Overtaken, Stops
 from stepramp.controllers.trace import Trace
 from stepramp.design import Design
-from stepramp.errors import DeviceLost, Refused, Rejected, StepRampError
-from stepramp.link.ports import find_again, known_port, port_name
+from stepramp.errors import DeviceLost, Refused, Rejected, Rejection, StepRampError
+from stepramp.link.ports import Port, find_again, known_port, port_name
 from stepramp.link.serial_port import SerialPort
 from stepramp.link.worker import Worker
 
@@ -37,29 +40,45 @@ SILENCE_S = 1 / 10
 """A device that moves and doesn't report for so long is asked."""
 IDLE_POLL_S = 1 / 2
 """Often enough to notice soon that a device was unplugged."""
+LAST_STOP_S = 1.5
+"""How long the end of the program waits for a stop to be granted [s]."""
 
 T = TypeVar("T")
+SendPush = Callable[[], PushReport]
 
 
 class Device:
     """One controller at one port. Its worker owns the port; all calls here may come from any thread.
 
-    changed: called from the worker's thread after each change of the view.
+    known: its port. order: of all that is asked and stopped. changed: called from any thread after each change of the
+    view.
+
+    What sets motors moving takes `asked`: when it was asked for, in that order; None: now. It is refused when a stop
+    came after that.
     """
 
-    def __init__(self, device_id: str, port: str, changed: Callable[[], None]) -> None:
+    def __init__(self, device_id: str, known: Port, order: Order, changed: Callable[[], None]) -> None:
         self._changed = changed
+        self._order = order
+        self._stops = Stops(order)
         self._lock = threading.Lock()
         self._connecting = threading.Lock()
-        self._view = DeviceView(device_id, port, port_name(port))
+        self._view = DeviceView(device_id, known.port, known.name, stops=self._stops.last)
         self._port: SerialPort | None = None
         self._controller: Controller | None = None
         self._worker: Worker | None = None
-        self._pushing = False
-        self._known_port = known_port(port)
+        self._known_port = known
         self._let_go = False
-        self._jog: JogLease | None = None
+        self._ended = False
+        self._owes_stop = False
+        self._leases = Leases()
+        # From here on: of the worker's thread.
+        self._pushing = False
+        self._permit: int | None = None
         self._asked_s = 0.0
+        self._is_view_old = False
+        self._may_have_set_out = False
+        self._has_sent = False
 
     @property
     def view(self) -> DeviceView:
@@ -106,46 +125,58 @@ class Device:
             self._close()
 
     def shut_down(self) -> None:
-        """Stop the motor if it moves, and let go of the port: for the end of the program."""
-        with self._connecting:
-            if self.view.state in UNDER_WAY:
-                # Whatever hinders it, there is no second chance: the program ends.
-                with suppress(StepRampError):
-                    self.stop().result()
-            self._let_go = True
-            self._close()
+        """Let go of the port, whatever is going on: for the end of the program."""
+        self._let_go = True
+        if (worker := self._worker) is not None:
+            worker.close(LAST_STOP_S)
+
+    def end_motion(self) -> None:
+        """Stop the motor for good: nothing moves it any more. For the end of the program."""
+        self._ended = True
+        self._stops.end()
+        # Whatever hinders it, there is no second chance.
+        with suppress(StepRampError, TimeoutError):
+            self.stop().result(LAST_STOP_S)
 
     def take_control(self, page: str, *, over: bool = False) -> None:
-        """Put a page in control; Refused while another one is, unless it is taken over. That ends the other's jog."""
-        if not over:
-            self.refuse_others(page)
-        before = self.view.in_control
-        self._change(lambda view: replace(view, in_control=page))
-        if before != page:
-            self._end_any_jog()
+        """Put a page in control; Refused while another one is, unless it is taken over: that ends what others run."""
+
+        def taken(view: DeviceView) -> DeviceView:
+            if not over:
+                _refuse_others(view, page)
+            return replace(view, in_control=page)
+
+        self._change(taken)
 
     def refuse_others(self, page: str) -> None:
         """Refused while a page other than this one is in control."""
-        view = self.view
-        if view.in_control not in (None, page):
-            raise Refused(f"Another page is in control of {view.name}: take over first.")
+        _refuse_others(self.view, page)
 
     def leave_control(self, page: str) -> None:
-        """Note that a page is gone: nobody is in control if it was."""
+        """Note that a page is gone: nobody is in control if it was, and what it runs ends."""
         self._change(lambda view: replace(view, in_control=None) if view.in_control == page else view)
 
     def preview_push(self, designs: Sequence[Design], first_axis: int | None = None) -> PushPreview:
         """Return what a push would change, without the port; see Controller."""
         return self._controller_now().preview_push(designs, first_axis)
 
-    def push(self, designs: Sequence[Design], first_axis: int | None = None, mode: PushMode = "keep") -> PushReport:
-        """Have the controller use the designs' ramps, and store them or not; see Controller.prepare_push."""
+    def push(
+        self,
+        designs: Sequence[Design],
+        first_axis: int | None = None,
+        mode: PushMode = "keep",
+        planned: Callable[[Callable[[], SendPush]], SendPush] = lambda plan: plan(),
+    ) -> PushReport:
+        """Have the controller use the designs' ramps, and store them or not; see Controller.prepare_push.
+
+        planned: does the planning, which computes a lot, where and when it may be done.
+        """
         controller, _ = self._ready()
         if self.view.state in UNDER_WAY:
             raise Refused("The motor moves: stop it first.")
         self._change(lambda view: replace(view, progress=Progress(PushStage.PLANNING, 0, 0)))
         try:
-            send = controller.prepare_push(designs, first_axis, mode)
+            send = planned(lambda: controller.prepare_push(designs, first_axis, mode))
             return self._ask(lambda: self._push(send))
         finally:
             self._change(lambda view: replace(view, progress=None))
@@ -171,74 +202,102 @@ class Device:
         controller = self._controller_now()
         self._write(lambda: controller.use_settings(settings))
 
-    def move_by(self, steps: Sequence[Asked]) -> None:
-        """Begin to move axes by so many steps; see Controller."""
+    def limit(self, spans: Mapping[int, Span]) -> None:
+        """Keep these axes within soft limits from now on, the others within theirs; Refused while the motor moves."""
+
+        def limit() -> None:
+            self._refuse_under_way()
+            self._change(lambda view: view.limited(spans))
+
+        self._ask(limit)
+
+    def move_by(self, steps: Sequence[Asked], asked: int | None = None) -> None:
+        """Begin to move axes by so many steps; see Controller. Rejected also when they lead beyond soft limits."""
         controller = self._controller_now()
-        self._ask(lambda: self._newly(lambda: controller.move_by(steps)))
 
-    def move_to(self, positions: Sequence[Asked]) -> None:
-        """Begin to move axes to positions [steps]; see Controller."""
+        def begin() -> None:
+            self._refuse_running(steps)
+            refuse_beyond(self.view.soft_limits, steps, self._targets(), relative=True)
+            controller.move_by(steps)
+
+        self._set_out(_axes_of(steps), begin, asked)
+
+    def move_to(self, positions: Sequence[Asked], asked: int | None = None) -> None:
+        """Begin to move axes to positions [steps]; see Controller. Rejected also when they lie beyond soft limits."""
         controller = self._controller_now()
-        self._ask(lambda: self._newly(lambda: controller.move_to(positions)))
 
-    def run(self, speeds: Sequence[Asked]) -> None:
-        """Run axes at speeds [steps/s]; see Controller."""
+        def begin() -> None:
+            refuse_beyond(self.view.soft_limits, positions, self._targets(), relative=False)
+            controller.move_to(positions)
+
+        self._set_out(_axes_of(positions), begin, asked)
+
+    def line(self, steps: Sequence[Asked], ramp_axis: int | None = None, asked: int | None = None) -> None:
+        """Begin to move axes along a straight line; see Controller. Rejected also when it leads beyond soft limits."""
         controller = self._controller_now()
-        self._ask(lambda: self._newly(lambda: controller.run(speeds)))
 
-    def jog(self, lease: JogLease, speed: Asked) -> None:
-        """Run an axis at a speed [steps/s] as long as a lease is renewed, then slow it down; see Controller.run.
+        def begin() -> None:
+            refuse_beyond(self.view.soft_limits, steps, self._targets(), relative=True)
+            controller.line(steps, ramp_axis)
 
-        Refused when the lease ran out before it came to that.
+        self._set_out(_axes_of(steps), begin, asked)
+
+    def run(self, speeds: Sequence[Asked], lease: Lease, asked: int | None = None) -> None:
+        """Run axes at speeds [steps/s] as long as a lease holds, then slow them down; see Controller.run.
+
+        Rejected also for a speed that leads out of soft limits, Refused when the lease ran out before it came to that.
         """
         controller = self._controller_now()
 
         def begin() -> None:
-            if not lease.holds:
-                raise Refused("The jog was let go before it began; nothing moved.")
-            controller.run([speed])
-            self._jog = lease
+            if lease.page is not None:
+                self.refuse_others(lease.page)
+            if not lease.holds_with(self.view.in_control):
+                raise Refused("It was let go before it began, or its page is gone; nothing moved.")
+            self._refuse_outward(controller, speeds)
+            controller.run(speeds)
 
-        self._ask(lambda: self._newly(begin))
+        self._set_out(_axes_of(speeds), begin, asked, lease)
 
-    def end_jog(self, lease: JogLease) -> None:
-        """Slow an axis down that jogs on a lease, before anything else that was asked for."""
+    def end_run(self, lease: Lease) -> None:
+        """Slow axes down that run on a lease, before anything else that was asked for."""
         lease.end()
         with suppress(StepRampError):
             _, worker = self._ready()
-            worker.call_urgently(self._let_jogs_end)
+            worker.call_urgently(self._let_runs_end, overtakes=False)
 
-    def go_there_and_back(self, shuttle: Shuttle, asked: Asked) -> None:
+    def go_there_and_back(self, shuttle: Shuttle, way: Asked, asked: int | None = None) -> None:
         """Begin to go to and fro, from rest, until it is done or something else is asked for.
 
-        asked: how far, with what rejections call it. Raises as move_by.
+        way: how far, with what rejections call it. Raises as move_by.
         """
         controller = self._controller_now()
+        shuttle = replace(shuttle, asked=self._now() if asked is None else asked)
 
         def begin() -> None:
             self._refuse_under_way()
-            controller.move_by([asked])
-            self._refresh()
-            on_its_way = shuttle.set_out(self._axis_target(shuttle.axis))
-            self._change(lambda view: replace(view, shuttle=on_its_way))
+            refuse_beyond(self.view.soft_limits, [way], self._targets(), relative=True)
+            back = {axis: target + int(way.value) for axis, target in self._targets().items()}
+            refuse_beyond(self.view.soft_limits, [replace(way, value=-way.value)], back, relative=True)
+            controller.move_by([way])
 
-        self._ask(lambda: self._newly(begin))
-
-    def line(self, steps: Sequence[Asked], ramp_axis: int | None = None) -> None:
-        """Begin to move axes along a straight line; see Controller."""
-        controller = self._controller_now()
-        self._ask(lambda: self._newly(lambda: controller.line(steps, ramp_axis)))
+        self._set_out([shuttle.axis], begin, shuttle.asked, then=lambda: self._show_leg(shuttle))
 
     def set_position(self, positions: Sequence[Asked]) -> None:
         """Call the places where axes are these positions [steps]; see Controller."""
         controller = self._controller_now()
-        self._ask(lambda: self._newly(lambda: controller.set_position(positions)))
-        self._change(lambda view: view.with_known_positions({each.axis for each in positions}))
+        axes = _axes_of(positions)
+        self._ask(lambda: self._newly(axes, lambda: controller.set_position(positions)))
+        self._change(lambda view: view.with_known_positions(axes))
 
-    def zero(self, axes: Collection[int], steps: int) -> None:
+    def zero(self, axes: Collection[int], steps: int, asked: int | None = None) -> None:
         """Call the places where axes are so many steps and move them to 0; see Controller."""
         controller = self._controller_now()
-        self._ask(lambda: self._newly(lambda: controller.zero(axes, steps)))
+        limited = sorted(set(axes) & set(self.view.soft_limits))
+        if limited:
+            allowed = "axes without soft limits: to zero is to run against a stop, wherever that is"
+            raise Rejected([Rejection("axes", axis, allowed) for axis in limited])
+        self._set_out(axes, lambda: controller.zero(axes, steps), asked)
         self._change(lambda view: view.with_known_positions(axes))
 
     def trace_moves(self, axis: int | None, every_steps: int) -> int:
@@ -248,20 +307,60 @@ class Device:
 
     def trace(self) -> Trace:
         """Return the trace of the last move that was traced, as far as it is known; Refused before there was one."""
-        trace = self._ask(self._trace)
-        if trace is None:
+        work_out = self._ask(self._trace)
+        if work_out is None:
             raise Refused("No move has been traced yet: ask for a trace, then move.")
-        return trace
+        return work_out()
+
+    @contextmanager
+    def being_stopped(self) -> Iterator[None]:
+        """Let nothing move while a stop is being answered, nor afterwards what was asked until then."""
+        try:
+            with self._stops.unanswered():
+                self._show_stops()
+                yield
+        finally:
+            self._show_stops()
 
     def stop(self, axes: Collection[int] | None = None) -> "Future[None]":
-        """Slow axes, or all, down with the ramp, before anything else that was asked for; return the result to come."""
-        controller, worker = self._ready()
-        return worker.call_urgently(lambda: self._newly(lambda: controller.stop(axes)))
+        """Slow axes, or all, down with the ramp, before anything else that was asked for; return the result to come.
+
+        What was asked before moves nothing any more. A device that is not connected is stopped as soon as it is: of
+        that, Refused and DeviceLost tell.
+        """
+        controller, worker = self._ready_to_stop()
+        return worker.call_urgently(lambda: self._stop(axes, controller.stop))
 
     def halt(self, axes: Collection[int] | None = None) -> "Future[None]":
-        """Make no further step, before anything else that was asked for; return the result to come."""
-        controller, worker = self._ready()
-        return worker.call_urgently(lambda: self._newly(lambda: controller.halt(axes)))
+        """Make no further step, before anything else that was asked for; else as stop."""
+        controller, worker = self._ready_to_stop()
+        return worker.call_urgently(lambda: self._halt(axes, controller))
+
+    def _now(self) -> int:
+        return self._order.next()
+
+    def _ready_to_stop(self) -> tuple[Controller, Worker]:
+        self._stops.note()
+        self._show_stops()
+        with self._lock:
+            # While nobody is connected its motor may move: a board with a supply of its own goes on without us.
+            self._owes_stop = self._controller is None or self._view.state is DeviceState.LOST
+        return self._ready()
+
+    def _show_stops(self) -> None:
+        self._change(lambda view: replace(view, stops=self._stops.last))
+
+    def _set_out(
+        self,
+        axes: Collection[int],
+        begin: Callable[[], None],
+        asked: int | None,
+        lease: Lease | None = None,
+        then: Callable[[], None] = lambda: None,
+    ) -> None:
+        """Have the worker set axes in motion, if no stop has come since it was asked for."""
+        at = self._now() if asked is None else asked
+        self._ask(lambda: self._newly(axes, lambda: self._permitted(axes, at, begin), lease, then))
 
     def _ready(self) -> tuple[Controller, Worker]:
         """Return controller and worker; raises when there are none to be asked."""
@@ -286,19 +385,17 @@ class Device:
     def _connect(self, port: str) -> None:
         name = port_name(port)
         self._change(lambda view: view.anew(port, name))
-        self._worker = Worker(port, self._poll, self._ended)
+        self._worker = Worker(port, self._poll, self._ended_by)
         try:
+            if self._ended:
+                raise Refused("StepRamp is ending: nothing is connected any more.")
             self._worker.call(self._open)
-        except StepRampError as error:
+        except Exception as error:
             self._worker.close()
             reason = str(error)
             self._change(lambda view: view.at_a_loss(reason))
             raise
         self._known_port = known_port(port)
-
-    def _end_any_jog(self) -> None:
-        if (lease := self._jog) is not None:
-            self.end_jog(lease)
 
     def _close(self) -> None:
         if self._worker is not None:
@@ -317,12 +414,18 @@ class Device:
 
     def _open(self) -> None:
         assert self._worker is not None
-        self._port = SerialPort(self.view.port)
+        self._permit = None
+        self._port = SerialPort(self.view.port, self._refuse_overtaken)
         controller = StepRampController(self._port, self._worker.give_way, self._note_progress)
         controller.connect()
+        with self._lock:
+            # From here on a stop comes to the controller by itself.
+            self._controller = controller
+            owes_stop, self._owes_stop = self._owes_stop, False
+        if owes_stop:
+            controller.stop()
         status = controller.status()
         with self._lock:
-            self._controller = controller
             self._view = replace(
                 self._view, firmware_version=controller.firmware_version, clocks_hz=controller.clocks_hz
             )
@@ -331,9 +434,9 @@ class Device:
     def _poll(self) -> float:
         if self._controller is None:
             return IDLE_POLL_S
-        self._let_jogs_end()
+        self._let_runs_end()
         under_way, heard_s = self.view.state in UNDER_WAY, self.view.heard_s
-        if under_way and monotonic() - self._asked_s > HEARTBEAT_S:
+        if self._is_view_old or (under_way and monotonic() - self._asked_s > HEARTBEAT_S):
             self._refresh()
         elif under_way and (heard := self._controller.listen()) is not None:
             self._show(heard)
@@ -342,20 +445,23 @@ class Device:
         self._go_on_to_and_fro()
         return LISTEN_S if self.view.state in UNDER_WAY or self.view.shuttle else IDLE_POLL_S
 
-    def _ended(self, loss: DeviceLost | None) -> None:
+    def _ended_by(self, loss: DeviceLost | None) -> None:
         if self._controller is not None and loss is None:
             with suppress(StepRampError):
                 self._controller.disconnect()
         if self._port is not None:
             self._port.close()
+        self._leases.drop()
         with self._lock:
-            self._port = self._controller = self._jog = None
+            self._port = self._controller = None
         self._change(lambda view: view.at_a_loss("Disconnected." if loss is None else str(loss)))
 
     def _refresh(self) -> None:
         assert self._controller is not None
         self._asked_s = monotonic()
-        self._show(self._controller.status())
+        status = self._controller.status()
+        self._is_view_old = self._may_have_set_out = False
+        self._show(status)
 
     def _show(self, status: ControllerStatus) -> None:
         assert self._controller is not None
@@ -368,34 +474,88 @@ class Device:
 
         self._change(shown)
 
-    def _trace(self) -> Trace | None:
+    def _trace(self) -> Callable[[], Trace] | None:
         assert self._controller is not None
         heard = self._controller.listen()
         if heard is not None:
             self._show(heard)
         return self._controller.trace
 
-    def _newly(self, job: Callable[[], None]) -> None:
-        """Do what is asked of axes now: whatever went on by itself ends."""
-        self._end_by_itself()
+    def _refuse_overtaken(self) -> None:
+        """Refused, at the last instant before bytes go out, when they set out what a stop came after."""
+        if self._permit is not None:
+            self._stops.refuse_overtaken(self._permit)
+            self._has_sent = True
+
+    def _permitted(self, axes: Collection[int], asked: int, begin: Callable[[], None]) -> None:
+        """Set axes in motion for what was asked then."""
+        self._permit, self._may_have_set_out, self._has_sent = asked, True, False
+        try:
+            # Refused here too: what the controller is asked first, as its state, may not have to be sent.
+            self._refuse_overtaken()
+            begin()
+        except (Overtaken, AnswerUnknown):
+            self._permit = None
+            if self._has_sent:
+                # It may have set out, and a stop of other axes doesn't end it: what is refused must not move.
+                assert self._controller is not None
+                self._stop(axes, self._controller.stop)
+            raise
+        finally:
+            self._permit = None
+
+    def _newly(
+        self,
+        axes: Collection[int],
+        job: Callable[[], None],
+        lease: Lease | None = None,
+        then: Callable[[], None] = lambda: None,
+    ) -> None:
+        """Do what is asked of axes now. Once it is granted, what went on with them by itself ends."""
+        if self.view.soft_limits and self.view.state in UNDER_WAY:
+            # What is asked counts from where the axes would come to rest, not from where they were last heard.
+            self._refresh()
         job()
-        self._refresh()
-
-    def _end_by_itself(self) -> None:
-        lease, self._jog = self._jog, None
+        self._leases.drop(axes)
         if lease is not None:
-            lease.end()
+            self._leases.take(lease)
         self._change(lambda view: replace(view, shuttle=None))
-
-    def _let_jogs_end(self) -> None:
-        """Slow down what jogs on a lease that has run out."""
-        lease = self._jog
-        if lease is None or lease.holds:
-            return
-        assert self._controller is not None
-        self._jog = None
-        self._controller.stop([lease.axis])
         self._refresh()
+        then()
+
+    def _halt(self, axes: Collection[int] | None, controller: Controller) -> None:
+        """Halt axes, and look where that was."""
+        self._stop(axes, controller.halt)
+        if self._is_view_old:
+            self._refresh()
+
+    def _stop(self, axes: Collection[int] | None, send: Callable[[Collection[int] | None], None]) -> None:
+        """Stop axes, also in the midst of what sets some in motion. Where they come to rest is looked at afterwards."""
+        overtaken, self._permit = self._permit, None
+        try:
+            send(axes)
+            self._leases.drop(axes)
+            self._is_view_old = self.view.state in UNDER_WAY
+            self._change(lambda view: replace(view.stopping(axes), shuttle=None))
+            if self._may_have_set_out:
+                self._refresh()
+        finally:
+            self._permit = overtaken
+
+    def _let_runs_end(self) -> None:
+        """Slow down what runs on a lease that has run out, or comes too near a soft limit."""
+        axes = sorted({*self._leases.run_out(self.view.in_control), *self._near_limits()})
+        if axes:
+            assert self._controller is not None
+            self._stop(axes, self._controller.stop)
+
+    def _near_limits(self) -> Iterator[int]:
+        assert self._controller is not None
+        view, speeds = self.view, self._leases.speeds
+        for axis in view.axes:
+            span = view.soft_limits.get(axis.axis)
+            if span is not None and axis.axis in speeds and self._is_near(self._controller, axis, speeds[axis.axis]):
+                yield axis.axis
 
     def _go_on_to_and_fro(self) -> None:
         """Set out on the next way there or back once the pause is over; it ends when it rests elsewhere."""
@@ -407,24 +567,59 @@ class Device:
         if shuttle.ended or self._axis_target(shuttle.axis) != shuttle.expected_steps:
             self._change(lambda view: replace(view, shuttle=None))
         elif shuttle.is_due():
-            self._set_out(shuttle)
+            self._begin_leg(shuttle)
         else:
             self._change(lambda view: replace(view, shuttle=shuttle))
 
-    def _set_out(self, shuttle: Shuttle) -> None:
-        assert self._controller is not None
+    def _begin_leg(self, shuttle: Shuttle) -> None:
+        controller = self._controller
+        assert controller is not None
+        way = Asked(shuttle.axis, shuttle.next_by_steps, "by_steps")
         try:
-            self._controller.move_by([Asked(shuttle.axis, shuttle.next_by_steps, "by_steps")])
+            refuse_beyond(self.view.soft_limits, [way], self._targets(), relative=True)
+            self._permitted([shuttle.axis], shuttle.asked, lambda: controller.move_by([way]))
         except (Refused, Rejected):
-            # Somebody else at the controller, such as its own sketch, has begun something: then this is over.
+            # A stop came, or somebody else at the controller, such as its own sketch, has begun something: it is over.
             self._change(lambda view: replace(view, shuttle=None))
             return
         self._refresh()
-        on_its_way = shuttle.set_out(self._axis_target(shuttle.axis))
-        self._change(lambda view: replace(view, shuttle=on_its_way))
+        self._show_leg(shuttle)
+
+    def _show_leg(self, shuttle: Shuttle) -> None:
+        """Note where the way leads that has just been begun, unless it has been stopped meanwhile."""
+        if not self._stops.have_overtaken(shuttle.asked):
+            on_its_way = shuttle.set_out(self._axis_target(shuttle.axis))
+            self._change(lambda view: replace(view, shuttle=on_its_way))
 
     def _axis_target(self, axis: int) -> int:
         return self.view.axes[axis].target_steps
+
+    def _targets(self) -> dict[int, int]:
+        return {each.axis: each.target_steps for each in self.view.axes}
+
+    def _is_near(self, controller: Controller, axis: AxisView, speed_steps_per_s: float) -> bool:
+        """Tell whether an axis can't be kept within its soft limits when it runs at a speed, negative for backwards."""
+        fastest = max(axis.speed_steps_per_s, abs(speed_steps_per_s))
+        velocity = fastest if speed_steps_per_s > 0 else -fastest
+        span = self.view.soft_limits.get(axis.axis, FREE)
+        return comes_too_near(span, axis.position_steps, velocity, controller.steps_to_rest(axis.axis, fastest))
+
+    def _refuse_outward(self, controller: Controller, speeds: Sequence[Asked]) -> None:
+        """Reject speeds with which axes can't be kept within their soft limits."""
+        limited = {axis.axis: axis for axis in self.view.axes if axis.axis in self.view.soft_limits}
+        near = [
+            each
+            for each in speeds
+            if each.value and each.axis in limited and self._is_near(controller, limited[each.axis], each.value)
+        ]
+        if near:
+            raise Rejected([out_of_limits(each, self.view.soft_limits[each.axis]) for each in near])
+
+    def _refuse_running(self, steps: Sequence[Asked]) -> None:
+        """Refused for axes that run and have soft limits: where they are when the controller hears it isn't known."""
+        for each in steps:
+            if each.axis in self._leases.speeds and each.axis in self.view.soft_limits:
+                raise Refused(f"Axis {each.axis} runs, and has soft limits: say a position, or stop it first.")
 
     def _note_progress(self, progress: Progress) -> None:
         if self._pushing:
@@ -448,11 +643,20 @@ class Device:
 
     def _while_writing(self, job: Callable[[], None]) -> None:
         self._refuse_under_way()
-        self._end_by_itself()
+        self._leases.drop()
         self._pushing = True
-        self._change(lambda view: replace(view, state=DeviceState.WRITING))
+        self._change(lambda view: replace(view, state=DeviceState.WRITING, shuttle=None))
         try:
             job()
         finally:
             self._pushing = False
             self._refresh()
+
+
+def _refuse_others(view: DeviceView, page: str) -> None:
+    if view.in_control not in (None, page):
+        raise Refused(f"Another page is in control of {view.name}: take over first.")
+
+
+def _axes_of(asked: Sequence[Asked]) -> list[int]:
+    return [each.axis for each in asked]

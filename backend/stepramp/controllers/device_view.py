@@ -1,12 +1,13 @@
 """What is known of a device at one moment."""
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 
 from stepramp.controllers.controller import Activity, AxisStatus, ControllerStatus, PushReport, StoredRamp
 from stepramp.controllers.progress import Progress
 from stepramp.controllers.shuttle import Shuttle
+from stepramp.controllers.soft_limits import FREE, Span
 
 
 class DeviceState(StrEnum):
@@ -34,6 +35,17 @@ class AxisView:
     target_steps: int
     speed_steps_per_s: float
     steps_made: int
+    lowest_steps: int | None = None
+    """Soft limits; None for none."""
+    highest_steps: int | None = None
+
+    def limited(self, span: Span) -> "AxisView":
+        """Return the axis with soft limits."""
+        return replace(self, lowest_steps=span.lowest_steps, highest_steps=span.highest_steps)
+
+    def stopping(self) -> "AxisView":
+        """Return the axis as it is once a stop was granted."""
+        return replace(self, state=DeviceState.STOPPING) if self.state is DeviceState.MOVING else self
 
 
 @dataclass(frozen=True)
@@ -69,6 +81,10 @@ class DeviceView:
     """Axes that may be elsewhere than they count, since the device was lost."""
     in_control: str | None = None
     """The page that is in control of the device."""
+    stops: int = 0
+    """A number that grows with each stop."""
+    soft_limits: Mapping[int, Span] = field(default_factory=dict)
+    """Of the axes that have some."""
     heard_s: float = field(default=0.0, compare=False)
     """When the controller said so, by the monotonic clock [s]."""
 
@@ -81,7 +97,7 @@ class DeviceView:
             position_steps=first.position_steps,
             target_steps=first.target_steps,
             speed_steps_per_s=first.speed_steps_per_s,
-            axes=tuple(map(_axis_view, status.axes)),
+            axes=tuple(_axis_view(axis, self.soft_limits.get(axis.axis, FREE)) for axis in status.axes),
             ramp=status.ramp,
             on_trial=status.on_trial,
             motors_on=status.motors_on,
@@ -90,7 +106,27 @@ class DeviceView:
 
     def anew(self, port: str, name: str) -> "DeviceView":
         """Return the device as it is while it is connected again: what is known of it stays, what it said doesn't."""
-        return DeviceView(self.id, port, name, unknown_positions=self.unknown_positions, in_control=self.in_control)
+        return DeviceView(
+            self.id,
+            port,
+            name,
+            unknown_positions=self.unknown_positions,
+            in_control=self.in_control,
+            stops=self.stops,
+            soft_limits=self.soft_limits,
+        )
+
+    def limited(self, spans: Mapping[int, Span]) -> "DeviceView":
+        """Return the device with these soft limits, besides those that other axes have."""
+        limits = {axis: span for axis, span in {**self.soft_limits, **spans}.items() if span != FREE}
+        axes = tuple(each.limited(limits.get(each.axis, FREE)) for each in self.axes)
+        return replace(self, soft_limits=limits, axes=axes)
+
+    def stopping(self, axes: Collection[int] | None) -> "DeviceView":
+        """Return the device as it is once a stop of axes, or all, was granted, before it is asked again."""
+        now = tuple(each.stopping() if axes is None or each.axis in axes else each for each in self.axes)
+        slows_down = self.state is DeviceState.MOVING and DeviceState.MOVING not in {axis.state for axis in now}
+        return replace(self, axes=now, state=DeviceState.STOPPING if slows_down else self.state)
 
     def with_known_positions(self, axes: Collection[int]) -> "DeviceView":
         """Return the device once somebody has said where axes are."""
@@ -119,7 +155,7 @@ class DeviceView:
                 yield f"Axis {axis.axis} was moving, last heard of at {axis.position_steps:,} steps."
 
 
-def _axis_view(status: AxisStatus) -> AxisView:
+def _axis_view(status: AxisStatus, span: Span) -> AxisView:
     return AxisView(
         axis=status.axis,
         state=STATES[status.activity],
@@ -127,4 +163,6 @@ def _axis_view(status: AxisStatus) -> AxisView:
         target_steps=status.target_steps,
         speed_steps_per_s=status.speed_steps_per_s,
         steps_made=status.steps_made,
+        lowest_steps=span.lowest_steps,
+        highest_steps=span.highest_steps,
     )

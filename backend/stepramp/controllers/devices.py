@@ -1,18 +1,23 @@
 """The registry of connected devices, for any thread."""
 
+import logging
 import threading
 from collections import Counter
-from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import ExitStack, contextmanager, suppress
 
 from stepramp.controllers.device import Device
 from stepramp.controllers.device_view import DeviceState, DeviceView
 from stepramp.controllers.returning import Returning
+from stepramp.controllers.stops import Order
 from stepramp.controllers.virtual import VirtualController
-from stepramp.errors import NotFound, Refused, StepRampError
+from stepramp.errors import NotFound, Refused, StepRampError, shown
 from stepramp.link import protocol_sim
+from stepramp.link.ports import known_port
 from stepramp.link.protocol_sim import VIRTUAL_PORT
+
+_logger = logging.getLogger(__name__)
 
 Listener = Callable[[], None]
 
@@ -27,12 +32,19 @@ class Devices:
         """Begin with no device; the virtual controller is there to be connected."""
         if not protocol_sim.registered(VIRTUAL_PORT):
             protocol_sim.register(VIRTUAL_PORT, VirtualController())
+        self.order = Order()
+        """Of all that is asked of devices, and of their stops."""
         self._lock = threading.Lock()
         self._devices: dict[str, Device] = {}
         self._listeners: list[Listener] = []
         self._pages: Counter[str] = Counter()
         self._last_id = 0
+        self._has_ended = False
         self._returning = Returning(self._lost)
+
+    def look_for_lost_ones(self) -> None:
+        """Connect devices again that were lost, once they are back, from now on until the end."""
+        self._returning.begin()
 
     def views(self) -> list[DeviceView]:
         """Return all devices as they are now, in the order in which they were connected."""
@@ -43,7 +55,7 @@ class Devices:
         with self._lock:
             device = self._devices.get(device_id)
         if device is None:
-            raise NotFound(f"There is no device {device_id!r}.")
+            raise NotFound(f"There is no device {shown(device_id)}.")
         return device
 
     def acting(self, device_id: str, page: str | None) -> Device:
@@ -94,7 +106,7 @@ class Devices:
         device, is_new = self._at(port)
         try:
             device.connect()
-        except StepRampError:
+        except Exception:
             if is_new:
                 self._forget(device)
             raise
@@ -111,22 +123,39 @@ class Devices:
 
     def stop_all(self) -> None:
         """Stop every device, all at the same time; those that can't be asked tell so by their state."""
+        with self.being_stopped():
+            for stopped in self.begin_to_stop():
+                with suppress(StepRampError):
+                    stopped.result()
+
+    @contextmanager
+    def being_stopped(self) -> Iterator[None]:
+        """Let no device move while a stop of all is being answered, nor afterwards what was asked until then."""
+        with ExitStack() as stack:
+            for device in self._all():
+                stack.enter_context(device.being_stopped())
+            yield
+
+    def begin_to_stop(self) -> list[Future[None]]:
+        """Have every device stop, and return the results to come of those that can be asked; see Device.stop."""
         pending = []
         for device in self._all():
             with suppress(StepRampError):
                 pending.append(device.stop())
-        for stopped in pending:
-            with suppress(StepRampError):
-                stopped.result()
+        return pending
+
+    def end_motion(self) -> None:
+        """Stop every device for good: nothing moves any more. For the end of the program."""
+        self._has_ended = True
+        self._returning.end()
+        _at_once(Device.end_motion, self._all())
 
     def close(self) -> None:
         """Stop what moves and let go of all devices."""
-        self._returning.end()
+        self.end_motion()
+        _at_once(Device.shut_down, self._all())
         with self._lock:
-            devices = list(self._devices.values())
             self._devices.clear()
-        with ThreadPoolExecutor(max_workers=max(1, len(devices))) as pool:
-            list(pool.map(Device.shut_down, devices))
         self._tell()
 
     @contextmanager
@@ -152,15 +181,27 @@ class Devices:
             return self._pages[page] > 0
 
     def _at(self, port: str) -> tuple[Device, bool]:
+        if (device := self._present_at(port)) is not None:
+            return device, False
+        # The machine's ports are listed without the lock: that takes a while, and a stop must not wait for it.
+        known = known_port(port)
         with self._lock:
-            for device in self._devices.values():
-                if device.view.port == port:
-                    return device, False
+            if (device := self._one_at(port)) is not None:
+                return device, False
+            if self._has_ended:
+                raise Refused("StepRamp is ending: nothing is connected any more.")
             self._last_id += 1
             device_id = str(self._last_id)
-            device = self._devices[device_id] = Device(device_id, port, self._tell)
+            device = self._devices[device_id] = Device(device_id, known, self.order, self._tell)
         self._tell()
         return device, True
+
+    def _present_at(self, port: str) -> Device | None:
+        with self._lock:
+            return self._one_at(port)
+
+    def _one_at(self, port: str) -> Device | None:
+        return next((device for device in self._devices.values() if device.view.port == port), None)
 
     def _forget(self, device: Device) -> None:
         with self._lock:
@@ -172,4 +213,14 @@ class Devices:
         with self._lock:
             listeners = list(self._listeners)
         for listener in listeners:
-            listener()
+            try:
+                listener()
+            except Exception:
+                # Whoever asked for what has changed must not be kept waiting by it, nor the others.
+                _logger.exception("A change of a device could not be told.")
+
+
+def _at_once(act: Callable[[Device], None], devices: Sequence[Device]) -> None:
+    """Have something done by all devices at the same time, and wait for all."""
+    with ThreadPoolExecutor(max_workers=max(1, len(devices))) as pool:
+        list(pool.map(act, devices))

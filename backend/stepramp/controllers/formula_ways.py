@@ -2,10 +2,11 @@
 
 from copy import copy
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from stepramp.controllers.course import Course, Place, Stretch
+from stepramp.controllers.course import Course, Place, Stretch, Ticks
 from stepramp.ramp.on_chip import OnChipMotor, OnChipRamp, Phase
 
 MOST_STEPS_UP = 2**31
@@ -45,6 +46,14 @@ class FormulaWays:
         """Return the steps of the shortest way to rest from a place."""
         assert isinstance(place, FormulaPlace)
         return place.motor.steps_down
+
+    def steps_from(self, interval: int) -> int:
+        """Return the steps of the way to rest from the speed of an interval [ticks]."""
+        return int(np.count_nonzero(self._down > interval))
+
+    @cached_property
+    def _down(self) -> Ticks:
+        return OnChipMotor(self._ramp).down(self._ramp.down.steps)
 
     def course(self, place: Place, steps: int, level: int | None = None) -> Course:
         """Return what is played from a place on; see course.Ways."""

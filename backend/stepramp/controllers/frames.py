@@ -4,6 +4,8 @@ COBS is Cheshire and Baker, "Consistent Overhead Byte Stuffing", 1999. Frames he
 after which COBS would need a second kind of block.
 """
 
+import binascii
+
 LONGEST_FRAME = 60
 """Length of the longest frame, its zero included [bytes]."""
 LONGEST_MESSAGE = LONGEST_FRAME - 4
@@ -12,12 +14,7 @@ LONGEST_MESSAGE = LONGEST_FRAME - 4
 
 def crc16(data: bytes) -> int:
     """Return CRC-16/CCITT-FALSE: polynomial 0x1021, start 0xFFFF, not reflected."""
-    crc = 0xFFFF
-    for byte in data:
-        crc ^= byte << 8
-        for _ in range(8):
-            crc = (crc << 1 ^ 0x1021 if crc & 0x8000 else crc << 1) & 0xFFFF
-    return crc
+    return binascii.crc_hqx(data, 0xFFFF)
 
 
 def encode_frame(message: bytes) -> bytes:

@@ -65,6 +65,10 @@ class ListWays:
         assert isinstance(place, ListPlace)
         return self._steps_down(place.shortest) if place.down_left is None else place.down_left
 
+    def steps_from(self, interval: int) -> int:
+        """Return the steps of the way to rest from the speed of an interval [ticks]."""
+        return self._steps_down(interval)
+
     def _steps_down(self, shortest: int) -> int:
         """Return how many intervals of the way down are longer than one [ticks]."""
         return int(np.searchsorted(self._falling, -shortest, side="left"))

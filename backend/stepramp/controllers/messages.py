@@ -154,6 +154,8 @@ class Request(Body):
     """The body of a request."""
 
     KIND: ClassVar[int]
+    HARMLESS_TWICE: ClassVar[bool] = True
+    """Whether it may be carried out a second time without harm, or can't be."""
 
 
 class Reply(Body):
@@ -253,6 +255,9 @@ class HelloReply(Reply):
             raise ValueError(f"Clocks of {self.fast_clock_hz} Hz and {self.slow_clock_hz} Hz.")
         if not 1 <= self.axes <= MOST_AXES:
             raise ValueError(f"{self.axes} axes.")
+        intervals = self.longest_interval_ticks, self.shortest_formula_interval, *self.shortest_intervals[: self.axes]
+        if not all(intervals):
+            raise ValueError(f"Intervals of 0 ticks among {', '.join(map(str, intervals))}.")
         RampInUse(self.ramp_in_use)
 
 
@@ -330,6 +335,7 @@ class DataRequest(Request):
     """A part of the ramp image."""
 
     KIND = 0x11
+    HARMLESS_TWICE = False
     LAYOUT = "<H"
     TAIL = range(1, MOST_DATA + 1)
     offset: int
@@ -365,6 +371,7 @@ class CommitRequest(Request):
     """Store the checked ramp image, or the one on trial, and the settings in use."""
 
     KIND = 0x13
+    HARMLESS_TWICE = False
 
 
 @dataclass(frozen=True)
@@ -400,6 +407,7 @@ class RollBackRequest(Request):
     """Drop what was delivered or is on trial; when there is nothing of the kind, bring the previous ramp back."""
 
     KIND = 0x16
+    HARMLESS_TWICE = False
 
 
 @dataclass(frozen=True)
@@ -431,6 +439,7 @@ class MoveByRequest(AxesRequest):
     """Move axes by so many steps from where they would come to rest."""
 
     KIND = 0x20
+    HARMLESS_TWICE = False
 
 
 @dataclass(frozen=True)
@@ -452,6 +461,7 @@ class LineRequest(Request):
     """Move axes by so many steps along a straight line; the one with most steps plays the ramp of an axis."""
 
     KIND = 0x23
+    HARMLESS_TWICE = False
     LAYOUT = "<BB"
     TAIL = range(9)
     EACH = "i"
@@ -481,6 +491,7 @@ class ZeroRequest(Request):
     """Call the places where axes are so many steps, and move them to 0."""
 
     KIND = 0x25
+    HARMLESS_TWICE = False
     LAYOUT = "<BH"
     axes: int
     steps: int

@@ -65,8 +65,12 @@ class MotionChecks:
         """Return the intervals of speeds by axes [ticks]; Rejected when an axis' ramp doesn't lead to one."""
         self.known_axes(speeds)
         for each in speeds:
-            interval, slew = abs(interval_ticks(each.value, self._timer_hz)), self.ways[each.axis].slew_interval
-            if each.value and not slew <= interval <= self._longest_ticks:
+            slew = self.ways[each.axis].slew_interval
+            # Of a speed that is slower by far, the interval may be beyond all numbers.
+            too_slow = abs(each.value) * (self._longest_ticks + 1) < self._timer_hz
+            if each.value and (
+                too_slow or not slew <= abs(interval_ticks(each.value, self._timer_hz)) <= self._longest_ticks
+            ):
                 slowest, fastest = (speed_from_interval(ticks, self._timer_hz) for ticks in (self._longest_ticks, slew))
                 allowed = (
                     f"from {-fastest:,.10g} to {fastest:,.10g} steps/s, the slew speed of the axis' ramp, and 0 or at "

@@ -15,13 +15,16 @@ LONGEST_PAUSE_S = 30.0
 
 
 class Returning:
-    """A thread that looks for lost devices; it begins with the first look and lives as long as the program."""
+    """Looks for lost devices in a thread of its own, from when it begins until it ends."""
 
     def __init__(self, lost: Callable[[], Sequence[Device]]) -> None:
         self._lost = lost
         self._ended = threading.Event()
         self._pauses: dict[Device, tuple[float, float]] = {}
         """Of each lost device: when to try next, by the monotonic clock, and the pause after that [s]."""
+
+    def begin(self) -> None:
+        """Look for them from now on."""
         threading.Thread(target=self._run, name="returning devices", daemon=True).start()
 
     def end(self) -> None:

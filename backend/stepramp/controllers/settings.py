@@ -29,9 +29,14 @@ def _in_order(axes: tuple[int, ...] | None) -> tuple[int, ...] | None:
     return None if axes is None else tuple(sorted(set(axes)))
 
 
+MOST_NAMED = 4 * MOST_AXES
+"""Longest list of axes; naming one twice is harmless."""
+
 _AXES = f"axes, whole numbers from 0 to {MOST_AXES - 1}"
-AxisNumbers = Annotated[tuple[AxisNumber, ...], ListOf(_AXES), AfterValidator(_in_order)]
-AxisNumbersOrNull = Annotated[tuple[AxisNumber, ...] | None, ListOrNull(_AXES), AfterValidator(_in_order)]
+AxisNumbers = Annotated[tuple[AxisNumber, ...], ListOf(_AXES, most=MOST_NAMED), AfterValidator(_in_order)]
+AxisNumbersOrNull = Annotated[
+    tuple[AxisNumber, ...] | None, ListOrNull(_AXES, most=MOST_NAMED), AfterValidator(_in_order)
+]
 
 
 class Settings(Document):

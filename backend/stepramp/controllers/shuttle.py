@@ -12,6 +12,8 @@ class Shuttle:
     by_steps: int
     times: int
     pause_s: float
+    asked: int = 0
+    """When it was asked for, in the order of all that is asked; see stops."""
     legs_begun: int = 0
     """Ways there and ways back that have been set out on."""
     expected_steps: int | None = None

@@ -1,12 +1,14 @@
 """The family of controllers that speak docs/serial_protocol.md."""
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from time import sleep
 
 from stepramp.controllers.controller import (
     UNDER_WAY,
     Activity,
+    AnswerUnknown,
     Asked,
     AxisStatus,
     ControllerStatus,
@@ -51,11 +53,12 @@ from stepramp.controllers.progress import Tell
 from stepramp.controllers.push import plan_push
 from stepramp.controllers.ramp_image import BadRampImage, RampImage
 from stepramp.controllers.settings import Settings
+from stepramp.controllers.speed_limits import interval_ticks
 from stepramp.controllers.trace import Trace
 from stepramp.controllers.tracing import Tracing
 from stepramp.controllers.transfer import Transfer
 from stepramp.design import Design
-from stepramp.errors import DeviceLost, Refused
+from stepramp.errors import DeviceLost, Refused, Rejected
 from stepramp.link.serial_port import SerialPort
 from stepramp.units import speed_from_interval
 
@@ -85,7 +88,7 @@ class StepRampController:
         self._image: RampImage | None = None
         self._status: ControllerStatus | None = None
         self._report: ReportNotice | None = None
-        self._tracing = Tracing(self._conversation)
+        self._tracing = Tracing(self._conversation, give_way)
         self._checks = MotionChecks()
 
     @property
@@ -113,8 +116,8 @@ class StepRampController:
         return f"{said.firmware_major}.{said.firmware_minor}.{said.firmware_patch}"
 
     @property
-    def trace(self) -> Trace | None:
-        """The trace of the last move that was traced, or is being."""
+    def trace(self) -> Callable[[], Trace] | None:
+        """What works out the trace of the last move that was traced; see Controller."""
         return self._tracing.trace
 
     def connect(self) -> None:
@@ -191,7 +194,8 @@ class StepRampController:
         something else than what was sent: then the ramps it had stay active.
         """
         self._transfer.deliver(image)
-        written = self._transfer.commit()
+        with self._looking_again():
+            written = self._transfer.commit()
         return self._learn_image(RampInUse.STORED), written.ramp_sequence
 
     def try_out(self, image: bytes) -> tuple[bytes, int]:
@@ -205,7 +209,8 @@ class StepRampController:
         """Store the ramps and settings in use."""
         if self._image is None:
             raise Refused("There is no ramp that the settings could be stored with: push a design first.")
-        self._transfer.commit()
+        with self._looking_again():
+            self._transfer.commit()
         self._learn_image(RampInUse.STORED)
 
     def roll_back(self) -> None:
@@ -230,7 +235,11 @@ class StepRampController:
     def settings(self) -> Settings:
         """Ask for the settings in use."""
         reply = self._conversation.ask(ReadSettingsRequest(), SettingsReply)
-        return Settings.unpack(reply.settings)
+        try:
+            return Settings.unpack(reply.settings)
+        except (Rejected, ValueError) as error:
+            # Not the client's fault: a Rejected would name a field that nobody sent.
+            raise DeviceLost(f"The controller at {self._port_name} has settings without sense: {error}") from error
 
     def use_settings(self, settings: Settings) -> None:
         """Use other settings until a roll back or a reset."""
@@ -290,6 +299,10 @@ class StepRampController:
         self._tracing.change(axes)
         self._conversation.ask(HaltRequest(self._mask(axes)), DoneReply)
 
+    def steps_to_rest(self, axis: int, speed_steps_per_s: float) -> int:
+        """Return how many steps an axis takes to slow down from a speed [steps/s]."""
+        return self._checks.ways[axis].steps_from(interval_ticks(speed_steps_per_s, self.timer_hz))
+
     def trace_moves(self, axis: int | None, every_steps: int) -> int:
         """Trace every so many-th step of each move of an axis from now on; see Controller."""
         if axis is not None:
@@ -303,6 +316,9 @@ class StepRampController:
         targets = self._conversation.ask(
             request(mask_of(values), tuple(values[axis] for axis in sorted(values))), TargetsReply, rejected
         )
+        if len(targets.targets_steps) != len(values):
+            told = f"{len(targets.targets_steps)} targets for {len(values)} axes"
+            raise DeviceLost(f"The controller at {self._port_name} gives answers without sense: {told}.")
         for axis in values:
             self._checks.running.pop(axis, None)
         reached = dict(zip(sorted(values), targets.targets_steps, strict=True))
@@ -323,16 +339,28 @@ class StepRampController:
                 self._tracing.take(notice)
 
     def _mask(self, axes: Collection[int] | None) -> bytes:
-        if axes is None:
-            return b""
-        self._checks.known_axes([Asked(axis, 0, "axes") for axis in axes])
-        return bytes([mask_of(axes)])
+        """Return which axes are to stop: nothing, which is all, also when one of them is unknown."""
+        known = range(len(self._checks.ways))
+        return b"" if axes is None or not all(axis in known for axis in axes) else bytes([mask_of(axes)])
 
     def _roll_back(self) -> None:
-        self._conversation.ask(RollBackRequest(), DoneReply)
+        with self._looking_again():
+            self._conversation.ask(RollBackRequest(), DoneReply)
         written = self._transfer.await_written()
         self._use_settings(self.settings())
         self._learn_image(RampInUse.STORED if written.ramp_sequence else RampInUse.NONE)
+
+    @contextmanager
+    def _looking_again(self) -> Iterator[None]:
+        """When it isn't known whether a request was carried out, look at what the controller now has."""
+        try:
+            yield
+        except AnswerUnknown:
+            self._conversation.begin()
+            with suppress(Refused):
+                self._transfer.await_written()
+            self.connect()
+            raise
 
     def _learn_image(self, in_use: RampInUse) -> bytes:
         """Read the ramps in use, and return their image as bytes."""

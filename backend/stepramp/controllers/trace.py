@@ -4,8 +4,9 @@ The controller tells 16 bits of its timer. A value lies within half a wrap of th
 which wrap it belongs to.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,7 +65,7 @@ class TraceCollector:
     def __init__(self, axis: int, every_steps: int) -> None:
         self.axis = axis
         self.every_steps = every_steps
-        self._plan: Plan | None = None
+        self._plan: Callable[[], Plan] | None = None
         self._timer_hz = 0
         self._complete = self._changed = False
         self._steps: list[int] = []
@@ -75,9 +76,12 @@ class TraceCollector:
         """Whether the end of a move is still to be told."""
         return self._plan is not None and not self._complete
 
-    def begin(self, plan: Plan, timer_hz: int) -> None:
-        """Begin with a move that sets out from rest."""
-        self._plan, self._timer_hz = plan, timer_hz
+    def begin(self, plan: Callable[[], Plan], timer_hz: int) -> None:
+        """Begin with a move that sets out from rest.
+
+        plan: works the plan out, which takes a while: it is called only when the trace is looked at.
+        """
+        self._plan, self._timer_hz = cache(plan), timer_hz
         self._complete = self._changed = False
         self._steps, self._values = [], []
 
@@ -95,20 +99,31 @@ class TraceCollector:
             self._values += notice.values
         self._complete = notice.is_last
 
-    def trace(self) -> Trace | None:
-        """Return the trace as far as it is known; None before a move was traced."""
+    def trace(self) -> Callable[[], Trace] | None:
+        """Return what works out the trace as far as it is known now, in any thread; None before a move was traced."""
         if self._plan is None:
             return None
-        step = np.array(self._steps, np.int64)
-        planned = self._plan.instants(step)
-        if self._plan.pulse_of_step is not None:
-            # A follower's first step may come after the leader's first: the trace begins with its own.
-            planned = planned - self._plan.instants(np.array([1]))[0]
-        values = np.array(self._values, np.int64)
-        measured = extended(values, planned)
-        return Trace(
-            self.axis, self.every_steps, self._timer_hz, self._complete, self._changed, step, planned, measured
-        )
+        known = (self.axis, self.every_steps, self._timer_hz, self._complete, self._changed)
+        return partial(_trace, self._plan, self._steps.copy(), self._values.copy(), *known)
+
+
+def _trace(
+    planned_move: Callable[[], Plan],
+    steps: Sequence[int],
+    values: Sequence[int],
+    axis: int,
+    every_steps: int,
+    timer_hz: int,
+    complete: bool,
+    changed: bool,
+) -> Trace:
+    plan, step = planned_move(), np.array(steps, np.int64)
+    planned = plan.instants(step)
+    if plan.pulse_of_step is not None:
+        # A follower's first step may come after the leader's first: the trace begins with its own.
+        planned = planned - plan.instants(np.array([1]))[0]
+    measured = extended(np.array(values, np.int64), planned)
+    return Trace(axis, every_steps, timer_hz, complete, changed, step, planned, measured)
 
 
 def extended(values: NDArray[np.int64], planned: NDArray[np.int64]) -> NDArray[np.int64]:

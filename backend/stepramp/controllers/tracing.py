@@ -1,7 +1,7 @@
 """Tracing: which moves are traced, and with what plan, as they are asked for."""
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from time import monotonic, sleep
+from time import monotonic
 
 from stepramp.controllers.conversation import Conversation
 from stepramp.controllers.course import Ways
@@ -23,16 +23,20 @@ LISTEN_S = 0.01
 
 
 class Tracing:
-    """The trace of one axis' moves over a conversation."""
+    """The trace of one axis' moves over a conversation.
 
-    def __init__(self, conversation: Conversation) -> None:
+    give_way: called while a trace is waited for, with how long there is time for other calls [s].
+    """
+
+    def __init__(self, conversation: Conversation, give_way: Callable[[float], None]) -> None:
         self._conversation = conversation
+        self._give_way = give_way
         self._collector: TraceCollector | None = None
         self._sets_out = False
 
     @property
-    def trace(self) -> Trace | None:
-        """The trace of the last move that was traced, or is being."""
+    def trace(self) -> Callable[[], Trace] | None:
+        """What works out the trace of the last move that was traced, in any thread; None before there was one."""
         return self._collector.trace() if self._collector else None
 
     def arm(self, axis: int | None, every_steps: int) -> int:
@@ -64,7 +68,7 @@ class Tracing:
         deadline = monotonic() + LAST_FRAME_WITHIN_S
         hear()
         while self._sets_out and collector.is_under_way and monotonic() < deadline:
-            sleep(LISTEN_S)
+            self._give_way(LISTEN_S)
             hear()
         return {collector.axis: status.position_steps}
 
@@ -77,19 +81,21 @@ class Tracing:
         """Note that axes have begun to move so many steps."""
         if (collector := self._setting_out(distances)) is not None:
             own = ways[collector.axis]
-            collector.begin(Plan(own.course(own.rest, abs(distances[collector.axis]))), timer_hz)
+            steps = abs(distances[collector.axis])
+            collector.begin(lambda: Plan(own.course(own.rest, steps)), timer_hz)
 
     def runs(self, intervals: Mapping[int, int], ways: Sequence[Ways], timer_hz: int) -> None:
         """Note that axes have begun to run at intervals [ticks]."""
         if (collector := self._setting_out(intervals)) is not None:
             own = ways[collector.axis]
-            collector.begin(Plan(own.course(own.rest, ENDLESS_STEPS, abs(intervals[collector.axis]))), timer_hz)
+            interval = abs(intervals[collector.axis])
+            collector.begin(lambda: Plan(own.course(own.rest, ENDLESS_STEPS, interval)), timer_hz)
 
     def goes_along_a_line(self, steps: Mapping[int, int], ways: Ways, timer_hz: int) -> None:
         """Note that axes have begun to move along a line, whose leader goes these ways."""
         if (collector := self._setting_out(steps)) is not None:
             most, own = max(map(abs, steps.values())), abs(steps[collector.axis])
-            collector.begin(Plan(ways.course(ways.rest, most), steps_together(most, own)), timer_hz)
+            collector.begin(lambda: Plan(ways.course(ways.rest, most), steps_together(most, own)), timer_hz)
 
     def _setting_out(self, asked: Mapping[int, int]) -> TraceCollector | None:
         """Return the collector if the axis that it traces has set out from rest."""

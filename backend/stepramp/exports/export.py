@@ -91,6 +91,9 @@ _FORMATS: dict[FormatName, _Format] = {
     "png": _Format(".png", "image/png", lambda design, _, options: picture_of(_moves(design, options), "png")),
 }
 
+MEDIA_TYPES = tuple(sorted({each.media_type.partition(";")[0] for each in _FORMATS.values()}))
+"""Of all formats."""
+
 
 def export(design: Design, format_name: FormatName, options: Options) -> Exported:
     """Return a design in a format.

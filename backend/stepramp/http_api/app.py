@@ -1,15 +1,21 @@
 """The application: routes, pages, and what guards them."""
 
+import asyncio
 import threading
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from typing import Any
 
 from fastapi import FastAPI
+from starlette.types import Receive, Scope, Send
 
 from stepramp.controllers.devices import Devices
 from stepramp.http_api import curves, devices, exports, pages, planning, schedule, tables
+from stepramp.http_api.asked_at import AskedAt
+from stepramp.http_api.door import Door
 from stepramp.http_api.errors import ErrorList, handle_errors
-from stepramp.http_api.security import LoopbackOnly
+from stepramp.http_api.news import News
+from stepramp.http_api.security import LoopbackOnly, with_policy
 from stepramp.ramp.warm_up import warm_up
 from stepramp.version import __version__
 
@@ -17,7 +23,9 @@ DESCRIPTION = """
 Plans stepper-motor ramps and plays them on attached controllers.
 
 A design is one JSON document. Every rejection names the field, its value and what is allowed, in one shape on all
-routes. Words and units are those of the page: intervals in ticks of the design's timer, speeds in steps/s.
+routes: also 404 for a path that isn't there, 405 for a method that a path doesn't know, 413 for a body that is too
+large and 415 for one that isn't application/json. Words and units are those of the page: intervals in ticks of the
+design's timer, speeds in steps/s.
 """
 
 
@@ -25,13 +33,37 @@ routes. Words and units are those of the page: intervals in ticks of the design'
 async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     """Compile the numerics in the background; at the end let go of every device, one that moves being stopped first."""
     threading.Thread(target=warm_up, daemon=True).start()
+    app.state.devices.look_for_lost_ones()
+    app.state.news = News(app.state.devices)
+    publishing = asyncio.create_task(app.state.news.publish())
     yield
+    publishing.cancel()
     app.state.devices.close()
+
+
+class Application(FastAPI):
+    """The application, whose every answer carries the guards' headers, also where the framework itself answers."""
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Serve a request, a WebSocket, or the application's own beginning and end."""
+        await super().__call__(scope, receive, with_policy(send))
+
+    def openapi(self) -> dict[str, Any]:
+        """Return the description of the API; of connecting, it says where the device's id can be used."""
+        if self.openapi_schema is None:
+            described = super().openapi()
+            paths = [operations for path, operations in described["paths"].items() if "{device_id}" in path]
+            names = [operation["operationId"] for operations in paths for operation in operations.values()]
+            connected = described["paths"]["/api/v1/devices"]["post"]["responses"]["200"]
+            connected["links"] = {
+                name: {"operationId": name, "parameters": {"device_id": "$response.body#/id"}} for name in names
+            }
+        return super().openapi()
 
 
 def create_app() -> FastAPI:
     """Return the application with no device connected."""
-    app = FastAPI(
+    app = Application(
         title="StepRamp",
         version=__version__,
         description=DESCRIPTION,
@@ -39,7 +71,12 @@ def create_app() -> FastAPI:
         redoc_url=None,
         openapi_url="/api/v1/openapi.json",
         lifespan=_lifespan,
-        responses={422: {"model": ErrorList, "description": "A value can't be used"}},
+        redirect_slashes=False,
+        responses={
+            403: {"model": ErrorList, "description": "The request comes from a page or a host that isn't ours"},
+            422: {"model": ErrorList, "description": "A value can't be used"},
+            500: {"model": ErrorList, "description": "StepRamp made a mistake; it is logged"},
+        },
     )
     app.state.devices = Devices()
     app.include_router(planning.router, prefix="/api/v1")
@@ -50,5 +87,7 @@ def create_app() -> FastAPI:
     app.include_router(devices.router, prefix="/api/v1")
     handle_errors(app)
     pages.add(app)
+    app.add_middleware(Door)
     app.add_middleware(LoopbackOnly)
+    app.add_middleware(AskedAt, now=app.state.devices.order.next)
     return app

@@ -1,23 +1,28 @@
 """The routes for plots: a design in, everything that is drawn of it out, in one answer. They keep nothing."""
 
-import asyncio
-from contextlib import suppress
+from functools import partial
 from typing import Annotated
 
-from fastapi import APIRouter, WebSocket, WebSocketDisconnect
+from fastapi import APIRouter, WebSocket
 from pydantic import Field
 from starlette.responses import Response
 
-from stepramp.design import MOST_STEPS, Design, MethodName
-from stepramp.errors import Rejected
+from stepramp.design import MOST_NAMES, MOST_STEPS, Design, MethodName
+from stepramp.errors import Rejected, Rejection
+from stepramp.http_api.bodies import JsonRoute
 from stepramp.http_api.curves_models import CurvesAnswer, curves_content
 from stepramp.http_api.errors import error_items, in_body
-from stepramp.http_api.json_response import json_bytes, json_response
-from stepramp.http_api.sockets import parsed
+from stepramp.http_api.json_response import json_bytes, json_pieces
+from stepramp.http_api.lanes import PLANNING, planning_lane
+from stepramp.http_api.planned import Planned
+from stepramp.http_api.sockets import parsed, received, send, served
 from stepramp.ramp.drawing import Drawing
-from stepramp.validation import Document, ListOf, OneOf, Within
+from stepramp.validation import Document, ListOf, OneOf, TrueOrFalse, Within
 
-router = APIRouter(tags=["planning"])
+router = APIRouter(tags=["planning"], route_class=JsonRoute)
+
+LONGEST_MESSAGE_BYTES = 2**22
+"""A message is sent in one go, for which a stop may have to wait."""
 
 StepOfMove = Annotated[int, Within(1, MOST_STEPS, "steps, or null")] | None
 
@@ -26,7 +31,7 @@ class CurvesRequest(Document):
     """A design, and what is to be drawn of it."""
 
     design: Design
-    methods: Annotated[list[Annotated[MethodName, OneOf()]], ListOf("method names")] = Field(
+    methods: Annotated[list[Annotated[MethodName, OneOf()]], ListOf("method names", most=MOST_NAMES)] = Field(
         description="Methods to draw, each with the design's arithmetic or else the one usual for it"
     )
     reference: Annotated[MethodName, OneOf()] = Field("exact", description="Method that they are compared with")
@@ -39,8 +44,10 @@ class CurvesRequest(Document):
         "Null: the move's first [steps]",
     )
     last_step: StepOfMove = Field(None, description="Last step of that part; null: the move's last [steps]")
-    acceleration: bool = Field(False, description="Whether the implied acceleration is wanted")
-    parts: bool = Field(False, description="Whether the parts of the error are wanted")
+    acceleration: Annotated[bool, TrueOrFalse()] = Field(
+        False, description="Whether the implied acceleration is wanted"
+    )
+    parts: Annotated[bool, TrueOrFalse()] = Field(False, description="Whether the parts of the error are wanted")
     segment_bound_ticks: Annotated[int, Within(0, 10_000, "ticks, or null for no segments")] | None = Field(
         None,
         description="Bound of the segments whose part of the error is given among the parts [ticks]; null: no segments",
@@ -63,9 +70,10 @@ class CurvesRequest(Document):
 
 
 @router.post("/curves", response_model=CurvesAnswer)
-def curves(request: CurvesRequest) -> Response:
+async def curves(request: CurvesRequest) -> Response:
     """Plan a design's move by several methods, thinned for plots, with their errors and figures."""
-    return json_response(curves_content(request.drawing))
+    lane = planning_lane([request.design], len(request.methods), request.max_points)
+    return Planned(lane, lambda: curves_content(request.drawing))
 
 
 @router.websocket("/curves/socket")
@@ -75,17 +83,27 @@ async def curves_socket(socket: WebSocket) -> None:
     For sliders: in a browser a request of its own takes longer than the curves of a usual move.
     """
     await socket.accept()
-    # Starlette raises one or the other when the page has gone: which one depends on who noticed first.
-    with suppress(WebSocketDisconnect, RuntimeError):
+    async with served(socket):
         while True:
-            text = await socket.receive_text()
-            await socket.send_text(await asyncio.to_thread(_answer, text))
+            message = await received(socket)
+            await send(socket, await PLANNING.run(partial(_answer, message)))
 
 
-def _answer(text: str) -> str:
+def _answer(message: str | bytes) -> str:
     try:
-        request = CurvesRequest.checked(parsed(text, "a JSON object with a design and methods"))
-        content = curves_content(request.drawing)
+        request = CurvesRequest.checked(parsed(message, "a JSON object with a design and methods"))
+        return _message(curves_content(request.drawing), request.max_points)
     except Rejected as error:
-        content = {"errors": error_items(in_body(error))}
-    return json_bytes(content).decode()
+        return json_bytes({"errors": error_items(in_body(error))}).decode()
+
+
+def _message(content: object, max_points: int) -> str:
+    pieces: list[bytes] = []
+    left = LONGEST_MESSAGE_BYTES
+    for piece in json_pieces(content):
+        pieces.append(piece)
+        left -= len(piece)
+        if left < 0:
+            allowed = f"fewer, for an answer of at most {LONGEST_MESSAGE_BYTES:,} bytes; POST /curves sends more"
+            raise Rejected([Rejection("max_points", max_points, allowed)])
+    return b"".join(pieces).decode()

@@ -5,6 +5,7 @@ from typing import Annotated, Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from stepramp.controllers.device_view import DeviceState
+from stepramp.controllers.messages import MOST_AXES
 from stepramp.controllers.progress import PushStage
 from stepramp.controllers.settings import ListOrNull
 from stepramp.design import Design
@@ -26,7 +27,7 @@ class PushDesigns(Document):
     to_axis: Annotated[int, Within(0, 3)] = Field(
         0, description="Which axis `design` is for: one that has a ramp, or the next one"
     )
-    axes: Annotated[list[Design] | None, ListOrNull("designs, one for each axis")] = Field(
+    axes: Annotated[list[Design] | None, ListOrNull("designs, one for each axis", most=MOST_AXES, least=1)] = Field(
         None, description="The designs of all axes, axis 0 first, all made for the same clock of the controller"
     )
 
@@ -165,6 +166,8 @@ class AxisAnswer(Answer):
     )
     speed_steps_per_s: float = Field(description="How fast it moves, without sign [steps/s]")
     steps_made: int = Field(description="Steps since it last set out from rest [steps]")
+    lowest_steps: int | None = Field(description="Soft limit: the lowest position; null for none [steps]")
+    highest_steps: int | None = Field(description="Soft limit: the highest position; null for none [steps]")
 
 
 class DeviceAnswer(Answer):
@@ -203,6 +206,10 @@ class DeviceAnswer(Answer):
     )
     in_control: str | None = Field(
         description="The page that is in control: others must take over first. null for none; programs need none"
+    )
+    stops: int = Field(
+        description="A number that grows with each stop of it: what is asked with an earlier one in the header "
+        "X-StepRamp-Stops moves nothing"
     )
     heard_s: float = Field(description="When the controller said so, by a clock of the server [s]")
 

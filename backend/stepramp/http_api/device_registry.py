@@ -9,7 +9,7 @@ from stepramp.controllers.device import Device
 from stepramp.controllers.devices import Devices
 
 
-def registry(connection: HTTPConnection) -> Devices:
+async def registry(connection: HTTPConnection) -> Devices:
     """Return the application's devices."""
     devices: Devices = connection.app.state.devices
     return devices
@@ -26,7 +26,7 @@ Page = Annotated[
 ]
 
 
-def acting(device_id: str, devices: Registry, page: Page = None) -> Device:
+async def acting(device_id: str, devices: Registry, page: Page = None) -> Device:
     """Return a device for somebody who acts on it; Refused for a page while another one is in control."""
     return devices.acting(device_id, page)
 

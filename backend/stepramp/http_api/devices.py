@@ -1,14 +1,16 @@
 """Routes over the attached controllers: connecting, ramps and settings, and the WebSocket that tells how they fare."""
 
 import asyncio
-from contextlib import suppress
+from collections.abc import Coroutine
+from contextlib import aclosing, suppress
 
 from fastapi import APIRouter, WebSocket, WebSocketDisconnect
 
 from stepramp.controllers.devices import Devices
 from stepramp.controllers.settings import Settings
 from stepramp.errors import Refused
-from stepramp.http_api import jog, motion
+from stepramp.http_api import jog, motion, stop_messages, stopping
+from stepramp.http_api.bodies import JsonRoute
 from stepramp.http_api.device_models import (
     ConnectRequest,
     DeviceAnswer,
@@ -22,35 +24,40 @@ from stepramp.http_api.device_models import (
 )
 from stepramp.http_api.device_registry import Acting, Page, Registry
 from stepramp.http_api.errors import ErrorList
+from stepramp.http_api.lanes import ACTING, CONNECTING, PLANNING, PUSHING
+from stepramp.http_api.news import News
+from stepramp.http_api.sockets import received, send, served
 from stepramp.link.ports import list_serial_ports
-
-EVENT_PAUSE_S = 1 / 50
 
 router = APIRouter(
     tags=["devices"],
+    route_class=JsonRoute,
     responses={
         404: {"model": ErrorList, "description": "No such device"},
         409: {"model": ErrorList, "description": "Not now: the motor moves, or the controller has no ramp"},
         502: {"model": ErrorList, "description": "The device does not answer, or its port is gone"},
     },
 )
+router.include_router(stopping.router)
 router.include_router(motion.router)
 router.include_router(jog.router)
 
 
 @router.get("/ports")
+@ACTING.serves
 def ports() -> PortsAnswer:
     """Return the ports of this machine, the virtual one last."""
     return PortsAnswer.model_validate({"ports": list_serial_ports()})
 
 
 @router.get("/devices")
-def all_devices(devices: Registry) -> DevicesAnswer:
+async def all_devices(devices: Registry) -> DevicesAnswer:
     """Return the devices that are connected, or were until they were lost."""
     return DevicesAnswer.model_validate({"devices": devices.views()})
 
 
 @router.post("/devices")
+@CONNECTING.serves
 def connect(request: ConnectRequest, devices: Registry, page: Page = None) -> DeviceAnswer:
     """Connect to a port, which takes up to 6 s, and return its device. Nothing moves."""
     device = devices.connect(request.port)
@@ -60,12 +67,13 @@ def connect(request: ConnectRequest, devices: Registry, page: Page = None) -> De
 
 
 @router.get("/devices/{device_id}")
-def one_device(device_id: str, devices: Registry) -> DeviceAnswer:
+async def one_device(device_id: str, devices: Registry) -> DeviceAnswer:
     """Return a device as it is now."""
     return DeviceAnswer.model_validate(devices.get(device_id).view)
 
 
 @router.delete("/devices/{device_id}")
+@CONNECTING.serves
 def disconnect(device: Acting, devices: Registry) -> DisconnectedAnswer:
     """Let go of a device; refused while a motor of it moves."""
     devices.disconnect(device.view.id)
@@ -73,7 +81,7 @@ def disconnect(device: Acting, devices: Registry) -> DisconnectedAnswer:
 
 
 @router.post("/devices/{device_id}/control")
-def take_over(device_id: str, devices: Registry, page: Page = None) -> DeviceAnswer:
+async def take_over(device_id: str, devices: Registry, page: Page = None) -> DeviceAnswer:
     """Put the page that asks in control, whichever was before. Nothing moves or stops by that but another's jog."""
     if page is None:
         raise Refused("Only a page can be in control: say which in the header X-StepRamp-Page.")
@@ -81,12 +89,14 @@ def take_over(device_id: str, devices: Registry, page: Page = None) -> DeviceAns
 
 
 @router.post("/devices/{device_id}/push")
+@PUSHING.serves
 def push(request: PushRequest, device: Acting) -> PushAnswer:
     """Have the controller use designs' ramps, stored or on trial, and read them back; refused while a motor moves."""
-    return PushAnswer.model_validate(device.push(request.designs, request.first_axis, request.mode))
+    return PushAnswer.model_validate(device.push(request.designs, request.first_axis, request.mode, PLANNING.wait_for))
 
 
 @router.post("/devices/{device_id}/push/preview")
+@PLANNING.serves
 def preview_push(device_id: str, request: PushDesigns, devices: Registry) -> PreviewAnswer:
     """Return what a push would change of the ramps in use; nothing is sent."""
     preview = devices.get(device_id).preview_push(request.designs, request.first_axis)
@@ -94,6 +104,7 @@ def preview_push(device_id: str, request: PushDesigns, devices: Registry) -> Pre
 
 
 @router.post("/devices/{device_id}/keep")
+@ACTING.serves
 def keep(device: Acting) -> DeviceAnswer:
     """Store the ramps and settings that are in use, on trial or not."""
     device.keep()
@@ -101,6 +112,7 @@ def keep(device: Acting) -> DeviceAnswer:
 
 
 @router.post("/devices/{device_id}/roll_back")
+@ACTING.serves
 def roll_back(device: Acting) -> DeviceAnswer:
     """Drop the ramps and settings that are on trial: the stored ones are used again."""
     device.roll_back()
@@ -108,6 +120,7 @@ def roll_back(device: Acting) -> DeviceAnswer:
 
 
 @router.post("/devices/{device_id}/restore")
+@ACTING.serves
 def restore(device: Acting) -> DeviceAnswer:
     """Bring back the ramps and settings that were stored before the present ones; a second time brings those back."""
     device.restore()
@@ -115,12 +128,14 @@ def restore(device: Acting) -> DeviceAnswer:
 
 
 @router.get("/devices/{device_id}/settings")
+@ACTING.serves
 def settings(device_id: str, devices: Registry) -> Settings:
     """Return the settings in use."""
     return devices.get(device_id).settings()
 
 
 @router.put("/devices/{device_id}/settings")
+@ACTING.serves
 def use_settings(request: Settings, device: Acting) -> Settings:
     """Use other settings, what isn't given being the default; they are on trial until they are kept."""
     device.use_settings(request)
@@ -131,28 +146,46 @@ def use_settings(request: Settings, device: Acting) -> Settings:
 async def events(socket: WebSocket, devices: Registry, page: str | None = None) -> None:
     """Send all devices at once and after each change, at most 50 times a second; the newest state wins.
 
-    page: what the page that listens calls itself; it can be in control of devices as long as it does.
+    page: what the page that listens calls itself; it can be in control of devices as long as it does. Who listens can
+    stop, too: `{"do": "stop"}` and `{"do": "halt", "device": "1"}` are answered once that is granted, with `did`.
     """
     await socket.accept()
-    loop, changed = asyncio.get_running_loop(), asyncio.Event()
-
-    def wake() -> None:
-        with suppress(RuntimeError):  # The server ended in this very moment; nobody listens any more.
-            loop.call_soon_threadsafe(changed.set)
-
-    with devices.listening(wake), devices.present(page):
-        sender = asyncio.create_task(_send_changes(socket, devices, changed))
-        while (await socket.receive())["type"] != "websocket.disconnect":
-            pass
-        sender.cancel()
+    news: News = socket.app.state.news
+    async with served(socket):
+        with devices.present(page):
+            await _until_one_ends(_tell(socket, news), _hear(socket, devices))
 
 
-async def _send_changes(socket: WebSocket, devices: Devices, changed: asyncio.Event) -> None:
-    # Starlette raises one or the other when the page has gone: which one depends on who noticed first.
-    with suppress(WebSocketDisconnect, RuntimeError):
-        while True:
-            changed.clear()
-            answer = DevicesAnswer.model_validate({"devices": devices.views()})
-            await socket.send_text(answer.model_dump_json())
-            await asyncio.sleep(EVENT_PAUSE_S)
-            await changed.wait()
+async def _tell(socket: WebSocket, news: News) -> None:
+    async with aclosing(news.editions()) as editions:
+        async for edition in editions:
+            await send(socket, edition)
+
+
+async def _hear(socket: WebSocket, devices: Devices) -> None:
+    """Stop whenever that is asked for, until the other end has gone."""
+    stopping: set[asyncio.Task[None]] = set()
+    while True:
+        message = await received(socket)
+        # In a task of its own: a halt must not wait until the stop before it is granted.
+        task = asyncio.create_task(_stop(socket, message, devices))
+        stopping.add(task)
+        task.add_done_callback(stopping.discard)
+
+
+async def _stop(socket: WebSocket, message: str | bytes, devices: Devices) -> None:
+    answer = await stop_messages.answered(message, devices)
+    with suppress(WebSocketDisconnect):
+        await send(socket, answer)
+
+
+async def _until_one_ends(*works: Coroutine[None, None, None]) -> None:
+    """Do several things at the same time until one of them ends; raise what it raised."""
+    tasks = [asyncio.create_task(work) for work in works]
+    try:
+        ended, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+        for task in ended:
+            task.result()
+    finally:
+        for task in tasks:
+            task.cancel()

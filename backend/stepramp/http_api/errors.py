@@ -1,19 +1,19 @@
 """The one shape in which the API tells what went wrong."""
 
-import math
-
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from pydantic import BaseModel, Field
 from starlette.exceptions import HTTPException
 from starlette.responses import Response
+from starlette.routing import Match
 
 from stepramp.design import Design
-from stepramp.errors import DeviceLost, Forbidden, NotFound, Refused, Rejected, Rejection, StepRampError
+from stepramp.errors import DeviceLost, Forbidden, NotFound, Refused, Rejected, Rejection, StepRampError, brief
 from stepramp.http_api.json_response import json_response
-from stepramp.validation import rejections
+from stepramp.validation import rejected
 
 STATUS: dict[type[StepRampError], int] = {Rejected: 422, NotFound: 404, Refused: 409, Forbidden: 403, DeviceLost: 502}
+METHODS = ("GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS")
 
 
 class ErrorItem(BaseModel):
@@ -40,7 +40,8 @@ def error_response(error: StepRampError) -> Response:
 def error_items(error: StepRampError) -> list[dict[str, object]]:
     """Return the contents of the ErrorItems that stand for an error."""
     if isinstance(error, Rejected):
-        return [_item(rejection) for rejection in error.rejections]
+        items = [_item(rejection) for rejection in error.rejections]
+        return [*items, _sentence(error.more_message)] if error.more else items
     return [_sentence(str(error))]
 
 
@@ -53,15 +54,18 @@ def handle_errors(app: FastAPI) -> None:
 
     async def invalid(_: Request, error: Exception) -> Response:
         assert isinstance(error, RequestValidationError)
-        if any(each["type"] == "json_invalid" for each in error.errors()):
-            return _response(422, [_sentence("The request's body is not JSON.")])
-        return error_response(Rejected(rejections(error.errors(), skip=1)))
+        return error_response(rejected(error.errors(), skip=1))
 
     async def http(request: Request, error: Exception) -> Response:
         assert isinstance(error, HTTPException)
-        asked = f"{request.method} {request.url.path}"
-        message = f"{error.detail}: {asked}. The routes are described at /docs."
-        return _response(error.status_code, [_sentence(message)], dict(error.headers or {}))
+        asked = f"{request.method} {brief(request.url.path)}"
+        message, headers = error.detail, dict(error.headers or {})
+        if error.status_code == 405:
+            headers["Allow"] = ", ".join(_methods_of(request)) or headers.get("Allow", "GET, HEAD")
+            message = f"{message}: {asked}; allowed: {headers['Allow']}."
+        elif not message.endswith("."):
+            message = f"{message}: {asked}. The routes are described at /docs."
+        return _response(error.status_code, [_sentence(message)], headers)
 
     async def unexpected(_: Request, error: Exception) -> Response:
         return _response(500, [_sentence(f"StepRamp made a mistake: {type(error).__name__}. It is logged.")])
@@ -80,14 +84,24 @@ def in_body(error: Rejected) -> Rejected:
             if each.field.split(".")[0] in Design.model_fields
             else each
             for each in error.rejections
-        ]
+        ],
+        error.more,
     )
+
+
+def _methods_of(request: Request) -> list[str]:
+    """Return the methods that the routes of a request's path know; none for the path of a file."""
+    routes = request.app.router.routes
+    scopes = {method: {**request.scope, "method": method} for method in METHODS}
+    return [
+        method for method, scope in scopes.items() if any(route.matches(scope)[0] is Match.FULL for route in routes)
+    ]
 
 
 def _item(rejection: Rejection) -> dict[str, object]:
     return {
         "field": rejection.field,
-        "value": _json_value(rejection.value),
+        "value": brief(rejection.value),
         "allowed": rejection.allowed,
         "message": rejection.message,
     }
@@ -95,19 +109,6 @@ def _item(rejection: Rejection) -> dict[str, object]:
 
 def _sentence(message: str) -> dict[str, object]:
     return {"field": None, "value": None, "allowed": None, "message": message}
-
-
-def _json_value(value: object) -> object:
-    """Return what was given so that JSON can carry it: NaN, infinities and numbers of many digits become text."""
-    if isinstance(value, float) and not math.isfinite(value):
-        return str(value)
-    if isinstance(value, int) and abs(value) >= 2**63:
-        return str(value)[:80]
-    if isinstance(value, list | tuple):
-        return [_json_value(each) for each in value[:20]]
-    if isinstance(value, dict):
-        return {str(name): _json_value(each) for name, each in list(value.items())[:20]}
-    return value
 
 
 def _response(status: int, items: list[dict[str, object]], headers: dict[str, str] | None = None) -> Response:

@@ -1,17 +1,19 @@
 """The route that exports a design as a file. It keeps nothing."""
 
-from typing import Annotated, Self
+from typing import Annotated, Any, Self
 
 from fastapi import APIRouter
 from pydantic import Field, model_validator
 from starlette.responses import Response
 
-from stepramp.design import Arithmetic, Design, MethodName
-from stepramp.exports.export import FormatName, Options, export
+from stepramp.design import MOST_NAMES, Arithmetic, Design, MethodName
+from stepramp.exports.export import MEDIA_TYPES, FormatName, Options, export
 from stepramp.exports.names import NAME_RULE, is_identifier
+from stepramp.http_api.bodies import JsonRoute
+from stepramp.http_api.lanes import LONG_PLANNING
 from stepramp.validation import Document, ListOf, OneOf, Within, refuse
 
-router = APIRouter(tags=["exports"])
+router = APIRouter(tags=["exports"], route_class=JsonRoute)
 
 MOST_BOUND_TICKS = 10_000
 
@@ -23,7 +25,7 @@ class ExportRequest(Document):
     name: str | None = Field(
         None, description="Begin of the file's name and of the names in C; null: made of the design's name"
     )
-    methods: Annotated[list[Annotated[MethodName, OneOf()]], ListOf("method names")] = Field(
+    methods: Annotated[list[Annotated[MethodName, OneOf()]], ListOf("method names", most=MOST_NAMES)] = Field(
         default=[], description="html, svg, png: methods that the design's own is compared with"
     )
     arithmetic: Annotated[Arithmetic, OneOf()] | None = Field(
@@ -42,13 +44,12 @@ class ExportRequest(Document):
         return self
 
 
-class File(Response):
-    """A file of some kind, to be saved."""
-
-    media_type = "application/octet-stream"
+FILE: dict[str, Any] = {kind: {"schema": {"type": "string", "format": "binary"}} for kind in MEDIA_TYPES}
+FILE["application/json"] = {"schema": {"type": "object", "description": "The design's document"}}
 
 
-@router.post("/export/{format}", response_class=File)
+@router.post("/export/{format}", response_class=Response, responses={200: {"description": "The file", "content": FILE}})
+@LONG_PLANNING.serves
 def export_design(format: Annotated[FormatName, OneOf()], request: ExportRequest) -> Response:
     """Export a design: a C header of its table, its segments or a formula, a list of steps, a report or a picture."""
     options = Options(request.name, tuple(request.methods), request.arithmetic, request.segment_bound_ticks)

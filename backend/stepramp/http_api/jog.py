@@ -1,17 +1,24 @@
 """The WebSocket of a jog: an axis runs while the page, tab or program at its other end says so, and no longer."""
 
 import asyncio
-from contextlib import suppress
+from functools import partial
 
-from fastapi import APIRouter, WebSocket, WebSocketDisconnect
+from fastapi import APIRouter, WebSocket
 
 from stepramp.controllers.device import Device
-from stepramp.controllers.jog_lease import JogLease
-from stepramp.errors import Rejected, StepRampError
+from stepramp.controllers.leases import Lease
+from stepramp.errors import Rejected, Rejection, StepRampError
+from stepramp.http_api.asked_at import arrived_at
 from stepramp.http_api.device_registry import Registry
 from stepramp.http_api.errors import error_items
+from stepramp.http_api.json_response import json_bytes
+from stepramp.http_api.lanes import ACTING
 from stepramp.http_api.motion_models import JogRequest
-from stepramp.http_api.sockets import parsed
+from stepramp.http_api.sockets import parsed, received, send, served
+
+ALLOWED = 'a JSON object such as {"do": "hold"}'
+LONGEST_MESSAGE = 1024
+"""Longer ones are refused unread: whoever is held up by them can't renew a lease."""
 
 router = APIRouter()
 
@@ -20,47 +27,58 @@ router = APIRouter()
 async def jog(socket: WebSocket, device_id: str, devices: Registry, page: str | None = None) -> None:
     """Run an axis for as long as it is told to, at least every 0.4 s; it slows down when that stops or the socket ends.
 
-    What is refused is answered as by the other routes: an object with `errors`.
+    What is refused is answered as by the other routes: an object with `errors`. After a stop of the device, jog over
+    another socket.
     """
     await socket.accept()
     try:
         device = devices.acting(device_id, page)
     except StepRampError as error:
-        await socket.send_json({"errors": error_items(error)})
-        await socket.close(1008)
+        async with served(socket):
+            await _tell(socket, error)
+            await socket.close(1008)
         return
-    held = _Held(socket, device)
-    # Starlette raises one or the other when the page has gone: which one depends on who noticed first.
-    with suppress(WebSocketDisconnect, RuntimeError):
+    held = _Held(socket, device, page)
+    async with served(socket):
         try:
             while True:
-                await held.take(await socket.receive_text())
+                await held.take(await received(socket))
         finally:
             held.let_go()
+
+
+async def _tell(socket: WebSocket, error: StepRampError) -> None:
+    await send(socket, json_bytes({"errors": error_items(error)}).decode())
 
 
 class _Held:
     """What one socket holds: nothing, or the lease of a jog."""
 
-    def __init__(self, socket: WebSocket, device: Device) -> None:
+    def __init__(self, socket: WebSocket, device: Device, page: str | None) -> None:
         self._socket = socket
         self._device = device
-        self._lease: JogLease | None = None
+        self._page = page
+        # A stop ends a jog for good: messages that were on their way, or a finger that still presses, begin nothing.
+        self._opened = arrived_at(socket)
+        self._lease: Lease | None = None
         self._beginning: set[asyncio.Task[None]] = set()
 
-    async def take(self, text: str) -> None:
-        """Do what a message asks for."""
+    async def take(self, message: str | bytes) -> None:
+        """Do what a message asks for; slow down when it makes no sense."""
         try:
-            request = JogRequest.checked(parsed(text, 'a JSON object such as {"do": "hold"}'))
+            if len(message) > LONGEST_MESSAGE:
+                raise Rejected([Rejection("message", message, f"{ALLOWED}, of up to {LONGEST_MESSAGE:,} characters")])
+            request = JogRequest.checked(parsed(message, ALLOWED))
         except Rejected as error:
             self.let_go()
-            await self._socket.send_json({"errors": error_items(error)})
+            await _tell(self._socket, error)
             return
         if request.do == "run":
             if self._lease is not None:
                 self._lease.end()
-            self._lease = JogLease(request.axis)
-            task = asyncio.create_task(self._begin(self._lease, request))
+            self._lease = Lease({request.axis: request.speed_steps_per_s}, page=self._page)
+            asked = self._opened if request.stops is None else min(self._opened, request.stops)
+            task = asyncio.create_task(self._begin(self._lease, request, asked))
             self._beginning.add(task)
             task.add_done_callback(self._beginning.discard)
         elif request.do == "hold" and self._lease is not None:
@@ -72,12 +90,12 @@ class _Held:
         """Slow down what runs."""
         lease, self._lease = self._lease, None
         if lease is not None:
-            self._device.end_jog(lease)
+            self._device.end_run(lease)
 
-    async def _begin(self, lease: JogLease, request: JogRequest) -> None:
+    async def _begin(self, lease: Lease, request: JogRequest, asked: int) -> None:
         # In a thread of its own: the messages that renew the lease or end it must not wait for the controller.
-        try:
-            await asyncio.to_thread(self._device.jog, lease, request.asked)
-        except StepRampError as error:
-            with suppress(WebSocketDisconnect, RuntimeError):
-                await self._socket.send_json({"errors": error_items(error)})
+        async with served(self._socket):
+            try:
+                await ACTING.run(partial(self._device.run, [request.asked], lease, asked))
+            except StepRampError as error:
+                await _tell(self._socket, error)

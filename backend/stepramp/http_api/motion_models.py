@@ -6,9 +6,11 @@ from typing import Annotated, Literal, Self
 from pydantic import BaseModel, Field, model_validator
 
 from stepramp.controllers.controller import Asked
+from stepramp.controllers.leases import Lease
 from stepramp.controllers.messages import MOST_AXES
 from stepramp.controllers.settings import AxisNumber, AxisNumbers, AxisNumbersOrNull, ListOrNull
 from stepramp.controllers.shuttle import Shuttle
+from stepramp.controllers.soft_limits import Span
 from stepramp.controllers.trace import Trace
 from stepramp.validation import Document, ListOf, OneOf, Within, refuse
 
@@ -37,7 +39,7 @@ class MoveRequest(Document):
         None, description="How far axis 0 moves from where it would come to rest, negative for backwards [steps]"
     )
     to_steps: Steps | None = Field(None, description="Which position axis 0 moves to [steps]")
-    axes: Annotated[list[AxisMove] | None, ListOrNull("moves of axes")] = Field(
+    axes: Annotated[list[AxisMove] | None, ListOrNull("moves of axes", most=MOST_AXES, least=1)] = Field(
         None, description="Moves of several axes, all of them by_steps or all of them to_steps"
     )
 
@@ -73,7 +75,8 @@ class ShuttleRequest(Document):
 
     axis: AxisNumber = Field(0, description=AXIS)
     by_steps: Annotated[int, Within(-(2**31), 2**31 - 1, "steps, but not 0")] = Field(
-        description="How far it goes, from where it is at rest, negative for backwards [steps]"
+        description="How far it goes, from where it is at rest, negative for backwards [steps]",
+        json_schema_extra={"not": {"const": 0}},
     )
     times: Annotated[int, Within(1, 10_000)] = Field(1, description="How often there and back")
     pause_s: Annotated[float, Within(0, 3600, "s")] = Field(0.0, description="Pause at each end [s]")
@@ -103,6 +106,9 @@ class JogRequest(Document):
     )
     axis: AxisNumber = Field(0, description=AXIS)
     speed_steps_per_s: Speed = Field(0.0, description="Speed to run at, negative for backwards [steps/s]")
+    stops: Annotated[int, Within(0, 2**53, "or null")] | None = Field(
+        None, description="As the header X-StepRamp-Stops of other motions: browsers can give WebSockets no headers"
+    )
 
     @property
     def asked(self) -> Asked:
@@ -123,14 +129,21 @@ class RunRequest(Document):
     speed_steps_per_s: Speed | None = Field(
         None, description="Speed of axis 0, up to its ramp's slew speed, negative for backwards; 0 stops [steps/s]"
     )
-    axes: Annotated[list[AxisRun] | None, ListOrNull("speeds of axes")] = Field(
+    axes: Annotated[list[AxisRun] | None, ListOrNull("speeds of axes", most=MOST_AXES, least=1)] = Field(
         None, description="Speeds of several axes"
+    )
+    for_s: Annotated[float, Within(0.05, 86_400, "s")] = Field(
+        2.0, description="How long; then the axes slow down, unless it was asked again before [s]"
     )
 
     @model_validator(mode="after")
     def _one_of_two(self) -> Self:
         _refuse_unless_one(self.axes, "speed_steps_per_s", self.speed_steps_per_s, "a speed in steps/s")
         return self
+
+    def lease(self, page: str | None) -> Lease:
+        """Return what the axes run on, for whoever asks."""
+        return Lease({each.axis: each.value for each in self.asked}, self.for_s, page)
 
     @property
     def asked(self) -> list[Asked]:
@@ -148,7 +161,9 @@ class AxisSteps(Document):
 class LineRequest(Document):
     """A straight line of several axes, which begin and end together."""
 
-    axes: Annotated[list[AxisSteps], ListOf("how far axes go")] = Field(description="The axes, and how far they go")
+    axes: Annotated[list[AxisSteps], ListOf("axes and how far they go", most=MOST_AXES, least=1)] = Field(
+        description="The axes, and how far they go"
+    )
     ramp_axis: AxisNumber | None = Field(
         None,
         description="Whose ramp the axis with most steps plays; null: that of the slowest axis that goes along, so "
@@ -179,7 +194,7 @@ class PositionRequest(Document):
     """What the place of axis 0, or of several axes, is to be called; nothing moves."""
 
     position_steps: Steps | None = Field(None, description="Position of axis 0 from now on [steps]")
-    axes: Annotated[list[AxisPosition] | None, ListOrNull("positions of axes")] = Field(
+    axes: Annotated[list[AxisPosition] | None, ListOrNull("positions of axes", most=MOST_AXES, least=1)] = Field(
         None, description="Positions of several axes"
     )
 
@@ -192,6 +207,36 @@ class PositionRequest(Document):
     def asked(self) -> list[Asked]:
         """What is asked of the axes."""
         return _asked(self.axes, "position_steps", self.position_steps)
+
+
+class AxisLimits(Document):
+    """Positions that one axis is kept within."""
+
+    axis: AxisNumber = Field(description=AXIS)
+    lowest_steps: Steps | None = Field(None, description="Lowest position; null: no limit [steps]")
+    highest_steps: Steps | None = Field(None, description="Highest position; null: no limit [steps]")
+
+    @model_validator(mode="after")
+    def _in_order(self) -> Self:
+        if self.lowest_steps is not None and self.highest_steps is not None and self.highest_steps < self.lowest_steps:
+            refuse("highest_steps", self.highest_steps, f"at least lowest_steps, {self.lowest_steps:,} steps")
+        return self
+
+
+class SoftLimitsRequest(Document):
+    """Positions that axes are kept within from now on; those that are not named keep theirs."""
+
+    axes: Annotated[list[AxisLimits], ListOf("limits of axes")] = Field(description="The axes, and their limits")
+
+    @model_validator(mode="after")
+    def _some(self) -> Self:
+        _refuse_own_axes(self.axes, {})
+        return self
+
+    @property
+    def spans(self) -> dict[int, Span]:
+        """The limits by axes."""
+        return {each.axis: Span(each.lowest_steps, each.highest_steps) for each in self.axes}
 
 
 class ZeroRequest(Document):

@@ -6,8 +6,10 @@ from pathlib import Path
 import fastapi_offline
 import plotly
 from fastapi import FastAPI
+from starlette.exceptions import HTTPException
 from starlette.responses import FileResponse, Response
 from starlette.staticfiles import StaticFiles
+from starlette.types import Scope
 
 PACKAGE = Path(str(files("stepramp")))
 PLOTLY = Path(plotly.__file__).parent / "package_data"
@@ -22,6 +24,12 @@ def frontend() -> Path:
 
 class Revalidated(StaticFiles):
     """Files that a browser asks about each time, so that a new version is never mixed with an old one."""
+
+    async def get_response(self, path: str, scope: Scope) -> Response:
+        """Return the answer for a path below the folder; what lies below /api is no file."""
+        if scope["path"].startswith("/api/") or "\0" in path:
+            raise HTTPException(404)
+        return await super().get_response(path, scope)
 
     def file_response(self, *args: object, **kwargs: object) -> Response:
         """Return the file, or that it hasn't changed."""
@@ -39,4 +47,5 @@ def add(app: FastAPI) -> None:
 
     app.mount("/assets/plotly", Revalidated(directory=PLOTLY))
     app.mount("/assets/swagger-ui", Revalidated(directory=SWAGGER_UI))
-    app.mount("/", Revalidated(directory=frontend(), html=True))
+    # Not mounted: that would keep the router from telling which methods a path of the API knows.
+    app.router.default = Revalidated(directory=frontend(), html=True)

@@ -1,14 +1,17 @@
 """Routes that plan: a design in, profiles and errors out. They keep nothing."""
 
-from typing import Annotated
+from typing import Annotated, Any
 
 from fastapi import APIRouter
 from pydantic import Field
 from starlette.responses import Response
 
-from stepramp.design import MOST_STEPS, Design, MethodName
+from stepramp.design import MOST_NAMES, MOST_STEPS, Design, MethodName
 from stepramp.examples import all_examples
+from stepramp.http_api.bodies import JsonRoute
 from stepramp.http_api.json_response import json_response
+from stepramp.http_api.lanes import planning_lane
+from stepramp.http_api.planned import Planned
 from stepramp.http_api.planning_models import (
     CurveName,
     ErrorsAnswer,
@@ -24,7 +27,7 @@ from stepramp.ramp.profile import profile_of
 from stepramp.validation import Document, ListOf, OneOf, Within
 from stepramp.version import __version__
 
-router = APIRouter(tags=["planning"])
+router = APIRouter(tags=["planning"], route_class=JsonRoute)
 
 MostPoints = Annotated[
     Annotated[int, Within(10, MOST_STEPS, "points, or null for every step")] | None,
@@ -43,11 +46,11 @@ class ErrorsRequest(Document):
     """A design and the methods that are to be compared."""
 
     design: Design
-    methods: Annotated[list[Annotated[MethodName, OneOf()]], ListOf("method names")] = Field(
+    methods: Annotated[list[Annotated[MethodName, OneOf()]], ListOf("method names", most=MOST_NAMES)] = Field(
         description="Methods to compare, each with the design's arithmetic or else the one usual for it"
     )
     reference: Annotated[MethodName, OneOf()] = Field("exact", description="Method that they are compared with")
-    curves: Annotated[list[Annotated[CurveName, OneOf()]], ListOf("curve names")] = Field(
+    curves: Annotated[list[Annotated[CurveName, OneOf()]], ListOf("curve names", most=MOST_NAMES)] = Field(
         default=["relative_error", "tick_error"], description="Curves wanted; the figures come in any case"
     )
     segment_bound_ticks: Annotated[int, Within(0, 10_000, "ticks, or null for no segments")] | None = Field(
@@ -59,26 +62,32 @@ class ErrorsRequest(Document):
 
 
 @router.post("/profile", response_model=ProfileAnswer)
-def profile(request: ProfileRequest) -> Response:
+async def profile(request: ProfileRequest) -> Response:
     """Plan a design's move: intervals, times, positions and speeds of its steps, its phases, and a summary."""
-    return json_response(profile_content(profile_of(request.design), tuning_report(request.design), request.max_points))
+    design, points = request.design, request.max_points
+    lane = planning_lane([design], points=points)
+    return Planned(lane, lambda: profile_content(profile_of(design), tuning_report(design), points))
 
 
 @router.post("/errors", response_model=ErrorsAnswer)
-def errors(request: ErrorsRequest) -> Response:
+async def errors(request: ErrorsRequest) -> Response:
     """Compare methods with a reference, step by step: relative error and error in ticks of each interval."""
-    bound = request.segment_bound_ticks
-    judged = all_error_curves(request.design, request.methods, request.reference, bound)
-    return json_response(errors_content(request.reference, judged, request.curves, request.max_points))
+    lane = planning_lane([request.design], len(request.methods), request.max_points)
+    return Planned(lane, lambda: _errors(request))
 
 
 @router.get("/examples", response_model=ExamplesAnswer)
-def example_designs() -> Response:
+async def example_designs() -> Response:
     """Return designs to start from."""
     return json_response({"examples": all_examples()})
 
 
 @router.get("/health")
-def health() -> HealthAnswer:
+async def health() -> HealthAnswer:
     """Tell that the server works."""
     return HealthAnswer(status="ok", version=__version__)
+
+
+def _errors(request: ErrorsRequest) -> dict[str, Any]:
+    judged = all_error_curves(request.design, request.methods, request.reference, request.segment_bound_ticks)
+    return errors_content(request.reference, judged, request.curves, request.max_points)

@@ -7,19 +7,21 @@ from pydantic import Field
 from starlette.responses import Response
 
 from stepramp.design import Design
-from stepramp.http_api.json_response import json_response
+from stepramp.http_api.bodies import JsonRoute
+from stepramp.http_api.lanes import planning_lane
+from stepramp.http_api.planned import Planned
 from stepramp.http_api.planning import MostPoints
 from stepramp.http_api.schedule_models import ScheduleAnswer, schedule_content
 from stepramp.ramp.schedule import MOST_AXES, Mode, schedule_of
 from stepramp.validation import Document, ListOf, OneOf, Within
 
-router = APIRouter(tags=["planning"])
+router = APIRouter(tags=["planning"], route_class=JsonRoute)
 
 
 class ScheduleRequest(Document):
     """Designs whose moves begin together."""
 
-    designs: Annotated[list[Design], ListOf(f"1 to {MOST_AXES} designs")] = Field(
+    designs: Annotated[list[Design], ListOf("designs", most=MOST_AXES, least=1)] = Field(
         description=f"One to {MOST_AXES} designs, one an axis"
     )
     mode: Annotated[Mode, OneOf()] = Field(
@@ -36,7 +38,8 @@ class ScheduleRequest(Document):
 
 
 @router.post("/schedule", response_model=ScheduleAnswer)
-def schedule(request: ScheduleRequest) -> Response:
+async def schedule(request: ScheduleRequest) -> Response:
     """Plan up to four axes together: the pulses of each, all in order of time, and where they come too close."""
-    planned = schedule_of(request.designs, request.mode)
-    return json_response(schedule_content(planned, request.shortest_spacing_us, request.max_points))
+    designs, points, spacing_us = request.designs, request.max_points, request.shortest_spacing_us
+    lane = planning_lane(designs, points=points)
+    return Planned(lane, lambda: schedule_content(schedule_of(designs, request.mode), spacing_us, points))

@@ -1,24 +1,36 @@
 """Who may talk to the server: this machine's own pages and programs, so that no foreign page can move a motor.
 
-A page from elsewhere that a browser here has open can send requests to 127.0.0.1. Its Origin header gives it away; so
-does the Host header when it came through a host name of its own that was pointed at 127.0.0.1 (DNS rebinding).
+A page from elsewhere that a browser here has open can send requests to 127.0.0.1. Its Origin header gives it away, and
+where there is none, what the browser says of the site in Sec-Fetch-Site; so does the Host header when it came through a
+host name of its own that was pointed at 127.0.0.1 (DNS rebinding).
 """
 
-from urllib.parse import urlsplit
+import re
 
 from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from stepramp.errors import Forbidden
+from stepramp.errors import Forbidden, shown
 from stepramp.http_api.errors import error_response
 
-LOOPBACK_NAMES = ("localhost", "127.0.0.1", "::1")
+HOSTS = "localhost, 127.0.0.1 or [::1], and its port"
+OWN_SITES = ("same-origin", "none")
+"""What Sec-Fetch-Site says of our own pages, and of what somebody types into the browser."""
 
 POLICY = (
     "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
     "connect-src 'self' ws:; frame-ancestors 'none'"
 )
 """Pages load nothing from elsewhere. Plotly and the API's pages style elements from scripts, hence unsafe-inline."""
+ON_EVERY_ANSWER = (
+    (b"content-security-policy", POLICY.encode()),
+    (b"x-content-type-options", b"nosniff"),
+    (b"cross-origin-resource-policy", b"same-origin"),
+    (b"referrer-policy", b"no-referrer"),
+)
+
+_HOST = re.compile(r"(localhost|127\.0\.0\.1|\[::1\])(:(?P<port>[0-9]{1,5}))?", re.IGNORECASE)
+_STARTS = ("http.response.start", "websocket.http.response.start")
 
 
 class LoopbackOnly:
@@ -29,47 +41,48 @@ class LoopbackOnly:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass the request on, or refuse it with status 403."""
-        if scope["type"] not in ("http", "websocket"):
-            await self.app(scope, receive, send)
-            return
-        reason = _refusal(Headers(scope=scope))
+        reason = _refusal(scope) if scope["type"] in ("http", "websocket") else None
         if reason is None:
-            await self.app(scope, receive, _with_policy(send))
-        elif scope["type"] == "websocket":
-            await receive()
-            await send({"type": "websocket.close", "code": 1008, "reason": reason})
+            await self.app(scope, receive, send)
         else:
             await error_response(Forbidden(reason))(scope, receive, send)
 
 
-def _refusal(headers: Headers) -> str | None:
-    """Return why a request is refused, None if it isn't."""
-    hosts, origins = headers.getlist("host"), headers.getlist("origin")
-    if len(hosts) != 1 or _name(f"//{hosts[0]}") not in LOOPBACK_NAMES:
-        return f"The Host header is {', '.join(hosts) or 'missing'}; allowed: {', '.join(LOOPBACK_NAMES)}."
-    if origins and origins != [f"http://{hosts[0]}"]:
-        return f"The Origin header is {', '.join(origins)}; allowed: http://{hosts[0]}, or none."
-    return None
+def with_policy(send: Send) -> Send:
+    """Return what sends answers with the headers that tell a browser to keep them to ourselves."""
 
-
-def _name(address: str) -> str | None:
-    """Return an address's host name; None when it has none or its port is not a number."""
-    try:
-        parts = urlsplit(address)
-        return parts.hostname if parts.path == "" and (parts.port is None or parts.port >= 0) else None
-    except ValueError:
-        return None
-
-
-def _with_policy(send: Send) -> Send:
     async def guarded(message: Message) -> None:
-        if message["type"] == "http.response.start":
-            message["headers"] = [
-                *message["headers"],
-                (b"content-security-policy", POLICY.encode()),
-                (b"x-content-type-options", b"nosniff"),
-                (b"referrer-policy", b"no-referrer"),
-            ]
+        if message["type"] in _STARTS:
+            message["headers"] = [*message.get("headers", ()), *ON_EVERY_ANSWER]
         await send(message)
 
     return guarded
+
+
+def _refusal(scope: Scope) -> str | None:
+    """Return why a request is refused, None if it isn't."""
+    headers = Headers(scope=scope)
+    hosts, origins, sites = (headers.getlist(name) for name in ("host", "origin", "sec-fetch-site"))
+    if len(hosts) != 1 or not _is_own_host(hosts[0]):
+        return f"The Host header is {_told(hosts)}; allowed: {HOSTS}."
+    own = f"http://{hosts[0]}".lower()
+    if origins and [origin.lower() for origin in origins] != [own]:
+        return f"The Origin header is {_told(origins)}; allowed: {own}, or none."
+    if any(site not in OWN_SITES for site in sites) and not _opens_a_page(scope, headers):
+        return f"The Sec-Fetch-Site header is {_told(sites)}; allowed: {' or '.join(OWN_SITES)}."
+    return None
+
+
+def _is_own_host(host: str) -> bool:
+    match = _HOST.fullmatch(host)
+    return match is not None and (match["port"] is None or 1 <= int(match["port"]) <= 65535)
+
+
+def _opens_a_page(scope: Scope, headers: Headers) -> bool:
+    """Tell whether a link was followed to one of our pages: a design may travel in it, and the page does nothing."""
+    asked = scope.get("method"), headers.getlist("sec-fetch-mode"), headers.getlist("sec-fetch-dest")
+    return asked == ("GET", ["navigate"], ["document"]) and not scope["path"].startswith("/api/")
+
+
+def _told(values: list[str]) -> str:
+    return ", ".join(map(shown, values)) or "missing"

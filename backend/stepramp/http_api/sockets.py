@@ -1,16 +1,62 @@
 """What the routes share that talk over WebSockets."""
 
-import json
+import logging
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager, suppress
+
+from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from stepramp.errors import Rejected, Rejection
+from stepramp.http_api.bodies import parsed_json
+
+MISTAKE = 1011
+"""What a socket is closed with after a mistake of ours."""
+
+log = logging.getLogger(__name__)
 
 
-def parsed(text: str, allowed: str) -> object:
+@asynccontextmanager
+async def served(socket: WebSocket) -> AsyncIterator[None]:
+    """Serve an accepted socket until the other end has gone; after a mistake of ours, log it and close with 1011."""
+    try:
+        yield
+    except WebSocketDisconnect:
+        log.debug("The other end of %s has gone.", socket.url.path)
+    except Exception:
+        log.exception("A mistake ends the WebSocket %s.", socket.url.path)
+        with suppress(WebSocketDisconnect, RuntimeError):  # It has gone, too.
+            await socket.close(MISTAKE, "StepRamp made a mistake. It is logged.")
+
+
+async def received(socket: WebSocket) -> str | bytes:
+    """Return the next message, text or binary; WebSocketDisconnect when the other end has gone."""
+    message = await socket.receive()
+    if message["type"] == "websocket.disconnect":
+        raise WebSocketDisconnect(message.get("code", 1005), message.get("reason"))
+    text: str | None = message.get("text")
+    return message["bytes"] if text is None else text
+
+
+async def send(socket: WebSocket, text: str) -> None:
+    """Send a text; WebSocketDisconnect when the other end has gone."""
+    try:
+        await socket.send_text(text)
+    except RuntimeError as error:
+        # So Starlette and the server call it when the socket is closed already: which of them depends on who noticed
+        # first. Nothing else happens in this call.
+        raise WebSocketDisconnect(1006, str(error)) from error
+
+
+def parsed(message: str | bytes, allowed: str) -> object:
     """Return a message's JSON.
 
     Raises Rejected when it is none.
     """
+    if isinstance(message, bytes):
+        raise Rejected([Rejection("message", f"{len(message):,} bytes", f"{allowed}, as text")])
     try:
-        return json.loads(text)
+        return parsed_json(message)
+    except Rejected:
+        raise
     except ValueError:
-        raise Rejected([Rejection("message", text, allowed)]) from None
+        raise Rejected([Rejection("message", message, allowed)]) from None

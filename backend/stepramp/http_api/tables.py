@@ -4,19 +4,21 @@ from typing import Annotated, Literal, Self
 
 import numpy as np
 from fastapi import APIRouter
-from pydantic import Field, model_validator
+from pydantic import FailFast, Field, model_validator
 from starlette.responses import Response
 
 from stepramp.design import MOST_STEPS, MOST_TABLE_ROWS, Design, Row, Table
 from stepramp.http_api import table_models as models
-from stepramp.http_api.json_response import json_response
+from stepramp.http_api.bodies import JsonRoute
+from stepramp.http_api.lanes import PLANNING
+from stepramp.http_api.planned import Planned
 from stepramp.ramp.table_check import MICROSECONDS, DelayUnit, check_table, mean_acceleration, row_changes
 from stepramp.ramp.table_fit import BYTES_PER_ROW, FittedTable, RampDelays, fit_error, fit_rows, ramp_delays
 from stepramp.ramp.table_fit_linear import BYTES_PER_LINEAR_ROW, fit_linear_error, fit_linear_rows
-from stepramp.ramp.table_play import play_table
+from stepramp.ramp.table_play import TableMoves, play_table
 from stepramp.validation import Document, ListOf, OneOf, Within, refuse
 
-router = APIRouter(prefix="/table", tags=["lookup tables"])
+router = APIRouter(prefix="/table", tags=["lookup tables"], route_class=JsonRoute)
 
 MOST_TARGETS = 10_000
 MOST_CURVE_ROWS = 64
@@ -43,14 +45,12 @@ class PlayRequest(Document):
 
     table: TableInMicroseconds
     range_steps: Annotated[int, Within(1, MOST_STEPS, "steps")] = Field(description="Range of the gauge [steps]")
-    targets: Annotated[list[Target], ListOf("targets")] = Field(
+    targets: Annotated[list[Target], FailFast(), ListOf("targets", most=MOST_TARGETS)] = Field(
         description="Targets in the order in which they are set"
     )
 
     @model_validator(mode="after")
     def _in_order(self) -> Self:
-        if len(self.targets) > MOST_TARGETS:
-            refuse("targets", self.targets, f"at most {MOST_TARGETS:,} targets")
         for number in range(1, len(self.targets)):
             before, at_us = self.targets[number - 1].at_us, self.targets[number].at_us
             if at_us < before:
@@ -61,7 +61,7 @@ class PlayRequest(Document):
 class CheckRequest(Document):
     """A table to be checked; its rows may be in any order."""
 
-    rows: Annotated[list[Row], ListOf("rows of two whole numbers")] = Field(
+    rows: Annotated[list[Row], ListOf("rows of two whole numbers", most=MOST_TABLE_ROWS, least=1)] = Field(
         description="[last ramp index of the row [steps], delay [interval_unit]]"
     )
     interval_unit: Annotated[Literal["us", "ticks"], OneOf()] = Field("us", description="Unit of the delays")
@@ -73,9 +73,7 @@ class CheckRequest(Document):
     )
 
     @model_validator(mode="after")
-    def _some_rows(self) -> Self:
-        if not 1 <= len(self.rows) <= MOST_TABLE_ROWS:
-            refuse("rows", self.rows, f"from 1 to {MOST_TABLE_ROWS:,} rows")
+    def _clock_of_ticks(self) -> Self:
         if self.interval_unit == "ticks" and self.frequency_hz is None:
             refuse("frequency_hz", None, "a timer frequency, since interval_unit is 'ticks'")
         return self
@@ -128,15 +126,13 @@ class FitCurveRequest(Document):
 
 
 @router.post("/play", response_model=models.PlayAnswer)
-def play(request: PlayRequest) -> Response:
+async def play(request: PlayRequest) -> Response:
     """Play a table as a gauge library does: targets may change in flight; it stops before it reverses."""
-    rows = np.array(request.table.rows, dtype=np.int64)
-    at_us = np.array([each.at_us for each in request.targets], dtype=np.int64)
-    targets = np.array([each.target for each in request.targets], dtype=np.int64)
-    return json_response(models.play_content(play_table(rows, request.range_steps, at_us, targets)))
+    return Planned(PLANNING, lambda: models.play_content(_played(request)))
 
 
 @router.post("/check")
+@PLANNING.serves
 def check(request: CheckRequest) -> models.CheckAnswer:
     """Check a table: what is wrong with each row, and the acceleration that each row change asks for."""
     return models.check_answer(
@@ -147,17 +143,26 @@ def check(request: CheckRequest) -> models.CheckAnswer:
 
 
 @router.post("/fit")
+@PLANNING.serves
 def fit(request: FitRequest) -> models.FitAnswer:
     """Fit a table to a ramp: the least error for a number of rows or bytes, or the fewest rows for an error."""
     return models.fit_answer(_fitted(request), request.row_kind, request.interval_unit)
 
 
 @router.post("/fit/curve")
+@PLANNING.serves
 def fit_curve(request: FitCurveRequest) -> models.FitCurveAnswer:
     """Fit tables of 1 row, 2 rows and so on to a ramp: how much smaller the error gets with each more."""
     ramp = ramp_delays(request.design, request.interval_unit)
     fitted = [_fitted_rows(ramp, rows, request.row_kind) for rows in range(1, request.most_rows + 1)]
     return models.fit_curve_answer(fitted, request.row_kind)
+
+
+def _played(request: PlayRequest) -> TableMoves:
+    rows = np.array(request.table.rows, dtype=np.int64)
+    at_us = np.array([each.at_us for each in request.targets], dtype=np.int64)
+    targets = np.array([each.target for each in request.targets], dtype=np.int64)
+    return play_table(rows, request.range_steps, at_us, targets)
 
 
 def _fitted(request: FitRequest) -> FittedTable:

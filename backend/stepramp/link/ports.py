@@ -57,7 +57,10 @@ def port_name(port: str) -> str:
     if port.startswith(VIRTUAL_PORT):
         return "Virtual controller"
     known = {listed.port: listed.name for listed in list_serial_ports()}
-    return known.get(port, port if "://" in port else PurePath(port).name)
+    last = PurePath(port).name
+    # The last part of a pseudo-terminal's name is a number.
+    short = f"{PurePath(port).parent.name}/{last}" if last.isdigit() else last
+    return known.get(port, port if "://" in port else short)
 
 
 def known_port(port: str) -> Port:

@@ -4,6 +4,7 @@ pyserial finds this module by its name, once the package is among `serial.protoc
 mean is the virtual device's affair: it is registered from outside.
 """
 
+import errno
 import time
 from typing import TYPE_CHECKING, Protocol
 
@@ -53,7 +54,7 @@ class Serial(serial.SerialBase):
         if name not in _devices:
             raise serial.SerialException(f"no virtual device at {name}")
         if name in _open_ports:
-            raise serial.SerialException(f"{name} is in use")
+            raise serial.SerialException(errno.EBUSY, f"{name} is in use")
         _open_ports.add(name)
         self._received = bytearray()
         self.is_open = True

@@ -5,10 +5,12 @@ DeviceLost.
 """
 
 import contextlib
+import errno
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from time import monotonic
+from urllib.parse import urlsplit
 
 import serial
 
@@ -30,6 +32,25 @@ _READ_SLICE_S = 0.02
 ADDRESSES = ("sim://", "socket://", "rfc2217://")
 """The only addresses let through: pyserial also knows some that write files (spy://) or search (hwgrep://)."""
 
+OPTIONS = ("ign_set_control", "poll_modem", "timeout", "logging")
+"""What may follow the question mark of an address with rfc2217://."""
+
+_IN_USE = "Port {name} is in use by another program: end that first."
+_NONE = "There is no port {name}: is it plugged in?"
+_NOT_PERMITTED = (
+    "Port {name} may not be opened by this user. On Linux, join the group of serial ports with "
+    "'sudo usermod -aG dialout $USER', and log in again."
+)
+_WORDS = {
+    **dict.fromkeys((errno.EBUSY, errno.EAGAIN), _IN_USE),
+    **dict.fromkeys((errno.EACCES, errno.EPERM), _NOT_PERMITTED),
+    **dict.fromkeys((errno.ENOENT, errno.ENODEV, errno.ENXIO, errno.ENOTDIR, errno.ENAMETOOLONG), _NONE),
+    errno.ENOTTY: "{name} is no serial port.",
+}
+"""What an error means when a port is being opened."""
+_WORDS_ON_WINDOWS = {"PermissionError(": _IN_USE, "FileNotFoundError(": _NONE}
+"""There pyserial names the error only in its text, and a port that somebody else has open is not permitted."""
+
 if "stepramp.link" not in serial.protocol_handler_packages:
     serial.protocol_handler_packages.append("stepramp.link")
 
@@ -37,16 +58,17 @@ if "stepramp.link" not in serial.protocol_handler_packages:
 class SerialPort:
     """An open port. Not for two threads at once."""
 
-    def __init__(self, port: str) -> None:
+    def __init__(self, port: str, before_write: Callable[[], None] = lambda: None) -> None:
         """Open a device such as /dev/ttyACM0, or an address of ADDRESSES.
 
-        Raises Rejected for another address, DeviceLost when the port can't be opened.
+        before_write: called at the last instant before bytes go out; what it raises keeps them from going.
+        Raises Rejected for what can't be a port, DeviceLost when it can't be opened, each reason in its own words.
         """
-        if "://" in port and not port.startswith(ADDRESSES):
-            raise Rejected([Rejection("port", port, f"the name of a serial port, or {', '.join(ADDRESSES)}…")])
+        _check_name(port)
         self.name = port
+        self._before_write = before_write
         self._is_tty = "://" not in port
-        with self._loss_told("can't be opened"):
+        with self._failure_told():
             self._serial = serial.serial_for_url(port, do_not_open=True, timeout=_READ_SLICE_S)
             self._serial.baudrate = BAUD_RATE
             if self._is_tty:
@@ -57,6 +79,7 @@ class SerialPort:
 
     def write(self, data: bytes) -> None:
         """Send bytes; DeviceLost when the port is gone or takes no more for a second."""
+        self._before_write()
         with self._loss_told("is gone"):
             self._serial.write(data)
 
@@ -92,6 +115,18 @@ class SerialPort:
             fcntl.ioctl(self._serial.fileno(), termios.TIOCEXCL if alone else termios.TIOCNXCL)
 
     @contextlib.contextmanager
+    def _failure_told(self) -> Iterator[None]:
+        try:
+            yield
+        except (*_PORT_ERRORS, serial.SerialException) as error:
+            on_windows = (words for name, words in _WORDS_ON_WINDOWS.items() if name in str(error))
+            words = _WORDS.get(_number(error)) or next(on_windows, None)
+            told = words.format(name=self.name) if words else f"Port {self.name} can't be opened: {_reason(error)}."
+            raise DeviceLost(told) from error
+        except ValueError as error:
+            raise Rejected([Rejection("port", self.name, f"a port that can be opened ({error})")]) from error
+
+    @contextlib.contextmanager
     def _loss_told(self, what: str) -> Iterator[None]:
         try:
             yield
@@ -103,3 +138,36 @@ def _reason(error: Exception) -> str:
     """Return the system's words for an error that has a number: pyserial and termios wrap them in their own."""
     number = error.args[0] if error.args else None
     return os.strerror(number) if isinstance(number, int) else str(error).rstrip(".")
+
+
+def _number(error: Exception) -> int:
+    """Return the system's number of an error, or of the one that pyserial put into words; 0 without any."""
+    causes = [error, error.__context__]
+    numbers = (each.args[0] for each in causes if each is not None and each.args and isinstance(each.args[0], int))
+    return next(numbers, 0)
+
+
+def _check_name(port: str) -> None:
+    """Reject what is neither a name that a port could have nor an address of ADDRESSES."""
+    if not (_is_address(port) if "://" in port else port.strip() and port.isprintable()):
+        allowed = (
+            "the name of a serial port, sim://, or the address of one on the network, as socket://host:port or "
+            "rfc2217://host:port, the port from 1 to 65,535"
+        )
+        raise Rejected([Rejection("port", port, allowed)])
+
+
+def _is_address(port: str) -> bool:
+    if not port.startswith(ADDRESSES) or not port.isprintable():
+        return False
+    if port.startswith("sim://"):
+        return True
+    try:
+        parts = urlsplit(port)
+        is_host = bool(parts.hostname) and bool(parts.port) and parts.username is None and parts.netloc.isascii()
+        (parts.hostname or "").encode("idna")
+    except ValueError:
+        return False
+    options = [each.partition("=")[0] for each in parts.query.split("&") if each]
+    has_options = parts.scheme == "rfc2217" and all(each in OPTIONS for each in options)
+    return is_host and parts.path in ("", "/") and not parts.fragment and (has_options or not options)

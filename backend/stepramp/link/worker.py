@@ -4,6 +4,7 @@ Urgent calls (stop and halt) go first, also between two frames of a long call, w
 They refuse the calls that still wait: a move asked for before a stop must not begin after it.
 """
 
+import logging
 import threading
 from collections import deque
 from collections.abc import Callable
@@ -12,6 +13,8 @@ from time import monotonic
 from typing import Any, TypeVar
 
 from stepramp.errors import DeviceLost, Refused, StepRampError
+
+_logger = logging.getLogger(__name__)
 
 T = TypeVar("T")
 _Call = tuple[Future[Any], Callable[[], Any]]
@@ -33,6 +36,7 @@ class Worker:
         self._closed = False
         self._loss: DeviceLost | None = None
         self._in_urgent_call = False
+        self._says_farewell = False
         self._thread = threading.Thread(target=self._run, name=f"port {name}", daemon=True)
         self._thread.start()
 
@@ -45,15 +49,16 @@ class Worker:
             future = self._enqueue(job, self._waiting)
         return future.result()
 
-    def call_urgently(self, job: Callable[[], T]) -> "Future[T]":
-        """Let a job run next, refuse the ordinary calls that wait, and return the job's result to come.
+    def call_urgently(self, job: Callable[[], T], *, overtakes: bool = True) -> "Future[T]":
+        """Let a job run next, and return its result to come. overtakes: the ordinary calls that wait are refused.
 
         Raises DeviceLost or Refused when the thread has ended.
         """
         with self._changed:
             future = self._enqueue(job, self._urgent)
-            overtaken = list(self._waiting)
-            self._waiting.clear()
+            overtaken = list(self._waiting) if overtakes else []
+            if overtakes:
+                self._waiting.clear()
         for waiting, _ in overtaken:
             waiting.set_exception(Refused("A stop came first; nothing was done."))
         return future
@@ -61,30 +66,37 @@ class Worker:
     def give_way(self, pause_s: float = 0.0) -> None:
         """Run the urgent calls that wait, and those that come within a pause [s]: for long calls, between frames.
 
-        Raises DeviceLost when one of them found the device lost.
+        Raises DeviceLost when one of them found the device lost, Refused when the thread is to end.
         """
-        if self._in_urgent_call:
+        if self._in_urgent_call or self._says_farewell:
             return
         deadline = monotonic() + pause_s
         while (call := self._next_call(deadline, urgent_only=True)) is not None:
             self._in_urgent_call = True
-            self._serve(call)
-            self._in_urgent_call = False
-        if self._loss is not None:
-            raise self._loss
+            try:
+                self._serve(call)
+            finally:
+                self._in_urgent_call = False
+        if self._loss is not None or self._closed:
+            raise self._end_error()
 
-    def close(self) -> None:
-        """End the thread once its present call is done, and wait for that; calls that wait are refused."""
+    def close(self, wait_s: float | None = None) -> None:
+        """End the thread once its present call is done or gives way, and wait for that; calls that wait are refused.
+
+        wait_s: wait only so long [s].
+        """
         with self._changed:
             self._closed = True
             self._changed.notify_all()
         if threading.current_thread() is not self._thread:
-            self._thread.join()
+            self._thread.join(wait_s)
 
     def _enqueue(self, job: Callable[[], T], queue: deque[_Call]) -> "Future[T]":
         if self._closed or self._loss is not None:
             raise self._end_error()
         future: Future[T] = Future()
+        # A call that was handed over is carried out, also when nobody waits for it any more: a stop above all.
+        future.set_running_or_notify_cancel()
         queue.append((future, job))
         self._changed.notify_all()
         return future
@@ -109,9 +121,10 @@ class Worker:
             while True:
                 if self._urgent:
                     return self._urgent.popleft()
-                if self._waiting and not urgent_only and not self._closed:
-                    return self._waiting.popleft()
                 wait_s = deadline - monotonic()
+                # A poll that is due goes before: what it sees to must not wait for however many calls.
+                if self._waiting and not urgent_only and not self._closed and wait_s > 0:
+                    return self._waiting.popleft()
                 if wait_s <= 0 or self._closed or self._loss is not None:
                     return None
                 self._changed.wait(wait_s)
@@ -139,11 +152,14 @@ class Worker:
 
     def _end(self) -> None:
         with self._changed:
-            self._closed = True
+            self._closed = self._says_farewell = True
             left = [*self._urgent, *self._waiting]
             self._urgent.clear()
             self._waiting.clear()
-        self._ended(self._loss)
+        try:
+            self._ended(self._loss)
+        except Exception:
+            _logger.exception("The end of a port's thread could not be told.")
         for future, _ in left:
             future.set_exception(self._end_error())
 

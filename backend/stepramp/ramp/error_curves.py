@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepramp.design import Design, MethodName
-from stepramp.ramp.compiled import compiled
+from stepramp.ramp.compiled import compiled, counted
 from stepramp.ramp.move import Ramp, play
 from stepramp.ramp.plan import Plan, plan_of, real_ramp
 from stepramp.ramp.profile import Profile, profile_of
@@ -97,8 +97,8 @@ class ErrorCurves:
     def position_lag_steps(self) -> Curve:
         """Steps that the reference is ahead at the end of each interval; between its steps in proportion [steps]."""
         ends, reference_ends = np.cumsum(self.played_ticks), np.cumsum(self.reference_ticks)
-        counted = np.arange(1, ends.size + 1)
-        return np.interp(ends, np.concatenate(([0], reference_ends)), np.concatenate(([0], counted))) - counted
+        steps = counted(1, ends.size)
+        return np.interp(ends, np.concatenate(([0], reference_ends)), np.concatenate(([0], steps))) - steps
 
     @cached_property
     def implied_acceleration_steps_per_s2(self) -> Curve:

@@ -85,6 +85,14 @@ def ramp_of(design: Design) -> Ramp:
     return plan_of(design).ramp
 
 
+def computed_steps(design: Design) -> int:
+    """Return how many steps are computed for a design: its move's, or its ramp's when that is longer."""
+    base, slew = design.ramp.base_speed_steps_per_s, design.ramp.slew_speed_steps_per_s
+    accelerations = (design.ramp.acceleration_steps_per_s2, design.ramp.slowdown_steps_per_s2)
+    slopes = (Slope(design.timer.frequency_hz, base, slew, acceleration) for acceleration in accelerations)
+    return int(min(max(abs(design.move.steps), *(slope.length for slope in slopes)), MOST_STEPS))
+
+
 def tuning_report(design: Design) -> tuning.TuningReport | None:
     """Return what tuning does for a design whose method is `tuned`; None for others. Raises Rejected as real_ramp."""
     if design.method.name != "tuned":

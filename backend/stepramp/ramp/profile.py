@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from stepramp.design import Design
 from stepramp.errors import Rejected, Rejection
+from stepramp.ramp.compiled import counted
 from stepramp.ramp.plan import Plan, plan_of
 from stepramp.ramp.timer_limits import SlewResolution, Warning, slew_resolution, timer_warnings
 from stepramp.units import speed_from_interval
@@ -55,7 +56,7 @@ class Profile:
     @cached_property
     def position_steps(self) -> NDArray[np.int64]:
         """Position after each pulse [steps], shape (N,)."""
-        return np.arange(1, self.intervals_ticks.size + 1) * self.direction
+        return counted(1, self.intervals_ticks.size) * self.direction
 
     @cached_property
     def speed_steps_per_s(self) -> NDArray[np.float64]:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from stepramp.design import Design
 from stepramp.errors import Rejected, Rejection
-from stepramp.ramp.compiled import compiled
+from stepramp.ramp.compiled import compiled, counted
 from stepramp.ramp.line import Limit, called, fields_of, leader_of, line_profile, steps_of, steps_together
 from stepramp.ramp.profile import Profile, profile_of
 from stepramp.ramp.thinning import kept_steps
@@ -187,7 +187,7 @@ def _axis(design: Design, pace: Profile) -> Axis:
         steps=steps,
         direction=int(math.copysign(1, design.move.steps)),
         pace=pace,
-        step=np.arange(1, steps + 1),
+        step=counted(1, steps),
         pace_step=steps_together(pace.time_s.size, steps),
     )
 

@@ -52,10 +52,10 @@ def row_changes(rows: Sequence[Row], unit: DelayUnit = MICROSECONDS) -> list[Row
 def mean_acceleration(rows: Sequence[Row], unit: DelayUnit = MICROSECONDS) -> float:
     """Return the acceleration that would reach the table's top speed in as many steps: v² / (2 S) [steps/s²].
 
-    S is the last ramp index before the last row, where the top speed begins; 1 for a table of one row.
+    S is the last ramp index before the last row, where the top speed begins, but at least 1; 1 for a table of one row.
     """
     top = speed_from_interval(rows[-1][1], unit.per_second)
-    steps = rows[-2][0] if len(rows) > 1 else 1
+    steps = max(1, rows[-2][0]) if len(rows) > 1 else 1
     return top**2 / (2 * steps)
 
 

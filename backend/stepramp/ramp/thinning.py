@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from stepramp.ramp.compiled import compiled
+from stepramp.ramp.compiled import compiled, counted
 from stepramp.ramp.profile import Phase
 
 POINTS_PER_BUCKET = 4
@@ -25,7 +25,7 @@ def kept_steps(
     curve: one value a step, shape (N,).
     """
     if curve.size <= most:
-        return np.arange(curve.size)
+        return counted(0, curve.size)
     return _without_level_inside([curve], _thinned([curve], phases, most))
 
 
@@ -63,7 +63,7 @@ def _thinned(
     """Return the steps to keep of adjoining phases, level stretches still whole."""
     begin, end = phases[0].first_step - 1, phases[-1].last_step
     if end - begin <= most:
-        return np.arange(begin, end)
+        return counted(begin, end - begin)
     buckets = max(1, most // POINTS_PER_BUCKET // len(phases))
     starts = _in_order([_bucket_starts(phase, buckets) for phase in phases])
     ends = np.append(starts[1:], end)

@@ -2,7 +2,9 @@
 // The device: which one, what it does, and in sections what can be done with it.
 
 import { element, icon, messageLine, picker, segmented } from '../../dom.js';
+import { memory } from '../../memory.js';
 import { createJogSection } from './jog_section.js';
+import { limitsText } from './limits.js';
 import { createLive } from './live.js';
 import { createMoveSection } from './move_section.js';
 import { createPushSection } from './push_section.js';
@@ -50,10 +52,10 @@ export function createDevice(root, fleet, onChoice) {
   let situation = null;
 
   const pill = element('span', { className: 'pill', role: 'status' });
-  const settings = createSettingsDialog();
-  const gear = iconButton('settings', 'How the controller drives its pins', 'gear', () => {
+  const settings = createSettingsDialog(fleet.limit);
+  const gear = iconButton('settings', 'Device settings: how it drives its pins, and soft limits', 'gear', () => {
     const present = device();
-    if (present) settings.open(present);
+    if (present && situation) settings.open(present, situation);
   });
   const choice = picker('Port', (value) => {
     port = value;
@@ -79,6 +81,9 @@ export function createDevice(root, fleet, onChoice) {
       onclick: () => withDevice(fleet.takeOver),
     }),
   );
+  const forgotten = element('p', { className: 'message warning' }, icon('warning'), element('span'));
+  const setLimits = element('button', { className: 'button small', id: 'set-limits', type: 'button', textContent: 'Set' });
+  const limitsOffer = element('div', { className: 'others', id: 'limits-offer', role: 'status' }, forgotten, setLimits);
   const live = createLive();
   const axisChoice = picker('Axis of the device', (value) => {
     axis = Number(value);
@@ -109,6 +114,7 @@ export function createDevice(root, fleet, onChoice) {
       element('div', { className: 'line' }, choice.element, refresh, connect),
       problem,
       control,
+      limitsOffer,
       live.element,
       element('div', { className: 'line' }, tabs.element, axisChoice.element),
       ...SECTIONS.map(([name]) => sections[name].element),
@@ -206,8 +212,30 @@ export function createDevice(root, fleet, onChoice) {
     control.hidden = !now.isOthers || !isConnected;
     const lost = present?.state === 'lost' ? `${present.message ?? 'It is lost.'} It is connected again once it is back.` : '';
     showProblem([lost, refused === present?.message ? '' : refused].filter(Boolean).join(' '));
+    showForgottenLimits(isConnected && !now.isOthers ? present : null, now);
     showAxes(isConnected ? present : null);
     showSections();
+  }
+
+  /** Offer to bring back into force the soft limits that are remembered of a port, of each axis that has others or none.
+   * @param {Device | null} present @param {Situation} now */
+  function showForgottenLimits(present, { designs, active, units, isBusy }) {
+    const axes = present?.axes ?? [];
+    const kept = (present ? memory.softLimits(present.port) : []).filter(({ axis, lowest_steps, highest_steps }) => {
+      const one = axes[axis];
+      return one && (one.lowest_steps !== lowest_steps || one.highest_steps !== highest_steps);
+    });
+    limitsOffer.hidden = kept.length === 0;
+    if (present === null || kept.length === 0) return;
+    const spans = kept.map((one) => {
+      const span = limitsText(units, designs[one.axis] ?? designs[active], one);
+      return axes.length === 1 ? span : `axis ${one.axis} ${span}`;
+    });
+    const text = `Soft limits of this port, ${spans.join(', ')}, are not in force.`;
+    const shown = /** @type {HTMLElement} */ (forgotten.lastElementChild);
+    if (shown.textContent !== text) shown.textContent = text;
+    setLimits.disabled = isBusy;
+    setLimits.onclick = () => fleet.limitAgain(present, kept);
   }
 
   /** @param {string} text */
@@ -224,7 +252,7 @@ export function createDevice(root, fleet, onChoice) {
     /** Take what the server refused: shown at its field, or else under the port; an empty list takes it away.
      * @param {import('../../types.js').Rejection[]} rejections */
     showRejections(rejections) {
-      const others = sections.move.reject?.(rejections) ?? rejections;
+      const others = SECTIONS.reduce((left, [name]) => sections[name].reject?.(left) ?? left, rejections);
       refused = others.map(({ message }) => message).join(' ');
       if (situation) show(situation);
     },

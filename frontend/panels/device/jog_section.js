@@ -1,8 +1,10 @@
 // @ts-check
 // Jogging while a button is held, running at a speed, and saying where an axis is.
 
-import { element, icon } from '../../dom.js';
+import { element, icon, showMessage } from '../../dom.js';
+import { memory } from '../../memory.js';
 import { shownValue } from '../../units.js';
+import { plainField } from './plain_field.js';
 import { quantityField } from './quantity.js';
 import { able } from './section.js';
 
@@ -14,7 +16,7 @@ const FIRST_PART_OF_SLEW = 0.25;
 const WHOLE_DIAL_STEPS = 945;
 
 /**
- * @param {{begin: (id: string, axis: number, speed: unknown) => void, end: () => void}} jog
+ * @param {{begin: (device: Device, axis: number, speed: unknown) => void, end: () => void}} jog
  * @param {{go: (device: Device, axis: number, what: 'run' | 'zero', body: unknown) => void,
  *   setPosition: (device: Device, axis: number, steps: unknown) => void}} handlers
  */
@@ -22,6 +24,14 @@ export function createJogSection(jog, handlers) {
   /** @type {Context | null} */
   let context = null;
   const speed = quantityField({ id: 'jog-speed', label: 'Speed', quantity: 'speed', start: '' });
+  const seconds = plainField({
+    id: 'run-for',
+    label: 'How long a run lasts',
+    unit: 's',
+    value: memory.runSeconds(),
+    onChange: memory.keepRunSeconds,
+  });
+  const problem = element('div', { className: 'problem' });
   const place = quantityField({ id: 'set-position', label: 'Position of this place', quantity: 'length', start: 0 });
   const dial = quantityField({ id: 'zero-steps', label: 'Whole range', quantity: 'length', start: WHOLE_DIAL_STEPS });
   const back = holdButton(-1, 'Jog backwards while held', 'left');
@@ -50,7 +60,10 @@ export function createJogSection(jog, handlers) {
   /** @param {1 | -1} direction */
   function run(direction) {
     withDevice((device, axis) =>
-      handlers.go(device, axis, 'run', { axes: [{ axis, speed_steps_per_s: signed(direction) }] }),
+      handlers.go(device, axis, 'run', {
+        axes: [{ axis, speed_steps_per_s: signed(direction) }],
+        for_s: seconds.value(),
+      }),
     );
   }
 
@@ -68,7 +81,7 @@ export function createJogSection(jog, handlers) {
     const begin = () => {
       if (held.disabled) return;
       held.dataset.held = '';
-      withDevice((device, axis) => jog.begin(device.id, axis, signed(direction)));
+      withDevice((device, axis) => jog.begin(device, axis, signed(direction)));
     };
     const end = () => {
       if (!('held' in held.dataset)) return;
@@ -98,8 +111,14 @@ export function createJogSection(jog, handlers) {
       { className: 'section' },
       labelled('Speed', speed.element),
       element('div', { className: 'line hold-line' }, back, ahead),
-      element('div', { className: 'line' }, runBack, runAhead),
+      element('div', { className: 'line run-line' }, runBack, runAhead, element('span', { textContent: 'for' }), seconds.element),
+      problem,
       reason,
+      element('p', {
+        className: 'reason',
+        id: 'run-explained',
+        textContent: 'A run slows down after that, or when this page is closed. Run again in time, and it goes on.',
+      }),
       element('div', { className: 'separator' }),
       labelled('It is at', place.element, set),
       labelled('Gauge', dial.element, zero),
@@ -126,6 +145,13 @@ export function createJogSection(jog, handlers) {
       if (!isHeld) able([back, ahead], reason, inTheWay || noRamp, situation.isBusy);
       able([set, zero], placeReason, inTheWay || notAtRest || noRamp, situation.isBusy);
       if (placeReason.textContent === reason.textContent) placeReason.hidden = true;
+    },
+    /** @param {import('../../types.js').Rejection[]} rejections */
+    reject(rejections) {
+      const ofRun = rejections.find(({ field }) => field === 'for_s');
+      const text = ofRun?.message.replace('for_s', 'The time') ?? '';
+      showMessage(seconds.input, problem, ofRun && { text, isWarning: false });
+      return rejections.filter((one) => one !== ofRun);
     },
   };
 }

@@ -4,12 +4,14 @@
 import { element, messageLine } from '../../dom.js';
 import { formatFigures, formatFixed } from '../../numbers.js';
 import { shownValue, unitsFor, unitWord } from '../../units.js';
+import { limitsText } from './limits.js';
 
 /** @typedef {import('./section.js').Context} Context */
 
 export function createLive() {
   const position = readout('Position', 'position');
   const speed = readout('Speed', 'speed');
+  const limits = element('p', { className: 'reason', id: 'live-limits' });
   const unknown = element(
     'div',
     { id: 'unknown-position' },
@@ -19,7 +21,7 @@ export function createLive() {
     }),
   );
   return {
-    element: element('div', { className: 'live-box' }, element('div', { className: 'live' }, position.element, speed.element), unknown),
+    element: element('div', { className: 'live-box' }, element('div', { className: 'live' }, position.element, speed.element), limits, unknown),
     /** @param {Context} context */
     show({ device, axis, design, situation }) {
       const state = device?.axes[axis] ?? null;
@@ -35,6 +37,10 @@ export function createLive() {
       position.show(state ? length(state.position_steps) : '–', unitWord(units, design, 'length'), notes.filter(Boolean).join(' · '));
       const shown = state ? shownValue(units, design, 'speed', state.speed_steps_per_s) : 0;
       speed.show(state ? (isInSteps ? formatFixed(shown) : formatFigures(shown)) : '–', unitWord(units, design, 'speed'), '');
+      const span = state ? limitsText(units, design, state) : '';
+      const text = span && `Soft limits: ${span}`;
+      if (limits.textContent !== text) limits.textContent = text;
+      limits.hidden = text === '';
       unknown.hidden = !device?.unknown_positions.includes(axis);
     },
   };

@@ -2,7 +2,7 @@
 // Moves: by so much, to a place, there and back, several axes along a line.
 
 import { element, segmented, showMessage } from '../../dom.js';
-import { formatEntry, parseEntry } from '../../numbers.js';
+import { plainField } from './plain_field.js';
 import { quantityField } from './quantity.js';
 import { able } from './section.js';
 
@@ -32,6 +32,7 @@ export function createMoveSection(go) {
     ],
     (value) => {
       kind = value;
+      showMessage(distance.input, problem, undefined); // It was about the other kind.
       if (context) show(context);
     },
   );
@@ -42,8 +43,8 @@ export function createMoveSection(go) {
     quantity: 'length',
     start: planned,
   });
-  const times = plainField('move-times', 'Times', '×', '3');
-  const pause = plainField('move-pause', 'Pause at each end', 's pause', '0.5');
+  const times = plainField({ id: 'move-times', label: 'Times', unit: '×', value: '3' });
+  const pause = plainField({ id: 'move-pause', label: 'Pause at each end', unit: 's pause', value: '0.5' });
   const lines = Array.from({ length: MOST_AXES }, (_, axis) =>
     quantityField({ id: `line-${axis}`, label: `How far axis ${axis} moves`, quantity: 'length', start: planned }),
   );
@@ -85,8 +86,7 @@ export function createMoveSection(go) {
       const own = device.axes.map((one) => ({ axis: one.axis, by_steps: lines[one.axis].value() }));
       go(device, axis, 'line', { axes: own });
     } else if (kind === 'back') {
-      const [often, seconds] = [parseEntry(times.input.value), parseEntry(pause.input.value)];
-      go(device, axis, 'there_and_back', { axis, by_steps: steps, times: often, pause_s: seconds });
+      go(device, axis, 'there_and_back', { axis, by_steps: steps, times: times.value(), pause_s: pause.value() });
     } else if (axis === 0) {
       go(device, axis, 'move', kind === 'by' ? { by_steps: steps } : { to_steps: steps });
     } else {
@@ -139,28 +139,5 @@ export function createMoveSection(go) {
       showMessage(distance.input, problem, ofMove && { text, isWarning: false });
       return rejections.filter((one) => one !== ofMove);
     },
-  };
-}
-
-/** @param {string} id @param {string} label @param {string} unit @param {string} value */
-function plainField(id, label, unit, value) {
-  const input = element('input', {
-    id,
-    value,
-    inputMode: 'decimal',
-    autocomplete: 'off',
-    'aria-label': label,
-    onblur: () => {
-      input.value = formatEntry(parseEntry(input.value));
-    },
-  });
-  return {
-    input,
-    element: element(
-      'span',
-      { className: 'field grow' },
-      input,
-      element('span', { className: 'unit', textContent: unit }),
-    ),
   };
 }

@@ -10,12 +10,16 @@ import { shownValue, storedValue, unitsFor, unitWord } from '../../units.js';
 /** @typedef {import('../../units.js').Units} Units */
 
 const MOST_FIGURES = 7;
+/** What is beyond them comes of the conversion: 0.14 mm at 0.02 mm a step are 7 steps, not 7.000000000000001. */
+const EXACT_FIGURES = 12;
 
 /**
- * @param {{id: string, label: string, quantity: 'length' | 'speed', start: Entry | ((design: Design) => Entry)}} what
- *   start: steps or steps/s, or how they follow from the design until something is typed
+ * @param {{id: string, label: string, quantity: 'length' | 'speed', start: Entry | ((design: Design) => Entry),
+ *   toWhole?: (steps: number) => number}} what
+ *   start: steps or steps/s, or how they follow from the design until something is typed; toWhole: which whole step
+ *   a length in another unit becomes, the nearest one if it isn't said
  */
-export function quantityField({ id, label, quantity, start }) {
+export function quantityField({ id, label, quantity, start, toWhole = Math.round }) {
   /** In steps or steps/s, or the text that is no number.
    * @type {Entry} */
   let entry = typeof start === 'function' ? '' : start;
@@ -40,12 +44,17 @@ export function quantityField({ id, label, quantity, start }) {
     entry = typed;
     if (typeof typed !== 'number' || shown === null) return;
     const stored = storedValue(shown.units, shown.design, quantity, typed);
+    if (!Number.isFinite(stored)) {
+      entry = input.value.trim(); // Too large to be converted: the server says what is allowed, as of any other text.
+      return;
+    }
     // A motor makes whole steps; in steps the server says so of any other number.
     const isInSteps = unitsFor(shown.units, shown.design).length === 'steps';
-    entry = quantity === 'length' && !isInSteps ? Math.round(stored) : stored;
+    entry = quantity === 'length' && !isInSteps ? toWhole(Number(stored.toPrecision(EXACT_FIGURES))) : stored;
   }
 
   function write() {
+    if (entry === '') input.value = '';
     if (shown === null || typeof entry !== 'number') return;
     const value = shownValue(shown.units, shown.design, quantity, entry);
     input.value = formatEntry(Number(value.toPrecision(MOST_FIGURES)));
@@ -56,7 +65,7 @@ export function quantityField({ id, label, quantity, start }) {
     element: box,
     input,
     value: () => entry,
-    /** @param {Entry} value steps or steps/s */
+    /** @param {Entry} value steps or steps/s, or '' for an empty field */
     set(value) {
       isTyped = true;
       entry = value;

@@ -1,10 +1,12 @@
 // @ts-check
-// The dialog for how the controller drives its pins. What is used here is on trial until it is kept.
+// The dialog for how the controller drives its pins, which is on trial until it is kept, and for the soft limits of axes,
+// which the server keeps.
 
-import { api } from '../../api.js';
+import { api, Refusal } from '../../api.js';
 import { createDialog, dialogFoot } from '../../dialog.js';
 import { element, icon, messageLine } from '../../dom.js';
 import { formatEntry, parseEntry } from '../../numbers.js';
+import { createLimitFields } from './limits.js';
 
 /** @typedef {import('../../types.js').Device} Device */
 /** @typedef {import('../../types.js').Settings} Settings */
@@ -41,16 +43,29 @@ const SETTINGS = [
 ];
 const MOST_AXES = 4;
 
-export function createSettingsDialog() {
+/** @param {(device: Device, axes: import('../../types.js').SoftLimits[]) => Promise<void>} limit */
+export function createSettingsDialog(limit) {
   /** @type {Device | null} */
   let device = null;
+  /** The settings that are shown as the device has them; empty: not known. */
+  let before = '';
+  const limits = createLimitFields();
   const controls = SETTINGS.map(controlOf);
   const problem = element('div', { className: 'problem', role: 'alert' });
   const dialog = createDialog(
-    { id: 'settings-dialog', title: 'How the controller drives its pins', onSubmit: submitted },
+    { id: 'settings-dialog', title: 'Device settings', onSubmit: submitted },
+    element('h3', { textContent: 'How the controller drives its pins' }),
+    element('p', { className: 'reason', textContent: 'On trial until it is kept, in the Push section.' }),
     ...controls.map((control) => control.element),
+    element('h3', { textContent: 'Soft limits' }),
+    element('p', {
+      className: 'reason',
+      textContent:
+        'Positions that an axis is kept within: what leads beyond is refused, and a run slows down in time. Empty: none. ' +
+        'The server keeps them until it ends; this page remembers them for the port.',
+    }),
+    limits.element,
     problem,
-    element('p', { className: 'reason', textContent: 'They are on trial until they are kept, in the Push section.' }),
     dialogFoot(
       () => dialog.close(),
       element('button', { className: 'button primary', id: 'use-settings', type: 'submit', textContent: 'Use them' }),
@@ -63,27 +78,37 @@ export function createSettingsDialog() {
     problem.replaceChildren(messageLine({ text, isWarning: false }));
   }
 
-  /** @param {SubmitEvent} event */
+  const entries = () => Object.fromEntries(controls.map((control) => [control.name, control.value()]));
+
+  /** What is changed is sent, and no more.
+   * @param {SubmitEvent} event */
   async function submitted(event) {
     event.preventDefault();
     if (device === null) return;
     problem.replaceChildren();
+    limits.reject([]);
     try {
-      await api.useSettings(device.id, Object.fromEntries(controls.map((control) => [control.name, control.value()])));
+      const axes = limits.changed();
+      if (axes.length > 0) await limit(device, axes);
+      if (before !== '' && JSON.stringify(entries()) !== before) await api.useSettings(device.id, entries());
       dialog.close();
     } catch (error) {
-      showProblem(error);
+      const others = error instanceof Refusal ? limits.reject(error.rejections) : [error];
+      if (others.length > 0) showProblem(error);
     }
   }
 
   return {
-    /** @param {Device} present */
-    async open(present) {
+    /** @param {Device} present @param {import('../../types.js').Situation} situation */
+    async open(present, situation) {
       device = present;
+      before = '';
       problem.replaceChildren();
+      limits.show(present, situation);
       try {
         const settings = await api.settings(present.id);
         for (const control of controls) control.show(settings[control.name]);
+        before = JSON.stringify(entries());
       } catch (error) {
         showProblem(error);
       }

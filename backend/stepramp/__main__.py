@@ -1,0 +1,8 @@
+"""What `python -m stepramp` does: the same as the command `stepramp`."""
+
+import sys
+
+from stepramp.cli import main
+
+if __name__ == "__main__":
+    sys.exit(main())

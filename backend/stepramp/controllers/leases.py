@@ -1,0 +1,71 @@
+"""Leases: axes run only as long as somebody says, again and again, that they shall."""
+
+import threading
+from collections.abc import Iterable, Mapping
+from time import monotonic
+
+JOG_S = 0.4
+"""How long an axis runs on without being told so again while a button is held [s]: a few renewals may be late, a finger
+never is."""
+
+
+class Lease:
+    """What axes run on, for any thread. Once it has run out or was ended, nothing brings it back.
+
+    speeds: those of the axes that run on it, negative for backwards [steps/s]. lasts_s: how long, and how long again
+    after each renewal [s]. page: whose it is, if a page's: it holds only while that page is in control.
+    """
+
+    def __init__(self, speeds: Mapping[int, float], lasts_s: float = JOG_S, page: str | None = None) -> None:
+        self.speeds = {axis: speed for axis, speed in speeds.items() if speed}
+        self.page = page
+        self._lasts_s = lasts_s
+        self._lock = threading.Lock()
+        self._until_s = monotonic() + lasts_s
+
+    @property
+    def holds(self) -> bool:
+        """Whether it has neither run out nor been ended."""
+        with self._lock:
+            return monotonic() < self._until_s
+
+    def holds_with(self, in_control: str | None) -> bool:
+        """Whether it holds when that page is in control, or none."""
+        return self.holds and self.page in (None, in_control)
+
+    def renew(self) -> bool:
+        """Let it last as long again; return whether it still held."""
+        with self._lock:
+            held = monotonic() < self._until_s
+            if held:
+                self._until_s = monotonic() + self._lasts_s
+            return held
+
+    def end(self) -> None:
+        """Let it run out now."""
+        with self._lock:
+            self._until_s = 0.0
+
+
+class Leases:
+    """Which axes of a device run on which lease. In the thread of its port."""
+
+    def __init__(self) -> None:
+        self._of_axes: dict[int, Lease] = {}
+
+    def take(self, lease: Lease) -> None:
+        """Note that axes run on a lease from now on, and on no other."""
+        self._of_axes |= dict.fromkeys(lease.speeds, lease)
+
+    def drop(self, axes: Iterable[int] | None = None) -> None:
+        """Note that these axes, or all, no longer run."""
+        self._of_axes = {} if axes is None else {axis: self._of_axes[axis] for axis in set(self._of_axes) - set(axes)}
+
+    def run_out(self, in_control: str | None) -> list[int]:
+        """Return the axes whose lease no longer holds, when that page is in control."""
+        return sorted(axis for axis, lease in self._of_axes.items() if not lease.holds_with(in_control))
+
+    @property
+    def speeds(self) -> dict[int, float]:
+        """Speeds that axes run at on a lease, negative for backwards [steps/s]."""
+        return {axis: lease.speeds[axis] for axis, lease in self._of_axes.items()}

@@ -1,0 +1,81 @@
+"""STOP is final: what was asked of a device before a stop was answered moves nothing afterwards.
+
+All that is asked and all that is stopped is numbered in one order. A motion carries the number of the moment at which
+it was asked, and is refused at the last instant before its bytes go out when a stop came after that, or is not answered
+yet.
+"""
+
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from itertools import count
+
+from stepramp.errors import Refused
+
+
+class Overtaken(Refused):
+    """A stop came after what was asked, or is still to be answered."""
+
+
+class Order:
+    """Numbers that grow, for all devices together: a greater one came later. For any thread."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._numbers = count(1)
+
+    def next(self) -> int:
+        """Return the number of the present moment."""
+        with self._lock:
+            return next(self._numbers)
+
+
+class Stops:
+    """The stops of one device, for any thread."""
+
+    def __init__(self, order: Order) -> None:
+        self._order = order
+        self._lock = threading.Lock()
+        # A stop of all that came before there was this device holds for it, too.
+        self._last = order.next()
+        self._unanswered = 0
+
+    @property
+    def last(self) -> int:
+        """Number of the last stop: it grows with each."""
+        with self._lock:
+            return self._last
+
+    def note(self) -> None:
+        """Note a stop: what was asked before now moves nothing."""
+        with self._lock:
+            self._last = self._order.next()
+
+    @contextmanager
+    def unanswered(self) -> Iterator[None]:
+        """Let nothing move while a stop is being answered, nor afterwards what was asked until then."""
+        with self._lock:
+            self._unanswered += 1
+            self._last = self._order.next()
+        try:
+            yield
+        finally:
+            with self._lock:
+                self._unanswered -= 1
+                self._last = self._order.next()
+
+    def end(self) -> None:
+        """Let nothing move any more, whenever it is asked for."""
+        with self._lock:
+            self._unanswered += 1
+            self._last = self._order.next()
+
+    def have_overtaken(self, asked: int) -> bool:
+        """Tell whether a stop came after what was asked then, or is still to be answered."""
+        with self._lock:
+            return self._unanswered > 0 or asked < self._last
+
+    def refuse_overtaken(self, asked: int) -> None:
+        """Raise Overtaken when a stop came after what was asked then, or is still to be answered."""
+        if self.have_overtaken(asked):
+            raise Overtaken("A stop came first: what was asked before it is not carried out.")

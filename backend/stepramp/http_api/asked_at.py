@@ -1,0 +1,89 @@
+"""When something was asked for: noted as soon as it arrives, before anything is read, checked or waited for.
+
+A stop overtakes what is slow: a request whose body comes in drops, or that waits for its turn.
+"""
+
+from collections.abc import Callable
+from typing import Annotated, Any
+
+from fastapi import Depends, Header
+from starlette.requests import HTTPConnection
+from starlette.types import ASGIApp, Receive, Scope, Send
+from uvicorn.protocols.http.h11_impl import H11Protocol
+
+from stepramp.errors import Rejected, Rejection
+
+STOPS_HEADER = "X-StepRamp-Stops"
+MOST_DIGITS = 18
+_ASKED = "stepramp.asked"
+
+
+def numbering(now: Callable[[], int]) -> type[H11Protocol]:
+    """Return the server's protocol of HTTP, which notes when the first byte of each request arrived.
+
+    A request may come in drops, or wait behind another one of its connection: then it is as old as what it waits for.
+    """
+
+    class Numbering(H11Protocol):
+        def __init__(self, **options: Any) -> None:
+            # Of its own, not the server's: what this connection's requests are told.
+            super().__init__(**{**options, "app_state": dict(options["app_state"])})
+
+        def data_received(self, data: bytes) -> None:
+            self.app_state.setdefault(_ASKED, now())
+            super().data_received(data)
+
+        def on_response_complete(self) -> None:
+            if not self.conn.trailing_data[0]:
+                self.app_state.pop(_ASKED, None)
+            super().on_response_complete()
+
+    return Numbering
+
+
+class AskedAt:
+    """Numbers each request and WebSocket that the server's protocol hasn't numbered.
+
+    now: returns the number of the present moment in the order of all that is asked and stopped.
+    """
+
+    def __init__(self, app: ASGIApp, now: Callable[[], int]) -> None:
+        self.app = app
+        self.now = now
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Note when it was asked for, and pass it on."""
+        if scope["type"] != "lifespan":
+            scope = {**scope, _ASKED: scope.get("state", {}).get(_ASKED) or self.now()}
+        await self.app(scope, receive, send)
+
+
+async def asked_at(
+    connection: HTTPConnection,
+    stops: Annotated[
+        str | None,
+        Header(
+            alias=STOPS_HEADER,
+            description="The `stops` of the device that whoever asks knows of: when it was stopped since, nothing "
+            "moves, and the answer is 409. For what is asked in several steps, or decided before it is sent",
+        ),
+    ] = None,
+) -> int:
+    """Return when a request was asked for: as it arrived, or when its sender last heard of the device.
+
+    Raises Rejected when the header says something else.
+    """
+    if stops is None:
+        return arrived_at(connection)
+    if not (stops.isascii() and stops.isdigit() and len(stops) <= MOST_DIGITS):
+        raise Rejected([Rejection(STOPS_HEADER, stops, "a whole number: the `stops` that the device last told")])
+    return min(arrived_at(connection), int(stops))
+
+
+def arrived_at(connection: HTTPConnection) -> int:
+    """Return when a request or WebSocket arrived, in the order of all that is asked."""
+    arrived: int = connection.scope[_ASKED]
+    return arrived
+
+
+AskedNumber = Annotated[int, Depends(asked_at)]

@@ -1,0 +1,156 @@
+"""Bodies of requests: how large they may be, of which type, and how they become documents.
+
+A large body is parsed and validated in a thread: both take so long that a STOP would wait for them.
+"""
+
+import json
+import re
+from collections.abc import Callable, Coroutine, Iterator
+from functools import partial
+from inspect import signature
+from typing import Any
+
+from fastapi import Request
+from fastapi.routing import APIRoute
+from starlette.exceptions import HTTPException
+from starlette.requests import ClientDisconnect
+from starlette.responses import Response
+
+from stepramp.errors import Rejected, Rejection, escaped, shown
+from stepramp.http_api.errors import ErrorList, error_response
+from stepramp.http_api.lanes import CHECKING
+from stepramp.validation import Document
+
+MOST_BYTES = 2_000_000
+"""Size of the largest body, and of the largest message on a WebSocket [bytes]."""
+LARGE_BYTES = 16_384
+"""What is larger is parsed and validated in a thread [bytes]."""
+OF_BODIES: dict[int | str, dict[str, Any]] = {
+    400: {"model": ErrorList, "description": "The body ended early"},
+    413: {"model": ErrorList, "description": f"The body is larger than {MOST_BYTES:,} bytes"},
+    415: {"model": ErrorList, "description": "The body is not application/json"},
+}
+"""What is answered to a body that is not even looked at."""
+WHOLE_TEXT = "text without halves of surrogate pairs"
+
+_ESCAPED_SURROGATE = re.compile(r"\\u[dD][89a-fA-F]")
+_SURROGATE = re.compile("[\ud800-\udfff]")
+
+
+class JsonRoute(APIRoute):
+    """A route whose body, if it takes one, is a JSON document: refused before it is read when it can't be one."""
+
+    def __init__(self, path: str, endpoint: Callable[..., Any], **options: Any) -> None:
+        if _document_of(endpoint) is not None:
+            options["responses"] = OF_BODIES | (options.get("responses") or {})
+        super().__init__(path, endpoint, **options)
+
+    def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
+        """Return what handles a request: FastAPI's own handler, given the document in place of the body."""
+        handle, kind = super().get_route_handler(), _document_of(self.endpoint)
+        if kind is None:
+            return handle
+
+        def checked(body: bytes) -> Document:
+            return kind.checked(_content(body))
+
+        async def handle_document(request: Request) -> Response:
+            _refuse_other_types(request)
+            body = await read_body(request)
+            try:
+                is_large = len(body) > LARGE_BYTES
+                document = await CHECKING.run(partial(checked, body)) if is_large else checked(body)
+            except Rejected as error:
+                return error_response(error)
+            return await handle(_WithDocument(request, body, document))
+
+        return handle_document
+
+
+async def read_body(request: Request) -> bytes:
+    """Return a request's body.
+
+    Raises HTTPException with status 413 as soon as it is too large, without reading more, and 400 when it ends early.
+    """
+    declared = request.headers.get("content-length", "")
+    chunks, size = [], int(declared) if declared.isdecimal() and len(declared) < 20 else 0
+    try:
+        if size <= MOST_BYTES:
+            size = 0
+            async for chunk in request.stream():
+                chunks.append(chunk)
+                size += len(chunk)
+                if size > MOST_BYTES:
+                    break
+    except ClientDisconnect:
+        raise HTTPException(400, "The request's body ended early.") from None
+    if size > MOST_BYTES:
+        raise HTTPException(413, f"The request's body is too large; allowed: up to {MOST_BYTES:,} bytes.")
+    return b"".join(chunks)
+
+
+def parsed_json(text: str) -> object:
+    """Return JSON as objects; ValueError when it is none, is nested too deeply, or has numbers of too many digits.
+
+    Raises Rejected for half a surrogate pair: UTF-8 can't carry it, so nothing that holds it could be answered.
+    """
+    try:
+        content: object = json.loads(text)
+    except RecursionError:
+        raise ValueError("It is nested too deeply.") from None
+    if _ESCAPED_SURROGATE.search(text) and (half := next(_halves(content), None)) is not None:
+        path, value = half
+        raise Rejected([Rejection(".".join(map(str, path)) or "document", value, WHOLE_TEXT)])
+    return content
+
+
+class _WithDocument(Request):
+    """A request whose body has become a document already."""
+
+    def __init__(self, request: Request, body: bytes, document: object) -> None:
+        super().__init__(request.scope, request.receive)
+        self._bytes, self._document = body, document
+
+    async def body(self) -> bytes:
+        return self._bytes
+
+    async def json(self) -> object:
+        return self._document
+
+
+def _document_of(endpoint: Callable[..., Any]) -> type[Document] | None:
+    """Return what an endpoint takes as its body, if it takes a document."""
+    annotations = (parameter.annotation for parameter in signature(endpoint).parameters.values())
+    return next((each for each in annotations if isinstance(each, type) and issubclass(each, Document)), None)
+
+
+def _refuse_other_types(request: Request) -> None:
+    given = request.headers.get("content-type")
+    kind = (given or "").partition(";")[0].strip().lower()
+    if kind != "application/json":
+        raise HTTPException(415, f"The Content-Type header is {shown(given)}; allowed: application/json.")
+
+
+def _content(body: bytes) -> object:
+    try:
+        return parsed_json(body.decode("utf-8-sig"))
+    except Rejected:
+        raise
+    except ValueError as error:
+        text = body[:1000].decode("utf-8", "backslashreplace")
+        raise Rejected([Rejection("body", text, f"JSON ({error})")]) from None
+
+
+def _halves(content: object) -> Iterator[tuple[tuple[str | int, ...], str]]:
+    """Yield texts with half a surrogate pair, and where they are; of a field's name, where the field is."""
+    waiting: list[tuple[tuple[str | int, ...], object]] = [((), content)]
+    while waiting:
+        path, value = waiting.pop()
+        if isinstance(value, str) and _SURROGATE.search(value):
+            yield path, value
+        elif isinstance(value, list):
+            waiting += [((*path, number), each) for number, each in enumerate(value)]
+        elif isinstance(value, dict):
+            names = list(map(escaped, value))
+            yield from (((*path, name), name) for name, given in zip(names, value, strict=True) if name != given)
+            waiting += [((*path, name), each) for name, each in zip(names, value.values(), strict=True)]

@@ -1,0 +1,91 @@
+"""Answers that are planned in their turn, and sent while they are still being written."""
+
+import asyncio
+import threading
+from collections.abc import Callable
+
+from starlette.responses import Response
+from starlette.types import Receive, Scope, Send
+
+from stepramp.http_api.json_response import json_pieces
+from stepramp.http_api.lanes import Lane
+
+MOST_AHEAD = 32
+"""So many pieces are written before the first of them is taken; then the writing waits."""
+STALLED_S = 10.0
+"""A client that takes nothing for so long is given up: it would keep others from their turn."""
+
+
+class Planned(Response):
+    """JSON that a job makes in a lane.
+
+    The job's turn lasts until all but the last pieces are sent, so that no more of large answers is in memory than
+    there are turns. What the job raises before is answered as by other routes.
+    """
+
+    media_type = "application/json"
+
+    def __init__(self, lane: Lane, job: Callable[[], object]) -> None:
+        self.status_code = 200
+        self.background = None
+        self.init_headers()
+        self._lane, self._job = lane, job
+
+    async def __call__(self, _: Scope, __: Receive, send: Send) -> None:
+        """Send the answer in pieces as they come."""
+        written = _Pieces(self._job)
+        making = asyncio.ensure_future(self._lane.run(written.make))
+        making.add_done_callback(written.end)
+        try:
+            await self._send(written, making, send)
+        finally:
+            written.give_up()
+            making.cancel()
+
+    async def _send(self, written: "_Pieces", making: asyncio.Future[None], send: Send) -> None:
+        piece = await written.take()
+        following = await written.take() if piece else b""
+        if not following:
+            await making
+            self.headers["content-length"] = str(len(piece))
+        await send({"type": "http.response.start", "status": self.status_code, "headers": self.raw_headers})
+        while following:
+            async with asyncio.timeout(STALLED_S):
+                await send({"type": "http.response.body", "body": piece, "more_body": True})
+            piece, following = following, await written.take()
+        await making
+        await send({"type": "http.response.body", "body": piece, "more_body": False})
+
+
+class _Pieces:
+    """Pieces of JSON on their way from the thread that writes them to the loop that sends them."""
+
+    def __init__(self, job: Callable[[], object]) -> None:
+        self._job = job
+        self._loop = asyncio.get_running_loop()
+        self._pieces: asyncio.Queue[bytes] = asyncio.Queue()
+        self._room = threading.Semaphore(MOST_AHEAD)
+        self._is_wanted = True
+
+    def make(self) -> None:
+        """Do the job and write what it returns, as fast as it is taken."""
+        for piece in json_pieces(self._job()):
+            self._room.acquire()
+            if not self._is_wanted:
+                return
+            self._loop.call_soon_threadsafe(self._pieces.put_nowait, piece)
+
+    def end(self, _: asyncio.Future[None]) -> None:
+        """Note that no more pieces come."""
+        self._pieces.put_nowait(b"")
+
+    async def take(self) -> bytes:
+        """Return the next piece; an empty one after the last."""
+        piece = await self._pieces.get()
+        self._room.release()
+        return piece
+
+    def give_up(self) -> None:
+        """Let the writing end: nobody takes the pieces any more."""
+        self._is_wanted = False
+        self._room.release()

@@ -1,0 +1,66 @@
+"""STOP over the WebSocket of events, which every page has open already.
+
+A browser has six connections to a server for all its tabs together: while they wait for plannings, a request to stop
+would wait, too. A WebSocket doesn't count among them.
+"""
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from stepramp.controllers.devices import Devices
+from stepramp.errors import Rejected, Rejection, StepRampError
+from stepramp.http_api.device_models import DevicesAnswer
+from stepramp.http_api.errors import error_items
+from stepramp.http_api.json_response import json_bytes
+from stepramp.http_api.sockets import parsed
+from stepramp.http_api.stopping import halt_whole, stop_every
+from stepramp.validation import Document, OneOf, Within, refuse
+
+ALLOWED = 'a JSON object such as {"do": "stop"}'
+LONGEST_MESSAGE = 1000
+"""Far more than any message needs [characters]."""
+
+
+class StopMessage(Document):
+    """What the WebSocket of events is told."""
+
+    do: Annotated[Literal["stop", "halt"], OneOf()] = Field(
+        description="stop: slow all devices down. halt: let one make no further step"
+    )
+    device: str | None = Field(None, description="Which device halts")
+    number: Annotated[int, Within(0, 2**53, "or null")] | None = Field(
+        None, description="Is told again in the answer, to know which message it answers"
+    )
+
+    @model_validator(mode="after")
+    def _one_halts(self) -> Self:
+        if self.do == "halt" and self.device is None:
+            refuse("device", None, "the id of the device that is to halt")
+        if self.do == "stop" and self.device is not None:
+            refuse("device", self.device, "nothing, since a stop over this WebSocket is for all devices")
+        return self
+
+
+async def answered(text: str | bytes, devices: Devices) -> str:
+    """Stop or halt as a message asks, and return the answer: `did` says what was done, `errors` why it wasn't."""
+    try:
+        if len(text) > LONGEST_MESSAGE:
+            raise Rejected([Rejection("message", text, f"{ALLOWED}, of up to {LONGEST_MESSAGE:,} characters")])
+        message = StopMessage.checked(parsed(text, ALLOWED))
+    except StepRampError as error:
+        return _text({"errors": error_items(error)})
+    did = message.model_dump()
+    try:
+        if message.device is None:
+            await stop_every(devices)
+        else:
+            await halt_whole(devices.get(message.device))
+    except StepRampError as error:
+        return _text({"did": did, "errors": error_items(error)})
+    answer = DevicesAnswer.model_validate({"devices": devices.views()})
+    return _text({"did": did, **answer.model_dump(mode="json")})
+
+
+def _text(content: object) -> str:
+    return json_bytes(content).decode()

@@ -1,0 +1,101 @@
+"""The routes that stop. Nothing stands between them and the device: no thread, no queue, no check of the body."""
+
+import asyncio
+from collections.abc import Sequence
+from concurrent.futures import Future
+
+from fastapi import APIRouter
+from starlette.requests import ClientDisconnect, Request
+
+from stepramp.controllers.device import Device
+from stepramp.controllers.devices import Devices
+from stepramp.errors import StepRampError
+from stepramp.http_api.device_models import DeviceAnswer, DevicesAnswer
+from stepramp.http_api.device_registry import Registry
+from stepramp.http_api.motion_models import AxesRequest
+from stepramp.http_api.stop_body import MOST_BYTES, axes_of_stop
+
+BODY_WITHIN_S = 0.25
+"""How long the names of axes are waited for [s]. Without them all are stopped."""
+
+router = APIRouter()
+AXES_IN_BODY = {
+    "requestBody": {
+        "description": "Which axes. A body that is missing, late or can't be understood stops all",
+        "content": {"application/json": {"schema": AxesRequest.model_json_schema()}},
+    }
+}
+
+
+@router.post("/devices/stop")
+async def stop_all(devices: Registry) -> DevicesAnswer:
+    """Stop every device, whatever it does, before anything else. What was asked before moves nothing afterwards.
+
+    The answer tells what was last heard of each. One that is lost or still being connected is stopped as soon as it
+    answers.
+    """
+    await stop_every(devices)
+    return DevicesAnswer.model_validate({"devices": devices.views()})
+
+
+@router.post("/devices/{device_id}/stop", openapi_extra=AXES_IN_BODY)
+async def stop(device_id: str, devices: Registry, request: Request) -> DeviceAnswer:
+    """Slow axes, or all, down with their ramps, before anything else. What was asked before moves nothing any more."""
+    device = devices.get(device_id)
+    with device.being_stopped():
+        await _granted(device.stop(await _axes(request)))
+    return DeviceAnswer.model_validate(device.view)
+
+
+@router.post("/devices/{device_id}/halt", openapi_extra=AXES_IN_BODY)
+async def halt(device_id: str, devices: Registry, request: Request) -> DeviceAnswer:
+    """Make no further step, before anything else; a fast motor may slip. What was asked before moves nothing."""
+    device = devices.get(device_id)
+    with device.being_stopped():
+        await _granted(device.halt(await _axes(request)))
+    return DeviceAnswer.model_validate(device.view)
+
+
+async def stop_every(devices: Devices) -> None:
+    """Stop every device: return once all stops are granted or have failed; which, the devices' states tell."""
+    with devices.being_stopped():
+        await _settled(devices.begin_to_stop())
+
+
+async def halt_whole(device: Device) -> None:
+    """Halt all axes of a device: return once that is granted, raise as Device.halt when it can't be."""
+    with device.being_stopped():
+        await _granted(device.halt())
+
+
+async def _axes(request: Request) -> Sequence[int] | None:
+    """Return which axes a request names, None for all."""
+    try:
+        return axes_of_stop(await asyncio.wait_for(_begin_of_body(request), BODY_WITHIN_S))
+    except (TimeoutError, ClientDisconnect):
+        return None
+
+
+async def _begin_of_body(request: Request) -> bytes:
+    """Return a body, or so much of it that it can't be understood any more."""
+    body = b""
+    async for chunk in request.stream():
+        body += chunk
+        if len(body) > MOST_BYTES:
+            break
+    return body
+
+
+async def _granted(stopped: "Future[None]") -> None:
+    """Wait until a stop is granted. It goes on when whoever asked for it no longer waits."""
+    await asyncio.shield(asyncio.wrap_future(stopped))
+    # Whatever has come in by now is read while nothing may move: it was asked for before the answer.
+    await asyncio.sleep(0)
+    await asyncio.sleep(0)
+
+
+async def _settled(stopped: Sequence["Future[None]"]) -> None:
+    """Wait until all stops are granted or have failed: which, the devices' states tell."""
+    for result in await asyncio.gather(*map(_granted, stopped), return_exceptions=True):
+        if isinstance(result, BaseException) and not isinstance(result, StepRampError):
+            raise result

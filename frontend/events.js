@@ -1,0 +1,75 @@
+// @ts-check
+// The socket over which the server tells of every change of the devices. It can be stopped over it, too: it is open
+// already, and waits for nothing else that the browser asks of the server.
+
+/** @typedef {import('./types.js').Device} Device */
+/** @typedef {{do: 'stop' | 'halt', device: string | null}} Stop  device: which one; null: all */
+/** @typedef {{resolve: (told: {devices: Device[]}) => void, reject: (error: Error) => void}} Waiting */
+
+const FIRST_RECONNECT_MS = 250;
+const LONGEST_RECONNECT_MS = 2_000;
+const STOP_WITHIN_MS = 1_000;
+
+/** @param {() => URL} address */
+export function createEvents(address) {
+  /** @type {WebSocket | null} */
+  let socket = null;
+  let last = 0;
+  /** Stops that have not been answered yet, by number.
+   * @type {Map<number, Waiting>} */
+  const waiting = new Map();
+
+  /** @param {{did: {number: number}, devices?: Device[], errors?: {message: string}[]}} told */
+  function settle({ did, devices, errors }) {
+    if (devices) waiting.get(did.number)?.resolve({ devices });
+    else waiting.get(did.number)?.reject(new Error(errors?.map(({ message }) => message).join(' ')));
+    waiting.delete(did.number);
+  }
+
+  function giveUp() {
+    for (const { reject } of waiting.values()) reject(new Error('The socket was closed.'));
+    waiting.clear();
+  }
+
+  return {
+    /** Hear of every change, for as long as the page lives; reconnects by itself.
+     * @param {(devices: Device[]) => void} onDevices
+     * @param {(isConnected: boolean) => void} onLink */
+    watch(onDevices, onLink) {
+      let waitMs = FIRST_RECONNECT_MS;
+      const open = () => {
+        const opened = new WebSocket(address());
+        socket = opened;
+        opened.onopen = () => {
+          waitMs = FIRST_RECONNECT_MS;
+          onLink(true);
+        };
+        opened.onmessage = (event) => {
+          const told = JSON.parse(event.data);
+          if ('did' in told) settle(told);
+          else onDevices(told.devices);
+        };
+        opened.onclose = () => {
+          giveUp();
+          onLink(false);
+          setTimeout(open, waitMs);
+          waitMs = Math.min(LONGEST_RECONNECT_MS, waitMs * 2);
+        };
+      };
+      open();
+    },
+
+    /** Stop or halt; fails at once when the socket is not open, and soon when nobody answers.
+     * @param {Stop} stop @returns {Promise<{devices: Device[]}>} what they do once it is granted */
+    stop(stop) {
+      const present = socket;
+      if (present?.readyState !== WebSocket.OPEN) return Promise.reject(new Error('The socket is not open.'));
+      return new Promise((resolve, reject) => {
+        last += 1;
+        waiting.set(last, { resolve, reject });
+        present.send(JSON.stringify({ ...stop, number: last }));
+        setTimeout(() => reject(new Error('Nobody answers.')), STOP_WITHIN_MS);
+      });
+    },
+  };
+}

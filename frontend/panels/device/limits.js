@@ -1,0 +1,103 @@
+// @ts-check
+// Soft limits: how far an axis may go, in words, and the fields that say so.
+
+import { element, showMessage } from '../../dom.js';
+import { formatEntry } from '../../numbers.js';
+import { shownValue, unitWord } from '../../units.js';
+import { quantityField } from './quantity.js';
+
+/** @typedef {import('../../types.js').Design} Design */
+/** @typedef {import('../../types.js').Device} Device */
+/** @typedef {import('../../types.js').Rejection} Rejection */
+/** @typedef {import('../../types.js').Situation} Situation */
+/** @typedef {import('../../types.js').SoftLimits} SoftLimits */
+/** @typedef {import('../../units.js').Units} Units */
+
+const MOST_AXES = 4;
+const MOST_FIGURES = 7;
+
+/** Such as "−1,000 to 20,000 steps"; empty for none.
+ * @param {Units} units @param {Design} design @param {Omit<SoftLimits, 'axis'>} limits */
+export function limitsText(units, design, { lowest_steps: lowest, highest_steps: highest }) {
+  if (lowest === null && highest === null) return '';
+  const [low, high] = [lowest, highest].map((steps) => {
+    const shown = shownValue(units, design, 'length', Number(steps));
+    return formatEntry(Number(shown.toPrecision(MOST_FIGURES))).replace('-', '\u2212');
+  });
+  const span = highest === null ? `from ${low}` : lowest === null ? `up to ${high}` : `${low} to ${high}`;
+  return `${span} ${unitWord(units, design, 'length')}`;
+}
+
+/** Lowest and highest position of each axis of a device. */
+export function createLimitFields() {
+  /** What each axis of the device had when it was shown.
+   * @type {string[]} */
+  let before = [];
+  /** The axes last asked for, in the order that a refusal counts them.
+   * @type {number[]} */
+  let asked = [];
+  let count = 0;
+  const rows = Array.from({ length: MOST_AXES }, (_, axis) => {
+    const fields = /** @type {const} */ (['lowest', 'highest']).map((side) => {
+      const label = `${side === 'lowest' ? 'Lowest' : 'Highest'} position of axis ${axis}`;
+      // The limit in force is never beyond the one that was typed.
+      const toWhole = side === 'lowest' ? Math.ceil : Math.floor;
+      const field = quantityField({ id: `limit-${axis}-${side}`, label, quantity: 'length', start: '', toWhole });
+      field.input.placeholder = 'none';
+      return { side, field };
+    });
+    const problem = element('div', { className: 'problem' });
+    const name = element('span', { textContent: `Axis ${axis}` });
+    const parts = fields.flatMap(({ side, field }) => [element('span', { textContent: side }), field.element]);
+    return { fields, problem, element: element('div', { className: 'limit-axis' }, name, ...parts, problem) };
+  });
+
+  /** @returns {SoftLimits[]} */
+  function entries() {
+    return rows.slice(0, count).map(({ fields }, axis) => {
+      const [lowest, highest] = fields.map(({ field }) => (field.value() === '' ? null : field.value()));
+      return { axis, lowest_steps: lowest, highest_steps: highest };
+    });
+  }
+
+  return {
+    element: element('div', { className: 'limit-axes' }, ...rows.map((row) => row.element)),
+    /** @param {Device} device @param {Situation} situation */
+    show(device, { designs, active, units }) {
+      count = device.axes.length;
+      rows.forEach((row, axis) => {
+        row.element.hidden = axis >= count;
+        for (const { side, field } of row.fields) {
+          field.set(device.axes[axis]?.[`${side}_steps`] ?? '');
+          field.show(units, designs[axis] ?? designs[active]);
+        }
+      });
+      before = entries().map((one) => JSON.stringify(one));
+      this.reject([]);
+    },
+    /** Those that a person changed: what others set in the meantime stays.
+     * @returns {SoftLimits[]} */
+    changed() {
+      const changed = entries().filter((one, axis) => JSON.stringify(one) !== before[axis]);
+      asked = changed.map(({ axis }) => axis);
+      return changed;
+    },
+    /** Show what is wrong with a field at it.
+     * @param {Rejection[]} rejections @returns {Rejection[]} those of no field here */
+    reject(rejections) {
+      rows.forEach(({ fields, problem }, axis) => {
+        problem.replaceChildren();
+        for (const { side, field } of fields) {
+          const box = element('div');
+          const path = `axes.${asked.indexOf(axis)}.${side}_steps`;
+          const found = rejections.find((one) => one.field === path);
+          const label = side === 'lowest' ? 'Lowest' : 'Highest';
+          const text = found?.message.replace(path, label).replace('lowest_steps', 'the lowest') ?? '';
+          showMessage(field.input, box, found && { text, isWarning: false });
+          if (found) problem.append(box);
+        }
+      });
+      return rejections.filter(({ field }) => !/^axes\.\d\.(lowest|highest)_steps$/.test(field ?? ''));
+    },
+  };
+}

@@ -1,0 +1,480 @@
+"""A stop that was answered is final: at every place where what sets motors moving gives way, a stop is asked for.
+
+Deterministic: the motors' clock stands still unless it is set, nothing polls unless it is told to, and the stop is
+asked for from within the port's own thread at the k-th place that it passes, for every k.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, suppress
+from dataclasses import dataclass, field
+from typing import Any
+
+import pytest
+
+from controllers.conftest import Clock
+from designs import design
+from stepramp.controllers import conversation, tracing
+from stepramp.controllers.controller import Asked
+from stepramp.controllers.device import Device
+from stepramp.controllers.device_view import DeviceState
+from stepramp.controllers.devices import Devices
+from stepramp.controllers.frames import FrameSplitter
+from stepramp.controllers.leases import Lease
+from stepramp.controllers.messages import (
+    HaltRequest,
+    LineRequest,
+    Message,
+    MoveByRequest,
+    MoveToRequest,
+    RunRequest,
+    StatusRequest,
+    StopRequest,
+    ZeroRequest,
+)
+from stepramp.controllers.shuttle import Shuttle
+from stepramp.controllers.virtual import VirtualController
+from stepramp.errors import DeviceLost, Refused, StepRampError
+from stepramp.link import protocol_sim
+from stepramp.link.serial_port import SerialPort
+from stepramp.link.worker import Worker
+
+PATIENCE_S = 10.0
+MOTIONS = {each.KIND for each in (MoveByRequest, MoveToRequest, RunRequest, LineRequest, ZeroRequest)}
+STOPS = {StopRequest.KIND, HaltRequest.KIND}
+ANSWERED = "the stop was answered"
+MOST_PLACES = 400
+POLL = Device._poll
+
+
+class Witness:
+    """The virtual controller, what was asked of it, and when stops were answered. It loses answers when told to."""
+
+    def __init__(self, clock: Clock) -> None:
+        self.controller = VirtualController(clock)
+        self.seen: list[int | str] = []
+        self.loses: int | None = None
+        self._splitter = FrameSplitter()
+
+    def opened(self) -> None:
+        self.controller.opened()
+
+    def exchange(self, sent: bytes) -> bytes:
+        said = self.controller.exchange(sent)
+        for frame in self._splitter.feed(sent):
+            message = Message.unpack(frame)
+            if message is not None:
+                self.seen.append(message.kind)
+                if self.loses is not None:
+                    self.loses -= 1
+                    if self.loses < 0:
+                        self.loses = None
+                        return b""
+        return said
+
+
+@dataclass
+class Places:
+    """Where the port's thread gives way, waits, or sends; at the one that is chosen, something is done."""
+
+    chosen: int | None = None
+    act: Callable[[], None] = field(default=lambda: None)
+    counted: int = 0
+    inside: bool = False
+
+    def choose(self, place: int, act: Callable[[], None]) -> None:
+        self.chosen, self.act, self.counted = place, act, 0
+
+    def passed(self) -> None:
+        if self.chosen is None or self.inside or not threading.current_thread().name.startswith("port"):
+            return
+        if self.counted == self.chosen:
+            self.chosen, self.inside = None, True
+            self.act()
+            self.inside = False
+            return
+        self.counted += 1
+
+    def around(self, call: Callable[..., Any]) -> Callable[..., Any]:
+        def watched(*args: Any, **kwargs: Any) -> Any:
+            self.passed()
+            try:
+                return call(*args, **kwargs)
+            finally:
+                self.passed()
+
+        return watched
+
+
+@pytest.fixture
+def places(monkeypatch: pytest.MonkeyPatch) -> Places:
+    places = Places()
+    watched = (Worker, "give_way"), (SerialPort, "write"), (SerialPort, "read"), (protocol_sim.Serial, "write")
+    for owner, name in watched:
+        monkeypatch.setattr(owner, name, places.around(getattr(owner, name)))
+    return places
+
+
+@dataclass
+class Bench:
+    """One device with two axes, and what a test needs to watch it."""
+
+    devices: Devices
+    device: Device
+    witness: Witness
+    clock: Clock
+    places: Places
+
+    def settle(self) -> None:
+        """Let whatever moves come to rest, and see it."""
+        self.clock.now_s += 10_000.0
+        self.look()
+        assert self.device.view.state is DeviceState.READY
+
+    def look(self) -> None:
+        self.device._worker.call(self.device._refresh)
+
+    def poll(self) -> None:
+        self.device._is_view_old = True
+        self.device._worker.call(lambda: POLL(self.device))
+
+    def reset(self) -> None:
+        self.places.chosen = None
+        self.witness.loses = None
+        self.device.stop().result(PATIENCE_S)
+        self.settle()
+        with suppress(Refused):
+            self.device.trace_moves(0, 1)
+        self.device.set_position([Asked(0, 0, "position_steps"), Asked(1, 0, "position_steps")])
+        self.witness.seen.clear()
+
+
+@pytest.fixture
+def bench(clock: Clock, places: Places, plug_in: Callable, monkeypatch: pytest.MonkeyPatch) -> Iterator[Bench]:
+    # Answers come at once or not at all, and traces are not waited for: the motors' clock stands still.
+    monkeypatch.setattr(conversation, "REPLY_TIMEOUT_S", 0.003)
+    monkeypatch.setattr(conversation, "GARBAGE_S", 0.0)
+    monkeypatch.setattr(tracing, "LAST_FRAME_WITHIN_S", 0.001)
+    monkeypatch.setattr(tracing, "LISTEN_S", 0.001)
+    monkeypatch.setattr(protocol_sim, "LISTEN_S", 0.0005)
+    devices, witness = Devices(), Witness(clock)
+    # Nothing is asked of the controller but what the test asks for.
+    monkeypatch.setattr(Device, "_poll", lambda _: 60.0)
+    device = devices.connect(plug_in(witness))
+    push(device, clock)
+    yield Bench(devices, device, witness, clock, places)
+    devices.close()
+
+
+def push(device: Device, clock: Clock) -> None:
+    """Push a ramp for two axes; writing it takes time by the controller's clock."""
+    pushing = threading.Thread(target=lambda: device.push([design(), design()]))
+    pushing.start()
+    while pushing.is_alive():
+        clock.now_s += 0.1
+        pushing.join(0.001)
+
+
+def by(steps: int, axis: int = 0) -> Asked:
+    return Asked(axis, steps, "by_steps")
+
+
+def run(bench: Bench, asked: int, *, lasts_s: float = 1e6) -> None:
+    bench.device.run([Asked(0, 400.0, "speed_steps_per_s")], Lease({0: 400.0}, lasts_s), asked)
+
+
+def changed_on_its_way(bench: Bench, asked: int) -> None:
+    bench.device.move_by([by(2000)], asked)
+    bench.clock.now_s += 0.5
+    bench.device.move_to([Asked(0, -300, "to_steps")], asked)
+
+
+def there_and_back(bench: Bench, asked: int) -> None:
+    bench.device.go_there_and_back(Shuttle(0, 50, 3, 0.0), by(50), asked)
+    for _ in range(3):
+        bench.clock.now_s += 100.0
+        bench.poll()
+        bench.poll()
+
+
+def jog_and_renew(bench: Bench, asked: int) -> None:
+    lease = Lease({0: 400.0}, 1e6)
+    bench.device.run([Asked(0, 400.0, "speed_steps_per_s")], lease, asked)
+    bench.clock.now_s += 0.3
+    lease.renew()
+    bench.poll()
+    bench.device.run([Asked(0, -200.0, "speed_steps_per_s")], Lease({0: -200.0}, 1e6), asked)
+
+
+def traced_move(bench: Bench, asked: int) -> None:
+    bench.device.trace_moves(0, 1)
+    bench.device.move_by([by(300)], asked)
+    bench.clock.now_s += 100.0
+    bench.device.move_by([by(-300)], asked)
+
+
+def push_then_move(bench: Bench, asked: int) -> None:
+    bench.device.push([design(), design()], mode="try")
+    bench.device.move_by([by(300)], asked)
+
+
+SCENARIOS: dict[str, Callable[[Bench, int], None]] = {
+    "move": lambda bench, asked: bench.device.move_by([by(300), by(-200, 1)], asked),
+    "change": changed_on_its_way,
+    "line": lambda bench, asked: bench.device.line([by(300), by(-200, 1)], None, asked),
+    "run": run,
+    "jog": jog_and_renew,
+    "shuttle": there_and_back,
+    "trace": traced_move,
+    "push": push_then_move,
+    "zero": lambda bench, asked: bench.device.zero([0], 90, asked),
+}
+
+
+def stop_at(bench: Bench, place: int, stop: str, scenario: Callable[[Bench, int], None], *, loses: int | None) -> bool:
+    """Let a scenario be stopped at a place; return whether it came to that. What must never happen fails."""
+    bench.reset()
+    answered = threading.Event()
+
+    def ask_to_stop() -> None:
+        gate = ExitStack()
+        gate.enter_context(bench.device.being_stopped())
+
+        def answer(_: object) -> None:
+            gate.close()
+            bench.witness.seen.append(ANSWERED)
+            answered.set()
+
+        getattr(bench.device, stop)().add_done_callback(answer)
+
+    bench.places.choose(place, ask_to_stop)
+    bench.witness.loses = loses
+    asked = bench.devices.order.next()
+    with suppress(StepRampError):
+        scenario(bench, asked)
+    came_to_it = bench.places.chosen is None
+    bench.places.chosen = bench.witness.loses = None
+    if came_to_it:
+        assert answered.wait(PATIENCE_S)
+        judge(bench)
+    return came_to_it
+
+
+def judge(bench: Bench) -> None:
+    """Nothing sets out after the answer, what moves comes to rest, and what is asked afterwards works."""
+    after = bench.witness.seen[bench.witness.seen.index(ANSWERED) + 1 :]
+    assert not MOTIONS & set(after), "it set out after the stop was answered"
+    stopped_at = next(index for index, kind in enumerate(bench.witness.seen) if kind in STOPS)
+    assert not MOTIONS & set(bench.witness.seen[stopped_at:]), "it set out after the stop itself"
+    bench.settle()
+    for _ in range(3):
+        bench.clock.now_s += 100.0
+        bench.poll()
+    assert not MOTIONS & set(bench.witness.seen[stopped_at:]), "a leg that was due set out"
+    before = [axis.position_steps for axis in bench.device.view.axes]
+    assert bench.device.view.shuttle is None
+    bench.device.move_by([by(7)])
+    bench.settle()
+    assert bench.device.view.position_steps == before[0] + 7
+
+
+@pytest.mark.parametrize("stop", ["stop", "halt"])
+@pytest.mark.parametrize("name", SCENARIOS)
+def test_a_stop_at_any_place_is_final(bench: Bench, name: str, stop: str) -> None:
+    tried = 0
+    while tried < MOST_PLACES and stop_at(bench, tried, stop, SCENARIOS[name], loses=None):
+        tried += 1
+    # At least: the check, the request, its answer and the question after it, each with a place before and after.
+    assert 16 <= tried < MOST_PLACES
+
+
+@pytest.mark.parametrize("name", ["move", "line", "run", "trace", "zero"])
+def test_a_stop_at_any_place_is_final_when_answers_are_lost(bench: Bench, name: str) -> None:
+    for loses in range(3):
+        place = 0
+        while place < MOST_PLACES and stop_at(bench, place, "stop", SCENARIOS[name], loses=loses):
+            place += 1
+        assert 16 <= place < MOST_PLACES
+
+
+def test_a_stop_comes_before_the_port_does(bench: Bench) -> None:
+    """The stop is asked for and answered while a request is still on its way to the port's thread."""
+    for name, scenario in SCENARIOS.items():
+        bench.reset()
+        asked = bench.devices.order.next()
+        bench.device.stop().result(PATIENCE_S)
+        with pytest.raises(Refused, match="A stop came first"):
+            scenario(bench, asked)
+        assert not MOTIONS & set(bench.witness.seen), name
+
+
+def test_nothing_moves_while_a_stop_is_being_answered(bench: Bench) -> None:
+    bench.reset()
+    with bench.device.being_stopped():
+        bench.device.stop().result(PATIENCE_S)
+        with pytest.raises(Refused, match="A stop came first"):
+            bench.device.move_by([by(50)])
+    assert not MOTIONS & set(bench.witness.seen)
+    bench.device.move_by([by(50)])
+
+
+def test_a_stop_of_one_device_leaves_the_other_alone(bench: Bench, plug_in: Callable) -> None:
+    bench.reset()
+    other = bench.devices.connect(plug_in(VirtualController()))
+    asked = bench.devices.order.next()
+    other.stop().result(PATIENCE_S)
+    bench.device.move_by([by(50)], asked)
+    assert bench.device.view.target_steps == 50
+
+
+def test_what_was_refused_takes_no_lease_away(bench: Bench) -> None:
+    """A move that is refused must not let a run go on for ever."""
+    bench.reset()
+    lease = Lease({0: 400.0}, 1e6)
+    bench.device.run([Asked(0, 400.0, "speed_steps_per_s")], lease)
+    with pytest.raises(StepRampError):
+        bench.device.move_by([by(2**40)])
+    with pytest.raises(StepRampError):
+        bench.device.run([Asked(0, 5e5, "speed_steps_per_s")], Lease({0: 5e5}, 1e6))
+    lease.end()
+    bench.poll()
+    assert bench.witness.seen[-1] not in MOTIONS
+    assert StopRequest.KIND in bench.witness.seen
+
+
+def test_a_lease_of_one_axis_outlives_a_move_of_another(bench: Bench) -> None:
+    bench.reset()
+    lease = Lease({0: 400.0}, 1e6)
+    bench.device.run([Asked(0, 400.0, "speed_steps_per_s")], lease)
+    bench.device.move_by([by(60, 1)])
+    lease.end()
+    bench.poll()
+    assert StopRequest.KIND in bench.witness.seen
+    bench.settle()
+
+
+def test_what_is_refused_after_its_answer_was_lost_is_stopped(bench: Bench) -> None:
+    """A stop of another axis comes before the repeat: whoever asked is told no, so the axis must not run on."""
+    bench.reset()
+    bench.witness.seen.clear()
+    bench.witness.loses = 1  # The first is asked where the traced axis is.
+    stopped: list[object] = []
+
+    def stop_the_other() -> None:
+        if RunRequest.KIND in bench.witness.seen and not stopped:
+            stopped.append(bench.device.stop([1]))
+        else:
+            bench.places.choose(0, stop_the_other)
+
+    bench.places.choose(0, stop_the_other)
+    with pytest.raises(Refused, match="A stop came first"):
+        run(bench, bench.devices.order.next())
+    bench.places.chosen = None
+    assert stopped
+    sent = bench.witness.seen
+    assert sent.count(RunRequest.KIND) == 1
+    assert StopRequest.KIND in sent[sent.index(RunRequest.KIND) :]
+    bench.look()
+    assert bench.device.view.axes[0].state is not DeviceState.MOVING
+
+
+def test_a_move_whose_answer_was_lost_is_not_carried_out_twice(bench: Bench) -> None:
+    """A jog of the other axis is let go before the repeat, which the controller would then take for another move."""
+    bench.reset()
+    lease = Lease({1: 400.0}, 1e6)
+    bench.device.run([Asked(1, 400.0, "speed_steps_per_s")], lease)
+    bench.witness.seen.clear()
+    bench.witness.loses = 1  # The first is asked where the traced axis is.
+
+    def let_go() -> None:
+        if MoveByRequest.KIND in bench.witness.seen:
+            bench.device.end_run(lease)
+        else:
+            bench.places.choose(0, let_go)
+
+    bench.places.choose(0, let_go)
+    with pytest.raises(Refused, match="answer was lost"):
+        bench.device.move_by([by(600)])
+    bench.places.chosen = None
+    assert bench.witness.seen.count(MoveByRequest.KIND) == 1
+    bench.settle()
+    assert bench.device.view.position_steps < 600
+
+
+class OwnSupply(Witness):
+    """A board that opening its port doesn't reset, and whose cable can come out while its motor moves on."""
+
+    is_plugged_in = True
+
+    def opened(self) -> None:
+        pass
+
+    def exchange(self, sent: bytes) -> bytes:
+        if not self.is_plugged_in:
+            raise OSError(5, "Input/output error")
+        return super().exchange(sent)
+
+
+def test_a_stop_that_finds_no_connection_is_owed(clock: Clock, plug_in: Callable) -> None:
+    """It is the first thing that the controller is told once it is there again."""
+    board = OwnSupply(clock)
+    VirtualController.opened(board.controller)
+    devices = Devices()
+    device = devices.connect(plug_in(board))
+    push(device, clock)
+    device.move_by([by(5000)])
+    board.is_plugged_in = False
+    with pytest.raises(DeviceLost):
+        device.trace_moves(0, 1)
+    with pytest.raises(DeviceLost):
+        device.stop()
+    board.is_plugged_in = True
+    board.seen.clear()
+    devices.connect(device.view.port)
+    after_hello = [kind for kind in board.seen if kind in MOTIONS | STOPS]
+    assert after_hello == [StopRequest.KIND]
+    assert device.view.state is DeviceState.STOPPING
+    # Owed once: a device that is connected again later is not stopped again.
+    board.is_plugged_in = False
+    with pytest.raises(DeviceLost):
+        device.trace_moves(0, 1)
+    board.is_plugged_in = True
+    board.seen.clear()
+    devices.connect(device.view.port)
+    assert not STOPS & set(board.seen)
+    devices.close()
+
+
+def test_a_stop_in_the_last_moment_of_connecting_is_carried_out(clock: Clock, plug_in: Callable) -> None:
+    devices = Devices()
+    asked: list[object] = []
+
+    class Late(OwnSupply):
+        def exchange(self, sent: bytes) -> bytes:
+            said = super().exchange(sent)
+            if StatusRequest.KIND in self.seen and not asked:
+                asked.append(1)
+                with suppress(StepRampError):
+                    devices.get("1").stop()
+            return said
+
+    late = Late(clock)
+    VirtualController.opened(late.controller)
+    device = devices.connect(plug_in(late))
+    device._worker.call(lambda: None)
+    assert asked
+    assert StopRequest.KIND in late.seen
+    devices.close()
+
+
+def test_the_end_of_the_program_lets_nothing_move_again(bench: Bench) -> None:
+    bench.reset()
+    bench.device.move_by([by(2000)])
+    bench.devices.end_motion()
+    assert StopRequest.KIND in bench.witness.seen
+    with pytest.raises(Refused, match="A stop came first"):
+        bench.device.move_by([by(50)])
+    with pytest.raises(Refused, match="is ending"):
+        bench.devices.connect("sim://another")

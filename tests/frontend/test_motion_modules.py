@@ -1,0 +1,139 @@
+"""What guards motions in the page, without a page: gestures that a STOP ends, and the gate that keeps its way free."""
+
+import pytest
+
+from frontend.modules import Modules
+
+DEVICE = "const told = (stops) => ({id: '1', stops});"
+
+
+def test_a_stop_ends_all_gestures_before_it_and_none_after_it(modules: Modules) -> None:
+    script = f"""async () => {{ const {{createGestures}} = await import('/gestures.js'); {DEVICE}
+        const gestures = createGestures();
+        const before = [gestures.begin(told(3)), gestures.begin(told(3))];
+        gestures.end();
+        return [...before, gestures.begin(told(3))].map((one) => one.ended.aborted); }}"""
+    assert modules.evaluate(script) == [True, True, False]
+
+
+def test_a_gesture_knows_the_stops_of_its_moment(modules: Modules) -> None:
+    """What is told late, as an event after the answer of a stop may be, takes nothing back."""
+    script = f"""async () => {{ const {{createGestures}} = await import('/gestures.js'); {DEVICE}
+        const gestures = createGestures();
+        const known = [gestures.begin(told(3)).stops];
+        gestures.hear([told(3)]);
+        const early = gestures.begin(told(3));
+        for (const stops of [7, 5]) gestures.hear([told(stops)]);
+        known.push(early.stops, gestures.begin(told(5)).stops);
+        gestures.forget();
+        gestures.hear([told(1)]);
+        return [...known, gestures.begin(told(1)).stops]; }}"""
+    assert modules.evaluate(script) == [3, 3, 7, 1]
+
+
+def test_only_so_many_pass_a_gate_and_all_get_their_turn(modules: Modules) -> None:
+    script = """async () => { const {createGate} = await import('/gate.js');
+        const gate = createGate(2), begun = [], ends = [];
+        const job = (name) => gate(() => { begun.push(name);
+            return new Promise((resolve, reject) => ends.push(name === 'b' ? reject : resolve)); });
+        const jobs = Promise.allSettled(['a', 'b', 'c', 'd'].map(job)), seen = [];
+        const settled = () => new Promise((resolve) => setTimeout(resolve));
+        for (let turn = 0; turn < 4; turn += 1) { await settled(); seen.push(begun.join('')); ends[turn]('x'); }
+        const outcomes = (await jobs).map((one) => one.status);
+        await gate(async () => seen.push('free'));
+        return [seen, outcomes]; }"""
+    seen, outcomes = modules.evaluate(script)
+    assert seen == ["ab", "abc", "abcd", "abcd", "free"]
+    assert outcomes == ["fulfilled", "rejected", "fulfilled", "fulfilled"]
+
+
+STOP = """async (presses) => { const {api} = await import('/api.js'), {createStop} = await import('/stopping.js');
+    const own = {...api}, asked = [], said = [];
+    for (const {known, answered} of presses) {
+        const answer = {devices: answered};
+        api.stopAll = async () => { asked.push('stop'); if (answered) return answer; throw new Error('nobody'); };
+        api.halt = async (id) => { asked.push(`halt ${id}`); return answer; };
+        const fleet = {devices: () => known, endMotions: () => asked.push('end'), hearStops: () => asked.push('hear')};
+        await createStop(fleet, (text, hasFailed) => said.push([text, hasFailed])).press();
+    }
+    Object.assign(api, own);
+    return [asked, said]; }"""
+
+
+def devices(*states: str) -> list[dict[str, str]]:
+    return [{"id": str(number), "name": f"board {number}", "state": state} for number, state in enumerate(states)]
+
+
+@pytest.mark.parametrize(
+    ("known", "answered", "words"),
+    [
+        (devices("ready"), devices("ready"), "Nothing moves"),
+        # The page has not heard yet of what has only just set out.
+        (devices("ready", "ready"), devices("ready", "stopping"), "Stopping"),
+        (devices("moving", "lost"), devices("stopping", "lost"), "Stopping. Stopped as soon as it answers: board 1"),
+        (devices("connecting"), devices("connecting"), "Nothing moves. Stopped as soon as it answers: board 0"),
+    ],
+)
+def test_a_press_stops_everything_and_says_what_came_of_it(
+    modules: Modules, known: object, answered: object, words: str
+) -> None:
+    asked, said = modules.evaluate(STOP, [{"known": known, "answered": answered}])
+    assert (asked, said) == (["end", "stop", "hear"], [[words, False]])
+
+
+def test_a_press_while_something_slows_down_halts_whatever_may_move(modules: Modules) -> None:
+    known = devices("stopping", "ready", "lost")
+    asked, said = modules.evaluate(STOP, [{"known": known, "answered": devices("ready", "ready", "lost")}])
+    assert asked[0] == "end", "before anything is waited for"
+    assert asked[1:3] == ["halt 0", "halt 1"], "a stop besides would refuse what is asked when it rests"
+    assert said == [["Halted", False]]
+
+
+def test_a_second_press_stops_again_where_nothing_can_be_halted(modules: Modules) -> None:
+    script = STOP.replace("await createStop", "const stop = createStop").replace(
+        ".press();", "; await Promise.all([stop.press(), stop.press()]);"
+    )
+    lost = devices("lost")
+    asked, _ = modules.evaluate(script, [{"known": lost, "answered": lost}])
+    assert asked == ["end", "stop", "end", "stop", "hear", "hear"]
+
+
+def test_a_stop_that_fails_has_ended_the_gestures_all_the_same(modules: Modules) -> None:
+    asked, said = modules.evaluate(STOP, [{"known": devices("moving"), "answered": None}])
+    assert (asked, said) == (["end", "stop"], [["STOP did not get through: nobody", True]])
+
+
+def test_soft_limits_are_remembered_by_port_and_axis(modules: Modules) -> None:
+    script = """async () => { const kept = {};
+        globalThis.localStorage = {getItem: (key) => kept[key] ?? null, setItem: (key, text) => { kept[key] = text; }};
+        const {memory} = await import('/memory.js');
+        const limits = (axis, lowest, highest) => ({axis, lowest_steps: lowest, highest_steps: highest});
+        const seen = [memory.softLimits('A')];
+        memory.keepSoftLimits('A', [limits(0, -1000, 20000), limits(1, null, null)]);
+        memory.keepSoftLimits('A', [limits(2, null, 5)]);
+        memory.keepSoftLimits('B', [limits(0, null, 7)]);
+        seen.push(memory.softLimits('A'));
+        memory.keepSoftLimits('A', [limits(0, null, null)]);
+        seen.push(memory.softLimits('A'), memory.softLimits('B'));
+        for (const text of ['{', 'null', '[]', '{"B": 3}', '{"B": [{"axis": 0, "lowest_steps": "x"}]}']) {
+            kept['stepramp.soft_limits'] = text;
+            seen.push(memory.softLimits('B'));
+        }
+        delete globalThis.localStorage;
+        return seen; }"""
+    ahead = {"axis": 2, "lowest_steps": None, "highest_steps": 5}
+    first = {"axis": 0, "lowest_steps": -1000, "highest_steps": 20000}
+    other = {"axis": 0, "lowest_steps": None, "highest_steps": 7}
+    assert modules.evaluate(script) == [[], [first, ahead], [ahead], [other], [], [], [], [], []]
+
+
+def test_soft_limits_in_words(modules: Modules) -> None:
+    script = """async (spans) => { const {limitsText} = await import('/panels/device/limits.js');
+        const design = {axis: {full_steps_per_rev: 200, microsteps: 2, travel_per_rev: 8, travel_unit: 'mm'}};
+        return ['steps', 'mm'].map((length) => spans.map(([low, high]) =>
+            limitsText({length, time: 's'}, design, {lowest_steps: low, highest_steps: high}))); }"""
+    spans = [[-1000, 20000], [None, 500], [0, None], [None, None]]
+    in_steps, in_mm = modules.evaluate(script, spans)
+    assert in_steps == ["\u22121,000 to 20,000 steps", "up to 500 steps", "from 0 steps", ""]
+    # 400 steps make one turn of 8 mm.
+    assert in_mm == ["\u221220 to 400 mm", "up to 10 mm", "from 0 mm", ""]

@@ -1,0 +1,289 @@
+"""The door: what is served in which loop, and that nothing of it keeps a stop waiting."""
+
+import asyncio
+import threading
+from collections.abc import AsyncIterator, Iterator
+from contextlib import asynccontextmanager
+from typing import Any
+
+import pytest
+from starlette.applications import Starlette
+from starlette.middleware import Middleware
+from starlette.requests import Request
+from starlette.responses import PlainTextResponse, Response
+from starlette.routing import Route, WebSocketRoute
+from starlette.testclient import TestClient
+from starlette.types import Message, Receive, Scope, Send
+from starlette.websockets import WebSocket
+
+from stepramp.http_api.door import PIECE_BYTES, Door
+
+PATIENCE_S = 10.0
+
+
+class Inside:
+    """An application behind a door, that tells what happens in it."""
+
+    def __init__(self) -> None:
+        self.loops: dict[str, asyncio.AbstractEventLoop] = {}
+        self.released = threading.Event()
+        self.began = threading.Event()
+        self.cancelled = threading.Event()
+        self.finished = threading.Event()
+        routes = [
+            Route("/api/v1/devices/{id}/stop", self.stop, methods=["GET", "POST"]),
+            Route("/api/v1/devices/{id}/halt", self.stop, methods=["POST"]),
+            Route("/api/v1/devices/stop", self.stop, methods=["POST"]),
+            Route("/echo", self.echo, methods=["POST"]),
+            Route("/block", self.block),
+            Route("/wait", self.wait),
+            Route("/fail", self.fail),
+            Route("/large", self.large),
+            WebSocketRoute("/socket", self.socket),
+        ]
+        self.app = Starlette(routes=routes, lifespan=self.live, middleware=[Middleware(Door)])
+        self.app.add_exception_handler(Exception, self.mistake)
+
+    @asynccontextmanager
+    async def live(self, _: Starlette) -> AsyncIterator[None]:
+        self.loops["lifespan"] = asyncio.get_running_loop()
+        yield
+        assert self.loops["lifespan"] is asyncio.get_running_loop()
+        self.finished.set()
+
+    async def stop(self, request: Request) -> Response:
+        self.loops[f"{request.method} {request.url.path}"] = asyncio.get_running_loop()
+        return PlainTextResponse("stopped")
+
+    async def echo(self, request: Request) -> Response:
+        self.loops["echo"] = asyncio.get_running_loop()
+        return Response(await request.body())
+
+    async def block(self, _: Request) -> Response:
+        self.began.set()
+        self.released.wait(PATIENCE_S)
+        return PlainTextResponse("released")
+
+    async def wait(self, _: Request) -> Response:
+        self.began.set()
+        try:
+            await asyncio.Event().wait()
+        finally:
+            self.cancelled.set()
+        return PlainTextResponse("never")
+
+    async def fail(self, _: Request) -> Response:
+        raise ZeroDivisionError
+
+    async def large(self, _: Request) -> Response:
+        return Response(bytes(range(256)) * (3 * PIECE_BYTES // 256) + b"end")
+
+    async def socket(self, socket: WebSocket) -> None:
+        await socket.accept()
+        self.loops["socket"] = asyncio.get_running_loop()
+        try:
+            while True:
+                await socket.send_text(f"heard {await socket.receive_text()}")
+        finally:
+            self.cancelled.set()
+
+    async def mistake(self, _: Request, error: Exception) -> Response:
+        return PlainTextResponse(type(error).__name__, 500)
+
+
+@pytest.fixture
+def inside() -> Inside:
+    return Inside()
+
+
+@pytest.fixture
+def client(inside: Inside) -> Iterator[TestClient]:
+    with TestClient(inside.app, raise_server_exceptions=False) as client:
+        yield client
+    assert inside.finished.is_set()
+
+
+def test_only_stops_are_served_outside(inside: Inside, client: TestClient) -> None:
+    for path in ("/api/v1/devices/stop", "/api/v1/devices/7/stop", "/api/v1/devices/7/halt"):
+        assert client.post(path).text == "stopped"
+    assert client.get("/api/v1/devices/7/stop").text == "stopped"
+    assert client.post("/echo", content=b"abc").content == b"abc"
+    with client.websocket_connect("/socket") as socket:
+        socket.send_text("a")
+        assert socket.receive_text() == "heard a"
+    second = inside.loops["lifespan"]
+    served_inside = {name for name, loop in inside.loops.items() if loop is second}
+    assert served_inside == {"lifespan", "echo", "socket", "GET /api/v1/devices/7/stop"}
+    served_outside = inside.loops.keys() - served_inside
+    assert served_outside == {f"POST /api/v1/devices/{rest}" for rest in ("stop", "7/stop", "7/halt")}
+
+
+def test_a_stop_is_answered_while_the_second_loop_is_blocked(inside: Inside, client: TestClient) -> None:
+    answers: list[str] = []
+    thread = threading.Thread(target=lambda: answers.append(client.get("/block").text))
+    thread.start()
+    assert inside.began.wait(PATIENCE_S)
+    assert client.post("/api/v1/devices/stop").text == "stopped"
+    assert answers == []
+    inside.released.set()
+    thread.join()
+    assert answers == ["released"]
+
+
+def test_what_is_raised_inside_is_answered_outside(client: TestClient) -> None:
+    response = client.get("/fail")
+    assert (response.status_code, response.text) == (500, "ZeroDivisionError")
+
+
+def test_large_bodies_cross_whole_both_ways(client: TestClient) -> None:
+    body = bytes(range(256)) * 40_000
+    assert client.post("/echo", content=body).content == body
+    large = client.get("/large")
+    assert large.content == bytes(range(256)) * (3 * PIECE_BYTES // 256) + b"end"
+    assert large.headers["content-length"] == str(3 * PIECE_BYTES + 3)
+
+
+def http_scope(path: str) -> Scope:
+    asked: dict[str, Any] = {"type": "http", "method": "GET", "path": path, "raw_path": path.encode(), "headers": []}
+    return asked | {"query_string": b"", "http_version": "1.1", "scheme": "http", "root_path": "", "server": None}
+
+
+async def with_lifespan(app: Starlette, work: Any) -> None:
+    """Do some work while an application lives."""
+    told: asyncio.Queue[Message] = asyncio.Queue()
+    heard: asyncio.Queue[Message] = asyncio.Queue()
+    living = asyncio.create_task(app({"type": "lifespan", "asgi": {}, "state": {}}, told.get, heard.put))
+    await told.put({"type": "lifespan.startup"})
+    assert (await heard.get())["type"] == "lifespan.startup.complete"
+    try:
+        async with asyncio.timeout(PATIENCE_S):
+            await work()
+    finally:
+        await told.put({"type": "lifespan.shutdown"})
+        assert (await heard.get())["type"] == "lifespan.shutdown.complete"
+        await living
+
+
+def request_that_goes_away(gone: asyncio.Event) -> Receive:
+    messages: list[Message] = [{"type": "http.request", "body": b"", "more_body": False}]
+
+    async def receive() -> Message:
+        if messages:
+            return messages.pop()
+        await gone.wait()
+        return {"type": "http.disconnect"}
+
+    return receive
+
+
+async def refuse_to_send(_: Message) -> None:
+    raise AssertionError("nobody is there any more")
+
+
+def test_a_request_is_cancelled_when_its_client_goes(inside: Inside) -> None:
+    async def work() -> None:
+        gone = asyncio.Event()
+        request = asyncio.create_task(inside.app(http_scope("/wait"), request_that_goes_away(gone), refuse_to_send))
+        assert await asyncio.to_thread(inside.began.wait, PATIENCE_S)
+        assert not inside.cancelled.is_set()
+        gone.set()
+        await request
+        assert inside.cancelled.is_set()
+
+    asyncio.run(with_lifespan(inside.app, work))
+
+
+def test_a_request_is_cancelled_when_the_server_gives_it_up(inside: Inside) -> None:
+    async def work() -> None:
+        waits = request_that_goes_away(asyncio.Event())
+        request = asyncio.create_task(inside.app(http_scope("/wait"), waits, refuse_to_send))
+        assert await asyncio.to_thread(inside.began.wait, PATIENCE_S)
+        request.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await request
+        assert await asyncio.to_thread(inside.cancelled.wait, PATIENCE_S)
+
+    asyncio.run(with_lifespan(inside.app, work))
+
+
+def test_a_client_that_does_not_read_holds_up_nobody(inside: Inside) -> None:
+    async def work() -> None:
+        reads, stuck, answered = asyncio.Event(), asyncio.Event(), list[Message]()
+
+        async def slow(_: Message) -> None:
+            stuck.set()
+            await reads.wait()
+
+        async def quick(message: Message) -> None:
+            answered.append(message)
+
+        waits = asyncio.Event()
+        first = asyncio.create_task(inside.app(http_scope("/large"), request_that_goes_away(waits), slow))
+        await stuck.wait()
+        await inside.app(http_scope("/large"), request_that_goes_away(waits), quick)
+        assert not first.done()
+        assert len(b"".join(message.get("body", b"") for message in answered)) == 3 * PIECE_BYTES + 3
+        assert max(len(message.get("body", b"")) for message in answered) == PIECE_BYTES
+        reads.set()
+        await first
+
+    asyncio.run(with_lifespan(inside.app, work))
+
+
+def test_one_message_a_turn_of_the_servers_loop(inside: Inside) -> None:
+    """What many senders want sent at once is not sent all before the loop looks at what has come in."""
+
+    async def work() -> None:
+        turns, sent_at = 0, list[int]()
+
+        def turn() -> None:
+            nonlocal turns
+            turns += 1
+            loop.call_soon(turn)
+
+        async def send(message: Message) -> None:
+            if message["type"] == "http.response.body":
+                sent_at.append(turns)
+
+        loop = asyncio.get_running_loop()
+        inside.loops["lifespan"].call_soon_threadsafe(inside.released.wait, PATIENCE_S)
+        waits = request_that_goes_away
+        requests = [
+            asyncio.create_task(inside.app(http_scope("/api/v1/devices/1/stop"), waits(asyncio.Event()), send))
+            for _ in range(20)
+        ]
+        loop.call_soon(turn)
+        await asyncio.sleep(0)
+        inside.released.set()
+        await asyncio.gather(*requests)
+        assert len(set(sent_at)) == 20
+
+    asyncio.run(with_lifespan(inside.app, work))
+
+
+def test_what_middleware_outside_notes_is_there_inside(inside: Inside) -> None:
+    """Its marks on the scope and on messages cross unchanged."""
+    noted: dict[str, Any] = {}
+
+    async def inner(scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] == "lifespan":
+            await inside.app(scope, receive, send)
+            return
+        noted["scope"], noted["message"] = scope["mark"], (await receive())["mark"]
+        await send({"type": "websocket.close", "code": 1000})
+
+    async def work() -> None:
+        mark = object()
+        messages = [{"type": "websocket.receive", "text": "", "mark": mark}]
+
+        async def receive() -> Message:
+            return messages.pop() if messages else await asyncio.Event().wait()  # type: ignore[return-value]
+
+        async def send(message: Message) -> None:
+            noted["sent"] = message
+
+        await door({"type": "websocket", "mark": mark}, receive, send)
+        assert noted == {"scope": mark, "message": mark, "sent": {"type": "websocket.close", "code": 1000}}
+
+    door = Door(inner)
+    asyncio.run(with_lifespan(door, work))  # type: ignore[arg-type]  # called like an application

@@ -1,0 +1,126 @@
+"""Lanes: who takes long keeps only its own kind waiting."""
+
+import asyncio
+import os
+import threading
+import tty
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack, contextmanager
+
+import pytest
+from starlette.testclient import TestClient
+
+from designs import design, document
+from stepramp.controllers.virtual import VirtualController
+from stepramp.http_api.lanes import CONNECTING, CORES, LONG_PLANNING, PLANNING, Lane, planning_lane
+from stepramp.link import protocol_sim
+
+DEVICES = "/api/v1/devices"
+PATIENCE_S = 10.0
+MUTE = 9
+
+
+@pytest.fixture
+def device(client: TestClient) -> str:
+    """Return the route of a device with a ramp."""
+    protocol_sim.register("sim://lanes", VirtualController())
+    route = f"{DEVICES}/{client.post(DEVICES, json={'port': 'sim://lanes'}).json()['id']}"
+    assert client.post(f"{route}/push", json={"design": document()}).status_code == 200
+    return route
+
+
+@contextmanager
+def taken(lane: Lane, threads: int) -> Iterator[None]:
+    """Take all threads of a lane with jobs that wait."""
+    end, begun = threading.Event(), threading.Barrier(threads + 1)
+
+    def wait() -> None:
+        begun.wait(PATIENCE_S)
+        end.wait(PATIENCE_S)
+
+    with ThreadPoolExecutor(threads) as callers:
+        waiting = [callers.submit(lane.wait_for, wait) for _ in range(threads)]
+        begun.wait(PATIENCE_S)
+        try:
+            yield
+        finally:
+            end.set()
+        assert [each.result() for each in waiting] == [None] * threads
+
+
+@contextmanager
+def mute_ports(count: int) -> Iterator[list[str]]:
+    """Yield serial ports at which nobody answers."""
+    with ExitStack() as open_ends:
+        ports = []
+        for _ in range(count):
+            far_end, near_end = os.openpty()
+            tty.setraw(near_end)
+            open_ends.callback(os.close, far_end)
+            open_ends.callback(os.close, near_end)
+            ports.append(os.ttyname(near_end))
+        yield ports
+
+
+def test_a_move_a_connect_and_a_stop_need_no_planning_thread(client: TestClient, device: str) -> None:
+    protocol_sim.register("sim://lanes-2", VirtualController())
+    with taken(PLANNING, CORES), taken(LONG_PLANNING, CORES):
+        assert client.post(f"{device}/move", json={"by_steps": 5000}).json()["state"] == "moving"
+        assert client.post(DEVICES, json={"port": "sim://lanes-2"}).json()["state"] == "ready"
+        assert client.post(f"{device}/stop").json()["state"] == "stopping"
+
+
+def test_long_plannings_keep_short_ones_not_waiting(client: TestClient) -> None:
+    with taken(LONG_PLANNING, CORES):
+        for route, more in (("profile", {}), ("curves", {"methods": ["exact"]}), ("errors", {"methods": ["exact"]})):
+            assert client.post(f"/api/v1/{route}", json={"design": document(), **more}).status_code == 200
+
+
+def test_mute_ports_keep_no_move_and_no_stop_waiting(client: TestClient, device: str) -> None:
+    with mute_ports(MUTE) as ports, ThreadPoolExecutor(MUTE) as callers:
+        connects = [callers.submit(client.post, DEVICES, json={"port": port}) for port in ports]
+        while len(client.get(DEVICES).json()["devices"]) < MUTE:  # One of them waits for its turn.
+            assert not any(connect.done() for connect in connects)
+        assert client.post(f"{device}/move", json={"by_steps": 5000}).json()["state"] == "moving"
+        assert client.post(f"{device}/stop").json()["state"] == "stopping"
+        assert not any(connect.done() for connect in connects)
+        assert [connect.result().status_code for connect in connects] == [502] * MUTE
+
+
+def test_what_is_cancelled_while_it_waits_is_never_begun() -> None:
+    lane, done = Lane("test", 1), list[str]()
+
+    async def work() -> None:
+        waits = asyncio.create_task(lane.run(lambda: done.append("abandoned")))
+        await asyncio.sleep(0)
+        waits.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await waits
+
+    with taken(lane, 1):
+        asyncio.run(work())
+    lane.wait_for(lambda: done.append("last"))
+    assert done == ["last"]
+
+
+def test_which_plannings_are_long() -> None:
+    slow_ramp = design(ramp__acceleration_steps_per_s2=0.06)
+    long_move = design(move__steps=10_000_000)
+    assert planning_lane([design()]) is PLANNING
+    assert planning_lane([design(move__steps=1_000_000)], 4, 2000) is PLANNING
+    assert planning_lane([design(move__steps=1_000_000)]) is LONG_PLANNING
+    for one in (slow_ramp, long_move):
+        assert planning_lane([one], 1, 2000) is LONG_PLANNING
+    assert planning_lane([design(move__steps=2_000_000)] * 4, 1, 2000) is LONG_PLANNING
+
+
+def test_connecting_has_few_threads(client: TestClient) -> None:
+    """A connect waits for its turn, and is answered then."""
+    protocol_sim.register("sim://lanes-3", VirtualController())
+    with ThreadPoolExecutor(1) as caller:
+        with taken(CONNECTING, 8):
+            connect = caller.submit(client.post, DEVICES, json={"port": "sim://lanes-3"})
+            assert client.get(DEVICES).json() == {"devices": []}
+            assert not connect.done()
+        assert connect.result().json()["state"] == "ready"

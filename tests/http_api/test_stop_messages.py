@@ -1,0 +1,136 @@
+"""STOP over the WebSocket of events, and jogs that a stop has overtaken."""
+
+from __future__ import annotations
+
+import itertools
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+from starlette.testclient import TestClient
+
+from designs import document
+from stepramp.controllers.virtual import VirtualController
+from stepramp.link import protocol_sim
+
+DEVICES = "/api/v1/devices"
+LOCAL = {"host": "127.0.0.1:8000"}
+PATIENCE_S = 15.0
+FAR = 1_000_000
+_numbers = itertools.count()
+
+
+def until(condition: Callable[[], Any]) -> None:
+    deadline = time.monotonic() + PATIENCE_S
+    while not condition():
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+
+
+def connected(client: TestClient) -> str:
+    """Return the id of a device that takes a second to slow down."""
+    port = f"sim://stop-messages-{next(_numbers)}"
+    protocol_sim.register(port, VirtualController())
+    device_id: str = client.post(DEVICES, json={"port": port}).json()["id"]
+    design = document(ramp__acceleration_steps_per_s2=1000)
+    assert client.post(f"{DEVICES}/{device_id}/push", json={"design": design}).status_code == 200
+    return device_id
+
+
+@pytest.fixture
+def device_id(client: TestClient) -> str:
+    return connected(client)
+
+
+@pytest.fixture
+def events(client: TestClient) -> Iterator[Any]:
+    with client.websocket_connect(f"{DEVICES}/events?page=one", headers=LOCAL) as socket:
+        yield socket
+
+
+def answer(events: Any) -> Any:
+    """Return the next message that is an answer, no event."""
+    while "did" not in (told := events.receive_json()) and "errors" not in told:
+        pass
+    return told
+
+
+def device_of(client: TestClient, device_id: str) -> Any:
+    return client.get(f"{DEVICES}/{device_id}").json()
+
+
+def moving_fast(client: TestClient, *ids: str) -> None:
+    for each in ids:
+        assert client.post(f"{DEVICES}/{each}/move", json={"by_steps": FAR}).status_code == 200
+    until(lambda: all(device_of(client, each)["speed_steps_per_s"] > 600 for each in ids))
+
+
+def test_a_stop_is_for_all_devices_and_answered_with_what_they_do(
+    client: TestClient, device_id: str, events: Any
+) -> None:
+    ids = [device_id, connected(client)]
+    moving_fast(client, *ids)
+    before = {each: device_of(client, each)["stops"] for each in ids}
+    events.send_json({"do": "stop", "number": 7})
+    told = answer(events)
+    assert told["did"] == {"do": "stop", "device": None, "number": 7}
+    assert {each["id"]: each["state"] for each in told["devices"]} == dict.fromkeys(ids, "stopping")
+    assert all(each["stops"] > before[each["id"]] for each in told["devices"])
+    for each in ids:
+        until(lambda each=each: device_of(client, each)["state"] == "ready")
+        assert 0 < device_of(client, each)["position_steps"] < FAR
+
+
+def test_a_stop_is_final(client: TestClient, device_id: str, events: Any) -> None:
+    known = device_of(client, device_id)["stops"]
+    events.send_json({"do": "stop"})
+    newer = answer(events)["devices"][0]["stops"]
+    move = {"by_steps": 10}
+    late = client.post(f"{DEVICES}/{device_id}/move", json=move, headers={"X-StepRamp-Stops": str(known)})
+    assert late.status_code == 409
+    assert "A stop came first" in late.json()["errors"][0]["message"]
+    anew = client.post(f"{DEVICES}/{device_id}/move", json=move, headers={"X-StepRamp-Stops": str(newer)})
+    assert anew.status_code == 200
+
+
+def test_a_halt_is_for_one_device(client: TestClient, device_id: str, events: Any) -> None:
+    other = connected(client)
+    moving_fast(client, device_id, other)
+    events.send_json({"do": "halt", "device": device_id})
+    told = answer(events)
+    assert told["did"] == {"do": "halt", "device": device_id, "number": None}
+    states = {each["id"]: each["state"] for each in told["devices"]}
+    assert states == {device_id: "ready", other: "moving"}
+    client.post(f"{DEVICES}/stop")
+
+
+@pytest.mark.parametrize(
+    ("message", "words"),
+    [
+        ("stop", "a JSON object such as"),
+        ('{"do": "fly"}', "stop, halt"),
+        ('{"do": "halt"}', "the id of the device that is to halt"),
+        ('{"do": "stop", "device": "1"}', "a stop over this WebSocket is for all devices"),
+        ('{"do": "halt", "device": "99"}', "There is no device '99'."),
+    ],
+)
+def test_what_is_no_stop_is_refused_and_the_socket_goes_on(
+    client: TestClient, device_id: str, events: Any, message: str, words: str
+) -> None:
+    events.send_text(message)
+    assert words in answer(events)["errors"][0]["message"]
+    moving_fast(client, device_id)
+    events.send_json({"do": "stop"})
+    assert answer(events)["devices"][0]["state"] == "stopping"
+
+
+def test_a_jog_that_was_decided_before_a_stop_does_not_begin(client: TestClient, device_id: str) -> None:
+    known = device_of(client, device_id)["stops"]
+    newer = client.post(f"{DEVICES}/stop").json()["devices"][0]["stops"]
+    with client.websocket_connect(f"{DEVICES}/{device_id}/jog", headers=LOCAL) as socket:
+        socket.send_json({"do": "run", "speed_steps_per_s": 400, "stops": known})
+        assert "A stop came first" in socket.receive_json()["errors"][0]["message"]
+        assert device_of(client, device_id)["state"] == "ready"
+        socket.send_json({"do": "run", "speed_steps_per_s": 400, "stops": newer})
+        until(lambda: device_of(client, device_id)["state"] == "moving")

@@ -1,0 +1,445 @@
+"""STOP over HTTP: obeyed whatever its body, final for what was asked before; runs that end; soft limits."""
+
+from __future__ import annotations
+
+import asyncio
+import itertools
+import json
+import time
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+import pytest
+from starlette.testclient import TestClient
+
+from designs import document
+from stepramp.controllers.messages import MoveByRequest, StopRequest
+from stepramp.controllers.virtual import VirtualController
+from stepramp.http_api.app import create_app
+from stepramp.link import protocol_sim
+
+DEVICES = "/api/v1/devices"
+LOCAL = {"host": "127.0.0.1:8000"}
+PATIENCE_S = 15.0
+STOPS = "X-StepRamp-Stops"
+_numbers = itertools.count()
+
+
+@pytest.fixture
+def route(client: TestClient) -> str:
+    """Return the route of a device with two axes that have a ramp."""
+    return device_of(lambda method, path, body: client.request(method, path, json=body).json())
+
+
+def device_of(ask: Callable[[str, str, Any], Any]) -> str:
+    port = f"sim://stopping-{next(_numbers)}"
+    protocol_sim.register(port, VirtualController())
+    route = f"{DEVICES}/{ask('POST', DEVICES, {'port': port})['id']}"
+    assert ask("POST", f"{route}/push", {"axes": [document(), document()]})["verified"]
+    return route
+
+
+def until(condition: Callable[[], Any]) -> None:
+    deadline = time.monotonic() + PATIENCE_S
+    while not condition():
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+
+
+def error_of(response: Any, status: int) -> dict[str, Any]:
+    assert response.status_code == status, response.text
+    [error] = response.json()["errors"]
+    return dict(error)
+
+
+def test_what_knows_of_fewer_stops_moves_nothing(client: TestClient, route: str) -> None:
+    known = {STOPS: str(client.get(route).json()["stops"])}
+    assert client.post(f"{route}/move", json={"by_steps": 1}, headers=known).status_code == 200
+    stopped = client.post(f"{route}/stop").json()["stops"]
+    assert stopped > int(known[STOPS])
+    for what, body in [
+        ("move", {"by_steps": 10}),
+        ("run", {"speed_steps_per_s": 100}),
+        ("line", {"axes": [{"axis": 0, "by_steps": 10}]}),
+        ("there_and_back", {"by_steps": 10}),
+        ("zero", {"steps": 10}),
+    ]:
+        late = client.post(f"{route}/{what}", json=body, headers=known)
+        assert "A stop came first" in error_of(late, 409)["message"], what
+    until(lambda: client.get(route).json()["state"] == "ready")
+    newest = {STOPS: str(client.get(route).json()["stops"])}
+    assert client.post(f"{route}/move", json={"by_steps": 1}, headers=newest).status_code == 200
+
+
+def test_every_stop_counts(client: TestClient, route: str) -> None:
+    counts = [client.get(route).json()["stops"]]
+    for stop in (f"{route}/stop", f"{route}/halt", f"{DEVICES}/stop"):
+        client.post(stop)
+        counts.append(client.get(route).json()["stops"])
+    assert sorted(set(counts)) == counts
+
+
+BODIES: list[tuple[bytes, str | None]] = [
+    (b"", None),
+    (b"{", "application/json"),
+    (b'{"axes": [7]}', "application/json"),
+    (b'{"axes": "all"}', "application/json"),
+    (b'{"axis": 1}', "application/json"),
+    (b"[]", "application/json"),
+    (b"now!", "text/plain"),
+    (b'{"axes": [0]}', None),
+    (b"\xff\xfe\x00", "application/octet-stream"),
+    (b"[" * 900, "application/json"),
+    (b'{"axes": [0], "why": "' + b"x" * 100_000 + b'"}', "application/json"),
+]
+
+
+@pytest.mark.parametrize("stop", ["stop", "halt"])
+def test_a_stop_is_obeyed_whatever_its_body(client: TestClient, route: str, stop: str) -> None:
+    for body, kind in BODIES:
+        assert client.post(f"{route}/move", json={"by_steps": 100_000}).json()["state"] == "moving"
+        headers = {} if kind is None else {"content-type": kind}
+        stopped = client.post(f"{route}/{stop}", content=body, headers=headers)
+        assert stopped.status_code == 200, body[:50]
+        assert stopped.json()["axes"][0]["state"] in ("stopping", "ready")
+        until(lambda: client.get(route).json()["state"] == "ready")
+
+
+def test_a_stop_names_axes(client: TestClient, route: str) -> None:
+    moves = {"axes": [{"axis": 0, "by_steps": 50_000}, {"axis": 1, "by_steps": 50_000}]}
+    client.post(f"{route}/move", json=moves)
+    states = [axis["state"] for axis in client.post(f"{route}/stop", json={"axes": [1]}).json()["axes"]]
+    assert states[0] == "moving"
+    assert states[1] in ("stopping", "ready")
+    client.post(f"{route}/halt")
+
+
+class Asgi:
+    """Requests straight to the application, whose bodies come when they are told to."""
+
+    def __init__(self) -> None:
+        self.app = create_app()
+
+    async def ask(
+        self,
+        method: str,
+        path: str,
+        body: object = None,
+        held: asyncio.Event | None = None,
+        *,
+        gone: bool = False,
+        page: str | None = None,
+    ) -> Any:
+        """Return status and content of an answer; held: the body comes only after that; gone: it never comes."""
+        sent: list[dict[str, Any]] = []
+        data = b"" if body is None else json.dumps(body).encode()
+
+        async def receive() -> dict[str, Any]:
+            if held is not None:
+                await held.wait()
+            if gone:
+                return {"type": "http.disconnect"}
+            return {"type": "http.request", "body": data, "more_body": False}
+
+        async def send(message: Any) -> None:
+            sent.append(message)
+
+        headers = [(b"host", b"127.0.0.1:8000"), (b"content-type", b"application/json")]
+        headers += [] if page is None else [(b"x-stepramp-page", page.encode())]
+        scope = {"type": "http", "method": method, "path": path, "raw_path": path.encode(), "query_string": b""}
+        scope |= {"headers": headers, "http_version": "1.1", "scheme": "http", "root_path": "", "asgi": {}}
+        await self.app(scope, receive, send)
+        content = b"".join(message.get("body", b"") for message in sent)
+        return sent[0]["status"], json.loads(content)
+
+
+def in_an_app(script: Callable[[Asgi], Any]) -> None:
+    async def run() -> None:
+        asgi = Asgi()
+        async with asgi.app.router.lifespan_context(asgi.app):
+            await script(asgi)
+
+    # In a thread of its own: browser tests of the same process leave a loop running in this one.
+    with ThreadPoolExecutor(1) as pool:
+        pool.submit(asyncio.run, run()).result()
+
+
+@pytest.mark.parametrize("stop", ["/stop", "/halt", None], ids=str)
+def test_a_move_whose_body_comes_after_a_stop_does_not_begin(stop: str | None) -> None:
+    async def script(asgi: Asgi) -> None:
+        route = await connected(asgi)
+        held = asyncio.Event()
+        moving = asyncio.create_task(asgi.ask("POST", f"{route}/move", {"by_steps": 500}, held))
+        await asyncio.sleep(0)  # It has arrived, and waits for its body.
+        status, _ = await asgi.ask("POST", f"{DEVICES}/stop" if stop is None else route + stop)
+        assert status == 200
+        held.set()
+        status, answer = await moving
+        assert (status, answer["errors"][0]["message"][:18]) == (409, "A stop came first:")
+        assert (await asgi.ask("GET", route))[1]["position_steps"] == 0
+        assert (await asgi.ask("POST", f"{route}/move", {"by_steps": 5}))[0] == 200
+
+    in_an_app(script)
+
+
+def test_a_stop_waits_for_its_body_only_so_long() -> None:
+    async def script(asgi: Asgi) -> None:
+        route = await connected(asgi)
+        await asgi.ask("POST", f"{route}/move", {"by_steps": 50_000})
+        never = asyncio.Event()
+        status, stopped = await asgi.ask("POST", f"{route}/stop", {"axes": [1]}, never)
+        assert (status, stopped["axes"][0]["state"] != "moving") == (200, True)
+
+    in_an_app(script)
+
+
+@pytest.mark.parametrize("stop", ["stop", "halt"])
+def test_a_stop_whose_client_goes_in_the_midst_of_its_body_is_obeyed(stop: str) -> None:
+    async def script(asgi: Asgi) -> None:
+        route = await connected(asgi)
+        await asgi.ask("POST", f"{route}/run", {"speed_steps_per_s": 300, "for_s": 60})
+        await asgi.ask("POST", f"{route}/{stop}", gone=True)
+        assert (await asgi.ask("GET", route))[1]["axes"][0]["state"] != "moving"
+
+    in_an_app(script)
+
+
+def test_a_page_that_is_gone_before_its_run_has_come_in_runs_nothing() -> None:
+    async def script(asgi: Asgi) -> None:
+        route = await connected(asgi)
+        status, answer = await asgi.ask(
+            "POST", f"{route}/run", {"speed_steps_per_s": 300, "for_s": 3600}, page="it has closed"
+        )
+        assert (status, "its page is gone" in answer["errors"][0]["message"]) == (409, True)
+        assert (await asgi.ask("GET", route))[1]["state"] == "ready"
+
+    in_an_app(script)
+
+
+async def connected(asgi: Asgi) -> str:
+    port = f"sim://stopping-{next(_numbers)}"
+    protocol_sim.register(port, VirtualController())
+    _, device = await asgi.ask("POST", DEVICES, {"port": port})
+    route = f"{DEVICES}/{device['id']}"
+    status, _ = await asgi.ask("POST", f"{route}/push", {"axes": [document(), document()]})
+    assert status == 200
+    return route
+
+
+class Recording(VirtualController):
+    """Remembers what it was asked."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.kinds: list[int] = []
+
+    def _answer(self, request: Any) -> Any:
+        self.kinds.append(request.kind)
+        return super()._answer(request)
+
+
+def test_a_move_asked_for_while_a_stop_is_being_answered_does_not_begin(client: TestClient) -> None:
+    port, board = f"sim://stopping-{next(_numbers)}", Recording()
+    protocol_sim.register(port, board)
+    route = f"{DEVICES}/{client.post(DEVICES, json={'port': port}).json()['id']}"
+    client.post(f"{route}/push", json={"design": document()})
+    device = client.app.state.devices.get(route.rsplit("/", 1)[1])
+    with device.being_stopped():
+        late = client.post(f"{route}/move", json={"by_steps": 10})
+        assert "A stop came first" in error_of(late, 409)["message"]
+    assert MoveByRequest.KIND not in board.kinds
+    assert client.post(f"{route}/move", json={"by_steps": 10}).status_code == 200
+
+
+def test_a_run_ends_with_its_lease_and_goes_on_when_asked_again(client: TestClient, route: str) -> None:
+    run = {"speed_steps_per_s": 400, "for_s": 0.6}
+    began = time.monotonic()
+    while time.monotonic() - began < 1.5:
+        assert client.post(f"{route}/run", json=run).json()["state"] == "moving"
+        time.sleep(0.2)
+    assert client.get(route).json()["position_steps"] > 300
+    until(lambda: client.get(route).json()["state"] == "ready")
+    assert client.get(route).json()["position_steps"] < 2000
+
+
+@pytest.mark.parametrize("for_s", [0, -1, 86_401, "long", None, 1e400])
+def test_leases_that_cant_be(client: TestClient, route: str, for_s: object) -> None:
+    body = json.dumps({"speed_steps_per_s": 100, "for_s": for_s}).replace("Infinity", "1e400")
+    refused = client.post(f"{route}/run", content=body, headers={"content-type": "application/json"})
+    error = error_of(refused, 422)
+    assert (error["field"], error["allowed"]) == ("for_s", "a number from 0.05 to 86,400 s")
+
+
+def test_what_a_page_runs_ends_with_it(client: TestClient, route: str) -> None:
+    with client.websocket_connect(f"{DEVICES}/events?page=one", headers=LOCAL) as socket:
+        socket.receive_json()
+        run = {"axes": [{"axis": 1, "speed_steps_per_s": 300}], "for_s": 3600}
+        assert client.post(f"{route}/run", json=run, headers={"X-StepRamp-Page": "one"}).json()["state"] == "moving"
+    until(lambda: client.get(route).json()["state"] == "ready")
+
+
+def test_a_run_of_a_program_outlives_a_page(client: TestClient, route: str) -> None:
+    client.post(f"{route}/run", json={"speed_steps_per_s": 300, "for_s": 3600})
+    with client.websocket_connect(f"{DEVICES}/events?page=one", headers=LOCAL) as socket:
+        socket.receive_json()
+    time.sleep(0.3)
+    assert client.get(route).json()["state"] == "moving"
+    client.post(f"{route}/halt")
+
+
+def test_a_page_that_acts_ends_no_run_of_a_program(client: TestClient, route: str) -> None:
+    client.post(f"{route}/run", json={"speed_steps_per_s": 300, "for_s": 3600})
+    with client.websocket_connect(f"{DEVICES}/events?page=one", headers=LOCAL) as socket:
+        socket.receive_json()
+        for _ in range(2):
+            moved = client.post(
+                f"{route}/move", json={"axes": [{"axis": 1, "by_steps": 5}]}, headers={"X-StepRamp-Page": "one"}
+            )
+            assert moved.json()["in_control"] == "one"
+        time.sleep(0.3)
+        assert client.get(route).json()["axes"][0]["state"] == "moving"
+    client.post(f"{route}/halt")
+
+
+def test_what_was_asked_before_there_was_the_device_does_not_move_it(client: TestClient) -> None:
+    early = client.app.state.devices.order.next()
+    client.post(f"{DEVICES}/stop")
+    port = f"sim://stopping-{next(_numbers)}"
+    protocol_sim.register(port, VirtualController())
+    later = f"{DEVICES}/{client.post(DEVICES, json={'port': port}).json()['id']}"
+    client.post(f"{later}/push", json={"design": document()})
+    late = client.post(f"{later}/move", json={"by_steps": 5}, headers={STOPS: str(early)})
+    assert "A stop came first" in error_of(late, 409)["message"]
+
+
+@pytest.mark.parametrize(
+    "body",
+    [{"by_steps": 2_147_483_647}, {"to_steps": -2_147_483_648}, {"by_steps": 10_000_001}],
+)
+def test_without_soft_limits_a_way_is_bounded(client: TestClient, route: str, body: dict[str, int]) -> None:
+    error = error_of(client.post(f"{route}/move", json=body), 422)
+    assert (error["field"], error["value"]) == next(iter(body.items()))
+    assert "10,000,000 steps at a time where axis 0 has no soft limit" in error["allowed"]
+
+
+def limits(client: TestClient, route: str, **of_axis_0: int | None) -> Any:
+    return client.put(f"{route}/soft_limits", json={"axes": [{"axis": 0, **of_axis_0}]})
+
+
+def test_soft_limits(client: TestClient, route: str) -> None:
+    device = limits(client, route, lowest_steps=-100, highest_steps=2000).json()
+    assert [(axis["lowest_steps"], axis["highest_steps"]) for axis in device["axes"]] == [(-100, 2000), (None, None)]
+    for what, body, field in [
+        ("move", {"by_steps": 2001}, "by_steps"),
+        ("move", {"to_steps": -101}, "to_steps"),
+        ("move", {"axes": [{"axis": 1, "by_steps": 5}, {"axis": 0, "by_steps": -200}]}, "axes.1.by_steps"),
+        ("line", {"axes": [{"axis": 0, "by_steps": 3000}, {"axis": 1, "by_steps": 5}]}, "axes.0.by_steps"),
+        ("there_and_back", {"by_steps": -500}, "by_steps"),
+    ]:
+        error = error_of(client.post(f"{route}/{what}", json=body), 422)
+        assert error["field"] == field
+        assert "within the soft limits of axis 0, -100 to 2,000 steps" in error["allowed"]
+    assert client.post(f"{route}/move", json={"to_steps": 2000}).status_code == 200
+    # In flight it counts from where it would come to rest.
+    assert error_of(client.post(f"{route}/move", json={"by_steps": 1}), 422)["field"] == "by_steps"
+    until(lambda: client.get(route).json()["state"] == "ready")
+    assert error_of(client.post(f"{route}/run", json={"speed_steps_per_s": 100}), 422)["field"] == "speed_steps_per_s"
+    assert client.post(f"{route}/run", json={"speed_steps_per_s": -100}).status_code == 200
+    client.post(f"{route}/halt")
+    freed = limits(client, route, lowest_steps=None, highest_steps=None).json()
+    assert (freed["axes"][0]["lowest_steps"], freed["axes"][0]["highest_steps"]) == (None, None)
+    assert client.post(f"{route}/move", json={"by_steps": 3000}).status_code == 200
+    client.post(f"{route}/halt")
+
+
+def test_a_run_comes_to_rest_within_soft_limits(client: TestClient, route: str) -> None:
+    limits(client, route, highest_steps=1500)
+    client.post(f"{route}/run", json={"speed_steps_per_s": 900, "for_s": 600})
+    until(lambda: client.get(route).json()["state"] == "ready")
+    # 900 steps/s with 5,000 steps/s² take 81 steps to stop, and the server needs a moment to see them coming.
+    assert 1000 < client.get(route).json()["position_steps"] <= 1500
+
+
+@pytest.mark.parametrize(
+    ("body", "field"),
+    [
+        ({}, "axes"),
+        ({"axes": []}, "axes"),
+        ({"axes": [{"axis": 4}]}, "axes.0.axis"),
+        ({"axes": [{"axis": 0, "lowest_steps": 5, "highest_steps": 4}]}, "axes.0.highest_steps"),
+        ({"axes": [{"axis": 0, "lowest_steps": "none"}]}, "axes.0.lowest_steps"),
+    ],
+)
+def test_soft_limits_that_cant_be(client: TestClient, route: str, body: Any, field: str) -> None:
+    assert error_of(client.put(f"{route}/soft_limits", json=body), 422)["field"] == field
+
+
+def test_a_stop_is_not_asked_of_the_controller_twice(client: TestClient) -> None:
+    port, board = f"sim://stopping-{next(_numbers)}", Recording()
+    protocol_sim.register(port, board)
+    route = f"{DEVICES}/{client.post(DEVICES, json={'port': port}).json()['id']}"
+    client.post(f"{route}/stop")
+    assert board.kinds.count(StopRequest.KIND) == 1
+
+
+@pytest.mark.parametrize("stops", ["-1", "+5", "1_000", "many", "1.0", "", "9" * 30])
+def test_a_number_of_stops_that_is_none(client: TestClient, route: str, stops: str) -> None:
+    error = error_of(client.post(f"{route}/move", json={"by_steps": 1}, headers={STOPS: stops}), 422)
+    assert (error["field"], error["value"]) == (STOPS, stops)
+    assert error["allowed"] == "a whole number: the `stops` that the device last told"
+
+
+def test_soft_limits_are_set_at_rest(client: TestClient, route: str) -> None:
+    client.post(f"{route}/move", json={"by_steps": 5000})
+    assert "The motor moves" in error_of(limits(client, route, highest_steps=100), 409)["message"]
+    client.post(f"{route}/halt")
+
+
+def test_there_and_back_keeps_to_limits_that_are_set_in_a_pause(client: TestClient, route: str) -> None:
+    client.post(f"{route}/there_and_back", json={"by_steps": 60, "times": 9, "pause_s": 0.5})
+    until(lambda: client.get(route).json()["state"] == "ready")
+    assert limits(client, route, lowest_steps=50, highest_steps=100).status_code == 200
+    until(lambda: client.get(route).json()["shuttle"] is None)
+    assert client.get(route).json()["position_steps"] == 60
+
+
+def test_there_and_back_is_refused_when_it_ends_outside(client: TestClient, route: str) -> None:
+    limits(client, route, lowest_steps=50, highest_steps=1000)
+    refused = client.post(f"{route}/there_and_back", json={"by_steps": 200})
+    assert "and this leads to 0" in error_of(refused, 422)["allowed"]
+
+
+def test_a_run_that_is_asked_again_and_again_keeps_to_soft_limits(client: TestClient, route: str) -> None:
+    limits(client, route, highest_steps=1500)
+    run = {"speed_steps_per_s": 900, "for_s": 0.5}
+    began = time.monotonic()
+    while time.monotonic() - began < 3.0:
+        client.post(f"{route}/run", json=run)
+    until(lambda: client.get(route).json()["state"] == "ready")
+    assert 800 < client.get(route).json()["position_steps"] <= 1500
+
+
+def test_zeroing_is_not_for_axes_with_soft_limits(client: TestClient, route: str) -> None:
+    limits(client, route, lowest_steps=0)
+    error = error_of(client.post(f"{route}/zero", json={"steps": 100}), 422)
+    assert (error["field"], error["value"]) == ("axes", 0)
+
+
+def test_a_stop_ends_a_jog_s_socket_for_good(client: TestClient, route: str) -> None:
+    with client.websocket_connect(f"{route}/jog", headers=LOCAL) as socket:
+        client.post(f"{route}/stop")
+        socket.send_json({"do": "run", "speed_steps_per_s": 400})
+        assert "A stop came first" in socket.receive_json()["errors"][0]["message"]
+    with client.websocket_connect(f"{route}/jog", headers=LOCAL) as socket:
+        socket.send_json({"do": "run", "speed_steps_per_s": 400})
+        until(lambda: client.get(route).json()["state"] == "moving")
+
+
+def test_a_page_that_was_taken_over_jogs_no_more(client: TestClient, route: str) -> None:
+    pages = [client.websocket_connect(f"{DEVICES}/events?page={page}", headers=LOCAL) for page in ("one", "two")]
+    with pages[0] as one, pages[1] as two, client.websocket_connect(f"{route}/jog?page=one", headers=LOCAL) as socket:
+        one.receive_json(), two.receive_json()
+        assert client.post(f"{route}/control", headers={"X-StepRamp-Page": "two"}).status_code == 200
+        socket.send_json({"do": "run", "speed_steps_per_s": 400})
+        assert "Another page is in control" in socket.receive_json()["errors"][0]["message"]
