@@ -3,12 +3,12 @@ import json
 import socket
 import subprocess
 import sys
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
 
 from designs import document
+from event_loop import run
 from stepramp.cli import free_port, main, port_number
 from stepramp.errors import Rejected
 
@@ -30,9 +30,8 @@ def test_a_port_of_a_server_that_ended_is_free_at_once() -> None:
 
 
 def test_answers_are_sent_without_waiting_for_more() -> None:
-    # In a thread of its own: browser tests of the same process leave a loop running in this one.
-    with free_port(8800) as listener, ThreadPoolExecutor(1) as pool:
-        assert pool.submit(asyncio.run, _has_no_delay(listener)).result()
+    with free_port(8800) as listener:
+        assert run(_has_no_delay(listener))
 
 
 async def _has_no_delay(listener: socket.socket) -> bool:

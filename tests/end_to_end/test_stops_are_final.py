@@ -5,6 +5,8 @@ from __future__ import annotations
 import http.client
 import json
 import random
+import socket
+import struct
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -25,8 +27,11 @@ FAR = 9_000_000
 EARLIEST_S, LATEST_S = -0.014, 0.016
 """From when a motion is asked for until it is stopped: from before it reaches the server until it moves."""
 AT_REST_WITHIN_S = 5.0
-ON_ITS_WAY_S = 0.002
-"""How long an answer may be on its way from the server to a thread of this process, on a busy machine."""
+BEING_READ_S = 0.003
+"""How long the server may take between its last look at what has come in and the writing of an answer, on a busy
+machine: what comes in between is read after the answer."""
+SO_TIMESTAMPNS = 35
+"""Linux: the system notes when what is received arrived, which for this machine's own is when it was written."""
 QUIET_S = 0.02
 """A move that was still on its way would have set out in this time."""
 
@@ -55,21 +60,18 @@ def controller(tmp_path: Path) -> Iterator[SimulatedController]:
 
 @dataclass
 class Trial:
-    """One motion and the stop around it, by this process' clock [s]."""
+    """One motion and the stop around it, by the system's clock [s]."""
 
     asked_s: float
     """When the last byte of the motion's request had left."""
     answered_s: float
-    """When the stop's answer was read."""
+    """When the server wrote the stop's answer."""
     granted: bool
 
     @property
     def asked_before(self) -> bool:
-        """Whether the motion was asked for before the stop was answered: then it must not move.
-
-        What left while the answer was already on its way came to the server after it.
-        """
-        return self.asked_s < self.answered_s - ON_ITS_WAY_S
+        """Whether the motion was asked for before the stop was answered: then it must not move."""
+        return self.asked_s < self.answered_s - BEING_READ_S
 
 
 class Rig:
@@ -78,6 +80,8 @@ class Rig:
     def __init__(self, server: ServerProcess, device: str) -> None:
         self.device = device
         self._motions, self._stops, self._looks = (server.connection() for _ in range(3))
+        self._stops.connect()
+        self._stops.sock.setsockopt(socket.SOL_SOCKET, SO_TIMESTAMPNS, 1)
         self._socket_address = f"ws://{server.address.netloc}/api/v1/devices/{device}/jog"
 
     def move(self, what: str, body: dict[str, Any], asked: Future[float]) -> bool:
@@ -85,7 +89,7 @@ class Rig:
         if what == "jog":
             return self._jog(body, asked)
         send(self._motions, f"devices/{self.device}/{what}", body)
-        asked.set_result(time.perf_counter())
+        asked.set_result(time.time())
         with self._motions.getresponse() as response:
             response.read()
             return response.status == 200
@@ -94,17 +98,21 @@ class Rig:
         """Jog as a page does, whose finger presses on for a while."""
         with connect(self._socket_address) as socket:
             socket.send(json.dumps(body))
-            asked.set_result(time.perf_counter())
+            asked.set_result(time.time())
             for _ in range(3):
                 time.sleep(0.005)
                 socket.send('{"do": "hold"}')
         return True
 
-    def stop(self, what: str) -> None:
-        """Stop, and see that it is answered."""
+    def stop(self, what: str) -> float:
+        """Stop, see that it is answered, and return when the answer was written."""
         route = "devices/stop" if what == "all" else f"devices/{self.device}/{what}"
-        status, content = answer_over(self._stops, "POST", route)
-        assert status == 200, content
+        self._stops.request("POST", f"/api/v1/{route}")
+        written_s = written_at(self._stops.sock)
+        with self._stops.getresponse() as response:
+            content = response.read()
+            assert response.status == 200, content
+        return written_s
 
     def trace(self) -> None:
         """Have the next move traced, so that more is asked of the controller before it begins."""
@@ -122,6 +130,13 @@ def send(connection: http.client.HTTPConnection, route: str, body: dict[str, Any
     connection.request("POST", f"/api/v1/{route}", json.dumps(body), {"content-type": "application/json"})
 
 
+def written_at(connection: socket.socket) -> float:
+    """Wait for an answer, leave it to be read, and return when it was written."""
+    _, notes, _, _ = connection.recvmsg(1, 256, socket.MSG_PEEK)
+    seconds, nanoseconds = next(struct.unpack("qq", note) for _, kind, note in notes if kind == SO_TIMESTAMPNS)
+    return float(seconds + nanoseconds * 1e-9)
+
+
 def tried(rig: Rig, pool: ThreadPoolExecutor, chance: random.Random) -> Trial:
     """Ask for a motion and for a stop, at a random moment around it."""
     what, body = chance.choice(MOTIONS)
@@ -137,8 +152,7 @@ def tried(rig: Rig, pool: ThreadPoolExecutor, chance: random.Random) -> Trial:
 
     moving = pool.submit(move)
     wait_until(begin_s + offset_s)
-    rig.stop(stop)
-    answered_s = time.perf_counter()
+    answered_s = rig.stop(stop)
     trial = Trial(asked.result(), answered_s, granted=moving.result())
     if not trial.asked_before:
         rig.stop("halt")

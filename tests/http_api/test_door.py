@@ -16,6 +16,7 @@ from starlette.testclient import TestClient
 from starlette.types import Message, Receive, Scope, Send
 from starlette.websockets import WebSocket
 
+from event_loop import run
 from stepramp.http_api.door import PIECE_BYTES, Door
 
 PATIENCE_S = 10.0
@@ -190,7 +191,7 @@ def test_a_request_is_cancelled_when_its_client_goes(inside: Inside) -> None:
         await request
         assert inside.cancelled.is_set()
 
-    asyncio.run(with_lifespan(inside.app, work))
+    run(with_lifespan(inside.app, work))
 
 
 def test_a_request_is_cancelled_when_the_server_gives_it_up(inside: Inside) -> None:
@@ -203,7 +204,7 @@ def test_a_request_is_cancelled_when_the_server_gives_it_up(inside: Inside) -> N
             await request
         assert await asyncio.to_thread(inside.cancelled.wait, PATIENCE_S)
 
-    asyncio.run(with_lifespan(inside.app, work))
+    run(with_lifespan(inside.app, work))
 
 
 def test_a_client_that_does_not_read_holds_up_nobody(inside: Inside) -> None:
@@ -227,7 +228,7 @@ def test_a_client_that_does_not_read_holds_up_nobody(inside: Inside) -> None:
         reads.set()
         await first
 
-    asyncio.run(with_lifespan(inside.app, work))
+    run(with_lifespan(inside.app, work))
 
 
 def test_one_message_a_turn_of_the_servers_loop(inside: Inside) -> None:
@@ -258,7 +259,7 @@ def test_one_message_a_turn_of_the_servers_loop(inside: Inside) -> None:
         await asyncio.gather(*requests)
         assert len(set(sent_at)) == 20
 
-    asyncio.run(with_lifespan(inside.app, work))
+    run(with_lifespan(inside.app, work))
 
 
 def test_what_middleware_outside_notes_is_there_inside(inside: Inside) -> None:
@@ -286,4 +287,4 @@ def test_what_middleware_outside_notes_is_there_inside(inside: Inside) -> None:
         assert noted == {"scope": mark, "message": mark, "sent": {"type": "websocket.close", "code": 1000}}
 
     door = Door(inner)
-    asyncio.run(with_lifespan(door, work))  # type: ignore[arg-type]  # called like an application
+    run(with_lifespan(door, work))  # type: ignore[arg-type]  # called like an application

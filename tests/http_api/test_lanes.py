@@ -12,6 +12,7 @@ import pytest
 from starlette.testclient import TestClient
 
 from designs import design, document
+from event_loop import run
 from stepramp.controllers.virtual import VirtualController
 from stepramp.http_api.lanes import CONNECTING, CORES, LONG_PLANNING, PLANNING, Lane, planning_lane
 from stepramp.link import protocol_sim
@@ -99,7 +100,7 @@ def test_what_is_cancelled_while_it_waits_is_never_begun() -> None:
             await waits
 
     with taken(lane, 1):
-        asyncio.run(work())
+        run(work())
     lane.wait_for(lambda: done.append("last"))
     assert done == ["last"]
 

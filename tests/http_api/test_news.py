@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
+from event_loop import run
 from stepramp.controllers.device_view import DeviceView
 from stepramp.http_api.news import News
 
@@ -55,7 +56,7 @@ def test_each_change_is_written_once_for_all() -> None:
         for editions in listening:
             await editions.aclose()
 
-    asyncio.run(work())
+    run(work())
 
 
 def test_who_is_slow_gets_the_newest() -> None:
@@ -75,7 +76,7 @@ def test_who_is_slow_gets_the_newest() -> None:
         await slow.aclose()
         await quick.aclose()
 
-    asyncio.run(work())
+    run(work())
 
 
 def test_who_comes_later_hears_at_once_how_things_are() -> None:
@@ -90,4 +91,4 @@ def test_who_comes_later_hears_at_once_how_things_are() -> None:
         publishing.cancel()
         await editions.aclose()
 
-    asyncio.run(work())
+    run(work())

@@ -15,6 +15,7 @@ from starlette.testclient import TestClient
 from starlette.types import Message
 
 from designs import document
+from event_loop import run
 from stepramp.errors import Rejected, Rejection
 from stepramp.http_api import planned
 from stepramp.http_api.json_response import SLICE, json_pieces
@@ -99,7 +100,7 @@ def test_what_goes_wrong_is_raised(after: int) -> None:
         raise Rejected([Rejection("field", 1, "2")])
 
     with pytest.raises(TypeError if after else Rejected):
-        asyncio.run(sent(Planned(Lane("test", 1), job)))
+        run(sent(Planned(Lane("test", 1), job)))
 
 
 def test_no_more_is_written_than_is_taken_and_a_little(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -127,7 +128,7 @@ def test_no_more_is_written_than_is_taken_and_a_little(monkeypatch: pytest.Monke
         assert MOST_AHEAD < await turn <= MOST_AHEAD + 4
 
     monkeypatch.setattr(planned, "json_pieces", counting)
-    asyncio.run(work())
+    run(work())
 
 
 def test_a_client_that_takes_nothing_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -137,4 +138,4 @@ def test_a_client_that_takes_nothing_is_given_up(monkeypatch: pytest.MonkeyPatch
 
     monkeypatch.setattr(planned, "STALLED_S", 0.0)
     with pytest.raises(TimeoutError):
-        asyncio.run(sent(Planned(Lane("test", 1), lambda: np.arange(100 * SLICE)), never))
+        run(sent(Planned(Lane("test", 1), lambda: np.arange(100 * SLICE)), never))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import itertools
 import json
 from typing import Any
@@ -12,6 +11,7 @@ from starlette.testclient import TestClient
 from starlette.websockets import WebSocketDisconnect
 
 from designs import document
+from event_loop import run
 from stepramp.controllers.device import Device
 from stepramp.controllers.devices import Devices
 from stepramp.controllers.virtual import VirtualController
@@ -159,4 +159,4 @@ class Gone:
 @pytest.mark.parametrize("error", [RuntimeError("after sending 'websocket.close'"), WebSocketDisconnect(1006)])
 def test_sending_to_who_has_gone_tells_so(error: Exception) -> None:
     with pytest.raises(WebSocketDisconnect):
-        asyncio.run(sockets.send(Gone(error), "x"))
+        run(sockets.send(Gone(error), "x"))

@@ -7,13 +7,13 @@ import itertools
 import json
 import time
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import pytest
 from starlette.testclient import TestClient
 
 from designs import document
+from event_loop import run
 from stepramp.controllers.messages import MoveByRequest, StopRequest
 from stepramp.controllers.virtual import VirtualController
 from stepramp.http_api.app import create_app
@@ -155,14 +155,12 @@ class Asgi:
 
 
 def in_an_app(script: Callable[[Asgi], Any]) -> None:
-    async def run() -> None:
+    async def work() -> None:
         asgi = Asgi()
         async with asgi.app.router.lifespan_context(asgi.app):
             await script(asgi)
 
-    # In a thread of its own: browser tests of the same process leave a loop running in this one.
-    with ThreadPoolExecutor(1) as pool:
-        pool.submit(asyncio.run, run()).result()
+    run(work())
 
 
 @pytest.mark.parametrize("stop", ["/stop", "/halt", None], ids=str)

@@ -52,7 +52,13 @@ class Conversation:
         self._notices: deque[Notice] = deque()
         self._session = 0
         self._tag = 0
+        self._asked = 0
         self._heard_bytes = self._heard_messages = 0
+
+    @property
+    def asked(self) -> int:
+        """How many requests there were: more than one's own when others came in between."""
+        return self._asked
 
     def begin(self) -> HelloReply:
         """Shake hands: drop what a reset left on the line, then say hello until it is answered.
@@ -86,6 +92,7 @@ class Conversation:
         """
         self._give_way(0.0)
         self._tag = (self._tag + 1) % 256
+        self._asked += 1
         message = Message(request.KIND, self._session, self._tag, request.pack())
         for attempt in range(1 + MOST_REPEATS):
             if attempt:
@@ -98,11 +105,14 @@ class Conversation:
                 return self._understood(reply, reply_type, rejected)
         raise DeviceLost(f"The controller at {self._port.name} does not answer.")
 
-    def notices(self) -> Iterator[Notice]:
-        """Yield what the controller has said unasked, in order, without waiting for more."""
+    def listen(self) -> None:
+        """Take what has come in by now, without waiting for more."""
         self._take(self._port.pending())
         while self._inbox:
             self._sort(self._inbox.popleft())
+
+    def notices(self) -> Iterator[Notice]:
+        """Yield what the controller said unasked before the last reply, or the last time it was listened to."""
         while self._notices:
             yield self._notices.popleft()
 

@@ -133,8 +133,9 @@ class StepRampController:
 
     def status(self) -> ControllerStatus:
         """Ask what the controller is doing, axis by axis."""
-        count = len(self._image.axes) if self._image else 1
-        replies = [self._conversation.ask(StatusRequest(axis), StatusReply) for axis in range(count)]
+        replies = self._status_replies()
+        # What was reported before these replies is older than they are.
+        self._take_notices()
         first = replies[0]
         axes = tuple(self._axis_status(axis, reply) for axis, reply in enumerate(replies))
         status = ControllerStatus(
@@ -330,8 +331,21 @@ class StepRampController:
         status = self._status if self._status is not None and not anew else self.status()
         return {axis.axis for axis in status.axes if axis.activity in UNDER_WAY}
 
+    def _status_replies(self) -> list[StatusReply]:
+        """Ask axis by axis, and again when something more urgent came in between: a stop makes the answers old."""
+        count = len(self._image.axes) if self._image else 1
+        while True:
+            others = self._conversation.asked
+            replies = [self._conversation.ask(StatusRequest(axis), StatusReply) for axis in range(count)]
+            if self._conversation.asked == others + count:
+                return replies
+
     def _hear(self) -> None:
-        """Take what the controller has said unasked."""
+        """Take what the controller has said unasked, up to now."""
+        self._conversation.listen()
+        self._take_notices()
+
+    def _take_notices(self) -> None:
         for notice in self._conversation.notices():
             if isinstance(notice, ReportNotice):
                 self._report = notice
