@@ -206,9 +206,9 @@ def test_a_run_asked_for_again_lasts_as_was_asked_last(pushed: StepRampPage) -> 
     page.locator("#run-for").fill("60")
     page.locator("#run-ahead").click()
     until(lambda: device_of(pushed)["state"] == "moving")
-    page.locator("#run-for").fill("0.05")
+    page.locator("#run-for").fill("0.5")
     expect(page.locator("#run-ahead")).to_be_enabled()
     page.locator("#run-ahead").click()
     until(lambda: device_of(pushed)["state"] == "ready")
-    assert [one["for_s"] for one in asked] == [60, 0.05]
+    assert [one["for_s"] for one in asked] == [60, 0.5]
     expect(page.locator("#run-explained")).to_contain_text("slows down after that, or when this page is closed")
