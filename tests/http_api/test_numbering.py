@@ -2,14 +2,26 @@
 
 from __future__ import annotations
 
+import asyncio
+import itertools
 import json
 import socket
-from collections.abc import Iterator
+from collections.abc import AsyncIterator, Callable, Iterator
+from contextlib import asynccontextmanager
 
 import pytest
+import uvicorn
+from starlette.responses import PlainTextResponse
+from starlette.types import Receive, Scope, Send
+from uvicorn.protocols.http.h11_impl import H11Protocol
+from uvicorn.server import ServerState
 
 from designs import document
+from event_loop import run
 from server_process import ServerProcess
+from stepramp.http_api.asked_at import numbering
+
+PATIENCE_S = 15.0
 
 
 @pytest.fixture(scope="module")
@@ -63,3 +75,102 @@ def test_a_move_whose_head_comes_in_drops(server: ServerProcess, connection: soc
     connection.sendall(move)
     assert b"200 OK" in answers(connection, 1)
     server.ask("POST", "devices/1/halt")
+
+
+class Numbered:
+    """One connection to an application that notes the number of each request, by its path, and answers at once.
+
+    /slow is answered when that is wanted, without a look at its body.
+    """
+
+    def __init__(self) -> None:
+        self.order = itertools.count(1)
+        self.numbers: dict[str, int] = {}
+        self.answer_slow = asyncio.Event()
+
+    async def app(self, scope: Scope, receive: Receive, send: Send) -> None:
+        self.numbers[scope["path"]] = scope["state"]["stepramp.asked"]
+        if scope["path"] == "/slow":
+            await self.answer_slow.wait()
+        await PlainTextResponse("answered")(scope, receive, send)
+
+    @asynccontextmanager
+    async def connected(self) -> AsyncIterator[tuple[H11Protocol, asyncio.StreamReader, asyncio.StreamWriter]]:
+        """Yield the server's end of a connection, and the client's."""
+        config = uvicorn.Config(self.app, interface="asgi3", log_level="critical")
+        made = numbering(lambda: next(self.order))
+        here, there = socket.socketpair()
+        _, protocol = await asyncio.get_running_loop().connect_accepted_socket(
+            lambda: made(config=config, server_state=ServerState(), app_state={}), there
+        )
+        reader, writer = await asyncio.open_connection(sock=here)
+        try:
+            yield protocol, reader, writer
+        finally:
+            writer.close()
+            protocol.transport.close()
+            await asyncio.sleep(0)
+
+    async def until(self, condition: Callable[[], object]) -> None:
+        async with asyncio.timeout(PATIENCE_S):
+            while not condition():
+                await asyncio.sleep(0)
+
+
+def get(path: str, body: bytes = b"") -> bytes:
+    return f"GET {path} HTTP/1.1\r\nHost: a\r\nContent-Length: {len(body)}\r\n\r\n".encode() + body
+
+
+def test_what_waits_unread_behind_others_is_as_old_as_they_are() -> None:
+    """The second request is answered in the same turn in which the first one ends: only then the third is read."""
+
+    async def work() -> None:
+        numbered = Numbered()
+        async with numbered.connected() as (protocol, reader, writer):
+            writer.write(get("/slow"))
+            await numbered.until(lambda: "/slow" in numbered.numbers)
+            writer.write(get("/second"))
+            await numbered.until(lambda: protocol.flow.read_paused)
+            writer.write(get("/third"))
+            stopped = next(numbered.order)
+            numbered.answer_slow.set()
+            await numbered.until(lambda: "/third" in numbered.numbers)
+            assert max(numbered.numbers.values()) < stopped
+            for _ in range(3):
+                await reader.readuntil(b"answered")
+            assert not protocol.app_state
+            writer.write(get("/anew"))
+            await numbered.until(lambda: "/anew" in numbered.numbers)
+            assert numbered.numbers["/anew"] > stopped
+
+    run(work())
+
+
+def test_what_waits_unread_behind_a_body_that_nobody_wants_is_as_old_as_that() -> None:
+    async def work() -> None:
+        numbered = Numbered()
+        async with numbered.connected() as (protocol, _, writer):
+            body = b" " * 110_000
+            writer.write(get("/slow", body)[:-10_000])
+            await numbered.until(lambda: protocol.flow.read_paused)
+            writer.write(body[:10_000] + get("/third"))
+            stopped = next(numbered.order)
+            numbered.answer_slow.set()
+            await numbered.until(lambda: "/third" in numbered.numbers)
+            assert numbered.numbers["/third"] < stopped
+            await numbered.until(lambda: not protocol.app_state)
+
+    run(work())
+
+
+def test_a_request_that_waits_for_nothing_has_a_number_of_its_own() -> None:
+    async def work() -> None:
+        numbered = Numbered()
+        async with numbered.connected() as (_, reader, writer):
+            for path in ("/a", "/b"):
+                stopped = next(numbered.order)
+                writer.write(get(path))
+                await reader.readuntil(b"answered")
+                assert numbered.numbers[path] > stopped
+
+    run(work())

@@ -4,8 +4,10 @@ A stop overtakes what is slow: a request whose body comes in drops, or that wait
 """
 
 from collections.abc import Callable
+from select import select
 from typing import Annotated, Any
 
+import h11
 from fastapi import Depends, Header
 from starlette.requests import HTTPConnection
 from starlette.types import ASGIApp, Receive, Scope, Send
@@ -28,15 +30,28 @@ def numbering(now: Callable[[], int]) -> type[H11Protocol]:
         def __init__(self, **options: Any) -> None:
             # Of its own, not the server's: what this connection's requests are told.
             super().__init__(**{**options, "app_state": dict(options["app_state"])})
+            # Whether something waits to be read that came while this connection wasn't read from.
+            self._has_left_unread = False
 
         def data_received(self, data: bytes) -> None:
+            self._has_left_unread = self._has_left_unread and self._is_readable()
             self.app_state.setdefault(_ASKED, now())
             super().data_received(data)
+            self._forget_when_idle()
 
         def on_response_complete(self) -> None:
-            if not self.conn.trailing_data[0]:
-                self.app_state.pop(_ASKED, None)
+            self._has_left_unread = self._has_left_unread or (self.flow.read_paused and self._is_readable())
             super().on_response_complete()
+            self._forget_when_idle()
+
+        def _forget_when_idle(self) -> None:
+            """Have the next request get a number of its own, unless something of it is here already."""
+            is_idle = self.conn.our_state is self.conn.their_state is h11.IDLE and not self.conn.trailing_data[0]
+            if is_idle and not self._has_left_unread:
+                self.app_state.pop(_ASKED, None)
+
+        def _is_readable(self) -> bool:
+            return bool(select([self.transport.get_extra_info("socket")], [], [], 0)[0])
 
     return Numbering
 
