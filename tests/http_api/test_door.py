@@ -16,7 +16,7 @@ from starlette.testclient import TestClient
 from starlette.types import Message, Receive, Scope, Send
 from starlette.websockets import WebSocket
 
-from event_loop import run
+from event_loop import run, with_lifespan
 from stepramp.http_api.door import PIECE_BYTES, Door
 
 PATIENCE_S = 10.0
@@ -149,22 +149,6 @@ def http_scope(path: str) -> Scope:
     return asked | {"query_string": b"", "http_version": "1.1", "scheme": "http", "root_path": "", "server": None}
 
 
-async def with_lifespan(app: Starlette, work: Any) -> None:
-    """Do some work while an application lives."""
-    told: asyncio.Queue[Message] = asyncio.Queue()
-    heard: asyncio.Queue[Message] = asyncio.Queue()
-    living = asyncio.create_task(app({"type": "lifespan", "asgi": {}, "state": {}}, told.get, heard.put))
-    await told.put({"type": "lifespan.startup"})
-    assert (await heard.get())["type"] == "lifespan.startup.complete"
-    try:
-        async with asyncio.timeout(PATIENCE_S):
-            await work()
-    finally:
-        await told.put({"type": "lifespan.shutdown"})
-        assert (await heard.get())["type"] == "lifespan.shutdown.complete"
-        await living
-
-
 def request_that_goes_away(gone: asyncio.Event) -> Receive:
     messages: list[Message] = [{"type": "http.request", "body": b"", "more_body": False}]
 
@@ -287,4 +271,4 @@ def test_what_middleware_outside_notes_is_there_inside(inside: Inside) -> None:
         assert noted == {"scope": mark, "message": mark, "sent": {"type": "websocket.close", "code": 1000}}
 
     door = Door(inner)
-    run(with_lifespan(door, work))  # type: ignore[arg-type]  # called like an application
+    run(with_lifespan(door, work))

@@ -2,20 +2,32 @@
 
 from __future__ import annotations
 
+import asyncio
 import itertools
+import json
 import time
-from collections.abc import Callable, Iterator
+import weakref
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 import pytest
 from starlette.testclient import TestClient
+from starlette.types import Message, Receive, Scope
 
 from designs import document
+from event_loop import run, with_lifespan
+from stepramp.controllers.devices import Devices
 from stepramp.controllers.virtual import VirtualController
+from stepramp.http_api.app import create_app
+from stepramp.http_api.stop_messages import MOST_AT_A_TIME
 from stepramp.link import protocol_sim
 
 DEVICES = "/api/v1/devices"
 LOCAL = {"host": "127.0.0.1:8000"}
+SCOPE: Scope = {
+    "type": "websocket", "path": f"{DEVICES}/events", "raw_path": b"", "query_string": b"", "scheme": "ws",
+    "headers": [(b"host", b"127.0.0.1:8000")], "root_path": "", "server": None, "subprotocols": [], "state": {},
+}  # fmt: skip
 PATIENCE_S = 15.0
 FAR = 1_000_000
 _numbers = itertools.count()
@@ -134,3 +146,78 @@ def test_a_jog_that_was_decided_before_a_stop_does_not_begin(client: TestClient,
         assert device_of(client, device_id)["state"] == "ready"
         socket.send_json({"do": "run", "speed_steps_per_s": 400, "stops": newer})
         until(lambda: device_of(client, device_id)["state"] == "moving")
+
+
+class Text(str):
+    """A text of which can be told whether it is still kept."""
+
+    __slots__ = ("__weakref__",)
+
+
+def saying(texts: Iterable[str], last: Message | None = None) -> Receive:
+    """Return what receives texts over a WebSocket, and then the end or nothing more."""
+    messages: Iterator[Message] = iter([{"type": "websocket.connect"}])
+    said = itertools.chain(messages, ({"type": "websocket.receive", "text": text} for text in texts), [last])
+
+    async def receive() -> Message:
+        return next(said) or await asyncio.Event().wait()  # type: ignore[return-value]
+
+    return receive
+
+
+async def stopped(devices: Devices, since: int) -> None:
+    async with asyncio.timeout(PATIENCE_S):
+        while devices.views()[0].stops == since:
+            await asyncio.sleep(0.01)
+
+
+async def connected_in(devices: Devices) -> int:
+    """Connect a device, and return of which of its stops is known."""
+    port = f"sim://stop-messages-{next(_numbers)}"
+    protocol_sim.register(port, VirtualController())
+    return (await asyncio.to_thread(devices.connect, port)).view.stops
+
+
+def test_a_stop_is_obeyed_whose_client_goes_at_once() -> None:
+    """Also before the socket's messages are looked at."""
+
+    async def send(message: Message) -> None:
+        if message["type"] != "websocket.accept":
+            raise OSError("Nobody is there any more.")
+
+    async def work() -> None:
+        before = await connected_in(app.state.devices)
+        gone: Message = {"type": "websocket.disconnect", "code": 1006}
+        await app(SCOPE, saying([json.dumps({"do": "stop"})], gone), send)
+        await stopped(app.state.devices, before)
+
+    app = create_app()
+    run(with_lifespan(app, work))
+
+
+def test_a_client_that_reads_no_answers_is_heard_and_piles_up_nothing() -> None:
+    """Of each thousand odd messages no more are kept than are seen to at a time, nor answers to them."""
+    kept: weakref.WeakSet[Text] = weakref.WeakSet()
+    most = 0
+
+    def odd() -> Iterator[str]:
+        nonlocal most
+        for number in range(1000):
+            most = max(most, len(kept))
+            kept.add(text := Text(f"odd {number}"))
+            yield text
+        yield json.dumps({"do": "stop"})
+
+    async def send(message: Message) -> None:
+        if message["type"] != "websocket.accept":
+            await asyncio.Event().wait()
+
+    async def work() -> None:
+        before = await connected_in(app.state.devices)
+        socket = asyncio.create_task(app(SCOPE, saying(odd()), send))
+        await stopped(app.state.devices, before)
+        socket.cancel()
+        assert most <= 3 * MOST_AT_A_TIME
+
+    app = create_app()
+    run(with_lifespan(app, work))

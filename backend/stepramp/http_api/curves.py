@@ -82,8 +82,8 @@ async def curves_socket(socket: WebSocket) -> None:
 
     For sliders: in a browser a request of its own takes longer than the curves of a usual move.
     """
-    await socket.accept()
     async with served(socket):
+        await socket.accept()
         while True:
             message = await received(socket)
             await send(socket, await PLANNING.run(partial(_answer, message)))

@@ -1,15 +1,15 @@
 """Routes over the attached controllers: connecting, ramps and settings, and the WebSocket that tells how they fare."""
 
 import asyncio
-from collections.abc import Coroutine
+from collections.abc import AsyncGenerator, Coroutine
 from contextlib import aclosing, suppress
 
-from fastapi import APIRouter, WebSocket, WebSocketDisconnect
+from fastapi import APIRouter, WebSocket
 
 from stepramp.controllers.devices import Devices
 from stepramp.controllers.settings import Settings
 from stepramp.errors import Refused
-from stepramp.http_api import jog, motion, stop_messages, stopping
+from stepramp.http_api import jog, motion, stopping
 from stepramp.http_api.bodies import JsonRoute
 from stepramp.http_api.device_models import (
     ConnectRequest,
@@ -27,6 +27,7 @@ from stepramp.http_api.errors import ErrorList
 from stepramp.http_api.lanes import ACTING, CONNECTING, PLANNING, PUSHING
 from stepramp.http_api.news import News
 from stepramp.http_api.sockets import received, send, served
+from stepramp.http_api.stop_messages import MOST_AT_A_TIME, Answers, answered
 from stepramp.link.ports import list_serial_ports
 
 router = APIRouter(
@@ -149,34 +150,41 @@ async def events(socket: WebSocket, devices: Registry, page: str | None = None) 
     page: what the page that listens calls itself; it can be in control of devices as long as it does. Who listens can
     stop, too: `{"do": "stop"}` and `{"do": "halt", "device": "1"}` are answered once that is granted, with `did`.
     """
-    await socket.accept()
     news: News = socket.app.state.news
+    answers = Answers()
     async with served(socket):
+        await socket.accept()
         with devices.present(page):
-            await _until_one_ends(_tell(socket, news), _hear(socket, devices))
+            await _until_one_ends(
+                _tell(socket, news.editions()), _tell(socket, answers.given()), _hear(socket, devices, answers)
+            )
 
 
-async def _tell(socket: WebSocket, news: News) -> None:
-    async with aclosing(news.editions()) as editions:
-        async for edition in editions:
-            await send(socket, edition)
+async def _tell(socket: WebSocket, texts: AsyncGenerator[str, None]) -> None:
+    async with aclosing(texts):
+        async for text in texts:
+            await send(socket, text)
 
 
-async def _hear(socket: WebSocket, devices: Devices) -> None:
+async def _hear(socket: WebSocket, devices: Devices, answers: Answers) -> None:
     """Stop whenever that is asked for, until the other end has gone."""
     stopping: set[asyncio.Task[None]] = set()
+    room = asyncio.Semaphore(MOST_AT_A_TIME)
+
+    async def stop(message: str | bytes) -> None:
+        try:
+            answers.add(await answered(message, devices))
+        finally:
+            room.release()
+
     while True:
+        # Before a message is taken: one that isn't taken is still there when the other end goes.
+        await room.acquire()
         message = await received(socket)
         # In a task of its own: a halt must not wait until the stop before it is granted.
-        task = asyncio.create_task(_stop(socket, message, devices))
+        task = asyncio.create_task(stop(message))
         stopping.add(task)
         task.add_done_callback(stopping.discard)
-
-
-async def _stop(socket: WebSocket, message: str | bytes, devices: Devices) -> None:
-    answer = await stop_messages.answered(message, devices)
-    with suppress(WebSocketDisconnect):
-        await send(socket, answer)
 
 
 async def _until_one_ends(*works: Coroutine[None, None, None]) -> None:

@@ -27,7 +27,8 @@ class Door:
     """Middleware: calls the application for stops in the server's loop, for all else in a second loop.
 
     The second loop lives as long as the application's lifespan, which runs in it. A request or WebSocket whose client
-    has gone is cancelled there: what has begun in a thread is done, what waits for its turn is not.
+    has gone is cancelled there: what has begun in a thread is done, what waits for its turn is not. What was said over
+    a WebSocket before that is read to its end first: it may be a stop.
     """
 
     def __init__(self, app: ASGIApp) -> None:
@@ -115,7 +116,7 @@ class _Crossing:
         self._room = asyncio.Semaphore(MOST_AHEAD)
         self._received: asyncio.Queue[Message] = asyncio.Queue()
         self._start: list[Message] = []
-        self._is_answered = self._is_client_gone = False
+        self._is_answered = self._is_client_gone = self._is_over = False
         self._sending: set[asyncio.Task[None]] = set()
         self._task: asyncio.Task[None] | None = None
 
@@ -142,7 +143,7 @@ class _Crossing:
             if message["type"] in ("http.disconnect", "websocket.disconnect"):
                 if not self._is_answered:
                     self._is_client_gone = True
-                    self._tell_inside(self._cancel)
+                    self._tell_inside(self._end, message)
                 return
             self._tell_inside(self._received.put_nowait, message)
 
@@ -172,10 +173,15 @@ class _Crossing:
 
     async def _call(self, app: ASGIApp, scope: Scope) -> None:
         self._task = asyncio.current_task()
-        if not self._is_client_gone:
+        if not self._is_over:
             await app(scope, self._receive, self._send)
 
-    def _cancel(self) -> None:
+    def _end(self, gone: Message) -> None:
+        """Cancel what is done for a client that has gone, unless it has said something that was not read yet."""
+        if gone["type"] == "websocket.disconnect" and not self._received.empty():
+            self._received.put_nowait(gone)
+            return
+        self._is_over = True
         if self._task is not None:
             self._task.cancel()
 

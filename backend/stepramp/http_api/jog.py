@@ -30,16 +30,15 @@ async def jog(socket: WebSocket, device_id: str, devices: Registry, page: str | 
     What is refused is answered as by the other routes: an object with `errors`. After a stop of the device, jog over
     another socket.
     """
-    await socket.accept()
-    try:
-        device = devices.acting(device_id, page)
-    except StepRampError as error:
-        async with served(socket):
+    async with served(socket):
+        await socket.accept()
+        try:
+            device = devices.acting(device_id, page)
+        except StepRampError as error:
             await _tell(socket, error)
             await socket.close(1008)
-        return
-    held = _Held(socket, device, page)
-    async with served(socket):
+            return
+        held = _Held(socket, device, page)
         try:
             while True:
                 await held.take(await received(socket))

@@ -4,6 +4,9 @@ A browser has six connections to a server for all its tabs together: while they 
 would wait, too. A WebSocket doesn't count among them.
 """
 
+import asyncio
+from collections import deque
+from collections.abc import AsyncGenerator
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
@@ -20,6 +23,8 @@ from stepramp.validation import Document, OneOf, Within, refuse
 ALLOWED = 'a JSON object such as {"do": "stop"}'
 LONGEST_MESSAGE = 1000
 """Far more than any message needs [characters]."""
+MOST_AT_A_TIME = 16
+"""So many messages of a socket are seen to at a time, the next ones wait. So many answers wait to be sent."""
 
 
 class StopMessage(Document):
@@ -40,6 +45,30 @@ class StopMessage(Document):
         if self.do == "stop" and self.device is not None:
             refuse("device", self.device, "nothing, since a stop over this WebSocket is for all devices")
         return self
+
+
+class Answers:
+    """What is to be answered over a socket. Whoever doesn't read the answers gets only the newest of them.
+
+    So a client that reads nothing is heard all the same, and nothing piles up meanwhile.
+    """
+
+    def __init__(self) -> None:
+        self._texts: deque[str] = deque(maxlen=MOST_AT_A_TIME)
+        self._came = asyncio.Event()
+
+    def add(self, text: str) -> None:
+        """Have something answered."""
+        self._texts.append(text)
+        self._came.set()
+
+    async def given(self) -> AsyncGenerator[str, None]:
+        """Yield one answer after the other, for as long as it is asked for more."""
+        while True:
+            await self._came.wait()
+            while self._texts:
+                yield self._texts.popleft()
+            self._came.clear()
 
 
 async def answered(text: str | bytes, devices: Devices) -> str:
