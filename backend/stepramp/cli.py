@@ -119,6 +119,7 @@ def serve(listener: socket.socket, *, open_page: bool) -> None:
     from stepramp.http_api.app import create_app  # noqa: PLC0415
     from stepramp.http_api.asked_at import numbering  # noqa: PLC0415
     from stepramp.http_api.bodies import MOST_BYTES  # noqa: PLC0415
+    from stepramp.http_api.connections import MOST_NEW, Connections, allow_descriptors  # noqa: PLC0415
     from stepramp.http_api.server import GRACE_S, Server  # noqa: PLC0415
 
     address = f"http://{LOOPBACK}:{listener.getsockname()[1]}/"
@@ -127,12 +128,14 @@ def serve(listener: socket.socket, *, open_page: bool) -> None:
     config = uvicorn.Config(
         app,
         log_level="warning",
-        http=numbering(app.state.devices.order.next),
+        http=numbering(app.state.devices.order.next, Connections()),
         ws="websockets-sansio",
         ws_per_message_deflate=False,
         ws_max_size=MOST_BYTES,
+        backlog=MOST_NEW,
         timeout_graceful_shutdown=GRACE_S,
     )
+    allow_descriptors()
     server = Server(config, app.state.devices.end_motion)
     sys.setswitchinterval(SWITCH_S)
     # What is loaded by now stays: to look through it for garbage again and again would halt all threads for 0.1 s.

@@ -5,6 +5,7 @@ StepRampError
 ├── NotFound            no such device, port or page
 ├── Refused             understood, but not now (a device that moves takes no ramp)
 ├── Forbidden           a request from a page or a host that isn't ours
+├── Overloaded          too much is asked for at the same time
 └── DeviceLost          the device doesn't answer, or its port is gone
 """
 
@@ -66,6 +67,10 @@ class Refused(StepRampError):
 
 class Forbidden(StepRampError):
     """The request comes from a page or a host that may not control this server."""
+
+
+class Overloaded(StepRampError):
+    """Too much is asked for at the same time; later it can be done."""
 
 
 class DeviceLost(StepRampError):

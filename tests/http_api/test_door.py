@@ -12,11 +12,12 @@ from starlette.middleware import Middleware
 from starlette.requests import Request
 from starlette.responses import PlainTextResponse, Response
 from starlette.routing import Route, WebSocketRoute
-from starlette.testclient import TestClient
+from starlette.testclient import TestClient, WebSocketDenialResponse
 from starlette.types import Message, Receive, Scope, Send
 from starlette.websockets import WebSocket
 
 from event_loop import run, with_lifespan
+from stepramp.http_api import door
 from stepramp.http_api.door import PIECE_BYTES, Door
 
 PATIENCE_S = 10.0
@@ -129,6 +130,19 @@ def test_a_stop_is_answered_while_the_second_loop_is_blocked(inside: Inside, cli
     inside.released.set()
     thread.join()
     assert answers == ["released"]
+
+
+def test_so_much_is_served_at_a_time_and_stops_besides(client: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(door, "MOST_SERVED", 2)
+    with client.websocket_connect("/socket"), client.websocket_connect("/socket"):
+        refused = client.post("/echo", content=b"abc")
+        assert refused.status_code == 503
+        assert "Close some" in refused.json()["errors"][0]["message"]
+        with pytest.raises(WebSocketDenialResponse), client.websocket_connect("/socket"):
+            pass
+        assert client.post("/api/v1/devices/stop").text == "stopped"
+    until_served = (client.post("/echo", content=b"abc") for _ in range(1000))
+    assert any(answer.content == b"abc" for answer in until_served)
 
 
 def test_what_is_raised_inside_is_answered_outside(client: TestClient) -> None:
@@ -267,8 +281,8 @@ def test_what_middleware_outside_notes_is_there_inside(inside: Inside) -> None:
         async def send(message: Message) -> None:
             noted["sent"] = message
 
-        await door({"type": "websocket", "mark": mark}, receive, send)
+        await outer({"type": "websocket", "mark": mark}, receive, send)
         assert noted == {"scope": mark, "message": mark, "sent": {"type": "websocket.close", "code": 1000}}
 
-    door = Door(inner)
-    run(with_lifespan(door, work))
+    outer = Door(inner)
+    run(with_lifespan(outer, work))

@@ -20,6 +20,7 @@ from designs import document
 from event_loop import run
 from server_process import ServerProcess
 from stepramp.http_api.asked_at import numbering
+from stepramp.http_api.connections import Connections
 
 PATIENCE_S = 15.0
 
@@ -98,7 +99,7 @@ class Numbered:
     async def connected(self) -> AsyncIterator[tuple[H11Protocol, asyncio.StreamReader, asyncio.StreamWriter]]:
         """Yield the server's end of a connection, and the client's."""
         config = uvicorn.Config(self.app, interface="asgi3", log_level="critical")
-        made = numbering(lambda: next(self.order))
+        made = numbering(lambda: next(self.order), Connections())
         here, there = socket.socketpair()
         _, protocol = await asyncio.get_running_loop().connect_accepted_socket(
             lambda: made(config=config, server_state=ServerState(), app_state={}), there

@@ -76,6 +76,7 @@ def create_app() -> FastAPI:
             403: {"model": ErrorList, "description": "The request comes from a page or a host that isn't ours"},
             422: {"model": ErrorList, "description": "A value can't be used"},
             500: {"model": ErrorList, "description": "StepRamp made a mistake; it is logged"},
+            503: {"model": ErrorList, "description": "Too much is asked for at the same time; a stop never is"},
         },
     )
     app.state.devices = Devices()

@@ -14,22 +14,25 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from stepramp.errors import Rejected, Rejection
+from stepramp.http_api.connections import Connection, Connections
 
 STOPS_HEADER = "X-StepRamp-Stops"
 MOST_DIGITS = 18
 _ASKED = "stepramp.asked"
 
 
-def numbering(now: Callable[[], int]) -> type[H11Protocol]:
+def numbering(now: Callable[[], int], connections: Connections) -> type[H11Protocol]:
     """Return the server's protocol of HTTP, which notes when the first byte of each request arrived.
+
+    Its connections are some of these.
 
     A request may come in drops, or wait behind another one of its connection: then it is as old as what it waits for.
     """
 
-    class Numbering(H11Protocol):
+    class Numbering(Connection):
         def __init__(self, **options: Any) -> None:
             # Of its own, not the server's: what this connection's requests are told.
-            super().__init__(**{**options, "app_state": dict(options["app_state"])})
+            super().__init__(connections, **{**options, "app_state": dict(options["app_state"])})
             # Whether something waits to be read that came while this connection wasn't read from.
             self._has_left_unread = False
 

@@ -16,9 +16,15 @@ from functools import partial
 
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from stepramp.errors import Overloaded
+from stepramp.http_api.errors import error_response
+
 STOPS = re.compile(r"/api/v1/devices/(stop|[^/]+/(stop|halt))")
+MOST_SERVED = 384
+"""So many requests and WebSockets are served at a time, besides stops: some connections stay free for these."""
 MOST_AHEAD = 4
 """So many messages of a client wait for the second loop; then the client is no longer read from."""
+TOO_MUCH = Overloaded(f"{MOST_SERVED:,} requests and WebSockets are open already. Close some, and ask again.")
 PIECE_BYTES = 2**18
 """Longer parts of an answer are sent in pieces, so that sending one takes not much longer than sending any other."""
 
@@ -35,6 +41,7 @@ class Door:
         self._app = app
         self._inside: asyncio.AbstractEventLoop | None = None
         self._turns: _Turns | None = None
+        self._served = 0
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Serve a request, a WebSocket, or the application's beginning and end."""
@@ -42,8 +49,14 @@ class Door:
             await self._live(scope, receive, send)
         elif self._inside is None or self._turns is None or _is_stop(scope):
             await self._app(scope, receive, send)
+        elif self._served >= MOST_SERVED:
+            await error_response(TOO_MUCH)(scope, receive, send)
         else:
-            await _Crossing(self._inside, self._turns, receive, send).serve(self._app, scope)
+            self._served += 1
+            try:
+                await _Crossing(self._inside, self._turns, receive, send).serve(self._app, scope)
+            finally:
+                self._served -= 1
 
     async def _live(self, scope: Scope, receive: Receive, send: Send) -> None:
         inside = _Inside()

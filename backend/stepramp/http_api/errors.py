@@ -8,11 +8,28 @@ from starlette.responses import Response
 from starlette.routing import Match
 
 from stepramp.design import Design
-from stepramp.errors import DeviceLost, Forbidden, NotFound, Refused, Rejected, Rejection, StepRampError, brief
+from stepramp.errors import (
+    DeviceLost,
+    Forbidden,
+    NotFound,
+    Overloaded,
+    Refused,
+    Rejected,
+    Rejection,
+    StepRampError,
+    brief,
+)
 from stepramp.http_api.json_response import json_response
 from stepramp.validation import rejected
 
-STATUS: dict[type[StepRampError], int] = {Rejected: 422, NotFound: 404, Refused: 409, Forbidden: 403, DeviceLost: 502}
+STATUS: dict[type[StepRampError], int] = {
+    Rejected: 422,
+    NotFound: 404,
+    Refused: 409,
+    Forbidden: 403,
+    DeviceLost: 502,
+    Overloaded: 503,
+}
 METHODS = ("GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS")
 
 

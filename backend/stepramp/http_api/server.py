@@ -13,6 +13,8 @@ from types import FrameType
 import uvicorn
 from uvicorn.server import HANDLED_SIGNALS
 
+from stepramp.http_api.connections import MOST_WAITING
+
 GRACE_S = 1
 """How long requests that are unfinished at the end may still take [s]."""
 END_WITHIN_S = 4.0
@@ -29,6 +31,13 @@ class Server(uvicorn.Server):
         super().__init__(config)
         self._end_motion = end_motion
         self._stopping: list[threading.Thread] = []
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        """Begin to listen."""
+        await super().startup(sockets)
+        for listener in sockets or []:
+            # As many as may wait for their turn; the loop accepts but a few of them in each of its own.
+            listener.listen(MOST_WAITING)
 
     def serve_until_ended(self, listener: socket.socket) -> None:
         """Serve on a socket that listens already, and return when all is over."""

@@ -1,0 +1,142 @@
+"""Connections to the server: so many and no more, so that one over which a stop comes is always accepted.
+
+When there are too many, that one ends whose end harms least: one that never sent anything, then one between two
+requests, then one whose request doesn't come to its end; of these the oldest.
+"""
+
+import asyncio
+import sys
+from enum import IntEnum
+from typing import Any
+
+import h11
+from uvicorn.protocols.http.h11_impl import H11Protocol
+
+MOST_CONNECTIONS = 512
+MOST_NEW = 64
+"""So many are accepted in a turn of the loop, and it takes four turns until one that has to go is gone."""
+MOST_WAITING = 1024
+"""So many wait in the system until they are accepted."""
+DESCRIPTORS = 1024
+"""Files and connections that the process may have open: all connections, those of four turns, and 256 others. More are
+no use: pyserial waits by `select`, which knows no descriptors from 1,024 on."""
+HEARD_WITHIN_S = 15.0
+"""A connection that has sent nothing for so long, and a request that has not come whole, end within twice that [s]."""
+
+
+class Stage(IntEnum):
+    """What a connection is doing. The least ends first."""
+
+    ENDING = 0
+    SILENT = 1
+    BETWEEN = 2
+    BEGUN = 3
+    SERVED = 4
+
+
+class Connections:
+    """Those that are open, in one event loop.
+
+    most: how many there may be. heard_within_s: see HEARD_WITHIN_S.
+    """
+
+    def __init__(self, most: int = MOST_CONNECTIONS, heard_within_s: float = HEARD_WITHIN_S) -> None:
+        self._most = most
+        self.heard_within_s = heard_within_s
+        # In the order in which they came.
+        self._open: dict[Connection, None] = {}
+
+    def add(self, connection: "Connection") -> None:
+        """Take one more; end another one when there are too many."""
+        if len(self._open) >= self._most:
+            # Those that became WebSockets don't tell of their end.
+            self._open = {each: None for each in self._open if not each.is_over}
+        if len(self._open) >= self._most:
+            min(self._open, key=lambda each: each.stage).transport.abort()
+        self._open[connection] = None
+
+    def discard(self, connection: "Connection") -> None:
+        """Note that one has ended."""
+        self._open.pop(connection, None)
+
+
+class Connection(H11Protocol):
+    """The server's protocol of HTTP, for one connection among others."""
+
+    def __init__(self, connections: Connections, **options: Any) -> None:
+        super().__init__(**options)
+        self._connections = connections
+        self._waits_since_s = self.loop.time()
+        self._is_silent = True
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]  # like its base
+        """Begin to serve; end another connection when there are too many."""
+        super().connection_made(transport)
+        self._connections.add(self)
+        self._look_later()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Note the end."""
+        self._look.cancel()
+        self._connections.discard(self)
+        super().connection_lost(exc)
+
+    def data_received(self, data: bytes) -> None:
+        """Take what was sent; with the first byte of a request its time begins."""
+        if self.stage < Stage.BEGUN:
+            self._waits_since_s = self.loop.time()
+        self._is_silent = False
+        super().data_received(data)
+
+    def on_response_complete(self) -> None:
+        """Wait for the next request, which may have begun already."""
+        self._waits_since_s = self.loop.time()
+        super().on_response_complete()
+
+    @property
+    def is_over(self) -> bool:
+        """Whether it has ended, or will in the next turn of the loop."""
+        return self.transport.is_closing() and self.transport.get_write_buffer_size() == 0
+
+    @property
+    def stage(self) -> Stage:
+        """What it is doing."""
+        if self.transport.is_closing():
+            return Stage.ENDING
+        if self._is_silent:
+            return Stage.SILENT
+        if self._is_websocket or self._is_answering:
+            return Stage.SERVED
+        is_at_rest = self.conn.their_state is h11.IDLE and not self.conn.trailing_data[0]
+        return Stage.BETWEEN if is_at_rest else Stage.BEGUN
+
+    @property
+    def _is_websocket(self) -> bool:
+        return self.transport.get_protocol() is not self
+
+    @property
+    def _is_answering(self) -> bool:
+        """Whether a request that has come whole is being answered."""
+        return self.cycle is not None and not self.cycle.response_complete and not self.cycle.more_body
+
+    def _look_later(self) -> None:
+        self._look = self.loop.call_later(self._connections.heard_within_s, self._end_when_late)
+
+    def _end_when_late(self) -> None:
+        if self._is_websocket:
+            return
+        is_late = self.loop.time() - self._waits_since_s >= self._connections.heard_within_s
+        if is_late and self.stage in (Stage.SILENT, Stage.BEGUN):
+            self.transport.abort()
+        else:
+            self._look_later()
+
+
+def allow_descriptors() -> None:
+    """Let the process have so many files and connections open as it may need, where the system says fewer."""
+    if sys.platform != "win32":  # It has no such limit.
+        import resource  # noqa: PLC0415  # not on Windows
+
+        soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+        if soft < DESCRIPTORS:
+            resource.setrlimit(resource.RLIMIT_NOFILE, (min(DESCRIPTORS, hard), hard))

@@ -1,0 +1,159 @@
+"""Connections: whoever opens how many ever, the next one is accepted, and with it a stop."""
+
+from __future__ import annotations
+
+import asyncio
+import socket
+import sys
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import ExitStack, asynccontextmanager
+
+import pytest
+import uvicorn
+from starlette.responses import PlainTextResponse
+from starlette.types import Receive, Scope, Send
+from uvicorn.server import ServerState
+
+from event_loop import run
+from server_process import PATIENCE_S, ServerProcess
+from stepramp.http_api.asked_at import numbering
+from stepramp.http_api.connections import DESCRIPTORS, Connections
+
+REQUEST = b"GET /quick HTTP/1.1\r\nHost: a\r\n\r\n"
+UNFINISHED = (b"G", REQUEST[:-2], b"POST /slow HTTP/1.1\r\nHost: a\r\nContent-Length: 9\r\n\r\nbody")
+FOREVER_S = 3600.0
+
+
+class Client:
+    """A client's end of a connection."""
+
+    def __init__(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        self.reader, self.writer = reader, writer
+
+    async def is_answered(self) -> bool:
+        """Whether it gets an answer, and not its end."""
+        return b"answered" in await asyncio.wait_for(self.reader.read(1000), PATIENCE_S)
+
+    async def has_ended(self) -> bool:
+        """Wait for its end."""
+        try:
+            return await asyncio.wait_for(self.reader.read(1), PATIENCE_S) == b""
+        except ConnectionError:
+            return True
+
+
+class Served:
+    """An application behind so many connections; /slow is answered when that is wanted."""
+
+    def __init__(self, connections: Connections) -> None:
+        self.connections = connections
+        self.asked = 0
+        self.answer_slow = asyncio.Event()
+        self.clients: list[Client] = []
+
+    async def app(self, scope: Scope, receive: Receive, send: Send) -> None:
+        self.asked += 1
+        if scope["path"] == "/slow":
+            await self.answer_slow.wait()
+        await PlainTextResponse("answered")(scope, receive, send)
+
+    @asynccontextmanager
+    async def listening(self) -> AsyncIterator[Callable[[bytes], Awaitable[Client]]]:
+        """Yield what opens one more connection, and sends something over it, which the server has then read."""
+        config = uvicorn.Config(self.app, interface="asgi3", log_level="critical")
+        made, state = numbering(lambda: 1, self.connections), ServerState()
+        taken: list[asyncio.Protocol] = []
+
+        def protocol() -> asyncio.Protocol:
+            taken.append(made(config=config, server_state=state, app_state={}))
+            return taken[-1]
+
+        async def opened(sent: bytes) -> Client:
+            reader, writer = await asyncio.open_connection(*listener.sockets[0].getsockname())
+            client = Client(reader, writer)
+            self.clients.append(client)
+            writer.write(sent)
+            async with asyncio.timeout(PATIENCE_S):
+                while len(taken) < len(self.clients) or (sent != b"") is taken[-1]._is_silent:  # type: ignore[attr-defined]
+                    await asyncio.sleep(0)
+            return client
+
+        listener = await asyncio.get_running_loop().create_server(protocol, "127.0.0.1", 0)
+        try:
+            yield opened
+        finally:
+            listener.close()
+            self.answer_slow.set()
+            for client in self.clients:
+                client.writer.close()
+            while state.connections:
+                await asyncio.sleep(0)
+
+
+def test_those_that_never_sent_anything_end_first_the_oldest_before_the_others() -> None:
+    async def work() -> None:
+        served = Served(Connections(most=4, heard_within_s=FOREVER_S))
+        async with served.listening() as opened:
+            begun, first, second = await opened(REQUEST[:9]), await opened(b""), await opened(b"")
+            slow = await opened(REQUEST.replace(b"quick", b"slow"))
+            assert await (await opened(REQUEST)).is_answered()
+            assert await first.has_ended()
+            assert await (await opened(REQUEST)).is_answered()
+            assert await second.has_ended()
+            # Now it is the turn of those that were answered, then of one that doesn't come to its end.
+            for _ in range(3):
+                await opened(REQUEST[:9])
+            assert await begun.has_ended()
+            served.answer_slow.set()
+            assert await slow.is_answered()
+
+    run(work())
+
+
+def test_one_is_accepted_although_all_are_being_served() -> None:
+    async def work() -> None:
+        served = Served(Connections(most=3, heard_within_s=FOREVER_S))
+        async with served.listening() as opened:
+            slow = [await opened(REQUEST.replace(b"quick", b"slow")) for _ in range(3)]
+            assert await (await opened(REQUEST)).is_answered()
+            assert await slow[0].has_ended()
+            served.answer_slow.set()
+            assert await slow[2].is_answered()
+
+    run(work())
+
+
+@pytest.mark.parametrize("sent", [b"", *UNFINISHED])
+def test_what_does_not_come_to_its_end_ends(sent: bytes) -> None:
+    async def work() -> None:
+        served = Served(Connections(heard_within_s=0.05))
+        async with served.listening() as opened:
+            slow = await opened(REQUEST.replace(b"quick", b"slow"))
+            assert await (await opened(sent)).has_ended()
+            # One that has come whole may take as long as it takes.
+            served.answer_slow.set()
+            assert await slow.is_answered()
+
+    run(work())
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="limits of another process")
+@pytest.mark.parametrize("sent", [b"", *UNFINISHED])
+def test_a_stop_is_answered_however_many_connections_there_are(sent: bytes) -> None:
+    import resource
+
+    mine = resource.getrlimit(resource.RLIMIT_NOFILE)
+    many = DESCRIPTORS + 100
+    if mine[1] < many + 100:
+        pytest.skip("not so many connections allowed")
+    resource.setrlimit(resource.RLIMIT_NOFILE, (max(mine[0], many + 100), mine[1]))
+    try:
+        with ServerProcess(8960) as server, ExitStack() as open_ends:
+            resource.prlimit(server.process.pid, resource.RLIMIT_NOFILE, (DESCRIPTORS, mine[1]))
+            address = server.address.hostname, server.address.port
+            for _ in range(many):
+                connection = open_ends.enter_context(socket.create_connection(address, timeout=PATIENCE_S))
+                connection.sendall(sent)
+            assert server.ask("POST", "devices/stop") == {"devices": []}
+    finally:
+        resource.setrlimit(resource.RLIMIT_NOFILE, mine)
