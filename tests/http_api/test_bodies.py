@@ -7,8 +7,9 @@ import pytest
 from starlette.testclient import TestClient
 
 from designs import document
+from stepramp.errors import Overloaded
 from stepramp.http_api import bodies
-from stepramp.http_api.bodies import LARGE_BYTES, MOST_BYTES
+from stepramp.http_api.bodies import LARGE_BYTES, MOST_BYTES, Room
 
 PROFILE = "/api/v1/profile"
 DEVICES = "/api/v1/devices"
@@ -220,3 +221,22 @@ def test_a_table_whose_rows_all_end_at_0_is_checked(client: TestClient) -> None:
     answer = asked(client, "/api/v1/table/check", {"rows": [[0, 171], [0, 5253]]})
     assert answer.status_code == 200
     assert "does not increase" in answer.json()["findings"][0]["reason"]
+
+
+def test_large_bodies_have_only_so_much_room_together_and_small_ones_always_have_some() -> None:
+    room = Room(50_000)
+    with room.held() as first, room.held() as second, room.held() as small:
+        first(LARGE_BYTES)
+        first(30_000)
+        small(LARGE_BYTES)
+        second(LARGE_BYTES + 1)
+        second(20_000)
+        with pytest.raises(Overloaded):
+            second(20_001)
+        with pytest.raises(Overloaded):
+            first(30_001)
+        small(LARGE_BYTES)
+    with room.held() as next_one:
+        next_one(50_000)
+        with pytest.raises(Overloaded):
+            next_one(50_001)

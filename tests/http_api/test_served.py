@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import http.client
 import json
+import select
+import socket
 import subprocess
 import sys
 import threading
 from collections.abc import Iterator
-from contextlib import closing
+from contextlib import ExitStack, closing
 from pathlib import Path
 
 import pytest
@@ -16,7 +18,7 @@ from websockets.exceptions import ConnectionClosedError
 from websockets.sync.client import connect
 
 from designs import document
-from stepramp.http_api.bodies import MOST_BYTES
+from stepramp.http_api.bodies import MOST_BYTES, MOST_TOGETHER_BYTES
 
 TIMEOUT_S = 60
 MEGABYTE = 1 << 20
@@ -98,6 +100,29 @@ def test_others_are_answered_while_large_bodies_are_refused(served: Served) -> N
         answered += 1
     large.join()
     assert answered >= 10
+
+
+def test_unfinished_bodies_take_no_more_memory_than_there_is_for_them(served: Served) -> None:
+    """Of bodies that never end only so many are kept; those beyond are refused, and small ones never."""
+    fitting = MOST_TOGETHER_BYTES // MOST_BYTES
+    host, _, port = served.host.partition(":")
+    head = f"POST /api/v1/profile HTTP/1.1\r\nHost: {served.host}\r\nContent-Type: application/json\r\n"
+    head += f"Content-Length: {MOST_BYTES}\r\n\r\n"
+    large = json.dumps({"design": document()}).encode() + b" " * (MOST_BYTES // 2)
+    with ExitStack() as open_ends:
+        connections = [
+            open_ends.enter_context(socket.create_connection((host, int(port)), timeout=TIMEOUT_S))
+            for _ in range(fitting + 4)
+        ]
+        for connection in connections:
+            connection.sendall(head.encode() + b" " * (MOST_BYTES - 1))
+        refused: set[socket.socket] = set()
+        while len(refused) < 4:
+            refused.update(select.select([each for each in connections if each not in refused], [], [], TIMEOUT_S)[0])
+        assert all(b"503 Service Unavailable" in each.recv(1000) for each in refused)
+        assert served.post("profile", json.dumps({"design": document()}))[0] == 200
+    while served.post("profile", large)[0] != 200:
+        pass
 
 
 @pytest.mark.parametrize("path", ["devices/events", "curves/socket"])

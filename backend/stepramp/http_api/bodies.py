@@ -6,6 +6,7 @@ A large body is parsed and validated in a thread: both take so long that a STOP 
 import json
 import re
 from collections.abc import Callable, Coroutine, Iterator
+from contextlib import contextmanager
 from functools import partial
 from inspect import signature
 from typing import Any
@@ -15,8 +16,9 @@ from fastapi.routing import APIRoute
 from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect
 from starlette.responses import Response
+from starlette.types import Receive, Scope, Send
 
-from stepramp.errors import Rejected, Rejection, escaped, shown
+from stepramp.errors import Overloaded, Rejected, Rejection, escaped, shown
 from stepramp.http_api.errors import ErrorList, error_response
 from stepramp.http_api.lanes import CHECKING
 from stepramp.validation import Document
@@ -25,6 +27,8 @@ MOST_BYTES = 2_000_000
 """Size of the largest body, and of the largest message on a WebSocket [bytes]."""
 LARGE_BYTES = 16_384
 """What is larger is parsed and validated in a thread [bytes]."""
+MOST_TOGETHER_BYTES = 32_000_000
+"""Size of all larger bodies together, of those that are coming in and of those that are not answered yet [bytes]."""
 OF_BODIES: dict[int | str, dict[str, Any]] = {
     400: {"model": ErrorList, "description": "The body ended early"},
     413: {"model": ErrorList, "description": f"The body is larger than {MOST_BYTES:,} bytes"},
@@ -33,8 +37,38 @@ OF_BODIES: dict[int | str, dict[str, Any]] = {
 """What is answered to a body that is not even looked at."""
 WHOLE_TEXT = "text without halves of surrogate pairs"
 
+_TAKE = "stepramp.take_room"
 _ESCAPED_SURROGATE = re.compile(r"\\u[dD][89a-fA-F]")
 _SURROGATE = re.compile("[\ud800-\udfff]")
+
+
+class Room:
+    """Memory for bodies, in one event loop. What is small always has room."""
+
+    def __init__(self, most_bytes: int) -> None:
+        self._left_bytes = most_bytes
+
+    @contextmanager
+    def held(self) -> Iterator[Callable[[int], None]]:
+        """Yield what takes room for a body of so many bytes, or for more of it, until all is over.
+
+        It raises Overloaded when there is none.
+        """
+        taken_bytes = 0
+
+        def take(size_bytes: int) -> None:
+            nonlocal taken_bytes
+            if size_bytes <= LARGE_BYTES:
+                return
+            if size_bytes - taken_bytes > self._left_bytes:
+                raise Overloaded("Too many large bodies are sent or planned at the same time. Ask again later.")
+            self._left_bytes -= size_bytes - taken_bytes
+            taken_bytes = size_bytes
+
+        try:
+            yield take
+        finally:
+            self._left_bytes += taken_bytes
 
 
 class JsonRoute(APIRoute):
@@ -44,6 +78,11 @@ class JsonRoute(APIRoute):
         if _document_of(endpoint) is not None:
             options["responses"] = OF_BODIES | (options.get("responses") or {})
         super().__init__(path, endpoint, **options)
+
+    async def handle(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Serve a request; its body has its room until the answer is sent, since what makes that needs it."""
+        with _ROOM.held() as take:
+            await super().handle({**scope, _TAKE: take}, receive, send)
 
     def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
         """Return what handles a request: FastAPI's own handler, given the document in place of the body."""
@@ -68,10 +107,12 @@ class JsonRoute(APIRoute):
 
 
 async def read_body(request: Request) -> bytes:
-    """Return a request's body.
+    """Return the body of a JsonRoute's request.
 
-    Raises HTTPException with status 413 as soon as it is too large, without reading more, and 400 when it ends early.
+    Raises HTTPException with status 413 as soon as it is too large, without reading more, and 400 when it ends early;
+    Overloaded when it has no room beside other large ones.
     """
+    take_room: Callable[[int], None] = request.scope[_TAKE]
     declared = request.headers.get("content-length", "")
     chunks, size = [], int(declared) if declared.isdecimal() and len(declared) < 20 else 0
     try:
@@ -82,6 +123,7 @@ async def read_body(request: Request) -> bytes:
                 size += len(chunk)
                 if size > MOST_BYTES:
                     break
+                take_room(size)
     except ClientDisconnect:
         raise HTTPException(400, "The request's body ended early.") from None
     if size > MOST_BYTES:
@@ -102,6 +144,9 @@ def parsed_json(text: str) -> object:
         path, value = half
         raise Rejected([Rejection(".".join(map(str, path)) or "document", value, WHOLE_TEXT)])
     return content
+
+
+_ROOM = Room(MOST_TOGETHER_BYTES)
 
 
 class _WithDocument(Request):
