@@ -7,19 +7,23 @@ import tty
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
+from functools import partial
 
 import pytest
 from starlette.testclient import TestClient
 
 from designs import design, document
 from event_loop import run
+from stepramp.controllers.device import Device
+from stepramp.controllers.settings import Settings
 from stepramp.controllers.virtual import VirtualController
-from stepramp.http_api.lanes import CONNECTING, CORES, LONG_PLANNING, PLANNING, Lane, planning_lane
+from stepramp.http_api.lanes import A_DEVICE, CONNECTING, CORES, LONG_PLANNING, PLANNING, Lane, planning_lane
 from stepramp.link import protocol_sim
 
 DEVICES = "/api/v1/devices"
 PATIENCE_S = 10.0
 MUTE = 9
+ASKERS = 40
 
 
 @pytest.fixture
@@ -103,6 +107,55 @@ def test_what_is_cancelled_while_it_waits_is_never_begun() -> None:
         run(work())
     lane.wait_for(lambda: done.append("last"))
     assert done == ["last"]
+
+
+@pytest.mark.parametrize("is_given_up", [False, True])
+def test_who_asks_of_one_device_takes_only_some_of_the_threads(is_given_up: bool) -> None:
+    """Also when nobody waits for its answers any more."""
+    lane, answers, asked = Lane("test", A_DEVICE + 1), threading.Event(), list[int]()
+
+    def ask(number: int) -> None:
+        asked.append(number)
+        answers.wait(PATIENCE_S)
+
+    async def work() -> None:
+        try:
+            askers = [asyncio.create_task(lane.run(partial(ask, number), "mute")) for number in range(20)]
+            while len(asked) < A_DEVICE:
+                await asyncio.sleep(0)
+            for asker in askers[:A_DEVICE] if is_given_up else []:
+                asker.cancel()
+            assert await lane.run(lambda: "answered", "other") == "answered"
+            assert len(asked) == A_DEVICE
+        finally:
+            answers.set()
+        await asyncio.gather(*askers, return_exceptions=True)
+        assert sorted(asked) == list(range(20))
+
+    run(work())
+
+
+def test_a_muted_device_keeps_no_other_one_waiting(
+    client: TestClient, device: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    protocol_sim.register("sim://lanes-mute", VirtualController())
+    muted = f"{DEVICES}/{client.post(DEVICES, json={'port': 'sim://lanes-mute'}).json()['id']}"
+    answers, asked = threading.Event(), threading.Semaphore(0)
+
+    def settings(_: Device) -> Settings:
+        asked.release()
+        answers.wait(PATIENCE_S)
+        return Settings()
+
+    monkeypatch.setattr(Device, "settings", settings)
+    with ThreadPoolExecutor(ASKERS) as callers:
+        askers = [callers.submit(client.get, f"{muted}/settings") for _ in range(ASKERS)]
+        for _ in range(A_DEVICE):
+            assert asked.acquire(timeout=PATIENCE_S)
+        assert client.post(f"{device}/move", json={"by_steps": 50}).json()["state"] == "moving"
+        assert not any(asker.done() for asker in askers)
+        answers.set()
+        assert [asker.result().status_code for asker in askers] == [200] * ASKERS
 
 
 def test_which_plannings_are_long() -> None:

@@ -95,6 +95,6 @@ class _Held:
         # In a thread of its own: the messages that renew the lease or end it must not wait for the controller.
         async with served(self._socket):
             try:
-                await ACTING.run(partial(self._device.run, [request.asked], lease, asked))
+                await ACTING.run(partial(self._device.run, [request.asked], lease, asked), self._device.view.id)
             except StepRampError as error:
                 await _tell(self._socket, error)

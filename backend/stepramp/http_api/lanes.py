@@ -9,9 +9,12 @@ import sys
 import threading
 from collections.abc import Callable, Coroutine, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from functools import partial, wraps
 from typing import Any, ParamSpec, TypeVar
+from weakref import WeakValueDictionary
 
+from stepramp.controllers.device import Device
 from stepramp.design import Design
 from stepramp.ramp.plan import computed_steps
 
@@ -19,6 +22,8 @@ T = TypeVar("T")
 P = ParamSpec("P")
 
 CORES = max(2, os.cpu_count() or 1)
+A_DEVICE = 3
+"""So many threads of a lane one device has at most. Its answers come over one line, one after the other."""
 NICER = 5
 """How much a computing thread is nicer than the others: it gets a third of the time that they get, if they want it."""
 MOST_QUICK_STEPS = 5_000_000
@@ -36,24 +41,38 @@ def _yield_to_others() -> None:
 class Lane:
     """So many threads, and a queue of what waits for them.
 
-    What is cancelled while it waits is never begun; what has begun is done to its end.
+    What is cancelled while it waits is never begun; what has begun is done to its end. What is asked of one device has
+    only some of the threads, so that one that doesn't answer keeps no other device waiting.
     """
 
     def __init__(self, name: str, threads: int, *, computes: bool = False) -> None:
         self._pool = ThreadPoolExecutor(
             threads, thread_name_prefix=name, initializer=_yield_to_others if computes else None
         )
+        # Each lives as long as somebody uses it or waits for it.
+        self._of_devices: WeakValueDictionary[object, asyncio.Semaphore] = WeakValueDictionary()
 
-    async def run(self, job: Callable[[], T]) -> T:
-        """Run a job in its turn; return its result, or raise what it raised."""
-        return await asyncio.get_running_loop().run_in_executor(self._pool, job)
+    async def run(self, job: Callable[[], T], device: object = None) -> T:
+        """Run a job in its turn; return its result, or raise what it raised.
+
+        device: what tells the device apart that the job asks, if it asks one.
+        """
+        loop = asyncio.get_running_loop()
+        if device is None:
+            return await loop.run_in_executor(self._pool, job)
+        turns = self._of_devices.setdefault((loop, device), asyncio.Semaphore(A_DEVICE))
+        await turns.acquire()
+        begun = self._pool.submit(job)
+        # Not as soon as nobody waits for it any more: until the device answers, the thread is taken.
+        begun.add_done_callback(lambda _: _in(loop, turns.release))
+        return await asyncio.wrap_future(begun)
 
     def serves(self, route: Callable[P, T]) -> Callable[P, Coroutine[Any, Any, T]]:
         """Have a route's requests served in this lane: a decorator."""
 
         @wraps(route)
         async def in_turn(*args: P.args, **asked: P.kwargs) -> T:
-            return await self.run(partial(route, *args, **asked))
+            return await self.run(partial(route, *args, **asked), _device_of(asked))
 
         return in_turn
 
@@ -75,6 +94,17 @@ PUSHING = Lane("pushing", 8)
 """Pushes, which take some seconds and wait for their planning, too."""
 ACTING = Lane("acting", 32)
 """What else is asked of a device: most of it answered within some ms."""
+
+
+def _in(loop: asyncio.AbstractEventLoop, act: Callable[[], None]) -> None:
+    with suppress(RuntimeError):  # The loop has ended, and with it whoever waits.
+        loop.call_soon_threadsafe(act)
+
+
+def _device_of(asked: dict[str, Any]) -> object:
+    """Return what tells the device apart that a route is asked about, if it is."""
+    device: Device | None = asked.get("device")
+    return asked.get("device_id") if device is None else device.view.id
 
 
 def planning_lane(designs: Sequence[Design], methods: int = 1, points: int | None = None) -> Lane:
