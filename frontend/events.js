@@ -4,11 +4,17 @@
 
 /** @typedef {import('./types.js').Device} Device */
 /** @typedef {{do: 'stop' | 'halt', device: string | null}} Stop  device: which one; null: all */
+/** @typedef {import('./types.js').Link} Link */
 /** @typedef {{resolve: (told: {devices: Device[]}) => void, reject: (error: Error) => void}} Waiting */
 
 const FIRST_RECONNECT_MS = 250;
 const LONGEST_RECONNECT_MS = 2_000;
 const STOP_WITHIN_MS = 1_000;
+/** The server tells of the devices every second, whether they have changed or not. When nothing is heard for so many
+ * ticks, what is known of them is old. Ticks and not the time of day: a page that was held up itself has heard nothing
+ * either, but has ticked only once. */
+const TICK_MS = 500;
+const SILENT_TICKS = 8;
 
 /** @param {() => URL} address */
 export function createEvents(address) {
@@ -34,24 +40,36 @@ export function createEvents(address) {
   return {
     /** Hear of every change, for as long as the page lives; reconnects by itself.
      * @param {(devices: Device[]) => void} onDevices
-     * @param {(isConnected: boolean) => void} onLink */
+     * @param {(link: Link) => void} onLink */
     watch(onDevices, onLink) {
       let waitMs = FIRST_RECONNECT_MS;
+      let ticks = 0;
+      const hear = () => {
+        ticks = 0;
+        onLink('there');
+      };
+      setInterval(() => {
+        ticks += 1;
+        if (ticks >= SILENT_TICKS && socket?.readyState === WebSocket.OPEN) onLink('silent');
+      }, TICK_MS);
       const open = () => {
         const opened = new WebSocket(address());
         socket = opened;
         opened.onopen = () => {
           waitMs = FIRST_RECONNECT_MS;
-          onLink(true);
+          hear();
         };
         opened.onmessage = (event) => {
           const told = JSON.parse(event.data);
           if ('did' in told) settle(told);
-          else onDevices(told.devices);
+          else {
+            hear();
+            onDevices(told.devices);
+          }
         };
         opened.onclose = () => {
           giveUp();
-          onLink(false);
+          onLink('gone');
           setTimeout(open, waitMs);
           waitMs = Math.min(LONGEST_RECONNECT_MS, waitMs * 2);
         };

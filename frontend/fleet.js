@@ -10,6 +10,7 @@ import { createFollower, isEndless, measuredFrom } from './traces.js';
 
 /** @typedef {import('./types.js').Design} Design */
 /** @typedef {import('./types.js').Device} Device */
+/** @typedef {import('./types.js').Link} Link */
 /** @typedef {import('./types.js').Port} Port */
 /** @typedef {import('./types.js').Preview} Preview */
 /** @typedef {import('./types.js').Pushed} Pushed */
@@ -44,12 +45,13 @@ function rejectionsOf(error) {
 /**
  * @param {{onChange: () => void, onPorts: (ports: Port[]) => void, onRejected: (rejections: Rejection[]) => void,
  *   onMeasured: (measured: import('./types.js').Measured | null) => void,
- *   say: (text: string) => void, onLink: (isThere: boolean) => void}} handlers
+ *   say: (text: string) => void, onLink: (link: Link) => void}} handlers
  */
 export function createFleet({ onChange, onPorts, onRejected, onMeasured, say, onLink }) {
   /** @type {Device[]} */
   let devices = [];
-  let isServerThere = true;
+  /** @type {Link} */
+  let link = 'there';
   /** What is being asked of the device: "connect", "push" …; null: nothing.
    * @type {string | null} */
   let asking = null;
@@ -174,17 +176,18 @@ export function createFleet({ onChange, onPorts, onRejected, onMeasured, say, on
     devices: () => devices,
     endMotions,
     hearStops: gestures.hear,
-    isServerThere: () => isServerThere,
+    /** Whether what is known of the devices is as they are now. */
+    isLive: () => link === 'there',
     jog,
     /** @param {Device | null} device @param {number} toAxis which axis a single design is for @param {Work} work
      * @returns {import('./types.js').Situation} */
     situation(device, toAxis, work) {
       const last = device ? pushed.get(device.id) : undefined;
-      const canPreview = isServerThere && work.isDesignValid && device?.state === 'ready';
+      const canPreview = link === 'there' && work.isDesignValid && device?.state === 'ready';
       const would = canPreview && device ? previewOf(device, work.designs, toAxis) : null;
       return {
         ...work,
-        isServerThere,
+        link,
         isBusy: asking !== null,
         isPushing: asking === 'push',
         isChanged: last !== undefined && last !== rampKey(work.designs),
@@ -199,7 +202,7 @@ export function createFleet({ onChange, onPorts, onRejected, onMeasured, say, on
      * @param {Device | null} device @param {number} axis @param {number} planned steps of the plotted move */
     runningMove(device, axis, planned) {
       const one = device?.axes[axis];
-      if (!device || !one || (one.state !== 'moving' && one.state !== 'stopping')) return null;
+      if (link !== 'there' || !device || !one || (one.state !== 'moving' && one.state !== 'stopping')) return null;
       const remaining = isEndless(one) ? Infinity : Math.abs(one.target_steps - one.position_steps);
       const start = follower.restingPlace(device.id, axis);
       const done = start === undefined ? Math.max(0, planned - remaining) : Math.abs(one.position_steps - start);
@@ -266,14 +269,12 @@ export function createFleet({ onChange, onPorts, onRejected, onMeasured, say, on
       onChange();
     },
     watch: () =>
-      watchDevices(update, (isThere) => {
-        if (isThere === isServerThere) return;
-        isServerThere = isThere;
-        if (!isThere) {
-          endMotions();
-          gestures.forget();
-        }
-        onLink(isThere);
+      watchDevices(update, (present) => {
+        if (present === link) return;
+        link = present;
+        if (link !== 'there') endMotions();
+        if (link === 'gone') gestures.forget();
+        onLink(link);
         onChange();
       }),
   };

@@ -128,10 +128,10 @@ const fleet = createFleet({
   onRejected: (list) => devicePanel.showRejections(list),
   onMeasured: (measured) => plots.showMeasured(measured),
   say: announce,
-  onLink: (isThere) => {
-    status.showServer(isThere);
-    announce(isThere ? 'The server is back' : 'The server is gone');
-    if (!isThere) return;
+  onLink: (link) => {
+    status.showServer(link);
+    announce({ there: 'The server is back', silent: 'The server is silent', gone: 'The server is gone' }[link]);
+    if (link !== 'there') return;
     urgent.delete('stop');
     refresh();
   },
@@ -317,7 +317,7 @@ function showDevices() {
   }
   // The head of the page shows whatever moves, be it the chosen device or another.
   const moving = fleet.devices().find((device) => device.state === 'moving' || device.state === 'stopping');
-  header.showDevice(moving ?? chosen, stop.isUnderWay());
+  header.showDevice(moving ?? chosen, stop.isUnderWay(), fleet.isLive());
   const planned = answer ? Math.abs(Number(answer.design.move.steps)) : 0;
   plots.showMove(fleet.runningMove(moving ?? chosen, axis, planned));
   showLive(fleet.samples(moving ?? chosen, axis));
@@ -391,7 +391,7 @@ offerExamples();
 const before = memory.state();
 if (before) begin(before);
 await opening.openAddress();
-status.showServer(true);
+status.showServer('there');
 status.showReading(null, '');
 fleet.watch();
 refresh();

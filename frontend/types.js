@@ -157,9 +157,12 @@
 /** Why the curves belong to earlier values; null: they don't.
  * @typedef {'refused' | 'unanswered' | null} Staleness */
 
+/** Whether the server is heard of. silent: the connection is there, but nothing comes over it.
+ * @typedef {'there' | 'silent' | 'gone'} Link */
+
 /** What decides which of the device's buttons can be used.
  * @typedef {object} Situation
- * @property {boolean} isServerThere
+ * @property {Link} link
  * @property {boolean} isDesignValid
  * @property {boolean} isBusy          something is being asked of a device
  * @property {boolean} isPushing

@@ -1,11 +1,14 @@
 """The real server in a process of its own, and a real browser."""
 
+import signal
 import socket
 import subprocess
 import sys
 import time
 import urllib.error
 import urllib.request
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Self
 
@@ -42,6 +45,16 @@ class Server:
         self._process.terminate()
         self._process.wait(timeout=15)
         self._process = None
+
+    @contextmanager
+    def hung(self) -> Iterator[None]:
+        """Let the server do nothing at all for a while, which ends no connection."""
+        assert self._process is not None
+        self._process.send_signal(signal.SIGSTOP)
+        try:
+            yield
+        finally:
+            self._process.send_signal(signal.SIGCONT)
 
     def _answers(self) -> bool:
         try:

@@ -137,3 +137,39 @@ def test_soft_limits_in_words(modules: Modules) -> None:
     assert in_steps == ["\u22121,000 to 20,000 steps", "up to 500 steps", "from 0 steps", ""]
     # 400 steps make one turn of 8 mm.
     assert in_mm == ["\u221220 to 400 mm", "up to 10 mm", "from 0 mm", ""]
+
+
+SILENCE = """async (happens) => { const {createEvents} = await import('/events.js');
+    const own = {WebSocket: globalThis.WebSocket, setInterval, setTimeout}, sockets = [], seen = [];
+    let tick, again;
+    globalThis.WebSocket = class { static OPEN = 1; readyState = 0; constructor() { sockets.push(this); } };
+    globalThis.setInterval = (act) => { tick = act; };
+    globalThis.setTimeout = (act) => { again = act; };
+    createEvents(() => 'ws://').watch(() => {}, (link) => { if (seen.at(-1) !== link) seen.push(link); });
+    const ways = {
+        open: () => { sockets.at(-1).readyState = 1; sockets.at(-1).onopen(); },
+        tell: () => sockets.at(-1).onmessage({data: '{"devices": []}'}),
+        answer: () => sockets.at(-1).onmessage({data: '{"did": {"number": 1}, "devices": []}'}),
+        close: () => { sockets.at(-1).readyState = 3; sockets.at(-1).onclose(); again(); },
+        tick: () => tick(),
+    };
+    const told = [];
+    for (const [way, times] of happens) {
+        for (let time = 0; time < times; time += 1) ways[way]();
+        told.push(seen.at(-1) ?? null);
+    }
+    Object.assign(globalThis, own);
+    return told; }"""
+
+
+def test_a_server_of_which_nothing_is_heard_for_eight_ticks_is_silent_until_it_tells_of_devices(
+    modules: Modules,
+) -> None:
+    happens = [("open", 1), ("tick", 7), ("tell", 1), ("tick", 7), ("tick", 1), ("answer", 1), ("tell", 1), ("tick", 9)]
+    told = ["there", "there", "there", "there", "silent", "silent", "there", "silent"]
+    assert modules.evaluate(SILENCE, happens) == told
+
+
+def test_a_server_that_is_gone_is_not_called_silent(modules: Modules) -> None:
+    happens = [("open", 1), ("close", 1), ("tick", 20), ("open", 1), ("tick", 7), ("tick", 1), ("close", 1)]
+    assert modules.evaluate(SILENCE, happens) == ["there", "gone", "gone", "there", "there", "silent", "gone"]

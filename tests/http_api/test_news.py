@@ -6,11 +6,14 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
+import pytest
+
 from event_loop import run
 from stepramp.controllers.device_view import DeviceView
 from stepramp.http_api.news import News
 
 LISTENERS = 20
+NEVER_S = 3600.0
 
 
 class FakeDevices:
@@ -20,9 +23,13 @@ class FakeDevices:
         self.asked = 0
         self.names: list[str] = []
         self.tell: Any = None
+        self.mistake: Exception | None = None
 
     def views(self) -> list[DeviceView]:
         self.asked += 1
+        mistake, self.mistake = self.mistake, None
+        if mistake is not None:
+            raise mistake
         return [DeviceView("1", "sim://", name) for name in self.names]
 
     @contextmanager
@@ -42,7 +49,7 @@ def names(edition: str) -> list[str]:
 def test_each_change_is_written_once_for_all() -> None:
     async def work() -> None:
         devices = FakeDevices()
-        news = News(devices)  # type: ignore[arg-type]  # what it needs of them
+        news = News(devices, NEVER_S)  # type: ignore[arg-type]  # what it needs of them
         publishing = asyncio.create_task(news.publish())
         listening = [news.editions() for _ in range(LISTENERS)]
         assert [names(await anext(editions)) for editions in listening] == [[]] * LISTENERS
@@ -62,7 +69,7 @@ def test_each_change_is_written_once_for_all() -> None:
 def test_who_is_slow_gets_the_newest() -> None:
     async def work() -> None:
         devices = FakeDevices()
-        news = News(devices)  # type: ignore[arg-type]
+        news = News(devices, NEVER_S)  # type: ignore[arg-type]
         publishing = asyncio.create_task(news.publish())
         await asyncio.sleep(0)
         slow, quick = news.editions(), news.editions()
@@ -82,12 +89,46 @@ def test_who_is_slow_gets_the_newest() -> None:
 def test_who_comes_later_hears_at_once_how_things_are() -> None:
     async def work() -> None:
         devices = FakeDevices()
-        news = News(devices)  # type: ignore[arg-type]
+        news = News(devices, NEVER_S)  # type: ignore[arg-type]
         publishing = asyncio.create_task(news.publish())
         await asyncio.sleep(0)
         devices.change("b")
         editions = news.editions()
         assert names(await anext(editions)) == ["b"]
+        publishing.cancel()
+        await editions.aclose()
+
+    run(work())
+
+
+def test_editions_come_without_a_change() -> None:
+    async def work() -> None:
+        devices = FakeDevices()
+        news = News(devices, beat_s=0.0)  # type: ignore[arg-type]
+        publishing = asyncio.create_task(news.publish())
+        editions = news.editions()
+        assert [names(await anext(editions)) for _ in range(3)] == [[]] * 3
+        publishing.cancel()
+        await editions.aclose()
+
+    run(work())
+
+
+def test_a_mistake_in_one_edition_is_logged_and_the_next_one_comes(caplog: pytest.LogCaptureFixture) -> None:
+    async def work() -> None:
+        devices = FakeDevices()
+        news = News(devices, NEVER_S)  # type: ignore[arg-type]
+        publishing = asyncio.create_task(news.publish())
+        await asyncio.sleep(0)
+        editions = news.editions()
+        await anext(editions)
+        devices.mistake = ZeroDivisionError()
+        devices.change("b")
+        while devices.mistake:
+            await asyncio.sleep(0)
+        devices.change("c")
+        assert names(await anext(editions)) == ["c"]
+        assert "could not be told" in caplog.text
         publishing.cancel()
         await editions.aclose()
 

@@ -147,6 +147,8 @@ def use_settings(request: Settings, device: Acting) -> Settings:
 async def events(socket: WebSocket, devices: Registry, page: str | None = None) -> None:
     """Send all devices at once and after each change, at most 50 times a second; the newest state wins.
 
+    They are sent every second, too, when nothing changes: who hears nothing for longer knows old states only.
+
     page: what the page that listens calls itself; it can be in control of devices as long as it does. Who listens can
     stop, too: `{"do": "stop"}` and `{"do": "halt", "device": "1"}` are answered once that is granted, with `did`.
     """

@@ -1,14 +1,19 @@
 """News of the devices: what has changed, written once for all who listen."""
 
 import asyncio
+import logging
 from collections.abc import AsyncGenerator
 from contextlib import suppress
 
 from stepramp.controllers.devices import Devices
 from stepramp.http_api.device_models import DevicesAnswer
 
+_logger = logging.getLogger(__name__)
+
 PAUSE_S = 1 / 50
 """Between two editions at least."""
+BEAT_S = 1.0
+"""An edition is published so often at least [s], so that who listens knows that nothing has changed."""
 MOST_MESSAGES_A_SECOND = 2000
 """To all listeners together: more than forty of them get fewer editions, so that there is time for all else."""
 
@@ -16,8 +21,9 @@ MOST_MESSAGES_A_SECOND = 2000
 class News:
     """The state of all devices, as ever new editions of a text. It lives in one event loop."""
 
-    def __init__(self, devices: Devices) -> None:
+    def __init__(self, devices: Devices, beat_s: float = BEAT_S) -> None:
         self._devices = devices
+        self._beat_s = beat_s
         self._loop = asyncio.get_running_loop()
         self._changed = asyncio.Event()
         self._edition, self._number = "", 0
@@ -25,15 +31,14 @@ class News:
         self._listeners = 0
 
     async def publish(self) -> None:
-        """Publish an edition after each change, until cancelled."""
+        """Publish an edition after each change, and now and then without one, until cancelled."""
         with self._devices.listening(self._wake):
             while True:
-                await self._changed.wait()
+                with suppress(TimeoutError):
+                    await asyncio.wait_for(self._changed.wait(), self._beat_s)
                 self._changed.clear()
                 if self._listeners:
-                    self._edition, self._number = self._written(), self._number + 1
-                    self._published.set_result(None)
-                    self._published = self._loop.create_future()
+                    self._publish_one()
                 await asyncio.sleep(max(PAUSE_S, self._listeners / MOST_MESSAGES_A_SECOND))
 
     async def editions(self) -> AsyncGenerator[str, None]:
@@ -48,6 +53,16 @@ class News:
                 edition, number = self._edition, self._number
         finally:
             self._listeners -= 1
+
+    def _publish_one(self) -> None:
+        try:
+            self._edition, self._number = self._written(), self._number + 1
+        except Exception:
+            # Who listens hears nothing then, and knows that what it has is old. The next edition may do.
+            _logger.exception("The devices' state could not be told.")
+            return
+        self._published.set_result(None)
+        self._published = self._loop.create_future()
 
     def _wake(self) -> None:
         """Note a change, in whatever thread."""

@@ -153,7 +153,7 @@ export function createDevice(root, fleet, onChoice) {
   /** Why nothing can be asked of a device; empty: something can.
    * @param {Device | null} present @param {Situation} now */
   function hindrance(present, now) {
-    if (!now.isServerThere) return 'The server is gone.';
+    if (now.link !== 'there') return `The server is ${now.link}.`;
     if (present === null || present.state === 'lost') return 'Connect a device first.';
     if (now.isOthers) return 'Another page is in control.';
     if (present.state === 'connecting') return 'It is waiting for the board.';
@@ -202,11 +202,13 @@ export function createDevice(root, fleet, onChoice) {
     const isConnected = present !== null && present.state !== 'lost';
     const isMoving = present?.state === 'moving' || present?.state === 'stopping';
     const state = present?.state ?? 'none';
-    pill.dataset.state = state;
-    const word = STATE_WORDS[state] ?? state;
+    const isLive = now.link === 'there';
+    pill.dataset.state = isLive ? state : 'old';
+    const told = STATE_WORDS[state] ?? state;
+    const word = isLive || present === null ? told : `was ${told}`;
     if (pill.textContent !== word) pill.textContent = word;
     connect.textContent = isConnected ? 'Disconnect' : now.isBusy && !present ? 'Connecting…' : 'Connect';
-    connect.disabled = !now.isServerThere || now.isBusy || isMoving || port === '' || (isConnected && now.isOthers);
+    connect.disabled = !isLive || now.isBusy || isMoving || port === '' || (isConnected && now.isOthers);
     connect.title = isMoving ? 'Stop it first' : '';
     gear.disabled = hindrance(present, now) !== '' || isMoving || now.isBusy;
     control.hidden = !now.isOthers || !isConnected;

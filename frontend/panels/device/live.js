@@ -20,11 +20,17 @@ export function createLive() {
       isWarning: true,
     }),
   );
+  const old = element(
+    'div',
+    { id: 'old-state' },
+    messageLine({ text: 'Nothing is heard of it now: this is how it was.', isWarning: true }),
+  );
   return {
-    element: element('div', { className: 'live-box' }, element('div', { className: 'live' }, position.element, speed.element), limits, unknown),
+    element: element('div', { className: 'live-box' }, element('div', { className: 'live' }, position.element, speed.element), old, limits, unknown),
     /** @param {Context} context */
     show({ device, axis, design, situation }) {
       const state = device?.axes[axis] ?? null;
+      old.hidden = state === null || situation.link === 'there';
       const { units } = situation;
       const isInSteps = unitsFor(units, design).length === 'steps';
       const length = (/** @type {number} */ steps) =>

@@ -136,17 +136,18 @@ function createDevice(onStop) {
     element('kbd', { className: 'not-phone', 'aria-hidden': 'true', textContent: 'Esc' }),
   );
 
-  /** @param {Device | null} device @param {boolean} isStopping whether a second press halts */
-  function show(device, isStopping) {
-    pill.dataset.state = device?.state ?? 'none';
+  /** @param {Device | null} device @param {boolean} isStopping whether a second press halts
+   * @param {boolean} isLive whether the device is so now */
+  function show(device, isStopping, isLive) {
+    pill.dataset.state = isLive ? (device?.state ?? 'none') : 'old';
     who.textContent = device ? `${device.name} ·` : '';
-    word.textContent = device ? device.state : 'no device';
+    word.textContent = device ? (isLive ? device.state : `was ${device.state}`) : 'no device';
     stopText.textContent = isStopping ? 'HALT' : 'STOP';
     const label = isStopping ? 'Halt at once without slowing down (Escape)' : 'Stop every motor (Escape)';
     stop.setAttribute('aria-label', label);
   }
 
-  show(null, false);
+  show(null, false, true);
   return { pill, stop, show };
 }
 

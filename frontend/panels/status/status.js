@@ -4,6 +4,12 @@
 import { element } from '../../dom.js';
 import { formatFixed } from '../../numbers.js';
 
+const SERVER_WORDS = {
+  there: 'server connected',
+  silent: 'Server silent: what is shown is old',
+  gone: 'Server gone: trying again…',
+};
+
 /** @param {HTMLElement} root */
 export function createStatus(root) {
   const reading = element('span', { className: 'reading' });
@@ -38,10 +44,10 @@ export function createStatus(root) {
         ...error,
       );
     },
-    /** @param {boolean} isThere */
-    showServer(isThere) {
-      server.classList.toggle('gone', !isThere);
-      server.textContent = isThere ? 'server connected' : 'Server gone: trying again…';
+    /** @param {import('../../types.js').Link} link */
+    showServer(link) {
+      server.classList.toggle('gone', link !== 'there');
+      server.textContent = SERVER_WORDS[link];
     },
     /** @param {boolean} isKept whether the browser could keep the design */
     showKept(isKept) {
