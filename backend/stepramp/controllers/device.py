@@ -19,6 +19,7 @@ from stepramp.controllers.controller import (
 )
 from stepramp.controllers.device_view import UNDER_WAY, AxisView, DeviceState, DeviceView
 from stepramp.controllers.leases import Lease, Leases
+from stepramp.controllers.owed_stops import OwedStops
 from stepramp.controllers.progress import Progress, PushStage
 from stepramp.controllers.settings import Settings
 from stepramp.controllers.shuttle import Shuttle
@@ -50,17 +51,28 @@ SendPush = Callable[[], PushReport]
 class Device:
     """One controller at one port. Its worker owns the port; all calls here may come from any thread.
 
-    known: its port. order: of all that is asked and stopped. changed: called from any thread after each change of the
-    view.
+    known: its port. order: of all that is asked and stopped. stops_of_all: stops that are for each device. owed: stops
+    that no controller has granted yet. changed: called from any thread after each change of the view.
 
     What sets motors moving takes `asked`: when it was asked for, in that order; None: now. It is refused when a stop
     came after that.
     """
 
-    def __init__(self, device_id: str, known: Port, order: Order, changed: Callable[[], None]) -> None:
+    def __init__(
+        self,
+        device_id: str,
+        known: Port,
+        order: Order,
+        stops_of_all: Stops,
+        owed: OwedStops,
+        changed: Callable[[], None],
+    ) -> None:
         self._changed = changed
         self._order = order
-        self._stops = Stops(order)
+        self._stops = Stops(order, stops_of_all)
+        self._owed = owed
+        # It may be found at another port later, and yet owes what it owed.
+        self._owes_at = known.port
         self._lock = threading.Lock()
         self._connecting = threading.Lock()
         self._view = DeviceView(device_id, known.port, known.name, stops=self._stops.last)
@@ -70,7 +82,6 @@ class Device:
         self._known_port = known
         self._let_go = False
         self._ended = False
-        self._owes_stop = False
         self._leases = Leases()
         # From here on: of the worker's thread.
         self._pushing = False
@@ -317,38 +328,39 @@ class Device:
         """Let nothing move while a stop is being answered, nor afterwards what was asked until then."""
         try:
             with self._stops.unanswered():
-                self._show_stops()
+                self.show_stops()
                 yield
         finally:
-            self._show_stops()
+            self.show_stops()
 
     def stop(self, axes: Collection[int] | None = None) -> "Future[None]":
         """Slow axes, or all, down with the ramp, before anything else that was asked for; return the result to come.
 
-        What was asked before moves nothing any more. A device that is not connected is stopped as soon as it is: of
-        that, Refused and DeviceLost tell.
+        What was asked before moves nothing any more. Until it is granted it is owed: a device that is not connected, or
+        turns out to be lost, is stopped as soon as it is there again. Of that, Refused and DeviceLost tell.
         """
+        owed = self._owe_stop()
         controller, worker = self._ready_to_stop()
-        return worker.call_urgently(lambda: self._stop(axes, controller.stop))
+        return worker.call_urgently(lambda: self._stop(axes, controller.stop, owed))
 
     def halt(self, axes: Collection[int] | None = None) -> "Future[None]":
         """Make no further step, before anything else that was asked for; else as stop."""
+        owed = self._owe_stop()
         controller, worker = self._ready_to_stop()
-        return worker.call_urgently(lambda: self._halt(axes, controller))
+        return worker.call_urgently(lambda: self._halt(axes, controller, owed))
+
+    def show_stops(self) -> None:
+        """Tell the number of the last stop."""
+        self._change(lambda view: replace(view, stops=self._stops.last))
 
     def _now(self) -> int:
         return self._order.next()
 
-    def _ready_to_stop(self) -> tuple[Controller, Worker]:
+    def _owe_stop(self) -> int:
+        owed = self._owed.owe(self._owes_at)
         self._stops.note()
-        self._show_stops()
-        with self._lock:
-            # While nobody is connected its motor may move: a board with a supply of its own goes on without us.
-            self._owes_stop = self._controller is None or self._view.state is DeviceState.LOST
-        return self._ready()
-
-    def _show_stops(self) -> None:
-        self._change(lambda view: replace(view, stops=self._stops.last))
+        self.show_stops()
+        return owed
 
     def _set_out(
         self,
@@ -368,9 +380,15 @@ class Device:
             view, controller, worker = self._view, self._controller, self._worker
         if view.state is DeviceState.LOST:
             raise DeviceLost(view.message or f"Port {view.port} is not connected.")
-        if controller is None or worker is None:
+        if controller is None or worker is None or view.state is DeviceState.CONNECTING:
             raise Refused(f"{view.name} is still being connected.")
         return controller, worker
+
+    def _ready_to_stop(self) -> tuple[Controller, Worker]:
+        """Return as _ready does, also while what the controller has is still being read."""
+        with self._lock:
+            controller, worker = self._controller, self._worker
+        return self._ready() if controller is None or worker is None else (controller, worker)
 
     def _controller_now(self) -> Controller:
         return self._ready()[0]
@@ -417,13 +435,7 @@ class Device:
         self._permit = None
         self._port = SerialPort(self.view.port, self._refuse_overtaken)
         controller = StepRampController(self._port, self._worker.give_way, self._note_progress)
-        controller.connect()
-        with self._lock:
-            # From here on a stop comes to the controller by itself.
-            self._controller = controller
-            owes_stop, self._owes_stop = self._owes_stop, False
-        if owes_stop:
-            controller.stop()
+        controller.connect(lambda: self._begin_with_stop(controller))
         status = controller.status()
         with self._lock:
             self._view = replace(
@@ -431,8 +443,16 @@ class Device:
             )
         self._show(status)
 
+    def _begin_with_stop(self, controller: Controller) -> None:
+        """Let stops come to the controller from here on, and first of all tell it that which is owed."""
+        with self._lock:
+            self._controller = controller
+        owed = self._owed.newest(self._owes_at)
+        if owed is not None:
+            self._stop(None, controller.stop, owed)
+
     def _poll(self) -> float:
-        if self._controller is None:
+        if self._controller is None or self.view.state is DeviceState.CONNECTING:
             return IDLE_POLL_S
         self._let_runs_end()
         under_way, heard_s = self.view.state in UNDER_WAY, self.view.heard_s
@@ -499,7 +519,7 @@ class Device:
             if self._has_sent:
                 # It may have set out, and a stop of other axes doesn't end it: what is refused must not move.
                 assert self._controller is not None
-                self._stop(axes, self._controller.stop)
+                self._stop(axes, self._controller.stop, self._owed.owe(self._owes_at))
             raise
         finally:
             self._permit = None
@@ -523,17 +543,24 @@ class Device:
         self._refresh()
         then()
 
-    def _halt(self, axes: Collection[int] | None, controller: Controller) -> None:
+    def _halt(self, axes: Collection[int] | None, controller: Controller, owed: int) -> None:
         """Halt axes, and look where that was."""
-        self._stop(axes, controller.halt)
+        self._stop(axes, controller.halt, owed)
         if self._is_view_old:
             self._refresh()
 
-    def _stop(self, axes: Collection[int] | None, send: Callable[[Collection[int] | None], None]) -> None:
-        """Stop axes, also in the midst of what sets some in motion. Where they come to rest is looked at afterwards."""
+    def _stop(
+        self, axes: Collection[int] | None, send: Callable[[Collection[int] | None], None], owed: int | None = None
+    ) -> None:
+        """Stop axes, also in the midst of what sets some in motion. Where they come to rest is looked at afterwards.
+
+        owed: the number of the stop that is owed until it is granted.
+        """
         overtaken, self._permit = self._permit, None
         try:
             send(axes)
+            if owed is not None:
+                self._owed.settle(self._owes_at, owed, of_all_axes=axes is None)
             self._leases.drop(axes)
             self._is_view_old = self.view.state in UNDER_WAY
             self._change(lambda view: replace(view.stopping(axes), shuttle=None))

@@ -120,9 +120,13 @@ class StepRampController:
         """What works out the trace of the last move that was traced; see Controller."""
         return self._tracing.trace
 
-    def connect(self) -> None:
-        """Shake hands, and learn which settings and ramps are in use; nothing moves."""
+    def connect(self, greeted: Callable[[], None] = lambda: None) -> None:
+        """Shake hands, and learn which settings and ramps are in use; nothing moves.
+
+        greeted: called in between: a stop need not wait until all is learnt.
+        """
         self._hello = self._conversation.begin()
+        greeted()
         self._use_settings(self.settings())
         self._learn_image(RampInUse(self._hello.ramp_in_use))
         self._conversation.ask(ReportRequest(MOST_REPORTS_HZ), DoneReply)
