@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass, field
 from typing import Any
@@ -25,6 +25,7 @@ from stepramp.controllers.devices import Devices
 from stepramp.controllers.frames import FrameSplitter
 from stepramp.controllers.leases import Lease
 from stepramp.controllers.messages import (
+    CommitRequest,
     HaltRequest,
     HelloRequest,
     LineRequest,
@@ -38,6 +39,7 @@ from stepramp.controllers.messages import (
     ZeroRequest,
 )
 from stepramp.controllers.owed_stops import OwedStops
+from stepramp.controllers.settings import Settings
 from stepramp.controllers.shuttle import Shuttle
 from stepramp.controllers.stops import Order
 from stepramp.controllers.virtual import VirtualController
@@ -55,18 +57,24 @@ POLL = Device._poll
 
 
 class Witness:
-    """The virtual controller, what was asked of it, and when stops were answered. It loses answers when told to."""
+    """The virtual controller, what was asked of it, and when stops were answered. It loses answers when told to.
+
+    lasts_s: by how much the motors' clock goes on with each exchange.
+    """
 
     def __init__(self, clock: Clock) -> None:
+        self.clock = clock
         self.controller = VirtualController(clock)
         self.seen: list[int | str] = []
         self.loses: int | None = None
+        self.lasts_s = 0.0
         self._splitter = FrameSplitter()
 
     def opened(self) -> None:
         self.controller.opened()
 
     def exchange(self, sent: bytes) -> bytes:
+        self.clock.now_s += self.lasts_s
         said = self.controller.exchange(sent)
         for frame in self._splitter.feed(sent):
             message = Message.unpack(frame)
@@ -417,6 +425,47 @@ def test_a_move_whose_answer_was_lost_is_not_carried_out_twice(bench: Bench) -> 
     assert bench.witness.seen.count(MoveByRequest.KIND) == 1
     bench.settle()
     assert bench.device.view.position_steps < 600
+
+
+def stop_while_looking_again(bench: Bench, place: int) -> None:
+    """Let the answer to a commit be lost, and a stop come before its repeat: it is looked what the controller has.
+
+    At a place of that, there is one more stop.
+    """
+    bench.device.use_settings(Settings(pulse_width_us=5 + place))
+    bench.witness.seen.clear()
+    bench.witness.loses = 2  # Both axes are asked first whether they move.
+    bench.witness.lasts_s = 0.5  # It is soon stored.
+    stopped: list[Future[None]] = []
+
+    def stop_before_the_repeat() -> None:
+        if CommitRequest.KIND in bench.witness.seen:
+            stopped.append(bench.device.stop())
+            bench.places.choose(0, stop_once_more)
+        else:
+            bench.places.choose(0, stop_before_the_repeat)
+
+    def stop_once_more() -> None:
+        if stopped[0].done():
+            bench.places.choose(place, lambda: stopped.append(bench.device.stop()))
+        else:
+            bench.places.choose(0, stop_once_more)
+
+    bench.places.choose(0, stop_before_the_repeat)
+    with pytest.raises(Refused, match="answer was lost"):
+        bench.device.keep()
+    assert len(stopped) == 2
+    bench.witness.lasts_s = 0.0
+    for each in stopped:
+        each.result(PATIENCE_S)
+    assert bench.device.view.state is DeviceState.READY, bench.device.view.message
+
+
+def test_a_stop_while_it_is_looked_what_the_controller_has_loses_no_device(bench: Bench) -> None:
+    # The hello, and what is asked next, with a place before and after each.
+    for place in range(20):
+        stop_while_looking_again(bench, place)
+    assert bench.device.settings().pulse_width_us == 24
 
 
 class OwnSupply(Witness):
