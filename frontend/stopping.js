@@ -27,8 +27,8 @@ export function createStop({ devices, endMotions, hearStops }, say) {
   /** Whatever may move: what sets out just now is not known to move yet. */
   async function halt() {
     const inReach = devices().filter((device) => !isOutOfReach(device));
-    const halts = inReach.map((device) => api.halt(device.id));
-    const answers = await Promise.all(halts.length > 0 ? halts : [api.stopAll()]);
+    if (inReach.length === 0) return slowDown();
+    const answers = await Promise.all(inReach.map((device) => api.halt(device.id)));
     for (const answer of answers) hearStops(answer.devices);
     say('Halted', false);
   }
@@ -56,10 +56,13 @@ export function createStop({ devices, endMotions, hearStops }, say) {
   };
 }
 
-/** What has come of a stop.
+/** What has come of a stop. Of what is out of reach nobody knows whether it moves.
  * @param {Device[]} stopped */
 function words(stopped) {
-  const what = stopped.some(isMoving) ? 'Stopping' : 'Nothing moves';
+  const reached = stopped.filter((device) => !isOutOfReach(device));
   const others = stopped.filter(isOutOfReach).map((device) => device.name);
-  return others.length === 0 ? what : `${what}. Stopped as soon as it answers: ${others.join(', ')}`;
+  const isStopped = reached.some(isMoving);
+  if (others.length === 0) return isStopped ? 'Stopping' : 'Nothing moves';
+  const what = isStopped ? 'Stopping. ' : reached.length > 0 ? 'What answers is at rest. ' : '';
+  return `${what}Out of reach, stopped as soon as it answers: ${others.join(', ')}`;
 }

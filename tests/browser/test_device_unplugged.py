@@ -72,6 +72,30 @@ def test_unplugged_in_the_middle_of_a_push(plugged: StepRampPage, cable: Cable, 
     assert device_of(plugged)["ramp"]["sequence"] == 2
 
 
+def test_what_has_soft_limits_moves_again_once_its_position_is_set(
+    plugged: StepRampPage, cable: Cable, watch: Watch
+) -> None:
+    watch.expected.append(r"status of 409")
+    page = plugged.page
+    plugged.push()
+    route = f"devices/{device_of(plugged)['id']}"
+    plugged.ask(plugged.url, "PUT", f"{route}/soft_limits", {"axes": [{"axis": 0, "highest_steps": 1000}]})
+    expect(page.locator("#live-limits")).to_have_text("Soft limits: up to 1,000 steps")
+    cable.unplug()
+    expect(plugged.state).to_have_text("lost", timeout=10_000)
+    cable.plug_in()
+    expect(plugged.state).to_have_text("ready", timeout=20_000)
+    expect(page.locator("#live-limits")).to_have_text(
+        "Soft limits: up to 1,000 steps. It moves once its position is set"
+    )
+    plugged.move("5")
+    expect(page.locator(".device")).to_contain_text("Axis 0 may be elsewhere than counted")
+    plugged.ask(plugged.url, "POST", f"{route}/position", {"position_steps": 900})
+    expect(page.locator("#live-limits")).to_have_text("Soft limits: up to 1,000 steps")
+    plugged.move("5")
+    until(lambda: device_of(plugged)["position_steps"] == 905)
+
+
 def test_unplugged_in_the_middle_of_a_move(plugged: StepRampPage, cable: Cable) -> None:
     page = plugged.page
     plugged.push()

@@ -83,6 +83,40 @@ def test_two_threads_connect_a_new_port_at_once(devices: Devices, port: str) -> 
         assert {device.view.id for device in pool.map(devices.connect, [port] * 8)} == {"1"}
 
 
+def test_a_mute_port_is_tried_once_for_all_who_ask(
+    devices: Devices, plug_in: Callable, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One after the other they would wait for eight times as long."""
+    monkeypatch.setattr(conversation, "MOST_HELLOS", 1)
+    asked, all_ask = threading.Semaphore(0), threading.Event()
+    opened = []
+
+    class Mute(Silent):
+        def opened(self) -> None:
+            opened.append(1)
+            assert all_ask.wait(PATIENCE_S)
+
+    connect = Device.connect
+
+    def counted(device: Device) -> None:
+        asked.release()
+        connect(device)
+
+    monkeypatch.setattr(Device, "connect", counted)
+    port = plug_in(Mute())
+    with ThreadPoolExecutor(8) as pool:
+        connecting = [pool.submit(devices.connect, port) for _ in range(8)]
+        for _ in range(8):
+            assert asked.acquire(timeout=PATIENCE_S)
+        time.sleep(0.1)  # Those who were counted last have still to ask.
+        all_ask.set()
+        for each in connecting:
+            with pytest.raises(DeviceLost, match="Nothing answers at"):
+                each.result(PATIENCE_S)
+    assert len(opened) == 1
+    assert devices.views() == []
+
+
 def test_what_cant_be_connected_is_forgotten(devices: Devices) -> None:
     with pytest.raises(DeviceLost):
         devices.connect("/dev/there-is-none")

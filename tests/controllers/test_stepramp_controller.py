@@ -9,7 +9,7 @@ import pytest
 from controllers.ramps import IMAGE, four_axes
 from designs import design
 from stepramp.controllers import conversation, transfer
-from stepramp.controllers.controller import Activity, Asked, StoredRamp
+from stepramp.controllers.controller import Activity, Asked, ControllerStatus, StoredRamp
 from stepramp.controllers.frames import FrameSplitter, crc16, encode_frame
 from stepramp.controllers.messages import (
     REPLY,
@@ -300,6 +300,81 @@ def test_reports_are_heard_without_asking(connect: Connect) -> None:
     assert controller.listen() is None
 
 
+TO_TARGETS: list[tuple[Callable[[StepRampController], None], Request, Reply]] = [
+    (
+        lambda controller: controller.move_by([Asked(0, 1500, "by_steps")]),
+        MoveByRequest(1, (1500,)),
+        TargetsReply((1500,)),
+    ),
+    (
+        lambda controller: controller.line([Asked(0, 1500, "by_steps")]),
+        LineRequest(1, 0, (1500,)),
+        TargetsReply((1500,)),
+    ),
+    (lambda controller: controller.zero([0], 1500), ZeroRequest(1, 1500), DoneReply()),
+]
+
+
+@pytest.mark.parametrize("rests", [False, True], ids=["in flight", "after it ended"])
+@pytest.mark.parametrize(("to_target", "request_", "reply"), TO_TARGETS, ids=["move", "line", "zero"])
+def test_after_a_run_a_target_is_told_again(
+    connect: Connect, to_target: Callable, request_: Request, reply: Reply, rests: bool
+) -> None:
+    """An axis that runs has no target but where it is; what it is asked next has one."""
+    running, moving = StatusReply(1, 1, 10, 10, 4000, 10, 1, 7, 0, 0), StatusReply(1, 1, 10, 1500, 4000, 10, 1, 7, 0, 0)
+    script = stored().then(StatusRequest(0), IDLE).then(RunRequest(1, (4000,)), DoneReply())
+    script.then(StatusRequest(0), running)
+    if rests:
+        script.then(StatusRequest(0), IDLE)
+    script.then(request_, reply).then(StatusRequest(0), moving)
+    controller = connect(script)
+    controller.status()
+    controller.run([Asked(0, 500.0, "speed_steps_per_s")])
+    controller.status()
+    if rests:
+        controller.status()
+    to_target(controller)
+    controller.status()
+    script.unasked = said(ReportNotice(1, 1, ((20, 4000),)))
+    [axis] = heard_of(controller).axes
+    assert (axis.position_steps, axis.target_steps) == (20, 1500)
+
+
+def heard_of(controller: StepRampController) -> ControllerStatus:
+    heard = controller.listen()
+    assert heard is not None
+    return heard
+
+
+def test_an_axis_that_ran_slowly_counts_as_it_runs_until_it_rests(connect: Connect) -> None:
+    """Four axes take at least 533 fast ticks each: 457 are too fast, unless three of them run at 4,000."""
+    moving, at_rest = StatusReply(1, 1, 0, 0, 4000, 5, 1, 7, 0, 0), StatusReply(0, 0, 0, 0, 0, 5, 1, 7, 0, 0)
+    speeds = [Asked(axis, 4000.0, f"axes.{axis}.speed_steps_per_s") for axis in (1, 2, 3)]
+    script = stored(fast_image())
+
+    def states(*replies: StatusReply) -> None:
+        for axis, reply in enumerate(replies):
+            script.then(StatusRequest(axis), reply)
+
+    states(*[at_rest] * 4)
+    script.then(RunRequest(0b1110, (4000,) * 3), DoneReply())
+    states(at_rest, *[moving] * 3)
+    script.then(MoveByRequest(1, (5,)), TargetsReply((5,)))
+    states(*[at_rest] * 4)
+    states(at_rest, *[moving] * 3)
+    # What ran has rested since: who knows how fast it moves now?
+    states(at_rest, *[moving] * 3)
+    controller = connect(script)
+    controller.status()
+    controller.run(speeds)
+    controller.status()
+    controller.move_by([Asked(0, 5, "by_steps")])
+    for _ in range(2):
+        controller.status()
+    with pytest.raises(Rejected, match="this takes 117 %"):
+        controller.move_by([Asked(0, 5, "by_steps")])
+
+
 def test_a_report_of_another_state_is_reason_to_ask(connect: Connect) -> None:
     moving = StatusReply(1, 1, 10, 2000, 4000, 10, 1, 7, 0, 0)
     script = stored().then(StatusRequest(0), moving).then(StatusRequest(0), IDLE)
@@ -463,12 +538,24 @@ def test_without_a_ramp_nothing_is_asked(connect: Connect) -> None:
         ([Asked(1, 5, "axes.0.by_steps")], "axes.0.axis"),
         ([Asked(0, 5, "axes.0.by_steps"), Asked(0, 5, "axes.1.by_steps")], "axes.1.axis"),
         ([Asked(0, 2**31, "by_steps")], "by_steps"),
+        # What there and back, and a jog, say of their one axis.
+        ([Asked(3, 5, "by_steps")], "axis"),
     ],
 )
 def test_what_is_rejected_before_it_is_sent(connect: Connect, asked: list[Asked], field: str) -> None:
     with pytest.raises(Rejected) as caught:
         connect(stored()).move_by(asked)
     assert [each.field for each in caught.value.rejections] == [field]
+
+
+def test_an_axis_that_cant_be_zeroed_is_named(connect: Connect) -> None:
+    script = four().then(ZeroRequest(0b0010, 500), Refusal(ReplyStatus.TOO_FAST, 130))
+    controller = connect(script)
+    for axes in ([5], [1]):
+        with pytest.raises(Rejected) as caught:
+            controller.zero(axes, 500)
+        [rejection] = caught.value.rejections
+        assert (rejection.field, rejection.value) == ("axes", axes[0])
 
 
 def test_the_axis_whose_target_is_too_far_is_named(connect: Connect) -> None:

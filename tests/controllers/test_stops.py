@@ -7,7 +7,10 @@ asked for from within the port's own thread at the k-th place that it passes, fo
 from __future__ import annotations
 
 import threading
+import time
+from collections import Counter
 from collections.abc import Callable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass, field
 from typing import Any
@@ -16,32 +19,42 @@ import pytest
 
 from controllers.conftest import Clock
 from designs import design
-from stepramp.controllers import conversation, tracing
+from stepramp.controllers import conversation, limit_checks, tracing
+from stepramp.controllers import device as device_module
 from stepramp.controllers.controller import Asked
-from stepramp.controllers.device import Device
+from stepramp.controllers.device import Device, SendPush
 from stepramp.controllers.device_view import DeviceState
 from stepramp.controllers.devices import Devices
 from stepramp.controllers.frames import FrameSplitter
 from stepramp.controllers.leases import Lease
 from stepramp.controllers.messages import (
+    CommitRequest,
     HaltRequest,
+    HelloRequest,
     LineRequest,
     Message,
     MoveByRequest,
     MoveToRequest,
+    ReadSettingsRequest,
     RunRequest,
     StatusRequest,
     StopRequest,
     ZeroRequest,
 )
+from stepramp.controllers.owed_stops import OwedStops
+from stepramp.controllers.settings import Settings
 from stepramp.controllers.shuttle import Shuttle
+from stepramp.controllers.soft_limits import FREE, Span
+from stepramp.controllers.stops import Order
 from stepramp.controllers.virtual import VirtualController
-from stepramp.errors import DeviceLost, Refused, StepRampError
+from stepramp.errors import DeviceLost, Refused, Rejected, StepRampError
 from stepramp.link import protocol_sim
 from stepramp.link.serial_port import SerialPort
 from stepramp.link.worker import Worker
 
 PATIENCE_S = 10.0
+WAITED_FOR_S = 0.2
+"""How long an answer is waited for before its request is repeated, by decision of the protocol's client."""
 MOTIONS = {each.KIND for each in (MoveByRequest, MoveToRequest, RunRequest, LineRequest, ZeroRequest)}
 STOPS = {StopRequest.KIND, HaltRequest.KIND}
 ANSWERED = "the stop was answered"
@@ -50,23 +63,35 @@ POLL = Device._poll
 
 
 class Witness:
-    """The virtual controller, what was asked of it, and when stops were answered. It loses answers when told to."""
+    """The virtual controller, what was asked of it, and when stops were answered. It loses answers when told to.
+
+    lasts_s: by how much the motors' clock goes on with each exchange. unanswered: how many requests of a kind get no
+    answer, each of them waited for by that clock, too.
+    """
 
     def __init__(self, clock: Clock) -> None:
+        self.clock = clock
         self.controller = VirtualController(clock)
         self.seen: list[int | str] = []
         self.loses: int | None = None
+        self.lasts_s = 0.0
+        self.unanswered: Counter[int] = Counter()
         self._splitter = FrameSplitter()
 
     def opened(self) -> None:
         self.controller.opened()
 
     def exchange(self, sent: bytes) -> bytes:
+        self.clock.now_s += self.lasts_s
         said = self.controller.exchange(sent)
         for frame in self._splitter.feed(sent):
             message = Message.unpack(frame)
             if message is not None:
                 self.seen.append(message.kind)
+                if self.unanswered[message.kind] > 0:
+                    self.unanswered[message.kind] -= 1
+                    self.clock.now_s += WAITED_FOR_S
+                    return b""
                 if self.loses is not None:
                     self.loses -= 1
                     if self.loses < 0:
@@ -414,6 +439,162 @@ def test_a_move_whose_answer_was_lost_is_not_carried_out_twice(bench: Bench) -> 
     assert bench.device.view.position_steps < 600
 
 
+def stop_while_looking_again(bench: Bench, place: int) -> None:
+    """Let the answer to a commit be lost, and a stop come before its repeat: it is looked what the controller has.
+
+    At a place of that, there is one more stop.
+    """
+    bench.device.use_settings(Settings(pulse_width_us=5 + place))
+    bench.witness.seen.clear()
+    bench.witness.loses = 2  # Both axes are asked first whether they move.
+    bench.witness.lasts_s = 0.5  # It is soon stored.
+    stopped: list[Future[None]] = []
+
+    def stop_before_the_repeat() -> None:
+        if CommitRequest.KIND in bench.witness.seen:
+            stopped.append(bench.device.stop())
+            bench.places.choose(0, stop_once_more)
+        else:
+            bench.places.choose(0, stop_before_the_repeat)
+
+    def stop_once_more() -> None:
+        if stopped[0].done():
+            bench.places.choose(place, lambda: stopped.append(bench.device.stop()))
+        else:
+            bench.places.choose(0, stop_once_more)
+
+    bench.places.choose(0, stop_before_the_repeat)
+    with pytest.raises(Refused, match="answer was lost"):
+        bench.device.keep()
+    assert len(stopped) == 2
+    bench.witness.lasts_s = 0.0
+    for each in stopped:
+        each.result(PATIENCE_S)
+    assert bench.device.view.state is DeviceState.READY, bench.device.view.message
+
+
+def test_a_stop_while_it_is_looked_what_the_controller_has_loses_no_device(bench: Bench) -> None:
+    # The hello, and what is asked next, with a place before and after each.
+    for place in range(20):
+        stop_while_looking_again(bench, place)
+    assert bench.device.settings().pulse_width_us == 24
+
+
+def held(bench: Bench, *calls: Callable[[], object]) -> list[Future[object]]:
+    """Let calls wait for the port's thread, one after the other, and return what comes of them."""
+    with ThreadPoolExecutor(1 + len(calls)) as pool:
+        begun, go_on = threading.Event(), threading.Event()
+        pool.submit(bench.device._worker.call, lambda: (begun.set(), go_on.wait(PATIENCE_S)))
+        assert begun.wait(PATIENCE_S)
+        results = []
+        for count, call in enumerate(calls, 1):
+            results.append(pool.submit(call))
+            while len(bench.device._worker._waiting) < count and not results[-1].done():
+                time.sleep(0.001)
+        go_on.set()
+    return results
+
+
+def test_limits_that_were_answered_hold_for_a_zero_that_was_asked_before(bench: Bench) -> None:
+    bench.reset()
+    limited, zeroed = held(bench, lambda: bench.device.limit({0: Span(-10, 1000)}), lambda: bench.device.zero([0], 900))
+    assert limited.result() is None
+    with pytest.raises(Rejected, match="axes without soft limits"):
+        zeroed.result()
+    assert ZeroRequest.KIND not in bench.witness.seen
+    bench.device.limit({0: FREE})
+
+
+def test_a_run_keeps_to_soft_limits_while_answers_are_lost(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever is asked just then, and is answered only after the third repeat: the run is looked after meanwhile."""
+    for module in (device_module, limit_checks):
+        monkeypatch.setattr(module, "monotonic", bench.clock)
+    reached = []
+    for polls in range(20, 90, 5):
+        bench.reset()
+        bench.device.limit({0: Span(None, 1500)})
+        bench.device.run([Asked(0, 900.0, "speed_steps_per_s")], Lease({0: 900.0}, 1e6))
+        for _ in range(polls):
+            bench.clock.now_s += 0.02
+            bench.poll()
+        bench.witness.unanswered[ReadSettingsRequest.KIND] = 3
+        bench.device.settings()
+        for _ in range(200):
+            bench.clock.now_s += 0.02
+            bench.poll()
+        assert bench.device.view.state is DeviceState.READY
+        reached.append(bench.device.view.position_steps)
+    bench.device.limit({0: FREE})
+    assert max(reached) <= 1500
+    # It is looked again 0.2 s later at most: no run ends much further away from the limit than it needs to.
+    assert min(reached) > 1500 - 900 * (0.5 + WAITED_FOR_S)
+
+
+def test_a_run_s_lease_ends_while_answers_are_lost(bench: Bench) -> None:
+    bench.reset()
+    lease = Lease({0: 400.0}, 1e6)
+    bench.device.run([Asked(0, 400.0, "speed_steps_per_s")], lease)
+    bench.witness.seen.clear()
+    bench.witness.unanswered[ReadSettingsRequest.KIND] = 3
+    lease.end()
+    bench.device.settings()
+    assert bench.witness.seen[:2] == [StopRequest.KIND, ReadSettingsRequest.KIND]
+    assert bench.witness.seen.count(StopRequest.KIND) == 1
+
+
+def test_a_stop_shows_what_has_set_out_though_something_was_looked_at_meanwhile(bench: Bench) -> None:
+    """A jog of the other axis is let go of before the move is sent, and a stop comes before the move is looked at."""
+    bench.reset()
+    lease = Lease({1: 400.0}, 1e6)
+    bench.device.run([Asked(1, 400.0, "speed_steps_per_s")], lease)
+    bench.witness.seen.clear()
+    shown: list[DeviceState] = []
+
+    def stop() -> None:
+        if MoveByRequest.KIND not in bench.witness.seen:
+            bench.places.choose(0, stop)
+            return
+        bench.clock.now_s += 0.05
+        stopped = bench.device.stop()
+        stopped.add_done_callback(lambda _: shown.append(bench.device.view.axes[0].state))
+
+    def let_go() -> None:
+        bench.device.end_run(lease)
+        bench.places.choose(0, stop)
+
+    bench.places.choose(0, let_go)
+    with suppress(StepRampError):
+        bench.device.move_by([by(5000)])
+    bench.places.chosen = None
+    assert shown == [DeviceState.STOPPING]
+
+
+def test_a_mistake_after_a_run_was_granted_lets_it_not_run_on(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It has no lease yet that would end it."""
+    bench.reset()
+
+    def fail(*_: object) -> None:
+        raise ZeroDivisionError("a mistake of ours")
+
+    monkeypatch.setattr(tracing.Tracing, "runs", fail)
+    with pytest.raises(ZeroDivisionError):
+        run(bench, bench.devices.order.next())
+    sent = bench.witness.seen
+    assert StopRequest.KIND in sent[sent.index(RunRequest.KIND) :]
+    bench.look()
+    assert bench.device.view.axes[0].state is not DeviceState.MOVING
+
+
+def test_a_stop_of_an_axis_that_is_not_there_stops_all_and_says_so(bench: Bench) -> None:
+    bench.reset()
+    bench.device.run([Asked(1, 400.0, "speed_steps_per_s")], Lease({1: 400.0}, 1e6))
+    bench.device.move_by([by(5000)])
+    bench.clock.now_s += 0.1
+    bench.device.stop([3]).result(PATIENCE_S)
+    assert [axis.state for axis in bench.device.view.axes] == [DeviceState.STOPPING] * 2
+    assert bench.device._leases.speeds == {}
+
+
 class OwnSupply(Witness):
     """A board that opening its port doesn't reset, and whose cable can come out while its motor moves on."""
 
@@ -455,6 +636,212 @@ def test_a_stop_that_finds_no_connection_is_owed(clock: Clock, plug_in: Callable
     board.seen.clear()
     devices.connect(device.view.port)
     assert not STOPS & set(board.seen)
+    devices.close()
+
+
+class UnpluggedAt(OwnSupply):
+    """Its cable comes out just when it is told something of a kind."""
+
+    kind: int | None = None
+
+    def exchange(self, sent: bytes) -> bytes:
+        for frame in FrameSplitter().feed(sent):
+            message = Message.unpack(frame)
+            if message is not None and message.kind == self.kind:
+                self.is_plugged_in, self.kind = False, None
+        return super().exchange(sent)
+
+
+@pytest.fixture
+def unplugged_at(clock: Clock) -> UnpluggedAt:
+    board = UnpluggedAt(clock)
+    VirtualController.opened(board.controller)
+    return board
+
+
+@pytest.mark.parametrize("stop", ["stop", "halt"])
+def test_a_stop_that_finds_the_connection_gone_is_owed(
+    clock: Clock, plug_in: Callable, unplugged_at: UnpluggedAt, stop: str
+) -> None:
+    """Nobody knew until then: it is the stop itself that finds it out, or it still waits when that is found out."""
+    board, devices = unplugged_at, Devices()
+    device = devices.connect(plug_in(board))
+    push(device, clock)
+    device.move_by([by(50_000)])
+    board.kind = StopRequest.KIND if stop == "stop" else HaltRequest.KIND
+    with ThreadPoolExecutor(1) as pool:
+        begun, held = threading.Event(), threading.Event()
+        busy = pool.submit(device._worker.call, lambda: (begun.set(), held.wait(PATIENCE_S)))
+        assert begun.wait(PATIENCE_S)
+        stopped = [getattr(device, stop)() for _ in range(2)]
+        held.set()
+        assert busy.result(PATIENCE_S)
+    for each in stopped:
+        with pytest.raises(DeviceLost):
+            each.result(PATIENCE_S)
+    assert not STOPS & set(board.seen)
+    board.is_plugged_in = True
+    devices.connect(device.view.port)
+    assert [kind for kind in board.seen if kind in STOPS] == [StopRequest.KIND]
+    assert device.view.state is DeviceState.STOPPING
+    devices.close()
+
+
+def test_a_stop_that_was_granted_is_owed_no_more() -> None:
+    """One of all axes does what one before it was to do; one of a single axis does not, nor what came after it."""
+    owed = OwedStops(Order())
+    first, second, third = (owed.owe("A") for _ in range(3))
+    elsewhere = owed.owe("B")
+    owed.settle("A", second, of_all_axes=False)
+    assert owed.newest("A") == third
+    owed.settle("A", third, of_all_axes=False)
+    assert owed.newest("A") == first
+    last = [owed.owe("A"), owed.owe("A")]
+    owed.settle("A", last[0], of_all_axes=True)
+    assert owed.newest("A") == last[1]
+    owed.settle("A", last[1], of_all_axes=True)
+    assert owed.newest("A") is None
+    assert owed.newest("B") == elsewhere
+
+
+def test_a_stop_that_is_owed_outlives_a_connect_that_fails(
+    clock: Clock, plug_in: Callable, unplugged_at: UnpluggedAt, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The device is forgotten, but its motor may move: whatever is connected there next is stopped, before all else."""
+    board, devices = unplugged_at, Devices()
+    port = plug_in(board)
+    device = devices.connect(port)
+    push(device, clock)
+    device.move_by([by(50_000)])
+    devices.close()
+    monkeypatch.setattr(conversation, "MOST_HELLOS", 2)
+    monkeypatch.setattr(conversation, "HELLO_INTERVAL_S", 0.05)
+    devices = Devices()
+    waiting, go_on = threading.Event(), threading.Event()
+    listen = board.exchange
+
+    def mute(sent: bytes) -> bytes:
+        if sent:
+            waiting.set()
+            assert go_on.wait(PATIENCE_S)
+        return b""
+
+    monkeypatch.setattr(board, "exchange", mute)
+    with ThreadPoolExecutor(1) as pool:
+        connecting = pool.submit(devices.connect, port)
+        assert waiting.wait(PATIENCE_S)
+        devices.stop_all()
+        go_on.set()
+        with pytest.raises(DeviceLost):
+            connecting.result(PATIENCE_S)
+    assert devices.views() == []
+    monkeypatch.setattr(board, "exchange", listen)
+    board.seen.clear()
+    device = devices.connect(port)
+    assert board.seen[:2] == [HelloRequest.KIND, StopRequest.KIND]
+    assert STOPS & set(board.seen[2:]) == set()
+    devices.close()
+
+
+def test_a_stop_need_not_wait_until_the_ramps_are_read(
+    clock: Clock, plug_in: Callable, unplugged_at: UnpluggedAt
+) -> None:
+    board, devices = unplugged_at, Devices()
+    device = devices.connect(plug_in(board))
+    push(device, clock)
+    device.move_by([by(50_000)])
+    board.is_plugged_in = False
+    with pytest.raises(DeviceLost):
+        device.trace_moves(0, 1)
+    board.is_plugged_in = True
+    board.seen.clear()
+    exchange, asked = board.exchange, []
+
+    def stopping(sent: bytes) -> bytes:
+        said = exchange(sent)
+        if ReadSettingsRequest.KIND in board.seen and not asked:
+            asked.append(device.stop())
+        return said
+
+    board.exchange = stopping  # type: ignore[method-assign]
+    devices.connect(device.view.port)
+    assert asked[0].result(PATIENCE_S) is None
+    assert board.seen[:3] == [HelloRequest.KIND, ReadSettingsRequest.KIND, StopRequest.KIND]
+    devices.close()
+
+
+def test_what_is_connected_while_all_are_stopped_does_not_move(bench: Bench, clock: Clock, plug_in: Callable) -> None:
+    bench.reset()
+    early = bench.devices.order.next()
+    with bench.devices.being_stopped():
+        other = bench.devices.connect(plug_in(VirtualController(clock)))
+        push(other, clock)
+        with pytest.raises(Refused, match="A stop came first"):
+            other.move_by([by(50)])
+    for asked in (early, other.view.stops - 1):
+        with pytest.raises(Refused, match="A stop came first"):
+            other.move_by([by(50)], asked)
+    other.move_by([by(50)], other.view.stops)
+    assert other.view.target_steps == 50
+
+
+def test_limits_are_kept_to_only_where_it_is_known_what_they_are_counted_from(
+    clock: Clock, plug_in: Callable, unplugged_at: UnpluggedAt
+) -> None:
+    board, devices = unplugged_at, Devices()
+    device = devices.connect(plug_in(board))
+    push(device, clock)
+    device.limit({0: Span(0, 1000)})
+    device.move_to([Asked(0, 900, "to_steps")])
+    board.is_plugged_in = False
+    with pytest.raises(DeviceLost):
+        device.trace_moves(0, 1)
+    board.is_plugged_in = True
+    VirtualController.opened(board.controller)  # The board was reset: it counts from 0, and is near 1,000.
+    devices.connect(device.view.port)
+    assert (device.view.position_steps, device.view.unknown_positions) == (0, (0, 1))
+    motions: list[Callable[[], None]] = [
+        lambda: device.move_by([by(5, 1), by(900)]),
+        lambda: device.move_to([Asked(0, 900, "to_steps")]),
+        lambda: device.line([by(900), by(5, 1)]),
+        lambda: device.run([Asked(0, 50.0, "speed_steps_per_s")], Lease({0: 50.0}, 1e6)),
+        lambda: device.go_there_and_back(Shuttle(0, 50, 1, 0.0), by(50)),
+    ]
+    for motion in motions:
+        with pytest.raises(Refused, match=r"Axis 0 may be elsewhere .* set the position, or take the limits away"):
+            motion()
+    assert not MOTIONS & set(board.seen[board.seen.index(HelloRequest.KIND, 1) :])
+    device.move_by([by(5, 1)])
+    device.run([Asked(0, 0.0, "speed_steps_per_s")], Lease({}, 1e6))
+    device.stop().result(PATIENCE_S)
+    clock.now_s += 100.0
+    device.set_position([Asked(0, 900, "position_steps")])
+    with pytest.raises(Rejected, match="0 to 1,000 steps, and this leads to 1,800"):
+        device.move_by([by(900)])
+    device.move_by([by(100)])
+    devices.close()
+
+
+def test_a_push_that_was_planned_for_a_lost_connection_is_not_sent_over_the_next(
+    clock: Clock, plug_in: Callable, unplugged_at: UnpluggedAt
+) -> None:
+    board, devices = unplugged_at, Devices()
+    device = devices.connect(plug_in(board))
+    push(device, clock)
+
+    def across_a_loss(plan: Callable[[], SendPush]) -> SendPush:
+        send = plan()
+        board.is_plugged_in = False
+        with pytest.raises(DeviceLost):
+            device.trace_moves(0, 1)
+        board.is_plugged_in = True
+        devices.connect(device.view.port)
+        return send
+
+    with pytest.raises(Refused, match="connected again in the meantime"):
+        device.push([design()], planned=across_a_loss)
+    device._worker.call(device._refresh)
+    assert (device.view.state, len(device.view.axes)) == (DeviceState.READY, 2)
     devices.close()
 
 

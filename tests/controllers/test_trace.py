@@ -3,6 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from stepramp.controllers import trace as trace_module
 from stepramp.controllers.list_ways import ListWays
 from stepramp.controllers.messages import TRACE_LAST, TraceNotice
 from stepramp.controllers.trace import Plan, TraceCollector, extended
@@ -77,6 +78,22 @@ def test_what_is_not_of_this_move_is_left_out() -> None:
     trace = collector.trace()()
     assert trace is not None
     assert (trace.complete, trace.step.tolist()) == (True, [1])
+
+
+def test_a_trace_that_never_ends_is_kept_so_far(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A run may last for days: what doesn't fit is left out, and what came before stays."""
+    monkeypatch.setattr(trace_module, "MOST_STEPS", 5)
+    collector = TraceCollector(0, 1)
+    collector.begin(lambda: plan(1000), HZ)
+    for first in range(1, 990, 3):
+        collector.take(TraceNotice(0, 1, first, (0, 0, 0)))
+    collector.take(TraceNotice(TRACE_LAST, 1, 1000, (0,)))
+    trace = collector.trace()()
+    assert (trace.complete, trace.changed, trace.step.tolist()) == (False, False, [1, 2, 3])
+    assert not collector.is_under_way
+    collector.begin(lambda: plan(2), HZ)
+    collector.take(TraceNotice(TRACE_LAST, 1, 1, (0, 0)))
+    assert (collector.trace()().complete, collector.trace()().step.tolist()) == (True, [1, 2])
 
 
 def test_a_trace_ends_where_the_move_was_changed() -> None:

@@ -60,6 +60,9 @@ STOP = """async (presses) => { const {api} = await import('/api.js'), {createSto
     return [asked, said]; }"""
 
 
+OUT_OF_REACH = "Out of reach, stopped as soon as it answers"
+
+
 def devices(*states: str) -> list[dict[str, str]]:
     return [{"id": str(number), "name": f"board {number}", "state": state} for number, state in enumerate(states)]
 
@@ -70,8 +73,10 @@ def devices(*states: str) -> list[dict[str, str]]:
         (devices("ready"), devices("ready"), "Nothing moves"),
         # The page has not heard yet of what has only just set out.
         (devices("ready", "ready"), devices("ready", "stopping"), "Stopping"),
-        (devices("moving", "lost"), devices("stopping", "lost"), "Stopping. Stopped as soon as it answers: board 1"),
-        (devices("connecting"), devices("connecting"), "Nothing moves. Stopped as soon as it answers: board 0"),
+        (devices("moving", "lost"), devices("stopping", "lost"), f"Stopping. {OUT_OF_REACH}: board 1"),
+        (devices("moving", "lost"), devices("ready", "lost"), f"What answers is at rest. {OUT_OF_REACH}: board 1"),
+        # Nobody knows whether it moves: a board with a supply of its own may go on.
+        (devices("connecting"), devices("connecting"), f"{OUT_OF_REACH}: board 0"),
     ],
 )
 def test_a_press_stops_everything_and_says_what_came_of_it(
@@ -94,8 +99,9 @@ def test_a_second_press_stops_again_where_nothing_can_be_halted(modules: Modules
         ".press();", "; await Promise.all([stop.press(), stop.press()]);"
     )
     lost = devices("lost")
-    asked, _ = modules.evaluate(script, [{"known": lost, "answered": lost}])
+    asked, said = modules.evaluate(script, [{"known": lost, "answered": lost}])
     assert asked == ["end", "stop", "end", "stop", "hear", "hear"]
+    assert said == [[f"{OUT_OF_REACH}: board 0", False]] * 2, "nobody knows that it was halted"
 
 
 def test_a_stop_that_fails_has_ended_the_gestures_all_the_same(modules: Modules) -> None:

@@ -143,7 +143,7 @@ def test_a_stop_ends_a_jog_that_is_still_held(client: TestClient, route: str) ->
     ("message", "field"),
     [
         ({"do": "run", "speed_steps_per_s": 5_000}, "speed_steps_per_s"),
-        ({"do": "run", "axis": 3, "speed_steps_per_s": 100}, "axes"),
+        ({"do": "run", "axis": 3, "speed_steps_per_s": 100}, "axis"),
         ({"do": "fly"}, "do"),
         ({"do": "hold", "for": 3}, "for"),
         ([], None),
@@ -273,7 +273,7 @@ def test_what_ends_there_and_back_in_a_pause(client: TestClient, route: str, wha
         ({}, "by_steps"),
         ({"by_steps": 1, "times": 0}, "times"),
         ({"by_steps": 1, "pause_s": -1}, "pause_s"),
-        ({"by_steps": 1, "axis": 3}, "axes"),
+        ({"by_steps": 1, "axis": 3}, "axis"),
     ],
 )
 def test_there_and_back_that_cant_be(client: TestClient, route: str, body: dict[str, Any], field: str) -> None:

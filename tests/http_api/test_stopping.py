@@ -47,6 +47,10 @@ def until(condition: Callable[[], Any]) -> None:
         time.sleep(0.01)
 
 
+def until_state(client: TestClient, route: str, state: str) -> None:
+    until(lambda: client.get(route).json()["state"] == state)
+
+
 def error_of(response: Any, status: int) -> dict[str, Any]:
     assert response.status_code == status, response.text
     [error] = response.json()["errors"]
@@ -277,6 +281,46 @@ def test_what_a_page_runs_ends_with_it(client: TestClient, route: str) -> None:
     until(lambda: client.get(route).json()["state"] == "ready")
 
 
+def test_there_and_back_of_a_page_ends_with_it(client: TestClient, route: str) -> None:
+    page = {"X-StepRamp-Page": "one"}
+    for pause_s, state in ((0, "moving"), (3600, "ready")):  # On its way, and in the pause at its end.
+        with client.websocket_connect(f"{DEVICES}/events?page=one", headers=LOCAL) as socket:
+            socket.receive_json()
+            body = {"by_steps": 60, "times": 10_000, "pause_s": pause_s}
+            assert client.post(f"{route}/there_and_back", json=body, headers=page).json()["shuttle"]
+            until_state(client, route, state)
+        until(lambda: client.get(route).json()["shuttle"] is None)
+        until_state(client, route, "ready")
+    late = client.post(f"{route}/there_and_back", json={"by_steps": 60}, headers=page)
+    assert "its page is gone" in error_of(late, 409)["message"]
+
+
+def test_there_and_back_of_a_program_outlives_a_page(client: TestClient, route: str) -> None:
+    client.post(f"{route}/there_and_back", json={"by_steps": 60, "times": 10_000})
+    with client.websocket_connect(f"{DEVICES}/events?page=one", headers=LOCAL) as socket:
+        socket.receive_json()
+    time.sleep(0.3)
+    assert client.get(route).json()["shuttle"]
+    client.post(f"{route}/halt")
+
+
+def test_an_axis_that_is_not_there_is_named_in_its_field(client: TestClient, route: str) -> None:
+    for what, body, field in [
+        ("there_and_back", {"axis": 3, "by_steps": 10}, "axis"),
+        ("run", {"axes": [{"axis": 3, "speed_steps_per_s": 10}]}, "axes.0.axis"),
+        ("zero", {"axes": [3], "steps": 10}, "axes"),
+        ("line", {"axes": [{"axis": 0, "by_steps": 5}], "ramp_axis": 3}, "ramp_axis"),
+        ("position", {"axes": [{"axis": 3, "position_steps": 1}]}, "axes.0.axis"),
+    ]:
+        error = error_of(client.post(f"{route}/{what}", json=body), 422)
+        assert (error["field"], error["value"]) == (field, 3), what
+    error = error_of(client.put(f"{route}/trace", json={"traced_axis": 3}), 422)
+    assert (error["field"], error["value"]) == ("traced_axis", 3)
+    with client.websocket_connect(f"{route}/jog", headers=LOCAL) as socket:
+        socket.send_json({"do": "run", "axis": 3, "speed_steps_per_s": 100})
+        assert socket.receive_json()["errors"][0]["field"] == "axis"
+
+
 def test_a_run_of_a_program_outlives_a_page(client: TestClient, route: str) -> None:
     client.post(f"{route}/run", json={"speed_steps_per_s": 300, "for_s": 3600})
     with client.websocket_connect(f"{DEVICES}/events?page=one", headers=LOCAL) as socket:
@@ -365,6 +409,8 @@ def test_a_run_comes_to_rest_within_soft_limits(client: TestClient, route: str) 
         ({}, "axes"),
         ({"axes": []}, "axes"),
         ({"axes": [{"axis": 4}]}, "axes.0.axis"),
+        ({"axes": [{"axis": 0}, {"axis": 2, "highest_steps": 5}]}, "axes.1.axis"),
+        ({"axes": [{"axis": 0}, {"axis": 0, "highest_steps": 5}]}, "axes.1.axis"),
         ({"axes": [{"axis": 0, "lowest_steps": 5, "highest_steps": 4}]}, "axes.0.highest_steps"),
         ({"axes": [{"axis": 0, "lowest_steps": "none"}]}, "axes.0.lowest_steps"),
     ],

@@ -161,8 +161,11 @@ class Controller(Protocol):
     def trace(self) -> Callable[[], Trace] | None:
         """What works out the trace of the last move that was traced, in any thread; None before there was one."""
 
-    def connect(self) -> None:
-        """Shake hands with a controller that may just have been reset; Refused when it is of another kind."""
+    def connect(self, greeted: Callable[[], None] = lambda: None) -> None:
+        """Shake hands with a controller that may just have been reset; Refused when it is of another kind.
+
+        greeted: called as soon as it can be told to stop; what it has is still to be learnt then.
+        """
 
     def disconnect(self) -> None:
         """Say that nobody listens any more."""

@@ -63,11 +63,14 @@ class Conversation:
     def begin(self) -> HelloReply:
         """Shake hands: drop what a reset left on the line, then say hello until it is answered.
 
+        Later once more: in the same session, so that the controller knows what more urgent calls say meanwhile.
         Raises DeviceLost when nothing answers or what talks there is no StepRamp controller, Refused when another
         protocol version does.
         """
-        self._session = 1 + secrets.randbelow(0xFFFF)
-        self._tag = 0
+        if self._session:
+            self._tag = (self._tag + 1) % 256
+        else:
+            self._session = 1 + secrets.randbelow(0xFFFF)
         message = Message(HelloRequest.KIND, self._session, self._tag, HelloRequest().pack())
         began = monotonic()
         while monotonic() < began + MOST_GARBAGE_S and (garbage := self._port.read(GARBAGE_S)):

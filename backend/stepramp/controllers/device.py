@@ -9,7 +9,6 @@ from time import monotonic
 from typing import TypeVar
 
 from stepramp.controllers.controller import (
-    AnswerUnknown,
     Asked,
     Controller,
     ControllerStatus,
@@ -17,17 +16,29 @@ from stepramp.controllers.controller import (
     PushPreview,
     PushReport,
 )
-from stepramp.controllers.device_view import UNDER_WAY, AxisView, DeviceState, DeviceView
+from stepramp.controllers.device_view import UNDER_WAY, DeviceState, DeviceView
 from stepramp.controllers.leases import Lease, Leases
+from stepramp.controllers.limit_checks import (
+    refuse_absent,
+    refuse_limited,
+    refuse_outward,
+    refuse_running,
+    refuse_targets,
+    refuse_there_and_back,
+    too_near,
+)
+from stepramp.controllers.owed_stops import OwedStops
+from stepramp.controllers.permit import Permit
 from stepramp.controllers.progress import Progress, PushStage
 from stepramp.controllers.settings import Settings
+from stepramp.controllers.shared_attempt import SharedAttempt
 from stepramp.controllers.shuttle import Shuttle
-from stepramp.controllers.soft_limits import FREE, Span, comes_too_near, out_of_limits, refuse_beyond
+from stepramp.controllers.soft_limits import Span
 from stepramp.controllers.stepramp_controller import StepRampController
-from stepramp.controllers.stops import Order, Overtaken, Stops
+from stepramp.controllers.stops import Order, Stops
 from stepramp.controllers.trace import Trace
 from stepramp.design import Design
-from stepramp.errors import DeviceLost, Refused, Rejected, Rejection, StepRampError
+from stepramp.errors import DeviceLost, Refused, Rejected, StepRampError
 from stepramp.link.ports import Port, find_again, known_port, port_name
 from stepramp.link.serial_port import SerialPort
 from stepramp.link.worker import Worker
@@ -50,19 +61,31 @@ SendPush = Callable[[], PushReport]
 class Device:
     """One controller at one port. Its worker owns the port; all calls here may come from any thread.
 
-    known: its port. order: of all that is asked and stopped. changed: called from any thread after each change of the
-    view.
+    known: its port. order: of all that is asked and stopped. stops_of_all: stops that are for each device. owed: stops
+    that no controller has granted yet. changed: called from any thread after each change of the view.
 
     What sets motors moving takes `asked`: when it was asked for, in that order; None: now. It is refused when a stop
     came after that.
     """
 
-    def __init__(self, device_id: str, known: Port, order: Order, changed: Callable[[], None]) -> None:
+    def __init__(
+        self,
+        device_id: str,
+        known: Port,
+        order: Order,
+        stops_of_all: Stops,
+        owed: OwedStops,
+        changed: Callable[[], None],
+    ) -> None:
         self._changed = changed
         self._order = order
-        self._stops = Stops(order)
+        self._stops = Stops(order, stops_of_all)
+        self._owed = owed
+        # It may be found at another port later, and yet owes what it owed.
+        self._owes_at = known.port
         self._lock = threading.Lock()
         self._connecting = threading.Lock()
+        self._attempt = SharedAttempt(self._connect_unless_done)
         self._view = DeviceView(device_id, known.port, known.name, stops=self._stops.last)
         self._port: SerialPort | None = None
         self._controller: Controller | None = None
@@ -70,15 +93,13 @@ class Device:
         self._known_port = known
         self._let_go = False
         self._ended = False
-        self._owes_stop = False
         self._leases = Leases()
         # From here on: of the worker's thread.
         self._pushing = False
-        self._permit: int | None = None
+        self._permit = Permit(self._stops)
         self._asked_s = 0.0
         self._is_view_old = False
-        self._may_have_set_out = False
-        self._has_sent = False
+        self._is_ending_runs = False
 
     @property
     def view(self) -> DeviceView:
@@ -94,13 +115,10 @@ class Device:
     def connect(self) -> None:
         """Open the port and shake hands, unless that is done already; nothing moves.
 
-        Raises Rejected for an address that is no port, Refused for a controller of another kind, DeviceLost when none
-        answers.
+        Whoever asks for it meanwhile gets what comes of it. Raises Rejected for an address that is no port, Refused for
+        a controller of another kind, DeviceLost when none answers.
         """
-        with self._connecting:
-            self._let_go = False
-            if not self.connected:
-                self._connect(self.view.port)
+        self._attempt()
 
     def reconnect(self) -> bool:
         """Connect again if what was lost is back, at its port or, known by its serial number, at another.
@@ -120,7 +138,7 @@ class Device:
         with self._connecting:
             if self.connected:
                 with suppress(DeviceLost):
-                    self._ask(self._end_at_rest)
+                    self._ask(lambda _: self._end_at_rest())
             self._let_go = True
             self._close()
 
@@ -158,7 +176,7 @@ class Device:
 
     def preview_push(self, designs: Sequence[Design], first_axis: int | None = None) -> PushPreview:
         """Return what a push would change, without the port; see Controller."""
-        return self._controller_now().preview_push(designs, first_axis)
+        return self._ready()[0].preview_push(designs, first_axis)
 
     def push(
         self,
@@ -171,73 +189,72 @@ class Device:
 
         planned: does the planning, which computes a lot, where and when it may be done.
         """
-        controller, _ = self._ready()
+        connection = controller, worker = self._ready()
         if self.view.state in UNDER_WAY:
             raise Refused("The motor moves: stop it first.")
         self._change(lambda view: replace(view, progress=Progress(PushStage.PLANNING, 0, 0)))
         try:
             send = planned(lambda: controller.prepare_push(designs, first_axis, mode))
-            return self._ask(lambda: self._push(send))
+            if self._ready() != connection:
+                raise Refused("The device was lost and connected again in the meantime: push again.")
+            return worker.call(lambda: self._push(send))
         finally:
             self._change(lambda view: replace(view, progress=None))
 
     def keep(self) -> None:
         """Store the ramps and settings in use; see Controller."""
-        self._write(self._controller_now().keep)
+        self._write(lambda controller: controller.keep())
 
     def roll_back(self) -> None:
         """Use the stored ramps and settings again; see Controller."""
-        self._write(self._controller_now().roll_back)
+        self._write(lambda controller: controller.roll_back())
 
     def restore(self) -> None:
         """Make the ramps and settings that were stored before the stored ones; see Controller."""
-        self._write(self._controller_now().restore)
+        self._write(lambda controller: controller.restore())
 
     def settings(self) -> Settings:
         """Ask for the settings in use."""
-        return self._ask(self._controller_now().settings)
+        return self._ask(lambda controller: controller.settings())
 
     def use_settings(self, settings: Settings) -> None:
         """Use other settings until a roll back or a reset; see Controller."""
-        controller = self._controller_now()
-        self._write(lambda: controller.use_settings(settings))
+        self._write(lambda controller: controller.use_settings(settings))
 
     def limit(self, spans: Mapping[int, Span]) -> None:
         """Keep these axes within soft limits from now on, the others within theirs; Refused while the motor moves."""
 
-        def limit() -> None:
+        def limit(_: Controller) -> None:
             self._refuse_under_way()
+            refuse_absent(self.view, spans)
             self._change(lambda view: view.limited(spans))
 
         self._ask(limit)
 
     def move_by(self, steps: Sequence[Asked], asked: int | None = None) -> None:
         """Begin to move axes by so many steps; see Controller. Rejected also when they lead beyond soft limits."""
-        controller = self._controller_now()
 
-        def begin() -> None:
-            self._refuse_running(steps)
-            refuse_beyond(self.view.soft_limits, steps, self._targets(), relative=True)
+        def begin(controller: Controller) -> None:
+            refuse_running(self.view, self._leases.speeds, steps)
+            refuse_targets(self.view, steps, relative=True)
             controller.move_by(steps)
 
         self._set_out(_axes_of(steps), begin, asked)
 
     def move_to(self, positions: Sequence[Asked], asked: int | None = None) -> None:
         """Begin to move axes to positions [steps]; see Controller. Rejected also when they lie beyond soft limits."""
-        controller = self._controller_now()
 
-        def begin() -> None:
-            refuse_beyond(self.view.soft_limits, positions, self._targets(), relative=False)
+        def begin(controller: Controller) -> None:
+            refuse_targets(self.view, positions, relative=False)
             controller.move_to(positions)
 
         self._set_out(_axes_of(positions), begin, asked)
 
     def line(self, steps: Sequence[Asked], ramp_axis: int | None = None, asked: int | None = None) -> None:
         """Begin to move axes along a straight line; see Controller. Rejected also when it leads beyond soft limits."""
-        controller = self._controller_now()
 
-        def begin() -> None:
-            refuse_beyond(self.view.soft_limits, steps, self._targets(), relative=True)
+        def begin(controller: Controller) -> None:
+            refuse_targets(self.view, steps, relative=True)
             controller.line(steps, ramp_axis)
 
         self._set_out(_axes_of(steps), begin, asked)
@@ -247,14 +264,12 @@ class Device:
 
         Rejected also for a speed that leads out of soft limits, Refused when the lease ran out before it came to that.
         """
-        controller = self._controller_now()
 
-        def begin() -> None:
-            if lease.page is not None:
-                self.refuse_others(lease.page)
-            if not lease.holds_with(self.view.in_control):
-                raise Refused("It was let go before it began, or its page is gone; nothing moved.")
-            self._refuse_outward(controller, speeds)
+        def begin(controller: Controller) -> None:
+            self._refuse_without(lease.page)
+            if not lease.holds:
+                raise Refused("It was let go before it began; nothing moved.")
+            refuse_outward(self.view, speeds, controller.steps_to_rest)
             controller.run(speeds)
 
         self._set_out(_axes_of(speeds), begin, asked, lease)
@@ -271,39 +286,37 @@ class Device:
 
         way: how far, with what rejections call it. Raises as move_by.
         """
-        controller = self._controller_now()
         shuttle = replace(shuttle, asked=self._now() if asked is None else asked)
 
-        def begin() -> None:
+        def begin(controller: Controller) -> None:
+            self._refuse_without(shuttle.page)
             self._refuse_under_way()
-            refuse_beyond(self.view.soft_limits, [way], self._targets(), relative=True)
-            back = {axis: target + int(way.value) for axis, target in self._targets().items()}
-            refuse_beyond(self.view.soft_limits, [replace(way, value=-way.value)], back, relative=True)
+            refuse_there_and_back(self.view, way)
             controller.move_by([way])
 
         self._set_out([shuttle.axis], begin, shuttle.asked, then=lambda: self._show_leg(shuttle))
 
     def set_position(self, positions: Sequence[Asked]) -> None:
         """Call the places where axes are these positions [steps]; see Controller."""
-        controller = self._controller_now()
         axes = _axes_of(positions)
-        self._ask(lambda: self._newly(axes, lambda: controller.set_position(positions)))
-        self._change(lambda view: view.with_known_positions(axes))
+
+        def set_position(controller: Controller) -> None:
+            self._newly(axes, lambda: controller.set_position(positions), then=lambda: self._know_positions(axes))
+
+        self._ask(set_position)
 
     def zero(self, axes: Collection[int], steps: int, asked: int | None = None) -> None:
         """Call the places where axes are so many steps and move them to 0; see Controller."""
-        controller = self._controller_now()
-        limited = sorted(set(axes) & set(self.view.soft_limits))
-        if limited:
-            allowed = "axes without soft limits: to zero is to run against a stop, wherever that is"
-            raise Rejected([Rejection("axes", axis, allowed) for axis in limited])
-        self._set_out(axes, lambda: controller.zero(axes, steps), asked)
-        self._change(lambda view: view.with_known_positions(axes))
+
+        def begin(controller: Controller) -> None:
+            refuse_limited(self.view, axes)
+            controller.zero(axes, steps)
+
+        self._set_out(axes, begin, asked, then=lambda: self._know_positions(axes))
 
     def trace_moves(self, axis: int | None, every_steps: int) -> int:
         """Trace every so many-th step of each move of an axis from now on; see Controller."""
-        controller = self._controller_now()
-        return self._ask(lambda: controller.trace_moves(axis, every_steps))
+        return self._ask(lambda controller: controller.trace_moves(axis, every_steps))
 
     def trace(self) -> Trace:
         """Return the trace of the last move that was traced, as far as it is known; Refused before there was one."""
@@ -317,50 +330,55 @@ class Device:
         """Let nothing move while a stop is being answered, nor afterwards what was asked until then."""
         try:
             with self._stops.unanswered():
-                self._show_stops()
+                self.show_stops()
                 yield
         finally:
-            self._show_stops()
+            self.show_stops()
 
     def stop(self, axes: Collection[int] | None = None) -> "Future[None]":
         """Slow axes, or all, down with the ramp, before anything else that was asked for; return the result to come.
 
-        What was asked before moves nothing any more. A device that is not connected is stopped as soon as it is: of
-        that, Refused and DeviceLost tell.
+        What was asked before moves nothing any more. Until it is granted it is owed: a device that is not connected, or
+        turns out to be lost, is stopped as soon as it is there again. Of that, Refused and DeviceLost tell.
         """
+        owed = self._owe_stop()
         controller, worker = self._ready_to_stop()
-        return worker.call_urgently(lambda: self._stop(axes, controller.stop))
+        return worker.call_urgently(lambda: self._stop(axes, controller.stop, owed))
 
     def halt(self, axes: Collection[int] | None = None) -> "Future[None]":
         """Make no further step, before anything else that was asked for; else as stop."""
+        owed = self._owe_stop()
         controller, worker = self._ready_to_stop()
-        return worker.call_urgently(lambda: self._halt(axes, controller))
+        return worker.call_urgently(lambda: self._halt(axes, controller, owed))
+
+    def show_stops(self) -> None:
+        """Tell the number of the last stop."""
+        self._change(lambda view: replace(view, stops=self._stops.last))
 
     def _now(self) -> int:
         return self._order.next()
 
-    def _ready_to_stop(self) -> tuple[Controller, Worker]:
+    def _owe_stop(self) -> int:
+        owed = self._owed.owe(self._owes_at)
         self._stops.note()
-        self._show_stops()
-        with self._lock:
-            # While nobody is connected its motor may move: a board with a supply of its own goes on without us.
-            self._owes_stop = self._controller is None or self._view.state is DeviceState.LOST
-        return self._ready()
-
-    def _show_stops(self) -> None:
-        self._change(lambda view: replace(view, stops=self._stops.last))
+        self.show_stops()
+        return owed
 
     def _set_out(
         self,
         axes: Collection[int],
-        begin: Callable[[], None],
+        begin: Callable[[Controller], None],
         asked: int | None,
         lease: Lease | None = None,
         then: Callable[[], None] = lambda: None,
     ) -> None:
         """Have the worker set axes in motion, if no stop has come since it was asked for."""
         at = self._now() if asked is None else asked
-        self._ask(lambda: self._newly(axes, lambda: self._permitted(axes, at, begin), lease, then))
+
+        def set_out(controller: Controller) -> None:
+            self._newly(axes, lambda: self._permitted(axes, at, lambda: begin(controller)), lease, then)
+
+        self._ask(set_out)
 
     def _ready(self) -> tuple[Controller, Worker]:
         """Return controller and worker; raises when there are none to be asked."""
@@ -368,19 +386,23 @@ class Device:
             view, controller, worker = self._view, self._controller, self._worker
         if view.state is DeviceState.LOST:
             raise DeviceLost(view.message or f"Port {view.port} is not connected.")
-        if controller is None or worker is None:
+        if controller is None or worker is None or view.state is DeviceState.CONNECTING:
             raise Refused(f"{view.name} is still being connected.")
         return controller, worker
 
-    def _controller_now(self) -> Controller:
-        return self._ready()[0]
+    def _ready_to_stop(self) -> tuple[Controller, Worker]:
+        """Return as _ready does, also while what the controller has is still being read."""
+        with self._lock:
+            controller, worker = self._controller, self._worker
+        return self._ready() if controller is None or worker is None else (controller, worker)
 
-    def _write(self, job: Callable[[], None]) -> None:
-        self._ask(lambda: self._while_writing(job))
+    def _write(self, job: Callable[[Controller], None]) -> None:
+        self._ask(lambda controller: self._while_writing(lambda: job(controller)))
 
-    def _ask(self, job: Callable[[], T]) -> T:
-        _, worker = self._ready()
-        return worker.call(job)
+    def _ask(self, job: Callable[[Controller], T]) -> T:
+        """Have the worker do a job with its controller: over this connection, or not at all."""
+        controller, worker = self._ready()
+        return worker.call(lambda: job(controller))
 
     def _connect(self, port: str) -> None:
         name = port_name(port)
@@ -396,6 +418,12 @@ class Device:
             self._change(lambda view: view.at_a_loss(reason))
             raise
         self._known_port = known_port(port)
+
+    def _connect_unless_done(self) -> None:
+        with self._connecting:
+            self._let_go = False
+            if not self.connected:
+                self._connect(self.view.port)
 
     def _close(self) -> None:
         if self._worker is not None:
@@ -414,16 +442,9 @@ class Device:
 
     def _open(self) -> None:
         assert self._worker is not None
-        self._permit = None
-        self._port = SerialPort(self.view.port, self._refuse_overtaken)
-        controller = StepRampController(self._port, self._worker.give_way, self._note_progress)
-        controller.connect()
-        with self._lock:
-            # From here on a stop comes to the controller by itself.
-            self._controller = controller
-            owes_stop, self._owes_stop = self._owes_stop, False
-        if owes_stop:
-            controller.stop()
+        self._port = SerialPort(self.view.port, self._permit.check)
+        controller = StepRampController(self._port, self._give_way, self._note_progress)
+        controller.connect(lambda: self._begin_with_stop(controller))
         status = controller.status()
         with self._lock:
             self._view = replace(
@@ -431,8 +452,16 @@ class Device:
             )
         self._show(status)
 
+    def _begin_with_stop(self, controller: Controller) -> None:
+        """Let stops come to the controller from here on, and first of all tell it that which is owed."""
+        with self._lock:
+            self._controller = controller
+        owed = self._owed.newest(self._owes_at)
+        if owed is not None:
+            self._stop(None, controller.stop, owed)
+
     def _poll(self) -> float:
-        if self._controller is None:
+        if self._controller is None or self.view.state is DeviceState.CONNECTING:
             return IDLE_POLL_S
         self._let_runs_end()
         under_way, heard_s = self.view.state in UNDER_WAY, self.view.heard_s
@@ -460,7 +489,7 @@ class Device:
         assert self._controller is not None
         self._asked_s = monotonic()
         status = self._controller.status()
-        self._is_view_old = self._may_have_set_out = False
+        self._is_view_old = False
         self._show(status)
 
     def _show(self, status: ControllerStatus) -> None:
@@ -474,35 +503,23 @@ class Device:
 
         self._change(shown)
 
-    def _trace(self) -> Callable[[], Trace] | None:
-        assert self._controller is not None
-        heard = self._controller.listen()
+    def _trace(self, controller: Controller) -> Callable[[], Trace] | None:
+        heard = controller.listen()
         if heard is not None:
             self._show(heard)
-        return self._controller.trace
-
-    def _refuse_overtaken(self) -> None:
-        """Refused, at the last instant before bytes go out, when they set out what a stop came after."""
-        if self._permit is not None:
-            self._stops.refuse_overtaken(self._permit)
-            self._has_sent = True
+        return controller.trace
 
     def _permitted(self, axes: Collection[int], asked: int, begin: Callable[[], None]) -> None:
         """Set axes in motion for what was asked then."""
-        self._permit, self._may_have_set_out, self._has_sent = asked, True, False
         try:
-            # Refused here too: what the controller is asked first, as its state, may not have to be sent.
-            self._refuse_overtaken()
-            begin()
-        except (Overtaken, AnswerUnknown):
-            self._permit = None
-            if self._has_sent:
-                # It may have set out, and a stop of other axes doesn't end it: what is refused must not move.
+            with self._permit.given(asked):
+                begin()
+        except Exception as error:
+            if self._permit.may_have_set_out(error):
+                # A stop of other axes doesn't end it: what is refused must not move.
                 assert self._controller is not None
-                self._stop(axes, self._controller.stop)
+                self._stop(axes, self._controller.stop, self._owed.owe(self._owes_at))
             raise
-        finally:
-            self._permit = None
 
     def _newly(
         self,
@@ -515,47 +532,68 @@ class Device:
         if self.view.soft_limits and self.view.state in UNDER_WAY:
             # What is asked counts from where the axes would come to rest, not from where they were last heard.
             self._refresh()
-        job()
-        self._leases.drop(axes)
-        if lease is not None:
-            self._leases.take(lease)
-        self._change(lambda view: replace(view, shuttle=None))
-        self._refresh()
+        with self._permit.setting_out():
+            job()
+            self._leases.drop(axes)
+            if lease is not None:
+                self._leases.take(lease)
+            self._change(lambda view: replace(view, shuttle=None))
+            self._refresh()
         then()
 
-    def _halt(self, axes: Collection[int] | None, controller: Controller) -> None:
+    def _halt(self, axes: Collection[int] | None, controller: Controller, owed: int) -> None:
         """Halt axes, and look where that was."""
-        self._stop(axes, controller.halt)
+        self._stop(axes, controller.halt, owed)
         if self._is_view_old:
             self._refresh()
 
-    def _stop(self, axes: Collection[int] | None, send: Callable[[Collection[int] | None], None]) -> None:
-        """Stop axes, also in the midst of what sets some in motion. Where they come to rest is looked at afterwards."""
-        overtaken, self._permit = self._permit, None
-        try:
+    def _stop(
+        self, axes: Collection[int] | None, send: Callable[[Collection[int] | None], None], owed: int | None = None
+    ) -> None:
+        """Stop axes, also in the midst of what sets some in motion. Where they come to rest is looked at afterwards.
+
+        owed: the number of the stop that is owed until it is granted.
+        """
+        if axes is not None and not set(axes) <= {axis.axis for axis in self.view.axes}:
+            axes = None  # Whoever names an axis that isn't there means something else than we know: all stop.
+        with self._permit.set_aside():
             send(axes)
+            if owed is not None:
+                self._owed.settle(self._owes_at, owed, of_all_axes=axes is None)
             self._leases.drop(axes)
             self._is_view_old = self.view.state in UNDER_WAY
             self._change(lambda view: replace(view.stopping(axes), shuttle=None))
-            if self._may_have_set_out:
+            if self._permit.is_unseen:
                 self._refresh()
-        finally:
-            self._permit = overtaken
+
+    def _give_way(self, pause_s: float = 0.0) -> None:
+        """Let calls through that are more urgent, and what mustn't wait until a request has been answered."""
+        assert self._worker is not None
+        if not self._is_ending_runs and self._runs_to_end():
+            with suppress(StepRampError):
+                self._worker.call_urgently(self._let_runs_end, overtakes=False)
+        self._worker.give_way(pause_s)
 
     def _let_runs_end(self) -> None:
-        """Slow down what runs on a lease that has run out, or comes too near a soft limit."""
-        axes = sorted({*self._leases.run_out(self.view.in_control), *self._near_limits()})
-        if axes:
-            assert self._controller is not None
-            self._stop(axes, self._controller.stop)
-
-    def _near_limits(self) -> Iterator[int]:
+        """Slow down what may run no longer."""
+        axes = self._runs_to_end()
+        if not axes:
+            return
         assert self._controller is not None
-        view, speeds = self.view, self._leases.speeds
-        for axis in view.axes:
-            span = view.soft_limits.get(axis.axis)
-            if span is not None and axis.axis in speeds and self._is_near(self._controller, axis, speeds[axis.axis]):
-                yield axis.axis
+        self._is_ending_runs = True
+        try:
+            self._stop(axes, self._controller.stop)
+        finally:
+            self._is_ending_runs = False
+
+    def _runs_to_end(self) -> list[int]:
+        """Return the axes whose lease has run out, that come too near a soft limit, or whose page is gone."""
+        if self._controller is None:
+            return []
+        view = self.view
+        near = too_near(view, self._leases.speeds, self._controller.steps_to_rest)
+        left = [view.shuttle.axis] if view.shuttle and view.shuttle.page not in (None, view.in_control) else []
+        return sorted({*self._leases.run_out(view.in_control), *near, *left})
 
     def _go_on_to_and_fro(self) -> None:
         """Set out on the next way there or back once the pause is over; it ends when it rests elsewhere."""
@@ -576,13 +614,15 @@ class Device:
         assert controller is not None
         way = Asked(shuttle.axis, shuttle.next_by_steps, "by_steps")
         try:
-            refuse_beyond(self.view.soft_limits, [way], self._targets(), relative=True)
-            self._permitted([shuttle.axis], shuttle.asked, lambda: controller.move_by([way]))
+            self._refuse_without(shuttle.page)
+            refuse_targets(self.view, [way], relative=True)
+            with self._permit.setting_out():
+                self._permitted([shuttle.axis], shuttle.asked, lambda: controller.move_by([way]))
+                self._refresh()
         except (Refused, Rejected):
             # A stop came, or somebody else at the controller, such as its own sketch, has begun something: it is over.
             self._change(lambda view: replace(view, shuttle=None))
             return
-        self._refresh()
         self._show_leg(shuttle)
 
     def _show_leg(self, shuttle: Shuttle) -> None:
@@ -594,32 +634,15 @@ class Device:
     def _axis_target(self, axis: int) -> int:
         return self.view.axes[axis].target_steps
 
-    def _targets(self) -> dict[int, int]:
-        return {each.axis: each.target_steps for each in self.view.axes}
+    def _refuse_without(self, page: str | None) -> None:
+        """Refused for what ends with a page, when that is not in control."""
+        if page is not None:
+            self.refuse_others(page)
+            if self.view.in_control != page:
+                raise Refused("Nothing moved: its page is gone.")
 
-    def _is_near(self, controller: Controller, axis: AxisView, speed_steps_per_s: float) -> bool:
-        """Tell whether an axis can't be kept within its soft limits when it runs at a speed, negative for backwards."""
-        fastest = max(axis.speed_steps_per_s, abs(speed_steps_per_s))
-        velocity = fastest if speed_steps_per_s > 0 else -fastest
-        span = self.view.soft_limits.get(axis.axis, FREE)
-        return comes_too_near(span, axis.position_steps, velocity, controller.steps_to_rest(axis.axis, fastest))
-
-    def _refuse_outward(self, controller: Controller, speeds: Sequence[Asked]) -> None:
-        """Reject speeds with which axes can't be kept within their soft limits."""
-        limited = {axis.axis: axis for axis in self.view.axes if axis.axis in self.view.soft_limits}
-        near = [
-            each
-            for each in speeds
-            if each.value and each.axis in limited and self._is_near(controller, limited[each.axis], each.value)
-        ]
-        if near:
-            raise Rejected([out_of_limits(each, self.view.soft_limits[each.axis]) for each in near])
-
-    def _refuse_running(self, steps: Sequence[Asked]) -> None:
-        """Refused for axes that run and have soft limits: where they are when the controller hears it isn't known."""
-        for each in steps:
-            if each.axis in self._leases.speeds and each.axis in self.view.soft_limits:
-                raise Refused(f"Axis {each.axis} runs, and has soft limits: say a position, or stop it first.")
+    def _know_positions(self, axes: Collection[int]) -> None:
+        self._change(lambda view: view.with_known_positions(axes))
 
     def _note_progress(self, progress: Progress) -> None:
         if self._pushing:

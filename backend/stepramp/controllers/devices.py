@@ -5,12 +5,13 @@ import threading
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import contextmanager, suppress
 
 from stepramp.controllers.device import Device
 from stepramp.controllers.device_view import DeviceState, DeviceView
+from stepramp.controllers.owed_stops import OwedStops
 from stepramp.controllers.returning import Returning
-from stepramp.controllers.stops import Order
+from stepramp.controllers.stops import Order, Stops
 from stepramp.controllers.virtual import VirtualController
 from stepramp.errors import NotFound, Refused, StepRampError, shown
 from stepramp.link import protocol_sim
@@ -34,6 +35,8 @@ class Devices:
             protocol_sim.register(VIRTUAL_PORT, VirtualController())
         self.order = Order()
         """Of all that is asked of devices, and of their stops."""
+        self._stops = Stops(self.order)
+        self._owed = OwedStops(self.order)
         self._lock = threading.Lock()
         self._devices: dict[str, Device] = {}
         self._listeners: list[Listener] = []
@@ -130,11 +133,16 @@ class Devices:
 
     @contextmanager
     def being_stopped(self) -> Iterator[None]:
-        """Let no device move while a stop of all is being answered, nor afterwards what was asked until then."""
-        with ExitStack() as stack:
-            for device in self._all():
-                stack.enter_context(device.being_stopped())
-            yield
+        """Let no device move while a stop of all is being answered, nor afterwards what was asked until then.
+
+        It holds for devices, too, that are connected meanwhile.
+        """
+        try:
+            with self._stops.unanswered():
+                self._show_stops()
+                yield
+        finally:
+            self._show_stops()
 
     def begin_to_stop(self) -> list[Future[None]]:
         """Have every device stop, and return the results to come of those that can be asked; see Device.stop."""
@@ -169,6 +177,10 @@ class Devices:
             with self._lock:
                 self._listeners.remove(listener)
 
+    def _show_stops(self) -> None:
+        for device in self._all():
+            device.show_stops()
+
     def _all(self) -> list[Device]:
         with self._lock:
             return list(self._devices.values())
@@ -192,7 +204,8 @@ class Devices:
                 raise Refused("StepRamp is ending: nothing is connected any more.")
             self._last_id += 1
             device_id = str(self._last_id)
-            device = self._devices[device_id] = Device(device_id, known, self.order, self._tell)
+            device = Device(device_id, known, self.order, self._stops, self._owed, self._tell)
+            self._devices[device_id] = device
         self._tell()
         return device, True
 

@@ -1,6 +1,6 @@
 """What is checked of a motion before it is asked for: axes, ranges, and what the controller's processor can serve."""
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 
 from stepramp.controllers.controller import Asked, values_of
 from stepramp.controllers.course import Ways
@@ -25,7 +25,7 @@ class MotionChecks:
         self.ways: list[Ways] = []
         """Of each axis."""
         self.running: dict[int, int] = {}
-        """Intervals of the axes that were last asked to run at a speed [ticks]."""
+        """Intervals of the axes that run at a speed, or slow down from it [ticks]."""
         self._limits: SpeedLimits | None = None
         self._image: RampImage | None = None
         self._longest_ticks = 0
@@ -78,6 +78,11 @@ class MotionChecks:
                 )
                 raise Rejected([Rejection(each.field, each.value, allowed)])
         return {axis: interval_ticks(speed, self._timer_hz) for axis, speed in values_of(speeds).items()}
+
+    def run_no_more(self, axes: Iterable[int]) -> None:
+        """Note that axes are at rest, or on their way to a target."""
+        for axis in axes:
+            self.running.pop(axis, None)
 
     def slew_intervals(self, axes: Collection[int]) -> dict[int, int]:
         """Return the shortest intervals of axes' ramps [ticks]."""
@@ -144,7 +149,7 @@ def _axis_field(field: str) -> str:
     """Return what a rejection calls the axis next to a value."""
     if "." in field:
         return field.rpartition(".")[0] + ".axis"
-    return field if field.endswith("axis") else "axes"
+    return field if field in ("axes", "traced_axis") else "axis"
 
 
 def _rejecting(asked: Sequence[Asked], going: Mapping[int, int]) -> Rejecting:

@@ -7,9 +7,9 @@ from stepramp.controllers.controller import Asked
 from stepramp.design import MOST_STEPS
 from stepramp.errors import Rejected, Rejection
 
-REACTION_S = 0.3
-"""What may pass until a run that comes near a limit is slowed down [s]: a report comes every 0.02 s, but a trace
-that is waited for takes 0.2 s."""
+REACTION_S = 0.5
+"""What may pass until a run that comes near a limit is slowed down [s]: while a request isn't answered it is looked
+every 0.2 s, and the stop itself may have to be repeated once, after 0.2 s."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ def out_of_limits(asked: Asked, span: Span) -> Rejection:
     return Rejection(asked.field, asked.value, allowed)
 
 
-def comes_too_near(span: Span, position_steps: int, velocity_steps_per_s: float, steps_to_rest: int) -> bool:
+def comes_too_near(span: Span, position_steps: float, velocity_steps_per_s: float, steps_to_rest: int) -> bool:
     """Tell whether an axis that runs comes to rest beyond its soft limits, unless it slows down now.
 
     velocity_steps_per_s: with its sign. steps_to_rest: what slowing down takes.

@@ -120,9 +120,13 @@ class StepRampController:
         """What works out the trace of the last move that was traced; see Controller."""
         return self._tracing.trace
 
-    def connect(self) -> None:
-        """Shake hands, and learn which settings and ramps are in use; nothing moves."""
+    def connect(self, greeted: Callable[[], None] = lambda: None) -> None:
+        """Shake hands, and learn which settings and ramps are in use; nothing moves.
+
+        greeted: called in between: a stop need not wait until all is learnt.
+        """
         self._hello = self._conversation.begin()
+        greeted()
         self._use_settings(self.settings())
         self._learn_image(RampInUse(self._hello.ramp_in_use))
         self._conversation.ask(ReportRequest(MOST_REPORTS_HZ), DoneReply)
@@ -138,6 +142,7 @@ class StepRampController:
         self._take_notices()
         first = replies[0]
         axes = tuple(self._axis_status(axis, reply) for axis, reply in enumerate(replies))
+        self._checks.run_no_more(axis.axis for axis in axes if axis.activity is Activity.READY)
         status = ControllerStatus(
             activity=Activity.WRITING if first.state == MachineState.WRITING else _activity_of(axes),
             axes=axes,
@@ -273,6 +278,7 @@ class StepRampController:
         ordered = tuple(values[each] for each in sorted(values))
         self._tracing.prepare(values, self._hear)
         self._conversation.ask(LineRequest(mask_of(values), axis, ordered), TargetsReply, rejected)
+        self._checks.run_no_more(values)
         self._tracing.goes_along_a_line(values, self._checks.ways[axis], self.timer_hz)
 
     def set_position(self, positions: Sequence[Asked]) -> None:
@@ -283,12 +289,13 @@ class StepRampController:
 
     def zero(self, axes: Collection[int], steps: int) -> None:
         """Call the places where axes are so many steps and move them to 0."""
-        asked = [Asked(axis, steps, "axes") for axis in axes]
-        values = self._checks.whole_values(asked)
-        rejected = self._checks.unless_too_fast(self._moving, asked, self._checks.slew_intervals(values))
-        self._tracing.prepare(values, self._hear)
-        self._conversation.ask(ZeroRequest(mask_of(values), steps), DoneReply, rejected)
-        self._tracing.moves(dict.fromkeys(values, -steps), self._checks.ways, self.timer_hz)
+        asked = [Asked(axis, axis, "axes") for axis in axes]
+        self._checks.known_axes(asked)
+        rejected = self._checks.unless_too_fast(self._moving, asked, self._checks.slew_intervals(axes))
+        self._tracing.prepare(axes, self._hear)
+        self._conversation.ask(ZeroRequest(mask_of(axes), steps), DoneReply, rejected)
+        self._checks.run_no_more(axes)
+        self._tracing.moves(dict.fromkeys(axes, -steps), self._checks.ways, self.timer_hz)
 
     def stop(self, axes: Collection[int] | None = None) -> None:
         """Begin to slow down with the ramp."""
@@ -320,8 +327,7 @@ class StepRampController:
         if len(targets.targets_steps) != len(values):
             told = f"{len(targets.targets_steps)} targets for {len(values)} axes"
             raise DeviceLost(f"The controller at {self._port_name} gives answers without sense: {told}.")
-        for axis in values:
-            self._checks.running.pop(axis, None)
+        self._checks.run_no_more(values)
         reached = dict(zip(sorted(values), targets.targets_steps, strict=True))
         distances = {axis: reached[axis] - start for axis, start in starts.items()}
         self._tracing.moves(distances, self._checks.ways, self.timer_hz)

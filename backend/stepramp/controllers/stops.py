@@ -31,10 +31,14 @@ class Order:
 
 
 class Stops:
-    """The stops of one device, for any thread."""
+    """The stops of one device, or of all, for any thread.
 
-    def __init__(self, order: Order) -> None:
+    of_all: stops that hold for this device, too.
+    """
+
+    def __init__(self, order: Order, of_all: "Stops | None" = None) -> None:
         self._order = order
+        self._of_all = of_all
         self._lock = threading.Lock()
         # A stop of all that came before there was this device holds for it, too.
         self._last = order.next()
@@ -44,7 +48,8 @@ class Stops:
     def last(self) -> int:
         """Number of the last stop: it grows with each."""
         with self._lock:
-            return self._last
+            own = self._last
+        return own if self._of_all is None else max(own, self._of_all.last)
 
     def note(self) -> None:
         """Note a stop: what was asked before now moves nothing."""
@@ -73,7 +78,8 @@ class Stops:
     def have_overtaken(self, asked: int) -> bool:
         """Tell whether a stop came after what was asked then, or is still to be answered."""
         with self._lock:
-            return self._unanswered > 0 or asked < self._last
+            overtaken = self._unanswered > 0 or asked < self._last
+        return overtaken or (self._of_all is not None and self._of_all.have_overtaken(asked))
 
     def refuse_overtaken(self, asked: int) -> None:
         """Raise Overtaken when a stop came after what was asked then, or is still to be answered."""

@@ -15,6 +15,8 @@ from stepramp.controllers.course import Stretch, pulse_instants
 from stepramp.controllers.messages import TraceNotice
 from stepramp.units import us_from_ticks
 
+MOST_STEPS = 500_000
+"""So many steps of a trace are kept, the first ones: a run may last for days."""
 WRAP = 1 << 16
 """The timer counts up to this and begins again [ticks]."""
 
@@ -67,14 +69,14 @@ class TraceCollector:
         self.every_steps = every_steps
         self._plan: Callable[[], Plan] | None = None
         self._timer_hz = 0
-        self._complete = self._changed = False
+        self._has_ended = self._changed = self._is_full = False
         self._steps: list[int] = []
         self._values: list[int] = []
 
     @property
     def is_under_way(self) -> bool:
         """Whether the end of a move is still to be told."""
-        return self._plan is not None and not self._complete
+        return self._plan is not None and not self._has_ended
 
     def begin(self, plan: Callable[[], Plan], timer_hz: int) -> None:
         """Begin with a move that sets out from rest.
@@ -82,28 +84,30 @@ class TraceCollector:
         plan: works the plan out, which takes a while: it is called only when the trace is looked at.
         """
         self._plan, self._timer_hz = cache(plan), timer_hz
-        self._complete = self._changed = False
+        self._has_ended = self._changed = self._is_full = False
         self._steps, self._values = [], []
 
     def change(self) -> None:
         """Take no further steps of this move: they are no longer made as planned."""
-        if self._plan is not None and not self._complete:
+        if self._plan is not None and not self._has_ended:
             self._changed = True
 
     def take(self, notice: TraceNotice) -> None:
         """Take what the controller tells."""
-        if notice.axis != self.axis or self._plan is None or self._complete:
+        if notice.axis != self.axis or self._plan is None or self._has_ended:
             return
-        if not self._changed:
+        self._is_full = self._is_full or len(self._steps) + len(notice.values) > MOST_STEPS
+        if not self._changed and not self._is_full:
             self._steps += [notice.first_step + notice.every_steps * index for index in range(len(notice.values))]
             self._values += notice.values
-        self._complete = notice.is_last
+        self._has_ended = notice.is_last
 
     def trace(self) -> Callable[[], Trace] | None:
         """Return what works out the trace as far as it is known now, in any thread; None before a move was traced."""
         if self._plan is None:
             return None
-        known = (self.axis, self.every_steps, self._timer_hz, self._complete, self._changed)
+        complete = self._has_ended and not self._is_full
+        known = (self.axis, self.every_steps, self._timer_hz, complete, self._changed)
         return partial(_trace, self._plan, self._steps.copy(), self._values.copy(), *known)
 
 

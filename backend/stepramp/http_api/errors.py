@@ -97,13 +97,16 @@ def in_body(error: Rejected) -> Rejected:
     """Return the rejection of a design's field with the field's path in the request's body, where designs are."""
     return Rejected(
         [
-            Rejection(f"design.{each.field}", each.value, each.allowed)
-            if each.field.split(".")[0] in Design.model_fields
-            else each
+            Rejection(f"design.{each.field}", each.value, each.allowed) if _is_of_design(each.field) else each
             for each in error.rejections
         ],
         error.more,
     )
+
+
+def _is_of_design(field: str) -> bool:
+    """Tell whether a field is one of a design's: `axis` alone is the number of the axis that a request moves."""
+    return field != "axis" and field.partition(".")[0] in Design.model_fields
 
 
 def _methods_of(request: Request) -> list[str]:

@@ -39,9 +39,12 @@ def move(request: MoveRequest, device: Acting, asked: AskedNumber) -> DeviceAnsw
 
 @router.post("/devices/{device_id}/there_and_back")
 @ACTING.serves
-def there_and_back(request: ShuttleRequest, device: Acting, asked: AskedNumber) -> DeviceAnswer:
-    """Begin to go there and back, so many times, from rest. Whatever else is asked of axes ends it, as does a stop."""
-    device.go_there_and_back(request.shuttle, request.asked, asked)
+def there_and_back(request: ShuttleRequest, device: Acting, asked: AskedNumber, page: Page = None) -> DeviceAnswer:
+    """Begin to go there and back, so many times, from rest. Whatever else is asked of axes ends it, as does a stop.
+
+    What a page has begun ends with it, as a run does.
+    """
+    device.go_there_and_back(request.shuttle(page), request.asked, asked)
     return DeviceAnswer.model_validate(device.view)
 
 
@@ -89,7 +92,8 @@ def limit(request: SoftLimitsRequest, device: Acting) -> DeviceAnswer:
     """Keep axes within positions from now on; null takes a limit away. Nothing moves.
 
     The server keeps them, for this device, until it ends: what leads beyond is refused, and a run slows down in time.
-    Controllers know nothing of them.
+    Controllers know nothing of them. While `unknown_positions` names an axis, since its device was lost, it isn't known
+    where its limits are: nothing moves it until its position is set, or its limits are taken away.
     """
     device.limit(request.spans)
     return DeviceAnswer.model_validate(device.view)

@@ -87,10 +87,9 @@ class ShuttleRequest(Document):
             refuse("by_steps", 0, "a whole number of steps, but not 0")
         return self
 
-    @property
-    def shuttle(self) -> Shuttle:
-        """It, before it begins."""
-        return Shuttle(self.axis, self.by_steps, self.times, self.pause_s)
+    def shuttle(self, page: str | None) -> Shuttle:
+        """Return it before it begins, for whoever asks."""
+        return Shuttle(self.axis, self.by_steps, self.times, self.pause_s, page)
 
     @property
     def asked(self) -> Asked:
@@ -231,6 +230,10 @@ class SoftLimitsRequest(Document):
     @model_validator(mode="after")
     def _some(self) -> Self:
         _refuse_own_axes(self.axes, {})
+        axes = [each.axis for each in self.axes]
+        for number, axis in enumerate(axes):
+            if axis in axes[:number]:
+                refuse(f"axes.{number}.axis", axis, "each axis once")
         return self
 
     @property
@@ -290,7 +293,8 @@ class TraceAnswer(BaseModel):
     complete: bool = Field(description="Whether the move has ended and all of its trace is here")
     changed: bool = Field(description="Whether the move was changed on its way; the trace then ends there")
     step: list[int] = Field(
-        description="Which steps, counted from 1; those that the port could not carry are left out [steps]"
+        description="Which steps, counted from 1; those that the port could not carry are left out, and those after "
+        "the first 500,000 [steps]"
     )
     planned_ticks: list[int] = Field(description="When they were to be made, from the first step on [ticks]")
     measured_ticks: list[int] = Field(description="When they were made, from the first step on [ticks]")

@@ -44,10 +44,12 @@ export function createLive() {
       const shown = state ? shownValue(units, design, 'speed', state.speed_steps_per_s) : 0;
       speed.show(state ? (isInSteps ? formatFixed(shown) : formatFigures(shown)) : '–', unitWord(units, design, 'speed'), '');
       const span = state ? limitsText(units, design, state) : '';
-      const text = span && `Soft limits: ${span}`;
+      const isUnknown = device?.unknown_positions.includes(axis) ?? false;
+      // Nobody knows where the limits are of what isn't where it counts: the server lets nothing move it.
+      const text = span && `Soft limits: ${span}${isUnknown ? '. It moves once its position is set' : ''}`;
       if (limits.textContent !== text) limits.textContent = text;
       limits.hidden = text === '';
-      unknown.hidden = !device?.unknown_positions.includes(axis);
+      unknown.hidden = !isUnknown;
     },
   };
 }
