@@ -150,7 +150,7 @@ export const api = {
   /** @param {Design} design @param {FitWish} wish @returns {Promise<import('./types.js').FittedTable>} */
   fitTable: (design, wish) => request('POST', 'table/fit', { design, ...wish }),
 
-  /** @param {Design} design @param {{row_kind: string, interval_unit: string}} kind
+  /** @param {Design} design @param {{row_kind: string, interval_unit: string, fit_to: string}} kind
    * @returns {Promise<import('./types.js').FitCurve>} */
   fitCurve: (design, kind) => request('POST', 'table/fit/curve', { design, ...kind }),
 
