@@ -1,7 +1,11 @@
+import itertools
 import json
+import re
 from pathlib import Path
 
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 from starlette.testclient import TestClient
 
 from designs import document
@@ -149,3 +153,53 @@ def test_a_table_fitted_from_a_base_speed_is_a_table_of_a_design(client: TestCli
     fitted = client.post("/api/v1/table/fit", json=body).json()["table"]
     assert fitted["rows"][0] == [0, 10_000], "the interval of the base speed, where a deceleration ends"
     client.post("/api/v1/profile", json={"design": document(table=fitted)}).raise_for_status()
+
+
+def test_delays_of_less_than_a_tick_are_refused_for_any_wish(client: TestClient) -> None:
+    # 5,000 steps/s on a timer of 1,000 Hz: 0.2 ticks a step.
+    fast = document(timer__frequency_hz=1000, ramp__slew_speed_steps_per_s=5000, ramp__acceleration_steps_per_s2=50_000)
+    for wish in ({"rows": 3}, {"bytes": 12}, {"largest_relative_error": 0.5}):
+        for kind, fit_to in itertools.product(("constant", "linear"), ("played", "ramp_index")):
+            body = {"design": fast, "interval_unit": "ticks", "row_kind": kind, "fit_to": fit_to, **wish}
+            response = client.post("/api/v1/table/fit", json=body)
+            assert response.status_code == 422
+            [error] = response.json()["errors"]
+            assert (error["field"], error["value"]) == ("design.ramp.slew_speed_steps_per_s", 5000)
+            assert error["allowed"] == "at most 1,000 steps/s with this timer: a delay is 1 tick or more"
+    in_us = client.post("/api/v1/table/fit", json={"design": fast, "rows": 3}).json()
+    assert in_us["rows"] == 3, "200 µs are no matter of the timer"
+
+
+@settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(
+    frequency_hz=st.floats(1000, 1e7),
+    slew=st.floats(1, 1e6),
+    steps=st.integers(0, 300),
+    wish=st.one_of(
+        st.tuples(st.just("rows"), st.integers(1, 40)),
+        st.tuples(st.just("bytes"), st.integers(6, 200)),
+        st.tuples(st.just("largest_relative_error"), st.floats(0.0001, 1)),
+    ),
+    kind=st.sampled_from(["constant", "linear"]),
+    unit=st.sampled_from(["us", "ticks"]),
+    fit_to=st.sampled_from(["played", "ramp_index"]),
+)
+def test_a_wish_is_kept_or_refused_with_what_is_allowed(
+    client: TestClient, frequency_hz: float, slew: float, steps: int, wish: tuple[str, float], kind: str, unit: str,
+    fit_to: str,
+) -> None:  # fmt: skip
+    name, wanted = wish
+    made = document(timer__frequency_hz=frequency_hz, ramp__slew_speed_steps_per_s=slew,
+                    ramp__acceleration_steps_per_s2=min(max(slew**2 / (2 * steps + 1), 0.001), 1e9))  # fmt: skip
+    body = {"design": made, name: wanted, "row_kind": kind, "interval_unit": unit, "fit_to": fit_to}
+    response = client.post("/api/v1/table/fit", json=body)
+    if response.status_code == 200:
+        assert response.json()[name] <= wanted * (1 + 1e-9)
+        return
+    [error] = response.json()["errors"]
+    if error["field"] == "design.ramp.slew_speed_steps_per_s":
+        assert (unit, slew > frequency_hz) == ("ticks", True)
+        return
+    assert (error["field"], error["value"]) == ("largest_relative_error", wanted)
+    least = float(re.match(r"at least ([\d.]+),", error["allowed"])[1])
+    assert client.post("/api/v1/table/fit", json=body | {name: least}).json()[name] <= least * (1 + 1e-9)
