@@ -19,7 +19,7 @@ const STOP_WITHIN_MS = 100;
 /** Browsers have six connections to a server: some stay free, so that what stops does not stand in line. */
 const MOST_REQUESTS = 4;
 /** The status of what is understood but can't be done. */
-const UNPROCESSABLE = 422;
+export const UNPROCESSABLE = 422;
 
 /** What this page calls itself: the server knows by it which page is in control of a device. */
 export const PAGE = crypto.randomUUID();
