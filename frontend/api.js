@@ -19,7 +19,7 @@ const STOP_WITHIN_MS = 100;
 /** Browsers have six connections to a server: some stay free, so that what stops does not stand in line. */
 const MOST_REQUESTS = 4;
 /** The status of what is understood but can't be done. */
-const UNPROCESSABLE = 422;
+export const UNPROCESSABLE = 422;
 
 /** What this page calls itself: the server knows by it which page is in control of a device. */
 export const PAGE = crypto.randomUUID();
@@ -150,7 +150,7 @@ export const api = {
   /** @param {Design} design @param {FitWish} wish @returns {Promise<import('./types.js').FittedTable>} */
   fitTable: (design, wish) => request('POST', 'table/fit', { design, ...wish }),
 
-  /** @param {Design} design @param {{row_kind: string, interval_unit: string}} kind
+  /** @param {Design} design @param {{row_kind: string, interval_unit: string, fit_to: string}} kind
    * @returns {Promise<import('./types.js').FitCurve>} */
   fitCurve: (design, kind) => request('POST', 'table/fit/curve', { design, ...kind }),
 

@@ -1,7 +1,8 @@
 // @ts-check
 // One question to the server: the design's move by each method shown, with the errors against the exact ramp.
 
-import { api } from './api.js';
+import { api, Refusal, UNPROCESSABLE } from './api.js';
+import { textOf } from './messages.js';
 import { REFERENCE } from './methods.js';
 
 /** @typedef {import('./types.js').Answer} Answer */
@@ -27,7 +28,7 @@ export const SEGMENT_BOUND_TICKS = 1;
 
 /**
  * Compute a design with its own method and the others shown.
- * Throws Refusal when the design itself is refused, ServerGone when nobody answers.
+ * Throws Refusal when the design itself is refused, or its own method can't compute it; ServerGone when nobody answers.
  * @param {Design} design
  * @param {MethodName[]} methods without double entries, the design's own among them
  * @param {Details} [details]
@@ -46,6 +47,9 @@ export async function calculate(design, methods, details = NO_DETAILS) {
     parts: details.parts,
     segment_bound_ticks: details.parts ? SEGMENT_BOUND_TICKS : null,
   });
+  // Without the design's own move there is nothing to sum up, push or hold the others against.
+  const own = drawn.failures.find(({ method }) => method === design.method.name);
+  if (own) throw new Refusal(UNPROCESSABLE, own.errors);
   return answerFrom(design, range, drawn);
 }
 
@@ -76,7 +80,7 @@ export function answerFrom(design, range, drawn) {
     answer.errors[method] = { method, step, ...errors };
   }
   for (const { method, errors } of drawn.failures) {
-    answer.failures[method] = errors.map((one) => one.message).join(' ');
+    answer.failures[method] = textOf(errors);
   }
   return answer;
 }

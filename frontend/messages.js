@@ -46,6 +46,13 @@ export function sortMessages(errors, warnings) {
   return sorted;
 }
 
+/** What was refused, as one text that calls the fields what the page calls them.
+ * @param {Rejection[]} errors */
+export function textOf(errors) {
+  const { fields, rows, others } = sortMessages(errors, []);
+  return [...fields.values(), ...rows.values(), ...others].map(({ text }) => text).join(' ');
+}
+
 /** What is said of all axes together, each message with the axis it is about.
  * @param {{field: string | null, message: string}[]} list @param {boolean} isWarning @returns {Message[]} */
 export function axesMessages(list, isWarning) {

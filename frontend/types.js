@@ -68,7 +68,13 @@
 
 /** What a fitted table is to keep to: one of rows, bytes and largest_relative_error (a fraction).
  * @typedef {{rows?: number, bytes?: number, largest_relative_error?: number, row_kind: 'constant' | 'linear',
- *   interval_unit: string}} FitWish */
+ *   interval_unit: string, fit_to: FitTo}} FitWish */
+
+/** What a table is fitted to: all steps that play a ramp index, or step k speeding up at index k.
+ * @typedef {'played' | 'ramp_index'} FitTo */
+
+/** What no number of rows can mend, and the ramp index that has it.
+ * @typedef {{relative_error: number, ramp_index: number}} Floor */
 
 /** @typedef {object} FittedTable
  * @property {{rows: [number, number][], interval_unit: string} | null} table  null for linear rows
@@ -76,11 +82,12 @@
  * @property {number} rows
  * @property {number} bytes
  * @property {number} largest_relative_error
- * @property {number[]} relative_errors */
+ * @property {number[]} relative_errors
+ * @property {Floor} floor */
 
 /** @typedef {{steps: {at_us: number[], position: number[]}, stops: {at_us: number, position: number}[]}} PlayedTable */
 
-/** @typedef {{rows: number[], bytes: number[], largest_relative_error: number[]}} FitCurve */
+/** @typedef {{rows: number[], bytes: number[], largest_relative_error: number[], floor: Floor}} FitCurve */
 
 /** @typedef {{port: string, name: string, virtual: boolean}} Port */
 

@@ -50,8 +50,11 @@ A table is not computed: there it makes no difference. Austin's recurrence divid
 SLOWEST_STEPS_PER_S = 0.001
 """Slower speeds than this are none, except 0: their intervals are beyond all numbers [steps/s]."""
 
+LEAST_ACCELERATION = 0.001
+"""[steps/s²]"""
+
 Speed = Annotated[float, Within(SLOWEST_STEPS_PER_S, 1_000_000, "steps/s")]
-Acceleration = Annotated[float, Within(0.001, 1_000_000_000, "steps/s²")]
+Acceleration = Annotated[float, Within(LEAST_ACCELERATION, 1_000_000_000, "steps/s²")]
 
 
 class Axis(Document):

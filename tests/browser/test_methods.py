@@ -1,6 +1,7 @@
 """The ten methods and the roundings: shown, hidden, chosen, kept."""
 
 import json
+import re
 from collections.abc import Callable
 
 import pytest
@@ -100,6 +101,23 @@ def test_a_reload_keeps_the_methods_shown_and_the_rounding(stepramp: StepRampPag
     pressed = stepramp.page.locator('.chip[aria-pressed="true"]').all()
     assert {one.get_attribute("data-method") for one in pressed} == kept
     expect(stepramp.page.locator('#rounding [aria-pressed="true"]')).to_have_text("carry")
+
+
+def test_a_method_that_can_t_says_so_where_it_stands(stepramp: StepRampPage) -> None:
+    # In float32, Newton's method goes to infinity over 1.5 million steps.
+    stepramp.edit_and_wait("ramp.acceleration_steps_per_s2", "0.333")
+    expect(chip(stepramp, "newton")).to_contain_text("fails")
+    why = re.compile(r"^Arithmetic is 'float32'; allowed: float64 for this ramp: over 1,501,501 steps")
+    expect(chip(stepramp, "newton")).to_have_attribute("title", why)
+    until(lambda: drawn(stepramp) == SHOWN_AT_FIRST - {"newton"})
+    # Chosen, it is refused where its arithmetic is chosen, and there it is mended.
+    stepramp.page.locator("#method").select_option("newton")
+    stepramp.page.locator('#arithmetic [data-value="float32"]').click()
+    message = stepramp.page.locator(".choice:has(#arithmetic) .message")
+    expect(message).to_contain_text("allowed: float64 for this ramp")
+    stepramp.page.locator('#arithmetic [data-value="float64"]').click()
+    expect(message).to_have_count(0)
+    until(lambda: "newton" in drawn(stepramp))
 
 
 def test_kept_names_that_mean_nothing_are_left_out(stepramp: StepRampPage) -> None:

@@ -392,12 +392,40 @@ def test_a_table_is_fitted_shown_and_only_then_used(start: StepRampPage) -> None
     dialog.locator("#fit-wish").fill("20")
     expect(dialog.locator("#fit-result")).to_contain_text("5 rows · 20 bytes")
     dialog.locator('[data-value="largest_relative_error"]').click()
-    dialog.locator("#fit-wish").fill("5")
+    dialog.locator("#fit-wish").fill("30")
     expect(dialog.locator("#fit-result")).to_contain_text("bytes · largest error")
-    until(lambda: float(dialog.locator("#fit-result b").nth(1).inner_text().strip("± %")) <= 5)
+    until(lambda: float(dialog.locator("#fit-result b").nth(1).inner_text().strip("± %")) <= 30)
     dialog.get_by_role("button", name="Cancel").click()
     assert rows_of(start) == ROWS
     expect(page.locator("#fit-table")).to_be_focused()
+
+
+def test_a_fit_is_to_what_is_played_and_tells_what_no_rows_can_mend(
+    open_page: Callable[..., StepRampPage], watch: Watch
+) -> None:
+    watch.expected.append("status of 422")
+    stepramp = open_page()
+    page = stepramp.page
+    dialog = open_fit(page, "16")
+    # Index 2 plays the first interval up and the third from the end: (sqrt(3) - 1) / (sqrt(3) + 1) of them.
+    expect(dialog.locator("#fit-result")).to_contain_text("16 rows · 64 bytes · largest error ± 26.8 %")
+    expect(dialog.locator("#fit-result")).to_contain_text("No number of rows does better than ± 26.8 %: at index 2")
+    expect(dialog.locator(".fit-chart .floor")).to_have_count(1)
+    dialog.locator('[data-value="largest_relative_error"]').click()
+    dialog.locator("#fit-wish").fill("20")
+    expect(dialog.locator("#fit-result")).to_contain_text("20 % is refused: as a fraction, an error is at least 0.268")
+    dialog.locator('[data-value="ramp_index"]').click()
+    expect(dialog.locator("#fit-result")).to_contain_text("± 20")
+    dialog.locator('[data-value="rows"]').click()
+    expect(dialog.locator("#fit-result")).to_contain_text("16 rows · 64 bytes · largest error ± 5.58 %")
+    expect(dialog.locator("#fit-result")).to_contain_text("the delay is rounded to whole µs")
+    dialog.locator('[data-value="played"]').click()
+    page.get_by_role("button", name="Use 16 rows").click()
+    expect(page.locator("#table-rows tr.row")).to_have_count(16)
+    # What the dialog promised is what the plots show.
+    expect(page.locator('.chip[data-method="table"] em')).to_have_text(re.compile(r"^[+−]27 %$"))
+    page.keyboard.press("Control+z")
+    assert rows_of(stepramp) == ROWS
 
 
 def test_a_size_is_chosen_on_the_curve(start: StepRampPage) -> None:

@@ -124,5 +124,5 @@ def test_a_ramp_that_the_arithmetic_can_t_compute_is_refused() -> None:
     slow = design(
         method={"name": "newton", "arithmetic": "fixed"}, timer__frequency_hz=1e9, ramp__acceleration_steps_per_s2=10
     )
-    with pytest.raises(Rejected, match=r"method\.arithmetic is 'fixed'; allowed: float32 or float64 for this ramp"):
+    with pytest.raises(Rejected, match=r"method\.arithmetic is 'fixed'; allowed: float64 for this ramp"):
         export(slow, "c_newton", Options())

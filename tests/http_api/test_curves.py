@@ -99,8 +99,18 @@ def test_a_method_that_does_not_fit_leaves_the_others(client: TestClient) -> Non
     assert [each["method"] for each in answer["methods"]] == ["exact", "newton"]
     [failure] = answer["failures"]
     assert failure["method"] == "table"
-    assert failure["errors"][0]["field"] == "table"
+    assert failure["errors"][0]["field"] == "design.table"
     assert "a table" in failure["errors"][0]["allowed"]
+
+
+def test_the_design_s_own_method_may_fail_too(client: TestClient) -> None:
+    # In float32 Newton's method goes to infinity over 1.5 million steps.
+    own = {"method__name": "newton", "method__arithmetic": "float32", "ramp__acceleration_steps_per_s2": 0.333}
+    answer = curves(client, ["exact", "newton", "first_order"], {"max_points": 100}, **own)
+    assert [each["method"] for each in answer["methods"]] == ["exact", "first_order"]
+    [failure] = answer["failures"]
+    [error] = failure["errors"]
+    assert (failure["method"], error["field"], error["value"]) == ("newton", "design.method.arithmetic", "float32")
 
 
 def test_the_design_itself_is_refused_as_everywhere(client: TestClient) -> None:

@@ -67,6 +67,27 @@ def test_errors_of_methods(client: TestClient) -> None:
             assert max(map(abs, curve[name])) == abs(largest["value"])
 
 
+def test_a_method_that_can_t_leaves_the_others(client: TestClient) -> None:
+    long = document(ramp__acceleration_steps_per_s2=0.05, table=None)
+    body = {"design": long, "methods": ["exact", "newton", "table", "first_order"], "max_points": 100}
+    answer = client.post("/api/v1/errors", json=body).json()
+    assert [each["method"] for each in answer["methods"]] == ["exact", "first_order"]
+    newton, table = answer["failures"]
+    [error] = newton["errors"]
+    assert (newton["method"], error["field"], error["value"]) == ("newton", "design.method.arithmetic", "float32")
+    assert error["allowed"].startswith("float64 for this ramp")
+    assert (table["method"], table["errors"][0]["field"]) == ("table", "design.table")
+    # A row that is less than a tick is the table's fault, whichever the design's own method is.
+    short = document(timer__frequency_hz=1000, table={"rows": [[10, 400]]})
+    answer = client.post("/api/v1/errors", json={"design": short, "methods": ["exact", "table"]}).json()
+    assert [each["method"] for each in answer["methods"]] == ["exact"]
+    [[error]] = [each["errors"] for each in answer["failures"]]
+    assert (error["field"], error["value"]) == ("design.table.rows.0.1", 400)
+    # Without a reference there is nothing to answer.
+    refused = client.post("/api/v1/errors", json={"design": short, "methods": ["exact"], "reference": "table"})
+    assert [error["field"] for error in refused.json()["errors"]] == ["design.table.rows.0.1"]
+
+
 def test_thinned_errors_keep_their_largest(client: TestClient) -> None:
     body = {"design": document(move__steps=50_000), "methods": ["first_order"], "max_points": 100}
     [curve] = client.post("/api/v1/errors", json=body).json()["methods"]

@@ -298,7 +298,9 @@ def test_a_slope_beyond_the_format_is_refused_with_what_is_allowed() -> None:
     assert "707,106,781 ticks" in str(refusal(too_slow))
     assert f"at most {MOST_INTERVAL_TICKS:,}" in str(refusal(too_slow))
     assert "16,820,000 steps away from rest" in str(refusal(too_gentle))
-    assert "at least 1.00255 steps/s²" in str(refusal(too_gentle))
+    # 5,800² / 2 / 2²⁴ = 1.0025501: what is told is rounded up, so that it is allowed.
+    assert "at least 1.00256 steps/s²" in str(refusal(too_gentle))
+    assert refusal(Slope(1e8, 0, 5800, 1.00256)) is None
     for slope in (too_fast, too_slow, too_gentle):
         for run in (Run(slope, c, up) for c in (1.0, None) for up in (True, False)):
             with pytest.raises(ValueError, match="in fixed arithmetic"):

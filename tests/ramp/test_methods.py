@@ -65,6 +65,18 @@ def test_a_ramp_that_fixed_can_t_compute_is_refused_with_the_reason() -> None:
     assert "The initial interval is 707,106,781 ticks" in rejection.allowed
 
 
+@pytest.mark.parametrize(("acceleration", "steps"), [(0.333, "1,501,501"), (0.05, "10,000,000")])
+def test_an_arithmetic_whose_errors_run_away_is_refused_with_one_that_does_not(acceleration: float, steps: str) -> None:
+    # In float32 w = v² - 2 d - 2 d - … is below 0 before the last step, and Newton's method goes to infinity.
+    long = {"method__name": "newton", "ramp__acceleration_steps_per_s2": acceleration, "move__steps": 3_000_000}
+    with pytest.raises(Rejected) as caught:
+        profile_of(design(**long, method__arithmetic="float32"))
+    [rejection] = caught.value.rejections
+    assert (rejection.field, rejection.value) == ("method.arithmetic", "float32")
+    assert rejection.allowed.startswith(f"float64 for this ramp: over {steps} steps")
+    assert profile_of(design(**long, method__arithmetic="float64")).intervals_ticks.min() >= 1999
+
+
 slopes = st.builds(Slope, st.just(1e6), st.floats(0, 300), st.floats(400, 3000), st.floats(1000, 20_000))
 
 

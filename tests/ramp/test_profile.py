@@ -88,6 +88,26 @@ def test_an_interval_of_no_ticks_is_refused() -> None:
     assert "at most 1,000 steps/s" in rejection.allowed
 
 
+def test_a_row_of_less_than_a_tick_is_to_blame_itself() -> None:
+    # 400 µs are 0.4 ticks of 1,000 Hz, 700 µs 0.7: rounded to the nearest, one of them is no tick.
+    rows = {"timer__frequency_hz": 1000, "method__name": "table", "table__rows": [[10, 2000], [20, 700], [30, 400]]}
+    for rounding, blamed in (("nearest", [2]), ("floor", [1, 2])):
+        with pytest.raises(Rejected) as caught:
+            profile_of(design(**rows, method__rounding=rounding))
+        told = [(each.field, each.value) for each in caught.value.rejections]
+        assert told == [(f"table.rows.{row}.1", rows["table__rows"][row][1]) for row in blamed]
+        assert "at least 1,000 µs" in caught.value.rejections[0].allowed
+        profile_of(design(**rows | {"table__rows": [[10, 2000], [20, 1000]]}, method__rounding=rounding))
+
+
+def test_an_interval_of_about_a_tick_is_no_fault_of_the_slew_speed() -> None:
+    # At as many steps/s as ticks/s the slew interval is 1 tick, which Newton's method comes to from below.
+    even = {"timer__frequency_hz": 1000, "method__name": "newton", "ramp__acceleration_steps_per_s2": 5000}
+    with pytest.raises(Rejected, match=r"method.rounding is 'floor'; allowed: nearest"):
+        profile_of(design(**even, method__rounding="floor"))
+    assert profile_of(design(**even)).intervals_ticks.min() == 1
+
+
 def test_a_move_of_more_ticks_than_can_be_counted_is_refused() -> None:
     endless = design(
         timer__frequency_hz=1e9, method__name="table", table__rows=[[1, 4_000_000_000]], move__steps=10_000_000

@@ -173,7 +173,9 @@ def test_steps_that_the_line_brings_too_close_are_warned_of() -> None:
     [warning] = schedule_of([leader, follower], "line").warnings
     assert warning.field == "designs.1.timer.shortest_interval_us"
     assert "come as close as 1,000 µs, less than the 1200 µs" in warning.message
-    assert "at most 556 steps/s" in warning.message
+    assert "at most 555.555 steps/s" in warning.message
+    slower = design(move__steps=2000, timer__shortest_interval_us=1200, ramp__slew_speed_steps_per_s=555.555)
+    assert schedule_of([leader, slower], "line").warnings == ()
     slower = design(move__steps=2000, timer__shortest_interval_us=1200, ramp__slew_speed_steps_per_s=555)
     assert schedule_of([leader, slower], "line").warnings == ()
 

@@ -7,10 +7,16 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from stepramp.errors import Rejected
-from stepramp.ramp.table_fit import FittedTable, RampDelays, fit_rows
+from stepramp.ramp.table_delays import RampDelays
+from stepramp.ramp.table_fit import FittedTable, fit_rows
 from stepramp.ramp.table_fit_linear import fit_linear_error, fit_linear_rows
 
 delay_lists = st.lists(st.floats(3, 14), min_size=1, max_size=5).map(lambda delays: sorted(delays, reverse=True))
+
+
+def of_steps(first_index: int, delays: object) -> RampDelays:
+    """Return what a table stands for where each ramp index plays one step."""
+    return RampDelays(first_index, np.array(delays), np.array(delays))
 
 
 def least_error(delays: list[float], rows: int) -> float:
@@ -38,7 +44,7 @@ def played(table: FittedTable, first_index: int) -> np.ndarray:
 @settings(max_examples=25)
 @given(delay_lists, st.integers(1, 4))
 def test_no_table_of_as_many_linear_rows_is_better(delays: list[float], rows: int) -> None:
-    fitted = fit_linear_rows(RampDelays(1, np.array(delays)), rows)
+    fitted = fit_linear_rows(of_steps(1, delays), rows)
     assert len(fitted.rows) <= rows
     assert fitted.largest_relative_error == pytest.approx(least_error(delays, rows), abs=1e-9)
 
@@ -47,26 +53,26 @@ def test_no_table_of_as_many_linear_rows_is_better(delays: list[float], rows: in
 @example([28724.0, 28723.5], 1)
 @given(st.lists(st.floats(2, 70_000), min_size=1, max_size=40), st.integers(1, 12))
 def test_linear_rows_are_never_worse_and_have_the_error_they_state(delays: list[float], rows: int) -> None:
-    ramp = RampDelays(3, np.array(delays))
+    ramp = of_steps(3, delays)
     fitted = fit_linear_rows(ramp, rows)
     assert len(fitted.rows) <= rows
     assert fitted.largest_relative_error <= fit_rows(ramp, rows).largest_relative_error + 1e-9
-    error = np.abs(played(fitted, 3) / ramp.delays - 1)
+    error = np.abs(played(fitted, 3) / ramp.longest - 1)
     assert fitted.largest_relative_error == pytest.approx(error.max(), abs=1e-12)
 
 
 def test_the_measured_ramp() -> None:
-    ramp = RampDelays(0, 1e6 / np.sqrt(200**2 + 2 * 8000 * np.arange(172)))
+    ramp = of_steps(0, 1e6 / np.sqrt(200**2 + 2 * 8000 * np.arange(172)))
     assert fit_linear_rows(ramp, 5).largest_relative_error < 0.0305
     assert len(fit_linear_error(ramp, 0.0305).rows) == 5
 
 
 def test_a_straight_ramp_is_one_row() -> None:
-    fitted = fit_linear_rows(RampDelays(1, np.arange(1000.0, 500, -5)), 3)
+    fitted = fit_linear_rows(of_steps(1, np.arange(1000.0, 500, -5)), 3)
     assert fitted.rows.tolist() == [[100, 1000, -5]]
     assert fitted.largest_relative_error == 0
 
 
 def test_an_error_out_of_reach_is_refused() -> None:
     with pytest.raises(Rejected, match=r"largest_relative_error is 0.001; allowed: at least 0.2"):
-        fit_linear_error(RampDelays(1, np.array([2.5])), 0.001)
+        fit_linear_error(of_steps(1, [2.5]), 0.001)

@@ -15,7 +15,8 @@ def test_an_interval_wider_than_the_counter_says_what_to_change() -> None:
 def test_an_interval_shorter_than_the_controller_needs_says_what_to_change() -> None:
     [warning] = profile_of(design(timer__shortest_interval_us=1500)).warnings
     assert warning.field == "timer.shortest_interval_us"
-    assert "at most 667 steps/s" in warning.message
+    assert "at most 666.666 steps/s" in warning.message
+    assert profile_of(design(timer__shortest_interval_us=1500, ramp__slew_speed_steps_per_s=666.666)).warnings == ()
 
 
 def test_speeds_that_the_timer_can_make_near_the_slew_speed() -> None:
@@ -43,12 +44,46 @@ def test_a_slew_speed_of_whole_ticks_needs_no_other() -> None:
     assert "Use one of them" not in warning.message
 
 
+def no_ramp(**changes: object) -> list[str]:
+    """Return what is said of sides without a step."""
+    return [each.message for each in profile_of(design(**changes)).warnings if "there is no ramp" in each.message]
+
+
 @pytest.mark.parametrize("which", ["acceleration", "deceleration"])
 def test_an_acceleration_that_needs_no_step_is_told(which: str) -> None:
-    harsh = design(ramp__slew_speed_steps_per_s=100, **{f"ramp__{which}_steps_per_s2": 6000})
-    [warning] = [each for each in profile_of(harsh).warnings if each.field == f"ramp.{which}_steps_per_s2"]
-    assert "would reach 110 steps/s" in warning.message
-    assert "Use at most 5,000 steps/s²" in warning.message
+    harsh = {"ramp__slew_speed_steps_per_s": 100, "ramp__acceleration_steps_per_s2": 5000}
+    [warning] = profile_of(design(**harsh | {f"ramp__{which}_steps_per_s2": 6000})).warnings
+    assert warning.field == f"ramp.{which}_steps_per_s2"
+    # sqrt(2 · 6000) = 109.545; 100² / 2 = 5000.
+    assert "would reach 109.545 steps/s" in warning.message
+    assert "Use at most 5,000 steps/s², or a slew speed of at least 109.545 steps/s" in warning.message
+
+
+def test_a_ramp_from_a_base_speed_that_is_shorter_than_a_step_is_told() -> None:
+    # (1000² - 900²) / 2 = 95,000 steps/s² is what one step takes; 100,000 lead to sqrt(900² + 200,000) = 1004.99.
+    from_base = {"ramp__base_speed_steps_per_s": 900, "ramp__slew_speed_steps_per_s": 1000}
+    [message] = no_ramp(**from_base, ramp__acceleration_steps_per_s2=100_000)
+    assert "Use at most 95,000 steps/s², or a slew speed of at least 1,004.99 steps/s" in message
+    assert no_ramp(**from_base, ramp__acceleration_steps_per_s2=95_000) == []
+    assert no_ramp(**from_base | {"ramp__slew_speed_steps_per_s": 1004.99}, ramp__acceleration_steps_per_s2=1e5) == []
+
+
+def test_where_base_and_slew_speed_are_the_same_no_ramp_is_missing() -> None:
+    even = {"ramp__base_speed_steps_per_s": 1000, "ramp__slew_speed_steps_per_s": 1000}
+    assert profile_of(design(**even, ramp__acceleration_steps_per_s2=600_000)).warnings == ()
+
+
+def test_an_acceleration_that_is_none_is_not_advised() -> None:
+    slow = {"ramp__slew_speed_steps_per_s": 0.01, "ramp__acceleration_steps_per_s2": 0.001, "timer__counter_bits": 64}
+    [message] = no_ramp(**slow, move__steps=1)
+    assert "Use a slew speed of at least 0.0447214 steps/s" in message
+
+
+def test_a_method_that_has_a_step_there_has_a_ramp() -> None:
+    # 100² / 12,000 = 0.83 steps: the centre of the first lies before the end of the slope.
+    half = {"ramp__slew_speed_steps_per_s": 100, "ramp__acceleration_steps_per_s2": 6000}
+    assert profile_of(design(method__name="midpoint", **half)).steps_of("accelerate") == 1
+    assert no_ramp(method__name="midpoint", **half) == []
 
 
 def test_a_sound_design_has_no_warnings() -> None:

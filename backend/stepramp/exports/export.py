@@ -13,7 +13,7 @@ from stepramp.exports.listing import csv, document
 from stepramp.exports.names import identifier_of
 from stepramp.exports.picture import picture_of
 from stepramp.exports.report import report
-from stepramp.ramp.error_curves import ErrorCurves, all_error_curves
+from stepramp.ramp.error_curves import ErrorCurves, judged_against, reference_intervals
 
 FormatName = Literal[
     "c_table", "c_table_progmem", "c_segments", "c_ramp_image", "c_first_order", "c_second_order", "c_compromise",
@@ -112,4 +112,5 @@ def export(design: Design, format_name: FormatName, options: Options) -> Exporte
 
 def _moves(design: Design, options: Options) -> list[ErrorCurves]:
     methods = dict.fromkeys((design.method.name, *options.methods))
-    return list(all_error_curves(design, list(methods), "exact"))
+    reference_ticks = reference_intervals(design, "exact")
+    return [judged_against(reference_ticks, design.with_method(method)) for method in methods]

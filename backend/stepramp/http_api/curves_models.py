@@ -12,12 +12,13 @@ from pydantic import BaseModel, Field
 
 from stepramp.design import MethodName
 from stepramp.errors import Rejected
-from stepramp.http_api.errors import ErrorItem, error_items
 from stepramp.http_api.planning_models import (
     ErrorFiguresAnswer,
+    MethodFailure,
     PhaseAnswer,
     SummaryAnswer,
     WarningAnswer,
+    failure_content,
     figures_content,
     summary_content,
     warnings_content,
@@ -51,13 +52,6 @@ class MethodCurvesAnswer(ErrorFiguresAnswer):
     warnings: list[WarningAnswer]
 
 
-class MethodFailure(BaseModel):
-    """Why a method has no curves."""
-
-    method: MethodName
-    errors: list[ErrorItem]
-
-
 class CurvesAnswer(BaseModel):
     """A design's move by several methods, ready to be drawn."""
 
@@ -65,7 +59,7 @@ class CurvesAnswer(BaseModel):
     timer_hz: float = Field(description="Ticks a second [Hz]")
     direction: int = Field(description="1 forwards, -1 backwards: the position after step i is i times this")
     methods: list[MethodCurvesAnswer] = Field(description="In the order asked for, without those that failed")
-    failures: list[MethodFailure] = Field(description="Methods other than the design's own that don't fit it")
+    failures: list[MethodFailure] = Field(description="Methods that don't fit the design, and why")
 
 
 def curves_content(drawing: Drawing) -> dict[str, Any]:
@@ -74,7 +68,7 @@ def curves_content(drawing: Drawing) -> dict[str, Any]:
     failures: list[dict[str, Any]] = []
     for method, drawn in drawing.methods():
         if isinstance(drawn, Rejected):
-            failures.append({"method": method, "errors": error_items(drawn)})
+            failures.append(failure_content(method, drawn))
             continue
         kept, judged, profile = drawn.kept, drawn.judged, drawn.judged.profile
         methods.append(

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, Field
 
 from stepramp.design import Design, MethodName
+from stepramp.errors import Rejected
+from stepramp.http_api.errors import ErrorItem, error_items, in_body
 from stepramp.ramp.error_curves import ErrorCurves
 from stepramp.ramp.profile import Profile
 from stepramp.ramp.thinning import kept_steps
@@ -133,11 +135,19 @@ class ErrorCurvesAnswer(ErrorFiguresAnswer):
     compression_error_ticks: list[float] | None = Field(None, description="Part of the segments [ticks]")
 
 
+class MethodFailure(BaseModel):
+    """Why a method has no curves."""
+
+    method: MethodName
+    errors: list[ErrorItem]
+
+
 class ErrorsAnswer(BaseModel):
     """Errors of methods against a reference that is not rounded to ticks."""
 
     reference: MethodName
-    methods: list[ErrorCurvesAnswer]
+    methods: list[ErrorCurvesAnswer] = Field(description="In the order asked for, without those that failed")
+    failures: list[MethodFailure] = Field(description="Methods that don't fit the design, and why")
 
 
 class ExampleAnswer(BaseModel):
@@ -199,10 +209,25 @@ def warnings_content(profile: Profile) -> list[dict[str, Any]]:
 
 
 def errors_content(
-    reference: MethodName, judged: Iterable[ErrorCurves], names: Sequence[CurveName], most_points: int | None
+    reference: MethodName,
+    judged: Iterable[tuple[MethodName, ErrorCurves | Rejected]],
+    names: Sequence[CurveName],
+    most_points: int | None,
 ) -> dict[str, Any]:
     """Return the error curves of those names as an ErrorsAnswer's content, each thinned to about so many points."""
-    return {"reference": reference, "methods": [_curves_content(each, names, most_points) for each in judged]}
+    methods: list[dict[str, Any]] = []
+    failures: list[dict[str, Any]] = []
+    for method, each in judged:
+        if isinstance(each, Rejected):
+            failures.append(failure_content(method, each))
+        else:
+            methods.append(_curves_content(each, names, most_points))
+    return {"reference": reference, "methods": methods, "failures": failures}
+
+
+def failure_content(method: MethodName, rejected: Rejected) -> dict[str, Any]:
+    """Return why a method has no curves as a MethodFailure's content."""
+    return {"method": method, "errors": error_items(in_body(rejected))}
 
 
 def _curves_content(judged: ErrorCurves, names: Sequence[CurveName], most_points: int | None) -> dict[str, Any]:

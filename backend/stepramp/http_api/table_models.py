@@ -6,7 +6,7 @@ from typing import Any, Literal
 from pydantic import BaseModel, Field
 
 from stepramp.ramp.table_check import RowChange, RowFinding
-from stepramp.ramp.table_fit import BYTES_PER_ROW, FittedTable
+from stepramp.ramp.table_fit import BYTES_PER_ROW, FittedTable, Floor
 from stepramp.ramp.table_fit_linear import BYTES_PER_LINEAR_ROW
 from stepramp.ramp.table_play import TableMoves
 
@@ -69,6 +69,13 @@ class FittedTableAnswer(BaseModel):
     interval_unit: Literal["us", "ticks"]
 
 
+class FloorAnswer(BaseModel):
+    """What no number of rows can mend: delays are whole, and one ramp index serves steps of different speeds."""
+
+    relative_error: float = Field(description="Largest relative error of a table with a row for each ramp index")
+    ramp_index: int = Field(description="The first ramp index that has it [steps]")
+
+
 class FitAnswer(BaseModel):
     """The best table, and how good it is."""
 
@@ -82,6 +89,7 @@ class FitAnswer(BaseModel):
     bytes: int = Field(description="Memory of the table: 4 bytes a row of constant delay, 6 a linear one [bytes]")
     largest_relative_error: float = Field(description="Largest relative error of a delay: 0.05 is 5 %")
     relative_errors: list[float] = Field(description="Largest relative error of each row")
+    floor: FloorAnswer
 
 
 class FitCurveAnswer(BaseModel):
@@ -90,6 +98,7 @@ class FitCurveAnswer(BaseModel):
     rows: list[int] = Field(description="Rows of the table [rows]")
     bytes: list[int] = Field(description="Memory of the table [bytes]")
     largest_relative_error: list[float] = Field(description="Largest relative error of a delay: 0.05 is 5 %")
+    floor: FloorAnswer
 
 
 def play_content(moves: TableMoves) -> dict[str, Any]:
@@ -111,7 +120,7 @@ def check_answer(findings: Sequence[RowFinding], changes: Sequence[RowChange], m
 
 
 def fit_answer(
-    fitted: FittedTable, row_kind: Literal["constant", "linear"], interval_unit: Literal["us", "ticks"]
+    fitted: FittedTable, floor: Floor, row_kind: Literal["constant", "linear"], interval_unit: Literal["us", "ticks"]
 ) -> FitAnswer:
     """Return a fitted table as an answer."""
     is_linear, count = row_kind == "linear", len(fitted.rows)
@@ -124,16 +133,20 @@ def fit_answer(
         bytes=count * _bytes_per_row(row_kind),
         largest_relative_error=fitted.largest_relative_error,
         relative_errors=fitted.relative_errors.tolist(),
+        floor=FloorAnswer(**vars(floor)),
     )
 
 
-def fit_curve_answer(fitted: Sequence[FittedTable], row_kind: Literal["constant", "linear"]) -> FitCurveAnswer:
+def fit_curve_answer(
+    fitted: Sequence[FittedTable], floor: Floor, row_kind: Literal["constant", "linear"]
+) -> FitCurveAnswer:
     """Return tables for ever more rows as an answer; where a row more changed nothing, the table is there once."""
     different = {len(table.rows): table.largest_relative_error for table in fitted}
     return FitCurveAnswer(
         rows=list(different),
         bytes=[count * _bytes_per_row(row_kind) for count in different],
         largest_relative_error=list(different.values()),
+        floor=FloorAnswer(**vars(floor)),
     )
 
 

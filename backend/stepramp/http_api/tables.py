@@ -13,7 +13,8 @@ from stepramp.http_api.bodies import JsonRoute
 from stepramp.http_api.lanes import PLANNING
 from stepramp.http_api.planned import Planned
 from stepramp.ramp.table_check import MICROSECONDS, DelayUnit, check_table, mean_acceleration, row_changes
-from stepramp.ramp.table_fit import BYTES_PER_ROW, FittedTable, RampDelays, fit_error, fit_rows, ramp_delays
+from stepramp.ramp.table_delays import RampDelays, ramp_delays
+from stepramp.ramp.table_fit import BYTES_PER_ROW, FittedTable, fit_error, fit_rows, floor_of
 from stepramp.ramp.table_fit_linear import BYTES_PER_LINEAR_ROW, fit_linear_error, fit_linear_rows
 from stepramp.ramp.table_play import TableMoves, play_table
 from stepramp.validation import Document, ListOf, OneOf, Within, refuse
@@ -23,6 +24,15 @@ router = APIRouter(prefix="/table", tags=["lookup tables"], route_class=JsonRout
 MOST_TARGETS = 10_000
 MOST_CURVE_ROWS = 64
 WISHES = ("rows", "largest_relative_error", "bytes")
+
+FitTo = Annotated[
+    Annotated[Literal["played", "ramp_index"], OneOf()],
+    Field(
+        description="What the table is fitted to. played: every step that plays a ramp index as gauge libraries and "
+        "the method `table` do, up from index 2 and down to index 0. ramp_index: at index k the interval of step k of "
+        "the acceleration, for players that count so",
+    ),
+]
 
 
 class TableInMicroseconds(Table):
@@ -103,6 +113,7 @@ class FitRequest(Document):
         "constant", description="Rows of constant delay, or rows whose delay changes by a whole number each step"
     )
     interval_unit: Annotated[Literal["us", "ticks"], OneOf()] = Field("us", description="Unit of the delays")
+    fit_to: FitTo = "played"
 
     @model_validator(mode="after")
     def _one_wish(self) -> Self:
@@ -123,6 +134,7 @@ class FitCurveRequest(Document):
         "constant", description="Rows of constant delay, or rows whose delay changes by a whole number each step"
     )
     interval_unit: Annotated[Literal["us", "ticks"], OneOf()] = Field("us", description="Unit of the delays")
+    fit_to: FitTo = "played"
 
 
 @router.post("/play", response_model=models.PlayAnswer)
@@ -146,16 +158,17 @@ def check(request: CheckRequest) -> models.CheckAnswer:
 @PLANNING.serves
 def fit(request: FitRequest) -> models.FitAnswer:
     """Fit a table to a ramp: the least error for a number of rows or bytes, or the fewest rows for an error."""
-    return models.fit_answer(_fitted(request), request.row_kind, request.interval_unit)
+    ramp = ramp_delays(request.design, request.interval_unit, request.fit_to)
+    return models.fit_answer(_fitted(ramp, request), floor_of(ramp), request.row_kind, request.interval_unit)
 
 
 @router.post("/fit/curve")
 @PLANNING.serves
 def fit_curve(request: FitCurveRequest) -> models.FitCurveAnswer:
     """Fit tables of 1 row, 2 rows and so on to a ramp: how much smaller the error gets with each more."""
-    ramp = ramp_delays(request.design, request.interval_unit)
+    ramp = ramp_delays(request.design, request.interval_unit, request.fit_to)
     fitted = [_fitted_rows(ramp, rows, request.row_kind) for rows in range(1, request.most_rows + 1)]
-    return models.fit_curve_answer(fitted, request.row_kind)
+    return models.fit_curve_answer(fitted, floor_of(ramp), request.row_kind)
 
 
 def _played(request: PlayRequest) -> TableMoves:
@@ -165,8 +178,8 @@ def _played(request: PlayRequest) -> TableMoves:
     return play_table(rows, request.range_steps, at_us, targets)
 
 
-def _fitted(request: FitRequest) -> FittedTable:
-    ramp, is_linear = ramp_delays(request.design, request.interval_unit), request.row_kind == "linear"
+def _fitted(ramp: RampDelays, request: FitRequest) -> FittedTable:
+    is_linear = request.row_kind == "linear"
     if request.largest_relative_error is not None:
         return (fit_linear_error if is_linear else fit_error)(ramp, request.largest_relative_error)
     bytes_per_row = BYTES_PER_LINEAR_ROW if is_linear else BYTES_PER_ROW

@@ -48,18 +48,16 @@ class Drawing:
     def methods(self) -> Iterator[tuple[MethodName, Drawn | Rejected]]:
         """Yield each wanted method with its curves, or with what keeps it from having any.
 
-        Raises Rejected when the reference or the design's own method doesn't fit the design, and when the span lies
-        outside the move.
+        Raises Rejected when the reference doesn't fit the design, and when the span lies outside the move.
         """
         self._check_span()
         reference_ticks = reference_intervals(self.design, self.reference)
         for method in self.wanted:
             try:
-                yield method, self._drawn(method, reference_ticks)
+                drawn: Drawn | Rejected = self._drawn(method, reference_ticks)
             except Rejected as rejected:
-                if method == self.design.method.name:
-                    raise
-                yield method, rejected
+                drawn = rejected
+            yield method, drawn
 
     def _drawn(self, method: MethodName, reference_ticks: NDArray[np.float64]) -> Drawn:
         design = self.design.with_method(method)

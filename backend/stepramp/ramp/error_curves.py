@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepramp.design import Design, MethodName
+from stepramp.errors import Rejected
 from stepramp.ramp.compiled import compiled, counted
 from stepramp.ramp.move import Ramp, play
 from stepramp.ramp.plan import Plan, plan_of, real_ramp
@@ -163,17 +164,25 @@ def error_curves(
     With segment_bound_ticks, the move is judged as a controller plays it whose segments keep to that bound [ticks].
     Raises Rejected when the design does not fit one of the methods.
     """
-    [judged] = all_error_curves(design, [method], reference, segment_bound_ticks)
-    return judged
+    return judged_against(reference_intervals(design, reference), design.with_method(method), segment_bound_ticks)
 
 
 def all_error_curves(
     design: Design, methods: Sequence[MethodName], reference: MethodName, segment_bound_ticks: int | None = None
-) -> Iterator[ErrorCurves]:
-    """Yield the errors of the design's move by several methods against one reference; see error_curves."""
+) -> Iterator[tuple[MethodName, ErrorCurves | Rejected]]:
+    """Yield methods with the errors of the design's move by each, or with what keeps it from having any.
+
+    Raises Rejected when the design does not fit the reference; see error_curves.
+    """
     reference_ticks = reference_intervals(design, reference)
     for method in methods:
-        yield judged_against(reference_ticks, design.with_method(method), segment_bound_ticks)
+        try:
+            judged: ErrorCurves | Rejected = judged_against(
+                reference_ticks, design.with_method(method), segment_bound_ticks
+            )
+        except Rejected as rejected:
+            judged = rejected
+        yield method, judged
 
 
 def reference_intervals(design: Design, reference: MethodName) -> Curve:

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from stepramp.ramp.compiled import compiled
 from stepramp.ramp.kinematics import Slope
+from stepramp.ramp.limit_text import at_least
 
 LEAST_INTERVAL_TICKS = 1
 MOST_INTERVAL_TICKS = 2**27
@@ -143,11 +144,11 @@ def refusal(slope: Slope) -> str | None:
         )
     index = _ramp_index(slope, slope.slew_speed)
     if index > MOST_RAMP_INDEX:
-        least = slope.slew_speed**2 / (2 * MOST_RAMP_INDEX)
+        least = at_least(slope.slew_speed**2 / (2 * MOST_RAMP_INDEX))
         return (
             f"The slew speed is {index:,.0f} steps away from rest at {slope.acceleration:,.6g} steps/s², where a step "
             f"changes the interval too little to be computed; in fixed arithmetic it must be at most "
-            f"{MOST_RAMP_INDEX:,}, which takes at least {least:,.6g} steps/s²."
+            f"{MOST_RAMP_INDEX:,}, which takes {least} steps/s²."
         )
     return None
 

@@ -109,7 +109,7 @@ def _ticks_of(side: Callable[[Slope], FixedIntervals]) -> Side:
         try:
             return side(slope).ticks
         except ValueError as error:
-            allowed = f"float32 or float64 for this ramp. {error}".removesuffix(".")
+            allowed = f"float64 for this ramp. {error}".removesuffix(".")
             raise Rejected([Rejection("method.arithmetic", "fixed", allowed)]) from None
 
     return ticks

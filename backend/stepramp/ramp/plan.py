@@ -1,5 +1,6 @@
 """Plan: a design's ramp, before and after rounding, and how much of it the design's move takes."""
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -10,11 +11,15 @@ from stepramp.design import MOST_STEPS, Design
 from stepramp.errors import Rejected, Rejection
 from stepramp.ramp import tuning
 from stepramp.ramp.kinematics import Slope
+from stepramp.ramp.limit_text import at_least, at_most
 from stepramp.ramp.methods import NUMBERS, sides_of
-from stepramp.ramp.move import Intervals, Ramp, play, split
+from stepramp.ramp.move import Ramp, play, split
 from stepramp.ramp.table import table_ramp
 from stepramp.ramp.timer import carried, rounded
-from stepramp.units import ticks_from_us
+from stepramp.units import ticks_from_us, us_from_ticks
+
+LONGEST_INTERVAL_TICKS = 2**60
+"""No interval that is meant is near it, and a move of several can still be counted in 64 bits."""
 
 
 @dataclass(frozen=True)
@@ -57,14 +62,15 @@ def plan_of(design: Design) -> Plan:
     real, carries = real_ramp(design), design.method.rounding == "carry"
     plan = Plan(real, rounded(real, design.method.rounding), abs(design.move.steps), carries)
     for intervals in (plan.ramp.up, np.array([plan.ramp.slew]), plan.ramp.down, plan.intervals):
-        _refuse_no_ticks(design, intervals)
+        if intervals.size and intervals.min() < 1:
+            raise Rejected(_less_than_a_tick(design))
     return plan
 
 
 def real_ramp(design: Design) -> Ramp:
     """Return the design's ramp as its method computes it, in ticks not yet rounded.
 
-    Raises Rejected when the ramp is longer than 10,000,000 steps, or does not fit the method.
+    Raises Rejected when the ramp is longer than 10,000,000 steps, or does not fit the method or its arithmetic.
     """
     if design.method.name == "table":
         return _table(design)
@@ -73,7 +79,9 @@ def real_ramp(design: Design) -> Ramp:
     sides = sides_of(design.method)
     # The slew interval is in the method's numbers too; integers have as many digits as it needs.
     number = NUMBERS.get(design.method.arithmetic, np.float64)
-    return Ramp(up=sides.up(up), slew=float(number(up.slew_interval)), down=sides.down(down))
+    ramp = Ramp(up=sides.up(up), slew=float(number(up.slew_interval)), down=sides.down(down))
+    _refuse_runaway(design, ramp)
+    return ramp
 
 
 def ramp_of(design: Design) -> Ramp:
@@ -102,11 +110,42 @@ def tuning_report(design: Design) -> tuning.TuningReport | None:
     return tuning.report(up, down, design.method.tuned_for)
 
 
-def _refuse_no_ticks(design: Design, intervals: Intervals) -> None:
-    if intervals.size and intervals.min() < 1:
-        fastest = f"at most {design.timer.frequency_hz:,.0f} steps/s with this timer: an interval is 1 tick or more"
-        field, value = "ramp.slew_speed_steps_per_s", design.ramp.slew_speed_steps_per_s
-        raise Rejected([Rejection(field, value, fastest)])
+def _refuse_runaway(design: Design, ramp: Ramp) -> None:
+    """Refuse an arithmetic whose rounding errors have left nothing of an interval; those of float64 never do."""
+    for side in (ramp.up, ramp.down):
+        # Neither comparison holds for what is no number.
+        if side.size and not (side.min() > 0 and side.max() < LONGEST_INTERVAL_TICKS):
+            allowed = (
+                f"float64 for this ramp: over {side.size:,} steps the rounding errors of {design.method.arithmetic} "
+                "add up until an interval is no number"
+            )
+            raise Rejected([Rejection("method.arithmetic", design.method.arithmetic, allowed)])
+
+
+def _less_than_a_tick(design: Design) -> list[Rejection]:
+    """Return what is to blame for an interval that comes to 0 ticks."""
+    blamed = _short_rows(design) if design.method.name == "table" else _fast_slew(design)
+    # Next to one tick a method may come to a little less.
+    nearest = "nearest: rounded down, an interval of about 1 tick comes to none"
+    return blamed or [Rejection("method.rounding", design.method.rounding, nearest)]
+
+
+def _fast_slew(design: Design) -> list[Rejection]:
+    slew, timer_hz = design.ramp.slew_speed_steps_per_s, design.timer.frequency_hz
+    allowed = f"{at_most(timer_hz)} steps/s with this timer: an interval is 1 tick or more"
+    return [Rejection("ramp.slew_speed_steps_per_s", slew, allowed)] if slew > timer_hz else []
+
+
+def _short_rows(design: Design) -> list[Rejection]:
+    rows = design.table.rows if design.table else []
+    least = 0.5 if design.method.rounding == "nearest" else 1
+    tick_us = math.ceil(us_from_ticks(1, design.timer.frequency_hz))
+    # Only delays in µs can be so short: in ticks they are whole.
+    return [
+        Rejection(f"table.rows.{row}.1", delay, f"at least {tick_us:,} µs: with this timer that is 1 tick or more")
+        for row, (_, delay) in enumerate(rows)
+        if ticks_from_us(delay, design.timer.frequency_hz) < least
+    ]
 
 
 def _slope(design: Design, acceleration: float, which: str) -> Slope:
@@ -114,8 +153,8 @@ def _slope(design: Design, acceleration: float, which: str) -> Slope:
     base, slew = design.ramp.base_speed_steps_per_s, design.ramp.slew_speed_steps_per_s
     slope = Slope(design.timer.frequency_hz, base, slew, acceleration)
     if slope.length > MOST_STEPS:
-        least = (slew**2 - base**2) / (2 * MOST_STEPS)
-        allowed = f"at least {least:,.6g} steps/s² between these speeds, for a ramp of at most {MOST_STEPS:,} steps"
+        least = at_least((slew**2 - base**2) / (2 * MOST_STEPS))
+        allowed = f"{least} steps/s² between these speeds, for a ramp of at most {MOST_STEPS:,} steps"
         raise Rejected([Rejection(f"ramp.{which}_steps_per_s2", acceleration, allowed)])
     return slope
 

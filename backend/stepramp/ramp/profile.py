@@ -7,9 +7,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from stepramp.design import Design
+from stepramp.design import LEAST_ACCELERATION, Design
 from stepramp.errors import Rejected, Rejection
 from stepramp.ramp.compiled import counted
+from stepramp.ramp.limit_text import at_least, at_most
 from stepramp.ramp.plan import Plan, plan_of
 from stepramp.ramp.timer_limits import SlewResolution, Warning, slew_resolution, timer_warnings
 from stepramp.units import speed_from_interval
@@ -89,7 +90,7 @@ def profile_of(design: Design) -> Profile:
         direction=int(math.copysign(1, design.move.steps)),
         duration_s=int(intervals.sum()) / timer_hz,
         phases=_phases(plan),
-        warnings=tuple(_short_move(design, plan) + timer_warnings(design, intervals, slew_ticks)),
+        warnings=(*_short_move(design, plan), *timer_warnings(design, intervals, slew_ticks), *_no_ramp(design, plan)),
         slew_resolution=slew_resolution(slew_ticks, timer_hz),
         plan=plan,
     )
@@ -108,3 +109,23 @@ def _short_move(design: Design, plan: Plan) -> list[Warning]:
     peak = speed_from_interval(float(plan.intervals.min()), design.timer.frequency_hz)
     message = f"Too short to reach full speed, which takes {needed:,} steps: the move peaks at {peak:,.0f} steps/s."
     return [Warning("move.steps", message)]
+
+
+def _no_ramp(design: Design, plan: Plan) -> list[Warning]:
+    """Warn of a side that has no step, by (16): one would be more than leads from the base to the slew speed."""
+    base, slew = design.ramp.base_speed_steps_per_s, design.ramp.slew_speed_steps_per_s
+    if design.method.name == "table" or base == slew:
+        return []
+    warnings = []
+    for field, side in (("acceleration_steps_per_s2", plan.ramp.up), ("deceleration_steps_per_s2", plan.ramp.down)):
+        rate = getattr(design.ramp, field)
+        if rate is None or side.size:
+            continue
+        most, reached = (slew**2 - base**2) / 2, math.sqrt(base**2 + 2 * rate)
+        slower = f"{at_most(most)} steps/s², or " if most >= LEAST_ACCELERATION else ""
+        message = (
+            f"At {rate:,.6g} steps/s² a single step would reach {reached:,.6g} steps/s, above the slew speed: there is "
+            f"no ramp. Use {slower}a slew speed of {at_least(reached)} steps/s."
+        )
+        warnings.append(Warning(f"ramp.{field}", message))
+    return warnings

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from stepramp.design import Design
 from stepramp.errors import Rejected, Rejection
 from stepramp.ramp.compiled import compiled, counted
+from stepramp.ramp.limit_text import at_most
 from stepramp.ramp.line import Limit, called, fields_of, leader_of, line_profile, steps_of, steps_together
 from stepramp.ramp.profile import Profile, profile_of
 from stepramp.ramp.thinning import kept_steps
@@ -211,7 +212,7 @@ def _bunched(designs: Sequence[Design], leader: int, number: int, axis: Axis) ->
     message = (
         f"Along the line, steps of {called(designs, number)} come as close as "
         f"{us_from_ticks(int(gaps.min()), timer_hz):,.6g} µs, less than the {timer.shortest_interval_us:g} µs that the "
-        f"controller needs: use a slew speed of at most {fastest:,.0f} steps/s."
+        f"controller needs: use a slew speed of {at_most(fastest)} steps/s."
     )
     return [Warning(f"designs.{number}.timer.shortest_interval_us", message)]
 

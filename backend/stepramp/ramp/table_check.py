@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from stepramp.ramp.table_fit import WIDEST
+from stepramp.ramp.table_delays import WIDEST
 from stepramp.units import MICROSECONDS_PER_SECOND, speed_from_interval
 
 HARSH = 10

@@ -1,26 +1,27 @@
 """The best lookup table for a ramp: rows of constant delay whose largest relative error is least.
 
-Over a stretch of delays from p_max down to p_min, a row's delay y is off by y / p_min - 1 at most one way and
+Over steps of delays from p_max down to p_min, a row's delay y is off by y / p_min - 1 at most one way and
 1 - y / p_max the other. Both are equal, and the larger of them least, at y = 2 p_max p_min / (p_max + p_min), where
 they are (p_max - p_min) / (p_max + p_min). With whole delays it is one of the two whole numbers around y.
+
+A ramp index that plays steps of different speeds is off by as much in any table. Where that is more than rows of
+the same number could keep to elsewhere, it has a row of its own, and the others are as good as they get.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stepramp.design import MOST_TABLE_ROWS, Design
+from stepramp.design import MOST_TABLE_ROWS
 from stepramp.errors import Rejected, Rejection
 from stepramp.ramp.compiled import compiled
-from stepramp.ramp.plan import real_ramp
-from stepramp.units import us_from_ticks
+from stepramp.ramp.limit_text import at_least
+from stepramp.ramp.table_delays import WIDEST, RampDelays
 
 BYTES_PER_ROW = 4
 """Ramp index and delay, 16 bits each."""
-WIDEST = 65535
 
 
 @dataclass(frozen=True)
@@ -39,32 +40,20 @@ class FittedTable:
 
 
 @dataclass(frozen=True)
-class RampDelays:
-    """The delays that a table stands for: of successive ramp indices from `first_index` on, shape (indices,)."""
+class Floor:
+    """What no number of rows can mend."""
 
-    first_index: int
-    delays: NDArray[np.float64]
+    relative_error: float
+    """The largest relative error of a table with a row for each ramp index."""
+    ramp_index: int
+    """The first index that has it."""
 
 
-def ramp_delays(design: Design, interval_unit: Literal["us", "ticks"]) -> RampDelays:
-    """Return the delays of a design's acceleration by ramp index, in the unit of a table.
-
-    At ramp index k it is the interval of step k, and after the last the slew interval; at 0, where a deceleration
-    ends, that of the base speed, unless that is 0. A design whose own method is a table is fitted to the exact ramp.
-    Raises Rejected as real_ramp does, and when a ramp index would be wider than 16 bits.
-    """
-    fitted = design.with_method("exact") if design.method.name == "table" else design
-    ramp, base, timer_hz = real_ramp(fitted), design.ramp.base_speed_steps_per_s, design.timer.frequency_hz
-    at_rest = [timer_hz / base] if base > 0 else []
-    ticks = np.concatenate((at_rest, ramp.up, [ramp.slew])).astype(np.float64)
-    if ramp.up.size >= WIDEST:
-        acceleration, slew = design.ramp.acceleration_steps_per_s2, design.ramp.slew_speed_steps_per_s
-        allowed = (
-            f"at least {(slew**2 - base**2) / (2 * (WIDEST - 1)):,.6g} steps/s², so that ramp indices fit in 16 bits"
-        )
-        raise Rejected([Rejection("ramp.acceleration_steps_per_s2", acceleration, allowed)])
-    unit = us_from_ticks(1, timer_hz) if interval_unit == "us" else 1.0
-    return RampDelays(0 if at_rest else 1, ticks * unit)
+def floor_of(ramp: RampDelays) -> Floor:
+    """Return the error that even a row for each ramp index has: delays are whole, and steps share an index."""
+    _, errors = whole_delays(ramp.longest, ramp.shortest)
+    worst = int(errors.argmax())
+    return Floor(float(errors[worst]), ramp.first_index + worst)
 
 
 def fit_rows(ramp: RampDelays, rows: int) -> FittedTable:
@@ -74,9 +63,9 @@ def fit_rows(ramp: RampDelays, rows: int) -> FittedTable:
     row that is good enough is so too. The least error for which that gives few enough rows is found by halving.
     """
     low, high = 0.0, 1.0
-    best = _reach(ramp.delays, high)
+    best = _reach(ramp.longest, ramp.shortest, high)
     while high - low > 1e-15 and (middle := (low + high) / 2) not in (low, high):
-        tried = _reach(ramp.delays, middle)
+        tried = _reach(ramp.longest, ramp.shortest, middle)
         if tried.size <= rows:
             # What the rows are really off is at most the error allowed, and often less.
             best, high = tried, min(middle, _table(ramp, tried).largest_relative_error)
@@ -90,50 +79,63 @@ def fit_error(ramp: RampDelays, largest_relative_error: float) -> FittedTable:
 
     Raises Rejected when that takes finer delays than whole ones of 16 bits, or more than 1,000 rows.
     """
-    fitted = _table(ramp, _reach(ramp.delays, largest_relative_error))
-    return reached(fitted, largest_relative_error, lambda: fit_rows(ramp, MOST_TABLE_ROWS))
+    fitted = _table(ramp, _reach(ramp.longest, ramp.shortest, largest_relative_error))
+    return reached(ramp, fitted, largest_relative_error, lambda: fit_rows(ramp, MOST_TABLE_ROWS))
 
 
-def reached(fitted: FittedTable, largest_relative_error: float, best: Callable[[], FittedTable]) -> FittedTable:
+def reached(
+    ramp: RampDelays, fitted: FittedTable, largest_relative_error: float, best: Callable[[], FittedTable]
+) -> FittedTable:
     """Return a fitted table that keeps to an error in at most 1,000 rows.
 
     Raises Rejected, with the error of the best table, when it doesn't.
     """
     if fitted.largest_relative_error > largest_relative_error * (1 + 1e-12) or len(fitted.rows) > MOST_TABLE_ROWS:
-        least = best().largest_relative_error
-        allowed = f"at least {least:.3g}, the best that {MOST_TABLE_ROWS:,} rows of whole 16-bit delays can do here"
+        least = at_least(best().largest_relative_error, figures=3)
+        allowed = f"{least}, the best that {MOST_TABLE_ROWS:,} rows of whole 16-bit delays can do here"
+        if np.any(ramp.longest > ramp.shortest):
+            allowed += ", where steps of different speeds play the same ramp index"
         raise Rejected([Rejection("largest_relative_error", largest_relative_error, allowed)])
     return fitted
 
 
+def whole_delays(
+    longest: NDArray[np.float64], shortest: NDArray[np.float64]
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Return the best whole delays of 16 bits for delays from longest to shortest, and their errors, elementwise."""
+    middle = 2 * longest * shortest / (longest + shortest)
+    below, above = (np.clip(whole(middle), 1, WIDEST) for whole in (np.floor, np.ceil))
+    below_error, above_error = (relative_errors(each, longest, shortest) for each in (below, above))
+    is_below = below_error <= above_error
+    return np.where(is_below, below, above).astype(np.int64), np.where(is_below, below_error, above_error)
+
+
+def relative_errors(
+    delays: NDArray[np.float64] | NDArray[np.int64], longest: NDArray[np.float64], shortest: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return the larger of the relative errors of delays against the longest and the shortest that they stand for."""
+    return np.maximum(delays / shortest - 1, 1 - delays / longest)
+
+
 def _table(ramp: RampDelays, ends: NDArray[np.int64]) -> FittedTable:
     starts = np.concatenate(([0], ends[:-1]))
-    longest = np.maximum.reduceat(ramp.delays, starts)
-    shortest = np.minimum.reduceat(ramp.delays, starts)
-    middle = 2 * longest * shortest / (longest + shortest)
-    below = np.clip(np.floor(middle), 1, WIDEST)
-    above = np.clip(np.ceil(middle), 1, WIDEST)
-
-    def error(whole: NDArray[np.float64]) -> NDArray[np.float64]:
-        return np.maximum(whole / shortest - 1, 1 - whole / longest)
-
-    chosen = np.where(error(below) <= error(above), below, above)
-    rows = np.stack((ramp.first_index + ends - 1, chosen.astype(np.int64)), axis=1)
-    return FittedTable(rows, error(chosen))
+    longest, shortest = np.maximum.reduceat(ramp.longest, starts), np.minimum.reduceat(ramp.shortest, starts)
+    delays, errors = whole_delays(longest, shortest)
+    return FittedTable(np.stack((ramp.first_index + ends - 1, delays), axis=1), errors)
 
 
 @compiled
-def _reach(delays, error):  # type: ignore[no-untyped-def]  # compiled
-    """Return one past the last delay of each row when each row reaches as far as the error allows."""
-    ends = np.empty(delays.size, np.int64)
-    made, longest, shortest = 0, delays[0], delays[0]
-    for i in range(delays.size):
-        longest, shortest = max(longest, delays[i]), min(shortest, delays[i])
-        least = max(1.0, np.ceil(longest * (1 - error)))
-        most = min(float(WIDEST), np.floor(shortest * (1 + error)))
+def _reach(longest, shortest, error):  # type: ignore[no-untyped-def]  # compiled
+    """Return one past the last index of each row when each row reaches as far as the error allows."""
+    ends = np.empty(longest.size, np.int64)
+    made, slow, fast = 0, longest[0], shortest[0]
+    for i in range(longest.size):
+        slow, fast = max(slow, longest[i]), min(fast, shortest[i])
+        least = max(1.0, np.ceil(slow * (1 - error)))
+        most = min(float(WIDEST), np.floor(fast * (1 + error)))
         if least > most and i > 0:
             ends[made] = i
             made += 1
-            longest = shortest = delays[i]
-    ends[made] = delays.size
+            slow, fast = longest[i], shortest[i]
+    ends[made] = longest.size
     return ends[: made + 1]

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from stepramp.design import MOST_TABLE_ROWS
 from stepramp.ramp.compiled import compiled
-from stepramp.ramp.table_fit import WIDEST, FittedTable, RampDelays, fit_rows, reached
+from stepramp.ramp.table_delays import WIDEST, RampDelays
+from stepramp.ramp.table_fit import FittedTable, fit_rows, reached, relative_errors, whole_delays
 
 BYTES_PER_LINEAR_ROW = 6
 """Ramp index, first delay and its change a step, 16 bits each."""
@@ -26,12 +27,12 @@ def fit_linear_rows(ramp: RampDelays, rows: int) -> FittedTable:
     # A row of constant delay is a linear one, so their best is where to begin.
     constant = fit_rows(ramp, rows)
     best = FittedTable(np.pad(constant.rows, ((0, 0), (0, 1))), constant.relative_errors)
-    finest = _table(ramp, _reach(ramp.delays, 0.0))
+    finest = _table(ramp, _reached(ramp, 0.0))
     if len(finest.rows) <= rows and finest.largest_relative_error <= best.largest_relative_error:
         best = finest
     low, high = 0.0, best.largest_relative_error
     while high - low > 1e-12 and (middle := (low + high) / 2) not in (low, high):
-        tried = _table(ramp, _reach(ramp.delays, middle))
+        tried = _table(ramp, _reached(ramp, middle))
         if len(tried.rows) <= rows and tried.largest_relative_error <= best.largest_relative_error:
             best, high = tried, min(middle, tried.largest_relative_error)
         else:
@@ -44,47 +45,49 @@ def fit_linear_error(ramp: RampDelays, largest_relative_error: float) -> FittedT
 
     Raises Rejected as table_fit.fit_error does.
     """
-    fitted = _table(ramp, _reach(ramp.delays, largest_relative_error))
-    return reached(fitted, largest_relative_error, lambda: fit_linear_rows(ramp, MOST_TABLE_ROWS))
+    fitted = _table(ramp, _reached(ramp, largest_relative_error))
+    return reached(ramp, fitted, largest_relative_error, lambda: fit_linear_rows(ramp, MOST_TABLE_ROWS))
 
 
 def _table(ramp: RampDelays, lines: NDArray[np.int64]) -> FittedTable:
-    """Return the table of lines (one past the last delay, first delay, add), shape (rows, 3)."""
+    """Return the table of lines (one past the last index, first delay, add), shape (rows, 3)."""
     starts = np.concatenate(([0], lines[:-1, 0]))
     row = np.repeat(np.arange(len(lines)), lines[:, 0] - starts)
-    fitted = lines[row, 1] + lines[row, 2] * (np.arange(ramp.delays.size) - starts[row])
-    errors = np.maximum.reduceat(np.abs(fitted / ramp.delays - 1), starts)
+    fitted = lines[row, 1] + lines[row, 2] * (np.arange(ramp.longest.size) - starts[row])
+    errors = np.maximum.reduceat(relative_errors(fitted, ramp.longest, ramp.shortest), starts)
     return FittedTable(lines + np.array([ramp.first_index - 1, 0, 0]), errors)
 
 
+def _reached(ramp: RampDelays, error: float) -> NDArray[np.int64]:
+    """Return (one past the last index, first delay, add) of each row when each reaches as far as the error allows."""
+    lowest = np.maximum(1, np.ceil(ramp.longest * (1 - error))).astype(np.int64)
+    highest = np.minimum(WIDEST, np.floor(ramp.shortest * (1 + error))).astype(np.int64)
+    alone, _ = whole_delays(ramp.longest, ramp.shortest)
+    lines: NDArray[np.int64] = _reach(lowest, highest, alone)
+    return lines
+
+
 @compiled
-def _reach(delays, error):  # type: ignore[no-untyped-def]  # compiled
-    """Return (one past the last delay, first delay, add) of each row when each reaches as far as the error allows."""
-    lowest = np.maximum(1.0, np.ceil(delays * (1 - error))).astype(np.int64)
-    highest = np.minimum(float(WIDEST), np.floor(delays * (1 + error))).astype(np.int64)
-    lines = np.empty((delays.size, 3), np.int64)
+def _reach(lowest, highest, alone):  # type: ignore[no-untyped-def]  # compiled
+    lines = np.empty((lowest.size, 3), np.int64)
     made, at = 0, 0
-    while at < delays.size:
-        lines[made] = _furthest(delays, lowest, highest, at)
+    while at < lowest.size:
+        lines[made] = _furthest(lowest, highest, alone[at], at)
         at = lines[made, 0]
         made += 1
     return lines[:made]
 
 
 @compiled
-def _furthest(delays, lowest, highest, at):  # type: ignore[no-untyped-def]  # compiled
-    """Return the line that reaches furthest from a delay on; the nearest whole delay alone where none is allowed."""
-    nearest = min(max(int(np.floor(delays[at] + 0.5)), 1), WIDEST)
-    best = np.array([at + 1, nearest, 0])
-    if lowest[at] > highest[at]:
-        return best
-    best[1] = min(max(nearest, lowest[at]), highest[at])
-    if at + 1 == delays.size:
+def _furthest(lowest, highest, alone, at):  # type: ignore[no-untyped-def]  # compiled
+    """Return the line that reaches furthest from an index on; that index alone, with its own delay, if none does."""
+    best = np.array([at + 1, alone, 0])
+    if lowest[at] > highest[at] or at + 1 == lowest.size:
         return best
     flattest = min(highest[at + 1] - lowest[at], STEEPEST)
     for add in range(max(lowest[at + 1] - highest[at], -STEEPEST), flattest + 1):
         least, most, end = lowest[at], highest[at], at + 1
-        while end < delays.size:
+        while end < lowest.size:
             fallen = add * (end - at)
             next_least, next_most = max(least, lowest[end] - fallen), min(most, highest[end] - fallen)
             if next_least > next_most:

@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass
 
 from stepramp.design import Design, Timer
+from stepramp.ramp.limit_text import at_least, at_most
 from stepramp.ramp.move import Intervals
 from stepramp.units import speed_from_interval, ticks_from_us, us_from_ticks
 
@@ -51,7 +52,6 @@ def timer_warnings(design: Design, intervals: Intervals, slew_interval_ticks: fl
         _wider_than_counter(longest, design.timer),
         _shorter_than_shortest(shortest, design.timer),
         _coarse_slew(slew_interval_ticks, design.timer),
-        _first_step_above_slew(design),
     )
     return [warning for warning in found if warning is not None]
 
@@ -64,7 +64,7 @@ def _wider_than_counter(longest: int, timer: Timer) -> Warning | None:
     return Warning(
         "timer.counter_bits",
         f"The longest interval, {longest:,} ticks, does not fit in a counter of {timer.counter_bits} bits "
-        f"(at most {widest:,}): use {longest.bit_length()} bits, a timer of at most {slower:,.0f} Hz, "
+        f"(at most {widest:,}): use {longest.bit_length()} bits, a timer of {at_most(slower)} Hz, "
         "or a higher base speed.",
     )
 
@@ -73,12 +73,12 @@ def _shorter_than_shortest(shortest: int, timer: Timer) -> Warning | None:
     least = ticks_from_us(timer.shortest_interval_us, timer.frequency_hz)
     if shortest >= least:
         return None
-    fastest = speed_from_interval(least, timer.frequency_hz)
+    fastest = speed_from_interval(math.ceil(least), timer.frequency_hz)
     return Warning(
         "timer.shortest_interval_us",
         f"The shortest interval, {us_from_ticks(shortest, timer.frequency_hz):,.2f} µs, is less than the "
         f"{timer.shortest_interval_us:,g} µs that the controller needs: "
-        f"use a slew speed of at most {fastest:,.0f} steps/s.",
+        f"use a slew speed of {at_most(fastest)} steps/s.",
     )
 
 
@@ -88,7 +88,7 @@ def _coarse_slew(slew_interval_ticks: float, timer: Timer) -> Warning | None:
         return None
     below, above = resolution.speed_below_steps_per_s, resolution.speed_above_steps_per_s
     finer = timer.frequency_hz * resolution.relative / COARSE
-    advice = f"a timer of at least {finer:,.0f} Hz has a resolution of {100 * COARSE:g} %."
+    advice = f"a timer of {at_least(finer)} Hz has a resolution of {100 * COARSE:g} %."
     if below == above:
         text = f"Speeds near the slew speed are {100 * resolution.relative:.1f} % apart; {advice}"
     else:
@@ -98,19 +98,3 @@ def _coarse_slew(slew_interval_ticks: float, timer: Timer) -> Warning | None:
             f"steps/s. Use one of them; {advice}"
         )
     return Warning("timer.frequency_hz", text)
-
-
-def _first_step_above_slew(design: Design) -> Warning | None:
-    """Warn when n = 2 a / v² > 1, by (13): then the speed after one step would be above the slew speed."""
-    slew, base = design.ramp.slew_speed_steps_per_s, design.ramp.base_speed_steps_per_s
-    for which in ("acceleration", "deceleration"):
-        field = f"{which}_steps_per_s2"
-        rate = getattr(design.ramp, field)
-        if design.method.name != "table" and rate is not None and 2 * rate > slew**2:
-            reached, most = math.sqrt(base**2 + 2 * rate), (slew**2 - base**2) / 2
-            return Warning(
-                f"ramp.{field}",
-                f"At {rate:,.0f} steps/s² a single step would reach {reached:,.0f} steps/s, above the slew speed "
-                f"(2 a / v² is more than 1): there is no ramp. Use at most {most:,.0f} steps/s².",
-            )
-    return None

@@ -95,6 +95,11 @@ export function createFitChart(onChoose) {
         if (error >= low && error <= high) drawing.append(...gridLine(text, LEFT, WIDTH - RIGHT, yOf(error)));
       }
     }
+    const floor = curve.floor.relative_error;
+    if (floor >= low) {
+      const y = yOf(floor);
+      drawing.append(svgElement('line', { class: 'floor', x1: LEFT, x2: WIDTH - RIGHT, y1: y, y2: y }));
+    }
     const points = curve.largest_relative_error.map((error, index) => `${xOf(index)},${yOf(error)}`);
     drawing.append(svgElement('polyline', { class: 'line', points: points.join(' ') }));
     curve.rows.forEach(drawPoint);

@@ -18,16 +18,19 @@ import { previewTable } from './preview_table.js';
 /** @typedef {import('../../types.js').FittedTable} FittedTable */
 /** @typedef {'rows' | 'largest_relative_error' | 'bytes'} WishName */
 /** @typedef {'constant' | 'linear'} Kind */
+/** @typedef {import('../../types.js').FitTo} FitTo */
 
-/** @type {{name: WishName, label: string, unit: string, first: number}[]} */
+/** @type {{name: WishName, label: string, unit: string}[]} */
 const WISHES = [
-  { name: 'rows', label: 'Rows', unit: 'rows', first: 8 },
-  { name: 'largest_relative_error', label: 'Error', unit: '%', first: 10 },
-  { name: 'bytes', label: 'Bytes', unit: 'bytes', first: 64 },
+  { name: 'rows', label: 'Rows', unit: 'rows' },
+  { name: 'largest_relative_error', label: 'Error', unit: '%' },
+  { name: 'bytes', label: 'Bytes', unit: 'bytes' },
 ];
-const PLAYED_NOTE =
-  'Errors are of the rows against the ramp: a gauge plays them one step early speeding up and one late slowing down, ' +
-  'so the plots show more.';
+/** @type {Record<FitTo, string>} */
+const PLAYER_NOTES = {
+  played: 'For gauge libraries and this page’s plots: they play steps up from index 2, and steps down to index 0.',
+  ramp_index: 'For programs that play step k at index k, speeding up and slowing down. The plots play it otherwise.',
+};
 const LINEAR_NOTE =
   'A linear row takes 6 bytes: last index, delay at its first step, and what is added each step. The table of a design ' +
   'has rows of constant delay; linear ones can be copied for a program that adds.';
@@ -43,11 +46,13 @@ export function createFitDialog(ask, onRows) {
   let wish = 'rows';
   /** What each wish's field holds.
    * @type {Record<WishName, Entry>} */
-  const wanted = { rows: 8, largest_relative_error: 10, bytes: 64 };
+  const wanted = { rows: 8, largest_relative_error: 30, bytes: 64 };
   /** @type {Kind} */
   let kind = 'constant';
+  /** @type {FitTo} */
+  let fitTo = 'played';
   /** The curves of the present design, as they come in.
-   * @type {Partial<Record<Kind, FitCurve>>} */
+   * @type {Partial<Record<`${Kind} ${FitTo}`, FitCurve>>} */
   let curves = {};
   /** @type {FittedTable | null} */
   let fitted = null;
@@ -66,6 +71,15 @@ export function createFitDialog(ask, onRows) {
     ],
     chooseKind,
   );
+  const players = segmented(
+    'Player of the table',
+    [
+      ['played', 'As played'],
+      ['ramp_index', 'By index'],
+    ],
+    choosePlayer,
+  );
+  const playerNote = element('span', { className: 'muted' });
   const input = element('input', {
     id: 'fit-wish',
     'aria-label': WISHES[0].label,
@@ -102,6 +116,7 @@ export function createFitDialog(ask, onRows) {
       element('span', { className: 'fit-field' }, input, unitWord),
       kinds.element,
     ),
+    element('div', { className: 'fit-wishes' }, players.element, playerNote),
     chart.element,
     result,
     preview,
@@ -123,11 +138,20 @@ export function createFitDialog(ask, onRows) {
     fetchCurve();
   }
 
+  /** @param {FitTo} chosen */
+  function choosePlayer(chosen) {
+    fitTo = chosen;
+    fit();
+    fetchCurve();
+  }
+
   /** Show what is wished for, and ask for it. */
   function fit() {
     const { label, unit } = /** @type {typeof WISHES[0]} */ (WISHES.find(({ name }) => name === wish));
     wishes.press(wish);
     kinds.press(kind);
+    players.press(fitTo);
+    playerNote.textContent = PLAYER_NOTES[fitTo];
     unitWord.textContent = unit;
     input.setAttribute('aria-label', label);
     if (parseEntry(input.value) !== wanted[wish]) input.value = formatEntry(wanted[wish]);
@@ -135,6 +159,7 @@ export function createFitDialog(ask, onRows) {
   }
 
   const intervalUnit = () => design?.table?.interval_unit ?? 'us';
+  const presentCurve = () => curves[`${kind} ${fitTo}`] ?? null;
 
   const fitNewest = newestWins(async () => {
     const value = wanted[wish];
@@ -145,29 +170,31 @@ export function createFitDialog(ask, onRows) {
     }
     const size = wish === 'largest_relative_error' ? value / 100 : value;
     try {
-      show(await ask.fitTable(design, { [wish]: size, row_kind: kind, interval_unit: intervalUnit() }));
+      const asked = { [wish]: size, row_kind: kind, interval_unit: intervalUnit(), fit_to: fitTo };
+      show(await ask.fitTable(design, asked));
     } catch (error) {
       show(null, problemOf(error));
     }
   });
 
   const fetchCurve = newestWins(async () => {
-    const [asked, askedKind] = [design, kind];
-    if (asked === null || !dialog.isOpen() || curves[kind]) return;
+    const [asked, askedKind, askedFor] = [design, kind, fitTo];
+    if (asked === null || !dialog.isOpen() || presentCurve()) return;
     try {
-      const curve = await ask.fitCurve(asked, { row_kind: askedKind, interval_unit: intervalUnit() });
-      if (asked === design) curves[askedKind] = curve;
+      const kindOfRow = { row_kind: askedKind, interval_unit: intervalUnit(), fit_to: askedFor };
+      const curve = await ask.fitCurve(asked, kindOfRow);
+      if (asked === design) curves[`${askedKind} ${askedFor}`] = curve;
     } catch (error) {
       // Without the curve a size can still be typed; what is wrong with the design the fit says.
       if (!(error instanceof Refusal)) show(null, problemOf(error));
     }
-    chart.show(curves[kind] ?? null, fitted?.rows ?? 0);
+    chart.show(presentCurve(), fitted?.rows ?? 0);
   });
 
   /** @param {FittedTable | null} shown @param {string} [problem] why there is none */
   function show(shown, problem = '') {
     fitted = shown;
-    chart.show(curves[kind] ?? null, shown?.rows ?? 0);
+    chart.show(presentCurve(), shown?.rows ?? 0);
     input.setAttribute('aria-invalid', String(shown === null));
     use.disabled = copy.disabled = shown === null;
     use.hidden = kind === 'linear';
@@ -188,9 +215,19 @@ export function createFitDialog(ask, onRows) {
         ` · ${formatEntry(shown.bytes)} bytes · largest error `,
         figure(`± ${formatFigures(shown.largest_relative_error * 100, 3)} %`),
       ),
+      element('p', { className: 'muted', textContent: floorNote(shown.floor) }),
       ...(kind === 'linear' ? [element('p', { className: 'muted', textContent: LINEAR_NOTE })] : []),
     );
     preview.replaceChildren(rowsPreview(shown, intervalUnit() === 'us' ? 'µs' : 'ticks'));
+  }
+
+  /** @param {import('../../types.js').Floor} floor */
+  function floorNote({ relative_error, ramp_index }) {
+    const least = formatFigures(relative_error * 100, 3);
+    const unit = intervalUnit() === 'us' ? 'µs' : 'ticks';
+    const why =
+      fitTo === 'played' ? 'one whole delay has to do for steps up and down' : `the delay is rounded to whole ${unit}`;
+    return `No number of rows does better than ± ${least} %: at index ${formatEntry(ramp_index)} ${why}.`;
   }
 
   async function copyLinear() {
@@ -213,7 +250,7 @@ export function createFitDialog(ask, onRows) {
       chart.show(null, 0);
       const method = methodOf(present.method.name === 'table' ? 'exact' : present.method.name);
       const speed = formatEntry(present.ramp.slew_speed_steps_per_s);
-      about.textContent = `The best rows for the ramp by ${method.label} up to ${speed} steps/s. ${PLAYED_NOTE}`;
+      about.textContent = `The best rows for the ramp by ${method.label} up to ${speed} steps/s.`;
       dialog.open(input);
       fit();
       fetchCurve();

@@ -1,0 +1,22 @@
+"""Limits as they stand in a message: rounded to the side on which they are kept, so that what is told is allowed."""
+
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
+
+FIGURES = 6
+NOISE_FIGURES = 12
+"""Beyond these figures a limit is what floating point makes of it."""
+
+
+def at_least(limit: float, figures: int = FIGURES) -> str:
+    """Return a lower limit as words, rounded up to so many figures."""
+    return f"at least {_rounded(limit, figures, ROUND_CEILING)}"
+
+
+def at_most(limit: float, figures: int = FIGURES) -> str:
+    """Return an upper limit as words, rounded down to so many figures."""
+    return f"at most {_rounded(limit, figures, ROUND_FLOOR)}"
+
+
+def _rounded(limit: float, figures: int, rounding: str) -> str:
+    known = Decimal(f"{limit:.{NOISE_FIGURES}g}")
+    return f"{Context(prec=figures, rounding=rounding).plus(known).normalize():,f}"
