@@ -6,7 +6,8 @@ import shutil
 import signal
 import subprocess
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any, Self
@@ -176,6 +177,58 @@ class SimulatedController:
 
     def __exit__(self, *_: object) -> None:
         self.stop()
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A frame on the serial line, and when [cycles]: one for the controller from its first bit to its last, one of the
+    controller's from when its first byte was given to the transmitter to when its last one was."""
+
+    is_sent: bool
+    begin: int
+    end: int
+    data: bytes
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A frame to be sent, and when: so long after the answer to the one before, and so long after the last edge of a
+    step pin; but at once when a pin has had so many edges since that answer."""
+
+    data: bytes
+    wait_cycles: int = 0
+    quiet_cycles: int = 0
+    pin: int = 0
+    edges: int = 0
+
+    @property
+    def line(self) -> str:
+        return f"{self.wait_cycles} {self.quiet_cycles} {self.pin} {self.edges} {self.data.hex()}\n"
+
+
+@dataclass(frozen=True)
+class Conversation:
+    """What a simulated controller was told, what it said and did."""
+
+    frames: Sequence[Frame]
+    edges: npt.NDArray[np.void]
+    statistics: dict[str, Any]
+
+
+def converse(firmware_elf: Path, workdir: Path, asked: Iterable[Asked]) -> Conversation:
+    """Let a controller answer some frames, as fast as this machine can, and always in the same way to the cycle.
+
+    RuntimeError when the simulator fails.
+    """
+    requests, log, edges = (workdir / name for name in ("requests.txt", "log.txt", "edges.bin"))
+    requests.write_text("".join(one.line for one in asked))
+    command = [str(build_harness()), "--requests", str(requests), "--log", str(log), "--edges", str(edges)]
+    result = subprocess.run([*command, str(firmware_elf)], capture_output=True, text=True, check=False)
+    if result.returncode:
+        raise RuntimeError(f"The simulator ended with {result.returncode}: {result.stderr}")
+    words = [line.split() for line in log.read_text().splitlines()]
+    frames = [Frame(way == ">", int(begin), int(end), bytes.fromhex(data)) for way, begin, end, data in words]
+    return Conversation(frames, np.frombuffer(edges.read_bytes(), dtype=EDGE), json.loads(result.stdout))
 
 
 def pulses(edges: npt.NDArray[np.void]) -> npt.NDArray[np.int64]:

@@ -29,9 +29,11 @@ static const char help[] =
     "  --data FILE       with --batch: put the bytes of FILE into the program memory, from 0x4000 on\n"
     "  --sent FILE       with --batch: what the program sends over its serial port\n"
     "  --busy            with --batch: bytes come in over the serial port without a pause\n"
+    "  --requests FILE   no terminal: run as fast as possible until these requests have been answered; see host.h\n"
+    "  --log FILE        with --requests: each frame and its time; see host.h\n"
     "  --help            print this\n";
 
-enum { POLL_CYCLES = 1600 /* 100 us */, FLUSH_CYCLES = 160000 /* 10 ms */, PAINT = 0xA5, SRAM_BEGINS = 0x100 };
+enum { POLL_CYCLES = 1600 /* 100 us */, FLUSH_CYCLES = 160000 /* 10 ms */, LOOK_CYCLES = 64, PAINT = 0xA5, SRAM_BEGINS = 0x100 };
 enum { READY_CYCLES = 800000 /* 50 ms */ };
 enum { POWER_CUT_EXIT = 3 };
 enum { DATA_BEGINS = 0x4000, MCUSR = 0x54, POWER_ON = 1, EXTERNAL_RESET = 2, TIMER1_VECTORS = 11, RECEIVE_VECTOR = 18 };
@@ -43,6 +45,7 @@ struct options {
     unsigned boot_ms;
     bool free_running, batch, busy;
     const char *data, *sent;
+    const char *requests, *log;
 };
 
 static avr_t *avr;
@@ -94,6 +97,7 @@ static void finish(bool power_was_cut)
     struct serial_counts serial = serial_line_counts();
     edges_flush();
     serial_line_detach();
+    conversation_end();
     if (sent_file) {
         fclose(sent_file);
     }
@@ -126,6 +130,7 @@ static bool parse_options(int count, char **words, struct options *options)
         {"boot-ms", required_argument, NULL, 'b'}, {"free-running", no_argument, NULL, 'f'},
         {"batch", no_argument, NULL, 'B'},         {"data", required_argument, NULL, 'd'},
         {"sent", required_argument, NULL, 's'},    {"busy", no_argument, NULL, 'y'},
+        {"requests", required_argument, NULL, 'r'}, {"log", required_argument, NULL, 'g'},
         {"help", no_argument, NULL, 'h'},          {NULL, 0, NULL, 0}};
     int option;
     while ((option = getopt_long(count, words, "", names, NULL)) != -1) {
@@ -140,6 +145,8 @@ static bool parse_options(int count, char **words, struct options *options)
         case 'd': options->data = optarg; break;
         case 's': options->sent = optarg; break;
         case 'y': options->busy = true; break;
+        case 'r': options->requests = optarg; break;
+        case 'g': options->log = optarg; break;
         case 'h': fputs(help, stdout); exit(0);
         default: return false;
         }
@@ -172,6 +179,9 @@ static bool load_data(const char *file)
 
 static bool attach_line(const struct options *options)
 {
+    if (options->requests) {
+        return conversation_attach(avr, options->requests, options->log);
+    }
     if (!options->batch) {
         return serial_line_attach(avr, options->link, options->boot_ms);
     }
@@ -315,6 +325,24 @@ static bool run_batch(void)
     return state == cpu_Done;
 }
 
+/* Runs until the last request has been answered. */
+static bool run_conversation(void)
+{
+    avr_cycle_count_t next_look = 0;
+    while (!stop_asked) {
+        if (avr->cycle >= next_look) {
+            next_look = avr->cycle + LOOK_CYCLES;
+            if (!conversation_goes_on()) {
+                return true;
+            }
+        }
+        if (!processor_runs()) {
+            return false;
+        }
+    }
+    return false;
+}
+
 int main(int count, char **words)
 {
     struct options options = {.link = "avr-tty"};
@@ -329,7 +357,7 @@ int main(int count, char **words)
         fprintf(stderr, "avr_host: can't begin with %s\n", options.firmware);
         return 2;
     }
-    bool good = options.batch ? run_batch() : run(&options);
+    bool good = options.requests ? run_conversation() : options.batch ? run_batch() : run(&options);
     finish(false);
     return good ? 0 : 1;
 }

@@ -10,7 +10,14 @@ enum { TRANSMITTER_PIN = 1, UCSR0B = 0xC1, TXEN = 1 << 3 };
 static avr_t *avr;
 static FILE *log_file;
 static long count;
+static long counts[PINS];
+static avr_cycle_count_t last_step;
 static uint8_t values[PINS];
+
+static bool is_step_pin(int pin)
+{
+    return (pin >= 2 && pin <= 4) || pin == 12;
+}
 
 static void log_edge(int pin, uint8_t value)
 {
@@ -19,6 +26,10 @@ static void log_edge(int pin, uint8_t value)
     }
     values[pin] = value;
     count++;
+    counts[pin]++;
+    if (is_step_pin(pin)) {
+        last_step = avr->cycle;
+    }
     if (log_file) {
         int64_t cycle = (int64_t)avr->cycle;
         int8_t pin_and_value[2] = {(int8_t)pin, (int8_t)value};
@@ -79,4 +90,14 @@ void edges_flush(void)
 long edges_count(void)
 {
     return count;
+}
+
+long edges_of_pin(int pin)
+{
+    return counts[pin];
+}
+
+avr_cycle_count_t edges_last_step(void)
+{
+    return last_step;
 }

@@ -50,6 +50,12 @@ bool serial_line_attach(avr_t *avr, const char *link, unsigned boot_ms);
 /* Without a terminal: what the processor sends goes to `sent` (may be NULL), and when `is_busy` bytes come in one after the
  * other from when the receiver has been enabled. */
 void serial_line_attach_to_file(avr_t *avr, FILE *sent, bool is_busy);
+/* Without a terminal: what the processor sends goes to `on_sent`, byte by byte. */
+void serial_line_attach_to(avr_t *avr, void (*on_sent)(uint8_t byte));
+/* Bytes for the processor: they come in one after the other, the first one when the line has carried it. */
+void serial_line_send(const uint8_t *bytes, unsigned count);
+/* [cycles] that the line takes for a byte. */
+avr_cycle_count_t serial_line_byte_cycles(void);
 /* Moves bytes between the terminal and the line. Returns true when the terminal has just been opened, with boot_ms. */
 bool serial_line_poll(void);
 /* What arrives before this cycle is lost: the boot loader eats it. */
@@ -74,5 +80,20 @@ bool edges_attach(avr_t *avr, const char *file);
 void edges_reset(void);
 void edges_flush(void);
 long edges_count(void);
+/* Of one pin. */
+long edges_of_pin(int pin);
+/* When there was one of a step pin, the last time. */
+avr_cycle_count_t edges_last_step(void);
+
+/* ---- conversation.c: requests at moments that are the same each time ---- */
+
+/* `requests` has a line for each frame: "wait quiet pin edges hex". It begins to come in `wait` cycles after the answer to the one
+ * before has gone, and no sooner than `quiet` cycles after the last edge of a step pin; but at once when `pin` has had so many `edges`
+ * since that answer (0: it is not asked). A request without an answer is given up after 0.2 s. `log` gets a line for each frame, in the
+ * order of their ends: "> begin end hex" for what comes in, "< begin end hex" for what has been sent [cycles]. */
+bool conversation_attach(avr_t *avr, const char *requests, const char *log);
+/* Goes on. Returns false when the last answer has gone. */
+bool conversation_goes_on(void);
+void conversation_end(void);
 
 #endif

@@ -35,6 +35,7 @@ static avr_cycle_count_t deaf_until;
 static avr_cycle_count_t asked_at; /* when the last zero byte, which ends a frame, arrived; 0: answered */
 static uint8_t control; /* UCSR0B as it was written last */
 static struct serial_counts counts;
+static void (*sent_to)(uint8_t byte);
 
 /* The UART's own time for a byte; simavr counts 11 bits. */
 static void on_baud_write(avr_t *mcu, avr_io_addr_t address, uint8_t value, void *unused)
@@ -103,15 +104,28 @@ static void on_byte_sent_to_file(avr_irq_t *irq, uint32_t byte, void *file)
     }
 }
 
-static void on_byte_sent(avr_irq_t *irq, uint32_t byte, void *unused)
+/* Counts a byte that the processor sends. */
+static void count_sent(void)
 {
-    (void)irq, (void)unused;
     counts.sent++;
     if (asked_at != 0 && avr->cycle - asked_at > counts.longest_answer) {
         counts.longest_answer = avr->cycle - asked_at;
     }
     asked_at = 0;
+}
+
+static void on_byte_sent(avr_irq_t *irq, uint32_t byte, void *unused)
+{
+    (void)irq, (void)unused;
+    count_sent();
     to_terminal.bytes[to_terminal.in++] = (uint8_t)byte;
+}
+
+static void on_byte_sent_on(avr_irq_t *irq, uint32_t byte, void *unused)
+{
+    (void)irq, (void)unused;
+    count_sent();
+    sent_to((uint8_t)byte);
 }
 
 static bool open_terminal(void)
@@ -172,6 +186,29 @@ void serial_line_attach_to_file(avr_t *mcu, FILE *sent, bool is_busy)
     }
 }
 
+void serial_line_attach_to(avr_t *mcu, void (*on_sent)(uint8_t byte))
+{
+    attach_uart(mcu);
+    sent_to = on_sent;
+    avr_irq_register_notify(avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_OUTPUT), on_byte_sent_on, NULL);
+}
+
+void serial_line_send(const uint8_t *bytes, unsigned count)
+{
+    for (unsigned i = 0; i < count; i++) {
+        to_avr.bytes[to_avr.in++] = bytes[i];
+    }
+    if (count > 0 && !byte_is_coming) {
+        byte_is_coming = true;
+        avr_cycle_timer_register(avr, uart->cycles_per_byte, on_byte_arrived, NULL);
+    }
+}
+
+avr_cycle_count_t serial_line_byte_cycles(void)
+{
+    return uart->cycles_per_byte;
+}
+
 static void read_terminal(void)
 {
     uint8_t bytes[4096];
@@ -180,13 +217,7 @@ static void read_terminal(void)
     if (avr->cycle < deaf_until) {
         return;
     }
-    for (ssize_t i = 0; i < count; i++) {
-        to_avr.bytes[to_avr.in++] = bytes[i];
-    }
-    if (count > 0 && !byte_is_coming) {
-        byte_is_coming = true;
-        avr_cycle_timer_register(avr, uart->cycles_per_byte, on_byte_arrived, NULL);
-    }
+    serial_line_send(bytes, count > 0 ? (unsigned)count : 0);
 }
 
 /* What nobody listens to is lost, as on a real line. */
