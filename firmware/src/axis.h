@@ -43,7 +43,7 @@ struct axis {
         struct {
             struct packed_list up_list;
             struct packed_list down_list;
-            struct ramp_cursor up;   /* before the next interval of the way up */
+            struct ramp_cursor up;   /* before the next interval of the way up, or after that: on the way down */
             struct ramp_cursor down; /* after the next interval of the way down, or before that: not looked for yet */
         };
         struct {
@@ -87,8 +87,9 @@ void axis_next(struct axis *axis, const struct piece_limits *limits, struct piec
  * give, when the ramp is one by formula. */
 void axis_compute(struct axis *axis);
 
-/* To be called when there is time: looks for the way down ahead of need. */
-void axis_look_ahead(struct axis *axis);
+/* To be called when there is time: looks ahead of need for the way down, and on that for the way back up. Returns true
+ * when there is more to look for. */
+bool axis_look_ahead(struct axis *axis);
 
 /* Go to a position, at the ramp's slew interval [ticks]. */
 void axis_move_to(struct axis *axis, uint32_t slew_interval, int32_t target);

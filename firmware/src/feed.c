@@ -12,7 +12,7 @@ enum { PART_TICKS = 16384 };
  * be changed. */
 enum { CLOSING_TICKS = 400 };
 
-/* Segments queued in one round of the main loop, at most: other axes want theirs too. */
+/* Segments queued, or looked at ahead of need, in one round of the main loop, at most: other axes want theirs too. */
 enum { SEGMENTS_AT_ONCE = 4 };
 
 /* Ticks of 64 us, as powers of 2. */
@@ -22,8 +22,9 @@ enum { FAST_BITS = 10, SLOW_BITS = 7 };
 enum { FAST_PIECE_TICKS = 60000, SLOW_PIECE_TICKS = 8000 };
 
 /* [64 us] Time to queue ahead: 6 ms, enough for the main loop's longest round when interrupts take nearly all of the
- * processor, and little enough to begin a stop soon. Less than HURRY_TIME is too little. */
-enum { TIME_AHEAD = 94, HURRY_TIME = 12 };
+ * processor, and little enough to begin a stop soon. With less than HURRY_TIME, 4 ms and still longer than such a round,
+ * something must be queued now. */
+enum { TIME_AHEAD = 94, HURRY_TIME = 62 };
 
 /* A segment is loaded at the beginning of the interval before it, so that some must be there however long that is: where
  * the direction turns, the silence that ends a move, that in which the direction settles, a pulse, and the next. */
@@ -171,13 +172,12 @@ static bool is_wanted(const struct feed *feed, uint16_t ahead)
     return lane_has_room(lane) && (ahead < TIME_AHEAD || lane_ahead(lane) < LEAST_SEGMENTS);
 }
 
-/* Queues one segment, or looks for what the next one takes. Returns false when nothing is wanted. */
+/* Queues one segment, or looks for what later ones take. Returns false when there is nothing to do. */
 static bool fill(struct feed *feed)
 {
     uint16_t ahead = time_ahead(feed);
     if (!is_wanted(feed, ahead)) {
-        axis_look_ahead(&feed->axis);
-        return false;
+        return axis_look_ahead(&feed->axis);
     }
     if (feed->wait_left != 0) {
         queue_wait(feed);

@@ -2,7 +2,8 @@
 
 import itertools
 import math
-from collections.abc import Iterator
+from bisect import bisect_left
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import pytest
@@ -46,6 +47,14 @@ def slope(slew_speed: float, acceleration: float, hz: int = SLOW_HZ) -> tuple[in
     """Return intervals from rest to a speed by formula (9) [ticks]."""
     steps = int(slew_speed**2 / (2 * acceleration))
     return tuple(round(hz / math.sqrt(2 * acceleration * i)) for i in range(1, steps + 1))
+
+
+def coarse_slope(slew_speed: float, acceleration: float, segments: int) -> tuple[int, ...]:
+    """Return intervals from rest to a speed that never rise, in so many segments of as many steps [fast ticks]."""
+    steps = int(slew_speed**2 / (2 * acceleration)) // segments
+    firsts = [FAST_HZ / math.sqrt(2 * acceleration * max(steps * i, 1)) for i in range(segments + 1)]
+    falls = [int((first - after) / steps) for first, after in itertools.pairwise(firsts)]
+    return tuple(int(first) - fall * i for first, fall in zip(firsts, falls, strict=False) for i in range(steps))
 
 
 def ramp_of(slew_speed: float, acceleration: float, deceleration: float, hz: int = SLOW_HZ) -> StoredRamp:
@@ -211,6 +220,49 @@ def test_a_farther_target_is_gone_to_without_a_stop(host: Host) -> None:
     assert len(made.moves) == 1
     assert max(made.intervals[60:300]) < QUICK.up[0]
     assert made.travel == 400
+
+
+def assert_without_a_stall(intervals: Sequence[int], ramp: StoredRamp) -> None:
+    """The motor slows down no faster than its way down does."""
+    down = sorted(ramp.down)
+    for before, after in itertools.pairwise(intervals):
+        slower = bisect_left(down, before + 1)
+        assert after <= max(before, down[min(slower, len(down) - 1)])
+
+
+LONG = StoredRamp(coarse_slope(20_000, 100_000, 40), 800, coarse_slope(20_000, 100_000, 40))
+"""2000 steps up and as many down, in 0.2 s each."""
+
+
+@pytest.mark.parametrize("round_ticks", [8_000, 16_000, 32_000])
+@pytest.mark.parametrize("at_ms", range(210, 400, 10))
+def test_a_move_that_is_extended_while_it_slows_down_does_not_wait(host: Host, at_ms: int, round_ticks: int) -> None:
+    """The place on the way up is near when it is wanted, also when the main loop takes 2 ms for a round."""
+    machine = Machine(host, image_of(LONG, fast=True), round_ticks=round_ticks)
+    before = machine.report().starved
+    machine.move(4200)
+    machine.do("wait", at_ms * 16_000)
+    machine.move(4220)
+    machine.rest()
+    made = machine.steps()
+    assert machine.report().starved == before
+    assert made.travel == 4220
+    assert_without_a_stall(made.intervals, LONG)
+
+
+@pytest.mark.parametrize("round_ticks", [8_000, 16_000, 32_000])
+def test_a_run_that_becomes_slower_does_not_wait(host: Host, round_ticks: int) -> None:
+    side = coarse_slope(120_000, 600_000, 40)
+    ramp = StoredRamp(side, 133, side)
+    machine = Machine(host, image_of(ramp, fast=True), round_ticks=round_ticks)
+    before = machine.report().starved
+    for interval in (133, 2000):
+        machine.ask("run", 1, interval)
+        machine.do("wait", 400 * 16_000)
+        assert machine.report().interval == interval
+    assert machine.report().starved == before
+    assert_without_a_stall(machine.steps().intervals, ramp)
+    machine.do("halt", 1)
 
 
 def test_running(host: Host) -> None:
