@@ -65,8 +65,7 @@ static bool find_way_down(struct axis *axis, const struct piece_limits *limits, 
     return true;
 }
 
-/* Turns to the way down: so that it ends at the target, or, when that is too close or the motor is to stop, the
- * shortest. Intervals that are not longer than the present one may be part of it: they fill what is left between the
+/* Turns to the way down: so that it ends at the target, or, when that is too close, the shortest. Intervals that are not longer than the present one may be part of it: they fill what is left between the
  * last interval of the way up and the next, which would be one too many. */
 static void turn_down(struct axis *axis, const struct piece_limits *limits, struct piece *piece)
 {
@@ -74,7 +73,7 @@ static void turn_down(struct axis *axis, const struct piece_limits *limits, stru
         return;
     }
     uint32_t left = steps_left(axis);
-    while (!axis->stopping && cursor_steps(&axis->down) < left && !cursor_is_at_end(&axis->down)) {
+    while (cursor_steps(&axis->down) < left && !cursor_is_at_end(&axis->down)) {
         uint32_t missing = left - cursor_steps(&axis->down);
         uint16_t rest = (uint16_t)(axis->down.count - axis->down.taken);
         cursor_forward(&axis->down, &axis->down_list, missing < rest ? (uint16_t)missing : rest);
@@ -138,7 +137,7 @@ static uint16_t steps_up(const struct axis *axis, uint32_t left)
 
 static void go_up(struct axis *axis, const struct piece_limits *limits, struct piece *piece)
 {
-    uint32_t left = axis->stopping ? 0 : steps_left(axis);
+    uint32_t left = steps_left(axis);
     if (left == 0) {
         turn_down(axis, limits, piece);
         return;
@@ -201,7 +200,7 @@ static void give_level(struct axis *axis, const struct piece_limits *limits, uin
 
 static void go_level(struct axis *axis, const struct piece_limits *limits, struct piece *piece)
 {
-    uint32_t left = axis->stopping ? 0 : steps_left(axis), steps_down;
+    uint32_t left = steps_left(axis), steps_down;
     if (left > axis->down_steps && axis->is_slewing && cursor_is_at_end(&axis->up)) {
         give_level(axis, limits, left - axis->down_steps, piece); /* most often, and soon decided */
         return;
@@ -235,6 +234,10 @@ static bool way_up_is_found(struct axis *axis, uint32_t interval)
 /* Leaves the way down for a speed to go on with; what there is more of than the way down has is `room` [steps]. */
 static void turn_up(struct axis *axis, const struct piece_limits *limits, uint32_t room, struct piece *piece)
 {
+    if (axis->interval == 0) { /* no step has been given yet: it sets out anew */
+        axis->phase = PHASE_REST;
+        return;
+    }
     uint32_t interval = is_too_fast(axis) ? axis->level : axis->interval;
     if (!way_up_is_found(axis, interval)) {
         if (limits->in_a_hurry) {
@@ -253,7 +256,7 @@ static void go_down(struct axis *axis, const struct piece_limits *limits, struct
 {
     struct ramp_cursor *down = &axis->down;
     cursor_face_back(down);
-    uint32_t left = axis->stopping ? 0 : steps_left(axis), steps_down = cursor_steps(down);
+    uint32_t left = steps_left(axis), steps_down = cursor_steps(down);
     uint16_t count = down->taken;
     if (left > steps_down) {
         count = is_too_fast(axis) ? cursor_count_not_longer_back(down, axis->level) : 0;
@@ -314,11 +317,7 @@ void axis_next(struct axis *axis, const struct piece_limits *limits, struct piec
         return;
     }
     axis->interval = 0;
-    if (axis->stopping) {
-        axis->stopping = false;
-        axis->runs = false;
-        axis->target = axis->position;
-    }
+    axis->stopping = false;
     if (axis->target == axis->position) {
         piece->kind = PIECE_REST;
     } else {
@@ -358,9 +357,34 @@ void axis_run(struct axis *axis, bool backward, uint32_t interval, bool is_slewi
     axis->runs = true;
 }
 
+/* Turns to the shortest way down, or, when no step has been given yet, is at rest again. */
+static void turn_to_rest(struct axis *axis)
+{
+    if (axis->interval == 0) {
+        axis->phase = PHASE_REST;
+        axis->batch_left = 0;
+    } else if (axis->phase == PHASE_UP || axis->phase == PHASE_LEVEL) {
+        while (axis_look_ahead(axis)) {
+        }
+        axis->phase = PHASE_DOWN;
+    }
+}
+
+static uint32_t steps_to_rest(const struct axis *axis)
+{
+    if (axis->phase == PHASE_REST) {
+        return 0;
+    }
+    return axis_is_by_formula(axis) ? axis->batch_left + formula_steps_down(&axis->formula) : cursor_steps(&axis->down);
+}
+
 void axis_stop(struct axis *axis)
 {
     axis->stopping = true;
+    axis->runs = false;
+    turn_to_rest(axis);
+    uint32_t steps = steps_to_rest(axis);
+    axis->target = (int32_t)((uint32_t)axis->position + (axis->backward ? 0u - steps : steps));
 }
 
 void axis_halt(struct axis *axis, int32_t position)
@@ -372,19 +396,4 @@ void axis_halt(struct axis *axis, int32_t position)
     axis->runs = false;
     axis->batch_left = 0;
     axis->phase = PHASE_REST;
-}
-
-/* The steps of the way down that are left. */
-static uint32_t steps_down_left(const struct axis *axis)
-{
-    return axis_is_by_formula(axis) ? formula_steps_down(&axis->formula) : cursor_steps(&axis->down);
-}
-
-int32_t axis_goal(const struct axis *axis)
-{
-    if (!axis->stopping) {
-        return axis->runs ? axis->position : axis->target;
-    }
-    uint32_t steps = axis->phase == PHASE_DOWN ? steps_down_left(axis) : 0;
-    return (int32_t)((uint32_t)axis->position + (axis->backward ? 0u - steps : steps));
 }

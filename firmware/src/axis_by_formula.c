@@ -59,7 +59,7 @@ void axis_next_by_formula(struct axis *axis, const struct piece_limits *limits, 
     if (axis->batch_left != 0) {
         give_from_batch(axis, limits, piece);
     } else if (axis->phase == PHASE_LEVEL) {
-        go_level(axis, limits, axis->stopping ? 0 : steps_left(axis), piece);
+        go_level(axis, limits, steps_left(axis), piece);
     }
 }
 
@@ -134,7 +134,7 @@ void axis_compute(struct axis *axis)
     if (!axis_is_by_formula(axis) || axis->batch_left != 0) {
         return;
     }
-    uint32_t left = axis->stopping ? 0 : steps_left(axis);
+    uint32_t left = steps_left(axis);
     if (axis->phase == PHASE_UP) {
         if (left == 0) {
             axis->phase = PHASE_DOWN;

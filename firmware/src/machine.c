@@ -414,20 +414,25 @@ bool machine_is_on_a_line(void)
     return line_is_on();
 }
 
+/* The steps that the leader of a line will have made when it comes to rest. */
+static uint32_t steps_of_leader(void)
+{
+    const struct axis *leader = &feeds[line.leader].axis;
+    uint32_t way = (uint32_t)leader->target - (uint32_t)leader->position;
+    return line_steps_queued() + (leader->backward ? 0u - way : way);
+}
+
 /* The report of an axis that follows in a line or rests beside it. */
 static void report_follower(const struct feed *feed, struct axis_report *report)
 {
-    const struct axis *leader = &feeds[line.leader].axis;
     feed_progress(&feeds[line.leader]);
     report->steps_made = follower_steps(feed, &line_in_progress);
     report->position = moved(report->position, feed->pin_backward, report->steps_made);
     report->target = report->position;
     for (uint8_t k = 0; k < line.follower_count; k++) {
         if (line.followers[k] == feed->index) {
-            report->state = leader->stopping ? AXIS_STOPPING : AXIS_MOVING;
-            if (!leader->stopping) {
-                report->target = moved(feed->played.position, feed->pin_backward, line.steps[k]);
-            }
+            report->state = feeds[line.leader].axis.stopping ? AXIS_STOPPING : AXIS_MOVING;
+            report->target = moved(feed->played.position, feed->pin_backward, line_steps_with(k, steps_of_leader()));
         }
     }
 }
@@ -442,8 +447,8 @@ struct axis_report machine_report(uint8_t index)
     } else if (is_moving(feed)) {
         report.state = feed->axis.stopping ? AXIS_STOPPING : AXIS_MOVING;
         report.interval = feed_interval(feed);
-        if (feed->axis.stopping || !feed->axis.runs) {
-            report.target = axis_goal(&feed->axis);
+        if (!feed->axis.runs) {
+            report.target = feed->axis.target;
         }
     }
     return report;

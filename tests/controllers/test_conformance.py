@@ -622,7 +622,7 @@ def test_a_stop_follows_the_way_down(line: Line, wait_s: float) -> None:
     end = line.wait_for_rest()
     assert before.axis_state == AxisState.MOVING
     assert after.axis_state in (AxisState.STOPPING, AxisState.IDLE)
-    assert end.position_steps == end.target_steps == -end.steps_made
+    assert end.position_steps == end.target_steps == after.target_steps == -end.steps_made
     assert before.steps_made <= end.steps_made < LONG_MOVE
     longer = [interval for interval in DOWN_STEPS if interval > before.interval_ticks > 0]
     assert end.steps_made - before.steps_made >= len(longer)

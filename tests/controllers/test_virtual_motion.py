@@ -156,13 +156,14 @@ def test_orders_in_flight(ramp: Ramp, orders: list[tuple[int, tuple[str, int]]])
         motor.settle(now)
         expected += stepped.play(now)
     motor.stop()
+    target = motor.target
     stepped.stops = bool(stepped.interval)
     if not stepped.interval:
         stepped.target = stepped.position
     motor.settle(now + 10_000)
     expected += stepped.play(now + 10_000)
     assert pulses.instants == [instant for instant, _ in expected]
-    assert motor.position == stepped.position == motor.target
+    assert motor.position == stepped.position == motor.target == target
     assert motor.state is AxisState.IDLE
     assert pulses.told[:2] in ([], ["out", "rest"])
 
@@ -246,5 +247,6 @@ class TestByFormula:
             motor.settle(until)
             assert motor.interval == interval
         motor.stop()
+        target = motor.target
         motor.settle(10**7)
-        assert not motor.moving
+        assert (motor.moving, motor.position) == (False, target)

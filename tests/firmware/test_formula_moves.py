@@ -135,7 +135,9 @@ def test_stop(host: Host, ramp: Ramp, wait: int) -> None:
     machine.do("wait", wait)
     made = machine.report().position
     machine.do("stop", 1)
+    target = machine.report().target
     intervals, report = played(machine)
+    assert report.position == target
     assert report.position == len(intervals) + 1 if intervals else report.position <= 1
     # What is queued, and a batch, come before the way down.
     assert report.position - made <= ramp.on_chip.down.steps + 80
@@ -154,7 +156,8 @@ def test_run_at_one_speed_and_then_another(host: Host, ramp: Ramp, part: float, 
         machine.do("wait", 1_500_000)
         assert machine.report().interval == wanted
     machine.do("stop", 1)
+    target = machine.report().target
     intervals, report = played(machine)
-    assert report.position == len(intervals) + 1
+    assert report.position == target == len(intervals) + 1
     assert within_ramp(intervals, ramp)
     assert min(intervals) == min(int(slew * part), int(slew * next_part))

@@ -123,7 +123,9 @@ def test_a_line_is_left_early(host: Host, order: str, steps: list[int], wait: in
     machine.do(order, 1)
     if order == "halt":
         assert machine.report().state == 0
+    targets = [machine.report(axis).target for axis in range(4)]
     machine.rest()
+    assert targets == [machine.report(axis).position for axis in range(4)]
     made = [axis.travel for axis in machine.all_steps()]
     assert made == [machine.report(axis).position for axis in range(4)]
     most = max(abs(s) for s in steps)
@@ -157,6 +159,20 @@ def test_a_line_of_more_steps_than_the_engine_counts(host: Host) -> None:
     for i, time in enumerate(half.times):
         assert abs((i + 1) / 99_999 * 150_000 - at[time]) <= 2
     assert machine.report(0).starved == 0
+
+
+@pytest.mark.parametrize("wait_ms", [5, 2000, 4100, 8200, 12_400, 18_300])
+def test_a_long_line_that_is_stopped_knows_where_it_ends(host: Host, wait_ms: int) -> None:
+    quick = StoredRamp((200, 150), 125, (*range(200, 125, -1),) * 3)
+    machine = Machine(host, image_of(quick, quick, quick))
+    machine.ask("line", 7, 0, 150_000, -99_999, 77_773)
+    machine.do("wait", 1000 * wait_ms)
+    machine.do("stop", 2)
+    targets = [machine.report(axis).target for axis in range(3)]
+    machine.rest()
+    assert 0 < targets[0] < 150_000
+    assert targets == [machine.report(axis).position for axis in range(3)]
+    assert targets == [steps.travel for steps in machine.all_steps()[:3]]
 
 
 def test_a_line_within_the_range_of_positions(host: Host) -> None:

@@ -131,6 +131,17 @@ orders = st.lists(
 )
 
 
+def give_order(machine: Machine, order: str, value: int, ramp: StoredRamp) -> None:
+    """Move to a position, run, or stop or halt."""
+    if order == "move":
+        assert machine.move(value) == (OK, 0)
+    elif order == "run":
+        interval = ramp.slew + 20 * abs(value)
+        assert machine.ask("run", 1, interval if value >= 0 else -interval) == (OK, 0)
+    else:
+        machine.do(order, 1)
+
+
 @given(ramp=st.sampled_from(RAMPS), orders=orders, last=st.integers(-300, 300))
 @example(ramp=RAMPS[1], orders=[("move", 2, 101)], last=4)
 @example(ramp=QUICK, orders=[("move", 200, 20_000)], last=30)
@@ -142,14 +153,8 @@ def test_orders_in_flight(host: Host, ramp: StoredRamp, orders: list[tuple[str, 
     machine = Machine(host, image_of(ramp))
     halted = False
     for order, value, wait in orders:
-        if order == "move":
-            assert machine.move(value) == (OK, 0)
-        elif order == "run":
-            interval = ramp.slew + 20 * abs(value)
-            assert machine.ask("run", 1, interval if value >= 0 else -interval) == (OK, 0)
-        else:
-            machine.do(order, 1)
-            halted = halted or order == "halt"
+        give_order(machine, order, value, ramp)
+        halted = halted or order == "halt"
         machine.do("wait", wait)
     machine.move(last)
     machine.rest()
@@ -191,6 +196,47 @@ def test_stop_slows_down_along_the_ramp(host: Host, wait: int) -> None:
     assert_obeys(made, QUICK, QUICK.slew)
     if len(made.times) > 1:
         assert made.intervals[-1] >= sorted(QUICK.down)[-2] or made.travel <= 2
+
+
+@given(ramp=st.sampled_from(RAMPS), orders=orders, wait=st.integers(0, 60_000), more=st.integers(-60, 60))
+@example(ramp=QUICK, orders=[("run", 100, 30_000)], wait=0, more=5)
+@example(ramp=SHARP, orders=[("move", 200, 100)], wait=0, more=-5)
+@example(ramp=QUICK, orders=[("move", 200, 70_000), ("move", -10, 100)], wait=0, more=20)
+def test_after_a_stop_the_target_is_where_it_comes_to_rest(
+    host: Host, ramp: StoredRamp, orders: list[tuple[str, int, int]], wait: int, more: int
+) -> None:
+    """From the stop on, whatever came before; and what is asked for then may count from there."""
+    machine = Machine(host, image_of(ramp))
+    for order, value, pause in orders:
+        give_order(machine, order, value, ramp)
+        machine.do("wait", pause)
+    machine.do("stop", 1)
+    target = machine.report().target
+    machine.do("wait", wait)
+    assert machine.report().target == target
+    machine.move(target + more)
+    machine.rest()
+    assert machine.report().position == target + more
+    machine.do("stop", 1)
+    give_order(machine, *orders[-1][:2], ramp)
+    machine.do("wait", orders[-1][2])
+    machine.do("stop", 1)
+    target = machine.report().target
+    machine.rest()
+    assert machine.report().position == target == machine.steps().travel
+
+
+def test_after_a_stop_the_target_is_known_also_on_long_lists(host: Host) -> None:
+    """Right after a quick start, when the list of the way down has hardly been read."""
+    ramp = StoredRamp(coarse_slope(20_000, 2_000_000, 4), 800, coarse_slope(20_000, 50_000, 80))
+    machine = Machine(host, image_of(ramp, fast=True), round_ticks=16_000)
+    for wait_ms in range(1, 60):
+        machine.ask("run", 1, 800)
+        machine.do("wait", wait_ms * 16_000)
+        machine.do("stop", 1)
+        target = machine.report().target
+        machine.rest()
+        assert machine.report().position == target
 
 
 @given(target=st.integers(-400, 400), wait=st.integers(0, 200_000))
