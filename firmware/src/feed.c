@@ -18,8 +18,8 @@ enum { SEGMENTS_AT_ONCE = 4 };
 /* Ticks of 64 us, as powers of 2. */
 enum { FAST_BITS = 10, SLOW_BITS = 7 };
 
-/* The longest piece [ticks]: some 4 ms. */
-enum { FAST_PIECE_TICKS = 60000, SLOW_PIECE_TICKS = 8000 };
+/* The longest piece of several steps [ticks]: some 4 ms. So none of their intervals is a long one. */
+enum { FAST_PIECE_TICKS = 2u * LONGEST_WAIT_TICKS, SLOW_PIECE_TICKS = 8000 };
 
 /* [64 us] Time to queue ahead: 6 ms, enough for the main loop's longest round when interrupts take nearly all of the
  * processor, and little enough to begin a stop soon. With less than HURRY_TIME, 4 ms and still longer than such a round,
