@@ -386,6 +386,11 @@ uint32_t feed_interval(const struct feed *feed)
     return interval;
 }
 
+uint32_t feed_step_interval(const struct feed *feed)
+{
+    return feed->stage == FEED_PLAYING && axis_players[feed->index].step_mask != 0 ? feed_interval(feed) : 0;
+}
+
 uint8_t feed_starved(void)
 {
     return starved;

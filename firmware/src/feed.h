@@ -75,6 +75,9 @@ struct feed_progress feed_progress(const struct feed *feed);
 /* [ticks] the interval that is passing; 0 at rest. */
 uint32_t feed_interval(const struct feed *feed);
 
+/* The same, but 0 where no step is made: while the direction turns, too. */
+uint32_t feed_step_interval(const struct feed *feed);
+
 /* How often a queue ran dry in a move; 255 stays 255. */
 uint8_t feed_starved(void);
 

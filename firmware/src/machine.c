@@ -97,14 +97,18 @@ static uint8_t share_status(uint16_t share, uint16_t *detail)
     return STATUS_TOO_FAST;
 }
 
-/* The shortest interval that an axis comes to [ticks]: `wanted`, or when that is 0, what it does already. */
+/* The shorter of two intervals, of which the second may be none: 0. */
+static uint32_t shorter(uint32_t interval, uint32_t other)
+{
+    return other != 0 && other < interval ? other : interval;
+}
+
+/* The shortest interval that an axis comes to [ticks]: `wanted`, or when that is 0, the one told before; until it has
+ * slowed down to that, the one at the end of its queue, or the present one. */
 static uint32_t shortest_interval(const struct feed *feed, uint32_t wanted)
 {
-    const struct axis *axis = &feed->axis;
-    if (wanted != 0) {
-        return wanted;
-    }
-    return axis->interval != 0 && axis->interval < axis->level ? axis->interval : axis->level;
+    uint32_t interval = shorter(wanted != 0 ? wanted : feed->axis.level, feed->axis.interval);
+    return shorter(interval, feed_step_interval(feed));
 }
 
 /* The share of an axis that comes to this interval [ticks] when axes of `count` segment lists need `cycles` for a step

@@ -765,6 +765,21 @@ def test_axes_that_are_too_fast_together(line: Line) -> None:
     line.good(HaltRequest())
 
 
+def test_an_axis_that_slows_down_is_still_fast(line: Line) -> None:
+    """Whether it is told so in the same request or before."""
+    long_way_down = (Segment(220, 60_000, 0),)
+    line.use(RampImage(True, (SegmentRamp((), 200, long_way_down), SegmentRamp((), 260, ()))))
+    line.good(RunRequest(1, (200,)))
+    line.wait_until(lambda status: status.interval_ticks == 200)
+    assert line.ask(RunRequest(3, (100_000, 260))).status is ReplyStatus.TOO_FAST
+    assert line.ask(RunRequest(3, (0, 260))).status is ReplyStatus.TOO_FAST
+    line.good(RunRequest(1, (100_000,)))
+    assert line.ask(RunRequest(2, (260,))).status is ReplyStatus.TOO_FAST
+    line.wait_until(lambda status: status.interval_ticks == 100_000)
+    line.good(RunRequest(2, (260,)))
+    line.good(HaltRequest())
+
+
 def test_wide_pulses_and_gauges_take_longer(line: Line) -> None:
     line.use(fast_axes(200, 1))
     moved(line, MoveByRequest(1, (5,)))

@@ -226,6 +226,26 @@ def test_an_axis_that_would_be_one_too_many(host: Host) -> None:
     assert machine.ask("move", 2, 0, 10) == (TOO_FAST, 163)
 
 
+SLOWING = StoredRamp((), 107, (20_000, 10_000, 5000, *[1000] * 20_000))
+
+
+def test_an_axis_that_slows_down_counts_with_the_speed_it_has(host: Host) -> None:
+    """Told in the same request, and until it is as slow as that. (246 / 2) / 107 + (246 / 2) / 124."""
+    machine = Machine(host, image_of(SLOWING, StoredRamp((), 124, ()), fast=True), round_ticks=1000)
+    both = 100 * 246 // 2 * (107 + 124) // (107 * 124)
+    assert machine.ask("run", 1, 107) == (OK, 0)
+    machine.do("wait", 100_000)
+    status, percent = machine.ask("run", 3, 100_000, 124)
+    assert (status, percent) == (TOO_FAST, both)
+    assert machine.ask("run", 3, 0, 124)[0] == TOO_FAST
+    assert machine.ask("run", 1, 100_000) == (OK, 0)
+    assert machine.ask("run", 2, 0, 124) == (TOO_FAST, both)  # the queue goes on at 107 ticks
+    machine.do("wait", 30_000_000)
+    assert machine.report(0).interval == 100_000
+    assert machine.ask("run", 2, 0, 124) == (OK, 0)
+    machine.do("halt", 3)
+
+
 def test_gauges_have_three_axes_and_a_limit_of_their_own(host: Host) -> None:
     settings = bytes([1, 0, 0, 0, 0, 0]) + (30).to_bytes(2, "little") + bytes(4)
     machine = Machine(host, FOUR, settings)

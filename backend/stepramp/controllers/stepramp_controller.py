@@ -326,10 +326,11 @@ class StepRampController:
         distances = {axis: reached[axis] - start for axis, start in starts.items()}
         self._tracing.moves(distances, self._checks.ways, self.timer_hz)
 
-    def _moving(self, anew: bool) -> set[int]:
-        """Return the axes that move, as last heard or as asked anew."""
+    def _moving(self, anew: bool) -> dict[int, int]:
+        """Return the axes that move with their present intervals [ticks], as last heard or as asked anew."""
         status = self._status if self._status is not None and not anew else self.status()
-        return {axis.axis for axis in status.axes if axis.activity in UNDER_WAY}
+        moving = [axis for axis in status.axes if axis.activity in UNDER_WAY]
+        return {axis.axis: interval_ticks(axis.speed_steps_per_s, self.timer_hz) for axis in moving}
 
     def _status_replies(self) -> list[StatusReply]:
         """Ask axis by axis, and again when something more urgent came in between: a stop makes the answers old."""

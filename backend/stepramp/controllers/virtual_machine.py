@@ -231,8 +231,10 @@ class VirtualMachine:
 
     def _too_fast(self, shortest: Mapping[int, int]) -> Refusal | None:
         """Refuse axes with these shortest intervals [ticks] if they can't be served next to those that move."""
-        all_moving = {axis: motor.shortest_interval for axis, motor in enumerate(self._motors) if motor.moving}
-        going = all_moving | dict(shortest)
+        going = dict(shortest)
+        for axis, motor in enumerate(self._motors):
+            if motor.moving:
+                going[axis] = motor.shortest_interval(shortest.get(axis))
         paces = [Pace(self._fast(interval), self._ways[axis].by_formula) for axis, interval in going.items()]
         return _too_much(self._limits.share(paces))
 

@@ -72,10 +72,9 @@ class VirtualMotor:
         """Where it will come to rest [steps]; its position at rest, and as long as it runs at a speed."""
         return self.position if self._running and not self.stopping else self._destination
 
-    @property
-    def shortest_interval(self) -> int:
-        """The shortest interval that it may come to, when it is left to do what it does [ticks]."""
-        wanted = self._ways.slew_interval if self._level is None else self._level
+    def shortest_interval(self, asked: int | None) -> int:
+        """Return the shortest interval that it may come to when this one is asked for; None: left to what it does."""
+        wanted = asked or self._level or self._ways.slew_interval
         return min(wanted, self.interval or wanted)
 
     def settle(self, now: int) -> None:
