@@ -43,6 +43,12 @@ static inline bool line_is_on(void)
     return line.is_on;
 }
 
+/* The axes that make steps, a bit each. */
+static inline uint8_t line_axes(void)
+{
+    return (uint8_t)((line.axes | line.axes >> 4) & 0x0F);
+}
+
 /* Begins a line of the axes that make steps; the leader makes at least one. */
 void line_begin(uint8_t leader, const uint32_t steps[MOST_AXES]);
 

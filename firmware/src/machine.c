@@ -346,10 +346,29 @@ static void end_line(const struct line_piece *piece)
 
 /* ---- stopping ---- */
 
+/* On a line, what is said to any of its axes is meant for the leader, and what is said to others for none. */
+static uint8_t axes_meant(uint8_t mask)
+{
+    if (!line_is_on()) {
+        return mask;
+    }
+    return (mask & line_axes()) != 0 ? feeds[line.leader].bit : 0;
+}
+
 void machine_stop(uint8_t mask)
 {
+    mask = axes_meant(mask);
     for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
-        if (is_moving(feed) && (line_is_on() ? mask != 0 : (mask & feed->bit) != 0)) {
+        if (is_moving(feed) && (mask & feed->bit) != 0) {
+            axis_stop(&feed->axis);
+        }
+    }
+}
+
+void machine_stop_runs(void)
+{
+    for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
+        if (feed->axis.runs) {
             axis_stop(&feed->axis);
         }
     }
@@ -357,8 +376,9 @@ void machine_stop(uint8_t mask)
 
 void machine_halt(uint8_t mask)
 {
-    if (line_is_on() && mask != 0) {
-        mask = feeds[line.leader].bit;
+    mask = axes_meant(mask);
+    if (mask == 0) {
+        return;
     }
     engine_halt(mask);
     for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
@@ -366,7 +386,7 @@ void machine_halt(uint8_t mask)
             feed_halted(feed);
         }
     }
-    if (line_is_on() && mask != 0) {
+    if (line_is_on()) {
         end_line(&line_in_progress);
     }
     engine_park(mask);

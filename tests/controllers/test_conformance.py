@@ -716,6 +716,23 @@ def test_a_halt_ends_a_line(line: Line) -> None:
     assert 0 < line.status(0).position_steps == line.status(1).position_steps < 3000
 
 
+def test_axes_beside_a_line_do_not_end_it(line: Line) -> None:
+    """Nor does a run of one of them that has ended before, when nobody asks for anything."""
+    line.use(four_axes())
+    line.good(RunRequest(0b0110, (2500, 1500)))
+    line.good(StopRequest())
+    line.wait_for_axis(1)
+    line.wait_for_axis(2)
+    moved(line, LineRequest(0b0011, 0, (LONG_MOVE, 0)))
+    line.hear(1.6)
+    for request in (StopRequest(bytes([0b0110])), HaltRequest(bytes([0b1110]))):
+        assert line.status().axis_state == AxisState.MOVING
+        line.good(request)
+    assert line.status().axis_state == AxisState.MOVING
+    line.good(HaltRequest(bytes([0b1001])))
+    assert line.status().state == MachineState.IDLE
+
+
 def test_a_line_with_the_ramp_of_no_axis(line: Line) -> None:
     line.use(four_axes())
     refused(line, LineRequest(3, 4, (5, 5)), ReplyStatus.OUT_OF_RANGE, 4)

@@ -116,11 +116,11 @@ def test_a_line(host: Host, steps: list[int]) -> None:
 @pytest.mark.parametrize("order", ["stop", "halt"])
 @given(steps=counts, wait=st.integers(0, 150_000))
 def test_a_line_is_left_early(host: Host, order: str, steps: list[int], wait: int) -> None:
-    """It stays on the line, and every axis knows where it is."""
+    """By any of its axes: it stays on the line, and every axis knows where it is."""
     machine = Machine(host, FOUR)
     machine.ask("line", 15, 1, *steps)
     machine.do("wait", wait)
-    machine.do(order, 1)
+    machine.do(order, next((1 << axis for axis, count in enumerate(steps) if count), 15))
     if order == "halt":
         assert machine.report().state == 0
     targets = [machine.report(axis).target for axis in range(4)]
@@ -133,6 +133,16 @@ def test_a_line_is_left_early(host: Host, order: str, steps: list[int], wait: in
     for count, whole in zip(made, steps, strict=True):
         if most:
             assert abs(count) == (2 * abs(made[leader]) * abs(whole) + most) // (2 * most)
+
+
+@pytest.mark.parametrize("order", ["stop", "halt"])
+def test_axes_beside_a_line_do_not_end_it(host: Host, order: str) -> None:
+    machine = Machine(host, FOUR)
+    machine.ask("line", 15, 0, 100, -60, 0, 0)
+    machine.do("wait", 60_000)
+    machine.do(order, 0b1100)
+    machine.rest()
+    assert [machine.report(axis).position for axis in range(4)] == [100, -60, 0, 0]
 
 
 def test_a_line_is_reported_on_its_way(host: Host) -> None:

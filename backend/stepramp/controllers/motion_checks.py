@@ -16,7 +16,7 @@ FURTHEST_STEPS = 2**31 - 1
 TARGETS = "a target from -2,147,483,648 to 2,147,483,647 steps"
 
 Moving = Callable[[bool], Mapping[int, int]]
-"""Returns the axes that move with their present intervals, 0 between two moves [ticks]: as last heard, or asked anew."""
+"""Returns the axes that move with their present intervals [ticks], 0 between two moves; as last heard or asked anew."""
 Rejecting = Callable[[Refusal], Rejection]
 
 

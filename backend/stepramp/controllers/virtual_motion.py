@@ -70,7 +70,12 @@ class VirtualMotor:
     @property
     def target(self) -> int:
         """Where it will come to rest [steps]; its position at rest, and as long as it runs at a speed."""
-        return self.position if self._running and not self.stopping else self._destination
+        return self.position if self.running else self._destination
+
+    @property
+    def running(self) -> bool:
+        """Whether it goes on and on at a speed."""
+        return self._running and not self.stopping
 
     def shortest_interval(self, asked: int | None) -> int:
         """Return the shortest interval that it may come to when this one is asked for; None: left to what it does."""
