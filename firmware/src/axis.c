@@ -294,7 +294,7 @@ static void go_on(struct axis *axis, const struct piece_limits *limits, struct p
 
 static void set_out(struct axis *axis)
 {
-    axis->backward = axis->target < axis->position;
+    axis->backward = axis->target < (axis->runs ? 0 : axis->position);
     axis->shortest = UINT32_MAX;
     if (axis_is_by_formula(axis)) {
         formula_rest(&axis->formula);
@@ -318,7 +318,7 @@ void axis_next(struct axis *axis, const struct piece_limits *limits, struct piec
     }
     axis->interval = 0;
     axis->stopping = false;
-    if (axis->target == axis->position) {
+    if (axis_is_at_rest(axis)) {
         piece->kind = PIECE_REST;
     } else {
         set_out(axis);
@@ -352,7 +352,7 @@ void axis_move_to(struct axis *axis, uint32_t slew_interval, int32_t target)
 
 void axis_run(struct axis *axis, bool backward, uint32_t interval, bool is_slewing)
 {
-    axis_move_to(axis, interval, backward ? INT32_MIN : INT32_MAX);
+    axis_move_to(axis, interval, backward ? -1 : 1);
     axis->is_slewing = is_slewing;
     axis->runs = true;
 }

@@ -27,7 +27,7 @@ enum axis_phase {
 
 struct axis {
     int32_t position;    /* [steps] after the last piece */
-    int32_t target;      /* [steps] where it will come to rest; means nothing of a run but its direction */
+    int32_t target;      /* [steps] where it will come to rest; of a run only its sign counts, which is the direction */
     uint32_t interval;   /* [ticks] the last one; 0 at rest */
     uint32_t shortest;   /* [ticks] since the speed began to rise: the way down from here has the longer intervals */
     uint32_t level;      /* [ticks] interval of the speed wanted: the ramp's slew interval, or a longer one */
@@ -94,7 +94,7 @@ bool axis_look_ahead(struct axis *axis);
 /* Go to a position, at the ramp's slew interval [ticks]. */
 void axis_move_to(struct axis *axis, uint32_t slew_interval, int32_t target);
 
-/* Go on and on, with this interval [ticks]: the ramp's slew interval or a longer one. */
+/* Go on and on, past the last position to the first, with this interval [ticks]: the ramp's slew interval or a longer one. */
 void axis_run(struct axis *axis, bool backward, uint32_t interval, bool is_slewing);
 
 /* Slow down to rest: the target becomes where that is. Its way down is looked for to the end, which takes a short time
@@ -112,7 +112,7 @@ static inline bool axis_is_by_formula(const struct axis *axis)
 /* It stays where it is: axis_next would give PIECE_REST. */
 static inline bool axis_is_at_rest(const struct axis *axis)
 {
-    return axis->phase == PHASE_REST && axis->target == axis->position;
+    return axis->phase == PHASE_REST && !axis->runs && axis->target == axis->position;
 }
 
 #ifdef __cplusplus

@@ -558,6 +558,19 @@ def test_running_at_a_speed_and_changing_it(line: Line) -> None:
     assert status.position_steps == status.target_steps < 0
 
 
+def test_a_run_goes_on_past_the_last_position(line: Line) -> None:
+    """To the first: positions count modulo 2³²."""
+    line.use(IMAGE)
+    line.good(SetPositionRequest(1, (2**31 - 60,)))
+    line.good(RunRequest(1, (2500,)))
+    status = line.wait_until(lambda status: status.position_steps < 0)
+    assert status.axis_state == AxisState.MOVING
+    assert status.position_steps == status.steps_made - 60 - 2**31
+    line.good(StopRequest())
+    after, end = line.status(), line.wait_for_rest()
+    assert after.target_steps == end.target_steps == end.position_steps == end.steps_made - 60 - 2**31
+
+
 def test_a_move_ends_a_run(line: Line) -> None:
     line.use(IMAGE)
     line.good(RunRequest(1, (2500,)))

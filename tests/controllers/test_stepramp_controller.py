@@ -300,6 +300,17 @@ def test_reports_are_heard_without_asking(connect: Connect) -> None:
     assert controller.listen() is None
 
 
+def test_steps_of_a_run_are_counted_past_the_last_position(connect: Connect) -> None:
+    moving = StatusReply(1, 1, 2**31 - 5, 2**31 - 5, 4000, 10, 1, 7, 0, 0)
+    script = stored().then(StatusRequest(0), moving)
+    controller = connect(script)
+    controller.status()
+    script.unasked = said(ReportNotice(1, 1, ((-(2**31) + 15, 2000),)))
+    heard = controller.listen()
+    assert heard is not None
+    assert (heard.axes[0].position_steps, heard.axes[0].steps_made) == (-(2**31) + 15, 30)
+
+
 def test_a_report_of_another_state_is_reason_to_ask(connect: Connect) -> None:
     moving = StatusReply(1, 1, 10, 2000, 4000, 10, 1, 7, 0, 0)
     script = stored().then(StatusRequest(0), moving).then(StatusRequest(0), IDLE)

@@ -201,6 +201,22 @@ def test_a_halted_motor_counts_each_pulse(direction: int) -> None:
     assert (motor.position, motor.moving, motor.steps_made) == (100, False, 2)
 
 
+@pytest.mark.parametrize("direction", [1, -1])
+def test_a_run_goes_on_past_the_last_position(direction: int) -> None:
+    last = FAR if direction > 0 else -FAR - 1
+    motor = VirtualMotor(ListWays(Ramp(np.array([10, 8]), 5, np.array([10, 8]))), SETUP_TICKS, last)
+    motor.run(5, direction, 0)
+    motor.settle(17)
+    assert (motor.position, motor.interval) == (last + direction * (2 - 2**32), 8)
+    motor.settle(18 + 5 * 10**10)
+    assert motor.moving
+    assert (motor.position - last - direction * (3 + 10**10)) % 2**32 == 0
+    motor.stop()
+    target = motor.target
+    motor.settle(10**11)
+    assert (motor.moving, motor.position) == (False, target)
+
+
 def test_a_run_tells_its_position_as_target_and_a_stop_where_it_ends() -> None:
     motor = VirtualMotor(ListWays(Ramp(np.array([10, 8]), 5, np.array([10, 8]))), SETUP_TICKS)
     motor.run(5, 1, 0)

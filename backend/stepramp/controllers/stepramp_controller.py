@@ -405,7 +405,7 @@ class StepRampController:
     def _moved_on(self, before: AxisStatus, position: int, interval: int) -> AxisStatus:
         """Return the status of an axis that still does what it did, from a report."""
         runs = before.activity is Activity.MOVING and before.axis in self._checks.running
-        made = before.steps_made + abs(position - before.position_steps)
+        made = before.steps_made + abs(_steps_between(before.position_steps, position))
         target = position if runs or before.activity is Activity.READY else before.target_steps
         return replace(
             before,
@@ -417,6 +417,11 @@ class StepRampController:
 
     def _speed(self, interval_ticks: int) -> float:
         return speed_from_interval(interval_ticks, self.timer_hz) if interval_ticks else 0.0
+
+
+def _steps_between(before: int, after: int) -> int:
+    """Return the steps from one position to another soon after: runs go on past the last position to the first."""
+    return (after - before + 2**31) % 2**32 - 2**31
 
 
 def _activity_of(axes: Sequence[AxisStatus]) -> Activity:
