@@ -21,8 +21,9 @@ static const struct settings *settings;
 static struct feed feeds[MOST_AXES];
 static struct feed *end_of_feeds = feeds; /* after those of the image's axes */
 static bool is_enabled;
-static uint16_t enabled_ms; /* when the motors were enabled */
-static uint16_t rest_ms;    /* when the last of them came to rest */
+static uint16_t polled_ms;      /* when the main loop came round last */
+static uint16_t enabled_for_ms; /* for so long the motors have been enabled, */
+static uint16_t at_rest_for_ms; /* and at rest. 65535 stays 65535, however long that is */
 
 static bool is_moving(const struct feed *feed)
 {
@@ -505,24 +506,36 @@ static uint8_t axes_to_start(void)
     return mask;
 }
 
+static uint16_t longer(uint16_t time, uint16_t passed)
+{
+    return passed > UINT16_MAX - time ? UINT16_MAX : (uint16_t)(time + passed);
+}
+
+/* Counts the milliseconds that have passed. */
+static void pass_time(uint16_t now_ms)
+{
+    uint16_t passed = (uint16_t)(now_ms - polled_ms);
+    polled_ms = now_ms;
+    enabled_for_ms = longer(enabled_for_ms, passed);
+    at_rest_for_ms = machine_is_moving() ? 0 : longer(at_rest_for_ms, passed);
+}
+
 /* Enables the motors. Returns true when they have had time to hold. */
-static bool motors_are_ready(uint16_t now_ms)
+static bool motors_are_ready(void)
 {
     if (!is_enabled) {
         is_enabled = true;
-        enabled_ms = now_ms;
+        enabled_for_ms = 0;
         port_enable(true);
     }
-    return settings->enable_lead_ms == 0 || (uint16_t)(now_ms - enabled_ms) > settings->enable_lead_ms;
+    return settings->enable_lead_ms == 0 || enabled_for_ms > settings->enable_lead_ms;
 }
 
 /* Disables motors that have been at rest for long enough. */
-static void let_go(uint16_t now_ms)
+static void let_go(void)
 {
-    if (machine_is_moving()) {
-        rest_ms = now_ms;
-    } else if (is_enabled && settings->enable_hold_ms != HOLD_FOR_EVER &&
-               (uint16_t)(now_ms - rest_ms) >= settings->enable_hold_ms) {
+    bool is_for_ever = settings->enable_hold_ms == HOLD_FOR_EVER;
+    if (is_enabled && !is_for_ever && at_rest_for_ms >= settings->enable_hold_ms && !machine_is_moving()) {
         is_enabled = false;
         port_enable(false);
     }
@@ -563,10 +576,10 @@ void machine_poll(void)
     if (line_is_on() && !is_moving(&feeds[line.leader])) {
         end_line(&line.played);
     }
-    uint16_t now_ms = port_milliseconds();
+    pass_time(port_milliseconds());
     uint8_t mask = axes_to_start();
-    if (mask != 0 && motors_are_ready(now_ms)) {
+    if (mask != 0 && motors_are_ready()) {
         start(mask);
     }
-    let_go(now_ms);
+    let_go();
 }
