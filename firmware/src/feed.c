@@ -64,9 +64,9 @@ static void queue_up(struct feed *feed, const struct piece *piece, uint8_t turns
     lane_put(feed->index, interval, piece->add, (uint16_t)(piece->count - 1u), is_step, turns);
 }
 
-static void queue_silence(struct feed *feed, uint16_t ticks, uint8_t turns)
+static void queue_silence(struct feed *feed, uint16_t ticks, int16_t add, uint8_t turns)
 {
-    struct piece silence = {PIECE_NONE, 1, ticks, 0};
+    struct piece silence = {PIECE_NONE, 1, ticks, add};
     queue_up(feed, &silence, turns);
 }
 
@@ -84,7 +84,7 @@ static void queue_wait(struct feed *feed)
 {
     uint32_t wait = feed->wait_left;
     feed->wait_left = 0;
-    queue_silence(feed, first_part(feed, wait), 0);
+    queue_silence(feed, first_part(feed, wait), 0, 0);
 }
 
 static void queue_steps(struct feed *feed, struct piece *piece)
@@ -110,14 +110,14 @@ static void queue_turn(struct feed *feed)
     feed->pin_backward = feed->axis.backward;
     feed->turns_too = 0;
     feed->turns_next = false;
-    queue_silence(feed, first_part(feed, feed_clock.setup_ticks), turns);
+    queue_silence(feed, first_part(feed, feed_clock.setup_ticks), ADD_AT_REST, turns);
 }
 
 /* Ends what has been queued of a move. */
 static void queue_closing(struct feed *feed)
 {
     feed->has_pulses = false;
-    queue_silence(feed, CLOSING_TICKS, 0);
+    queue_silence(feed, CLOSING_TICKS, ADD_AT_REST, 0);
 }
 
 /* Time for which steps are queued [64 us]. */
@@ -226,6 +226,9 @@ static void retire(struct feed *feed)
     uint8_t place = lane->retired;
     struct loaded segment = lane_loaded(feed->index, place);
     count(&feed->played, &segment, segment.steps);
+    if (segment.steps != 0 || segment.is_rest) {
+        feed->is_in_move = !segment.is_rest;
+    }
     if (line_is_on()) {
         line_retire(&line_queue[place / LINE_SEGMENT_BYTES], segment.steps);
     }
@@ -270,6 +273,11 @@ bool feed_is_ready(const struct feed *feed)
     return queued >= LEAST_SEGMENTS || (queued != 0 && axis_is_at_rest(&feed->axis));
 }
 
+uint16_t feed_next_interval(const struct feed *feed)
+{
+    return lane_loaded(feed->index, lane_of(feed->index)->tail).time;
+}
+
 void feed_started(struct feed *feed, uint16_t start_ticks)
 {
     extend(feed, start_ticks);
@@ -303,7 +311,7 @@ static void become_idle(struct feed *feed)
     trace_end_move(feed->index);
 }
 
-/* The engine has found the queue empty. */
+/* The engine has found the queue empty: in a move, or at rest, though something may have been queued since. */
 static void parked(struct feed *feed)
 {
     feed->seen_empty = lane_of(feed->index)->empty;
@@ -315,7 +323,7 @@ static void parked(struct feed *feed)
         become_idle(feed);
         return;
     }
-    feed->has_run_dry = feed->has_pulses;
+    feed->has_run_dry = feed->is_in_move;
     if (feed->has_run_dry && starved != UINT8_MAX) {
         starved++;
     }

@@ -30,17 +30,16 @@ void line_begin(uint8_t leader, const uint32_t steps[MOST_AXES])
 static uint32_t steps_at(uint8_t follower, uint32_t made)
 {
     uint32_t over = 0, steps = 0;
-    for (uint8_t bits = 32; bits != 0; bits--, made <<= 1) {
-        over <<= 1;
-        steps <<= 1;
-        if (over >= line.total) {
-            over -= line.total;
-            steps++;
+    for (uint8_t halves = 2 * 32; halves != 0; halves--) { /* of a bit: first all is doubled, then what it is worth added */
+        if ((halves & 1) == 0) {
+            steps <<= 1;
+            over <<= 1;
+        } else {
+            if ((made & 1ul << 31) != 0) {
+                over += line.steps[follower];
+            }
+            made <<= 1;
         }
-        if ((made & 1ul << 31) == 0) {
-            continue;
-        }
-        over += line.steps[follower];
         if (over >= line.total) {
             over -= line.total;
             steps++;

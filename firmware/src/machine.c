@@ -541,15 +541,15 @@ static void let_go(void)
     }
 }
 
-/* Ticks from a start to the first segment. An axis whose queue ran dry while it moved has its interval first: its next
- * step comes late then, but not early. */
+/* Ticks from a start to the first segment. An axis whose queue ran dry while it moved has its next interval first: its
+ * next step comes late then, but not early. */
 static uint16_t start_ticks(uint8_t mask)
 {
     uint16_t ticks = (uint16_t)(START_US * ticks_a_us());
     for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
-        uint32_t interval = feed->axis.interval < LONGEST_WAIT_TICKS ? feed->axis.interval : LONGEST_WAIT_TICKS;
+        uint16_t interval = feed_next_interval(feed);
         if ((mask & feed->bit) != 0 && feed->has_run_dry && interval > ticks) {
-            ticks = (uint16_t)interval;
+            ticks = interval;
         }
     }
     return ticks;

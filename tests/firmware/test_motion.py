@@ -365,6 +365,42 @@ def test_a_report_counts_the_steps_made(host: Host, wait: int) -> None:
     assert report.target == 500
 
 
+def there_and_on(machine: Machine, wait: int, direction: int) -> Steps:
+    """Move 3 steps, and 3 more after so long, while the silence after the first ones passes; return all of them."""
+    machine.do("position", 1, 0)
+    machine.move(3)
+    machine.do("wait", wait)
+    machine.move(3 + 3 * direction)
+    machine.rest()
+    return machine.steps()
+
+
+@pytest.mark.parametrize("direction", [1, -1])
+def test_a_queue_that_runs_out_at_rest_has_not_starved(host: Host, direction: int) -> None:
+    """The silence between two moves may be over by the time that the second one's first steps are queued: as long as
+    no interval of a move is longer than planned, nothing has waited."""
+    machine = Machine(host, image_of(QUICK))
+    machine.do("put", 600)
+    planned, runs_out = QUICK.move(3)[:-1], 0
+    for wait in range(24_800, 26_400, 50):
+        before = machine.report().starved
+        intervals = there_and_on(machine, wait, direction).intervals
+        if intervals[:2] == planned == intervals[3:]:
+            assert machine.report().starved == before
+            runs_out += 1
+    assert runs_out > 10
+
+
+@pytest.mark.parametrize("direction", [1, -1])
+def test_a_step_that_is_late_does_not_make_the_next_one_early(host: Host, direction: int) -> None:
+    """The queue runs out after a move's first step, but while the rest of that move is being queued."""
+    machine = Machine(host, image_of(QUICK))
+    machine.do("put", 600)
+    least = min(QUICK.move(3))
+    for wait in range(24_800, 26_400, 50):
+        assert min(there_and_on(machine, wait, direction).intervals) >= least
+
+
 def test_positions_up_to_the_limits(host: Host) -> None:
     machine = Machine(host, image_of(QUICK))
     machine.do("position", 1, 2**31 - 11)
