@@ -269,8 +269,8 @@ void feed_set_out(struct feed *feed)
 
 bool feed_is_ready(const struct feed *feed)
 {
-    uint8_t queued = lane_ahead(lane_of(feed->index));
-    return queued >= LEAST_SEGMENTS || (queued != 0 && axis_is_at_rest(&feed->axis));
+    bool is_all = lane_ahead(lane_of(feed->index)) != 0 && axis_is_at_rest(&feed->axis);
+    return is_all || !is_wanted(feed, time_ahead(feed));
 }
 
 uint16_t feed_next_interval(const struct feed *feed)

@@ -61,7 +61,7 @@ void feed_set_out(struct feed *feed);
 /* Goes on, for a short time. */
 void feed_poll(struct feed *feed);
 
-/* A waiting feed has enough for a start. */
+/* A waiting feed has enough for a start: as much as is queued ahead later, or all that there is. */
 bool feed_is_ready(const struct feed *feed);
 
 /* [ticks] the first interval that is queued. */

@@ -43,6 +43,27 @@ def test_no_motor_waits(make: Callable[..., SimulatedController], axes: int, spe
     played.assert_nothing_lost()
 
 
+SHORTEST = [(1, 149_000, 1e9, 20_000), (1, 149_000, 1e9, 80_000), (1, 149_000, 1e9, 120_000), (4, 29_000, 1e8, 5000)]
+"""Axes, slew speed [steps/s], acceleration [steps/s²] and base speed of ramps of 2 to 5 segments."""
+
+
+@pytest.mark.parametrize(("axes", "speed", "acceleration", "base"), SHORTEST)
+def test_no_motor_waits_on_a_ramp_of_a_few_steps(
+    make: Callable[..., SimulatedController], axes: int, speed: float, acceleration: float, base: float
+) -> None:
+    """In moves that are over at once, too."""
+    wanted = design(
+        timer__frequency_hz=16_000_000,
+        ramp__slew_speed_steps_per_s=speed,
+        ramp__acceleration_steps_per_s2=acceleration,
+        ramp__base_speed_steps_per_s=base,
+    )
+    plan = plan_push([wanted] * axes, HELLO, Settings())
+    assert plan.keeps_pace
+    moves = (move_by(*[steps] * axes) for steps in (2, 7, 15, 20, 25, 40, 3000))
+    play(make, plan.image.encode(), *moves).assert_nothing_lost()
+
+
 def extended(axes: int, steps: int, at_step: int) -> Work:
     """Return work: a move that becomes a little longer at a step."""
     begin, extend = (move_by(*[by] * axes) for by in (steps, 20))
