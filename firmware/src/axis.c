@@ -40,27 +40,40 @@ static bool way_down_is_found(struct axis *axis)
     return cursor_seek_forward(&axis->down, &axis->down_list, axis->shortest);
 }
 
-/* Instead of what can't be decided yet: nothing, or in a hurry some more of the present speed. */
-static void hold(struct axis *axis, const struct piece_limits *limits, struct piece *piece)
+/* Holds the present speed for a part of a piece, at most `most` steps. Returns false when there are none. */
+static bool hold(struct axis *axis, const struct piece_limits *limits, uint32_t most, struct piece *piece)
 {
-    if (limits->in_a_hurry && axis->interval != 0) {
-        uint16_t count = steps_that_fit(limits, axis->interval, 0, limits->steps);
-        count = count > HOLD_DIVISOR ? count / HOLD_DIVISOR : 1;
-        give_steps(axis, (struct piece){PIECE_STEPS, count, axis->interval, 0}, piece);
+    if (axis->interval == 0 || most == 0) {
+        return false;
     }
+    uint16_t count = steps_that_fit(limits, axis->interval, 0, most < limits->steps ? (uint16_t)most : limits->steps);
+    count = count > HOLD_DIVISOR ? count / HOLD_DIVISOR : 1;
+    give_steps(axis, (struct piece){PIECE_STEPS, count, axis->interval, 0}, piece);
+    return true;
 }
 
-/* Turns to the way down: so that it ends at the target, or, when that is too close or the motor is to stop, the
- * shortest. Intervals that are not longer than the present one may be part of it: they fill what is left between the
+/* Looks for the way down from the present speed. When it isn't found at once: gives nothing yet, or in a hurry some more
+ * of the present speed, as long as there is room for that, and then looks on. Returns true when it is found. */
+static bool find_way_down(struct axis *axis, const struct piece_limits *limits, struct piece *piece)
+{
+    while (!way_down_is_found(axis)) {
+        uint32_t left = steps_left(axis), steps_down = cursor_steps(&axis->down);
+        if (!limits->in_a_hurry || hold(axis, limits, left > steps_down ? left - steps_down : 0, piece)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* Turns to the way down: so that it ends at the target, or, when that is too close, the shortest. Intervals that are not longer than the present one may be part of it: they fill what is left between the
  * last interval of the way up and the next, which would be one too many. */
 static void turn_down(struct axis *axis, const struct piece_limits *limits, struct piece *piece)
 {
-    if (!way_down_is_found(axis)) {
-        hold(axis, limits, piece);
+    if (!find_way_down(axis, limits, piece)) {
         return;
     }
     uint32_t left = steps_left(axis);
-    while (!axis->stopping && cursor_steps(&axis->down) < left && !cursor_is_at_end(&axis->down)) {
+    while (cursor_steps(&axis->down) < left && !cursor_is_at_end(&axis->down)) {
         uint32_t missing = left - cursor_steps(&axis->down);
         uint16_t rest = (uint16_t)(axis->down.count - axis->down.taken);
         cursor_forward(&axis->down, &axis->down_list, missing < rest ? (uint16_t)missing : rest);
@@ -124,7 +137,7 @@ static uint16_t steps_up(const struct axis *axis, uint32_t left)
 
 static void go_up(struct axis *axis, const struct piece_limits *limits, struct piece *piece)
 {
-    uint32_t left = axis->stopping ? 0 : steps_left(axis);
+    uint32_t left = steps_left(axis);
     if (left == 0) {
         turn_down(axis, limits, piece);
         return;
@@ -137,8 +150,7 @@ static void go_up(struct axis *axis, const struct piece_limits *limits, struct p
     uint32_t interval = cursor_interval(&axis->up, axis->up.taken);
     count = steps_that_fit(limits, interval, axis->up.add, count);
     if (left - count < axis->down_steps) {
-        if (!way_down_is_found(axis)) {
-            hold(axis, limits, piece);
+        if (!find_way_down(axis, limits, piece)) {
             return;
         }
         count = most_that_leave_room(axis, left, count);
@@ -161,8 +173,8 @@ static bool is_too_fast(const struct axis *axis)
     return !axis->is_slewing && axis->interval != 0 && axis->interval < axis->level;
 }
 
-/* The steps of the way down from the speed wanted. Returns false when they are not known yet. */
-static bool know_steps_down(struct axis *axis, uint32_t *steps)
+/* Looks for the way down from the speed wanted, as find_way_down does; its steps are then known. */
+static bool know_steps_down(struct axis *axis, const struct piece_limits *limits, uint32_t *steps, struct piece *piece)
 {
     if (axis->is_slewing) {
         *steps = axis->down_steps;
@@ -171,7 +183,7 @@ static bool know_steps_down(struct axis *axis, uint32_t *steps)
     if (axis->level < axis->shortest) {
         axis->shortest = axis->level;
     }
-    bool found = way_down_is_found(axis);
+    bool found = find_way_down(axis, limits, piece);
     *steps = cursor_steps(&axis->down);
     return found;
 }
@@ -188,7 +200,7 @@ static void give_level(struct axis *axis, const struct piece_limits *limits, uin
 
 static void go_level(struct axis *axis, const struct piece_limits *limits, struct piece *piece)
 {
-    uint32_t left = axis->stopping ? 0 : steps_left(axis), steps_down;
+    uint32_t left = steps_left(axis), steps_down;
     if (left > axis->down_steps && axis->is_slewing && cursor_is_at_end(&axis->up)) {
         give_level(axis, limits, left - axis->down_steps, piece); /* most often, and soon decided */
         return;
@@ -198,55 +210,68 @@ static void go_level(struct axis *axis, const struct piece_limits *limits, struc
     } else if (steps_up(axis, left) != 0) {
         axis->phase = PHASE_UP;
     } else if (is_too_fast(axis)) {
-        if (way_down_is_found(axis)) {
+        if (find_way_down(axis, limits, piece)) {
             axis->phase = PHASE_DOWN;
-        } else {
-            hold(axis, limits, piece);
         }
-    } else if (!know_steps_down(axis, &steps_down)) {
-        hold(axis, limits, piece);
-    } else if (left <= steps_down) {
-        turn_down(axis, limits, piece);
-    } else {
-        give_level(axis, limits, left - steps_down, piece);
+    } else if (know_steps_down(axis, limits, &steps_down, piece)) {
+        if (left <= steps_down) {
+            turn_down(axis, limits, piece);
+        } else {
+            give_level(axis, limits, left - steps_down, piece);
+        }
     }
 }
 
 /* ---- down ---- */
 
-/* Leaves the way down for a speed to go on with. Returns false when that has to be looked for still. */
-static bool turned_up(struct axis *axis)
+/* Goes on looking for the place on the way up that has this interval [ticks], over one segment. Returns true when it is
+ * found. In PHASE_DOWN only: until that is left, `up` faces back. */
+static bool way_up_is_found(struct axis *axis, uint32_t interval)
 {
-    uint32_t interval = is_too_fast(axis) ? axis->level : axis->interval;
-    if (!cursor_seek_back(&axis->up, &axis->up_list, interval)) {
-        return false;
+    return cursor_seek_back(&axis->up, interval);
+}
+
+/* Leaves the way down for a speed to go on with; what there is more of than the way down has is `room` [steps]. */
+static void turn_up(struct axis *axis, const struct piece_limits *limits, uint32_t room, struct piece *piece)
+{
+    if (axis->interval == 0) { /* no step has been given yet: it sets out anew */
+        axis->phase = PHASE_REST;
+        return;
     }
+    uint32_t interval = is_too_fast(axis) ? axis->level : axis->interval;
+    if (!way_up_is_found(axis, interval)) {
+        if (limits->in_a_hurry) {
+            hold(axis, limits, room, piece);
+        }
+        return;
+    }
+    cursor_face_forward(&axis->up, &axis->up_list);
     cursor_face_forward(&axis->down, &axis->down_list);
     axis->interval = interval;
     axis->shortest = interval;
     axis->phase = PHASE_LEVEL;
-    return true;
 }
 
 static void go_down(struct axis *axis, const struct piece_limits *limits, struct piece *piece)
 {
     struct ramp_cursor *down = &axis->down;
     cursor_face_back(down);
-    bool goes_on = !axis->stopping && steps_left(axis) > cursor_steps(down);
+    uint32_t left = steps_left(axis), steps_down = cursor_steps(down);
     uint16_t count = down->taken;
-    if (goes_on && is_too_fast(axis)) {
-        count = cursor_count_not_longer_back(down, axis->level);
+    if (left > steps_down) {
+        count = is_too_fast(axis) ? cursor_count_not_longer_back(down, axis->level) : 0;
+        if (count == 0) {
+            turn_up(axis, limits, left - steps_down, piece);
+            return;
+        }
     }
-    if (goes_on && (count == 0 || !is_too_fast(axis)) && (turned_up(axis) || !limits->in_a_hurry)) {
-        return;
-    }
-    if (down->taken == 0) {
+    if (count == 0) {
         axis->phase = PHASE_REST;
         return;
     }
     uint32_t interval = cursor_interval(down, (uint16_t)(down->taken - 1));
     int16_t add = (int16_t)(0u - (uint16_t)down->add);
-    count = steps_that_fit(limits, interval, add, count == 0 ? 1 : count);
+    count = steps_that_fit(limits, interval, add, count);
     down->taken = (uint16_t)(down->taken - count);
     give_steps(axis, (struct piece){PIECE_STEPS, count, interval, add}, piece);
 }
@@ -269,7 +294,7 @@ static void go_on(struct axis *axis, const struct piece_limits *limits, struct p
 
 static void set_out(struct axis *axis)
 {
-    axis->backward = axis->target < axis->position;
+    axis->backward = axis->target < (axis->runs ? 0 : axis->position);
     axis->shortest = UINT32_MAX;
     if (axis_is_by_formula(axis)) {
         formula_rest(&axis->formula);
@@ -292,12 +317,8 @@ void axis_next(struct axis *axis, const struct piece_limits *limits, struct piec
         return;
     }
     axis->interval = 0;
-    if (axis->stopping) {
-        axis->stopping = false;
-        axis->runs = false;
-        axis->target = axis->position;
-    }
-    if (axis->target == axis->position) {
+    axis->stopping = false;
+    if (axis_is_at_rest(axis)) {
         piece->kind = PIECE_REST;
     } else {
         set_out(axis);
@@ -305,17 +326,19 @@ void axis_next(struct axis *axis, const struct piece_limits *limits, struct piec
     }
 }
 
-void axis_look_ahead(struct axis *axis)
+bool axis_look_ahead(struct axis *axis)
 {
-    bool is_known = axis->phase == PHASE_REST || axis->phase == PHASE_DOWN;
-    if (axis_is_by_formula(axis) || is_known || cursor_is_at_end(&axis->down)) {
-        return;
+    if (axis_is_by_formula(axis) || axis->phase == PHASE_REST) {
+        return false;
     }
-    if (axis->phase == PHASE_LEVEL && axis->is_slewing && axis->interval == axis->level) {
-        cursor_seek_forward(&axis->down, &axis->down_list, 0);
-    } else {
-        way_down_is_found(axis);
+    if (axis->phase == PHASE_DOWN) {
+        return !way_up_is_found(axis, axis->interval);
     }
+    if (cursor_is_at_end(&axis->down)) {
+        return false;
+    }
+    bool is_at_slew = axis->phase == PHASE_LEVEL && axis->is_slewing && axis->interval == axis->level;
+    return !cursor_seek_forward(&axis->down, &axis->down_list, is_at_slew ? 0 : axis->shortest);
 }
 
 void axis_move_to(struct axis *axis, uint32_t slew_interval, int32_t target)
@@ -329,14 +352,39 @@ void axis_move_to(struct axis *axis, uint32_t slew_interval, int32_t target)
 
 void axis_run(struct axis *axis, bool backward, uint32_t interval, bool is_slewing)
 {
-    axis_move_to(axis, interval, backward ? INT32_MIN : INT32_MAX);
+    axis_move_to(axis, interval, backward ? -1 : 1);
     axis->is_slewing = is_slewing;
     axis->runs = true;
+}
+
+/* Turns to the shortest way down, or, when no step has been given yet, is at rest again. */
+static void turn_to_rest(struct axis *axis)
+{
+    if (axis->interval == 0) {
+        axis->phase = PHASE_REST;
+        axis->batch_left = 0;
+    } else if (axis->phase == PHASE_UP || axis->phase == PHASE_LEVEL) {
+        while (axis_look_ahead(axis)) {
+        }
+        axis->phase = PHASE_DOWN;
+    }
+}
+
+static uint32_t steps_to_rest(const struct axis *axis)
+{
+    if (axis->phase == PHASE_REST) {
+        return 0;
+    }
+    return axis_is_by_formula(axis) ? axis->batch_left + formula_steps_down(&axis->formula) : cursor_steps(&axis->down);
 }
 
 void axis_stop(struct axis *axis)
 {
     axis->stopping = true;
+    axis->runs = false;
+    turn_to_rest(axis);
+    uint32_t steps = steps_to_rest(axis);
+    axis->target = (int32_t)((uint32_t)axis->position + (axis->backward ? 0u - steps : steps));
 }
 
 void axis_halt(struct axis *axis, int32_t position)
@@ -348,19 +396,4 @@ void axis_halt(struct axis *axis, int32_t position)
     axis->runs = false;
     axis->batch_left = 0;
     axis->phase = PHASE_REST;
-}
-
-/* The steps of the way down that are left. */
-static uint32_t steps_down_left(const struct axis *axis)
-{
-    return axis_is_by_formula(axis) ? formula_steps_down(&axis->formula) : cursor_steps(&axis->down);
-}
-
-int32_t axis_goal(const struct axis *axis)
-{
-    if (!axis->stopping) {
-        return axis->runs ? axis->position : axis->target;
-    }
-    uint32_t steps = axis->phase == PHASE_DOWN ? steps_down_left(axis) : 0;
-    return (int32_t)((uint32_t)axis->position + (axis->backward ? 0u - steps : steps));
 }

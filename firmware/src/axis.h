@@ -27,7 +27,7 @@ enum axis_phase {
 
 struct axis {
     int32_t position;    /* [steps] after the last piece */
-    int32_t target;      /* [steps] */
+    int32_t target;      /* [steps] where it will come to rest; of a run only its sign counts, which is the direction */
     uint32_t interval;   /* [ticks] the last one; 0 at rest */
     uint32_t shortest;   /* [ticks] since the speed began to rise: the way down from here has the longer intervals */
     uint32_t level;      /* [ticks] interval of the speed wanted: the ramp's slew interval, or a longer one */
@@ -37,13 +37,13 @@ struct axis {
     bool is_by_formula : 1;
     bool is_slewing : 1; /* the speed wanted is the ramp's slew speed */
     bool backward : 1;
-    bool stopping : 1;
+    bool stopping : 1; /* to rest, which has been asked for */
     bool runs : 1; /* at a speed, without a target */
     union {
         struct {
             struct packed_list up_list;
             struct packed_list down_list;
-            struct ramp_cursor up;   /* before the next interval of the way up */
+            struct ramp_cursor up;   /* before the next interval of the way up, or after that: on the way down */
             struct ramp_cursor down; /* after the next interval of the way down, or before that: not looked for yet */
         };
         struct {
@@ -87,23 +87,22 @@ void axis_next(struct axis *axis, const struct piece_limits *limits, struct piec
  * give, when the ramp is one by formula. */
 void axis_compute(struct axis *axis);
 
-/* To be called when there is time: looks for the way down ahead of need. */
-void axis_look_ahead(struct axis *axis);
+/* To be called when there is time: looks ahead of need for the way down, and on that for the way back up. Returns true
+ * when there is more to look for. */
+bool axis_look_ahead(struct axis *axis);
 
 /* Go to a position, at the ramp's slew interval [ticks]. */
 void axis_move_to(struct axis *axis, uint32_t slew_interval, int32_t target);
 
-/* Go on and on, with this interval [ticks]: the ramp's slew interval or a longer one. */
+/* Go on and on, past the last position to the first, with this interval [ticks]: the ramp's slew interval or a longer one. */
 void axis_run(struct axis *axis, bool backward, uint32_t interval, bool is_slewing);
 
-/* Slow down to rest. */
+/* Slow down to rest: the target becomes where that is. Its way down is looked for to the end, which takes a short time
+ * as it is near. */
 void axis_stop(struct axis *axis);
 
 /* At rest from now on, at a position that it had before its last pieces. */
 void axis_halt(struct axis *axis, int32_t position);
-
-/* Where it will come to rest as things are, and as far as that is known yet [steps]. While it runs: where it is. */
-int32_t axis_goal(const struct axis *axis);
 
 static inline bool axis_is_by_formula(const struct axis *axis)
 {
@@ -113,7 +112,7 @@ static inline bool axis_is_by_formula(const struct axis *axis)
 /* It stays where it is: axis_next would give PIECE_REST. */
 static inline bool axis_is_at_rest(const struct axis *axis)
 {
-    return axis->phase == PHASE_REST && axis->target == axis->position;
+    return axis->phase == PHASE_REST && !axis->runs && axis->target == axis->position;
 }
 
 #ifdef __cplusplus

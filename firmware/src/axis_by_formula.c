@@ -2,11 +2,11 @@
 
 #include "axis_steps.h"
 
-/* How many intervals are computed at a time: more is faster, but 16 bits must hold their differences. On the way down
- * the next one is at most 1.75 times as long, as x^2 is below 3/4. */
-static uint8_t batch_size(const struct axis *axis, bool goes_up)
+/* How many intervals are computed at a time, after one of so many ticks: more is faster, but 16 bits must hold their
+ * differences, and a stop waits for them. On the way down the next one is at most 1.75 times as long, as x^2 is below
+ * 3/4. */
+static uint8_t batch_size(uint32_t interval, bool goes_up)
 {
-    uint32_t interval = axis->interval;
     if (interval == 0 || interval > 20000) {
         return 1;
     }
@@ -25,15 +25,14 @@ static bool is_too_fast(const struct axis *axis)
 static void give_from_batch(struct axis *axis, const struct piece_limits *limits, struct piece *piece)
 {
     const int16_t *adds = axis->adds + (axis->batch_size - axis->batch_left);
-    uint8_t count = 1, most = axis->batch_left;
-    if (most > limits->steps) {
-        most = (uint8_t)limits->steps;
-    }
-    while (count < most && adds[count - 1] == adds[0]) {
+    uint8_t count = 1;
+    while (count < axis->batch_left && adds[count - 1] == adds[0]) {
         count++;
     }
+    int16_t add = count > 1 ? adds[0] : 0;
+    count = (uint8_t)steps_that_fit(limits, axis->next, add, count);
     axis->batch_left = (uint8_t)(axis->batch_left - count);
-    give_steps(axis, (struct piece){PIECE_STEPS, count, axis->next, count > 1 ? adds[0] : 0}, piece);
+    give_steps(axis, (struct piece){PIECE_STEPS, count, axis->next, add}, piece);
     if (axis->batch_left != 0) {
         axis->next = axis->interval + (uint32_t)(int32_t)adds[count - 1];
     }
@@ -59,7 +58,7 @@ void axis_next_by_formula(struct axis *axis, const struct piece_limits *limits, 
     if (axis->batch_left != 0) {
         give_from_batch(axis, limits, piece);
     } else if (axis->phase == PHASE_LEVEL) {
-        go_level(axis, limits, axis->stopping ? 0 : steps_left(axis), piece);
+        go_level(axis, limits, steps_left(axis), piece);
     }
 }
 
@@ -78,8 +77,9 @@ static void keep_batch(struct axis *axis, const uint32_t *intervals, uint8_t siz
 /* A batch of steps at one speed, at most `left` of them. */
 static void keep_level(struct axis *axis, uint32_t interval, uint32_t left)
 {
+    uint8_t most = batch_size(interval, true);
     axis->next = interval;
-    axis->batch_size = left < FORMULA_BATCH ? (uint8_t)left : FORMULA_BATCH;
+    axis->batch_size = left < most ? (uint8_t)left : most;
     axis->batch_left = axis->batch_size;
     for (uint8_t i = 0; i < FORMULA_BATCH - 1; i++) {
         axis->adds[i] = 0;
@@ -91,7 +91,7 @@ static void compute_up(struct axis *axis, uint32_t left)
 {
     struct formula_state after = axis->formula;
     uint32_t intervals[FORMULA_BATCH];
-    uint8_t most = axis->is_slewing ? batch_size(axis, true) : 1;
+    uint8_t most = axis->is_slewing ? batch_size(axis->interval, true) : 1;
     uint8_t size = formula_up(&after, axis->constants, intervals, most, left);
     uint32_t steps_down = formula_steps_down(&axis->formula);
     if (formula_slews(&axis->formula)) {
@@ -121,7 +121,7 @@ static void compute_down(struct axis *axis, uint32_t left)
     } else if (goes_on && (!is_too_fast(axis) || steps_down == 0)) {
         axis->phase = PHASE_UP;
     } else {
-        uint8_t most = goes_on ? 1 : batch_size(axis, false);
+        uint8_t most = goes_on ? 1 : batch_size(axis->interval, false);
         uint8_t size = formula_down(&axis->formula, axis->constants, intervals, most);
         if (size != 0) {
             keep_batch(axis, intervals, size);
@@ -134,7 +134,7 @@ void axis_compute(struct axis *axis)
     if (!axis_is_by_formula(axis) || axis->batch_left != 0) {
         return;
     }
-    uint32_t left = axis->stopping ? 0 : steps_left(axis);
+    uint32_t left = steps_left(axis);
     if (axis->phase == PHASE_UP) {
         if (left == 0) {
             axis->phase = PHASE_DOWN;

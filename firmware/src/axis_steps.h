@@ -8,9 +8,12 @@
 extern "C" {
 #endif
 
-/* Steps from here to the target; 0 when it isn't ahead. */
+/* Steps from here to the target; 0 when it isn't ahead. A run has always more of them in its direction. */
 static inline uint32_t steps_left(const struct axis *axis)
 {
+    if (axis->runs) {
+        return axis->backward == (axis->target < 0) ? INT32_MAX : 0;
+    }
     if (axis->backward) {
         return axis->target < axis->position ? (uint32_t)axis->position - (uint32_t)axis->target : 0;
     }

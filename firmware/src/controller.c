@@ -28,7 +28,6 @@ static uint8_t request[KEPT_BYTES];
 static uint16_t session = NO_SESSION;
 static uint8_t answered_kind, answered_tag; /* the request answered last */
 static uint8_t heard;                       /* when the last request came: port_milliseconds() / 256 */
-static uint8_t guarded;                     /* axes that a request has set running */
 
 /* ---- what is known of the controller; `body` has the length that expected_length demands ---- */
 
@@ -252,9 +251,6 @@ static void answer_for_axes(uint8_t kind, const uint8_t *body)
         return;
     }
     uint8_t status = kind == KIND_ZERO ? machine_zero(axes, read_u16(body), &detail) : move(kind, axes, body, &detail);
-    if (status == STATUS_OK) {
-        guarded = kind == KIND_RUN ? guarded | axes : guarded & (uint8_t)~axes;
-    }
     if (kind <= KIND_MOVE_TO || kind == KIND_LINE) {
         reply_targets(axes);
     }
@@ -486,8 +482,7 @@ void controller_poll(void)
 {
     uint16_t now_ms = port_milliseconds();
     if ((uint8_t)((now_ms >> 8) - heard) > MOST_SILENCE) {
-        machine_stop(guarded);
-        guarded = 0;
+        machine_stop_runs();
     }
     machine_poll();
     ramp_store_poll();

@@ -12,18 +12,19 @@ enum { PART_TICKS = 16384 };
  * be changed. */
 enum { CLOSING_TICKS = 400 };
 
-/* Segments queued in one round of the main loop, at most: other axes want theirs too. */
+/* Segments queued, or looked at ahead of need, in one round of the main loop, at most: other axes want theirs too. */
 enum { SEGMENTS_AT_ONCE = 4 };
 
 /* Ticks of 64 us, as powers of 2. */
 enum { FAST_BITS = 10, SLOW_BITS = 7 };
 
-/* The longest piece [ticks]: some 4 ms. */
-enum { FAST_PIECE_TICKS = 60000, SLOW_PIECE_TICKS = 8000 };
+/* The longest piece of several steps [ticks]: some 4 ms. So none of their intervals is a long one. */
+enum { FAST_PIECE_TICKS = 2u * LONGEST_WAIT_TICKS, SLOW_PIECE_TICKS = 8000 };
 
 /* [64 us] Time to queue ahead: 6 ms, enough for the main loop's longest round when interrupts take nearly all of the
- * processor, and little enough to begin a stop soon. Less than HURRY_TIME is too little. */
-enum { TIME_AHEAD = 94, HURRY_TIME = 12 };
+ * processor, and little enough to begin a stop soon. With less than HURRY_TIME, 4 ms and still longer than such a round,
+ * something must be queued now. */
+enum { TIME_AHEAD = 94, HURRY_TIME = 62 };
 
 /* A segment is loaded at the beginning of the interval before it, so that some must be there however long that is: where
  * the direction turns, the silence that ends a move, that in which the direction settles, a pulse, and the next. */
@@ -63,9 +64,9 @@ static void queue_up(struct feed *feed, const struct piece *piece, uint8_t turns
     lane_put(feed->index, interval, piece->add, (uint16_t)(piece->count - 1u), is_step, turns);
 }
 
-static void queue_silence(struct feed *feed, uint16_t ticks, uint8_t turns)
+static void queue_silence(struct feed *feed, uint16_t ticks, int16_t add, uint8_t turns)
 {
-    struct piece silence = {PIECE_NONE, 1, ticks, 0};
+    struct piece silence = {PIECE_NONE, 1, ticks, add};
     queue_up(feed, &silence, turns);
 }
 
@@ -83,7 +84,7 @@ static void queue_wait(struct feed *feed)
 {
     uint32_t wait = feed->wait_left;
     feed->wait_left = 0;
-    queue_silence(feed, first_part(feed, wait), 0);
+    queue_silence(feed, first_part(feed, wait), 0, 0);
 }
 
 static void queue_steps(struct feed *feed, struct piece *piece)
@@ -109,14 +110,14 @@ static void queue_turn(struct feed *feed)
     feed->pin_backward = feed->axis.backward;
     feed->turns_too = 0;
     feed->turns_next = false;
-    queue_silence(feed, first_part(feed, feed_clock.setup_ticks), turns);
+    queue_silence(feed, first_part(feed, feed_clock.setup_ticks), ADD_AT_REST, turns);
 }
 
 /* Ends what has been queued of a move. */
 static void queue_closing(struct feed *feed)
 {
     feed->has_pulses = false;
-    queue_silence(feed, CLOSING_TICKS, 0);
+    queue_silence(feed, CLOSING_TICKS, ADD_AT_REST, 0);
 }
 
 /* Time for which steps are queued [64 us]. */
@@ -171,13 +172,12 @@ static bool is_wanted(const struct feed *feed, uint16_t ahead)
     return lane_has_room(lane) && (ahead < TIME_AHEAD || lane_ahead(lane) < LEAST_SEGMENTS);
 }
 
-/* Queues one segment, or looks for what the next one takes. Returns false when nothing is wanted. */
+/* Queues one segment, or looks for what later ones take. Returns false when there is nothing to do. */
 static bool fill(struct feed *feed)
 {
     uint16_t ahead = time_ahead(feed);
     if (!is_wanted(feed, ahead)) {
-        axis_look_ahead(&feed->axis);
-        return false;
+        return axis_look_ahead(&feed->axis);
     }
     if (feed->wait_left != 0) {
         queue_wait(feed);
@@ -226,6 +226,9 @@ static void retire(struct feed *feed)
     uint8_t place = lane->retired;
     struct loaded segment = lane_loaded(feed->index, place);
     count(&feed->played, &segment, segment.steps);
+    if (segment.steps != 0 || segment.is_rest) {
+        feed->is_in_move = !segment.is_rest;
+    }
     if (line_is_on()) {
         line_retire(&line_queue[place / LINE_SEGMENT_BYTES], segment.steps);
     }
@@ -266,8 +269,13 @@ void feed_set_out(struct feed *feed)
 
 bool feed_is_ready(const struct feed *feed)
 {
-    uint8_t queued = lane_ahead(lane_of(feed->index));
-    return queued >= LEAST_SEGMENTS || (queued != 0 && axis_is_at_rest(&feed->axis));
+    bool is_all = lane_ahead(lane_of(feed->index)) != 0 && axis_is_at_rest(&feed->axis);
+    return is_all || !is_wanted(feed, time_ahead(feed));
+}
+
+uint16_t feed_next_interval(const struct feed *feed)
+{
+    return lane_loaded(feed->index, lane_of(feed->index)->tail).time;
 }
 
 void feed_started(struct feed *feed, uint16_t start_ticks)
@@ -303,7 +311,7 @@ static void become_idle(struct feed *feed)
     trace_end_move(feed->index);
 }
 
-/* The engine has found the queue empty. */
+/* The engine has found the queue empty: in a move, or at rest, though something may have been queued since. */
 static void parked(struct feed *feed)
 {
     feed->seen_empty = lane_of(feed->index)->empty;
@@ -315,7 +323,7 @@ static void parked(struct feed *feed)
         become_idle(feed);
         return;
     }
-    feed->has_run_dry = feed->has_pulses;
+    feed->has_run_dry = feed->is_in_move;
     if (feed->has_run_dry && starved != UINT8_MAX) {
         starved++;
     }
@@ -384,6 +392,11 @@ uint32_t feed_interval(const struct feed *feed)
         interval = *present;
     } while (interval != *present); /* an event came in between the two bytes */
     return interval;
+}
+
+uint32_t feed_step_interval(const struct feed *feed)
+{
+    return feed->stage == FEED_PLAYING && axis_players[feed->index].step_mask != 0 ? feed_interval(feed) : 0;
 }
 
 uint8_t feed_starved(void)

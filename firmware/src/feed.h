@@ -34,6 +34,7 @@ struct feed {
     bool is_traced : 1;     /* in this move */
     bool turns_next : 1;    /* a silence in which the direction may turn comes next */
     bool has_pulses : 1;    /* queued since the last silence at rest */
+    bool is_in_move : 1;    /* at the end of what has been played: not in a silence at rest */
     bool has_run_dry : 1; /* the queue, in the middle of a move; since the last start */
     bool pin_backward : 1;  /* the direction pin, at the end of the queue */
     struct axis axis;   /* last: an AVR reaches the first 64 bytes best */
@@ -60,8 +61,11 @@ void feed_set_out(struct feed *feed);
 /* Goes on, for a short time. */
 void feed_poll(struct feed *feed);
 
-/* A waiting feed has enough for a start. */
+/* A waiting feed has enough for a start: as much as is queued ahead later, or all that there is. */
 bool feed_is_ready(const struct feed *feed);
+
+/* [ticks] the first interval that is queued. */
+uint16_t feed_next_interval(const struct feed *feed);
 
 /* The engine has started its queue, whose first segment comes so many ticks from now. */
 void feed_started(struct feed *feed, uint16_t start_ticks);
@@ -74,6 +78,9 @@ struct feed_progress feed_progress(const struct feed *feed);
 
 /* [ticks] the interval that is passing; 0 at rest. */
 uint32_t feed_interval(const struct feed *feed);
+
+/* The same, but 0 where no step is made: while the direction turns, too. */
+uint32_t feed_step_interval(const struct feed *feed);
 
 /* How often a queue ran dry in a move; 255 stays 255. */
 uint8_t feed_starved(void);

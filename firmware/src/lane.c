@@ -8,9 +8,26 @@ uint8_t lane_ahead(const struct lane *lane)
     return line_is_on() ? bytes / LINE_SEGMENT_BYTES : (bytes & (QUEUE_BYTES - 1)) / QUEUED_SEGMENT_BYTES;
 }
 
+/* What segments of both kinds begin with. */
+struct segment_head {
+    uint16_t interval;
+    int16_t add;
+    uint16_t count_less_1;
+};
+
 static struct queued_segment *in_queue(uint8_t axis, uint8_t place)
 {
     return &queues[axis][(place & (QUEUE_BYTES - 1)) / QUEUED_SEGMENT_BYTES];
+}
+
+static struct line_segment *in_line(uint8_t place)
+{
+    return &line_queue[place / LINE_SEGMENT_BYTES];
+}
+
+static volatile struct segment_head *head_of(uint8_t axis, uint8_t place)
+{
+    return (volatile struct segment_head *)(line_is_on() ? (void *)in_line(place) : (void *)in_queue(axis, place));
 }
 
 /* Places are written through volatile pointers: before the head is moved past them. */
@@ -18,18 +35,16 @@ void lane_put(uint8_t axis, uint16_t interval, int16_t add, uint16_t count_less_
 {
     struct lane *lane = lane_of(axis);
     uint8_t place = lane->head;
+    volatile struct segment_head *head = head_of(axis, place);
+    head->interval = interval;
+    head->add = add;
+    head->count_less_1 = count_less_1;
     if (line_is_on()) {
-        volatile struct line_segment *segment = &line_queue[place / LINE_SEGMENT_BYTES];
-        segment->interval = interval;
-        segment->add = add;
-        segment->count_less_1 = count_less_1;
+        volatile struct line_segment *segment = in_line(place);
         line_fill_in(segment, is_step);
         segment->turn_axes = turns;
     } else {
         volatile struct queued_segment *segment = in_queue(axis, place);
-        segment->interval = interval;
-        segment->add = add;
-        segment->count_less_1 = count_less_1;
         segment->step_mask = is_step ? engine_step_mask(axis) : 0;
         segment->turn_mask = turns != 0 ? engine_turn_mask(axis) : 0;
     }
@@ -38,11 +53,11 @@ void lane_put(uint8_t axis, uint16_t interval, int16_t add, uint16_t count_less_
 
 struct loaded lane_loaded(uint8_t axis, uint8_t place)
 {
-    const struct line_segment *of_line = &line_queue[place / LINE_SEGMENT_BYTES];
-    const struct queued_segment *queued = in_queue(axis, place);
-    bool on = line_is_on(), steps = on ? of_line->axes != 0 : queued->step_mask != 0;
-    uint16_t count = (uint16_t)((on ? of_line->count_less_1 : queued->count_less_1) + 1u);
-    struct loaded loaded = {on ? of_line->interval : queued->interval, steps ? count : 0,
-                            on ? (of_line->turn_axes >> axis & 1) != 0 : queued->turn_mask != 0};
+    const volatile struct segment_head *head = head_of(axis, place);
+    bool on = line_is_on();
+    uint8_t steps = on ? in_line(place)->axes : in_queue(axis, place)->step_mask;
+    uint8_t turns = on ? in_line(place)->turn_axes >> axis & 1 : in_queue(axis, place)->turn_mask;
+    struct loaded loaded = {head->interval, steps != 0 ? (uint16_t)(head->count_less_1 + 1u) : 0, turns != 0,
+                            steps == 0 && head->add == ADD_AT_REST};
     return loaded;
 }

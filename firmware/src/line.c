@@ -1,6 +1,7 @@
 #include "line.h"
 
-enum { PIECE_BITS = 15 };
+/* Steps of the leader in a piece, but for the last: that has all that are left, when 16 bits can hold them. */
+static const uint16_t STEPS_OF_A_PIECE = 1u << 15;
 
 struct line line;
 struct line_piece line_in_progress;
@@ -18,47 +19,51 @@ void line_begin(uint8_t leader, const uint32_t steps[MOST_AXES])
             followers |= (uint8_t)(1u << axis);
             line.followers[line.follower_count] = axis;
             line.steps[line.follower_count] = steps[axis];
-            line.rest[line.follower_count] = line.total / 2;
             line.follower_count++;
         }
     }
     line.axes = LINE_AXES(1u << leader, followers);
 }
 
-/* The steps of a follower in the next 2^15 of the leader: the whole part of steps * 2^15 / total; what is over is kept
- * for the next piece. Bit by bit, since the product has up to 46 bits. */
-static uint16_t share_of_piece(uint8_t follower)
+/* The steps of a follower where the leader has made `made`, at the end of a piece: steps * made / total to the nearest,
+ * halves up. Bit by bit, since the product has up to 62 bits. */
+static uint32_t steps_at(uint8_t follower, uint32_t made)
 {
-    uint32_t over = line.steps[follower];
-    uint16_t share = 0;
-    for (uint8_t bit = 0; bit <= PIECE_BITS; bit++) {
-        share = (uint16_t)(share << 1);
+    uint32_t over = 0, steps = 0;
+    for (uint8_t halves = 2 * 32; halves != 0; halves--) { /* of a bit: first all is doubled, then what it is worth added */
+        if ((halves & 1) == 0) {
+            steps <<= 1;
+            over <<= 1;
+        } else {
+            if ((made & 1ul << 31) != 0) {
+                over += line.steps[follower];
+            }
+            made <<= 1;
+        }
         if (over >= line.total) {
             over -= line.total;
-            share |= 1;
-        }
-        if (bit != PIECE_BITS) {
-            over <<= 1;
+            steps++;
         }
     }
-    line.rest[follower] += over;
-    if (line.rest[follower] >= line.total) {
-        line.rest[follower] -= line.total;
-        share++;
-    }
-    return share;
+    return over >= line.total - over ? steps + 1 : steps;
 }
 
-/* Lays out the next piece: all that is left, if it can be one piece. */
+/* The leader's steps in a piece that begins with so many left. */
+static uint16_t piece_of(uint32_t left)
+{
+    return left <= UINT16_MAX ? (uint16_t)left : STEPS_OF_A_PIECE;
+}
+
+/* Lays out the next piece. */
 static void begin_piece(void)
 {
-    bool is_last = line.left <= UINT16_MAX;
-    line.queued.total = is_last ? (uint16_t)line.left : 1u << PIECE_BITS;
+    line.queued.total = piece_of(line.left);
     line.queued.done = 0;
     line.left -= line.queued.total;
     for (uint8_t i = 0; i < line.follower_count; i++) {
-        line.queued.delta[i] = is_last ? (uint16_t)(line.steps[i] - line.queued.made[i]) : share_of_piece(i);
-        line.queued.made[i] += line.queued.delta[i];
+        uint32_t made = steps_at(i, line.total - line.left);
+        line.queued.delta[i] = (uint16_t)(made - line.queued.made[i]);
+        line.queued.made[i] = made;
     }
 }
 
@@ -86,26 +91,43 @@ void line_fill_in(volatile struct line_segment *segment, bool is_step)
     line.queued.done = (uint16_t)(line.queued.done + segment->count_less_1 + 1u);
 }
 
-/* Steps of a follower within the piece. */
-static uint16_t steps_in_piece(const struct line_piece *piece, uint8_t follower)
+/* Steps of a follower with the first `done` of the leader's in a piece in which they make `delta` and `total`. */
+static uint16_t steps_in_piece(uint16_t done, uint16_t delta, uint16_t total)
 {
-    if (piece->total == 0) {
+    if (total == 0) {
         return 0;
     }
     /* At most (2^16 - 1)^2 + 2^15, which is less than 2^32. */
-    return (uint16_t)(((uint32_t)piece->done * piece->delta[follower] + piece->total / 2) / piece->total);
+    return (uint16_t)(((uint32_t)done * delta + total / 2) / total);
 }
 
 uint32_t line_steps_of(const struct line_piece *piece, uint8_t follower)
 {
-    return piece->made[follower] + steps_in_piece(piece, follower);
+    return piece->made[follower] + steps_in_piece(piece->done, piece->delta[follower], piece->total);
+}
+
+uint32_t line_steps_queued(void)
+{
+    return line.total - line.left - line.queued.total + line.queued.done;
+}
+
+uint32_t line_steps_with(uint8_t follower, uint32_t leader_steps)
+{
+    uint32_t begin = leader_steps - leader_steps % STEPS_OF_A_PIECE;
+    if (begin != 0 && line.total - begin + STEPS_OF_A_PIECE <= UINT16_MAX) {
+        begin -= STEPS_OF_A_PIECE; /* the last piece is a longer one */
+    }
+    uint16_t total = piece_of(line.total - begin);
+    uint32_t before = steps_at(follower, begin);
+    uint16_t delta = (uint16_t)(steps_at(follower, begin + total) - before);
+    return before + steps_in_piece((uint16_t)(leader_steps - begin), delta, total);
 }
 
 void line_play(struct line_piece *piece, const struct line_segment *segment, uint16_t steps)
 {
     if (segment->axes != 0 && segment->total != 0) {
         for (uint8_t i = 0; i < MOST_FOLLOWERS; i++) {
-            piece->made[i] += steps_in_piece(piece, i);
+            piece->made[i] = line_steps_of(piece, i);
             piece->delta[i] = segment->delta[i];
         }
         piece->total = segment->total;

@@ -29,7 +29,6 @@ struct line {
     uint32_t left;                     /* steps of the leader that are in no piece yet */
     uint32_t total;                    /* steps of the leader */
     uint32_t steps[MOST_FOLLOWERS];
-    uint32_t rest[MOST_FOLLOWERS];     /* of the division of steps among the pieces */
     struct line_piece queued;
     struct line_piece played; /* and retired */
 };
@@ -44,11 +43,23 @@ static inline bool line_is_on(void)
     return line.is_on;
 }
 
+/* The axes that make steps, a bit each. */
+static inline uint8_t line_axes(void)
+{
+    return (uint8_t)((line.axes | line.axes >> 4) & 0x0F);
+}
+
 /* Begins a line of the axes that make steps; the leader makes at least one. */
 void line_begin(uint8_t leader, const uint32_t steps[MOST_AXES]);
 
 /* Steps that the next segment may have: those left of the piece in hand, or of the next one. */
 uint16_t line_most_steps(void);
+
+/* Steps of the leader that have been queued. */
+uint32_t line_steps_queued(void);
+
+/* Steps of a follower that come with so many of the leader's. */
+uint32_t line_steps_with(uint8_t follower, uint32_t leader_steps);
 
 /* Completes a segment, of the leader's steps or silent, whose count is there. */
 void line_fill_in(volatile struct line_segment *segment, bool is_step);

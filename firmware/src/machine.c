@@ -21,8 +21,9 @@ static const struct settings *settings;
 static struct feed feeds[MOST_AXES];
 static struct feed *end_of_feeds = feeds; /* after those of the image's axes */
 static bool is_enabled;
-static uint16_t enabled_ms; /* when the motors were enabled */
-static uint16_t rest_ms;    /* when the last of them came to rest */
+static uint16_t polled_ms;      /* when the main loop came round last */
+static uint16_t enabled_for_ms; /* for so long the motors have been enabled, */
+static uint16_t at_rest_for_ms; /* and at rest. 65535 stays 65535, however long that is */
 
 static bool is_moving(const struct feed *feed)
 {
@@ -97,14 +98,18 @@ static uint8_t share_status(uint16_t share, uint16_t *detail)
     return STATUS_TOO_FAST;
 }
 
-/* The shortest interval that an axis comes to [ticks]: `wanted`, or when that is 0, what it does already. */
+/* The shorter of two intervals, of which the second may be none: 0. */
+static uint32_t shorter(uint32_t interval, uint32_t other)
+{
+    return other != 0 && other < interval ? other : interval;
+}
+
+/* The shortest interval that an axis comes to [ticks]: `wanted`, or when that is 0, the one told before; until it has
+ * slowed down to that, the one at the end of its queue, or the present one. */
 static uint32_t shortest_interval(const struct feed *feed, uint32_t wanted)
 {
-    const struct axis *axis = &feed->axis;
-    if (wanted != 0) {
-        return wanted;
-    }
-    return axis->interval != 0 && axis->interval < axis->level ? axis->interval : axis->level;
+    uint32_t interval = shorter(wanted != 0 ? wanted : feed->axis.level, feed->axis.interval);
+    return shorter(interval, feed_step_interval(feed));
 }
 
 /* The share of an axis that comes to this interval [ticks] when axes of `count` segment lists need `cycles` for a step
@@ -342,10 +347,29 @@ static void end_line(const struct line_piece *piece)
 
 /* ---- stopping ---- */
 
+/* On a line, what is said to any of its axes is meant for the leader, and what is said to others for none. */
+static uint8_t axes_meant(uint8_t mask)
+{
+    if (!line_is_on()) {
+        return mask;
+    }
+    return (mask & line_axes()) != 0 ? feeds[line.leader].bit : 0;
+}
+
 void machine_stop(uint8_t mask)
 {
+    mask = axes_meant(mask);
     for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
-        if (is_moving(feed) && (line_is_on() ? mask != 0 : (mask & feed->bit) != 0)) {
+        if (is_moving(feed) && (mask & feed->bit) != 0) {
+            axis_stop(&feed->axis);
+        }
+    }
+}
+
+void machine_stop_runs(void)
+{
+    for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
+        if (feed->axis.runs) {
             axis_stop(&feed->axis);
         }
     }
@@ -353,8 +377,9 @@ void machine_stop(uint8_t mask)
 
 void machine_halt(uint8_t mask)
 {
-    if (line_is_on() && mask != 0) {
-        mask = feeds[line.leader].bit;
+    mask = axes_meant(mask);
+    if (mask == 0) {
+        return;
     }
     engine_halt(mask);
     for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
@@ -362,7 +387,7 @@ void machine_halt(uint8_t mask)
             feed_halted(feed);
         }
     }
-    if (line_is_on() && mask != 0) {
+    if (line_is_on()) {
         end_line(&line_in_progress);
     }
     engine_park(mask);
@@ -414,20 +439,25 @@ bool machine_is_on_a_line(void)
     return line_is_on();
 }
 
+/* The steps that the leader of a line will have made when it comes to rest. */
+static uint32_t steps_of_leader(void)
+{
+    const struct axis *leader = &feeds[line.leader].axis;
+    uint32_t way = (uint32_t)leader->target - (uint32_t)leader->position;
+    return line_steps_queued() + (leader->backward ? 0u - way : way);
+}
+
 /* The report of an axis that follows in a line or rests beside it. */
 static void report_follower(const struct feed *feed, struct axis_report *report)
 {
-    const struct axis *leader = &feeds[line.leader].axis;
     feed_progress(&feeds[line.leader]);
     report->steps_made = follower_steps(feed, &line_in_progress);
     report->position = moved(report->position, feed->pin_backward, report->steps_made);
     report->target = report->position;
     for (uint8_t k = 0; k < line.follower_count; k++) {
         if (line.followers[k] == feed->index) {
-            report->state = leader->stopping ? AXIS_STOPPING : AXIS_MOVING;
-            if (!leader->stopping) {
-                report->target = moved(feed->played.position, feed->pin_backward, line.steps[k]);
-            }
+            report->state = feeds[line.leader].axis.stopping ? AXIS_STOPPING : AXIS_MOVING;
+            report->target = moved(feed->played.position, feed->pin_backward, line_steps_with(k, steps_of_leader()));
         }
     }
 }
@@ -442,8 +472,8 @@ struct axis_report machine_report(uint8_t index)
     } else if (is_moving(feed)) {
         report.state = feed->axis.stopping ? AXIS_STOPPING : AXIS_MOVING;
         report.interval = feed_interval(feed);
-        if (feed->axis.stopping || !feed->axis.runs) {
-            report.target = axis_goal(&feed->axis);
+        if (!feed->axis.runs) {
+            report.target = feed->axis.target;
         }
     }
     return report;
@@ -476,38 +506,50 @@ static uint8_t axes_to_start(void)
     return mask;
 }
 
+static uint16_t longer(uint16_t time, uint16_t passed)
+{
+    return passed > UINT16_MAX - time ? UINT16_MAX : (uint16_t)(time + passed);
+}
+
+/* Counts the milliseconds that have passed. */
+static void pass_time(uint16_t now_ms)
+{
+    uint16_t passed = (uint16_t)(now_ms - polled_ms);
+    polled_ms = now_ms;
+    enabled_for_ms = longer(enabled_for_ms, passed);
+    at_rest_for_ms = machine_is_moving() ? 0 : longer(at_rest_for_ms, passed);
+}
+
 /* Enables the motors. Returns true when they have had time to hold. */
-static bool motors_are_ready(uint16_t now_ms)
+static bool motors_are_ready(void)
 {
     if (!is_enabled) {
         is_enabled = true;
-        enabled_ms = now_ms;
+        enabled_for_ms = 0;
         port_enable(true);
     }
-    return settings->enable_lead_ms == 0 || (uint16_t)(now_ms - enabled_ms) > settings->enable_lead_ms;
+    return settings->enable_lead_ms == 0 || enabled_for_ms > settings->enable_lead_ms;
 }
 
 /* Disables motors that have been at rest for long enough. */
-static void let_go(uint16_t now_ms)
+static void let_go(void)
 {
-    if (machine_is_moving()) {
-        rest_ms = now_ms;
-    } else if (is_enabled && settings->enable_hold_ms != HOLD_FOR_EVER &&
-               (uint16_t)(now_ms - rest_ms) >= settings->enable_hold_ms) {
+    bool is_for_ever = settings->enable_hold_ms == HOLD_FOR_EVER;
+    if (is_enabled && !is_for_ever && at_rest_for_ms >= settings->enable_hold_ms && !machine_is_moving()) {
         is_enabled = false;
         port_enable(false);
     }
 }
 
-/* Ticks from a start to the first segment. An axis whose queue ran dry while it moved has its interval first: its next
- * step comes late then, but not early. */
+/* Ticks from a start to the first segment. An axis whose queue ran dry while it moved has its next interval first: its
+ * next step comes late then, but not early. */
 static uint16_t start_ticks(uint8_t mask)
 {
     uint16_t ticks = (uint16_t)(START_US * ticks_a_us());
     for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
-        uint32_t interval = feed->axis.interval < LONGEST_WAIT_TICKS ? feed->axis.interval : LONGEST_WAIT_TICKS;
+        uint16_t interval = feed_next_interval(feed);
         if ((mask & feed->bit) != 0 && feed->has_run_dry && interval > ticks) {
-            ticks = (uint16_t)interval;
+            ticks = interval;
         }
     }
     return ticks;
@@ -534,10 +576,10 @@ void machine_poll(void)
     if (line_is_on() && !is_moving(&feeds[line.leader])) {
         end_line(&line.played);
     }
-    uint16_t now_ms = port_milliseconds();
+    pass_time(port_milliseconds());
     uint8_t mask = axes_to_start();
-    if (mask != 0 && motors_are_ready(now_ms)) {
+    if (mask != 0 && motors_are_ready()) {
         start(mask);
     }
-    let_go(now_ms);
+    let_go();
 }

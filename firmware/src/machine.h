@@ -44,10 +44,13 @@ uint8_t machine_zero(uint8_t axes, uint16_t steps, uint16_t *detail);
 /* At rest. */
 void machine_set_position(uint8_t axes, const int32_t positions[MOST_AXES]);
 
-/* Slow down with the ramp. A line stops as a whole. */
+/* Slow down with the ramp. A line stops as a whole, when one of its axes is among them. */
 void machine_stop(uint8_t axes);
 
-/* No step comes after this; the positions stay known. */
+/* The same, of those that run at a speed, without a target. */
+void machine_stop_runs(void);
+
+/* No step comes after this; the positions stay known. A line as a whole, likewise. */
 void machine_halt(uint8_t axes);
 
 struct axis_report machine_report(uint8_t axis);

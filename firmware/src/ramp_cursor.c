@@ -126,14 +126,10 @@ uint16_t cursor_count_not_longer_back(const struct ramp_cursor *cursor, uint32_t
     return (uint16_t)(cursor->taken - cursor_count_longer_from(cursor, index, bound, cursor->taken));
 }
 
-bool cursor_seek_back(struct ramp_cursor *cursor, const struct packed_list *list, uint32_t bound)
+bool cursor_seek_back(struct ramp_cursor *cursor, uint32_t bound)
 {
     cursor_face_back(cursor);
     uint16_t not_longer = cursor_count_not_longer_back(cursor, bound);
     cursor->taken = (uint16_t)(cursor->taken - not_longer);
-    if (cursor->taken == 0 && cursor->before != 0) {
-        return false;
-    }
-    cursor_face_forward(cursor, list);
-    return true;
+    return cursor->taken != 0 || cursor->before == 0;
 }

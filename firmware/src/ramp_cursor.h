@@ -76,8 +76,8 @@ uint16_t cursor_count_not_longer_back(const struct ramp_cursor *cursor, uint32_t
 bool cursor_seek_forward(struct ramp_cursor *cursor, const struct packed_list *list, uint32_t bound);
 
 /* Moves back to where the interval before the cursor is longer than `bound`, at most over one segment. Returns true
- * when it is there, and then faces forward. */
-bool cursor_seek_back(struct ramp_cursor *cursor, const struct packed_list *list, uint32_t bound);
+ * when it is there. */
+bool cursor_seek_back(struct ramp_cursor *cursor, uint32_t bound);
 
 /* Reads the number, less than 2^31, that ends before `*end`, and sets that to its beginning. */
 uint32_t packed_number_before(const uint8_t **end);

@@ -558,6 +558,19 @@ def test_running_at_a_speed_and_changing_it(line: Line) -> None:
     assert status.position_steps == status.target_steps < 0
 
 
+def test_a_run_goes_on_past_the_last_position(line: Line) -> None:
+    """To the first: positions count modulo 2³²."""
+    line.use(IMAGE)
+    line.good(SetPositionRequest(1, (2**31 - 60,)))
+    line.good(RunRequest(1, (2500,)))
+    status = line.wait_until(lambda status: status.position_steps < 0)
+    assert status.axis_state == AxisState.MOVING
+    assert status.position_steps == status.steps_made - 60 - 2**31
+    line.good(StopRequest())
+    after, end = line.status(), line.wait_for_rest()
+    assert after.target_steps == end.target_steps == end.position_steps == end.steps_made - 60 - 2**31
+
+
 def test_a_move_ends_a_run(line: Line) -> None:
     line.use(IMAGE)
     line.good(RunRequest(1, (2500,)))
@@ -622,7 +635,7 @@ def test_a_stop_follows_the_way_down(line: Line, wait_s: float) -> None:
     end = line.wait_for_rest()
     assert before.axis_state == AxisState.MOVING
     assert after.axis_state in (AxisState.STOPPING, AxisState.IDLE)
-    assert end.position_steps == end.target_steps == -end.steps_made
+    assert end.position_steps == end.target_steps == after.target_steps == -end.steps_made
     assert before.steps_made <= end.steps_made < LONG_MOVE
     longer = [interval for interval in DOWN_STEPS if interval > before.interval_ticks > 0]
     assert end.steps_made - before.steps_made >= len(longer)
@@ -716,6 +729,23 @@ def test_a_halt_ends_a_line(line: Line) -> None:
     assert 0 < line.status(0).position_steps == line.status(1).position_steps < 3000
 
 
+def test_axes_beside_a_line_do_not_end_it(line: Line) -> None:
+    """Nor does a run of one of them that has ended before, when nobody asks for anything."""
+    line.use(four_axes())
+    line.good(RunRequest(0b0110, (2500, 1500)))
+    line.good(StopRequest())
+    line.wait_for_axis(1)
+    line.wait_for_axis(2)
+    moved(line, LineRequest(0b0011, 0, (LONG_MOVE, 0)))
+    line.hear(1.6)
+    for request in (StopRequest(bytes([0b0110])), HaltRequest(bytes([0b1110]))):
+        assert line.status().axis_state == AxisState.MOVING
+        line.good(request)
+    assert line.status().axis_state == AxisState.MOVING
+    line.good(HaltRequest(bytes([0b1001])))
+    assert line.status().state == MachineState.IDLE
+
+
 def test_a_line_with_the_ramp_of_no_axis(line: Line) -> None:
     line.use(four_axes())
     refused(line, LineRequest(3, 4, (5, 5)), ReplyStatus.OUT_OF_RANGE, 4)
@@ -762,6 +792,21 @@ def test_axes_that_are_too_fast_together(line: Line) -> None:
     assert line.ask(MoveByRequest(8, (5,))).status is ReplyStatus.TOO_FAST
     assert line.ask(RunRequest(8, (500,))).status is ReplyStatus.TOO_FAST
     line.good(RunRequest(8, (900,)))
+    line.good(HaltRequest())
+
+
+def test_an_axis_that_slows_down_is_still_fast(line: Line) -> None:
+    """Whether it is told so in the same request or before."""
+    long_way_down = (Segment(220, 60_000, 0),)
+    line.use(RampImage(True, (SegmentRamp((), 200, long_way_down), SegmentRamp((), 260, ()))))
+    line.good(RunRequest(1, (200,)))
+    line.wait_until(lambda status: status.interval_ticks == 200)
+    assert line.ask(RunRequest(3, (100_000, 260))).status is ReplyStatus.TOO_FAST
+    assert line.ask(RunRequest(3, (0, 260))).status is ReplyStatus.TOO_FAST
+    line.good(RunRequest(1, (100_000,)))
+    assert line.ask(RunRequest(2, (260,))).status is ReplyStatus.TOO_FAST
+    line.wait_until(lambda status: status.interval_ticks == 100_000)
+    line.good(RunRequest(2, (260,)))
     line.good(HaltRequest())
 
 

@@ -168,6 +168,19 @@ def test_more_axes_get_fewer_segments_in_the_same_time() -> None:
     assert two.report(two.image.encode(), 1, kept=True).warnings[0].startswith("To fit the controller")
 
 
+@pytest.mark.parametrize(("acceleration", "base_speed", "keeps_pace"), [(4e8, 0, False), (1e9, 20_000, True)])
+def test_up_and_down_count_together_where_each_has_few_segments(
+    acceleration: float, base_speed: float, keeps_pace: bool
+) -> None:
+    """A short move plays one right after the other, within 0.7 ms. Up to seven may be ready beforehand."""
+    steep = {"ramp__slew_speed_steps_per_s": 149_000, "ramp__base_speed_steps_per_s": base_speed}
+    plan = planned(design(**FAST | steep, ramp__acceleration_steps_per_s2=acceleration))
+    (ramp,) = plan.image.axes
+    assert isinstance(ramp, SegmentRamp)
+    assert plan.keeps_pace == keeps_pace == (len(ramp.up) + len(ramp.down) < 8)
+    assert len(ramp.up) < 8
+
+
 def test_a_ramp_too_short_for_its_segments_is_sent_with_a_warning() -> None:
     steeper = {**STEEP, "ramp__acceleration_steps_per_s2": 2_500_000}
     plan = planned(*[design(**steeper)] * 4)

@@ -375,6 +375,17 @@ def test_an_axis_that_ran_slowly_counts_as_it_runs_until_it_rests(connect: Conne
         controller.move_by([Asked(0, 5, "by_steps")])
 
 
+def test_steps_of_a_run_are_counted_past_the_last_position(connect: Connect) -> None:
+    moving = StatusReply(1, 1, 2**31 - 5, 2**31 - 5, 4000, 10, 1, 7, 0, 0)
+    script = stored().then(StatusRequest(0), moving)
+    controller = connect(script)
+    controller.status()
+    script.unasked = said(ReportNotice(1, 1, ((-(2**31) + 15, 2000),)))
+    heard = controller.listen()
+    assert heard is not None
+    assert (heard.axes[0].position_steps, heard.axes[0].steps_made) == (-(2**31) + 15, 30)
+
+
 def test_a_report_of_another_state_is_reason_to_ask(connect: Connect) -> None:
     moving = StatusReply(1, 1, 10, 2000, 4000, 10, 1, 7, 0, 0)
     script = stored().then(StatusRequest(0), moving).then(StatusRequest(0), IDLE)
@@ -597,6 +608,39 @@ def test_those_that_move_already_count(connect: Connect) -> None:
     with pytest.raises(Rejected, match="this takes 117 %") as caught:
         connect(script).move_by([Asked(0, 5, "by_steps")])
     assert caught.value.rejections[0].field == "by_steps"
+
+
+@pytest.mark.parametrize("slower_steps_per_s", [100.0, 0.0])
+def test_an_axis_that_is_told_to_slow_down_counts_with_the_speed_it_has(
+    connect: Connect, slower_steps_per_s: float
+) -> None:
+    """Four at 457 ticks: one of them told to run slower, or to stop, and another one to start."""
+    moving = StatusReply(1, 1, 0, 9, 457, 5, 1, 7, 0, 0)
+    script = stored(fast_image())
+    for _ in range(2):
+        for axis in range(4):
+            script.then(StatusRequest(axis), moving if axis else IDLE)
+    with pytest.raises(Rejected, match="this takes 117 %"):
+        connect(script).run([Asked(0, 35_000.0, "axes.0"), Asked(1, slower_steps_per_s, "axes.1")])
+
+
+def test_an_axis_that_slows_down_counts_with_the_speed_it_has(connect: Connect) -> None:
+    """It was told to run slower before, and is at 457 ticks still; once it is slow, another one may start."""
+    moving, slow = (StatusReply(1, 1, 0, 9, interval, 5, 1, 7, 0, 0) for interval in (457, 4000))
+    script = stored(fast_image())
+    for axis in range(4):
+        script.then(StatusRequest(axis), moving if axis else IDLE)
+    script.then(RunRequest(2, (4000,)), DoneReply())
+    for axis in range(4):
+        script.then(StatusRequest(axis), moving if axis else IDLE)
+    controller = connect(script)
+    controller.run([Asked(1, 4000.0, "speed_steps_per_s")])
+    with pytest.raises(Rejected, match="this takes 117 %"):
+        controller.move_by([Asked(0, 5, "by_steps")])
+    for axis in range(4):
+        script.then(StatusRequest(axis), (slow if axis == 1 else moving) if axis else IDLE)
+    script.then(MoveByRequest(1, (5,)), TargetsReply((5,)))
+    controller.move_by([Asked(0, 5, "by_steps")])
 
 
 def test_what_only_the_controller_finds_too_fast(connect: Connect) -> None:

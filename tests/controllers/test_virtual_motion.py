@@ -156,13 +156,14 @@ def test_orders_in_flight(ramp: Ramp, orders: list[tuple[int, tuple[str, int]]])
         motor.settle(now)
         expected += stepped.play(now)
     motor.stop()
+    target = motor.target
     stepped.stops = bool(stepped.interval)
     if not stepped.interval:
         stepped.target = stepped.position
     motor.settle(now + 10_000)
     expected += stepped.play(now + 10_000)
     assert pulses.instants == [instant for instant, _ in expected]
-    assert motor.position == stepped.position == motor.target
+    assert motor.position == stepped.position == motor.target == target
     assert motor.state is AxisState.IDLE
     assert pulses.told[:2] in ([], ["out", "rest"])
 
@@ -198,6 +199,22 @@ def test_a_halted_motor_counts_each_pulse(direction: int) -> None:
     motor.move_to(100, 50)
     motor.settle(1000)
     assert (motor.position, motor.moving, motor.steps_made) == (100, False, 2)
+
+
+@pytest.mark.parametrize("direction", [1, -1])
+def test_a_run_goes_on_past_the_last_position(direction: int) -> None:
+    last = FAR if direction > 0 else -FAR - 1
+    motor = VirtualMotor(ListWays(Ramp(np.array([10, 8]), 5, np.array([10, 8]))), SETUP_TICKS, last)
+    motor.run(5, direction, 0)
+    motor.settle(17)
+    assert (motor.position, motor.interval) == (last + direction * (2 - 2**32), 8)
+    motor.settle(18 + 5 * 10**10)
+    assert motor.moving
+    assert (motor.position - last - direction * (3 + 10**10)) % 2**32 == 0
+    motor.stop()
+    target = motor.target
+    motor.settle(10**11)
+    assert (motor.moving, motor.position) == (False, target)
 
 
 def test_a_run_tells_its_position_as_target_and_a_stop_where_it_ends() -> None:
@@ -246,5 +263,6 @@ class TestByFormula:
             motor.settle(until)
             assert motor.interval == interval
         motor.stop()
+        target = motor.target
         motor.settle(10**7)
-        assert not motor.moving
+        assert (motor.moving, motor.position) == (False, target)

@@ -148,6 +148,7 @@ class Machine:
         host.ask("use", image.hex() or "-", settings.hex())
         host.ask("position", 15, 0, 0, 0, 0)
         host.ask("round", round_ticks)
+        host.ask("put", 0)
         host.ask("trace", 255, 0)
 
     def ask(self, *words: object) -> tuple[int, ...]:

@@ -4,6 +4,7 @@
  *   check BYTES                 an image: `good AXES RAMPS` or `bad DETAIL`
  *   use BYTES SETTINGS          uses an image and packed settings; what was played is forgotten
  *   round TICKS                 time between two rounds of the main loop
+ *   put TICKS                   time that passes while steps are put into a queue, the engine playing meanwhile
  *   move MASK T T T T           `STATUS DETAIL`; also: run MASK I I I I, line MASK RAMP S S S S, zero MASK STEPS
  *   position MASK P P P P       sets positions
  *   stop MASK, halt MASK
@@ -33,7 +34,7 @@ struct event {
     uint8_t axes, backward;
 };
 
-static uint64_t now, ticks_a_round = 100, ticks_a_ms = 2000;
+static uint64_t now, ticks_a_round = 100, ticks_a_put, ticks_a_ms = 2000;
 static struct event *events;
 static size_t event_count;
 static uint8_t backward_pins;
@@ -58,6 +59,10 @@ void engine_configure(const struct settings *used)
 
 uint8_t engine_step_mask(uint8_t axis)
 {
+    if (ticks_a_put != 0) {
+        now += ticks_a_put;
+        engine_play((uint16_t)now);
+    }
     return (uint8_t)(1u << axis);
 }
 
@@ -221,6 +226,9 @@ static void do_command(const char *command)
         printf("ok\n");
     } else if (strcmp(command, "round") == 0) {
         ticks_a_round = strtoull(strtok(NULL, " \n"), NULL, 10);
+        printf("ok\n");
+    } else if (strcmp(command, "put") == 0) {
+        ticks_a_put = strtoull(strtok(NULL, " \n"), NULL, 10);
         printf("ok\n");
     } else if (strcmp(command, "position") == 0) {
         uint8_t mask = number();

@@ -36,8 +36,13 @@ class Ramp:
 
     @property
     def image(self) -> bytes:
-        constants = encode_formula(self.on_chip)
-        return bytes([2, 0, 1, 1, 0, 1]) + struct.pack("<H", len(constants)) + constants
+        return image_of_formula(self.on_chip, fast=False)
+
+
+def image_of_formula(ramp: OnChipRamp, *, fast: bool) -> bytes:
+    """Return the ramp image of one axis."""
+    constants = encode_formula(ramp)
+    return bytes([2, fast, 1, 1, 0, 1]) + struct.pack("<H", len(constants)) + constants
 
 
 RAMPS = [Ramp(method, index, ratio) for method in METHODS for index, ratio in [(60.5, 1), (90.5, 0.3), (200.5, 3.5)]]
@@ -81,6 +86,31 @@ def test_any_move_is_that_of_the_definition(host: Host, ramp: Ramp, steps: int, 
     machine.move(steps)
     intervals, report = played(machine)
     assert (intervals, report.position) == (ramp.move(steps)[:-1], steps)
+
+
+@pytest.mark.parametrize(("speed", "ratio"), [(50, 1), (120, 1), (80, 2)])
+def test_steps_that_are_held_for_long_are_held_so_long(host: Host, speed: float, ratio: float) -> None:
+    """A run at 50 steps/s of a ramp whose first interval is 22 ms: each of its intervals is waited for as a whole."""
+    ramp = OnChipRamp.of(*slopes(16e6, 1000, 0, 500, ratio), "newton")
+    machine = Machine(host, image_of_formula(ramp, fast=True), round_ticks=4000)
+    wanted = round(16e6 / speed)
+    machine.ask("run", 1, wanted)
+    machine.do("wait", 20 * wanted)
+    machine.do("halt", 1)
+    intervals = machine.steps().intervals
+    first_faster = next(i for i, interval in enumerate(ramp.move(1000)) if interval < wanted)
+    assert intervals[first_faster:] == [wanted] * (len(intervals) - first_faster)
+    assert len(intervals) >= 15
+
+
+def test_a_short_move_that_creeps_keeps_its_intervals(host: Host) -> None:
+    """Two steps, each followed by the longest interval: there is no room to go up."""
+    ramp = OnChipRamp.of(*slopes(16e6, 1000, 0, 500, 0.5), "newton")
+    for steps in (2, 3, 5):
+        machine = Machine(host, image_of_formula(ramp, fast=True), round_ticks=4000)
+        machine.move(steps)
+        machine.rest()
+        assert machine.steps().intervals == ramp.move(steps).tolist()[:-1]
 
 
 def changes_of_direction(intervals: Sequence[int]) -> int:
@@ -135,7 +165,9 @@ def test_stop(host: Host, ramp: Ramp, wait: int) -> None:
     machine.do("wait", wait)
     made = machine.report().position
     machine.do("stop", 1)
+    target = machine.report().target
     intervals, report = played(machine)
+    assert report.position == target
     assert report.position == len(intervals) + 1 if intervals else report.position <= 1
     # What is queued, and a batch, come before the way down.
     assert report.position - made <= ramp.on_chip.down.steps + 80
@@ -154,7 +186,8 @@ def test_run_at_one_speed_and_then_another(host: Host, ramp: Ramp, part: float, 
         machine.do("wait", 1_500_000)
         assert machine.report().interval == wanted
     machine.do("stop", 1)
+    target = machine.report().target
     intervals, report = played(machine)
-    assert report.position == len(intervals) + 1
+    assert report.position == target == len(intervals) + 1
     assert within_ramp(intervals, ramp)
     assert min(intervals) == min(int(slew * part), int(slew * next_part))

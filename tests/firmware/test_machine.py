@@ -116,14 +116,16 @@ def test_a_line(host: Host, steps: list[int]) -> None:
 @pytest.mark.parametrize("order", ["stop", "halt"])
 @given(steps=counts, wait=st.integers(0, 150_000))
 def test_a_line_is_left_early(host: Host, order: str, steps: list[int], wait: int) -> None:
-    """It stays on the line, and every axis knows where it is."""
+    """By any of its axes: it stays on the line, and every axis knows where it is."""
     machine = Machine(host, FOUR)
     machine.ask("line", 15, 1, *steps)
     machine.do("wait", wait)
-    machine.do(order, 1)
+    machine.do(order, next((1 << axis for axis, count in enumerate(steps) if count), 15))
     if order == "halt":
         assert machine.report().state == 0
+    targets = [machine.report(axis).target for axis in range(4)]
     machine.rest()
+    assert targets == [machine.report(axis).position for axis in range(4)]
     made = [axis.travel for axis in machine.all_steps()]
     assert made == [machine.report(axis).position for axis in range(4)]
     most = max(abs(s) for s in steps)
@@ -131,6 +133,16 @@ def test_a_line_is_left_early(host: Host, order: str, steps: list[int], wait: in
     for count, whole in zip(made, steps, strict=True):
         if most:
             assert abs(count) == (2 * abs(made[leader]) * abs(whole) + most) // (2 * most)
+
+
+@pytest.mark.parametrize("order", ["stop", "halt"])
+def test_axes_beside_a_line_do_not_end_it(host: Host, order: str) -> None:
+    machine = Machine(host, FOUR)
+    machine.ask("line", 15, 0, 100, -60, 0, 0)
+    machine.do("wait", 60_000)
+    machine.do(order, 0b1100)
+    machine.rest()
+    assert [machine.report(axis).position for axis in range(4)] == [100, -60, 0, 0]
 
 
 def test_a_line_is_reported_on_its_way(host: Host) -> None:
@@ -157,6 +169,20 @@ def test_a_line_of_more_steps_than_the_engine_counts(host: Host) -> None:
     for i, time in enumerate(half.times):
         assert abs((i + 1) / 99_999 * 150_000 - at[time]) <= 2
     assert machine.report(0).starved == 0
+
+
+@pytest.mark.parametrize("wait_ms", [5, 2000, 4100, 8200, 12_400, 18_300])
+def test_a_long_line_that_is_stopped_knows_where_it_ends(host: Host, wait_ms: int) -> None:
+    quick = StoredRamp((200, 150), 125, (*range(200, 125, -1),) * 3)
+    machine = Machine(host, image_of(quick, quick, quick))
+    machine.ask("line", 7, 0, 150_000, -99_999, 77_773)
+    machine.do("wait", 1000 * wait_ms)
+    machine.do("stop", 2)
+    targets = [machine.report(axis).target for axis in range(3)]
+    machine.rest()
+    assert 0 < targets[0] < 150_000
+    assert targets == [machine.report(axis).position for axis in range(3)]
+    assert targets == [steps.travel for steps in machine.all_steps()[:3]]
 
 
 def test_a_line_within_the_range_of_positions(host: Host) -> None:
@@ -208,6 +234,26 @@ def test_an_axis_that_would_be_one_too_many(host: Host) -> None:
     machine = Machine(host, image_of(fast, fast, fast=True), round_ticks=1000)
     machine.ask("move", 1, 100_000)
     assert machine.ask("move", 2, 0, 10) == (TOO_FAST, 163)
+
+
+SLOWING = StoredRamp((), 107, (20_000, 10_000, 5000, *[1000] * 20_000))
+
+
+def test_an_axis_that_slows_down_counts_with_the_speed_it_has(host: Host) -> None:
+    """Told in the same request, and until it is as slow as that. (246 / 2) / 107 + (246 / 2) / 124."""
+    machine = Machine(host, image_of(SLOWING, StoredRamp((), 124, ()), fast=True), round_ticks=1000)
+    both = 100 * 246 // 2 * (107 + 124) // (107 * 124)
+    assert machine.ask("run", 1, 107) == (OK, 0)
+    machine.do("wait", 100_000)
+    status, percent = machine.ask("run", 3, 100_000, 124)
+    assert (status, percent) == (TOO_FAST, both)
+    assert machine.ask("run", 3, 0, 124)[0] == TOO_FAST
+    assert machine.ask("run", 1, 100_000) == (OK, 0)
+    assert machine.ask("run", 2, 0, 124) == (TOO_FAST, both)  # the queue goes on at 107 ticks
+    machine.do("wait", 30_000_000)
+    assert machine.report(0).interval == 100_000
+    assert machine.ask("run", 2, 0, 124) == (OK, 0)
+    machine.do("halt", 3)
 
 
 def test_gauges_have_three_axes_and_a_limit_of_their_own(host: Host) -> None:

@@ -2,7 +2,8 @@
 
 import itertools
 import math
-from collections.abc import Iterator
+from bisect import bisect_left
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import pytest
@@ -46,6 +47,14 @@ def slope(slew_speed: float, acceleration: float, hz: int = SLOW_HZ) -> tuple[in
     """Return intervals from rest to a speed by formula (9) [ticks]."""
     steps = int(slew_speed**2 / (2 * acceleration))
     return tuple(round(hz / math.sqrt(2 * acceleration * i)) for i in range(1, steps + 1))
+
+
+def coarse_slope(slew_speed: float, acceleration: float, segments: int) -> tuple[int, ...]:
+    """Return intervals from rest to a speed that never rise, in so many segments of as many steps [fast ticks]."""
+    steps = int(slew_speed**2 / (2 * acceleration)) // segments
+    firsts = [FAST_HZ / math.sqrt(2 * acceleration * max(steps * i, 1)) for i in range(segments + 1)]
+    falls = [int((first - after) / steps) for first, after in itertools.pairwise(firsts)]
+    return tuple(int(first) - fall * i for first, fall in zip(firsts, falls, strict=False) for i in range(steps))
 
 
 def ramp_of(slew_speed: float, acceleration: float, deceleration: float, hz: int = SLOW_HZ) -> StoredRamp:
@@ -122,6 +131,17 @@ orders = st.lists(
 )
 
 
+def give_order(machine: Machine, order: str, value: int, ramp: StoredRamp) -> None:
+    """Move to a position, run, or stop or halt."""
+    if order == "move":
+        assert machine.move(value) == (OK, 0)
+    elif order == "run":
+        interval = ramp.slew + 20 * abs(value)
+        assert machine.ask("run", 1, interval if value >= 0 else -interval) == (OK, 0)
+    else:
+        machine.do(order, 1)
+
+
 @given(ramp=st.sampled_from(RAMPS), orders=orders, last=st.integers(-300, 300))
 @example(ramp=RAMPS[1], orders=[("move", 2, 101)], last=4)
 @example(ramp=QUICK, orders=[("move", 200, 20_000)], last=30)
@@ -133,14 +153,8 @@ def test_orders_in_flight(host: Host, ramp: StoredRamp, orders: list[tuple[str, 
     machine = Machine(host, image_of(ramp))
     halted = False
     for order, value, wait in orders:
-        if order == "move":
-            assert machine.move(value) == (OK, 0)
-        elif order == "run":
-            interval = ramp.slew + 20 * abs(value)
-            assert machine.ask("run", 1, interval if value >= 0 else -interval) == (OK, 0)
-        else:
-            machine.do(order, 1)
-            halted = halted or order == "halt"
+        give_order(machine, order, value, ramp)
+        halted = halted or order == "halt"
         machine.do("wait", wait)
     machine.move(last)
     machine.rest()
@@ -184,6 +198,47 @@ def test_stop_slows_down_along_the_ramp(host: Host, wait: int) -> None:
         assert made.intervals[-1] >= sorted(QUICK.down)[-2] or made.travel <= 2
 
 
+@given(ramp=st.sampled_from(RAMPS), orders=orders, wait=st.integers(0, 60_000), more=st.integers(-60, 60))
+@example(ramp=QUICK, orders=[("run", 100, 30_000)], wait=0, more=5)
+@example(ramp=SHARP, orders=[("move", 200, 100)], wait=0, more=-5)
+@example(ramp=QUICK, orders=[("move", 200, 70_000), ("move", -10, 100)], wait=0, more=20)
+def test_after_a_stop_the_target_is_where_it_comes_to_rest(
+    host: Host, ramp: StoredRamp, orders: list[tuple[str, int, int]], wait: int, more: int
+) -> None:
+    """From the stop on, whatever came before; and what is asked for then may count from there."""
+    machine = Machine(host, image_of(ramp))
+    for order, value, pause in orders:
+        give_order(machine, order, value, ramp)
+        machine.do("wait", pause)
+    machine.do("stop", 1)
+    target = machine.report().target
+    machine.do("wait", wait)
+    assert machine.report().target == target
+    machine.move(target + more)
+    machine.rest()
+    assert machine.report().position == target + more
+    machine.do("stop", 1)
+    give_order(machine, *orders[-1][:2], ramp)
+    machine.do("wait", orders[-1][2])
+    machine.do("stop", 1)
+    target = machine.report().target
+    machine.rest()
+    assert machine.report().position == target == machine.steps().travel
+
+
+def test_after_a_stop_the_target_is_known_also_on_long_lists(host: Host) -> None:
+    """Right after a quick start, when the list of the way down has hardly been read."""
+    ramp = StoredRamp(coarse_slope(20_000, 2_000_000, 4), 800, coarse_slope(20_000, 50_000, 80))
+    machine = Machine(host, image_of(ramp, fast=True), round_ticks=16_000)
+    for wait_ms in range(1, 60):
+        machine.ask("run", 1, 800)
+        machine.do("wait", wait_ms * 16_000)
+        machine.do("stop", 1)
+        target = machine.report().target
+        machine.rest()
+        assert machine.report().position == target
+
+
 @given(target=st.integers(-400, 400), wait=st.integers(0, 200_000))
 @example(target=100, wait=0)
 @example(target=-1, wait=20_000)
@@ -211,6 +266,49 @@ def test_a_farther_target_is_gone_to_without_a_stop(host: Host) -> None:
     assert len(made.moves) == 1
     assert max(made.intervals[60:300]) < QUICK.up[0]
     assert made.travel == 400
+
+
+def assert_without_a_stall(intervals: Sequence[int], ramp: StoredRamp) -> None:
+    """The motor slows down no faster than its way down does."""
+    down = sorted(ramp.down)
+    for before, after in itertools.pairwise(intervals):
+        slower = bisect_left(down, before + 1)
+        assert after <= max(before, down[min(slower, len(down) - 1)])
+
+
+LONG = StoredRamp(coarse_slope(20_000, 100_000, 40), 800, coarse_slope(20_000, 100_000, 40))
+"""2000 steps up and as many down, in 0.2 s each."""
+
+
+@pytest.mark.parametrize("round_ticks", [8_000, 16_000, 32_000])
+@pytest.mark.parametrize("at_ms", range(210, 400, 10))
+def test_a_move_that_is_extended_while_it_slows_down_does_not_wait(host: Host, at_ms: int, round_ticks: int) -> None:
+    """The place on the way up is near when it is wanted, also when the main loop takes 2 ms for a round."""
+    machine = Machine(host, image_of(LONG, fast=True), round_ticks=round_ticks)
+    before = machine.report().starved
+    machine.move(4200)
+    machine.do("wait", at_ms * 16_000)
+    machine.move(4220)
+    machine.rest()
+    made = machine.steps()
+    assert machine.report().starved == before
+    assert made.travel == 4220
+    assert_without_a_stall(made.intervals, LONG)
+
+
+@pytest.mark.parametrize("round_ticks", [8_000, 16_000, 32_000])
+def test_a_run_that_becomes_slower_does_not_wait(host: Host, round_ticks: int) -> None:
+    side = coarse_slope(120_000, 600_000, 40)
+    ramp = StoredRamp(side, 133, side)
+    machine = Machine(host, image_of(ramp, fast=True), round_ticks=round_ticks)
+    before = machine.report().starved
+    for interval in (133, 2000):
+        machine.ask("run", 1, interval)
+        machine.do("wait", 400 * 16_000)
+        assert machine.report().interval == interval
+    assert machine.report().starved == before
+    assert_without_a_stall(machine.steps().intervals, ramp)
+    machine.do("halt", 1)
 
 
 def test_running(host: Host) -> None:
@@ -267,6 +365,42 @@ def test_a_report_counts_the_steps_made(host: Host, wait: int) -> None:
     assert report.target == 500
 
 
+def there_and_on(machine: Machine, wait: int, direction: int) -> Steps:
+    """Move 3 steps, and 3 more after so long, while the silence after the first ones passes; return all of them."""
+    machine.do("position", 1, 0)
+    machine.move(3)
+    machine.do("wait", wait)
+    machine.move(3 + 3 * direction)
+    machine.rest()
+    return machine.steps()
+
+
+@pytest.mark.parametrize("direction", [1, -1])
+def test_a_queue_that_runs_out_at_rest_has_not_starved(host: Host, direction: int) -> None:
+    """The silence between two moves may be over by the time that the second one's first steps are queued: as long as
+    no interval of a move is longer than planned, nothing has waited."""
+    machine = Machine(host, image_of(QUICK))
+    machine.do("put", 600)
+    planned, runs_out = QUICK.move(3)[:-1], 0
+    for wait in range(24_800, 26_400, 50):
+        before = machine.report().starved
+        intervals = there_and_on(machine, wait, direction).intervals
+        if intervals[:2] == planned == intervals[3:]:
+            assert machine.report().starved == before
+            runs_out += 1
+    assert runs_out > 10
+
+
+@pytest.mark.parametrize("direction", [1, -1])
+def test_a_step_that_is_late_does_not_make_the_next_one_early(host: Host, direction: int) -> None:
+    """The queue runs out after a move's first step, but while the rest of that move is being queued."""
+    machine = Machine(host, image_of(QUICK))
+    machine.do("put", 600)
+    least = min(QUICK.move(3))
+    for wait in range(24_800, 26_400, 50):
+        assert min(there_and_on(machine, wait, direction).intervals) >= least
+
+
 def test_positions_up_to_the_limits(host: Host) -> None:
     machine = Machine(host, image_of(QUICK))
     machine.do("position", 1, 2**31 - 11)
@@ -274,14 +408,41 @@ def test_positions_up_to_the_limits(host: Host) -> None:
     machine.rest()
     assert machine.report().position == 2**31 - 1
     assert machine.steps().travel == 10
-    machine.ask("run", 1, -2000)
-    machine.do("wait", 60_000)
+
+
+@pytest.mark.parametrize("direction", [1, -1])
+def test_a_run_goes_on_past_the_last_position(host: Host, direction: int) -> None:
+    """Positions count modulo 2³²; a stop and a move count from there."""
+    machine = Machine(host, image_of(QUICK))
+    last = 2**31 - 1 if direction > 0 else -(2**31)
+    for before in (0, 5, 60):
+        machine.do("position", 1, last - direction * before)
+        machine.all_steps()
+        machine.ask("run", 1, direction * 2500)
+        machine.do("wait", 300_000)
+        assert machine.report().state == 1
+        machine.do("stop", 1)
+        target = machine.report().target
+        machine.rest()
+        made = machine.steps().travel
+        assert abs(made) > 80
+        assert machine.report().position == target == last - direction * before + made - direction * 2**32
+        assert machine.move(target - direction * 7) == (OK, 0)
+        machine.rest()
+        assert machine.steps().travel == -direction * 7
+
+
+@pytest.mark.parametrize("before", range(0, 130, 7))
+def test_a_stop_at_the_last_position_ends_where_it_says(host: Host, before: int) -> None:
+    machine = Machine(host, image_of(QUICK))
+    machine.do("position", 1, 2**31 - 1 - before)
+    machine.ask("run", 1, 2000)
+    machine.do("wait", 130_000)
     machine.do("stop", 1)
+    target = machine.report().target
     machine.rest()
-    machine.do("position", 1, -(2**31) + 5)
-    machine.ask("run", 1, -2000)
-    machine.rest()
-    assert machine.report().position == -(2**31)
+    assert machine.report().position == target
+    assert (machine.steps().travel + 2**31 - 1 - before - target) % 2**32 == 0
 
 
 def test_zero_runs_back_to_zero(host: Host) -> None:
@@ -333,6 +494,53 @@ def test_the_motor_is_enabled_in_time_and_let_go(program: Path) -> None:
         assert (is_on, is_off) == (1, 0)
         assert machine.steps().times[0] - on >= 3 * 2000
         assert 9 * 2000 <= off - ended <= 12 * 2000
+
+
+def enable_times(lead_ms: int, hold_ms: int) -> bytes:
+    """Return settings with these."""
+    return bytes(6) + b"".join(value.to_bytes(2, "little") for value in (30, lead_ms, hold_ms))
+
+
+@pytest.mark.parametrize("pause_ms", [1500, 65_550, 66_000, 131_100])
+def test_motors_that_have_held_for_long_begin_at_once(program: Path, pause_ms: int) -> None:
+    """Also when a count of milliseconds in 16 bits comes round."""
+    with Host(program) as host:
+        machine = Machine(host, image_of(QUICK), enable_times(1000, 0xFFFF), round_ticks=2000)
+        machine.move(10)
+        machine.rest()
+        on = machine.enabled()[-1][0]
+        assert machine.steps().times[0] - on >= 1000 * 2000
+        while (left := on + pause_ms * 2000 - machine.rest()) > 0:
+            machine.do("wait", left)
+        asked = machine.rest()
+        machine.move(20)
+        machine.rest()
+        assert machine.steps().times[0] - asked <= 10 * 2000
+
+
+def test_motors_that_are_not_held_are_let_go_at_rest_and_not_before(program: Path) -> None:
+    with Host(program) as host:
+        machine = Machine(host, image_of(QUICK), enable_times(0, 0))
+        machine.move(10)
+        ended = machine.rest()
+        machine.do("wait", 10_000)
+        *_, (on, is_on), (off, is_off) = machine.enabled()
+        assert (is_on, is_off) == (1, 0)
+        assert on < machine.steps().times[0]
+        assert off >= ended - 100
+
+
+def test_motors_are_let_go_after_the_longest_hold(program: Path) -> None:
+    """Also when the main loop takes 4 ms for a round, and so misses the last of 65,536 ms."""
+    with Host(program) as host:
+        machine = Machine(host, image_of(QUICK), enable_times(1, 65_534), round_ticks=8_000)
+        machine.move(10)
+        ended = machine.rest()
+        machine.do("wait", 70_000 * 2000)
+        *_, (on, is_on), (off, is_off) = machine.enabled()
+        assert (is_on, is_off) == (1, 0)
+        assert 65_520 * 2000 <= off - ended <= 65_550 * 2000
+        assert on < ended
 
 
 def test_too_fast_is_a_share_of_the_processor(host: Host) -> None:

@@ -15,6 +15,8 @@ from stepramp.units import speed_from_interval
 FURTHEST_STEPS = 2**31 - 1
 TARGETS = "a target from -2,147,483,648 to 2,147,483,647 steps"
 
+Moving = Callable[[bool], Mapping[int, int]]
+"""Returns the axes that move with their present intervals [ticks], 0 between two moves; as last heard or asked anew."""
 Rejecting = Callable[[Refusal], Rejection]
 
 
@@ -88,13 +90,10 @@ class MotionChecks:
         """Return the shortest intervals of axes' ramps [ticks]."""
         return {axis: self.ways[axis].slew_interval for axis in axes}
 
-    def unless_too_fast(
-        self, moving: Callable[[bool], set[int]], asked: Sequence[Asked], intervals: Mapping[int, int]
-    ) -> Rejecting:
+    def unless_too_fast(self, moving: Moving, asked: Sequence[Asked], intervals: Mapping[int, int]) -> Rejecting:
         """Reject axes that can't be served with these intervals [ticks] next to those that move.
 
-        moving: returns the axes that move, as far as is known, or as asked anew. Returns what is to be rejected when
-        the controller finds something wrong itself.
+        Returns what is to be rejected when the controller finds something wrong itself.
         """
         going = self._going(moving(False), intervals)
         if self._share(going) > WHOLE:
@@ -104,11 +103,13 @@ class MotionChecks:
             raise Rejected([_too_fast(asked, round(100 * share), going)])
         return _rejecting(asked, going)
 
-    def _going(self, moving: set[int], intervals: Mapping[int, int]) -> dict[int, int]:
-        """Return the shortest intervals of all axes that will move [ticks]."""
-        others = moving - set(intervals)
-        going = {axis: self.running.get(axis, self.ways[axis].slew_interval) for axis in others}
-        return going | {axis: abs(interval) for axis, interval in intervals.items() if interval}
+    def _going(self, moving: Mapping[int, int], intervals: Mapping[int, int]) -> dict[int, int]:
+        """Return the shortest intervals of all axes that will move: of those that slow down the present one [ticks]."""
+        going = {axis: abs(interval) for axis, interval in intervals.items() if interval}
+        for axis, present in moving.items():
+            told = going.get(axis) or self.running.get(axis, self.ways[axis].slew_interval)
+            going[axis] = min(told, present or told)
+        return going
 
     def ramp_axis(self, steps: Mapping[int, int], ramp_axis: int | None) -> int:
         """Return whose ramp a line plays: without a choice that of the slowest axis that goes along."""

@@ -72,7 +72,8 @@ class SmallestChange:
         """Whether the controller can prepare the segments as fast as they are played, with all axes moving."""
         if not isinstance(self.ramp, SegmentRamp):
             return True
-        return all(_shortest_row(segments) >= self._shortest_row for segments in (self.ramp.up, self.ramp.down))
+        # The shortest move that has them all, up and then down.
+        return _shortest_row((*self.ramp.up, *reversed(self.ramp.down))) >= self._shortest_row
 
     def make_coarser(self) -> bool:
         """Compress with the next bound; return whether there is one."""

@@ -332,10 +332,11 @@ class StepRampController:
         distances = {axis: reached[axis] - start for axis, start in starts.items()}
         self._tracing.moves(distances, self._checks.ways, self.timer_hz)
 
-    def _moving(self, anew: bool) -> set[int]:
-        """Return the axes that move, as last heard or as asked anew."""
+    def _moving(self, anew: bool) -> dict[int, int]:
+        """Return the axes that move with their present intervals [ticks], as last heard or as asked anew."""
         status = self._status if self._status is not None and not anew else self.status()
-        return {axis.axis for axis in status.axes if axis.activity in UNDER_WAY}
+        moving = [axis for axis in status.axes if axis.activity in UNDER_WAY]
+        return {axis.axis: interval_ticks(axis.speed_steps_per_s, self.timer_hz) for axis in moving}
 
     def _status_replies(self) -> list[StatusReply]:
         """Ask axis by axis, and again when something more urgent came in between: a stop makes the answers old."""
@@ -410,7 +411,7 @@ class StepRampController:
     def _moved_on(self, before: AxisStatus, position: int, interval: int) -> AxisStatus:
         """Return the status of an axis that still does what it did, from a report."""
         runs = before.activity is Activity.MOVING and before.axis in self._checks.running
-        made = before.steps_made + abs(position - before.position_steps)
+        made = before.steps_made + abs(_steps_between(before.position_steps, position))
         target = position if runs or before.activity is Activity.READY else before.target_steps
         return replace(
             before,
@@ -422,6 +423,11 @@ class StepRampController:
 
     def _speed(self, interval_ticks: int) -> float:
         return speed_from_interval(interval_ticks, self.timer_hz) if interval_ticks else 0.0
+
+
+def _steps_between(before: int, after: int) -> int:
+    """Return the steps from one position to another soon after: runs go on past the last position to the first."""
+    return (after - before + 2**31) % 2**32 - 2**31
 
 
 def _activity_of(axes: Sequence[AxisStatus]) -> Activity:

@@ -38,7 +38,6 @@ class VirtualMachine:
         self._enabled = False
         self._rested_s = 0.0
         self._heard_s = 0.0
-        self._guarded: set[int] = set()
         self.trace: TraceRecorder | None = None
 
     @property
@@ -89,10 +88,9 @@ class VirtualMachine:
     def settle(self) -> None:
         """Move to where all motors are by now."""
         was_moving, guarded_until = self.moving, int((self._heard_s + GUARD_S) * self._timer_hz)
-        if self._guarded and self._now() > guarded_until:
+        if self._now() > guarded_until:
             self._settle_at(guarded_until)
-            self.stop(self._guarded)
-            self._guarded = set()
+            self.stop(axis for axis, motor in enumerate(self._motors) if motor.running)
         self._settle_at(self._now())
         if was_moving and not self.moving:
             self._rested_s = self._clock()
@@ -132,7 +130,6 @@ class VirtualMachine:
         refusal = self._too_fast({axis: self._ways[axis].slew_interval for axis in targets})
         if refusal is None:
             now = self._begin()
-            self._guarded -= set(targets)
             for axis, target in targets.items():
                 self._motors[axis].move_to(target, now)
         return refusal or targets
@@ -147,7 +144,6 @@ class VirtualMachine:
         if refusal is None:
             self.stop(axis for axis in intervals if axis not in running)
             now = self._begin()
-            self._guarded |= set(running)
             for axis, interval in running.items():
                 self._motors[axis].run(abs(interval), 1 if interval > 0 else -1, now)
         return refusal
@@ -161,7 +157,6 @@ class VirtualMachine:
         share = self._limits.line_share(len(going), self._fast(self._ways[ramp_axis].slew_interval))
         refusal = self._out_of_range(targets) or _too_much(share)
         if refusal is None and going:
-            self._guarded -= set(going)
             watches = {self.trace.axis: self.trace} if self.trace and self.trace.axis in going else {}
             led = {axis: self._motors[axis] for axis in going}
             self._line = VirtualLine(led, {axis: steps[axis] for axis in going}, self._ways[ramp_axis], watches)
@@ -231,8 +226,10 @@ class VirtualMachine:
 
     def _too_fast(self, shortest: Mapping[int, int]) -> Refusal | None:
         """Refuse axes with these shortest intervals [ticks] if they can't be served next to those that move."""
-        all_moving = {axis: motor.shortest_interval for axis, motor in enumerate(self._motors) if motor.moving}
-        going = all_moving | dict(shortest)
+        going = dict(shortest)
+        for axis, motor in enumerate(self._motors):
+            if motor.moving:
+                going[axis] = motor.shortest_interval(shortest.get(axis))
         paces = [Pace(self._fast(interval), self._ways[axis].by_formula) for axis, interval in going.items()]
         return _too_much(self._limits.share(paces))
 

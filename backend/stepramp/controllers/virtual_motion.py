@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from stepramp.controllers.course import Course, Ways
 from stepramp.controllers.messages import AxisState
 
-FURTHEST_FORWARD, FURTHEST_BACKWARD = 2**31 - 1, -(2**31)
+ENDLESS_STEPS = 2**48
+"""More than a run makes in a lifetime."""
 
 InstantsOf = Callable[[NDArray[np.int64]], NDArray[np.int64]]
 
@@ -48,7 +49,8 @@ class VirtualMotor:
         self._direction = 1
         self._destination = position
         self._level: int | None = None
-        self._running = False
+        self._run_direction = 0
+        """Of a run at a speed; 0: it goes to its destination."""
         self.position = position
         self.moving = False
         self.stopping = False
@@ -70,12 +72,16 @@ class VirtualMotor:
     @property
     def target(self) -> int:
         """Where it will come to rest [steps]; its position at rest, and as long as it runs at a speed."""
-        return self.position if self._running and not self.stopping else self._destination
+        return self.position if self.running else self._destination
 
     @property
-    def shortest_interval(self) -> int:
-        """The shortest interval that it may come to, when it is left to do what it does [ticks]."""
-        wanted = self._ways.slew_interval if self._level is None else self._level
+    def running(self) -> bool:
+        """Whether it goes on and on at a speed."""
+        return self._run_direction != 0
+
+    def shortest_interval(self, asked: int | None) -> int:
+        """Return the shortest interval that it may come to when this one is asked for; None: left to what it does."""
+        wanted = asked or self._level or self._ways.slew_interval
         return min(wanted, self.interval or wanted)
 
     def settle(self, now: int) -> None:
@@ -83,7 +89,7 @@ class VirtualMotor:
         while self.moving and self._due <= now:
             if self._course:
                 self._play(now)
-            elif self.position == self._destination:
+            elif not self.running and self.position == self._destination:
                 self._rest()
             else:
                 # It has passed its target, or turns: it goes on the other way.
@@ -91,19 +97,18 @@ class VirtualMotor:
 
     def move_to(self, target: int, now: int) -> None:
         """Go to a position at the ramp's slew speed."""
-        self._running = False
-        self._go(target, None, now)
+        self._destination = target
+        self._go(0, None, now)
 
     def run(self, interval: int, direction: int, now: int) -> None:
-        """Go on and on with an interval, not shorter than the ramp's slew interval [ticks]."""
-        self._running = True
-        self._go(FURTHEST_FORWARD if direction > 0 else FURTHEST_BACKWARD, interval, now)
+        """Go on and on with an interval, not shorter than the ramp's slew interval [ticks]; positions go round."""
+        self._go(direction, interval, now)
 
     def stop(self) -> None:
         """Slow down to rest."""
         if not self.moving or self.stopping:
             return
-        self.stopping = True
+        self.stopping, self._run_direction = True, 0
         self._destination = self._stop_place()
         if self._place.interval:
             self._replan()
@@ -120,16 +125,16 @@ class VirtualMotor:
         """Call the place where it rests a position."""
         self.position = self._destination = position
 
-    def _go(self, target: int, level: int | None, now: int) -> None:
-        self._destination, self._level, self.stopping = target, level, False
+    def _go(self, run_direction: int, level: int | None, now: int) -> None:
+        self._run_direction, self._level, self.stopping = run_direction, level, False
         if self.moving:
             self._replan()
-        elif target != self.position:
+        elif self.running or self._destination != self.position:
             self._set_out(now)
 
     def _stop_place(self) -> int:
         steps = self._ways.steps_to_rest(self._place) if self._place.interval else 0
-        return self.position + self._direction * steps
+        return _position(self.position + self._direction * steps)
 
     def _set_out(self, at: int) -> None:
         self.moving, self.steps_made = True, 0
@@ -144,9 +149,9 @@ class VirtualMotor:
     def _replan(self) -> None:
         """Plan what comes after the present interval."""
         if not self._place.interval:
-            self._direction = 1 if self._destination > self.position else -1
-        ahead = max(0, (self._destination - self.position) * self._direction)
-        self._course = self._ways.course(self._place, ahead, self._level)
+            self._direction = self._run_direction or (1 if self._destination > self.position else -1)
+        way = ENDLESS_STEPS * self._run_direction if self.running else self._destination - self.position
+        self._course = self._ways.course(self._place, max(0, way * self._direction), self._level)
         self._began, self._done = self._due, 0
 
     def _play(self, now: int) -> None:
@@ -156,7 +161,7 @@ class VirtualMotor:
         self._place = stretch.place_after(self._done)
         self._due = began + stretch.ticks_to(self._done)
         made = self._done - done
-        self.position += self._direction * made
+        self.position = _position(self.position + self._direction * made)
         self.steps_made += made
         if self._done == stretch.count:
             self._course.pop(0)
@@ -166,7 +171,13 @@ class VirtualMotor:
             self.watch.pulses(first, made, lambda pulses: began + stretch.instants(pulses - first + done))
 
     def _rest(self) -> None:
-        self.moving = self.stopping = self._running = False
+        self.moving = self.stopping = False
+        self._run_direction = 0
         self._course, self._place, self._level = [], self._ways.rest, None
         if self.watch:
             self.watch.at_rest()
+
+
+def _position(steps: int) -> int:
+    """Return a number of steps as the position that it is: after the last one comes the first."""
+    return (steps + 2**31) % 2**32 - 2**31
