@@ -96,6 +96,8 @@ static void compute_up(struct axis *axis, uint32_t left)
     uint32_t steps_down = formula_steps_down(&axis->formula);
     if (formula_slews(&axis->formula)) {
         axis->phase = PHASE_LEVEL;
+    } else if (steps_down != 0 && is_too_fast(axis)) {
+        axis->phase = PHASE_DOWN;
     } else if (size != 0 && !axis->is_slewing && intervals[0] < axis->level) {
         axis->phase = PHASE_LEVEL;
         keep_level(axis, axis->level, left - steps_down);
@@ -106,7 +108,7 @@ static void compute_up(struct axis *axis, uint32_t left)
         axis->phase = PHASE_DOWN;
     } else {
         keep_level(axis,
-                   axis->interval == 0 ? formula_creep_interval(axis->constants) : formula_hold_interval(&axis->formula),
+                   steps_down == 0 ? formula_creep_interval(axis->constants) : formula_hold_interval(&axis->formula),
                    left - steps_down);
     }
 }

@@ -443,8 +443,8 @@ bool machine_is_on_a_line(void)
 static uint32_t steps_of_leader(void)
 {
     const struct axis *leader = &feeds[line.leader].axis;
-    uint32_t way = (uint32_t)leader->target - (uint32_t)leader->position;
-    return line_steps_queued() + (leader->backward ? 0u - way : way);
+    /* Its target lies ahead all along; which way that is, `backward` doesn't tell before it has set out. */
+    return line_steps_queued() + without_sign((int32_t)((uint32_t)leader->target - (uint32_t)leader->position));
 }
 
 /* The report of an axis that follows in a line or rests beside it. */

@@ -113,6 +113,37 @@ def test_a_short_move_that_creeps_keeps_its_intervals(host: Host) -> None:
         assert machine.steps().intervals == ramp.move(steps).tolist()[:-1]
 
 
+def test_a_short_move_creeps_whatever_was_played_before(host: Host) -> None:
+    ramp = OnChipRamp.of(*slopes(16e6, 1000, 0, 500, 0.5), "newton")
+    machine = Machine(host, image_of_formula(ramp, fast=True), round_ticks=4000)
+    machine.move(900)
+    machine.rest()
+    machine.steps()
+    machine.move(902)
+    machine.rest()
+    assert machine.steps().intervals == ramp.move(2).tolist()[:-1]
+
+
+@pytest.mark.parametrize("ramp", [ramp for ramp in EASY if ramp.ratio <= 1], ids=str)
+@pytest.mark.parametrize("after", [100, 120])
+def test_a_run_that_is_slowed_down_while_it_rises_goes_down_the_ramp(host: Host, ramp: Ramp, after: int) -> None:
+    """To a third of the speed: no interval is longer than the one before by more than on the way to rest."""
+    whole = ramp.move(10_000)
+    wanted = 3 * whole[after]
+    machine = Machine(host, ramp.image)
+    machine.ask("run", 1, ramp.on_chip.slew_interval)
+    machine.do("wait", 1000 + sum(whole[:after]))
+    machine.ask("run", 1, wanted)
+    machine.do("wait", 300 * wanted)
+    machine.do("halt", 1)
+    intervals = machine.steps().intervals
+    assert intervals[-30:] == [wanted] * 30
+    down = intervals[intervals.index(min(intervals)) : intervals.index(wanted)]
+    assert len(down) > 5
+    growth = max(b / a for a, b in pairwise(whole[-ramp.on_chip.down.steps :]) if b <= wanted)
+    assert all(b <= 1.05 * growth * a for a, b in pairwise(down))
+
+
 def changes_of_direction(intervals: Sequence[int]) -> int:
     """Return how often a run of intervals begins to rise or to fall."""
     signs = [(b > a) - (b < a) for a, b in pairwise(intervals) if a != b]

@@ -98,6 +98,7 @@ def test_a_line(host: Host, steps: list[int]) -> None:
     """The axis with most steps plays the ramp, the others make theirs together with it (Bresenham)."""
     machine = Machine(host, FOUR)
     assert machine.ask("line", 15, 0, *steps) == (OK, 0)
+    assert [machine.report(axis).target for axis in range(4)] == steps
     machine.rest()
     assert [machine.report(axis).position for axis in range(4)] == steps
     most = max(abs(s) for s in steps)
