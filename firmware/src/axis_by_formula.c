@@ -86,24 +86,39 @@ static void keep_level(struct axis *axis, uint32_t interval, uint32_t left)
     }
 }
 
+/* Of falling or rising intervals those before the first that is beyond the speed wanted: shorter on the way up; on the
+ * way down, where that one is the last, longer. At speed it takes too long to compute them one by one. */
+static uint8_t count_to_level(const struct axis *axis, const uint32_t *intervals, uint8_t size, bool goes_up)
+{
+    uint8_t count = 0;
+    while (count < size && (goes_up ? intervals[count] >= axis->level : intervals[count] < axis->level)) {
+        count++;
+    }
+    return goes_up || count == size ? count : (uint8_t)(count + 1);
+}
+
 /* Goes up, as long as that isn't faster than wanted and there is room: or else stays at this speed, or turns. */
 static void compute_up(struct axis *axis, uint32_t left)
 {
     struct formula_state after = axis->formula;
     uint32_t intervals[FORMULA_BATCH];
-    uint8_t most = axis->is_slewing ? batch_size(axis->interval, true) : 1;
-    uint8_t size = formula_up(&after, axis->constants, intervals, most, left);
+    uint8_t size = formula_up(&after, axis->constants, intervals, batch_size(axis->interval, true), left);
+    uint8_t slow = axis->is_slewing ? size : count_to_level(axis, intervals, size, true);
     uint32_t steps_down = formula_steps_down(&axis->formula);
     if (formula_slews(&axis->formula)) {
         axis->phase = PHASE_LEVEL;
     } else if (steps_down != 0 && is_too_fast(axis)) {
         axis->phase = PHASE_DOWN;
-    } else if (size != 0 && !axis->is_slewing && intervals[0] < axis->level) {
+    } else if (size != 0 && slow == 0) {
         axis->phase = PHASE_LEVEL;
         keep_level(axis, axis->level, left - steps_down);
     } else if (size != 0) {
+        if (slow != size) {
+            after = axis->formula;
+            formula_up(&after, axis->constants, intervals, slow, left);
+        }
         axis->formula = after;
-        keep_batch(axis, intervals, size);
+        keep_batch(axis, intervals, slow);
     } else if (left <= steps_down) {
         axis->phase = PHASE_DOWN;
     } else {
@@ -123,10 +138,16 @@ static void compute_down(struct axis *axis, uint32_t left)
     } else if (goes_on && (!is_too_fast(axis) || steps_down == 0)) {
         axis->phase = PHASE_UP;
     } else {
-        uint8_t most = goes_on ? 1 : batch_size(axis->interval, false);
-        uint8_t size = formula_down(&axis->formula, axis->constants, intervals, most);
-        if (size != 0) {
-            keep_batch(axis, intervals, size);
+        struct formula_state after = axis->formula;
+        uint8_t size = formula_down(&after, axis->constants, intervals, batch_size(axis->interval, false));
+        uint8_t fast = goes_on ? count_to_level(axis, intervals, size, false) : size;
+        if (fast != size) {
+            after = axis->formula;
+            formula_down(&after, axis->constants, intervals, fast);
+        }
+        axis->formula = after;
+        if (fast != 0) {
+            keep_batch(axis, intervals, fast);
         }
     }
 }
