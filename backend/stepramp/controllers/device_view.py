@@ -146,6 +146,14 @@ class DeviceView:
             shuttle=None,
         )
 
+    def let_go(self) -> "DeviceView":
+        """Return the device as it is once it is disconnected on purpose.
+
+        Until it is connected again it may be moved by others, and count anew: nobody knows where its limits are then.
+        """
+        unknown = tuple(sorted({*self.unknown_positions, *self.soft_limits}))
+        return replace(self.at_a_loss("Disconnected."), unknown_positions=unknown)
+
     def _midst(self) -> Iterator[str]:
         """Yield what was going on, for somebody who wonders what has come of it."""
         if self.state is DeviceState.WRITING:

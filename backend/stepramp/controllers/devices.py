@@ -39,6 +39,9 @@ class Devices:
         self._owed = OwedStops(self.order)
         self._lock = threading.Lock()
         self._devices: dict[str, Device] = {}
+        # Devices that were forgotten and are to be remembered, by what tells apart what was plugged in: soft limits,
+        # and axes that may be elsewhere than they count.
+        self._let_go: dict[object, DeviceView] = {}
         self._listeners: list[Listener] = []
         self._pages: Counter[str] = Counter()
         self._last_id = 0
@@ -204,7 +207,8 @@ class Devices:
                 raise Refused("StepRamp is ending: nothing is connected any more.")
             self._last_id += 1
             device_id = str(self._last_id)
-            device = Device(device_id, known, self.order, self._stops, self._owed, self._tell)
+            before = self._let_go.get(known.identity)
+            device = Device(device_id, known, self.order, self._stops, self._owed, self._tell, before)
             self._devices[device_id] = device
         self._tell()
         return device, True
@@ -220,6 +224,10 @@ class Devices:
         with self._lock:
             if not device.connected:
                 self._devices.pop(device.view.id, None)
+                if device.view.soft_limits or device.view.unknown_positions:
+                    self._let_go[device.identity] = device.view
+                else:
+                    self._let_go.pop(device.identity, None)
         self._tell()
 
     def _tell(self) -> None:

@@ -202,7 +202,8 @@ class DeviceAnswer(Answer):
     progress: ProgressAnswer | None = Field(description="How far the push has come that is under way; null for none")
     shuttle: ShuttleAnswer | None = Field(description="What goes there and back; null for nothing")
     unknown_positions: list[int] = Field(
-        description="Axes that may be elsewhere than they count, since the device was lost; until they are set"
+        description="Axes that may be elsewhere than they count, since the device was lost, or disconnected while "
+        "they had soft limits; until they are set"
     )
     in_control: str | None = Field(
         description="The page that is in control: others must take over first. null for none; programs need none"

@@ -44,6 +44,11 @@ class Port:
     usb: tuple[int, int, str | None] | None = field(default=None, compare=False)
     """USB vendor, product and serial number of what is plugged in, as far as they are known."""
 
+    @property
+    def identity(self) -> object:
+        """What tells what is plugged in apart: its USB serial number where it has one, else the port's name."""
+        return self.port if self.usb is None or self.usb[2] is None else self.usb
+
 
 def list_serial_ports() -> list[Port]:
     """Return the ports of this machine in order of their names, the virtual one last."""
