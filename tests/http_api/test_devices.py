@@ -444,7 +444,10 @@ def test_a_lost_device_is_told_and_can_be_connected_again(client: TestClient, po
     virtual.opened()  # The board is reset: it forgets the session.
     lost = wait_for(client, f"{DEVICES}/1", "lost")
     assert "was restarted" in lost["message"]
-    assert "was restarted" in error_of(client.post(f"{DEVICES}/1/stop"), 502)["message"]
+    for route in ("stop", "halt"):
+        message = error_of(client.post(f"{DEVICES}/1/{route}"), 502)["message"]
+        assert "was restarted" in message
+        assert message.endswith(". It is stopped as soon as it answers.")
     assert client.post(DEVICES, json={"port": port}).json()["state"] == "ready"
 
 
