@@ -382,6 +382,7 @@ def test_moves_that_cant_be_made(client: TestClient, device: str, body: dict[str
         ("zero", {"steps": 65_536}, "steps"),
         ("zero", {"steps": 5, "axes": []}, "axes"),
         ("zero", {"steps": 5, "axes": [2]}, "axes"),
+        ("zero", {"steps": 5, "axes": [0, 0]}, "axes"),
         ("push", {}, "design"),
         ("push", {"design": document(), "axes": [document()]}, "axes"),
         ("push", {"design": document(), "to_axis": 2}, "to_axis"),

@@ -39,7 +39,7 @@ from stepramp.controllers.stops import Order, Stops
 from stepramp.controllers.trace import Trace
 from stepramp.design import Design
 from stepramp.errors import DeviceLost, Refused, Rejected, StepRampError
-from stepramp.link.ports import Port, find_again, known_port, port_name
+from stepramp.link.ports import Port, find_again, known_port, place_of, port_name
 from stepramp.link.serial_port import SerialPort
 from stepramp.link.worker import Worker
 
@@ -95,6 +95,7 @@ class Device:
         self._controller: Controller | None = None
         self._worker: Worker | None = None
         self._known_port = known
+        self._place: str | None = None
         self._let_go = False
         self._ended = False
         self._leases = Leases()
@@ -115,6 +116,11 @@ class Device:
     def identity(self) -> object:
         """What tells what is plugged in apart; see Port."""
         return self._known_port.identity
+
+    @property
+    def place(self) -> str | None:
+        """Where the port leads that it holds, whatever name it was given; None: it holds none."""
+        return self._place
 
     @property
     def connected(self) -> bool:
@@ -452,6 +458,7 @@ class Device:
     def _open(self) -> None:
         assert self._worker is not None
         self._port = SerialPort(self.view.port, self._permit.check)
+        self._place = place_of(self.view.port)
         controller = StepRampController(self._port, self._give_way, self._note_progress)
         controller.connect(lambda: self._begin_with_stop(controller))
         status = controller.status()
@@ -489,6 +496,7 @@ class Device:
                 self._controller.disconnect()
         if self._port is not None:
             self._port.close()
+        self._place = None
         self._leases.drop()
         with self._lock:
             self._port = self._controller = None
