@@ -597,6 +597,22 @@ def test_a_stop_of_an_axis_that_is_not_there_stops_all_and_says_so(bench: Bench)
     assert bench.device._leases.speeds == {}
 
 
+def test_a_stop_tells_no_target_that_is_not_reached(bench: Bench) -> None:
+    """Where it will come to rest is asked afterwards: the stop's answer needn't wait for it."""
+    bench.reset()
+    bench.device.move_by([by(5000), by(900, 1)])
+    bench.clock.now_s += 0.1
+    bench.look()
+    bench.device.stop([0]).result(PATIENCE_S)
+    stopped, moving = bench.device.view.axes
+    assert (stopped.state, moving.state) == (DeviceState.STOPPING, DeviceState.MOVING)
+    assert 0 < stopped.target_steps == stopped.position_steps == bench.device.view.target_steps
+    assert moving.target_steps == 900
+    bench.settle()
+    rest = bench.device.view.axes[0]
+    assert stopped.position_steps < rest.position_steps == rest.target_steps < 5000
+
+
 class OwnSupply(Witness):
     """A board that opening its port doesn't reset, and whose cable can come out while its motor moves on."""
 

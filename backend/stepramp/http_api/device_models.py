@@ -162,7 +162,8 @@ class AxisAnswer(Answer):
     state: DeviceState = Field(description="ready, moving or stopping; lost with its device")
     position_steps: int = Field(description="Where its motor is [steps]")
     target_steps: int = Field(
-        description="Where it will come to rest; its position as long as it runs at a speed [steps]"
+        description="Where it will come to rest; its position as long as it runs at a speed, and right after a stop "
+        "until the controller has said where [steps]"
     )
     speed_steps_per_s: float = Field(description="How fast it moves, without sign [steps/s]")
     steps_made: int = Field(description="Steps since it last set out from rest [steps]")
@@ -182,7 +183,7 @@ class DeviceAnswer(Answer):
     )
     message: str | None = Field(description="Why it is lost")
     position_steps: int = Field(description="Where the motor of axis 0 is [steps]")
-    target_steps: int = Field(description="Where axis 0 will come to rest [steps]")
+    target_steps: int = Field(description="Where axis 0 will come to rest, as in axes [steps]")
     speed_steps_per_s: float = Field(description="How fast axis 0 moves, without sign [steps/s]")
     axes: list[AxisAnswer] = Field(description="All axes that have a ramp; axis 0 in any case, once connected")
     timer_hz: int | None = Field(
