@@ -461,6 +461,15 @@ def test_what_was_unplugged_is_connected_again_by_itself_and_nothing_moves(devic
     assert (device.view.position_steps, device.view.unknown_positions) == (77, ())
 
 
+def test_a_port_has_one_device_whatever_it_is_called(devices: Devices, cable: Cable, tmp_path: Path) -> None:
+    device = devices.connect(str(cable.port))
+    by_id = tmp_path / "by-id"
+    by_id.symlink_to(cable.port)
+    for name in (by_id, cable.port.resolve(), tmp_path / ".." / tmp_path.name / cable.port.name):
+        assert devices.connect(str(name)) is device
+    assert [view.port for view in devices.views()] == [str(cable.port)]
+
+
 def test_what_was_let_go_of_is_not_connected_again(devices: Devices, cable: Cable) -> None:
     device = devices.connect(str(cable.port))
     cable.unplug()

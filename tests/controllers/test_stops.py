@@ -21,6 +21,7 @@ from controllers.conftest import Clock
 from designs import design
 from stepramp.controllers import conversation, limit_checks, tracing
 from stepramp.controllers import device as device_module
+from stepramp.controllers import devices as devices_module
 from stepramp.controllers.controller import Asked
 from stepramp.controllers.device import Device, SendPush
 from stepramp.controllers.device_view import DeviceState
@@ -49,6 +50,7 @@ from stepramp.controllers.stops import Order
 from stepramp.controllers.virtual import VirtualController
 from stepramp.errors import DeviceLost, Refused, Rejected, StepRampError
 from stepramp.link import protocol_sim
+from stepramp.link.ports import Port
 from stepramp.link.serial_port import SerialPort
 from stepramp.link.worker import Worker
 
@@ -595,6 +597,22 @@ def test_a_stop_of_an_axis_that_is_not_there_stops_all_and_says_so(bench: Bench)
     assert bench.device._leases.speeds == {}
 
 
+def test_a_stop_tells_no_target_that_is_not_reached(bench: Bench) -> None:
+    """Where it will come to rest is asked afterwards: the stop's answer needn't wait for it."""
+    bench.reset()
+    bench.device.move_by([by(5000), by(900, 1)])
+    bench.clock.now_s += 0.1
+    bench.look()
+    bench.device.stop([0]).result(PATIENCE_S)
+    stopped, moving = bench.device.view.axes
+    assert (stopped.state, moving.state) == (DeviceState.STOPPING, DeviceState.MOVING)
+    assert 0 < stopped.target_steps == stopped.position_steps == bench.device.view.target_steps
+    assert moving.target_steps == 900
+    bench.settle()
+    rest = bench.device.view.axes[0]
+    assert stopped.position_steps < rest.position_steps == rest.target_steps < 5000
+
+
 class OwnSupply(Witness):
     """A board that opening its port doesn't reset, and whose cable can come out while its motor moves on."""
 
@@ -819,6 +837,62 @@ def test_limits_are_kept_to_only_where_it_is_known_what_they_are_counted_from(
     with pytest.raises(Rejected, match="0 to 1,000 steps, and this leads to 1,800"):
         device.move_by([by(900)])
     device.move_by([by(100)])
+    devices.close()
+
+
+@pytest.mark.parametrize("is_lost", [False, True])
+def test_limits_outlive_a_device_that_is_let_go_of(
+    clock: Clock, plug_in: Callable, unplugged_at: UnpluggedAt, is_lost: bool
+) -> None:
+    """Whether it was lost before or not, it may have been moved meanwhile, and count anew."""
+    board, devices = unplugged_at, Devices()
+    device = devices.connect(plug_in(board))
+    push(device, clock)
+    device.limit({0: Span(0, 100)})
+    if is_lost:
+        board.is_plugged_in = False
+        with pytest.raises(DeviceLost):
+            device.trace_moves(0, 1)
+    devices.disconnect(device.view.id)
+    board.is_plugged_in = True
+    again = devices.connect(device.view.port)
+    assert again.view.id != device.view.id
+    assert [(axis.lowest_steps, axis.highest_steps) for axis in again.view.axes] == [(0, 100), (None, None)]
+    assert again.view.unknown_positions == ((0, 1) if is_lost else (0,))
+    with pytest.raises(Refused, match="Axis 0 may be elsewhere"):
+        again.move_by([by(50)])
+    again.set_position([Asked(0, 90, "position_steps")])
+    with pytest.raises(Rejected, match="0 to 100 steps, and this leads to 140"):
+        again.move_by([by(50)])
+    # Whoever has taken them away meets them no more.
+    again.limit({0: Span()})
+    devices.disconnect(again.view.id)
+    last = devices.connect(again.view.port)
+    assert last.view.soft_limits == {}
+    assert last.view.unknown_positions == ((1,) if is_lost else ())
+    devices.close()
+
+
+def test_limits_go_with_what_has_a_serial_number(
+    clock: Clock, plug_in: Callable, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    numbered: dict[str, str] = {}
+
+    def known(port: str) -> Port:
+        return Port(port, port, usb=(0x2341, 0x0043, numbered[port]))
+
+    for module in (devices_module, device_module):
+        monkeypatch.setattr(module, "known_port", known)
+    first, second = plug_in(VirtualController(clock)), plug_in(VirtualController(clock))
+    numbered |= {first: "A1", second: "B2"}
+    devices = Devices()
+    limited, free = devices.connect(first), devices.connect(second)
+    limited.limit({0: Span(-5, 5)})
+    for device in (limited, free):
+        devices.disconnect(device.view.id)
+    numbered |= {first: "B2", second: "A1"}
+    assert devices.connect(first).view.soft_limits == {}
+    assert devices.connect(second).view.soft_limits == {0: Span(-5, 5)}
     devices.close()
 
 

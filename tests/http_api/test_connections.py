@@ -17,9 +17,10 @@ from uvicorn.server import ServerState
 from event_loop import run
 from server_process import PATIENCE_S, ServerProcess
 from stepramp.http_api.asked_at import numbering
-from stepramp.http_api.connections import DESCRIPTORS, Connections
+from stepramp.http_api.connections import DESCRIPTORS, Connection, Connections, Stage
 
 REQUEST = b"GET /quick HTTP/1.1\r\nHost: a\r\n\r\n"
+POST = b"POST /quick HTTP/1.1\r\nHost: a\r\nContent-Length: 2\r\n\r\n{}"
 UNFINISHED = (b"G", REQUEST[:-2], b"POST /slow HTTP/1.1\r\nHost: a\r\nContent-Length: 9\r\n\r\nbody")
 FOREVER_S = 3600.0
 
@@ -50,11 +51,25 @@ class Served:
         self.asked = 0
         self.answer_slow = asyncio.Event()
         self.clients: list[Client] = []
+        self.taken: list[Connection] = []
+
+    def let_time_pass(self) -> None:
+        """Have all that is open wait since long ago."""
+        for each in self.taken:
+            each._waits_since_s -= FOREVER_S
+
+    async def read(self, client: Client) -> None:
+        """Wait until the begin of a request that a client has sent is read."""
+        async with asyncio.timeout(PATIENCE_S):
+            while self.taken[self.clients.index(client)].stage is not Stage.BEGUN:
+                await asyncio.sleep(0)
 
     async def app(self, scope: Scope, receive: Receive, send: Send) -> None:
         self.asked += 1
         if scope["path"] == "/slow":
             await self.answer_slow.wait()
+        while (await receive()).get("more_body"):
+            pass
         await PlainTextResponse("answered")(scope, receive, send)
 
     @asynccontextmanager
@@ -62,11 +77,10 @@ class Served:
         """Yield what opens one more connection, and sends something over it, which the server has then read."""
         config = uvicorn.Config(self.app, interface="asgi3", log_level="critical")
         made, state = numbering(lambda: 1, self.connections), ServerState()
-        taken: list[asyncio.Protocol] = []
 
         def protocol() -> asyncio.Protocol:
-            taken.append(made(config=config, server_state=state, app_state={}))
-            return taken[-1]
+            self.taken.append(made(config=config, server_state=state, app_state={}))
+            return self.taken[-1]
 
         async def opened(sent: bytes) -> Client:
             reader, writer = await asyncio.open_connection(*listener.sockets[0].getsockname())
@@ -74,7 +88,7 @@ class Served:
             self.clients.append(client)
             writer.write(sent)
             async with asyncio.timeout(PATIENCE_S):
-                while len(taken) < len(self.clients) or (sent != b"") is taken[-1]._is_silent:  # type: ignore[attr-defined]
+                while len(self.taken) < len(self.clients) or (sent != b"") is self.taken[-1]._is_silent:
                     await asyncio.sleep(0)
             return client
 
@@ -92,7 +106,7 @@ class Served:
 
 def test_those_that_never_sent_anything_end_first_the_oldest_before_the_others() -> None:
     async def work() -> None:
-        served = Served(Connections(most=4, heard_within_s=FOREVER_S))
+        served = Served(Connections(most=4, heard_within_s=FOREVER_S, new_s=0.0))
         async with served.listening() as opened:
             begun, first, second = await opened(REQUEST[:9]), await opened(b""), await opened(b"")
             slow = await opened(REQUEST.replace(b"quick", b"slow"))
@@ -104,6 +118,48 @@ def test_those_that_never_sent_anything_end_first_the_oldest_before_the_others()
             for _ in range(3):
                 await opened(REQUEST[:9])
             assert await begun.has_ended()
+            served.answer_slow.set()
+            assert await slow.is_answered()
+
+    run(work())
+
+
+@pytest.mark.parametrize("begin", [b"", REQUEST[:9], POST[:-1]])
+def test_one_that_has_just_come_outlives_those_that_do_nothing_for_longer(begin: bytes) -> None:
+    """It may be a stop whose bytes weren't read yet, or come in several parts."""
+
+    async def work() -> None:
+        served = Served(Connections(most=4, heard_within_s=FOREVER_S, new_s=FOREVER_S))
+        async with served.listening() as opened:
+            silent, half = await opened(b""), await opened(REQUEST[:9])
+            at_rest = await opened(REQUEST)
+            assert await at_rest.is_answered()
+            served.let_time_pass()
+            stop = await opened(begin)
+            for older in (silent, at_rest, half):
+                await opened(REQUEST[:9])
+                assert await older.has_ended()
+            stop.writer.write(POST[len(begin) :] if begin == POST[:-1] else REQUEST[len(begin) :])
+            assert await stop.is_answered()
+
+    run(work())
+
+
+def test_of_those_that_have_just_come_the_one_that_waits_longest_ends_first() -> None:
+    """And they end before those that are being served."""
+
+    async def work() -> None:
+        served = Served(Connections(most=3, heard_within_s=FOREVER_S, new_s=FOREVER_S))
+        async with served.listening() as opened:
+            slow, kept = await opened(REQUEST.replace(b"quick", b"slow")), await opened(REQUEST)
+            assert await kept.is_answered()
+            begun = await opened(REQUEST[:9])
+            kept.writer.write(REQUEST[:9])
+            await served.read(kept)
+            await opened(b"")
+            assert await begun.has_ended()
+            kept.writer.write(REQUEST[9:])
+            assert await kept.is_answered()
             served.answer_slow.set()
             assert await slow.is_answered()
 

@@ -382,6 +382,7 @@ def test_moves_that_cant_be_made(client: TestClient, device: str, body: dict[str
         ("zero", {"steps": 65_536}, "steps"),
         ("zero", {"steps": 5, "axes": []}, "axes"),
         ("zero", {"steps": 5, "axes": [2]}, "axes"),
+        ("zero", {"steps": 5, "axes": [0, 0]}, "axes"),
         ("push", {}, "design"),
         ("push", {"design": document(), "axes": [document()]}, "axes"),
         ("push", {"design": document(), "to_axis": 2}, "to_axis"),
@@ -444,7 +445,10 @@ def test_a_lost_device_is_told_and_can_be_connected_again(client: TestClient, po
     virtual.opened()  # The board is reset: it forgets the session.
     lost = wait_for(client, f"{DEVICES}/1", "lost")
     assert "was restarted" in lost["message"]
-    assert "was restarted" in error_of(client.post(f"{DEVICES}/1/stop"), 502)["message"]
+    for route in ("stop", "halt"):
+        message = error_of(client.post(f"{DEVICES}/1/{route}"), 502)["message"]
+        assert "was restarted" in message
+        assert message.endswith(". It is stopped as soon as it answers.")
     assert client.post(DEVICES, json={"port": port}).json()["state"] == "ready"
 
 

@@ -10,17 +10,21 @@ from contextlib import ExitStack, contextmanager
 from functools import partial
 
 import pytest
-from starlette.testclient import TestClient
+from starlette.testclient import TestClient, WebSocketTestSession
 
 from designs import design, document
 from event_loop import run
 from stepramp.controllers.device import Device
 from stepramp.controllers.settings import Settings
 from stepramp.controllers.virtual import VirtualController
+from stepramp.http_api import curves
 from stepramp.http_api.lanes import A_DEVICE, CONNECTING, CORES, LONG_PLANNING, PLANNING, Lane, planning_lane
 from stepramp.link import protocol_sim
+from stepramp.ramp.drawing import Drawing
 
 DEVICES = "/api/v1/devices"
+SOCKET = "/api/v1/curves/socket"
+LOCAL = {"host": "127.0.0.1:8000"}
 PATIENCE_S = 10.0
 MUTE = 9
 ASKERS = 40
@@ -80,6 +84,34 @@ def test_long_plannings_keep_short_ones_not_waiting(client: TestClient) -> None:
     with taken(LONG_PLANNING, CORES):
         for route, more in (("profile", {}), ("curves", {"methods": ["exact"]}), ("errors", {"methods": ["exact"]})):
             assert client.post(f"/api/v1/{route}", json={"design": document(), **more}).status_code == 200
+
+
+def test_long_plannings_over_sockets_keep_short_ones_not_waiting(
+    client: TestClient, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    long_steps, begun, end = 10_000_000, threading.Semaphore(0), threading.Event()
+
+    def content(drawing: Drawing) -> dict[str, object]:
+        if abs(drawing.design.move.steps) == long_steps:
+            begun.release()
+            assert end.wait(PATIENCE_S)
+        return {"steps": drawing.design.move.steps}
+
+    def ask(socket: WebSocketTestSession, steps: int) -> None:
+        socket.send_json({"design": document(move__steps=steps), "methods": ["exact"]})
+
+    monkeypatch.setattr(curves, "curves_content", content)
+    with ExitStack() as open_ends:
+        sockets = [open_ends.enter_context(client.websocket_connect(SOCKET, headers=LOCAL)) for _ in range(CORES + 2)]
+        *slow, quick = sockets
+        for socket in slow:
+            ask(socket, long_steps)
+        for _ in range(CORES):
+            assert begun.acquire(timeout=PATIENCE_S)
+        ask(quick, 500)
+        assert quick.receive_json() == {"steps": 500}
+        end.set()
+        assert [socket.receive_json() for socket in slow] == [{"steps": long_steps}] * len(slow)
 
 
 def test_mute_ports_keep_no_move_and_no_stop_waiting(client: TestClient, device: str) -> None:

@@ -39,7 +39,7 @@ from stepramp.controllers.stops import Order, Stops
 from stepramp.controllers.trace import Trace
 from stepramp.design import Design
 from stepramp.errors import DeviceLost, Refused, Rejected, StepRampError
-from stepramp.link.ports import Port, find_again, known_port, port_name
+from stepramp.link.ports import Port, find_again, known_port, place_of, port_name
 from stepramp.link.serial_port import SerialPort
 from stepramp.link.worker import Worker
 
@@ -62,7 +62,8 @@ class Device:
     """One controller at one port. Its worker owns the port; all calls here may come from any thread.
 
     known: its port. order: of all that is asked and stopped. stops_of_all: stops that are for each device. owed: stops
-    that no controller has granted yet. changed: called from any thread after each change of the view.
+    that no controller has granted yet. changed: called from any thread after each change of the view. before: what was
+    known of what is plugged in there when it was last let go of.
 
     What sets motors moving takes `asked`: when it was asked for, in that order; None: now. It is refused when a stop
     came after that.
@@ -76,6 +77,7 @@ class Device:
         stops_of_all: Stops,
         owed: OwedStops,
         changed: Callable[[], None],
+        before: DeviceView | None = None,
     ) -> None:
         self._changed = changed
         self._order = order
@@ -87,10 +89,13 @@ class Device:
         self._connecting = threading.Lock()
         self._attempt = SharedAttempt(self._connect_unless_done)
         self._view = DeviceView(device_id, known.port, known.name, stops=self._stops.last)
+        if before is not None:
+            self._view = replace(self._view, soft_limits=before.soft_limits, unknown_positions=before.unknown_positions)
         self._port: SerialPort | None = None
         self._controller: Controller | None = None
         self._worker: Worker | None = None
         self._known_port = known
+        self._place: str | None = None
         self._let_go = False
         self._ended = False
         self._leases = Leases()
@@ -106,6 +111,16 @@ class Device:
         """The device as it is now."""
         with self._lock:
             return self._view
+
+    @property
+    def identity(self) -> object:
+        """What tells what is plugged in apart; see Port."""
+        return self._known_port.identity
+
+    @property
+    def place(self) -> str | None:
+        """Where the port leads that it holds, whatever name it was given; None: it holds none."""
+        return self._place
 
     @property
     def connected(self) -> bool:
@@ -443,6 +458,7 @@ class Device:
     def _open(self) -> None:
         assert self._worker is not None
         self._port = SerialPort(self.view.port, self._permit.check)
+        self._place = place_of(self.view.port)
         controller = StepRampController(self._port, self._give_way, self._note_progress)
         controller.connect(lambda: self._begin_with_stop(controller))
         status = controller.status()
@@ -480,10 +496,11 @@ class Device:
                 self._controller.disconnect()
         if self._port is not None:
             self._port.close()
+        self._place = None
         self._leases.drop()
         with self._lock:
             self._port = self._controller = None
-        self._change(lambda view: view.at_a_loss("Disconnected." if loss is None else str(loss)))
+        self._change(lambda view: view.let_go() if loss is None else view.at_a_loss(str(loss)))
 
     def _refresh(self) -> None:
         assert self._controller is not None

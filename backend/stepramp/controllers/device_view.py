@@ -44,8 +44,10 @@ class AxisView:
         return replace(self, lowest_steps=span.lowest_steps, highest_steps=span.highest_steps)
 
     def stopping(self) -> "AxisView":
-        """Return the axis as it is once a stop was granted."""
-        return replace(self, state=DeviceState.STOPPING) if self.state is DeviceState.MOVING else self
+        """Return the axis as it is once a stop was granted; where it will come to rest is still to be asked."""
+        if self.state is not DeviceState.MOVING:
+            return self
+        return replace(self, state=DeviceState.STOPPING, target_steps=self.position_steps)
 
 
 @dataclass(frozen=True)
@@ -126,7 +128,9 @@ class DeviceView:
         """Return the device as it is once a stop of axes, or all, was granted, before it is asked again."""
         now = tuple(each.stopping() if axes is None or each.axis in axes else each for each in self.axes)
         slows_down = self.state is DeviceState.MOVING and DeviceState.MOVING not in {axis.state for axis in now}
-        return replace(self, axes=now, state=DeviceState.STOPPING if slows_down else self.state)
+        target_steps = now[0].target_steps if now else self.target_steps
+        state = DeviceState.STOPPING if slows_down else self.state
+        return replace(self, axes=now, state=state, target_steps=target_steps)
 
     def with_known_positions(self, axes: Collection[int]) -> "DeviceView":
         """Return the device once somebody has said where axes are."""
@@ -145,6 +149,14 @@ class DeviceView:
             progress=None,
             shuttle=None,
         )
+
+    def let_go(self) -> "DeviceView":
+        """Return the device as it is once it is disconnected on purpose.
+
+        Until it is connected again it may be moved by others, and count anew: nobody knows where its limits are then.
+        """
+        unknown = tuple(sorted({*self.unknown_positions, *self.soft_limits}))
+        return replace(self.at_a_loss("Disconnected."), unknown_positions=unknown)
 
     def _midst(self) -> Iterator[str]:
         """Yield what was going on, for somebody who wonders what has come of it."""

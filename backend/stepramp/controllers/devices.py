@@ -15,7 +15,7 @@ from stepramp.controllers.stops import Order, Stops
 from stepramp.controllers.virtual import VirtualController
 from stepramp.errors import NotFound, Refused, StepRampError, shown
 from stepramp.link import protocol_sim
-from stepramp.link.ports import known_port
+from stepramp.link.ports import known_port, place_of
 from stepramp.link.protocol_sim import VIRTUAL_PORT
 
 _logger = logging.getLogger(__name__)
@@ -39,6 +39,9 @@ class Devices:
         self._owed = OwedStops(self.order)
         self._lock = threading.Lock()
         self._devices: dict[str, Device] = {}
+        # Devices that were forgotten and are to be remembered, by what tells apart what was plugged in: soft limits,
+        # and axes that may be elsewhere than they count.
+        self._let_go: dict[object, DeviceView] = {}
         self._listeners: list[Listener] = []
         self._pages: Counter[str] = Counter()
         self._last_id = 0
@@ -101,7 +104,7 @@ class Devices:
                     device.leave_control(page)
 
     def connect(self, port: str) -> Device:
-        """Return the device at a port, connected: the one that is there already, or a new one.
+        """Return the device at a port, connected: the one that is there already, by whatever name, or a new one.
 
         A lost device is connected again under its id. Raises as Device.connect; a new device that can't be connected
         is forgotten, a lost one stays lost.
@@ -193,33 +196,40 @@ class Devices:
             return self._pages[page] > 0
 
     def _at(self, port: str) -> tuple[Device, bool]:
-        if (device := self._present_at(port)) is not None:
+        # Without the lock: this may take a while, as does listing the machine's ports, and a stop must not wait for it.
+        place = place_of(port)
+        if (device := self._present_at(port, place)) is not None:
             return device, False
-        # The machine's ports are listed without the lock: that takes a while, and a stop must not wait for it.
         known = known_port(port)
         with self._lock:
-            if (device := self._one_at(port)) is not None:
+            if (device := self._one_at(port, place)) is not None:
                 return device, False
             if self._has_ended:
                 raise Refused("StepRamp is ending: nothing is connected any more.")
             self._last_id += 1
             device_id = str(self._last_id)
-            device = Device(device_id, known, self.order, self._stops, self._owed, self._tell)
+            before = self._let_go.get(known.identity)
+            device = Device(device_id, known, self.order, self._stops, self._owed, self._tell, before)
             self._devices[device_id] = device
         self._tell()
         return device, True
 
-    def _present_at(self, port: str) -> Device | None:
+    def _present_at(self, port: str, place: str) -> Device | None:
         with self._lock:
-            return self._one_at(port)
+            return self._one_at(port, place)
 
-    def _one_at(self, port: str) -> Device | None:
-        return next((device for device in self._devices.values() if device.view.port == port), None)
+    def _one_at(self, port: str, place: str) -> Device | None:
+        named = (device for device in self._devices.values() if device.view.port == port)
+        return next(named, None) or next((each for each in self._devices.values() if each.place == place), None)
 
     def _forget(self, device: Device) -> None:
         with self._lock:
             if not device.connected:
                 self._devices.pop(device.view.id, None)
+                if device.view.soft_limits or device.view.unknown_positions:
+                    self._let_go[device.identity] = device.view
+                else:
+                    self._let_go.pop(device.identity, None)
         self._tell()
 
     def _tell(self) -> None:

@@ -84,8 +84,8 @@ def _refuse_unknown(view: DeviceView, axes: Iterable[int]) -> None:
     if lost:
         which = f"Axis {lost[0]}" if len(lost) == 1 else f"Axes {', '.join(map(str, lost))}"
         raise Refused(
-            f"{which} may be elsewhere than counted, since the device was lost, so soft limits can't be kept: set the "
-            "position, or take the limits away."
+            f"{which} may be elsewhere than counted, since the device was lost or disconnected, so soft limits can't "
+            "be kept: set the position, or take the limits away."
         )
 
 

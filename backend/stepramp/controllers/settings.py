@@ -33,7 +33,8 @@ MOST_NAMED = 4 * MOST_AXES
 """Longest list of axes; naming one twice is harmless."""
 
 _AXES = f"axes, whole numbers from 0 to {MOST_AXES - 1}"
-AxisNumbers = Annotated[tuple[AxisNumber, ...], ListOf(_AXES, most=MOST_NAMED), AfterValidator(_in_order)]
+AxisNumbersAsGiven = Annotated[tuple[AxisNumber, ...], ListOf(_AXES, most=MOST_NAMED)]
+AxisNumbers = Annotated[AxisNumbersAsGiven, AfterValidator(_in_order)]
 AxisNumbersOrNull = Annotated[
     tuple[AxisNumber, ...] | None, ListOrNull(_AXES, most=MOST_NAMED), AfterValidator(_in_order)
 ]

@@ -1,7 +1,8 @@
 """Connections to the server: so many and no more, so that one over which a stop comes is always accepted.
 
 When there are too many, that one ends whose end harms least: one that never sent anything, then one between two
-requests, then one whose request doesn't come to its end; of these the oldest.
+requests, then one whose request doesn't come to its end; of these the one that has waited longest. One that has just
+come, or whose request has just begun, outlives all of these: it may be a stop that wasn't read yet.
 """
 
 import asyncio
@@ -23,6 +24,9 @@ no use: pyserial waits by `select`, which knows no descriptors from 1,024 on."""
 HEARD_WITHIN_S = 15.0
 """A connection that has sent nothing for so long, and a request that has not come whole, end within twice that [s]."""
 
+NEW_S = 1.0
+"""So long a connection that has sent nothing, or only the begin of a request, is new [s]."""
+
 
 class Stage(IntEnum):
     """What a connection is doing. The least ends first."""
@@ -31,33 +35,39 @@ class Stage(IntEnum):
     SILENT = 1
     BETWEEN = 2
     BEGUN = 3
-    SERVED = 4
+    NEW = 4
+    SERVED = 5
+
+
+UNHEARD = (Stage.SILENT, Stage.BEGUN)
 
 
 class Connections:
     """Those that are open, in one event loop.
 
-    most: how many there may be. heard_within_s: see HEARD_WITHIN_S.
+    most: how many there may be. heard_within_s: see HEARD_WITHIN_S. new_s: see NEW_S.
     """
 
-    def __init__(self, most: int = MOST_CONNECTIONS, heard_within_s: float = HEARD_WITHIN_S) -> None:
+    def __init__(
+        self, most: int = MOST_CONNECTIONS, heard_within_s: float = HEARD_WITHIN_S, new_s: float = NEW_S
+    ) -> None:
         self._most = most
         self.heard_within_s = heard_within_s
-        # In the order in which they came.
-        self._open: dict[Connection, None] = {}
+        self.new_s = new_s
+        self._open: set[Connection] = set()
 
     def add(self, connection: "Connection") -> None:
         """Take one more; end another one when there are too many."""
         if len(self._open) >= self._most:
             # Those that became WebSockets don't tell of their end.
-            self._open = {each: None for each in self._open if not each.is_over}
+            self._open = {each for each in self._open if not each.is_over}
         if len(self._open) >= self._most:
-            min(self._open, key=lambda each: each.stage).transport.abort()
-        self._open[connection] = None
+            min(self._open, key=lambda each: each.turn_to_end).transport.abort()
+        self._open.add(connection)
 
     def discard(self, connection: "Connection") -> None:
         """Note that one has ended."""
-        self._open.pop(connection, None)
+        self._open.discard(connection)
 
 
 class Connection(H11Protocol):
@@ -111,6 +121,13 @@ class Connection(H11Protocol):
         return Stage.BETWEEN if is_at_rest else Stage.BEGUN
 
     @property
+    def turn_to_end(self) -> tuple[Stage, float]:
+        """What it is doing, and since when: the least ends first."""
+        stage, since_s = self.stage, self._waits_since_s
+        is_new = stage in UNHEARD and self.loop.time() - since_s < self._connections.new_s
+        return (Stage.NEW if is_new else stage), since_s
+
+    @property
     def _is_websocket(self) -> bool:
         return self.transport.get_protocol() is not self
 
@@ -126,7 +143,7 @@ class Connection(H11Protocol):
         if self._is_websocket:
             return
         is_late = self.loop.time() - self._waits_since_s >= self._connections.heard_within_s
-        if is_late and self.stage in (Stage.SILENT, Stage.BEGUN):
+        if is_late and self.stage in UNHEARD:
             self.transport.abort()
         else:
             self._look_later()

@@ -9,11 +9,11 @@ from starlette.responses import Response
 
 from stepramp.design import MOST_NAMES, MOST_STEPS, Design, MethodName
 from stepramp.errors import Rejected, Rejection
-from stepramp.http_api.bodies import JsonRoute
+from stepramp.http_api.bodies import LARGE_BYTES, JsonRoute
 from stepramp.http_api.curves_models import CurvesAnswer, curves_content
 from stepramp.http_api.errors import error_items, in_body
 from stepramp.http_api.json_response import json_bytes, json_pieces
-from stepramp.http_api.lanes import PLANNING, planning_lane
+from stepramp.http_api.lanes import CHECKING, Lane, planning_lane
 from stepramp.http_api.planned import Planned
 from stepramp.http_api.sockets import parsed, received, send, served
 from stepramp.ramp.drawing import Drawing
@@ -72,8 +72,7 @@ class CurvesRequest(Document):
 @router.post("/curves", response_model=CurvesAnswer)
 async def curves(request: CurvesRequest) -> Response:
     """Plan a design's move by several methods, thinned for plots, with their errors and figures."""
-    lane = planning_lane([request.design], len(request.methods), request.max_points)
-    return Planned(lane, lambda: curves_content(request.drawing))
+    return Planned(_lane(request), lambda: curves_content(request.drawing))
 
 
 @router.websocket("/curves/socket")
@@ -86,15 +85,24 @@ async def curves_socket(socket: WebSocket) -> None:
         await socket.accept()
         while True:
             message = await received(socket)
-            await send(socket, await PLANNING.run(partial(_answer, message)))
+            await send(socket, await _answer(message))
 
 
-def _answer(message: str | bytes) -> str:
+async def _answer(message: str | bytes) -> str:
+    checked = partial(_checked, message)
     try:
-        request = CurvesRequest.checked(parsed(message, "a JSON object with a design and methods"))
-        return _message(curves_content(request.drawing), request.max_points)
+        request = await CHECKING.run(checked) if len(message) > LARGE_BYTES else checked()
+        return await _lane(request).run(lambda: _message(curves_content(request.drawing), request.max_points))
     except Rejected as error:
         return json_bytes({"errors": error_items(in_body(error))}).decode()
+
+
+def _checked(message: str | bytes) -> CurvesRequest:
+    return CurvesRequest.checked(parsed(message, "a JSON object with a design and methods"))
+
+
+def _lane(request: CurvesRequest) -> Lane:
+    return planning_lane([request.design], len(request.methods), request.max_points)
 
 
 def _message(content: object, max_points: int) -> str:

@@ -162,7 +162,8 @@ class AxisAnswer(Answer):
     state: DeviceState = Field(description="ready, moving or stopping; lost with its device")
     position_steps: int = Field(description="Where its motor is [steps]")
     target_steps: int = Field(
-        description="Where it will come to rest; its position as long as it runs at a speed [steps]"
+        description="Where it will come to rest; its position as long as it runs at a speed, and right after a stop "
+        "until the controller has said where [steps]"
     )
     speed_steps_per_s: float = Field(description="How fast it moves, without sign [steps/s]")
     steps_made: int = Field(description="Steps since it last set out from rest [steps]")
@@ -182,7 +183,7 @@ class DeviceAnswer(Answer):
     )
     message: str | None = Field(description="Why it is lost")
     position_steps: int = Field(description="Where the motor of axis 0 is [steps]")
-    target_steps: int = Field(description="Where axis 0 will come to rest [steps]")
+    target_steps: int = Field(description="Where axis 0 will come to rest, as in axes [steps]")
     speed_steps_per_s: float = Field(description="How fast axis 0 moves, without sign [steps/s]")
     axes: list[AxisAnswer] = Field(description="All axes that have a ramp; axis 0 in any case, once connected")
     timer_hz: int | None = Field(
@@ -202,7 +203,8 @@ class DeviceAnswer(Answer):
     progress: ProgressAnswer | None = Field(description="How far the push has come that is under way; null for none")
     shuttle: ShuttleAnswer | None = Field(description="What goes there and back; null for nothing")
     unknown_positions: list[int] = Field(
-        description="Axes that may be elsewhere than they count, since the device was lost; until they are set"
+        description="Axes that may be elsewhere than they count, since the device was lost, or disconnected while "
+        "they had soft limits; until they are set"
     )
     in_control: str | None = Field(
         description="The page that is in control: others must take over first. null for none; programs need none"

@@ -91,9 +91,11 @@ def zero(request: ZeroRequest, device: Acting, asked: AskedNumber) -> DeviceAnsw
 def limit(request: SoftLimitsRequest, device: Acting) -> DeviceAnswer:
     """Keep axes within positions from now on; null takes a limit away. Nothing moves.
 
-    The server keeps them, for this device, until it ends: what leads beyond is refused, and a run slows down in time.
-    Controllers know nothing of them. While `unknown_positions` names an axis, since its device was lost, it isn't known
-    where its limits are: nothing moves it until its position is set, or its limits are taken away.
+    The server keeps them until it ends, also when the device is disconnected and connected again, for its port, or its
+    USB serial number: what leads beyond is refused, and a run slows down in time. Controllers know nothing of them, so
+    that a run slows down as far before a limit as it goes in half a second; a move reaches it to the step.
+    While `unknown_positions` names an axis, since its device was lost or disconnected, it isn't known where its limits
+    are: nothing moves it until its position is set, or its limits are taken away.
     """
     device.limit(request.spans)
     return DeviceAnswer.model_validate(device.view)

@@ -8,7 +8,7 @@ from pydantic import BaseModel, Field, model_validator
 from stepramp.controllers.controller import Asked
 from stepramp.controllers.leases import Lease
 from stepramp.controllers.messages import MOST_AXES
-from stepramp.controllers.settings import AxisNumber, AxisNumbers, AxisNumbersOrNull, ListOrNull
+from stepramp.controllers.settings import AxisNumber, AxisNumbersAsGiven, AxisNumbersOrNull, ListOrNull
 from stepramp.controllers.shuttle import Shuttle
 from stepramp.controllers.soft_limits import Span
 from stepramp.controllers.trace import Trace
@@ -245,7 +245,7 @@ class SoftLimitsRequest(Document):
 class ZeroRequest(Document):
     """Gauges that are to run against their stop, which is then position 0."""
 
-    axes: AxisNumbers = Field((0,), description="Which axes")
+    axes: AxisNumbersAsGiven = Field((0,), description="Which axes, each once")
     steps: Annotated[int, Within(1, 65_535, "steps")] = Field(
         description="How far they move backwards: at least their whole range [steps]"
     )

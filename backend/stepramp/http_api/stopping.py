@@ -1,15 +1,16 @@
 """The routes that stop. Nothing stands between them and the device: no thread, no queue, no check of the body."""
 
 import asyncio
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import Future
+from contextlib import contextmanager
 
 from fastapi import APIRouter
 from starlette.requests import ClientDisconnect, Request
 
 from stepramp.controllers.device import Device
 from stepramp.controllers.devices import Devices
-from stepramp.errors import StepRampError
+from stepramp.errors import DeviceLost, Refused, StepRampError
 from stepramp.http_api.device_models import DeviceAnswer, DevicesAnswer
 from stepramp.http_api.device_registry import Registry
 from stepramp.http_api.motion_models import AxesRequest
@@ -40,18 +41,24 @@ async def stop_all(devices: Registry) -> DevicesAnswer:
 
 @router.post("/devices/{device_id}/stop", openapi_extra=AXES_IN_BODY)
 async def stop(device_id: str, devices: Registry, request: Request) -> DeviceAnswer:
-    """Slow axes, or all, down with their ramps, before anything else. What was asked before moves nothing any more."""
+    """Slow axes, or all, down with their ramps, before anything else. What was asked before moves nothing any more.
+
+    A device that is lost or still being connected is stopped as soon as it answers; the error says so.
+    """
     device = devices.get(device_id)
-    with device.being_stopped():
+    with device.being_stopped(), _told_as_owed():
         await _granted(device.stop(await _axes(request)))
     return DeviceAnswer.model_validate(device.view)
 
 
 @router.post("/devices/{device_id}/halt", openapi_extra=AXES_IN_BODY)
 async def halt(device_id: str, devices: Registry, request: Request) -> DeviceAnswer:
-    """Make no further step, before anything else; a fast motor may slip. What was asked before moves nothing."""
+    """Make no further step, before anything else; a fast motor may slip. What was asked before moves nothing.
+
+    A device that is lost or still being connected is stopped as soon as it answers; the error says so.
+    """
     device = devices.get(device_id)
-    with device.being_stopped():
+    with device.being_stopped(), _told_as_owed():
         await _granted(device.halt(await _axes(request)))
     return DeviceAnswer.model_validate(device.view)
 
@@ -66,6 +73,16 @@ async def halt_whole(device: Device) -> None:
     """Halt all axes of a device: return once that is granted, raise as Device.halt when it can't be."""
     with device.being_stopped():
         await _granted(device.halt())
+
+
+@contextmanager
+def _told_as_owed() -> Iterator[None]:
+    """Say of a stop that can't be granted yet that it isn't forgotten."""
+    try:
+        yield
+    except (DeviceLost, Refused) as error:
+        kind = DeviceLost if isinstance(error, DeviceLost) else Refused
+        raise kind(f"{error} It is stopped as soon as it answers.") from error
 
 
 async def _axes(request: Request) -> Sequence[int] | None:

@@ -1,5 +1,6 @@
 """The serial ports of this machine, with names that people know."""
 
+import os
 from dataclasses import dataclass, field
 from pathlib import Path, PurePath
 
@@ -44,6 +45,11 @@ class Port:
     usb: tuple[int, int, str | None] | None = field(default=None, compare=False)
     """USB vendor, product and serial number of what is plugged in, as far as they are known."""
 
+    @property
+    def identity(self) -> object:
+        """What tells what is plugged in apart: its USB serial number where it has one, else the port's name."""
+        return self.port if self.usb is None or self.usb[2] is None else self.usb
+
 
 def list_serial_ports() -> list[Port]:
     """Return the ports of this machine in order of their names, the virtual one last."""
@@ -67,6 +73,11 @@ def known_port(port: str) -> Port:
     """Return what is known of a port, so that it can be found again once it has been unplugged."""
     listed = {each.port: each for each in list_serial_ports() if not each.virtual}
     return listed.get(port, Port(port, port_name(port)))
+
+
+def place_of(port: str) -> str:
+    """Return what all names of a port have in common: links lead to one file, addresses to none."""
+    return os.path.realpath(port) if port.isprintable() and "://" not in port else port
 
 
 def find_again(lost: Port) -> str | None:
