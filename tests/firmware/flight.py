@@ -130,11 +130,22 @@ class Exchange:
         return self.kind in (*ORDERS, STOP, HALT) and (not self.body or bool(self.body[0] >> axis & 1))
 
 
+def message_of(frame: Frame) -> bytes | None:
+    """Return the message of a frame; None of one that was cut short, so that a stop's reply goes at once."""
+    try:
+        return decode_frame(frame.data)
+    except (AssertionError, IndexError):
+        assert not frame.is_sent
+        return None
+
+
 def exchanges(frames: Iterable[Frame]) -> list[Exchange]:
     """Return the requests of a conversation; those that were not answered have the status NO_ANSWER."""
     found, asked = list[Exchange](), dict[bytes, Frame]()
     for frame in frames:
-        message = decode_frame(frame.data)
+        message = message_of(frame)
+        if message is None:
+            continue
         if frame.is_sent:
             asked[message[:4]] = frame
         elif message[0] < REPORT_NOTICE:
