@@ -202,6 +202,35 @@ def test_the_measured_trace(pushed: StepRampPage) -> None:
     expect(figures).to_contain_text("500, every one")
 
 
+def test_a_refused_move_leaves_the_measured_one_on_the_plots(pushed: StepRampPage, watch: Watch) -> None:
+    watch.expected.append(REFUSED)
+    page = pushed.page
+    deviation = page.locator('#third-choice [data-value="deviation"]')
+    pushed.move("60")
+    expect(deviation).to_be_visible()
+    pushed.move("0.5")
+    expect(page.locator("#move-steps-message")).to_contain_text("Steps is 0.5")
+    expect(deviation).to_be_visible()
+    pushed.move(str(FAR))
+    expect(pushed.state).to_have_text("moving")
+    expect(deviation).to_be_hidden()
+
+
+def test_a_jog_takes_away_what_was_refused_before(pushed: StepRampPage, watch: Watch) -> None:
+    watch.expected.append(REFUSED)
+    page = pushed.page
+    pushed.device_section("jog")
+    page.locator("#jog-speed").fill("99999")
+    page.locator("#run-ahead").click()
+    refused = page.locator("#device .problem", has_text="99999")
+    expect(refused).to_be_visible()
+    page.locator("#jog-speed").fill("300")
+    press_and_hold(page, "#jog-right")
+    until(lambda: device_of(pushed)["state"] == "moving")
+    expect(refused).to_have_count(0)
+    page.mouse.up()
+
+
 def test_several_axes(stepramp: StepRampPage) -> None:
     page = stepramp.page
     page.get_by_role("button", name="Add an axis").click()
