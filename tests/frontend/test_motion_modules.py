@@ -259,6 +259,58 @@ def test_soft_limits_in_words(modules: Modules) -> None:
     assert in_mm == ["\u221220 to 400 mm", "up to 10 mm", "from 0 mm", ""]
 
 
+@pytest.mark.parametrize(
+    ("quantity", "value", "allowed", "text"),
+    [
+        # 400 steps make one turn of 8 mm: a step is 0.02 mm, and 5,000 steps/s are 100 mm/s.
+        (
+            "length",
+            600,
+            "what stays within the soft limits of axis 1, -50 to 500 steps, and this leads to 600",
+            "Steps is 12 mm; allowed: what stays within the soft limits of axis 1, -1 to 10 mm, and this leads to 12.",
+        ),
+        (
+            "length",
+            5,
+            "at least lowest_steps, 10 steps",
+            "Steps is 0.1 mm; allowed: at least lowest_steps, 0.2 mm.",
+        ),
+        (
+            "speed",
+            -5000,
+            "a speed at which axis 2 can still come to rest within its soft limits, from -50 steps",
+            "Steps is -100 mm/s; allowed: a speed at which axis 2 can still come to rest within its soft limits, from "
+            "-1 mm.",
+        ),
+        (
+            "speed",
+            1050.0,
+            "from -1,000 to 1,000 steps/s, the slew speed of the axis' ramp, and 0 or at least 0.25 either way",
+            "Steps is 21 mm/s; allowed: from -20 to 20 mm/s, the slew speed of the axis' ramp, and 0 or at least 0.005 "
+            "either way.",
+        ),
+        (
+            "length",
+            "abc",
+            "a whole number from -2,147,483,648 to 2,147,483,647 steps",
+            # A limit is rounded to the side that is allowed.
+            "Steps is 'abc'; allowed: whole steps from -42,949,670 to 42,949,670 mm.",
+        ),
+    ],
+)
+def test_a_refusal_of_a_device_in_the_unit_that_is_shown(
+    modules: Modules, quantity: str, value: object, allowed: str, text: str
+) -> None:
+    script = """async ([rejection, quantity, length]) => {
+        const {inShownUnit} = await import('/panels/device/refusal.js');
+        const design = {axis: {full_steps_per_rev: 200, microsteps: 2, travel_per_rev: 8, travel_unit: 'mm'}};
+        return inShownUnit(rejection, 'Steps', quantity, {length, time: 's'}, design); }"""
+    message = f"axes.0.x is {value}; allowed: {allowed}."
+    rejection = {"field": "axes.0.x", "value": value, "allowed": allowed, "message": message}
+    assert modules.evaluate(script, [rejection, quantity, "mm"]) == text
+    assert modules.evaluate(script, [rejection, quantity, "steps"]) == f"Steps is {value}; allowed: {allowed}."
+
+
 SILENCE = """async (happens) => { const {createEvents} = await import('/events.js');
     const own = {WebSocket: globalThis.WebSocket, setInterval, setTimeout}, sockets = [], seen = [];
     let tick, again;
