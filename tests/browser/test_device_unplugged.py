@@ -169,7 +169,7 @@ def test_a_stop_owes_the_lost_one_while_another_slows_down(plugged: StepRampPage
     assert state_of(jogged) == "stopping", "a first press halts nothing"
     page.keyboard.press("Escape")
     until(lambda: state_of(jogged) == "ready")
-    expect(page.locator("#announcements")).to_contain_text("Out of reach, stopped as soon as it answers")
+    expect(notice).to_contain_text("is out of reach: it is stopped as soon as it answers.")
     cable.plug_in()
     until(lambda: state_of(board) == "ready")
     expect(notice).to_be_hidden()
