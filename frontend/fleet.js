@@ -67,6 +67,9 @@ export function createFleet({ onChange, onPorts, onRejected, onMeasured, say, on
   const traces = new Map();
   const gestures = createGestures();
   const jog = createJog(gestures, onRejected);
+  /** The measured move that is shown.
+   * @type {import('./types.js').Measured | null} */
+  let measured = null;
   /** What a push would change, or why there can be none, and of what that was said.
    * @type {{key: string, preview: Preview | null, problem: string}} */
   let known = { key: '', preview: null, problem: '' };
@@ -90,6 +93,12 @@ export function createFleet({ onChange, onPorts, onRejected, onMeasured, say, on
     }
     devices = told;
     onChange();
+  }
+
+  /** @param {import('./types.js').Measured | null} move */
+  function showMeasured(move) {
+    measured = move;
+    onMeasured(move);
   }
 
   /** The trace as far as it is known; null when a stop refuses the look at it, as it does all else that waits.
@@ -116,7 +125,7 @@ export function createFleet({ onChange, onPorts, onRejected, onMeasured, say, on
       onRejected(rejectionsOf(error));
     }
     const trace = traces.get(id);
-    onMeasured(trace && trace.step.length > 1 ? measuredFrom(trace) : null);
+    showMeasured(trace && trace.step.length > 1 ? measuredFrom(trace) : null);
     onChange();
   }
 
@@ -246,8 +255,10 @@ export function createFleet({ onChange, onPorts, onRejected, onMeasured, say, on
           await api.traceMoves(device.id, axis, gesture);
           traced.add(device.id);
         }
-        onMeasured(null);
+        const before = measured;
         await api.move(device.id, what, body, gesture);
+        // What was refused has moved nothing, and what moved but a few steps may have been measured already.
+        if (measured === before) showMeasured(null);
       });
     },
     /** @param {Device} device @param {number} axis @param {unknown} steps */

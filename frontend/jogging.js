@@ -29,6 +29,7 @@ export function createJog(gestures, onRefused) {
   /** @param {Device} device @param {number} axis @param {unknown} speed steps/s, negative for backwards */
   function begin(device, axis, speed) {
     end();
+    onRefused([]); // It was about what was asked before.
     const { stops } = gestures.begin(device);
     const opened = openJog(device.id);
     socket = opened;

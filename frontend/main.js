@@ -15,6 +15,7 @@ import { sortMessages } from './messages.js';
 import { SHOWN_AT_FIRST } from './methods.js';
 import { newestWins } from './newest.js';
 import { createOpening } from './opening.js';
+import { createOutOfReach } from './out_of_reach.js';
 import { createAxes } from './panels/axes/axes.js';
 import { createDevice } from './panels/device/device.js';
 import { createExport } from './panels/export/export.js';
@@ -61,7 +62,8 @@ let rejections = [];
 let examples = [];
 /** @type {import('./types.js').Staleness} */
 let staleness = null;
-/** What has to be read before all else: a STOP that failed, a link that can't be opened.
+/** What has to be read before all else: a STOP that failed, a device out of reach that may
+ * move, a link that can't be opened.
  * @type {Map<string, string>} */
 const urgent = new Map();
 
@@ -123,7 +125,11 @@ const opening = createOpening({
 let live = null;
 
 const fleet = createFleet({
-  onChange: showDevices,
+  onChange: () => {
+    stop.follow(fleet.devices());
+    outOfReach.follow(fleet.devices());
+    showDevices();
+  },
   onPorts: (ports) => devicePanel.showPorts(ports),
   onRejected: (list) => devicePanel.showRejections(list),
   onMeasured: (measured) => plots.showMeasured(measured),
@@ -143,6 +149,7 @@ const stop = createStop(fleet, (text, hasFailed) => {
   showMessages();
   showDevices();
 });
+const outOfReach = createOutOfReach();
 const header = createHeader(part('header'), {
   onName: (name) => change((present) => ({ ...present, name }), 'name'),
   onExample: (example) => opening.replace({ axes: [example.design], together: 'independent' }),
@@ -317,10 +324,20 @@ function showDevices() {
   }
   // The head of the page shows whatever moves, be it the chosen device or another.
   const moving = fleet.devices().find((device) => device.state === 'moving' || device.state === 'stopping');
-  header.showDevice(moving ?? chosen, stop.isUnderWay(), fleet.isLive());
+  header.showDevice(moving ?? chosen, stop.isHaltNext(), fleet.isLive());
   const planned = answer ? Math.abs(Number(answer.design.move.steps)) : 0;
   plots.showMove(fleet.runningMove(moving ?? chosen, axis, planned));
   showLive(fleet.samples(moving ?? chosen, axis));
+  showOutOfReach();
+}
+
+/** Whichever device is chosen: one that is out of reach may move. */
+function showOutOfReach() {
+  const text = outOfReach.words(fleet.devices(), stop.isStopped);
+  if (text === (urgent.get('out of reach') ?? '')) return;
+  if (text === '') urgent.delete('out of reach');
+  else urgent.set('out of reach', text);
+  showMessages();
 }
 
 function offerExamples() {

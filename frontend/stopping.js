@@ -1,16 +1,14 @@
 // @ts-check
-// STOP: the first press slows every motor down along its ramp, a second one while they still slow down halts them.
+// STOP: a press slows every motor down along its ramp. Only while all that may move has been stopped so, another one
+// halts what still slows down.
 
 import { api } from './api.js';
+import { isMoving, isOutOfReach } from './out_of_reach.js';
 
 /** @typedef {import('./types.js').Device} Device */
 
-/** @param {Device} device */
-const isStopping = (device) => device.state === 'stopping';
-/** @param {Device} device */
-const isMoving = (device) => device.state === 'moving' || isStopping(device);
-/** @param {Device} device */
-const isOutOfReach = (device) => device.state === 'lost' || device.state === 'connecting';
+/** So long a stop is taken to be on its way, and nothing is said. */
+const UNANSWERED_MS = 1_000;
 
 /**
  * @param {object} fleet
@@ -20,17 +18,31 @@ const isOutOfReach = (device) => device.state === 'lost' || device.state === 'co
  * @param {(text: string, hasFailed: boolean) => void} say
  */
 export function createStop({ devices, endMotions, hearStops }, say) {
-  let unanswered = 0;
+  /** The number of stops that each device had told of when it was first pressed for, until it rests.
+   * @type {Map<string, number>} */
+  const pressedAt = new Map();
 
-  const isUnderWay = () => unanswered > 0 || devices().some(isStopping);
+  /** Whether the device itself tells that it was stopped since the press.
+   * @param {Device} device */
+  const isStopped = (device) => device.stops > (pressedAt.get(device.id) ?? Infinity);
+  /** What slows down for another reason, as a jog that was let go, has not been stopped.
+   * @param {Device} device */
+  const slowsDown = (device) => device.state === 'stopping' && isStopped(device);
+  /** @param {Device} device */
+  const isYetToStop = (device) => (isMoving(device) && !slowsDown(device)) || (isOutOfReach(device) && !isStopped(device));
+  const isHaltNext = () => devices().some(slowsDown) && !devices().some(isYetToStop);
 
   /** Whatever may move: what sets out just now is not known to move yet. */
   async function halt() {
+    const ids = devices().map((device) => device.id);
+    const answers = await Promise.allSettled(ids.map((id) => api.halt(id)));
     const inReach = devices().filter((device) => !isOutOfReach(device));
-    if (inReach.length === 0) return slowDown();
-    const answers = await Promise.all(inReach.map((device) => api.halt(device.id)));
-    for (const answer of answers) hearStops(answer.devices);
-    say('Halted', false);
+    for (const answer of answers) if (answer.status === 'fulfilled') hearStops(answer.value.devices);
+    answers.forEach((answer, index) => {
+      // What is out of reach can only refuse, and is owed the stop from then on.
+      if (answer.status === 'rejected' && inReach.some(({ id }) => id === ids[index])) throw answer.reason;
+    });
+    say(['Halted', ...unreached(devices())].join('. '), false);
   }
 
   async function slowDown() {
@@ -40,17 +52,30 @@ export function createStop({ devices, endMotions, hearStops }, say) {
   }
 
   return {
-    isUnderWay,
+    /** Whether a press halts. */
+    isHaltNext,
+    isStopped,
+    /** Take note of what rests: it has to be stopped anew.
+     * @param {Device[]} told */
+    follow(told) {
+      for (const id of pressedAt.keys()) {
+        const device = told.find((one) => one.id === id);
+        if (!device || (device.state === 'ready' && isStopped(device))) pressedAt.delete(id);
+      }
+    },
     async press() {
-      const act = isUnderWay() ? halt : slowDown;
+      const act = isHaltNext() ? halt : slowDown;
+      for (const { id, stops } of devices()) if (!pressedAt.has(id)) pressedAt.set(id, stops);
       endMotions();
-      unanswered += 1;
+      const late = setTimeout(() => {
+        say('STOP is not answered yet: nobody knows whether anything stops.', true);
+      }, UNANSWERED_MS);
       try {
         await act();
       } catch (error) {
         say(`STOP did not get through: ${error instanceof Error ? error.message : error}`, true);
       } finally {
-        unanswered -= 1;
+        clearTimeout(late);
       }
     },
   };
@@ -60,9 +85,13 @@ export function createStop({ devices, endMotions, hearStops }, say) {
  * @param {Device[]} stopped */
 function words(stopped) {
   const reached = stopped.filter((device) => !isOutOfReach(device));
-  const others = stopped.filter(isOutOfReach).map((device) => device.name);
-  const isStopped = reached.some(isMoving);
-  if (others.length === 0) return isStopped ? 'Stopping' : 'Nothing moves';
-  const what = isStopped ? 'Stopping. ' : reached.length > 0 ? 'What answers is at rest. ' : '';
-  return `${what}Out of reach, stopped as soon as it answers: ${others.join(', ')}`;
+  if (reached.some(isMoving)) return ['Stopping', ...unreached(stopped)].join('. ');
+  if (reached.length === stopped.length) return 'Nothing moves';
+  return [...(reached.length > 0 ? ['What answers is at rest'] : []), ...unreached(stopped)].join('. ');
+}
+
+/** @param {Device[]} stopped */
+function unreached(stopped) {
+  const names = stopped.filter(isOutOfReach).map((device) => device.name);
+  return names.length === 0 ? [] : [`Out of reach, stopped as soon as it answers: ${names.join(', ')}`];
 }

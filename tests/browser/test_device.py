@@ -175,7 +175,7 @@ def test_running_at_a_speed_and_calling_the_place_something(pushed: StepRampPage
     pushed.device_section("jog")
     page.locator("#jog-speed").fill("99999")
     page.locator("#run-ahead").click()
-    expect(page.locator(".device .problem").first).to_contain_text("speed_steps_per_s is 99999")
+    expect(page.locator("#jog-speed-message")).to_contain_text("Speed is 99999")
     page.locator("#jog-speed").fill("300")
     page.locator("#run-back").click()
     until(lambda: device_of(pushed)["speed_steps_per_s"] > 290)
@@ -200,6 +200,35 @@ def test_the_measured_trace(pushed: StepRampPage) -> None:
     at_rest(pushed)
     pushed.device_section("trace")
     expect(figures).to_contain_text("500, every one")
+
+
+def test_a_refused_move_leaves_the_measured_one_on_the_plots(pushed: StepRampPage, watch: Watch) -> None:
+    watch.expected.append(REFUSED)
+    page = pushed.page
+    deviation = page.locator('#third-choice [data-value="deviation"]')
+    pushed.move("60")
+    expect(deviation).to_be_visible()
+    pushed.move("0.5")
+    expect(page.locator("#move-steps-message")).to_contain_text("Steps is 0.5")
+    expect(deviation).to_be_visible()
+    pushed.move(str(FAR))
+    expect(pushed.state).to_have_text("moving")
+    expect(deviation).to_be_hidden()
+
+
+def test_a_jog_takes_away_what_was_refused_before(pushed: StepRampPage, watch: Watch) -> None:
+    watch.expected.append(REFUSED)
+    page = pushed.page
+    pushed.device_section("jog")
+    page.locator("#jog-speed").fill("99999")
+    page.locator("#run-ahead").click()
+    refused = page.locator("#device .problem", has_text="99999")
+    expect(refused).to_be_visible()
+    page.locator("#jog-speed").fill("300")
+    press_and_hold(page, "#jog-right")
+    until(lambda: device_of(pushed)["state"] == "moving")
+    expect(refused).to_have_count(0)
+    page.mouse.up()
 
 
 def test_several_axes(stepramp: StepRampPage) -> None:
@@ -314,6 +343,52 @@ def test_lengths_in_the_chosen_unit(pushed: StepRampPage) -> None:
     until(lambda: device_of(pushed)["position_steps"] == 125)
     expect(pushed.position).to_have_text(re.compile(r"^2\.50*$"))
     expect(page.locator(".live .target").first).to_contain_text("125 steps")
+
+
+def test_what_is_refused_stands_at_its_field_in_its_unit(pushed: StepRampPage, watch: Watch) -> None:
+    watch.expected.append(REFUSED)
+    page = pushed.page
+    page.locator('[aria-label="Unit of length"] [data-value="mm"]').click()
+    pushed.device_section("jog")
+
+    def refused(field: str, text: str, button: str) -> str:
+        page.locator(field).fill(text)
+        page.locator(button).click()
+        message = page.locator(f"{field}-message")
+        expect(message).to_have_count(1)
+        expect(page.locator("#device .problem .message")).to_have_count(1)
+        return message.inner_text()
+
+    # 400 steps make one turn of 8 mm, and the ramp goes up to 1,000 steps/s.
+    speed = refused("#jog-speed", "21", "#run-ahead")
+    assert speed.startswith("Speed is 21 mm/s; allowed: from -20 to 20 mm/s, the slew speed")
+    assert refused("#jog-speed", "abc", "#run-back").startswith("Speed is 'abc'; allowed: a number from -20,000 to")
+    assert "42,949,67" in refused("#set-position", "x", "#set-position-button")
+    assert refused("#zero-steps", "-1", "#zero") == "Range is -1 mm; allowed: whole steps from 0.02 to 1,310.7 mm."
+    page.locator('#device-sections [data-value="move"]').click()
+    page.locator('.panel.device [data-value="back"]').click()
+    assert refused("#move-times", "0", "#move").startswith("Times is 0; allowed: a whole number from 1 to 10,000")
+    page.locator("#move-times").fill("1")
+    assert refused("#move-pause", "-1", "#move").startswith("The pause is -1; allowed: a number from 0 to 3,600 s")
+
+
+def test_a_line_that_is_refused_says_for_which_axis(stepramp: StepRampPage, watch: Watch) -> None:
+    watch.expected.append(REFUSED)
+    page = stepramp.page
+    page.get_by_role("button", name="Add an axis").click()
+    stepramp.connect()
+    stepramp.push()
+    stepramp.device_section("move")
+    page.locator('.panel.device [data-value="line"]').click()
+    page.locator("#line-0").fill("100")
+    page.locator("#line-1").fill("")
+    page.locator("#move").click()
+    expect(page.locator("#line-1-message")).to_contain_text("Steps of axis 1 is ''")
+    expect(page.locator("#line-1")).to_have_attribute("aria-invalid", "true")
+    expect(page.locator("#device .problem .message")).to_have_count(1)
+    page.locator('.panel.device [data-value="by"]').click()
+    page.locator('.panel.device [data-value="line"]').click()
+    expect(page.locator("#line-1-message")).to_have_count(0)
 
 
 def test_two_tabs(open_page: Callable[..., StepRampPage], watch: Watch) -> None:

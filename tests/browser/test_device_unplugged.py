@@ -133,6 +133,48 @@ def test_unplugged_while_jogging_and_plugged_in_while_still_held(plugged: StepRa
     plugged.page.mouse.up()
 
 
+def test_a_stop_owes_the_lost_one_while_another_slows_down(plugged: StepRampPage, cable: Cable, watch: Watch) -> None:
+    """Whatever slows down by itself, a press stops all, and what is out of reach is told whichever device is chosen."""
+    watch.expected.append(LOST)
+    page = plugged.page
+    board = device_of(plugged)["id"]
+
+    def state_of(device: str) -> str:
+        return next(one["state"] for one in plugged.devices() if one["id"] == device)
+
+    plugged.push()
+    plugged.move(str(FAR))
+    until(lambda: state_of(board) == "moving")
+    plugged.edit_and_wait(ACCELERATION, "100")
+    plugged.connect()
+    plugged.push()
+    jogged = next(one["id"] for one in plugged.devices() if one["id"] != board)
+    plugged.device_section("jog")
+    page.locator("#jog-speed").fill("900")
+    page.locator("#jog-right").hover()
+    page.mouse.down()
+    until(lambda: plugged.devices()[1]["speed_steps_per_s"] > 800)
+    cable.unplug()
+    notice = page.locator(".summary-messages")
+    expect(notice).to_contain_text("is out of reach since it moved, and may still move.")
+    page.mouse.up()
+    until(lambda: state_of(jogged) == "stopping")
+    expect(plugged.state).to_have_text("stopping")
+    expect(page.locator("#stop")).to_contain_text("STOP")
+    before = {one["id"]: one["stops"] for one in plugged.devices()}
+    page.keyboard.press("Escape")
+    until(lambda: all(one["stops"] > before[one["id"]] for one in plugged.devices()))
+    expect(notice).to_contain_text("is out of reach: it is stopped as soon as it answers.")
+    expect(page.locator("#stop")).to_contain_text("HALT")
+    assert state_of(jogged) == "stopping", "a first press halts nothing"
+    page.keyboard.press("Escape")
+    until(lambda: state_of(jogged) == "ready")
+    expect(notice).to_contain_text("is out of reach: it is stopped as soon as it answers.")
+    cable.plug_in()
+    until(lambda: state_of(board) == "ready")
+    expect(notice).to_be_hidden()
+
+
 def on_own_server(browser: Browser, act: Callable[[StepRampPage, Server], None]) -> None:
     with Server() as server:
         context = browser.new_context(viewport={"width": 1440, "height": 900})

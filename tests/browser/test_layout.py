@@ -3,8 +3,10 @@
 from collections.abc import Callable
 
 import pytest
-from playwright.sync_api import expect
+from playwright.sync_api import BrowserContext, Route, expect
 
+from browser.conftest import Watch, new_page
+from browser.server import Server
 from browser.stepramp_page import StepRampPage, until
 
 SIZES = [(1440, 900), (1024, 768), (390, 844)]
@@ -31,6 +33,22 @@ def test_everything_is_in_reach_and_nothing_scrolls_sideways(
     if size == (1440, 900):
         fits = "() => document.querySelector('.groups').scrollHeight <= document.querySelector('.groups').clientHeight"
         assert page.evaluate(fits), "all parameters are in sight"
+
+
+def test_a_phone_scrolls_nothing_sideways_while_there_are_no_curves_yet(
+    context: BrowserContext, server: Server, watch: Watch
+) -> None:
+    page = new_page(context, watch, (390, 844))
+    held: list[Route] = []
+    page.route("**/api/v1/curves", lambda route: held.append(route))  # noqa: PLW0108  # Playwright wants a function
+    page.goto(server.url)
+    # A look at the page lets what it asks for come to be known here.
+    until(lambda: [page.title(), *held][1:])
+    assert page.evaluate("() => document.documentElement.scrollWidth") == 390
+    for route in held:
+        route.continue_()
+    expect(page.locator(".plot-title:visible")).to_have_count(1)
+    page.close()
 
 
 def test_a_phone_shows_one_plot_at_a_time(open_page: Callable[..., StepRampPage]) -> None:

@@ -49,12 +49,18 @@ def test_only_so_many_pass_a_gate_and_all_get_their_turn(modules: Modules) -> No
 
 STOP = """async (presses) => { const {api} = await import('/api.js'), {createStop} = await import('/stopping.js');
     const own = {...api}, asked = [], said = [];
-    for (const {known, answered} of presses) {
+    let told = [];
+    const fleet = {devices: () => told, endMotions: () => asked.push('end'), hearStops: () => asked.push('hear')};
+    const stop = createStop(fleet, (text, hasFailed) => said.push([text, hasFailed]));
+    for (const {known, answered, refused = []} of presses) {
         const answer = {devices: answered};
+        told = known;
+        stop.follow(told);
         api.stopAll = async () => { asked.push('stop'); if (answered) return answer; throw new Error('nobody'); };
-        api.halt = async (id) => { asked.push(`halt ${id}`); return answer; };
-        const fleet = {devices: () => known, endMotions: () => asked.push('end'), hearStops: () => asked.push('hear')};
-        await createStop(fleet, (text, hasFailed) => said.push([text, hasFailed])).press();
+        api.halt = async (id) => { asked.push(`halt ${id}`);
+            if (refused.includes(id)) throw new Error('no'); return answer; };
+        if (answered !== undefined) await stop.press();
+        else asked.push(stop.isHaltNext() ? 'HALT' : 'STOP');
     }
     Object.assign(api, own);
     return [asked, said]; }"""
@@ -63,8 +69,12 @@ STOP = """async (presses) => { const {api} = await import('/api.js'), {createSto
 OUT_OF_REACH = "Out of reach, stopped as soon as it answers"
 
 
-def devices(*states: str) -> list[dict[str, str]]:
-    return [{"id": str(number), "name": f"board {number}", "state": state} for number, state in enumerate(states)]
+def devices(*states: str, stops: int = 7) -> list[dict[str, object]]:
+    """Return devices as the server tells of them; each STOP lets it count more stops."""
+    return [
+        {"id": str(number), "name": f"board {number}", "state": state, "stops": stops, "axes": []}
+        for number, state in enumerate(states)
+    ]
 
 
 @pytest.mark.parametrize(
@@ -86,27 +96,131 @@ def test_a_press_stops_everything_and_says_what_came_of_it(
     assert (asked, said) == (["end", "stop", "hear"], [[words, False]])
 
 
-def test_a_press_while_something_slows_down_halts_whatever_may_move(modules: Modules) -> None:
-    known = devices("stopping", "ready", "lost")
-    asked, said = modules.evaluate(STOP, [{"known": known, "answered": devices("ready", "ready", "lost")}])
-    assert asked[0] == "end", "before anything is waited for"
-    assert asked[1:3] == ["halt 0", "halt 1"], "a stop besides would refuse what is asked when it rests"
-    assert said == [["Halted", False]]
+def after_a_press(*states: str) -> list[dict[str, object]]:
+    """Return presses: one that is answered, and what is told afterwards."""
+    return [{"known": devices("moving", *states[1:]), "answered": devices(*states, stops=9)}]
 
 
-def test_a_second_press_stops_again_where_nothing_can_be_halted(modules: Modules) -> None:
-    script = STOP.replace("await createStop", "const stop = createStop").replace(
-        ".press();", "; await Promise.all([stop.press(), stop.press()]);"
+def test_a_second_press_halts_what_slows_down_since_the_first(modules: Modules) -> None:
+    known = devices("stopping", "ready", "lost", stops=9)
+    asked, said = modules.evaluate(
+        STOP, [*after_a_press("stopping", "ready", "lost"), {"known": known, "answered": known, "refused": ["2"]}]
     )
+    assert asked[:4] == ["end", "stop", "hear", "end"], "before anything is waited for"
+    assert asked[4:] == ["halt 0", "halt 1", "halt 2", "hear", "hear"], "the lost one is owed it, too"
+    assert said[1:] == [[f"Halted. {OUT_OF_REACH}: board 2", False]]
+
+
+def test_a_halt_that_is_refused_by_what_is_in_reach_is_no_halt(modules: Modules) -> None:
+    known = devices("stopping", "ready", stops=9)
+    _, said = modules.evaluate(
+        STOP, [*after_a_press("stopping", "ready"), {"known": known, "answered": known, "refused": ["1"]}]
+    )
+    assert said[1:] == [["STOP did not get through: no", True]]
+
+
+@pytest.mark.parametrize(
+    "known",
+    [
+        # A jog that was let go slows down, whatever else moves or may move.
+        devices("stopping"),
+        devices("stopping", "moving"),
+        devices("stopping", "lost"),
+        devices("stopping", "connecting"),
+    ],
+)
+def test_a_press_never_halts_while_anything_was_not_stopped(modules: Modules, known: object) -> None:
+    asked, _ = modules.evaluate(STOP, [{"known": known}, {"known": known, "answered": devices("stopping", stops=9)}])
+    assert asked == ["STOP", "end", "stop", "hear"]
+
+
+def stopped_then(*told: list[dict[str, object]]) -> list[dict[str, object]]:
+    return [*after_a_press("stopping", "ready"), *({"known": known} for known in told)]
+
+
+@pytest.mark.parametrize(
+    ("told", "button"),
+    [
+        ([devices("stopping", "ready", stops=9)], "HALT"),
+        ([devices("stopping", "lost", stops=9)], "HALT"),
+        # It is told late that the other one moves, too: it moves in spite of the stop, or has been set out since.
+        ([devices("stopping", "moving", stops=9)], "STOP"),
+        # At rest since, it moves anew and slows down by itself.
+        ([devices("ready", "ready", stops=9), devices("stopping", "ready", stops=9)], "STOP"),
+        # What is told was told before the press.
+        ([devices("ready", "ready"), devices("stopping", "ready", stops=9)], "HALT"),
+        # Another server counts anew.
+        ([[], devices("stopping", stops=12)], "STOP"),
+    ],
+)
+def test_what_the_next_press_does(modules: Modules, told: list[list[dict[str, object]]], button: str) -> None:
+    asked, _ = modules.evaluate(STOP, stopped_then(*told))
+    assert asked[-1] == button
+
+
+def test_what_is_pressed_for_again_before_it_is_known_to_be_stopped_is_stopped_again(modules: Modules) -> None:
+    script = STOP.replace("await stop.press()", "await Promise.all([stop.press(), stop.press()])")
     lost = devices("lost")
     asked, said = modules.evaluate(script, [{"known": lost, "answered": lost}])
     assert asked == ["end", "stop", "end", "stop", "hear", "hear"]
     assert said == [[f"{OUT_OF_REACH}: board 0", False]] * 2, "nobody knows that it was halted"
 
 
+UNANSWERED = """async (known) => { const {api} = await import('/api.js'), {createStop} = await import('/stopping.js');
+    const own = {...api}, real = {setTimeout, clearTimeout}, said = [], timers = new Map();
+    let answer;
+    api.stopAll = () => new Promise((resolve) => { answer = resolve; });
+    globalThis.setTimeout = (act, ms) => { timers.set(1, [act, ms]); return 1; };
+    globalThis.clearTimeout = (timer) => timers.delete(timer);
+    const fleet = {devices: () => known, endMotions: () => {}, hearStops: () => {}};
+    const stop = createStop(fleet, (text, hasFailed) => said.push([text, hasFailed]));
+    const pressed = stop.press();
+    const [act, ms] = timers.get(1);
+    act();
+    said.push(stop.isHaltNext());
+    answer({devices: [{...known[0], state: 'stopping'}]});
+    await pressed;
+    Object.assign(globalThis, real);
+    Object.assign(api, own);
+    return [ms, said, timers.size]; }"""
+
+
+def test_a_stop_that_is_not_answered_within_a_second_says_so_until_it_is(modules: Modules) -> None:
+    within_ms, said, left = modules.evaluate(UNANSWERED, devices("moving"))
+    unanswered = ["STOP is not answered yet: nobody knows whether anything stops.", True]
+    assert (within_ms, left) == (1000, 0)
+    assert said == [unanswered, False, ["Stopping", False]]
+
+
 def test_a_stop_that_fails_has_ended_the_gestures_all_the_same(modules: Modules) -> None:
     asked, said = modules.evaluate(STOP, [{"known": devices("moving"), "answered": None}])
     assert (asked, said) == (["end", "stop"], [["STOP did not get through: nobody", True]])
+
+
+OUT = """async ([steps, isStopped]) => { const {createOutOfReach} = await import('/out_of_reach.js');
+    const out = createOutOfReach();
+    return steps.map((devices) => { out.follow(devices); return out.words(devices, () => isStopped); }); }"""
+MAY_MOVE = "board 0 is out of reach since it moved, and may still move. STOP stops it as soon as it answers."
+IS_OWED = "board 0 is out of reach: it is stopped as soon as it answers."
+
+
+def test_what_was_lost_in_mid_move_is_told_until_it_is_back(modules: Modules) -> None:
+    states = ["ready", "lost", "connecting", "ready", "moving", "lost", "connecting", "ready", "lost"]
+    steps = [devices(state) for state in states]
+    words = modules.evaluate(OUT, [steps, False])
+    assert words == ["", "", "", "", "", MAY_MOVE, MAY_MOVE, "", ""]
+    # As long as the stop is owed, that is told, also of one that did not move when it was heard of.
+    words = modules.evaluate(OUT, [steps, True])
+    assert words == ["", IS_OWED, IS_OWED, "", "", IS_OWED, IS_OWED, "", IS_OWED]
+
+
+def test_a_page_that_comes_later_sees_that_a_lost_one_had_not_arrived(modules: Modules) -> None:
+    [lost] = devices("lost")
+    on_the_way = [lost | {"axes": [{"position_steps": 40, "target_steps": 900}]}]
+    arrived = [lost | {"axes": [{"position_steps": 900, "target_steps": 900}]}]
+    assert modules.evaluate(OUT, [[on_the_way], False]) == [MAY_MOVE]
+    assert modules.evaluate(OUT, [[arrived], False]) == [""]
+    assert modules.evaluate(OUT, [[on_the_way, []], False]) == [MAY_MOVE, ""]
 
 
 def test_soft_limits_are_remembered_by_port_and_axis(modules: Modules) -> None:
@@ -143,6 +257,58 @@ def test_soft_limits_in_words(modules: Modules) -> None:
     assert in_steps == ["\u22121,000 to 20,000 steps", "up to 500 steps", "from 0 steps", ""]
     # 400 steps make one turn of 8 mm.
     assert in_mm == ["\u221220 to 400 mm", "up to 10 mm", "from 0 mm", ""]
+
+
+@pytest.mark.parametrize(
+    ("quantity", "value", "allowed", "text"),
+    [
+        # 400 steps make one turn of 8 mm: a step is 0.02 mm, and 5,000 steps/s are 100 mm/s.
+        (
+            "length",
+            600,
+            "what stays within the soft limits of axis 1, -50 to 500 steps, and this leads to 600",
+            "Steps is 12 mm; allowed: what stays within the soft limits of axis 1, -1 to 10 mm, and this leads to 12.",
+        ),
+        (
+            "length",
+            5,
+            "at least lowest_steps, 10 steps",
+            "Steps is 0.1 mm; allowed: at least lowest_steps, 0.2 mm.",
+        ),
+        (
+            "speed",
+            -5000,
+            "a speed at which axis 2 can still come to rest within its soft limits, from -50 steps",
+            "Steps is -100 mm/s; allowed: a speed at which axis 2 can still come to rest within its soft limits, from "
+            "-1 mm.",
+        ),
+        (
+            "speed",
+            1050.0,
+            "from -1,000 to 1,000 steps/s, the slew speed of the axis' ramp, and 0 or at least 0.25 either way",
+            "Steps is 21 mm/s; allowed: from -20 to 20 mm/s, the slew speed of the axis' ramp, and 0 or at least 0.005 "
+            "either way.",
+        ),
+        (
+            "length",
+            "abc",
+            "a whole number from -2,147,483,648 to 2,147,483,647 steps",
+            # A limit is rounded to the side that is allowed.
+            "Steps is 'abc'; allowed: whole steps from -42,949,670 to 42,949,670 mm.",
+        ),
+    ],
+)
+def test_a_refusal_of_a_device_in_the_unit_that_is_shown(
+    modules: Modules, quantity: str, value: object, allowed: str, text: str
+) -> None:
+    script = """async ([rejection, quantity, length]) => {
+        const {inShownUnit} = await import('/panels/device/refusal.js');
+        const design = {axis: {full_steps_per_rev: 200, microsteps: 2, travel_per_rev: 8, travel_unit: 'mm'}};
+        return inShownUnit(rejection, 'Steps', quantity, {length, time: 's'}, design); }"""
+    message = f"axes.0.x is {value}; allowed: {allowed}."
+    rejection = {"field": "axes.0.x", "value": value, "allowed": allowed, "message": message}
+    assert modules.evaluate(script, [rejection, quantity, "mm"]) == text
+    assert modules.evaluate(script, [rejection, quantity, "steps"]) == f"Steps is {value}; allowed: {allowed}."
 
 
 SILENCE = """async (happens) => { const {createEvents} = await import('/events.js');

@@ -8,7 +8,9 @@ from typing import Any
 
 import pytest
 from starlette.testclient import TestClient
+from starlette.types import Message
 from starlette.websockets import WebSocketDisconnect
+from uvicorn.protocols.utils import ClientDisconnected
 
 from designs import document
 from event_loop import run
@@ -144,6 +146,24 @@ def test_a_mistake_in_a_jog_is_logged_and_closes_the_socket(
         socket.send_json({"do": "run", "axis": 0, "speed_steps_per_s": 400})
         socket.send_json({"do": "end"})
         assert_closed_as_a_mistake(socket, caplog)
+
+
+def test_who_goes_before_the_socket_is_accepted_is_no_mistake(
+    client: TestClient, jog: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    """As a page does that is stopped while it opens a jog."""
+
+    async def said() -> Message:
+        return {"type": "websocket.connect"}
+
+    async def gone(message: Message) -> None:
+        raise ClientDisconnected(message["type"])
+
+    assert client.portal
+    for path in (jog, CURVES, EVENTS):
+        scope = {"type": "websocket", "path": path, "query_string": b"", "headers": [(b"host", b"127.0.0.1:8000")]}
+        client.portal.call(client.app, scope, said, gone)
+        assert "mistake" not in caplog.text
 
 
 class Gone:

@@ -15,7 +15,7 @@ from stepramp.http_api.errors import error_items, in_body
 from stepramp.http_api.json_response import json_bytes, json_pieces
 from stepramp.http_api.lanes import CHECKING, Lane, planning_lane
 from stepramp.http_api.planned import Planned
-from stepramp.http_api.sockets import parsed, received, send, served
+from stepramp.http_api.sockets import accept, parsed, received, send, served
 from stepramp.ramp.drawing import Drawing
 from stepramp.validation import Document, ListOf, OneOf, TrueOrFalse, Within
 
@@ -82,7 +82,7 @@ async def curves_socket(socket: WebSocket) -> None:
     For sliders: in a browser a request of its own takes longer than the curves of a usual move.
     """
     async with served(socket):
-        await socket.accept()
+        await accept(socket)
         while True:
             message = await received(socket)
             await send(socket, await _answer(message))

@@ -26,7 +26,7 @@ from stepramp.http_api.device_registry import Acting, Page, Registry
 from stepramp.http_api.errors import ErrorList
 from stepramp.http_api.lanes import ACTING, CONNECTING, PLANNING, PUSHING
 from stepramp.http_api.news import News
-from stepramp.http_api.sockets import received, send, served
+from stepramp.http_api.sockets import accept, received, send, served
 from stepramp.http_api.stop_messages import MOST_AT_A_TIME, Answers, answered
 from stepramp.link.ports import list_serial_ports
 
@@ -155,7 +155,7 @@ async def events(socket: WebSocket, devices: Registry, page: str | None = None) 
     news: News = socket.app.state.news
     answers = Answers()
     async with served(socket):
-        await socket.accept()
+        await accept(socket)
         with devices.present(page):
             await _until_one_ends(
                 _tell(socket, news.editions()), _tell(socket, answers.given()), _hear(socket, devices, answers)

@@ -14,7 +14,7 @@ from stepramp.http_api.errors import error_items
 from stepramp.http_api.json_response import json_bytes
 from stepramp.http_api.lanes import ACTING
 from stepramp.http_api.motion_models import JogRequest
-from stepramp.http_api.sockets import parsed, received, send, served
+from stepramp.http_api.sockets import accept, parsed, received, send, served
 
 ALLOWED = 'a JSON object such as {"do": "hold"}'
 LONGEST_MESSAGE = 1024
@@ -31,7 +31,7 @@ async def jog(socket: WebSocket, device_id: str, devices: Registry, page: str | 
     another socket.
     """
     async with served(socket):
-        await socket.accept()
+        await accept(socket)
         try:
             device = devices.acting(device_id, page)
         except StepRampError as error:

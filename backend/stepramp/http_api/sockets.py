@@ -17,7 +17,7 @@ log = logging.getLogger(__name__)
 
 @asynccontextmanager
 async def served(socket: WebSocket) -> AsyncIterator[None]:
-    """Serve an accepted socket until the other end has gone; after a mistake of ours, log it and close with 1011."""
+    """Serve a socket until the other end has gone; after a mistake of ours, log it and close with 1011."""
     try:
         yield
     except WebSocketDisconnect:
@@ -26,6 +26,15 @@ async def served(socket: WebSocket) -> AsyncIterator[None]:
         log.exception("A mistake ends the WebSocket %s.", socket.url.path)
         with suppress(WebSocketDisconnect, RuntimeError):  # It has gone, too.
             await socket.close(MISTAKE, "StepRamp made a mistake. It is logged.")
+
+
+async def accept(socket: WebSocket) -> None:
+    """Accept a socket; WebSocketDisconnect when the other end has gone before."""
+    try:
+        await socket.accept()
+    except OSError as error:
+        # So the server calls it. Of a socket that is accepted Starlette says it in its own way.
+        raise WebSocketDisconnect(1006, str(error)) from error
 
 
 async def received(socket: WebSocket) -> str | bytes:

@@ -1,11 +1,12 @@
 // @ts-check
 // Jogging while a button is held, running at a speed, and saying where an axis is.
 
-import { element, icon, showMessage } from '../../dom.js';
+import { element, icon } from '../../dom.js';
 import { memory } from '../../memory.js';
 import { shownValue } from '../../units.js';
 import { plainField } from './plain_field.js';
 import { quantityField } from './quantity.js';
+import { named, showAtPlaces } from './refusal.js';
 import { able } from './section.js';
 
 /** @typedef {import('../../types.js').Device} Device */
@@ -31,7 +32,9 @@ export function createJogSection(jog, handlers) {
     value: memory.runSeconds(),
     onChange: memory.keepRunSeconds,
   });
-  const problem = element('div', { className: 'problem' });
+  const [speedProblem, secondsProblem, placeProblem, dialProblem] = Array.from({ length: 4 }, () =>
+    element('div', { className: 'problem' }),
+  );
   const place = quantityField({ id: 'set-position', label: 'Position of this place', quantity: 'length', start: 0 });
   const dial = quantityField({ id: 'zero-steps', label: 'Whole range', quantity: 'length', start: WHOLE_DIAL_STEPS });
   const back = holdButton(-1, 'Jog backwards while held', 'left');
@@ -110,9 +113,10 @@ export function createJogSection(jog, handlers) {
       'div',
       { className: 'section' },
       labelled('Speed', speed.element),
+      speedProblem,
       element('div', { className: 'line hold-line' }, back, ahead),
       element('div', { className: 'line run-line' }, runBack, runAhead, element('span', { textContent: 'for' }), seconds.element),
-      problem,
+      secondsProblem,
       reason,
       element('p', {
         className: 'reason',
@@ -121,7 +125,9 @@ export function createJogSection(jog, handlers) {
       }),
       element('div', { className: 'separator' }),
       labelled('It is at', place.element, set),
+      placeProblem,
       labelled('Gauge', dial.element, zero),
+      dialProblem,
       placeReason,
       element('p', {
         className: 'reason',
@@ -147,12 +153,23 @@ export function createJogSection(jog, handlers) {
       if (placeReason.textContent === reason.textContent) placeReason.hidden = true;
     },
     /** @param {import('../../types.js').Rejection[]} rejections */
-    reject(rejections) {
-      const ofRun = rejections.find(({ field }) => field === 'for_s');
-      const text = ofRun?.message.replace('for_s', 'The time') ?? '';
-      showMessage(seconds.input, problem, ofRun && { text, isWarning: false });
-      return rejections.filter((one) => one !== ofRun);
-    },
+    reject: (rejections) =>
+      showAtPlaces(rejections, [
+        {
+          path: /(^|\.)speed_steps_per_s$/,
+          input: speed.input,
+          problem: speedProblem,
+          text: (one) => speed.refusal(one, 'Speed'),
+        },
+        { path: /^for_s$/, input: seconds.input, problem: secondsProblem, text: (one) => named(one, 'The time') },
+        {
+          path: /(^|\.)position_steps$/,
+          input: place.input,
+          problem: placeProblem,
+          text: (one) => place.refusal(one, 'Position'),
+        },
+        { path: /^steps$/, input: dial.input, problem: dialProblem, text: (one) => dial.refusal(one, 'Range') },
+      ]),
   };
 }
 

@@ -92,7 +92,7 @@ export function createLimitFields() {
           const path = `axes.${asked.indexOf(axis)}.${side}_steps`;
           const found = rejections.find((one) => one.field === path);
           const label = side === 'lowest' ? 'Lowest' : 'Highest';
-          const text = found?.message.replace(path, label).replace('lowest_steps', 'the lowest') ?? '';
+          const text = (found && field.refusal(found, label).replace('lowest_steps', 'the lowest')) ?? '';
           showMessage(field.input, box, found && { text, isWarning: false });
           if (found) problem.append(box);
         }

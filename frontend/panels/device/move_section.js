@@ -1,9 +1,10 @@
 // @ts-check
 // Moves: by so much, to a place, there and back, several axes along a line.
 
-import { element, segmented, showMessage } from '../../dom.js';
+import { element, segmented } from '../../dom.js';
 import { plainField } from './plain_field.js';
 import { quantityField } from './quantity.js';
+import { named, showAtPlaces } from './refusal.js';
 import { able } from './section.js';
 
 /** @typedef {import('../../types.js').Device} Device */
@@ -14,6 +15,8 @@ import { able } from './section.js';
  * @param {import('../../types.js').Design} design */
 const planned = ({ move }) => move.steps;
 const MOST_AXES = 4;
+/** Matches no path. */
+const NOTHING = /(?!)/;
 const BUTTONS = { by: 'Move', to: 'Move', back: 'Start', line: 'Move' };
 
 /** @param {(device: Device, axis: number, what: 'move' | 'line' | 'there_and_back', body: unknown) => void} go */
@@ -32,7 +35,7 @@ export function createMoveSection(go) {
     ],
     (value) => {
       kind = value;
-      showMessage(distance.input, problem, undefined); // It was about the other kind.
+      reject([]); // It was about the other kind.
       if (context) show(context);
     },
   );
@@ -51,7 +54,12 @@ export function createMoveSection(go) {
   const rows = lines.map((field, axis) =>
     element('label', { className: 'line-axis' }, element('span', { textContent: `Axis ${axis}` }), field.element),
   );
-  const several = element('div', { className: 'line-axes' }, ...rows);
+  const lineProblems = rows.map(() => element('div', { className: 'problem' }));
+  const several = element(
+    'div',
+    { className: 'line-axes' },
+    ...rows.flatMap((row, axis) => [row, lineProblems[axis]]),
+  );
   const repeat = element('div', { className: 'line' }, times.element, pause.element);
   const move = element('button', {
     className: 'button',
@@ -62,6 +70,8 @@ export function createMoveSection(go) {
   const inSteps = element('p', { className: 'reason', id: 'move-in-steps' });
   const reason = element('p', { className: 'reason', id: 'move-reason' });
   const problem = element('div', { className: 'problem' });
+  const timesProblem = element('div', { className: 'problem' });
+  const pauseProblem = element('div', { className: 'problem' });
   const under = element('p', { className: 'reason', id: 'move-shuttle', role: 'status' });
   const form = element(
     'form',
@@ -69,6 +79,8 @@ export function createMoveSection(go) {
     kinds.element,
     several,
     repeat,
+    timesProblem,
+    pauseProblem,
     element('div', { className: 'line' }, distance.element, move),
     problem,
     inSteps,
@@ -128,16 +140,27 @@ export function createMoveSection(go) {
     showSteps();
   }
 
-  return {
-    element: form,
-    show,
-    /** @param {import('../../types.js').Rejection[]} rejections */
-    reject(rejections) {
-      const ofMove = rejections.find(({ field }) => /(^|\.)(by|to)_steps$/.test(field ?? ''));
-      const label = kind === 'to' ? 'Position' : 'Steps';
-      const text = ofMove?.message.replace(/^(axes\.\d\.)?(by|to)_steps/, label) ?? '';
-      showMessage(distance.input, problem, ofMove && { text, isWarning: false });
-      return rejections.filter((one) => one !== ofMove);
-    },
-  };
+  /** @param {import('../../types.js').Rejection[]} rejections */
+  function reject(rejections) {
+    const isLine = kind === 'line';
+    const label = kind === 'to' ? 'Position' : 'Steps';
+    return showAtPlaces(rejections, [
+      ...lines.map((field, axis) => ({
+        path: isLine ? new RegExp(`^axes\\.${axis}\\.by_steps$`) : NOTHING,
+        input: field.input,
+        problem: lineProblems[axis],
+        text: (/** @type {import('../../types.js').Rejection} */ one) => field.refusal(one, `Steps of axis ${axis}`),
+      })),
+      {
+        path: isLine ? NOTHING : /(^|\.)(by|to)_steps$/,
+        input: distance.input,
+        problem,
+        text: (one) => distance.refusal(one, label),
+      },
+      { path: /^times$/, input: times.input, problem: timesProblem, text: (one) => named(one, 'Times') },
+      { path: /^pause_s$/, input: pause.input, problem: pauseProblem, text: (one) => named(one, 'The pause') },
+    ]);
+  }
+
+  return { element: form, show, reject };
 }

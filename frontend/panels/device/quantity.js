@@ -4,6 +4,7 @@
 import { element } from '../../dom.js';
 import { formatEntry, formatFixed, parseEntry } from '../../numbers.js';
 import { shownValue, storedValue, unitsFor, unitWord } from '../../units.js';
+import { inShownUnit, named } from './refusal.js';
 
 /** @typedef {import('../../types.js').Design} Design */
 /** @typedef {import('../../types.js').Entry} Entry */
@@ -71,6 +72,10 @@ export function quantityField({ id, label, quantity, start, toWhole = Math.round
       entry = value;
       write();
     },
+    /** What the server says is wrong with it.
+     * @param {import('../../types.js').Rejection} rejection @param {string} label */
+    refusal: (rejection, label) =>
+      shown ? inShownUnit(rejection, label, quantity, shown.units, shown.design) : named(rejection, label),
     /** What the motor does, where that isn't what the field says; '' where it is. */
     inSteps() {
       const isInSteps = shown === null || unitsFor(shown.units, shown.design).length === 'steps';

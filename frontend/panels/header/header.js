@@ -136,14 +136,14 @@ function createDevice(onStop) {
     element('kbd', { className: 'not-phone', 'aria-hidden': 'true', textContent: 'Esc' }),
   );
 
-  /** @param {Device | null} device @param {boolean} isStopping whether a second press halts
+  /** @param {Device | null} device @param {boolean} isHaltNext whether a press halts
    * @param {boolean} isLive whether the device is so now */
-  function show(device, isStopping, isLive) {
+  function show(device, isHaltNext, isLive) {
     pill.dataset.state = isLive ? (device?.state ?? 'none') : 'old';
     who.textContent = device ? `${device.name} ·` : '';
     word.textContent = device ? (isLive ? device.state : `was ${device.state}`) : 'no device';
-    stopText.textContent = isStopping ? 'HALT' : 'STOP';
-    const label = isStopping ? 'Halt at once without slowing down (Escape)' : 'Stop every motor (Escape)';
+    stopText.textContent = isHaltNext ? 'HALT' : 'STOP';
+    const label = isHaltNext ? 'Halt at once without slowing down (Escape)' : 'Stop every motor (Escape)';
     stop.setAttribute('aria-label', label);
   }
 

@@ -36,7 +36,8 @@ export function createOverlay(tools) {
     const unit = element('span');
     const key = element('span', { className: 'part-key', 'aria-hidden': 'true' });
     const reading = element('span', { className: 'reading' });
-    const title = element('div', { className: 'plot-title' }, heading, unit, tools[name], key, reading);
+    // Without curves it has no place yet.
+    const title = element('div', { className: 'plot-title', hidden: true }, heading, unit, tools[name], key, reading);
     return { name, heading, unit, key, reading, element: title };
   });
   titles[2].key.append(...PARTS.map(([part, dash]) => partKey(part, dash)));
