@@ -155,4 +155,13 @@ class StepRampPage:
             with contextlib.suppress(urllib.error.HTTPError):  # It is lost: nothing moves that could be stopped.
                 cls.ask(url, "POST", f"devices/{device['id']}/halt")
             until(lambda one=device["id"]: cls.ask(url, "GET", f"devices/{one}")["state"] in ("ready", "lost"))
+            with contextlib.suppress(urllib.error.HTTPError):  # It is lost.
+                cls.take_limits_away(url, device)
             cls.ask(url, "DELETE", f"devices/{device['id']}")
+
+    @classmethod
+    def take_limits_away(cls, url: str, device: dict[str, Any]) -> None:
+        """Let all axes of a device go anywhere: the server remembers their limits for whoever connects it next."""
+        free = [{"axis": axis["axis"]} for axis in device["axes"]]
+        if free:
+            cls.ask(url, "PUT", f"devices/{device['id']}/soft_limits", {"axes": free})
