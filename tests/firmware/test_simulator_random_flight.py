@@ -89,8 +89,8 @@ def test_there_were_enough_of_them(judged: dict[int, Judgement], record_property
     if len(judged) < len(SEEDS):
         pytest.skip("only some of the sessions have been run")
     requests = sum(one.in_flight for one in judged.values())
-    record_property("requests_in_flight", requests)
-    record_property("starved", sum(one.starved for one in judged.values()))
-    record_property("latest_step_us", max(one.latest_us for one in judged.values()))
-    record_property("slowest_stop_ms", max(one.slowest_stop_ms for one in judged.values()))
+    record_property("requests_in_flight", int(requests))
+    record_property("starved", int(sum(one.starved for one in judged.values())))
+    record_property("latest_step_us", float(max(one.latest_us for one in judged.values())))
+    record_property("slowest_stop_ms", float(max(one.slowest_stop_ms for one in judged.values())))
     assert requests >= REQUESTS_IN_FLIGHT
