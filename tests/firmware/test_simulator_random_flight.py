@@ -64,7 +64,7 @@ STILL_AT_FAULT = frozenset(
 """Sessions with stops and halts that come late at full speed, bytes that are lost under wide pulses, and a direction
 that is set too late before them."""
 SEEDS = [seed for seed in range(80) if seed not in STILL_AT_FAULT]
-REQUESTS_IN_FLIGHT = 4_500
+REQUESTS_IN_FLIGHT = 4_300
 
 
 @pytest.fixture(scope="module")
