@@ -119,7 +119,7 @@ def serve(listener: socket.socket, *, open_page: bool) -> None:
     from stepramp.http_api.app import create_app  # noqa: PLC0415
     from stepramp.http_api.asked_at import numbering  # noqa: PLC0415
     from stepramp.http_api.bodies import MOST_BYTES  # noqa: PLC0415
-    from stepramp.http_api.connections import MOST_NEW, Connections, allow_descriptors  # noqa: PLC0415
+    from stepramp.http_api.connections import MOST_NEW, allow_descriptors  # noqa: PLC0415
     from stepramp.http_api.server import GRACE_S, Server  # noqa: PLC0415
 
     address = f"http://{LOOPBACK}:{listener.getsockname()[1]}/"
@@ -128,7 +128,7 @@ def serve(listener: socket.socket, *, open_page: bool) -> None:
     config = uvicorn.Config(
         app,
         log_level="warning",
-        http=numbering(app.state.devices.order.next, Connections()),
+        http=numbering(app.state.devices.order.next, app.state.connections),
         ws="websockets-sansio",
         ws_per_message_deflate=False,
         ws_max_size=MOST_BYTES,

@@ -12,14 +12,15 @@ from contextlib import asynccontextmanager
 import pytest
 import uvicorn
 from starlette.responses import PlainTextResponse
-from starlette.types import Receive, Scope, Send
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from uvicorn.protocols.http.h11_impl import H11Protocol
 from uvicorn.server import ServerState
 
 from designs import document
 from event_loop import run
 from server_process import ServerProcess
-from stepramp.http_api.asked_at import numbering
+from stepramp.http_api.answered import AT_LAST, Answered
+from stepramp.http_api.asked_at import AskedAt, numbering
 from stepramp.http_api.connections import Connections
 
 PATIENCE_S = 15.0
@@ -85,9 +86,11 @@ class Numbered:
     """
 
     def __init__(self) -> None:
+        self.connections = Connections()
         self.order = itertools.count(1)
         self.numbers: dict[str, int] = {}
         self.answer_slow = asyncio.Event()
+        self.served: ASGIApp = self.app
 
     async def app(self, scope: Scope, receive: Receive, send: Send) -> None:
         self.numbers[scope["path"]] = scope["state"]["stepramp.asked"]
@@ -98,8 +101,8 @@ class Numbered:
     @asynccontextmanager
     async def connected(self) -> AsyncIterator[tuple[H11Protocol, asyncio.StreamReader, asyncio.StreamWriter]]:
         """Yield the server's end of a connection, and the client's."""
-        config = uvicorn.Config(self.app, interface="asgi3", log_level="critical")
-        made = numbering(lambda: next(self.order), Connections())
+        config = uvicorn.Config(self.served, interface="asgi3", log_level="critical")
+        made = numbering(self.now, self.connections)
         here, there = socket.socketpair()
         _, protocol = await asyncio.get_running_loop().connect_accepted_socket(
             lambda: made(config=config, server_state=ServerState(), app_state={}), there
@@ -111,6 +114,9 @@ class Numbered:
             writer.close()
             protocol.transport.close()
             await asyncio.sleep(0)
+
+    def now(self) -> int:
+        return next(self.order)
 
     async def until(self, condition: Callable[[], object]) -> None:
         async with asyncio.timeout(PATIENCE_S):
@@ -175,3 +181,67 @@ def test_a_request_that_waits_for_nothing_has_a_number_of_its_own() -> None:
                 assert numbered.numbers[path] > stopped
 
     run(work())
+
+
+STOP = "/api/v1/devices/stop"
+
+
+def test_what_comes_in_unread_before_a_stop_is_answered_is_as_old_as_the_stop() -> None:
+    """However long the machine is busy with others after the server has looked for the last time."""
+
+    async def work() -> None:
+        numbered = Numbered()
+        stops: list[int] = []
+
+        async def app(scope: Scope, receive: Receive, send: Send) -> None:
+            if scope["path"] == STOP:
+                stops.append(numbered.now())
+                other.write(get("/move"))
+            await numbered.app(scope, receive, send)
+
+        numbered.served = AskedAt(Answered(app, numbered.now, numbered.connections), numbered.now)
+        async with numbered.connected() as (_, reader, writer), numbered.connected() as (moving, told, other):
+            writer.write(get(STOP).replace(b"GET", b"POST"))
+            await reader.readuntil(b"answered")
+            writer.write(get("/own"))
+            await told.readuntil(b"answered")
+            await reader.readuntil(b"answered")
+            assert numbered.numbers[STOP] <= numbered.numbers["/move"] < stops[0] < numbered.numbers["/own"]
+            # What is asked after that is new again.
+            assert not moving.app_state
+            stopped = numbered.now()
+            other.write(get("/anew"))
+            await told.readuntil(b"answered")
+            assert numbered.numbers["/anew"] > stopped
+
+    run(work())
+
+
+def test_a_stop_over_a_websocket_counts_from_the_instant_in_which_its_answer_is_written() -> None:
+    async def work() -> None:
+        numbered = Numbered()
+        stops: list[int] = []
+        sent: list[Message] = []
+
+        def answer() -> str:
+            other.write(get("/move"))
+            stops.append(numbered.now())
+            return "stopped"
+
+        async def app(_: Scope, __: Receive, send: Send) -> None:
+            await send({"type": "websocket.send", AT_LAST: answer})
+
+        async def send(message: Message) -> None:
+            sent.append(message)
+
+        async with numbered.connected() as (_, told, other):
+            await Answered(app, numbered.now, numbered.connections)({"type": "websocket"}, unheard, send)
+            await told.readuntil(b"answered")
+        assert sent == [{"type": "websocket.send", "text": "stopped"}]
+        assert numbered.numbers["/move"] < stops[0]
+
+    run(work())
+
+
+async def unheard() -> Message:
+    raise AssertionError

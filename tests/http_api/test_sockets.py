@@ -172,7 +172,7 @@ class Gone:
     def __init__(self, error: Exception) -> None:
         self._error = error
 
-    async def send_text(self, _: str) -> None:
+    async def send(self, _: Message) -> None:
         raise self._error
 
 

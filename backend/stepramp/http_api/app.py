@@ -11,7 +11,9 @@ from starlette.types import Receive, Scope, Send
 
 from stepramp.controllers.devices import Devices
 from stepramp.http_api import curves, devices, exports, pages, planning, schedule, tables
+from stepramp.http_api.answered import Answered
 from stepramp.http_api.asked_at import AskedAt
+from stepramp.http_api.connections import Connections
 from stepramp.http_api.door import Door
 from stepramp.http_api.errors import ErrorList, handle_errors
 from stepramp.http_api.news import News
@@ -80,6 +82,7 @@ def create_app() -> FastAPI:
         },
     )
     app.state.devices = Devices()
+    app.state.connections = Connections()
     app.include_router(planning.router, prefix="/api/v1")
     app.include_router(curves.router, prefix="/api/v1")
     app.include_router(schedule.router, prefix="/api/v1")
@@ -90,5 +93,7 @@ def create_app() -> FastAPI:
     pages.add(app)
     app.add_middleware(Door)
     app.add_middleware(LoopbackOnly)
-    app.add_middleware(AskedAt, now=app.state.devices.order.next)
+    now = app.state.devices.order.next
+    app.add_middleware(Answered, now=now, connections=app.state.connections)
+    app.add_middleware(AskedAt, now=now)
     return app

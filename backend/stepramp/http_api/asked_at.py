@@ -47,6 +47,10 @@ def numbering(now: Callable[[], int], connections: Connections) -> type[H11Proto
             super().on_response_complete()
             self._forget_when_idle()
 
+        def make_as_old_as(self, asked: int) -> None:
+            self.app_state.setdefault(_ASKED, asked)
+            self._has_left_unread = True
+
         def _forget_when_idle(self) -> None:
             """Have the next request get a number of its own, unless something of it is here already."""
             is_idle = self.conn.our_state is self.conn.their_state is h11.IDLE and not self.conn.trailing_data[0]
@@ -100,7 +104,12 @@ async def asked_at(
 
 def arrived_at(connection: HTTPConnection) -> int:
     """Return when a request or WebSocket arrived, in the order of all that is asked."""
-    arrived: int = connection.scope[_ASKED]
+    return number_of(connection.scope)
+
+
+def number_of(scope: Scope) -> int:
+    """Return the same of a request's or WebSocket's scope."""
+    arrived: int = scope[_ASKED]
     return arrived
 
 

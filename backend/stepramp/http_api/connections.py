@@ -7,7 +7,9 @@ come, or whose request has just begun, outlives all of these: it may be a stop t
 
 import asyncio
 import sys
+from collections.abc import Sequence
 from enum import IntEnum
+from select import select
 from typing import Any
 
 import h11
@@ -65,6 +67,16 @@ class Connections:
             min(self._open, key=lambda each: each.turn_to_end).transport.abort()
         self._open.add(connection)
 
+    def make_unread_as_old_as(self, asked: int, but: Sequence[object] | None = None) -> None:
+        """Have what has come in, and waits to be read, count as asked for then.
+
+        but: the address of a client of whom this doesn't hold, since it has only now been answered.
+        """
+        listening = {each.transport.get_extra_info("socket"): each for each in self._open if each.is_listening}
+        for unread in select(list(listening), [], [], 0)[0]:
+            if but is None or tuple(but) != listening[unread].client:
+                listening[unread].make_as_old_as(asked)
+
     def discard(self, connection: "Connection") -> None:
         """Note that one has ended."""
         self._open.discard(connection)
@@ -102,6 +114,14 @@ class Connection(H11Protocol):
         """Wait for the next request, which may have begun already."""
         self._waits_since_s = self.loop.time()
         super().on_response_complete()
+
+    def make_as_old_as(self, asked: int) -> None:
+        """Have what waits to be read count as asked for then."""
+
+    @property
+    def is_listening(self) -> bool:
+        """Whether requests come over it."""
+        return not (self.transport.is_closing() or self._is_websocket)
 
     @property
     def is_over(self) -> bool:

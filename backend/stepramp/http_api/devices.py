@@ -26,8 +26,8 @@ from stepramp.http_api.device_registry import Acting, Page, Registry
 from stepramp.http_api.errors import ErrorList
 from stepramp.http_api.lanes import ACTING, CONNECTING, PLANNING, PUSHING
 from stepramp.http_api.news import News
-from stepramp.http_api.sockets import accept, received, send, served
-from stepramp.http_api.stop_messages import MOST_AT_A_TIME, Answers, answered
+from stepramp.http_api.sockets import accept, received, send, send_at_last, served
+from stepramp.http_api.stop_messages import MOST_AT_A_TIME, Answer, Answers, answered
 from stepramp.link.ports import list_serial_ports
 
 router = APIRouter(
@@ -158,7 +158,7 @@ async def events(socket: WebSocket, devices: Registry, page: str | None = None) 
         await accept(socket)
         with devices.present(page):
             await _until_one_ends(
-                _tell(socket, news.editions()), _tell(socket, answers.given()), _hear(socket, devices, answers)
+                _tell(socket, news.editions()), _answer(socket, answers.given()), _hear(socket, devices, answers)
             )
 
 
@@ -166,6 +166,12 @@ async def _tell(socket: WebSocket, texts: AsyncGenerator[str, None]) -> None:
     async with aclosing(texts):
         async for text in texts:
             await send(socket, text)
+
+
+async def _answer(socket: WebSocket, answers: AsyncGenerator[Answer, None]) -> None:
+    async with aclosing(answers):
+        async for answer in answers:
+            await send_at_last(socket, answer)
 
 
 async def _hear(socket: WebSocket, devices: Devices, answers: Answers) -> None:

@@ -47,7 +47,7 @@ class Door:
         """Serve a request, a WebSocket, or the application's beginning and end."""
         if scope["type"] == "lifespan":
             await self._live(scope, receive, send)
-        elif self._inside is None or self._turns is None or _is_stop(scope):
+        elif self._inside is None or self._turns is None or is_stop(scope):
             await self._app(scope, receive, send)
         elif self._served >= MOST_SERVED:
             await error_response(TOO_MUCH)(scope, receive, send)
@@ -69,7 +69,8 @@ class Door:
             await asyncio.to_thread(inside.end)
 
 
-def _is_stop(scope: Scope) -> bool:
+def is_stop(scope: Scope) -> bool:
+    """Return whether a request stops."""
     return scope["type"] == "http" and scope["method"] == "POST" and STOPS.fullmatch(scope["path"]) is not None
 
 
@@ -170,7 +171,7 @@ class _Crossing:
         error: Exception | None = RuntimeError("The client has gone.")  # Unless it is said otherwise: when cancelled.
         try:
             for message in messages:
-                self._is_answered = _is_last(message)
+                self._is_answered = is_last(message)
                 await self._send_outside(message)
             error = None
         except Exception as raised:
@@ -217,7 +218,7 @@ class _Crossing:
             await sent
 
 
-def _is_last(message: Message) -> bool:
+def is_last(message: Message) -> bool:
     """Return whether nothing is sent after a message."""
     is_body = message["type"] == "http.response.body"
     return message["type"] == "websocket.close" or (is_body and not message.get("more_body", False))

@@ -1,12 +1,14 @@
 """What the routes share that talk over WebSockets."""
 
 import logging
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress
 
+from starlette.types import Message
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from stepramp.errors import Rejected, Rejection
+from stepramp.http_api.answered import AT_LAST
 from stepramp.http_api.bodies import parsed_json
 
 MISTAKE = 1011
@@ -48,8 +50,17 @@ async def received(socket: WebSocket) -> str | bytes:
 
 async def send(socket: WebSocket, text: str) -> None:
     """Send a text; WebSocketDisconnect when the other end has gone."""
+    await _sent(socket, {"type": "websocket.send", "text": text})
+
+
+async def send_at_last(socket: WebSocket, made: Callable[[], str]) -> None:
+    """Send a text that is made in the server's loop in the instant at which it is written; else as send."""
+    await _sent(socket, {"type": "websocket.send", AT_LAST: made})
+
+
+async def _sent(socket: WebSocket, message: Message) -> None:
     try:
-        await socket.send_text(text)
+        await socket.send(message)
     except RuntimeError as error:
         # So Starlette and the server call it when the socket is closed already: which of them depends on who noticed
         # first. Nothing else happens in this call.

@@ -6,11 +6,12 @@ would wait, too. A WebSocket doesn't count among them.
 
 import asyncio
 from collections import deque
-from collections.abc import AsyncGenerator
+from collections.abc import AsyncGenerator, Callable
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
+from stepramp.controllers.device import Device
 from stepramp.controllers.devices import Devices
 from stepramp.errors import Rejected, Rejection, StepRampError
 from stepramp.http_api.device_models import DevicesAnswer
@@ -47,6 +48,10 @@ class StopMessage(Document):
         return self
 
 
+Answer = Callable[[], str]
+"""What makes an answer in the instant at which it is written: only then a stop is answered."""
+
+
 class Answers:
     """What is to be answered over a socket. Whoever doesn't read the answers gets only the newest of them.
 
@@ -54,41 +59,53 @@ class Answers:
     """
 
     def __init__(self) -> None:
-        self._texts: deque[str] = deque(maxlen=MOST_AT_A_TIME)
+        self._given: deque[Answer] = deque(maxlen=MOST_AT_A_TIME)
         self._came = asyncio.Event()
 
-    def add(self, text: str) -> None:
+    def add(self, answer: Answer) -> None:
         """Have something answered."""
-        self._texts.append(text)
+        self._given.append(answer)
         self._came.set()
 
-    async def given(self) -> AsyncGenerator[str, None]:
+    async def given(self) -> AsyncGenerator[Answer, None]:
         """Yield one answer after the other, for as long as it is asked for more."""
         while True:
             await self._came.wait()
-            while self._texts:
-                yield self._texts.popleft()
+            while self._given:
+                yield self._given.popleft()
             self._came.clear()
 
 
-async def answered(text: str | bytes, devices: Devices) -> str:
-    """Stop or halt as a message asks, and return the answer: `did` says what was done, `errors` why it wasn't."""
+async def answered(text: str | bytes, devices: Devices) -> Answer:
+    """Stop or halt as a message asks, and return what makes the answer.
+
+    Its `did` says what was done, its `errors` why it wasn't.
+    """
     try:
         if len(text) > LONGEST_MESSAGE:
             raise Rejected([Rejection("message", text, f"{ALLOWED}, of up to {LONGEST_MESSAGE:,} characters")])
         message = StopMessage.checked(parsed(text, ALLOWED))
     except StepRampError as error:
-        return _text({"errors": error_items(error)})
+        refused = _text({"errors": error_items(error)})
+        return lambda: refused
     did = message.model_dump()
+    stopped: Devices | Device = devices
     try:
         if message.device is None:
             await stop_every(devices)
         else:
-            await halt_whole(devices.get(message.device))
+            stopped = devices.get(message.device)
+            await halt_whole(stopped)
     except StepRampError as error:
-        return _text({"did": did, "errors": error_items(error)})
-    answer = DevicesAnswer.model_validate({"devices": devices.views()})
-    return _text({"did": did, **answer.model_dump(mode="json")})
+        failed = _text({"did": did, "errors": error_items(error)})
+        return lambda: failed
+
+    def done() -> str:
+        stopped.note_stop()
+        answer = DevicesAnswer.model_validate({"devices": devices.views()})
+        return _text({"did": did, **answer.model_dump(mode="json")})
+
+    return done
 
 
 def _text(content: object) -> str:

@@ -107,8 +107,9 @@ async def _granted(stopped: "Future[None]") -> None:
     """Wait until a stop is granted. It goes on when whoever asked for it no longer waits."""
     await asyncio.shield(asyncio.wrap_future(stopped))
     # Whatever has come in by now is read while nothing may move: it was asked for before the answer.
-    await asyncio.sleep(0)
-    await asyncio.sleep(0)
+    # Four turns of the loop: two until a new connection is accepted, one until it is read from, one until that is done.
+    for _ in range(4):
+        await asyncio.sleep(0)
 
 
 async def _settled(stopped: Sequence["Future[None]"]) -> None:
