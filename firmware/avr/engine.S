@@ -18,7 +18,7 @@
 /* ---- memory ---- */
 
 	.section .bss
-	.global axis_players, engine_end_masks, engine_pulse_masks, engine_extra_width
+	.global axis_players, engine_end_masks, engine_pulse_masks, engine_extra_width, engine_listens
 axis_players:
 	.zero MOST_AXES * AXIS_PLAYER_BYTES
 engine_end_masks:                            /* what ends the pulse of an axis: step_mask, or 0 when each edge is a step */
@@ -26,6 +26,8 @@ engine_end_masks:                            /* what ends the pulse of an axis: 
 engine_pulse_masks:                          /* what of an axis' step_mask ends its pulses: all ones, or 0 */
 	.zero MOST_AXES
 engine_extra_width:                          /* of pulses, when WIDE is set [8 cycles], not 0 */
+	.zero 1
+engine_listens:                              /* 1: the serial port's interrupts may come while a pulse is lengthened */
 	.zero 1
 
 /* The places in queues are low bytes of addresses, so these are aligned to 256 bytes. The linker puts them to the begin
@@ -273,23 +275,43 @@ park:
 	pop  r30
 	ret
 
-/* Waits for engine_extra_width times 8 cycles, 16 more with its call, when r24 has a pin whose pulse is to end. Uses r25;
- * the flags stay. */
+/* 8 cycles each, as many as r25 says, but for the last: 7. */
+.macro WAIT_UNITS
+1:	rjmp 2f                              /* two cycles each */
+2:	rjmp 3f
+3:	nop
+	dec  r25
+	brne 1b
+.endm
+
+/* Waits for engine_extra_width times 8 cycles, 21 more with its call, when r24 has a pin whose pulse is to end. When that is
+ * long the serial port's interrupts may come meanwhile: wide pulses don't make it deaf. Then it is 35 more. Uses r25; the
+ * flags stay. */
 	.global lengthen_pulse
 lengthen_pulse:
 	push r26
 	in   r26, SREG
 	tst  r24
 	breq 4f
+	lds  r25, engine_listens
+	sbrc r25, 0
+	rjmp 5f
 	lds  r25, engine_extra_width
-1:	rjmp 2f                              /* two cycles each */
-2:	rjmp 3f
-3:	nop
-	dec  r25
-	brne 1b
+	WAIT_UNITS
 4:	out  SREG, r26
 	pop  r26
 	ret
+5:	push r27
+	lds  r27, TIMSK1
+	ldi  r25, 0
+	sts  TIMSK1, r25                     /* step interrupts don't nest */
+	lds  r25, engine_extra_width
+	sei
+	WAIT_UNITS
+	cli
+	sts  TIMSK1, r27
+	pop  r27
+	rjmp 4b
 
 /* ---- starting ---- */
 

@@ -5,17 +5,16 @@
 #include "clock.h"
 #include "controller.h"
 #include "engine.h"
+#include "port.h"
 #include "serial.h"
 
-/* Moves at most one byte in and one out. */
-static void move_bytes(void)
+/* As many bytes as a short request has. */
+enum { BYTES_AT_ONCE = 8 };
+
+static void receive_bytes(uint8_t most)
 {
-    uint8_t byte;
-    if (serial_receive(&byte)) {
-        controller_receive(byte);
-    }
-    if (serial_can_send() && controller_next_byte(&byte)) {
-        serial_send(byte);
+    for (; most != 0 && port_has_received(); most--) {
+        controller_receive(serial_take());
     }
 }
 
@@ -27,9 +26,10 @@ int main(void)
     serial_begin();
     controller_begin();
     sei();
+    bool has_time = true;
     for (;;) {
         wdt_reset();
-        move_bytes();
-        controller_poll();
+        receive_bytes(has_time ? BYTES_AT_ONCE : 1);
+        has_time = controller_poll();
     }
 }

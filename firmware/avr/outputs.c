@@ -10,10 +10,14 @@
 #include "step_interrupt.h"
 
 /* What the engine's own pulses have, counted in the code [cycles]: 41 of a line and of the only axis of a channel. */
-enum { OWN_PULSE_CYCLES = 41, WIDTH_CALL_CYCLES = 16, WIDTH_UNIT_CYCLES = 8, CYCLES_PER_US = F_CPU / 1000000 };
+enum { OWN_PULSE_CYCLES = 41, WIDTH_CALL_CYCLES = 21, LISTENING_CALL_CYCLES = 35, WIDTH_UNIT_CYCLES = 8 };
+enum { CYCLES_PER_US = F_CPU / 1000000 };
+
+/* The serial port can wait for 8 us; longer waits have room for its interrupts. */
+enum { LEAST_LISTENING_CYCLES = 8 * CYCLES_PER_US };
 
 /* In engine.S and line.S */
-extern uint8_t engine_end_masks[MOST_AXES], engine_pulse_masks[MOST_AXES], engine_extra_width, line_pulse_pins;
+extern uint8_t engine_end_masks[MOST_AXES], engine_pulse_masks[MOST_AXES], engine_extra_width, engine_listens, line_pulse_pins;
 
 static uint8_t both_edges; /* as configured; a bit for each axis */
 static uint8_t step_inverted;
@@ -64,11 +68,12 @@ static void configure_axis(uint8_t axis, const struct settings *settings)
 
 static void configure_width(uint8_t width_us)
 {
-    uint16_t cycles = (uint16_t)(width_us * CYCLES_PER_US);
+    int16_t wait = (int16_t)(width_us * CYCLES_PER_US - OWN_PULSE_CYCLES);
     GPIOR0 &= (uint8_t)~(_BV(WIDE) | _BV(LINE_SPECIAL));
-    if (cycles > OWN_PULSE_CYCLES) {
-        uint16_t most = OWN_PULSE_CYCLES + WIDTH_CALL_CYCLES;
-        engine_extra_width = cycles > most ? (uint8_t)((cycles - most + WIDTH_UNIT_CYCLES - 1) / WIDTH_UNIT_CYCLES) : 1;
+    engine_listens = wait >= LEAST_LISTENING_CYCLES;
+    if (wait > 0) {
+        wait = (int16_t)(wait - (engine_listens ? LISTENING_CALL_CYCLES : WIDTH_CALL_CYCLES));
+        engine_extra_width = wait > 0 ? (uint8_t)((wait + WIDTH_UNIT_CYCLES - 1) / WIDTH_UNIT_CYCLES) : 1;
         GPIOR0 |= _BV(WIDE) | _BV(LINE_SPECIAL);
     }
     if (both_edges != 0) {

@@ -1,22 +1,21 @@
-/* The serial port, 115200 baud. Bytes are received by an interrupt, and sent when the main loop has the time. */
+/* The serial port, 115200 baud. Bytes are received and sent by interrupts. */
 #ifndef STEPRAMP_SERIAL_H
 #define STEPRAMP_SERIAL_H
 
-#define RECEIVED_BYTES 64 /* a power of 2: room for what comes in 5.5 ms */
+#define RECEIVED_BYTES 32 /* a power of 2: room for what comes in 2.7 ms, and any request that comes while motors move */
+
+/* UCSR0B while nothing is sent, and what is added to it while a frame goes out. */
+#define RECEIVING (1 << RXCIE0 | 1 << RXEN0 | 1 << TXEN0)
+#define SENDING (1 << UDRIE0)
 
 #ifndef __ASSEMBLER__
 
-#include <stdbool.h>
 #include <stdint.h>
 
 void serial_begin(void);
 
-/* Takes the oldest byte that was received. Returns false when there is none. */
-bool serial_receive(uint8_t *byte);
-
-/* The transmitter takes a byte now. */
-bool serial_can_send(void);
-void serial_send(uint8_t byte);
+/* Takes the oldest byte that was received, when port_has_received() says that there is one. */
+uint8_t serial_take(void);
 
 #endif
 

@@ -226,7 +226,7 @@ int32_t StepRampClass::position(uint8_t axis)
 
 int32_t StepRampClass::target(uint8_t axis)
 {
-    return axis < AXES ? machine_report(axis).target : 0;
+    return axis < AXES ? machine_target(axis) : 0;
 }
 
 StepRampResult StepRampClass::setPosition(uint8_t axis, int32_t position)

@@ -2,6 +2,7 @@
 
 #include "arduino_port.h"
 #include "controller.h"
+#include "port.h"
 
 StepRampControllerClass StepRampController;
 
@@ -10,6 +11,7 @@ static const uint8_t BYTES_A_ROUND = 2;
 
 static Stream *port;
 static bool tells_room; /* not every Stream knows how many bytes can be written without waiting */
+static const uint8_t *next_to_send; /* null: nothing */
 
 void StepRampControllerClass::begin(Stream &its_port)
 {
@@ -19,21 +21,47 @@ void StepRampControllerClass::begin(Stream &its_port)
     controller_begin();
 }
 
+static void send_byte()
+{
+    uint8_t byte = *next_to_send;
+    next_to_send = byte == 0 ? nullptr : next_to_send + 1;
+    port->write(byte);
+}
+
 void StepRampControllerClass::poll()
 {
     if (port == nullptr) {
         return;
     }
-    uint8_t byte;
     for (uint8_t i = 0; i < BYTES_A_ROUND && port->available() > 0; i++) {
         controller_receive((uint8_t)port->read());
     }
-    for (uint8_t i = 0; i < BYTES_A_ROUND && (!tells_room || port->availableForWrite() > 0); i++) {
-        if (!controller_next_byte(&byte)) {
-            break;
-        }
-        port->write(byte);
+    for (uint8_t i = 0; i < BYTES_A_ROUND && port_is_sending() && (!tells_room || port->availableForWrite() > 0); i++) {
+        send_byte();
     }
     controller_poll();
     arduino_play();
+}
+
+/* ---- port.h ---- */
+
+bool port_has_received(void)
+{
+    return port != nullptr && port->available() > 0;
+}
+
+void port_send(const uint8_t *frame)
+{
+    next_to_send = frame;
+}
+
+bool port_is_sending(void)
+{
+    return next_to_send != nullptr;
+}
+
+void port_cut_frame(void)
+{
+    static const uint8_t end = 0;
+    next_to_send = &end;
 }

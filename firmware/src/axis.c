@@ -6,6 +6,9 @@
 /* A speed is held for a part of a piece at a time, while the way down is looked for. */
 enum { HOLD_DIVISOR = 4 };
 
+/* Segments of the way down that are looked at in one go: that takes less time than to come back for each. */
+enum { SOUGHT_AT_ONCE = 4 };
+
 /* The number of steps of a list. */
 static uint32_t steps_of_list(const struct packed_list *list)
 {
@@ -52,11 +55,16 @@ static bool hold(struct axis *axis, const struct piece_limits *limits, uint32_t 
     return true;
 }
 
-/* Looks for the way down from the present speed. When it isn't found at once: gives nothing yet, or in a hurry some more
+/* Looks for the way down from the present speed. When it isn't found soon: gives nothing yet, or in a hurry some more
  * of the present speed, as long as there is room for that, and then looks on. Returns true when it is found. */
 static bool find_way_down(struct axis *axis, const struct piece_limits *limits, struct piece *piece)
 {
+    uint8_t segments = SOUGHT_AT_ONCE;
     while (!way_down_is_found(axis)) {
+        if (segments != 0) {
+            segments--;
+            continue;
+        }
         uint32_t left = steps_left(axis), steps_down = cursor_steps(&axis->down);
         if (!limits->in_a_hurry || hold(axis, limits, left > steps_down ? left - steps_down : 0, piece)) {
             return false;
@@ -92,8 +100,43 @@ static uint32_t shortest_after(const struct axis *axis, uint16_t count)
     return interval < axis->shortest ? interval : axis->shortest;
 }
 
-/* After `count` more steps up the way down still fits into what is then left of `left` steps. */
-static bool leaves_room(const struct axis *axis, uint32_t left, uint16_t count)
+/* After `count` more steps up, whose way down begins in the present segment of `down`, it fits into what is then left of
+ * `left` steps. */
+static bool leaves_room(const struct axis *axis, const struct ramp_cursor *down, uint32_t left, uint16_t count)
+{
+    uint16_t most = (uint16_t)(down->count - down->taken);
+    return cursor_steps(down) + cursor_count_longer(down, shortest_after(axis, count), most) <= left - count;
+}
+
+/* The same, the most steps up from `low`, of which it is known, to `high`. */
+static uint16_t most_in_segment(const struct axis *axis, const struct ramp_cursor *down, uint32_t left, uint16_t low,
+                                uint16_t high)
+{
+    uint16_t middle = high;
+    while (low < high) {
+        if (leaves_room(axis, down, left, middle)) {
+            low = middle;
+        } else {
+            high = (uint16_t)(middle - 1);
+        }
+        middle = (uint16_t)(high - (high - low) / 2);
+    }
+    return low;
+}
+
+/* The most steps up, from `low` to `count`, whose way down begins in the present segment of `down`. */
+static uint16_t most_that_stay(const struct axis *axis, const struct ramp_cursor *down, uint16_t low, uint16_t count)
+{
+    uint32_t to_pass = cursor_to_pass(down);
+    if (cursor_is_at_end(down)) {
+        return count;
+    }
+    uint16_t most = to_pass > axis->shortest ? 0 : cursor_count_longer(&axis->up, to_pass - 1, count);
+    return most > low ? most : low;
+}
+
+/* After `count` more steps up the way down fits into what is then left of `left` steps. */
+static bool all_leave_room(const struct axis *axis, uint32_t left, uint16_t count)
 {
     struct ramp_cursor down = axis->down;
     uint32_t shortest = shortest_after(axis, count);
@@ -106,22 +149,20 @@ static bool leaves_room(const struct axis *axis, uint32_t left, uint16_t count)
 }
 
 /* The most steps up, no more than `count`, that leave room for the way down: the more, the less room and the longer
- * the way down. */
+ * the way down. Looked for a segment of the way down at a time, each of them once: there may be many. */
 static uint16_t most_that_leave_room(const struct axis *axis, uint32_t left, uint16_t count)
 {
-    if (leaves_room(axis, left, count)) {
+    if (all_leave_room(axis, left, count)) { /* most often, and sooner known */
         return count;
     }
-    uint16_t low = 0, high = (uint16_t)(count - 1);
-    while (low < high) {
-        uint16_t middle = (uint16_t)(high - (high - low) / 2);
-        if (leaves_room(axis, left, middle)) {
-            low = middle;
-        } else {
-            high = (uint16_t)(middle - 1);
-        }
+    struct ramp_cursor down = axis->down;
+    uint16_t most = 0, high = 0;
+    while (most == high && most < count && cursor_steps(&down) < left - most) {
+        high = most_that_stay(axis, &down, most, count);
+        most = most_in_segment(axis, &down, left, most, high);
+        cursor_forward(&down, &axis->down_list, (uint16_t)(down.count - down.taken));
     }
-    return low;
+    return most;
 }
 
 /* The next steps of the present segment of the way up that may be taken, if the way down allows it: those that are not

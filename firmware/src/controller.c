@@ -1,5 +1,6 @@
 #include "controller.h"
 
+#include "feed.h"
 #include "frame.h"
 #include "limits.h"
 #include "machine.h"
@@ -15,16 +16,24 @@
  * or a cable that has been pulled, leaves no motor running. */
 enum { MOST_SILENCE = 4 };
 
+/* So long motors that need all of the time keep requests and notices waiting [ms]. */
+enum { MOST_PATIENCE_MS = 40 };
+
 enum { NO_SESSION = 0, VALUE_BYTES = 4 };
 
 /* A line of all axes is the longest request of which all bytes are kept. Those of a delivery go to the ramp store. */
 enum { KEPT_BYTES = MESSAGE_HEADER_BYTES + 2 + VALUE_BYTES * AXES, DATA_AT = MESSAGE_HEADER_BYTES + 2 };
 
+/* A stop or halt, the only request that is looked at while another one waits. */
+enum { URGENT_BYTES = MESSAGE_HEADER_BYTES + 1 };
+
 /* Where the fields of a message's header lie. */
 enum { KIND_AT = 0, SESSION_AT = 1, TAG_AT = 3 };
 
 static struct frame_receiver receiver;
-static uint8_t request[KEPT_BYTES];
+static uint8_t request[KEPT_BYTES], urgent[URGENT_BYTES];
+static uint8_t waiting_length; /* of the request that waits to be answered; 0: none does */
+static bool is_written;        /* its reply, which is not a frame yet */
 static uint16_t session = NO_SESSION;
 static uint8_t answered_kind, answered_tag; /* the request answered last */
 static uint8_t heard;                       /* when the last request came: port_milliseconds() / 256 */
@@ -85,7 +94,9 @@ static void answer_status(const uint8_t *body)
     struct axis_report report = machine_report(body[0]);
     reply_u8(slots_are_writing() ? STATE_WRITING : machine_is_moving() ? STATE_MOVING : STATE_IDLE);
     reply_u8(report.state);
-    reply_numbers(&report.position, 4); /* and target, interval, steps made */
+    reply_numbers(&report.position, 1);
+    reply_u32((uint32_t)machine_target(body[0]));
+    reply_numbers(&report.interval, 2); /* and steps made */
     reply_ramp_in_use();
     reply_u8(machine_is_enabled() ? ramp_store_flags() | FLAG_ENABLED : ramp_store_flags());
     reply_u8(machine_starved());
@@ -184,7 +195,7 @@ static void read_values(uint8_t axes, const uint8_t *bytes, int32_t values[MOST_
 static uint8_t make_targets(uint8_t axes, int32_t values[MOST_AXES])
 {
     for (uint8_t i = 0; i < MOST_AXES; i++, axes >>= 1) {
-        int32_t from = machine_report(i).target;
+        int32_t from = machine_target(i);
         int32_t target = (int32_t)((uint32_t)from + (uint32_t)values[i]);
         if ((axes & 1) != 0 && (values[i] >= 0) != (target >= from)) {
             return i;
@@ -199,7 +210,7 @@ static void reply_targets(uint8_t axes)
 {
     for (uint8_t i = 0; i < MOST_AXES; i++, axes >>= 1) {
         if ((axes & 1) != 0) {
-            reply_u32((uint32_t)machine_report(i).target);
+            reply_u32((uint32_t)machine_target(i));
         }
     }
 }
@@ -403,19 +414,27 @@ static void answer_known(uint8_t kind, uint16_t its_session, const uint8_t *body
     }
 }
 
-static bool is_of_session(void)
+/* Obeyed whoever asks for it, and whatever is being sent. */
+static bool is_urgent(uint8_t kind)
 {
-    return session != NO_SESSION && read_u16(request + SESSION_AT) == session;
+    return kind == KIND_STOP || kind == KIND_HALT;
 }
 
-/* Answers the request, whose body has this length: writes the message of the reply. */
-static void answer(uint8_t length)
+static bool is_of_session(const uint8_t *message)
 {
-    uint8_t kind = request[KIND_AT];
-    const uint8_t *body = request + MESSAGE_HEADER_BYTES;
+    return session != NO_SESSION && read_u16(message + SESSION_AT) == session;
+}
+
+/* Answers a request, whose body has this length: writes the message of the reply. */
+static void answer(const uint8_t *message, uint8_t length)
+{
+    uint8_t kind = message[KIND_AT];
+    const uint8_t *body = message + MESSAGE_HEADER_BYTES;
     uint8_t expected = expected_length(kind, body, length);
-    reply_begin(request);
-    if (kind != KIND_HELLO && !is_of_session()) {
+    answered_kind = kind;
+    answered_tag = message[TAG_AT];
+    reply_begin(message);
+    if (kind != KIND_HELLO && !is_urgent(kind) && !is_of_session(message)) {
         answered_kind = KIND_HELLO;
         reply_refusal(STATUS_STALE_SESSION, 0);
     } else if (expected == UNKNOWN_KIND) {
@@ -423,8 +442,17 @@ static void answer(uint8_t length)
     } else if (expected != length) {
         reply_refusal(STATUS_BAD_LENGTH, length);
     } else if (is_free_for(kind)) {
-        answer_known(kind, read_u16(request + SESSION_AT), body, length);
+        answer_known(kind, read_u16(message + SESSION_AT), body, length);
     }
+}
+
+/* Makes what has been written a frame. */
+static void send_reply(void)
+{
+    reply_end();
+    reply_send();
+    waiting_length = 0;
+    is_written = false;
 }
 
 /* The same request as the last one: its reply was lost. A hello never counts as one, as it begins anew; nor does a
@@ -432,12 +460,18 @@ static void answer(uint8_t length)
 static bool is_repeat(void)
 {
     return request[KIND_AT] == answered_kind && request[TAG_AT] == answered_tag && answered_kind != KIND_HELLO &&
-           is_of_session();
+           is_of_session(request);
 }
 
 /* Keeps a byte of the request that is coming in. */
 static void keep(uint8_t index, uint8_t byte)
 {
+    if (waiting_length != 0) {
+        if (index < URGENT_BYTES) {
+            urgent[index] = byte;
+        }
+        return;
+    }
     if (index < KEPT_BYTES) {
         request[index] = byte;
     }
@@ -446,6 +480,8 @@ static void keep(uint8_t index, uint8_t byte)
     }
 }
 
+/* What waits or is being sent gives way to a stop or halt: what has not begun then doesn't begin any more. Other
+ * requests wait until there is time for them, one at a time. */
 void controller_receive(uint8_t byte)
 {
     uint8_t length = frame_receive(&receiver, &byte);
@@ -453,22 +489,36 @@ void controller_receive(uint8_t byte)
         keep(frame_byte_index(&receiver), byte);
         return;
     }
-    if (length < MESSAGE_HEADER_BYTES || reply_is_going_out()) {
+    if (length < MESSAGE_HEADER_BYTES) {
         return;
     }
     heard = (uint8_t)(port_milliseconds() >> 8);
-    if (!is_repeat()) {
-        answered_kind = request[KIND_AT];
-        answered_tag = request[TAG_AT];
-        answer((uint8_t)(length - MESSAGE_HEADER_BYTES));
-        reply_end();
+    const uint8_t *message = waiting_length != 0 ? urgent : request;
+    if (is_urgent(message[KIND_AT])) {
+        reply_cut();
+        answer(message, (uint8_t)(length - MESSAGE_HEADER_BYTES));
+        send_reply();
+    } else if (waiting_length == 0 && !reply_is_going_out()) {
+        waiting_length = length;
     }
-    reply_send();
 }
 
-bool controller_next_byte(uint8_t *byte)
+/* Goes on with the request that waits. Returns false when none does. */
+static bool answer_waiting(void)
 {
-    return reply_next_byte(byte);
+    if (waiting_length == 0) {
+        return false;
+    }
+    if (is_written) {
+        send_reply();
+    } else if (is_repeat()) {
+        reply_send();
+        waiting_length = 0;
+    } else {
+        answer(request, (uint8_t)(waiting_length - MESSAGE_HEADER_BYTES));
+        is_written = true;
+    }
+    return true;
 }
 
 void controller_begin(void)
@@ -477,16 +527,27 @@ void controller_begin(void)
     ramp_store_begin();
 }
 
-/* Reports come at fixed times, so they go before traces, which have room for all that waits in the meantime. */
-void controller_poll(void)
+/* Goes on with what can wait until motors have what they need. Reports come at fixed times, so they go before traces,
+ * which have room for all that waits in the meantime. */
+static void go_on(uint16_t now_ms)
 {
-    uint16_t now_ms = port_milliseconds();
     if ((uint8_t)((now_ms >> 8) - heard) > MOST_SILENCE) {
         machine_stop_runs();
     }
-    machine_poll();
     ramp_store_poll();
-    if (!report_poll(session, now_ms)) {
+    if (!answer_waiting() && !report_poll(session, now_ms)) {
         trace_poll(session, now_ms);
     }
+}
+
+bool controller_poll(void)
+{
+    static uint8_t had_time_ms;
+    reply_poll();
+    uint16_t now_ms = port_milliseconds();
+    if (machine_poll() || (uint8_t)(now_ms - had_time_ms) >= MOST_PATIENCE_MS) {
+        had_time_ms = (uint8_t)now_ms;
+        go_on(now_ms);
+    }
+    return feed_clock.yields != 0;
 }

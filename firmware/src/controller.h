@@ -1,5 +1,5 @@
 /* The controller: answers requests, one at a time, and sends reports and traces. A port hands it the bytes that come
- * in, fetches those that go out, and calls controller_poll in each round of its main loop. */
+ * in, sends the frames that go out (port.h), and calls controller_poll in each round of its main loop. */
 #ifndef STEPRAMP_CONTROLLER_H
 #define STEPRAMP_CONTROLLER_H
 
@@ -16,11 +16,9 @@ void controller_begin(void);
 /* Takes a byte from the serial port. */
 void controller_receive(uint8_t byte);
 
-/* Gives the next byte for the serial port. Returns false when there is none. */
-bool controller_next_byte(uint8_t *byte);
-
-/* Goes on, by a little, with what takes long: moves, writing a ramp, reports. */
-void controller_poll(void);
+/* Goes on, by a little, with what takes long: moves, writing a ramp, reports. Returns false when it should soon be called
+ * again: motors need nearly all of the time. */
+bool controller_poll(void);
 
 #ifdef __cplusplus
 }

@@ -3,6 +3,7 @@
 #include "engine.h"
 #include "lane.h"
 #include "line.h"
+#include "port.h"
 #include "trace.h"
 
 /* A long interval is waited for in parts: first one that leaves no tiny rest, the last 13,616 ticks or longer. */
@@ -13,7 +14,7 @@ enum { PART_TICKS = 16384 };
 enum { CLOSING_TICKS = 400 };
 
 /* Segments queued, or looked at ahead of need, in one round of the main loop, at most: other axes want theirs too. */
-enum { SEGMENTS_AT_ONCE = 4 };
+enum { SEGMENTS_AT_ONCE = 3 };
 
 /* Ticks of 64 us, as powers of 2. */
 enum { FAST_BITS = 10, SLOW_BITS = 7 };
@@ -26,6 +27,10 @@ enum { FAST_PIECE_TICKS = 2u * LONGEST_WAIT_TICKS, SLOW_PIECE_TICKS = 8000 };
  * something must be queued now. */
 enum { TIME_AHEAD = 94, HURRY_TIME = 62 };
 
+/* [64 us] With so much in the queue, 5 ms, it can wait until other things have been done. A trace makes segments short, which
+ * takes time, so it needs more of it. */
+enum { WAITING_TIME = 82, TRACING_TIME = 86 };
+
 /* A segment is loaded at the beginning of the interval before it, so that some must be there however long that is: where
  * the direction turns, the silence that ends a move, that in which the direction settles, a pulse, and the next. */
 enum { LEAST_SEGMENTS = 4 };
@@ -35,6 +40,17 @@ static uint8_t starved;
 
 /* Of the axis that is traced: pulses until the next one whose time is wanted, at both ends of the queue. */
 static uint16_t trace_to_queue, trace_to_play;
+
+/* Pulses until the next one whose time is wanted, after some more of them. Those that the queue has no end at are left
+ * out. */
+static uint16_t trace_left(const struct feed *feed, uint16_t left, uint16_t pulses)
+{
+    uint16_t every = trace_every(feed->index);
+    while (every != 0 && left <= pulses) {
+        left = (uint16_t)(left + every);
+    }
+    return (uint16_t)(left - pulses);
+}
 
 /* ---- filling the queue ---- */
 
@@ -64,9 +80,9 @@ static void queue_up(struct feed *feed, const struct piece *piece, uint8_t turns
     lane_put(feed->index, interval, piece->add, (uint16_t)(piece->count - 1u), is_step, turns);
 }
 
-static void queue_silence(struct feed *feed, uint16_t ticks, int16_t add, uint8_t turns)
+static void queue_silence(struct feed *feed, uint16_t ticks, uint8_t turns)
 {
-    struct piece silence = {PIECE_NONE, 1, ticks, add};
+    struct piece silence = {PIECE_NONE, 1, ticks, 0};
     queue_up(feed, &silence, turns);
 }
 
@@ -84,7 +100,7 @@ static void queue_wait(struct feed *feed)
 {
     uint32_t wait = feed->wait_left;
     feed->wait_left = 0;
-    queue_silence(feed, first_part(feed, wait), 0, 0);
+    queue_silence(feed, first_part(feed, wait), 0);
 }
 
 static void queue_steps(struct feed *feed, struct piece *piece)
@@ -93,10 +109,7 @@ static void queue_steps(struct feed *feed, struct piece *piece)
     queue_up(feed, piece, 0);
     feed->has_pulses = true;
     if (feed->is_traced) {
-        trace_to_queue = (uint16_t)(trace_to_queue - piece->count);
-        if (trace_to_queue == 0) {
-            trace_to_queue = trace_every(feed->index);
-        }
+        trace_to_queue = trace_left(feed, trace_to_queue, piece->count);
     }
 }
 
@@ -110,27 +123,28 @@ static void queue_turn(struct feed *feed)
     feed->pin_backward = feed->axis.backward;
     feed->turns_too = 0;
     feed->turns_next = false;
-    queue_silence(feed, first_part(feed, feed_clock.setup_ticks), ADD_AT_REST, turns);
+    queue_silence(feed, first_part(feed, feed_clock.setup_ticks), turns);
 }
 
 /* Ends what has been queued of a move. */
 static void queue_closing(struct feed *feed)
 {
     feed->has_pulses = false;
-    queue_silence(feed, CLOSING_TICKS, ADD_AT_REST, 0);
+    queue_silence(feed, CLOSING_TICKS, 0);
 }
 
 /* Time for which steps are queued [64 us]. */
-static uint16_t time_ahead(const struct feed *feed)
+static uint16_t time_ahead(const struct feed *feed, uint16_t now)
 {
-    uint16_t ahead = (uint16_t)(feed->end_time - (feed->stage == FEED_PLAYING ? feed_clock.now : 0));
+    uint16_t ahead = (uint16_t)(feed->end_time - (feed->stage == FEED_PLAYING ? now : 0));
     return ahead <= INT16_MAX ? ahead : 0; /* it is past */
 }
 
-/* The steps that one segment may have. */
+/* The steps that one segment may have. A trace is left out when the queue becomes short of it. */
 static uint16_t most_steps(const struct feed *feed)
 {
-    uint16_t most = feed->is_traced ? trace_to_queue : UINT16_MAX;
+    bool has_time = !feed->has_got_ahead || time_ahead(feed, port_time()) >= TRACING_TIME;
+    uint16_t most = feed->is_traced && has_time ? trace_to_queue : UINT16_MAX;
     if (line_is_on() && line_most_steps() < most) {
         most = line_most_steps();
     }
@@ -175,13 +189,17 @@ static bool is_wanted(const struct feed *feed, uint16_t ahead)
 /* Queues one segment, or looks for what later ones take. Returns false when there is nothing to do. */
 static bool fill(struct feed *feed)
 {
-    uint16_t ahead = time_ahead(feed);
+    uint16_t ahead = time_ahead(feed, feed_clock.now);
     if (!is_wanted(feed, ahead)) {
+        feed->has_got_ahead = true;
         return axis_look_ahead(&feed->axis);
     }
     if (feed->wait_left != 0) {
         queue_wait(feed);
     } else if (feed->turns_next) {
+        if (feed->stage == FEED_PLAYING) {
+            return false; /* a move begins with more than may still be queued in time: from the next start on */
+        }
         queue_turn(feed);
     } else {
         queue_next_piece(feed, ahead);
@@ -202,12 +220,10 @@ static void trace_played(const struct feed *feed, uint16_t steps, uint8_t next)
     if (!feed->is_traced || steps == 0) {
         return;
     }
-    trace_to_play = (uint16_t)(trace_to_play - steps);
-    if (trace_to_play == 0) {
-        trace_to_play = trace_every(feed->index);
-        if (next != lane_of(feed->index)->tail) {
-            trace_value(feed->index, feed->played.steps_made, lane_loaded(feed->index, next).time);
-        }
+    bool is_wanted = steps == trace_to_play;
+    trace_to_play = trace_left(feed, trace_to_play, steps);
+    if (is_wanted && next != lane_of(feed->index)->tail) {
+        trace_value(feed->index, feed->played.steps_made, lane_loaded(feed->index, next).time);
     }
 }
 
@@ -226,9 +242,6 @@ static void retire(struct feed *feed)
     uint8_t place = lane->retired;
     struct loaded segment = lane_loaded(feed->index, place);
     count(&feed->played, &segment, segment.steps);
-    if (segment.steps != 0 || segment.is_rest) {
-        feed->is_in_move = !segment.is_rest;
-    }
     if (line_is_on()) {
         line_retire(&line_queue[place / LINE_SEGMENT_BYTES], segment.steps);
     }
@@ -261,6 +274,7 @@ void feed_set_out(struct feed *feed)
     feed->played.steps_made = 0;
     trace_begin_move(feed->index);
     feed->is_traced = trace_every(feed->index) != 0;
+    feed->has_got_ahead = false;
     if (feed->is_traced) {
         trace_to_queue = 1; /* the first pulse */
         trace_to_play = 1;
@@ -270,7 +284,7 @@ void feed_set_out(struct feed *feed)
 bool feed_is_ready(const struct feed *feed)
 {
     bool is_all = lane_ahead(lane_of(feed->index)) != 0 && axis_is_at_rest(&feed->axis);
-    return is_all || !is_wanted(feed, time_ahead(feed));
+    return is_all || !is_wanted(feed, time_ahead(feed, feed_clock.now));
 }
 
 uint16_t feed_next_interval(const struct feed *feed)
@@ -311,7 +325,7 @@ static void become_idle(struct feed *feed)
     trace_end_move(feed->index);
 }
 
-/* The engine has found the queue empty: in a move, or at rest, though something may have been queued since. */
+/* The engine has found the queue empty: at rest, or in a move. */
 static void parked(struct feed *feed)
 {
     feed->seen_empty = lane_of(feed->index)->empty;
@@ -323,7 +337,7 @@ static void parked(struct feed *feed)
         become_idle(feed);
         return;
     }
-    feed->has_run_dry = feed->is_in_move;
+    feed->has_run_dry = feed->has_pulses;
     if (feed->has_run_dry && starved != UINT8_MAX) {
         starved++;
     }
@@ -332,23 +346,33 @@ static void parked(struct feed *feed)
     feed->end_ticks = 0;
 }
 
-void feed_poll(struct feed *feed)
+/* Other things can be done first. */
+static bool can_wait(const struct feed *feed)
 {
-    if (feed->stage == FEED_IDLE) {
-        return;
-    }
+    return feed->stage != FEED_PLAYING || time_ahead(feed, port_time()) >= WAITING_TIME ||
+           !lane_has_room(lane_of(feed->index));
+}
+
+bool feed_poll(struct feed *feed)
+{
     if (feed->stage == FEED_PLAYING) {
         retire_played(feed);
         if (lane_of(feed->index)->empty != feed->seen_empty) {
             parked(feed);
-            return;
+            return true;
         }
     } else if (is_done(feed)) { /* the target was taken back before the start */
         become_idle(feed);
-        return;
+        return true;
     }
+    bool has_time = true;
     for (uint8_t left = SEGMENTS_AT_ONCE; left != 0 && fill(feed); left--) {
+        has_time = can_wait(feed);
+        if (has_time && feed_clock.yields != 0 && port_has_received()) {
+            break;
+        }
     }
+    return has_time;
 }
 
 /* The steps that have been played of a segment that has been loaded: all, but of the one that is being played. */

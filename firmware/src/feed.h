@@ -32,9 +32,9 @@ struct feed {
     uint8_t stage;      /* enum feed_stage */
     uint8_t turns_too;  /* other axes, a bit each, that turn together with this one */
     bool is_traced : 1;     /* in this move */
+    bool has_got_ahead : 1; /* the queue was as long as wanted, in this move */
     bool turns_next : 1;    /* a silence in which the direction may turn comes next */
     bool has_pulses : 1;    /* queued since the last silence at rest */
-    bool is_in_move : 1;    /* at the end of what has been played: not in a silence at rest */
     bool has_run_dry : 1; /* the queue, in the middle of a move; since the last start */
     bool pin_backward : 1;  /* the direction pin, at the end of the queue */
     struct axis axis;   /* last: an AVR reaches the first 64 bytes best */
@@ -51,6 +51,7 @@ struct feed_clock {
     uint16_t now;         /* [64 us] */
     uint32_t setup_ticks; /* from the direction to the pulse; set at rest, like the next */
     bool is_fast;         /* the engine's clock */
+    uint8_t yields;       /* so often what has been received may still come first, before all axes have had their turn */
 };
 
 extern struct feed_clock feed_clock;
@@ -58,8 +59,9 @@ extern struct feed_clock feed_clock;
 /* Begins to move an axis that is idle. */
 void feed_set_out(struct feed *feed);
 
-/* Goes on, for a short time. */
-void feed_poll(struct feed *feed);
+/* Goes on, for a short time, with an axis that isn't idle. Returns false when its queue is still short: then nothing else
+ * should be done for long. */
+bool feed_poll(struct feed *feed);
 
 /* A waiting feed has enough for a start: as much as is queued ahead later, or all that there is. */
 bool feed_is_ready(const struct feed *feed);

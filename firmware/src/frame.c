@@ -9,10 +9,13 @@ enum { EMPTY_COUNT = 1 + CRC_BYTES, LONGEST_COUNT = 1 + LONGEST_MESSAGE + CRC_BY
 
 uint16_t crc16_update(uint16_t crc, uint8_t byte)
 {
-    /* Eight shifts of the polynomial x^16 + x^12 + x^5 + 1 at once: its three terms give the three xors. */
+    /* Eight shifts of the polynomial x^16 + x^12 + x^5 + 1 at once: its three terms give the three xors. In bytes, as an
+     * AVR shifts a wider number bit by bit. */
     uint8_t high = (uint8_t)((crc >> 8) ^ byte);
     high ^= high >> 4;
-    return (uint16_t)((crc << 8) ^ ((uint16_t)high << 12) ^ ((uint16_t)high << 5) ^ high);
+    uint8_t next_high = (uint8_t)((uint8_t)crc ^ (uint8_t)(high << 4) ^ high >> 3);
+    uint8_t next_low = (uint8_t)(high ^ high << 5);
+    return (uint16_t)(next_high << 8 | next_low);
 }
 
 uint16_t crc16(const uint8_t *bytes, uint16_t count)

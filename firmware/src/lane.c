@@ -57,7 +57,6 @@ struct loaded lane_loaded(uint8_t axis, uint8_t place)
     bool on = line_is_on();
     uint8_t steps = on ? in_line(place)->axes : in_queue(axis, place)->step_mask;
     uint8_t turns = on ? in_line(place)->turn_axes >> axis & 1 : in_queue(axis, place)->turn_mask;
-    struct loaded loaded = {head->interval, steps != 0 ? (uint16_t)(head->count_less_1 + 1u) : 0, turns != 0,
-                            steps == 0 && head->add == ADD_AT_REST};
+    struct loaded loaded = {head->interval, steps != 0 ? (uint16_t)(head->count_less_1 + 1u) : 0, turns != 0};
     return loaded;
 }

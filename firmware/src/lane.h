@@ -44,10 +44,6 @@ static inline bool lane_has_room(const struct lane *lane)
 /* Segments that are not loaded yet. */
 uint8_t lane_ahead(const struct lane *lane);
 
-/* An engine has no use for the `add` of a silence: this one tells those between two moves from those within long
- * intervals. */
-enum { ADD_AT_REST = 1 };
-
 /* Fills the next place. A line puts steps for all its axes. Turns has a bit for each axis whose direction turns. */
 void lane_put(uint8_t axis, uint16_t interval, int16_t add, uint16_t count_less_1, bool is_step, uint8_t turns);
 
@@ -56,7 +52,6 @@ struct loaded {
     uint16_t time;  /* the timer's value when it was; of one that isn't loaded yet its first interval [ticks] */
     uint16_t steps; /* 0: silent */
     bool turns;
-    bool is_rest; /* a silence between two moves */
 };
 struct loaded lane_loaded(uint8_t axis, uint8_t place);
 

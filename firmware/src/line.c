@@ -106,11 +106,6 @@ uint32_t line_steps_of(const struct line_piece *piece, uint8_t follower)
     return piece->made[follower] + steps_in_piece(piece->done, piece->delta[follower], piece->total);
 }
 
-uint32_t line_steps_queued(void)
-{
-    return line.total - line.left - line.queued.total + line.queued.done;
-}
-
 uint32_t line_steps_with(uint8_t follower, uint32_t leader_steps)
 {
     uint32_t begin = leader_steps - leader_steps % STEPS_OF_A_PIECE;

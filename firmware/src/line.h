@@ -55,9 +55,6 @@ void line_begin(uint8_t leader, const uint32_t steps[MOST_AXES]);
 /* Steps that the next segment may have: those left of the piece in hand, or of the next one. */
 uint16_t line_most_steps(void);
 
-/* Steps of the leader that have been queued. */
-uint32_t line_steps_queued(void);
-
 /* Steps of a follower that come with so many of the leader's. */
 uint32_t line_steps_with(uint8_t follower, uint32_t leader_steps);
 

@@ -16,6 +16,12 @@
 
 enum { MOST_GAUGES = 3, SHARE_BITS = 12 };
 
+/* What a step takes of the processor without its pulse, and when a segment begins with it [us]. */
+enum { STEP_US = 10 };
+
+/* So often moves make way for what has been received, until the line has been silent: enough for a request. */
+enum { MOST_YIELDS = 4 };
+
 static const uint8_t *image;
 static const struct settings *settings;
 static struct feed feeds[MOST_AXES];
@@ -83,10 +89,11 @@ static uint16_t shortest_on_a_line(uint8_t count)
                        : SHORTEST_INTERVAL_LINE_4_TICKS;
 }
 
-/* Cycles that `count` steps take, and wide pulses more. */
+/* Cycles that `count` steps take, and wide pulses more. Those are waited for: half as much again is left for the main
+ * loop. */
 static uint16_t cycles_with_pulses(uint16_t cycles, uint8_t count)
 {
-    return (uint16_t)(cycles + count * settings->pulse_width_us * (FAST_CLOCK_HZ / 1000000u));
+    return (uint16_t)(cycles + count * settings->pulse_width_us * (FAST_CLOCK_HZ / 1000000u * 3 / 2));
 }
 
 static uint8_t share_status(uint16_t share, uint16_t *detail)
@@ -169,10 +176,20 @@ static uint32_t wanted_interval(const struct feed *feed, int32_t value, bool is_
     return is_run ? without_sign(value) : slew_interval_of(feed);
 }
 
+/* With its ramp; what has not set out yet doesn't. */
+static void stop(struct feed *feed)
+{
+    if (feed->stage == FEED_WAITING) {
+        machine_halt(feed->bit);
+    } else {
+        axis_stop(&feed->axis);
+    }
+}
+
 static void begin_order(struct feed *feed, uint32_t interval, int32_t value, bool is_run)
 {
     if (interval == 0) {
-        axis_stop(&feed->axis);
+        stop(feed);
         return;
     }
     if (is_run) {
@@ -322,15 +339,22 @@ static void begin_axes(void)
     }
 }
 
+/* The place of an axis among the followers of a line; MOST_FOLLOWERS: it is none. */
+static uint8_t place_in_line(const struct feed *feed)
+{
+    for (uint8_t k = 0; line_is_on() && k < line.follower_count; k++) {
+        if (line.followers[k] == feed->index) {
+            return k;
+        }
+    }
+    return MOST_FOLLOWERS;
+}
+
 /* The steps of an axis that follows in a line, as far as that has been played. */
 static uint32_t follower_steps(const struct feed *feed, const struct line_piece *piece)
 {
-    for (uint8_t k = 0; k < line.follower_count; k++) {
-        if (line.followers[k] == feed->index) {
-            return line_steps_of(piece, k);
-        }
-    }
-    return 0;
+    uint8_t place = place_in_line(feed);
+    return place == MOST_FOLLOWERS ? 0 : line_steps_of(piece, place);
 }
 
 /* The line has come to rest: its axes are axes of their own again. */
@@ -361,7 +385,7 @@ void machine_stop(uint8_t mask)
     mask = axes_meant(mask);
     for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
         if (is_moving(feed) && (mask & feed->bit) != 0) {
-            axis_stop(&feed->axis);
+            stop(feed);
         }
     }
 }
@@ -370,7 +394,7 @@ void machine_stop_runs(void)
 {
     for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
         if (feed->axis.runs) {
-            axis_stop(&feed->axis);
+            stop(feed);
         }
     }
 }
@@ -404,6 +428,14 @@ void machine_begin(void)
     }
 }
 
+/* By so much the direction may turn late [us]: it waits for steps of the other axes, and while it does, for more of
+ * those of a fast one. */
+static uint16_t latest_turn_us(void)
+{
+    uint8_t others = (uint8_t)(machine_axes() - 1);
+    return (uint16_t)(STEP_US + 3 * others * (STEP_US + settings->pulse_width_us));
+}
+
 void machine_use(const uint8_t *new_image, const struct settings *new_settings)
 {
     image = new_image;
@@ -414,7 +446,7 @@ void machine_use(const uint8_t *new_image, const struct settings *new_settings)
         bool is_fast = ramp_image_is_fast(image);
         engine_set_clock(is_fast);
         feed_clock.is_fast = is_fast;
-        feed_clock.setup_ticks = (uint32_t)settings->direction_setup_us * ticks_a_us();
+        feed_clock.setup_ticks = (uint32_t)(settings->direction_setup_us + latest_turn_us()) * ticks_a_us();
         begin_axes();
     }
 }
@@ -439,44 +471,48 @@ bool machine_is_on_a_line(void)
     return line_is_on();
 }
 
-/* The steps that the leader of a line will have made when it comes to rest. */
+/* The steps that the leader of a line will have made when it comes to rest: its target lies ahead all along. */
 static uint32_t steps_of_leader(void)
 {
-    const struct axis *leader = &feeds[line.leader].axis;
-    /* Its target lies ahead all along; which way that is, `backward` doesn't tell before it has set out. */
-    return line_steps_queued() + without_sign((int32_t)((uint32_t)leader->target - (uint32_t)leader->position));
+    const struct feed *leader = &feeds[line.leader];
+    uint32_t way = (uint32_t)leader->axis.target - (uint32_t)leader->played.position;
+    return leader->played.steps_made + without_sign((int32_t)way);
 }
 
-/* The report of an axis that follows in a line or rests beside it. */
-static void report_follower(const struct feed *feed, struct axis_report *report)
+static struct axis_report report_follower(const struct feed *feed, uint8_t place)
 {
     feed_progress(&feeds[line.leader]);
-    report->steps_made = follower_steps(feed, &line_in_progress);
-    report->position = moved(report->position, feed->pin_backward, report->steps_made);
-    report->target = report->position;
-    for (uint8_t k = 0; k < line.follower_count; k++) {
-        if (line.followers[k] == feed->index) {
-            report->state = feeds[line.leader].axis.stopping ? AXIS_STOPPING : AXIS_MOVING;
-            report->target = moved(feed->played.position, feed->pin_backward, line_steps_with(k, steps_of_leader()));
-        }
-    }
+    uint32_t steps_made = line_steps_of(&line_in_progress, place);
+    int32_t position = moved(feed->played.position, feed->pin_backward, steps_made);
+    uint8_t state = feeds[line.leader].axis.stopping ? AXIS_STOPPING : AXIS_MOVING;
+    return (struct axis_report){state, position, 0, steps_made};
 }
 
 struct axis_report machine_report(uint8_t index)
 {
     const struct feed *feed = &feeds[index];
+    uint8_t place = place_in_line(feed);
+    if (place != MOST_FOLLOWERS) {
+        return report_follower(feed, place);
+    }
     struct feed_progress progress = feed_progress(feed);
-    struct axis_report report = {AXIS_IDLE, progress.position, progress.position, 0, progress.steps_made};
-    if (line_is_on() && index != line.leader) {
-        report_follower(feed, &report);
-    } else if (is_moving(feed)) {
+    struct axis_report report = {AXIS_IDLE, progress.position, 0, progress.steps_made};
+    if (is_moving(feed)) {
         report.state = feed->axis.stopping ? AXIS_STOPPING : AXIS_MOVING;
         report.interval = feed_interval(feed);
-        if (!feed->axis.runs) {
-            report.target = feed->axis.target;
-        }
     }
     return report;
+}
+
+int32_t machine_target(uint8_t index)
+{
+    const struct feed *feed = &feeds[index];
+    uint8_t place = place_in_line(feed);
+    if (place != MOST_FOLLOWERS) {
+        uint32_t steps = feeds[line.leader].axis.stopping ? line_steps_with(place, steps_of_leader()) : line.steps[place];
+        return moved(feed->played.position, feed->pin_backward, steps);
+    }
+    return is_moving(feed) && !feed->axis.runs ? feed->axis.target : machine_report(index).position;
 }
 
 uint8_t machine_starved(void)
@@ -558,6 +594,7 @@ static uint16_t start_ticks(uint8_t mask)
 static void start(uint8_t mask)
 {
     uint16_t ticks = start_ticks(mask);
+    feed_clock.now = port_time();
     engine_start(mask, ticks);
     for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
         if ((mask & feed->bit) != 0) {
@@ -566,13 +603,9 @@ static void start(uint8_t mask)
     }
 }
 
-void machine_poll(void)
+/* What there is to do once all axes have had their turn. */
+static void go_on_together(void)
 {
-    feed_clock.now = port_time();
-    for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
-        feed_poll(feed);
-        axis_compute(&feed->axis);
-    }
     if (line_is_on() && !is_moving(&feeds[line.leader])) {
         end_line(&line.played);
     }
@@ -582,4 +615,33 @@ void machine_poll(void)
         start(mask);
     }
     let_go();
+}
+
+/* Ends early when something has been received, and goes on then where it was. Not for ever: a line that never falls silent
+ * must leave the time to move. */
+bool machine_poll(void)
+{
+    static struct feed *next = feeds;
+    static bool has_time = true; /* as far as the axes have had their turn */
+    feed_clock.now = port_time();
+    while (next < end_of_feeds) {
+        struct feed *feed = next++;
+        if (!is_moving(feed)) {
+            continue;
+        }
+        has_time = feed_poll(feed) && has_time;
+        axis_compute(&feed->axis);
+        if (has_time && feed_clock.yields != 0 && port_has_received()) {
+            feed_clock.yields--;
+            return false;
+        }
+    }
+    bool had_time = has_time;
+    has_time = true;
+    next = feeds;
+    if (!port_has_received()) {
+        feed_clock.yields = MOST_YIELDS;
+    }
+    go_on_together();
+    return had_time;
 }

@@ -5,6 +5,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "feed.h"
 #include "message.h"
 #include "queue.h"
 #include "settings.h"
@@ -18,7 +19,6 @@ enum axis_state { AXIS_IDLE = 0, AXIS_MOVING = 1, AXIS_STOPPING = 2 };
 struct axis_report {
     uint8_t state;
     int32_t position;    /* [steps] */
-    int32_t target;      /* [steps] where the motor will come to rest; while it runs at a speed, and at rest, the position */
     uint32_t interval;   /* [ticks] the present one; 0 at rest */
     uint32_t steps_made; /* since it last set out from rest */
 };
@@ -55,12 +55,15 @@ void machine_halt(uint8_t axes);
 
 struct axis_report machine_report(uint8_t axis);
 
+/* [steps] Where the motor will come to rest; while it runs at a speed, and at rest, its position. */
+int32_t machine_target(uint8_t axis);
+
 /* How often a queue ran dry in a move since the start; 255 stays 255. */
 uint8_t machine_starved(void);
 bool machine_is_enabled(void);
 
-/* To be called in each round of the main loop. */
-void machine_poll(void);
+/* To be called in each round of the main loop. Returns true when there is time for other things. */
+bool machine_poll(void);
 
 #ifdef __cplusplus
 }

@@ -1,5 +1,5 @@
-/* What the hardware must do for the portable part, besides the engine (engine.h). A port also moves bytes between its
- * serial port and the controller (controller.h). */
+/* What the hardware must do for the portable part, besides the engine (engine.h). A port also hands the controller the
+ * bytes that come in (controller.h). */
 #ifndef STEPRAMP_PORT_H
 #define STEPRAMP_PORT_H
 
@@ -28,6 +28,19 @@ void port_enable(bool on);
 /* Two clocks that count up and over [64 us], [ms]. To be called at least every 10 ms. */
 uint16_t port_time(void);
 uint16_t port_milliseconds(void);
+
+/* Bytes wait to be handed to the controller. */
+bool port_has_received(void);
+
+/* Sends a frame: up to its zero byte, the only one. It must stay as it is until then. Only when none is on its way. */
+void port_send(const uint8_t *frame);
+
+/* A frame is on its way. */
+bool port_is_sending(void);
+
+/* Ends the frame that is on its way: a zero byte takes the place of its rest, which is not looked at any more. Whoever
+ * receives it will find it damaged. */
+void port_cut_frame(void);
 
 /* Why the processor began: bits of enum reset_cause. */
 uint8_t port_reset_cause(void);

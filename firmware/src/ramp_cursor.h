@@ -71,6 +71,12 @@ static inline uint16_t cursor_count_longer(const struct ramp_cursor *cursor, uin
  * longer than `bound` ticks. */
 uint16_t cursor_count_not_longer_back(const struct ramp_cursor *cursor, uint32_t bound);
 
+/* The seek below passes the rest of the present segment when its bound is less than this [ticks]. */
+static inline uint32_t cursor_to_pass(const struct ramp_cursor *cursor)
+{
+    return cursor_interval(cursor, cursor->add < 0 ? (uint16_t)(cursor->count - 1) : cursor->taken);
+}
+
 /* Moves forward to the first interval that isn't longer than `bound`, at most over one segment. Returns true when it is
  * there. */
 bool cursor_seek_forward(struct ramp_cursor *cursor, const struct packed_list *list, uint32_t bound);

@@ -3,11 +3,13 @@
 #include <string.h>
 
 #include "frame.h"
+#include "port.h"
 
 static uint8_t reply[LONGEST_REPLY_BYTES + FRAME_EXTRA_BYTES], notice[LONGEST_NOTICE_BYTES + FRAME_EXTRA_BYTES];
 
-/* The next byte of each to send, counted from 1; 0: it has gone. A frame's last byte is its only zero. */
-static uint8_t reply_at, notice_at;
+/* Which of the two wait to be sent, a bit each, and which one the port has got last. */
+enum { NEITHER = 0, REPLY = 1, NOTICE = 2 };
+static uint8_t waiting, sent;
 
 /* Where the next field goes, of the one that is being written: its message begins at the frame's second byte. */
 static uint8_t *next_field;
@@ -26,6 +28,11 @@ void notice_begin(uint8_t kind, uint16_t session, uint8_t tag)
     reply_u8(kind);
     reply_u16(session);
     reply_u8(tag);
+}
+
+void notice_go_on(uint8_t length)
+{
+    next_field = notice + 1 + length;
 }
 
 void reply_u8(uint8_t value)
@@ -90,49 +97,53 @@ void reply_end(void)
     frame_encode(reply, (uint8_t)(next_field - reply - 1));
 }
 
-void reply_send(void)
+static bool is_going_out(uint8_t which)
 {
-    reply_at = 1;
+    return (waiting & which) != 0 || (sent == which && port_is_sending());
 }
 
 bool reply_is_going_out(void)
 {
-    return reply_at != 0;
+    return is_going_out(REPLY);
 }
 
 void notice_send(void)
 {
     frame_encode(notice, (uint8_t)(next_field - notice - 1));
-    notice_at = 1;
+    waiting |= NOTICE;
 }
 
 bool notice_is_going_out(void)
 {
-    return notice_at != 0;
+    return is_going_out(NOTICE);
 }
 
 void notice_drop(void)
 {
-    if (notice_at == 1) {
-        notice_at = 0;
+    waiting &= (uint8_t)~NOTICE;
+}
+
+void reply_send(void)
+{
+    waiting |= REPLY;
+    reply_poll();
+}
+
+void reply_cut(void)
+{
+    waiting &= (uint8_t)~REPLY;
+    sent = NEITHER;
+    if (port_is_sending()) {
+        port_cut_frame();
     }
 }
 
-/* Takes the next byte of a frame. Returns false when it has gone. */
-static bool take(const uint8_t *frame, uint8_t *at, uint8_t *byte)
+void reply_poll(void)
 {
-    if (*at == 0) {
-        return false;
+    if (waiting == 0 || port_is_sending()) {
+        return;
     }
-    *byte = frame[*at - 1];
-    *at = *byte == 0 ? 0 : (uint8_t)(*at + 1);
-    return true;
-}
-
-bool reply_next_byte(uint8_t *byte)
-{
-    if (notice_at > 1 || reply_at == 0) { /* a notice that has begun is not interrupted */
-        return take(notice, &notice_at, byte);
-    }
-    return take(reply, &reply_at, byte);
+    sent = (waiting & REPLY) != 0 ? REPLY : NOTICE;
+    waiting ^= sent;
+    port_send(sent == REPLY ? reply : notice);
 }

@@ -25,6 +25,9 @@ void reply_begin(const uint8_t request_header[MESSAGE_HEADER_BYTES]);
 /* Begins a notice; only when the last one has gone. It is no longer than LONGEST_NOTICE_BYTES. */
 void notice_begin(uint8_t kind, uint16_t session, uint8_t tag);
 
+/* Goes on with a notice that has been begun, whose message has so many bytes by now. */
+void notice_go_on(uint8_t length);
+
 void reply_u8(uint8_t value);
 void reply_u16(uint16_t value);
 void reply_u32(uint32_t value);
@@ -56,8 +59,12 @@ bool notice_is_going_out(void);
 /* Drops the notice, unless a part of it has gone already. */
 void notice_drop(void);
 
-/* Gives the next byte to send. Returns false when there is none. */
-bool reply_next_byte(uint8_t *byte);
+/* Ends what is going out, so that the next reply follows at once: a frame that has begun is cut, a reply that waits is
+ * dropped. */
+void reply_cut(void);
+
+/* To be called in each round of the main loop: goes on with the next frame when one has gone. */
+void reply_poll(void);
 
 #ifdef __cplusplus
 }

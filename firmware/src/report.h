@@ -12,7 +12,7 @@ extern "C" {
 /* Reports so many times a second from now on, up to 50; 0: no more. */
 void report_start(uint8_t rate_hz, uint16_t now_ms);
 
-/* Makes the next report when it is time for one and the line has room. Returns true when it has made one. */
+/* Goes on, by a little, with the next report when it is time for one and the line has room. Returns true when it has. */
 bool report_poll(uint16_t session, uint16_t now_ms);
 
 #ifdef __cplusplus

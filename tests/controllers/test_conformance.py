@@ -127,10 +127,23 @@ def test_session_0_is_none(line: Line) -> None:
     assert reply.body[0] == ReplyStatus.OUT_OF_RANGE
 
 
-@pytest.mark.parametrize("request_", [StatusRequest(0), CommitRequest(), HaltRequest()])
+@pytest.mark.parametrize("request_", [StatusRequest(0), CommitRequest(), RunRequest(1, (5000,))])
 def test_another_session_is_stale(line: Line, request_: Request) -> None:
     reply = line.exchange(Message(request_.KIND, SESSION + 1, 77, request_.pack()))
     assert reply == Message(request_.KIND | REPLY, SESSION + 1, 77, bytes([ReplyStatus.STALE_SESSION, 0, 0]))
+
+
+@pytest.mark.parametrize("request_", [StopRequest(), HaltRequest()])
+@pytest.mark.parametrize("session", [0, SESSION + 1])
+def test_stop_and_halt_are_obeyed_whoever_asks(line: Line, request_: Request, session: int) -> None:
+    """And each time: also when the header is that of the last request."""
+    line.use(IMAGE)
+    for _ in range(2):
+        line.good(RunRequest(1, (5000,)))
+        line.wait_until(lambda status: status.steps_made > 0)
+        reply = line.exchange(Message(request_.KIND, session, 77, request_.pack()))
+        assert reply == Message(request_.KIND | REPLY, session, 77, bytes([ReplyStatus.OK]))
+        line.wait_for_rest()
 
 
 def test_a_new_hello_ends_the_session(line: Line) -> None:

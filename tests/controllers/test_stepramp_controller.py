@@ -62,6 +62,7 @@ from stepramp.link.serial_port import SerialPort
 
 SESSION = 0x1234
 BYTES = IMAGE.encode()
+NOISE = bytes([7, 1, 99])
 IDLE = StatusReply(0, 0, 0, 0, 0, 0, 1, crc16(BYTES), 0, 0)
 NO_RAMP = StatusReply(0, 0, 0, 0, 0, 0, 0, 0, 0, 0)
 
@@ -92,6 +93,8 @@ class Script:
         self.pairs: list[tuple[Message, bytes]] = [(sent(HelloRequest(), 0), replied(HelloRequest(), hello, 0))]
         self.splitter = FrameSplitter()
         self.unasked = b""
+        self.noise = b""
+        """What it receives after each frame."""
         self._tag = 0
         self.then(ReadSettingsRequest(), SettingsReply((settings or Settings()).pack()))
         if hello.ramp_in_use:
@@ -128,7 +131,7 @@ class Script:
 
     def exchange(self, data: bytes) -> bytes:
         answer, self.unasked = self.unasked, b""
-        for frame in self.splitter.feed(data):
+        for frame in self.splitter.feed(data + self.noise):
             expected, reply = self.pairs.pop(0)
             assert Message.unpack(frame) == expected
             answer += reply
@@ -429,6 +432,13 @@ def test_a_lost_reply_is_asked_for_again_with_the_same_tag(connect: Connect) -> 
     controller = connect(script)
     controller.move_by(by_steps(5))
     controller.stop()
+
+
+def test_a_repeat_ends_the_noise_before_it(connect: Connect) -> None:
+    script = stored().then(StatusRequest(0), IDLE).then(StatusRequest(0), IDLE)
+    controller = connect(script)
+    script.noise = NOISE
+    assert controller.status() == controller.status()
 
 
 def test_a_garbled_reply_counts_as_lost(connect: Connect) -> None:

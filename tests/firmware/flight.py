@@ -12,7 +12,7 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
-from firmware.checker import CYCLES_PER_S, CYCLES_PER_US, Axis, Edges, axis_of
+from firmware.checker import CYCLES_PER_S, CYCLES_PER_US, Axis, Cycles, Edges, axis_of
 from firmware.protocol import (
     HALT,
     LINE,
@@ -43,6 +43,10 @@ LATE_US = (
     BLOCKED_US + LONGEST_INTERRUPT_US + LOADING_US,
 )
 """How late a step may be when 1, 2, 3, 4 axes move; alone: firmware/README.md."""
+WIDEST_DEAF_US = 10
+"""Wider pulses let the serial port's interrupts in, which nothing interrupts then."""
+BESIDE_WIDE_PULSES_US = 1.6
+"""Their 75 cycles rather than 3.1 us."""
 LINE_LATE_US = 4.5
 TOGETHER_US = 1.0
 """So near to the leader's steps of a line are those of its other axes."""
@@ -90,7 +94,8 @@ class Setting:
     def late_cycles(self) -> float:
         """How late a step may be: what is stated, and the pulses of the others [cycles]."""
         others = len(self.slopes) - 1
-        return (LATE_US[others] + others * self.settings.pulse_width_us) * CYCLES_PER_US + self.cycles_per_tick
+        late_us = LATE_US[others] + (BESIDE_WIDE_PULSES_US if self.settings.pulse_width_us > WIDEST_DEAF_US else 0)
+        return (late_us + others * self.settings.pulse_width_us) * CYCLES_PER_US + self.cycles_per_tick
 
 
 @dataclass(frozen=True)
@@ -195,6 +200,8 @@ class Flight:
     made: Axis
     setting: Setting
     heard: Sequence[Exchange]
+    lines: Sequence[tuple[Exchange, float]]
+    """Each line with steps, and until when it may move [cycles]."""
 
     @property
     def orders(self) -> list[Exchange]:
@@ -217,9 +224,9 @@ def judge(conversation: Conversation, setting: Setting) -> Judgement:
     """Return what is wrong with a flight. All motors must be at rest at its end."""
     found = Judgement()
     heard = exchanges(conversation.frames)
-    flights = [
-        Flight(axis, axis_at(conversation.edges, axis, setting), setting, heard) for axis in range(len(setting.slopes))
-    ]
+    axes = [axis_at(conversation.edges, axis, setting) for axis in range(len(setting.slopes))]
+    lines = line_windows(heard, np.sort(np.concatenate([axis.steps for axis in axes])))
+    flights = [Flight(number, axis, setting, heard, lines) for number, axis in enumerate(axes)]
     for flight in flights:
         _judge_pins(flight, found)
         _judge_halts(flight, found)
@@ -312,12 +319,20 @@ class Piece:
         return np.asarray(ticks, float) * self.flight.setting.cycles_per_tick
 
 
-def line_windows(heard: Iterable[Exchange]) -> list[tuple[Exchange, float]]:
-    """Return each line with steps, and when the next motion may have begun [cycles]."""
+def line_windows(heard: Iterable[Exchange], steps: Cycles) -> list[tuple[Exchange, float]]:
+    """Return each line with steps, and until when it may move [cycles], by the steps of all axes."""
     motions = [one for one in heard if one.kind in ORDERS and one.is_granted]
-    ends = [one.arrived for one in motions[1:]] + [np.inf]
+    ends = [_rest_before(one, steps) for one in motions[1:]] + [np.inf]
     pairs = zip(motions, ends, strict=True) if motions else ()
     return [(one, end) for one, end in pairs if one.kind == LINE and any(one.values.values())]
+
+
+def _rest_before(one: Exchange, steps: Cycles) -> float:
+    """Return when motors rested before a request was granted: it may have waited while a line came to its end."""
+    first, last = np.searchsorted(steps, [one.arrived, one.answered])
+    moments = np.concatenate(([one.arrived], steps[first:last], [one.answered]))
+    longest = int(np.diff(moments).argmax())
+    return float(moments[longest] + moments[longest + 1]) / 2
 
 
 def leader_of(line: Exchange) -> int:
@@ -330,7 +345,7 @@ def _pieces(flight: Flight) -> Iterator[Piece]:
     steps = flight.made.steps
     cuts = {0: True, steps.size: True}
     halts = [one.answered for one in flight.heard if one.is_granted and one.kind == HALT]
-    lines = line_windows(flight.heard)
+    lines = flight.lines
     for halt in halts:
         in_line = any(line.arrived < halt < end for line, end in lines)
         if in_line or any(one.answered == halt for one in flight.orders):
@@ -498,7 +513,7 @@ def dips(intervals: Ticks, least: float) -> list[tuple[int, int]]:
 
 
 def _judge_lines(flights: Sequence[Flight], found: Judgement) -> None:
-    for line, end in line_windows(flights[0].heard):
+    for line, end in flights[0].lines:
         leader, values = leader_of(line), line.values
         if leader >= len(flights):
             continue
@@ -552,7 +567,7 @@ class Words:
             self.hear_target(one, one.values[axis], one.targets[axis])
         elif one.kind == RUN and axis in one.values:
             self.target, self.runs = None, one.values[axis] != 0
-        elif one.kind in (STOP, HALT) and (one.concerns(axis) or _on_a_line(self.flight.heard, one)):
+        elif one.kind in (STOP, HALT) and (one.concerns(axis) or _on_a_line(self.flight, one)):
             self.target, self.runs = None if one.kind == STOP else self.flight.travel(one.answered), False
 
     def hear_status(self, one: Exchange, status: Status) -> None:
@@ -584,8 +599,8 @@ def _judge_words(flight: Flight, found: Judgement) -> None:
             words.hear(one)
 
 
-def _on_a_line(heard: Sequence[Exchange], one: Exchange) -> bool:
-    return any(line.arrived < one.arrived < end for line, end in line_windows(heard))
+def _on_a_line(flight: Flight, one: Exchange) -> bool:
+    return any(line.arrived < one.arrived < end for line, end in flight.lines)
 
 
 def _judge_answers(flights: Sequence[Flight], heard: Sequence[Exchange], found: Judgement) -> None:

@@ -22,12 +22,13 @@
 #include "message.h"
 #include "protocol_port.h"
 #include "ramp_store.h"
+#include "reply.h"
 #include "settings.h"
 #include "slots.h"
 #include "whole_message.h"
 
 enum { MOST_IMAGES = 16, LONGEST_BURST = 512, LONGEST_BODY = LONGEST_MESSAGE - MESSAGE_HEADER_BYTES };
-enum { HELLO_EVERY = 256, MOST_ROUNDS = 4000, HANG_SECONDS = 30, ALARM_EVERY = 10000 };
+enum { HELLO_EVERY = 256, MOST_ROUNDS = 4000, MOST_ROUNDS_OF_AN_ANSWER = 5000, HANG_SECONDS = 30, ALARM_EVERY = 10000 };
 
 struct image {
     uint16_t length; /* 0: none */
@@ -149,13 +150,8 @@ static void check_positions(void)
     }
 }
 
-static void finish_writing(void)
+static void note_written(void)
 {
-    for (long rounds = 0; slots_are_writing(); rounds++) {
-        must(rounds < 100000, "writing doesn't end");
-        port_round();
-    }
-    must((ramp_store_flags() & FLAG_WRITE_FAILED) == 0, "writing has failed");
     model.is_writing = false;
     model.previous = model.stored;
     model.stored = model.being_stored;
@@ -163,6 +159,16 @@ static void finish_writing(void)
     model.is_delivered_to = false;
     model.is_checked = false;
     model.settings_on_trial = false;
+}
+
+static void finish_writing(void)
+{
+    for (long rounds = 0; slots_are_writing(); rounds++) {
+        must(rounds < 100000, "writing doesn't end");
+        port_round();
+    }
+    must((ramp_store_flags() & FLAG_WRITE_FAILED) == 0, "writing has failed");
+    note_written();
     check_images();
     check_slots();
 }
@@ -247,19 +253,20 @@ static void may_have_dropped_the_delivery(void)
     }
 }
 
-static void have_new_positions(uint8_t kind, const uint8_t *body, const int32_t steps_before[PORT_AXES])
+/* At rest: no step has been made since. */
+static void have_new_positions(uint8_t kind, const uint8_t *body)
 {
     uint8_t axes = *body++;
     for (uint8_t i = 0; i < PORT_AXES; i++) {
         if ((axes >> i & 1) != 0) {
             uint32_t position = kind == KIND_ZERO ? read_u16(body) : read_u32(body);
-            model.zero[i] = position - (uint32_t)steps_before[i];
+            model.zero[i] = position - (uint32_t)port_steps[i];
             body += kind == KIND_ZERO ? 0 : 4;
         }
     }
 }
 
-static void note_accepted(const uint8_t *message, uint8_t length, const int32_t steps_before[PORT_AXES])
+static void note_accepted(const uint8_t *message, uint8_t length)
 {
     const uint8_t *body = message + MESSAGE_HEADER_BYTES;
     switch (message[0]) {
@@ -286,7 +293,7 @@ static void note_accepted(const uint8_t *message, uint8_t length, const int32_t 
         break;
     case KIND_SET_POSITION:
     case KIND_ZERO:
-        have_new_positions(message[0], body, steps_before);
+        have_new_positions(message[0], body);
         break;
     default:
         break;
@@ -306,14 +313,25 @@ static bool is_notice(uint8_t kind)
     return kind == KIND_REPORT_NOTICE || kind == KIND_TRACE_NOTICE;
 }
 
+/* A stop or halt has come: what is being sent may end early. */
+static bool may_be_cut;
+
+/* Gives the next byte that is sent, until all frames have gone. */
+static bool is_sent(uint8_t *byte)
+{
+    reply_poll();
+    return port_next_byte(byte);
+}
+
 /* Takes what the controller sends. Returns the length of the reply, 0 when there is none. */
 static uint8_t hear(uint8_t reply[LONGEST_MESSAGE])
 {
     static struct whole_message message;
     uint8_t byte, reply_length = 0;
-    while (controller_next_byte(&byte)) {
+    while (is_sent(&byte)) {
         uint8_t length = message_receive(&message, byte);
-        must(byte != 0 || length >= MESSAGE_HEADER_BYTES, "it sent a bad frame");
+        must(byte != 0 || length >= MESSAGE_HEADER_BYTES || may_be_cut, "it sent a bad frame");
+        may_be_cut = may_be_cut && byte != 0;
         if (length != 0 && !is_notice(message.bytes[0])) {
             must(reply_length == 0, "two replies");
             memcpy(reply, message.bytes, length);
@@ -328,8 +346,7 @@ static bool is_repeat(const uint8_t *message)
     return memcmp(message, last_header, sizeof last_header) == 0 && message[0] != KIND_HELLO;
 }
 
-static void note_reply(const uint8_t *message, uint8_t length, const uint8_t *reply, uint8_t reply_length,
-                       const int32_t steps_before[PORT_AXES])
+static void note_reply(const uint8_t *message, uint8_t length, const uint8_t *reply, uint8_t reply_length)
 {
     must(reply_length > MESSAGE_HEADER_BYTES && reply[0] == (message[0] | KIND_REPLY) &&
              memcmp(reply + 1, message + 1, MESSAGE_HEADER_BYTES - 1) == 0,
@@ -342,12 +359,27 @@ static void note_reply(const uint8_t *message, uint8_t length, const uint8_t *re
     memcpy(last_reply, reply, reply_length);
     last_reply_length = reply_length;
     counts[message[0]]++;
-    if (reply[MESSAGE_HEADER_BYTES] == STATUS_OK) {
+    bool is_accepted = reply[MESSAGE_HEADER_BYTES] == STATUS_OK;
+    bool writes_anew = is_accepted && (message[0] == KIND_COMMIT || message[0] == KIND_ROLL_BACK);
+    if (model.is_writing && (!slots_are_writing() || writes_anew)) {
+        note_written(); /* while the request waited */
+    }
+    if (is_accepted) {
         accepted[message[0]]++;
         session = message[0] == KIND_HELLO ? read_u16(message + 1) : session;
-        note_accepted(message, length, steps_before);
+        note_accepted(message, length);
     }
     may_have_dropped_the_delivery();
+}
+
+static uint8_t await_reply(uint8_t reply[LONGEST_MESSAGE])
+{
+    uint8_t length = 0;
+    for (unsigned rounds = 0; length == 0 && rounds < MOST_ROUNDS_OF_AN_ANSWER; rounds++) {
+        port_round();
+        length = hear(reply);
+    }
+    return length;
 }
 
 /* Sends bytes, and looks at the answer to each good frame among them. */
@@ -355,18 +387,17 @@ static void send(const uint8_t *bytes, size_t count)
 {
     uint8_t reply[LONGEST_MESSAGE];
     for (size_t i = 0; i < count; i++) {
-        int32_t steps_before[PORT_AXES];
-        memcpy(steps_before, port_steps, sizeof steps_before);
         uint8_t length = message_receive(&as_received, bytes[i]);
         controller_receive(bytes[i]);
         if (length >= MESSAGE_HEADER_BYTES) {
-            uint8_t reply_length = hear(reply);
+            may_be_cut = as_received.bytes[0] == KIND_STOP || as_received.bytes[0] == KIND_HALT;
+            uint8_t reply_length = await_reply(reply);
             if (is_notice(as_received.bytes[0] | KIND_REPLY)) { /* an unknown kind, whose answer looks like a notice */
                 memcpy(last_header, as_received.bytes, sizeof last_header);
                 continue;
             }
             must(reply_length != 0, "no answer");
-            note_reply(as_received.bytes, length, reply, reply_length, steps_before);
+            note_reply(as_received.bytes, length, reply, reply_length);
         }
     }
 }

@@ -87,6 +87,11 @@ uint16_t port_milliseconds(void)
     return (uint16_t)(now / ticks_a_ms);
 }
 
+bool port_has_received(void)
+{
+    return false;
+}
+
 /* ---- the trace ---- */
 
 uint16_t trace_every(uint8_t axis)
@@ -248,8 +253,9 @@ static void do_command(const char *command)
         bool is_at_rest = rest(strtoull(strtok(NULL, " \n"), NULL, 10));
         printf("%s %llu\n", is_at_rest ? "rest" : "moving", (unsigned long long)now);
     } else if (strcmp(command, "report") == 0) {
-        struct axis_report report = machine_report(number());
-        printf("%u %ld %ld %lu %lu %u\n", report.state, (long)report.position, (long)report.target,
+        uint8_t axis = number();
+        struct axis_report report = machine_report(axis);
+        printf("%u %ld %ld %lu %lu %u\n", report.state, (long)report.position, (long)machine_target(axis),
                (unsigned long)report.interval, (unsigned long)report.steps_made, machine_starved());
     } else if (strcmp(command, "trace") == 0) {
         traced_axis = number();

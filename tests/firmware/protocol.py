@@ -57,6 +57,15 @@ def decode_frame(frame: bytes) -> bytes:
     return message
 
 
+def is_whole(frame: bytes) -> bool:
+    """Tell whether a frame is one that was not cut."""
+    try:
+        decode_frame(frame)
+    except (AssertionError, IndexError):
+        return False
+    return True
+
+
 # ---- ramps and settings
 
 
@@ -259,13 +268,19 @@ class Client:
         return message[4:]
 
     def _read_reply(self) -> bytes:
-        while (message := decode_frame(self.read_frame()))[0] >= REPORT_NOTICE:
+        while (message := self._read_message())[0] >= REPORT_NOTICE:
             self.notices.append(message)
         return message
 
+    def _read_message(self) -> bytes:
+        """Return the next message; a frame that was cut for a stop is none."""
+        while not is_whole(frame := self.read_frame()):
+            pass
+        return decode_frame(frame)
+
     def read_notice(self) -> bytes:
         """Return the next report or trace, one that was kept first."""
-        return self.notices.pop(0) if self.notices else decode_frame(self.read_frame())
+        return self.notices.pop(0) if self.notices else self._read_message()
 
     def send_raw(self, data: bytes) -> None:
         self._port.write(data)

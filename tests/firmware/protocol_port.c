@@ -104,11 +104,51 @@ void port_eeprom_write(uint16_t address, uint8_t value)
     }
 }
 
+/* ---- the serial line ---- */
+
+static const uint8_t *next_to_send; /* NULL: nothing */
+
+void port_send(const uint8_t *frame)
+{
+    if (next_to_send != NULL) {
+        fprintf(stderr, "a frame before the last one has gone\n");
+        abort();
+    }
+    next_to_send = frame;
+}
+
+bool port_has_received(void)
+{
+    return false; /* they are handed over at once */
+}
+
+bool port_is_sending(void)
+{
+    return next_to_send != NULL;
+}
+
+void port_cut_frame(void)
+{
+    static const uint8_t end = 0;
+    next_to_send = &end;
+}
+
+bool port_next_byte(uint8_t *byte)
+{
+    if (next_to_send == NULL) {
+        return false;
+    }
+    *byte = *next_to_send;
+    next_to_send = *byte == 0 ? NULL : next_to_send + 1;
+    return true;
+}
+
 /* ---- time ---- */
 
 void port_begin(void)
 {
     eeprom_busy_until = 0;
+    next_to_send = NULL;
     memset(port_steps, 0, sizeof port_steps);
     controller_begin();
     engine_set_outputs(on_step, on_turn);
@@ -132,7 +172,7 @@ size_t port_run(unsigned long byte_times, const uint8_t *in, size_t in_length, u
         for (unsigned i = 0; i < ROUNDS_A_BYTE; i++) {
             port_round();
         }
-        if (controller_next_byte(&byte)) {
+        if (port_next_byte(&byte)) {
             if (out) {
                 out[sent] = byte;
             }

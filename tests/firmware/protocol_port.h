@@ -28,6 +28,9 @@ void port_begin(void);
 /* One round of the main loop, a quarter of the time that a byte of the serial line takes. */
 void port_round(void);
 
+/* Gives the next byte that is sent. Returns false when there is none. */
+bool port_next_byte(uint8_t *byte);
+
 /* Lets so many byte times pass. In the first ones the bytes of `in` arrive; `out` (NULL: nowhere) gets what is sent.
  * Returns the number of bytes sent, at most one a byte time. */
 size_t port_run(unsigned long byte_times, const uint8_t *in, size_t in_length, uint8_t *out);

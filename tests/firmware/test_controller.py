@@ -12,7 +12,18 @@ import pytest
 
 from firmware import protocol as p
 from firmware.controller_host import Driver, missing_compiler
-from firmware.protocol import Hello, Ramp, Report, Settings, Status, Trace, decode_frame, encode_frame, for_axes
+from firmware.protocol import (
+    Hello,
+    Ramp,
+    Report,
+    Settings,
+    Status,
+    Trace,
+    decode_frame,
+    encode_frame,
+    for_axes,
+    is_whole,
+)
 from tools import require
 
 RAMP = Ramp([(20_000, 1, 0), (14_142, 2, -2595), (10_000, 300, -20)], 2000, [(20_000, 2, -5858), (11_547, 40, -200)])
@@ -28,6 +39,8 @@ CHANGES = {p.BEGIN: 4, p.DATA: 3, p.END: 0, p.COMMIT: 0, p.TRY: 0, p.ROLL_BACK: 
 LENGTHS = {p.HELLO: 1, p.STATUS: 1, p.REPORT: 1, p.TRACE: 3, p.READ: 4, p.READ_SETTINGS: 0} | CHANGES | FOR_AXES
 BYTE_US = 1389 / 16
 """What a round of the driver takes."""
+LONGEST_WAIT = 4
+"""Rounds until a frame that is going out has been cut, and the next one begins."""
 WHOLE_COMMIT = 50_000
 """Rounds that are enough for the largest commit."""
 
@@ -709,10 +722,10 @@ def timed_messages(controller: Controller, rounds: int, data: bytes = b"") -> li
         at, byte = word.split(":")
         frame += bytes.fromhex(byte)
         if byte == "00":
-            messages.append((int(at), decode_frame(frame)))
+            messages.append((int(at), frame))
             frame = b""
     controller.half_frame = frame
-    return messages
+    return [(at, decode_frame(frame)) for at, frame in messages if is_whole(frame)]
 
 
 def test_reports_come_as_often_as_asked(controller: Controller) -> None:
@@ -827,6 +840,48 @@ def test_each_move_has_its_trace(controller: Controller) -> None:
         said = traced(controller, 10, controller.frame(p.MOVE_BY, for_axes({0: steps})), 40_000)
         assert [step for each in said for step in each.by_step()] == [1, 11, 21, 31]
         assert said[-1].is_last
+
+
+@pytest.mark.parametrize("kind", [p.STOP, p.HALT])
+@pytest.mark.parametrize("session", [0, SESSION - 1])
+def test_stop_and_halt_are_obeyed_whoever_asks(controller: Controller, kind: int, session: int) -> None:
+    controller.push(TWO_AXES)
+    controller.ok(p.RUN, for_axes({0: 5000, 1: 5000}))
+    controller.run(2000)
+    assert controller.send(kind, session=session) == bytes([p.OK])
+    assert controller.status(0).axis_state == (p.STOPPING if kind == p.STOP else p.IDLE)
+    assert controller.run_until_idle().position == controller.steps()[0]
+    assert controller.refused(kind, b"\4", session=session) == (p.OUT_OF_RANGE, 4)
+    assert controller.refused(p.MOVE_BY, for_axes({0: 1}), session=session) == (p.STALE, 0)
+
+
+@pytest.mark.parametrize("kind", [p.STOP, p.HALT])
+def test_stop_and_halt_are_obeyed_each_time(controller: Controller, kind: int) -> None:
+    """Also with the header of the last request."""
+    controller.push(TWO_AXES)
+    for _ in range(2):
+        controller.ok(p.RUN, for_axes({0: 5000}))
+        controller.run(2000)
+        assert controller.status(0).axis_state == p.IN_MOTION
+        assert controller.send(kind, tag=99) == controller.send(kind, tag=99) == bytes([p.OK])
+        controller.run_until_idle()
+
+
+@pytest.mark.parametrize("kind", [p.STOP, p.HALT])
+@pytest.mark.parametrize("session", [0, SESSION])
+def test_stop_and_halt_are_obeyed_while_a_reply_is_being_sent(controller: Controller, kind: int, session: int) -> None:
+    """At any byte of it. What was being sent ends early; what comes after it is whole."""
+    controller.push(TWO_AXES)
+    for sent_bytes in range(40):
+        controller.ok(p.RUN, for_axes({0: 5000, 1: 5000}))
+        controller.run(2000)
+        status, stop = controller.frame(p.STATUS, b"\0"), controller.frame(kind, session=session)
+        sent = timed_messages(controller, len(status) + sent_bytes, status)
+        sent += timed_messages(controller, 100, stop)
+        assert sent[-1][1] == struct.pack("<BHBB", kind | 0x80, session, controller.tag, p.OK)
+        assert sent[-1][0] <= len(stop) + LONGEST_WAIT + len(encode_frame(sent[-1][1]))
+        assert controller.status(0).axis_state == (p.STOPPING if kind == p.STOP else p.IDLE)
+        controller.run_until_idle()
 
 
 @pytest.mark.parametrize("kind", [p.STOP, p.HALT])

@@ -144,6 +144,19 @@ def test_a_run_that_is_slowed_down_while_it_rises_goes_down_the_ramp(host: Host,
     assert all(b <= 1.05 * growth * a for a, b in pairwise(down))
 
 
+@pytest.mark.parametrize("ramp", EASY, ids=str)
+def test_a_run_keeps_pace_where_a_round_takes_longer_than_a_step(host: Host, ramp: Ramp) -> None:
+    """Up to a speed below slew speed, and down to a lower one: several intervals are computed at a time."""
+    machine = Machine(host, ramp.image, round_ticks=2000)
+    before = machine.report().starved
+    for wanted in (1200, 6000, 1500):
+        machine.ask("run", 1, wanted)
+        machine.do("wait", 2_000_000)
+        assert machine.report().interval == wanted
+    assert machine.report().starved == before
+    machine.do("halt", 1)
+
+
 def changes_of_direction(intervals: Sequence[int]) -> int:
     """Return how often a run of intervals begins to rise or to fall."""
     signs = [(b > a) - (b < a) for a, b in pairwise(intervals) if a != b]

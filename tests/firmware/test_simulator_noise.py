@@ -48,8 +48,8 @@ def too_long(_: Client) -> bytes:
 
 
 def of_another_session(_: Client) -> bytes:
-    halts = (struct.pack("<BHB", HALT, 0x4321, tag) for tag in range(60))
-    return b"".join(map(encode_frame, halts))
+    moves = (struct.pack("<BHB", MOVE_BY, 0x4321, tag) + for_axes({0: 9}) for tag in range(60))
+    return b"".join(map(encode_frame, moves))
 
 
 def doubled(_: Client) -> bytes:

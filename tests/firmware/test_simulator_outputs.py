@@ -63,12 +63,13 @@ def test_axes_with_pins_of_their_own_kind(simulated_controller: Make, settings: 
 
 @pytest.mark.parametrize("width_us", [0, 1, 3, 10, 100])
 def test_pulses_are_so_wide_at_least(simulated_controller: Make, width_us: int) -> None:
-    """And not much wider, but for an interrupt of another axis in between."""
+    """And not much wider, but for interrupts of the serial port in between, for which wide ones leave room."""
     slow = Plan(2000, 40_000, 40_000)
     played = play(simulated_controller, image([slow]), move_by(200), settings=Settings(pulse_width_us=width_us))
     widths = (played.axis().ends - played.steps()) / CYCLES_PER_US
     assert widths.min() >= max(width_us, 2.0)
-    assert np.median(widths) <= max(width_us, 2.5) + 2.5
+    assert widths.min() <= max(width_us, 2.5) + 2.5
+    assert np.median(widths) <= max(width_us, 2.5) + (2.5 if width_us <= 10 else 10)
 
 
 @pytest.mark.parametrize("setup_us", [20, 30, 500, 15_000])

@@ -15,56 +15,10 @@ from firmware.session import session_of
 from simulator.avr import build_firmware, build_harness, converse, missing_tools
 from tools import require
 
-STILL_AT_FAULT = frozenset(
-    [
-        1,
-        2,
-        7,
-        8,
-        9,
-        11,
-        12,
-        15,
-        18,
-        19,
-        20,
-        22,
-        24,
-        25,
-        26,
-        29,
-        30,
-        32,
-        34,
-        35,
-        36,
-        37,
-        39,
-        40,
-        44,
-        45,
-        47,
-        49,
-        51,
-        54,
-        57,
-        58,
-        59,
-        60,
-        61,
-        63,
-        65,
-        67,
-        68,
-        69,
-        71,
-        73,
-    ]
-)
-"""Sessions with stops and halts that come late at full speed, bytes that are lost under wide pulses, and a direction
-that is set too late before them."""
+STILL_AT_FAULT = (12, 48)
+"""Sessions with ramps by formula at the limit of what the processor computes, whose motors wait once."""
 SEEDS = [seed for seed in range(80) if seed not in STILL_AT_FAULT]
-REQUESTS_IN_FLIGHT = 4_300
+REQUESTS_IN_FLIGHT = 10_000
 
 
 @pytest.fixture(scope="module")

@@ -102,7 +102,8 @@ class Conversation:
                 self._give_way(0.0)
             if message.tag != self._tag and not request.HARMLESS_TWICE:
                 raise AnswerUnknown("Something came in between, and the controller's answer was lost: try again.")
-            self._port.write(encode_frame(message.pack()))
+            # What a noisy line has put before the first frame may still wait for its end: a lone zero.
+            self._port.write((b"\0" if attempt else b"") + encode_frame(message.pack()))
             reply = self._await_reply(message, REPLY_TIMEOUT_S)
             if reply is not None:
                 return self._understood(reply, reply_type, rejected)

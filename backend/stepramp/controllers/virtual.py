@@ -99,6 +99,8 @@ AT_REST_ONLY = (
 )
 IN_FLIGHT = (MoveByRequest, MoveToRequest, RunRequest)
 FOR_AXES = (AxesRequest, LineRequest, ZeroRequest)
+ALWAYS_OBEYED = (HelloRequest.KIND, StopRequest.KIND, HaltRequest.KIND)
+"""Kinds that are obeyed whoever asks, and each time that they come."""
 
 
 class VirtualController:
@@ -162,7 +164,7 @@ class VirtualController:
         self._settle()
         self._machine.heard()
         header = (request.session, request.kind, request.tag)
-        if header in self._last_answer and request.kind != HelloRequest.KIND:
+        if header in self._last_answer and request.kind not in ALWAYS_OBEYED:
             return self._last_answer[header]
         reply = Message(request.kind | REPLY, request.session, request.tag, pack_reply(self._reply_to(request)))
         self._last_answer = {header: reply}
@@ -191,7 +193,7 @@ class VirtualController:
         return ReportNotice(int(self._clock() * 1000) % 2**16, states, places)
 
     def _reply_to(self, message: Message) -> Reply | Refusal:
-        if message.kind != HelloRequest.KIND and message.session != self._session:
+        if message.kind not in ALWAYS_OBEYED and message.session != self._session:
             return Refusal(ReplyStatus.STALE_SESSION)
         if message.kind not in REQUESTS:
             return Refusal(ReplyStatus.UNKNOWN_KIND, message.kind)

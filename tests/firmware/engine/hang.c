@@ -25,7 +25,7 @@ int main(void)
     serial_begin();
     engine_begin();
     engine_configure(&settings);
-    serial_send(port_reset_cause());
+    UDR0 = port_reset_cause();
     _delay_ms(1);
     if (port_reset_cause() != RESET_WATCHDOG) {
         port_enable(true);

@@ -28,7 +28,7 @@ _FIRMWARE = _HERE.parents[2] / "firmware"
 _PORTABLE = [_FIRMWARE / "src" / name for name in ("engine_portable.c", "settings.c")]
 _HOST_FLAGS = ["-std=c99", "-g", "-O1", "-Wall", "-Wextra", "-Werror", "-fsanitize=address,undefined"]
 _CHIP_C = ("clock.c", "engine.c", "gauge.c", "outputs.c", "reset.c", "serial.c")
-_CHIP_ASSEMBLY = ("engine.S", "line.S", "receive.S")
+_CHIP_ASSEMBLY = ("engine.S", "line.S", "usart.S")
 
 
 @dataclass(frozen=True)

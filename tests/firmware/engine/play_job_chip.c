@@ -6,6 +6,7 @@
 
 #include "clock.h"
 #include "play_job.h"
+#include "port.h"
 #include "serial.h"
 
 enum { JOB_BEGINS = 0x4000 };
@@ -41,28 +42,39 @@ void job_halted(void)
 
 bool job_takes_byte(uint16_t *count)
 {
-    uint8_t byte;
-    if (!serial_receive(&byte)) {
+    if (!port_has_received()) {
         return false;
     }
+    uint8_t byte = serial_take();
     *count += byte == (uint8_t)*count;
     return true;
 }
 
+/* In a frame of two bytes. */
 bool job_sends_byte(uint8_t byte)
 {
-    if (!serial_can_send()) {
+    static uint8_t frame[2];
+    if (port_is_sending()) {
         return false;
     }
-    serial_send(byte);
+    frame[0] = byte | 1;
+    port_send(frame);
     return true;
+}
+
+static void send_at_once(uint8_t byte)
+{
+    while ((UCSR0A & _BV(UDRE0)) == 0) {
+    }
+    UDR0 = byte;
 }
 
 void job_end(const void *result, size_t size)
 {
+    while (port_is_sending()) {
+    }
     for (size_t i = 0; i < size; i++) {
-        while (!job_sends_byte(((const uint8_t *)result)[i])) {
-        }
+        send_at_once(((const uint8_t *)result)[i]);
     }
     UCSR0A |= _BV(TXC0);
     while ((UCSR0A & _BV(UDRE0)) == 0) {
