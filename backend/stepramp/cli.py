@@ -144,6 +144,7 @@ def serve(listener: socket.socket, *, open_page: bool) -> None:
     if open_page:
         # The socket listens already: a browser that is quicker than the server waits for it.
         threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
+    app.state.connections.listen(listener)
     server.serve_until_ended(listener)
 
 

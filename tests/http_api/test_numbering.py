@@ -243,5 +243,42 @@ def test_a_stop_over_a_websocket_counts_from_the_instant_in_which_its_answer_is_
     run(work())
 
 
+def test_what_waits_to_be_accepted_when_a_stop_is_answered_is_as_old_as_the_stop() -> None:
+    """A request over a new connection, sent before the answer."""
+
+    async def work() -> None:
+        numbered = Numbered()
+        stops: list[int] = []
+        sent: list[socket.socket] = []
+
+        async def app(scope: Scope, receive: Receive, send: Send) -> None:
+            if scope["path"] == STOP:
+                sent.append(socket.create_connection(listener.sockets[0].getsockname()))
+                sent[0].sendall(get("/move"))
+                stops.append(numbered.now())
+            await numbered.app(scope, receive, send)
+
+        numbered.served = AskedAt(Answered(app, numbered.now, numbered.connections), numbered.now)
+        config = uvicorn.Config(numbered.served, interface="asgi3", log_level="critical")
+        made = numbering(numbered.now, numbered.connections)
+        listener = await asyncio.get_running_loop().create_server(
+            lambda: made(config=config, server_state=ServerState(), app_state={}), "127.0.0.1", 0
+        )
+        numbered.connections.listen(listener.sockets[0])
+        reader, writer = await asyncio.open_connection(*listener.sockets[0].getsockname())
+        writer.write(get(STOP).replace(b"GET", b"POST"))
+        await numbered.until(lambda: "/move" in numbered.numbers)
+        assert numbered.numbers["/move"] < stops[0]
+        # Whoever connects afterwards asks anew.
+        assert numbered.connections.late is None
+        await reader.readuntil(b"answered")
+        sent[0].close()
+        writer.close()
+        listener.close()
+        await asyncio.sleep(0.01)
+
+    run(work())
+
+
 async def unheard() -> Message:
     raise AssertionError

@@ -19,7 +19,7 @@ from event_loop import run, with_lifespan
 from stepramp.controllers.devices import Devices
 from stepramp.controllers.virtual import VirtualController
 from stepramp.http_api.app import create_app
-from stepramp.http_api.stop_messages import MOST_AT_A_TIME
+from stepramp.http_api.stop_messages import MOST_AT_A_TIME, Answer, answered
 from stepramp.link import protocol_sim
 
 DEVICES = "/api/v1/devices"
@@ -76,6 +76,20 @@ def moving_fast(client: TestClient, *ids: str) -> None:
     for each in ids:
         assert client.post(f"{DEVICES}/{each}/move", json={"by_steps": FAR}).status_code == 200
     until(lambda: all(device_of(client, each)["speed_steps_per_s"] > 600 for each in ids))
+
+
+@pytest.mark.parametrize("message", ['{"do": "stop"}', '{"do": "halt", "device": "%s"}'])
+@pytest.mark.parametrize("end", [Answer.made, Answer.give_up])
+def test_nothing_moves_between_a_stop_and_the_writing_of_its_answer(
+    client: TestClient, device_id: str, message: str, end: Callable[[Answer], object]
+) -> None:
+    """Nor for ever: an answer that nobody reads is given up."""
+    devices: Devices = client.app.state.devices  # type: ignore[attr-defined]  # Starlette's
+    answer = run(answered(message.replace("%s", device_id), devices))
+    move = {"by_steps": 3}
+    assert client.post(f"{DEVICES}/{device_id}/move", json=move).status_code == 409
+    end(answer)
+    assert client.post(f"{DEVICES}/{device_id}/move", json=move).status_code == 200
 
 
 def test_a_stop_is_for_all_devices_and_answered_with_what_they_do(

@@ -366,11 +366,6 @@ class Device:
         controller, worker = self._ready_to_stop()
         return worker.call_urgently(lambda: self._halt(axes, controller, owed))
 
-    def note_stop(self) -> None:
-        """Let nothing move that was asked for until now."""
-        self._stops.note()
-        self.show_stops()
-
     def show_stops(self) -> None:
         """Tell the number of the last stop."""
         self._change(lambda view: replace(view, stops=self._stops.last))
@@ -380,7 +375,8 @@ class Device:
 
     def _owe_stop(self) -> int:
         owed = self._owed.owe(self._owes_at)
-        self.note_stop()
+        self._stops.note()
+        self.show_stops()
         return owed
 
     def _set_out(

@@ -147,11 +147,6 @@ class Devices:
         finally:
             self._show_stops()
 
-    def note_stop(self) -> None:
-        """Let no device do what it was asked for until now."""
-        self._stops.note()
-        self._show_stops()
-
     def begin_to_stop(self) -> list[Future[None]]:
         """Have every device stop, and return the results to come of those that can be asked; see Device.stop."""
         pending = []

@@ -4,7 +4,6 @@ A stop overtakes what is slow: a request whose body comes in drops, or that wait
 """
 
 from collections.abc import Callable
-from select import select
 from typing import Annotated, Any
 
 import h11
@@ -14,7 +13,7 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from stepramp.errors import Rejected, Rejection
-from stepramp.http_api.connections import Connection, Connections
+from stepramp.http_api.connections import Connection, Connections, readable
 
 STOPS_HEADER = "X-StepRamp-Stops"
 MOST_DIGITS = 18
@@ -58,7 +57,7 @@ def numbering(now: Callable[[], int], connections: Connections) -> type[H11Proto
                 self.app_state.pop(_ASKED, None)
 
         def _is_readable(self) -> bool:
-            return bool(select([self.transport.get_extra_info("socket")], [], [], 0)[0])
+            return bool(readable([self.transport.get_extra_info("socket")]))
 
     return Numbering
 

@@ -6,8 +6,9 @@ come, or whose request has just begun, outlives all of these: it may be a stop t
 """
 
 import asyncio
+import socket
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from enum import IntEnum
 from select import select
 from typing import Any
@@ -28,6 +29,17 @@ HEARD_WITHIN_S = 15.0
 
 NEW_S = 1.0
 """So long a connection that has sent nothing, or only the begin of a request, is new [s]."""
+
+
+TURNS_TO_ACCEPT = 4
+"""Of the loop, from when a connection waits to be accepted until it has been."""
+
+
+def readable(sockets: Iterable[socket.socket]) -> list[socket.socket]:
+    """Return those that something waits at to be read, or accepted."""
+    candidates = list(sockets)
+    # Windows takes none at all for a mistake.
+    return select(candidates, [], [], 0)[0] if candidates else []
 
 
 class Stage(IntEnum):
@@ -57,6 +69,13 @@ class Connections:
         self.heard_within_s = heard_within_s
         self.new_s = new_s
         self._open: set[Connection] = set()
+        self._listener: socket.socket | None = None
+        # What those count as asked for that are being accepted, and have been heard by then.
+        self.late: int | None = None
+
+    def listen(self, listener: socket.socket) -> None:
+        """Know where those come from that wait until they are accepted."""
+        self._listener = listener
 
     def add(self, connection: "Connection") -> None:
         """Take one more; end another one when there are too many."""
@@ -73,9 +92,18 @@ class Connections:
         but: the address of a client of whom this doesn't hold, since it has only now been answered.
         """
         listening = {each.transport.get_extra_info("socket"): each for each in self._open if each.is_listening}
-        for unread in select(list(listening), [], [], 0)[0]:
+        for unread in readable(listening):
             if but is None or tuple(but) != listening[unread].client:
                 listening[unread].make_as_old_as(asked)
+        if self._listener is not None and readable([self._listener]):
+            self.late = asked
+            asyncio.get_running_loop().call_soon(self._end_of_late, TURNS_TO_ACCEPT)
+
+    def _end_of_late(self, turns: int) -> None:
+        if turns == 0:
+            self.late = None
+        else:
+            asyncio.get_running_loop().call_soon(self._end_of_late, turns - 1)
 
     def discard(self, connection: "Connection") -> None:
         """Note that one has ended."""
@@ -95,6 +123,8 @@ class Connection(H11Protocol):
         """Begin to serve; end another connection when there are too many."""
         super().connection_made(transport)
         self._connections.add(self)
+        if self._connections.late is not None and readable([transport.get_extra_info("socket")]):
+            self.make_as_old_as(self._connections.late)
         self._look_later()
 
     def connection_lost(self, exc: Exception | None) -> None:

@@ -30,6 +30,9 @@ from stepramp.http_api.sockets import accept, received, send, send_at_last, serv
 from stepramp.http_api.stop_messages import MOST_AT_A_TIME, Answer, Answers, answered
 from stepramp.link.ports import list_serial_ports
 
+UNREAD_S = 1.0
+"""So long a stop whose answer isn't read counts as unanswered, and lets nothing move [s]."""
+
 router = APIRouter(
     tags=["devices"],
     route_class=JsonRoute,
@@ -157,9 +160,12 @@ async def events(socket: WebSocket, devices: Registry, page: str | None = None) 
     async with served(socket):
         await accept(socket)
         with devices.present(page):
-            await _until_one_ends(
-                _tell(socket, news.editions()), _answer(socket, answers.given()), _hear(socket, devices, answers)
-            )
+            try:
+                await _until_one_ends(
+                    _tell(socket, news.editions()), _answer(socket, answers.given()), _hear(socket, devices, answers)
+                )
+            finally:
+                answers.give_up()
 
 
 async def _tell(socket: WebSocket, texts: AsyncGenerator[str, None]) -> None:
@@ -171,7 +177,10 @@ async def _tell(socket: WebSocket, texts: AsyncGenerator[str, None]) -> None:
 async def _answer(socket: WebSocket, answers: AsyncGenerator[Answer, None]) -> None:
     async with aclosing(answers):
         async for answer in answers:
-            await send_at_last(socket, answer)
+            try:
+                await send_at_last(socket, answer.made)
+            finally:
+                answer.give_up()
 
 
 async def _hear(socket: WebSocket, devices: Devices, answers: Answers) -> None:
@@ -181,7 +190,9 @@ async def _hear(socket: WebSocket, devices: Devices, answers: Answers) -> None:
 
     async def stop(message: str | bytes) -> None:
         try:
-            answers.add(await answered(message, devices))
+            answer = await answered(message, devices)
+            asyncio.get_running_loop().call_later(UNREAD_S, answer.give_up)
+            answers.add(answer)
         finally:
             room.release()
 

@@ -5,13 +5,14 @@ would wait, too. A WebSocket doesn't count among them.
 """
 
 import asyncio
+import threading
 from collections import deque
 from collections.abc import AsyncGenerator, Callable
+from contextlib import ExitStack
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from stepramp.controllers.device import Device
 from stepramp.controllers.devices import Devices
 from stepramp.errors import Rejected, Rejection, StepRampError
 from stepramp.http_api.device_models import DevicesAnswer
@@ -48,8 +49,26 @@ class StopMessage(Document):
         return self
 
 
-Answer = Callable[[], str]
-"""What makes an answer in the instant at which it is written: only then a stop is answered."""
+class Answer:
+    """An answer, made in the instant at which it is written: only then a stop is answered.
+
+    until_then: ends when that is done, or given up. For any thread.
+    """
+
+    def __init__(self, make: Callable[[], str], until_then: ExitStack | None = None) -> None:
+        self._make = make
+        self._lock = threading.Lock()
+        self._until_then = ExitStack() if until_then is None else until_then
+
+    def made(self) -> str:
+        """Return its text, which is written at once."""
+        self.give_up()
+        return self._make()
+
+    def give_up(self) -> None:
+        """Let go of what waits for it, if that has not been done."""
+        with self._lock:
+            self._until_then.close()
 
 
 class Answers:
@@ -64,6 +83,8 @@ class Answers:
 
     def add(self, answer: Answer) -> None:
         """Have something answered."""
+        if len(self._given) == MOST_AT_A_TIME:
+            self._given[0].give_up()
         self._given.append(answer)
         self._came.set()
 
@@ -74,6 +95,11 @@ class Answers:
             while self._given:
                 yield self._given.popleft()
             self._came.clear()
+
+    def give_up(self) -> None:
+        """Let go of all that hasn't been given."""
+        for answer in self._given:
+            answer.give_up()
 
 
 async def answered(text: str | bytes, devices: Devices) -> Answer:
@@ -87,25 +113,27 @@ async def answered(text: str | bytes, devices: Devices) -> Answer:
         message = StopMessage.checked(parsed(text, ALLOWED))
     except StepRampError as error:
         refused = _text({"errors": error_items(error)})
-        return lambda: refused
+        return Answer(lambda: refused)
     did = message.model_dump()
-    stopped: Devices | Device = devices
-    try:
-        if message.device is None:
-            await stop_every(devices)
-        else:
-            stopped = devices.get(message.device)
-            await halt_whole(stopped)
-    except StepRampError as error:
-        failed = _text({"did": did, "errors": error_items(error)})
-        return lambda: failed
+    with ExitStack() as stopping:
+        try:
+            if message.device is None:
+                stopping.enter_context(devices.being_stopped())
+                await stop_every(devices)
+            else:
+                device = devices.get(message.device)
+                stopping.enter_context(device.being_stopped())
+                await halt_whole(device)
+        except StepRampError as error:
+            failed = _text({"did": did, "errors": error_items(error)})
+            return Answer(lambda: failed, stopping.pop_all())
+        until_then = stopping.pop_all()
 
     def done() -> str:
-        stopped.note_stop()
         answer = DevicesAnswer.model_validate({"devices": devices.views()})
         return _text({"did": did, **answer.model_dump(mode="json")})
 
-    return done
+    return Answer(done, until_then)
 
 
 def _text(content: object) -> str:
