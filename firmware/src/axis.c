@@ -73,8 +73,9 @@ static bool find_way_down(struct axis *axis, const struct piece_limits *limits, 
     return true;
 }
 
-/* Turns to the way down: so that it ends at the target, or, when that is too close, the shortest. Intervals that are not longer than the present one may be part of it: they fill what is left between the
- * last interval of the way up and the next, which would be one too many. */
+/* Turns to the way down: so that it ends at the target, or, when that is too close, the shortest. Intervals that are
+ * not longer than the present one may be part of it: they fill what is left between the last interval of the way up and
+ * the next, which would be one too many. */
 static void turn_down(struct axis *axis, const struct piece_limits *limits, struct piece *piece)
 {
     if (!find_way_down(axis, limits, piece)) {
@@ -358,10 +359,10 @@ void axis_next(struct axis *axis, const struct piece_limits *limits, struct piec
         return;
     }
     axis->interval = 0;
-    axis->stopping = false;
     if (axis_is_at_rest(axis)) {
         piece->kind = PIECE_REST;
     } else {
+        axis->stopping = false;
         set_out(axis);
         piece->kind = PIECE_SET_OUT;
     }

@@ -2,6 +2,9 @@
 
 #include "axis_steps.h"
 
+/* Of its way, before steps are computed again: from slowing down to a speed that is held, or to rising, and back. */
+enum { MOST_CHANGES = 3 };
+
 /* How many intervals are computed at a time, after one of so many ticks: more is faster, but 16 bits must hold their
  * differences, and a stop waits for them. On the way down the next one is at most 1.75 times as long, as x^2 is below
  * 3/4. */
@@ -10,7 +13,7 @@ static uint8_t batch_size(uint32_t interval, bool goes_up)
     if (interval == 0 || interval > 20000) {
         return 1;
     }
-    return goes_up || interval <= 2000 ? FORMULA_BATCH : interval <= 6000 ? 4 : 2;
+    return goes_up || interval <= 2000 ? FORMULA_BATCH : interval <= 8000 ? 4 : interval <= 14000 ? 3 : 2;
 }
 
 /* The speed wanted has become lower than the present one. */
@@ -152,11 +155,8 @@ static void compute_down(struct axis *axis, uint32_t left)
     }
 }
 
-void axis_compute(struct axis *axis)
+static void compute(struct axis *axis)
 {
-    if (!axis_is_by_formula(axis) || axis->batch_left != 0) {
-        return;
-    }
     uint32_t left = steps_left(axis);
     if (axis->phase == PHASE_UP) {
         if (left == 0) {
@@ -166,5 +166,16 @@ void axis_compute(struct axis *axis)
         }
     } else if (axis->phase == PHASE_DOWN) {
         compute_down(axis, left);
+    }
+}
+
+/* A change of its way gives no steps, but then the next round of the main loop may come too late. */
+void axis_compute(struct axis *axis)
+{
+    if (!axis_is_by_formula(axis)) {
+        return;
+    }
+    for (uint8_t changes = MOST_CHANGES; changes != 0 && axis->batch_left == 0; changes--) {
+        compute(axis);
     }
 }

@@ -34,6 +34,7 @@ static struct frame_receiver receiver;
 static uint8_t request[KEPT_BYTES], urgent[URGENT_BYTES];
 static uint8_t waiting_length; /* of the request that waits to be answered; 0: none does */
 static bool is_written;        /* its reply, which is not a frame yet */
+static bool is_beside;         /* the one that comes in: another one waited when it began */
 static uint16_t session = NO_SESSION;
 static uint8_t answered_kind, answered_tag; /* the request answered last */
 static uint8_t heard;                       /* when the last request came: port_milliseconds() / 256 */
@@ -463,10 +464,14 @@ static bool is_repeat(void)
            is_of_session(request);
 }
 
-/* Keeps a byte of the request that is coming in. */
+/* Keeps a byte of the request that is coming in. Where to, its first byte decides: the one that waits may be answered
+ * before the last. */
 static void keep(uint8_t index, uint8_t byte)
 {
-    if (waiting_length != 0) {
+    if (index == 0) {
+        is_beside = waiting_length != 0;
+    }
+    if (is_beside) {
         if (index < URGENT_BYTES) {
             urgent[index] = byte;
         }
@@ -493,12 +498,12 @@ void controller_receive(uint8_t byte)
         return;
     }
     heard = (uint8_t)(port_milliseconds() >> 8);
-    const uint8_t *message = waiting_length != 0 ? urgent : request;
+    const uint8_t *message = is_beside ? urgent : request;
     if (is_urgent(message[KIND_AT])) {
         reply_cut();
         answer(message, (uint8_t)(length - MESSAGE_HEADER_BYTES));
         send_reply();
-    } else if (waiting_length == 0 && !reply_is_going_out()) {
+    } else if (!is_beside && !reply_is_going_out()) {
         waiting_length = length;
     }
 }

@@ -16,8 +16,8 @@ void controller_begin(void);
 /* Takes a byte from the serial port. */
 void controller_receive(uint8_t byte);
 
-/* Goes on, by a little, with what takes long: moves, writing a ramp, reports. Returns false when it should soon be called
- * again: motors need nearly all of the time. */
+/* Goes on, by a little, with what takes long: moves, writing a ramp, reports. Returns false while frames keep
+ * coming: then a round should take few bytes. */
 bool controller_poll(void);
 
 #ifdef __cplusplus

@@ -6,15 +6,16 @@
 #include "port.h"
 #include "trace.h"
 
-/* A long interval is waited for in parts: first one that leaves no tiny rest, the last 13,616 ticks or longer. */
-enum { PART_TICKS = 16384 };
+/* A long interval is waited for in parts: the first has what is left of it, 13,616 ticks or more, the others are equal.
+ * So many of them go as one segment, 4 or 8 ms: else slow axes would need more segments than fast ones. */
+enum { PART_TICKS = 16384, FAST_PARTS = 4, SLOW_PARTS = 1 };
 
 /* The silence after the last interval of a move [ticks]: in it the engine finds the queue empty, or the direction may
  * be changed. */
 enum { CLOSING_TICKS = 400 };
 
 /* Segments queued, or looked at ahead of need, in one round of the main loop, at most: other axes want theirs too. */
-enum { SEGMENTS_AT_ONCE = 3 };
+enum { SEGMENTS_AT_ONCE = 4 };
 
 /* Ticks of 64 us, as powers of 2. */
 enum { FAST_BITS = 10, SLOW_BITS = 7 };
@@ -92,15 +93,17 @@ static uint16_t first_part(struct feed *feed, uint32_t interval)
     if (interval <= LONGEST_WAIT_TICKS) {
         return (uint16_t)interval;
     }
-    feed->wait_left = interval - PART_TICKS;
-    return PART_TICKS;
+    feed->wait_left = (interval - (LONGEST_WAIT_TICKS - PART_TICKS)) & ~(uint32_t)(PART_TICKS - 1);
+    return (uint16_t)(interval - feed->wait_left);
 }
 
 static void queue_wait(struct feed *feed)
 {
-    uint32_t wait = feed->wait_left;
-    feed->wait_left = 0;
-    queue_silence(feed, first_part(feed, wait), 0);
+    uint8_t most = feed_clock.is_fast ? FAST_PARTS : SLOW_PARTS;
+    uint32_t parts = feed->wait_left / PART_TICKS;
+    struct piece wait = {PIECE_NONE, parts < most ? (uint16_t)parts : most, PART_TICKS, 0};
+    feed->wait_left -= (uint32_t)wait.count * PART_TICKS;
+    queue_up(feed, &wait, 0);
 }
 
 static void queue_steps(struct feed *feed, struct piece *piece)
@@ -242,6 +245,7 @@ static void retire(struct feed *feed)
     uint8_t place = lane->retired;
     struct loaded segment = lane_loaded(feed->index, place);
     count(&feed->played, &segment, segment.steps);
+    feed->has_stepped = feed->has_stepped || segment.steps != 0;
     if (line_is_on()) {
         line_retire(&line_queue[place / LINE_SEGMENT_BYTES], segment.steps);
     }
@@ -283,7 +287,7 @@ void feed_set_out(struct feed *feed)
 
 bool feed_is_ready(const struct feed *feed)
 {
-    bool is_all = lane_ahead(lane_of(feed->index)) != 0 && axis_is_at_rest(&feed->axis);
+    bool is_all = lane_ahead(lane_of(feed->index)) != 0 && axis_is_at_rest(&feed->axis) && !feed->has_pulses;
     return is_all || !is_wanted(feed, time_ahead(feed, feed_clock.now));
 }
 
@@ -298,7 +302,14 @@ void feed_started(struct feed *feed, uint16_t start_ticks)
     feed->seen_empty = lane_of(feed->index)->empty;
     feed->end_time = (uint16_t)(feed->end_time + feed_clock.now);
     feed->has_run_dry = false;
+    feed->has_stepped = false;
     feed->stage = FEED_PLAYING;
+}
+
+bool feed_has_stepped(const struct feed *feed)
+{
+    return feed->stage == FEED_PLAYING &&
+           (feed->has_stepped || feed_progress(feed).steps_made != feed->played.steps_made);
 }
 
 void feed_halted(struct feed *feed)
@@ -337,7 +348,8 @@ static void parked(struct feed *feed)
         become_idle(feed);
         return;
     }
-    feed->has_run_dry = feed->has_pulses;
+    /* The end of the move may have been queued since. */
+    feed->has_run_dry = feed->has_pulses || (lane_ahead(lane) != 0 && lane_loaded(feed->index, lane->tail).steps != 0);
     if (feed->has_run_dry && starved != UINT8_MAX) {
         starved++;
     }
@@ -368,7 +380,7 @@ bool feed_poll(struct feed *feed)
     bool has_time = true;
     for (uint8_t left = SEGMENTS_AT_ONCE; left != 0 && fill(feed); left--) {
         has_time = can_wait(feed);
-        if (has_time && feed_clock.yields != 0 && port_has_received()) {
+        if (has_time && left < SEGMENTS_AT_ONCE) {
             break;
         }
     }

@@ -35,7 +35,8 @@ struct feed {
     bool has_got_ahead : 1; /* the queue was as long as wanted, in this move */
     bool turns_next : 1;    /* a silence in which the direction may turn comes next */
     bool has_pulses : 1;    /* queued since the last silence at rest */
-    bool has_run_dry : 1; /* the queue, in the middle of a move; since the last start */
+    bool has_stepped : 1;   /* since the last start, as far as that has been counted */
+    bool has_run_dry : 1;   /* the queue, in the middle of a move; since the last start */
     bool pin_backward : 1;  /* the direction pin, at the end of the queue */
     struct axis axis;   /* last: an AVR reaches the first 64 bytes best */
 };
@@ -62,6 +63,9 @@ void feed_set_out(struct feed *feed);
 /* Goes on, for a short time, with an axis that isn't idle. Returns false when its queue is still short: then nothing else
  * should be done for long. */
 bool feed_poll(struct feed *feed);
+
+/* It has made a step since the last start: before that it waits for it, or for the direction to settle. */
+bool feed_has_stepped(const struct feed *feed);
 
 /* A waiting feed has enough for a start: as much as is queued ahead later, or all that there is. */
 bool feed_is_ready(const struct feed *feed);

@@ -89,11 +89,10 @@ static uint16_t shortest_on_a_line(uint8_t count)
                        : SHORTEST_INTERVAL_LINE_4_TICKS;
 }
 
-/* Cycles that `count` steps take, and wide pulses more. Those are waited for: half as much again is left for the main
- * loop. */
+/* Cycles that `count` steps take, and wide pulses more. Those are waited for: as much again is left for the main loop. */
 static uint16_t cycles_with_pulses(uint16_t cycles, uint8_t count)
 {
-    return (uint16_t)(cycles + count * settings->pulse_width_us * (FAST_CLOCK_HZ / 1000000u * 3 / 2));
+    return (uint16_t)(cycles + count * settings->pulse_width_us * (FAST_CLOCK_HZ / 1000000u * 2));
 }
 
 static uint8_t share_status(uint16_t share, uint16_t *detail)
@@ -179,10 +178,10 @@ static uint32_t wanted_interval(const struct feed *feed, int32_t value, bool is_
 /* With its ramp; what has not set out yet doesn't. */
 static void stop(struct feed *feed)
 {
-    if (feed->stage == FEED_WAITING) {
-        machine_halt(feed->bit);
-    } else {
+    if (feed_has_stepped(feed)) {
         axis_stop(&feed->axis);
+    } else {
+        machine_halt(feed->bit);
     }
 }
 
@@ -509,8 +508,7 @@ int32_t machine_target(uint8_t index)
     const struct feed *feed = &feeds[index];
     uint8_t place = place_in_line(feed);
     if (place != MOST_FOLLOWERS) {
-        uint32_t steps = feeds[line.leader].axis.stopping ? line_steps_with(place, steps_of_leader()) : line.steps[place];
-        return moved(feed->played.position, feed->pin_backward, steps);
+        return moved(feed->played.position, feed->pin_backward, line_steps_with(place, steps_of_leader()));
     }
     return is_moving(feed) && !feed->axis.runs ? feed->axis.target : machine_report(index).position;
 }
@@ -629,8 +627,8 @@ bool machine_poll(void)
         if (!is_moving(feed)) {
             continue;
         }
-        has_time = feed_poll(feed) && has_time;
         axis_compute(&feed->axis);
+        has_time = feed_poll(feed) && has_time;
         if (has_time && feed_clock.yields != 0 && port_has_received()) {
             feed_clock.yields--;
             return false;

@@ -59,11 +59,6 @@ void reply_bytes(const uint8_t *bytes, uint8_t count)
     }
 }
 
-uint8_t *reply_reserved_byte(void)
-{
-    return next_field++;
-}
-
 void reply_numbers(const void *numbers, uint8_t count)
 {
     const uint8_t *bytes = numbers;

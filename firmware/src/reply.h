@@ -33,9 +33,6 @@ void reply_u16(uint16_t value);
 void reply_u32(uint32_t value);
 void reply_bytes(const uint8_t *bytes, uint8_t count);
 
-/* Leaves out a byte, for the caller to fill in before the frame is made. */
-uint8_t *reply_reserved_byte(void);
-
 /* Numbers of 32 bits, with a sign or without one, that lie one after the other in memory. */
 void reply_numbers(const void *numbers, uint8_t count);
 

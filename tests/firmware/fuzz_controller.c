@@ -343,7 +343,8 @@ static uint8_t hear(uint8_t reply[LONGEST_MESSAGE])
 
 static bool is_repeat(const uint8_t *message)
 {
-    return memcmp(message, last_header, sizeof last_header) == 0 && message[0] != KIND_HELLO;
+    bool is_done_each_time = message[0] == KIND_HELLO || message[0] == KIND_STOP || message[0] == KIND_HALT;
+    return memcmp(message, last_header, sizeof last_header) == 0 && !is_done_each_time;
 }
 
 static void note_reply(const uint8_t *message, uint8_t length, const uint8_t *reply, uint8_t reply_length)

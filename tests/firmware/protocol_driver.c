@@ -18,6 +18,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "controller.h"
 #include "protocol_port.h"
 #include "settings.h"
 #include "whole_message.h"
@@ -124,6 +125,16 @@ static void run(void)
     }
 }
 
+/* Bytes that a long round of the main loop has let come. */
+static void hand_over(void)
+{
+    static uint8_t bytes[LONGEST_LINE];
+    size_t count = bytes_of(next_word(), bytes);
+    for (size_t i = 0; i < count; i++) {
+        controller_receive(bytes[i]);
+    }
+}
+
 static void show_or_set_eeprom(void)
 {
     const char *bytes = next_word();
@@ -168,6 +179,7 @@ static const struct {
     {"frame", decode_frames},       {"encode", encode_frame}, {"crc", compute_crc},    {"settings", check_settings},
     {"begin", port_begin},          {"serial", serial},       {"run", run},            {"poll", poll_rounds},
     {"eeprom", show_or_set_eeprom}, {"cut", set_cut},         {"writes", show_writes}, {"steps", show_steps},
+    {"hand", hand_over},
 };
 
 static bool obey(const char *command)

@@ -366,7 +366,7 @@ def random_settings(random: np.random.Generator) -> Settings:
 
 def random_ramps(random: np.random.Generator, kind: str, axes: int, settings: Settings, hz: int) -> list[Planned]:
     """Return a ramp for each axis; equal ones are the same."""
-    width = settings.pulse_width_us * CYCLES_PER_US * 3 / 2
+    width = settings.pulse_width_us * CYCLES_PER_US * 2
     formulas = random.random(axes) < random.choice([0, 0, 0.5, 1])
     parts = shares(random, axes)
     most = int(random.choice([4, 12, 40]))

@@ -885,6 +885,26 @@ def test_stop_and_halt_are_obeyed_while_a_reply_is_being_sent(controller: Contro
 
 
 @pytest.mark.parametrize("kind", [p.STOP, p.HALT])
+@pytest.mark.parametrize("body", [b"", b"\3"])
+def test_stop_and_halt_are_obeyed_whenever_the_request_before_them_is_answered(
+    controller: Controller, kind: int, body: bytes
+) -> None:
+    """Before them, or at any byte of them, also without a reply awaited."""
+    controller.push(TWO_AXES)
+    for known_bytes in range(12):
+        controller.ok(p.RUN, for_axes({0: 5000, 1: 5000}))
+        controller.run(2000)
+        status, stop = controller.frame(p.STATUS, b"\0"), b"\0" + controller.frame(kind, body)
+        controller.driver.ask("hand", (status + stop[:known_bytes]).hex())
+        sent = timed_messages(controller, 2)
+        controller.driver.ask("hand", stop[known_bytes:].hex() or "-")
+        sent += timed_messages(controller, 40)
+        assert sent[-1][1] == struct.pack("<BHBB", kind | 0x80, SESSION, controller.tag, p.OK)
+        assert controller.status(0).axis_state == (p.STOPPING if kind == p.STOP else p.IDLE)
+        controller.run_until_idle()
+
+
+@pytest.mark.parametrize("kind", [p.STOP, p.HALT])
 def test_stop_and_halt_are_answered_within_10_ms_on_a_full_line(controller: Controller, kind: int) -> None:
     controller.push(Ramp([(4000, 20, -150)], 250, []).image(4))
     controller.ok(p.REPORT, b"\x32")

@@ -7,7 +7,7 @@
 
 #include "host.h"
 
-enum { LONGEST_LINE = 512, LONGEST_FRAME_BYTES = 128, FIRST_NOTICE = 0xC0, KIND_AT = 1 };
+enum { LONGEST_LINE = 512, LONGEST_FRAME_BYTES = 128, FIRST_REPLY = 0x80, FIRST_NOTICE = 0xC0, KIND_AT = 1 };
 enum { BYTES_IN_TRANSMITTER = 2 };
 #define GIVE_UP_CYCLES (CLOCK_HZ / 5)
 #define BEGIN_CYCLES (CLOCK_HZ / 50)
@@ -80,7 +80,7 @@ static void on_sent(uint8_t byte)
         return;
     }
     write_log('<', sent_from, avr->cycle, sent, sent_count);
-    if (state == ASKED && sent_count > KIND_AT && sent[KIND_AT] < FIRST_NOTICE) {
+    if (state == ASKED && sent[KIND_AT] >= FIRST_REPLY && sent[KIND_AT] < FIRST_NOTICE) {
         from = avr->cycle + BYTES_IN_TRANSMITTER * serial_line_byte_cycles();
         read_next();
     }
