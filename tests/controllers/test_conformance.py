@@ -908,6 +908,7 @@ def test_a_trace_tells_when_steps_were_made(line: Line, every: int, steps: int) 
     line.hear(0.3)
     numbers, values, complete = traced(line)
     assert complete
+    assert max(len(notice.values) for _, notice in line.notices if isinstance(notice, TraceNotice)) <= 12
     assert numbers.tolist() == list(range(1, abs(steps) + 1, every))
     up = 20_000 - 400 * np.arange(20)
     n_up, n_down = (min(20, -(-abs(steps) // 2)), min(20, abs(steps) // 2))

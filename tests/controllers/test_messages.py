@@ -169,6 +169,8 @@ def test_a_trace_frame() -> None:
     trace = TraceNotice.unpack(bytes.fromhex("82 0300 0a000000 3412 ffff"))
     assert (trace.axis, trace.is_last, trace.every_steps, trace.first_step) == (2, True, 3, 10)
     assert trace.values == (0x1234, 0xFFFF)
+    with pytest.raises(ValueError, match="TraceNotice"):
+        TraceNotice.unpack(bytes(7 + 2 * 13))
 
 
 @pytest.mark.parametrize(

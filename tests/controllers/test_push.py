@@ -142,6 +142,22 @@ def test_axes_that_cant_all_move_at_once_are_told() -> None:
     assert planned(quick, quick).report(b"", 1, kept=True).warnings[1:] == ()
 
 
+def test_which_pulse_width_would_do_is_told() -> None:
+    """By hand, in fast ticks: 20,000 steps/s are 800. Four axes need 533 + 128 w, a line 177 + 32 w, one 106 + 32 w."""
+    quick = design(**FAST, ramp__slew_speed_steps_per_s=20_000, ramp__acceleration_steps_per_s2=1e9)
+    plan = planned(quick, quick, quick, quick, settings=Settings(pulse_width_us=10))
+    [warning] = plan.report(plan.image.encode(), 1, kept=True).warnings
+    # 4 (1813 / 4) / 800.
+    assert "all 4 axes together would take 227 %" in warning
+    assert warning.endswith("except along a line, or with a pulse width of at most 2 µs (now 10 µs).")
+    plan = planned(quick, quick, quick, quick, settings=Settings(pulse_width_us=20))
+    [warning] = plan.report(plan.image.encode(), 1, kept=True).warnings
+    assert "line" not in warning
+    alone = rejected(quick, settings=Settings(pulse_width_us=29))
+    assert "20,000" not in alone.allowed
+    assert alone.allowed.endswith("or with a pulse width of at most 21 µs (now 29 µs)")
+
+
 # ---- as fast as segments are prepared ----
 
 STEEP = {**FAST, "ramp__slew_speed_steps_per_s": 29_000, "ramp__acceleration_steps_per_s2": 900_000}
@@ -300,7 +316,7 @@ def test_the_fastest_speed_that_is_allowed_is_taken() -> None:
     ("settings", "fastest"),
     [
         (Settings(), 16_000_000 / 106),
-        (Settings(pulse_width_us=10), 16_000_000 / (106 + 160)),
+        (Settings(pulse_width_us=10), 16_000_000 / (106 + 320)),
         (Settings(outputs="gauges"), 5000),
     ],
 )

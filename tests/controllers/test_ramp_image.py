@@ -141,11 +141,19 @@ def test_where_an_image_is_bad(image: bytes, where: tuple[int, int]) -> None:
     assert caught.value.detail == where[0] * 256 + where[1]
 
 
-@pytest.mark.parametrize("number", [b"\x80\x80\x80\x80\x10", b"\x80\x80\x80\x80\x80\x00"])
-def test_numbers_have_32_bits(number: bytes) -> None:
+@pytest.mark.parametrize(
+    ("number", "reason"),
+    [
+        (b"\xff\xff\xff\xff\x07", "an interval of"),
+        (b"\x80\x80\x80\x80\x08", "31 bits"),
+        (b"\x80\x80\x80\x80\x10", "31 bits"),
+        (b"\x80\x80\x80\x80\x80\x00", "31 bits"),
+    ],
+)
+def test_numbers_have_31_bits(number: bytes, reason: str) -> None:
     lists = b"\x01" + number + b"\x00"
     body = b"\x00\x01\x00\xd0\x07\x00\x00" + bytes([len(lists), 0]) + lists
-    with pytest.raises(BadRampImage, match="32 bits"):
+    with pytest.raises(BadRampImage, match=reason):
         RampImage.decode(b"\x02\x00\x01\x01\x00\x00" + bytes([len(body), 0]) + body)
 
 

@@ -604,7 +604,9 @@ def test_axes_that_are_too_fast_together_are_not_asked_to_move(connect: Connect)
     for _ in range(2):
         for axis in range(4):
             script.then(StatusRequest(axis), IDLE)
-    with pytest.raises(Rejected, match=r"axes 0, 1, 2, 3 moving; this takes 117 %") as caught:
+    each = ", ".join(f"axis {axis} at most 30,018 steps/s" for axis in range(4))
+    told = f"{each} when they move at the same time, or fewer axes; this takes 117 %"
+    with pytest.raises(Rejected, match=told) as caught:
         connect(script).move_by(by_steps(1, 1, 1, 1))
     assert (caught.value.rejections[0].field, caught.value.rejections[0].value) == ("axes", "0, 1, 2, 3")
 
@@ -655,7 +657,7 @@ def test_an_axis_that_slows_down_counts_with_the_speed_it_has(connect: Connect) 
 
 def test_what_only_the_controller_finds_too_fast(connect: Connect) -> None:
     script = four().then(MoveByRequest(1, (5,)), Refusal(ReplyStatus.TOO_FAST, 130))
-    with pytest.raises(Rejected, match="130 %"):
+    with pytest.raises(Rejected, match="at most 1,526 steps/s; this takes 131 %"):
         connect(script).move_by([Asked(0, 5, "by_steps")])
 
 
@@ -665,6 +667,68 @@ def test_a_line_that_is_too_fast(connect: Connect) -> None:
     with pytest.raises(Rejected, match="at most 90,395 steps/s, for a line of 4 axes") as caught:
         connect(stored(image)).line(by_steps(5, 5, 5, 5))
     assert caught.value.rejections[0].field == "ramp_axis"
+
+
+def quick_on(controller: StepRampController, speed_steps_per_s: float, axes: int = 1) -> None:
+    """Push a ramp that is that fast, for so many axes, while pulses are short."""
+    controller.use_settings(Settings())
+    quick = {"ramp__slew_speed_steps_per_s": speed_steps_per_s, "ramp__acceleration_steps_per_s2": 1e9}
+    controller.prepare_push([design(timer__frequency_hz=16_000_000, **quick)] * axes, mode="try")()
+
+
+# Fast ticks by hand, 32 a µs of pulse width: alone 106 + 32 w, two 246 + 64 w, on a line of two 133 + 32 w.
+@pytest.mark.parametrize(
+    ("speed", "width_us", "fastest", "widest_us"),
+    [(100_000, 10, 37_558, 1), (150_943, 1, 115_942, 0), (40_000, 100, 4839, 9)],
+)
+def test_with_wide_pulses_it_is_told_what_would_do(
+    controller: StepRampController, speed: int, width_us: int, fastest: int, widest_us: int
+) -> None:
+    quick_on(controller, speed)
+    controller.use_settings(Settings(pulse_width_us=width_us))
+    told = (
+        f"axis 0 at most {fastest:,} steps/s, or with a pulse width of at most {widest_us} µs \\(now {width_us} µs\\)"
+    )
+    with pytest.raises(Rejected, match=told):
+        controller.move_by([Asked(0, 5, "by_steps")])
+    controller.run([Asked(0, fastest, "speed_steps_per_s")])
+    controller.halt()
+    controller.use_settings(Settings(pulse_width_us=widest_us))
+    controller.move_by([Asked(0, 5, "by_steps")])
+    controller.halt()
+    controller.use_settings(Settings(pulse_width_us=widest_us + 1))
+    with pytest.raises(Rejected):
+        controller.move_by([Asked(0, 5, "by_steps")])
+
+
+def test_with_wide_pulses_it_is_told_what_axes_and_lines_can_do(controller: StepRampController) -> None:
+    quick_on(controller, 40_000, axes=2)
+    controller.use_settings(Settings(pulse_width_us=9))
+    told = (
+        "axis 0 at most 19,464 steps/s, axis 1 at most 19,464 steps/s when they move at the same time, or fewer axes, "
+        "or with a pulse width of at most 2 µs"
+    )
+    with pytest.raises(Rejected, match=told):
+        controller.move_by(by_steps(5, 5))
+    controller.run([Asked(axis, 19_464, f"axes.{axis}") for axis in range(2)])
+    controller.halt()
+    with pytest.raises(Rejected, match=r"at most 38,004 steps/s, for a line of 2 axes, or with .* at most 8 µs"):
+        controller.line(by_steps(5, 5))
+    controller.line([*by_steps(5, 0)])
+    controller.halt()
+    controller.use_settings(Settings(pulse_width_us=8))
+    controller.line(by_steps(5, 5))
+
+
+def test_what_gauges_can_not_do(controller: StepRampController) -> None:
+    controller.prepare_push([design()] * 4, mode="try")()
+    controller.use_settings(Settings(outputs="gauges"))
+    with pytest.raises(Rejected, match="a gauge: 0 to 2") as caught:
+        controller.move_by(by_steps(5, 5, 5, 5))
+    assert (caught.value.rejections[0].field, caught.value.rejections[0].value) == ("axes.3.axis", 3)
+    with pytest.raises(Refused, match="line"):
+        controller.line(by_steps(5, 5))
+    controller.move_by(by_steps(5, 5, 5))
 
 
 # ---- traces ----

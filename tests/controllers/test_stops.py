@@ -635,6 +635,7 @@ def test_a_stop_that_finds_no_connection_is_owed(clock: Clock, plug_in: Callable
     device = devices.connect(plug_in(board))
     push(device, clock)
     device.move_by([by(5000)])
+    clock.now_s += 0.1
     board.is_plugged_in = False
     with pytest.raises(DeviceLost):
         device.trace_moves(0, 1)
@@ -686,6 +687,7 @@ def test_a_stop_that_finds_the_connection_gone_is_owed(
     device = devices.connect(plug_in(board))
     push(device, clock)
     device.move_by([by(50_000)])
+    clock.now_s += 0.1
     board.kind = StopRequest.KIND if stop == "stop" else HaltRequest.KIND
     with ThreadPoolExecutor(1) as pool:
         begun, held = threading.Event(), threading.Event()

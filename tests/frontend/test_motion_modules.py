@@ -289,6 +289,25 @@ def test_soft_limits_in_words(modules: Modules) -> None:
             "Steps is 21 mm/s; allowed: from -20 to 20 mm/s, the slew speed of the axis' ramp, and 0 or at least 0.005 "
             "either way.",
         ),
+        *(
+            (
+                quantity,
+                value,
+                "axis 0 at most 46,242 steps/s, or with a pulse width of at most 2 µs (now 10 µs); this takes 217 % of "
+                "the controller's time",
+                f"Steps is {shown}; allowed: axis 0 at most 924.84 mm/s, or with a pulse width of at most 2 µs (now "
+                "10 µs); this takes 217 % of the controller's time.",
+            )
+            for quantity, value, shown in (("length", 5, "0.1 mm"), ("speed", 40_000.0, "800 mm/s"))
+        ),
+        (
+            "length",
+            5,
+            # Axes have units of their own.
+            "axis 0 at most 30,018 steps/s, axis 1 at most 8 steps/s when they move at the same time, or fewer axes",
+            "Steps is 5; allowed: axis 0 at most 30,018 steps/s, axis 1 at most 8 steps/s when they move at the same "
+            "time, or fewer axes.",
+        ),
         (
             "length",
             "abc",

@@ -15,7 +15,7 @@ REPLY = 0x80
 MOST_DATA = 48
 """Most bytes of a ramp image in one message."""
 MOST_AXES = 4
-MOST_TRACE_VALUES = 20
+MOST_TRACE_VALUES = 12
 SETTINGS_BYTES = 12
 ALL_AXES = (1 << MOST_AXES) - 1
 TRACE_OFF = 255

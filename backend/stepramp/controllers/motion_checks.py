@@ -1,13 +1,15 @@
 """What is checked of a motion before it is asked for: axes, ranges, and what the controller's processor can serve."""
 
+import math
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from fractions import Fraction
 
 from stepramp.controllers.controller import Asked, values_of
 from stepramp.controllers.course import Ways
 from stepramp.controllers.messages import HelloReply, Refusal, ReplyStatus
 from stepramp.controllers.ramp_image import RampImage
-from stepramp.controllers.settings import Settings
-from stepramp.controllers.speed_limits import WHOLE, Pace, SpeedLimits, interval_ticks
+from stepramp.controllers.settings import MOST_GAUGES, Settings
+from stepramp.controllers.speed_limits import Pace, SpeedLimits, interval_ticks
 from stepramp.controllers.ways import ways_of
 from stepramp.errors import Refused, Rejected, Rejection
 from stepramp.units import speed_from_interval
@@ -39,9 +41,9 @@ class MotionChecks:
             self.ways = [ways_of(ramp) for ramp in image.axes] if image else []
             self.running = {}
         self._image = image
-        self._limits = SpeedLimits.of(hello, settings)
         self._longest_ticks = hello.longest_interval_ticks
         self._timer_hz = hello.fast_clock_hz if image is not None and image.fast_clock else hello.slow_clock_hz
+        self._limits = SpeedLimits.of(hello, settings, self._timer_hz)
 
     def known_axes(self, asked: Sequence[Asked]) -> None:
         """Reject axes that have no ramp, and one that is named twice; Refused when none has one."""
@@ -95,13 +97,14 @@ class MotionChecks:
 
         Returns what is to be rejected when the controller finds something wrong itself.
         """
+        self._with_pins(asked)
         going = self._going(moving(False), intervals)
-        if self._share(going) > WHOLE:
+        if self._limits_in_use.share(self._paces(going)) > 1:
             going = self._going(moving(True), intervals)
-        share = self._share(going)
-        if share > WHOLE:
-            raise Rejected([_too_fast(asked, round(100 * share), going)])
-        return _rejecting(asked, going)
+        share = self._limits_in_use.share(self._paces(going))
+        if share > 1:
+            raise Rejected([self._too_fast(asked, going, share)])
+        return _rejecting(asked, lambda share: self._too_fast(asked, going, share))
 
     def _going(self, moving: Mapping[int, int], intervals: Mapping[int, int]) -> dict[int, int]:
         """Return the shortest intervals of all axes that will move: of those that slow down the present one [ticks]."""
@@ -123,27 +126,51 @@ class MotionChecks:
 
     def unless_line_too_fast(self, asked: Sequence[Asked], steps: Mapping[int, int], ramp_axis: int) -> Rejecting:
         """Reject a line that can't be served; returns as unless_too_fast does."""
-        assert self._limits is not None
+        if self._limits_in_use.settings.outputs == "gauges":
+            raise Refused("Gauges move each for itself: a line needs step and direction outputs.")
         going = sum(1 for count in steps.values() if count)
-        shortest = self.ways[ramp_axis].slew_interval
-        share = self._limits.line_share(going, self._fast(shortest))
-        if share > WHOLE:
-            fastest = speed_from_interval(shortest, self._timer_hz) / share
-            allowed = (
-                f"an axis whose ramp has a slew speed of at most {fastest:,.0f} steps/s, for a line of {going} axes"
-            )
-            raise Rejected([Rejection("ramp_axis", ramp_axis, allowed)])
-        return _rejecting(asked, dict.fromkeys(steps, shortest))
+        pace = Pace(self.ways[ramp_axis].slew_interval, line_axes=going)
+        share = self._limits_in_use.share([pace] if going else [])
+        if share > 1:
+            raise Rejected([self._line_too_fast(ramp_axis, pace, share)])
+        return _rejecting(asked, lambda share: self._line_too_fast(ramp_axis, pace, share))
 
-    def _share(self, going: Mapping[int, int]) -> float:
+    @property
+    def _limits_in_use(self) -> SpeedLimits:
         assert self._limits is not None
-        return self._limits.share(
-            [Pace(self._fast(interval), self.ways[axis].by_formula) for axis, interval in going.items()]
+        return self._limits
+
+    def _with_pins(self, asked: Sequence[Asked]) -> None:
+        """Reject an axis that is a gauge too many."""
+        for each in asked:
+            if self._limits_in_use.settings.outputs == "gauges" and each.axis >= MOST_GAUGES:
+                raise Rejected([Rejection(_axis_field(each.field), each.axis, f"a gauge: 0 to {MOST_GAUGES - 1}")])
+
+    def _paces(self, going: Mapping[int, int]) -> list[Pace]:
+        return [Pace(interval, self.ways[axis].by_formula) for axis, interval in sorted(going.items())]
+
+    def _too_fast(self, asked: Sequence[Asked], going: Mapping[int, int], share: Fraction) -> Rejection:
+        """Return the rejection of axes that would take such a share of the controller's processor."""
+        paces = self._paces(going)
+        slower = zip(sorted(going), self._limits_in_use.slowed_down(paces, share), strict=True)
+        most = ", ".join(f"axis {axis} at most {self._speed(interval)}" for axis, interval in slower)
+        fewer = "" if len(going) == 1 else " when they move at the same time, or fewer axes"
+        allowed = f"{most}{fewer}{self._limits_in_use.or_narrower(paces)}; {_takes(share)}"
+        if len(asked) == 1:
+            return Rejection(asked[0].field, asked[0].value, allowed)
+        return Rejection("axes", ", ".join(str(each.axis) for each in asked), allowed)
+
+    def _line_too_fast(self, ramp_axis: int, pace: Pace, share: Fraction) -> Rejection:
+        (slower,) = self._limits_in_use.slowed_down([pace], share)
+        allowed = (
+            f"an axis whose ramp has a slew speed of at most {self._speed(slower)}, for a line of "
+            f"{pace.line_axes} axes{self._limits_in_use.or_narrower([pace])}; {_takes(share)}"
         )
+        return Rejection("ramp_axis", ramp_axis, allowed)
 
-    def _fast(self, ticks: int) -> int:
-        assert self._limits is not None
-        return ticks * (self._limits.fast_clock_hz // self._timer_hz)
+    def _speed(self, interval: int) -> str:
+        """Return an interval [ticks] as the speed that it allows, rounded down."""
+        return f"{math.floor(speed_from_interval(interval, self._timer_hz)):,} steps/s"
 
 
 def _axis_field(field: str) -> str:
@@ -153,26 +180,17 @@ def _axis_field(field: str) -> str:
     return field if field in ("axes", "traced_axis") else "axis"
 
 
-def _rejecting(asked: Sequence[Asked], going: Mapping[int, int]) -> Rejecting:
-    """Return what is wrong when the controller itself finds a value too far, or axes too fast."""
+def _takes(share: Fraction) -> str:
+    return f"this takes {math.ceil(100 * share)} % of the controller's time"
+
+
+def _rejecting(asked: Sequence[Asked], too_fast: Callable[[Fraction], Rejection]) -> Rejecting:
+    """Return what is wrong when the controller itself finds a value too far, or axes too fast, with their share."""
 
     def rejection(refusal: Refusal) -> Rejection:
         if refusal.status is ReplyStatus.TOO_FAST:
-            return _too_fast(asked, refusal.detail, going)
+            return too_fast(Fraction(refusal.detail + 1, 100))  # it tells whole percent, rounded down
         to_blame = next((each for each in asked if each.axis == refusal.detail), asked[0])
         return Rejection(to_blame.field, to_blame.value, TARGETS)
 
     return rejection
-
-
-def _too_fast(asked: Sequence[Asked], percent: int, going: Mapping[int, int]) -> Rejection:
-    """Return the rejection of axes that would take more than the whole of a controller's processor."""
-    if len(asked) == 1 and len(going) == 1:
-        what = "a speed that takes at most 100 % of the controller's time with its settings"
-    else:
-        names = ", ".join(str(axis) for axis in sorted(going))
-        what = f"what takes at most 100 % of the controller's time, with axes {names} moving"
-    allowed = f"{what}; this takes {percent} %: move fewer axes at the same time, or slower"
-    if len(asked) == 1:
-        return Rejection(asked[0].field, asked[0].value, allowed)
-    return Rejection("axes", ", ".join(str(each.axis) for each in asked), allowed)

@@ -199,12 +199,9 @@ class PushPlan:
                 f"The ramps have more segments in so short a time than the controller can prepare: {them} may have to "
                 f"wait between steps. A lower acceleration takes fewer."
             )
-        share = self.limits.share(ways_of(ramp) for ramp in self.image.axes)
-        if len(self.image.axes) > 1 and share > 1:
-            yield (
-                f"At full speed all {len(self.image.axes)} axes together would take {100 * share:.0f} % of the "
-                f"controller's time: they can't all move at the same time, except along a line."
-            )
+        too_fast = self.limits.too_fast_together([ways_of(ramp) for ramp in self.image.axes])
+        if len(self.image.axes) > 1 and too_fast is not None:
+            yield too_fast
 
 
 def plan_push(

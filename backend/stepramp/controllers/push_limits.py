@@ -1,6 +1,7 @@
 """What a controller can take of a design, with its settings, and how a design that is beyond it is told so."""
 
-from collections.abc import Iterable, Iterator
+import math
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,12 +36,9 @@ class PushLimits:
     def of(cls, hello: HelloReply, settings: Settings, timer_hz: int) -> "PushLimits":
         """Return the limits of a controller that introduced itself like this, for one of its clocks [Hz]."""
         fast = timer_hz == hello.fast_clock_hz
-        speeds, intervals = SpeedLimits.of(hello, settings), IntervalLimits.of(hello)
+        speeds, intervals = SpeedLimits.of(hello, settings, timer_hz), IntervalLimits.of(hello)
         segments, formula = intervals.of_segments(fast_clock=fast), intervals.by_formula(fast_clock=fast)
-        of_segments, by_formula = (
-            -(-speeds.shortest_alone(by_formula=computed) * timer_hz // hello.fast_clock_hz)
-            for computed in (False, True)
-        )
+        of_segments, by_formula = (speeds.shortest_alone(by_formula=computed) for computed in (False, True))
         return cls(
             fast_clock=fast,
             timer_hz=timer_hz,
@@ -51,10 +49,19 @@ class PushLimits:
             speeds=speeds,
         )
 
-    def share(self, ways: Iterable[Ways]) -> float:
-        """Return the part of the processor that axes take, all at the full speed of their ramps."""
-        ratio = self.speeds.fast_clock_hz // self.timer_hz
-        return self.speeds.share([Pace(each.slew_interval * ratio, each.by_formula) for each in ways])
+    def too_fast_together(self, ways: Collection[Ways]) -> str | None:
+        """Return what to say of axes that can't all move at the full speed of their ramps; None: they can."""
+        paces = [Pace(each.slew_interval, each.by_formula) for each in ways]
+        share = self.speeds.share(paces)
+        if share <= 1:
+            return None
+        line = Pace(max(pace.interval for pace in paces), line_axes=len(paces))
+        can_follow = self.speeds.settings.outputs != "gauges" and self.speeds.share([line]) <= 1
+        return (
+            f"At full speed all {len(paces)} axes together would take {math.ceil(100 * share)} % of the controller's "
+            f"time: they can't all move at the same time{', except along a line' if can_follow else ''}"
+            f"{self.speeds.or_narrower(paces)}."
+        )
 
     def check(self, design: Design, ramp: Ramp, path: str) -> None:
         """Reject a ramp that is too fast or too slow for the controller; what to change depends on the method."""
@@ -63,11 +70,12 @@ class PushLimits:
         intervals = np.concatenate((ramp.up, [ramp.slew], ramp.down))
         if shortest <= intervals.min() and intervals.max() <= longest:
             return
+        narrower = self.speeds.or_narrower([Pace(int(intervals.min()))])
         if design.method.name == "table":
-            raise Rejected(list(self._bad_rows(design, path)))
+            raise Rejected(list(self._bad_rows(design, path, narrower)))
         if intervals.min() < shortest or ramp.slew > longest:
             slowest, fastest = speed_from_interval(longest, hz), speed_from_interval(shortest, hz)
-            allowed = f"from {slowest:,.6g} to {fastest:,.10g} steps/s with this controller and its settings"
+            allowed = f"from {slowest:,.6g} to {fastest:,.10g} steps/s with this controller and its settings{narrower}"
             field, value = "slew_speed_steps_per_s", design.ramp.slew_speed_steps_per_s
         else:
             most_us = us_from_ticks(longest, hz)
@@ -75,7 +83,7 @@ class PushLimits:
             field, value = "acceleration_steps_per_s2", design.ramp.acceleration_steps_per_s2
         raise Rejected([Rejection(f"{path}ramp.{field}", value, allowed)])
 
-    def _bad_rows(self, design: Design, path: str) -> Iterator[Rejection]:
+    def _bad_rows(self, design: Design, path: str, narrower: str) -> Iterator[Rejection]:
         """Yield the delays of a design's table that lie outside the limits."""
         rows, unit = (design.table.rows, design.table.interval_unit) if design.table else ([], "us")
         scale = 1.0 if unit == "ticks" else MICROSECONDS_PER_SECOND / self.timer_hz
@@ -83,5 +91,5 @@ class PushLimits:
         words = "µs" if unit == "us" else "ticks"
         for number, (_, delay) in enumerate(rows):
             if not shortest <= delay <= longest:
-                allowed = f"a delay from {shortest:,.10g} to {longest:,.10g} {words} with this controller"
+                allowed = f"a delay from {shortest:,.10g} to {longest:,.10g} {words} with this controller{narrower}"
                 yield Rejection(f"{path}table.rows.{number}.1", delay, allowed)

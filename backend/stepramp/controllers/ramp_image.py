@@ -25,7 +25,7 @@ HEADER = 0xFF
 _IMAGE_HEADER = struct.Struct("<BBBB")
 _RAMP_HEADER = struct.Struct("<BH")
 _LISTS_HEADER = struct.Struct("<BBBIH")
-_NUMBER_BITS = 32
+_NUMBER_BITS = 31
 
 
 class BadRampImage(ValueError):

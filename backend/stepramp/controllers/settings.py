@@ -12,6 +12,7 @@ Outputs = Literal["step_and_direction", "gauges"]
 OUTPUTS: tuple[Outputs, ...] = ("step_and_direction", "gauges")
 Level = Literal["low", "high"]
 LEVELS: tuple[Level, ...] = ("low", "high")
+MOST_GAUGES = 3
 HOLD_FOR_EVER = 0xFFFF
 _LAYOUT = struct.Struct("<6B3H")
 
@@ -53,7 +54,9 @@ class Settings(Document):
     direction_inverted: AxisNumbers = Field((), description="Axes whose direction pin is low for forwards")
     enable_level: Annotated[Level, OneOf()] = Field("low", description="Level of the enable pin while motors are on")
     pulse_width_us: Annotated[int, Within(0, 100, "µs")] = Field(
-        0, description="Least width of a step pulse; 0: as short as the controller makes it [µs]"
+        0,
+        description="Least width of a step pulse; 0: as short as the controller makes it. A step takes twice as much "
+        "of the controller's time: with wide pulses the fastest speeds are out of reach [µs]",
     )
     direction_setup_us: Annotated[int, Within(20, 15_000, "µs")] = Field(
         30, description="Time from a change of direction to the next pulse [µs]"

@@ -30,9 +30,9 @@ class VirtualLine:
         watched = [_Followed(watches[axis], self._leader_steps, abs(steps[axis])) for axis in watches]
         self._leader = VirtualMotor(ways, 0, watch=_Together(watched))
 
-    def begin(self, now: int) -> None:
-        """Set out."""
-        self._leader.move_to(self._leader_steps, now)
+    def begin(self, ready: int) -> None:
+        """Set out at an instant."""
+        self._leader.move_to(self._leader_steps, ready)
 
     def settle(self, now: int) -> bool:
         """Move to where the line is by now, and return whether it goes on."""

@@ -95,14 +95,14 @@ class VirtualMotor:
                 # It has passed its target, or turns: it goes on the other way.
                 self._plan_from_rest(self._due + self._setup_ticks)
 
-    def move_to(self, target: int, now: int) -> None:
-        """Go to a position at the ramp's slew speed."""
+    def move_to(self, target: int, ready: int) -> None:
+        """Go to a position at the ramp's slew speed; at rest, set out at the instant `ready`."""
         self._destination = target
-        self._go(0, None, now)
+        self._go(0, None, ready)
 
-    def run(self, interval: int, direction: int, now: int) -> None:
+    def run(self, interval: int, direction: int, ready: int) -> None:
         """Go on and on with an interval, not shorter than the ramp's slew interval [ticks]; positions go round."""
-        self._go(direction, interval, now)
+        self._go(direction, interval, ready)
 
     def stop(self) -> None:
         """Slow down to rest."""
@@ -125,12 +125,12 @@ class VirtualMotor:
         """Call the place where it rests a position."""
         self.position = self._destination = position
 
-    def _go(self, run_direction: int, level: int | None, now: int) -> None:
+    def _go(self, run_direction: int, level: int | None, ready: int) -> None:
         self._run_direction, self._level, self.stopping = run_direction, level, False
         if self.moving:
             self._replan()
         elif self.running or self._destination != self.position:
-            self._set_out(now)
+            self._set_out(ready)
 
     def _stop_place(self) -> int:
         steps = self._ways.steps_to_rest(self._place) if self._place.interval else 0

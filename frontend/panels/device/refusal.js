@@ -17,8 +17,10 @@ import { shownValue, unitWord } from '../../units.js';
  * @property {HTMLElement} problem
  * @property {(rejection: Rejection) => string} text */
 
-/** An axis has a number, too, which is in no unit. */
-const NUMBER = /(axis )?(at least )?(-?\d[\d,]*(?:\.\d+)?(?:e[+-]?\d+)?)( to )?/g;
+/** An axis has a number, too, which is in no unit; others are in one that stays. */
+const NUMBER = /(axis )?(at least )?(-?\d[\d,]*(?:\.\d+)?(?:e[+-]?\d+)?)(?![.,]?\d| µs| %)( to )?/g;
+/** Each axis has units of its own. */
+const SEVERAL_AXES = /axis \d.*axis \d/;
 // The figures of a converted number.
 const FIGURES = 7;
 
@@ -45,8 +47,8 @@ export function named({ field, message }, label) {
 export function inShownUnit(rejection, label, quantity, units, design) {
   const { value, allowed } = rejection;
   const isText = typeof value === 'string';
-  if (shownValue(units, design, quantity, 1) === 1 || allowed === null || !(isText || typeof value === 'number'))
-    return named(rejection, label);
+  const isOfField = allowed !== null && !SEVERAL_AXES.test(allowed) && (isText || typeof value === 'number');
+  if (shownValue(units, design, quantity, 1) === 1 || !isOfField) return named(rejection, label);
   const given = isText ? `'${value}'` : `${converted(value, Math.round)} ${unitWord(units, design, quantity)}`;
   return `${label} is ${given}; allowed: ${limits()}.`;
 

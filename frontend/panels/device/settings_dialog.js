@@ -27,7 +27,7 @@ const SETTINGS = [
   { name: 'both_edges', label: 'Step at both edges', explained: 'Axes whose driver steps when the pin rises and when it falls.', axes: true },
   { name: 'step_inverted', label: 'Step pin inverted', explained: 'Axes whose step pin rests high.', axes: true },
   { name: 'direction_inverted', label: 'Direction inverted', explained: 'Axes whose direction pin is low for forwards: they turn the other way.', axes: true },
-  { name: 'pulse_width_us', label: 'Pulse width', explained: 'Least width of a step pulse; 0: as short as the controller makes it. See the data sheet of the driver.', unit: 'µs' },
+  { name: 'pulse_width_us', label: 'Pulse width', explained: 'Least width of a step pulse; 0: as short as the controller makes it. See the data sheet of the driver. With wide pulses the fastest speeds are out of reach.', unit: 'µs' },
   { name: 'direction_setup_us', label: 'Direction setup', explained: 'Time from a change of direction to the next pulse.', unit: 'µs' },
   {
     name: 'enable_level',
