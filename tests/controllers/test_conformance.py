@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
+from itertools import takewhile
 from pathlib import Path
 
 import numpy as np
@@ -618,8 +619,10 @@ def test_a_run_ends_when_nobody_asks_for_anything_and_a_move_goes_on(line: Line)
         if any(report.state_of(0) == AxisState.IDLE for report in reports(line)):
             break
     told = reports(line)
-    slowing = next(report for report in told if report.state_of(0) != AxisState.MOVING)
-    assert 950 <= (slowing.time_ms - told[0].time_ms) % 2**16 <= 1350
+    running = list(takewhile(lambda report: report.state_of(0) == AxisState.MOVING, told))
+    # It happened between the last report of the one and the first of the other: on a busy machine some are left out.
+    assert (running[-1].time_ms - told[0].time_ms) % 2**16 <= 1350
+    assert (told[len(running)].time_ms - told[0].time_ms) % 2**16 >= 950
     assert told[-1].state_of(0) == AxisState.IDLE
     assert told[-1].state_of(1) == AxisState.MOVING
     line.good(StopRequest())
