@@ -9,7 +9,7 @@
 #include "serial.h"
 
 /* As many bytes as a short request has. */
-enum { BYTES_AT_ONCE = 8 };
+enum { BYTES_AT_ONCE = 8, BYTES_IN_A_HURRY = 3 };
 
 static void receive_bytes(uint8_t most)
 {
@@ -29,7 +29,7 @@ int main(void)
     bool has_time = true;
     for (;;) {
         wdt_reset();
-        receive_bytes(has_time ? BYTES_AT_ONCE : 1);
+        receive_bytes(has_time ? BYTES_AT_ONCE : BYTES_IN_A_HURRY);
         has_time = controller_poll();
     }
 }
