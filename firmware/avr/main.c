@@ -8,8 +8,8 @@
 #include "port.h"
 #include "serial.h"
 
-/* As many bytes as a short request has. */
-enum { BYTES_AT_ONCE = 8, BYTES_IN_A_HURRY = 3 };
+/* A round takes as many bytes as a short request has; fewer while frames keep coming, as each takes time. */
+enum { BYTES_AT_ONCE = 8, BYTES_IN_A_HURRY = 5 };
 
 static void receive_bytes(uint8_t most)
 {
