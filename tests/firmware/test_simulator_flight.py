@@ -179,7 +179,7 @@ def test_set_position(simulated_controller: Make) -> None:
 
 
 def test_status_on_the_way(simulated_controller: Make) -> None:
-    """Position, steps made and interval are those of one instant."""
+    """Position, steps made and interval are those of one instant; after the last step comes a silence of its own."""
     plan = Ramp(
         [(20_000, 1, 0), (14_142, 2, -2595), (10_000, 300, -20)], 2000, [(20_000, 2, -5858), (11_547, 40, -200)]
     )
@@ -191,6 +191,6 @@ def test_status_on_the_way(simulated_controller: Make) -> None:
         assert status.position == -status.steps_made
         assert status.target == -1000
         around = intervals[max(status.steps_made - 2, 0) : status.steps_made + 2]
-        assert min(around) <= status.interval <= max(around)
+        assert status.steps_made == 1000 or min(around) <= status.interval <= max(around)
     assert len(expand(plan.up)) == 303
     assert np.diff(played.steps()).min() >= 2000 * 8 - 2 * CYCLES_PER_US
