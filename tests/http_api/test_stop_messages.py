@@ -84,7 +84,7 @@ def test_nothing_moves_between_a_stop_and_the_writing_of_its_answer(
     client: TestClient, device_id: str, message: str, end: Callable[[Answer], object]
 ) -> None:
     """Nor for ever: an answer that nobody reads is given up."""
-    devices: Devices = client.app.state.devices  # type: ignore[attr-defined]  # Starlette's
+    devices: Devices = client.app.state.devices
     answer = run(answered(message.replace("%s", device_id), devices))
     move = {"by_steps": 3}
     assert client.post(f"{DEVICES}/{device_id}/move", json=move).status_code == 409
