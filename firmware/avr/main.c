@@ -8,13 +8,15 @@
 #include "port.h"
 #include "serial.h"
 
-/* A round takes as many bytes as a short request has; fewer while frames keep coming, as each takes time. */
-enum { BYTES_AT_ONCE = 8, BYTES_IN_A_HURRY = 5 };
+/* A round takes so many bytes: a stop that is skipped to, and few enough to leave time for motors when frames keep coming. */
+enum { BYTES_A_ROUND = 10 };
 
-static void receive_bytes(uint8_t most)
+static void receive_bytes(void)
 {
-    for (; most != 0 && port_has_received(); most--) {
-        controller_receive(serial_take());
+    port_skip_to_stop();
+    int16_t byte;
+    for (uint8_t left = BYTES_A_ROUND; left != 0 && (byte = serial_take()) != NO_BYTE; left--) {
+        controller_receive((uint8_t)byte);
     }
 }
 
@@ -26,10 +28,9 @@ int main(void)
     serial_begin();
     controller_begin();
     sei();
-    bool has_time = true;
     for (;;) {
         wdt_reset();
-        receive_bytes(has_time ? BYTES_AT_ONCE : BYTES_IN_A_HURRY);
-        has_time = controller_poll();
+        receive_bytes();
+        controller_poll();
     }
 }

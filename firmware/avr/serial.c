@@ -3,6 +3,8 @@
 #include <avr/io.h>
 #include <util/atomic.h>
 
+#include "frame.h"
+#include "message.h"
 #include "port.h"
 
 #define BAUD 115200ul
@@ -11,6 +13,9 @@
 extern volatile uint8_t received_in, received_out, serial_control;
 extern volatile uint8_t received[RECEIVED_BYTES];
 extern const uint8_t *serial_next;
+
+/* Frames of a stop or halt, of all axes and of some; their zero bytes included. */
+enum { SHORT_STOP = 1 + MESSAGE_HEADER_BYTES + CRC_BYTES + 1, LONG_STOP = SHORT_STOP + 1 };
 
 /* While nothing is being sent: the interrupts leave it as it is then. */
 static void set_control(uint8_t control)
@@ -27,12 +32,39 @@ void serial_begin(void)
     set_control(RECEIVING);
 }
 
-uint8_t serial_take(void)
+static uint8_t place(uint8_t number)
+{
+    return number & (RECEIVED_BYTES - 1);
+}
+
+int16_t serial_take(void)
 {
     uint8_t out = received_out;
+    if (out == received_in) {
+        return NO_BYTE;
+    }
     uint8_t byte = received[out];
-    received_out = (uint8_t)((out + 1) & (RECEIVED_BYTES - 1));
+    received_out = place(out + 1);
     return byte;
+}
+
+/* What was taken last is still there, and so is the zero byte before a frame. */
+bool port_skip_to_stop(void)
+{
+    uint8_t in = received_in, unread = place(in - received_out);
+    if (unread == 0 || received[place(in - 1)] != 0) {
+        return false;
+    }
+    for (uint8_t length = SHORT_STOP; length <= LONG_STOP; length++) {
+        uint8_t kind = received[place(in - length + 1)];
+        if (received[place(in - length - 1)] == 0 && (kind == KIND_STOP || kind == KIND_HALT)) {
+            if (unread > length) {
+                received_out = place(in - length - 1);
+            }
+            return true;
+        }
+    }
+    return false;
 }
 
 bool port_has_received(void)

@@ -14,8 +14,9 @@
 
 void serial_begin(void);
 
-/* Takes the oldest byte that was received, when port_has_received() says that there is one. */
-uint8_t serial_take(void);
+/* Takes the oldest byte that was received; NO_BYTE when there is none. */
+enum { NO_BYTE = -1 };
+int16_t serial_take(void);
 
 #endif
 

@@ -50,6 +50,12 @@ bool port_has_received(void)
     return port != nullptr && port->available() > 0;
 }
 
+/* A Stream hands its bytes over in turn. */
+bool port_skip_to_stop(void)
+{
+    return false;
+}
+
 void port_send(const uint8_t *frame)
 {
     next_to_send = frame;

@@ -209,12 +209,6 @@ static void go_up(struct axis *axis, const struct piece_limits *limits, struct p
 
 /* ---- level ---- */
 
-/* The speed wanted has become lower than the present one. */
-static bool is_too_fast(const struct axis *axis)
-{
-    return !axis->is_slewing && axis->interval != 0 && axis->interval < axis->level;
-}
-
 /* Looks for the way down from the speed wanted, as find_way_down does; its steps are then known. */
 static bool know_steps_down(struct axis *axis, const struct piece_limits *limits, uint32_t *steps, struct piece *piece)
 {

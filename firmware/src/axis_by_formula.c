@@ -16,12 +16,6 @@ static uint8_t batch_size(uint32_t interval, bool goes_up)
     return goes_up || interval <= 2000 ? FORMULA_BATCH : interval <= 8000 ? 4 : interval <= 14000 ? 3 : 2;
 }
 
-/* The speed wanted has become lower than the present one. */
-static bool is_too_fast(const struct axis *axis)
-{
-    return !axis->is_slewing && axis->interval != 0 && axis->interval < axis->level;
-}
-
 /* ---- giving what has been computed ---- */
 
 /* Those of the batch that are evenly apart go as one piece: at high speeds most of them. */

@@ -1,5 +1,20 @@
 #include "axis_steps.h"
 
+uint32_t steps_left(const struct axis *axis)
+{
+    if (axis->runs) {
+        return axis->backward == (axis->target < 0) ? INT32_MAX : 0;
+    }
+    uint32_t way = (uint32_t)axis->target - (uint32_t)axis->position;
+    bool is_ahead = (axis->target > axis->position) != axis->backward;
+    return !is_ahead ? 0 : axis->backward ? 0u - way : way;
+}
+
+bool is_too_fast(const struct axis *axis)
+{
+    return !axis->is_slewing && axis->interval != 0 && axis->interval < axis->level;
+}
+
 /* Intervals of `longest` ticks that fit, no more than `count`, at least one. The division is avoided where it can be:
  * it takes longer than all else. */
 static uint16_t fit(uint16_t ticks, uint32_t longest, uint16_t count)

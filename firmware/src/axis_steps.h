@@ -9,16 +9,10 @@ extern "C" {
 #endif
 
 /* Steps from here to the target; 0 when it isn't ahead. A run has always more of them in its direction. */
-static inline uint32_t steps_left(const struct axis *axis)
-{
-    if (axis->runs) {
-        return axis->backward == (axis->target < 0) ? INT32_MAX : 0;
-    }
-    if (axis->backward) {
-        return axis->target < axis->position ? (uint32_t)axis->position - (uint32_t)axis->target : 0;
-    }
-    return axis->target > axis->position ? (uint32_t)axis->target - (uint32_t)axis->position : 0;
-}
+uint32_t steps_left(const struct axis *axis);
+
+/* The speed wanted has become lower than the present one. */
+bool is_too_fast(const struct axis *axis);
 
 /* How many of `count` intervals, the first `interval` long, each next one longer by `add`, a piece may hold: at least
  * one. */

@@ -1,7 +1,6 @@
 #include "controller.h"
 
 #include "feed.h"
-#include "frame.h"
 #include "limits.h"
 #include "machine.h"
 #include "message.h"
@@ -9,6 +8,7 @@
 #include "ramp_store.h"
 #include "reply.h"
 #include "report.h"
+#include "request.h"
 #include "slots.h"
 #include "trace.h"
 
@@ -19,22 +19,12 @@ enum { MOST_SILENCE = 4 };
 /* So long motors that need all of the time keep requests and notices waiting [ms]. */
 enum { MOST_PATIENCE_MS = 40 };
 
-enum { NO_SESSION = 0, VALUE_BYTES = 4 };
-
-/* A line of all axes is the longest request of which all bytes are kept. Those of a delivery go to the ramp store. */
-enum { KEPT_BYTES = MESSAGE_HEADER_BYTES + 2 + VALUE_BYTES * AXES, DATA_AT = MESSAGE_HEADER_BYTES + 2 };
-
-/* A stop or halt, the only request that is looked at while another one waits. */
-enum { URGENT_BYTES = MESSAGE_HEADER_BYTES + 1 };
+enum { NO_SESSION = 0 };
 
 /* Where the fields of a message's header lie. */
 enum { KIND_AT = 0, SESSION_AT = 1, TAG_AT = 3 };
 
-static struct frame_receiver receiver;
-static uint8_t request[KEPT_BYTES], urgent[URGENT_BYTES];
-static uint8_t waiting_length; /* of the request that waits to be answered; 0: none does */
-static bool is_written;        /* its reply, which is not a frame yet */
-static bool is_beside;         /* the one that comes in: another one waited when it began */
+static bool is_written; /* the reply to the request that waits, which is not a frame yet */
 static uint16_t session = NO_SESSION;
 static uint8_t answered_kind, answered_tag; /* the request answered last */
 static uint8_t heard;                       /* when the last request came: port_milliseconds() / 256 */
@@ -263,10 +253,11 @@ static void answer_for_axes(uint8_t kind, const uint8_t *body)
         return;
     }
     uint8_t status = kind == KIND_ZERO ? machine_zero(axes, read_u16(body), &detail) : move(kind, axes, body, &detail);
-    if (kind <= KIND_MOVE_TO || kind == KIND_LINE) {
+    if (status != STATUS_OK) {
+        reply_refusal(status, detail);
+    } else if (kind <= KIND_MOVE_TO || kind == KIND_LINE) {
         reply_targets(axes);
     }
-    reply_status(status, detail);
 }
 
 /* Without a mask: all axes. */
@@ -452,7 +443,7 @@ static void send_reply(void)
 {
     reply_end();
     reply_send();
-    waiting_length = 0;
+    requests.waiting_length = 0;
     is_written = false;
 }
 
@@ -460,67 +451,39 @@ static void send_reply(void)
  * request of another session, which changes nothing and so is simply answered again. */
 static bool is_repeat(void)
 {
+    const uint8_t *request = requests.kept;
     return request[KIND_AT] == answered_kind && request[TAG_AT] == answered_tag && answered_kind != KIND_HELLO &&
            is_of_session(request);
 }
 
-/* Keeps a byte of the request that is coming in. Where to, its first byte decides: the one that waits may be answered
- * before the last. */
-static void keep(uint8_t index, uint8_t byte)
+/* What waits or is being sent gives way to a stop or halt: what has not begun then doesn't begin any more. Other requests
+ * wait until there is time for them, one at a time. */
+void controller_obey(uint8_t length)
 {
-    if (index == 0) {
-        is_beside = waiting_length != 0;
-    }
-    if (is_beside) {
-        if (index < URGENT_BYTES) {
-            urgent[index] = byte;
-        }
-        return;
-    }
-    if (index < KEPT_BYTES) {
-        request[index] = byte;
-    }
-    if (index >= DATA_AT && request[KIND_AT] == KIND_DATA) {
-        ramp_store_put((uint8_t)(index - DATA_AT), byte);
-    }
-}
-
-/* What waits or is being sent gives way to a stop or halt: what has not begun then doesn't begin any more. Other
- * requests wait until there is time for them, one at a time. */
-void controller_receive(uint8_t byte)
-{
-    uint8_t length = frame_receive(&receiver, &byte);
-    if (length == FRAME_HAS_BYTE) {
-        keep(frame_byte_index(&receiver), byte);
-        return;
-    }
-    if (length < MESSAGE_HEADER_BYTES) {
-        return;
-    }
     heard = (uint8_t)(port_milliseconds() >> 8);
-    const uint8_t *message = is_beside ? urgent : request;
+    const uint8_t *message = requests.is_beside ? requests.urgent : requests.kept;
     if (is_urgent(message[KIND_AT])) {
         reply_cut();
         answer(message, (uint8_t)(length - MESSAGE_HEADER_BYTES));
         send_reply();
-    } else if (!is_beside && !reply_is_going_out()) {
-        waiting_length = length;
+    } else if (!requests.is_beside && !reply_is_going_out()) {
+        requests.waiting_length = length;
     }
 }
 
 /* Goes on with the request that waits. Returns false when none does. */
 static bool answer_waiting(void)
 {
-    if (waiting_length == 0) {
+    if (requests.waiting_length == 0) {
         return false;
     }
     if (is_written) {
         send_reply();
     } else if (is_repeat()) {
         reply_send();
-        waiting_length = 0;
+        requests.waiting_length = 0;
     } else {
-        answer(request, (uint8_t)(waiting_length - MESSAGE_HEADER_BYTES));
+        answer(requests.kept, (uint8_t)(requests.waiting_length - MESSAGE_HEADER_BYTES));
         is_written = true;
     }
     return true;
@@ -545,7 +508,7 @@ static void go_on(uint16_t now_ms)
     }
 }
 
-bool controller_poll(void)
+void controller_poll(void)
 {
     static uint8_t had_time_ms;
     reply_poll();
@@ -554,5 +517,4 @@ bool controller_poll(void)
         had_time_ms = (uint8_t)now_ms;
         go_on(now_ms);
     }
-    return feed_clock.yields != 0;
 }

@@ -1,5 +1,5 @@
 /* The engine in C, for every machine but the ATmega328P: see the end of engine.h. */
-#ifndef STEPRAMP_ENGINE_IN_ASSEMBLY
+#ifndef STEPRAMP_IN_ASSEMBLY
 
 #include "engine.h"
 

@@ -23,14 +23,14 @@ enum { FAST_BITS = 10, SLOW_BITS = 7 };
 /* The longest piece of several steps [ticks]: some 4 ms. So none of their intervals is a long one. */
 enum { FAST_PIECE_TICKS = 2u * LONGEST_WAIT_TICKS, SLOW_PIECE_TICKS = 8000 };
 
-/* [64 us] Time to queue ahead: 6 ms, enough for the main loop's longest round when interrupts take nearly all of the
+/* [64 us] Time to queue ahead: 8 ms, enough for the main loop's longest round when interrupts take nearly all of the
  * processor, and little enough to begin a stop soon. With less than HURRY_TIME, 4 ms and still longer than such a round,
  * something must be queued now. */
-enum { TIME_AHEAD = 94, HURRY_TIME = 62 };
+enum { TIME_AHEAD = 125, HURRY_TIME = 62 };
 
-/* [64 us] With so much in the queue, 5 ms, it can wait until other things have been done. A trace makes segments short, which
- * takes time, so it needs more of it. */
-enum { WAITING_TIME = 82, TRACING_TIME = 86 };
+/* [64 us] With so much in the queue, 6 ms, it can wait until other things have been done: the queues of other axes, a
+ * request and a stop. A trace makes segments short, which takes time, so it needs more of it. */
+enum { WAITING_TIME = 96, TRACING_TIME = 100 };
 
 /* A segment is loaded at the beginning of the interval before it, so that some must be there however long that is: where
  * the direction turns, the silence that ends a move, that in which the direction settles, a pulse, and the next. */
@@ -154,7 +154,8 @@ static uint16_t most_steps(const struct feed *feed)
     return most;
 }
 
-static void queue_next_piece(struct feed *feed, uint16_t ahead)
+/* Returns false when the move has been queued to its end. */
+static bool queue_next_piece(struct feed *feed, uint16_t ahead)
 {
     struct piece_limits limits = {feed_clock.is_fast ? FAST_PIECE_TICKS : SLOW_PIECE_TICKS, most_steps(feed),
                                   feed->stage == FEED_PLAYING && ahead < HURRY_TIME};
@@ -163,24 +164,16 @@ static void queue_next_piece(struct feed *feed, uint16_t ahead)
         axis_halt(&feed->axis, feed->axis.position);
     }
     axis_next(&feed->axis, &limits, &piece);
-    switch (piece.kind) {
-    case PIECE_STEPS:
+    if (piece.kind == PIECE_STEPS) {
         queue_steps(feed, &piece);
-        break;
-    case PIECE_SET_OUT:
-        feed->turns_next = true;
-        if (feed->has_pulses) {
-            queue_closing(feed);
+    } else if (piece.kind != PIECE_NONE) {
+        feed->turns_next = piece.kind == PIECE_SET_OUT;
+        if (!feed->has_pulses) {
+            return feed->turns_next;
         }
-        break;
-    case PIECE_REST:
-        if (feed->has_pulses) {
-            queue_closing(feed);
-        }
-        break;
-    default:
-        break;
+        queue_closing(feed);
     }
+    return true;
 }
 
 static bool is_wanted(const struct feed *feed, uint16_t ahead)
@@ -205,7 +198,7 @@ static bool fill(struct feed *feed)
         }
         queue_turn(feed);
     } else {
-        queue_next_piece(feed, ahead);
+        return queue_next_piece(feed, ahead);
     }
     return true;
 }
@@ -378,7 +371,7 @@ bool feed_poll(struct feed *feed)
         return true;
     }
     bool has_time = true;
-    for (uint8_t left = SEGMENTS_AT_ONCE; left != 0 && fill(feed); left--) {
+    for (uint8_t left = SEGMENTS_AT_ONCE; left != 0 && !port_skip_to_stop() && fill(feed); left--) {
         has_time = can_wait(feed);
         if (has_time && left < SEGMENTS_AT_ONCE) {
             break;
@@ -422,6 +415,9 @@ uint32_t feed_interval(const struct feed *feed)
     const volatile uint16_t *present = line_is_on() ? &line_player.interval : &axis_players[feed->index].interval;
     if (feed->stage == FEED_IDLE || feed->axis.interval > LONGEST_WAIT_TICKS) {
         return feed->axis.interval;
+    }
+    if (!line_is_on() && axis_players[feed->index].step_mask == 0) {
+        return 0;
     }
     uint16_t interval;
     do {

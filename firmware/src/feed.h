@@ -52,7 +52,6 @@ struct feed_clock {
     uint16_t now;         /* [64 us] */
     uint32_t setup_ticks; /* from the direction to the pulse; set at rest, like the next */
     bool is_fast;         /* the engine's clock */
-    uint8_t yields;       /* so often what has been received may still come first, before all axes have had their turn */
 };
 
 extern struct feed_clock feed_clock;
@@ -82,7 +81,7 @@ void feed_halted(struct feed *feed);
 /* How far the motor has come now. When it leads a line, `line_in_progress` is the line then. */
 struct feed_progress feed_progress(const struct feed *feed);
 
-/* [ticks] the interval that is passing; 0 at rest. */
+/* [ticks] the interval that is passing; 0 at rest, before the first step and after the last. */
 uint32_t feed_interval(const struct feed *feed);
 
 /* The same, but 0 where no step is made: while the direction turns, too. */

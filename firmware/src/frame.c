@@ -4,6 +4,8 @@
 
 #include "message.h"
 
+#ifndef STEPRAMP_IN_ASSEMBLY
+
 /* Counts in a receiver: of a frame whose message is empty, or as long as it may be. */
 enum { EMPTY_COUNT = 1 + CRC_BYTES, LONGEST_COUNT = 1 + LONGEST_MESSAGE + CRC_BYTES };
 
@@ -18,15 +20,6 @@ uint16_t crc16_update(uint16_t crc, uint8_t byte)
     return (uint16_t)(next_high << 8 | next_low);
 }
 
-uint16_t crc16(const uint8_t *bytes, uint16_t count)
-{
-    uint16_t crc = CRC16_START;
-    for (; count != 0; count--) {
-        crc = crc16_update(crc, *bytes++);
-    }
-    return crc;
-}
-
 /* The length of the message if what has been received is a whole and undamaged one, else 0. */
 static uint8_t finished_length(const struct frame_receiver *receiver)
 {
@@ -35,19 +28,19 @@ static uint8_t finished_length(const struct frame_receiver *receiver)
     return is_whole && read_u16(receiver->tail) == receiver->crc ? length : 0;
 }
 
-uint8_t frame_receive(struct frame_receiver *receiver, uint8_t *in_and_out)
+uint16_t frame_receive(struct frame_receiver *receiver, uint8_t byte)
 {
-    uint8_t byte = *in_and_out;
     if (byte == 0) {
         uint8_t length = finished_length(receiver);
         receiver->count = 0;
         receiver->group_left = 0;
         return length;
     }
+    uint8_t count = receiver->count;
     if (receiver->group_left-- == 0) {
         receiver->group_left = (uint8_t)(byte - 1);
         byte = 0; /* a code byte stands for the zero before its group, but the first one for nothing */
-        if (receiver->count == 0) {
+        if (count == 0) {
             receiver->crc = CRC16_START;
             receiver->count = 1;
             return FRAME_GOES_ON;
@@ -56,16 +49,27 @@ uint8_t frame_receive(struct frame_receiver *receiver, uint8_t *in_and_out)
     uint8_t decoded = receiver->tail[0];
     receiver->tail[0] = receiver->tail[1];
     receiver->tail[1] = byte;
-    if (receiver->count <= LONGEST_COUNT) { /* beyond it is too long, and stays so */
-        receiver->count++;
+    if (count > LONGEST_COUNT) { /* it is too long, and stays so */
+        return FRAME_GOES_ON;
     }
-    if (receiver->count <= EMPTY_COUNT || receiver->count > LONGEST_COUNT) {
+    receiver->count = (uint8_t)(count + 1);
+    if (count < EMPTY_COUNT || count == LONGEST_COUNT) {
         return FRAME_GOES_ON;
     }
     /* The CRC is kept up as bytes arrive, so that the end of a frame costs no more than any byte. */
     receiver->crc = crc16_update(receiver->crc, decoded);
-    *in_and_out = decoded;
-    return FRAME_HAS_BYTE;
+    return (uint16_t)(decoded << 8 | FRAME_HAS_BYTE);
+}
+
+#endif
+
+uint16_t crc16(const uint8_t *bytes, uint16_t count)
+{
+    uint16_t crc = CRC16_START;
+    for (; count != 0; count--) {
+        crc = crc16_update(crc, *bytes++);
+    }
+    return crc;
 }
 
 uint8_t frame_encode(uint8_t *frame, uint8_t message_length)

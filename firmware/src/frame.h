@@ -34,9 +34,10 @@ struct frame_receiver {
 
 enum { FRAME_GOES_ON = 0, FRAME_HAS_BYTE = 0xFF };
 
-/* Takes one byte from the line. Returns FRAME_HAS_BYTE when it gives one more byte of the message in its place, the
- * length of the message when it ends a good frame, or FRAME_GOES_ON. A damaged frame may give bytes, but no length. */
-uint8_t frame_receive(struct frame_receiver *receiver, uint8_t *byte);
+/* Takes one byte from the line. Returns, in its lower byte, FRAME_HAS_BYTE when it gives one more byte of the message, which
+ * is the upper one, the length of the message when it ends a good frame, or FRAME_GOES_ON. A damaged frame may give bytes,
+ * but no length. */
+uint16_t frame_receive(struct frame_receiver *receiver, uint8_t byte);
 
 /* The byte's place in the message, after FRAME_HAS_BYTE. */
 static inline uint8_t frame_byte_index(const struct frame_receiver *receiver)

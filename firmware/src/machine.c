@@ -30,6 +30,7 @@ static bool is_enabled;
 static uint16_t polled_ms;      /* when the main loop came round last */
 static uint16_t enabled_for_ms; /* for so long the motors have been enabled, */
 static uint16_t at_rest_for_ms; /* and at rest. 65535 stays 65535, however long that is */
+static uint8_t yields; /* so often what has been received may still come first, before all axes have had their turn */
 
 static bool is_moving(const struct feed *feed)
 {
@@ -131,7 +132,7 @@ static uint16_t share_of_axis(const struct feed *feed, uint32_t interval, uint16
 }
 
 /* Whether axes can move with these intervals [ticks], 0 for those that go on as they do. Gauges are slow: each has its
- * limit, whatever the others do. */
+ * limit, whatever the others do. A stop that has come in makes an end of it: the divisions take long. */
 static uint8_t check_share(const uint32_t wanted[MOST_AXES], uint16_t *detail)
 {
     bool are_gauges = settings->outputs == OUTPUTS_GAUGES;
@@ -141,6 +142,9 @@ static uint8_t check_share(const uint32_t wanted[MOST_AXES], uint16_t *detail)
     }
     uint16_t cycles = cycles_with_pulses(shortest_together(count), count), sum = 0;
     for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
+        if (port_skip_to_stop()) {
+            return STATUS_OUT_OF_ORDER;
+        }
         if (wanted[feed->index] != 0 || is_moving(feed)) {
             uint32_t interval = shortest_interval(feed, wanted[feed->index]);
             uint16_t share = share_of_axis(feed, interval, cycles, count);
@@ -629,8 +633,11 @@ bool machine_poll(void)
         }
         axis_compute(&feed->axis);
         has_time = feed_poll(feed) && has_time;
-        if (has_time && feed_clock.yields != 0 && port_has_received()) {
-            feed_clock.yields--;
+        if (port_skip_to_stop()) {
+            return false;
+        }
+        if (has_time && yields != 0 && port_has_received()) {
+            yields--;
             return false;
         }
     }
@@ -638,7 +645,7 @@ bool machine_poll(void)
     has_time = true;
     next = feeds;
     if (!port_has_received()) {
-        feed_clock.yields = MOST_YIELDS;
+        yields = MOST_YIELDS;
     }
     go_on_together();
     return had_time;

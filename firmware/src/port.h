@@ -32,6 +32,10 @@ uint16_t port_milliseconds(void);
 /* Bytes wait to be handed to the controller. */
 bool port_has_received(void);
 
+/* A stop or halt has been received last. What has been received before it is dropped, but for the zero byte that ends it: at
+ * busy times a stop would wait until all of that has been looked at. A port may hand over all in turn: false. */
+bool port_skip_to_stop(void);
+
 /* Sends a frame: up to its zero byte, the only one. It must stay as it is until then. Only when none is on its way. */
 void port_send(const uint8_t *frame);
 

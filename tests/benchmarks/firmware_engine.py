@@ -129,7 +129,7 @@ def costs() -> None:
 def sizes() -> None:
     """Print what the engine takes of the chip's memory."""
     print("\n| source | flash bytes | RAM bytes |\n|---|---:|---:|")
-    flags = ["-mmcu=atmega328p", "-DF_CPU=16000000UL", "-DSTEPRAMP_ENGINE_IN_ASSEMBLY", "-O2", "-std=c99"]
+    flags = ["-mmcu=atmega328p", "-DF_CPU=16000000UL", "-DSTEPRAMP_IN_ASSEMBLY", "-O2", "-std=c99"]
     for source in chip_sources():
         include = [f"-I{source.parents[1] / folder}" for folder in ("src", "avr")]
         target = folder_of_builds() / "size.o"

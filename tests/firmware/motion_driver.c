@@ -92,6 +92,11 @@ bool port_has_received(void)
     return false;
 }
 
+bool port_skip_to_stop(void)
+{
+    return false;
+}
+
 /* ---- the trace ---- */
 
 uint16_t trace_every(uint8_t axis)

@@ -122,6 +122,11 @@ bool port_has_received(void)
     return false; /* they are handed over at once */
 }
 
+bool port_skip_to_stop(void)
+{
+    return false;
+}
+
 bool port_is_sending(void)
 {
     return next_to_send != NULL;

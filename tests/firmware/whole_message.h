@@ -12,12 +12,12 @@ struct whole_message {
 /* Takes a byte of the line. Returns the length of the message in `bytes` when it ends a good frame, else 0. */
 static inline uint8_t message_receive(struct whole_message *message, uint8_t byte)
 {
-    uint8_t length = frame_receive(&message->receiver, &byte);
-    if (length == FRAME_HAS_BYTE) {
-        message->bytes[frame_byte_index(&message->receiver)] = byte;
+    uint16_t received = frame_receive(&message->receiver, byte);
+    if ((uint8_t)received == FRAME_HAS_BYTE) {
+        message->bytes[frame_byte_index(&message->receiver)] = (uint8_t)(received >> 8);
         return 0;
     }
-    return length;
+    return (uint8_t)received;
 }
 
 #endif

@@ -42,10 +42,10 @@ void job_halted(void)
 
 bool job_takes_byte(uint16_t *count)
 {
-    if (!port_has_received()) {
+    int16_t byte = serial_take();
+    if (byte == NO_BYTE) {
         return false;
     }
-    uint8_t byte = serial_take();
     *count += byte == (uint8_t)*count;
     return true;
 }

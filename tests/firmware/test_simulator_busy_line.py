@@ -1,0 +1,196 @@
+"""A busy line on the simulated chip, with motors at their limits: stops right behind other requests, and floods.
+
+Each conversation is made by its seed alone, and plays the same way to the cycle.
+"""
+
+import random
+import struct
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import pytest
+
+from firmware.checker import CYCLES_PER_S, axis_of
+from firmware.flight import IN_TRANSMITTER_CYCLES, LAST_STEP_AFTER_HALT_MS, STOP_MS, message_of
+from firmware.protocol import (
+    BEGIN,
+    DATA,
+    END,
+    HALT,
+    HELLO,
+    LINE,
+    MOVE_BY,
+    OK,
+    REPORT,
+    RUN,
+    STATUS,
+    STOP,
+    TRACE,
+    TRY,
+    WRITE_SETTINGS,
+    Settings,
+    Status,
+    crc16,
+    encode_frame,
+    for_axes,
+    image_parts,
+)
+from firmware.rig import Plan, image
+from firmware.test_simulator_axes import SPEEDS, STEPS
+from simulator.avr import Asked, Conversation, Frame, build_firmware, build_harness, converse, missing_tools
+from tools import require
+
+CYCLES_PER_MS = CYCLES_PER_S // 1000
+SESSION, OTHER_SESSION = 0x5354, 7
+LONGEST_BLOB = 128
+STOPS = 40
+MOST_EMPTY_FRAMES = 12
+FASTEST_ALONE = 150_000
+FLOODS = 12
+
+
+@pytest.fixture(scope="module", autouse=True)
+def tools() -> None:
+    require(*missing_tools())
+    build_harness()
+
+
+@dataclass
+class Talk:
+    """What is said to a controller."""
+
+    random: random.Random
+    asked: list[Asked] = field(default_factory=list)
+    tag: int = 0
+
+    def frame(self, kind: int, body: bytes = b"", session: int = SESSION) -> bytes:
+        self.tag = (self.tag + 1) & 0xFF
+        return encode_frame(struct.pack("<BHB", kind, session, self.tag) + body)
+
+    def ask(self, kind: int, body: bytes = b"", wait_ms: float = 0.0) -> None:
+        self.asked.append(Asked(self.frame(kind, body), wait_cycles=int(wait_ms * CYCLES_PER_MS)))
+
+    def begin(self, plans: list[Plan]) -> None:
+        ramps = image(plans)
+        self.ask(HELLO, b"\2")
+        self.ask(WRITE_SETTINGS, Settings().packed())
+        self.ask(BEGIN, struct.pack("<HH", len(ramps), crc16(ramps)))
+        for part in image_parts(ramps):
+            self.ask(DATA, part)
+        self.ask(END)
+        self.ask(TRY)
+
+    def end(self, axes: int) -> None:
+        """Ask each axis how it is; see starved()."""
+        for axis in range(axes):
+            self.ask(STATUS, bytes([axis]), wait_ms=20)
+
+    def play(self, folder: Path) -> Conversation:
+        return converse(build_firmware(), folder, self.asked)
+
+
+def answers(conversation: Conversation) -> list[tuple[Frame, bytes]]:
+    """Return the frames that the controller sent, and their messages, without those that were cut short."""
+    said = ((frame, message_of(frame)) for frame in conversation.frames if not frame.is_sent)
+    return [(frame, message) for frame, message in said if message]
+
+
+def starved(conversation: Conversation) -> int:
+    """How often a queue ran dry, as the last status says."""
+    _, last = answers(conversation)[-1]
+    assert last[0] == STATUS | 0x80
+    return Status.unpack(last[5:]).starved
+
+
+# ---- stops right behind other requests
+
+
+def request_before(talk: Talk, axes: int, slew: int) -> bytes:
+    everywhere = range(axes)
+    steps = talk.random.choice([1, 50, 5000])
+    return talk.random.choice(
+        [
+            lambda: talk.frame(STATUS, b"\0"),
+            lambda: talk.frame(MOVE_BY, for_axes(dict.fromkeys(everywhere, steps))),
+            lambda: talk.frame(RUN, for_axes(dict.fromkeys(everywhere, slew + 5))),
+            lambda: talk.frame(LINE, bytes([(1 << axes) - 1, 0]) + struct.pack("<i", 3000) * axes),
+            lambda: talk.frame(REPORT, b"\x32"),
+        ]
+    )()
+
+
+def stops(talk: Talk, plan: Plan, axes: int) -> Iterator[tuple[int, bytes]]:
+    """Ask for stops and halts, each right behind another request, most of them while the motors run; give the number of
+    each blob and the header of the stop in it."""
+    talk.ask(REPORT, b"\x32")
+    talk.ask(TRACE, struct.pack("<BH", 0, 1))
+    for _ in range(STOPS):
+        runs = talk.random.random() < 0.75
+        if runs:
+            talk.ask(RUN, for_axes(dict.fromkeys(range(axes), plan.slew)), wait_ms=3)
+        kind = talk.random.choice([STOP, HALT])
+        session = talk.random.choice([SESSION, SESSION, OTHER_SESSION])
+        before = request_before(talk, axes, plan.slew) + bytes(talk.random.randint(0, MOST_EMPTY_FRAMES))
+        blob = before + talk.frame(kind, session=session)
+        wait = (70 if runs else 10) + talk.random.random()
+        talk.asked.append(Asked(blob, wait_cycles=int(wait * CYCLES_PER_MS)))
+        yield len(talk.asked) - 1, struct.pack("<BHB", kind, session, talk.tag)
+        talk.ask(HALT, wait_ms=45)
+
+
+@pytest.mark.parametrize(
+    ("axes", "speed", "seed"), [(4, 30_000, 1), (4, 30_000, 2), (4, 30_000, 3), (1, FASTEST_ALONE, 1)]
+)
+def test_a_stop_right_behind_another_request_is_as_quick(
+    tmp_path: Path, record_property: Callable[..., None], axes: int, speed: int, seed: int
+) -> None:
+    plan, talk = Plan(speed, 20 * speed, 20 * speed), Talk(random.Random(seed))
+    talk.begin([plan] * axes)
+    asked = list(stops(talk, plan, axes))
+    talk.end(axes)
+    played = talk.play(tmp_path)
+    sent = [frame for frame in played.frames if frame.is_sent]
+    replies = {message[:4]: (frame, message) for frame, message in answers(played)}
+    steps = [axis_of(played.edges, axis).steps for axis in range(axes)]
+    slowest = latest = 0.0
+    for number, header in asked:
+        arrived = sent[number].end
+        reply, message = replies[bytes([header[0] | 0x80]) + header[1:]]
+        assert message[4] == OK
+        gone = reply.end + IN_TRANSMITTER_CYCLES
+        slowest = max(slowest, (gone - arrived) / CYCLES_PER_MS)
+        if header[0] == HALT:
+            after = [one for axis in steps for one in axis[(axis > arrived) & (axis < gone + 10 * CYCLES_PER_MS)]]
+            latest = max(latest, *((one - arrived) / CYCLES_PER_MS for one in after), 0.0)
+    record_property("slowest_stop_ms", float(slowest))
+    record_property("last_step_after_halt_ms", float(latest))
+    assert len(asked) == STOPS
+    assert slowest <= STOP_MS
+    assert latest <= LAST_STEP_AFTER_HALT_MS
+    assert starved(played) == 0
+
+
+# ---- a line that does not fall silent
+
+
+@pytest.mark.parametrize("count", SPEEDS)
+@pytest.mark.parametrize("seed", range(FLOODS))
+def test_motors_never_wait_for_a_flood(tmp_path: Path, count: int, seed: int) -> None:
+    """It begins at any time of a move, and has pauses too short to catch up in."""
+    talk = Talk(random.Random(seed))
+    plan = Plan(SPEEDS[count], 30 * SPEEDS[count], 40 * SPEEDS[count])
+    talk.begin([plan] * count)
+    talk.ask(MOVE_BY, for_axes(dict(enumerate(STEPS[:count]))), wait_ms=talk.random.random() * 40)
+    for _ in range(18):
+        blob = b""
+        for _ in range(talk.random.choice([14, 14, 14, 4, 8])):
+            frame = talk.frame(STATUS, bytes([talk.random.randrange(4)]))
+            blob += frame if len(blob) + len(frame) <= LONGEST_BLOB else b""
+        pause_ms = talk.random.choice([0, 0, 0, talk.random.random(), 3 * talk.random.random()])
+        talk.asked.append(Asked(blob, wait_cycles=int(pause_ms * CYCLES_PER_MS)))
+    talk.ask(STATUS, b"\0", wait_ms=300)
+    talk.end(count)
+    played = talk.play(tmp_path)
+    assert starved(played) == 0
+    assert [axis_of(played.edges, axis).steps.size for axis in range(count)] == [abs(steps) for steps in STEPS[:count]]
