@@ -6,6 +6,7 @@ import shutil
 import signal
 import subprocess
 import tempfile
+import threading
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -37,8 +38,13 @@ def missing_tools() -> list[str]:
     return missing if _SIMAVR_HEADER.exists() else [*missing, "simavr (libsimavr-dev)"]
 
 
+_building = threading.Lock()
+"""Threads that want the same for the first time would all build it, into the same files."""
+
+
 def _run(command: list[str]) -> None:
-    result = subprocess.run(command, capture_output=True, text=True, check=False)
+    with _building:
+        result = subprocess.run(command, capture_output=True, text=True, check=False)
     if result.returncode:
         raise BuildError(f"{' '.join(command)} failed:\n{result.stdout}{result.stderr}")
 
