@@ -55,10 +55,14 @@ print(json.dumps(late_ms))
 
 
 class Api:
-    """One connection to the server, kept open."""
+    """One connection to the server, kept open as long as the server does."""
 
     def __init__(self, port: int) -> None:
         self._connection = http.client.HTTPConnection("127.0.0.1", port, timeout=PATIENCE_S)
+        self._connect()
+
+    def _connect(self) -> None:
+        self._connection.close()
         self._connection.connect()
         self._connection.sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
 
@@ -66,8 +70,14 @@ class Api:
         """Return the answer to a request; RuntimeError when it is refused."""
         text = None if body is None else json.dumps(body)
         headers = {} if text is None else {"content-type": "application/json"}
-        self._connection.request(method, f"/api/v1{path}", text, headers)
-        response = self._connection.getresponse()
+        try:
+            self._connection.request(method, f"/api/v1{path}", text, headers)
+            response = self._connection.getresponse()
+        except ConnectionError:
+            # With too many of them open the server ends those that wait for a request.
+            self._connect()
+            self._connection.request(method, f"/api/v1{path}", text, headers)
+            response = self._connection.getresponse()
         answer: dict[str, Any] = json.loads(response.read())
         if response.status != 200:
             raise RuntimeError(f"{method} {path}: {answer}")

@@ -15,8 +15,10 @@ from typing import Any
 from designs import document
 
 PLANNINGS = CONNECTS = 45
-EVENTS_SOCKETS = CURVES_SOCKETS = 250
+EVENTS_SOCKETS = CURVES_SOCKETS = 130
+"""With the requests nearly as many as a server takes: 384."""
 CURVES_PAUSE_S = 10.0
+REFUSED_PAUSE_S = 0.5
 STEPS = 10_000_000
 LONGEST_FIT = 60_000
 """A longer ramp is refused: a table's indices have 16 bits [steps]."""
@@ -67,9 +69,12 @@ class Load:
             head = f"POST /api/v1/{route} HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: close\r\n"
             head += f"Content-Type: application/json\r\nContent-Length: {len(body)}\r\n\r\n"
             writer.write(head.encode() + body)
-            status = (await reader.readline()).decode()[9:12]
-            while await reader.read(PIECE_BYTES):
-                pass
+            try:
+                status = (await reader.readline()).decode()[9:12]
+                while await reader.read(PIECE_BYTES):
+                    pass
+            except ConnectionError:
+                status = "ended"
             writer.close()
             self.done[f"{route} {status}"] += 1
 
@@ -92,11 +97,18 @@ class Load:
             await asyncio.sleep(CURVES_PAUSE_S)
 
     async def _socket(self, path: str) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
-        reader, writer = await self._connection()
-        writer.write(HANDSHAKE.format(path=path).encode())
-        answer = await reader.readuntil(b"\r\n\r\n")
-        assert answer.startswith(b"HTTP/1.1 101"), answer
-        return reader, writer
+        """Return a socket; where the server has enough of them, once it takes one more."""
+        while True:
+            reader, writer = await self._connection()
+            writer.write(HANDSHAKE.format(path=path).encode())
+            try:
+                if (await reader.readuntil(b"\r\n\r\n")).startswith(b"HTTP/1.1 101"):
+                    return reader, writer
+            except (ConnectionError, asyncio.IncompleteReadError):
+                pass
+            writer.close()
+            self.done["sockets refused"] += 1
+            await asyncio.sleep(REFUSED_PAUSE_S)
 
     async def _connection(self) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
         return await asyncio.open_connection("127.0.0.1", self._port)
