@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from firmware.formula.machine import Machine, build_for_chip
-from stepramp.controllers.formula_image import encode_formula
+from stepramp.controllers.stepramp.formula_image import encode_formula
 from stepramp.ramp.fixed_point import Scaled
 from stepramp.ramp.kinematics import Slope
 from stepramp.ramp.on_chip import OnChipMethod, OnChipRamp

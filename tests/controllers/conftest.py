@@ -3,8 +3,8 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from stepramp.controllers.stepramp_controller import StepRampController
-from stepramp.controllers.virtual import VirtualController
+from stepramp.controllers.stepramp.controller import StepRampController
+from stepramp.controllers.virtual.controller import VirtualController
 from stepramp.link import protocol_sim
 from stepramp.link.protocol_sim import VirtualDevice
 from stepramp.link.serial_port import SerialPort

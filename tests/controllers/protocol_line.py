@@ -5,8 +5,8 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
-from stepramp.controllers.frames import FrameSplitter, crc16, encode_frame
-from stepramp.controllers.messages import (
+from stepramp.controllers.stepramp.frames import FrameSplitter, crc16, encode_frame
+from stepramp.controllers.stepramp.messages import (
     NOTICE_KINDS,
     REPLY,
     AxisState,
@@ -33,7 +33,7 @@ from stepramp.controllers.messages import (
     unpack_notice,
     unpack_reply,
 )
-from stepramp.controllers.ramp_image import RampImage
+from stepramp.controllers.stepramp.ramp_image import RampImage
 from stepramp.link.serial_port import SerialPort
 
 SESSION = 0xBEEF

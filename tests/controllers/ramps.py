@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from stepramp.controllers.ramp_image import AxisRamp, RampImage, SegmentRamp
+from stepramp.controllers.stepramp.ramp_image import AxisRamp, RampImage, SegmentRamp
 from stepramp.ramp.segments import Segment, expand
 
 SIDE = (Segment(4000, 1, 0), Segment(2828, 2, -519), Segment(2000, 40, -25))

@@ -18,9 +18,10 @@ from controllers.protocol_line import SESSION, Line
 from controllers.ramps import DOWN_STEPS, FAST_IMAGE, IMAGE, SIDE, four_axes, image_of
 from designs import document
 from simulator.avr import SimulatedController, build_firmware, missing_tools
-from stepramp.controllers.controller import Asked
-from stepramp.controllers.frames import crc16, encode_frame
-from stepramp.controllers.messages import (
+from stepramp.controllers.contract import Asked
+from stepramp.controllers.stepramp.controller import StepRampController
+from stepramp.controllers.stepramp.frames import crc16, encode_frame
+from stepramp.controllers.stepramp.messages import (
     REPLY,
     SETTINGS_BYTES,
     TRACE_OFF,
@@ -62,10 +63,9 @@ from stepramp.controllers.messages import (
     ZeroRequest,
     unpack_reply,
 )
-from stepramp.controllers.ramp_image import RampImage, SegmentRamp
-from stepramp.controllers.settings import Settings
-from stepramp.controllers.stepramp_controller import StepRampController
-from stepramp.controllers.virtual import VirtualController
+from stepramp.controllers.stepramp.ramp_image import RampImage, SegmentRamp
+from stepramp.controllers.stepramp.settings import Settings
+from stepramp.controllers.virtual.controller import VirtualController
 from stepramp.design import Design
 from stepramp.errors import Refused, Rejected
 from stepramp.link.serial_port import SerialPort

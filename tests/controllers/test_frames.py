@@ -6,8 +6,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from stepramp.controllers.frames import LONGEST_FRAME, LONGEST_MESSAGE, FrameSplitter, crc16, decode_frame, encode_frame
-from stepramp.controllers.messages import Message
+from stepramp.controllers.stepramp.frames import (
+    LONGEST_FRAME,
+    LONGEST_MESSAGE,
+    FrameSplitter,
+    crc16,
+    decode_frame,
+    encode_frame,
+)
+from stepramp.controllers.stepramp.messages import Message
 
 REFERENCE = json.loads((Path(__file__).parent.parent / "reference" / "protocol_frames.json").read_text())
 MESSAGES = st.binary(max_size=LONGEST_MESSAGE)

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from stepramp.controllers.messages import (
+from stepramp.controllers.stepramp.messages import (
     NOTICE_KINDS,
     REPLY,
     REQUESTS,

@@ -13,10 +13,11 @@ from contextlib import contextmanager
 import pytest
 
 from controllers.ramps import IMAGE
-from stepramp.controllers import conversation
-from stepramp.controllers.controller import Asked
-from stepramp.controllers.frames import FrameSplitter, encode_frame
-from stepramp.controllers.messages import (
+from stepramp.controllers.contract import Asked
+from stepramp.controllers.stepramp import conversation
+from stepramp.controllers.stepramp.controller import StepRampController
+from stepramp.controllers.stepramp.frames import FrameSplitter, encode_frame
+from stepramp.controllers.stepramp.messages import (
     REPLY,
     HelloRequest,
     Message,
@@ -27,9 +28,8 @@ from stepramp.controllers.messages import (
     TargetsReply,
     pack_reply,
 )
-from stepramp.controllers.settings import OFFSETS, Settings
-from stepramp.controllers.stepramp_controller import StepRampController
-from stepramp.controllers.virtual import HELLO, VirtualController
+from stepramp.controllers.stepramp.settings import OFFSETS, Settings
+from stepramp.controllers.virtual.controller import HELLO, VirtualController
 from stepramp.errors import DeviceLost, Rejected
 from stepramp.link.protocol_sim import VirtualDevice
 from stepramp.link.serial_port import SerialPort

@@ -2,13 +2,13 @@ import numpy as np
 import pytest
 
 from designs import design
-from stepramp.controllers.messages import HelloReply
-from stepramp.controllers.push import PushPlan, plan_push
-from stepramp.controllers.push_limits import PushLimits
-from stepramp.controllers.ramp_image import FormulaRamp, RampImage, SegmentRamp
-from stepramp.controllers.settings import Settings
-from stepramp.controllers.virtual import HELLO
-from stepramp.controllers.ways import unpacked
+from stepramp.controllers.stepramp.messages import HelloReply
+from stepramp.controllers.stepramp.push import PushPlan, plan_push
+from stepramp.controllers.stepramp.push_limits import PushLimits
+from stepramp.controllers.stepramp.ramp_image import FormulaRamp, RampImage, SegmentRamp
+from stepramp.controllers.stepramp.settings import Settings
+from stepramp.controllers.stepramp.ways import unpacked
+from stepramp.controllers.virtual.controller import HELLO
 from stepramp.design import Design
 from stepramp.errors import Rejected, Rejection
 from stepramp.ramp.plan import ramp_of

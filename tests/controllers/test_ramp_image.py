@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 
 from controllers.ramps import IMAGE, SIDE, four_axes, image_of
 from designs import design
-from stepramp.controllers.formula_image import FORMULA_BYTES
-from stepramp.controllers.frames import crc16
-from stepramp.controllers.ramp_image import (
+from stepramp.controllers.stepramp.formula_image import FORMULA_BYTES
+from stepramp.controllers.stepramp.frames import crc16
+from stepramp.controllers.stepramp.ramp_image import (
     HEADER,
     MOST_SEGMENTS,
     BadRampImage,
@@ -18,8 +18,8 @@ from stepramp.controllers.ramp_image import (
     RampImage,
     SegmentRamp,
 )
-from stepramp.controllers.virtual import HELLO
-from stepramp.controllers.ways import formula_ramp, unpacked
+from stepramp.controllers.stepramp.ways import formula_ramp, unpacked
+from stepramp.controllers.virtual.controller import HELLO
 from stepramp.ramp.plan import ramp_of
 from stepramp.ramp.segments import Segment
 

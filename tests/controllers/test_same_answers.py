@@ -16,9 +16,9 @@ import pytest
 from controllers.conftest import Clock
 from designs import design
 from firmware.controller_host import Driver, missing_compiler
-from stepramp.controllers.formula_image import encode_formula
-from stepramp.controllers.frames import FrameSplitter, crc16, encode_frame
-from stepramp.controllers.messages import (
+from stepramp.controllers.stepramp.formula_image import encode_formula
+from stepramp.controllers.stepramp.frames import FrameSplitter, crc16, encode_frame
+from stepramp.controllers.stepramp.messages import (
     NOTICE_KINDS,
     AxisState,
     BeginRequest,
@@ -43,9 +43,9 @@ from stepramp.controllers.messages import (
     ZeroRequest,
     unpack_reply,
 )
-from stepramp.controllers.ramp_image import AxisRamp, FormulaRamp, RampImage, SegmentRamp
-from stepramp.controllers.settings import Settings
-from stepramp.controllers.virtual import VirtualController
+from stepramp.controllers.stepramp.ramp_image import AxisRamp, FormulaRamp, RampImage, SegmentRamp
+from stepramp.controllers.stepramp.settings import Settings
+from stepramp.controllers.virtual.controller import VirtualController
 from stepramp.ramp.on_chip import on_chip_ramp
 from stepramp.ramp.segments import Segment
 from tools import require

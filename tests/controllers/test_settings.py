@@ -2,7 +2,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from stepramp.controllers.settings import OFFSETS, Settings
+from stepramp.controllers.stepramp.settings import OFFSETS, Settings
 from stepramp.errors import Rejected
 
 AXES = st.lists(st.integers(0, 3), max_size=6)

@@ -8,10 +8,11 @@ import pytest
 
 from controllers.ramps import IMAGE, four_axes
 from designs import design
-from stepramp.controllers import conversation, transfer
-from stepramp.controllers.controller import Activity, Asked, ControllerStatus, StoredRamp
-from stepramp.controllers.frames import FrameSplitter, crc16, encode_frame
-from stepramp.controllers.messages import (
+from stepramp.controllers.contract import Activity, Asked, ControllerStatus, StoredRamp
+from stepramp.controllers.stepramp import conversation, transfer
+from stepramp.controllers.stepramp.controller import StepRampController
+from stepramp.controllers.stepramp.frames import FrameSplitter, crc16, encode_frame
+from stepramp.controllers.stepramp.messages import (
     REPLY,
     BeginRequest,
     CommitRequest,
@@ -53,10 +54,9 @@ from stepramp.controllers.messages import (
     ZeroRequest,
     pack_reply,
 )
-from stepramp.controllers.push import plan_push
-from stepramp.controllers.settings import Settings
-from stepramp.controllers.stepramp_controller import StepRampController
-from stepramp.controllers.virtual import HELLO
+from stepramp.controllers.stepramp.push import plan_push
+from stepramp.controllers.stepramp.settings import Settings
+from stepramp.controllers.virtual.controller import HELLO
 from stepramp.errors import DeviceLost, Refused, Rejected
 from stepramp.link.serial_port import SerialPort
 

@@ -3,13 +3,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from stepramp.controllers import trace as trace_module
-from stepramp.controllers.list_ways import ListWays
-from stepramp.controllers.messages import TRACE_LAST, TraceNotice
-from stepramp.controllers.trace import Plan, TraceCollector, extended
-from stepramp.controllers.virtual_streams import ReportClock, TraceRecorder
+from stepramp.controllers.stepramp import trace as trace_module
+from stepramp.controllers.stepramp.messages import TRACE_LAST, TraceNotice
+from stepramp.controllers.stepramp.trace import Plan, TraceCollector, extended
+from stepramp.controllers.virtual.streams import ReportClock, TraceRecorder
 from stepramp.ramp.line import steps_together
 from stepramp.ramp.move import Ramp
+from stepramp.ramp.playback.list_ways import ListWays
 
 HZ = 2_000_000
 WAYS = ListWays(Ramp(np.array([90_000, 70_000]), 50_000, np.array([90_000, 70_000])))

@@ -1,8 +1,8 @@
 import pytest
 
-from stepramp.controllers.frames import crc16
-from stepramp.controllers.settings import Settings
-from stepramp.controllers.virtual_memory import LARGEST_IMAGE_BYTES, WRITE_TIME_S, Slot, VirtualMemory
+from stepramp.controllers.stepramp.frames import crc16
+from stepramp.controllers.stepramp.settings import Settings
+from stepramp.controllers.virtual.memory import LARGEST_IMAGE_BYTES, WRITE_TIME_S, Slot, VirtualMemory
 
 OLD, NEW = b"the old ramp", b"the new ramp, a longer one"
 SETTINGS = Settings().pack()

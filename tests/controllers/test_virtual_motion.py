@@ -8,13 +8,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from designs import design
-from stepramp.controllers.course import pulse_instants
-from stepramp.controllers.formula_ways import FormulaWays
-from stepramp.controllers.list_ways import ListWays
-from stepramp.controllers.messages import AxisState
-from stepramp.controllers.virtual_motion import InstantsOf, VirtualMotor
+from stepramp.controllers.stepramp.messages import AxisState
+from stepramp.controllers.virtual.motion import InstantsOf, VirtualMotor
 from stepramp.ramp.move import Ramp, play
 from stepramp.ramp.on_chip import on_chip_ramp
+from stepramp.ramp.playback.course import pulse_instants
+from stepramp.ramp.playback.formula_ways import FormulaWays
+from stepramp.ramp.playback.list_ways import ListWays
 
 SETUP_TICKS = 7
 FAR = 2**31 - 1

@@ -9,9 +9,9 @@ import tty
 from pathlib import Path
 from typing import Self
 
-from stepramp.controllers.frames import FrameSplitter
-from stepramp.controllers.messages import Message
-from stepramp.controllers.virtual import VirtualController
+from stepramp.controllers.stepramp.frames import FrameSplitter
+from stepramp.controllers.stepramp.messages import Message
+from stepramp.controllers.virtual.controller import VirtualController
 
 
 class UsbBoard:

@@ -8,9 +8,9 @@ import pytest
 from designs import design
 from firmware.rig import BusyClient, Work, controller_in, move_by, play, until_made
 from simulator.avr import SimulatedController, missing_tools
-from stepramp.controllers.push import plan_push
-from stepramp.controllers.settings import Settings
-from stepramp.controllers.virtual import HELLO
+from stepramp.controllers.stepramp.push import plan_push
+from stepramp.controllers.stepramp.settings import Settings
+from stepramp.controllers.virtual.controller import HELLO
 from stepramp.design import Design
 from stepramp.examples import all_examples
 from tools import require

@@ -47,7 +47,7 @@ from firmware.protocol import (
     with_header,
 )
 from simulator.avr import Asked
-from stepramp.controllers.formula_image import encode_formula
+from stepramp.controllers.stepramp.formula_image import encode_formula
 from stepramp.ramp.kinematics import Slope
 from stepramp.ramp.on_chip import OnChipMethod, OnChipRamp
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from firmware.host import Host, missing_compiler
 from firmware.motion import OK, Machine, Report, build
 from ramp.test_on_chip import METHODS, slopes
-from stepramp.controllers.formula_image import encode_formula
+from stepramp.controllers.stepramp.formula_image import encode_formula
 from stepramp.ramp.on_chip import OnChipMethod, OnChipRamp
 from tools import require
 

@@ -11,7 +11,7 @@ import pytest
 from starlette.testclient import TestClient
 
 from designs import document
-from stepramp.controllers.virtual import VirtualController
+from stepramp.controllers.virtual.controller import VirtualController
 from stepramp.link import protocol_sim
 
 DEVICES = "/api/v1/devices"

@@ -8,7 +8,7 @@ import pytest
 from starlette.testclient import TestClient
 
 from designs import document
-from stepramp.controllers.virtual import VirtualController
+from stepramp.controllers.virtual.controller import VirtualController
 from stepramp.http_api.app import create_app
 from stepramp.link import protocol_sim
 

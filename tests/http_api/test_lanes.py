@@ -14,9 +14,9 @@ from starlette.testclient import TestClient, WebSocketTestSession
 
 from designs import design, document
 from event_loop import run
-from stepramp.controllers.device import Device
-from stepramp.controllers.settings import Settings
-from stepramp.controllers.virtual import VirtualController
+from stepramp.controllers.stepramp.settings import Settings
+from stepramp.controllers.virtual.controller import VirtualController
+from stepramp.devices.device import Device
 from stepramp.http_api import curves
 from stepramp.http_api.lanes import A_DEVICE, CONNECTING, CORES, LONG_PLANNING, PLANNING, Lane, planning_lane
 from stepramp.link import protocol_sim

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from event_loop import run
-from stepramp.controllers.device_view import DeviceView
+from stepramp.devices.view import DeviceView
 from stepramp.http_api.news import News
 
 LISTENERS = 20

@@ -14,9 +14,9 @@ from uvicorn.protocols.utils import ClientDisconnected
 
 from designs import document
 from event_loop import run
-from stepramp.controllers.device import Device
-from stepramp.controllers.devices import Devices
-from stepramp.controllers.virtual import VirtualController
+from stepramp.controllers.virtual.controller import VirtualController
+from stepramp.devices.device import Device
+from stepramp.devices.registry import Devices
 from stepramp.http_api import curves, sockets
 from stepramp.link import protocol_sim
 

@@ -16,8 +16,8 @@ from starlette.types import Message, Receive, Scope
 
 from designs import document
 from event_loop import run, with_lifespan
-from stepramp.controllers.devices import Devices
-from stepramp.controllers.virtual import VirtualController
+from stepramp.controllers.virtual.controller import VirtualController
+from stepramp.devices.registry import Devices
 from stepramp.http_api.app import create_app
 from stepramp.http_api.stop_messages import MOST_AT_A_TIME, Answer, answered
 from stepramp.link import protocol_sim

@@ -1,1 +1,1 @@
-"""Controllers: one module a family, all behind one protocol class, and the registry of those that are connected."""
+"""Controllers: what each of them can do, the families of them, and a folder for each family."""

@@ -1,7 +1,7 @@
 """A ramp as the bytes that a StepRamp controller stores, in a C header for sketches with the StepRamp library."""
 
-from stepramp.controllers.ramp_image import LONGEST_INTERVAL_TICKS, MOST_SEGMENTS, RampImage, SegmentRamp
-from stepramp.controllers.virtual import HELLO
+from stepramp.controllers.stepramp.ramp_image import LONGEST_INTERVAL_TICKS, MOST_SEGMENTS, RampImage, SegmentRamp
+from stepramp.controllers.virtual.controller import HELLO
 from stepramp.design import Design
 from stepramp.errors import Rejected, Rejection
 from stepramp.exports.c_text import filled, heading, ramp_values

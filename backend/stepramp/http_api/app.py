@@ -9,7 +9,7 @@ from typing import Any
 from fastapi import FastAPI
 from starlette.types import Receive, Scope, Send
 
-from stepramp.controllers.devices import Devices
+from stepramp.devices.registry import Devices
 from stepramp.http_api import curves, devices, exports, pages, planning, schedule, tables
 from stepramp.http_api.answered import Answered
 from stepramp.http_api.asked_at import AskedAt

@@ -4,11 +4,11 @@ from typing import Annotated, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from stepramp.controllers.device_view import DeviceState
-from stepramp.controllers.messages import MOST_AXES
 from stepramp.controllers.progress import PushStage
-from stepramp.controllers.settings import ListOrNull
+from stepramp.controllers.stepramp.messages import MOST_AXES
+from stepramp.controllers.stepramp.settings import ListOrNull
 from stepramp.design import Design
+from stepramp.devices.view import DeviceState
 from stepramp.validation import Document, OneOf, Text, Within, refuse
 
 

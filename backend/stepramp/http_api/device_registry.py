@@ -5,8 +5,8 @@ from typing import Annotated
 from fastapi import Depends, Header
 from starlette.requests import HTTPConnection
 
-from stepramp.controllers.device import Device
-from stepramp.controllers.devices import Devices
+from stepramp.devices.device import Device
+from stepramp.devices.registry import Devices
 
 
 async def registry(connection: HTTPConnection) -> Devices:

@@ -6,8 +6,8 @@ from contextlib import aclosing, suppress
 
 from fastapi import APIRouter, WebSocket
 
-from stepramp.controllers.devices import Devices
-from stepramp.controllers.settings import Settings
+from stepramp.controllers.stepramp.settings import Settings
+from stepramp.devices.registry import Devices
 from stepramp.errors import Refused
 from stepramp.http_api import jog, motion, stopping
 from stepramp.http_api.bodies import JsonRoute

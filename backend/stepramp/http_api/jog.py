@@ -5,8 +5,8 @@ from functools import partial
 
 from fastapi import APIRouter, WebSocket
 
-from stepramp.controllers.device import Device
-from stepramp.controllers.leases import Lease
+from stepramp.devices.device import Device
+from stepramp.devices.leases import Lease
 from stepramp.errors import Rejected, Rejection, StepRampError
 from stepramp.http_api.asked_at import arrived_at
 from stepramp.http_api.device_registry import Registry

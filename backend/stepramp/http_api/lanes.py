@@ -14,8 +14,8 @@ from functools import partial, wraps
 from typing import Any, ParamSpec, TypeVar
 from weakref import WeakValueDictionary
 
-from stepramp.controllers.device import Device
 from stepramp.design import Design
+from stepramp.devices.device import Device
 from stepramp.ramp.plan import computed_steps
 
 T = TypeVar("T")

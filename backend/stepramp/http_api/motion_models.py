@@ -5,13 +5,13 @@ from typing import Annotated, Literal, Self
 
 from pydantic import BaseModel, Field, model_validator
 
-from stepramp.controllers.controller import Asked
-from stepramp.controllers.leases import Lease
-from stepramp.controllers.messages import MOST_AXES
-from stepramp.controllers.settings import AxisNumber, AxisNumbersAsGiven, AxisNumbersOrNull, ListOrNull
-from stepramp.controllers.shuttle import Shuttle
-from stepramp.controllers.soft_limits import Span
-from stepramp.controllers.trace import Trace
+from stepramp.controllers.contract import Asked
+from stepramp.controllers.stepramp.messages import MOST_AXES
+from stepramp.controllers.stepramp.settings import AxisNumber, AxisNumbersAsGiven, AxisNumbersOrNull, ListOrNull
+from stepramp.controllers.stepramp.trace import Trace
+from stepramp.devices.leases import Lease
+from stepramp.devices.shuttle import Shuttle
+from stepramp.devices.soft_limits import Span
 from stepramp.validation import Document, ListOf, OneOf, Within, refuse
 
 Steps = Annotated[int, Within(-(2**31), 2**31 - 1, "steps")]

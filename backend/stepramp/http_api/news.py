@@ -5,7 +5,7 @@ import logging
 from collections.abc import AsyncGenerator
 from contextlib import suppress
 
-from stepramp.controllers.devices import Devices
+from stepramp.devices.registry import Devices
 from stepramp.http_api.device_models import DevicesAnswer
 
 _logger = logging.getLogger(__name__)

@@ -13,7 +13,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from stepramp.controllers.devices import Devices
+from stepramp.devices.registry import Devices
 from stepramp.errors import Rejected, Rejection, StepRampError
 from stepramp.http_api.device_models import DevicesAnswer
 from stepramp.http_api.errors import error_items

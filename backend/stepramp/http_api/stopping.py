@@ -8,8 +8,8 @@ from contextlib import contextmanager
 from fastapi import APIRouter
 from starlette.requests import ClientDisconnect, Request
 
-from stepramp.controllers.device import Device
-from stepramp.controllers.devices import Devices
+from stepramp.devices.device import Device
+from stepramp.devices.registry import Devices
 from stepramp.errors import DeviceLost, Refused, StepRampError
 from stepramp.http_api.device_models import DeviceAnswer, DevicesAnswer
 from stepramp.http_api.device_registry import Registry

@@ -24,7 +24,7 @@ else:
 
     _PORT_ERRORS = (OSError, termios.error)
 
-BAUD_RATE = 115_200
+USUAL_BAUD_RATE = 115_200
 WRITE_TIMEOUT_S = 1.0
 _READ_SLICE_S = 0.02
 """pyserial's own timeout: changing it costs two system calls, so it stays, and longer waits are made of slices."""
@@ -58,7 +58,9 @@ if "stepramp.link" not in serial.protocol_handler_packages:
 class SerialPort:
     """An open port. Not for two threads at once."""
 
-    def __init__(self, port: str, before_write: Callable[[], None] = lambda: None) -> None:
+    def __init__(
+        self, port: str, before_write: Callable[[], None] = lambda: None, baud_rate: int = USUAL_BAUD_RATE
+    ) -> None:
         """Open a device such as /dev/ttyACM0, or an address of ADDRESSES.
 
         before_write: called at the last instant before bytes go out; what it raises keeps them from going.
@@ -70,7 +72,7 @@ class SerialPort:
         self._is_tty = "://" not in port
         with self._failure_told():
             self._serial = serial.serial_for_url(port, do_not_open=True, timeout=_READ_SLICE_S)
-            self._serial.baudrate = BAUD_RATE
+            self._serial.baudrate = baud_rate
             if self._is_tty:
                 self._serial.exclusive = True
                 self._serial.write_timeout = WRITE_TIMEOUT_S

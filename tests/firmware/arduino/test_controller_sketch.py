@@ -33,7 +33,7 @@ from firmware.protocol import (
     with_header,
 )
 from simulator.avr import SimulatedController
-from stepramp.controllers.stepramp_controller import StepRampController
+from stepramp.controllers.stepramp.controller import StepRampController
 from stepramp.design import Design
 from stepramp.errors import Rejected
 from stepramp.link.serial_port import SerialPort

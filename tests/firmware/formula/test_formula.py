@@ -12,7 +12,7 @@ from firmware.host import missing_compiler
 from ramp.test_fixed_point import State, newton_step, taylor_step
 from ramp.test_on_chip import METHODS, both_slopes, methods, nearest, possible
 from simulator.avr import missing_tools
-from stepramp.controllers.formula_image import FORMULA_BYTES, encode_formula
+from stepramp.controllers.stepramp.formula_image import FORMULA_BYTES, encode_formula
 from stepramp.ramp.fixed_point import Format, Output, Scaled
 from stepramp.ramp.kinematics import Slope
 from stepramp.ramp.on_chip import OnChipMethod, OnChipMotor, OnChipRamp, Phase, slopes_refusal

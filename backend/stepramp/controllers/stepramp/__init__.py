@@ -1,0 +1,1 @@
+"""The family of controllers that speak docs/serial_protocol.md."""

@@ -1,0 +1,436 @@
+"""The family of controllers that speak docs/serial_protocol.md."""
+
+from collections.abc import Callable, Collection, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import replace
+from time import sleep
+
+from stepramp.controllers.contract import (
+    UNDER_WAY,
+    Activity,
+    AnswerUnknown,
+    Asked,
+    AxisStatus,
+    ControllerStatus,
+    PushMode,
+    PushPreview,
+    PushReport,
+    StoredRamp,
+)
+from stepramp.controllers.progress import Tell
+from stepramp.controllers.stepramp.conversation import Conversation
+from stepramp.controllers.stepramp.messages import (
+    MOST_REPORTS_HZ,
+    AxesRequest,
+    AxisState,
+    DoneReply,
+    HaltRequest,
+    HelloReply,
+    LineRequest,
+    MachineState,
+    MoveByRequest,
+    MoveToRequest,
+    RampInUse,
+    ReadSettingsRequest,
+    ReadSource,
+    ReportNotice,
+    ReportRequest,
+    RollBackRequest,
+    RunRequest,
+    SetPositionRequest,
+    SettingsReply,
+    StatusFlag,
+    StatusReply,
+    StatusRequest,
+    StopRequest,
+    TargetsReply,
+    TraceNotice,
+    WriteSettingsRequest,
+    ZeroRequest,
+    mask_of,
+)
+from stepramp.controllers.stepramp.motion_checks import MotionChecks
+from stepramp.controllers.stepramp.push import plan_push
+from stepramp.controllers.stepramp.ramp_image import BadRampImage, RampImage
+from stepramp.controllers.stepramp.settings import Settings
+from stepramp.controllers.stepramp.speed_limits import interval_ticks
+from stepramp.controllers.stepramp.trace import Trace
+from stepramp.controllers.stepramp.tracing import Tracing
+from stepramp.controllers.stepramp.transfer import Transfer
+from stepramp.design import Design
+from stepramp.errors import DeviceLost, Refused, Rejected
+from stepramp.link.serial_port import SerialPort
+from stepramp.units import speed_from_interval
+
+ACTIVITIES = {
+    AxisState.IDLE: Activity.READY,
+    AxisState.MOVING: Activity.MOVING,
+    AxisState.STOPPING: Activity.STOPPING,
+}
+
+
+class StepRampController:
+    """A client of the protocol; see Controller for what its calls do."""
+
+    def __init__(
+        self, port: SerialPort, give_way: Callable[[float], None] = sleep, tell: Tell = lambda _: None
+    ) -> None:
+        """Talk over an open port.
+
+        give_way: called between two frames of a long exchange with how long there is time for other calls [s].
+        tell: called with how far a push has come.
+        """
+        self._port_name = port.name
+        self._conversation = Conversation(port, give_way)
+        self._transfer = Transfer(self._conversation, give_way, tell)
+        self._hello: HelloReply | None = None
+        self._settings = Settings()
+        self._image: RampImage | None = None
+        self._status: ControllerStatus | None = None
+        self._report: ReportNotice | None = None
+        self._tracing = Tracing(self._conversation, give_way)
+        self._checks = MotionChecks()
+
+    @property
+    def identity(self) -> HelloReply:
+        """What the controller said in reply to hello; DeviceLost before there was one."""
+        if self._hello is None:
+            raise DeviceLost(f"Port {self._port_name} is not connected.")
+        return self._hello
+
+    @property
+    def clocks_hz(self) -> tuple[int, int]:
+        """The fast and the slow clock of the step timer [Hz]."""
+        return self.identity.fast_clock_hz, self.identity.slow_clock_hz
+
+    @property
+    def timer_hz(self) -> int:
+        """Ticks a second of the clock that the ramps in use are played with [Hz]; without any, of the slow one."""
+        fast, slow = self.clocks_hz
+        return fast if self._image is not None and self._image.fast_clock else slow
+
+    @property
+    def firmware_version(self) -> str:
+        """Version of the firmware."""
+        said = self.identity
+        return f"{said.firmware_major}.{said.firmware_minor}.{said.firmware_patch}"
+
+    @property
+    def trace(self) -> Callable[[], Trace] | None:
+        """What works out the trace of the last move that was traced; see Controller."""
+        return self._tracing.trace
+
+    def connect(self, greeted: Callable[[], None] = lambda: None) -> None:
+        """Shake hands, and learn which settings and ramps are in use; nothing moves.
+
+        greeted: called in between: a stop need not wait until all is learnt.
+        """
+        self._hello = self._conversation.begin()
+        greeted()
+        self._use_settings(self.settings())
+        self._learn_image(RampInUse(self._hello.ramp_in_use))
+        self._conversation.ask(ReportRequest(MOST_REPORTS_HZ), DoneReply)
+
+    def disconnect(self) -> None:
+        """Ask for no more reports."""
+        self._conversation.ask(ReportRequest(0), DoneReply)
+
+    def status(self) -> ControllerStatus:
+        """Ask what the controller is doing, axis by axis."""
+        replies = self._status_replies()
+        # What was reported before these replies is older than they are.
+        self._take_notices()
+        first = replies[0]
+        axes = tuple(self._axis_status(axis, reply) for axis, reply in enumerate(replies))
+        self._checks.run_no_more(axis.axis for axis in axes if axis.activity is Activity.READY)
+        status = ControllerStatus(
+            activity=Activity.WRITING if first.state == MachineState.WRITING else _activity_of(axes),
+            axes=axes,
+            ramp=StoredRamp(first.ramp_sequence, first.image_crc) if self._image else None,
+            on_trial=bool(first.flags & StatusFlag.ON_TRIAL),
+            motors_on=bool(first.flags & StatusFlag.ENABLED),
+            starved=max(reply.starved for reply in replies),
+        )
+        self._status, self._report = status, None
+        return status
+
+    def listen(self) -> ControllerStatus | None:
+        """Return what the reports since the last call say; None when there was none."""
+        self._hear()
+        report, self._report = self._report, None
+        before = self._status
+        if report is None or before is None or before.activity is Activity.WRITING:
+            return None
+        activities = [ACTIVITIES[report.state_of(axis)] for axis in range(len(report.axes))]
+        if activities != [axis.activity for axis in before.axes]:
+            return self.status()
+        axes = tuple(
+            self._moved_on(axis, position, interval)
+            for axis, (position, interval) in zip(before.axes, report.axes, strict=True)
+        )
+        self._status = replace(before, axes=axes)
+        return self._status
+
+    def prepare_push(
+        self, designs: Sequence[Design], first_axis: int | None = None, mode: PushMode = "keep"
+    ) -> Callable[[], PushReport]:
+        """Work out the ramp image, without the port, and return the call that sends it; see Controller."""
+        present = self._image
+        plan = plan_push(designs, self.identity, self._settings, first_axis, present)
+
+        def push() -> PushReport:
+            if first_axis is not None and self._image is not present:
+                raise Refused("The controller's ramps were changed in the meantime: push again.")
+            kept = mode == "keep"
+            stored, sequence = self.store(plan.image.encode()) if kept else self.try_out(plan.image.encode())
+            return plan.report(stored, sequence, kept=kept)
+
+        return push
+
+    def preview_push(self, designs: Sequence[Design], first_axis: int | None = None) -> PushPreview:
+        """Work out what a push would change; see Controller."""
+        present, present_hz = self._image, self.timer_hz
+        plan = plan_push(designs, self.identity, self._settings, first_axis, present)
+        return plan.preview(present, present_hz)
+
+    def store(self, image: bytes) -> tuple[bytes, int]:
+        """Store a ramp image: send, read back from RAM, commit, read back from EEPROM.
+
+        Returns what was read back and its sequence number. Raises Refused when the controller can't take it, or holds
+        something else than what was sent: then the ramps it had stay active.
+        """
+        self._transfer.deliver(image)
+        with self._looking_again():
+            written = self._transfer.commit()
+        return self._learn_image(RampInUse.STORED), written.ramp_sequence
+
+    def try_out(self, image: bytes) -> tuple[bytes, int]:
+        """Use a ramp image without storing it: send, read back from RAM, use. Returns as store does."""
+        self._transfer.deliver(image)
+        self._transfer.try_out()
+        sequence = self._conversation.ask(StatusRequest(0), StatusReply).ramp_sequence
+        return self._learn_image(RampInUse.ON_TRIAL), sequence
+
+    def keep(self) -> None:
+        """Store the ramps and settings in use."""
+        if self._image is None:
+            raise Refused("There is no ramp that the settings could be stored with: push a design first.")
+        with self._looking_again():
+            self._transfer.commit()
+        self._learn_image(RampInUse.STORED)
+
+    def roll_back(self) -> None:
+        """Use the stored ramps and settings again; Refused when nothing else is in use."""
+        if not self.status().on_trial:
+            raise Refused("Nothing is on trial: the stored ramps and settings are in use.")
+        self._roll_back()
+
+    def restore(self) -> None:
+        """Make the ramps and settings that were stored before the stored ones; Refused when there are none."""
+        before = self.status()
+        if before.on_trial:
+            raise Refused("Ramps or settings are on trial: keep them or roll them back first.")
+        if not self._transfer.read(ReadSource.PREVIOUS):
+            raise Refused("The controller has no ramps that were stored before.")
+        self._roll_back()
+        sequence = before.ramp.sequence if before.ramp else 0
+        if self._conversation.ask(StatusRequest(0), StatusReply).ramp_sequence == sequence:
+            # An image had been delivered and not used: the first time only dropped that.
+            self._roll_back()
+
+    def settings(self) -> Settings:
+        """Ask for the settings in use."""
+        reply = self._conversation.ask(ReadSettingsRequest(), SettingsReply)
+        try:
+            return Settings.unpack(reply.settings)
+        except (Rejected, ValueError) as error:
+            # Not the client's fault: a Rejected would name a field that nobody sent.
+            raise DeviceLost(f"The controller at {self._port_name} has settings without sense: {error}") from error
+
+    def use_settings(self, settings: Settings) -> None:
+        """Use other settings until a roll back or a reset."""
+        self._conversation.ask(WriteSettingsRequest(settings.pack()), DoneReply)
+        self._use_settings(settings)
+
+    def move_by(self, steps: Sequence[Asked]) -> None:
+        """Begin to move axes by so many steps; see Controller."""
+        self._move(steps, MoveByRequest)
+
+    def move_to(self, positions: Sequence[Asked]) -> None:
+        """Begin to move axes to positions [steps]; see Controller."""
+        self._move(positions, MoveToRequest)
+
+    def run(self, speeds: Sequence[Asked]) -> None:
+        """Run axes at speeds [steps/s]; see Controller."""
+        intervals = self._checks.intervals_of(speeds)
+        rejected = self._checks.unless_too_fast(self._moving, speeds, intervals)
+        self._tracing.prepare(intervals, self._hear)
+        request = RunRequest(mask_of(intervals), tuple(intervals[axis] for axis in sorted(intervals)))
+        self._conversation.ask(request, DoneReply, rejected)
+        self._checks.running |= {axis: abs(interval) for axis, interval in intervals.items() if interval}
+        self._tracing.runs(intervals, self._checks.ways, self.timer_hz)
+
+    def line(self, steps: Sequence[Asked], ramp_axis: int | None = None) -> None:
+        """Begin to move axes along a straight line; see Controller."""
+        values = self._checks.whole_values(steps)
+        axis = self._checks.ramp_axis(values, ramp_axis)
+        rejected = self._checks.unless_line_too_fast(steps, values, axis)
+        ordered = tuple(values[each] for each in sorted(values))
+        self._tracing.prepare(values, self._hear)
+        self._conversation.ask(LineRequest(mask_of(values), axis, ordered), TargetsReply, rejected)
+        self._checks.run_no_more(values)
+        self._tracing.goes_along_a_line(values, self._checks.ways[axis], self.timer_hz)
+
+    def set_position(self, positions: Sequence[Asked]) -> None:
+        """Call the places where axes are these positions [steps]."""
+        values = self._checks.whole_values(positions)
+        ordered = tuple(values[axis] for axis in sorted(values))
+        self._conversation.ask(SetPositionRequest(mask_of(values), ordered), DoneReply)
+
+    def zero(self, axes: Collection[int], steps: int) -> None:
+        """Call the places where axes are so many steps and move them to 0."""
+        asked = [Asked(axis, axis, "axes") for axis in axes]
+        self._checks.known_axes(asked)
+        rejected = self._checks.unless_too_fast(self._moving, asked, self._checks.slew_intervals(axes))
+        self._tracing.prepare(axes, self._hear)
+        self._conversation.ask(ZeroRequest(mask_of(axes), steps), DoneReply, rejected)
+        self._checks.run_no_more(axes)
+        self._tracing.moves(dict.fromkeys(axes, -steps), self._checks.ways, self.timer_hz)
+
+    def stop(self, axes: Collection[int] | None = None) -> None:
+        """Begin to slow down with the ramp."""
+        self._tracing.change(axes)
+        self._conversation.ask(StopRequest(self._mask(axes)), DoneReply)
+
+    def halt(self, axes: Collection[int] | None = None) -> None:
+        """Make no further step."""
+        self._tracing.change(axes)
+        self._conversation.ask(HaltRequest(self._mask(axes)), DoneReply)
+
+    def steps_to_rest(self, axis: int, speed_steps_per_s: float) -> int:
+        """Return how many steps an axis takes to slow down from a speed [steps/s]."""
+        return self._checks.ways[axis].steps_from(interval_ticks(speed_steps_per_s, self.timer_hz))
+
+    def trace_moves(self, axis: int | None, every_steps: int) -> int:
+        """Trace every so many-th step of each move of an axis from now on; see Controller."""
+        if axis is not None:
+            self._checks.known_axes([Asked(axis, 0, "traced_axis")])
+        return self._tracing.arm(axis, every_steps)
+
+    def _move(self, asked: Sequence[Asked], request: type[AxesRequest]) -> None:
+        values = self._checks.whole_values(asked)
+        rejected = self._checks.unless_too_fast(self._moving, asked, self._checks.slew_intervals(values))
+        starts = self._tracing.prepare(values, self._hear)
+        targets = self._conversation.ask(
+            request(mask_of(values), tuple(values[axis] for axis in sorted(values))), TargetsReply, rejected
+        )
+        if len(targets.targets_steps) != len(values):
+            told = f"{len(targets.targets_steps)} targets for {len(values)} axes"
+            raise DeviceLost(f"The controller at {self._port_name} gives answers without sense: {told}.")
+        self._checks.run_no_more(values)
+        reached = dict(zip(sorted(values), targets.targets_steps, strict=True))
+        distances = {axis: reached[axis] - start for axis, start in starts.items()}
+        self._tracing.moves(distances, self._checks.ways, self.timer_hz)
+
+    def _moving(self, anew: bool) -> dict[int, int]:
+        """Return the axes that move with their present intervals [ticks], as last heard or as asked anew."""
+        status = self._status if self._status is not None and not anew else self.status()
+        moving = [axis for axis in status.axes if axis.activity in UNDER_WAY]
+        return {axis.axis: interval_ticks(axis.speed_steps_per_s, self.timer_hz) for axis in moving}
+
+    def _status_replies(self) -> list[StatusReply]:
+        """Ask axis by axis, and again when something more urgent came in between: a stop makes the answers old."""
+        count = len(self._image.axes) if self._image else 1
+        while True:
+            others = self._conversation.asked
+            replies = [self._conversation.ask(StatusRequest(axis), StatusReply) for axis in range(count)]
+            if self._conversation.asked == others + count:
+                return replies
+
+    def _hear(self) -> None:
+        """Take what the controller has said unasked, up to now."""
+        self._conversation.listen()
+        self._take_notices()
+
+    def _take_notices(self) -> None:
+        for notice in self._conversation.notices():
+            if isinstance(notice, ReportNotice):
+                self._report = notice
+            elif isinstance(notice, TraceNotice):
+                self._tracing.take(notice)
+
+    def _mask(self, axes: Collection[int] | None) -> bytes:
+        """Return which axes are to stop: nothing, which is all, also when one of them is unknown."""
+        known = range(len(self._checks.ways))
+        return b"" if axes is None or not all(axis in known for axis in axes) else bytes([mask_of(axes)])
+
+    def _roll_back(self) -> None:
+        with self._looking_again():
+            self._conversation.ask(RollBackRequest(), DoneReply)
+        written = self._transfer.await_written()
+        self._use_settings(self.settings())
+        self._learn_image(RampInUse.STORED if written.ramp_sequence else RampInUse.NONE)
+
+    @contextmanager
+    def _looking_again(self) -> Iterator[None]:
+        """When it isn't known whether a request was carried out, look at what the controller now has."""
+        try:
+            yield
+        except AnswerUnknown:
+            self._conversation.begin()
+            with suppress(Refused):
+                self._transfer.await_written()
+            self.connect()
+            raise
+
+    def _learn_image(self, in_use: RampInUse) -> bytes:
+        """Read the ramps in use, and return their image as bytes."""
+        source = ReadSource.RAM if in_use is RampInUse.ON_TRIAL else ReadSource.STORED
+        read = b"" if in_use is RampInUse.NONE else self._transfer.read(source)
+        try:
+            self._image = RampImage.decode(read) if read else None
+        except BadRampImage as error:
+            raise DeviceLost(f"The controller at {self._port_name} has ramps without sense: {error}") from error
+        self._checks.use(self._image, self.identity, self._settings)
+        return read
+
+    def _use_settings(self, settings: Settings) -> None:
+        self._settings = settings
+        self._checks.use(self._image, self.identity, settings)
+
+    def _axis_status(self, axis: int, reply: StatusReply) -> AxisStatus:
+        return AxisStatus(
+            axis=axis,
+            activity=ACTIVITIES[AxisState(reply.axis_state)],
+            position_steps=reply.position_steps,
+            target_steps=reply.target_steps,
+            speed_steps_per_s=self._speed(reply.interval_ticks),
+            steps_made=reply.steps_made,
+        )
+
+    def _moved_on(self, before: AxisStatus, position: int, interval: int) -> AxisStatus:
+        """Return the status of an axis that still does what it did, from a report."""
+        runs = before.activity is Activity.MOVING and before.axis in self._checks.running
+        made = before.steps_made + abs(_steps_between(before.position_steps, position))
+        target = position if runs or before.activity is Activity.READY else before.target_steps
+        return replace(
+            before,
+            position_steps=position,
+            target_steps=target,
+            speed_steps_per_s=self._speed(interval),
+            steps_made=made if before.activity in UNDER_WAY else before.steps_made,
+        )
+
+    def _speed(self, interval_ticks: int) -> float:
+        return speed_from_interval(interval_ticks, self.timer_hz) if interval_ticks else 0.0
+
+
+def _steps_between(before: int, after: int) -> int:
+    """Return the steps from one position to another soon after: runs go on past the last position to the first."""
+    return (after - before + 2**31) % 2**32 - 2**31
+
+
+def _activity_of(axes: Sequence[AxisStatus]) -> Activity:
+    """Return what a controller does as a whole: it stops when all that move stop."""
+    activities = {axis.activity for axis in axes}
+    return next((each for each in (Activity.MOVING, Activity.STOPPING) if each in activities), Activity.READY)

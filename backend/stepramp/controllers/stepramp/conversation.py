@@ -1,0 +1,163 @@
+"""A conversation with a controller: requests that are repeated until they are answered, and what it says in between."""
+
+import secrets
+from collections import deque
+from collections.abc import Callable, Iterator
+from time import monotonic
+from typing import TypeVar
+
+from stepramp.controllers.contract import AnswerUnknown
+from stepramp.controllers.stepramp.frames import FrameSplitter, encode_frame
+from stepramp.controllers.stepramp.messages import (
+    NOTICE_KINDS,
+    REPLY,
+    HelloReply,
+    HelloRequest,
+    Message,
+    Notice,
+    Refusal,
+    Reply,
+    ReplyStatus,
+    Request,
+    unpack_notice,
+    unpack_reply,
+)
+from stepramp.controllers.stepramp.refusals import exception_for
+from stepramp.errors import DeviceLost, Rejection
+from stepramp.link.serial_port import SerialPort
+
+HELLO_INTERVAL_S = 0.25
+MOST_HELLOS = 20
+"""Many boards reset when their port is opened, and are deaf for up to 2 s; others take longer."""
+GARBAGE_S = 0.05
+MOST_GARBAGE_S = 0.5
+"""A controller may still be telling an earlier client what it does; the hello ends that."""
+REPLY_TIMEOUT_S = 0.2
+MOST_REPEATS = 3
+
+R = TypeVar("R", bound=Reply)
+
+
+class Conversation:
+    """One session over an open port.
+
+    give_way: called before each request, and before it is repeated, for other calls that are more urgent.
+    """
+
+    def __init__(self, port: SerialPort, give_way: Callable[[float], None]) -> None:
+        self._port = port
+        self._give_way = give_way
+        self._splitter = FrameSplitter()
+        self._inbox: deque[Message] = deque()
+        self._notices: deque[Notice] = deque()
+        self._session = 0
+        self._tag = 0
+        self._asked = 0
+        self._heard_bytes = self._heard_messages = 0
+
+    @property
+    def asked(self) -> int:
+        """How many requests there were: more than one's own when others came in between."""
+        return self._asked
+
+    def begin(self) -> HelloReply:
+        """Shake hands: drop what a reset left on the line, then say hello until it is answered.
+
+        Later once more: in the same session, so that the controller knows what more urgent calls say meanwhile.
+        Raises DeviceLost when nothing answers or what talks there is no StepRamp controller, Refused when another
+        protocol version does.
+        """
+        if self._session:
+            self._tag = (self._tag + 1) % 256
+        else:
+            self._session = 1 + secrets.randbelow(0xFFFF)
+        message = Message(HelloRequest.KIND, self._session, self._tag, HelloRequest().pack())
+        began = monotonic()
+        while monotonic() < began + MOST_GARBAGE_S and (garbage := self._port.read(GARBAGE_S)):
+            self._heard_bytes += len(garbage)
+        for _ in range(MOST_HELLOS):
+            self._give_way(0.0)
+            # The lone zero ends whatever noise the board took for the beginning of a frame.
+            self._port.write(b"\0" + encode_frame(message.pack()))
+            reply = self._await_reply(message, HELLO_INTERVAL_S)
+            if reply is not None:
+                return self._understood(reply, HelloReply, None)
+        if self._heard_bytes and not self._heard_messages:
+            raise DeviceLost(f"Something talks at {self._port.name}, but it is not a StepRamp controller.")
+        raise DeviceLost(f"Nothing answers at {self._port.name}: is it a StepRamp controller, and has it power?")
+
+    def ask(self, request: Request, reply_type: type[R], rejected: Callable[[Refusal], Rejection] | None = None) -> R:
+        """Return the reply to a request, which is repeated when the answer is lost.
+
+        rejected: returns what is wrong with the values that were asked for, when the controller finds them too far or
+        too fast. Raises Rejected then, Refused for other refusals, DeviceLost when there is no answer, AnswerUnknown
+        when another request came in between, so that the repeat of what must not be done twice were a new one.
+        """
+        self._give_way(0.0)
+        self._tag = (self._tag + 1) % 256
+        self._asked += 1
+        message = Message(request.KIND, self._session, self._tag, request.pack())
+        for attempt in range(1 + MOST_REPEATS):
+            if attempt:
+                self._give_way(0.0)
+            if message.tag != self._tag and not request.HARMLESS_TWICE:
+                raise AnswerUnknown("Something came in between, and the controller's answer was lost: try again.")
+            # What a noisy line has put before the first frame may still wait for its end: a lone zero.
+            self._port.write((b"\0" if attempt else b"") + encode_frame(message.pack()))
+            reply = self._await_reply(message, REPLY_TIMEOUT_S)
+            if reply is not None:
+                return self._understood(reply, reply_type, rejected)
+        raise DeviceLost(f"The controller at {self._port.name} does not answer.")
+
+    def listen(self) -> None:
+        """Take what has come in by now, without waiting for more."""
+        self._take(self._port.pending())
+        while self._inbox:
+            self._sort(self._inbox.popleft())
+
+    def notices(self) -> Iterator[Notice]:
+        """Yield what the controller said unasked before the last reply, or the last time it was listened to."""
+        while self._notices:
+            yield self._notices.popleft()
+
+    def _await_reply(self, request: Message, timeout_s: float) -> Message | None:
+        """Return the reply to a request; what else comes in is unasked, the answer to an earlier one, or noise."""
+        expected = (request.kind | REPLY, request.session, request.tag)
+        deadline = monotonic() + timeout_s
+        while True:
+            while self._inbox:
+                message = self._inbox.popleft()
+                if (message.kind, message.session, message.tag) == expected:
+                    return message
+                self._sort(message)
+            left_s = deadline - monotonic()
+            if left_s <= 0:
+                return None
+            self._take(self._port.read(left_s))
+
+    def _take(self, data: bytes) -> None:
+        unpacked = (Message.unpack(frame) for frame in self._splitter.feed(data))
+        messages = [message for message in unpacked if message is not None]
+        self._inbox.extend(messages)
+        self._heard_bytes += len(data)
+        # What a cable sends back of our own isn't a controller's.
+        self._heard_messages += sum(1 for message in messages if message.kind & REPLY)
+
+    def _sort(self, message: Message) -> None:
+        """Keep a message if it is a notice of this session; a reply that nobody waits for any more is dropped."""
+        if message.kind in NOTICE_KINDS and message.session == self._session:
+            notice = unpack_notice(message)
+            if notice is not None:
+                self._notices.append(notice)
+
+    def _understood(self, message: Message, reply_type: type[R], rejected: Callable[[Refusal], Rejection] | None) -> R:
+        """Return a reply's body; a refusal becomes the exception that says so."""
+        try:
+            reply = unpack_reply(reply_type, message.body)
+        except ValueError as error:
+            raise DeviceLost(f"The controller at {self._port.name} gives answers without sense: {error}") from error
+        if not isinstance(reply, Refusal):
+            return reply
+        if reply.status is ReplyStatus.STALE_SESSION:
+            raise DeviceLost(f"The controller at {self._port.name} was restarted: its position is no longer known.")
+        raise exception_for(reply, rejected)

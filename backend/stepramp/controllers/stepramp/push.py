@@ -1,0 +1,364 @@
+"""Pushing designs: what is sent to a controller, what the controller can't take, and what came of it.
+
+The intervals are compressed with the smallest bounds for which the image fits the controller, and its processor keeps
+pace. A ramp whose intervals would have to change by more than a hundredth of the slew interval, or by more than 1 µs
+where that is longer, is refused.
+"""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
+
+from stepramp.controllers.contract import PreviewItem, PushItem, PushPreview, PushReport
+from stepramp.controllers.stepramp.frames import crc16
+from stepramp.controllers.stepramp.messages import HelloReply
+from stepramp.controllers.stepramp.push_limits import PushLimits
+from stepramp.controllers.stepramp.ramp_image import AxisRamp, BadRampImage, RampImage, SegmentRamp
+from stepramp.controllers.stepramp.settings import Settings
+from stepramp.controllers.stepramp.ways import formula_ramp, unpacked, ways_of
+from stepramp.design import Design
+from stepramp.errors import Rejected, Rejection
+from stepramp.ramp.move import Ramp
+from stepramp.ramp.plan import ramp_of
+from stepramp.ramp.segments import Segment, compress
+from stepramp.units import ticks_from_us, us_from_ticks
+
+COARSEST_BOUND = 0.01
+"""Largest bound of the compression, as a part of the slew interval …"""
+COARSEST_BOUND_US, COARSEST_SHORT_BOUND = 1.0, 0.05
+"""… or, where that is larger, in time [µs], which is as late as steps may come anyway, but at most this part."""
+SEGMENT_US = 350
+"""What a controller takes to prepare a segment, with motors near its limits [µs]: measured, see decision 10."""
+SEGMENTS_IN_A_ROW = 8
+"""So many may be ready beforehand."""
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """A design that is pushed to an axis."""
+
+    axis: int
+    design: Design
+    path: str
+    """What a rejection puts before the design's fields."""
+    ramp: Ramp
+    """The design's ramp, in ticks of its timer, which are those of the controller."""
+
+
+class SmallestChange:
+    """A ramp as it may be sent: by formula, or as segments with a bound that can be made coarser step by step."""
+
+    def __init__(self, wanted: Wanted, limits: PushLimits, axes: int) -> None:
+        self.wanted = wanted
+        self._limits = limits
+        self._shortest_row = SEGMENTS_IN_A_ROW * axes * ticks_from_us(SEGMENT_US, limits.timer_hz)
+        self._bounds = _bounds(_coarsest_bound(wanted.ramp.slew, limits.timer_hz))
+        self.bound_ticks = next(self._bounds)
+        self.ramp: AxisRamp = formula_ramp(wanted.design, limits.by_formula) or self._compressed()
+
+    @property
+    def fits(self) -> bool:
+        """Whether the controller takes it. Compression may move an interval past a limit that the design keeps."""
+        if not isinstance(self.ramp, SegmentRamp):
+            return True
+        return self.ramp.sent_segments <= self._limits.most_segments and self.ramp.keeps(self._limits.of_segments)
+
+    @property
+    def keeps_pace(self) -> bool:
+        """Whether the controller can prepare the segments as fast as they are played, with all axes moving."""
+        if not isinstance(self.ramp, SegmentRamp):
+            return True
+        # The shortest move that has them all, up and then down.
+        return _shortest_row((*self.ramp.up, *reversed(self.ramp.down))) >= self._shortest_row
+
+    def make_coarser(self) -> bool:
+        """Compress with the next bound; return whether there is one."""
+        bound = None if not isinstance(self.ramp, SegmentRamp) else next(self._bounds, None)
+        if bound is None:
+            return False
+        self.bound_ticks = bound
+        self.ramp = self._compressed()
+        return True
+
+    def ease(self) -> None:
+        """Compress coarser until the controller can keep pace, as long as it takes the ramp."""
+        while not self.keeps_pace:
+            before, fitted = (self.bound_ticks, self.ramp), self.fits
+            if not self.make_coarser():
+                return
+            if fitted and not self.fits:
+                self.bound_ticks, self.ramp = before
+                return
+
+    def _compressed(self) -> SegmentRamp:
+        ramp, bound = self.wanted.ramp, self.bound_ticks
+        up = tuple(compress(ramp.up.astype(np.int64), bound))
+        symmetric = np.array_equal(ramp.up, ramp.down)
+        return SegmentRamp(up, int(ramp.slew), up if symmetric else tuple(compress(ramp.down.astype(np.int64), bound)))
+
+
+def _shortest_row(segments: Sequence[Segment]) -> float:
+    """Return the shortest time that some consecutive segments last [ticks]; infinite when there are fewer."""
+    if len(segments) < SEGMENTS_IN_A_ROW:
+        return math.inf
+    interval, count, add = np.array(segments, np.int64).T
+    lengths = count * interval + add * (count * (count - 1) // 2)
+    return float(sliding_window_view(lengths, SEGMENTS_IN_A_ROW).sum(1).min())
+
+
+@dataclass(frozen=True)
+class PushPlan:
+    """What will be sent for some designs, and what it comes from."""
+
+    wanted: tuple[Wanted, ...]
+    image: RampImage
+    timer_hz: int
+    bounds_ticks: tuple[int, ...]
+    """How far the compression may have moved an interval of each design [ticks]."""
+    limits: PushLimits
+    keeps_pace: bool
+    """Whether the controller can prepare all segments in time."""
+
+    def report(self, stored: bytes, sequence: int, *, kept: bool) -> PushReport:
+        """Return what came of the push, from the image that was read back and the sequence number of what is stored."""
+        encoded = self.image.encode()
+        return PushReport(
+            items=tuple(self._items(stored)),
+            verified=stored == encoded,
+            segments=self.image.sent_segments,
+            bytes=len(encoded),
+            largest_deviation_us=max(map(self._deviation_us, self.wanted)),
+            sequence=sequence,
+            kept=kept,
+            warnings=tuple(self._warnings(verified=stored == encoded)),
+        )
+
+    def preview(self, present: RampImage | None, present_hz: int) -> PushPreview:
+        """Return what the push would change of the ramps that the controller has, played with a clock [Hz]."""
+        return PushPreview(
+            items=tuple(self._differences(present, present_hz)),
+            same=present is not None and present.encode() == self.image.encode(),
+            segments=self.image.sent_segments,
+            bytes=len(self.image.encode()),
+            largest_deviation_us=max(map(self._deviation_us, self.wanted)),
+            warnings=tuple(self._warnings(verified=True)),
+        )
+
+    def _differences(self, present: RampImage | None, present_hz: int) -> Iterator[PreviewItem]:
+        before = present.axes if present else ()
+        yield PreviewItem("Axes with a ramp", "", str(len(before)), str(len(self.image.axes)), None)
+        yield PreviewItem("Clock", "Hz", f"{present_hz:,}" if present else None, f"{self.timer_hz:,}", None)
+        pushed = {each.axis for each in self.wanted}
+        for axis in range(max(len(before), len(self.image.axes))):
+            if axis < len(self.image.axes) and axis not in pushed:
+                continue
+            there = _figures(unpacked(before[axis]), present_hz) if axis < len(before) else {}
+            here = _figures(unpacked(self.image.axes[axis]), self.timer_hz) if axis < len(self.image.axes) else {}
+            for name, unit in {**here, **there}:
+                yield PreviewItem(name, unit, there.get((name, unit)), here.get((name, unit)), axis)
+        crc = f"0x{crc16(present.encode()):04X}" if present else None
+        yield PreviewItem("Ramp image CRC", "", crc, f"0x{crc16(self.image.encode()):04X}", None)
+
+    def _items(self, stored: bytes) -> Iterator[PushItem]:
+        try:
+            read_back = RampImage.decode(stored).axes
+        except BadRampImage:
+            read_back = ()
+        for each in self.wanted:
+            there = _figures(unpacked(read_back[each.axis]), self.timer_hz) if each.axis < len(read_back) else {}
+            sent = _figures(unpacked(self.image.axes[each.axis]), self.timer_hz)
+            for (name, unit), figure in _figures(each.ramp, self.timer_hz).items():
+                called = name if len(self.wanted) == 1 else f"Axis {each.axis}: {name[0].lower()}{name[1:]}"
+                back = there.get((name, unit), "unreadable")
+                yield PushItem(called, unit, figure, sent[name, unit], back, each.axis)
+        crc = f"0x{crc16(self.image.encode()):04X}"
+        yield PushItem("Ramp image CRC", "", crc, crc, f"0x{crc16(stored):04X}", None)
+
+    def _deviation_us(self, each: Wanted) -> float:
+        """Return the largest difference between an interval of a design's ramp and of the one sent [µs]."""
+        sent = _all_intervals(unpacked(self.image.axes[each.axis]))
+        return us_from_ticks(float(np.abs(_all_intervals(each.ramp) - sent).max()), self.timer_hz)
+
+    def _warnings(self, *, verified: bool) -> Iterator[str]:
+        if not verified:
+            yield "What the controller has is not what was sent: push again before moving."
+        for each, bound in zip(self.wanted, self.bounds_ticks, strict=True):
+            if bound:
+                which = "" if len(self.wanted) == 1 else f" of axis {each.axis}"
+                yield (
+                    f"To fit the controller's memory, intervals{which} were changed by up to {bound:,} ticks: "
+                    f"at most {self._deviation_us(each):,.3g} µs from the design."
+                )
+        if not self.keeps_pace:
+            them = "its motor" if len(self.image.axes) == 1 else f"all {len(self.image.axes)} motors moving together"
+            yield (
+                f"The ramps have more segments in so short a time than the controller can prepare: {them} may have to "
+                f"wait between steps. A lower acceleration takes fewer."
+            )
+        too_fast = self.limits.too_fast_together([ways_of(ramp) for ramp in self.image.axes])
+        if len(self.image.axes) > 1 and too_fast is not None:
+            yield too_fast
+
+
+def plan_push(
+    designs: Sequence[Design],
+    hello: HelloReply,
+    settings: Settings,
+    first_axis: int | None = None,
+    present: RampImage | None = None,
+) -> PushPlan:
+    """Return what to send for designs to a controller that introduced itself like this.
+
+    first_axis, present: the only design is that of this axis; the others keep their present ramps. Without a first axis
+    the designs are those of all axes, and rejections name their fields from `axes` on.
+
+    Raises Rejected when a design's timer isn't a clock of the controller, an interval lies outside the limits, or the
+    ramps take more memory than there is.
+    """
+    others = present if first_axis is not None else None
+    _check_axes(len(designs), hello, first_axis, others)
+    timer_hz = _clock_hz(designs, hello, first_axis, others)
+    limits = PushLimits.of(hello, settings, timer_hz)
+    wanted = tuple(
+        Wanted(number if first_axis is None else first_axis, design, _path(number, first_axis), _ramp(design, path))
+        for number, design in enumerate(designs)
+        for path in [_path(number, first_axis)]
+    )
+    for each in wanted:
+        limits.check(each.design, each.ramp, each.path)
+    axes = max(len(wanted), len(others.axes) if others else 0)
+    changes = {_key(each.design): SmallestChange(each, limits, axes) for each in reversed(wanted)}
+    for change in changes.values():
+        change.ease()
+    chosen = [changes[_key(each.design)] for each in wanted]
+    image = _fitting(wanted, chosen, others, limits)
+    keeps_pace = all(change.keeps_pace for change in chosen)
+    return PushPlan(wanted, image, timer_hz, tuple(change.bound_ticks for change in chosen), limits, keeps_pace)
+
+
+def _path(number: int, first_axis: int | None) -> str:
+    return f"axes.{number}." if first_axis is None else ""
+
+
+def _ramp(design: Design, path: str) -> Ramp:
+    try:
+        return ramp_of(design)
+    except Rejected as error:
+        raise Rejected([Rejection(path + each.field, each.value, each.allowed) for each in error.rejections]) from error
+
+
+def _key(design: Design) -> str:
+    """Return what makes two designs' ramps the same."""
+    return design.model_dump_json(include={"timer", "ramp", "method", "table"})
+
+
+def _check_axes(count: int, hello: HelloReply, first_axis: int | None, present: RampImage | None) -> None:
+    if not 1 <= count <= hello.axes:
+        allowed = f"a list of 1 to {hello.axes} designs with this controller"
+        raise Rejected([Rejection("axes", f"{count} designs", allowed)])
+    most = min(hello.axes - 1, len(present.axes) if present else 0)
+    if first_axis is not None and not 0 <= first_axis <= most:
+        known = "has no ramps yet" if not present else f"has ramps for axes 0 to {len(present.axes) - 1}"
+        allowed = f"an axis from 0 to {most}, since the controller {known}; or push the designs of all axes together"
+        raise Rejected([Rejection("to_axis", first_axis, allowed)])
+
+
+def _clock_hz(designs: Sequence[Design], hello: HelloReply, first_axis: int | None, present: RampImage | None) -> int:
+    """Return the clock of the controller that all designs are made for [Hz]."""
+    clocks = (hello.fast_clock_hz, hello.slow_clock_hz)
+    both = f"{clocks[0]:,} or {clocks[1]:,} Hz"
+    bad = [
+        Rejection(f"{_path(number, first_axis)}timer.frequency_hz", design.timer.frequency_hz, allowed)
+        for number, design in enumerate(designs)
+        for allowed in [f"{both}: the clocks of this controller"]
+        if design.timer.frequency_hz not in clocks
+    ]
+    if bad:
+        raise Rejected(bad)
+    wanted = {number: int(design.timer.frequency_hz) for number, design in enumerate(designs)}
+    others_hz, whose = wanted[0], "that of axis 0"
+    if present is not None and any(axis != first_axis for axis in range(len(present.axes))):
+        others_hz, whose = clocks[0] if present.fast_clock else clocks[1], "that of the axes that keep their ramps"
+    bad = [
+        Rejection(
+            f"{_path(number, first_axis)}timer.frequency_hz",
+            hz,
+            f"{others_hz:,} Hz, {whose}: all axes have one clock, which is {both}",
+        )
+        for number, hz in wanted.items()
+        if hz != others_hz
+    ]
+    if bad:
+        raise Rejected(bad)
+    return others_hz
+
+
+def _fitting(
+    wanted: Sequence[Wanted], chosen: Sequence[SmallestChange], present: RampImage | None, limits: PushLimits
+) -> RampImage:
+    """Return the image that fits the controller, made so by coarser bounds of the ramps that take most."""
+    while True:
+        axes = dict(enumerate(present.axes if present else ()))
+        axes |= {each.axis: change.ramp for each, change in zip(wanted, chosen, strict=True)}
+        image = RampImage(limits.fast_clock, tuple(axes[axis] for axis in sorted(axes)))
+        misfits = [change for change in chosen if not change.fits]
+        if not misfits and len(image.encode()) <= limits.largest_image_bytes:
+            return image
+        largest_first = sorted(misfits or chosen, key=lambda change: -change.ramp.sent_segments)
+        if not any(change.make_coarser() for change in largest_first):
+            raise Rejected([_too_large(largest_first[0], limits)])
+
+
+def _too_large(change: SmallestChange, limits: PushLimits) -> Rejection:
+    design, path = change.wanted.design, change.wanted.path
+    allowed = (
+        f"a ramp of at most {limits.most_segments} segments, all ramps together of at most "
+        f"{limits.largest_image_bytes} bytes, with this controller; this one takes {change.ramp.sent_segments:,} "
+        f"segments, even with intervals changed by {change.bound_ticks:,} ticks: make it shorter or more even"
+    )
+    if design.method.name == "table":
+        return Rejection(f"{path}table.rows", f"{len(design.table.rows) if design.table else 0} rows", allowed)
+    return Rejection(f"{path}ramp.acceleration_steps_per_s2", design.ramp.acceleration_steps_per_s2, allowed)
+
+
+def _coarsest_bound(slew: float, timer_hz: int) -> int:
+    """Return the largest bound that is allowed for a ramp with this slew interval [ticks]."""
+    in_time = min(ticks_from_us(COARSEST_BOUND_US, timer_hz), slew * COARSEST_SHORT_BOUND)
+    return max(1, int(max(slew * COARSEST_BOUND, in_time)))
+
+
+def _bounds(coarsest: int) -> Iterator[int]:
+    """Yield 0, 1, 2, 3, 4, 6, 8, 12, 16, 24 … up to the coarsest [ticks]."""
+    yield 0
+    bound = 1
+    while bound <= coarsest:
+        yield bound
+        if bound > 1 and bound * 3 // 2 <= coarsest:
+            yield bound * 3 // 2
+        bound *= 2
+
+
+def _all_intervals(ramp: Ramp) -> NDArray[np.float64]:
+    return np.concatenate((ramp.up, [ramp.slew], ramp.down)).astype(np.float64)
+
+
+def _figures(ramp: Ramp, hz: float) -> dict[tuple[str, str], str]:
+    """Return the figures of a ramp that people compare: (name, unit) → figure."""
+    figures = {("Up ramp steps", "steps"): f"{ramp.up.size:,}"}
+    if ramp.up.size:
+        figures["First interval", "µs"] = _microseconds(ramp.up[0], hz)
+    figures["Slew interval", "µs"] = _microseconds(ramp.slew, hz)
+    figures["Down ramp steps", "steps"] = f"{ramp.down.size:,}"
+    if ramp.down.size:
+        figures["Last interval", "µs"] = _microseconds(ramp.down[0], hz)
+    return figures
+
+
+def _microseconds(ticks: float, hz: float) -> str:
+    """Return ticks as µs for people, to a ten-thousandth: finer than a tick of any controller here."""
+    whole, _, part = f"{us_from_ticks(float(ticks), hz):,.4f}".partition(".")
+    return f"{whole}.{part.rstrip('0') or '0'}"

@@ -1,0 +1,32 @@
+"""What a controller's refusals mean to people."""
+
+from collections.abc import Callable
+
+from stepramp.controllers.stepramp.messages import PROTOCOL_VERSION, Refusal, ReplyStatus
+from stepramp.errors import Refused, Rejected, Rejection, StepRampError
+
+WORDS = {
+    ReplyStatus.MOVING: "The motor moves: stop it first.",
+    ReplyStatus.NO_RAMP: "The controller has no ramp yet: push a design first.",
+    ReplyStatus.WRITING: "The controller is storing a ramp: try again in a few seconds.",
+    ReplyStatus.BAD_CRC: "The ramp arrived damaged; the controller keeps the one it had.",
+    ReplyStatus.BAD_VERSION: (
+        f"The controller speaks version {{detail}} of the protocol, this program version {PROTOCOL_VERSION}: "
+        "update the older of the two."
+    ),
+    ReplyStatus.TOO_FAST: "The axes are too fast together: they would take {detail} % of the controller's time.",
+}
+OF_VALUES = (ReplyStatus.OUT_OF_RANGE, ReplyStatus.TOO_FAST)
+
+
+def exception_for(refusal: Refusal, rejected: Callable[[Refusal], Rejection] | None) -> StepRampError:
+    """Return a refusal as the exception that says so; see Conversation.ask."""
+    if refusal.status in OF_VALUES and rejected is not None:
+        return Rejected([rejected(refusal)])
+    if refusal.status is ReplyStatus.BAD_RAMP:
+        ramp, segment = divmod(refusal.detail, 256)
+        where = "the ramps' header" if ramp == 255 else f"the header of ramp {ramp}"
+        where = where if segment == 255 else f"segment {segment} of ramp {ramp}"
+        return Refused(f"The controller refuses {where}; it keeps the ramps it had.")
+    unexpected = f"The controller refuses: {refusal.status.name.lower()} ({{detail}})."
+    return Refused(WORDS.get(refusal.status, unexpected).format(detail=refusal.detail))

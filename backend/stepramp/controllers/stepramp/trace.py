@@ -1,0 +1,142 @@
+"""Traces: when the steps of a move were made, by the controller's own timer, next to when they were planned.
+
+The controller tells 16 bits of its timer. A value lies within half a wrap of the planned instant, so that this says
+which wrap it belongs to.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache, partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepramp.controllers.stepramp.messages import TraceNotice
+from stepramp.ramp.playback.course import Stretch, pulse_instants
+from stepramp.units import us_from_ticks
+
+MOST_STEPS = 500_000
+"""So many steps of a trace are kept, the first ones: a run may last for days."""
+WRAP = 1 << 16
+"""The timer counts up to this and begins again [ticks]."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A move as it was asked for: with which pulse of a course each of its steps comes, counted from 1."""
+
+    course: Sequence[Stretch]
+    pulse_of_step: NDArray[np.int64] | None = None
+    """Shape (steps,); None: each step is a pulse."""
+
+    def instants(self, steps: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Return when steps come, counted from 1, from the course's first pulse on [ticks], shape of steps."""
+        if self.pulse_of_step is None:
+            return pulse_instants(self.course, steps)
+        return pulse_instants(self.course, self.pulse_of_step[np.minimum(steps, self.pulse_of_step.size) - 1])
+
+
+@dataclass(frozen=True)
+class Trace:
+    """The instants of every k-th step of a move. Arrays of shape (n,)."""
+
+    axis: int
+    every_steps: int
+    timer_hz: int
+    complete: bool
+    """The move has ended, and all that there is of it is here."""
+    changed: bool
+    """The move was changed on its way; what came after that is left out, since no plan is known for it."""
+    step: NDArray[np.int64]
+    """Which steps, counted from 1. Steps that the port could not carry are left out."""
+    planned_ticks: NDArray[np.int64]
+    """When they were to be made, from the first step on [ticks]."""
+    measured_ticks: NDArray[np.int64]
+    """When they were made, from the first step on [ticks]."""
+
+    @property
+    def deviation_us(self) -> NDArray[np.float64]:
+        """How much later than planned they were made [µs], shape (n,)."""
+        late = (self.measured_ticks - self.planned_ticks).astype(np.float64)
+        return late * np.float64(us_from_ticks(1, self.timer_hz))
+
+
+class TraceCollector:
+    """Collects the trace of one move, and then of the next."""
+
+    def __init__(self, axis: int, every_steps: int) -> None:
+        self.axis = axis
+        self.every_steps = every_steps
+        self._plan: Callable[[], Plan] | None = None
+        self._timer_hz = 0
+        self._has_ended = self._changed = self._is_full = False
+        self._steps: list[int] = []
+        self._values: list[int] = []
+
+    @property
+    def is_under_way(self) -> bool:
+        """Whether the end of a move is still to be told."""
+        return self._plan is not None and not self._has_ended
+
+    def begin(self, plan: Callable[[], Plan], timer_hz: int) -> None:
+        """Begin with a move that sets out from rest.
+
+        plan: works the plan out, which takes a while: it is called only when the trace is looked at.
+        """
+        self._plan, self._timer_hz = cache(plan), timer_hz
+        self._has_ended = self._changed = self._is_full = False
+        self._steps, self._values = [], []
+
+    def change(self) -> None:
+        """Take no further steps of this move: they are no longer made as planned."""
+        if self._plan is not None and not self._has_ended:
+            self._changed = True
+
+    def take(self, notice: TraceNotice) -> None:
+        """Take what the controller tells."""
+        if notice.axis != self.axis or self._plan is None or self._has_ended:
+            return
+        self._is_full = self._is_full or len(self._steps) + len(notice.values) > MOST_STEPS
+        if not self._changed and not self._is_full:
+            self._steps += [notice.first_step + notice.every_steps * index for index in range(len(notice.values))]
+            self._values += notice.values
+        self._has_ended = notice.is_last
+
+    def trace(self) -> Callable[[], Trace] | None:
+        """Return what works out the trace as far as it is known now, in any thread; None before a move was traced."""
+        if self._plan is None:
+            return None
+        complete = self._has_ended and not self._is_full
+        known = (self.axis, self.every_steps, self._timer_hz, complete, self._changed)
+        return partial(_trace, self._plan, self._steps.copy(), self._values.copy(), *known)
+
+
+def _trace(
+    planned_move: Callable[[], Plan],
+    steps: Sequence[int],
+    values: Sequence[int],
+    axis: int,
+    every_steps: int,
+    timer_hz: int,
+    complete: bool,
+    changed: bool,
+) -> Trace:
+    plan, step = planned_move(), np.array(steps, np.int64)
+    planned = plan.instants(step)
+    if plan.pulse_of_step is not None:
+        # A follower's first step may come after the leader's first: the trace begins with its own.
+        planned = planned - plan.instants(np.array([1]))[0]
+    measured = extended(np.array(values, np.int64), planned)
+    return Trace(axis, every_steps, timer_hz, complete, changed, step, planned, measured)
+
+
+def extended(values: NDArray[np.int64], planned: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return 16-bit values of a timer as instants of 64 bits, each within half a wrap of the planned one [ticks].
+
+    The first value is taken to be on time: all others are counted from it.
+    """
+    if not values.size:
+        return np.empty(0, np.int64)
+    late = (values - values[0] - (planned - planned[0]) + WRAP // 2) % WRAP - WRAP // 2
+    instants: NDArray[np.int64] = planned + late
+    return instants

@@ -1,0 +1,105 @@
+"""Tracing: which moves are traced, and with what plan, as they are asked for."""
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from time import monotonic
+
+from stepramp.controllers.stepramp.conversation import Conversation
+from stepramp.controllers.stepramp.messages import (
+    TRACE_OFF,
+    AxisState,
+    StatusReply,
+    StatusRequest,
+    TraceNotice,
+    TraceReply,
+    TraceRequest,
+)
+from stepramp.controllers.stepramp.trace import Plan, Trace, TraceCollector
+from stepramp.ramp.line import steps_together
+from stepramp.ramp.playback.course import Ways
+
+ENDLESS_STEPS = 2**31
+LAST_FRAME_WITHIN_S = 0.2
+LISTEN_S = 0.01
+
+
+class Tracing:
+    """The trace of one axis' moves over a conversation.
+
+    give_way: called while a trace is waited for, with how long there is time for other calls [s].
+    """
+
+    def __init__(self, conversation: Conversation, give_way: Callable[[float], None]) -> None:
+        self._conversation = conversation
+        self._give_way = give_way
+        self._collector: TraceCollector | None = None
+        self._sets_out = False
+
+    @property
+    def trace(self) -> Callable[[], Trace] | None:
+        """What works out the trace of the last move that was traced, in any thread; None before there was one."""
+        return self._collector.trace() if self._collector else None
+
+    def arm(self, axis: int | None, every_steps: int) -> int:
+        """Trace an axis' moves from now on, and return of how many steps one; None: no more of them."""
+        request = TraceRequest(TRACE_OFF if axis is None else axis, every_steps)
+        every = self._conversation.ask(request, TraceReply).every_steps
+        if axis is not None:
+            self._collector = TraceCollector(axis, every)
+        return every
+
+    def take(self, notice: TraceNotice) -> None:
+        """Take what the controller tells."""
+        if self._collector is not None:
+            self._collector.take(notice)
+
+    def prepare(self, axes: Collection[int], hear: Callable[[], None]) -> dict[int, int]:
+        """Before a request to axes: find out whether the traced one sets out from rest, and return where it is.
+
+        hear: lets what the controller has said unasked be taken; what it tells of the move before is waited for.
+        """
+        self._sets_out = False
+        collector = self._collector
+        if collector is None or collector.axis not in axes:
+            return {}
+        status = self._conversation.ask(StatusRequest(collector.axis), StatusReply)
+        self._sets_out = status.axis_state == AxisState.IDLE
+        if not self._sets_out:
+            collector.change()
+        deadline = monotonic() + LAST_FRAME_WITHIN_S
+        hear()
+        while self._sets_out and collector.is_under_way and monotonic() < deadline:
+            self._give_way(LISTEN_S)
+            hear()
+        return {collector.axis: status.position_steps}
+
+    def change(self, axes: Collection[int] | None) -> None:
+        """Note that axes, or all, no longer do what was planned."""
+        if self._collector is not None and (axes is None or self._collector.axis in axes):
+            self._collector.change()
+
+    def moves(self, distances: Mapping[int, int], ways: Sequence[Ways], timer_hz: int) -> None:
+        """Note that axes have begun to move so many steps."""
+        if (collector := self._setting_out(distances)) is not None:
+            own = ways[collector.axis]
+            steps = abs(distances[collector.axis])
+            collector.begin(lambda: Plan(own.course(own.rest, steps)), timer_hz)
+
+    def runs(self, intervals: Mapping[int, int], ways: Sequence[Ways], timer_hz: int) -> None:
+        """Note that axes have begun to run at intervals [ticks]."""
+        if (collector := self._setting_out(intervals)) is not None:
+            own = ways[collector.axis]
+            interval = abs(intervals[collector.axis])
+            collector.begin(lambda: Plan(own.course(own.rest, ENDLESS_STEPS, interval)), timer_hz)
+
+    def goes_along_a_line(self, steps: Mapping[int, int], ways: Ways, timer_hz: int) -> None:
+        """Note that axes have begun to move along a line, whose leader goes these ways."""
+        if (collector := self._setting_out(steps)) is not None:
+            most, own = max(map(abs, steps.values())), abs(steps[collector.axis])
+            collector.begin(lambda: Plan(ways.course(ways.rest, most), steps_together(most, own)), timer_hz)
+
+    def _setting_out(self, asked: Mapping[int, int]) -> TraceCollector | None:
+        """Return the collector if the axis that it traces has set out from rest."""
+        collector = self._collector
+        if collector is None or not self._sets_out or not asked.get(collector.axis):
+            return None
+        return collector

@@ -1,0 +1,1 @@
+"""The virtual controller: one of the family `stepramp`, with nothing attached."""

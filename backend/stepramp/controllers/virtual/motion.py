@@ -1,0 +1,183 @@
+"""The virtual controller's motors: each where its course has brought it, by a clock of ticks."""
+
+from collections.abc import Callable
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepramp.controllers.stepramp.messages import AxisState
+from stepramp.ramp.playback.course import Course, Ways
+
+ENDLESS_STEPS = 2**48
+"""More than a run makes in a lifetime."""
+
+InstantsOf = Callable[[NDArray[np.int64]], NDArray[np.int64]]
+
+
+class Watch(Protocol):
+    """What is told of each pulse of a motor."""
+
+    def set_out(self) -> None:
+        """Notice that the motor sets out from rest."""
+
+    def pulses(self, first: int, count: int, instants_of: InstantsOf) -> None:
+        """Notice pulses, counted from 1 since the motor set out; instants_of returns when some of them came [ticks]."""
+
+    def at_rest(self) -> None:
+        """Notice that the motor has come to rest."""
+
+
+class VirtualMotor:
+    """A motor that is where the last call of `settle` found it. All instants are ticks of the step timer.
+
+    setup_ticks: from a change of direction to the next pulse.
+    """
+
+    def __init__(self, ways: Ways, setup_ticks: int, position: int = 0, watch: Watch | None = None) -> None:
+        self._ways = ways
+        self._setup_ticks = setup_ticks
+        self.watch = watch
+        self._course: Course = []
+        self._began = 0
+        """Instant of the first pulse of the present stretch."""
+        self._done = 0
+        """Pulses of the present stretch."""
+        self._due = 0
+        """Instant of the next pulse, or of the end of the last interval."""
+        self._place = self._ways.rest
+        self._direction = 1
+        self._destination = position
+        self._level: int | None = None
+        self._run_direction = 0
+        """Of a run at a speed; 0: it goes to its destination."""
+        self.position = position
+        self.moving = False
+        self.stopping = False
+        self.steps_made = 0
+        """Since it last set out from rest."""
+
+    @property
+    def state(self) -> AxisState:
+        """What it is doing."""
+        if not self.moving:
+            return AxisState.IDLE
+        return AxisState.STOPPING if self.stopping else AxisState.MOVING
+
+    @property
+    def interval(self) -> int:
+        """The interval that passes [ticks]; 0 at rest."""
+        return self._place.interval if self.moving else 0
+
+    @property
+    def target(self) -> int:
+        """Where it will come to rest [steps]; its position at rest, and as long as it runs at a speed."""
+        return self.position if self.running else self._destination
+
+    @property
+    def running(self) -> bool:
+        """Whether it goes on and on at a speed."""
+        return self._run_direction != 0
+
+    def shortest_interval(self, asked: int | None) -> int:
+        """Return the shortest interval that it may come to when this one is asked for; None: left to what it does."""
+        wanted = asked or self._level or self._ways.slew_interval
+        return min(wanted, self.interval or wanted)
+
+    def settle(self, now: int) -> None:
+        """Move to where it is by now."""
+        while self.moving and self._due <= now:
+            if self._course:
+                self._play(now)
+            elif not self.running and self.position == self._destination:
+                self._rest()
+            else:
+                # It has passed its target, or turns: it goes on the other way.
+                self._plan_from_rest(self._due + self._setup_ticks)
+
+    def move_to(self, target: int, ready: int) -> None:
+        """Go to a position at the ramp's slew speed; at rest, set out at the instant `ready`."""
+        self._destination = target
+        self._go(0, None, ready)
+
+    def run(self, interval: int, direction: int, ready: int) -> None:
+        """Go on and on with an interval, not shorter than the ramp's slew interval [ticks]; positions go round."""
+        self._go(direction, interval, ready)
+
+    def stop(self) -> None:
+        """Slow down to rest."""
+        if not self.moving or self.stopping:
+            return
+        self.stopping, self._run_direction = True, 0
+        self._destination = self._stop_place()
+        if self._place.interval:
+            self._replan()
+        else:
+            self._rest()
+
+    def halt(self) -> None:
+        """Make no further step."""
+        if self.moving:
+            self._destination = self.position
+            self._rest()
+
+    def place_at(self, position: int) -> None:
+        """Call the place where it rests a position."""
+        self.position = self._destination = position
+
+    def _go(self, run_direction: int, level: int | None, ready: int) -> None:
+        self._run_direction, self._level, self.stopping = run_direction, level, False
+        if self.moving:
+            self._replan()
+        elif self.running or self._destination != self.position:
+            self._set_out(ready)
+
+    def _stop_place(self) -> int:
+        steps = self._ways.steps_to_rest(self._place) if self._place.interval else 0
+        return _position(self.position + self._direction * steps)
+
+    def _set_out(self, at: int) -> None:
+        self.moving, self.steps_made = True, 0
+        self._plan_from_rest(at)
+        if self.watch:
+            self.watch.set_out()
+
+    def _plan_from_rest(self, at: int) -> None:
+        self._place, self._due = self._ways.rest, at
+        self._replan()
+
+    def _replan(self) -> None:
+        """Plan what comes after the present interval."""
+        if not self._place.interval:
+            self._direction = self._run_direction or (1 if self._destination > self.position else -1)
+        way = ENDLESS_STEPS * self._run_direction if self.running else self._destination - self.position
+        self._course = self._ways.course(self._place, max(0, way * self._direction), self._level)
+        self._began, self._done = self._due, 0
+
+    def _play(self, now: int) -> None:
+        stretch = self._course[0]
+        done, began = self._done, self._began
+        self._done = stretch.pulses_within(now - began)
+        self._place = stretch.place_after(self._done)
+        self._due = began + stretch.ticks_to(self._done)
+        made = self._done - done
+        self.position = _position(self.position + self._direction * made)
+        self.steps_made += made
+        if self._done == stretch.count:
+            self._course.pop(0)
+            self._began, self._done = self._due, 0
+        if self.watch:
+            first = self.steps_made - made + 1
+            self.watch.pulses(first, made, lambda pulses: began + stretch.instants(pulses - first + done))
+
+    def _rest(self) -> None:
+        self.moving = self.stopping = False
+        self._run_direction = 0
+        self._course, self._place, self._level = [], self._ways.rest, None
+        if self.watch:
+            self.watch.at_rest()
+
+
+def _position(steps: int) -> int:
+    """Return a number of steps as the position that it is: after the last one comes the first."""
+    return (steps + 2**31) % 2**32 - 2**31

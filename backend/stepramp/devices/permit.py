@@ -1,0 +1,59 @@
+"""Which motion may set out just now: asked at the last instant before bytes go out. In the thread of a port."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from stepramp.controllers.contract import AnswerUnknown
+from stepramp.devices.stops import Overtaken, Stops
+from stepramp.errors import StepRampError
+
+
+class Permit:
+    """What was asked for at one moment may be sent, unless a stop has come since."""
+
+    def __init__(self, stops: Stops) -> None:
+        self._stops = stops
+        self._asked: int | None = None
+        self._has_sent = False
+        self.is_unseen = False
+        """Something may have set out, and it has not been looked since."""
+
+    def check(self) -> None:
+        """Raise Overtaken when what is about to be sent sets out what a stop came after."""
+        if self._asked is not None:
+            self._stops.refuse_overtaken(self._asked)
+            self._has_sent = True
+
+    @contextmanager
+    def given(self, asked: int) -> Iterator[None]:
+        """Let that be sent which was asked for then."""
+        self._asked, self._has_sent = asked, False
+        try:
+            # Refused here too: what the controller is asked first, as its state, may not have to be sent.
+            self._stops.refuse_overtaken(asked)
+            yield
+        finally:
+            self._asked = None
+
+    @contextmanager
+    def set_aside(self) -> Iterator[None]:
+        """Let a stop be sent in the midst of what sets axes in motion."""
+        asked, self._asked = self._asked, None
+        try:
+            yield
+        finally:
+            self._asked = asked
+
+    @contextmanager
+    def setting_out(self) -> Iterator[None]:
+        """Until it is seen what has set out, each stop in between looks itself: what it shows is not from before."""
+        self.is_unseen = True
+        try:
+            yield
+        finally:
+            self.is_unseen = False
+
+    def may_have_set_out(self, error: Exception) -> bool:
+        """Tell whether what failed may be carried out all the same: the controller has not surely said no, or gone."""
+        says_no = isinstance(error, StepRampError) and not isinstance(error, (Overtaken, AnswerUnknown))
+        return self._has_sent and not says_no

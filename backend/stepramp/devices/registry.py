@@ -1,0 +1,247 @@
+"""The registry of connected devices, for any thread."""
+
+import logging
+import threading
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import contextmanager, suppress
+
+from stepramp.controllers.families import FAMILIES, offer_virtual_controller
+from stepramp.devices.device import Device
+from stepramp.devices.owed_stops import OwedStops
+from stepramp.devices.reconnect import Returning
+from stepramp.devices.stops import Order, Stops
+from stepramp.devices.view import DeviceState, DeviceView
+from stepramp.errors import NotFound, Refused, StepRampError, shown
+from stepramp.link.ports import known_port, place_of
+
+_logger = logging.getLogger(__name__)
+
+Listener = Callable[[], None]
+
+
+class Devices:
+    """The devices that are connected, or were until they were lost, by ids that count from "1".
+
+    Each has a worker of its own, so that one that is lost does not keep the others waiting.
+    """
+
+    def __init__(self) -> None:
+        """Begin with no device; the virtual controller is there to be connected."""
+        offer_virtual_controller()
+        self.order = Order()
+        """Of all that is asked of devices, and of their stops."""
+        self._stops = Stops(self.order)
+        self._owed = OwedStops(self.order)
+        self._lock = threading.Lock()
+        self._devices: dict[str, Device] = {}
+        # Devices that were forgotten and are to be remembered, by what tells apart what was plugged in: soft limits,
+        # and axes that may be elsewhere than they count.
+        self._let_go: dict[object, DeviceView] = {}
+        self._listeners: list[Listener] = []
+        self._pages: Counter[str] = Counter()
+        self._last_id = 0
+        self._has_ended = False
+        self._returning = Returning(self._lost)
+
+    def look_for_lost_ones(self) -> None:
+        """Connect devices again that were lost, once they are back, from now on until the end."""
+        self._returning.begin()
+
+    def views(self) -> list[DeviceView]:
+        """Return all devices as they are now, in the order in which they were connected."""
+        return [device.view for device in self._all()]
+
+    def get(self, device_id: str) -> Device:
+        """Return a device; NotFound when there is none of that id."""
+        with self._lock:
+            device = self._devices.get(device_id)
+        if device is None:
+            raise NotFound(f"There is no device {shown(device_id)}.")
+        return device
+
+    def acting(self, device_id: str, page: str | None) -> Device:
+        """Return a device for a page that acts on it, and is from then on in control; None: a program, never hindered.
+
+        Refused while another page is in control. A page that doesn't listen is never in control: nobody would know when
+        it is gone.
+        """
+        device = self.get(device_id)
+        if page is not None and self._is_there(page):
+            device.take_control(page)
+        elif page is not None:
+            device.refuse_others(page)
+        return device
+
+    def take_over(self, device_id: str, page: str) -> Device:
+        """Put a page in control of a device, whichever was before; Refused when the page doesn't listen."""
+        device = self.get(device_id)
+        if not self._is_there(page):
+            raise Refused("Only a page that listens to the devices' events can be in control of one.")
+        device.take_control(page, over=True)
+        return device
+
+    @contextmanager
+    def present(self, page: str | None) -> Iterator[None]:
+        """Note that a page is there and listens; once it is gone, it is in control of nothing."""
+        if page is None:
+            yield
+            return
+        with self._lock:
+            self._pages[page] += 1
+        try:
+            yield
+        finally:
+            with self._lock:
+                self._pages[page] -= 1
+                self._pages += Counter()  # Only those above zero stay.
+            if not self._is_there(page):
+                for device in self._all():
+                    device.leave_control(page)
+
+    def connect(self, port: str) -> Device:
+        """Return the device at a port, connected: the one that is there already, by whatever name, or a new one.
+
+        A lost device is connected again under its id. Raises as Device.connect; a new device that can't be connected
+        is forgotten, a lost one stays lost.
+        """
+        device, is_new = self._at(port)
+        try:
+            device.connect()
+        except Exception:
+            if is_new:
+                self._forget(device)
+            raise
+        with self._lock:
+            # Another call may have failed at the same port, and forgotten the device, just before this one succeeded.
+            self._devices.setdefault(device.view.id, device)
+        return device
+
+    def disconnect(self, device_id: str) -> None:
+        """Let go of a device and forget it; Refused while its motor moves."""
+        device = self.get(device_id)
+        device.disconnect()
+        self._forget(device)
+
+    def stop_all(self) -> None:
+        """Stop every device, all at the same time; those that can't be asked tell so by their state."""
+        with self.being_stopped():
+            for stopped in self.begin_to_stop():
+                with suppress(StepRampError):
+                    stopped.result()
+
+    @contextmanager
+    def being_stopped(self) -> Iterator[None]:
+        """Let no device move while a stop of all is being answered, nor afterwards what was asked until then.
+
+        It holds for devices, too, that are connected meanwhile.
+        """
+        try:
+            with self._stops.unanswered():
+                self._show_stops()
+                yield
+        finally:
+            self._show_stops()
+
+    def begin_to_stop(self) -> list[Future[None]]:
+        """Have every device stop, and return the results to come of those that can be asked; see Device.stop."""
+        pending = []
+        for device in self._all():
+            with suppress(StepRampError):
+                pending.append(device.stop())
+        return pending
+
+    def end_motion(self) -> None:
+        """Stop every device for good: nothing moves any more. For the end of the program."""
+        self._has_ended = True
+        self._returning.end()
+        _at_once(Device.end_motion, self._all())
+
+    def close(self) -> None:
+        """Stop what moves and let go of all devices."""
+        self.end_motion()
+        _at_once(Device.shut_down, self._all())
+        with self._lock:
+            self._devices.clear()
+        self._tell()
+
+    @contextmanager
+    def listening(self, listener: Listener) -> Iterator[None]:
+        """Have a listener called on each change, from whatever thread makes it; it must return at once."""
+        with self._lock:
+            self._listeners.append(listener)
+        try:
+            yield
+        finally:
+            with self._lock:
+                self._listeners.remove(listener)
+
+    def _show_stops(self) -> None:
+        for device in self._all():
+            device.show_stops()
+
+    def _all(self) -> list[Device]:
+        with self._lock:
+            return list(self._devices.values())
+
+    def _lost(self) -> list[Device]:
+        return [device for device in self._all() if device.view.state is DeviceState.LOST]
+
+    def _is_there(self, page: str) -> bool:
+        with self._lock:
+            return self._pages[page] > 0
+
+    def _at(self, port: str) -> tuple[Device, bool]:
+        # Without the lock: this may take a while, as does listing the machine's ports, and a stop must not wait for it.
+        place = place_of(port)
+        if (device := self._present_at(port, place)) is not None:
+            return device, False
+        known = known_port(port)
+        with self._lock:
+            if (device := self._one_at(port, place)) is not None:
+                return device, False
+            if self._has_ended:
+                raise Refused("StepRamp is ending: nothing is connected any more.")
+            self._last_id += 1
+            device_id = str(self._last_id)
+            before = self._let_go.get(known.identity)
+            family = FAMILIES["stepramp"]
+            device = Device(device_id, known, family, self.order, self._stops, self._owed, self._tell, before)
+            self._devices[device_id] = device
+        self._tell()
+        return device, True
+
+    def _present_at(self, port: str, place: str) -> Device | None:
+        with self._lock:
+            return self._one_at(port, place)
+
+    def _one_at(self, port: str, place: str) -> Device | None:
+        named = (device for device in self._devices.values() if device.view.port == port)
+        return next(named, None) or next((each for each in self._devices.values() if each.place == place), None)
+
+    def _forget(self, device: Device) -> None:
+        with self._lock:
+            if not device.connected:
+                self._devices.pop(device.view.id, None)
+                if device.view.soft_limits or device.view.unknown_positions:
+                    self._let_go[device.identity] = device.view
+                else:
+                    self._let_go.pop(device.identity, None)
+        self._tell()
+
+    def _tell(self) -> None:
+        with self._lock:
+            listeners = list(self._listeners)
+        for listener in listeners:
+            try:
+                listener()
+            except Exception:
+                # Whoever asked for what has changed must not be kept waiting by it, nor the others.
+                _logger.exception("A change of a device could not be told.")
+
+
+def _at_once(act: Callable[[Device], None], devices: Sequence[Device]) -> None:
+    """Have something done by all devices at the same time, and wait for all."""
+    with ThreadPoolExecutor(max_workers=max(1, len(devices))) as pool:
+        list(pool.map(act, devices))

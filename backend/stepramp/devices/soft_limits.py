@@ -1,0 +1,80 @@
+"""Soft limits: how far axes may go, as the person at the machine says. The server keeps them; controllers know none."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from stepramp.controllers.contract import Asked
+from stepramp.design import MOST_STEPS
+from stepramp.errors import Rejected, Rejection
+
+REACTION_S = 0.5
+"""What may pass until a run that comes near a limit is slowed down [s]: while a request isn't answered it is looked
+every 0.2 s, and the stop itself may have to be repeated once, after 0.2 s."""
+
+
+@dataclass(frozen=True)
+class Span:
+    """Positions that an axis may be sent to [steps]; None: no limit on that side."""
+
+    lowest_steps: int | None = None
+    highest_steps: int | None = None
+
+    def contains(self, position_steps: int) -> bool:
+        """Whether an axis may be there."""
+        above = self.lowest_steps is None or position_steps >= self.lowest_steps
+        return above and (self.highest_steps is None or position_steps <= self.highest_steps)
+
+    def is_open(self, direction: int) -> bool:
+        """Whether there is no limit in a direction, given by its sign."""
+        return (self.highest_steps if direction > 0 else self.lowest_steps) is None
+
+    @property
+    def words(self) -> str:
+        """The span as people read it."""
+        low = "any position" if self.lowest_steps is None else f"{self.lowest_steps:,}"
+        high = "any position" if self.highest_steps is None else f"{self.highest_steps:,}"
+        return f"{low} to {high} steps"
+
+
+FREE = Span()
+Spans = Mapping[int, Span]
+
+
+def refuse_beyond(spans: Spans, asked: Sequence[Asked], from_steps: Mapping[int, int], *, relative: bool) -> None:
+    """Reject targets beyond soft limits, and ways of more than ten million steps towards where an axis has none.
+
+    asked: distances, or else positions [steps]. from_steps: where each axis would come to rest otherwise [steps]; axes
+    that aren't known are left to the controller.
+    """
+    rejections = []
+    for each in asked:
+        if each.axis not in from_steps:
+            continue
+        start, span = from_steps[each.axis], spans.get(each.axis, FREE)
+        target = start + int(each.value) if relative else int(each.value)
+        if not span.contains(target):
+            to = f", and this leads to {target:,}" if relative else ""
+            allowed = f"what stays within the soft limits of axis {each.axis}, {span.words}{to}"
+            rejections.append(Rejection(each.field, int(each.value), allowed))
+        elif abs(target - start) > MOST_STEPS and span.is_open(target - start):
+            allowed = f"a way of up to {MOST_STEPS:,} steps at a time where axis {each.axis} has no soft limit"
+            rejections.append(Rejection(each.field, int(each.value), allowed))
+    if rejections:
+        raise Rejected(rejections)
+
+
+def out_of_limits(asked: Asked, span: Span) -> Rejection:
+    """Return the rejection of a speed that leads out of soft limits, or too near to them to stop in time."""
+    allowed = f"a speed at which axis {asked.axis} can still come to rest within its soft limits, {span.words}"
+    return Rejection(asked.field, asked.value, allowed)
+
+
+def comes_too_near(span: Span, position_steps: float, velocity_steps_per_s: float, steps_to_rest: int) -> bool:
+    """Tell whether an axis that runs comes to rest beyond its soft limits, unless it slows down now.
+
+    velocity_steps_per_s: with its sign. steps_to_rest: what slowing down takes.
+    """
+    ahead = steps_to_rest + abs(velocity_steps_per_s) * REACTION_S
+    if velocity_steps_per_s > 0:
+        return span.highest_steps is not None and position_steps + ahead >= span.highest_steps
+    return span.lowest_steps is not None and position_steps - ahead <= span.lowest_steps

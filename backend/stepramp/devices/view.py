@@ -1,0 +1,180 @@
+"""What is known of a device at one moment."""
+
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from enum import StrEnum
+
+from stepramp.controllers.contract import Activity, AxisStatus, ControllerStatus, PushReport, StoredRamp
+from stepramp.controllers.progress import Progress
+from stepramp.devices.shuttle import Shuttle
+from stepramp.devices.soft_limits import FREE, Span
+
+
+class DeviceState(StrEnum):
+    """Where a device is between connecting and being lost."""
+
+    CONNECTING = "connecting"
+    READY = "ready"
+    MOVING = "moving"
+    STOPPING = "stopping"
+    WRITING = "writing"
+    LOST = "lost"
+
+
+STATES = {activity: DeviceState(activity.value) for activity in Activity}
+UNDER_WAY = (DeviceState.MOVING, DeviceState.STOPPING)
+
+
+@dataclass(frozen=True)
+class AxisView:
+    """An axis as it was at one moment; positions [steps], speed without sign [steps/s]."""
+
+    axis: int
+    state: DeviceState
+    position_steps: int
+    target_steps: int
+    speed_steps_per_s: float
+    steps_made: int
+    lowest_steps: int | None = None
+    """Soft limits; None for none."""
+    highest_steps: int | None = None
+
+    def limited(self, span: Span) -> "AxisView":
+        """Return the axis with soft limits."""
+        return replace(self, lowest_steps=span.lowest_steps, highest_steps=span.highest_steps)
+
+    def stopping(self) -> "AxisView":
+        """Return the axis as it is once a stop was granted; where it will come to rest is still to be asked."""
+        if self.state is not DeviceState.MOVING:
+            return self
+        return replace(self, state=DeviceState.STOPPING, target_steps=self.position_steps)
+
+
+@dataclass(frozen=True)
+class DeviceView:
+    """A device as it was at one moment. Position, target and speed are those of axis 0."""
+
+    id: str
+    port: str
+    name: str
+    state: DeviceState = DeviceState.CONNECTING
+    message: str | None = None
+    """Why the device is lost."""
+    position_steps: int = 0
+    target_steps: int = 0
+    speed_steps_per_s: float = 0.0
+    axes: tuple[AxisView, ...] = ()
+    """Each axis that has a ramp; the first one in any case, once connected."""
+    timer_hz: int | None = None
+    """Known once connected, as are the clocks, the firmware's version and the ramp."""
+    clocks_hz: tuple[int, int] | None = None
+    firmware_version: str | None = None
+    ramp: StoredRamp | None = None
+    on_trial: bool = False
+    motors_on: bool = False
+    starved: int = 0
+    pushed: PushReport | None = None
+    """The last push over this connection."""
+    progress: Progress | None = None
+    """How far the push has come that is under way."""
+    shuttle: Shuttle | None = None
+    """An axis goes there and back."""
+    unknown_positions: tuple[int, ...] = ()
+    """Axes that may be elsewhere than they count, since the device was lost."""
+    in_control: str | None = None
+    """The page that is in control of the device."""
+    stops: int = 0
+    """A number that grows with each stop."""
+    soft_limits: Mapping[int, Span] = field(default_factory=dict)
+    """Of the axes that have some."""
+    heard_s: float = field(default=0.0, compare=False)
+    """When the controller said so, by the monotonic clock [s]."""
+
+    def with_status(self, status: ControllerStatus) -> "DeviceView":
+        """Return the device as its controller now says it is."""
+        first = status.axes[0]
+        return replace(
+            self,
+            state=STATES[status.activity],
+            position_steps=first.position_steps,
+            target_steps=first.target_steps,
+            speed_steps_per_s=first.speed_steps_per_s,
+            axes=tuple(_axis_view(axis, self.soft_limits.get(axis.axis, FREE)) for axis in status.axes),
+            ramp=status.ramp,
+            on_trial=status.on_trial,
+            motors_on=status.motors_on,
+            starved=status.starved,
+        )
+
+    def anew(self, port: str, name: str) -> "DeviceView":
+        """Return the device as it is while it is connected again: what is known of it stays, what it said doesn't."""
+        return DeviceView(
+            self.id,
+            port,
+            name,
+            unknown_positions=self.unknown_positions,
+            in_control=self.in_control,
+            stops=self.stops,
+            soft_limits=self.soft_limits,
+        )
+
+    def limited(self, spans: Mapping[int, Span]) -> "DeviceView":
+        """Return the device with these soft limits, besides those that other axes have."""
+        limits = {axis: span for axis, span in {**self.soft_limits, **spans}.items() if span != FREE}
+        axes = tuple(each.limited(limits.get(each.axis, FREE)) for each in self.axes)
+        return replace(self, soft_limits=limits, axes=axes)
+
+    def stopping(self, axes: Collection[int] | None) -> "DeviceView":
+        """Return the device as it is once a stop of axes, or all, was granted, before it is asked again."""
+        now = tuple(each.stopping() if axes is None or each.axis in axes else each for each in self.axes)
+        slows_down = self.state is DeviceState.MOVING and DeviceState.MOVING not in {axis.state for axis in now}
+        target_steps = now[0].target_steps if now else self.target_steps
+        state = DeviceState.STOPPING if slows_down else self.state
+        return replace(self, axes=now, state=state, target_steps=target_steps)
+
+    def with_known_positions(self, axes: Collection[int]) -> "DeviceView":
+        """Return the device once somebody has said where axes are."""
+        return replace(self, unknown_positions=tuple(axis for axis in self.unknown_positions if axis not in axes))
+
+    def at_a_loss(self, message: str) -> "DeviceView":
+        """Return the device as it is once its controller is no longer there."""
+        axes = tuple(replace(axis, state=DeviceState.LOST, speed_steps_per_s=0.0) for axis in self.axes)
+        return replace(
+            self,
+            state=DeviceState.LOST,
+            message=" ".join((message, *self._midst())),
+            speed_steps_per_s=0.0,
+            axes=axes,
+            unknown_positions=tuple(sorted({*self.unknown_positions, *(axis.axis for axis in self.axes)})),
+            progress=None,
+            shuttle=None,
+        )
+
+    def let_go(self) -> "DeviceView":
+        """Return the device as it is once it is disconnected on purpose.
+
+        Until it is connected again it may be moved by others, and count anew: nobody knows where its limits are then.
+        """
+        unknown = tuple(sorted({*self.unknown_positions, *self.soft_limits}))
+        return replace(self.at_a_loss("Disconnected."), unknown_positions=unknown)
+
+    def _midst(self) -> Iterator[str]:
+        """Yield what was going on, for somebody who wonders what has come of it."""
+        if self.state is DeviceState.WRITING:
+            yield "It was being given ramps or settings: it has the old ones or the new ones whole, never a mixture."
+        for axis in self.axes:
+            if axis.state in UNDER_WAY:
+                yield f"Axis {axis.axis} was moving, last heard of at {axis.position_steps:,} steps."
+
+
+def _axis_view(status: AxisStatus, span: Span) -> AxisView:
+    return AxisView(
+        axis=status.axis,
+        state=STATES[status.activity],
+        position_steps=status.position_steps,
+        target_steps=status.target_steps,
+        speed_steps_per_s=status.speed_steps_per_s,
+        steps_made=status.steps_made,
+        lowest_steps=span.lowest_steps,
+        highest_steps=span.highest_steps,
+    )
