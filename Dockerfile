@@ -5,7 +5,7 @@
 FROM python:3.12-slim
 
 WORKDIR /opt/stepramp
-COPY dev pyproject.toml README.md ./
+COPY dev pyproject.toml README.md LICENSE ./
 COPY requirements requirements
 COPY backend backend
 COPY frontend frontend
