@@ -60,6 +60,12 @@ def test_the_command_line_tells_what_is_allowed(capsys: pytest.CaptureFixture[st
     assert capsys.readouterr().err == "stepramp: --port is 'many'; allowed: a whole number from 1 to 65,535.\n"
 
 
+def test_a_level_of_the_log_that_is_none_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--log-level", "loud", "--no-browser"]) == 2
+    allowed = "critical, error, warning, info, debug"
+    assert capsys.readouterr().err == f"stepramp: --log-level is 'loud'; allowed: {allowed}.\n"
+
+
 def test_help_and_version_come_without_loading_the_server() -> None:
     code = "import sys, stepramp.cli\nassert 'numba' not in sys.modules and 'fastapi' not in sys.modules"
     subprocess.run([sys.executable, "-c", code], check=True)

@@ -3,6 +3,7 @@
 import argparse
 import gc
 import json
+import logging
 import os
 import socket
 import sys
@@ -21,6 +22,7 @@ from stepramp.version import __version__
 LOOPBACK = "127.0.0.1"
 FIRST_PORT = 8000
 PORTS_TRIED = 100
+LOG_LEVELS = ("critical", "error", "warning", "info", "debug")
 SWITCH_S = 0.0005
 """After so long a thread that computes in Python lets another go on [s]. A stop wakes several, one after the other."""
 
@@ -32,6 +34,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     port_help = f"port on {LOOPBACK}, the next free one if taken (default: {FIRST_PORT})"
     parser.add_argument("--port", default=str(FIRST_PORT), help=port_help)
     parser.add_argument("--no-browser", action="store_true", help="do not open the page")
+    levels = ", ".join(LOG_LEVELS)
+    level_help = f"how much is told of what goes on, up to each byte: {levels} (default: warning)"
+    parser.add_argument("--log-level", default="warning", help=level_help)
     commands = parser.add_subparsers(dest="command", title="instead of the server")
     exporting = commands.add_parser("export", help="write a design in a format, as C code or as a report")
     exporting.add_argument("format", help="c_table, c_newton, csv, html …; a wrong one lists them all")
@@ -42,6 +47,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if options.command == "export":
             export_design(options.format, options.design, options.file)
             return 0
+        logging.basicConfig(format="%(asctime)s.%(msecs)03d %(levelname)s %(name)s: %(message)s", datefmt="%H:%M:%S")
+        logging.getLogger("stepramp").setLevel(log_level(options.log_level))
         listener = free_port(port_number(options.port))
     except Rejected as error:
         print(f"stepramp: {error}", file=sys.stderr)
@@ -87,6 +94,16 @@ def port_number(text: str) -> int:
     if text.isascii() and text.isdigit() and 1 <= int(text) <= 65535:
         return int(text)
     raise Rejected([Rejection("--port", text, "a whole number from 1 to 65,535")])
+
+
+def log_level(text: str) -> int:
+    """Return a level of the standard logging.
+
+    Raises Rejected when the text names none of LOG_LEVELS.
+    """
+    if text in LOG_LEVELS:
+        return logging.getLevelNamesMapping()[text.upper()]
+    raise Rejected([Rejection("--log-level", text, ", ".join(LOG_LEVELS))])
 
 
 def free_port(first: int) -> socket.socket:

@@ -1,5 +1,6 @@
 """A device: one controller at one port, its state, and what can be asked of it from any thread."""
 
+import logging
 import threading
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from concurrent.futures import Future
@@ -53,6 +54,8 @@ IDLE_POLL_S = 1 / 2
 """Often enough to notice soon that a device was unplugged."""
 LAST_STOP_S = 1.5
 """How long the end of the program waits for a stop to be granted [s]."""
+
+_logger = logging.getLogger(__name__)
 
 T = TypeVar("T")
 SendPush = Callable[[], PushReport]
@@ -256,7 +259,7 @@ class Device:
             refuse_targets(self.view, steps, relative=True)
             controller.move_by(steps)
 
-        self._set_out(_axes_of(steps), begin, asked)
+        self._set_out(f"move by {_told(steps)}", _axes_of(steps), begin, asked)
 
     def move_to(self, positions: Sequence[Asked], asked: int | None = None) -> None:
         """Begin to move axes to positions [steps]; see Controller. Rejected also when they lie beyond soft limits."""
@@ -265,7 +268,7 @@ class Device:
             refuse_targets(self.view, positions, relative=False)
             controller.move_to(positions)
 
-        self._set_out(_axes_of(positions), begin, asked)
+        self._set_out(f"move to {_told(positions)}", _axes_of(positions), begin, asked)
 
     def line(self, steps: Sequence[Asked], ramp_axis: int | None = None, asked: int | None = None) -> None:
         """Begin to move axes along a straight line; see Controller. Rejected also when it leads beyond soft limits."""
@@ -274,7 +277,7 @@ class Device:
             refuse_targets(self.view, steps, relative=True)
             controller.line(steps, ramp_axis)
 
-        self._set_out(_axes_of(steps), begin, asked)
+        self._set_out(f"line by {_told(steps)}", _axes_of(steps), begin, asked)
 
     def run(self, speeds: Sequence[Asked], lease: Lease, asked: int | None = None) -> None:
         """Run axes at speeds [steps/s] as long as a lease holds, then slow them down; see Controller.run.
@@ -289,7 +292,7 @@ class Device:
             refuse_outward(self.view, speeds, controller.steps_to_rest)
             controller.run(speeds)
 
-        self._set_out(_axes_of(speeds), begin, asked, lease)
+        self._set_out(f"run at {_told(speeds)}", _axes_of(speeds), begin, asked, lease)
 
     def end_run(self, lease: Lease) -> None:
         """Slow axes down that run on a lease, before anything else that was asked for."""
@@ -311,7 +314,8 @@ class Device:
             refuse_there_and_back(self.view, way)
             controller.move_by([way])
 
-        self._set_out([shuttle.axis], begin, shuttle.asked, then=lambda: self._show_leg(shuttle))
+        what = f"go there and back by {_told([way])}"
+        self._set_out(what, [shuttle.axis], begin, shuttle.asked, then=lambda: self._show_leg(shuttle))
 
     def set_position(self, positions: Sequence[Asked]) -> None:
         """Call the places where axes are these positions [steps]; see Controller."""
@@ -329,7 +333,8 @@ class Device:
             refuse_limited(self.view, axes)
             controller.zero(axes, steps)
 
-        self._set_out(axes, begin, asked, then=lambda: self._know_positions(axes))
+        what = f"zero from {steps} steps on: axes {sorted(axes)}"
+        self._set_out(what, axes, begin, asked, then=lambda: self._know_positions(axes))
 
     def trace_moves(self, axis: int | None, every_steps: int) -> int:
         """Trace every so many-th step of each move of an axis from now on; see Controller."""
@@ -358,13 +363,13 @@ class Device:
         What was asked before moves nothing any more. Until it is granted it is owed: a device that is not connected, or
         turns out to be lost, is stopped as soon as it is there again. Of that, Refused and DeviceLost tell.
         """
-        owed = self._owe_stop()
+        owed = self._owe_stop("stop", axes)
         controller, worker = self._ready_to_stop()
         return worker.call_urgently(lambda: self._stop(axes, controller.stop, owed))
 
     def halt(self, axes: Collection[int] | None = None) -> "Future[None]":
         """Make no further step, before anything else that was asked for; else as stop."""
-        owed = self._owe_stop()
+        owed = self._owe_stop("halt", axes)
         controller, worker = self._ready_to_stop()
         return worker.call_urgently(lambda: self._halt(axes, controller, owed))
 
@@ -372,10 +377,14 @@ class Device:
         """Tell the number of the last stop."""
         self._change(lambda view: replace(view, stops=self._stops.last))
 
+    def _log(self, words: str, *values: object) -> None:
+        _logger.info(f"Device %s at %s: {words}", self.view.id, self.view.port, *values)
+
     def _now(self) -> int:
         return self._order.next()
 
-    def _owe_stop(self) -> int:
+    def _owe_stop(self, what: str, axes: Collection[int] | None) -> int:
+        self._log("%s of %s asked for", what, "all axes" if axes is None else f"axes {sorted(axes)}")
         owed = self._owed.owe(self._owes_at)
         self._stops.note()
         self.show_stops()
@@ -383,6 +392,7 @@ class Device:
 
     def _set_out(
         self,
+        what: str,
         axes: Collection[int],
         begin: Callable[[Controller], None],
         asked: int | None,
@@ -395,7 +405,12 @@ class Device:
         def set_out(controller: Controller) -> None:
             self._newly(axes, lambda: self._permitted(axes, at, lambda: begin(controller)), lease, then)
 
-        self._ask(set_out)
+        try:
+            self._ask(set_out)
+        except StepRampError as error:
+            self._log("%s: refused: %s", what, error)
+            raise
+        self._log("%s: begun", what)
 
     def _ready(self) -> tuple[Controller, Worker]:
         """Return controller and worker; raises when there are none to be asked."""
@@ -469,6 +484,7 @@ class Device:
                 self._view, firmware_version=controller.firmware_version, clocks_hz=controller.clocks_hz
             )
         self._show(status)
+        self._log("connected, firmware %s", controller.firmware_version)
 
     def _begin_with_stop(self, controller: Controller) -> None:
         """Let stops come to the controller from here on, and first of all tell it that which is owed."""
@@ -503,6 +519,7 @@ class Device:
         with self._lock:
             self._port = self._controller = None
         self._change(lambda view: view.let_go() if loss is None else view.at_a_loss(str(loss)))
+        self._log("%s", "let go of" if loss is None else f"lost: {loss}")
 
     def _refresh(self) -> None:
         assert self._controller is not None
@@ -579,6 +596,7 @@ class Device:
             send(axes)
             if owed is not None:
                 self._owed.settle(self._owes_at, owed, of_all_axes=axes is None)
+                self._log("stop granted")
             self._leases.drop(axes)
             self._is_view_old = self.view.state in UNDER_WAY
             self._change(lambda view: replace(view.stopping(axes), shuttle=None))
@@ -681,6 +699,7 @@ class Device:
         reports: list[PushReport] = []
         self._while_writing(lambda: reports.append(send()))
         self._change(lambda view: replace(view, pushed=reports[0]))
+        self._log("ramps pushed, %d bytes, %s", reports[0].bytes, "kept" if reports[0].kept else "on trial")
         return reports[0]
 
     def _while_writing(self, job: Callable[[], None]) -> None:
@@ -698,6 +717,10 @@ class Device:
 def _refuse_others(view: DeviceView, page: str) -> None:
     if view.in_control not in (None, page):
         raise Refused(f"Another page is in control of {view.name}: take over first.")
+
+
+def _told(asked: Sequence[Asked]) -> str:
+    return ", ".join(f"{each.value:g} (axis {each.axis})" for each in asked)
 
 
 def _axes_of(asked: Sequence[Asked]) -> list[int]:

@@ -16,6 +16,7 @@ from stepramp.http_api.asked_at import AskedAt
 from stepramp.http_api.connections import Connections
 from stepramp.http_api.door import Door
 from stepramp.http_api.errors import ErrorList, handle_errors
+from stepramp.http_api.journal import Journal
 from stepramp.http_api.news import News
 from stepramp.http_api.security import LoopbackOnly, with_policy
 from stepramp.ramp.warm_up import warm_up
@@ -92,6 +93,7 @@ def create_app() -> FastAPI:
     handle_errors(app)
     pages.add(app)
     app.add_middleware(Door)
+    app.add_middleware(Journal)
     app.add_middleware(LoopbackOnly)
     now = app.state.devices.order.next
     app.add_middleware(Answered, now=now, connections=app.state.connections)

@@ -6,6 +6,7 @@ DeviceLost.
 
 import contextlib
 import errno
+import logging
 import os
 import sys
 from collections.abc import Callable, Iterator
@@ -15,6 +16,8 @@ from urllib.parse import urlsplit
 import serial
 
 from stepramp.errors import DeviceLost, Rejected, Rejection
+
+_logger = logging.getLogger(__name__)
 
 if sys.platform == "win32":
     _PORT_ERRORS: tuple[type[Exception], ...] = (OSError,)
@@ -82,6 +85,7 @@ class SerialPort:
     def write(self, data: bytes) -> None:
         """Send bytes; DeviceLost when the port is gone or takes no more for a second."""
         self._before_write()
+        _log_bytes(self.name, "sent", data)
         with self._loss_told("is gone"):
             self._serial.write(data)
 
@@ -95,6 +99,7 @@ class SerialPort:
             while True:
                 data: bytes = self._serial.read(max(1, self._serial.in_waiting))
                 if data or monotonic() >= deadline:
+                    _log_bytes(self.name, "received", data)
                     return data
 
     def pending(self) -> bytes:
@@ -102,6 +107,7 @@ class SerialPort:
         with self._loss_told("is gone"):
             waiting = self._serial.in_waiting
             data: bytes = self._serial.read(waiting) if waiting else b""
+            _log_bytes(self.name, "received", data)
             return data
 
     def close(self) -> None:
@@ -134,6 +140,11 @@ class SerialPort:
             yield
         except (*_PORT_ERRORS, serial.SerialException) as error:
             raise DeviceLost(f"Port {self.name} {what}: {_reason(error)}.") from error
+
+
+def _log_bytes(port: str, way: str, data: bytes) -> None:
+    if data and _logger.isEnabledFor(logging.DEBUG):
+        _logger.debug("%s %s %s", port, way, data.hex(" "))
 
 
 def _reason(error: Exception) -> str:
