@@ -33,3 +33,21 @@ def test_each_fault_names_tests_that_are_there() -> None:
         path, _, function = name.rpartition("::") if not name.endswith(".py") else (name, "", "")
         source = (DOCS.parent / path).read_text(encoding="utf-8") if path else source
         assert not function or f"def {function}(" in source, name
+
+
+def test_the_files_that_the_architecture_names_are_there() -> None:
+    named = re.findall(
+        r"`([a-z_]+(?:/[\w./]*)?\.[a-z]+|[a-z_]+/[\w/]*)`", (DOCS / "architecture.md").read_text("utf-8")
+    )
+    assert len(named) > 60
+    project = DOCS.parent
+    missing = [
+        name for name in named if not any((root / name).exists() for root in (project, project / "backend/stepramp"))
+    ]
+    assert missing == []
+
+
+def test_the_index_leads_to_each_document() -> None:
+    linked = set(re.findall(r"\]\((?!\.\.)([\w./]+?)/?\)", (DOCS / "README.md").read_text("utf-8")))
+    documents = {each.name for each in DOCS.iterdir() if each.suffix in (".md", ".json") and each.name != "README.md"}
+    assert linked == documents | {"decisions"}
