@@ -86,6 +86,16 @@ def test_a_ramp_without_steps_has_no_first_interval() -> None:
 # ---- several axes ----
 
 
+def test_no_move_is_planned_for_a_push(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One of ten million steps would hold it up, and nothing of it is sent."""
+
+    def play(*_: object) -> None:
+        raise AssertionError("a move has been planned")
+
+    monkeypatch.setattr("stepramp.ramp.plan.play", play)
+    assert planned(design(move__steps=10_000_000)).image == planned(design()).image
+
+
 def test_equal_ramps_are_sent_once() -> None:
     plan = planned(design(), design(name="Other", move__steps=5), design(ramp__slew_speed_steps_per_s=500))
     assert plan.image.axes[0] == plan.image.axes[1] != plan.image.axes[2]

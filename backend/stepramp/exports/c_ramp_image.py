@@ -5,7 +5,7 @@ from stepramp.controllers.virtual.controller import HELLO
 from stepramp.design import Design
 from stepramp.errors import Rejected, Rejection
 from stepramp.exports.c_text import filled, heading, ramp_values
-from stepramp.ramp.plan import plan_of
+from stepramp.ramp.plan import ramp_of
 from stepramp.ramp.segments import compress
 
 CLOCKS_HZ = (HELLO.slow_clock_hz, HELLO.fast_clock_hz)
@@ -15,13 +15,13 @@ BYTES_A_LINE = 16
 def ramp_image_header(design: Design, name: str, bound_ticks: int) -> str:
     """Return the design's ramp as a ramp image whose intervals lie within a bound of the planned ones [ticks].
 
-    Raises Rejected as plan_of does, when the timer is none of a StepRamp controller, and when the ramp takes more
+    Raises Rejected as ramp_of does, when the timer is none of a StepRamp controller, and when the ramp takes more
     segments or longer intervals than an image can hold.
     """
     if design.timer.frequency_hz not in CLOCKS_HZ:
         allowed = " or ".join(f"{clock_hz:,}" for clock_hz in CLOCKS_HZ) + " Hz, the clocks of StepRamp's firmware"
         raise Rejected([Rejection("timer.frequency_hz", design.timer.frequency_hz, allowed)])
-    ramp = plan_of(design).ramp
+    ramp = ramp_of(design)
     up, down = (tuple(compress(side.astype("int64"), bound_ticks)) for side in (ramp.up, ramp.down))
     sides = SegmentRamp(up, int(ramp.slew), down)
     if sides.sent_segments > MOST_SEGMENTS:

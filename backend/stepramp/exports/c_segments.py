@@ -4,7 +4,7 @@ from stepramp.design import Design
 from stepramp.errors import Rejected, Rejection
 from stepramp.exports.c_text import filled, heading, ramp_values, ticks_types
 from stepramp.ramp.move import Intervals
-from stepramp.ramp.plan import plan_of
+from stepramp.ramp.plan import ramp_of
 from stepramp.ramp.segments import Segment, compress
 
 MOST_SEGMENTS = 65_535
@@ -13,9 +13,9 @@ MOST_SEGMENTS = 65_535
 def segments_header(design: Design, name: str, bound_ticks: int) -> str:
     """Return the design's ramp as segments whose intervals lie within a bound of the planned ones [ticks].
 
-    Raises Rejected as plan_of does, and when it takes more than 65,535 segments.
+    Raises Rejected as ramp_of does, and when it takes more than 65,535 segments.
     """
-    ramp = plan_of(design).ramp
+    ramp = ramp_of(design)
     up, down = (_segments(side, bound_ticks) for side in (ramp.up, ramp.down))
     if len(up) + len(down) > MOST_SEGMENTS:
         allowed = f"more, so that the ramp takes at most {MOST_SEGMENTS:,} segments instead of {len(up) + len(down):,}"

@@ -3,6 +3,7 @@
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,11 +60,9 @@ def plan_of(design: Design) -> Plan:
     Raises Rejected when the ramp is longer than 10,000,000 steps, does not fit the method, or has an interval that
     comes to 0 ticks.
     """
-    real, carries = real_ramp(design), design.method.rounding == "carry"
-    plan = Plan(real, rounded(real, design.method.rounding), abs(design.move.steps), carries)
-    for intervals in (plan.ramp.up, np.array([plan.ramp.slew]), plan.ramp.down, plan.intervals):
-        if intervals.size and intervals.min() < 1:
-            raise Rejected(_less_than_a_tick(design))
+    real = real_ramp(design)
+    plan = Plan(real, _rounded(design, real), abs(design.move.steps), design.method.rounding == "carry")
+    _refuse_less_than_a_tick(design, plan.intervals)
     return plan
 
 
@@ -88,9 +87,10 @@ def ramp_of(design: Design) -> Ramp:
     """Return the design's ramp in whole ticks of its timer: what a controller is sent.
 
     With rounding `carry` the remainders are carried along each side, in order of time; the slew interval, which a
-    controller repeats, is rounded to the nearest tick. Raises Rejected as plan_of does.
+    controller repeats, is rounded to the nearest tick. Raises Rejected as plan_of does, but for what only carrying
+    through a whole move brings about: the move isn't planned.
     """
-    return plan_of(design).ramp
+    return _rounded(design, real_ramp(design))
 
 
 def computed_steps(design: Design) -> int:
@@ -120,6 +120,18 @@ def _refuse_runaway(design: Design, ramp: Ramp) -> None:
                 "add up until an interval is no number"
             )
             raise Rejected([Rejection("method.arithmetic", design.method.arithmetic, allowed)])
+
+
+def _rounded(design: Design, real: Ramp) -> Ramp:
+    """Return the ramp in whole ticks. Raises Rejected when an interval comes to 0 ticks."""
+    ramp = rounded(real, design.method.rounding)
+    _refuse_less_than_a_tick(design, ramp.up, np.array([ramp.slew]), ramp.down)
+    return ramp
+
+
+def _refuse_less_than_a_tick(design: Design, *lists: NDArray[Any]) -> None:
+    if any(intervals.size and intervals.min() < 1 for intervals in lists):
+        raise Rejected(_less_than_a_tick(design))
 
 
 def _less_than_a_tick(design: Design) -> list[Rejection]:
