@@ -1,4 +1,4 @@
-/* frame.c's share of each byte that comes in, in 61 cycles at most before it ends a frame: with motors at their limits
+/* frame.c's share of each byte that comes in, in 60 cycles at most before it ends a frame: with motors at their limits
  * the main loop has a tenth of the processor, and a stop waits until all that came before it has been read. */
 #define __SFR_OFFSET 0
 #include <avr/io.h>

@@ -3,7 +3,6 @@
 #include <avr/io.h>
 #include <util/atomic.h>
 
-#include "frame.h"
 #include "message.h"
 #include "port.h"
 
@@ -13,9 +12,6 @@
 extern volatile uint8_t received_in, received_out, serial_control;
 extern volatile uint8_t received[RECEIVED_BYTES];
 extern const uint8_t *serial_next;
-
-/* Frames of a stop or halt, of all axes and of some; their zero bytes included. */
-enum { SHORT_STOP = 1 + MESSAGE_HEADER_BYTES + CRC_BYTES + 1, LONG_STOP = SHORT_STOP + 1 };
 
 /* While nothing is being sent: the interrupts leave it as it is then. */
 static void set_control(uint8_t control)
@@ -48,23 +44,35 @@ int16_t serial_take(void)
     return byte;
 }
 
-/* What was taken last is still there, and so is the zero byte before a frame. */
+static bool is_urgent(uint8_t kind)
+{
+    return kind == KIND_STOP || kind == KIND_HALT;
+}
+
+/* Looks back from the end: what was taken last is still there. Behind another stop it waits for its turn. */
 bool port_skip_to_stop(void)
 {
-    uint8_t in = received_in, unread = place(in - received_out);
+    uint8_t in = received_in, unread = place(in - received_out), begin = 0, kind = 0, code = 0;
     if (unread == 0 || received[place(in - 1)] != 0) {
         return false;
     }
-    for (uint8_t length = SHORT_STOP; length <= LONG_STOP; length++) {
-        uint8_t kind = received[place(in - length + 1)];
-        if (received[place(in - length - 1)] == 0 && (kind == KIND_STOP || kind == KIND_HALT)) {
-            if (unread > length) {
-                received_out = place(in - length - 1);
+    for (uint8_t back = 2; back != RECEIVED_BYTES; back++) {
+        uint8_t byte = received[place(in - back)];
+        if (byte == 0 && is_urgent(kind)) {
+            if (begin != 0) {
+                return true;
             }
-            return true;
+            begin = back;
+        } else if (byte == 0 && begin == 0) {
+            return false; /* it ends with another frame, or an empty one */
         }
+        kind = code;
+        code = byte;
     }
-    return false;
+    if (begin != 0 && unread >= begin) {
+        received_out = place(in - begin);
+    }
+    return begin != 0;
 }
 
 bool port_has_received(void)

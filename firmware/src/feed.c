@@ -371,9 +371,9 @@ bool feed_poll(struct feed *feed)
         return true;
     }
     bool has_time = true;
-    for (uint8_t left = SEGMENTS_AT_ONCE; left != 0 && !port_skip_to_stop() && fill(feed); left--) {
+    for (uint8_t left = SEGMENTS_AT_ONCE; left != 0 && fill(feed); left--) {
         has_time = can_wait(feed);
-        if (has_time && left < SEGMENTS_AT_ONCE) {
+        if ((has_time && left < SEGMENTS_AT_ONCE) || port_skip_to_stop()) {
             break;
         }
     }
@@ -416,14 +416,13 @@ uint32_t feed_interval(const struct feed *feed)
     if (feed->stage == FEED_IDLE || feed->axis.interval > LONGEST_WAIT_TICKS) {
         return feed->axis.interval;
     }
-    if (!line_is_on() && axis_players[feed->index].step_mask == 0) {
-        return 0;
-    }
     uint16_t interval;
     do {
         interval = *present;
     } while (interval != *present); /* an event came in between the two bytes */
-    return interval;
+    /* Of silences, only the parts of a long interval are one. */
+    bool is_silence = !line_is_on() && axis_players[feed->index].step_mask == 0 && interval != PART_TICKS;
+    return is_silence ? 0 : interval;
 }
 
 uint32_t feed_step_interval(const struct feed *feed)

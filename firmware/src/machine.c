@@ -143,6 +143,7 @@ static uint8_t check_share(const uint32_t wanted[MOST_AXES], uint16_t *detail)
     uint16_t cycles = cycles_with_pulses(shortest_together(count), count), sum = 0;
     for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
         if (port_skip_to_stop()) {
+            *detail = 0;
             return STATUS_OUT_OF_ORDER;
         }
         if (wanted[feed->index] != 0 || is_moving(feed)) {

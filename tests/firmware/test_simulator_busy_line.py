@@ -171,6 +171,30 @@ def test_a_stop_right_behind_another_request_is_as_quick(
     assert starved(played) == 0
 
 
+@pytest.mark.parametrize("second", [STOP, HALT])
+def test_a_halt_is_obeyed_right_before_another_stop(tmp_path: Path, second: int) -> None:
+    """Also behind a request, and when the second one names but one axis."""
+    axes, plan, talk = 4, Plan(30_000, 600_000, 600_000), Talk(random.Random(second))
+    talk.begin([plan] * axes)
+    blobs = []
+    for _ in range(20):
+        talk.ask(RUN, for_axes(dict.fromkeys(range(axes), plan.slew)), wait_ms=3)
+        before = talk.random.choice([b"", talk.frame(STATUS, b"\0"), talk.frame(MOVE_BY, b"\1" + bytes(4))])
+        wait_ms = 60 + 20 * talk.random.random()
+        blob = before + talk.frame(HALT) + talk.frame(second, b"\1")
+        talk.asked.append(Asked(blob, wait_cycles=int(wait_ms * CYCLES_PER_MS)))
+        blobs.append(len(talk.asked) - 1)
+        talk.ask(HALT, wait_ms=60)
+    played = talk.play(tmp_path)
+    sent = [frame for frame in played.frames if frame.is_sent]
+    for axis in range(1, axes):
+        steps = axis_of(played.edges, axis).steps
+        for number in blobs:
+            arrived, next_halt = sent[number].end, sent[number + 1].end
+            after = steps[(steps > arrived + 10 * CYCLES_PER_MS) & (steps < next_halt)]
+            assert after.size == 0
+
+
 # ---- a line that does not fall silent
 
 
