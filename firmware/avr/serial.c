@@ -44,11 +44,6 @@ int16_t serial_take(void)
     return byte;
 }
 
-static bool is_urgent(uint8_t kind)
-{
-    return kind == KIND_STOP || kind == KIND_HALT;
-}
-
 /* Looks back from the end: what was taken last is still there. Behind another stop it waits for its turn. */
 bool port_skip_to_stop(void)
 {

@@ -406,12 +406,6 @@ static void answer_known(uint8_t kind, uint16_t its_session, const uint8_t *body
     }
 }
 
-/* Obeyed whoever asks for it, and whatever is being sent. */
-static bool is_urgent(uint8_t kind)
-{
-    return kind == KIND_STOP || kind == KIND_HALT;
-}
-
 static bool is_of_session(const uint8_t *message)
 {
     return session != NO_SESSION && read_u16(message + SESSION_AT) == session;

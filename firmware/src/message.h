@@ -2,6 +2,7 @@
 #ifndef STEPRAMP_MESSAGE_H
 #define STEPRAMP_MESSAGE_H
 
+#include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
 
@@ -39,6 +40,12 @@ enum kind {
     KIND_STOP = 0x30,
     KIND_HALT = 0x31
 };
+
+/* Obeyed whoever asks for it, and whatever is being sent. */
+static inline bool is_urgent(uint8_t kind)
+{
+    return kind == KIND_STOP || kind == KIND_HALT;
+}
 
 enum { KIND_REPLY = 0x80 /* added to the request's kind */ };
 
