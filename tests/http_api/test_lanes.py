@@ -17,7 +17,7 @@ from event_loop import run
 from stepramp.controllers.stepramp.settings import Settings
 from stepramp.controllers.virtual.controller import VirtualController
 from stepramp.devices.device import Device
-from stepramp.http_api import curves
+from stepramp.http_api.curves_models import CurvesAnswer
 from stepramp.http_api.lanes import A_DEVICE, CONNECTING, CORES, LONG_PLANNING, PLANNING, Lane, planning_lane
 from stepramp.link import protocol_sim
 from stepramp.ramp.drawing import Drawing
@@ -91,7 +91,7 @@ def test_long_plannings_over_sockets_keep_short_ones_not_waiting(
 ) -> None:
     long_steps, begun, end = 10_000_000, threading.Semaphore(0), threading.Event()
 
-    def content(drawing: Drawing) -> dict[str, object]:
+    def answer(drawing: Drawing) -> dict[str, object]:
         if abs(drawing.design.move.steps) == long_steps:
             begun.release()
             assert end.wait(PATIENCE_S)
@@ -100,7 +100,7 @@ def test_long_plannings_over_sockets_keep_short_ones_not_waiting(
     def ask(socket: WebSocketTestSession, steps: int) -> None:
         socket.send_json({"design": document(move__steps=steps), "methods": ["exact"]})
 
-    monkeypatch.setattr(curves, "curves_content", content)
+    monkeypatch.setattr(CurvesAnswer, "of", answer)
     with ExitStack() as open_ends:
         sockets = [open_ends.enter_context(client.websocket_connect(SOCKET, headers=LOCAL)) for _ in range(CORES + 2)]
         *slow, quick = sockets

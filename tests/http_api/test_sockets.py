@@ -17,7 +17,8 @@ from event_loop import run
 from stepramp.controllers.virtual.controller import VirtualController
 from stepramp.devices.device import Device
 from stepramp.devices.registry import Devices
-from stepramp.http_api import curves, sockets
+from stepramp.http_api import sockets
+from stepramp.http_api.curves_models import CurvesAnswer
 from stepramp.link import protocol_sim
 
 LOCAL = {"host": "127.0.0.1:8000"}
@@ -123,7 +124,7 @@ def assert_closed_as_a_mistake(socket: Any, caplog: pytest.LogCaptureFixture) ->
 def test_a_mistake_in_an_answer_is_logged_and_closes_the_socket(
     client: TestClient, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    monkeypatch.setattr(curves, "curves_content", mistaken)
+    monkeypatch.setattr(CurvesAnswer, "of", mistaken)
     with opened(client, CURVES) as socket:
         socket.send_json({"design": document(), "methods": ["exact"]})
         assert_closed_as_a_mistake(socket, caplog)

@@ -9,7 +9,7 @@ from collections.abc import Callable, Coroutine, Iterator
 from contextlib import contextmanager
 from functools import partial
 from inspect import signature
-from typing import Any
+from typing import Any, get_args, get_origin
 
 from fastapi import Request
 from fastapi.routing import APIRoute
@@ -20,7 +20,9 @@ from starlette.types import Receive, Scope, Send
 
 from stepramp.errors import Overloaded, Rejected, Rejection, escaped, shown
 from stepramp.http_api.errors import ErrorList, error_response
+from stepramp.http_api.json_response import JsonResponse
 from stepramp.http_api.lanes import CHECKING
+from stepramp.http_api.planned import Planned
 from stepramp.validation import Document
 
 MOST_BYTES = 2_000_000
@@ -72,9 +74,15 @@ class Room:
 
 
 class JsonRoute(APIRoute):
-    """A route whose body, if it takes one, is a JSON document: refused before it is read when it can't be one."""
+    """A route whose body, if it takes one, is a JSON document: refused before it is read when it can't be one.
+
+    What it answers is described by what its endpoint returns, also when that is a response of an answer.
+    """
 
     def __init__(self, path: str, endpoint: Callable[..., Any], **options: Any) -> None:
+        returned = signature(endpoint).return_annotation
+        if get_origin(returned) in (JsonResponse, Planned):
+            [options["response_model"]] = get_args(returned)
         if _document_of(endpoint) is not None:
             options["responses"] = OF_BODIES | (options.get("responses") or {})
         super().__init__(path, endpoint, **options)

@@ -11,7 +11,8 @@ from stepramp.devices.registry import Devices
 from stepramp.errors import Refused
 from stepramp.http_api import jog, motion, stopping
 from stepramp.http_api.bodies import JsonRoute
-from stepramp.http_api.device_models import (
+from stepramp.http_api.device_registry import Acting, Page, Registry
+from stepramp.http_api.devices_models import (
     ConnectRequest,
     DeviceAnswer,
     DevicesAnswer,
@@ -22,7 +23,6 @@ from stepramp.http_api.device_models import (
     PushDesigns,
     PushRequest,
 )
-from stepramp.http_api.device_registry import Acting, Page, Registry
 from stepramp.http_api.errors import ErrorList
 from stepramp.http_api.lanes import ACTING, CONNECTING, PLANNING, PUSHING
 from stepramp.http_api.news import News

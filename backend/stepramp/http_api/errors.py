@@ -2,7 +2,7 @@
 
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
-from pydantic import BaseModel, Field
+from pydantic import Field
 from starlette.exceptions import HTTPException
 from starlette.responses import Response
 from starlette.routing import Match
@@ -19,7 +19,8 @@ from stepramp.errors import (
     StepRampError,
     brief,
 )
-from stepramp.http_api.json_response import json_response
+from stepramp.http_api.answer import Answer
+from stepramp.http_api.json_response import JsonResponse
 from stepramp.validation import rejected
 
 STATUS: dict[type[StepRampError], int] = {
@@ -33,7 +34,7 @@ STATUS: dict[type[StepRampError], int] = {
 METHODS = ("GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS")
 
 
-class ErrorItem(BaseModel):
+class ErrorItem(Answer):
     """One thing that is wrong."""
 
     field: str | None = Field(description="Path of the field in the request's body; null when it is no field's fault")
@@ -42,7 +43,7 @@ class ErrorItem(BaseModel):
     message: str = Field(description="The same as a sentence")
 
 
-class ErrorList(BaseModel):
+class ErrorList(Answer):
     """What went wrong, the same for all routes."""
 
     errors: list[ErrorItem]
@@ -54,8 +55,8 @@ def error_response(error: StepRampError) -> Response:
     return _response(status, error_items(error))
 
 
-def error_items(error: StepRampError) -> list[dict[str, object]]:
-    """Return the contents of the ErrorItems that stand for an error."""
+def error_items(error: StepRampError) -> list[ErrorItem]:
+    """Return what stands for an error."""
     if isinstance(error, Rejected):
         items = [_item(rejection) for rejection in error.rejections]
         return [*items, _sentence(error.more_message)] if error.more else items
@@ -118,18 +119,18 @@ def _methods_of(request: Request) -> list[str]:
     ]
 
 
-def _item(rejection: Rejection) -> dict[str, object]:
-    return {
-        "field": rejection.field,
-        "value": brief(rejection.value),
-        "allowed": rejection.allowed,
-        "message": rejection.message,
-    }
+def _item(rejection: Rejection) -> ErrorItem:
+    return ErrorItem(
+        field=rejection.field,
+        value=brief(rejection.value),
+        allowed=rejection.allowed,
+        message=rejection.message,
+    )
 
 
-def _sentence(message: str) -> dict[str, object]:
-    return {"field": None, "value": None, "allowed": None, "message": message}
+def _sentence(message: str) -> ErrorItem:
+    return ErrorItem(field=None, value=None, allowed=None, message=message)
 
 
-def _response(status: int, items: list[dict[str, object]], headers: dict[str, str] | None = None) -> Response:
-    return json_response({"errors": items}, status, headers)
+def _response(status: int, items: list[ErrorItem], headers: dict[str, str] | None = None) -> Response:
+    return JsonResponse(ErrorList(errors=items), status, headers)

@@ -10,10 +10,10 @@ from stepramp.devices.leases import Lease
 from stepramp.errors import Rejected, Rejection, StepRampError
 from stepramp.http_api.asked_at import arrived_at
 from stepramp.http_api.device_registry import Registry
-from stepramp.http_api.errors import error_items
+from stepramp.http_api.errors import ErrorList, error_items
+from stepramp.http_api.jog_models import JogRequest
 from stepramp.http_api.json_response import json_bytes
 from stepramp.http_api.lanes import ACTING
-from stepramp.http_api.motion_models import JogRequest
 from stepramp.http_api.sockets import accept, parsed, received, send, served
 
 ALLOWED = 'a JSON object such as {"do": "hold"}'
@@ -47,7 +47,7 @@ async def jog(socket: WebSocket, device_id: str, devices: Registry, page: str | 
 
 
 async def _tell(socket: WebSocket, error: StepRampError) -> None:
-    await send(socket, json_bytes({"errors": error_items(error)}).decode())
+    await send(socket, json_bytes(ErrorList(errors=error_items(error))).decode())
 
 
 class _Held:

@@ -1,13 +1,12 @@
 """Routes that move the axes of attached controllers."""
 
 from fastapi import APIRouter
-from starlette.responses import Response
 
 from stepramp.http_api.asked_at import AskedNumber
 from stepramp.http_api.bodies import JsonRoute
-from stepramp.http_api.device_models import DeviceAnswer
 from stepramp.http_api.device_registry import Acting, Page, Registry
-from stepramp.http_api.json_response import json_response
+from stepramp.http_api.devices_models import DeviceAnswer
+from stepramp.http_api.json_response import JsonResponse
 from stepramp.http_api.lanes import ACTING
 from stepramp.http_api.motion_models import (
     LineRequest,
@@ -20,7 +19,6 @@ from stepramp.http_api.motion_models import (
     TraceRequest,
     TracingAnswer,
     ZeroRequest,
-    trace_content,
 )
 
 router = APIRouter(route_class=JsonRoute)
@@ -109,8 +107,8 @@ def trace_moves(request: TraceRequest, device: Acting) -> TracingAnswer:
     return TracingAnswer(traced_axis=request.traced_axis, every_steps=every)
 
 
-@router.get("/devices/{device_id}/trace", response_model=TraceAnswer)
+@router.get("/devices/{device_id}/trace")
 @ACTING.serves
-def trace(device_id: str, devices: Registry) -> Response:
+def trace(device_id: str, devices: Registry) -> JsonResponse[TraceAnswer]:
     """Return the trace of the last move that was traced, as far as it is known."""
-    return json_response(trace_content(devices.get(device_id).trace()))
+    return JsonResponse(TraceAnswer.of(devices.get(device_id).trace()))

@@ -1,18 +1,19 @@
-"""What the routes take that move the axes of a device, and the trace that they answer."""
+"""What the routes take that move the axes of a device, and what they answer of traces."""
 
 from collections.abc import Sequence
-from typing import Annotated, Literal, Self
+from typing import Annotated, Self
 
-from pydantic import BaseModel, Field, model_validator
+from pydantic import Field, model_validator
 
 from stepramp.controllers.contract import Asked
 from stepramp.controllers.stepramp.messages import MOST_AXES
-from stepramp.controllers.stepramp.settings import AxisNumber, AxisNumbersAsGiven, AxisNumbersOrNull, ListOrNull
+from stepramp.controllers.stepramp.settings import AxisNumber, AxisNumbersAsGiven, ListOrNull
 from stepramp.controllers.stepramp.trace import Trace
 from stepramp.devices.leases import Lease
 from stepramp.devices.shuttle import Shuttle
 from stepramp.devices.soft_limits import Span
-from stepramp.validation import Document, ListOf, OneOf, Within, refuse
+from stepramp.http_api.answer import Answer, Numbers, WholeNumbers
+from stepramp.validation import Document, ListOf, Within, refuse
 
 Steps = Annotated[int, Within(-(2**31), 2**31 - 1, "steps")]
 Speed = Annotated[float, Within(-1_000_000, 1_000_000, "steps/s")]
@@ -50,7 +51,7 @@ class MoveRequest(Document):
             if self.by_steps == 0:
                 refuse("by_steps", 0, "a whole number of steps, but not 0")
             return self
-        _refuse_own_axes(self.axes, {"by_steps": self.by_steps, "to_steps": self.to_steps})
+        refuse_own_axes(self.axes, {"by_steps": self.by_steps, "to_steps": self.to_steps})
         relative = self.axes[0].by_steps is not None
         for number, each in enumerate(self.axes):
             if (each.by_steps is not None) != relative:
@@ -95,24 +96,6 @@ class ShuttleRequest(Document):
     def asked(self) -> Asked:
         """What is asked of the axis first."""
         return Asked(self.axis, self.by_steps, "by_steps")
-
-
-class JogRequest(Document):
-    """What the WebSocket of a jog is told."""
-
-    do: Annotated[Literal["run", "hold", "end"], OneOf()] = Field(
-        description="run: begin, or change the speed. hold: go on. end: slow down"
-    )
-    axis: AxisNumber = Field(0, description=AXIS)
-    speed_steps_per_s: Speed = Field(0.0, description="Speed to run at, negative for backwards [steps/s]")
-    stops: Annotated[int, Within(0, 2**53, "or null")] | None = Field(
-        None, description="As the header X-StepRamp-Stops of other motions: browsers can give WebSockets no headers"
-    )
-
-    @property
-    def asked(self) -> Asked:
-        """How fast the axis is to run."""
-        return Asked(self.axis, self.speed_steps_per_s, "speed_steps_per_s")
 
 
 class AxisRun(Document):
@@ -171,7 +154,7 @@ class LineRequest(Document):
 
     @model_validator(mode="after")
     def _some(self) -> Self:
-        _refuse_own_axes(self.axes, {})
+        refuse_own_axes(self.axes, {})
         if not any(each.by_steps for each in self.axes):
             refuse("axes.0.by_steps", self.axes[0].by_steps, "a whole number of steps, not 0 for all axes")
         return self
@@ -229,7 +212,7 @@ class SoftLimitsRequest(Document):
 
     @model_validator(mode="after")
     def _some(self) -> Self:
-        _refuse_own_axes(self.axes, {})
+        refuse_own_axes(self.axes, {})
         axes = [each.axis for each in self.axes]
         for number, axis in enumerate(axes):
             if axis in axes[:number]:
@@ -252,19 +235,7 @@ class ZeroRequest(Document):
 
     @model_validator(mode="after")
     def _some(self) -> Self:
-        _refuse_own_axes(self.axes, {})
-        return self
-
-
-class AxesRequest(Document):
-    """Which axes are to stop."""
-
-    axes: AxisNumbersOrNull = Field(None, description="Which axes; null: all")
-
-    @model_validator(mode="after")
-    def _some(self) -> Self:
-        if self.axes is not None:
-            _refuse_own_axes(self.axes, {})
+        refuse_own_axes(self.axes, {})
         return self
 
 
@@ -277,14 +248,14 @@ class TraceRequest(Document):
     )
 
 
-class TracingAnswer(BaseModel):
+class TracingAnswer(Answer):
     """What will be traced."""
 
     traced_axis: int | None = Field(description="Axis whose moves are traced from now on; null: none")
     every_steps: int = Field(description="Of so many steps one is traced [steps]")
 
 
-class TraceAnswer(BaseModel):
+class TraceAnswer(Answer):
     """When the steps of the last traced move were made, by the controller's own timer."""
 
     traced_axis: int = Field(description="Axis that moved")
@@ -292,28 +263,28 @@ class TraceAnswer(BaseModel):
     timer_hz: int = Field(description="Ticks a second of the controller's timer [Hz]")
     complete: bool = Field(description="Whether the move has ended and all of its trace is here")
     changed: bool = Field(description="Whether the move was changed on its way; the trace then ends there")
-    step: list[int] = Field(
+    step: WholeNumbers = Field(
         description="Which steps, counted from 1; those that the port could not carry are left out, and those after "
         "the first 500,000 [steps]"
     )
-    planned_ticks: list[int] = Field(description="When they were to be made, from the first step on [ticks]")
-    measured_ticks: list[int] = Field(description="When they were made, from the first step on [ticks]")
-    deviation_us: list[float] = Field(description="How much later than planned they were made [µs]")
+    planned_ticks: WholeNumbers = Field(description="When they were to be made, from the first step on [ticks]")
+    measured_ticks: WholeNumbers = Field(description="When they were made, from the first step on [ticks]")
+    deviation_us: Numbers = Field(description="How much later than planned they were made [µs]")
 
-
-def trace_content(trace: Trace) -> dict[str, object]:
-    """Return a trace as a TraceAnswer's content."""
-    return {
-        "traced_axis": trace.axis,
-        "every_steps": trace.every_steps,
-        "timer_hz": trace.timer_hz,
-        "complete": trace.complete,
-        "changed": trace.changed,
-        "step": trace.step,
-        "planned_ticks": trace.planned_ticks,
-        "measured_ticks": trace.measured_ticks,
-        "deviation_us": trace.deviation_us,
-    }
+    @classmethod
+    def of(cls, trace: Trace) -> Self:
+        """Return a trace as an answer."""
+        return cls(
+            traced_axis=trace.axis,
+            every_steps=trace.every_steps,
+            timer_hz=trace.timer_hz,
+            complete=trace.complete,
+            changed=trace.changed,
+            step=trace.step,
+            planned_ticks=trace.planned_ticks,
+            measured_ticks=trace.measured_ticks,
+            deviation_us=trace.deviation_us,
+        )
 
 
 def _asked(axes: Sequence[Document] | None, name: str, own: float | None) -> list[Asked]:
@@ -331,7 +302,7 @@ def _refuse_both_or_none(by_steps: int | None, to_steps: int | None) -> None:
         refuse("by_steps", None, "a whole number of steps, or else to_steps")
 
 
-def _refuse_own_axes(axes: Sequence[object], own: dict[str, int | None]) -> None:
+def refuse_own_axes(axes: Sequence[object], own: dict[str, int | None]) -> None:
     """Refuse a list of no axes or too many, and what is given of axis 0 next to a list."""
     if not 1 <= len(axes) <= MOST_AXES:
         refuse("axes", f"{len(axes)} axes", f"a list of 1 to {MOST_AXES} axes")
@@ -345,6 +316,6 @@ def _refuse_unless_one(axes: Sequence[object] | None, name: str, value: float | 
     if axes is not None and value is not None:
         refuse(name, value, "nothing, since axes is given")
     if axes is not None:
-        _refuse_own_axes(axes, {})
+        refuse_own_axes(axes, {})
     elif value is None:
         refuse(name, None, f"{wanted}, or else axes")

@@ -6,7 +6,7 @@ from collections.abc import AsyncGenerator
 from contextlib import suppress
 
 from stepramp.devices.registry import Devices
-from stepramp.http_api.device_models import DevicesAnswer
+from stepramp.http_api.devices_models import DevicesAnswer
 
 _logger = logging.getLogger(__name__)
 

@@ -3,6 +3,7 @@
 import asyncio
 import threading
 from collections.abc import Callable
+from typing import Generic, TypeVar
 
 from starlette.responses import Response
 from starlette.types import Receive, Scope, Send
@@ -10,14 +11,16 @@ from starlette.types import Receive, Scope, Send
 from stepramp.http_api.json_response import json_pieces
 from stepramp.http_api.lanes import Lane
 
+A = TypeVar("A")
+
 MOST_AHEAD = 32
 """So many pieces are written before the first of them is taken; then the writing waits."""
 STALLED_S = 10.0
 """A client that takes nothing for so long is given up: it would keep others from their turn."""
 
 
-class Planned(Response):
-    """JSON that a job makes in a lane.
+class Planned(Response, Generic[A]):
+    """An answer that a job makes in a lane.
 
     The job's turn lasts until all but the last pieces are sent, so that no more of large answers is in memory than
     there are turns. What the job raises before is answered as by other routes.
@@ -25,7 +28,7 @@ class Planned(Response):
 
     media_type = "application/json"
 
-    def __init__(self, lane: Lane, job: Callable[[], object]) -> None:
+    def __init__(self, lane: Lane, job: Callable[[], A]) -> None:
         self.status_code = 200
         self.background = None
         self.init_headers()

@@ -1,22 +1,21 @@
-"""What the planning routes answer: described for the API's page, and filled from profiles and error curves.
-
-The answers are written straight to JSON, arrays and all; the models only describe them.
-"""
+"""What the planning routes take and answer."""
 
 from collections.abc import Iterable, Sequence
-from typing import Any, Literal
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, Field
+from pydantic import Field
 
-from stepramp.design import Design, MethodName
+from stepramp.design import MOST_NAMES, MOST_STEPS, Design, MethodName
 from stepramp.errors import Rejected
+from stepramp.http_api.answer import Answer, Numbers, WholeNumbers
 from stepramp.http_api.errors import ErrorItem, error_items, in_body
 from stepramp.ramp.error_curves import ErrorCurves
 from stepramp.ramp.profile import Profile
 from stepramp.ramp.thinning import kept_steps
 from stepramp.ramp.tuning import TuningReport
+from stepramp.validation import Document, ListOf, OneOf, Within
 
 CurveName = Literal[
     "relative_error",
@@ -31,8 +30,39 @@ CurveName = Literal[
     "compression_error_ticks",
 ]
 
+MostPoints = Annotated[
+    Annotated[int, Within(10, MOST_STEPS, "points, or null for every step")] | None,
+    Field(description="Thin the arrays to about so many steps that keep the curve's shape; null: every step"),
+]
 
-class PhaseAnswer(BaseModel):
+
+class ProfileRequest(Document):
+    """A design whose move is to be planned."""
+
+    design: Design
+    max_points: MostPoints = None
+
+
+class ErrorsRequest(Document):
+    """A design and the methods that are to be compared."""
+
+    design: Design
+    methods: Annotated[list[Annotated[MethodName, OneOf()]], ListOf("method names", most=MOST_NAMES)] = Field(
+        description="Methods to compare, each with the design's arithmetic or else the one usual for it"
+    )
+    reference: Annotated[MethodName, OneOf()] = Field("exact", description="Method that they are compared with")
+    curves: Annotated[list[Annotated[CurveName, OneOf()]], ListOf("curve names", most=MOST_NAMES)] = Field(
+        default=["relative_error", "tick_error"], description="Curves wanted; the figures come in any case"
+    )
+    segment_bound_ticks: Annotated[int, Within(0, 10_000, "ticks, or null for no segments")] | None = Field(
+        None,
+        description="Judge the move as a controller plays it from segments that keep to this bound [ticks]; null: as "
+        "it is planned",
+    )
+    max_points: MostPoints = None
+
+
+class PhaseAnswer(Answer):
     """A stretch of the move."""
 
     name: Literal["accelerate", "slew", "decelerate"]
@@ -40,7 +70,7 @@ class PhaseAnswer(BaseModel):
     last_step: int = Field(description="Last step, counted from 1 [steps]")
 
 
-class SummaryAnswer(BaseModel):
+class SummaryAnswer(Answer):
     """The move in a few figures."""
 
     steps: int = Field(description="Length of the move [steps]")
@@ -50,15 +80,35 @@ class SummaryAnswer(BaseModel):
     slew_steps: int = Field(description="Steps at slew speed [steps]")
     decelerate_steps: int = Field(description="Steps of the deceleration [steps]")
 
+    @classmethod
+    def of(cls, profile: Profile) -> Self:
+        """Return the summary of a profile."""
+        return cls(
+            steps=profile.intervals_ticks.size,
+            duration_s=profile.duration_s,
+            peak_speed_steps_per_s=profile.peak_speed_steps_per_s,
+            accelerate_steps=profile.steps_of("accelerate"),
+            slew_steps=profile.steps_of("slew"),
+            decelerate_steps=profile.steps_of("decelerate"),
+        )
 
-class WarningAnswer(BaseModel):
+
+class WarningAnswer(Answer):
     """Something that works, but not as the design says."""
 
     field: str | None = Field(description="Path of the field in the request's body where it can be changed")
     message: str = Field(description="What happens and what to change")
 
+    @classmethod
+    def all_of(cls, profile: Profile) -> list[Self]:
+        """Return the warnings of a profile, with the fields' paths in the body of a request with its design."""
+        return [
+            cls(field=warning.field and f"design.{warning.field}", message=warning.message)
+            for warning in profile.warnings
+        ]
 
-class SlewResolutionAnswer(BaseModel):
+
+class SlewResolutionAnswer(Answer):
     """How finely the timer divides speeds at slew speed."""
 
     relative: float = Field(description="One tick as a part of the slew interval: 0.01 is 1 %")
@@ -68,7 +118,7 @@ class SlewResolutionAnswer(BaseModel):
     )
 
 
-class TuningAnswer(BaseModel):
+class TuningAnswer(Answer):
     """What the method `tuned` found, and how much better it is than formulas (20), (22) and (23)."""
 
     coefficient_up: float = Field(description="c of p (1 + q + c q²) for the acceleration")
@@ -81,29 +131,46 @@ class TuningAnswer(BaseModel):
     )
 
 
-class ProfileAnswer(BaseModel):
+class ProfileAnswer(Answer):
     """One planned move. Pulse 1 is at time 0; pulse i + 1 comes intervals_ticks of step i later."""
 
-    step: list[int] = Field(description="Which steps the arrays are of, counted from 1 [steps]")
-    intervals_ticks: list[int] = Field(description="Wait after the pulse of each step [ticks]")
-    time_s: list[float] = Field(description="Instant of the pulse of each step [s]")
-    position_steps: list[int] = Field(description="Position after the pulse of each step [steps]")
-    speed_steps_per_s: list[float] = Field(description="Speed of each interval, v = F / p (7) [steps/s]")
+    step: WholeNumbers = Field(description="Which steps the arrays are of, counted from 1 [steps]")
+    intervals_ticks: WholeNumbers = Field(description="Wait after the pulse of each step [ticks]")
+    time_s: Numbers = Field(description="Instant of the pulse of each step [s]")
+    position_steps: WholeNumbers = Field(description="Position after the pulse of each step [steps]")
+    speed_steps_per_s: Numbers = Field(description="Speed of each interval, v = F / p (7) [steps/s]")
     phases: list[PhaseAnswer] = Field(description="Stretches of the move that have steps, in order of time")
     summary: SummaryAnswer
     slew_resolution: SlewResolutionAnswer
     tuning: TuningAnswer | None = Field(description="For the method `tuned`; null for others")
     warnings: list[WarningAnswer]
 
+    @classmethod
+    def of(cls, profile: Profile, tuning: TuningReport | None, most_points: int | None) -> Self:
+        """Return a profile as an answer, thinned to about so many points."""
+        kept = _kept(profile.intervals_ticks, profile, most_points)
+        return cls(
+            step=kept + 1,
+            intervals_ticks=profile.intervals_ticks[kept],
+            time_s=profile.time_s[kept],
+            position_steps=profile.position_steps[kept],
+            speed_steps_per_s=profile.speed_steps_per_s[kept],
+            phases=profile.phases,
+            summary=SummaryAnswer.of(profile),
+            slew_resolution=profile.slew_resolution,
+            tuning=tuning,
+            warnings=WarningAnswer.all_of(profile),
+        )
 
-class ExtremeAnswer(BaseModel):
+
+class ExtremeAnswer(Answer):
     """The value of a curve that is furthest from 0."""
 
     value: float
     step: int = Field(description="First step that has it, counted from 1 [steps]")
 
 
-class ErrorFiguresAnswer(BaseModel):
+class ErrorFiguresAnswer(Answer):
     """One method's errors against the reference in a few figures."""
 
     largest_relative_error: ExtremeAnswer
@@ -120,37 +187,66 @@ class ErrorCurvesAnswer(ErrorFiguresAnswer):
     """One method's errors against the reference. Curves that were not asked for are left out."""
 
     method: MethodName
-    step: list[int] = Field(description="Which steps the curves are of, counted from 1 [steps]")
-    relative_error: list[float] | None = Field(
+    step: WholeNumbers = Field(description="Which steps the curves are of, counted from 1 [steps]")
+    relative_error: Numbers | None = Field(
         None, description="Interval over reference interval, less 1: 0.01 is 1 % too long"
     )
-    tick_error: list[float] | None = Field(None, description="Interval less reference interval [ticks]")
-    speed_error_steps_per_s: list[float] | None = Field(None, description="Speed less reference speed [steps/s]")
-    time_error_s: list[float] | None = Field(None, description="How much later each interval ends [s]")
-    position_lag_steps: list[float] | None = Field(None, description="Steps that the reference is ahead [steps]")
-    implied_acceleration_steps_per_s2: list[float] | None = Field(None, description="(v_i² - v_(i-1)²) / 2 [steps/s²]")
-    method_error_ticks: list[float] | None = Field(None, description="Part of the method itself [ticks]")
-    arithmetic_error_ticks: list[float] | None = Field(None, description="Part of the arithmetic [ticks]")
-    rounding_error_ticks: list[float] | None = Field(None, description="Part of the rounding [ticks]")
-    compression_error_ticks: list[float] | None = Field(None, description="Part of the segments [ticks]")
+    tick_error: Numbers | None = Field(None, description="Interval less reference interval [ticks]")
+    speed_error_steps_per_s: Numbers | None = Field(None, description="Speed less reference speed [steps/s]")
+    time_error_s: Numbers | None = Field(None, description="How much later each interval ends [s]")
+    position_lag_steps: Numbers | None = Field(None, description="Steps that the reference is ahead [steps]")
+    implied_acceleration_steps_per_s2: Numbers | None = Field(None, description="(v_i² - v_(i-1)²) / 2 [steps/s²]")
+    method_error_ticks: Numbers | None = Field(None, description="Part of the method itself [ticks]")
+    arithmetic_error_ticks: Numbers | None = Field(None, description="Part of the arithmetic [ticks]")
+    rounding_error_ticks: Numbers | None = Field(None, description="Part of the rounding [ticks]")
+    compression_error_ticks: Numbers | None = Field(None, description="Part of the segments [ticks]")
+
+    @classmethod
+    def of(cls, judged: ErrorCurves, names: Sequence[CurveName], most_points: int | None) -> Self:
+        """Return a method's error curves of those names, thinned to about so many points."""
+        kept = _kept(judged.relative_error, judged.profile, most_points)
+        curves = {name: _curve(judged, name)[kept] for name in names}
+        return cls(method=judged.method, step=kept + 1, **curves, **figures(judged))
 
 
-class MethodFailure(BaseModel):
+class MethodFailure(Answer):
     """Why a method has no curves."""
 
     method: MethodName
     errors: list[ErrorItem]
 
+    @classmethod
+    def of(cls, method: MethodName, rejected: Rejected) -> Self:
+        """Return what keeps a method from having curves."""
+        return cls(method=method, errors=error_items(in_body(rejected)))
 
-class ErrorsAnswer(BaseModel):
+
+class ErrorsAnswer(Answer):
     """Errors of methods against a reference that is not rounded to ticks."""
 
     reference: MethodName
     methods: list[ErrorCurvesAnswer] = Field(description="In the order asked for, without those that failed")
     failures: list[MethodFailure] = Field(description="Methods that don't fit the design, and why")
 
+    @classmethod
+    def of(
+        cls,
+        reference: MethodName,
+        judged: Iterable[tuple[MethodName, ErrorCurves | Rejected]],
+        names: Sequence[CurveName],
+        most_points: int | None,
+    ) -> Self:
+        """Return the error curves of those names, each thinned to about so many points."""
+        answer = cls(reference=reference, methods=[], failures=[])
+        for method, each in judged:
+            if isinstance(each, Rejected):
+                answer.failures.append(MethodFailure.of(method, each))
+            else:
+                answer.methods.append(ErrorCurvesAnswer.of(each, names, most_points))
+        return answer
 
-class ExampleAnswer(BaseModel):
+
+class ExampleAnswer(Answer):
     """A design to start from."""
 
     title: str
@@ -158,96 +254,27 @@ class ExampleAnswer(BaseModel):
     design: Design
 
 
-class ExamplesAnswer(BaseModel):
+class ExamplesAnswer(Answer):
     """Designs to start from."""
 
     examples: list[ExampleAnswer]
 
 
-class HealthAnswer(BaseModel):
+class HealthAnswer(Answer):
     """The server works."""
 
     status: Literal["ok"]
     version: str
 
 
-def profile_content(profile: Profile, tuning: TuningReport | None, most_points: int | None) -> dict[str, Any]:
-    """Return a profile as a ProfileAnswer's content, thinned to about so many points."""
-    kept = _kept(profile.intervals_ticks, profile, most_points)
+def figures(judged: ErrorCurves) -> dict[str, Any]:
+    """Return the figures of a method's errors, by the names of ErrorFiguresAnswer."""
     return {
-        "step": kept + 1,
-        "intervals_ticks": profile.intervals_ticks[kept],
-        "time_s": profile.time_s[kept],
-        "position_steps": profile.position_steps[kept],
-        "speed_steps_per_s": profile.speed_steps_per_s[kept],
-        "phases": [vars(phase) for phase in profile.phases],
-        "summary": summary_content(profile),
-        "slew_resolution": vars(profile.slew_resolution),
-        "tuning": tuning and vars(tuning),
-        "warnings": warnings_content(profile),
-    }
-
-
-def summary_content(profile: Profile) -> dict[str, Any]:
-    """Return a SummaryAnswer's content."""
-    return {
-        "steps": profile.intervals_ticks.size,
-        "duration_s": profile.duration_s,
-        "peak_speed_steps_per_s": profile.peak_speed_steps_per_s,
-        "accelerate_steps": profile.steps_of("accelerate"),
-        "slew_steps": profile.steps_of("slew"),
-        "decelerate_steps": profile.steps_of("decelerate"),
-    }
-
-
-def warnings_content(profile: Profile) -> list[dict[str, Any]]:
-    """Return the content of WarningAnswers, with the fields' paths in the request's body."""
-    return [
-        {"field": warning.field and f"design.{warning.field}", "message": warning.message}
-        for warning in profile.warnings
-    ]
-
-
-def errors_content(
-    reference: MethodName,
-    judged: Iterable[tuple[MethodName, ErrorCurves | Rejected]],
-    names: Sequence[CurveName],
-    most_points: int | None,
-) -> dict[str, Any]:
-    """Return the error curves of those names as an ErrorsAnswer's content, each thinned to about so many points."""
-    methods: list[dict[str, Any]] = []
-    failures: list[dict[str, Any]] = []
-    for method, each in judged:
-        if isinstance(each, Rejected):
-            failures.append(failure_content(method, each))
-        else:
-            methods.append(_curves_content(each, names, most_points))
-    return {"reference": reference, "methods": methods, "failures": failures}
-
-
-def failure_content(method: MethodName, rejected: Rejected) -> dict[str, Any]:
-    """Return why a method has no curves as a MethodFailure's content."""
-    return {"method": method, "errors": error_items(in_body(rejected))}
-
-
-def _curves_content(judged: ErrorCurves, names: Sequence[CurveName], most_points: int | None) -> dict[str, Any]:
-    kept = _kept(judged.relative_error, judged.profile, most_points)
-    return {
-        "method": judged.method,
-        "step": kept + 1,
-        **{name: _curve(judged, name)[kept] for name in names},
-        **figures_content(judged),
-    }
-
-
-def figures_content(judged: ErrorCurves) -> dict[str, Any]:
-    """Return the figures of a method's errors, as they stand in an ErrorFiguresAnswer."""
-    return {
-        "largest_relative_error": vars(judged.largest_relative_error),
-        "largest_tick_error": vars(judged.largest_tick_error),
+        "largest_relative_error": judged.largest_relative_error,
+        "largest_tick_error": judged.largest_tick_error,
         "rms_relative_error": judged.rms_relative_error,
         "relative_error_at_ramp_end": judged.relative_error_at_ramp_end,
-        "peak_acceleration_steps_per_s2": vars(judged.peak_acceleration),
+        "peak_acceleration_steps_per_s2": judged.peak_acceleration,
         "time_difference_s": judged.time_difference_s,
         "landing_error_steps_per_s": judged.landing_error_steps_per_s,
         "waiting_steps": judged.waiting_steps,

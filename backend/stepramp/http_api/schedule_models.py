@@ -1,28 +1,47 @@
-"""What the schedule's route answers: described for the API's page, and filled from a schedule.
+"""What the schedule's route takes and answers."""
 
-The answer is written straight to JSON, arrays and all; the models only describe it.
-"""
+from typing import Annotated, Literal, Self
 
-from typing import Any, Literal
+from pydantic import Field
 
-from pydantic import BaseModel, Field
+from stepramp.design import Design
+from stepramp.http_api.answer import Answer, Numbers, WholeNumbers
+from stepramp.http_api.planning_models import MostPoints, WarningAnswer
+from stepramp.ramp.schedule import MOST_AXES, Axis, Mode, Schedule, conflicts_of, merged
+from stepramp.validation import Document, ListOf, OneOf, Within
 
-from stepramp.http_api.planning_models import WarningAnswer
-from stepramp.ramp.schedule import Axis, Schedule, conflicts_of, merged
+
+class ScheduleRequest(Document):
+    """Designs whose moves begin together."""
+
+    designs: Annotated[list[Design], ListOf("designs", most=MOST_AXES, least=1)] = Field(
+        description=f"One to {MOST_AXES} designs, one an axis"
+    )
+    mode: Annotated[Mode, OneOf()] = Field(
+        description="independent: each axis plays its own move with its own timer. line: straight in the space of all "
+        "axes' steps; the first of the axes with most steps leads, and is slowed to what every axis allows"
+    )
+    max_points: MostPoints = Field(
+        None, description="Thin each axis to about so many steps, the first and the last of them; null: every step"
+    )
+    shortest_spacing_us: Annotated[float, Within(0, 1_000_000, "µs")] = Field(
+        20.0,
+        description="Least time that the controller's interrupt needs between two pulses of different axes [µs]",
+    )
 
 
-class AxisPulsesAnswer(BaseModel):
+class AxisPulsesAnswer(Answer):
     """Pulses of one axis, in order of time."""
 
-    step: list[int] = Field(description="Which steps the arrays are of, counted from 1 [steps]")
-    time_s: list[float] = Field(description="Instant of the pulse of each step [s]")
-    position_steps: list[int] = Field(description="Position after the pulse of each step [steps]")
-    speed_steps_per_s: list[float] = Field(
+    step: WholeNumbers = Field(description="Which steps the arrays are of, counted from 1 [steps]")
+    time_s: Numbers = Field(description="Instant of the pulse of each step [s]")
+    position_steps: WholeNumbers = Field(description="Position after the pulse of each step [steps]")
+    speed_steps_per_s: Numbers = Field(
         description="Speed after the pulse of each step; along a line, the axis' even share of the leader's [steps/s]"
     )
 
 
-class AxisAnswer(BaseModel):
+class ScheduledAxisAnswer(Answer):
     """What one axis does."""
 
     name: str = Field(description="Name of its design")
@@ -33,16 +52,27 @@ class AxisAnswer(BaseModel):
     )
     pulses: AxisPulsesAnswer
 
+    @classmethod
+    def of(cls, axis: Axis) -> Self:
+        """Return an axis of a schedule as an answer."""
+        return cls(
+            name=axis.name,
+            steps=axis.steps,
+            direction=axis.direction,
+            duration_s=axis.pace.duration_s,
+            pulses=axis,
+        )
 
-class PulsesAnswer(BaseModel):
+
+class PulsesAnswer(Answer):
     """Pulses of all axes in order of time; those of one instant in order of the axes."""
 
-    time_s: list[float] = Field(description="Instant of each pulse [s]")
-    axis: list[int] = Field(description="Axis that pulses, counted from 0 in the order of the designs")
-    position_steps: list[int] = Field(description="Position of that axis after the pulse [steps]")
+    time_s: Numbers = Field(description="Instant of each pulse [s]")
+    axis: WholeNumbers = Field(description="Axis that pulses, counted from 0 in the order of the designs")
+    position_steps: WholeNumbers = Field(description="Position of that axis after the pulse [steps]")
 
 
-class ConflictAnswer(BaseModel):
+class ConflictAnswer(Answer):
     """Two pulses of different axes that are closer than the shortest spacing, but not at the same instant."""
 
     time_s: float = Field(description="Instant of the earlier pulse [s]")
@@ -50,7 +80,7 @@ class ConflictAnswer(BaseModel):
     gap_us: float = Field(description="From the earlier to the later pulse [µs]")
 
 
-class ConflictsAnswer(BaseModel):
+class ConflictsAnswer(Answer):
     """Pairs of pulses that the controller can't serve in time."""
 
     count: int = Field(description="How many pairs there are, among all pulses [pairs]")
@@ -59,7 +89,7 @@ class ConflictsAnswer(BaseModel):
     )
 
 
-class LimitAnswer(BaseModel):
+class LimitAnswer(Answer):
     """What makes a line slower than its leader's own move."""
 
     field: str = Field(description="Path of the field in the request's body where it can be changed")
@@ -67,10 +97,10 @@ class LimitAnswer(BaseModel):
     message: str = Field(description="What the axis allows, and what the line's ramp is for it")
 
 
-class ScheduleAnswer(BaseModel):
+class ScheduleAnswer(Answer):
     """What one to four axes do from time 0 on."""
 
-    axes: list[AxisAnswer] = Field(description="The axes, in the order of the designs")
+    axes: list[ScheduledAxisAnswer] = Field(description="The axes, in the order of the designs")
     schedule: PulsesAnswer = Field(description="The pulses that the axes' arrays hold, merged")
     conflicts: ConflictsAnswer
     duration_s: float = Field(description="From time 0 to the end of the last interval of all axes [s]")
@@ -78,36 +108,21 @@ class ScheduleAnswer(BaseModel):
     limits: list[LimitAnswer] = Field(description="What makes the line slower than its leader's own move")
     warnings: list[WarningAnswer]
 
-
-def schedule_content(schedule: Schedule, shortest_spacing_us: float, most_points: int | None) -> dict[str, Any]:
-    """Return a schedule as a ScheduleAnswer's content, each axis thinned to about so many points."""
-    pulses = merged(schedule.axes)
-    conflicts = conflicts_of(pulses, shortest_spacing_us)
-    axes = schedule.axes
-    if most_points is not None:
-        axes = tuple(axis.thinned(most_points) for axis in axes)
-        pulses = merged(axes)
-    return {
-        "axes": [_axis_content(axis) for axis in axes],
-        "schedule": vars(pulses),
-        "conflicts": {"count": conflicts.count, "first": [vars(conflict) for conflict in conflicts.first]},
-        "duration_s": schedule.duration_s,
-        "leader": schedule.leader,
-        "limits": [vars(limit) for limit in schedule.limits],
-        "warnings": [vars(warning) for warning in schedule.warnings],
-    }
-
-
-def _axis_content(axis: Axis) -> dict[str, Any]:
-    return {
-        "name": axis.name,
-        "steps": axis.steps,
-        "direction": axis.direction,
-        "duration_s": axis.pace.duration_s,
-        "pulses": {
-            "step": axis.step,
-            "time_s": axis.time_s,
-            "position_steps": axis.position_steps,
-            "speed_steps_per_s": axis.speed_steps_per_s,
-        },
-    }
+    @classmethod
+    def of(cls, schedule: Schedule, shortest_spacing_us: float, most_points: int | None) -> Self:
+        """Return a schedule as an answer, each axis thinned to about so many points."""
+        pulses = merged(schedule.axes)
+        conflicts = conflicts_of(pulses, shortest_spacing_us)
+        axes = schedule.axes
+        if most_points is not None:
+            axes = tuple(axis.thinned(most_points) for axis in axes)
+            pulses = merged(axes)
+        return cls(
+            axes=[ScheduledAxisAnswer.of(axis) for axis in axes],
+            schedule=pulses,
+            conflicts=conflicts,
+            duration_s=schedule.duration_s,
+            leader=schedule.leader,
+            limits=schedule.limits,
+            warnings=schedule.warnings,
+        )

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from stepramp.errors import Rejected
 from stepramp.http_api.bodies import parsed_json
-from stepramp.http_api.motion_models import AxesRequest
+from stepramp.http_api.stopping_models import AxesRequest
 
 MOST_BYTES = 1024
 """Many times what `{"axes": [0, 1, 2, 3]}` takes; nobody waits for what is longer to be understood [bytes]."""

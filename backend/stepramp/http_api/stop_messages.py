@@ -9,44 +9,20 @@ import threading
 from collections import deque
 from collections.abc import AsyncGenerator, Callable
 from contextlib import ExitStack
-from typing import Annotated, Literal, Self
-
-from pydantic import Field, model_validator
 
 from stepramp.devices.registry import Devices
 from stepramp.errors import Rejected, Rejection, StepRampError
-from stepramp.http_api.device_models import DevicesAnswer
 from stepramp.http_api.errors import error_items
 from stepramp.http_api.json_response import json_bytes
 from stepramp.http_api.sockets import parsed
 from stepramp.http_api.stopping import halt_whole, stop_every
-from stepramp.validation import Document, OneOf, Within, refuse
+from stepramp.http_api.stopping_models import StopMessage, StopMessageAnswer
 
 ALLOWED = 'a JSON object such as {"do": "stop"}'
 LONGEST_MESSAGE = 1000
 """Far more than any message needs [characters]."""
 MOST_AT_A_TIME = 16
 """So many messages of a socket are seen to at a time, the next ones wait. So many answers wait to be sent."""
-
-
-class StopMessage(Document):
-    """What the WebSocket of events is told."""
-
-    do: Annotated[Literal["stop", "halt"], OneOf()] = Field(
-        description="stop: slow all devices down. halt: let one make no further step"
-    )
-    device: str | None = Field(None, description="Which device halts")
-    number: Annotated[int, Within(0, 2**53, "or null")] | None = Field(
-        None, description="Is told again in the answer, to know which message it answers"
-    )
-
-    @model_validator(mode="after")
-    def _one_halts(self) -> Self:
-        if self.do == "halt" and self.device is None:
-            refuse("device", None, "the id of the device that is to halt")
-        if self.do == "stop" and self.device is not None:
-            refuse("device", self.device, "nothing, since a stop over this WebSocket is for all devices")
-        return self
 
 
 class Answer:
@@ -112,9 +88,8 @@ async def answered(text: str | bytes, devices: Devices) -> Answer:
             raise Rejected([Rejection("message", text, f"{ALLOWED}, of up to {LONGEST_MESSAGE:,} characters")])
         message = StopMessage.checked(parsed(text, ALLOWED))
     except StepRampError as error:
-        refused = _text({"errors": error_items(error)})
+        refused = _text(StopMessageAnswer(errors=error_items(error)))
         return Answer(lambda: refused)
-    did = message.model_dump()
     with ExitStack() as stopping:
         try:
             if message.device is None:
@@ -125,16 +100,15 @@ async def answered(text: str | bytes, devices: Devices) -> Answer:
                 stopping.enter_context(device.being_stopped())
                 await halt_whole(device)
         except StepRampError as error:
-            failed = _text({"did": did, "errors": error_items(error)})
+            failed = _text(StopMessageAnswer(did=message, errors=error_items(error)))
             return Answer(lambda: failed, stopping.pop_all())
         until_then = stopping.pop_all()
 
     def done() -> str:
-        answer = DevicesAnswer.model_validate({"devices": devices.views()})
-        return _text({"did": did, **answer.model_dump(mode="json")})
+        return _text(StopMessageAnswer(did=message, devices=devices.views()))
 
     return Answer(done, until_then)
 
 
-def _text(content: object) -> str:
-    return json_bytes(content).decode()
+def _text(answer: StopMessageAnswer) -> str:
+    return json_bytes(answer).decode()

@@ -11,10 +11,10 @@ from starlette.requests import ClientDisconnect, Request
 from stepramp.devices.device import Device
 from stepramp.devices.registry import Devices
 from stepramp.errors import DeviceLost, Refused, StepRampError
-from stepramp.http_api.device_models import DeviceAnswer, DevicesAnswer
 from stepramp.http_api.device_registry import Registry
-from stepramp.http_api.motion_models import AxesRequest
+from stepramp.http_api.devices_models import DeviceAnswer, DevicesAnswer
 from stepramp.http_api.stop_body import MOST_BYTES, axes_of_stop
+from stepramp.http_api.stopping_models import AxesRequest
 
 BODY_WITHIN_S = 0.25
 """How long the names of axes are waited for [s]. Without them all are stopped."""

@@ -1,14 +1,15 @@
-"""What the device routes take, and what they answer of devices."""
+"""What the routes over devices take and answer."""
 
 from typing import Annotated, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
 from stepramp.controllers.progress import PushStage
 from stepramp.controllers.stepramp.messages import MOST_AXES
 from stepramp.controllers.stepramp.settings import ListOrNull
 from stepramp.design import Design
 from stepramp.devices.view import DeviceState
+from stepramp.http_api.answer import Answer
 from stepramp.validation import Document, OneOf, Text, Within, refuse
 
 
@@ -56,12 +57,6 @@ class PushRequest(PushDesigns):
     mode: Annotated[Literal["keep", "try"], OneOf()] = Field(
         "keep", description="keep: store the ramps. try: use them until they are kept, rolled back, or the board resets"
     )
-
-
-class Answer(BaseModel):
-    """Base of the answers: filled from objects with the same fields."""
-
-    model_config = ConfigDict(from_attributes=True)
 
 
 class PortAnswer(Answer):

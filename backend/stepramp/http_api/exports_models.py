@@ -1,0 +1,37 @@
+"""What the route for files takes."""
+
+from typing import Annotated, Self
+
+from pydantic import Field, model_validator
+
+from stepramp.design import MOST_NAMES, Arithmetic, Design, MethodName
+from stepramp.exports.names import NAME_RULE, is_identifier
+from stepramp.validation import Document, ListOf, OneOf, Within, refuse
+
+MOST_BOUND_TICKS = 10_000
+
+
+class ExportRequest(Document):
+    """A design, and what its file should be like."""
+
+    design: Design
+    name: str | None = Field(
+        None, description="Begin of the file's name and of the names in C; null: made of the design's name"
+    )
+    methods: Annotated[list[Annotated[MethodName, OneOf()]], ListOf("method names", most=MOST_NAMES)] = Field(
+        default=[], description="html, svg, png: methods that the design's own is compared with"
+    )
+    arithmetic: Annotated[Arithmetic, OneOf()] | None = Field(
+        None,
+        description="C code of a formula: its numbers; null: the design's own when the formula is its method, else the "
+        "ones usual for it",
+    )
+    segment_bound_ticks: Annotated[int, Within(0, MOST_BOUND_TICKS, "ticks")] = Field(
+        0, description="c_segments: how far an interval may be from the planned one, for fewer segments [ticks]"
+    )
+
+    @model_validator(mode="after")
+    def _name_fits_in_c(self) -> Self:
+        if self.name is not None and not is_identifier(self.name):
+            refuse("name", self.name, NAME_RULE)
+        return self

@@ -1,0 +1,28 @@
+"""What the WebSocket of a jog takes."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from stepramp.controllers.contract import Asked
+from stepramp.controllers.stepramp.settings import AxisNumber
+from stepramp.http_api.motion_models import AXIS, Speed
+from stepramp.validation import Document, OneOf, Within
+
+
+class JogRequest(Document):
+    """What the WebSocket of a jog is told."""
+
+    do: Annotated[Literal["run", "hold", "end"], OneOf()] = Field(
+        description="run: begin, or change the speed. hold: go on. end: slow down"
+    )
+    axis: AxisNumber = Field(0, description=AXIS)
+    speed_steps_per_s: Speed = Field(0.0, description="Speed to run at, negative for backwards [steps/s]")
+    stops: Annotated[int, Within(0, 2**53, "or null")] | None = Field(
+        None, description="As the header X-StepRamp-Stops of other motions: browsers can give WebSockets no headers"
+    )
+
+    @property
+    def asked(self) -> Asked:
+        """How fast the axis is to run."""
+        return Asked(self.axis, self.speed_steps_per_s, "speed_steps_per_s")

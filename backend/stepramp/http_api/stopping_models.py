@@ -1,0 +1,60 @@
+"""What the routes that stop, and the messages that do, take and answer."""
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from stepramp.controllers.stepramp.settings import AxisNumbersOrNull
+from stepramp.http_api.answer import Answer
+from stepramp.http_api.devices_models import DeviceAnswer
+from stepramp.http_api.errors import ErrorItem
+from stepramp.http_api.motion_models import refuse_own_axes
+from stepramp.validation import Document, OneOf, Within, refuse
+
+
+class AxesRequest(Document):
+    """Which axes are to stop."""
+
+    axes: AxisNumbersOrNull = Field(None, description="Which axes; null: all")
+
+    @model_validator(mode="after")
+    def _some(self) -> Self:
+        if self.axes is not None:
+            refuse_own_axes(self.axes, {})
+        return self
+
+
+class StopMessage(Document):
+    """What the WebSocket of events is told."""
+
+    do: Annotated[Literal["stop", "halt"], OneOf()] = Field(
+        description="stop: slow all devices down. halt: let one make no further step"
+    )
+    device: str | None = Field(None, description="Which device halts")
+    number: Annotated[int, Within(0, 2**53, "or null")] | None = Field(
+        None, description="Is told again in the answer, to know which message it answers"
+    )
+
+    @model_validator(mode="after")
+    def _one_halts(self) -> Self:
+        if self.do == "halt" and self.device is None:
+            refuse("device", None, "the id of the device that is to halt")
+        if self.do == "stop" and self.device is not None:
+            refuse("device", self.device, "nothing, since a stop over this WebSocket is for all devices")
+        return self
+
+
+class StoppedAnswer(Answer):
+    """A message that was understood, as it was understood."""
+
+    do: Literal["stop", "halt"]
+    device: str | None
+    number: int | None
+
+
+class StopMessageAnswer(Answer):
+    """What a message to stop is answered."""
+
+    did: StoppedAnswer | None = Field(None, description="What was asked for; left out when that was not understood")
+    errors: list[ErrorItem] | None = Field(None, description="Why it wasn't done; left out when it was")
+    devices: list[DeviceAnswer] | None = Field(None, description="All devices; left out when it wasn't done")

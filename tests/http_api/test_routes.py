@@ -1,0 +1,47 @@
+"""Each route has an answer model, and models lie beside the routes that they are of."""
+
+from importlib import import_module
+from pkgutil import iter_modules
+from types import ModuleType
+
+from fastapi import APIRouter
+from fastapi.routing import APIRoute
+from pydantic import BaseModel
+
+from stepramp import http_api
+from stepramp.http_api import answer, errors
+from stepramp.http_api.answer import Answer
+from stepramp.validation import Document
+
+FILES = {"/export/{format}"}
+MODULES = [import_module(f"{http_api.__name__}.{each.name}") for each in iter_modules(http_api.__path__)]
+OF_ALL_ROUTES = {answer.__name__, errors.__name__}
+"""What any answer is, and what any route answers to what goes wrong."""
+
+
+def models_of(module: ModuleType) -> set[type]:
+    own = (each for each in vars(module).values() if isinstance(each, type) and each.__module__ == module.__name__)
+    return {each for each in own if issubclass(each, BaseModel)}
+
+
+def test_every_route_answers_a_model_but_those_for_files() -> None:
+    routers = [module.router for module in MODULES if hasattr(module, "router")]
+    routes = [each for router in routers for each in router.routes if isinstance(each, APIRoute)]
+    assert len(routes) > 30
+    for route in routes:
+        answers = isinstance(route.response_model, type) and issubclass(route.response_model, (Answer, Document))
+        assert answers != (route.path in FILES), route.path
+
+
+def test_models_lie_beside_the_routes_that_they_are_of() -> None:
+    of_routes = [each for each in MODULES if each.__name__.endswith("_models")]
+    assert len(of_routes) > 6
+    for module in of_routes:
+        routes = import_module(module.__name__.removesuffix("_models"))
+        assert isinstance(routes.router, APIRouter)
+        assert any(each in vars(routes).values() for each in models_of(module)), module.__name__
+
+
+def test_models_lie_nowhere_else() -> None:
+    elsewhere = [each for each in MODULES if not each.__name__.endswith("_models")]
+    assert {each.__name__ for each in elsewhere if models_of(each)} == OF_ALL_ROUTES
