@@ -69,7 +69,7 @@ class Axis(Document):
     travel_per_rev: Annotated[float, Within(0.001, 1_000_000)] = Field(
         360.0, description="Distance that the axis covers in one turn of the motor [travel_unit]"
     )
-    travel_unit: Annotated[Literal["mm", "deg"], OneOf()] = Field("deg", description="Unit of the axis' travel")
+    travel_unit: Literal["mm", "deg"] = Field("deg", description="Unit of the axis' travel")
 
 
 class Timer(Document):
@@ -129,17 +129,17 @@ class Method(Document):
         "the c that suits the ramp. newton: w = v² kept by addition, p corrected by one Newton step. austin: AVR446. "
         "table: the lookup table",
     )
-    arithmetic: Annotated[Arithmetic, OneOf()] = Field(
+    arithmetic: Arithmetic = Field(
         "float64",
         description="Numbers it is computed in: float32 is what C float gives, operation for operation; fixed the "
         "integers of a controller without floating point",
     )
-    rounding: Annotated[Rounding, OneOf()] = Field(
+    rounding: Rounding = Field(
         "nearest",
         description="How an interval becomes whole ticks: to the nearest; down; or down with the remainder carried "
         "into the next interval",
     )
-    tuned_for: Annotated[TunedFor, OneOf()] = Field(
+    tuned_for: TunedFor = Field(
         "largest_error",
         description="What `tuned` makes least: the largest relative error of an interval, or the error of the time "
         "that the ramp takes",
@@ -165,7 +165,7 @@ class Table(Document):
         description="[last ramp index of the row [steps], delay [interval_unit]]: the delay at ramp index k is that of "
         "the first row whose index is at least k",
     )
-    interval_unit: Annotated[Literal["us", "ticks"], OneOf()] = Field("us", description="Unit of the delays")
+    interval_unit: Literal["us", "ticks"] = Field("us", description="Unit of the delays")
 
     @model_validator(mode="after")
     def _sorted(self) -> Self:
@@ -193,9 +193,7 @@ class Move(Document):
 class Design(Document):
     """The design document, version 1."""
 
-    schema_: Annotated[Literal["stepramp/1"], OneOf()] = Field(
-        alias="schema", description="Name and version of the document's format"
-    )
+    schema_: Literal["stepramp/1"] = Field(alias="schema", description="Name and version of the document's format")
     name: Annotated[str, Text(100)] = Field("", description="What people call it")
     axis: Axis = Axis()
     timer: Timer

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ from stepramp.figure import figure_of
 from stepramp.ramp.error_curves import ErrorCurves, error_curves
 from stepramp.ramp.profile import Phase, Profile, profile_of
 from stepramp.ramp.timer_limits import Warning
-from stepramp.validation import OneOf, rejected
+from stepramp.validation import rejected
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
@@ -37,7 +37,7 @@ class Design(document.Design):
     stepramp.errors.Rejected: timer.frequency_hz is 0; allowed: a number from 1,000 to 1,000,000,000 Hz.
     """
 
-    schema_: Annotated[Literal["stepramp/1"], OneOf()] = Field(
+    schema_: Literal["stepramp/1"] = Field(
         "stepramp/1", alias="schema", description="Name and version of the document's format"
     )
 

@@ -107,15 +107,6 @@ class OneOf(_Allowance):
         return self._guard(handler(source))
 
 
-class TrueOrFalse(_Allowance):
-    """True or false, and nothing that only looks like it."""
-
-    allowed = "true or false"
-
-    def __get_pydantic_core_schema__(self, source: type, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return self._guard(core_schema.bool_schema(strict=True))
-
-
 @dataclass
 class ListOf(_Allowance):
     """A list of things described in words, of a given length, or of `least` to `most` of them.
@@ -187,6 +178,10 @@ def _rejection(error: ErrorDetails, skip: int) -> Rejection:
     match error["type"]:
         case "refused":
             allowed = str(context["allowed"])
+        case "literal_error":  # Expected are 'a', 'b' or 'c'.
+            allowed = str(context["expected"]).replace(" or ", ", ").replace("'", "")
+        case "bool_type":
+            allowed = "true or false"
         case "missing":
             value, allowed = None, "a value; this field is required"
         case "extra_forbidden":

@@ -85,6 +85,51 @@ def test_wrong_methods_are_refused(client: TestClient, methods: object, field: s
     assert error["field"] == field
 
 
+METHODS = "exact, ideal, midpoint, first_order, second_order, compromise, tuned, newton, austin, table"
+WORDS = {
+    "profile": {"design.method.rounding": "nearest, floor, carry", "design.axis.travel_unit": "mm, deg"},
+    "schedule": {"mode": "independent, line", "designs.0.schema": "stepramp/1"},
+    "curves": {"parts": "true or false", "acceleration": "true or false", "methods.1": METHODS, "reference": METHODS},
+    "export/csv": {"arithmetic": "float64, float32, fixed"},
+    "devices/1/push": {"mode": "keep, try"},
+}
+
+
+def with_value(document: object, path: list[str], value: object) -> object:
+    """Return a document with another value at a path."""
+    if not path:
+        return value
+    first, *rest = path
+    if isinstance(document, list):
+        at = int(first)
+        return [*document[:at], with_value(document[at], rest, value), *document[at + 1 :]]
+    assert isinstance(document, dict)
+    return {**document, first: with_value(document.get(first), rest, value)}
+
+
+@pytest.mark.parametrize("wrong", ["magic", "", 1, ["keep"], {"keep": 1}])
+@pytest.mark.parametrize(("route", "field"), [(route, field) for route, fields in WORDS.items() for field in fields])
+def test_a_word_that_is_none_of_the_allowed_names_them(
+    client: TestClient, route: str, field: str, wrong: object
+) -> None:
+    bodies = {
+        "schedule": {"designs": [document()], "mode": "line"},
+        "curves": {"design": document(), "methods": ["exact", "ideal"]},
+    }
+    body = with_value(bodies.get(route, {"design": document()}), field.split("."), wrong)
+    [error] = errors_of(client.post(f"/api/v1/{route}", json=body), 422)
+    allowed = WORDS[route][field]
+    assert error == {"field": field, "value": wrong, "allowed": allowed, "message": error["message"]}
+    assert error["message"].endswith(f"; allowed: {allowed}.")
+
+
+def test_a_format_that_is_none_names_the_formats(client: TestClient) -> None:
+    [error] = errors_of(client.post("/api/v1/export/magic", json={"design": document()}), 422)
+    assert (error["field"], error["value"]) == ("format", "magic")
+    of_c = "c_table, c_table_progmem, c_segments, c_ramp_image, c_first_order, c_second_order, c_compromise, c_newton"
+    assert error["allowed"] == f"{of_c}, csv, json, html, svg, png"
+
+
 def test_pages_and_routes_that_are_not_there(client: TestClient) -> None:
     [error] = errors_of(client.get("/api/v1/nothing"), 404)
     assert error["message"] == "Not Found: GET /api/v1/nothing. The routes are described at /docs."

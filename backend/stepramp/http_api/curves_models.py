@@ -8,7 +8,7 @@ from typing import Annotated, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field
+from pydantic import Field, StrictBool
 
 from stepramp.design import MOST_NAMES, MOST_STEPS, Design, MethodName
 from stepramp.errors import Rejected
@@ -23,7 +23,7 @@ from stepramp.http_api.planning_models import (
 )
 from stepramp.ramp.drawing import Drawing, Drawn
 from stepramp.ramp.error_curves import Parts
-from stepramp.validation import Document, ListOf, OneOf, TrueOrFalse, Within
+from stepramp.validation import Document, ListOf, OneOf, Within
 
 StepOfMove = Annotated[int, Within(1, MOST_STEPS, "steps, or null")] | None
 
@@ -45,10 +45,8 @@ class CurvesRequest(Document):
         "Null: the move's first [steps]",
     )
     last_step: StepOfMove = Field(None, description="Last step of that part; null: the move's last [steps]")
-    acceleration: Annotated[bool, TrueOrFalse()] = Field(
-        False, description="Whether the implied acceleration is wanted"
-    )
-    parts: Annotated[bool, TrueOrFalse()] = Field(False, description="Whether the parts of the error are wanted")
+    acceleration: StrictBool = Field(False, description="Whether the implied acceleration is wanted")
+    parts: StrictBool = Field(False, description="Whether the parts of the error are wanted")
     segment_bound_ticks: Annotated[int, Within(0, 10_000, "ticks, or null for no segments")] | None = Field(
         None,
         description="Bound of the segments whose part of the error is given among the parts [ticks]; null: no segments",

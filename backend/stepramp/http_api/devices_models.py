@@ -10,7 +10,7 @@ from stepramp.controllers.stepramp.settings import ListOrNull
 from stepramp.design import Design
 from stepramp.devices.view import DeviceState
 from stepramp.http_api.answer import Answer
-from stepramp.validation import Document, OneOf, Text, Within, refuse
+from stepramp.validation import Document, Text, Within, refuse
 
 
 class ConnectRequest(Document):
@@ -54,7 +54,7 @@ class PushDesigns(Document):
 class PushRequest(PushDesigns):
     """Designs whose ramps the controller is to use, and for how long."""
 
-    mode: Annotated[Literal["keep", "try"], OneOf()] = Field(
+    mode: Literal["keep", "try"] = Field(
         "keep", description="keep: store the ramps. try: use them until they are kept, rolled back, or the board resets"
     )
 

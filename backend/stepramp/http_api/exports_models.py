@@ -21,7 +21,7 @@ class ExportRequest(Document):
     methods: Annotated[list[Annotated[MethodName, OneOf()]], ListOf("method names", most=MOST_NAMES)] = Field(
         default=[], description="html, svg, png: methods that the design's own is compared with"
     )
-    arithmetic: Annotated[Arithmetic, OneOf()] | None = Field(
+    arithmetic: Arithmetic | None = Field(
         None,
         description="C code of a formula: its numbers; null: the design's own when the formula is its method, else the "
         "ones usual for it",

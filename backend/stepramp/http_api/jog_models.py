@@ -7,13 +7,13 @@ from pydantic import Field
 from stepramp.controllers.contract import Asked
 from stepramp.controllers.stepramp.settings import AxisNumber
 from stepramp.http_api.motion_models import AXIS, Speed
-from stepramp.validation import Document, OneOf, Within
+from stepramp.validation import Document, Within
 
 
 class JogRequest(Document):
     """What the WebSocket of a jog is told."""
 
-    do: Annotated[Literal["run", "hold", "end"], OneOf()] = Field(
+    do: Literal["run", "hold", "end"] = Field(
         description="run: begin, or change the speed. hold: go on. end: slow down"
     )
     axis: AxisNumber = Field(0, description=AXIS)

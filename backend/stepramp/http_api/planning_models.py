@@ -51,7 +51,7 @@ class ErrorsRequest(Document):
         description="Methods to compare, each with the design's arithmetic or else the one usual for it"
     )
     reference: Annotated[MethodName, OneOf()] = Field("exact", description="Method that they are compared with")
-    curves: Annotated[list[Annotated[CurveName, OneOf()]], ListOf("curve names", most=MOST_NAMES)] = Field(
+    curves: Annotated[list[CurveName], ListOf("curve names", most=MOST_NAMES)] = Field(
         default=["relative_error", "tick_error"], description="Curves wanted; the figures come in any case"
     )
     segment_bound_ticks: Annotated[int, Within(0, 10_000, "ticks, or null for no segments")] | None = Field(

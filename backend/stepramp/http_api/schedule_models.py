@@ -8,7 +8,7 @@ from stepramp.design import Design
 from stepramp.http_api.answer import Answer, Numbers, WholeNumbers
 from stepramp.http_api.planning_models import MostPoints, WarningAnswer
 from stepramp.ramp.schedule import MOST_AXES, Axis, Mode, Schedule, conflicts_of, merged
-from stepramp.validation import Document, ListOf, OneOf, Within
+from stepramp.validation import Document, ListOf, Within
 
 
 class ScheduleRequest(Document):
@@ -17,7 +17,7 @@ class ScheduleRequest(Document):
     designs: Annotated[list[Design], ListOf("designs", most=MOST_AXES, least=1)] = Field(
         description=f"One to {MOST_AXES} designs, one an axis"
     )
-    mode: Annotated[Mode, OneOf()] = Field(
+    mode: Mode = Field(
         description="independent: each axis plays its own move with its own timer. line: straight in the space of all "
         "axes' steps; the first of the axes with most steps leads, and is slowed to what every axis allows"
     )

@@ -9,7 +9,7 @@ from stepramp.http_api.answer import Answer
 from stepramp.http_api.devices_models import DeviceAnswer
 from stepramp.http_api.errors import ErrorItem
 from stepramp.http_api.motion_models import refuse_own_axes
-from stepramp.validation import Document, OneOf, Within, refuse
+from stepramp.validation import Document, Within, refuse
 
 
 class AxesRequest(Document):
@@ -27,9 +27,7 @@ class AxesRequest(Document):
 class StopMessage(Document):
     """What the WebSocket of events is told."""
 
-    do: Annotated[Literal["stop", "halt"], OneOf()] = Field(
-        description="stop: slow all devices down. halt: let one make no further step"
-    )
+    do: Literal["stop", "halt"] = Field(description="stop: slow all devices down. halt: let one make no further step")
     device: str | None = Field(None, description="Which device halts")
     number: Annotated[int, Within(0, 2**53, "or null")] | None = Field(
         None, description="Is told again in the answer, to know which message it answers"

@@ -11,7 +11,7 @@ from stepramp.ramp.table_check import MICROSECONDS, DelayUnit, RowChange, RowFin
 from stepramp.ramp.table_fit import BYTES_PER_ROW, FittedTable, Floor
 from stepramp.ramp.table_fit_linear import BYTES_PER_LINEAR_ROW
 from stepramp.ramp.table_play import TableMoves
-from stepramp.validation import Document, ListOf, OneOf, Within, refuse
+from stepramp.validation import Document, ListOf, Within, refuse
 
 MOST_TARGETS = 10_000
 MOST_CURVE_ROWS = 64
@@ -21,7 +21,7 @@ RowKind = Literal["constant", "linear"]
 DelayUnitName = Literal["us", "ticks"]
 
 FitTo = Annotated[
-    Annotated[Literal["played", "ramp_index"], OneOf()],
+    Literal["played", "ramp_index"],
     Field(
         description="What the table is fitted to. played: every step that plays a ramp index as gauge libraries and "
         "the method `table` do, up from index 2 and down to index 0. ramp_index: at index k the interval of step k of "
@@ -33,7 +33,7 @@ FitTo = Annotated[
 class TableInMicroseconds(Table):
     """A lookup table whose delays are times."""
 
-    interval_unit: Annotated[Literal["us"], OneOf()] = Field("us", description="Unit of the delays")
+    interval_unit: Literal["us"] = Field("us", description="Unit of the delays")
 
 
 class Target(Document):
@@ -69,7 +69,7 @@ class CheckRequest(Document):
     rows: Annotated[list[Row], ListOf("rows of two whole numbers", most=MOST_TABLE_ROWS, least=1)] = Field(
         description="[last ramp index of the row [steps], delay [interval_unit]]"
     )
-    interval_unit: Annotated[DelayUnitName, OneOf()] = Field("us", description="Unit of the delays")
+    interval_unit: DelayUnitName = Field("us", description="Unit of the delays")
     frequency_hz: Annotated[float, Within(1, 10**9, "Hz")] | None = Field(
         None, description="Timer frequency; needed for delays in ticks [Hz]"
     )
@@ -104,10 +104,10 @@ class FitRequest(Document):
     bytes: Annotated[int, Within(6, 6 * MOST_TABLE_ROWS, "bytes")] | None = Field(
         None, description="Most memory: 4 bytes a row of constant delay, 6 a linear one [bytes]"
     )
-    row_kind: Annotated[RowKind, OneOf()] = Field(
+    row_kind: RowKind = Field(
         "constant", description="Rows of constant delay, or rows whose delay changes by a whole number each step"
     )
-    interval_unit: Annotated[DelayUnitName, OneOf()] = Field("us", description="Unit of the delays")
+    interval_unit: DelayUnitName = Field("us", description="Unit of the delays")
     fit_to: FitTo = "played"
 
     @model_validator(mode="after")
@@ -125,10 +125,10 @@ class FitCurveRequest(Document):
     most_rows: Annotated[int, Within(1, MOST_CURVE_ROWS, "rows")] = Field(
         32, description="Tables of 1 row to so many are fitted [rows]"
     )
-    row_kind: Annotated[RowKind, OneOf()] = Field(
+    row_kind: RowKind = Field(
         "constant", description="Rows of constant delay, or rows whose delay changes by a whole number each step"
     )
-    interval_unit: Annotated[DelayUnitName, OneOf()] = Field("us", description="Unit of the delays")
+    interval_unit: DelayUnitName = Field("us", description="Unit of the delays")
     fit_to: FitTo = "played"
 
 

@@ -6,7 +6,7 @@ from typing import Annotated, Literal, Self
 from pydantic import AfterValidator, Field
 
 from stepramp.controllers.stepramp.messages import MOST_AXES, SETTINGS_BYTES, axes_of, mask_of
-from stepramp.validation import Document, ListOf, OneOf, Within
+from stepramp.validation import Document, ListOf, Within
 
 Outputs = Literal["step_and_direction", "gauges"]
 OUTPUTS: tuple[Outputs, ...] = ("step_and_direction", "gauges")
@@ -44,7 +44,7 @@ AxisNumbersOrNull = Annotated[
 class Settings(Document):
     """How a controller drives its pins. A controller without any stored has these defaults."""
 
-    outputs: Annotated[Outputs, OneOf()] = Field(
+    outputs: Outputs = Field(
         "step_and_direction",
         description="step_and_direction: a step and a direction pin for each axis. gauges: four coil pins for each of "
         "three gauges",
@@ -52,7 +52,7 @@ class Settings(Document):
     both_edges: AxisNumbers = Field((), description="Axes with a step at each edge of the step pin, not only one")
     step_inverted: AxisNumbers = Field((), description="Axes whose step pin rests high")
     direction_inverted: AxisNumbers = Field((), description="Axes whose direction pin is low for forwards")
-    enable_level: Annotated[Level, OneOf()] = Field("low", description="Level of the enable pin while motors are on")
+    enable_level: Level = Field("low", description="Level of the enable pin while motors are on")
     pulse_width_us: Annotated[int, Within(0, 100, "µs")] = Field(
         0,
         description="Least width of a step pulse; 0: as short as the controller makes it. A step takes twice as much "
