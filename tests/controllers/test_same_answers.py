@@ -1,6 +1,6 @@
 """The virtual controller gives the answers of the firmware, which runs on this machine: frame for frame.
 
-What depends on the instant is left to test_conformance.py.
+What depends on the instant is left to the folder conformance.
 """
 
 from __future__ import annotations

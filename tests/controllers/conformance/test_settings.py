@@ -1,0 +1,52 @@
+from __future__ import annotations
+
+import pytest
+
+from controllers.conformance.answers import refused
+from controllers.protocol_line import Line
+from controllers.ramps import IMAGE
+from stepramp.controllers.stepramp.messages import (
+    SETTINGS_BYTES,
+    CommitRequest,
+    ReadSettingsRequest,
+    ReplyStatus,
+    RollBackRequest,
+    SettingsReply,
+    StatusFlag,
+    WriteSettingsRequest,
+)
+from stepramp.controllers.stepramp.settings import Settings
+
+
+def test_settings_begin_with_defaults_and_are_kept_with_a_ramp(port: str) -> None:
+    line = Line(port)
+    ask = ReadSettingsRequest()
+    assert Settings.unpack(line.good(ask, SettingsReply).settings) == Settings()
+    line.store(IMAGE)
+    other = Settings(pulse_width_us=7, direction_setup_us=500, enable_level="high", direction_inverted=(1, 3))
+    line.good(WriteSettingsRequest(other.pack()))
+    assert line.status().flags & StatusFlag.ON_TRIAL
+    assert line.good(ask, SettingsReply).settings == other.pack()
+    line.good(RollBackRequest())
+    assert line.good(ask, SettingsReply).settings == Settings().pack()
+    line.good(WriteSettingsRequest(other.pack()))
+    line.good(CommitRequest())
+    line.wait_for_rest()
+    assert not line.status().flags & StatusFlag.ON_TRIAL
+    line.port.close()
+    line = Line(port)
+    assert line.good(ask, SettingsReply).settings == other.pack()
+    line.port.close()
+
+
+@pytest.mark.parametrize(
+    ("place", "value"),
+    [(0, 2), (1, 16), (2, 16), (3, 128), (4, 2), (5, 101), (6, 19), (7, 60), (9, 4)],
+)
+def test_settings_out_of_range(line: Line, place: int, value: int) -> None:
+    packed = bytearray(Settings().pack())
+    packed[place] = value
+    first_byte = {7: 6, 9: 8}.get(place, place)
+    refused(line, WriteSettingsRequest(bytes(packed)), ReplyStatus.OUT_OF_RANGE, first_byte)
+    assert line.good(ReadSettingsRequest(), SettingsReply).settings == Settings().pack()
+    assert len(packed) == SETTINGS_BYTES
