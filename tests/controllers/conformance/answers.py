@@ -3,13 +3,7 @@
 from __future__ import annotations
 
 from controllers.protocol_line import Line
-from stepramp.controllers.stepramp.messages import (
-    Refusal,
-    ReplyStatus,
-    ReportNotice,
-    Request,
-    TargetsReply,
-)
+from stepramp.controllers.stepramp.messages import Refusal, ReplyStatus, ReportNotice, Request, TargetsReply
 
 LONG_MOVE = 100_000
 TOLERANCE_US = 10
