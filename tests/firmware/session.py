@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from firmware.checker import CYCLES_PER_S, CYCLES_PER_US, STEP_PINS
-from firmware.flight import Setting, Slopes
+from firmware.flight.setting import Setting, Slopes
 from firmware.protocol import (
     BEGIN,
     DATA,

@@ -9,7 +9,9 @@ import numpy.typing as npt
 import pytest
 
 from firmware.checker import CYCLES_PER_S, DIRECTION_PINS, STEP_PINS
-from firmware.flight import LATE_US, Judgement, Setting, Slopes, judge
+from firmware.flight.judge import judge
+from firmware.flight.judgement import Judgement
+from firmware.flight.setting import LATE_US, Setting, Slopes
 from firmware.protocol import (
     HALT,
     LINE,

@@ -12,7 +12,9 @@ from pathlib import Path
 import pytest
 
 from firmware.checker import CYCLES_PER_S, axis_of
-from firmware.flight import IN_TRANSMITTER_CYCLES, LAST_STEP_AFTER_HALT_MS, STOP_MS, message_of
+from firmware.flight.answers import STOP_MS
+from firmware.flight.exchange import IN_TRANSMITTER_CYCLES, message_of
+from firmware.flight.pins import LAST_STEP_AFTER_HALT_MS
 from firmware.protocol import (
     BEGIN,
     DATA,

@@ -10,7 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from firmware.flight import Judgement, judge
+from firmware.flight.judge import judge
+from firmware.flight.judgement import Judgement
 from firmware.session import session_of
 from simulator.avr import build_firmware, build_harness, converse, missing_tools
 from tools import require
