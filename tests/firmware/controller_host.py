@@ -19,13 +19,13 @@ def missing_compiler() -> list[str]:
 
 @cache
 def build(main: str) -> Path:
-    """Build the firmware with a program of this folder around it, once a process; return the program."""
+    """Build the firmware with a program around it, a file or a folder here, once a process; return the program."""
     folder = tempfile.TemporaryDirectory(prefix="stepramp-controller-")
     _build_folders.append(folder)
     program = Path(folder.name) / Path(main).stem
-    sources = [str(source) for source in sorted(_SOURCES.glob("*.c"))]
+    own = sorted((_HERE / main).glob("*.c")) or [_HERE / main]
+    sources = [str(source) for source in (*sorted(_SOURCES.glob("*.c")), _HERE / "protocol_port.c", *own)]
     command = ["gcc", *_FLAGS, "-fno-sanitize-recover=all", f"-I{_SOURCES}", f"-I{_HERE}", "-o", str(program), *sources]
-    command += [str(_HERE / "protocol_port.c"), str(_HERE / main)]
     result = subprocess.run(command, capture_output=True, text=True, check=False)
     assert result.returncode == 0, result.stderr
     return program

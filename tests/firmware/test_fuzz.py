@@ -1,4 +1,4 @@
-"""A million frames at the controller, most of them wrong: fuzz_controller.c."""
+"""A million frames at the controller, most of them wrong: fuzz/fuzz_controller.c."""
 
 import json
 import subprocess
@@ -44,7 +44,7 @@ REQUESTS = {
 @pytest.mark.parametrize("seed", [1])
 def test_a_million_frames(seed: int) -> None:
     require(*missing_compiler())
-    command = [str(build("fuzz_controller.c")), str(FRAMES), str(seed), *(image.hex() for image in IMAGES)]
+    command = [str(build("fuzz")), str(FRAMES), str(seed), *(image.hex() for image in IMAGES)]
     result = subprocess.run(command, capture_output=True, text=True, timeout=LONGEST_S, check=False)
     assert result.returncode == 0, result.stderr
     reached = json.loads(result.stdout)
