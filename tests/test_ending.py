@@ -13,7 +13,8 @@ import pytest
 from controllers.usb_board import UsbBoard
 from designs import document
 from server_process import PATIENCE_S, ServerProcess
-from stepramp.controllers.stepramp.messages import AxisState, MoveByRequest, RunRequest, StopRequest
+from stepramp.controllers.stepramp.messages.motion import MoveByRequest, RunRequest, StopRequest
+from stepramp.controllers.stepramp.messages.status import AxisState
 
 LONG_MOVE = 1_000_000
 

@@ -15,7 +15,7 @@ from browser.conftest import Watch
 from browser.server import Server
 from browser.stepramp_page import ACCELERATION, SLEW_SPEED, StepRampPage, until
 from controllers.usb_board import Cable
-from stepramp.controllers.stepramp.messages import DataRequest
+from stepramp.controllers.stepramp.messages.ramps import DataRequest
 
 LOST = r"status of 502"
 GONE = r"ERR_CONNECTION|WebSocket connection|ERR_INCOMPLETE"

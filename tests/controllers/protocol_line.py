@@ -6,33 +6,23 @@ import time
 from collections.abc import Callable
 
 from stepramp.controllers.stepramp.frames import FrameSplitter, crc16, encode_frame
-from stepramp.controllers.stepramp.messages import (
-    NOTICE_KINDS,
-    REPLY,
-    AxisState,
+from stepramp.controllers.stepramp.messages.body import DoneReply, Notice, Reply, Request
+from stepramp.controllers.stepramp.messages.kinds import NOTICE_KINDS, unpack_notice
+from stepramp.controllers.stepramp.messages.message import REPLY, Message
+from stepramp.controllers.stepramp.messages.ramps import (
     BeginRequest,
     CommitRequest,
     DataReply,
     DataRequest,
-    DoneReply,
     EndReply,
     EndRequest,
-    HelloReply,
-    HelloRequest,
-    MachineState,
-    Message,
-    Notice,
     ReadReply,
     ReadRequest,
-    Refusal,
-    Reply,
-    Request,
-    StatusReply,
-    StatusRequest,
     TryRequest,
-    unpack_notice,
-    unpack_reply,
 )
+from stepramp.controllers.stepramp.messages.reply import Refusal, unpack_reply
+from stepramp.controllers.stepramp.messages.session import HelloReply, HelloRequest
+from stepramp.controllers.stepramp.messages.status import AxisState, MachineState, StatusReply, StatusRequest
 from stepramp.controllers.stepramp.ramp_image import RampImage
 from stepramp.link.serial_port import SerialPort
 

@@ -14,7 +14,7 @@ from stepramp.controllers.stepramp.frames import (
     decode_frame,
     encode_frame,
 )
-from stepramp.controllers.stepramp.messages import Message
+from stepramp.controllers.stepramp.messages.message import Message
 
 REFERENCE = json.loads((Path(__file__).parent.parent / "reference" / "protocol_frames.json").read_text())
 MESSAGES = st.binary(max_size=LONGEST_MESSAGE)

@@ -5,37 +5,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from stepramp.controllers.stepramp.messages import (
-    NOTICE_KINDS,
-    REPLY,
-    REQUESTS,
-    AxisState,
-    DataReply,
-    DataRequest,
-    DoneReply,
-    EndReply,
-    HaltRequest,
-    HelloReply,
-    LineRequest,
-    Message,
-    MoveByRequest,
-    ReadReply,
-    Refusal,
-    Reply,
-    ReplyStatus,
-    ReportNotice,
-    SettingsReply,
-    StatusReply,
-    TargetsReply,
-    TraceNotice,
-    TraceReply,
-    WriteSettingsRequest,
-    axes_of,
-    mask_of,
-    pack_reply,
-    unpack_notice,
-    unpack_reply,
-)
+from stepramp.controllers.stepramp.messages.axes import axes_of, mask_of
+from stepramp.controllers.stepramp.messages.body import DoneReply, Reply
+from stepramp.controllers.stepramp.messages.kinds import NOTICE_KINDS, REQUESTS, unpack_notice
+from stepramp.controllers.stepramp.messages.message import REPLY, Message
+from stepramp.controllers.stepramp.messages.motion import HaltRequest, LineRequest, MoveByRequest, TargetsReply
+from stepramp.controllers.stepramp.messages.ramps import DataReply, DataRequest, EndReply, ReadReply
+from stepramp.controllers.stepramp.messages.reply import Refusal, ReplyStatus, pack_reply, unpack_reply
+from stepramp.controllers.stepramp.messages.report import ReportNotice
+from stepramp.controllers.stepramp.messages.session import HelloReply
+from stepramp.controllers.stepramp.messages.settings import SettingsReply, WriteSettingsRequest
+from stepramp.controllers.stepramp.messages.status import AxisState, StatusReply
+from stepramp.controllers.stepramp.messages.trace import TraceNotice, TraceReply
 
 FRAMES = json.loads((Path(__file__).parent.parent / "reference" / "protocol_frames.json").read_text())["frames"]
 REQUEST_FRAMES = [each for each in FRAMES if each["kind"] < REPLY]

@@ -17,17 +17,12 @@ from stepramp.controllers.contract import Asked
 from stepramp.controllers.stepramp import conversation
 from stepramp.controllers.stepramp.controller import StepRampController
 from stepramp.controllers.stepramp.frames import FrameSplitter, encode_frame
-from stepramp.controllers.stepramp.messages import (
-    REPLY,
-    HelloRequest,
-    Message,
-    MoveByRequest,
-    ReadSettingsRequest,
-    Reply,
-    SettingsReply,
-    TargetsReply,
-    pack_reply,
-)
+from stepramp.controllers.stepramp.messages.body import Reply
+from stepramp.controllers.stepramp.messages.message import REPLY, Message
+from stepramp.controllers.stepramp.messages.motion import MoveByRequest, TargetsReply
+from stepramp.controllers.stepramp.messages.reply import pack_reply
+from stepramp.controllers.stepramp.messages.session import HelloRequest
+from stepramp.controllers.stepramp.messages.settings import ReadSettingsRequest, SettingsReply
 from stepramp.controllers.stepramp.settings import OFFSETS, Settings
 from stepramp.controllers.virtual.controller import HELLO, VirtualController
 from stepramp.errors import DeviceLost, Rejected

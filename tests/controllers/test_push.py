@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from designs import design
-from stepramp.controllers.stepramp.messages import HelloReply
+from stepramp.controllers.stepramp.messages.session import HelloReply
 from stepramp.controllers.stepramp.push import PushPlan, plan_push
 from stepramp.controllers.stepramp.push_limits import PushLimits
 from stepramp.controllers.stepramp.ramp_image import FormulaRamp, RampImage, SegmentRamp

@@ -18,30 +18,29 @@ from designs import design
 from firmware.controller_host import Driver, missing_compiler
 from stepramp.controllers.stepramp.formula_image import encode_formula
 from stepramp.controllers.stepramp.frames import FrameSplitter, crc16, encode_frame
-from stepramp.controllers.stepramp.messages import (
-    NOTICE_KINDS,
-    AxisState,
-    BeginRequest,
-    DataRequest,
-    EndRequest,
+from stepramp.controllers.stepramp.messages.body import Request
+from stepramp.controllers.stepramp.messages.kinds import NOTICE_KINDS
+from stepramp.controllers.stepramp.messages.message import Message
+from stepramp.controllers.stepramp.messages.motion import (
     HaltRequest,
-    HelloRequest,
     LineRequest,
-    MachineState,
-    Message,
     MoveByRequest,
     MoveToRequest,
-    Request,
     RunRequest,
     SetPositionRequest,
+    StopRequest,
+    ZeroRequest,
+)
+from stepramp.controllers.stepramp.messages.ramps import BeginRequest, DataRequest, EndRequest, TryRequest
+from stepramp.controllers.stepramp.messages.reply import unpack_reply
+from stepramp.controllers.stepramp.messages.session import HelloRequest
+from stepramp.controllers.stepramp.messages.settings import WriteSettingsRequest
+from stepramp.controllers.stepramp.messages.status import (
+    AxisState,
+    MachineState,
     StatusFlag,
     StatusReply,
     StatusRequest,
-    StopRequest,
-    TryRequest,
-    WriteSettingsRequest,
-    ZeroRequest,
-    unpack_reply,
 )
 from stepramp.controllers.stepramp.ramp_image import AxisRamp, FormulaRamp, RampImage, SegmentRamp
 from stepramp.controllers.stepramp.settings import Settings

@@ -12,48 +12,37 @@ from stepramp.controllers.contract import Activity, Asked, ControllerStatus, Sto
 from stepramp.controllers.stepramp import conversation, transfer
 from stepramp.controllers.stepramp.controller import StepRampController
 from stepramp.controllers.stepramp.frames import FrameSplitter, crc16, encode_frame
-from stepramp.controllers.stepramp.messages import (
-    REPLY,
+from stepramp.controllers.stepramp.messages.body import DoneReply, Notice, Reply, Request
+from stepramp.controllers.stepramp.messages.message import REPLY, Message
+from stepramp.controllers.stepramp.messages.motion import (
+    HaltRequest,
+    LineRequest,
+    MoveByRequest,
+    MoveToRequest,
+    RunRequest,
+    SetPositionRequest,
+    StopRequest,
+    TargetsReply,
+    ZeroRequest,
+)
+from stepramp.controllers.stepramp.messages.ramps import (
     BeginRequest,
     CommitRequest,
     DataReply,
     DataRequest,
-    DoneReply,
     EndReply,
     EndRequest,
-    HaltRequest,
-    HelloReply,
-    HelloRequest,
-    LineRequest,
-    Message,
-    MoveByRequest,
-    MoveToRequest,
-    Notice,
     ReadReply,
     ReadRequest,
-    ReadSettingsRequest,
-    Refusal,
-    Reply,
-    ReplyStatus,
-    ReportNotice,
-    ReportRequest,
-    Request,
     RollBackRequest,
-    RunRequest,
-    SetPositionRequest,
-    SettingsReply,
-    StatusReply,
-    StatusRequest,
-    StopRequest,
-    TargetsReply,
-    TraceNotice,
-    TraceReply,
-    TraceRequest,
     TryRequest,
-    WriteSettingsRequest,
-    ZeroRequest,
-    pack_reply,
 )
+from stepramp.controllers.stepramp.messages.reply import Refusal, ReplyStatus, pack_reply
+from stepramp.controllers.stepramp.messages.report import ReportNotice, ReportRequest
+from stepramp.controllers.stepramp.messages.session import HelloReply, HelloRequest
+from stepramp.controllers.stepramp.messages.settings import ReadSettingsRequest, SettingsReply, WriteSettingsRequest
+from stepramp.controllers.stepramp.messages.status import StatusReply, StatusRequest
+from stepramp.controllers.stepramp.messages.trace import TraceNotice, TraceReply, TraceRequest
 from stepramp.controllers.stepramp.push import plan_push
 from stepramp.controllers.stepramp.settings import Settings
 from stepramp.controllers.virtual.controller import HELLO

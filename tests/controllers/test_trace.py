@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from stepramp.controllers.stepramp import trace as trace_module
-from stepramp.controllers.stepramp.messages import TRACE_LAST, TraceNotice
+from stepramp.controllers.stepramp.messages.trace import TRACE_LAST, TraceNotice
 from stepramp.controllers.stepramp.trace import Plan, TraceCollector, extended
 from stepramp.controllers.virtual.streams import ReportClock, TraceRecorder
 from stepramp.ramp.line import steps_together

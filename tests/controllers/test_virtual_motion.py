@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from designs import design
-from stepramp.controllers.stepramp.messages import AxisState
+from stepramp.controllers.stepramp.messages.status import AxisState
 from stepramp.controllers.virtual.motion import InstantsOf, VirtualMotor
 from stepramp.ramp.move import Ramp, play
 from stepramp.ramp.on_chip import on_chip_ramp

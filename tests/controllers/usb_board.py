@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Self
 
 from stepramp.controllers.stepramp.frames import FrameSplitter
-from stepramp.controllers.stepramp.messages import Message
+from stepramp.controllers.stepramp.messages.message import Message
 from stepramp.controllers.virtual.controller import VirtualController
 
 

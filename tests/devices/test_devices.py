@@ -14,14 +14,10 @@ from controllers.usb_board import Cable, UsbBoard
 from designs import design
 from stepramp.controllers.contract import Asked
 from stepramp.controllers.stepramp import conversation
-from stepramp.controllers.stepramp.messages import (
-    AxisState,
-    CommitRequest,
-    DataRequest,
-    MoveByRequest,
-    ReportRequest,
-    StatusRequest,
-)
+from stepramp.controllers.stepramp.messages.motion import MoveByRequest
+from stepramp.controllers.stepramp.messages.ramps import CommitRequest, DataRequest
+from stepramp.controllers.stepramp.messages.report import ReportRequest
+from stepramp.controllers.stepramp.messages.status import AxisState, StatusRequest
 from stepramp.controllers.stepramp.settings import Settings
 from stepramp.controllers.virtual.controller import VirtualController
 from stepramp.devices import device as device_module

@@ -22,20 +22,20 @@ from designs import design
 from stepramp.controllers.contract import Asked
 from stepramp.controllers.stepramp import conversation, tracing
 from stepramp.controllers.stepramp.frames import FrameSplitter
-from stepramp.controllers.stepramp.messages import (
-    CommitRequest,
+from stepramp.controllers.stepramp.messages.message import Message
+from stepramp.controllers.stepramp.messages.motion import (
     HaltRequest,
-    HelloRequest,
     LineRequest,
-    Message,
     MoveByRequest,
     MoveToRequest,
-    ReadSettingsRequest,
     RunRequest,
-    StatusRequest,
     StopRequest,
     ZeroRequest,
 )
+from stepramp.controllers.stepramp.messages.ramps import CommitRequest
+from stepramp.controllers.stepramp.messages.session import HelloRequest
+from stepramp.controllers.stepramp.messages.settings import ReadSettingsRequest
+from stepramp.controllers.stepramp.messages.status import StatusRequest
 from stepramp.controllers.stepramp.settings import Settings
 from stepramp.controllers.virtual.controller import VirtualController
 from stepramp.devices import device as device_module

@@ -14,7 +14,7 @@ from starlette.testclient import TestClient
 
 from designs import document
 from event_loop import run
-from stepramp.controllers.stepramp.messages import MoveByRequest, StopRequest
+from stepramp.controllers.stepramp.messages.motion import MoveByRequest, StopRequest
 from stepramp.controllers.virtual.controller import VirtualController
 from stepramp.http_api.app import create_app
 from stepramp.link import protocol_sim

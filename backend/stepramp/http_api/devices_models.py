@@ -5,7 +5,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from stepramp.controllers.progress import PushStage
-from stepramp.controllers.stepramp.messages import MOST_AXES
+from stepramp.controllers.stepramp.messages.axes import MOST_AXES
 from stepramp.controllers.stepramp.settings import ListOrNull
 from stepramp.design import Design
 from stepramp.devices.view import DeviceState

@@ -6,7 +6,7 @@ from typing import Annotated, Self
 from pydantic import Field, model_validator
 
 from stepramp.controllers.contract import Asked
-from stepramp.controllers.stepramp.messages import MOST_AXES
+from stepramp.controllers.stepramp.messages.axes import MOST_AXES
 from stepramp.controllers.stepramp.settings import AxisNumber, AxisNumbersAsGiven, ListOrNull
 from stepramp.controllers.stepramp.trace import Trace
 from stepramp.devices.leases import Lease

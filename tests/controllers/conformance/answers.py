@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from controllers.protocol_line import Line
-from stepramp.controllers.stepramp.messages import Refusal, ReplyStatus, ReportNotice, Request, TargetsReply
+from stepramp.controllers.stepramp.messages.body import Request
+from stepramp.controllers.stepramp.messages.motion import TargetsReply
+from stepramp.controllers.stepramp.messages.reply import Refusal, ReplyStatus
+from stepramp.controllers.stepramp.messages.report import ReportNotice
 
 LONG_MOVE = 100_000
 TOLERANCE_US = 10

@@ -8,18 +8,17 @@ import pytest
 from controllers.conformance.answers import LONG_MOVE, moved, refused, reports
 from controllers.protocol_line import Line
 from controllers.ramps import IMAGE, SIDE, four_axes, image_of
-from stepramp.controllers.stepramp.messages import (
-    AxisState,
+from stepramp.controllers.stepramp.messages.motion import (
     HaltRequest,
-    MachineState,
     MoveByRequest,
     MoveToRequest,
-    ReplyStatus,
-    ReportRequest,
     RunRequest,
     SetPositionRequest,
     StopRequest,
 )
+from stepramp.controllers.stepramp.messages.reply import ReplyStatus
+from stepramp.controllers.stepramp.messages.report import ReportRequest
+from stepramp.controllers.stepramp.messages.status import AxisState, MachineState
 from stepramp.controllers.stepramp.ramp_image import SegmentRamp
 from stepramp.ramp.segments import Segment
 

@@ -7,17 +7,16 @@ import pytest
 from controllers.conformance.answers import LONG_MOVE, moved, refused
 from controllers.protocol_line import Line
 from controllers.ramps import four_axes
-from stepramp.controllers.stepramp.messages import (
-    AxisState,
+from stepramp.controllers.stepramp.messages.motion import (
     HaltRequest,
     LineRequest,
-    MachineState,
     MoveByRequest,
     MoveToRequest,
-    ReplyStatus,
     RunRequest,
     StopRequest,
 )
+from stepramp.controllers.stepramp.messages.reply import ReplyStatus
+from stepramp.controllers.stepramp.messages.status import AxisState, MachineState
 
 
 @pytest.mark.parametrize("steps", [(300, 100, 0, -7), (-50, 120, 120, 1), (1, -1, 0, 0), (0, 0, -83, 0), (0, 5, 0, 0)])

@@ -5,24 +5,25 @@ import pytest
 from controllers.conformance.answers import LONG_MOVE, moved, refused
 from controllers.protocol_line import Line
 from controllers.ramps import FAST_IMAGE, IMAGE, four_axes
-from stepramp.controllers.stepramp.messages import (
-    AxisState,
+from stepramp.controllers.stepramp.messages.motion import (
+    HaltRequest,
+    LineRequest,
+    MoveByRequest,
+    MoveToRequest,
+    SetPositionRequest,
+    ZeroRequest,
+)
+from stepramp.controllers.stepramp.messages.ramps import (
     BeginRequest,
     CommitRequest,
     DataRequest,
     EndRequest,
-    HaltRequest,
-    LineRequest,
-    MachineState,
-    MoveByRequest,
-    MoveToRequest,
-    ReplyStatus,
     RollBackRequest,
-    SetPositionRequest,
     TryRequest,
-    WriteSettingsRequest,
-    ZeroRequest,
 )
+from stepramp.controllers.stepramp.messages.reply import ReplyStatus
+from stepramp.controllers.stepramp.messages.settings import WriteSettingsRequest
+from stepramp.controllers.stepramp.messages.status import AxisState, MachineState
 from stepramp.controllers.stepramp.settings import Settings
 
 

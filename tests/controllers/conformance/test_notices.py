@@ -6,16 +6,10 @@ import pytest
 from controllers.conformance.answers import LONG_MOVE, TOLERANCE_US, moved, refused, reports
 from controllers.protocol_line import SESSION, Line
 from controllers.ramps import IMAGE, four_axes, image_of
-from stepramp.controllers.stepramp.messages import (
-    TRACE_OFF,
-    HaltRequest,
-    MoveByRequest,
-    ReplyStatus,
-    ReportRequest,
-    TraceNotice,
-    TraceReply,
-    TraceRequest,
-)
+from stepramp.controllers.stepramp.messages.motion import HaltRequest, MoveByRequest
+from stepramp.controllers.stepramp.messages.reply import ReplyStatus
+from stepramp.controllers.stepramp.messages.report import ReportRequest
+from stepramp.controllers.stepramp.messages.trace import TRACE_OFF, TraceNotice, TraceReply, TraceRequest
 from stepramp.controllers.stepramp.ramp_image import SegmentRamp
 from stepramp.ramp.segments import Segment
 

@@ -3,13 +3,9 @@ from __future__ import annotations
 from controllers.conformance.answers import moved, refused
 from controllers.protocol_line import Line
 from controllers.ramps import four_axes
-from stepramp.controllers.stepramp.messages import (
-    MachineState,
-    MoveByRequest,
-    ReplyStatus,
-    SetPositionRequest,
-    ZeroRequest,
-)
+from stepramp.controllers.stepramp.messages.motion import MoveByRequest, SetPositionRequest, ZeroRequest
+from stepramp.controllers.stepramp.messages.reply import ReplyStatus
+from stepramp.controllers.stepramp.messages.status import MachineState
 
 
 def test_positions_are_set_and_nothing_moves(line: Line) -> None:

@@ -6,30 +6,30 @@ from controllers.conformance.answers import moved, refused
 from controllers.protocol_line import Line
 from controllers.ramps import IMAGE, SIDE, four_axes, image_of
 from stepramp.controllers.stepramp.frames import crc16
-from stepramp.controllers.stepramp.messages import (
+from stepramp.controllers.stepramp.messages.motion import (
+    HaltRequest,
+    LineRequest,
+    MoveByRequest,
+    MoveToRequest,
+    RunRequest,
+    StopRequest,
+    ZeroRequest,
+)
+from stepramp.controllers.stepramp.messages.ramps import (
     BeginRequest,
     CommitRequest,
     DataReply,
     DataRequest,
     EndReply,
     EndRequest,
-    HaltRequest,
-    LineRequest,
-    MachineState,
-    MoveByRequest,
-    MoveToRequest,
     ReadReply,
     ReadRequest,
-    Refusal,
-    ReplyStatus,
     RollBackRequest,
-    RunRequest,
-    StatusFlag,
-    StopRequest,
     TryRequest,
-    WriteSettingsRequest,
-    ZeroRequest,
 )
+from stepramp.controllers.stepramp.messages.reply import Refusal, ReplyStatus
+from stepramp.controllers.stepramp.messages.settings import WriteSettingsRequest
+from stepramp.controllers.stepramp.messages.status import MachineState, StatusFlag
 from stepramp.controllers.stepramp.ramp_image import RampImage, SegmentRamp
 from stepramp.controllers.stepramp.settings import Settings
 from stepramp.ramp.segments import Segment

@@ -6,23 +6,13 @@ from controllers.conformance.answers import refused
 from controllers.protocol_line import SESSION, Line
 from controllers.ramps import IMAGE
 from stepramp.controllers.stepramp.frames import encode_frame
-from stepramp.controllers.stepramp.messages import (
-    REPLY,
-    BeginRequest,
-    CommitRequest,
-    DataReply,
-    DataRequest,
-    HaltRequest,
-    HelloRequest,
-    MachineState,
-    Message,
-    ReplyStatus,
-    Request,
-    RunRequest,
-    StatusRequest,
-    StopRequest,
-    unpack_reply,
-)
+from stepramp.controllers.stepramp.messages.body import Request
+from stepramp.controllers.stepramp.messages.message import REPLY, Message
+from stepramp.controllers.stepramp.messages.motion import HaltRequest, RunRequest, StopRequest
+from stepramp.controllers.stepramp.messages.ramps import BeginRequest, CommitRequest, DataReply, DataRequest
+from stepramp.controllers.stepramp.messages.reply import ReplyStatus, unpack_reply
+from stepramp.controllers.stepramp.messages.session import HelloRequest
+from stepramp.controllers.stepramp.messages.status import MachineState, StatusRequest
 
 
 def test_hello(line: Line) -> None:

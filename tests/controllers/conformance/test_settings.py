@@ -5,16 +5,15 @@ import pytest
 from controllers.conformance.answers import refused
 from controllers.protocol_line import Line
 from controllers.ramps import IMAGE
-from stepramp.controllers.stepramp.messages import (
+from stepramp.controllers.stepramp.messages.ramps import CommitRequest, RollBackRequest
+from stepramp.controllers.stepramp.messages.reply import ReplyStatus
+from stepramp.controllers.stepramp.messages.settings import (
     SETTINGS_BYTES,
-    CommitRequest,
     ReadSettingsRequest,
-    ReplyStatus,
-    RollBackRequest,
     SettingsReply,
-    StatusFlag,
     WriteSettingsRequest,
 )
+from stepramp.controllers.stepramp.messages.status import StatusFlag
 from stepramp.controllers.stepramp.settings import Settings
 
 

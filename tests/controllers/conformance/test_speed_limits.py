@@ -2,16 +2,10 @@ from __future__ import annotations
 
 from controllers.conformance.answers import LONG_MOVE, moved
 from controllers.protocol_line import Line
-from stepramp.controllers.stepramp.messages import (
-    HaltRequest,
-    LineRequest,
-    MachineState,
-    MoveByRequest,
-    Refusal,
-    ReplyStatus,
-    RunRequest,
-    WriteSettingsRequest,
-)
+from stepramp.controllers.stepramp.messages.motion import HaltRequest, LineRequest, MoveByRequest, RunRequest
+from stepramp.controllers.stepramp.messages.reply import Refusal, ReplyStatus
+from stepramp.controllers.stepramp.messages.settings import WriteSettingsRequest
+from stepramp.controllers.stepramp.messages.status import MachineState
 from stepramp.controllers.stepramp.ramp_image import RampImage, SegmentRamp
 from stepramp.controllers.stepramp.settings import Settings
 from stepramp.ramp.segments import Segment

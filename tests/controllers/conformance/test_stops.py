@@ -7,15 +7,9 @@ import pytest
 from controllers.conformance.answers import LONG_MOVE, moved, refused
 from controllers.protocol_line import Line
 from controllers.ramps import DOWN_STEPS, IMAGE, SIDE, four_axes, image_of
-from stepramp.controllers.stepramp.messages import (
-    AxisState,
-    HaltRequest,
-    MachineState,
-    MoveByRequest,
-    MoveToRequest,
-    ReplyStatus,
-    StopRequest,
-)
+from stepramp.controllers.stepramp.messages.motion import HaltRequest, MoveByRequest, MoveToRequest, StopRequest
+from stepramp.controllers.stepramp.messages.reply import ReplyStatus
+from stepramp.controllers.stepramp.messages.status import AxisState, MachineState
 from stepramp.controllers.stepramp.ramp_image import SegmentRamp
 from stepramp.ramp.segments import Segment
 

@@ -19,36 +19,31 @@ from stepramp.controllers.contract import (
 )
 from stepramp.controllers.progress import Tell
 from stepramp.controllers.stepramp.conversation import Conversation
-from stepramp.controllers.stepramp.messages import (
-    MOST_REPORTS_HZ,
-    AxesRequest,
-    AxisState,
-    DoneReply,
+from stepramp.controllers.stepramp.messages.axes import AxesRequest, mask_of
+from stepramp.controllers.stepramp.messages.body import DoneReply
+from stepramp.controllers.stepramp.messages.motion import (
     HaltRequest,
-    HelloReply,
     LineRequest,
-    MachineState,
     MoveByRequest,
     MoveToRequest,
-    RampInUse,
-    ReadSettingsRequest,
-    ReadSource,
-    ReportNotice,
-    ReportRequest,
-    RollBackRequest,
     RunRequest,
     SetPositionRequest,
-    SettingsReply,
+    StopRequest,
+    TargetsReply,
+    ZeroRequest,
+)
+from stepramp.controllers.stepramp.messages.ramps import ReadSource, RollBackRequest
+from stepramp.controllers.stepramp.messages.report import MOST_REPORTS_HZ, ReportNotice, ReportRequest
+from stepramp.controllers.stepramp.messages.session import HelloReply, RampInUse
+from stepramp.controllers.stepramp.messages.settings import ReadSettingsRequest, SettingsReply, WriteSettingsRequest
+from stepramp.controllers.stepramp.messages.status import (
+    AxisState,
+    MachineState,
     StatusFlag,
     StatusReply,
     StatusRequest,
-    StopRequest,
-    TargetsReply,
-    TraceNotice,
-    WriteSettingsRequest,
-    ZeroRequest,
-    mask_of,
 )
+from stepramp.controllers.stepramp.messages.trace import TraceNotice
 from stepramp.controllers.stepramp.motion_checks import MotionChecks
 from stepramp.controllers.stepramp.push import plan_push
 from stepramp.controllers.stepramp.ramp_image import BadRampImage, RampImage

@@ -8,20 +8,11 @@ from typing import TypeVar
 
 from stepramp.controllers.contract import AnswerUnknown
 from stepramp.controllers.stepramp.frames import FrameSplitter, encode_frame
-from stepramp.controllers.stepramp.messages import (
-    NOTICE_KINDS,
-    REPLY,
-    HelloReply,
-    HelloRequest,
-    Message,
-    Notice,
-    Refusal,
-    Reply,
-    ReplyStatus,
-    Request,
-    unpack_notice,
-    unpack_reply,
-)
+from stepramp.controllers.stepramp.messages.body import Notice, Reply, Request
+from stepramp.controllers.stepramp.messages.kinds import NOTICE_KINDS, unpack_notice
+from stepramp.controllers.stepramp.messages.message import REPLY, Message
+from stepramp.controllers.stepramp.messages.reply import Refusal, ReplyStatus, unpack_reply
+from stepramp.controllers.stepramp.messages.session import HelloReply, HelloRequest
 from stepramp.controllers.stepramp.refusals import exception_for
 from stepramp.errors import DeviceLost, Rejection
 from stepramp.link.serial_port import SerialPort

@@ -5,7 +5,8 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from fractions import Fraction
 
 from stepramp.controllers.contract import Asked, values_of
-from stepramp.controllers.stepramp.messages import HelloReply, Refusal, ReplyStatus
+from stepramp.controllers.stepramp.messages.reply import Refusal, ReplyStatus
+from stepramp.controllers.stepramp.messages.session import HelloReply
 from stepramp.controllers.stepramp.ramp_image import RampImage
 from stepramp.controllers.stepramp.settings import MOST_GAUGES, Settings
 from stepramp.controllers.stepramp.speed_limits import Pace, SpeedLimits, interval_ticks

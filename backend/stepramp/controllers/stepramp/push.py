@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from stepramp.controllers.contract import PreviewItem, PushItem, PushPreview, PushReport
 from stepramp.controllers.stepramp.frames import crc16
-from stepramp.controllers.stepramp.messages import HelloReply
+from stepramp.controllers.stepramp.messages.session import HelloReply
 from stepramp.controllers.stepramp.push_limits import PushLimits
 from stepramp.controllers.stepramp.ramp_image import AxisRamp, BadRampImage, RampImage, SegmentRamp
 from stepramp.controllers.stepramp.settings import Settings

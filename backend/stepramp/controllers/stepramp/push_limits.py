@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stepramp.controllers.stepramp.messages import HelloReply
+from stepramp.controllers.stepramp.messages.session import HelloReply
 from stepramp.controllers.stepramp.ramp_image import MOST_SEGMENTS, IntervalLimits
 from stepramp.controllers.stepramp.settings import Settings
 from stepramp.controllers.stepramp.speed_limits import Pace, SpeedLimits

@@ -9,7 +9,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from stepramp.controllers.stepramp.formula_constants import decode_formula
-from stepramp.controllers.stepramp.messages import MOST_AXES, HelloReply
+from stepramp.controllers.stepramp.messages.axes import MOST_AXES
+from stepramp.controllers.stepramp.messages.session import HelloReply
 from stepramp.ramp.segments import MOST_COUNT, Segment
 
 FORMAT = 2

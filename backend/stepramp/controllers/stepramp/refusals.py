@@ -2,7 +2,8 @@
 
 from collections.abc import Callable
 
-from stepramp.controllers.stepramp.messages import PROTOCOL_VERSION, Refusal, ReplyStatus
+from stepramp.controllers.stepramp.messages.reply import Refusal, ReplyStatus
+from stepramp.controllers.stepramp.messages.session import PROTOCOL_VERSION
 from stepramp.errors import Refused, Rejected, Rejection, StepRampError
 
 WORDS = {

@@ -5,7 +5,8 @@ from typing import Annotated, Literal, Self
 
 from pydantic import AfterValidator, Field
 
-from stepramp.controllers.stepramp.messages import MOST_AXES, SETTINGS_BYTES, axes_of, mask_of
+from stepramp.controllers.stepramp.messages.axes import MOST_AXES, axes_of, mask_of
+from stepramp.controllers.stepramp.messages.settings import SETTINGS_BYTES
 from stepramp.validation import Document, ListOf, Within
 
 Outputs = Literal["step_and_direction", "gauges"]

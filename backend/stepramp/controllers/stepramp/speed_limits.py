@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import NamedTuple
 
-from stepramp.controllers.stepramp.messages import HelloReply
+from stepramp.controllers.stepramp.messages.session import HelloReply
 from stepramp.controllers.stepramp.settings import Settings
 from stepramp.units import MICROSECONDS_PER_SECOND
 

@@ -11,7 +11,7 @@ from functools import cache, partial
 import numpy as np
 from numpy.typing import NDArray
 
-from stepramp.controllers.stepramp.messages import TraceNotice
+from stepramp.controllers.stepramp.messages.trace import TraceNotice
 from stepramp.ramp.playback.course import Stretch, pulse_instants
 from stepramp.units import us_from_ticks
 

@@ -6,24 +6,21 @@ from time import monotonic
 from stepramp.controllers.progress import Progress, PushStage, Tell
 from stepramp.controllers.stepramp.conversation import Conversation
 from stepramp.controllers.stepramp.frames import crc16
-from stepramp.controllers.stepramp.messages import (
+from stepramp.controllers.stepramp.messages.body import DoneReply
+from stepramp.controllers.stepramp.messages.ramps import (
     MOST_DATA,
     BeginRequest,
     CommitRequest,
     DataReply,
     DataRequest,
-    DoneReply,
     EndReply,
     EndRequest,
-    MachineState,
     ReadReply,
     ReadRequest,
     ReadSource,
-    StatusFlag,
-    StatusReply,
-    StatusRequest,
     TryRequest,
 )
+from stepramp.controllers.stepramp.messages.status import MachineState, StatusFlag, StatusReply, StatusRequest
 from stepramp.errors import Refused
 
 WRITE_POLL_S = 0.02

@@ -9,54 +9,36 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from stepramp.controllers.stepramp.frames import FrameSplitter, encode_frame
-from stepramp.controllers.stepramp.messages import (
-    ALL_AXES,
-    MOST_AXES,
-    MOST_REPORTS_HZ,
-    PROTOCOL_VERSION,
-    REPLY,
-    REQUESTS,
-    TRACE_OFF,
-    AxesRequest,
+from stepramp.controllers.stepramp.messages.axes import ALL_AXES, MOST_AXES, AxesRequest, axes_of
+from stepramp.controllers.stepramp.messages.body import DoneReply, Notice, Reply, Request
+from stepramp.controllers.stepramp.messages.kinds import REQUESTS
+from stepramp.controllers.stepramp.messages.message import REPLY, Message
+from stepramp.controllers.stepramp.messages.motion import (
+    HaltRequest,
+    LineRequest,
+    MoveByRequest,
+    MoveToRequest,
+    RunRequest,
+    SetPositionRequest,
+    StopRequest,
+    TargetsReply,
+    ZeroRequest,
+)
+from stepramp.controllers.stepramp.messages.ramps import (
     BeginRequest,
     CommitRequest,
     DataRequest,
-    DoneReply,
     EndRequest,
-    HaltRequest,
-    HelloReply,
-    HelloRequest,
-    LineRequest,
-    MachineState,
-    Message,
-    MoveByRequest,
-    MoveToRequest,
-    Notice,
     ReadRequest,
-    ReadSettingsRequest,
-    Refusal,
-    Reply,
-    ReplyStatus,
-    ReportNotice,
-    ReportRequest,
-    Request,
     RollBackRequest,
-    RunRequest,
-    SetPositionRequest,
-    SettingsReply,
-    StatusFlag,
-    StatusReply,
-    StatusRequest,
-    StopRequest,
-    TargetsReply,
-    TraceReply,
-    TraceRequest,
     TryRequest,
-    WriteSettingsRequest,
-    ZeroRequest,
-    axes_of,
-    pack_reply,
 )
+from stepramp.controllers.stepramp.messages.reply import Refusal, ReplyStatus, pack_reply
+from stepramp.controllers.stepramp.messages.report import MOST_REPORTS_HZ, ReportNotice, ReportRequest
+from stepramp.controllers.stepramp.messages.session import PROTOCOL_VERSION, HelloReply, HelloRequest
+from stepramp.controllers.stepramp.messages.settings import ReadSettingsRequest, SettingsReply, WriteSettingsRequest
+from stepramp.controllers.stepramp.messages.status import MachineState, StatusFlag, StatusReply, StatusRequest
+from stepramp.controllers.stepramp.messages.trace import TRACE_OFF, TraceReply, TraceRequest
 from stepramp.controllers.stepramp.settings import OFFSETS, Settings
 from stepramp.controllers.virtual.machine import VirtualMachine
 from stepramp.controllers.virtual.memory import LARGEST_IMAGE_BYTES, VirtualMemory

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from stepramp.controllers.stepramp.messages import AxisState
+from stepramp.controllers.stepramp.messages.status import AxisState
 from stepramp.controllers.virtual.motion import InstantsOf, VirtualMotor, Watch
 from stepramp.ramp.playback.course import Ways
 

@@ -3,7 +3,10 @@
 from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import TypeVar
 
-from stepramp.controllers.stepramp.messages import MOST_AXES, AxisState, HelloReply, Refusal, ReplyStatus, mask_of
+from stepramp.controllers.stepramp.messages.axes import MOST_AXES, mask_of
+from stepramp.controllers.stepramp.messages.reply import Refusal, ReplyStatus
+from stepramp.controllers.stepramp.messages.session import HelloReply
+from stepramp.controllers.stepramp.messages.status import AxisState
 from stepramp.controllers.stepramp.ramp_image import RampImage
 from stepramp.controllers.stepramp.settings import MOST_GAUGES, Settings
 from stepramp.controllers.stepramp.speed_limits import Pace, SpeedLimits

@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from stepramp.controllers.stepramp.frames import crc16
-from stepramp.controllers.stepramp.messages import SETTINGS_BYTES
+from stepramp.controllers.stepramp.messages.settings import SETTINGS_BYTES
 
 SLOT_BYTES = 512
 SLOTS = (0, SLOT_BYTES)

@@ -6,7 +6,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from stepramp.controllers.stepramp.messages import AxisState
+from stepramp.controllers.stepramp.messages.status import AxisState
 from stepramp.ramp.playback.course import Course, Ways
 
 ENDLESS_STEPS = 2**48

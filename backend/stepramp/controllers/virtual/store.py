@@ -5,22 +5,19 @@ from dataclasses import replace
 from enum import Enum, auto
 
 from stepramp.controllers.stepramp.frames import crc16
-from stepramp.controllers.stepramp.messages import (
+from stepramp.controllers.stepramp.messages.body import DoneReply, Reply
+from stepramp.controllers.stepramp.messages.ramps import (
     MOST_DATA,
     BeginRequest,
     DataReply,
     DataRequest,
-    DoneReply,
     EndReply,
-    HelloReply,
-    RampInUse,
     ReadReply,
     ReadRequest,
     ReadSource,
-    Refusal,
-    Reply,
-    ReplyStatus,
 )
+from stepramp.controllers.stepramp.messages.reply import Refusal, ReplyStatus
+from stepramp.controllers.stepramp.messages.session import HelloReply, RampInUse
 from stepramp.controllers.stepramp.ramp_image import BadRampImage, IntervalLimits, RampImage
 from stepramp.controllers.stepramp.settings import Settings
 from stepramp.controllers.virtual.memory import VirtualMemory

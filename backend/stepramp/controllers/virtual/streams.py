@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from stepramp.controllers.stepramp.messages import MOST_TRACE_VALUES, TRACE_LAST, TraceNotice
+from stepramp.controllers.stepramp.messages.trace import MOST_TRACE_VALUES, TRACE_LAST, TraceNotice
 from stepramp.controllers.virtual.motion import InstantsOf
 
 WRAP = 1 << 16
