@@ -1,21 +1,16 @@
 """The family of controllers that speak docs/serial_protocol.md."""
 
-from collections.abc import Callable, Collection, Iterator, Sequence
-from contextlib import contextmanager, suppress
-from dataclasses import replace
+from collections.abc import Callable, Collection, Sequence
 from time import sleep
 
 from stepramp.controllers.contract import (
     UNDER_WAY,
     Activity,
-    AnswerUnknown,
     Asked,
-    AxisStatus,
     ControllerStatus,
     PushMode,
     PushPreview,
     PushReport,
-    StoredRamp,
 )
 from stepramp.controllers.progress import Tell
 from stepramp.controllers.stepramp.conversation import Conversation
@@ -32,36 +27,22 @@ from stepramp.controllers.stepramp.messages.motion import (
     TargetsReply,
     ZeroRequest,
 )
-from stepramp.controllers.stepramp.messages.ramps import ReadSource, RollBackRequest
 from stepramp.controllers.stepramp.messages.report import MOST_REPORTS_HZ, ReportNotice, ReportRequest
 from stepramp.controllers.stepramp.messages.session import HelloReply, RampInUse
-from stepramp.controllers.stepramp.messages.settings import ReadSettingsRequest, SettingsReply, WriteSettingsRequest
-from stepramp.controllers.stepramp.messages.status import (
-    AxisState,
-    MachineState,
-    StatusFlag,
-    StatusReply,
-    StatusRequest,
-)
+from stepramp.controllers.stepramp.messages.status import StatusReply, StatusRequest
 from stepramp.controllers.stepramp.messages.trace import TraceNotice
 from stepramp.controllers.stepramp.motion_checks import MotionChecks
 from stepramp.controllers.stepramp.push import plan_push
-from stepramp.controllers.stepramp.ramp_image import BadRampImage, RampImage
 from stepramp.controllers.stepramp.settings import Settings
 from stepramp.controllers.stepramp.speed_limits import interval_ticks
+from stepramp.controllers.stepramp.status import status_after, status_of
+from stepramp.controllers.stepramp.storage import Storage
 from stepramp.controllers.stepramp.trace import Trace
 from stepramp.controllers.stepramp.tracing import Tracing
 from stepramp.controllers.stepramp.transfer import Transfer
 from stepramp.design import Design
-from stepramp.errors import DeviceLost, Refused, Rejected
+from stepramp.errors import DeviceLost, Refused
 from stepramp.link.serial_port import SerialPort
-from stepramp.units import speed_from_interval
-
-ACTIVITIES = {
-    AxisState.IDLE: Activity.READY,
-    AxisState.MOVING: Activity.MOVING,
-    AxisState.STOPPING: Activity.STOPPING,
-}
 
 
 class StepRampController:
@@ -77,10 +58,9 @@ class StepRampController:
         """
         self._port_name = port.name
         self._conversation = Conversation(port, give_way)
-        self._transfer = Transfer(self._conversation, give_way, tell)
+        transfer = Transfer(self._conversation, give_way, tell)
+        self._storage = Storage(self._conversation, transfer, port.name, self.connect, self._use)
         self._hello: HelloReply | None = None
-        self._settings = Settings()
-        self._image: RampImage | None = None
         self._status: ControllerStatus | None = None
         self._report: ReportNotice | None = None
         self._tracing = Tracing(self._conversation, give_way)
@@ -102,7 +82,8 @@ class StepRampController:
     def timer_hz(self) -> int:
         """Ticks a second of the clock that the ramps in use are played with [Hz]; without any, of the slow one."""
         fast, slow = self.clocks_hz
-        return fast if self._image is not None and self._image.fast_clock else slow
+        image = self._storage.image
+        return fast if image is not None and image.fast_clock else slow
 
     @property
     def firmware_version(self) -> str:
@@ -122,8 +103,8 @@ class StepRampController:
         """
         self._hello = self._conversation.begin()
         greeted()
-        self._use_settings(self.settings())
-        self._learn_image(RampInUse(self._hello.ramp_in_use))
+        self._storage.learn_settings()
+        self._storage.learn_image(RampInUse(self._hello.ramp_in_use))
         self._conversation.ask(ReportRequest(MOST_REPORTS_HZ), DoneReply)
 
     def disconnect(self) -> None:
@@ -135,17 +116,8 @@ class StepRampController:
         replies = self._status_replies()
         # What was reported before these replies is older than they are.
         self._take_notices()
-        first = replies[0]
-        axes = tuple(self._axis_status(axis, reply) for axis, reply in enumerate(replies))
-        self._checks.run_no_more(axis.axis for axis in axes if axis.activity is Activity.READY)
-        status = ControllerStatus(
-            activity=Activity.WRITING if first.state == MachineState.WRITING else _activity_of(axes),
-            axes=axes,
-            ramp=StoredRamp(first.ramp_sequence, first.image_crc) if self._image else None,
-            on_trial=bool(first.flags & StatusFlag.ON_TRIAL),
-            motors_on=bool(first.flags & StatusFlag.ENABLED),
-            starved=max(reply.starved for reply in replies),
-        )
+        status = status_of(replies, self.timer_hz, has_ramp=self._storage.image is not None)
+        self._checks.run_no_more(axis.axis for axis in status.axes if axis.activity is Activity.READY)
         self._status, self._report = status, None
         return status
 
@@ -156,25 +128,21 @@ class StepRampController:
         before = self._status
         if report is None or before is None or before.activity is Activity.WRITING:
             return None
-        activities = [ACTIVITIES[report.state_of(axis)] for axis in range(len(report.axes))]
-        if activities != [axis.activity for axis in before.axes]:
+        after = status_after(before, report, self._checks.running, self.timer_hz)
+        if after is None:
             return self.status()
-        axes = tuple(
-            self._moved_on(axis, position, interval)
-            for axis, (position, interval) in zip(before.axes, report.axes, strict=True)
-        )
-        self._status = replace(before, axes=axes)
-        return self._status
+        self._status = after
+        return after
 
     def prepare_push(
         self, designs: Sequence[Design], first_axis: int | None = None, mode: PushMode = "keep"
     ) -> Callable[[], PushReport]:
         """Work out the ramp image, without the port, and return the call that sends it; see Controller."""
-        present = self._image
-        plan = plan_push(designs, self.identity, self._settings, first_axis, present)
+        present = self._storage.image
+        plan = plan_push(designs, self.identity, self._storage.settings, first_axis, present)
 
         def push() -> PushReport:
-            if first_axis is not None and self._image is not present:
+            if first_axis is not None and self._storage.image is not present:
                 raise Refused("The controller's ramps were changed in the meantime: push again.")
             kept = mode == "keep"
             stored, sequence = self.store(plan.image.encode()) if kept else self.try_out(plan.image.encode())
@@ -184,68 +152,37 @@ class StepRampController:
 
     def preview_push(self, designs: Sequence[Design], first_axis: int | None = None) -> PushPreview:
         """Work out what a push would change; see Controller."""
-        present, present_hz = self._image, self.timer_hz
-        plan = plan_push(designs, self.identity, self._settings, first_axis, present)
+        present, present_hz = self._storage.image, self.timer_hz
+        plan = plan_push(designs, self.identity, self._storage.settings, first_axis, present)
         return plan.preview(present, present_hz)
 
     def store(self, image: bytes) -> tuple[bytes, int]:
-        """Store a ramp image: send, read back from RAM, commit, read back from EEPROM.
-
-        Returns what was read back and its sequence number. Raises Refused when the controller can't take it, or holds
-        something else than what was sent: then the ramps it had stay active.
-        """
-        self._transfer.deliver(image)
-        with self._looking_again():
-            written = self._transfer.commit()
-        return self._learn_image(RampInUse.STORED), written.ramp_sequence
+        """Store a ramp image; see Storage."""
+        return self._storage.store(image)
 
     def try_out(self, image: bytes) -> tuple[bytes, int]:
-        """Use a ramp image without storing it: send, read back from RAM, use. Returns as store does."""
-        self._transfer.deliver(image)
-        self._transfer.try_out()
-        sequence = self._conversation.ask(StatusRequest(0), StatusReply).ramp_sequence
-        return self._learn_image(RampInUse.ON_TRIAL), sequence
+        """Use a ramp image without storing it; see Storage."""
+        return self._storage.try_out(image)
 
     def keep(self) -> None:
         """Store the ramps and settings in use."""
-        if self._image is None:
-            raise Refused("There is no ramp that the settings could be stored with: push a design first.")
-        with self._looking_again():
-            self._transfer.commit()
-        self._learn_image(RampInUse.STORED)
+        self._storage.keep()
 
     def roll_back(self) -> None:
         """Use the stored ramps and settings again; Refused when nothing else is in use."""
-        if not self.status().on_trial:
-            raise Refused("Nothing is on trial: the stored ramps and settings are in use.")
-        self._roll_back()
+        self._storage.roll_back(self.status())
 
     def restore(self) -> None:
         """Make the ramps and settings that were stored before the stored ones; Refused when there are none."""
-        before = self.status()
-        if before.on_trial:
-            raise Refused("Ramps or settings are on trial: keep them or roll them back first.")
-        if not self._transfer.read(ReadSource.PREVIOUS):
-            raise Refused("The controller has no ramps that were stored before.")
-        self._roll_back()
-        sequence = before.ramp.sequence if before.ramp else 0
-        if self._conversation.ask(StatusRequest(0), StatusReply).ramp_sequence == sequence:
-            # An image had been delivered and not used: the first time only dropped that.
-            self._roll_back()
+        self._storage.restore(self.status())
 
     def settings(self) -> Settings:
         """Ask for the settings in use."""
-        reply = self._conversation.ask(ReadSettingsRequest(), SettingsReply)
-        try:
-            return Settings.unpack(reply.settings)
-        except (Rejected, ValueError) as error:
-            # Not the client's fault: a Rejected would name a field that nobody sent.
-            raise DeviceLost(f"The controller at {self._port_name} has settings without sense: {error}") from error
+        return self._storage.read_settings()
 
     def use_settings(self, settings: Settings) -> None:
         """Use other settings until a roll back or a reset."""
-        self._conversation.ask(WriteSettingsRequest(settings.pack()), DoneReply)
-        self._use_settings(settings)
+        self._storage.use_settings(settings)
 
     def move_by(self, steps: Sequence[Asked]) -> None:
         """Begin to move axes by so many steps; see Controller."""
@@ -335,7 +272,8 @@ class StepRampController:
 
     def _status_replies(self) -> list[StatusReply]:
         """Ask axis by axis, and again when something more urgent came in between: a stop makes the answers old."""
-        count = len(self._image.axes) if self._image else 1
+        image = self._storage.image
+        count = len(image.axes) if image else 1
         while True:
             others = self._conversation.asked
             replies = [self._conversation.ask(StatusRequest(axis), StatusReply) for axis in range(count)]
@@ -359,73 +297,6 @@ class StepRampController:
         known = range(len(self._checks.ways))
         return b"" if axes is None or not all(axis in known for axis in axes) else bytes([mask_of(axes)])
 
-    def _roll_back(self) -> None:
-        with self._looking_again():
-            self._conversation.ask(RollBackRequest(), DoneReply)
-        written = self._transfer.await_written()
-        self._use_settings(self.settings())
-        self._learn_image(RampInUse.STORED if written.ramp_sequence else RampInUse.NONE)
-
-    @contextmanager
-    def _looking_again(self) -> Iterator[None]:
-        """When it isn't known whether a request was carried out, look at what the controller now has."""
-        try:
-            yield
-        except AnswerUnknown:
-            self._conversation.begin()
-            with suppress(Refused):
-                self._transfer.await_written()
-            self.connect()
-            raise
-
-    def _learn_image(self, in_use: RampInUse) -> bytes:
-        """Read the ramps in use, and return their image as bytes."""
-        source = ReadSource.RAM if in_use is RampInUse.ON_TRIAL else ReadSource.STORED
-        read = b"" if in_use is RampInUse.NONE else self._transfer.read(source)
-        try:
-            self._image = RampImage.decode(read) if read else None
-        except BadRampImage as error:
-            raise DeviceLost(f"The controller at {self._port_name} has ramps without sense: {error}") from error
-        self._checks.use(self._image, self.identity, self._settings)
-        return read
-
-    def _use_settings(self, settings: Settings) -> None:
-        self._settings = settings
-        self._checks.use(self._image, self.identity, settings)
-
-    def _axis_status(self, axis: int, reply: StatusReply) -> AxisStatus:
-        return AxisStatus(
-            axis=axis,
-            activity=ACTIVITIES[AxisState(reply.axis_state)],
-            position_steps=reply.position_steps,
-            target_steps=reply.target_steps,
-            speed_steps_per_s=self._speed(reply.interval_ticks),
-            steps_made=reply.steps_made,
-        )
-
-    def _moved_on(self, before: AxisStatus, position: int, interval: int) -> AxisStatus:
-        """Return the status of an axis that still does what it did, from a report."""
-        runs = before.activity is Activity.MOVING and before.axis in self._checks.running
-        made = before.steps_made + abs(_steps_between(before.position_steps, position))
-        target = position if runs or before.activity is Activity.READY else before.target_steps
-        return replace(
-            before,
-            position_steps=position,
-            target_steps=target,
-            speed_steps_per_s=self._speed(interval),
-            steps_made=made if before.activity in UNDER_WAY else before.steps_made,
-        )
-
-    def _speed(self, interval_ticks: int) -> float:
-        return speed_from_interval(interval_ticks, self.timer_hz) if interval_ticks else 0.0
-
-
-def _steps_between(before: int, after: int) -> int:
-    """Return the steps from one position to another soon after: runs go on past the last position to the first."""
-    return (after - before + 2**31) % 2**32 - 2**31
-
-
-def _activity_of(axes: Sequence[AxisStatus]) -> Activity:
-    """Return what a controller does as a whole: it stops when all that move stop."""
-    activities = {axis.activity for axis in axes}
-    return next((each for each in (Activity.MOVING, Activity.STOPPING) if each in activities), Activity.READY)
+    def _use(self) -> None:
+        """Check what is asked against the ramps and settings in use."""
+        self._checks.use(self._storage.image, self.identity, self._storage.settings)

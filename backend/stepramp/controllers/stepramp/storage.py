@@ -1,0 +1,138 @@
+"""The ramps and settings that a controller uses and stores."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+
+from stepramp.controllers.contract import AnswerUnknown, ControllerStatus
+from stepramp.controllers.stepramp.conversation import Conversation
+from stepramp.controllers.stepramp.messages.body import DoneReply
+from stepramp.controllers.stepramp.messages.ramps import ReadSource, RollBackRequest
+from stepramp.controllers.stepramp.messages.session import RampInUse
+from stepramp.controllers.stepramp.messages.settings import ReadSettingsRequest, SettingsReply, WriteSettingsRequest
+from stepramp.controllers.stepramp.messages.status import StatusReply, StatusRequest
+from stepramp.controllers.stepramp.ramp_image import BadRampImage, RampImage
+from stepramp.controllers.stepramp.settings import Settings
+from stepramp.controllers.stepramp.transfer import Transfer
+from stepramp.errors import DeviceLost, Refused, Rejected
+
+
+class Storage:
+    """What a controller uses, as far as it is learnt, and how that changes.
+
+    port_name: where the controller is. look_again: learns anew what the controller uses. used: called when other ramps
+    or settings have come into use.
+    """
+
+    def __init__(
+        self,
+        conversation: Conversation,
+        transfer: Transfer,
+        port_name: str,
+        look_again: Callable[[], None],
+        used: Callable[[], None],
+    ) -> None:
+        self._conversation = conversation
+        self._transfer = transfer
+        self._port_name = port_name
+        self._look_again = look_again
+        self._used = used
+        self.image: RampImage | None = None
+        """The ramps in use."""
+        self.settings = Settings()
+        """Those in use."""
+
+    def store(self, image: bytes) -> tuple[bytes, int]:
+        """Store a ramp image: send, read back from RAM, commit, read back from EEPROM.
+
+        Returns what was read back and its sequence number. Raises Refused when the controller can't take it, or holds
+        something else than what was sent: then the ramps it had stay active.
+        """
+        self._transfer.deliver(image)
+        with self._looking_again():
+            written = self._transfer.commit()
+        return self.learn_image(RampInUse.STORED), written.ramp_sequence
+
+    def try_out(self, image: bytes) -> tuple[bytes, int]:
+        """Use a ramp image without storing it: send, read back from RAM, use. Returns as store does."""
+        self._transfer.deliver(image)
+        self._transfer.try_out()
+        sequence = self._conversation.ask(StatusRequest(0), StatusReply).ramp_sequence
+        return self.learn_image(RampInUse.ON_TRIAL), sequence
+
+    def keep(self) -> None:
+        """Store the ramps and settings in use."""
+        if self.image is None:
+            raise Refused("There is no ramp that the settings could be stored with: push a design first.")
+        with self._looking_again():
+            self._transfer.commit()
+        self.learn_image(RampInUse.STORED)
+
+    def roll_back(self, before: ControllerStatus) -> None:
+        """Use the stored ramps and settings again; Refused when nothing else is in use."""
+        if not before.on_trial:
+            raise Refused("Nothing is on trial: the stored ramps and settings are in use.")
+        self._roll_back()
+
+    def restore(self, before: ControllerStatus) -> None:
+        """Make the ramps and settings that were stored before the stored ones; Refused when there are none."""
+        if before.on_trial:
+            raise Refused("Ramps or settings are on trial: keep them or roll them back first.")
+        if not self._transfer.read(ReadSource.PREVIOUS):
+            raise Refused("The controller has no ramps that were stored before.")
+        self._roll_back()
+        sequence = before.ramp.sequence if before.ramp else 0
+        if self._conversation.ask(StatusRequest(0), StatusReply).ramp_sequence == sequence:
+            # An image had been delivered and not used: the first time only dropped that.
+            self._roll_back()
+
+    def read_settings(self) -> Settings:
+        """Ask for the settings in use."""
+        reply = self._conversation.ask(ReadSettingsRequest(), SettingsReply)
+        try:
+            return Settings.unpack(reply.settings)
+        except (Rejected, ValueError) as error:
+            # Not the client's fault: a Rejected would name a field that nobody sent.
+            raise DeviceLost(f"The controller at {self._port_name} has settings without sense: {error}") from error
+
+    def use_settings(self, settings: Settings) -> None:
+        """Use other settings until a roll back or a reset."""
+        self._conversation.ask(WriteSettingsRequest(settings.pack()), DoneReply)
+        self._note_settings(settings)
+
+    def learn_settings(self) -> None:
+        """Learn which settings are in use."""
+        self._note_settings(self.read_settings())
+
+    def learn_image(self, in_use: RampInUse) -> bytes:
+        """Read the ramps in use, and return their image as bytes."""
+        source = ReadSource.RAM if in_use is RampInUse.ON_TRIAL else ReadSource.STORED
+        read = b"" if in_use is RampInUse.NONE else self._transfer.read(source)
+        try:
+            self.image = RampImage.decode(read) if read else None
+        except BadRampImage as error:
+            raise DeviceLost(f"The controller at {self._port_name} has ramps without sense: {error}") from error
+        self._used()
+        return read
+
+    def _note_settings(self, settings: Settings) -> None:
+        self.settings = settings
+        self._used()
+
+    def _roll_back(self) -> None:
+        with self._looking_again():
+            self._conversation.ask(RollBackRequest(), DoneReply)
+        written = self._transfer.await_written()
+        self.learn_settings()
+        self.learn_image(RampInUse.STORED if written.ramp_sequence else RampInUse.NONE)
+
+    @contextmanager
+    def _looking_again(self) -> Iterator[None]:
+        """When it isn't known whether a request was carried out, look at what the controller now has."""
+        try:
+            yield
+        except AnswerUnknown:
+            self._conversation.begin()
+            with suppress(Refused):
+                self._transfer.await_written()
+            self._look_again()
+            raise
