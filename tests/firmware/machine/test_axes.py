@@ -1,33 +1,15 @@
 """Several axes: at the same time, and along a straight line."""
 
-from collections.abc import Iterator
-from pathlib import Path
-
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from firmware.host import Host, missing_compiler
-from firmware.motion import OK, OUT_OF_RANGE, TOO_FAST, Machine, StoredRamp, build, image_of
-from firmware.test_motion import QUICK, SHARP
-from tools import require
+from firmware.host import Host
+from firmware.machine.ramps import QUICK, SHARP
+from firmware.motion import OK, OUT_OF_RANGE, TOO_FAST, Machine, StoredRamp, image_of
 
 LEVEL = StoredRamp((), 2500, ())
 LONE = StoredRamp((5000, 4000), 3000, (6000, 4500, 3500))
-
-
-@pytest.fixture(scope="module")
-def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    require(*missing_compiler())
-    return build(tmp_path_factory.mktemp("machine"))
-
-
-@pytest.fixture(scope="module")
-def host(program: Path) -> Iterator[Host]:
-    with Host(program) as running:
-        yield running
-
-
 FOUR = image_of(QUICK, SHARP, LEVEL, LONE)
 counts = st.lists(st.integers(-150, 150), min_size=4, max_size=4)
 
