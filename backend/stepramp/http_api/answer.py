@@ -15,7 +15,8 @@ class Answer(BaseModel):
     @property
     def content(self) -> dict[str, Any]:
         """Its fields by name, but for those that are left out."""
-        return {name: value for name, value in vars(self).items() if name in self.model_fields_set}
+        fields, given = vars(self), self.model_fields_set
+        return fields if len(given) == len(fields) else {name: fields[name] for name in fields if name in given}
 
 
 class _Column:

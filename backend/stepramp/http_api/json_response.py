@@ -4,6 +4,7 @@ Arrays are written in slices: while orjson writes, no other thread of this proce
 """
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import Generic, TypeVar
 
 import numpy as np
@@ -13,6 +14,7 @@ from starlette.responses import Response
 from stepramp.http_api.answer import Answer
 
 A = TypeVar("A")
+_Parts = dict[str, object] | list[object]
 
 SLICE = 4096
 """So many values are written at a time, which takes about 0.2 ms."""
@@ -36,7 +38,7 @@ def json_pieces(content: object) -> Iterator[bytes]:
     """Yield the same as json_bytes in pieces of some 10,000 bytes."""
     gathered: list[bytes] = []
     size = 0
-    for bit in _bits(content):
+    for bit in _bits(_measured(content)[0]):
         gathered.append(bit)
         size += len(bit)
         if size >= PIECE_BYTES:
@@ -46,42 +48,49 @@ def json_pieces(content: object) -> Iterator[bytes]:
         yield b"".join(gathered)
 
 
+@dataclass(frozen=True)
+class _Long:
+    """What has so many values that its parts are written one after the other."""
+
+    parts: _Parts
+
+
+def _measured(content: object) -> tuple[object, int]:
+    """Return content with its answers as dictionaries and what is long as such, and about how many values it has."""
+    if isinstance(content, np.ndarray):
+        return content, content.size
+    if isinstance(content, Answer):
+        content = content.content
+    if isinstance(content, dict):
+        fields = {name: _measured(value) for name, value in content.items()}
+        parts: _Parts = {name: part for name, (part, _) in fields.items()}
+        count = sum(size for _, size in fields.values())
+    elif isinstance(content, list | tuple):
+        items = [_measured(value) for value in content]
+        parts = [part for part, _ in items]
+        count = sum(size for _, size in items)
+    else:
+        return content, 1
+    return (_Long(parts) if count >= SLICE else parts), 1 + count
+
+
 def _bits(content: object) -> Iterator[bytes]:
-    if not _is_long(content):
-        yield json_bytes(content)
-    elif isinstance(content, Answer):
-        yield from _bits(content.content)
-    elif isinstance(content, dict):
-        for number, (name, value) in enumerate(content.items()):
-            yield (b"," if number else b"{") + json_bytes(name) + b":"
-            yield from _bits(value)
-        yield b"}"
-    elif isinstance(content, np.ndarray):
+    if isinstance(content, np.ndarray) and content.size > SLICE:
         for begin in range(0, len(content), SLICE):
             yield (b"," if begin else b"[") + json_bytes(content[begin : begin + SLICE])[1:-1]
         yield b"]"
-    elif isinstance(content, list | tuple):
-        for number, value in enumerate(content):
+    elif not isinstance(content, _Long):
+        yield json_bytes(content)
+    elif isinstance(content.parts, dict):
+        for number, (name, value) in enumerate(content.parts.items()):
+            yield (b"," if number else b"{") + json_bytes(name) + b":"
+            yield from _bits(value)
+        yield b"}"
+    else:
+        for number, value in enumerate(content.parts):
             yield b"," if number else b"["
             yield from _bits(value)
         yield b"]"
-
-
-def _is_long(content: object) -> bool:
-    return _values(content) > SLICE
-
-
-def _values(content: object) -> int:
-    """Return about how many values are to be written."""
-    if isinstance(content, np.ndarray):
-        return content.size
-    if isinstance(content, Answer):
-        return _values(content.content)
-    if isinstance(content, dict):
-        return sum(map(_values, content.values()), 1)
-    if isinstance(content, list | tuple):
-        return sum(map(_values, content), 1)
-    return 1
 
 
 def _content(value: object) -> dict[str, object]:
