@@ -1,6 +1,6 @@
 """What may stand in a document: ranges and choices that say so themselves when a value is refused."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, NoReturn, Self, get_args
 
@@ -100,11 +100,14 @@ class Within(_Allowance):
 
 
 class OneOf(_Allowance):
-    """One of the words of a Literal."""
+    """One of the words of a Literal; or of some words, where the annotated type is str."""
+
+    def __init__(self, words: Iterable[str] = ()) -> None:
+        self.words = list(words)
 
     def __get_pydantic_core_schema__(self, source: type, handler: GetCoreSchemaHandler) -> CoreSchema:
-        self.allowed = ", ".join(get_args(source))
-        return self._guard(handler(source))
+        self.allowed = ", ".join(self.words or get_args(source))
+        return self._guard(core_schema.literal_schema(self.words) if self.words else handler(source))
 
 
 class TrueOrFalse(_Allowance):

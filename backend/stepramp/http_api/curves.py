@@ -16,8 +16,9 @@ from stepramp.http_api.json_response import json_bytes, json_pieces
 from stepramp.http_api.lanes import CHECKING, Lane, planning_lane
 from stepramp.http_api.planned import Planned
 from stepramp.http_api.sockets import accept, parsed, received, send, served
+from stepramp.methods import REFERENCE
 from stepramp.ramp.drawing import Drawing
-from stepramp.validation import Document, ListOf, OneOf, TrueOrFalse, Within
+from stepramp.validation import Document, ListOf, TrueOrFalse, Within
 
 router = APIRouter(tags=["planning"], route_class=JsonRoute)
 
@@ -31,10 +32,10 @@ class CurvesRequest(Document):
     """A design, and what is to be drawn of it."""
 
     design: Design
-    methods: Annotated[list[Annotated[MethodName, OneOf()]], ListOf("method names", most=MOST_NAMES)] = Field(
+    methods: Annotated[list[MethodName], ListOf("method names", most=MOST_NAMES)] = Field(
         description="Methods to draw, each with the design's arithmetic or else the one usual for it"
     )
-    reference: Annotated[MethodName, OneOf()] = Field("exact", description="Method that they are compared with")
+    reference: MethodName = Field(REFERENCE, description="Method that they are compared with")
     max_points: Annotated[int, Within(10, 100_000, "points")] = Field(
         2000, description="Thin each method's arrays to about so many steps that keep the curves' shapes"
     )

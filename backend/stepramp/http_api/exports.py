@@ -6,11 +6,12 @@ from fastapi import APIRouter
 from pydantic import Field, model_validator
 from starlette.responses import Response
 
-from stepramp.design import MOST_NAMES, Arithmetic, Design, MethodName
+from stepramp.design import MOST_NAMES, Design, MethodName
 from stepramp.exports.export import MEDIA_TYPES, FormatName, Options, export
 from stepramp.exports.names import NAME_RULE, is_identifier
 from stepramp.http_api.bodies import JsonRoute
 from stepramp.http_api.lanes import LONG_PLANNING
+from stepramp.numerics.numbers import Arithmetic
 from stepramp.validation import Document, ListOf, OneOf, Within, refuse
 
 router = APIRouter(tags=["exports"], route_class=JsonRoute)
@@ -25,7 +26,7 @@ class ExportRequest(Document):
     name: str | None = Field(
         None, description="Begin of the file's name and of the names in C; null: made of the design's name"
     )
-    methods: Annotated[list[Annotated[MethodName, OneOf()]], ListOf("method names", most=MOST_NAMES)] = Field(
+    methods: Annotated[list[MethodName], ListOf("method names", most=MOST_NAMES)] = Field(
         default=[], description="html, svg, png: methods that the design's own is compared with"
     )
     arithmetic: Annotated[Arithmetic, OneOf()] | None = Field(
@@ -50,7 +51,7 @@ FILE["application/json"] = {"schema": {"type": "object", "description": "The des
 
 @router.post("/export/{format}", response_class=Response, responses={200: {"description": "The file", "content": FILE}})
 @LONG_PLANNING.serves
-def export_design(format: Annotated[FormatName, OneOf()], request: ExportRequest) -> Response:
+def export_design(format: FormatName, request: ExportRequest) -> Response:
     """Export a design: a C header of its table, its segments or a formula, a list of steps, a report or a picture."""
     options = Options(request.name, tuple(request.methods), request.arithmetic, request.segment_bound_ticks)
     made = export(request.design, format, options)

@@ -21,6 +21,7 @@ from stepramp.http_api.planning_models import (
     errors_content,
     profile_content,
 )
+from stepramp.methods import REFERENCE
 from stepramp.ramp.error_curves import all_error_curves
 from stepramp.ramp.plan import tuning_report
 from stepramp.ramp.profile import profile_of
@@ -46,10 +47,10 @@ class ErrorsRequest(Document):
     """A design and the methods that are to be compared."""
 
     design: Design
-    methods: Annotated[list[Annotated[MethodName, OneOf()]], ListOf("method names", most=MOST_NAMES)] = Field(
+    methods: Annotated[list[MethodName], ListOf("method names", most=MOST_NAMES)] = Field(
         description="Methods to compare, each with the design's arithmetic or else the one usual for it"
     )
-    reference: Annotated[MethodName, OneOf()] = Field("exact", description="Method that they are compared with")
+    reference: MethodName = Field(REFERENCE, description="Method that they are compared with")
     curves: Annotated[list[Annotated[CurveName, OneOf()]], ListOf("curve names", most=MOST_NAMES)] = Field(
         default=["relative_error", "tick_error"], description="Curves wanted; the figures come in any case"
     )

@@ -13,10 +13,10 @@ from pydantic import BaseModel, Field
 from stepramp.design import Design, MethodName
 from stepramp.errors import Rejected
 from stepramp.http_api.errors import ErrorItem, error_items, in_body
+from stepramp.methods.common.method import TuningReport
 from stepramp.ramp.error_curves import ErrorCurves
 from stepramp.ramp.profile import Profile
 from stepramp.ramp.thinning import kept_steps
-from stepramp.ramp.tuning import TuningReport
 
 CurveName = Literal[
     "relative_error",

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from stepramp.design import Design, MethodName
 from stepramp.errors import Rejected
-from stepramp.ramp.compiled import compiled, counted
+from stepramp.numerics.compiled import compiled, counted
 from stepramp.ramp.move import Ramp, play
 from stepramp.ramp.plan import Plan, plan_of, real_ramp
 from stepramp.ramp.profile import Profile, profile_of

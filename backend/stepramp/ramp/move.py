@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stepramp.ramp.compiled import compiled
+from stepramp.numerics.compiled import compiled
 
 Intervals = NDArray[np.int64] | NDArray[np.float32] | NDArray[np.float64] | NDArray[np.floating]
 

@@ -10,13 +10,15 @@ from numpy.typing import NDArray
 
 from stepramp.design import MOST_STEPS, Design
 from stepramp.errors import Rejected, Rejection
-from stepramp.ramp import tuning
-from stepramp.ramp.kinematics import Slope
-from stepramp.ramp.limit_text import at_least, at_most
-from stepramp.ramp.methods import NUMBERS, sides_of
+from stepramp.methods import METHODS
+from stepramp.methods.common.method import TuningReport
+from stepramp.numerics.limit_text import at_most
+from stepramp.numerics.numbers import NUMBERS
 from stepramp.ramp.move import Ramp, play, split
+from stepramp.ramp.slopes import playable_slopes_of, slopes_of
 from stepramp.ramp.table import table_ramp
 from stepramp.ramp.timer import carried, rounded
+from stepramp.shapes.slope import Slope
 from stepramp.units import ticks_from_us, us_from_ticks
 
 LONGEST_INTERVAL_TICKS = 2**60
@@ -71,11 +73,12 @@ def real_ramp(design: Design) -> Ramp:
 
     Raises Rejected when the ramp is longer than 10,000,000 steps, or does not fit the method or its arithmetic.
     """
-    if design.method.name == "table":
+    method = design.method.numerics
+    if method.sides is None:
         return _table(design)
-    up = _slope(design, design.ramp.acceleration_steps_per_s2, "acceleration")
-    down = _slope(design, design.ramp.slowdown_steps_per_s2, "deceleration")
-    sides = sides_of(design.method)
+    up, down = playable_slopes_of(design)
+    _refuse_shape(design, up, down)
+    sides = method.sides(design.method.arithmetic, design.method.tuned_for)
     # The slew interval is in the method's numbers too; integers have as many digits as it needs.
     number = NUMBERS.get(design.method.arithmetic, np.float64)
     ramp = Ramp(up=sides.up(up), slew=float(number(up.slew_interval)), down=sides.down(down))
@@ -95,19 +98,22 @@ def ramp_of(design: Design) -> Ramp:
 
 def computed_steps(design: Design) -> int:
     """Return how many steps are computed for a design: its move's, or its ramp's when that is longer."""
-    base, slew = design.ramp.base_speed_steps_per_s, design.ramp.slew_speed_steps_per_s
-    accelerations = (design.ramp.acceleration_steps_per_s2, design.ramp.slowdown_steps_per_s2)
-    slopes = (Slope(design.timer.frequency_hz, base, slew, acceleration) for acceleration in accelerations)
-    return int(min(max(abs(design.move.steps), *(slope.length for slope in slopes)), MOST_STEPS))
+    return int(min(max(abs(design.move.steps), *(slope.length for slope in slopes_of(design))), MOST_STEPS))
 
 
-def tuning_report(design: Design) -> tuning.TuningReport | None:
-    """Return what tuning does for a design whose method is `tuned`; None for others. Raises Rejected as real_ramp."""
-    if design.method.name != "tuned":
-        return None
-    up = _slope(design, design.ramp.acceleration_steps_per_s2, "acceleration")
-    down = _slope(design, design.ramp.slowdown_steps_per_s2, "deceleration")
-    return tuning.report(up, down, design.method.tuned_for)
+def tuning_report(design: Design) -> TuningReport | None:
+    """Return what tuning does for a design whose method is tuned; None for others. Raises Rejected as real_ramp."""
+    tuning = design.method.numerics.tuning
+    return None if tuning is None else tuning(*playable_slopes_of(design), design.method.tuned_for)
+
+
+def _refuse_shape(design: Design, *slopes: Slope) -> None:
+    """Refuse a method that holds for ramps of another shape only."""
+    shape = design.method.numerics.shape
+    if shape is not None and not all(isinstance(slope, shape) for slope in slopes):
+        others = [name for name, method in METHODS.items() if method.shape is None]
+        allowed = f"{', '.join(others)} with a ramp of this shape: {design.method.name} holds for another only"
+        raise Rejected([Rejection("method.name", design.method.name, allowed)])
 
 
 def _refuse_runaway(design: Design, ramp: Ramp) -> None:
@@ -136,7 +142,7 @@ def _refuse_less_than_a_tick(design: Design, *lists: NDArray[Any]) -> None:
 
 def _less_than_a_tick(design: Design) -> list[Rejection]:
     """Return what is to blame for an interval that comes to 0 ticks."""
-    blamed = _short_rows(design) if design.method.name == "table" else _fast_slew(design)
+    blamed = _short_rows(design) if design.method.plays_table else _fast_slew(design)
     # Next to one tick a method may come to a little less.
     nearest = "nearest: rounded down, an interval of about 1 tick comes to none"
     return blamed or [Rejection("method.rounding", design.method.rounding, nearest)]
@@ -160,21 +166,10 @@ def _short_rows(design: Design) -> list[Rejection]:
     ]
 
 
-def _slope(design: Design, acceleration: float, which: str) -> Slope:
-    """Return one side's slope; a ramp that no move could play is refused before its arrays are made."""
-    base, slew = design.ramp.base_speed_steps_per_s, design.ramp.slew_speed_steps_per_s
-    slope = Slope(design.timer.frequency_hz, base, slew, acceleration)
-    if slope.length > MOST_STEPS:
-        least = at_least((slew**2 - base**2) / (2 * MOST_STEPS))
-        allowed = f"{least} steps/s² between these speeds, for a ramp of at most {MOST_STEPS:,} steps"
-        raise Rejected([Rejection(f"ramp.{which}_steps_per_s2", acceleration, allowed)])
-    return slope
-
-
 def _table(design: Design) -> Ramp:
     table = design.table
     if table is None:
-        raise Rejected([Rejection("table", None, "a table, since method.name is 'table'")])
+        raise Rejected([Rejection("table", None, f"a table, since method.name is '{design.method.name}'")])
     rows = np.array(table.rows, dtype=np.int64)
     delays = rows[:, 1].astype(np.float64)
     if table.interval_unit == "us":

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from stepramp.ramp.compiled import compiled
+from stepramp.numerics.compiled import compiled
 
 MOST_ADD = 32767
 MOST_COUNT = 65535

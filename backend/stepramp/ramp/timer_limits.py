@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 
 from stepramp.design import Design, Timer
-from stepramp.ramp.limit_text import at_least, at_most
+from stepramp.numerics.limit_text import at_least, at_most
 from stepramp.ramp.move import Intervals
 from stepramp.units import speed_from_interval, ticks_from_us, us_from_ticks
 

@@ -320,7 +320,7 @@ def _too_large(change: SmallestChange, limits: PushLimits) -> Rejection:
         f"{limits.largest_image_bytes} bytes, with this controller; this one takes {change.ramp.sent_segments:,} "
         f"segments, even with intervals changed by {change.bound_ticks:,} ticks: make it shorter or more even"
     )
-    if design.method.name == "table":
+    if design.method.plays_table:
         return Rejection(f"{path}table.rows", f"{len(design.table.rows) if design.table else 0} rows", allowed)
     return Rejection(f"{path}ramp.acceleration_steps_per_s2", design.ramp.acceleration_steps_per_s2, allowed)
 

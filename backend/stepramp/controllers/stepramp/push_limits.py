@@ -71,7 +71,7 @@ class PushLimits:
         if shortest <= intervals.min() and intervals.max() <= longest:
             return
         narrower = self.speeds.or_narrower([Pace(int(intervals.min()))])
-        if design.method.name == "table":
+        if design.method.plays_table:
             raise Rejected(list(self._bad_rows(design, path, narrower)))
         if intervals.min() < shortest or ramp.slew > longest:
             slowest, fastest = speed_from_interval(longest, hz), speed_from_interval(shortest, hz)
