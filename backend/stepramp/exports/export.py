@@ -52,6 +52,11 @@ class _Format:
 HEADER, TEXT = "text/x-c; charset=utf-8", "charset=utf-8"
 
 
+def format_of(method: MethodName) -> str:
+    """Return the format that is a method's C code."""
+    return f"c_{method}"
+
+
 def _code_of(method: MethodName) -> _Format:
     return _Format(
         f"_{method}.h",
@@ -73,7 +78,7 @@ _FORMATS: dict[str, _Format] = {
         HEADER,
         lambda design, name, options: ramp_image_header(design, name, options.segment_bound_ticks),
     ),
-    **{f"c_{method}": _code_of(method) for method in CODES},
+    **{format_of(method): _code_of(method) for method in CODES},
     "csv": _Format(".csv", f"text/csv; {TEXT}", lambda design, *_: csv(design)),
     "json": _Format(".json", "application/json", lambda design, *_: document(design)),
     "html": _Format(".html", f"text/html; {TEXT}", lambda design, _, options: report(design, _moves(design, options))),
