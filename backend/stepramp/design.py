@@ -12,6 +12,7 @@ from stepramp.errors import Rejected, Rejection
 from stepramp.methods import METHODS, REFERENCE
 from stepramp.methods.common.method import RampMethod, TunedFor
 from stepramp.numerics.numbers import Arithmetic
+from stepramp.shapes import SHAPES, USUAL_SHAPE
 from stepramp.validation import Document, ListOf, OneOf, Text, Within, refuse
 
 MOST_STEPS = 10_000_000
@@ -23,6 +24,7 @@ MOST_NAMES = 20
 """Longest list of methods, or of curves; naming one twice is harmless."""
 
 MethodName = Annotated[str, OneOf(METHODS)]
+ShapeName = Annotated[str, OneOf(SHAPES)]
 Rounding = Literal["nearest", "floor", "carry"]
 
 SLOWEST_STEPS_PER_S = 0.001
@@ -72,6 +74,13 @@ class RampParameters(Document):
     acceleration_steps_per_s2: Acceleration = Field(description="a: gain of speed a second [steps/s²]")
     deceleration_steps_per_s2: Acceleration | None = Field(
         None, description="d: loss of speed a second [steps/s²]; null: the same as the acceleration"
+    )
+    shape: ShapeName = Field(
+        USUAL_SHAPE,
+        description="How speed grows along the ramp; the accelerations are the largest along it. The usual one is left "
+        "out of documents",
+        # So that they stay readable for programs that know of no other.
+        exclude_if=lambda shape: shape == USUAL_SHAPE,
     )
 
     @model_validator(mode="after")

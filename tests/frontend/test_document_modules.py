@@ -39,9 +39,10 @@ def designs() -> st.SearchStrategy[dict[str, Any]]:
             "timer": st.fixed_dictionaries(dict.fromkeys(rules.Timer.model_fields, entries)),
             "ramp": st.fixed_dictionaries(
                 {
-                    **dict.fromkeys(rules.RampParameters.model_fields, entries),
+                    **dict.fromkeys(rules.RampParameters.model_fields.keys() - {"shape"}, entries),
                     "deceleration_steps_per_s2": st.none() | entries,
-                }
+                },
+                optional={"shape": st.text(max_size=20)},
             ),
             "method": st.fixed_dictionaries(
                 {

@@ -11,7 +11,7 @@ from stepramp.methods.common.fixed_point import RAMP_INDEX_BITS, Format, Scaled
 from stepramp.methods.common.method import Code, FixedCode
 from stepramp.numerics.numbers import NUMBERS, Arithmetic, Number
 from stepramp.ramp.plan import Plan, plan_of
-from stepramp.ramp.slopes import slopes_of
+from stepramp.ramp.slopes import constant_slopes_of
 from stepramp.shapes.constant_acceleration import ConstantAcceleration
 
 CODES = {name: method.code for name, method in METHODS.items() if method.code}
@@ -28,7 +28,10 @@ def formula_header(design: Design, method: MethodName, name: str, arithmetic: Ar
     code = CODES[method]
     design = design.with_method(method, arithmetic)
     plan = plan_of(design)
-    up, down = slopes_of(design)
+    slopes = constant_slopes_of(design)
+    # A method that holds for another shape has no code yet, and no plan along this one.
+    assert slopes is not None
+    up, down = slopes
     is_fixed = design.method.arithmetic == "fixed"
     values = heading(design, name, method) | ramp_values(design) | ticks_types(_longest(plan))
     values |= {"formula": code.title, "arithmetic": design.method.arithmetic, "checks": _checks(design)}

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from stepramp.methods.common.method import CLOSED_FORM, RampMethod, Style, mirrored
 from stepramp.numerics.numbers import Number
-from stepramp.shapes.slope import Slope
+from stepramp.numerics.slope import Slope
 
 
 def ideal_intervals(slope: Slope, number: Number) -> NDArray[np.floating]:

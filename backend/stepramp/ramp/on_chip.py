@@ -30,7 +30,7 @@ from stepramp.methods.common.fixed_point import (
     intervals_of,
     refusal,
 )
-from stepramp.ramp.slopes import slopes_of
+from stepramp.ramp.slopes import constant_slopes_of
 from stepramp.shapes.constant_acceleration import ConstantAcceleration
 
 ON_CHIP = {name: method.on_chip for name, method in METHODS.items() if method.on_chip}
@@ -347,14 +347,18 @@ def design_refusal(design: Design) -> str | None:
         return f"The arithmetic is {method.arithmetic}; a controller computes in fixed."
     if method.rounding != "nearest":
         return f"The rounding is {method.rounding}; a controller rounds to the nearest tick."
-    return slopes_refusal(*slopes_of(design), method.name)
+    slopes = constant_slopes_of(design)
+    if slopes is None:
+        return f"The shape of the ramp is {design.ramp.shape}; a controller computes constant acceleration."
+    return slopes_refusal(*slopes, method.name)
 
 
 def on_chip_ramp(design: Design) -> OnChipRamp:
     """Return a design's ramp as a controller computes it. Raises ValueError where design_refusal gives a reason."""
-    if reason := design_refusal(design):
+    slopes, reason = constant_slopes_of(design), design_refusal(design)
+    if slopes is None or reason is not None:
         raise ValueError(reason)
-    return OnChipRamp.of(*slopes_of(design), design.method.name)
+    return OnChipRamp.of(*slopes, design.method.name)
 
 
 def _is_longer(x: Scaled, other: Scaled) -> bool:

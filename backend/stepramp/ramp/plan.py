@@ -14,11 +14,11 @@ from stepramp.methods import METHODS
 from stepramp.methods.common.method import TuningReport
 from stepramp.numerics.limit_text import at_most
 from stepramp.numerics.numbers import NUMBERS
+from stepramp.numerics.slope import Slope
 from stepramp.ramp.move import Ramp, play, split
 from stepramp.ramp.slopes import playable_slopes_of, slopes_of
 from stepramp.ramp.table import table_ramp
 from stepramp.ramp.timer import carried, rounded
-from stepramp.shapes.slope import Slope
 from stepramp.units import ticks_from_us, us_from_ticks
 
 LONGEST_INTERVAL_TICKS = 2**60
@@ -76,8 +76,7 @@ def real_ramp(design: Design) -> Ramp:
     method = design.method.numerics
     if method.sides is None:
         return _table(design)
-    up, down = playable_slopes_of(design)
-    _refuse_shape(design, up, down)
+    up, down = _slopes_for_the_method(design)
     sides = method.sides(design.method.arithmetic, design.method.tuned_for)
     # The slew interval is in the method's numbers too; integers have as many digits as it needs.
     number = NUMBERS.get(design.method.arithmetic, np.float64)
@@ -104,16 +103,16 @@ def computed_steps(design: Design) -> int:
 def tuning_report(design: Design) -> TuningReport | None:
     """Return what tuning does for a design whose method is tuned; None for others. Raises Rejected as real_ramp."""
     tuning = design.method.numerics.tuning
-    return None if tuning is None else tuning(*playable_slopes_of(design), design.method.tuned_for)
+    return None if tuning is None else tuning(*_slopes_for_the_method(design), design.method.tuned_for)
 
 
-def _refuse_shape(design: Design, *slopes: Slope) -> None:
-    """Refuse a method that holds for ramps of another shape only."""
-    shape = design.method.numerics.shape
-    if shape is not None and not all(isinstance(slope, shape) for slope in slopes):
-        others = [name for name, method in METHODS.items() if method.shape is None]
-        allowed = f"{', '.join(others)} with a ramp of this shape: {design.method.name} holds for another only"
-        raise Rejected([Rejection("method.name", design.method.name, allowed)])
+def _slopes_for_the_method(design: Design) -> tuple[Slope, Slope]:
+    """Return both slopes. Raises Rejected when the design's method holds for ramps of another shape only."""
+    slopes, shape = playable_slopes_of(design), design.method.numerics.shape
+    if shape is None or all(isinstance(slope, shape) for slope in slopes):
+        return slopes
+    others = ", ".join(name for name, method in METHODS.items() if method.shape is None)
+    raise Rejected([Rejection("method.name", design.method.name, f"{others} with ramp.shape '{design.ramp.shape}'")])
 
 
 def _refuse_runaway(design: Design, ramp: Ramp) -> None:

@@ -12,9 +12,8 @@ from stepramp.errors import Rejected, Rejection
 from stepramp.numerics.compiled import counted
 from stepramp.numerics.limit_text import at_least, at_most
 from stepramp.ramp.plan import Plan, plan_of
-from stepramp.ramp.slopes import SIDES
+from stepramp.ramp.slopes import SIDES, slopes_of
 from stepramp.ramp.timer_limits import SlewResolution, Warning, slew_resolution, timer_warnings
-from stepramp.shapes.constant_acceleration import acceleration_over, speed_after_a_step
 from stepramp.units import speed_from_interval
 
 MOST_TICKS = 2**62
@@ -119,11 +118,11 @@ def _no_ramp(design: Design, plan: Plan) -> list[Warning]:
     if design.method.plays_table or base == slew:
         return []
     warnings = []
-    for field, side in zip(SIDES, (plan.ramp.up, plan.ramp.down), strict=True):
+    for field, slope, side in zip(SIDES, slopes_of(design), (plan.ramp.up, plan.ramp.down), strict=True):
         rate = getattr(design.ramp, field)
         if rate is None or side.size:
             continue
-        most, reached = acceleration_over(1, base, slew), speed_after_a_step(base, rate)
+        most, reached = slope.acceleration_over(1), float(slope.speeds(1, 1, np.float64)[0])
         slower = f"{at_most(most)} steps/s², or " if most >= LEAST_ACCELERATION else ""
         message = (
             f"At {rate:,.6g} steps/s² a single step would reach {reached:,.6g} steps/s, above the slew speed: there is "

@@ -12,15 +12,12 @@ from numpy.typing import NDArray
 
 from stepramp.numerics.compiled import compiled
 from stepramp.numerics.numbers import Number
-from stepramp.shapes.slope import Slope
+from stepramp.numerics.slope import Slope
 
 
 @dataclass(frozen=True)
 class ConstantAcceleration(Slope):
     """One side of a ramp at a constant acceleration."""
-
-    acceleration: float
-    """a, or d on the way down; without sign [steps/s²]."""
 
     @property
     def length(self) -> float:
@@ -30,12 +27,16 @@ class ConstantAcceleration(Slope):
     @property
     def initial_interval(self) -> float:
         """p1 = F / sqrt(v0² + 2 a), formula (17) [ticks]."""
-        return self.timer_hz / speed_after_a_step(self.base_speed, self.acceleration)
+        return self.timer_hz / math.sqrt(self.base_speed**2 + 2 * self.acceleration)
 
     @property
     def multiplier(self) -> float:
         """R = a / F², formula (19) [1/ticks²]."""
         return self.acceleration / self.timer_hz**2
+
+    def acceleration_over(self, steps: float) -> float:
+        """Return (v² - v0²) / (2 S), by (4) [steps/s²]."""
+        return (self.slew_speed**2 - self.base_speed**2) / (2 * steps)
 
     def speeds(self, first: float, count: int, number: Number) -> NDArray[np.floating]:
         """Return sqrt(v0² + 2 a S) for S = first, first + 1 …, by (5) [steps/s], shape (count,)."""
@@ -54,19 +55,12 @@ class ConstantAcceleration(Slope):
         return durations
 
 
-def acceleration_over(steps: float, base_speed: float, slew_speed: float) -> float:
-    """Return the acceleration that leads from one speed to another in so many steps, by (4) [steps/s²]."""
-    return (slew_speed**2 - base_speed**2) / (2 * steps)
-
-
-def speed_after_a_step(base_speed: float, acceleration: float) -> float:
-    """Return sqrt(v0² + 2 a), the speed that a single step leads to, by (5) [steps/s]."""
-    return math.sqrt(base_speed**2 + 2 * acceleration)
-
-
 @compiled
 def _speeds(base_squared, twice, step, one, out):  # type: ignore[no-untyped-def]  # compiled
     # Counted in the numbers of the result; all steps of a move have exact numbers in float32 too.
     for i in range(out.size):
         out[i] = np.sqrt(base_squared + twice * step)
         step = step + one
+
+
+SHAPE = ConstantAcceleration

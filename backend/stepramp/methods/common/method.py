@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from stepramp.errors import Rejected, Rejection
 from stepramp.methods.common.fixed_point import FixedIntervals, Format, Scaled
 from stepramp.numerics.numbers import NUMBERS, Arithmetic, Number
+from stepramp.numerics.slope import Slope
 from stepramp.shapes.constant_acceleration import ConstantAcceleration
-from stepramp.shapes.slope import Slope
 
 TunedFor = Literal["largest_error", "time"]
 
@@ -128,7 +128,7 @@ class RampMethod:
     """Its number in Eiderman's paper."""
     code: Code | None = None
     on_chip: OnChip | None = None
-    tuning: Callable[[ConstantAcceleration, ConstantAcceleration, TunedFor], TuningReport] | None = None
+    tuning: Callable[[Any, Any, TunedFor], TuningReport] | None = None
     """What tuning does for the two sides of a ramp, up and down; None: nothing is tuned."""
     is_shown_at_first: bool = False
     """Whether the page shows it until a person chooses."""

@@ -20,11 +20,17 @@ class Slope(ABC):
     """v0 [steps/s]."""
     slew_speed: float
     """v [steps/s]."""
+    acceleration: float
+    """a, or d on the way down: the largest along the slope, without sign [steps/s²]."""
 
     @property
     @abstractmethod
     def length(self) -> float:
         """S: from the base to the slew speed [steps, not whole]."""
+
+    @abstractmethod
+    def acceleration_over(self, steps: float) -> float:
+        """Return the acceleration with which the slope would be so long [steps/s²]."""
 
     @abstractmethod
     def speeds(self, first: float, count: int, number: Number) -> NDArray[np.floating]:

@@ -1,4 +1,4 @@
-"""A method is one new file in backend/stepramp/methods: it is known everywhere by being there."""
+"""A method or a shape is one new file in its folder below backend/stepramp: it is known everywhere by being there."""
 
 import json
 import os
@@ -37,6 +37,30 @@ METHOD = RampMethod(
 )
 '''
 
+TRIAL_SHAPE = '''
+"""at_once: the ramp is one step at a quarter of the slew speed."""
+
+import numpy as np
+
+from stepramp.numerics.slope import Slope
+
+
+class AtOnce(Slope):
+    length = 1.0
+
+    def acceleration_over(self, steps):
+        return self.acceleration
+
+    def speeds(self, first, count, number):
+        return np.full(count, self.slew_speed / 4, number)
+
+    def durations(self, number):
+        return np.full(1, 4 * self.slew_interval, number)
+
+
+SHAPE = AtOnce
+'''
+
 ASK = """
 import json, sys
 from starlette.testclient import TestClient
@@ -53,6 +77,10 @@ print(json.dumps({
     "profile": post("profile").json(),
     "csv": post("export/csv").text.splitlines()[1],
     "svg": post("export/svg", methods=["exact"]).text,
+    "shapes": schemas["RampParameters"]["properties"]["shape"]["enum"],
+    "shaped": client.post("/api/v1/profile", json={
+        "design": {**design, "method": {"name": "ideal"}, "ramp": {**design["ramp"], "shape": "at_once"}}
+    }).json(),
     "refused": client.post("/api/v1/profile", json={"design": {**design, "method": {"name": "none"}}}).json(),
 }))
 """
@@ -60,10 +88,11 @@ print(json.dumps({
 
 @pytest.fixture(scope="module")
 def answers(tmp_path_factory: pytest.TempPathFactory) -> Any:
-    """What a server answers whose folder of methods has one file more, asked with a design of that method."""
+    """What a server answers whose folders have one file more each, asked with a design of the new method."""
     folder = tmp_path_factory.mktemp("with_trial")
     shutil.copytree(PACKAGE, folder / "stepramp")
     (folder / "stepramp" / "methods" / "trial.py").write_text(TRIAL)
+    (folder / "stepramp" / "shapes" / "at_once.py").write_text(TRIAL_SHAPE)
     shutil.copytree(PACKAGE.parents[1] / "frontend", folder / "stepramp" / "frontend")
     design = document(method={"name": "trial"}, move__steps=500)
     ran = subprocess.run(
@@ -74,7 +103,7 @@ def answers(tmp_path_factory: pytest.TempPathFactory) -> Any:
     return json.loads(ran.stdout)
 
 
-def test_a_design_may_name_it_and_is_told_of_it(answers: Any) -> None:
+def test_a_design_may_name_the_new_method_and_is_told_of_it(answers: Any) -> None:
     assert answers["enum"] == [
         "exact", "ideal", "midpoint", "first_order", "second_order", "compromise", "tuned", "trial", "newton",
         "austin", "table",
@@ -98,3 +127,8 @@ def test_it_is_planned_drawn_and_exported(answers: Any) -> None:
     assert set(trial["intervals_ticks"]) == {2000, 4000}
     assert answers["csv"].startswith("1,4000,2000.0,0.0,1,")
     assert "#123456" in answers["svg"]
+
+
+def test_a_ramp_may_have_the_new_shape(answers: Any) -> None:
+    assert answers["shapes"] == ["at_once", "constant_acceleration"]
+    assert answers["shaped"]["intervals_ticks"] == [8000] + [2000] * 498 + [8000]
