@@ -9,7 +9,7 @@ import numpy as np
 
 from stepramp.design import Design
 from stepramp.methods import METHODS, REFERENCE
-from stepramp.ramp.move import Ramp
+from stepramp.numerics.ramp import RealRamp
 from stepramp.ramp.plan import real_ramp
 
 PAGE = Path(__file__).with_name("methods.md")
@@ -64,7 +64,7 @@ def _largest(side: np.ndarray, exact: np.ndarray) -> tuple[float, int]:
     return float(error[at]), at + 1
 
 
-def _time(ramp: Ramp, length: int) -> float:
+def _time(ramp: RealRamp, length: int) -> float:
     missing = 2 * length - ramp.up.size - ramp.down.size
     return float(ramp.up.sum(dtype=np.float64) + ramp.down.sum(dtype=np.float64)) + missing * ramp.slew
 

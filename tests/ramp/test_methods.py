@@ -1,3 +1,5 @@
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -6,7 +8,7 @@ from hypothesis import strategies as st
 from designs import design, document
 from stepramp.design import Design
 from stepramp.errors import Rejected
-from stepramp.methods import METHODS
+from stepramp.methods import METHODS, tuned
 from stepramp.methods.common.method import TunedFor
 from stepramp.methods.common.taylor import fixed_taylor_down, taylor_down, taylor_up
 from stepramp.methods.exact import exact_intervals
@@ -97,8 +99,8 @@ def test_no_other_coefficient_has_a_smaller_largest_error(slope: Slope, coeffici
     exact = exact_intervals(slope, np.float64)
     if exact.size < 2:
         return
-    for side, tuned in ((taylor_up, tuned_up), (taylor_down, tuned_down)):
-        best = np.abs(tuned(slope, "largest_error") / exact - 1).max()
+    for side, best_side in ((taylor_up, tuned_up), (taylor_down, tuned_down)):
+        best = np.abs(best_side(slope, "largest_error") / exact - 1).max()
         other = np.abs(side(slope, coefficient, np.float64) / exact - 1).max()
         assert best <= other + 1e-6
 
@@ -106,9 +108,9 @@ def test_no_other_coefficient_has_a_smaller_largest_error(slope: Slope, coeffici
 @given(slopes)
 def test_a_ramp_tuned_for_time_takes_the_exact_time_where_any_coefficient_does(slope: Slope) -> None:
     exact = exact_intervals(slope, np.float64).sum()
-    for side, tuned in ((taylor_up, tuned_up), (taylor_down, tuned_down)):
+    for side, best_side in ((taylor_up, tuned_up), (taylor_down, tuned_down)):
         if 0.01 < best_coefficient(slope, side, "time") < 3.99:
-            assert tuned(slope, "time").sum() == pytest.approx(exact, rel=1e-6)
+            assert best_side(slope, "time").sum() == pytest.approx(exact, rel=1e-6)
 
 
 def test_tuned_is_better_than_20_22_and_23_from_rest() -> None:
@@ -117,3 +119,23 @@ def test_tuned_is_better_than_20_22_and_23_from_rest() -> None:
     errors = [np.abs(taylor_up(slope, c, np.float64) / exact - 1).max() for c in (0, 1.5, 1)]
     assert [round(float(error), 2) for error in errors] == [0.29, 0.27, 0.06]
     assert np.abs(tuned_up(slope, "largest_error") / exact - 1).max() < 0.02
+
+
+def test_the_coefficient_is_searched_for_once_for_all_arithmetics_and_requests(monkeypatch: pytest.MonkeyPatch) -> None:
+    tried = []
+
+    def counted(*arguments: Any) -> np.ndarray:
+        tried.append(arguments)
+        return taylor_up(*arguments)
+
+    monkeypatch.setattr(tuned, "taylor_up", counted)
+    slower = {"method__name": "tuned", "ramp__acceleration_steps_per_s2": 4321.5}
+    first = real_ramp(design(**slower, method__arithmetic="float64"))
+    searched = len(tried)
+    assert searched > 20
+    for arithmetic in ("float32", "fixed", "float64"):
+        real_ramp(design(**slower, method__arithmetic=arithmetic, move__steps=17))
+    assert len(tried) == searched
+    np.testing.assert_array_equal(real_ramp(design(**slower, method__arithmetic="float64")).up, first.up)
+    real_ramp(design(**slower, method__tuned_for="time"))
+    assert len(tried) > searched

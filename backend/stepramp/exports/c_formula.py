@@ -48,7 +48,7 @@ def formula_header(design: Design, method: MethodName, name: str, arithmetic: Ar
 def _longest(plan: Plan) -> int:
     """Return a bound for the intervals of all moves [ticks]; a carried remainder adds at most 1."""
     sides = (plan.ramp.up, plan.ramp.down)
-    return max(int(plan.ramp.slew), *(int(side.max(initial=0)) for side in sides)) + 1
+    return max(plan.ramp.slew, *(int(side.max(initial=0)) for side in sides)) + 1
 
 
 def _checks(design: Design) -> str:

@@ -12,12 +12,13 @@ from stepramp.design import MOST_STEPS, Design
 from stepramp.errors import Rejected, Rejection
 from stepramp.methods import METHODS
 from stepramp.methods.common.method import TuningReport
+from stepramp.methods.table import table_ramp
 from stepramp.numerics.limit_text import at_most
 from stepramp.numerics.numbers import NUMBERS
+from stepramp.numerics.ramp import Ramp, RealRamp
 from stepramp.numerics.slope import Slope
-from stepramp.ramp.move import Ramp, play, split
+from stepramp.ramp.move import play, split
 from stepramp.ramp.slopes import playable_slopes_of, slopes_of
-from stepramp.ramp.table import table_ramp
 from stepramp.ramp.timer import carried, rounded
 from stepramp.units import ticks_from_us, us_from_ticks
 
@@ -29,7 +30,7 @@ LONGEST_INTERVAL_TICKS = 2**60
 class Plan:
     """A design's ramp and its share in the design's move of N steps."""
 
-    real: Ramp
+    real: RealRamp
     """As the method computes it [ticks, not rounded]."""
     ramp: Ramp
     """In whole ticks: what a controller is sent."""
@@ -53,7 +54,7 @@ class Plan:
         """The move's intervals in whole ticks, shape (N,)."""
         if self.carries:
             return carried(self.real_intervals)
-        return play(self.ramp, self.steps, self.sides).astype(np.int64, copy=False)
+        return play(self.ramp, self.steps, self.sides)
 
 
 def plan_of(design: Design) -> Plan:
@@ -68,7 +69,7 @@ def plan_of(design: Design) -> Plan:
     return plan
 
 
-def real_ramp(design: Design) -> Ramp:
+def real_ramp(design: Design) -> RealRamp:
     """Return the design's ramp as its method computes it, in ticks not yet rounded.
 
     Raises Rejected when the ramp is longer than 10,000,000 steps, or does not fit the method or its arithmetic.
@@ -80,7 +81,7 @@ def real_ramp(design: Design) -> Ramp:
     sides = method.sides(design.method.arithmetic, design.method.tuned_for)
     # The slew interval is in the method's numbers too; integers have as many digits as it needs.
     number = NUMBERS.get(design.method.arithmetic, np.float64)
-    ramp = Ramp(up=sides.up(up), slew=float(number(up.slew_interval)), down=sides.down(down))
+    ramp = RealRamp(up=sides.up(up), slew=float(number(up.slew_interval)), down=sides.down(down))
     _refuse_runaway(design, ramp)
     return ramp
 
@@ -115,7 +116,7 @@ def _slopes_for_the_method(design: Design) -> tuple[Slope, Slope]:
     raise Rejected([Rejection("method.name", design.method.name, f"{others} with ramp.shape '{design.ramp.shape}'")])
 
 
-def _refuse_runaway(design: Design, ramp: Ramp) -> None:
+def _refuse_runaway(design: Design, ramp: RealRamp) -> None:
     """Refuse an arithmetic whose rounding errors have left nothing of an interval; those of float64 never do."""
     for side in (ramp.up, ramp.down):
         # Neither comparison holds for what is no number.
@@ -127,7 +128,7 @@ def _refuse_runaway(design: Design, ramp: Ramp) -> None:
             raise Rejected([Rejection("method.arithmetic", design.method.arithmetic, allowed)])
 
 
-def _rounded(design: Design, real: Ramp) -> Ramp:
+def _rounded(design: Design, real: RealRamp) -> Ramp:
     """Return the ramp in whole ticks. Raises Rejected when an interval comes to 0 ticks."""
     ramp = rounded(real, design.method.rounding)
     _refuse_less_than_a_tick(design, ramp.up, np.array([ramp.slew]), ramp.down)
@@ -165,7 +166,7 @@ def _short_rows(design: Design) -> list[Rejection]:
     ]
 
 
-def _table(design: Design) -> Ramp:
+def _table(design: Design) -> RealRamp:
     table = design.table
     if table is None:
         raise Rejected([Rejection("table", None, f"a table, since method.name is '{design.method.name}'")])

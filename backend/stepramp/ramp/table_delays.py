@@ -10,7 +10,7 @@ from stepramp.design import Design
 from stepramp.errors import Rejected, Rejection
 from stepramp.methods import REFERENCE
 from stepramp.numerics.limit_text import at_most
-from stepramp.ramp.move import Intervals, Ramp
+from stepramp.numerics.ramp import RealRamp
 from stepramp.ramp.plan import real_ramp
 from stepramp.ramp.slopes import SIDES, too_long
 from stepramp.units import us_from_ticks
@@ -59,7 +59,7 @@ def ramp_delays(design: Design, interval_unit: IntervalUnit, fit_to: FitTo = "pl
     return RampDelays(ticks.first_index, ticks.longest * units_per_tick, ticks.shortest * units_per_tick)
 
 
-def _played(ramp: Ramp) -> RampDelays:
+def _played(ramp: RealRamp) -> RampDelays:
     """Return what moves of all lengths play: step i up is at index i + 1, step i from the end at i - 1.
 
     That is so in long moves. In short ones up and down may meet elsewhere along the indices than along the ramp, but
@@ -72,18 +72,18 @@ def _played(ramp: Ramp) -> RampDelays:
     return RampDelays(0, np.maximum(up, down), np.minimum(up, down))
 
 
-def _of_steps_up(ramp: Ramp, design: Design) -> RampDelays:
+def _of_steps_up(ramp: RealRamp, design: Design) -> RampDelays:
     base = design.ramp.base_speed_steps_per_s
     at_rest = [design.timer.frequency_hz / base] if base > 0 else []
     delays = np.concatenate((at_rest, ramp.up, [ramp.slew])).astype(np.float64)
     return RampDelays(0 if at_rest else 1, delays, delays)
 
 
-def _extended(side: Intervals, slew: float, size: int) -> NDArray[np.float64]:
+def _extended(side: NDArray[np.floating], slew: float, size: int) -> NDArray[np.float64]:
     return np.concatenate((side, np.full(size - side.size, slew))).astype(np.float64)
 
 
-def _refuse_long_side(design: Design, field: str, side: Intervals) -> None:
+def _refuse_long_side(design: Design, field: str, side: NDArray[np.floating]) -> None:
     if side.size > MOST_SIDE_STEPS:
         raise too_long(design, field, MOST_SIDE_STEPS, ", so that ramp indices fit in 16 bits")
 

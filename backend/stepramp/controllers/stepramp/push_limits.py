@@ -12,7 +12,7 @@ from stepramp.controllers.stepramp.settings import Settings
 from stepramp.controllers.stepramp.speed_limits import Pace, SpeedLimits
 from stepramp.design import Design
 from stepramp.errors import Rejected, Rejection
-from stepramp.ramp.move import Ramp
+from stepramp.numerics.ramp import Ramp
 from stepramp.ramp.playback.course import Ways
 from stepramp.units import MICROSECONDS_PER_SECOND, speed_from_interval, us_from_ticks
 
