@@ -42,7 +42,7 @@ export class Ended extends Error {}
 
 /** @param {string} path */
 function address(path) {
-  return new URL(`api/v1/${path}`, import.meta.url);
+  return new URL(`api/v1/${path}`, document.baseURI);
 }
 
 const gate = createGate(MOST_REQUESTS);
@@ -128,9 +128,6 @@ const sliding = createConversation(() => socketAddress('curves/socket'), ANSWER_
 export const api = {
   /** @returns {Promise<{examples: import('./types.js').Example[]}>} */
   examples: () => request('GET', 'examples'),
-
-  /** @returns {Promise<{reference: import('./types.js').MethodName, methods: import('./types.js').RampMethod[]}>} */
-  methods: () => request('GET', 'methods'),
 
   /** @param {object} wanted a design, methods, and what is to be drawn of them
    * @returns {Promise<import('./types.js').DrawnCurves>} */

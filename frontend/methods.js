@@ -1,30 +1,17 @@
 // @ts-check
-// The ramp methods, in the order of the legend. The server has the list: what it can compute, the page can show.
+// The ramp methods, in the order of the legend. The server makes the list: what it can compute, the page can show.
 
-import { api, Refusal, ServerGone } from './api.js';
+// @ts-expect-error  No file, but what GET /api/v1/methods answers, as a module: so it is there before all else begins.
+import served from './assets/methods.js';
 
 /** @typedef {import('./types.js').MethodName} MethodName */
 
-const AGAIN_AFTER_MS = 500;
+/** @type {import('./types.js').RampMethod[]} */
+export const METHODS = served.methods;
 
-/** Without the methods there is nothing to show: a server that is busy is asked again. */
-async function served() {
-  for (;;) {
-    try {
-      return await api.methods();
-    } catch (error) {
-      if (!(error instanceof Refusal || error instanceof ServerGone)) throw error;
-      await new Promise((resolve) => setTimeout(resolve, AGAIN_AFTER_MS));
-    }
-  }
-}
-
-const list = await served();
-
-export const METHODS = list.methods;
-
-/** The method that the others are held against. */
-export const REFERENCE = list.reference;
+/** The method that the others are held against.
+ * @type {MethodName} */
+export const REFERENCE = served.reference;
 
 /** What is shown until a person chooses. */
 export const SHOWN_AT_FIRST = METHODS.filter((method) => method.is_shown_at_first).map((method) => method.name);

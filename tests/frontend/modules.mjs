@@ -1,12 +1,8 @@
 // Runs functions of the page's modules outside of a browser: a line of JSON in, a line of JSON out.
 // {"script": "async (value) => …", "value": …} gives {"value": …} or {"error": …}. `import` takes paths as the page does.
-import { readFile } from 'node:fs/promises';
 import { createInterface } from 'node:readline';
 
 const folder = process.argv[2];
-// What the server answers before there is a page lies beside the modules.
-globalThis.fetch = async (url) => new Response(await readFile(url));
-
 const load = (path) => import(new URL(`.${path}`, folder));
 
 /** JSON has no NaN and no infinities, and loses what is undefined. */

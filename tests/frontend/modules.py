@@ -23,9 +23,9 @@ class Modules:
     def __init__(self, folder: Path) -> None:
         copy = folder / "frontend"
         shutil.copytree(FRONTEND, copy)
-        served = copy / "api" / "v1" / "methods"
-        served.parent.mkdir(parents=True)
-        served.write_bytes(TestClient(create_app(), "http://127.0.0.1").get("/api/v1/methods").content)
+        (copy / "assets").mkdir()
+        served = TestClient(create_app(), "http://127.0.0.1").get("/assets/methods.js")
+        (copy / "assets" / "methods.js").write_bytes(served.content)
         # What the server tells browsers by its media type, Node wants to read here.
         (copy / "package.json").write_text('{"type": "module"}')
         command = ["node", str(HARNESS), f"{copy.as_uri()}/"]

@@ -1,5 +1,7 @@
 """The list of methods that the page and other programs are served."""
 
+import json
+
 from starlette.testclient import TestClient
 
 NAMES = [
@@ -31,6 +33,13 @@ def test_the_methods_are_served_with_all_that_the_page_says_of_them(client: Test
     ]  # fmt: skip
     assert [name for name in NAMES if by_name[name]["plays_table"]] == ["table"]
     assert [name for name in NAMES if by_name[name]["is_tuned"]] == ["tuned"]
+
+
+def test_the_page_imports_what_the_api_answers(client: TestClient) -> None:
+    module = client.get("/assets/methods.js")
+    assert module.headers["content-type"].partition(";")[0] == "text/javascript"
+    answer = module.text.removeprefix("export default ").removesuffix(";\n")
+    assert json.loads(answer) == client.get("/api/v1/methods").json()
 
 
 def test_they_are_those_that_a_design_may_have(client: TestClient) -> None:

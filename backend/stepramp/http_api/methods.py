@@ -54,6 +54,11 @@ class MethodsAnswer(BaseModel):
 @router.get("/methods")
 async def methods() -> MethodsAnswer:
     """Return the methods that a ramp can be computed by."""
+    return methods_answer()
+
+
+def methods_answer() -> MethodsAnswer:
+    """Return what is told of the methods."""
     return MethodsAnswer(reference=REFERENCE, methods=[_answer(name, method) for name, method in METHODS.items()])
 
 

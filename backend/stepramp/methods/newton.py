@@ -60,7 +60,7 @@ def newton_down(slope: ConstantAcceleration, number: Number) -> NDArray[np.float
 
 
 def fixed_newton_up(slope: ConstantAcceleration) -> FixedIntervals:
-    """Return an acceleration by Newton's method, as recurrences.newton_up [ticks], shape (slope.steps,).
+    """Return an acceleration by Newton's method, as newton_up [ticks], shape (slope.steps,).
 
     Raises ValueError where there is a refusal.
     """
@@ -73,7 +73,7 @@ def fixed_newton_up(slope: ConstantAcceleration) -> FixedIntervals:
 
 
 def fixed_newton_down(slope: ConstantAcceleration) -> FixedIntervals:
-    """Return a deceleration by Newton's method, as recurrences.newton_down [ticks], shape (slope.steps,).
+    """Return a deceleration by Newton's method, as newton_down [ticks], shape (slope.steps,).
 
     Raises ValueError where there is a refusal.
     """

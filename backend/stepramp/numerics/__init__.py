@@ -1,1 +1,1 @@
-"""What all numerics rest on: the types of numbers, how loops are compiled, how limits are told."""
+"""What all numerics rest on: slopes and ramps, types of numbers, how loops are compiled, how limits are told."""

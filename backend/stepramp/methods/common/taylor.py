@@ -125,7 +125,7 @@ def taylor_deceleration_refusal(slope: ConstantAcceleration) -> str | None:
 
 
 def fixed_taylor_up(slope: ConstantAcceleration, coefficient: float) -> FixedIntervals:
-    """Return an acceleration by p = p (1 + q + c q²), as recurrences.taylor_up [ticks], shape (slope.steps,).
+    """Return an acceleration by p = p (1 + q + c q²), as taylor_up [ticks], shape (slope.steps,).
 
     The coefficient c, from 0 to 4, is rounded to 1/65536. Raises ValueError where there is a refusal, or c is beyond.
     """
@@ -138,7 +138,7 @@ def fixed_taylor_up(slope: ConstantAcceleration, coefficient: float) -> FixedInt
 
 
 def fixed_taylor_down(slope: ConstantAcceleration, coefficient: float) -> FixedIntervals:
-    """Return a deceleration by p = p (1 + q + c q²), as recurrences.taylor_down [ticks], shape (slope.steps,).
+    """Return a deceleration by p = p (1 + q + c q²), as taylor_down [ticks], shape (slope.steps,).
 
     The coefficient is as for fixed_taylor_up. Raises ValueError where taylor_deceleration_refusal gives a reason, or c
     is beyond.
