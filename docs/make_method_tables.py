@@ -7,8 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from stepramp.design import ARITHMETICS, Design
-from stepramp.ramp.move import Ramp
+from stepramp.design import Design
+from stepramp.methods import METHODS, REFERENCE
+from stepramp.numerics.ramp import RealRamp
 from stepramp.ramp.plan import real_ramp
 
 PAGE = Path(__file__).with_name("methods.md")
@@ -40,19 +41,19 @@ def _table(base: float, slew: float, acceleration: float) -> str:
             "move": {"steps": 1200},
         }
     )
-    exact = real_ramp(design.with_method("exact"))
+    exact = real_ramp(design.with_method(REFERENCE))
     lines = [
         "| method | arithmetic | up | at step | down | at step from the end | time |",
         "|---|---|--:|--:|--:|--:|--:|",
     ]
-    for method, arithmetics in ARITHMETICS.items():
-        ramp = real_ramp(design.with_method(method))
+    for name, method in METHODS.items():
+        ramp = real_ramp(design.with_method(name))
         sides = [_largest(ramp.up, exact.up), _largest(ramp.down, exact.down)]
         # Sides of different lengths end at slew speed: what is missing runs at the slew interval.
         length = max(each.size for each in (ramp.up, ramp.down, exact.up, exact.down))
         spent, wanted = (_time(each, length) for each in (ramp, exact))
         figures = " | ".join(f"{error:+.1%} | {step}" for error, step in sides)
-        lines.append(f"| {method} | {arithmetics[0]} | {figures} | {spent / wanted - 1:+.2%} |")
+        lines.append(f"| {name} | {method.arithmetics[0]} | {figures} | {spent / wanted - 1:+.2%} |")
     return "\n".join(lines) + "\n"
 
 
@@ -63,7 +64,7 @@ def _largest(side: np.ndarray, exact: np.ndarray) -> tuple[float, int]:
     return float(error[at]), at + 1
 
 
-def _time(ramp: Ramp, length: int) -> float:
+def _time(ramp: RealRamp, length: int) -> float:
     missing = 2 * length - ramp.up.size - ramp.down.size
     return float(ramp.up.sum(dtype=np.float64) + ramp.down.sum(dtype=np.float64)) + missing * ramp.slew
 

@@ -139,6 +139,12 @@ function errorsOf(answer, method, x) {
   };
 }
 
+/** The curves that there are, each with its method.
+ * @param {Partial<Record<MethodName, Curve>>} curves @returns {[MethodName, Curve][]} */
+export function entriesOf(curves) {
+  return Object.entries(/** @type {Record<MethodName, Curve>} */ (curves));
+}
+
 /** What all curves say at the step of `lead` nearest to a place on the axis.
  * @param {Partial<Record<MethodName, Curve>>} curves @param {MethodName} lead @param {number} x
  * @returns {Reading | null} */
@@ -147,10 +153,10 @@ export function readingAt(curves, lead, x) {
   if (!curve || curve.step.length === 0) return null;
   const index = nearest(curve.x, x);
   const step = curve.step[index];
-  const methods = Object.entries(curves).map(([name, other]) => {
+  const methods = entriesOf(curves).map(([method, other]) => {
     const at = lowerBound(other.step, step);
     return {
-      method: /** @type {MethodName} */ (name),
+      method,
       ticks: interpolate(other.step, other.ticks, step),
       delay_us: interpolate(other.step, other.delay_us, step),
       speed: interpolate(other.step, other.speed, step),

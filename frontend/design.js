@@ -25,7 +25,7 @@ export function withValue(design, path, value) {
  * @param {Design} design @param {MethodName} name @returns {Design} */
 export function withMethod(design, name) {
   if (name === design.method.name) return design;
-  return { ...design, method: { ...design.method, name, arithmetic: methodOf(name).arithmetic[0] } };
+  return { ...design, method: { ...design.method, name, arithmetic: methodOf(name).arithmetics[0] } };
 }
 
 /** @param {Design} design @param {Rows} rows @param {string} unit @returns {Design} */
@@ -36,7 +36,7 @@ export function withTable(design, rows, unit) {
 /** The methods to ask the server about: the design's own in any case, and of the shown ones those that are possible.
  * @param {Design} design @param {ReadonlySet<MethodName>} shown */
 export function methodsToCompute(design, shown) {
-  const isPossible = (/** @type {MethodName} */ name) => name !== 'table' || design.table !== null;
+  const isPossible = (/** @type {MethodName} */ name) => !methodOf(name).plays_table || design.table !== null;
   return METHODS.map((method) => method.name).filter(
     (name) => name === design.method.name || (shown.has(name) && isPossible(name)),
   );

@@ -9,8 +9,8 @@ import { MOST_AXES } from './workbench.js';
 /** @typedef {import('./workbench.js').Work} Work */
 /** @typedef {{document: Work, problem: null} | {document: null, problem: string}} Reading */
 /** What may stand in a field: null when the value will do, else what is allowed. `otherwise` stands in for a field that
- * is left out; a field without it has to be there.
- * @typedef {{refusal: (value: unknown) => string | null, otherwise?: unknown}} Rule */
+ * is left out; a field without it has to be there, unless it may stay out.
+ * @typedef {{refusal: (value: unknown) => string | null, otherwise?: unknown, mayStayOut?: boolean}} Rule */
 
 /** No text longer than this is read: the longest sensible one, four axes of 1,000 rows, has a quarter of it [characters]. */
 export const LONGEST_TEXT = 1_000_000;
@@ -65,6 +65,7 @@ const PARTS = {
     slew_speed_steps_per_s: entry(),
     acceleration_steps_per_s2: entry(),
     deceleration_steps_per_s2: openEntry,
+    shape: { refusal: text.refusal, mayStayOut: true },
   },
   method: {
     name: oneOf(...METHODS.map((method) => method.name)),
@@ -158,9 +159,8 @@ function refuseSchema(schema, place) {
 function readPart(part, rules, path) {
   if (!isObject(part)) throw refused(path, part, 'an object with named fields');
   refuseUnknown(Object.keys(part), Object.keys(rules), `${path}.`);
-  return Object.fromEntries(
-    Object.entries(rules).map(([name, rule]) => [name, check(rule, part[name], `${path}.${name}`)]),
-  );
+  const present = Object.entries(rules).filter(([name, rule]) => !rule.mayStayOut || part[name] !== undefined);
+  return Object.fromEntries(present.map(([name, rule]) => [name, check(rule, part[name], `${path}.${name}`)]));
 }
 
 /** @param {unknown} table @param {string} path @returns {Design['table']} */

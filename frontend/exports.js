@@ -1,6 +1,8 @@
 // @ts-check
 // The formats that a design can be exported in, and what each is good for.
 
+import { METHODS } from './methods.js';
+
 /** What of the request a format looks at besides the design.
  * @typedef {'name' | 'arithmetic' | 'segment_bound_ticks' | 'methods'} ExportOption */
 /** @typedef {{name: string, label: string, help: string, kind: 'text' | 'picture' | 'page', options: ExportOption[]}} ExportFormat */
@@ -8,6 +10,15 @@
 /** @type {ExportOption[]} */
 const OF_A_FORMULA = ['name', 'arithmetic'];
 const PLAYED = 'C99, for moves of any length; gives the planned delays, to the tick.';
+
+/** The C code of a method, if it has some.
+ * @param {import('./types.js').RampMethod} method @returns {ExportFormat[]} */
+function codeOf({ code }) {
+  if (code === null) return [];
+  return [
+    { name: code.format, label: code.label, help: `${code.help} ${PLAYED}`, kind: 'text', options: OF_A_FORMULA },
+  ];
+}
 
 /** @type {{title: string, formats: ExportFormat[]}[]} */
 export const EXPORT_GROUPS = [
@@ -28,34 +39,7 @@ export const EXPORT_GROUPS = [
         kind: 'text',
         options: ['name', 'segment_bound_ticks'],
       },
-      {
-        name: 'c_first_order',
-        label: 'Formula 20',
-        help: `p (1 + q), the quickest. ${PLAYED}`,
-        kind: 'text',
-        options: OF_A_FORMULA,
-      },
-      {
-        name: 'c_second_order',
-        label: 'Formula 22',
-        help: `p (1 + q + 1.5 q²), best with a base speed. ${PLAYED}`,
-        kind: 'text',
-        options: OF_A_FORMULA,
-      },
-      {
-        name: 'c_compromise',
-        label: 'Formula 23',
-        help: `p (1 + q + q²), best of the three from rest. ${PLAYED}`,
-        kind: 'text',
-        options: OF_A_FORMULA,
-      },
-      {
-        name: 'c_newton',
-        label: 'Newton',
-        help: `One Newton step a delay: corrects itself, up and down. ${PLAYED}`,
-        kind: 'text',
-        options: OF_A_FORMULA,
-      },
+      ...METHODS.flatMap(codeOf),
       {
         name: 'c_table',
         label: 'Lookup table',

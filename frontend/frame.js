@@ -1,7 +1,7 @@
 // @ts-check
 // Where everything of the figure lies: the ranges of its axes and its place in pixels. Nothing of the page, no Plotly.
 
-import { activeProfile, interpolate, unitsOf } from './curves.js';
+import { activeProfile, entriesOf, interpolate, unitsOf } from './curves.js';
 import { unitWord } from './units.js';
 
 /** @typedef {import('./types.js').Answer} Answer */
@@ -192,7 +192,7 @@ function phasesOf({ answer, curves }) {
 /** The range that a view shows.
  * @param {Scene} scene @param {Frame['phases']} phases @returns {Range} */
 function fullRange({ curves, axis, view, axes, kept }, phases) {
-  const all = [...(axes ?? Object.values(curves)), ...(kept && !axes ? [kept] : [])];
+  const all = [...(axes ?? entriesOf(curves).map(([, curve]) => curve)), ...(kept && !axes ? [kept] : [])];
   const ends = all.flatMap((curve) => [curve.x[0], curve.x[curve.x.length - 1]]);
   const [first, last] = [Math.min(...ends, 0), Math.max(...ends, 0)];
   const margin = (last - first || 1) * 0.004;
@@ -236,7 +236,7 @@ export function activeCurve({ answer, curves }) {
 function listsOf(scene, name) {
   const { curves, shown: names, axes, kept, measured, third } = scene;
   if (axes) return name === 'error' ? [] : axes.map((one) => [one.x, one[name]]);
-  const drawn = Object.entries(curves).filter(([method]) => names.has(/** @type {MethodName} */ (method)));
+  const drawn = entriesOf(curves).filter(([method]) => names.has(method));
   const all = [...(drawn.length > 0 ? drawn.map(([, curve]) => curve) : [activeCurve(scene)]), ...(kept ? [kept] : [])];
   if (name === 'velocity')
     return [...all.map(each('shownSpeed')), ...(measured ? [pair(measured.x, measured.velocity)] : [])];

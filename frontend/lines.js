@@ -3,7 +3,7 @@
 // chosen one, and on top what was measured. Nothing of the page, no Plotly.
 
 import { activeCurve, PLOTS, stepsIn, xPixel } from './frame.js';
-import { METHODS, REFERENCE } from './methods.js';
+import { METHODS, methodOf, REFERENCE } from './methods.js';
 
 /** @typedef {import('./types.js').MethodName} MethodName */
 /** @typedef {import('./curves.js').Curve} Curve */
@@ -82,7 +82,7 @@ function methodLines(scene, frame) {
       width: name === active ? 2.25 : name === REFERENCE ? 2 : 1.4,
     };
     // A table holds its delay up to a row's last step and then jumps: its line is a staircase.
-    const shape = step === 'linear' && name === 'table' ? 'vh' : step;
+    const shape = step === 'linear' && methodOf(name).plays_table ? 'vh' : step;
     // The parts are those of the chosen method's error, which stays with them.
     const lowest = third === 'parts' && name === active ? 'error' : third;
     lines.push(...threeOf(name, curves[name], look, shape, shown.has(name), lowest));

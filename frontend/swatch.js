@@ -2,7 +2,7 @@
 // The piece of line that stands for a method wherever it is named.
 
 import { svgElement } from './dom.js';
-import { REFERENCE } from './methods.js';
+import { methodOf, REFERENCE } from './methods.js';
 
 /** @param {import('./types.js').MethodName} name */
 export function methodSwatch(name) {
@@ -18,7 +18,7 @@ export function methodSwatch(name) {
       'stroke-width': name === REFERENCE ? 3 : 2.5,
     }),
   );
-  if (name === 'table')
+  if (methodOf(name).plays_table)
     drawing.append(
       svgElement('circle', { cx: 9, cy: 4, r: 3, 'stroke-width': 2, style: `${stroke}; fill: var(--plot)` }),
     );

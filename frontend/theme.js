@@ -2,10 +2,25 @@
 // Light and dark: as the system has it until a person chooses.
 
 import { memory } from './memory.js';
+import { METHODS } from './methods.js';
 
 /** @typedef {'light' | 'dark'} Theme */
 
 const systemIsLight = matchMedia('(prefers-color-scheme: light)');
+
+/** The tokens of the methods' lines, beside those of tokens.css. */
+function methodTokens() {
+  const colours = (/** @type {Theme} */ theme) =>
+    METHODS.map(({ name, style }) => `--method-${name}: ${style[theme]};`).join(' ');
+  const dashes = METHODS.flatMap(({ name, style }) =>
+    style.dash ? [`--dash-${name}: ${style.dash.map((px) => `${px}px`).join(', ')};`] : [],
+  );
+  const sheet = new CSSStyleSheet();
+  sheet.replaceSync(`:root { ${colours('dark')} ${dashes.join(' ')} } :root[data-theme='light'] { ${colours('light')} }`);
+  return sheet;
+}
+
+document.adoptedStyleSheets.push(methodTokens());
 
 /** @returns {Theme} */
 function wanted() {

@@ -4,8 +4,21 @@
 /** What a field holds: a number, or the text of a field that isn't one (the server says what is wrong with it).
  * @typedef {number | string} Entry */
 
-/** @typedef {'exact' | 'ideal' | 'midpoint' | 'first_order' | 'second_order' | 'compromise' | 'tuned' | 'newton' |
- *   'austin' | 'table'} MethodName */
+/** One of those that the server has.
+ * @typedef {string} MethodName */
+
+/** A method, as the server tells of it.
+ * @typedef {object} RampMethod
+ * @property {MethodName} name
+ * @property {string} label
+ * @property {string} formula         its number; '' when it has none
+ * @property {string} help
+ * @property {string[]} arithmetics   the usual one first
+ * @property {{light: string, dark: string, dash: [number, number] | null}} style  of its line; dash and gap [px]
+ * @property {boolean} plays_table    it is not computed, but the lookup table
+ * @property {boolean} is_tuned
+ * @property {boolean} is_shown_at_first
+ * @property {{format: string, label: string, help: string} | null} code  in C */
 
 /** @typedef {object} Design
  * @property {string} schema
@@ -13,7 +26,7 @@
  * @property {{full_steps_per_rev: Entry, microsteps: Entry, travel_per_rev: Entry, travel_unit: string}} axis
  * @property {{frequency_hz: Entry, counter_bits: Entry, shortest_interval_us: Entry}} timer
  * @property {{base_speed_steps_per_s: Entry, slew_speed_steps_per_s: Entry, acceleration_steps_per_s2: Entry,
- *   deceleration_steps_per_s2: Entry | null}} ramp
+ *   deceleration_steps_per_s2: Entry | null, shape?: string}} ramp
  * @property {{name: MethodName, arithmetic: string, rounding: string, tuned_for?: string}} method
  * @property {{rows: [Entry, Entry][], interval_unit: string} | null} table
  * @property {{steps: Entry}} move */

@@ -12,7 +12,6 @@ import webbrowser
 from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import get_args
 
 import uvicorn
 
@@ -64,11 +63,10 @@ def export_design(format_name: str, source: str, target: str) -> None:
     Raises Rejected when a file can't be read or written, the format is none, or the design can't be exported.
     """
     from stepramp.design import Design  # noqa: PLC0415  # load slowly: not for --help
-    from stepramp.exports.export import FormatName, Options, export  # noqa: PLC0415
+    from stepramp.exports.export import FORMAT_NAMES, Options, export  # noqa: PLC0415
 
-    formats = {name: name for name in get_args(FormatName)}
-    if format_name not in formats:
-        raise Rejected([Rejection("format", format_name, ", ".join(formats))])
+    if format_name not in FORMAT_NAMES:
+        raise Rejected([Rejection("format", format_name, ", ".join(FORMAT_NAMES))])
     try:
         text = sys.stdin.read() if source == "-" else Path(source).read_text(encoding="utf-8")
         design = Design.checked(json.loads(text))
@@ -76,7 +74,7 @@ def export_design(format_name: str, source: str, target: str) -> None:
         if isinstance(error, Rejected):
             raise
         raise Rejected([Rejection("design", source, f"a file with a design document ({error})")]) from None
-    made = export(design, formats[format_name], Options())
+    made = export(design, format_name, Options())
     try:
         if target == "-":
             sys.stdout.buffer.write(made.content)

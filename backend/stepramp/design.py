@@ -9,6 +9,10 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from stepramp.errors import Rejected, Rejection
+from stepramp.methods import METHODS, REFERENCE
+from stepramp.methods.common.method import RampMethod, TunedFor
+from stepramp.numerics.numbers import Arithmetic
+from stepramp.shapes import SHAPES, USUAL_SHAPE
 from stepramp.validation import Document, ListOf, OneOf, Text, Within, refuse
 
 MOST_STEPS = 10_000_000
@@ -19,33 +23,9 @@ MOST_TABLE_ROWS = 1000
 MOST_NAMES = 20
 """Longest list of methods, or of curves; naming one twice is harmless."""
 
-MethodName = Literal[
-    "exact", "ideal", "midpoint", "first_order", "second_order", "compromise", "tuned", "newton", "austin", "table"
-]
-Arithmetic = Literal["float64", "float32", "fixed"]
+MethodName = Annotated[str, OneOf(METHODS)]
+ShapeName = Annotated[str, OneOf(SHAPES)]
 Rounding = Literal["nearest", "floor", "carry"]
-TunedFor = Literal["largest_error", "time"]
-
-CLOSED_FORM: tuple[Arithmetic, ...] = ("float64", "float32")
-STEP_BY_STEP: tuple[Arithmetic, ...] = ("float32", "float64", "fixed")
-
-ARITHMETICS: dict[MethodName, tuple[Arithmetic, ...]] = {
-    "exact": CLOSED_FORM,
-    "ideal": CLOSED_FORM,
-    "midpoint": CLOSED_FORM,
-    "first_order": STEP_BY_STEP,
-    "second_order": STEP_BY_STEP,
-    "compromise": STEP_BY_STEP,
-    "tuned": STEP_BY_STEP,
-    "newton": STEP_BY_STEP,
-    "austin": ("float32", "float64"),
-    "table": CLOSED_FORM,
-}
-"""The arithmetics of each method, the usual one first.
-
-A table is not computed: there it makes no difference. Austin's recurrence divides at each step, which the integers of
-`fixed` do without; and what needs a square root is not for them.
-"""
 
 SLOWEST_STEPS_PER_S = 0.001
 """Slower speeds than this are none, except 0: their intervals are beyond all numbers [steps/s]."""
@@ -95,6 +75,13 @@ class RampParameters(Document):
     deceleration_steps_per_s2: Acceleration | None = Field(
         None, description="d: loss of speed a second [steps/s²]; null: the same as the acceleration"
     )
+    shape: ShapeName = Field(
+        USUAL_SHAPE,
+        description="How speed grows along the ramp; the accelerations are the largest along it. The usual one is left "
+        "out of documents",
+        # So that they stay readable for programs that know of no other.
+        exclude_if=lambda shape: shape == USUAL_SHAPE,
+    )
 
     @model_validator(mode="after")
     def _base_below_slew(self) -> Self:
@@ -122,12 +109,8 @@ class RampParameters(Document):
 class Method(Document):
     """How the intervals are computed."""
 
-    name: Annotated[MethodName, OneOf()] = Field(
-        "exact",
-        description="exact: formula (9). ideal: true instants of constant acceleration. midpoint: speed at the centre "
-        "of the step. first_order, second_order, compromise: formulas (20), (22), (23). tuned: p (1 + q + c q²) with "
-        "the c that suits the ramp. newton: w = v² kept by addition, p corrected by one Newton step. austin: AVR446. "
-        "table: the lookup table",
+    name: MethodName = Field(
+        REFERENCE, description=". ".join(f"{name}: {method.summary}" for name, method in METHODS.items())
     )
     arithmetic: Arithmetic = Field(
         "float64",
@@ -147,10 +130,20 @@ class Method(Document):
 
     @model_validator(mode="after")
     def _arithmetic_of_the_method(self) -> Self:
-        possible = ARITHMETICS[self.name]
+        possible = self.numerics.arithmetics
         if self.arithmetic not in possible:
             refuse("arithmetic", self.arithmetic, f"{', '.join(possible)} with method.name '{self.name}'")
         return self
+
+    @property
+    def numerics(self) -> RampMethod:
+        """What computes the ramp."""
+        return METHODS[self.name]
+
+    @property
+    def plays_table(self) -> bool:
+        """Whether the ramp is not computed, but that of the lookup table."""
+        return self.numerics.sides is None
 
 
 Index = Annotated[int, Within(0, MOST_STEPS, "steps")]
@@ -204,17 +197,18 @@ class Design(Document):
 
     @model_validator(mode="after")
     def _table_for_table(self) -> Self:
-        if self.method.name == "table" and self.table is None:
-            refuse("table", None, "a table, since method.name is 'table'")
+        if self.method.plays_table and self.table is None:
+            refuse("table", None, f"a table, since method.name is '{self.method.name}'")
         return self
 
     def with_method(self, name: MethodName, arithmetic: Arithmetic | None = None) -> Self:
         """Return the design with another method; with the arithmetic usual for it unless one is given.
 
-        The design's own method keeps its arithmetic. Raises Rejected when the method is `table` and there is no table.
+        The design's own method keeps its arithmetic. Raises Rejected when there is no lookup table for one that
+        plays it.
         """
-        if name == "table" and self.table is None:
-            raise Rejected([Rejection("table", None, "a table, since the method is 'table'")])
-        own = self.method.arithmetic if name == self.method.name else ARITHMETICS[name][0]
+        if METHODS[name].sides is None and self.table is None:
+            raise Rejected([Rejection("table", None, f"a table, since the method is '{name}'")])
+        own = self.method.arithmetic if name == self.method.name else METHODS[name].arithmetics[0]
         changes = {"name": name, "arithmetic": arithmetic or own}
         return self.model_copy(update={"method": self.method.model_copy(update=changes)})

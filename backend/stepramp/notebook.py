@@ -11,6 +11,7 @@ from pydantic import Field, ValidationError
 from stepramp import design as document
 from stepramp.design import MethodName
 from stepramp.figure import figure_of
+from stepramp.methods import REFERENCE
 from stepramp.ramp.error_curves import ErrorCurves, error_curves
 from stepramp.ramp.profile import Phase, Profile, profile_of
 from stepramp.ramp.timer_limits import Warning
@@ -98,7 +99,7 @@ class PlannedMove:
         """What works, but not as the design says, and what to change."""
         return self.profile.warnings
 
-    def errors(self, reference: MethodName = "exact", method: MethodName | None = None) -> ErrorCurves:
+    def errors(self, reference: MethodName = REFERENCE, method: MethodName | None = None) -> ErrorCurves:
         """Compare the move, or the one by another method, with a reference, step by step.
 
         >>> design = Design(
@@ -124,4 +125,4 @@ class PlannedMove:
         ['exact', 'exact', 'exact', 'newton', 'newton', 'newton']
         """
         names = dict.fromkeys([self.design.method.name, *methods])
-        return figure_of([error_curves(self.design, name, "exact") for name in names])
+        return figure_of([error_curves(self.design, name, REFERENCE) for name in names])

@@ -1,8 +1,8 @@
 """What may stand in a document: ranges and choices that say so themselves when a value is refused."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, NoReturn, Self, get_args
+from typing import Any, NoReturn, Self
 
 from pydantic import (
     BaseModel,
@@ -99,12 +99,14 @@ class Within(_Allowance):
         return self._guard(number)
 
 
-class OneOf(_Allowance):
-    """One of the words of a Literal."""
+@dataclass
+class OneOf:
+    """One of some words; for a str whose words no Literal can say, since they are registered by being there."""
+
+    words: Iterable[str]
 
     def __get_pydantic_core_schema__(self, source: type, handler: GetCoreSchemaHandler) -> CoreSchema:
-        self.allowed = ", ".join(get_args(source))
-        return self._guard(handler(source))
+        return core_schema.literal_schema(list(self.words))
 
 
 @dataclass

@@ -22,12 +22,14 @@ from browser.server import CHROMIUM
 from designs import design, document
 from simulator.avr import missing_tools
 from stepramp.http_api.app import create_app
+from stepramp.methods import compromise, first_order, second_order
+from stepramp.methods.common.taylor import taylor_up
+from stepramp.methods.exact import exact_intervals
 from stepramp.ramp.error_curves import error_curves, relative_errors
-from stepramp.ramp.kinematics import Slope, exact_intervals
 from stepramp.ramp.plan import ramp_of
 from stepramp.ramp.profile import profile_of
-from stepramp.ramp.recurrences import COMPROMISE, FIRST_ORDER, SECOND_ORDER, taylor_up
 from stepramp.ramp.segments import compress
+from stepramp.shapes.constant_acceleration import ConstantAcceleration as Slope
 
 STEPS = (1_000, 100_000, 10_000_000)
 METHODS = ("exact", "first_order", "table")
@@ -76,7 +78,7 @@ def compared(slope: Slope) -> list[object]:
     """Compute a slope exactly and by formulas (20), (22) and (23), and their errors."""
     exact = exact_intervals(slope, np.float64)
     results: list[object] = [exact]
-    for coefficient in (FIRST_ORDER, SECOND_ORDER, COMPROMISE):
+    for coefficient in (each.COEFFICIENT for each in (first_order, second_order, compromise)):
         intervals = taylor_up(slope, coefficient, np.float64)
         results += [intervals, relative_errors(intervals, exact)]
     return results

@@ -10,11 +10,11 @@ from pathlib import Path
 
 from firmware.formula.machine import Machine, build_for_chip
 from stepramp.controllers.stepramp.formula_image import encode_formula
-from stepramp.ramp.fixed_point import Scaled
-from stepramp.ramp.kinematics import Slope
-from stepramp.ramp.on_chip import OnChipMethod, OnChipRamp
+from stepramp.methods.common.fixed_point import Scaled
+from stepramp.ramp.on_chip import OnChipRamp
+from stepramp.shapes.constant_acceleration import ConstantAcceleration as Slope
 
-METHODS: dict[OnChipMethod, int] = {"first_order": 0, "compromise": 2, "newton": 4}
+METHODS: dict[str, int] = {"first_order": 0, "compromise": 2, "newton": 4}
 WAYS_AT, WAY_BYTES = 15, 39
 TIMER_HZ, SLEW, ACCELERATION = 2e6, 5000, 10_000
 INDEX = 600
@@ -32,7 +32,7 @@ def mean_cycles(machine: Machine, batch: Callable[[], int]) -> float:
     return cycles / delays
 
 
-def ways(machine: Machine, method: OnChipMethod, deceleration: float, size: int) -> str:
+def ways(machine: Machine, method: str, deceleration: float, size: int) -> str:
     """Return the cycles a delay of a whole way up and a whole way down."""
     slopes = Slope(TIMER_HZ, 0, SLEW, ACCELERATION), Slope(TIMER_HZ, 0, SLEW, deceleration)
     machine.check(encode_formula(OnChipRamp.of(*slopes, method)))
@@ -40,7 +40,7 @@ def ways(machine: Machine, method: OnChipMethod, deceleration: float, size: int)
     return f"{up:.0f} / {mean_cycles(machine, lambda: machine.down(size).size):.0f}"
 
 
-def loop(machine: Machine, method: OnChipMethod, size: int) -> int:
+def loop(machine: Machine, method: str, size: int) -> int:
     """Return the cycles of one call of the loop, upwards, in the middle of a ramp."""
     slope = Slope(TIMER_HZ, 0, SLEW, ACCELERATION)
     constants = encode_formula(OnChipRamp.of(slope, slope, method))

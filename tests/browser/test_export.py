@@ -3,7 +3,6 @@
 import json
 from collections.abc import Callable
 from pathlib import Path
-from typing import get_args
 
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Locator, Page, expect
@@ -11,7 +10,7 @@ from playwright.sync_api import Browser, BrowserContext, Locator, Page, expect
 from browser.conftest import Watch
 from browser.server import Server
 from browser.stepramp_page import REFUSED_VALUE, SLEW_SPEED, StepRampPage, call, until
-from stepramp.exports.export import FormatName
+from stepramp.exports.export import FORMAT_NAMES
 
 PHONE = (390, 844)
 PICTURES = ("svg", "png")
@@ -56,7 +55,7 @@ def dialog(stepramp: StepRampPage) -> ExportDialog:
 
 def test_the_page_offers_every_format_of_the_server(module_page: StepRampPage) -> None:
     script = "async () => (await import('/exports.js')).EXPORT_FORMATS.map((format) => format.name)"
-    assert sorted(module_page.page.evaluate(script)) == sorted(get_args(FormatName))
+    assert sorted(module_page.page.evaluate(script)) == sorted(FORMAT_NAMES)
 
 
 def test_a_long_text_is_shown_in_part(module_page: StepRampPage) -> None:
@@ -68,7 +67,7 @@ def test_a_long_text_is_shown_in_part(module_page: StepRampPage) -> None:
 
 
 def test_every_format_is_previewed_and_saved(dialog: ExportDialog, tmp_path: Path) -> None:
-    for name in get_args(FormatName):
+    for name in FORMAT_NAMES:
         dialog.choose(name)
         saved = dialog.save(tmp_path)
         expect(dialog.note).to_contain_text(saved.name)

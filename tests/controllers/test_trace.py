@@ -7,8 +7,8 @@ from stepramp.controllers.stepramp import trace as trace_module
 from stepramp.controllers.stepramp.messages.trace import TRACE_LAST, TraceNotice
 from stepramp.controllers.stepramp.trace import Plan, TraceCollector, extended
 from stepramp.controllers.virtual.streams import ReportClock, TraceRecorder
+from stepramp.numerics.ramp import Ramp
 from stepramp.ramp.line import steps_together
-from stepramp.ramp.move import Ramp
 from stepramp.ramp.playback.list_ways import ListWays
 
 HZ = 2_000_000

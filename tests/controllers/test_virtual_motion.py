@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from designs import design
 from stepramp.controllers.stepramp.messages.status import AxisState
 from stepramp.controllers.virtual.motion import InstantsOf, VirtualMotor
-from stepramp.ramp.move import Ramp, play
+from stepramp.numerics.ramp import Ramp
+from stepramp.ramp.move import play
 from stepramp.ramp.on_chip import on_chip_ramp
 from stepramp.ramp.playback.course import pulse_instants
 from stepramp.ramp.playback.formula_ways import FormulaWays

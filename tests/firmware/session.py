@@ -48,8 +48,8 @@ from firmware.protocol import (
 )
 from simulator.avr import Asked
 from stepramp.controllers.stepramp.formula_image import encode_formula
-from stepramp.ramp.kinematics import Slope
-from stepramp.ramp.on_chip import OnChipMethod, OnChipRamp
+from stepramp.ramp.on_chip import OnChipRamp
+from stepramp.shapes.constant_acceleration import ConstantAcceleration as Slope
 
 LIMITS = (106, 246, 380, 533)
 LINE_LIMITS = (106, 133, 160, 177)
@@ -57,7 +57,7 @@ FORMULA_LIMIT = 1600
 """[fast ticks] as hello tells them."""
 SEGMENT_S = 350e-6
 """So long must a segment last for each axis that moves: decision 10."""
-METHODS: tuple[OnChipMethod, ...] = ("first_order", "compromise", "newton")
+METHODS: tuple[str, ...] = ("first_order", "compromise", "newton")
 REQUESTS = 140
 """Of one session."""
 SESSION = 0x5354

@@ -13,7 +13,7 @@ from firmware.host import Host, missing_compiler
 from firmware.motion import OK, Machine, Report, build
 from ramp.test_on_chip import METHODS, slopes
 from stepramp.controllers.stepramp.formula_image import encode_formula
-from stepramp.ramp.on_chip import OnChipMethod, OnChipRamp
+from stepramp.ramp.on_chip import OnChipRamp
 from tools import require
 
 
@@ -21,7 +21,7 @@ from tools import require
 class Ramp:
     """Of v² / 2 a = index steps up to slew speed and index · a / d down."""
 
-    method: OnChipMethod
+    method: str
     index: float
     ratio: float
     slew: float = 9000.0

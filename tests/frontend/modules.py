@@ -9,6 +9,10 @@ import subprocess
 from pathlib import Path
 from typing import Any, Self
 
+from starlette.testclient import TestClient
+
+from stepramp.http_api.app import create_app
+
 FRONTEND = Path(__file__).parents[2] / "frontend"
 HARNESS = Path(__file__).with_name("modules.mjs")
 
@@ -19,6 +23,9 @@ class Modules:
     def __init__(self, folder: Path) -> None:
         copy = folder / "frontend"
         shutil.copytree(FRONTEND, copy)
+        (copy / "assets").mkdir()
+        served = TestClient(create_app(), "http://127.0.0.1").get("/assets/methods.js")
+        (copy / "assets" / "methods.js").write_bytes(served.content)
         # What the server tells browsers by its media type, Node wants to read here.
         (copy / "package.json").write_text('{"type": "module"}')
         command = ["node", str(HARNESS), f"{copy.as_uri()}/"]

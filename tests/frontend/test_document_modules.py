@@ -13,6 +13,7 @@ from designs import document
 from frontend.modules import Modules
 from stepramp import design as rules
 from stepramp.design import Design
+from stepramp.methods import METHODS
 
 LONGEST_LINK = 100_000
 LONGEST_TEXT = 1_000_000
@@ -38,13 +39,14 @@ def designs() -> st.SearchStrategy[dict[str, Any]]:
             "timer": st.fixed_dictionaries(dict.fromkeys(rules.Timer.model_fields, entries)),
             "ramp": st.fixed_dictionaries(
                 {
-                    **dict.fromkeys(rules.RampParameters.model_fields, entries),
+                    **dict.fromkeys(rules.RampParameters.model_fields.keys() - {"shape"}, entries),
                     "deceleration_steps_per_s2": st.none() | entries,
-                }
+                },
+                optional={"shape": st.text(max_size=20)},
             ),
             "method": st.fixed_dictionaries(
                 {
-                    "name": words(get_args(rules.MethodName)),
+                    "name": words(list(METHODS)),
                     "arithmetic": words(get_args(rules.Arithmetic)),
                     "rounding": words(get_args(rules.Rounding)),
                     "tuned_for": words(get_args(rules.TunedFor)),

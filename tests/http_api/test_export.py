@@ -1,7 +1,7 @@
 """Exports over HTTP: every format, and what is refused. tests/exports runs the C files."""
 
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,10 +9,10 @@ from starlette.testclient import TestClient
 
 from designs import document
 from exports.c_program import PLAY_MOVES, compiled, printed
-from stepramp.exports.export import FormatName
+from stepramp.exports.export import FORMAT_NAMES
 
 TYPES = {
-    **dict.fromkeys((name for name in get_args(FormatName) if name.startswith("c_")), "text/x-c; charset=utf-8"),
+    **dict.fromkeys((name for name in FORMAT_NAMES if name.startswith("c_")), "text/x-c; charset=utf-8"),
     "csv": "text/csv; charset=utf-8",
     "json": "application/json",
     "html": "text/html; charset=utf-8",
@@ -50,7 +50,7 @@ def test_exported_code_plays_the_move_that_profile_plans(
 @pytest.mark.parametrize(
     ("name", "body", "field", "allowed"),
     [
-        ("c_code", {}, "format", ", ".join(get_args(FormatName))),
+        ("c_code", {}, "format", ", ".join(FORMAT_NAMES)),
         ("c_table", {"design": document(table=None)}, "design.table", "a table: this design has none to export"),
         ("c_table", {"name": "2 axes"}, "name", "a letter, then letters, digits and underscores"),
         ("c_table", {"name": "double"}, "name", "no keyword of C"),

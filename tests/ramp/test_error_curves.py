@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from designs import design
-from stepramp.design import ARITHMETICS
 from stepramp.errors import Rejected
+from stepramp.methods import METHODS
 from stepramp.ramp.error_curves import error_curves
 
 
@@ -48,7 +48,7 @@ def test_every_step_has_an_error() -> None:
 
 
 @given(
-    method=st.sampled_from(list(ARITHMETICS)),
+    method=st.sampled_from(list(METHODS)),
     arithmetic=st.sampled_from(["float32", "float64"]),
     rounding=st.sampled_from(["nearest", "floor", "carry"]),
     bound=st.none() | st.integers(0, 20),

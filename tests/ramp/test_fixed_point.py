@@ -12,21 +12,17 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from stepramp.ramp.fixed_point import (
-    MOST_INTERVAL_TICKS,
-    MOST_RAMP_INDEX,
+from stepramp.methods.common.fixed_point import MOST_INTERVAL_TICKS, MOST_RAMP_INDEX, FixedIntervals, Format, refusal
+from stepramp.methods.common.taylor import (
     MOST_TAYLOR_DECELERATION,
-    FixedIntervals,
-    Format,
-    fixed_newton_down,
-    fixed_newton_up,
     fixed_taylor_down,
     fixed_taylor_up,
-    refusal,
     taylor_deceleration_refusal,
+    taylor_down,
+    taylor_up,
 )
-from stepramp.ramp.kinematics import Slope
-from stepramp.ramp.recurrences import newton_down, newton_up, taylor_down, taylor_up
+from stepramp.methods.newton import fixed_newton_down, fixed_newton_up, newton_down, newton_up
+from stepramp.shapes.constant_acceleration import ConstantAcceleration as Slope
 from tools import require
 
 COEFFICIENTS = {"first_order": 0.0, "second_order": 1.5, "compromise": 1.0}

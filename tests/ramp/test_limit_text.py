@@ -1,7 +1,7 @@
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from stepramp.ramp.limit_text import at_least, at_most
+from stepramp.numerics.limit_text import at_least, at_most
 
 
 def number(text: str, words: str) -> float:

@@ -1,18 +1,24 @@
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from designs import design, document
-from stepramp.design import ARITHMETICS, Design
+from stepramp.design import Design
 from stepramp.errors import Rejected
-from stepramp.ramp.fixed_point import fixed_newton_up, fixed_taylor_down
-from stepramp.ramp.kinematics import Slope, exact_intervals
+from stepramp.methods import METHODS, tuned
+from stepramp.methods.common.method import TunedFor
+from stepramp.methods.common.taylor import fixed_taylor_down, taylor_down, taylor_up
+from stepramp.methods.exact import exact_intervals
+from stepramp.methods.newton import fixed_newton_up
+from stepramp.methods.tuned import best_coefficient, coefficient_down, coefficient_up
 from stepramp.ramp.plan import ramp_of, real_ramp
 from stepramp.ramp.profile import profile_of
-from stepramp.ramp.tuning import best_coefficient, taylor_down, taylor_up, tuned_down, tuned_up
+from stepramp.shapes.constant_acceleration import ConstantAcceleration as Slope
 
-COMBINATIONS = [(name, arithmetic) for name, known in ARITHMETICS.items() for arithmetic in known]
+COMBINATIONS = [(name, arithmetic) for name, method in METHODS.items() for arithmetic in method.arithmetics]
 ROUNDINGS = ("nearest", "floor", "carry")
 
 
@@ -77,6 +83,14 @@ def test_an_arithmetic_whose_errors_run_away_is_refused_with_one_that_does_not(a
     assert profile_of(design(**long, method__arithmetic="float64")).intervals_ticks.min() >= 1999
 
 
+def tuned_up(slope: Slope, tuned_for: TunedFor) -> np.ndarray:
+    return taylor_up(slope, coefficient_up(slope, tuned_for), np.float64)
+
+
+def tuned_down(slope: Slope, tuned_for: TunedFor) -> np.ndarray:
+    return taylor_down(slope, coefficient_down(slope, tuned_for), np.float64)
+
+
 slopes = st.builds(Slope, st.just(1e6), st.floats(0, 300), st.floats(400, 3000), st.floats(1000, 20_000))
 
 
@@ -85,8 +99,8 @@ def test_no_other_coefficient_has_a_smaller_largest_error(slope: Slope, coeffici
     exact = exact_intervals(slope, np.float64)
     if exact.size < 2:
         return
-    for side, tuned in ((taylor_up, tuned_up), (taylor_down, tuned_down)):
-        best = np.abs(tuned(slope, "largest_error", np.float64) / exact - 1).max()
+    for side, best_side in ((taylor_up, tuned_up), (taylor_down, tuned_down)):
+        best = np.abs(best_side(slope, "largest_error") / exact - 1).max()
         other = np.abs(side(slope, coefficient, np.float64) / exact - 1).max()
         assert best <= other + 1e-6
 
@@ -94,9 +108,9 @@ def test_no_other_coefficient_has_a_smaller_largest_error(slope: Slope, coeffici
 @given(slopes)
 def test_a_ramp_tuned_for_time_takes_the_exact_time_where_any_coefficient_does(slope: Slope) -> None:
     exact = exact_intervals(slope, np.float64).sum()
-    for side, tuned in ((taylor_up, tuned_up), (taylor_down, tuned_down)):
+    for side, best_side in ((taylor_up, tuned_up), (taylor_down, tuned_down)):
         if 0.01 < best_coefficient(slope, side, "time") < 3.99:
-            assert tuned(slope, "time", np.float64).sum() == pytest.approx(exact, rel=1e-6)
+            assert best_side(slope, "time").sum() == pytest.approx(exact, rel=1e-6)
 
 
 def test_tuned_is_better_than_20_22_and_23_from_rest() -> None:
@@ -104,4 +118,24 @@ def test_tuned_is_better_than_20_22_and_23_from_rest() -> None:
     exact = exact_intervals(slope, np.float64)
     errors = [np.abs(taylor_up(slope, c, np.float64) / exact - 1).max() for c in (0, 1.5, 1)]
     assert [round(float(error), 2) for error in errors] == [0.29, 0.27, 0.06]
-    assert np.abs(tuned_up(slope, "largest_error", np.float64) / exact - 1).max() < 0.02
+    assert np.abs(tuned_up(slope, "largest_error") / exact - 1).max() < 0.02
+
+
+def test_the_coefficient_is_searched_for_once_for_all_arithmetics_and_requests(monkeypatch: pytest.MonkeyPatch) -> None:
+    tried = []
+
+    def counted(*arguments: Any) -> np.ndarray:
+        tried.append(arguments)
+        return taylor_up(*arguments)
+
+    monkeypatch.setattr(tuned, "taylor_up", counted)
+    slower = {"method__name": "tuned", "ramp__acceleration_steps_per_s2": 4321.5}
+    first = real_ramp(design(**slower, method__arithmetic="float64"))
+    searched = len(tried)
+    assert searched > 20
+    for arithmetic in ("float32", "fixed", "float64"):
+        real_ramp(design(**slower, method__arithmetic=arithmetic, move__steps=17))
+    assert len(tried) == searched
+    np.testing.assert_array_equal(real_ramp(design(**slower, method__arithmetic="float64")).up, first.up)
+    real_ramp(design(**slower, method__tuned_for="time"))
+    assert len(tried) > searched

@@ -4,7 +4,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as stn
 
-from stepramp.ramp.move import Ramp, play, split
+from stepramp.numerics.ramp import Ramp
+from stepramp.ramp.move import play, split
 
 lists = stn.arrays(np.int64, st.integers(0, 12), elements=st.integers(1, 9))
 ramps = st.builds(Ramp, up=lists, slew=st.just(1), down=lists)

@@ -9,12 +9,16 @@ import numpy as np
 import pytest
 
 from simulator.avr import SimulatedController, missing_tools
-from stepramp.ramp.kinematics import Slope
-from stepramp.ramp.methods import IN_NUMBERS
+from stepramp.methods import METHODS
+from stepramp.shapes.constant_acceleration import ConstantAcceleration as Slope
 from tools import require
 
-SLOPES = [Slope(1_000_000, 100, 2000, 4000), Slope(2_000_000, 0, 1000, 5000), Slope(16_000_000, 3.7, 3333.3, 12_345.6)]
-METHODS = {"first_order": 20, "second_order": 22, "compromise": 23, "newton": 0}
+SLOPES = [
+    Slope(1_000_000, 100, 2000, 4000),
+    Slope(2_000_000, 0, 1000, 5000),
+    Slope(16_000_000, 3.7, 3333.3, 12_345.6),
+]
+NUMBERS_IN_C = {"first_order": 20, "second_order": 22, "compromise": 23, "newton": 0}
 
 
 def bits(number: float) -> str:
@@ -58,12 +62,14 @@ def received(controller: SimulatedController, size: int) -> bytes:
         os.close(port)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", NUMBERS_IN_C)
 @pytest.mark.parametrize("slope", SLOPES, ids=str)
 def test_float32_is_what_avr_gcc_gives_bit_for_bit(tmp_path: Path, slope: Slope, method: str) -> None:
     require(*missing_tools())
-    with SimulatedController(program(tmp_path, slope, METHODS[method]), tmp_path, real_time=False) as controller:
+    with SimulatedController(program(tmp_path, slope, NUMBERS_IN_C[method]), tmp_path, real_time=False) as controller:
         sent = np.frombuffer(received(controller, 8 * slope.steps), "<u4")
-    sides = IN_NUMBERS[method]
-    up, down = sides.up(slope, np.float32), sides.down(slope, np.float32)
+    sides_of = METHODS[method].sides
+    assert sides_of is not None
+    sides = sides_of("float32", "largest_error")
+    up, down = sides.up(slope), sides.down(slope)
     np.testing.assert_array_equal(np.concatenate((up, down[::-1])).view(np.uint32), sent)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from designs import design
+from stepramp.methods.table import table_ramp
 from stepramp.ramp.profile import profile_of
-from stepramp.ramp.table import table_ramp
 
 RECORD = json.loads((Path(__file__).parents[1] / "reference" / "gauge_table_moves.json").read_text())
 FROM_REST = [case for case in RECORD["cases"] if len(case["targets"]) == 1]

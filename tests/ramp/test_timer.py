@@ -3,7 +3,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as stn
 
-from stepramp.ramp.move import Ramp
+from stepramp.numerics.ramp import Ramp
 from stepramp.ramp.timer import carried, rounded
 
 

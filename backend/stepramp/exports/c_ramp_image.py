@@ -6,7 +6,7 @@ from stepramp.design import Design
 from stepramp.errors import Rejected, Rejection
 from stepramp.exports.c_text import filled, heading, ramp_values
 from stepramp.ramp.plan import ramp_of
-from stepramp.ramp.segments import compress
+from stepramp.ramp.segments import compress_sides
 
 CLOCKS_HZ = (HELLO.slow_clock_hz, HELLO.fast_clock_hz)
 BYTES_A_LINE = 16
@@ -22,8 +22,8 @@ def ramp_image_header(design: Design, name: str, bound_ticks: int) -> str:
         allowed = " or ".join(f"{clock_hz:,}" for clock_hz in CLOCKS_HZ) + " Hz, the clocks of StepRamp's firmware"
         raise Rejected([Rejection("timer.frequency_hz", design.timer.frequency_hz, allowed)])
     ramp = ramp_of(design)
-    up, down = (tuple(compress(side.astype("int64"), bound_ticks)) for side in (ramp.up, ramp.down))
-    sides = SegmentRamp(up, int(ramp.slew), down)
+    up, down = compress_sides(ramp, bound_ticks)
+    sides = SegmentRamp(tuple(up), ramp.slew, tuple(down))
     if sides.sent_segments > MOST_SEGMENTS:
         allowed = f"more, so that the ramp takes at most {MOST_SEGMENTS} segments instead of {sides.sent_segments:,}"
         raise Rejected([Rejection("segment_bound_ticks", bound_ticks, allowed)])

@@ -3,9 +3,8 @@
 from stepramp.design import Design
 from stepramp.errors import Rejected, Rejection
 from stepramp.exports.c_text import filled, heading, ramp_values, ticks_types
-from stepramp.ramp.move import Intervals
 from stepramp.ramp.plan import ramp_of
-from stepramp.ramp.segments import Segment, compress
+from stepramp.ramp.segments import Segment, compress_sides
 
 MOST_SEGMENTS = 65_535
 
@@ -16,11 +15,11 @@ def segments_header(design: Design, name: str, bound_ticks: int) -> str:
     Raises Rejected as ramp_of does, and when it takes more than 65,535 segments.
     """
     ramp = ramp_of(design)
-    up, down = (_segments(side, bound_ticks) for side in (ramp.up, ramp.down))
+    up, down = compress_sides(ramp, bound_ticks)
     if len(up) + len(down) > MOST_SEGMENTS:
         allowed = f"more, so that the ramp takes at most {MOST_SEGMENTS:,} segments instead of {len(up) + len(down):,}"
         raise Rejected([Rejection("segment_bound_ticks", bound_ticks, allowed)])
-    longest = max(int(ramp.slew), *(int(side.max(initial=0)) for side in (ramp.up, ramp.down))) + bound_ticks
+    longest = max(ramp.slew, *(int(side.max(initial=0)) for side in (ramp.up, ramp.down))) + bound_ticks
     values = heading(design, name, "segments") | ramp_values(design) | ticks_types(longest)
     return filled(
         "segments.h",
@@ -33,10 +32,6 @@ def segments_header(design: Design, name: str, bound_ticks: int) -> str:
             "down_lines": _lines(down),
         },
     )  # fmt: skip
-
-
-def _segments(intervals: Intervals, bound_ticks: int) -> list[Segment]:
-    return compress(intervals.astype("int64"), bound_ticks)
 
 
 def _lines(segments: list[Segment]) -> str:

@@ -2,10 +2,10 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated
 
-from stepramp.design import Arithmetic, Design, MethodName
-from stepramp.exports.c_formula import formula_header
+from stepramp.design import Design, MethodName
+from stepramp.exports.c_formula import CODES, formula_header
 from stepramp.exports.c_ramp_image import ramp_image_header
 from stepramp.exports.c_segments import segments_header
 from stepramp.exports.c_table import table_header
@@ -13,12 +13,10 @@ from stepramp.exports.listing import csv, document
 from stepramp.exports.names import identifier_of
 from stepramp.exports.picture import picture_of
 from stepramp.exports.report import report
+from stepramp.methods import REFERENCE
+from stepramp.numerics.numbers import Arithmetic
 from stepramp.ramp.error_curves import ErrorCurves, judged_against, reference_intervals
-
-FormatName = Literal[
-    "c_table", "c_table_progmem", "c_segments", "c_ramp_image", "c_first_order", "c_second_order", "c_compromise",
-    "c_newton", "csv", "json", "html", "svg", "png",
-]  # fmt: skip
+from stepramp.validation import OneOf
 
 
 @dataclass(frozen=True)
@@ -53,7 +51,21 @@ class _Format:
 
 HEADER, TEXT = "text/x-c; charset=utf-8", "charset=utf-8"
 
-_FORMATS: dict[FormatName, _Format] = {
+
+def format_of(method: MethodName) -> str:
+    """Return the format that is a method's C code."""
+    return f"c_{method}"
+
+
+def _code_of(method: MethodName) -> _Format:
+    return _Format(
+        f"_{method}.h",
+        HEADER,
+        lambda design, name, options: formula_header(design, method, name, options.arithmetic),
+    )
+
+
+_FORMATS: dict[str, _Format] = {
     "c_table": _Format("_table.h", HEADER, lambda design, name, _: table_header(design, name, in_progmem=False)),
     "c_table_progmem": _Format(
         "_table_progmem.h", HEADER, lambda design, name, _: table_header(design, name, in_progmem=True)
@@ -66,30 +78,16 @@ _FORMATS: dict[FormatName, _Format] = {
         HEADER,
         lambda design, name, options: ramp_image_header(design, name, options.segment_bound_ticks),
     ),
-    "c_first_order": _Format(
-        "_first_order.h",
-        HEADER,
-        lambda design, name, options: formula_header(design, "first_order", name, options.arithmetic),
-    ),
-    "c_second_order": _Format(
-        "_second_order.h",
-        HEADER,
-        lambda design, name, options: formula_header(design, "second_order", name, options.arithmetic),
-    ),
-    "c_compromise": _Format(
-        "_compromise.h",
-        HEADER,
-        lambda design, name, options: formula_header(design, "compromise", name, options.arithmetic),
-    ),
-    "c_newton": _Format(
-        "_newton.h", HEADER, lambda design, name, options: formula_header(design, "newton", name, options.arithmetic)
-    ),
+    **{format_of(method): _code_of(method) for method in CODES},
     "csv": _Format(".csv", f"text/csv; {TEXT}", lambda design, *_: csv(design)),
     "json": _Format(".json", "application/json", lambda design, *_: document(design)),
     "html": _Format(".html", f"text/html; {TEXT}", lambda design, _, options: report(design, _moves(design, options))),
     "svg": _Format(".svg", "image/svg+xml", lambda design, _, options: picture_of(_moves(design, options), "svg")),
     "png": _Format(".png", "image/png", lambda design, _, options: picture_of(_moves(design, options), "png")),
 }
+
+FORMAT_NAMES = tuple(_FORMATS)
+FormatName = Annotated[str, OneOf(FORMAT_NAMES)]
 
 MEDIA_TYPES = tuple(sorted({each.media_type.partition(";")[0] for each in _FORMATS.values()}))
 """Of all formats."""
@@ -112,5 +110,5 @@ def export(design: Design, format_name: FormatName, options: Options) -> Exporte
 
 def _moves(design: Design, options: Options) -> list[ErrorCurves]:
     methods = dict.fromkeys((design.method.name, *options.methods))
-    reference_ticks = reference_intervals(design, "exact")
+    reference_ticks = reference_intervals(design, REFERENCE)
     return [judged_against(reference_ticks, design.with_method(method)) for method in methods]

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any, Literal
 
 from stepramp.design import MethodName
+from stepramp.methods import METHODS
 from stepramp.ramp.error_curves import ErrorCurves
 from stepramp.ramp.thinning import kept_steps
 from stepramp.units import us_from_ticks
@@ -14,19 +15,6 @@ PictureFormat = Literal["png", "svg"]
 INCHES = (10.0, 9.0)
 DOTS_PER_INCH = 150
 MOST_POINTS = 4000
-STYLES: dict[MethodName, dict[str, Any]] = {
-    "exact": {"color": "#14181d", "linewidth": 1.8},
-    "ideal": {"color": "#66717f", "dashes": (1, 1.5)},
-    "midpoint": {"color": "#8a5a2b", "dashes": (4, 2)},
-    "first_order": {"color": "#d2601a"},
-    "second_order": {"color": "#0f4f8f"},
-    "compromise": {"color": "#664717"},
-    "tuned": {"color": "#7a7000", "dashes": (6, 2)},
-    "newton": {"color": "#0f8a6d"},
-    "austin": {"color": "#1f86b4", "dashes": (3, 2)},
-    "table": {"color": "#d557ab"},
-}
-"""The page's, in its light theme."""
 SETTINGS: Any = {"svg.hashsalt": "stepramp", "svg.fonttype": "path", "axes.grid": True, "grid.alpha": 0.3}
 
 _one_at_a_time = threading.Lock()
@@ -49,9 +37,9 @@ def picture_of(moves: Sequence[ErrorCurves], file_format: PictureFormat) -> byte
             kept = kept_steps(move.relative_error, move.profile.phases, MOST_POINTS)
             intervals_us = us_from_ticks(1, move.timer_hz) * move.profile.intervals_ticks[kept]
             curves = (move.profile.speed_steps_per_s[kept], intervals_us, 100 * move.relative_error[kept])
-            style = {"linewidth": 1.2, "label": move.method} | STYLES[move.method]
+            style = _style_of(move.method)
             for axes, curve in zip((velocity, delay, error), curves, strict=True):
-                axes.plot(kept + 1, curve, **style)
+                axes.plot(kept + 1, curve, label=move.method, **style)
         velocity.set_ylabel("velocity [steps/s]")
         delay.set_ylabel("delay per step [µs]")
         delay.set_yscale("log")
@@ -61,3 +49,10 @@ def picture_of(moves: Sequence[ErrorCurves], file_format: PictureFormat) -> byte
         # Without the date the same design gives the same file.
         figure.savefig(out, format=file_format, metadata={"Date": None} if file_format == "svg" else {"Software": None})
     return out.getvalue()
+
+
+def _style_of(method: MethodName) -> dict[str, Any]:
+    """Return what matplotlib draws a method's lines with: the page's colours, in its light theme."""
+    style = METHODS[method].style
+    dashes = {} if style.file_dash is None else {"dashes": style.file_dash}
+    return {"color": style.light, "linewidth": style.file_width, **dashes}

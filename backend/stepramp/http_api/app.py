@@ -10,7 +10,7 @@ from fastapi import FastAPI
 from starlette.types import Receive, Scope, Send
 
 from stepramp.devices.registry import Devices
-from stepramp.http_api import curves, devices, exports, pages, planning, schedule, tables
+from stepramp.http_api import curves, devices, exports, methods, pages, planning, schedule, tables
 from stepramp.http_api.answered import Answered
 from stepramp.http_api.asked_at import AskedAt
 from stepramp.http_api.connections import Connections
@@ -85,6 +85,7 @@ def create_app() -> FastAPI:
     app.state.devices = Devices()
     app.state.connections = Connections()
     app.include_router(planning.router, prefix="/api/v1")
+    app.include_router(methods.router, prefix="/api/v1")
     app.include_router(curves.router, prefix="/api/v1")
     app.include_router(schedule.router, prefix="/api/v1")
     app.include_router(tables.router, prefix="/api/v1")

@@ -21,9 +21,10 @@ from stepramp.http_api.planning_models import (
     WarningAnswer,
     figures,
 )
+from stepramp.methods import REFERENCE
 from stepramp.ramp.drawing import Drawing, Drawn
 from stepramp.ramp.error_curves import Parts
-from stepramp.validation import Document, ListOf, OneOf, Within
+from stepramp.validation import Document, ListOf, Within
 
 StepOfMove = Annotated[int, Within(1, MOST_STEPS, "steps, or null")] | None
 
@@ -32,10 +33,10 @@ class CurvesRequest(Document):
     """A design, and what is to be drawn of it."""
 
     design: Design
-    methods: Annotated[list[Annotated[MethodName, OneOf()]], ListOf("method names", most=MOST_NAMES)] = Field(
+    methods: Annotated[list[MethodName], ListOf("method names", most=MOST_NAMES)] = Field(
         description="Methods to draw, each with the design's arithmetic or else the one usual for it"
     )
-    reference: Annotated[MethodName, OneOf()] = Field("exact", description="Method that they are compared with")
+    reference: MethodName = Field(REFERENCE, description="Method that they are compared with")
     max_points: Annotated[int, Within(10, 100_000, "points")] = Field(
         2000, description="Thin each method's arrays to about so many steps that keep the curves' shapes"
     )

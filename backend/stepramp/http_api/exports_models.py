@@ -4,9 +4,10 @@ from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
-from stepramp.design import MOST_NAMES, Arithmetic, Design, MethodName
+from stepramp.design import MOST_NAMES, Design, MethodName
 from stepramp.exports.names import NAME_RULE, is_identifier
-from stepramp.validation import Document, ListOf, OneOf, Within, refuse
+from stepramp.numerics.numbers import Arithmetic
+from stepramp.validation import Document, ListOf, Within, refuse
 
 MOST_BOUND_TICKS = 10_000
 
@@ -18,7 +19,7 @@ class ExportRequest(Document):
     name: str | None = Field(
         None, description="Begin of the file's name and of the names in C; null: made of the design's name"
     )
-    methods: Annotated[list[Annotated[MethodName, OneOf()]], ListOf("method names", most=MOST_NAMES)] = Field(
+    methods: Annotated[list[MethodName], ListOf("method names", most=MOST_NAMES)] = Field(
         default=[], description="html, svg, png: methods that the design's own is compared with"
     )
     arithmetic: Arithmetic | None = Field(

@@ -11,6 +11,8 @@ from starlette.responses import FileResponse, Response
 from starlette.staticfiles import StaticFiles
 from starlette.types import Scope
 
+from stepramp.http_api.methods_models import MethodsAnswer
+
 PACKAGE = Path(str(files("stepramp")))
 PLOTLY = Path(plotly.__file__).parent / "package_data"
 SWAGGER_UI = Path(fastapi_offline.__file__).parent / "static"
@@ -44,6 +46,12 @@ def add(app: FastAPI) -> None:
     @app.get("/docs", include_in_schema=False)
     async def docs() -> FileResponse:
         return FileResponse(frontend() / "docs" / "index.html", headers={"cache-control": "no-cache"})
+
+    @app.get("/assets/methods.js", include_in_schema=False)
+    async def methods_module() -> Response:
+        # What GET /api/v1/methods answers, for the page to import: it has no list of its own.
+        text = f"export default {MethodsAnswer.of_all().model_dump_json()};\n"
+        return Response(text, media_type="text/javascript", headers={"cache-control": "no-cache"})
 
     app.mount("/assets/plotly", Revalidated(directory=PLOTLY))
     app.mount("/assets/swagger-ui", Revalidated(directory=SWAGGER_UI))

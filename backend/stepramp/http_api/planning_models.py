@@ -11,11 +11,12 @@ from stepramp.design import MOST_NAMES, MOST_STEPS, Design, MethodName
 from stepramp.errors import Rejected
 from stepramp.http_api.answer import Answer, Numbers, WholeNumbers
 from stepramp.http_api.errors import ErrorItem, error_items, in_body
+from stepramp.methods import REFERENCE
+from stepramp.methods.common.method import TuningReport
 from stepramp.ramp.error_curves import ErrorCurves
 from stepramp.ramp.profile import Profile
 from stepramp.ramp.thinning import kept_steps
-from stepramp.ramp.tuning import TuningReport
-from stepramp.validation import Document, ListOf, OneOf, Within
+from stepramp.validation import Document, ListOf, Within
 
 CurveName = Literal[
     "relative_error",
@@ -47,10 +48,10 @@ class ErrorsRequest(Document):
     """A design and the methods that are to be compared."""
 
     design: Design
-    methods: Annotated[list[Annotated[MethodName, OneOf()]], ListOf("method names", most=MOST_NAMES)] = Field(
+    methods: Annotated[list[MethodName], ListOf("method names", most=MOST_NAMES)] = Field(
         description="Methods to compare, each with the design's arithmetic or else the one usual for it"
     )
-    reference: Annotated[MethodName, OneOf()] = Field("exact", description="Method that they are compared with")
+    reference: MethodName = Field(REFERENCE, description="Method that they are compared with")
     curves: Annotated[list[CurveName], ListOf("curve names", most=MOST_NAMES)] = Field(
         default=["relative_error", "tick_error"], description="Curves wanted; the figures come in any case"
     )

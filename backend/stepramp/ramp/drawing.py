@@ -62,13 +62,17 @@ class Drawing:
     def _drawn(self, method: MethodName, reference_ticks: NDArray[np.float64]) -> Drawn:
         design = self.design.with_method(method)
         judged = judged_against(reference_ticks, design)
-        parts = judged_against(reference_ticks, design, self.segment_bound_ticks).parts if self.with_parts else None
+        parts = self._parts(judged) if self.with_parts else None
         curves: list[NDArray[np.int64] | NDArray[np.float64]] = [judged.played_ticks, judged.relative_error]
         if self.with_acceleration:
             curves.append(judged.implied_acceleration_steps_per_s2)
         if parts is not None:
             curves += vars(parts).values()
         return Drawn(judged, kept_steps_of_all(curves, judged.profile.phases, self.most_points, self.span), parts)
+
+    def _parts(self, planned: ErrorCurves) -> Parts:
+        bound = self.segment_bound_ticks
+        return (planned if bound is None else planned.played_from_segments(bound)).parts
 
     def _check_span(self) -> None:
         steps = abs(self.design.move.steps)

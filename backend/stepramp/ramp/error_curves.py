@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 
 from stepramp.design import Design, MethodName
 from stepramp.errors import Rejected
-from stepramp.ramp.compiled import compiled, counted
-from stepramp.ramp.move import Ramp, play
+from stepramp.numerics.compiled import compiled, counted
+from stepramp.numerics.ramp import Ramp
+from stepramp.ramp.move import play
 from stepramp.ramp.plan import Plan, plan_of, real_ramp
 from stepramp.ramp.profile import Profile, profile_of
-from stepramp.ramp.segments import compress, expand
+from stepramp.ramp.segments import compress_sides, expand
 
 Curve = NDArray[np.float64]
 
@@ -57,6 +58,10 @@ class ErrorCurves:
     """With the method that is judged."""
     timer_hz: float
     base_speed_steps_per_s: float
+
+    def played_from_segments(self, bound_ticks: int) -> "ErrorCurves":
+        """Return the errors of the same move as a controller plays it whose segments keep to that bound [ticks]."""
+        return replace(self, played_ticks=_from_segments(self.profile.plan, bound_ticks))
 
     @cached_property
     def precise_ticks(self) -> Curve:
@@ -210,18 +215,16 @@ def _relative_errors(intervals, reference, out):  # type: ignore[no-untyped-def]
 def judged_against(reference_ticks: Curve, design: Design, segment_bound_ticks: int | None = None) -> ErrorCurves:
     """Return the errors of a design's move by its own method against intervals of its length; see error_curves."""
     profile = profile_of(design)
-    played = profile.intervals_ticks
-    if segment_bound_ticks is not None:
-        played = _from_segments(profile.plan, segment_bound_ticks)
-    return ErrorCurves(
+    planned = ErrorCurves(
         method=design.method.name,
         profile=profile,
-        played_ticks=played,
+        played_ticks=profile.intervals_ticks,
         reference_ticks=reference_ticks,
         design=design,
         timer_hz=design.timer.frequency_hz,
         base_speed_steps_per_s=design.ramp.base_speed_steps_per_s,
     )
+    return planned if segment_bound_ticks is None else planned.played_from_segments(segment_bound_ticks)
 
 
 def _precise(design: Design, plan: Plan) -> Curve:
@@ -234,8 +237,8 @@ def _precise(design: Design, plan: Plan) -> Curve:
 
 def _from_segments(plan: Plan, bound_ticks: int) -> NDArray[np.int64]:
     """Return the move's intervals as segments give them [ticks], shape (N,)."""
-    up, down = (expand(compress(side.astype(np.int64), bound_ticks)) for side in (plan.ramp.up, plan.ramp.down))
-    return play(Ramp(up, plan.ramp.slew, down), plan.steps).astype(np.int64)
+    up, down = map(expand, compress_sides(plan.ramp, bound_ticks))
+    return play(Ramp(up, plan.ramp.slew, down), plan.steps)
 
 
 class _Figures(NamedTuple):

@@ -73,7 +73,7 @@ def line_profile(designs: Sequence[Design], leader: int) -> tuple[Profile, tuple
 
     Raises Rejected as profile_of does; the fields are paths from `designs` on, of the axis that is to blame.
     """
-    if designs[leader].method.name == "table":
+    if designs[leader].method.plays_table:
         with fields_of(leader):
             own = profile_of(designs[leader])
         design, limits = _stretched(designs, leader)
@@ -129,7 +129,7 @@ def _slowed(designs: Sequence[Design], leader: int, allowances: Sequence[Allowan
 
 
 def _allowance(design: Design) -> Allowance:
-    if design.method.name == "table":
+    if design.method.plays_table:
         return _table_allowance(design)
     own = {name: getattr(design.ramp, name) for name in QUANTITIES}
     return own | {"deceleration_steps_per_s2": design.ramp.slowdown_steps_per_s2}
@@ -159,7 +159,7 @@ def _stretched(designs: Sequence[Design], leader: int) -> tuple[Design, tuple[Li
         f"{called(designs, axis)} can't follow the table of {called(designs, leader)} at full speed: "
         f"along the line its delays are {stretch_for[axis]:.6g} times as long."
     )
-    part = "table" if designs[axis].method.name == "table" else "ramp"
+    part = "table" if designs[axis].method.plays_table else "ramp"
     field = f"designs.{axis}.{part}"
     try:
         table = _stretched_table(design, stretch_for[axis])
@@ -204,7 +204,7 @@ def _limit(designs: Sequence[Design], leader: int, allowances: Sequence[Allowanc
 
 def _place(design: Design, quantity: str) -> tuple[str, object]:
     """Return the field of a design where what it allows can be changed, and what stands there."""
-    if design.method.name == "table":
+    if design.method.plays_table:
         return "table.rows", design.table and design.table.rows
     given = getattr(design.ramp, quantity)
     # Only a deceleration may be left open: it is then the acceleration.

@@ -5,29 +5,16 @@ interval of a move, `down[0]` the last. A move takes the slowest intervals of bo
 rises and falls along the same ramp and the two sides meet at one speed.
 """
 
-from dataclasses import dataclass
+from typing import overload
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stepramp.ramp.compiled import compiled
-
-Intervals = NDArray[np.int64] | NDArray[np.float32] | NDArray[np.float64] | NDArray[np.floating]
-
-
-@dataclass(frozen=True)
-class Ramp:
-    """A ramp's intervals, all in one unit: ticks, whole or not."""
-
-    up: Intervals
-    """Intervals of the acceleration, first interval of a move first, shape (steps,)."""
-    slew: float
-    """Interval at full speed."""
-    down: Intervals
-    """Intervals of the deceleration, last interval of a move first, shape (steps,)."""
+from stepramp.numerics.compiled import compiled
+from stepramp.numerics.ramp import Ramp, RealRamp
 
 
-def split(ramp: Ramp, steps: int) -> tuple[int, int]:
+def split(ramp: RealRamp | Ramp, steps: int) -> tuple[int, int]:
     """Return how many intervals of the ramp's up and down lists a move of so many steps takes.
 
     The lists grow together from their slow ends: the longer of the two next intervals is taken, that of `up` when
@@ -50,7 +37,13 @@ def _taken_of_up(up, down, steps):  # type: ignore[no-untyped-def]  # compiled
     return n_up
 
 
-def play(ramp: Ramp, steps: int, sides: tuple[int, int] | None = None) -> Intervals:
+@overload
+def play(ramp: RealRamp, steps: int, sides: tuple[int, int] | None = None) -> NDArray[np.floating]: ...
+@overload
+def play(ramp: Ramp, steps: int, sides: tuple[int, int] | None = None) -> NDArray[np.int64]: ...
+def play(
+    ramp: RealRamp | Ramp, steps: int, sides: tuple[int, int] | None = None
+) -> NDArray[np.floating] | NDArray[np.int64]:
     """Return the intervals of a move, in order of time, shape (steps,).
 
     sides: how many are of the up and of the down list; without it, as `split` says.

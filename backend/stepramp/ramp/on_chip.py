@@ -1,4 +1,4 @@
-"""Ramps that a controller computes while it plays them: formulas (20), (23) and Newton's method, in whole ticks.
+"""Ramps that a controller computes while it plays them, in whole ticks. They are of constant acceleration.
 
 The arithmetic is fixed_point's, bit for bit. What is defined here is the way of a motor along such a ramp when no list
 of it is stored: where a way down begins, how long it is, and how a way up goes on from within a way down. A move of
@@ -14,31 +14,27 @@ No interval that a recurrence gives is used beyond the ends of the ramp: it is a
 import math
 from dataclasses import dataclass
 from enum import Enum
-from typing import Literal, NamedTuple, Self, cast, get_args
+from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stepramp.design import Design
-from stepramp.ramp.fixed_point import (
-    COEFFICIENT_BITS,
-    EXPONENTS,
+from stepramp.design import Design, MethodName
+from stepramp.methods import METHODS
+from stepramp.methods.common.fixed_point import (
     LEAST_MANTISSA,
     MANTISSA_BITS,
     RAMP_INDEX_BITS,
     Format,
     Scaled,
     intervals_of,
-    newton_steps,
     refusal,
-    taylor_deceleration_refusal,
-    taylor_steps,
 )
-from stepramp.ramp.kinematics import Slope
-from stepramp.ramp.recurrences import COMPROMISE, FIRST_ORDER
+from stepramp.ramp.slopes import constant_slopes_of
+from stepramp.shapes.constant_acceleration import ConstantAcceleration
 
-OnChipMethod = Literal["first_order", "compromise", "newton"]
-COEFFICIENTS = {"first_order": FIRST_ORDER, "compromise": COMPROMISE}
+ON_CHIP = {name: method.on_chip for name, method in METHODS.items() if method.on_chip}
+"""The methods that a controller can compute, by name."""
 MOST_ON_CHIP_INDEX = 2**24 - 2
 """Largest v² / 2 a of the slew speed [steps]: the ramp index has 24 bits."""
 
@@ -47,8 +43,6 @@ PLACE_BITS = 8
 
 _ONE_STEP = 1 << RAMP_INDEX_BITS
 _WHOLE = 1 << PLACE_BITS
-_SHORTEST_OF_ALL = Scaled(LEAST_MANTISSA, EXPONENTS - 1)
-"""Upwards x isn't limited, only its interval is."""
 _NO_TICKS: NDArray[np.int64] = np.empty(0, np.int64)
 
 
@@ -108,14 +102,14 @@ class Side:
 class OnChipRamp:
     """A ramp as a controller is sent it that computes it while it plays it."""
 
-    method: OnChipMethod
+    method: MethodName
     up: Side
     down: Side
     slew_interval: int
     """[ticks]."""
 
     @classmethod
-    def of(cls, up: Slope, down: Slope, method: OnChipMethod) -> Self:
+    def of(cls, up: ConstantAcceleration, down: ConstantAcceleration, method: MethodName) -> Self:
         """Return the ramp of two slopes with one base speed, slew speed and timer.
 
         Raises ValueError where slopes_refusal gives a reason.
@@ -287,11 +281,7 @@ class OnChipMotor:
             return _NO_TICKS
         mantissas, exponents = np.empty(count, np.uint32), np.empty(count, np.uint8)
         up, form = side is self.ramp.up, side.form
-        if self.ramp.method == "newton":
-            newton_steps(self._x, index, _ONE_STEP if up else -_ONE_STEP, mantissas, exponents)
-        else:
-            coefficient = round(math.ldexp(COEFFICIENTS[self.ramp.method], COEFFICIENT_BITS))
-            taylor_steps(self._x, coefficient, up, form.longest, _SHORTEST_OF_ALL, mantissas, exponents)
+        ON_CHIP[self.ramp.method].steps(self._x, index, up, form, mantissas, exponents)
         self._x = Scaled(int(mantissas[-1]), int(exponents[-1]))
         found = intervals_of(form, mantissas, exponents).whole_ticks
         ticks = np.clip(found, self.ramp.slew_interval, side.longest_interval)
@@ -320,7 +310,9 @@ def _carried(x: Scaled, here: Side, there: Side) -> Scaled:
     return there.clamped(x if there.carry is None else there.carry.times(x))
 
 
-def on_chip_move(up: Slope, down: Slope, method: OnChipMethod, steps: int) -> NDArray[np.int64]:
+def on_chip_move(
+    up: ConstantAcceleration, down: ConstantAcceleration, method: MethodName, steps: int
+) -> NDArray[np.int64]:
     """Return the intervals of a move of so many steps, at least 1 [ticks], shape (steps,).
 
     Raises ValueError where slopes_refusal gives a reason.
@@ -328,14 +320,14 @@ def on_chip_move(up: Slope, down: Slope, method: OnChipMethod, steps: int) -> ND
     return OnChipRamp.of(up, down, method).move(steps)
 
 
-def slopes_refusal(up: Slope, down: Slope, method: OnChipMethod) -> str | None:
+def slopes_refusal(up: ConstantAcceleration, down: ConstantAcceleration, method: MethodName) -> str | None:
     """Return why a controller can't compute these slopes, as a sentence with what is allowed, else None."""
     if up.steps < 1 or down.steps < 1:
         return (
             f"The acceleration takes {up.steps:,} and the deceleration {down.steps:,} steps; computed on the "
             f"controller both must take at least 1: such a ramp is better stored."
         )
-    if reason := refusal(up) or (refusal if method == "newton" else taylor_deceleration_refusal)(down):
+    if reason := refusal(up) or ON_CHIP[method].down_refusal(down):
         return reason
     index = max(slope.slew_speed**2 / (2 * slope.acceleration) for slope in (up, down))
     if index > MOST_ON_CHIP_INDEX:
@@ -348,29 +340,25 @@ def slopes_refusal(up: Slope, down: Slope, method: OnChipMethod) -> str | None:
 
 def design_refusal(design: Design) -> str | None:
     """Return why a controller can't compute a design's ramp while it plays it, as a sentence, else None."""
-    method, methods = design.method, get_args(OnChipMethod)
+    method, methods = design.method, tuple(ON_CHIP)
     if method.name not in methods:
         return f"The method is {method.name}; a controller computes {', '.join(methods[:-1])} or {methods[-1]}."
     if method.arithmetic != "fixed":
         return f"The arithmetic is {method.arithmetic}; a controller computes in fixed."
     if method.rounding != "nearest":
         return f"The rounding is {method.rounding}; a controller rounds to the nearest tick."
-    return slopes_refusal(*_slopes(design), cast(OnChipMethod, method.name))
+    slopes = constant_slopes_of(design)
+    if slopes is None:
+        return f"The shape of the ramp is {design.ramp.shape}; a controller computes constant acceleration."
+    return slopes_refusal(*slopes, method.name)
 
 
 def on_chip_ramp(design: Design) -> OnChipRamp:
     """Return a design's ramp as a controller computes it. Raises ValueError where design_refusal gives a reason."""
-    if reason := design_refusal(design):
+    slopes, reason = constant_slopes_of(design), design_refusal(design)
+    if slopes is None or reason is not None:
         raise ValueError(reason)
-    return OnChipRamp.of(*_slopes(design), cast(OnChipMethod, design.method.name))
-
-
-def _slopes(design: Design) -> tuple[Slope, Slope]:
-    ramp = design.ramp
-    base, slew = ramp.base_speed_steps_per_s, ramp.slew_speed_steps_per_s
-    accelerations = ramp.acceleration_steps_per_s2, ramp.slowdown_steps_per_s2
-    up, down = (Slope(design.timer.frequency_hz, base, slew, acceleration) for acceleration in accelerations)
-    return up, down
+    return OnChipRamp.of(*slopes, design.method.name)
 
 
 def _is_longer(x: Scaled, other: Scaled) -> bool:

@@ -10,12 +10,15 @@ from numpy.typing import NDArray
 
 from stepramp.design import MOST_STEPS, Design
 from stepramp.errors import Rejected, Rejection
-from stepramp.ramp import tuning
-from stepramp.ramp.kinematics import Slope
-from stepramp.ramp.limit_text import at_least, at_most
-from stepramp.ramp.methods import NUMBERS, sides_of
-from stepramp.ramp.move import Ramp, play, split
-from stepramp.ramp.table import table_ramp
+from stepramp.methods import METHODS
+from stepramp.methods.common.method import TuningReport
+from stepramp.methods.table import table_ramp
+from stepramp.numerics.limit_text import at_most
+from stepramp.numerics.numbers import NUMBERS
+from stepramp.numerics.ramp import Ramp, RealRamp
+from stepramp.numerics.slope import Slope
+from stepramp.ramp.move import play, split
+from stepramp.ramp.slopes import playable_slopes_of, slopes_of
 from stepramp.ramp.timer import carried, rounded
 from stepramp.units import ticks_from_us, us_from_ticks
 
@@ -27,7 +30,7 @@ LONGEST_INTERVAL_TICKS = 2**60
 class Plan:
     """A design's ramp and its share in the design's move of N steps."""
 
-    real: Ramp
+    real: RealRamp
     """As the method computes it [ticks, not rounded]."""
     ramp: Ramp
     """In whole ticks: what a controller is sent."""
@@ -51,7 +54,7 @@ class Plan:
         """The move's intervals in whole ticks, shape (N,)."""
         if self.carries:
             return carried(self.real_intervals)
-        return play(self.ramp, self.steps, self.sides).astype(np.int64, copy=False)
+        return play(self.ramp, self.steps, self.sides)
 
 
 def plan_of(design: Design) -> Plan:
@@ -66,19 +69,19 @@ def plan_of(design: Design) -> Plan:
     return plan
 
 
-def real_ramp(design: Design) -> Ramp:
+def real_ramp(design: Design) -> RealRamp:
     """Return the design's ramp as its method computes it, in ticks not yet rounded.
 
     Raises Rejected when the ramp is longer than 10,000,000 steps, or does not fit the method or its arithmetic.
     """
-    if design.method.name == "table":
+    method = design.method.numerics
+    if method.sides is None:
         return _table(design)
-    up = _slope(design, design.ramp.acceleration_steps_per_s2, "acceleration")
-    down = _slope(design, design.ramp.slowdown_steps_per_s2, "deceleration")
-    sides = sides_of(design.method)
+    up, down = _slopes_for_the_method(design)
+    sides = method.sides(design.method.arithmetic, design.method.tuned_for)
     # The slew interval is in the method's numbers too; integers have as many digits as it needs.
     number = NUMBERS.get(design.method.arithmetic, np.float64)
-    ramp = Ramp(up=sides.up(up), slew=float(number(up.slew_interval)), down=sides.down(down))
+    ramp = RealRamp(up=sides.up(up), slew=float(number(up.slew_interval)), down=sides.down(down))
     _refuse_runaway(design, ramp)
     return ramp
 
@@ -95,22 +98,25 @@ def ramp_of(design: Design) -> Ramp:
 
 def computed_steps(design: Design) -> int:
     """Return how many steps are computed for a design: its move's, or its ramp's when that is longer."""
-    base, slew = design.ramp.base_speed_steps_per_s, design.ramp.slew_speed_steps_per_s
-    accelerations = (design.ramp.acceleration_steps_per_s2, design.ramp.slowdown_steps_per_s2)
-    slopes = (Slope(design.timer.frequency_hz, base, slew, acceleration) for acceleration in accelerations)
-    return int(min(max(abs(design.move.steps), *(slope.length for slope in slopes)), MOST_STEPS))
+    return int(min(max(abs(design.move.steps), *(slope.length for slope in slopes_of(design))), MOST_STEPS))
 
 
-def tuning_report(design: Design) -> tuning.TuningReport | None:
-    """Return what tuning does for a design whose method is `tuned`; None for others. Raises Rejected as real_ramp."""
-    if design.method.name != "tuned":
-        return None
-    up = _slope(design, design.ramp.acceleration_steps_per_s2, "acceleration")
-    down = _slope(design, design.ramp.slowdown_steps_per_s2, "deceleration")
-    return tuning.report(up, down, design.method.tuned_for)
+def tuning_report(design: Design) -> TuningReport | None:
+    """Return what tuning does for a design whose method is tuned; None for others. Raises Rejected as real_ramp."""
+    tuning = design.method.numerics.tuning
+    return None if tuning is None else tuning(*_slopes_for_the_method(design), design.method.tuned_for)
 
 
-def _refuse_runaway(design: Design, ramp: Ramp) -> None:
+def _slopes_for_the_method(design: Design) -> tuple[Slope, Slope]:
+    """Return both slopes. Raises Rejected when the design's method holds for ramps of another shape only."""
+    slopes, shape = playable_slopes_of(design), design.method.numerics.shape
+    if shape is None or all(isinstance(slope, shape) for slope in slopes):
+        return slopes
+    others = ", ".join(name for name, method in METHODS.items() if method.shape is None)
+    raise Rejected([Rejection("method.name", design.method.name, f"{others} with ramp.shape '{design.ramp.shape}'")])
+
+
+def _refuse_runaway(design: Design, ramp: RealRamp) -> None:
     """Refuse an arithmetic whose rounding errors have left nothing of an interval; those of float64 never do."""
     for side in (ramp.up, ramp.down):
         # Neither comparison holds for what is no number.
@@ -122,7 +128,7 @@ def _refuse_runaway(design: Design, ramp: Ramp) -> None:
             raise Rejected([Rejection("method.arithmetic", design.method.arithmetic, allowed)])
 
 
-def _rounded(design: Design, real: Ramp) -> Ramp:
+def _rounded(design: Design, real: RealRamp) -> Ramp:
     """Return the ramp in whole ticks. Raises Rejected when an interval comes to 0 ticks."""
     ramp = rounded(real, design.method.rounding)
     _refuse_less_than_a_tick(design, ramp.up, np.array([ramp.slew]), ramp.down)
@@ -136,7 +142,7 @@ def _refuse_less_than_a_tick(design: Design, *lists: NDArray[Any]) -> None:
 
 def _less_than_a_tick(design: Design) -> list[Rejection]:
     """Return what is to blame for an interval that comes to 0 ticks."""
-    blamed = _short_rows(design) if design.method.name == "table" else _fast_slew(design)
+    blamed = _short_rows(design) if design.method.plays_table else _fast_slew(design)
     # Next to one tick a method may come to a little less.
     nearest = "nearest: rounded down, an interval of about 1 tick comes to none"
     return blamed or [Rejection("method.rounding", design.method.rounding, nearest)]
@@ -160,21 +166,10 @@ def _short_rows(design: Design) -> list[Rejection]:
     ]
 
 
-def _slope(design: Design, acceleration: float, which: str) -> Slope:
-    """Return one side's slope; a ramp that no move could play is refused before its arrays are made."""
-    base, slew = design.ramp.base_speed_steps_per_s, design.ramp.slew_speed_steps_per_s
-    slope = Slope(design.timer.frequency_hz, base, slew, acceleration)
-    if slope.length > MOST_STEPS:
-        least = at_least((slew**2 - base**2) / (2 * MOST_STEPS))
-        allowed = f"{least} steps/s² between these speeds, for a ramp of at most {MOST_STEPS:,} steps"
-        raise Rejected([Rejection(f"ramp.{which}_steps_per_s2", acceleration, allowed)])
-    return slope
-
-
-def _table(design: Design) -> Ramp:
+def _table(design: Design) -> RealRamp:
     table = design.table
     if table is None:
-        raise Rejected([Rejection("table", None, "a table, since method.name is 'table'")])
+        raise Rejected([Rejection("table", None, f"a table, since method.name is '{design.method.name}'")])
     rows = np.array(table.rows, dtype=np.int64)
     delays = rows[:, 1].astype(np.float64)
     if table.interval_unit == "us":

@@ -9,9 +9,10 @@ from numpy.typing import NDArray
 
 from stepramp.design import LEAST_ACCELERATION, Design
 from stepramp.errors import Rejected, Rejection
-from stepramp.ramp.compiled import counted
-from stepramp.ramp.limit_text import at_least, at_most
+from stepramp.numerics.compiled import counted
+from stepramp.numerics.limit_text import at_least, at_most
 from stepramp.ramp.plan import Plan, plan_of
+from stepramp.ramp.slopes import SIDES, slopes_of
 from stepramp.ramp.timer_limits import SlewResolution, Warning, slew_resolution, timer_warnings
 from stepramp.units import speed_from_interval
 
@@ -114,14 +115,14 @@ def _short_move(design: Design, plan: Plan) -> list[Warning]:
 def _no_ramp(design: Design, plan: Plan) -> list[Warning]:
     """Warn of a side that has no step, by (16): one would be more than leads from the base to the slew speed."""
     base, slew = design.ramp.base_speed_steps_per_s, design.ramp.slew_speed_steps_per_s
-    if design.method.name == "table" or base == slew:
+    if design.method.plays_table or base == slew:
         return []
     warnings = []
-    for field, side in (("acceleration_steps_per_s2", plan.ramp.up), ("deceleration_steps_per_s2", plan.ramp.down)):
+    for field, slope, side in zip(SIDES, slopes_of(design), (plan.ramp.up, plan.ramp.down), strict=True):
         rate = getattr(design.ramp, field)
         if rate is None or side.size:
             continue
-        most, reached = (slew**2 - base**2) / 2, math.sqrt(base**2 + 2 * rate)
+        most, reached = slope.acceleration_over(1), float(slope.speeds(1, 1, np.float64)[0])
         slower = f"{at_most(most)} steps/s², or " if most >= LEAST_ACCELERATION else ""
         message = (
             f"At {rate:,.6g} steps/s² a single step would reach {reached:,.6g} steps/s, above the slew speed: there is "

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from stepramp.design import Design
 from stepramp.errors import Rejected, Rejection
-from stepramp.ramp.compiled import compiled, counted
-from stepramp.ramp.limit_text import at_most
+from stepramp.numerics.compiled import compiled, counted
+from stepramp.numerics.limit_text import at_most
 from stepramp.ramp.line import Limit, called, fields_of, leader_of, line_profile, steps_of, steps_together
 from stepramp.ramp.profile import Profile, profile_of
 from stepramp.ramp.thinning import kept_steps

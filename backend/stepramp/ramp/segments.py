@@ -10,7 +10,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from stepramp.ramp.compiled import compiled
+from stepramp.numerics.compiled import compiled
+from stepramp.numerics.ramp import Ramp
 
 MOST_ADD = 32767
 MOST_COUNT = 65535
@@ -38,6 +39,12 @@ def compress(intervals: NDArray[np.int64], bound_ticks: int) -> list[Segment]:
     """
     table = _compress(np.ascontiguousarray(intervals, dtype=np.int64), bound_ticks)
     return [Segment(*map(int, row)) for row in table]
+
+
+def compress_sides(ramp: Ramp, bound_ticks: int) -> tuple[list[Segment], list[Segment]]:
+    """Return both sides of a ramp as segments, up and down; see compress. Equal sides are compressed once."""
+    up = compress(ramp.up, bound_ticks)
+    return up, up if np.array_equal(ramp.up, ramp.down) else compress(ramp.down, bound_ticks)
 
 
 def expand(segments: Iterable[Segment]) -> NDArray[np.int64]:

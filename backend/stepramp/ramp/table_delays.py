@@ -8,9 +8,11 @@ from numpy.typing import NDArray
 
 from stepramp.design import Design
 from stepramp.errors import Rejected, Rejection
-from stepramp.ramp.limit_text import at_least, at_most
-from stepramp.ramp.move import Intervals, Ramp
+from stepramp.methods import REFERENCE
+from stepramp.numerics.limit_text import at_most
+from stepramp.numerics.ramp import RealRamp
 from stepramp.ramp.plan import real_ramp
+from stepramp.ramp.slopes import SIDES, too_long
 from stepramp.units import us_from_ticks
 
 WIDEST = 65535
@@ -46,10 +48,10 @@ def ramp_delays(design: Design, interval_unit: IntervalUnit, fit_to: FitTo = "pl
     """
     if interval_unit == "ticks":
         _refuse_less_than_a_tick(design)
-    ramp = real_ramp(design.with_method("exact") if design.method.name == "table" else design)
-    _refuse_long_side(design, "acceleration_steps_per_s2", ramp.up)
+    ramp = real_ramp(design.with_method(REFERENCE) if design.method.plays_table else design)
+    _refuse_long_side(design, SIDES[0], ramp.up)
     if fit_to == "played":
-        _refuse_long_side(design, "deceleration_steps_per_s2", ramp.down)
+        _refuse_long_side(design, SIDES[1], ramp.down)
         ticks = _played(ramp)
     else:
         ticks = _of_steps_up(ramp, design)
@@ -57,7 +59,7 @@ def ramp_delays(design: Design, interval_unit: IntervalUnit, fit_to: FitTo = "pl
     return RampDelays(ticks.first_index, ticks.longest * units_per_tick, ticks.shortest * units_per_tick)
 
 
-def _played(ramp: Ramp) -> RampDelays:
+def _played(ramp: RealRamp) -> RampDelays:
     """Return what moves of all lengths play: step i up is at index i + 1, step i from the end at i - 1.
 
     That is so in long moves. In short ones up and down may meet elsewhere along the indices than along the ramp, but
@@ -70,24 +72,20 @@ def _played(ramp: Ramp) -> RampDelays:
     return RampDelays(0, np.maximum(up, down), np.minimum(up, down))
 
 
-def _of_steps_up(ramp: Ramp, design: Design) -> RampDelays:
+def _of_steps_up(ramp: RealRamp, design: Design) -> RampDelays:
     base = design.ramp.base_speed_steps_per_s
     at_rest = [design.timer.frequency_hz / base] if base > 0 else []
     delays = np.concatenate((at_rest, ramp.up, [ramp.slew])).astype(np.float64)
     return RampDelays(0 if at_rest else 1, delays, delays)
 
 
-def _extended(side: Intervals, slew: float, size: int) -> NDArray[np.float64]:
+def _extended(side: NDArray[np.floating], slew: float, size: int) -> NDArray[np.float64]:
     return np.concatenate((side, np.full(size - side.size, slew))).astype(np.float64)
 
 
-def _refuse_long_side(design: Design, field: str, side: Intervals) -> None:
-    if side.size <= MOST_SIDE_STEPS:
-        return
-    base, slew = design.ramp.base_speed_steps_per_s, design.ramp.slew_speed_steps_per_s
-    least = at_least((slew**2 - base**2) / (2 * MOST_SIDE_STEPS))
-    allowed = f"{least} steps/s², so that ramp indices fit in 16 bits"
-    raise Rejected([Rejection(f"ramp.{field}", getattr(design.ramp, field), allowed)])
+def _refuse_long_side(design: Design, field: str, side: NDArray[np.floating]) -> None:
+    if side.size > MOST_SIDE_STEPS:
+        raise too_long(design, field, MOST_SIDE_STEPS, ", so that ramp indices fit in 16 bits")
 
 
 def _refuse_less_than_a_tick(design: Design) -> None:

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from stepramp.design import MOST_TABLE_ROWS
 from stepramp.errors import Rejected, Rejection
-from stepramp.ramp.compiled import compiled
-from stepramp.ramp.limit_text import at_least
+from stepramp.numerics.compiled import compiled
+from stepramp.numerics.limit_text import at_least
 from stepramp.ramp.table_delays import WIDEST, RampDelays
 
 BYTES_PER_ROW = 4

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepramp.design import MOST_TABLE_ROWS
-from stepramp.ramp.compiled import compiled
+from stepramp.numerics.compiled import compiled
 from stepramp.ramp.table_delays import WIDEST, RampDelays
 from stepramp.ramp.table_fit import FittedTable, fit_rows, reached, relative_errors, whole_delays
 

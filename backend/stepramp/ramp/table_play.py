@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from stepramp.design import MOST_STEPS
 from stepramp.errors import Rejected, Rejection
-from stepramp.ramp.compiled import compiled
+from stepramp.numerics.compiled import compiled
 
 
 @dataclass(frozen=True)

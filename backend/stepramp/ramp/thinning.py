@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from stepramp.ramp.compiled import compiled, counted
+from stepramp.numerics.compiled import compiled, counted
 from stepramp.ramp.profile import Phase
 
 POINTS_PER_BUCKET = 4

@@ -3,9 +3,11 @@
 import math
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from stepramp.design import Design, Timer
-from stepramp.ramp.limit_text import at_least, at_most
-from stepramp.ramp.move import Intervals
+from stepramp.numerics.limit_text import at_least, at_most
 from stepramp.units import speed_from_interval, ticks_from_us, us_from_ticks
 
 COARSE = 0.01
@@ -42,7 +44,7 @@ def slew_resolution(interval_ticks: float, timer_hz: float) -> SlewResolution:
     )
 
 
-def timer_warnings(design: Design, intervals: Intervals, slew_interval_ticks: float) -> list[Warning]:
+def timer_warnings(design: Design, intervals: NDArray[np.int64], slew_interval_ticks: float) -> list[Warning]:
     """Return what the design's timer can't do of a move's intervals [ticks], shape (steps,).
 
     slew_interval_ticks: the slew interval before rounding [ticks].

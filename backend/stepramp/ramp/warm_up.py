@@ -4,7 +4,8 @@ import time
 
 import numpy as np
 
-from stepramp.design import ARITHMETICS, Design
+from stepramp.design import Design
+from stepramp.methods import METHODS, REFERENCE
 from stepramp.ramp.error_curves import error_curves
 from stepramp.ramp.segments import compress
 
@@ -22,10 +23,10 @@ def warm_up() -> None:
             "move": {"steps": 100},
         }
     )
-    usual = [(name, arithmetics[0]) for name, arithmetics in ARITHMETICS.items()]
-    rest = [(name, arithmetic) for name, arithmetics in ARITHMETICS.items() for arithmetic in arithmetics[1:]]
+    usual = [(name, method.arithmetics[0]) for name, method in METHODS.items()]
+    rest = [(name, arithmetic) for name, method in METHODS.items() for arithmetic in method.arithmetics[1:]]
     for name, arithmetic in usual + rest:
-        _ = error_curves(small.with_method(name, arithmetic), name, "exact").relative_error
+        _ = error_curves(small.with_method(name, arithmetic), name, REFERENCE).relative_error
         # One thing is compiled at a time: what a request needs goes before the next of these.
         time.sleep(TURN_S)
     compress(np.array([2, 1]), 1)

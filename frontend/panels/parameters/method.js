@@ -20,7 +20,7 @@ export function createMethod({ onEdit, onMethod }, info) {
   name.element.classList.add('quiet');
   name.select.id = 'method';
   const nameBox = element('div');
-  const arithmetics = [...new Set(METHODS.flatMap((method) => method.arithmetic))].sort().reverse();
+  const arithmetics = [...new Set(METHODS.flatMap((method) => method.arithmetics))].sort().reverse();
   const arithmetic = createChoice('method.arithmetic', asTheyAre(arithmetics), onEdit);
   const rounding = createChoice('method.rounding', asTheyAre(['nearest', 'floor', 'carry']), onEdit);
   /** @type {[string, string][]} */
@@ -45,14 +45,15 @@ export function createMethod({ onEdit, onMethod }, info) {
     ),
     /** @param {Design} design */
     show(design) {
+      const method = methodOf(design.method.name);
       name.offer(
-        METHODS.map((method) => [method.name, method.label]),
+        METHODS.map(({ name, label }) => [name, label]),
         design.method.name,
       );
-      arithmetic.show(design, methodOf(design.method.name).arithmetic);
+      arithmetic.show(design, method.arithmetics);
       rounding.show(design);
       tunedFor.show(design);
-      tunedFor.element.hidden = design.method.name !== 'tuned';
+      tunedFor.element.hidden = !method.is_tuned;
     },
     /** @param {import('../../messages.js').Messages['fields']} messages */
     showMessage(messages) {

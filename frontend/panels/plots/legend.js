@@ -11,7 +11,7 @@ import { methodSwatch } from '../../swatch.js';
 
 /** @param {(name: MethodName) => void} onSwitch */
 export function createLegend(onSwitch) {
-  const chips = METHODS.map(({ name, label }) => {
+  const chips = METHODS.map(({ name, label, plays_table: playsTable }) => {
     const figure = element('em');
     const chip = element(
       'button',
@@ -20,7 +20,7 @@ export function createLegend(onSwitch) {
       element('span', { textContent: label }),
       figure,
     );
-    return { name, label, chip, figure };
+    return { name, label, playsTable, chip, figure };
   });
   return {
     element: element(
@@ -30,10 +30,10 @@ export function createLegend(onSwitch) {
     ),
     /** @param {Answer | null} answer @param {ReadonlySet<MethodName>} shown @param {MethodName} active */
     show(answer, shown, active) {
-      for (const { name, label, chip, figure } of chips) {
+      for (const { name, label, playsTable, chip, figure } of chips) {
         const largest = answer?.errors[name]?.largest_relative_error;
         const failure = answer?.failures[name];
-        const isEmpty = answer !== null && name === 'table' && answer.design.table === null;
+        const isEmpty = answer !== null && playsTable && answer.design.table === null;
         chip.setAttribute('aria-pressed', String(shown.has(name)));
         chip.dataset.active = String(name === active);
         const text =

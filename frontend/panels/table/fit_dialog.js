@@ -6,7 +6,7 @@ import { linearTableAsC } from '../../c_table.js';
 import { copyText } from '../../clipboard.js';
 import { createDialog, dialogFoot } from '../../dialog.js';
 import { element, messageLine, segmented } from '../../dom.js';
-import { methodOf } from '../../methods.js';
+import { methodOf, REFERENCE } from '../../methods.js';
 import { newestWins } from '../../newest.js';
 import { formatEntry, formatFigures, parseEntry } from '../../numbers.js';
 import { createFitChart } from './fit_chart.js';
@@ -248,7 +248,8 @@ export function createFitDialog(ask, onRows) {
       design = present;
       [curves, fitted] = [{}, null];
       chart.show(null, 0);
-      const method = methodOf(present.method.name === 'table' ? 'exact' : present.method.name);
+      const own = methodOf(present.method.name);
+      const method = own.plays_table ? methodOf(REFERENCE) : own;
       const speed = formatEntry(present.ramp.slew_speed_steps_per_s);
       about.textContent = `The best rows for the ramp by ${method.label} up to ${speed} steps/s.`;
       dialog.open(input);

@@ -1,10 +1,9 @@
 """The constants of a ramp by formula, from the bytes of a ramp image; formula_image makes them."""
 
 import struct
-from typing import get_args
 
 from stepramp.controllers.stepramp.formula_image import FORMULA_BYTES, METHODS, encode_formula
-from stepramp.ramp.fixed_point import (
+from stepramp.methods.common.fixed_point import (
     EXPONENTS,
     LEAST_MANTISSA,
     MANTISSA_LIMIT,
@@ -13,7 +12,7 @@ from stepramp.ramp.fixed_point import (
     Output,
     Scaled,
 )
-from stepramp.ramp.on_chip import Factor, OnChipMethod, OnChipRamp, Side
+from stepramp.ramp.on_chip import Factor, OnChipRamp, Side
 
 _METHOD_AND_SLEW = struct.Struct("<BI")
 _FACTOR = struct.Struct("<Ib")
@@ -34,9 +33,8 @@ def decode_formula(constants: bytes, limits: range) -> OnChipRamp:
     up_carry = Factor(*_FACTOR.unpack_from(constants, at + _FACTOR.size))
     ways = constants[at + 2 * _FACTOR.size :]
     half = len(ways) // 2
-    names: tuple[OnChipMethod, ...] = get_args(OnChipMethod)
     ramp = OnChipRamp(
-        method=next(name for name in names if METHODS[name] == method),
+        method=next(name for name, number in METHODS.items() if number == method),
         up=_side(ways[:half], up_carry),
         down=_side(ways[half:], down_carry),
         slew_interval=slew,

@@ -5,11 +5,12 @@ docs/serial_protocol.md has the format.
 
 import struct
 
-from stepramp.ramp.fixed_point import RAMP_INDEX_BITS, Format
-from stepramp.ramp.on_chip import Factor, OnChipRamp, Side
+from stepramp.methods.common.fixed_point import RAMP_INDEX_BITS, Format
+from stepramp.ramp.on_chip import ON_CHIP, Factor, OnChipRamp, Side
 
 FORMULA_BYTES = 93
-METHODS = {"first_order": 0, "compromise": 1, "newton": 2}
+METHODS = {name: method.number for name, method in ON_CHIP.items()}
+"""The number of each method."""
 
 _FACTOR = struct.Struct("<Ib")
 _X = struct.Struct("<IB")

@@ -22,9 +22,9 @@ from stepramp.controllers.stepramp.settings import Settings
 from stepramp.controllers.stepramp.ways import formula_ramp, unpacked, ways_of
 from stepramp.design import Design
 from stepramp.errors import Rejected, Rejection
-from stepramp.ramp.move import Ramp
+from stepramp.numerics.ramp import Ramp
 from stepramp.ramp.plan import ramp_of
-from stepramp.ramp.segments import Segment, compress
+from stepramp.ramp.segments import Segment, compress_sides
 from stepramp.units import ticks_from_us, us_from_ticks
 
 COARSEST_BOUND = 0.01
@@ -95,10 +95,8 @@ class SmallestChange:
                 return
 
     def _compressed(self) -> SegmentRamp:
-        ramp, bound = self.wanted.ramp, self.bound_ticks
-        up = tuple(compress(ramp.up.astype(np.int64), bound))
-        symmetric = np.array_equal(ramp.up, ramp.down)
-        return SegmentRamp(up, int(ramp.slew), up if symmetric else tuple(compress(ramp.down.astype(np.int64), bound)))
+        up, down = compress_sides(self.wanted.ramp, self.bound_ticks)
+        return SegmentRamp(tuple(up), self.wanted.ramp.slew, tuple(down))
 
 
 def _shortest_row(segments: Sequence[Segment]) -> float:
@@ -320,7 +318,7 @@ def _too_large(change: SmallestChange, limits: PushLimits) -> Rejection:
         f"{limits.largest_image_bytes} bytes, with this controller; this one takes {change.ramp.sent_segments:,} "
         f"segments, even with intervals changed by {change.bound_ticks:,} ticks: make it shorter or more even"
     )
-    if design.method.name == "table":
+    if design.method.plays_table:
         return Rejection(f"{path}table.rows", f"{len(design.table.rows) if design.table else 0} rows", allowed)
     return Rejection(f"{path}ramp.acceleration_steps_per_s2", design.ramp.acceleration_steps_per_s2, allowed)
 

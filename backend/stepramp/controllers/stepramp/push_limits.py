@@ -12,7 +12,7 @@ from stepramp.controllers.stepramp.settings import Settings
 from stepramp.controllers.stepramp.speed_limits import Pace, SpeedLimits
 from stepramp.design import Design
 from stepramp.errors import Rejected, Rejection
-from stepramp.ramp.move import Ramp
+from stepramp.numerics.ramp import Ramp
 from stepramp.ramp.playback.course import Ways
 from stepramp.units import MICROSECONDS_PER_SECOND, speed_from_interval, us_from_ticks
 
@@ -71,7 +71,7 @@ class PushLimits:
         if shortest <= intervals.min() and intervals.max() <= longest:
             return
         narrower = self.speeds.or_narrower([Pace(int(intervals.min()))])
-        if design.method.name == "table":
+        if design.method.plays_table:
             raise Rejected(list(self._bad_rows(design, path, narrower)))
         if intervals.min() < shortest or ramp.slew > longest:
             slowest, fastest = speed_from_interval(longest, hz), speed_from_interval(shortest, hz)

@@ -4,7 +4,7 @@ from stepramp.controllers.stepramp.formula_constants import decode_formula
 from stepramp.controllers.stepramp.formula_image import encode_formula
 from stepramp.controllers.stepramp.ramp_image import ANY_INTERVAL, AxisRamp, FormulaRamp
 from stepramp.design import Design
-from stepramp.ramp.move import Ramp
+from stepramp.numerics.ramp import Ramp
 from stepramp.ramp.on_chip import OnChipMotor, OnChipRamp, design_refusal, on_chip_ramp
 from stepramp.ramp.playback.course import Ways
 from stepramp.ramp.playback.formula_ways import FormulaWays

@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 
-from stepramp.ramp.move import Ramp
+from stepramp.numerics.ramp import Ramp
 from stepramp.ramp.playback.course import Course, Place, Stretch, Ticks
 
 NO_INTERVAL = 2**32
@@ -29,9 +29,9 @@ class ListWays:
     """The ways of two lists of intervals, each from the slow end, and the interval between. See course.Ways."""
 
     def __init__(self, ramp: Ramp) -> None:
-        self._up = ramp.up.astype(np.int64)
-        self._down = ramp.down.astype(np.int64)
-        self._slew = int(ramp.slew)
+        self._up = ramp.up
+        self._down = ramp.down
+        self._slew = ramp.slew
         # A list's next interval blocks those behind it, so it is its running minimum that decides.
         self._falling = -np.minimum.accumulate(self._down)
 

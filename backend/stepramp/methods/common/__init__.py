@@ -1,0 +1,1 @@
+"""What ramp methods are made of: what each has to say of itself, and the numerics that several share."""

@@ -1,0 +1,29 @@
+"""first_order: one term of the Taylor series, formula (20)."""
+
+from stepramp.methods.common.method import STEP_BY_STEP, RampMethod, Style
+from stepramp.methods.common.taylor import taylor_code, taylor_on_chip, taylor_sides
+from stepramp.shapes.constant_acceleration import ConstantAcceleration
+
+COEFFICIENT = 0.0
+"""c of p (1 + q + c q²)."""
+
+METHOD = RampMethod(
+    place=40,
+    label="1st order",
+    formula="20",
+    summary="formula (20)",
+    help="Each interval from the one before with three multiplications. From rest it errs most in its first steps.",
+    style=Style("#d2601a", "#ee6a1a"),
+    arithmetics=STEP_BY_STEP,
+    sides=taylor_sides(COEFFICIENT),
+    shape=ConstantAcceleration,
+    code=taylor_code(
+        COEFFICIENT,
+        title="p = p (1 + q), formula (20)",
+        series="1 + q",
+        label="Formula 20",
+        help="p (1 + q), the quickest.",
+    ),
+    on_chip=taylor_on_chip(0, COEFFICIENT),
+    is_shown_at_first=True,
+)

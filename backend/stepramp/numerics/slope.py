@@ -1,0 +1,54 @@
+"""What is known of one side of a ramp, whatever its shape: speed and time over position."""
+
+import math
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepramp.numerics.numbers import Number
+
+
+@dataclass(frozen=True)
+class Slope(ABC):
+    """One side of a ramp: from the base speed to the slew speed, or back."""
+
+    timer_hz: float
+    """F [Hz]."""
+    base_speed: float
+    """v0 [steps/s]."""
+    slew_speed: float
+    """v [steps/s]."""
+    acceleration: float
+    """a, or d on the way down: the largest along the slope, without sign [steps/s²]."""
+
+    @property
+    @abstractmethod
+    def length(self) -> float:
+        """S: from the base to the slew speed [steps, not whole]."""
+
+    @abstractmethod
+    def acceleration_over(self, steps: float) -> float:
+        """Return the acceleration with which the slope would be so long [steps/s²]."""
+
+    @abstractmethod
+    def speeds(self, first: float, count: int, number: Number) -> NDArray[np.floating]:
+        """Return the speeds at `first`, `first` + 1 … steps from the base speed [steps/s], shape (count,).
+
+        Computed in numbers of the given type.
+        """
+
+    @abstractmethod
+    def durations(self, number: Number) -> NDArray[np.floating]:
+        """Return the time that each whole step takes, slowest first [ticks], shape (steps,); in such numbers."""
+
+    @property
+    def steps(self) -> int:
+        """Whole steps of the slope: the next one runs at slew speed [steps]."""
+        return math.floor(self.length)
+
+    @property
+    def slew_interval(self) -> float:
+        """PS = F / v, formula (18) [ticks]."""
+        return self.timer_hz / self.slew_speed

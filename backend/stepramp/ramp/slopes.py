@@ -1,0 +1,43 @@
+"""The two sides of a design's ramp: the one place that makes them."""
+
+from stepramp.design import MOST_STEPS, Design
+from stepramp.errors import Rejected, Rejection
+from stepramp.numerics.limit_text import at_least
+from stepramp.numerics.slope import Slope
+from stepramp.shapes import SHAPES
+from stepramp.shapes.constant_acceleration import ConstantAcceleration
+
+SIDES = ("acceleration_steps_per_s2", "deceleration_steps_per_s2")
+"""The fields of the ramp that say how steep its way up and its way down are."""
+
+
+def slopes_of(design: Design) -> tuple[Slope, Slope]:
+    """Return the way up and the way down of a design's ramp."""
+    ramp, shape = design.ramp, SHAPES[design.ramp.shape]
+    speeds = design.timer.frequency_hz, ramp.base_speed_steps_per_s, ramp.slew_speed_steps_per_s
+    return shape(*speeds, ramp.acceleration_steps_per_s2), shape(*speeds, ramp.slowdown_steps_per_s2)
+
+
+def constant_slopes_of(design: Design) -> tuple[ConstantAcceleration, ConstantAcceleration] | None:
+    """Return the same for what holds for constant acceleration only; None when the ramp has another shape."""
+    up, down = slopes_of(design)
+    if isinstance(up, ConstantAcceleration) and isinstance(down, ConstantAcceleration):
+        return up, down
+    return None
+
+
+def playable_slopes_of(design: Design) -> tuple[Slope, Slope]:
+    """Return both slopes. Raises Rejected for a ramp that no move could play, before its arrays are made."""
+    slopes = slopes_of(design)
+    for field, slope in zip(SIDES, slopes, strict=True):
+        if slope.length > MOST_STEPS:
+            why = f" between these speeds, for a ramp of at most {MOST_STEPS:,} steps"
+            raise too_long(design, field, MOST_STEPS, why)
+    return slopes
+
+
+def too_long(design: Design, field: str, most_steps: int, why: str) -> Rejected:
+    """Return that a side, named by its field, takes more steps than are allowed, and how steep it would have to be."""
+    slope = slopes_of(design)[SIDES.index(field)]
+    least = at_least(slope.acceleration_over(most_steps))
+    return Rejected([Rejection(f"ramp.{field}", getattr(design.ramp, field), f"{least} steps/s²{why}")])
