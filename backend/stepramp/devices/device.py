@@ -9,6 +9,18 @@ from dataclasses import replace
 from time import monotonic
 from typing import TypeVar
 
+from stepramp.controllers.capabilities import (
+    DrawsLines,
+    HasSettings,
+    RestoresRamps,
+    StoresRamps,
+    TracesMoves,
+    TriesRamps,
+    ZeroesGauges,
+    capabilities_of,
+    capable,
+    refusal,
+)
 from stepramp.controllers.contract import (
     Asked,
     Controller,
@@ -16,11 +28,10 @@ from stepramp.controllers.contract import (
     PushMode,
     PushPreview,
     PushReport,
+    Trace,
 )
 from stepramp.controllers.families import Family
 from stepramp.controllers.progress import Progress, PushStage
-from stepramp.controllers.stepramp.settings import Settings
-from stepramp.controllers.stepramp.trace import Trace
 from stepramp.design import Design
 from stepramp.devices.leases import Lease, Leases
 from stepramp.devices.limit_checks import (
@@ -40,9 +51,10 @@ from stepramp.devices.soft_limits import Span
 from stepramp.devices.stops import Order, Stops
 from stepramp.devices.view import UNDER_WAY, DeviceState, DeviceView
 from stepramp.errors import DeviceLost, Refused, Rejected, StepRampError
+from stepramp.link.connection import Connection
 from stepramp.link.ports import Port, find_again, known_port, place_of, port_name
-from stepramp.link.serial_port import SerialPort
 from stepramp.link.worker import Worker
+from stepramp.validation import Document
 
 LISTEN_S = 1 / 50
 """How often a device that moves is listened to: as often as it reports."""
@@ -57,6 +69,7 @@ LAST_STOP_S = 1.5
 
 _logger = logging.getLogger(__name__)
 
+C = TypeVar("C")
 T = TypeVar("T")
 SendPush = Callable[[], PushReport]
 
@@ -92,10 +105,10 @@ class Device:
         self._lock = threading.Lock()
         self._connecting = threading.Lock()
         self._attempt = SharedAttempt(self._connect_unless_done)
-        self._view = DeviceView(device_id, known.port, known.name, stops=self._stops.last)
+        self._view = DeviceView(device_id, known.port, known.name, family.name, stops=self._stops.last)
         if before is not None:
             self._view = replace(self._view, soft_limits=before.soft_limits, unknown_positions=before.unknown_positions)
-        self._port: SerialPort | None = None
+        self._port: Connection | None = None
         self._controller: Controller | None = None
         self._worker: Worker | None = None
         self._known_port = known
@@ -210,6 +223,7 @@ class Device:
         planned: does the planning, which computes a lot, where and when it may be done.
         """
         connection = controller, worker = self._ready()
+        self._capable(controller, StoresRamps if mode == "keep" else TriesRamps)
         if self.view.state in UNDER_WAY:
             raise Refused("The motor moves: stop it first.")
         self._change(lambda view: replace(view, progress=Progress(PushStage.PLANNING, 0, 0)))
@@ -222,24 +236,32 @@ class Device:
             self._change(lambda view: replace(view, progress=None))
 
     def keep(self) -> None:
-        """Store the ramps and settings in use; see Controller."""
-        self._write(lambda controller: controller.keep())
+        """Store the ramps and settings in use; see StoresRamps."""
+        self._write(StoresRamps, lambda controller: controller.keep())
 
     def roll_back(self) -> None:
-        """Use the stored ramps and settings again; see Controller."""
-        self._write(lambda controller: controller.roll_back())
+        """Use the stored ramps and settings again; see TriesRamps."""
+        self._write(TriesRamps, lambda controller: controller.roll_back())
 
     def restore(self) -> None:
-        """Make the ramps and settings that were stored before the stored ones; see Controller."""
-        self._write(lambda controller: controller.restore())
+        """Make the ramps and settings that were stored before the stored ones; see RestoresRamps."""
+        self._write(RestoresRamps, lambda controller: controller.restore())
 
-    def settings(self) -> Settings:
-        """Ask for the settings in use."""
-        return self._ask(lambda controller: controller.settings())
+    @property
+    def settings_model(self) -> type[Document]:
+        """What the settings of its family are a document of; Refused when it has none."""
+        if self._family.settings is None:
+            raise refusal(HasSettings, self.view.name, self._family.title)
+        return self._family.settings
 
-    def use_settings(self, settings: Settings) -> None:
-        """Use other settings until a roll back or a reset; see Controller."""
-        self._write(lambda controller: controller.use_settings(settings))
+    def settings(self) -> Document:
+        """Ask for the settings in use; see HasSettings."""
+        settings: Document = self._ask_one_who(HasSettings, lambda controller: controller.settings())
+        return settings
+
+    def use_settings(self, settings: Document) -> None:
+        """Use other settings until a roll back or a reset; see HasSettings."""
+        self._write(HasSettings, lambda controller: controller.use_settings(settings))
 
     def limit(self, spans: Mapping[int, Span]) -> None:
         """Keep these axes within soft limits from now on, the others within theirs; Refused while the motor moves."""
@@ -274,8 +296,9 @@ class Device:
         """Begin to move axes along a straight line; see Controller. Rejected also when it leads beyond soft limits."""
 
         def begin(controller: Controller) -> None:
+            able = self._capable(controller, DrawsLines)
             refuse_targets(self.view, steps, relative=True)
-            controller.line(steps, ramp_axis)
+            able.line(steps, ramp_axis)
 
         self._set_out(f"line by {_told(steps)}", _axes_of(steps), begin, asked)
 
@@ -330,19 +353,20 @@ class Device:
         """Call the places where axes are so many steps and move them to 0; see Controller."""
 
         def begin(controller: Controller) -> None:
+            able = self._capable(controller, ZeroesGauges)
             refuse_limited(self.view, axes)
-            controller.zero(axes, steps)
+            able.zero(axes, steps)
 
         what = f"zero from {steps} steps on: axes {sorted(axes)}"
         self._set_out(what, axes, begin, asked, then=lambda: self._know_positions(axes))
 
     def trace_moves(self, axis: int | None, every_steps: int) -> int:
         """Trace every so many-th step of each move of an axis from now on; see Controller."""
-        return self._ask(lambda controller: controller.trace_moves(axis, every_steps))
+        return self._ask_one_who(TracesMoves, lambda controller: controller.trace_moves(axis, every_steps))
 
     def trace(self) -> Trace:
         """Return the trace of the last move that was traced, as far as it is known; Refused before there was one."""
-        work_out = self._ask(self._trace)
+        work_out = self._ask_one_who(TracesMoves, self._trace)
         if work_out is None:
             raise Refused("No move has been traced yet: ask for a trace, then move.")
         return work_out()
@@ -428,8 +452,17 @@ class Device:
             controller, worker = self._controller, self._worker
         return self._ready() if controller is None or worker is None else (controller, worker)
 
-    def _write(self, job: Callable[[Controller], None]) -> None:
-        self._ask(lambda controller: self._while_writing(lambda: job(controller)))
+    def _write(self, kind: type[C], job: Callable[[C], None]) -> None:
+        self._ask_one_who(kind, lambda able: self._while_writing(lambda: job(able)))
+
+    def _ask_one_who(self, kind: type[C], job: Callable[[C], T]) -> T:
+        """Have the worker do what not every controller can; Refused before anything is done when this one can't."""
+        controller, worker = self._ready()
+        able = self._capable(controller, kind)
+        return worker.call(lambda: job(able))
+
+    def _capable(self, controller: Controller, kind: type[C]) -> C:
+        return capable(controller, kind, self.view.name, self._family.title)
 
     def _ask(self, job: Callable[[Controller], T]) -> T:
         """Have the worker do a job with its controller: over this connection, or not at all."""
@@ -474,14 +507,17 @@ class Device:
 
     def _open(self) -> None:
         assert self._worker is not None
-        self._port = SerialPort(self.view.port, self._permit.check, self._family.baud_rate)
+        self._port = self._family.open(self.view.port, self._permit.check)
         self._place = place_of(self.view.port)
         controller = self._family.make(self._port, self._give_way, self._note_progress)
         controller.connect(lambda: self._begin_with_stop(controller))
         status = controller.status()
         with self._lock:
             self._view = replace(
-                self._view, firmware_version=controller.firmware_version, clocks_hz=controller.clocks_hz
+                self._view,
+                firmware_version=controller.firmware_version,
+                clocks_hz=controller.clocks_hz,
+                capabilities=capabilities_of(controller),
             )
         self._show(status)
         self._log("connected, firmware %s", controller.firmware_version)
@@ -539,8 +575,9 @@ class Device:
 
         self._change(shown)
 
-    def _trace(self, controller: Controller) -> Callable[[], Trace] | None:
-        heard = controller.listen()
+    def _trace(self, controller: TracesMoves) -> Callable[[], Trace] | None:
+        assert self._controller is not None
+        heard = self._controller.listen()
         if heard is not None:
             self._show(heard)
         return controller.trace

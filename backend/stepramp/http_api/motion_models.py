@@ -5,10 +5,9 @@ from typing import Annotated, Literal, Self
 
 from pydantic import BaseModel, Field, model_validator
 
-from stepramp.controllers.contract import Asked
+from stepramp.controllers.contract import Asked, Trace
 from stepramp.controllers.stepramp.messages import MOST_AXES
 from stepramp.controllers.stepramp.settings import AxisNumber, AxisNumbersAsGiven, AxisNumbersOrNull, ListOrNull
-from stepramp.controllers.stepramp.trace import Trace
 from stepramp.devices.leases import Lease
 from stepramp.devices.shuttle import Shuttle
 from stepramp.devices.soft_limits import Span

@@ -3,6 +3,7 @@
 
 import { element, icon, messageLine } from '../../dom.js';
 import { formatFixed } from '../../numbers.js';
+import { formatFigure, sizeText } from './figures.js';
 import { createPushReport } from './push_report.js';
 import { able } from './section.js';
 
@@ -76,7 +77,7 @@ export function createPushSection(handlers) {
         'div',
         { className: 'push-head' },
         element('b', { textContent: preview.same ? 'The device has this ramp' : 'A push would change' }),
-        element('span', { textContent: `${preview.segments} segments · ${formatFixed(preview.bytes)} bytes` }),
+        element('span', { textContent: sizeText(preview) }),
       ),
       ...(differing.length > 0 ? [changesTable(differing, axes)] : []),
       ...preview.warnings.map((text) => messageLine({ text, isWarning: true })),
@@ -146,9 +147,14 @@ function changeRow(item, isOfSeveral) {
       name,
       item.unit !== '' && !item.name.endsWith(item.unit) && element('small', { textContent: ` ${item.unit}` }),
     ),
-    element('td', { textContent: item.on_device ?? '–' }),
-    element('td', { className: 'coming', textContent: item.to_send ?? '–' }),
+    element('td', { textContent: figureText(item.on_device, item.unit) }),
+    element('td', { className: 'coming', textContent: figureText(item.to_send, item.unit) }),
   );
+}
+
+/** @param {number | null} value @param {string} unit */
+function figureText(value, unit) {
+  return value === null ? '–' : formatFigure(value, unit);
 }
 
 /** @param {string} id @param {string} className @param {() => void} onclick */

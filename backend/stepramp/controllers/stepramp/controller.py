@@ -5,17 +5,28 @@ from contextlib import contextmanager, suppress
 from dataclasses import replace
 from time import sleep
 
+from stepramp.controllers.capabilities import (
+    DrawsLines,
+    HasSettings,
+    RestoresRamps,
+    StoresRamps,
+    TracesMoves,
+    TriesRamps,
+    ZeroesGauges,
+)
 from stepramp.controllers.contract import (
     UNDER_WAY,
     Activity,
     AnswerUnknown,
     Asked,
     AxisStatus,
+    Controller,
     ControllerStatus,
     PushMode,
     PushPreview,
     PushReport,
     StoredRamp,
+    Trace,
 )
 from stepramp.controllers.progress import Tell
 from stepramp.controllers.stepramp.conversation import Conversation
@@ -54,12 +65,11 @@ from stepramp.controllers.stepramp.push import plan_push
 from stepramp.controllers.stepramp.ramp_image import BadRampImage, RampImage
 from stepramp.controllers.stepramp.settings import Settings
 from stepramp.controllers.stepramp.speed_limits import interval_ticks
-from stepramp.controllers.stepramp.trace import Trace
 from stepramp.controllers.stepramp.tracing import Tracing
 from stepramp.controllers.stepramp.transfer import Transfer
 from stepramp.design import Design
 from stepramp.errors import DeviceLost, Refused, Rejected
-from stepramp.link.serial_port import SerialPort
+from stepramp.link.connection import Connection
 from stepramp.units import speed_from_interval
 
 ACTIVITIES = {
@@ -69,11 +79,20 @@ ACTIVITIES = {
 }
 
 
-class StepRampController:
-    """A client of the protocol; see Controller for what its calls do."""
+class StepRampController(
+    Controller,
+    StoresRamps,
+    TriesRamps,
+    RestoresRamps,
+    HasSettings[Settings],
+    TracesMoves,
+    DrawsLines,
+    ZeroesGauges,
+):
+    """A client of the protocol; see Controller, and the capabilities, for what its calls do."""
 
     def __init__(
-        self, port: SerialPort, give_way: Callable[[float], None] = sleep, tell: Tell = lambda _: None
+        self, port: Connection, give_way: Callable[[float], None] = sleep, tell: Tell = lambda _: None
     ) -> None:
         """Talk over an open port.
 

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Collection, Mapping, Sequence
 from time import monotonic
 
+from stepramp.controllers.contract import Trace
 from stepramp.controllers.stepramp.conversation import Conversation
 from stepramp.controllers.stepramp.messages import (
     TRACE_OFF,
@@ -13,7 +14,7 @@ from stepramp.controllers.stepramp.messages import (
     TraceReply,
     TraceRequest,
 )
-from stepramp.controllers.stepramp.trace import Plan, Trace, TraceCollector
+from stepramp.controllers.stepramp.trace import Plan, TraceCollector
 from stepramp.ramp.line import steps_together
 from stepramp.ramp.playback.course import Ways
 
