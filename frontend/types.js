@@ -94,6 +94,9 @@
 /** A family of controllers.
  * @typedef {{name: string, title: string}} Family */
 
+/** What can be connected to.
+ * @typedef {{ports: Port[], families: Family[]}} Ports */
+
 /** What only some controllers can do.
  * @typedef {'keep' | 'try' | 'restore' | 'settings' | 'trace' | 'line' | 'zero'} Capability */
 

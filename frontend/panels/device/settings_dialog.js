@@ -52,11 +52,16 @@ export function createSettingsDialog(limit) {
   const limits = createLimitFields();
   const controls = SETTINGS.map(controlOf);
   const problem = element('div', { className: 'problem', role: 'alert' });
-  const dialog = createDialog(
-    { id: 'settings-dialog', title: 'Device settings', onSubmit: submitted },
+  const pins = element(
+    'div',
+    { id: 'pin-settings' },
     element('h3', { textContent: 'How the controller drives its pins' }),
     element('p', { className: 'reason', textContent: 'On trial until it is kept, in the Push section.' }),
     ...controls.map((control) => control.element),
+  );
+  const dialog = createDialog(
+    { id: 'settings-dialog', title: 'Device settings', onSubmit: submitted },
+    pins,
     element('h3', { textContent: 'Soft limits' }),
     element('p', {
       className: 'reason',
@@ -98,6 +103,17 @@ export function createSettingsDialog(limit) {
     }
   }
 
+  /** @param {Device} present */
+  async function showSettings(present) {
+    try {
+      const settings = await api.settings(present.id);
+      for (const control of controls) control.show(settings[control.name]);
+      before = JSON.stringify(entries());
+    } catch (error) {
+      showProblem(error);
+    }
+  }
+
   return {
     /** @param {Device} present @param {import('../../types.js').Situation} situation */
     async open(present, situation) {
@@ -105,14 +121,9 @@ export function createSettingsDialog(limit) {
       before = '';
       problem.replaceChildren();
       limits.show(present, situation);
-      try {
-        const settings = await api.settings(present.id);
-        for (const control of controls) control.show(settings[control.name]);
-        before = JSON.stringify(entries());
-      } catch (error) {
-        showProblem(error);
-      }
-      dialog.open(controls[0].first());
+      pins.hidden = !present.capabilities.includes('settings');
+      if (!pins.hidden) await showSettings(present);
+      dialog.open(pins.hidden ? limits.element.querySelector('input') : controls[0].first());
     },
   };
 }
