@@ -4,15 +4,14 @@ from typing import Annotated, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from stepramp.controllers.axes import MOST_AXES
 from stepramp.controllers.capabilities import CapabilityName
 from stepramp.controllers.contract import FigureUnit
 from stepramp.controllers.families import USUAL_FAMILY
 from stepramp.controllers.progress import PushStage
-from stepramp.controllers.stepramp.messages import MOST_AXES
-from stepramp.controllers.stepramp.settings import ListOrNull
 from stepramp.design import Design
 from stepramp.devices.view import DeviceState
-from stepramp.validation import Document, OneOf, Text, Within, refuse
+from stepramp.validation import Document, ListOrNull, OneOf, Text, Within, refuse
 
 
 class ConnectRequest(Document):

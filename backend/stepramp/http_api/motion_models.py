@@ -5,13 +5,12 @@ from typing import Annotated, Literal, Self
 
 from pydantic import BaseModel, Field, model_validator
 
+from stepramp.controllers.axes import MOST_AXES, AxisNumber, AxisNumbersAsGiven, AxisNumbersOrNull
 from stepramp.controllers.contract import Asked, Trace
-from stepramp.controllers.stepramp.messages import MOST_AXES
-from stepramp.controllers.stepramp.settings import AxisNumber, AxisNumbersAsGiven, AxisNumbersOrNull, ListOrNull
 from stepramp.devices.leases import Lease
 from stepramp.devices.shuttle import Shuttle
 from stepramp.devices.soft_limits import Span
-from stepramp.validation import Document, ListOf, OneOf, Within, refuse
+from stepramp.validation import Document, ListOf, ListOrNull, OneOf, Within, refuse
 
 Steps = Annotated[int, Within(-(2**31), 2**31 - 1, "steps")]
 Speed = Annotated[float, Within(-1_000_000, 1_000_000, "steps/s")]
