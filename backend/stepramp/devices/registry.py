@@ -2,14 +2,14 @@
 
 import logging
 import threading
-from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 
 from stepramp.controllers.families import FAMILIES, USUAL_FAMILY, Family, offer_virtual_controller
 from stepramp.devices.device import Device
 from stepramp.devices.owed_stops import OwedStops
+from stepramp.devices.pages import Pages
 from stepramp.devices.reconnect import Returning
 from stepramp.devices.stops import Order, Stops
 from stepramp.devices.view import DeviceState, DeviceView
@@ -44,7 +44,7 @@ class Devices:
         # and axes that may be elsewhere than they count.
         self._let_go: dict[object, DeviceView] = {}
         self._listeners: list[Listener] = []
-        self._pages: Counter[str] = Counter()
+        self._pages = Pages(self._leave_control)
         self._last_id = 0
         self._has_ended = False
         self._returning = Returning(self._lost)
@@ -72,7 +72,7 @@ class Devices:
         it is gone.
         """
         device = self.get(device_id)
-        if page is not None and self._is_there(page):
+        if page is not None and self._pages.is_there(page):
             device.take_control(page)
         elif page is not None:
             device.refuse_others(page)
@@ -81,28 +81,14 @@ class Devices:
     def take_over(self, device_id: str, page: str) -> Device:
         """Put a page in control of a device, whichever was before; Refused when the page doesn't listen."""
         device = self.get(device_id)
-        if not self._is_there(page):
+        if not self._pages.is_there(page):
             raise Refused("Only a page that listens to the devices' events can be in control of one.")
         device.take_control(page, over=True)
         return device
 
-    @contextmanager
-    def present(self, page: str | None) -> Iterator[None]:
+    def present(self, page: str | None) -> AbstractContextManager[None]:
         """Note that a page is there and listens; once it is gone, it is in control of nothing."""
-        if page is None:
-            yield
-            return
-        with self._lock:
-            self._pages[page] += 1
-        try:
-            yield
-        finally:
-            with self._lock:
-                self._pages[page] -= 1
-                self._pages += Counter()  # Only those above zero stay.
-            if not self._is_there(page):
-                for device in self._all():
-                    device.leave_control(page)
+        return nullcontext() if page is None else self._pages.present(page)
 
     def connect(self, port: str, family: str = USUAL_FAMILY) -> Device:
         """Return the device at a port, connected: the one that is there already, by whatever name, or a new one.
@@ -204,9 +190,9 @@ class Devices:
     def _lost(self) -> list[Device]:
         return [device for device in self._all() if device.view.state is DeviceState.LOST]
 
-    def _is_there(self, page: str) -> bool:
-        with self._lock:
-            return self._pages[page] > 0
+    def _leave_control(self, page: str) -> None:
+        for device in self._all():
+            device.leave_control(page)
 
     def _at(self, port: str, family: Family) -> tuple[Device, bool]:
         # Without the lock: this may take a while, as does listing the machine's ports, and a stop must not wait for it.

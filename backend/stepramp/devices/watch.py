@@ -38,14 +38,13 @@ class Watch:
         return LISTEN_S if view.state in UNDER_WAY or view.shuttle else IDLE_POLL_S
 
     def look(self) -> None:
-        """Ask or listen to the controller, if that is due."""
+        """Listen to the controller, or ask it, if that is due."""
         view = self._view.now
         under_way = view.state in UNDER_WAY
-        if self.is_view_old or (under_way and monotonic() - self._asked_s > HEARTBEAT_S):
-            self.refresh()
-        elif under_way and self.listen():
-            return
-        elif monotonic() - view.heard_s > (SILENCE_S if under_way else IDLE_POLL_S):
+        is_due = self.is_view_old or (under_way and monotonic() - self._asked_s > HEARTBEAT_S)
+        if not is_due and not (under_way and self.listen()):
+            is_due = monotonic() - view.heard_s > (SILENCE_S if under_way else IDLE_POLL_S)
+        if is_due:
             self.refresh()
 
     def listen(self) -> bool:

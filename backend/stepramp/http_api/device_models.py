@@ -7,7 +7,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 from stepramp.controllers.axes import MOST_AXES
 from stepramp.controllers.capabilities import CapabilityName
 from stepramp.controllers.contract import FigureUnit
-from stepramp.controllers.families import USUAL_FAMILY
+from stepramp.controllers.families import FAMILIES, USUAL_FAMILY
 from stepramp.controllers.progress import PushStage
 from stepramp.design import Design
 from stepramp.devices.view import DeviceState
@@ -24,6 +24,7 @@ class ConnectRequest(Document):
         USUAL_FAMILY,
         description="Which family of controllers the one at the port is of, by its name, as `GET /ports` tells. It is "
         "never guessed: what is a greeting to one may set the motor of another moving",
+        json_schema_extra={"enum": list(FAMILIES)},
     )
 
 
