@@ -245,6 +245,7 @@ def test_settings(client: TestClient, device: str) -> None:
         ({"step_inverted": None}, "step_inverted"),
         ({"enable_level": True}, "enable_level"),
         ({"pulse": 1}, "pulse"),
+        ({"name": 1}, "name"),
     ],
 )
 def test_settings_that_cant_be(client: TestClient, device: str, body: dict[str, Any], field: str) -> None:

@@ -8,10 +8,13 @@ from fastapi import APIRouter
 from pydantic import ConfigDict, GetJsonSchemaHandler, model_validator
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema
+from starlette.responses import Response
 
 from stepramp.controllers.families import FAMILIES
+from stepramp.errors import Rejected
 from stepramp.http_api.bodies import JsonRoute
 from stepramp.http_api.device_registry import Acting, Registry
+from stepramp.http_api.errors import error_response
 from stepramp.http_api.lanes import ACTING
 from stepramp.validation import Document
 
@@ -45,7 +48,12 @@ def settings(device_id: str, devices: Registry) -> Document:
 
 @router.put("/devices/{device_id}/settings", response_model=ANSWERED)
 @ACTING.serves
-def use_settings(request: AnySettings, device: Acting) -> Document:
+def use_settings(request: AnySettings, device: Acting) -> Document | Response:
     """Use other settings, what isn't given being the default; they are on trial until they are kept."""
-    device.use_settings(device.settings_model.checked(request.model_extra))
+    model = device.settings_model
+    try:
+        wanted = model.checked(request.model_extra)
+    except Rejected as error:
+        return error_response(error)  # Whatever the fields are called, they are none of a design.
+    device.use_settings(wanted)
     return device.settings()
