@@ -166,11 +166,11 @@ export const api = {
   /** @param {object} play table, range_steps and targets @returns {Promise<import('./types.js').PlayedTable>} */
   playTable: (play) => request('POST', 'table/play', play),
 
-  /** @returns {Promise<{ports: import('./types.js').Port[]}>} */
+  /** @returns {Promise<import('./types.js').Ports>} */
   ports: () => request('GET', 'ports'),
 
-  /** @param {string} port @returns {Promise<Device>} */
-  connect: (port) => request('POST', 'devices', { port }),
+  /** @param {string} port @param {string} family @returns {Promise<Device>} */
+  connect: (port, family) => request('POST', 'devices', { port, family }),
 
   /** @param {string} id */
   disconnect: (id) => request('DELETE', device(id)),

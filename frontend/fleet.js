@@ -11,7 +11,6 @@ import { createFollower, isEndless, measuredFrom } from './traces.js';
 /** @typedef {import('./types.js').Design} Design */
 /** @typedef {import('./types.js').Device} Device */
 /** @typedef {import('./types.js').Link} Link */
-/** @typedef {import('./types.js').Port} Port */
 /** @typedef {import('./types.js').Preview} Preview */
 /** @typedef {import('./types.js').Pushed} Pushed */
 /** @typedef {import('./types.js').Rejection} Rejection */
@@ -43,7 +42,7 @@ function rejectionsOf(error) {
 }
 
 /**
- * @param {{onChange: () => void, onPorts: (ports: Port[]) => void, onRejected: (rejections: Rejection[]) => void,
+ * @param {{onChange: () => void, onPorts: (known: import('./types.js').Ports) => void, onRejected: (rejections: Rejection[]) => void,
  *   onMeasured: (measured: import('./types.js').Measured | null) => void,
  *   say: (text: string) => void, onLink: (link: Link) => void}} handlers
  */
@@ -220,9 +219,9 @@ export function createFleet({ onChange, onPorts, onRejected, onMeasured, say, on
     /** What is known of the running or last move of an axis.
      * @param {Device | null} device @param {number} axis */
     samples: (device, axis) => (device ? follower.samples(device.id, axis) : null),
-    refreshPorts: () => request('ports', async () => onPorts((await api.ports()).ports)),
-    /** @param {string} port */
-    connect: (port) => request('connect', () => api.connect(port)),
+    refreshPorts: () => request('ports', async () => onPorts(await api.ports())),
+    /** @param {string} port @param {string} family the name of that of the controller there */
+    connect: (port, family) => request('connect', () => api.connect(port, family)),
     /** @param {Device} device */
     disconnect: (device) => request('disconnect', () => api.disconnect(device.id)),
     /** @param {Device} device */
@@ -251,7 +250,7 @@ export function createFleet({ onChange, onPorts, onRejected, onMeasured, say, on
     go(device, axis, what, body) {
       const gesture = gestures.begin(device);
       return request(what, async () => {
-        if (isTracing && device.state === 'ready') {
+        if (isTracing && device.capabilities.includes('trace') && device.state === 'ready') {
           await api.traceMoves(device.id, axis, gesture);
           traced.add(device.id);
         }

@@ -130,7 +130,7 @@ const fleet = createFleet({
     outOfReach.follow(fleet.devices());
     showDevices();
   },
-  onPorts: (ports) => devicePanel.showPorts(ports),
+  onPorts: (known) => devicePanel.showPorts(known),
   onRejected: (list) => devicePanel.showRejections(list),
   onMeasured: (measured) => plots.showMeasured(measured),
   say: announce,

@@ -104,18 +104,28 @@
 
 /** @typedef {{port: string, name: string, virtual: boolean}} Port */
 
-/** @typedef {{name: string, unit: string, requested: string, sent: string, read_back: string}} PushItem */
+/** A family of controllers.
+ * @typedef {{name: string, title: string}} Family */
 
-/** @typedef {{items: PushItem[], verified: boolean, segments: number, bytes: number, largest_deviation_us: number,
+/** What can be connected to.
+ * @typedef {{ports: Port[], families: Family[]}} Ports */
+
+/** What only some controllers can do.
+ * @typedef {'keep' | 'try' | 'restore' | 'settings' | 'trace' | 'line' | 'zero'} Capability */
+
+/** read_back: null when that makes no sense.
+ * @typedef {{name: string, unit: string, requested: number, sent: number, read_back: number | null}} PushItem */
+
+/** @typedef {{items: PushItem[], verified: boolean, segments: number | null, bytes: number, largest_deviation_us: number,
  *   sequence: number, warnings: string[]}} Push */
 
 /** What is pushed: a design for one axis, or those of all.
  * @typedef {{mode?: 'keep' | 'try'} & ({design: Design, to_axis: number} | {axes: Design[]})} Pushed */
 
-/** @typedef {{name: string, unit: string, on_device: string | null, to_send: string | null, differs: boolean,
+/** @typedef {{name: string, unit: string, on_device: number | null, to_send: number | null, differs: boolean,
  *   axis: number | null}} PreviewItem */
 
-/** @typedef {{items: PreviewItem[], same: boolean, segments: number, bytes: number, largest_deviation_us: number,
+/** @typedef {{items: PreviewItem[], same: boolean, segments: number | null, bytes: number, largest_deviation_us: number,
  *   warnings: string[]}} Preview */
 
 /** @typedef {{stage: 'planning' | 'sending' | 'checking' | 'storing' | 'reading_back', bytes_done: number,
@@ -164,14 +174,16 @@
  * @property {string} id
  * @property {string} port
  * @property {string} name
+ * @property {string} family               the name of that of its controller
+ * @property {Capability[]} capabilities   what it can do besides what all can
  * @property {'connecting' | 'ready' | 'moving' | 'stopping' | 'writing' | 'lost'} state
  * @property {string | null} message
  * @property {number} position_steps
  * @property {number} target_steps
  * @property {number} speed_steps_per_s
- * @property {number} timer_hz
+ * @property {number | null} timer_hz      null until it is connected, and without a step timer
  * @property {string} firmware_version
- * @property {{sequence: number, crc: number} | null} ramp
+ * @property {{sequence: number, crc: number | null} | null} ramp
  * @property {Push | null} pushed */
 
 /** Why the curves belong to earlier values; null: they don't.

@@ -148,6 +148,13 @@ class ListOf(_Allowance):
         return value
 
 
+class ListOrNull(ListOf):
+    """A list of things described in words, or null."""
+
+    def _check(self, value: object) -> object:
+        return None if value is None else super()._check(value)
+
+
 @dataclass
 class Text(_Allowance):
     """A text of up to `longest` characters."""

@@ -20,7 +20,7 @@ from stepramp.controllers.stepramp.messages.report import ReportRequest
 from stepramp.controllers.stepramp.messages.status import AxisState, StatusRequest
 from stepramp.controllers.stepramp.settings import Settings
 from stepramp.controllers.virtual.controller import VirtualController
-from stepramp.devices import device as device_module
+from stepramp.devices import control
 from stepramp.devices import registry as devices_module
 from stepramp.devices.device import Device
 from stepramp.devices.leases import JOG_S, Lease
@@ -278,7 +278,7 @@ def test_a_move_that_waits_behind_a_push_does_not_begin_after_a_stop(devices: De
         pushing = pool.submit(device.push, [design()])
         wait_for(device, DeviceState.WRITING)
         moving = pool.submit(device.move_by, by(LONG_MOVE))
-        while not device._worker._waiting:
+        while not device._attachment._contact.worker._waiting:
             time.sleep(0.001)
         device.stop().result(PATIENCE_S)
         with pytest.raises(Refused, match="A stop came first"):
@@ -525,7 +525,7 @@ def test_a_run_goes_on_for_as_long_as_its_lease_holds(devices: Devices, port: st
 def test_only_one_of_two_pages_wins_control(devices: Devices, port: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """The second asks exactly between the first one's look whether the device is free and its taking it."""
     device = devices.connect(port)
-    refuse_others, won = device_module._refuse_others, []
+    refuse_others, won = control._refuse_others, []
 
     def take(page: str) -> None:
         with suppress(Refused):
@@ -540,7 +540,7 @@ def test_only_one_of_two_pages_wins_control(devices: Devices, port: str, monkeyp
             second.start()
             second.join(0.2)
 
-    monkeypatch.setattr(device_module, "_refuse_others", look)
+    monkeypatch.setattr(control, "_refuse_others", look)
     take("one")
     second.join(PATIENCE_S)
     assert (won, device.view.in_control) == (["one"], "one")

@@ -34,7 +34,7 @@ def test_connects_pushes_moves_and_stops_are_told(device: Device, caplog: pytest
     with pytest.raises(Rejected):
         device.move_by([Asked(3, 5, "by_steps")])
     device.halt().result()
-    lines = told(caplog, logging.INFO, "stepramp.devices.device")
+    lines = told(caplog, logging.INFO, "stepramp.devices.live_view")
     where = f"Device 1 at {device.view.port}: "
     assert all(line.startswith(where) for line in lines)
     said = [line.removeprefix(where) for line in lines]

@@ -38,10 +38,10 @@ from stepramp.controllers.stepramp.messages.settings import ReadSettingsRequest
 from stepramp.controllers.stepramp.messages.status import StatusRequest
 from stepramp.controllers.stepramp.settings import Settings
 from stepramp.controllers.virtual.controller import VirtualController
-from stepramp.devices import device as device_module
-from stepramp.devices import limit_checks
+from stepramp.devices import attachment, limit_checks, watch
 from stepramp.devices import registry as devices_module
-from stepramp.devices.device import Device, SendPush
+from stepramp.devices.attachment import Attachment
+from stepramp.devices.device import Device
 from stepramp.devices.leases import Lease
 from stepramp.devices.owed_stops import OwedStops
 from stepramp.devices.registry import Devices
@@ -49,6 +49,8 @@ from stepramp.devices.shuttle import Shuttle
 from stepramp.devices.soft_limits import FREE, Span
 from stepramp.devices.stops import Order
 from stepramp.devices.view import DeviceState
+from stepramp.devices.watch import Watch
+from stepramp.devices.writing import SendPush
 from stepramp.errors import DeviceLost, Refused, Rejected, StepRampError
 from stepramp.link import protocol_sim
 from stepramp.link.ports import Port
@@ -62,7 +64,7 @@ MOTIONS = {each.KIND for each in (MoveByRequest, MoveToRequest, RunRequest, Line
 STOPS = {StopRequest.KIND, HaltRequest.KIND}
 ANSWERED = "the stop was answered"
 MOST_PLACES = 400
-POLL = Device._poll
+POLL = Attachment.poll
 
 
 class Witness:
@@ -156,6 +158,14 @@ class Bench:
     places: Places
     answered_s: float = 0.0
 
+    @property
+    def worker(self) -> Worker:
+        return worker_of(self.device)
+
+    @property
+    def watch(self) -> Watch:
+        return self.device._attachment._watch
+
     def settle(self) -> None:
         """Let whatever moves come to rest, and see it."""
         self.clock.now_s += 10_000.0
@@ -163,11 +173,11 @@ class Bench:
         assert self.device.view.state is DeviceState.READY
 
     def look(self) -> None:
-        self.device._worker.call(self.device._refresh)
+        self.worker.call(self.watch.refresh)
 
     def poll(self) -> None:
-        self.device._is_view_old = True
-        self.device._worker.call(lambda: POLL(self.device))
+        self.watch.is_view_old = True
+        self.worker.call(lambda: POLL(self.device._attachment))
 
     def reset(self) -> None:
         self.places.chosen = None
@@ -190,11 +200,17 @@ def bench(clock: Clock, places: Places, plug_in: Callable, monkeypatch: pytest.M
     monkeypatch.setattr(protocol_sim, "LISTEN_S", 0.0005)
     devices, witness = Devices(), Witness(clock)
     # Nothing is asked of the controller but what the test asks for.
-    monkeypatch.setattr(Device, "_poll", lambda _: 60.0)
+    monkeypatch.setattr(Attachment, "poll", lambda _: 60.0)
     device = devices.connect(plug_in(witness))
     push(device, clock)
     yield Bench(devices, device, witness, clock, places)
     devices.close()
+
+
+def worker_of(device: Device) -> Worker:
+    worker = device._attachment._contact.worker
+    assert worker is not None
+    return worker
 
 
 def push(device: Device, clock: Clock) -> None:
@@ -313,7 +329,7 @@ def judge(bench: Bench) -> None:
 
 def see_that_the_newest_is_shown(bench: Bench) -> None:
     """What was asked before a stop and told after it isn't shown as new, as long as the motors' clock stands still."""
-    if bench.clock.now_s == bench.answered_s and not bench.device._is_view_old:
+    if bench.clock.now_s == bench.answered_s and not bench.watch.is_view_old:
         shown = bench.device.view.axes
         bench.look()
         assert bench.device.view.axes == shown
@@ -487,12 +503,12 @@ def held(bench: Bench, *calls: Callable[[], object]) -> list[Future[object]]:
     """Let calls wait for the port's thread, one after the other, and return what comes of them."""
     with ThreadPoolExecutor(1 + len(calls)) as pool:
         begun, go_on = threading.Event(), threading.Event()
-        pool.submit(bench.device._worker.call, lambda: (begun.set(), go_on.wait(PATIENCE_S)))
+        pool.submit(bench.worker.call, lambda: (begun.set(), go_on.wait(PATIENCE_S)))
         assert begun.wait(PATIENCE_S)
         results = []
         for count, call in enumerate(calls, 1):
             results.append(pool.submit(call))
-            while len(bench.device._worker._waiting) < count and not results[-1].done():
+            while len(bench.worker._waiting) < count and not results[-1].done():
                 time.sleep(0.001)
         go_on.set()
     return results
@@ -510,7 +526,7 @@ def test_limits_that_were_answered_hold_for_a_zero_that_was_asked_before(bench: 
 
 def test_a_run_keeps_to_soft_limits_while_answers_are_lost(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
     """Whatever is asked just then, and is answered only after the third repeat: the run is looked after meanwhile."""
-    for module in (device_module, limit_checks):
+    for module in (watch, limit_checks):
         monkeypatch.setattr(module, "monotonic", bench.clock)
     reached = []
     for polls in range(20, 90, 5):
@@ -595,7 +611,7 @@ def test_a_stop_of_an_axis_that_is_not_there_stops_all_and_says_so(bench: Bench)
     bench.clock.now_s += 0.1
     bench.device.stop([3]).result(PATIENCE_S)
     assert [axis.state for axis in bench.device.view.axes] == [DeviceState.STOPPING] * 2
-    assert bench.device._leases.speeds == {}
+    assert bench.device._runs._leases.speeds == {}
 
 
 def test_a_stop_tells_no_target_that_is_not_reached(bench: Bench) -> None:
@@ -692,7 +708,7 @@ def test_a_stop_that_finds_the_connection_gone_is_owed(
     board.kind = StopRequest.KIND if stop == "stop" else HaltRequest.KIND
     with ThreadPoolExecutor(1) as pool:
         begun, held = threading.Event(), threading.Event()
-        busy = pool.submit(device._worker.call, lambda: (begun.set(), held.wait(PATIENCE_S)))
+        busy = pool.submit(worker_of(device).call, lambda: (begun.set(), held.wait(PATIENCE_S)))
         assert begun.wait(PATIENCE_S)
         stopped = [getattr(device, stop)() for _ in range(2)]
         held.set()
@@ -884,7 +900,7 @@ def test_limits_go_with_what_has_a_serial_number(
     def known(port: str) -> Port:
         return Port(port, port, usb=(0x2341, 0x0043, numbered[port]))
 
-    for module in (devices_module, device_module):
+    for module in (devices_module, attachment):
         monkeypatch.setattr(module, "known_port", known)
     first, second = plug_in(VirtualController(clock)), plug_in(VirtualController(clock))
     numbered |= {first: "A1", second: "B2"}
@@ -917,7 +933,7 @@ def test_a_push_that_was_planned_for_a_lost_connection_is_not_sent_over_the_next
 
     with pytest.raises(Refused, match="connected again in the meantime"):
         device.push([design()], planned=across_a_loss)
-    device._worker.call(device._refresh)
+    worker_of(device).call(device._attachment._watch.refresh)
     assert (device.view.state, len(device.view.axes)) == (DeviceState.READY, 2)
     devices.close()
 
@@ -938,7 +954,7 @@ def test_a_stop_in_the_last_moment_of_connecting_is_carried_out(clock: Clock, pl
     late = Late(clock)
     VirtualController.opened(late.controller)
     device = devices.connect(plug_in(late))
-    device._worker.call(lambda: None)
+    worker_of(device).call(lambda: None)
     assert asked
     assert StopRequest.KIND in late.seen
     devices.close()

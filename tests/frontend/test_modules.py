@@ -221,3 +221,20 @@ def test_a_range_is_kept_within_the_move(modules: Modules) -> None:
              ([100, 200], 100, None), (None, 100, None), ([5, 90], None, None)]  # fmt: skip
     for wanted, steps, expected in cases:
         assert modules.call("calculation.js", "rangeWithin", wanted, steps) == expected
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "text"),
+    [
+        (1000, "µs", "1,000.0"),
+        (14_142.1356, "µs", "14,142.1356"),
+        (62.5, "µs", "62.5"),
+        (2_000_000, "Hz", "2,000,000"),
+        (312.5, "steps/s", "312.5"),
+        (1200, "steps", "1,200"),
+        (2, "", "2"),
+        (0x0A3F, "CRC-16", "0x0A3F"),
+    ],
+)
+def test_the_figures_of_a_push_are_written_in_their_units(modules: Modules, value: float, unit: str, text: str) -> None:
+    assert modules.call("panels/device/figures.js", "formatFigure", value, unit) == text

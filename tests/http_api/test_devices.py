@@ -16,9 +16,9 @@ DEVICES = "/api/v1/devices"
 LOCAL = {"host": "127.0.0.1:8000"}
 PATIENCE_S = 10.0
 DEVICE_FIELDS = {
-    "id", "port", "name", "state", "message", "position_steps", "target_steps", "speed_steps_per_s", "axes", "timer_hz",
-    "clocks_hz", "firmware_version", "ramp", "on_trial", "motors_on", "starved", "pushed", "progress", "shuttle",
-    "unknown_positions", "in_control", "stops", "heard_s",
+    "id", "port", "name", "family", "capabilities", "state", "message", "position_steps", "target_steps",
+    "speed_steps_per_s", "axes", "timer_hz", "clocks_hz", "firmware_version", "ramp", "on_trial",
+    "motors_on", "starved", "pushed", "progress", "shuttle", "unknown_positions", "in_control", "stops", "heard_s",
 }  # fmt: skip
 AXIS_FIELDS = {
     "axis", "state", "position_steps", "target_steps", "speed_steps_per_s", "steps_made", "lowest_steps",
@@ -82,6 +82,8 @@ def test_connecting(client: TestClient, port: str) -> None:
     assert (device["id"], device["port"], device["state"], device["timer_hz"]) == ("1", port, "ready", 2_000_000)
     assert (device["ramp"], device["pushed"], device["message"]) == (None, None, None)
     assert (device["clocks_hz"], device["on_trial"]) == ([16_000_000, 2_000_000], False)
+    assert device["family"] == "stepramp"
+    assert set(device["capabilities"]) == {"keep", "try", "restore", "settings", "trace", "line", "zero"}
     [axis] = device["axes"]
     assert set(axis) == AXIS_FIELDS
     assert client.post(DEVICES, json={"port": port}).json() == device
@@ -98,7 +100,7 @@ def test_pushing(client: TestClient, port: str) -> None:
     client.post(DEVICES, json={"port": port})
     push = client.post(f"{DEVICES}/1/push", json={"design": document()}).json()
     assert push["verified"] is True
-    figures = {"requested": "1,000.0", "sent": "1,000.0", "read_back": "1,000.0"}
+    figures = {"requested": 1000.0, "sent": 1000.0, "read_back": 1000.0}
     assert {"name": "Slew interval", "unit": "µs", "axis": 0, **figures} in push["items"]
     assert (push["largest_deviation_us"], push["sequence"], push["warnings"]) == (0.0, 1, [])
     assert push["kept"] is True
@@ -243,6 +245,7 @@ def test_settings(client: TestClient, device: str) -> None:
         ({"step_inverted": None}, "step_inverted"),
         ({"enable_level": True}, "enable_level"),
         ({"pulse": 1}, "pulse"),
+        ({"name": 1}, "name"),
     ],
 )
 def test_settings_that_cant_be(client: TestClient, device: str, body: dict[str, Any], field: str) -> None:

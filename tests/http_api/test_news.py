@@ -30,7 +30,7 @@ class FakeDevices:
         mistake, self.mistake = self.mistake, None
         if mistake is not None:
             raise mistake
-        return [DeviceView("1", "sim://", name) for name in self.names]
+        return [DeviceView("1", "sim://", name, "stepramp") for name in self.names]
 
     @contextmanager
     def listening(self, listener: Any) -> Iterator[None]:

@@ -1,14 +1,16 @@
-"""What every family of controllers can do, whatever it speaks."""
+"""What every family of controllers can do, whatever it speaks. What only some can, capabilities.py says."""
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Literal, Protocol
 
-from stepramp.controllers.stepramp.settings import Settings
-from stepramp.controllers.stepramp.trace import Trace
+import numpy as np
+from numpy.typing import NDArray
+
 from stepramp.design import Design
 from stepramp.errors import Refused
+from stepramp.units import us_from_ticks
 
 PushMode = Literal["keep", "try"]
 
@@ -27,10 +29,12 @@ UNDER_WAY = (Activity.MOVING, Activity.STOPPING)
 
 @dataclass(frozen=True)
 class StoredRamp:
-    """Which ramps a controller has: the how-many-th that were stored, and their image's CRC-16."""
+    """Which ramps a controller has."""
 
     sequence: int
-    crc: int
+    """The how-many-th that were stored; 0: they are only on trial."""
+    crc: int | None = None
+    """CRC-16 of their image; None for a controller that has no image of them."""
 
 
 @dataclass(frozen=True)
@@ -57,19 +61,24 @@ class ControllerStatus:
     on_trial: bool
     """Ramps or settings are in use that are not stored."""
     motors_on: bool
-    starved: int
-    """How often a motor's next step was not known in time since the controller started; 0 when all is well."""
+    starved: int | None = None
+    """How often a motor's next step was not known in time since the controller started; None: it doesn't count that."""
+
+
+FigureUnit = Literal["", "steps", "steps/s", "steps/s²", "µs", "Hz", "CRC-16"]
+"""Of the figures of a push; "" for a mere number."""
 
 
 @dataclass(frozen=True)
 class PushItem:
-    """One figure of a push on its way: asked for by the design, sent, and read back from the controller."""
+    """One figure of a push on its way [unit]: asked for by the design, sent, and read back from the controller."""
 
     name: str
-    unit: str
-    requested: str
-    sent: str
-    read_back: str
+    unit: FigureUnit
+    requested: float
+    sent: float
+    read_back: float | None
+    """None: what was read back makes no sense."""
     axis: int | None
     """Whose it is; None: all axes'."""
 
@@ -81,12 +90,14 @@ class PushReport:
     items: tuple[PushItem, ...]
     verified: bool
     """What was read back is what was sent, byte for byte."""
-    segments: int
+    segments: int | None
+    """None for a controller that takes no segments."""
     bytes: int
     """Length of what the controller was sent [bytes]."""
     largest_deviation_us: float
     """Largest difference between an interval of a design's ramp and the controller's [µs]."""
     sequence: int
+    """How often the controller has stored ramps so far; 0 when it never does."""
     kept: bool
     """Stored; otherwise on trial."""
     warnings: tuple[str, ...]
@@ -94,13 +105,13 @@ class PushReport:
 
 @dataclass(frozen=True)
 class PreviewItem:
-    """One figure that a push would bring: as the controller has it now, and as it would be."""
+    """One figure that a push would bring [unit]: as the controller has it now, and as it would be."""
 
     name: str
-    unit: str
-    on_device: str | None
+    unit: FigureUnit
+    on_device: float | None
     """None: the controller has no such figure."""
-    to_send: str | None
+    to_send: float | None
     """None: it would have none any more."""
     axis: int | None
     """Whose it is; None: all axes'."""
@@ -118,11 +129,37 @@ class PushPreview:
     items: tuple[PreviewItem, ...]
     same: bool
     """The controller has exactly these ramps already."""
-    segments: int
+    segments: int | None
+    """None for a controller that takes no segments."""
     bytes: int
     """Length of what the controller would be sent [bytes]."""
     largest_deviation_us: float
     warnings: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Trace:
+    """The instants of every k-th step of a move. Arrays of shape (n,)."""
+
+    axis: int
+    every_steps: int
+    timer_hz: int
+    complete: bool
+    """The move has ended, and all that there is of it is here."""
+    changed: bool
+    """The move was changed on its way; what came after that is left out, since no plan is known for it."""
+    step: NDArray[np.int64]
+    """Which steps, counted from 1. Steps that the port could not carry are left out."""
+    planned_ticks: NDArray[np.int64]
+    """When they were to be made, from the first step on [ticks]."""
+    measured_ticks: NDArray[np.int64]
+    """When they were made, from the first step on [ticks]."""
+
+    @property
+    def deviation_us(self) -> NDArray[np.float64]:
+        """How much later than planned they were made [µs], shape (n,)."""
+        late = (self.measured_ticks - self.planned_ticks).astype(np.float64)
+        return late * np.float64(us_from_ticks(1, self.timer_hz))
 
 
 @dataclass(frozen=True)
@@ -139,27 +176,26 @@ class AnswerUnknown(Refused):
 
 
 class Controller(Protocol):
-    """A controller at an open port. All calls raise DeviceLost when it no longer answers.
+    """A controller at an open port: what every family can do. All calls raise DeviceLost when it no longer answers.
 
     Calls that ask something of axes raise Rejected when a value leads too far or too fast, or there is no such axis,
     and Refused when it can't be done now. Not for two threads at once: the port's worker makes all calls.
     """
 
     @property
-    def clocks_hz(self) -> tuple[int, int]:
-        """The step timer's fast and slow clock [Hz]; known once connected."""
+    def clocks_hz(self) -> tuple[int, ...]:
+        """Clocks that a design's timer may have [Hz], fastest first, known once connected; () for no step timer."""
 
     @property
-    def timer_hz(self) -> int:
-        """Ticks a second of the clock that the ramps in use are played with [Hz]; without any, of the slow one."""
+    def timer_hz(self) -> int | None:
+        """Ticks a second of the clock that the ramps in use are played with [Hz], without any of the slowest one.
+
+        None for a controller without a step timer.
+        """
 
     @property
     def firmware_version(self) -> str:
         """Version of the firmware, such as 0.2.0; known once connected."""
-
-    @property
-    def trace(self) -> Callable[[], Trace] | None:
-        """What works out the trace of the last move that was traced, in any thread; None before there was one."""
 
     def connect(self, greeted: Callable[[], None] = lambda: None) -> None:
         """Shake hands with a controller that may just have been reset; Refused when it is of another kind.
@@ -182,7 +218,7 @@ class Controller(Protocol):
         """Work out what using the designs' ramps takes, and return the call that sends them and reads them back.
 
         first_axis: of the only design; the other axes keep their ramps. None: the designs are those of all axes.
-        mode: keep stores the ramps; try uses them until a roll back or a reset.
+        mode: keep stores the ramps, for a StoresRamps; try uses them until a roll back or a reset, for a TriesRamps.
 
         This may take a while and doesn't use the port: for any thread, so that the port's stays free for a stop.
         Raises Rejected when the controller can't play a ramp. The call raises Refused when it can't take them now.
@@ -190,21 +226,6 @@ class Controller(Protocol):
 
     def preview_push(self, designs: Sequence[Design], first_axis: int | None = None) -> PushPreview:
         """Return what a push of the same would change, without the port: for any thread. Raises as prepare_push."""
-
-    def keep(self) -> None:
-        """Store the ramps and settings in use."""
-
-    def roll_back(self) -> None:
-        """Use the stored ramps and settings again; Refused when nothing else is in use."""
-
-    def restore(self) -> None:
-        """Make the ramps and settings that were stored before the stored ones; Refused when there are none."""
-
-    def settings(self) -> Settings:
-        """Ask for the settings in use."""
-
-    def use_settings(self, settings: Settings) -> None:
-        """Use other settings until a roll back or a reset."""
 
     def move_by(self, steps: Sequence[Asked]) -> None:
         """Begin to move axes by so many steps, from where they would come to rest."""
@@ -215,18 +236,8 @@ class Controller(Protocol):
     def run(self, speeds: Sequence[Asked]) -> None:
         """Run axes at speeds, negative for backwards [steps/s]; 0 stops."""
 
-    def line(self, steps: Sequence[Asked], ramp_axis: int | None = None) -> None:
-        """Begin to move axes along a straight line.
-
-        ramp_axis: whose ramp the axis with most steps plays; None: that of the slowest axis, so that none is faster
-        than on its own.
-        """
-
     def set_position(self, positions: Sequence[Asked]) -> None:
         """Call the places where axes are these positions [steps]."""
-
-    def zero(self, axes: Collection[int], steps: int) -> None:
-        """Call the places where axes are so many steps and move them to 0, as gauges find their stop."""
 
     def stop(self, axes: Collection[int] | None = None) -> None:
         """Begin to slow down with the ramp: these axes, or all, also when one of them has no ramp."""
@@ -236,12 +247,6 @@ class Controller(Protocol):
 
     def steps_to_rest(self, axis: int, speed_steps_per_s: float) -> int:
         """Return how many steps an axis takes to slow down from a speed [steps/s], without the port."""
-
-    def trace_moves(self, axis: int | None, every_steps: int) -> int:
-        """Trace every so many-th step of each move of an axis from now on, and return that number; None: no more.
-
-        every_steps: at least; it becomes so many that the port can carry them.
-        """
 
 
 def values_of(asked: Sequence[Asked]) -> Mapping[int, float]:

@@ -2,18 +2,18 @@
 
 import logging
 import threading
-from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 
-from stepramp.controllers.families import FAMILIES, offer_virtual_controller
+from stepramp.controllers.families import FAMILIES, USUAL_FAMILY, Family, offer_virtual_controller
 from stepramp.devices.device import Device
 from stepramp.devices.owed_stops import OwedStops
+from stepramp.devices.pages import Pages
 from stepramp.devices.reconnect import Returning
 from stepramp.devices.stops import Order, Stops
 from stepramp.devices.view import DeviceState, DeviceView
-from stepramp.errors import NotFound, Refused, StepRampError, shown
+from stepramp.errors import NotFound, Refused, Rejected, Rejection, StepRampError, shown
 from stepramp.link.ports import known_port, place_of
 
 _logger = logging.getLogger(__name__)
@@ -27,9 +27,13 @@ class Devices:
     Each has a worker of its own, so that one that is lost does not keep the others waiting.
     """
 
-    def __init__(self) -> None:
-        """Begin with no device; the virtual controller is there to be connected."""
+    def __init__(self, families: Mapping[str, Family] = FAMILIES) -> None:
+        """Begin with no device; the virtual controller is there to be connected.
+
+        families: of controllers that may be connected, by their names.
+        """
         offer_virtual_controller()
+        self.families = families
         self.order = Order()
         """Of all that is asked of devices, and of their stops."""
         self._stops = Stops(self.order)
@@ -40,7 +44,7 @@ class Devices:
         # and axes that may be elsewhere than they count.
         self._let_go: dict[object, DeviceView] = {}
         self._listeners: list[Listener] = []
-        self._pages: Counter[str] = Counter()
+        self._pages = Pages(self._leave_control)
         self._last_id = 0
         self._has_ended = False
         self._returning = Returning(self._lost)
@@ -68,7 +72,7 @@ class Devices:
         it is gone.
         """
         device = self.get(device_id)
-        if page is not None and self._is_there(page):
+        if page is not None and self._pages.is_there(page):
             device.take_control(page)
         elif page is not None:
             device.refuse_others(page)
@@ -77,36 +81,34 @@ class Devices:
     def take_over(self, device_id: str, page: str) -> Device:
         """Put a page in control of a device, whichever was before; Refused when the page doesn't listen."""
         device = self.get(device_id)
-        if not self._is_there(page):
+        if not self._pages.is_there(page):
             raise Refused("Only a page that listens to the devices' events can be in control of one.")
         device.take_control(page, over=True)
         return device
 
-    @contextmanager
-    def present(self, page: str | None) -> Iterator[None]:
+    def present(self, page: str | None) -> AbstractContextManager[None]:
         """Note that a page is there and listens; once it is gone, it is in control of nothing."""
-        if page is None:
-            yield
-            return
-        with self._lock:
-            self._pages[page] += 1
-        try:
-            yield
-        finally:
-            with self._lock:
-                self._pages[page] -= 1
-                self._pages += Counter()  # Only those above zero stay.
-            if not self._is_there(page):
-                for device in self._all():
-                    device.leave_control(page)
+        return nullcontext() if page is None else self._pages.present(page)
 
-    def connect(self, port: str) -> Device:
+    def connect(self, port: str, family: str = USUAL_FAMILY) -> Device:
         """Return the device at a port, connected: the one that is there already, by whatever name, or a new one.
 
+        family: of its controller. Whoever asks has to know it: what one family takes for a greeting may be a motion for
+        another one, so none is tried.
+
         A lost device is connected again under its id. Raises as Device.connect; a new device that can't be connected
-        is forgotten, a lost one stays lost.
+        is forgotten, a lost one stays lost. Rejected for a family that there isn't, Refused while the device there
+        counts as one of another family.
         """
-        device, is_new = self._at(port)
+        if family not in self.families:
+            raise Rejected([Rejection("family", family, ", ".join(self.families))])
+        device, is_new = self._at(port, self.families[family])
+        if device.view.family != family:
+            there = self.families[device.view.family].title
+            raise Refused(
+                f"The device at {device.view.port} is connected as one of the family {there}, not of "
+                f"{self.families[family].title}: disconnect it first."
+            )
         try:
             device.connect()
         except Exception:
@@ -188,11 +190,11 @@ class Devices:
     def _lost(self) -> list[Device]:
         return [device for device in self._all() if device.view.state is DeviceState.LOST]
 
-    def _is_there(self, page: str) -> bool:
-        with self._lock:
-            return self._pages[page] > 0
+    def _leave_control(self, page: str) -> None:
+        for device in self._all():
+            device.leave_control(page)
 
-    def _at(self, port: str) -> tuple[Device, bool]:
+    def _at(self, port: str, family: Family) -> tuple[Device, bool]:
         # Without the lock: this may take a while, as does listing the machine's ports, and a stop must not wait for it.
         place = place_of(port)
         if (device := self._present_at(port, place)) is not None:
@@ -206,7 +208,6 @@ class Devices:
             self._last_id += 1
             device_id = str(self._last_id)
             before = self._let_go.get(known.identity)
-            family = FAMILIES["stepramp"]
             device = Device(device_id, known, family, self.order, self._stops, self._owed, self._tell, before)
             self._devices[device_id] = device
         self._tell()

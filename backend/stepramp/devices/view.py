@@ -4,6 +4,7 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 
+from stepramp.controllers.capabilities import CapabilityName
 from stepramp.controllers.contract import Activity, AxisStatus, ControllerStatus, PushReport, StoredRamp
 from stepramp.controllers.progress import Progress
 from stepramp.devices.shuttle import Shuttle
@@ -57,6 +58,10 @@ class DeviceView:
     id: str
     port: str
     name: str
+    family: str
+    """The name of the family of its controller."""
+    capabilities: tuple[CapabilityName, ...] = ()
+    """What the controller can do besides what all can; known once connected."""
     state: DeviceState = DeviceState.CONNECTING
     message: str | None = None
     """Why the device is lost."""
@@ -66,13 +71,13 @@ class DeviceView:
     axes: tuple[AxisView, ...] = ()
     """Each axis that has a ramp; the first one in any case, once connected."""
     timer_hz: int | None = None
-    """Known once connected, as are the clocks, the firmware's version and the ramp."""
-    clocks_hz: tuple[int, int] | None = None
+    """Known once connected, as are the clocks, the firmware's version and the ramp; None without a step timer."""
+    clocks_hz: tuple[int, ...] | None = None
     firmware_version: str | None = None
     ramp: StoredRamp | None = None
     on_trial: bool = False
     motors_on: bool = False
-    starved: int = 0
+    starved: int | None = None
     pushed: PushReport | None = None
     """The last push over this connection."""
     progress: Progress | None = None
@@ -112,6 +117,7 @@ class DeviceView:
             self.id,
             port,
             name,
+            self.family,
             unknown_positions=self.unknown_positions,
             in_control=self.in_control,
             stops=self.stops,

@@ -2,13 +2,14 @@
 
 import asyncio
 import threading
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
 from typing import Any
 
 from fastapi import FastAPI
 from starlette.types import Receive, Scope, Send
 
+from stepramp.controllers.families import FAMILIES, Family
 from stepramp.devices.registry import Devices
 from stepramp.http_api import curves, devices, exports, methods, pages, planning, schedule, tables
 from stepramp.http_api.answered import Answered
@@ -64,8 +65,8 @@ class Application(FastAPI):
         return super().openapi()
 
 
-def create_app() -> FastAPI:
-    """Return the application with no device connected."""
+def create_app(families: Mapping[str, Family] = FAMILIES) -> FastAPI:
+    """Return the application with no device connected; families: see Devices."""
     app = Application(
         title="StepRamp",
         version=__version__,
@@ -82,7 +83,7 @@ def create_app() -> FastAPI:
             503: {"model": ErrorList, "description": "Too much is asked for at the same time; a stop never is"},
         },
     )
-    app.state.devices = Devices()
+    app.state.devices = Devices(families)
     app.state.connections = Connections()
     app.include_router(planning.router, prefix="/api/v1")
     app.include_router(methods.router, prefix="/api/v1")

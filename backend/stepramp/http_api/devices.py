@@ -1,4 +1,4 @@
-"""Routes over the attached controllers: connecting, ramps and settings, and the WebSocket that tells how they fare."""
+"""Routes over the attached controllers: connecting, ramps, and the WebSocket that tells how they fare."""
 
 import asyncio
 from collections.abc import AsyncGenerator, Coroutine
@@ -6,10 +6,9 @@ from contextlib import aclosing, suppress
 
 from fastapi import APIRouter, WebSocket
 
-from stepramp.controllers.stepramp.settings import Settings
 from stepramp.devices.registry import Devices
 from stepramp.errors import Refused
-from stepramp.http_api import jog, motion, stopping
+from stepramp.http_api import jog, motion, settings, stopping
 from stepramp.http_api.bodies import JsonRoute
 from stepramp.http_api.device_registry import Acting, Page, Registry
 from stepramp.http_api.devices_models import (
@@ -45,13 +44,14 @@ router = APIRouter(
 router.include_router(stopping.router)
 router.include_router(motion.router)
 router.include_router(jog.router)
+router.include_router(settings.router)
 
 
 @router.get("/ports")
 @ACTING.serves
-def ports() -> PortsAnswer:
-    """Return the ports of this machine, the virtual one last."""
-    return PortsAnswer.model_validate({"ports": list_serial_ports()})
+def ports(devices: Registry) -> PortsAnswer:
+    """Return the ports of this machine, the virtual one last, and the families that a controller there may be of."""
+    return PortsAnswer.model_validate({"ports": list_serial_ports(), "families": list(devices.families.values())})
 
 
 @router.get("/devices")
@@ -63,8 +63,11 @@ async def all_devices(devices: Registry) -> DevicesAnswer:
 @router.post("/devices")
 @CONNECTING.serves
 def connect(request: ConnectRequest, devices: Registry, page: Page = None) -> DeviceAnswer:
-    """Connect to a port, which takes up to 6 s, and return its device. Nothing moves."""
-    device = devices.connect(request.port)
+    """Connect to a port, which takes up to 6 s, and return its device. Nothing moves.
+
+    A device that was lost is connected again by itself, as one of the family that it was connected as.
+    """
+    device = devices.connect(request.port, request.family)
     with suppress(Refused):  # It was connected already, and another page is in control: it stays so.
         devices.acting(device.view.id, page)
     return DeviceAnswer.model_validate(device.view)
@@ -129,21 +132,6 @@ def restore(device: Acting) -> DeviceAnswer:
     """Bring back the ramps and settings that were stored before the present ones; a second time brings those back."""
     device.restore()
     return DeviceAnswer.model_validate(device.view)
-
-
-@router.get("/devices/{device_id}/settings")
-@ACTING.serves
-def settings(device_id: str, devices: Registry) -> Settings:
-    """Return the settings in use."""
-    return devices.get(device_id).settings()
-
-
-@router.put("/devices/{device_id}/settings")
-@ACTING.serves
-def use_settings(request: Settings, device: Acting) -> Settings:
-    """Use other settings, what isn't given being the default; they are on trial until they are kept."""
-    device.use_settings(request)
-    return device.settings()
 
 
 @router.websocket("/devices/events")

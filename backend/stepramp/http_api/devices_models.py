@@ -4,13 +4,15 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
+from stepramp.controllers.axes import MOST_AXES
+from stepramp.controllers.capabilities import CapabilityName
+from stepramp.controllers.contract import FigureUnit
+from stepramp.controllers.families import FAMILIES, USUAL_FAMILY
 from stepramp.controllers.progress import PushStage
-from stepramp.controllers.stepramp.messages.axes import MOST_AXES
-from stepramp.controllers.stepramp.settings import ListOrNull
 from stepramp.design import Design
 from stepramp.devices.view import DeviceState
 from stepramp.http_api.answer import Answer
-from stepramp.validation import Document, Text, Within, refuse
+from stepramp.validation import Document, ListOrNull, Text, Within, refuse
 
 
 class ConnectRequest(Document):
@@ -18,6 +20,12 @@ class ConnectRequest(Document):
 
     port: Annotated[str, Text(200)] = Field(
         description="Name of a serial port, or an address: sim://, socket://…, rfc2217://…"
+    )
+    family: Annotated[str, Text(100)] = Field(
+        USUAL_FAMILY,
+        description="Which family of controllers the one at the port is of, by its name, as `GET /ports` tells. It is "
+        "never guessed: what is a greeting to one may set the motor of another moving",
+        json_schema_extra={"enum": list(FAMILIES)},
     )
 
 
@@ -67,27 +75,38 @@ class PortAnswer(Answer):
     virtual: bool = Field(description="Whether nothing is attached: the virtual controller")
 
 
-class PortsAnswer(Answer):
-    """The ports of this machine, the virtual one last."""
+class FamilyAnswer(Answer):
+    """A family of controllers."""
 
-    ports: list[PortAnswer]
+    name: str = Field(description="What requests call it")
+    title: str = Field(description="What people call it")
+
+
+class PortsAnswer(Answer):
+    """What can be connected to."""
+
+    ports: list[PortAnswer] = Field(description="The ports of this machine, the virtual one last")
+    families: list[FamilyAnswer] = Field(description="The families that a controller at a port may be of")
 
 
 class RampAnswer(Answer):
     """The ramps that a controller has."""
 
     sequence: int = Field(description="How often ramps were stored so far, these included; 0: they are only on trial")
-    crc: int = Field(description="CRC-16 of their image")
+    crc: int | None = Field(description="CRC-16 of their image; null for a controller without an image of them")
+
+
+UNIT = "Unit of the figures; CRC-16 for a checksum, nothing for a mere number"
 
 
 class PushItemAnswer(Answer):
-    """One figure on its way from the design to the controller, as text."""
+    """One figure on its way from the design to the controller, in its unit."""
 
     name: str = Field(description="What it is")
-    unit: str = Field(description="Unit of the figures: µs, steps, or none")
-    requested: str = Field(description="What the design asks for")
-    sent: str = Field(description="What was sent")
-    read_back: str = Field(description="What the controller has")
+    unit: FigureUnit = Field(description=UNIT)
+    requested: float = Field(description="What the design asks for")
+    sent: float = Field(description="What was sent")
+    read_back: float | None = Field(description="What the controller has; null when that makes no sense")
     axis: int | None = Field(description="Axis whose figure it is; null: all axes'")
 
 
@@ -96,7 +115,9 @@ class PushAnswer(Answer):
 
     items: list[PushItemAnswer]
     verified: bool = Field(description="Whether what was read back is what was sent, byte for byte")
-    segments: int = Field(description="Segments of all ramps that the controller now has")
+    segments: int | None = Field(
+        description="Segments of all ramps that the controller now has; null for one that takes no segments"
+    )
     bytes: int = Field(description="Length of their image [bytes]")
     largest_deviation_us: float = Field(
         description="Largest difference between an interval of a design's ramp and the controller's [µs]"
@@ -107,12 +128,12 @@ class PushAnswer(Answer):
 
 
 class PreviewItemAnswer(Answer):
-    """One figure that a push would bring, as text."""
+    """One figure that a push would bring, in its unit."""
 
     name: str = Field(description="What it is")
-    unit: str = Field(description="Unit of the figures: µs, steps, Hz, or none")
-    on_device: str | None = Field(description="What the controller has; null for nothing")
-    to_send: str | None = Field(description="What it would have; null for nothing")
+    unit: FigureUnit = Field(description=UNIT)
+    on_device: float | None = Field(description="What the controller has; null for nothing")
+    to_send: float | None = Field(description="What it would have; null for nothing")
     differs: bool = Field(description="Whether the push would change it")
     axis: int | None = Field(description="Axis whose figure it is; null: all axes'")
 
@@ -122,7 +143,9 @@ class PreviewAnswer(Answer):
 
     items: list[PreviewItemAnswer]
     same: bool = Field(description="Whether the controller has exactly these ramps already, byte for byte")
-    segments: int = Field(description="Segments of all ramps that would be sent")
+    segments: int | None = Field(
+        description="Segments of all ramps that would be sent; null for a controller that takes no segments"
+    )
     bytes: int = Field(description="Length of their image [bytes]")
     largest_deviation_us: float = Field(
         description="Largest difference between an interval of a design's ramp and the one sent [µs]"
@@ -172,6 +195,12 @@ class DeviceAnswer(Answer):
     id: str = Field(description="What the routes call it")
     port: str = Field(description="Where it is")
     name: str = Field(description="What people call it")
+    family: str = Field(description="The name of the family of controllers that it is of")
+    capabilities: list[CapabilityName] = Field(
+        description="What it can do besides what all controllers can; none until it is connected. keep: store pushed "
+        "ramps. try: use them without that, and roll back. restore: bring back those before. settings; trace; line; "
+        "zero: as the requests of that name. What it can't do is refused with 409"
+    )
     state: DeviceState = Field(
         description="moving: one of its axes moves; stopping: all that move slow down. lost: no longer there; it is "
         "connected again when it comes back"
@@ -182,17 +211,20 @@ class DeviceAnswer(Answer):
     speed_steps_per_s: float = Field(description="How fast axis 0 moves, without sign [steps/s]")
     axes: list[AxisAnswer] = Field(description="All axes that have a ramp; axis 0 in any case, once connected")
     timer_hz: int | None = Field(
-        description="Ticks a second of its step timer with the ramps in use [Hz]; null until it is connected"
+        description="Ticks a second of its step timer with the ramps in use [Hz]; null until it is connected, and for "
+        "a controller without one"
     )
     clocks_hz: list[int] | None = Field(
-        description="Ticks a second that the timer can have, the fast and the slow [Hz]; null until it is connected"
+        description="Ticks a second that the timer can have, fastest first, none without a step timer [Hz]; null until "
+        "it is connected"
     )
     firmware_version: str | None = Field(description="Version of its firmware; null until it is connected")
     ramp: RampAnswer | None = Field(description="The ramps that it uses; null for none")
     on_trial: bool = Field(description="Whether ramps or settings are in use that are not stored")
     motors_on: bool = Field(description="Whether its enable pin has the motors switched on")
-    starved: int = Field(
-        description="How often a motor's next step was not known in time since it started; 0 when all is well"
+    starved: int | None = Field(
+        description="How often a motor's next step was not known in time since it started; 0 when all is well, null "
+        "for a controller that doesn't count that"
     )
     pushed: PushAnswer | None = Field(description="The last push over this connection; null for none")
     progress: ProgressAnswer | None = Field(description="How far the push has come that is under way; null for none")

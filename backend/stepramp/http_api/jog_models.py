@@ -4,8 +4,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from stepramp.controllers.axes import AxisNumber
 from stepramp.controllers.contract import Asked
-from stepramp.controllers.stepramp.settings import AxisNumber
 from stepramp.http_api.motion_models import AXIS, Speed
 from stepramp.validation import Document, Within
 

@@ -5,15 +5,13 @@ from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
-from stepramp.controllers.contract import Asked
-from stepramp.controllers.stepramp.messages.axes import MOST_AXES
-from stepramp.controllers.stepramp.settings import AxisNumber, AxisNumbersAsGiven, ListOrNull
-from stepramp.controllers.stepramp.trace import Trace
+from stepramp.controllers.axes import MOST_AXES, AxisNumber, AxisNumbersAsGiven
+from stepramp.controllers.contract import Asked, Trace
 from stepramp.devices.leases import Lease
 from stepramp.devices.shuttle import Shuttle
 from stepramp.devices.soft_limits import Span
 from stepramp.http_api.answer import Answer, Numbers, WholeNumbers
-from stepramp.validation import Document, ListOf, Within, refuse
+from stepramp.validation import Document, ListOf, ListOrNull, Within, refuse
 
 Steps = Annotated[int, Within(-(2**31), 2**31 - 1, "steps")]
 Speed = Annotated[float, Within(-1_000_000, 1_000_000, "steps/s")]

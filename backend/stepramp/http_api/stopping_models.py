@@ -4,7 +4,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from stepramp.controllers.stepramp.settings import AxisNumbersOrNull
+from stepramp.controllers.axes import AxisNumbersOrNull
 from stepramp.http_api.answer import Answer
 from stepramp.http_api.devices_models import DeviceAnswer
 from stepramp.http_api.errors import ErrorItem

@@ -39,6 +39,10 @@ export function createDevice(root, fleet, onChoice) {
   /** @type {Device[]} */
   let devices = [];
   let port = '';
+  /** What a controller at a port may be of, and the one that was chosen.
+   * @type {import('../../types.js').Family[]} */
+  let families = [];
+  let family = '';
   /** The device shown last, which keeps its id when it comes back at another port.
    * @type {string | null} */
   let shownId = null;
@@ -66,6 +70,13 @@ export function createDevice(root, fleet, onChoice) {
   });
   choice.element.classList.add('grow');
   choice.select.id = 'port';
+  const familyChoice = picker('Family of the controller', (value) => {
+    family = value;
+    onChoice();
+  });
+  familyChoice.element.classList.add('grow');
+  familyChoice.select.id = 'family';
+  const familyLine = element('div', { className: 'line' }, familyChoice.element);
   const refresh = iconButton('refresh-ports', 'Look for ports again', 'refresh', fleet.refreshPorts);
   const connect = element('button', { className: 'button', id: 'connect', type: 'button', onclick: toggleConnection });
   const problem = element('div', { className: 'problem', role: 'alert' });
@@ -112,6 +123,7 @@ export function createDevice(root, fleet, onChoice) {
       'div',
       { className: 'device-body' },
       element('div', { className: 'line' }, choice.element, refresh, connect),
+      familyLine,
       problem,
       control,
       limitsOffer,
@@ -134,7 +146,18 @@ export function createDevice(root, fleet, onChoice) {
   function toggleConnection() {
     const present = device();
     if (present && present.state !== 'lost') fleet.disconnect(present);
-    else fleet.connect(port);
+    else fleet.connect(port, present?.family ?? family);
+  }
+
+  /** Have a person say what kind of controller there is, where there are several: none is ever tried. One that is known
+   * already, also while it is lost, stays what it is.
+   * @param {Device | null} present */
+  function showFamilies(present) {
+    if (!families.some(({ name }) => name === family)) family = families[0]?.name ?? '';
+    familyLine.hidden = families.length < 2;
+    familyChoice.select.disabled = present !== null;
+    const offered = families.map(({ name, title }) => /** @type {[string, string]} */ ([name, title]));
+    familyChoice.offer(offered, present?.family ?? family);
   }
 
   function offerPorts() {
@@ -214,6 +237,7 @@ export function createDevice(root, fleet, onChoice) {
     control.hidden = !now.isOthers || !isConnected;
     const lost = present?.state === 'lost' ? `${present.message ?? 'It is lost.'} It is connected again once it is back.` : '';
     showProblem([lost, refused === present?.message ? '' : refused].filter(Boolean).join(' '));
+    showFamilies(present);
     showForgottenLimits(isConnected && !now.isOthers ? present : null, now);
     showAxes(isConnected ? present : null);
     showSections();
@@ -258,10 +282,11 @@ export function createDevice(root, fleet, onChoice) {
       refused = others.map(({ message }) => message).join(' ');
       if (situation) show(situation);
     },
-    /** @param {Port[]} known */
+    /** @param {import('../../types.js').Ports} known */
     showPorts(known) {
-      ports = known;
+      ({ ports, families } = known);
       offerPorts();
+      showFamilies(device());
     },
     /** @param {Device[]} known */
     showDevices(known) {

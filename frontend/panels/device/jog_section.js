@@ -7,7 +7,7 @@ import { shownValue } from '../../units.js';
 import { plainField } from './plain_field.js';
 import { quantityField } from './quantity.js';
 import { named, showAtPlaces } from './refusal.js';
-import { able } from './section.js';
+import { able, can } from './section.js';
 
 /** @typedef {import('../../types.js').Device} Device */
 /** @typedef {import('./section.js').Context} Context */
@@ -108,6 +108,12 @@ export function createJogSection(jog, handlers) {
     return held;
   }
 
+  const gauge = labelled('Gauge', dial.element, zero);
+  const gaugeExplained = element('p', {
+    className: 'reason',
+    textContent: 'Zero moves a gauge back by its whole range, against its stop.',
+  });
+
   return {
     element: element(
       'div',
@@ -126,13 +132,11 @@ export function createJogSection(jog, handlers) {
       element('div', { className: 'separator' }),
       labelled('It is at', place.element, set),
       placeProblem,
-      labelled('Gauge', dial.element, zero),
+      gauge,
       dialProblem,
       placeReason,
-      element('p', {
-        className: 'reason',
-        textContent: 'Set says what this place is called. Zero moves a gauge back by its whole range, against its stop.',
-      }),
+      element('p', { className: 'reason', textContent: 'Set says what this place is called.' }),
+      gaugeExplained,
     ),
     /** @param {Context} present */
     show(present) {
@@ -149,6 +153,7 @@ export function createJogSection(jog, handlers) {
       const isHeld = 'held' in back.dataset || 'held' in ahead.dataset;
       able([runBack, runAhead], reason, inTheWay || noRamp, situation.isBusy);
       if (!isHeld) able([back, ahead], reason, inTheWay || noRamp, situation.isBusy);
+      for (const one of [gauge, gaugeExplained]) one.hidden = !can(device, 'zero');
       able([set, zero], placeReason, inTheWay || notAtRest || noRamp, situation.isBusy);
       if (placeReason.textContent === reason.textContent) placeReason.hidden = true;
     },

@@ -5,7 +5,7 @@ import { element, segmented } from '../../dom.js';
 import { plainField } from './plain_field.js';
 import { quantityField } from './quantity.js';
 import { named, showAtPlaces } from './refusal.js';
-import { able } from './section.js';
+import { able, can } from './section.js';
 
 /** @typedef {import('../../types.js').Device} Device */
 /** @typedef {import('./section.js').Context} Context */
@@ -118,8 +118,8 @@ export function createMoveSection(go) {
     const { device, situation, design, inTheWay, notAtRest } = present;
     const count = device?.axes.length ?? 1;
     const lineButton = /** @type {HTMLElement} */ (kinds.element.querySelector('[data-value="line"]'));
-    lineButton.hidden = count < 2;
-    if (count < 2 && kind === 'line') kind = 'by';
+    lineButton.hidden = count < 2 || !can(device, 'line');
+    if (lineButton.hidden && kind === 'line') kind = 'by';
     kinds.press(kind);
     distance.show(situation.units, design);
     lines.forEach((field, axis) => {

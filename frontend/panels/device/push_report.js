@@ -2,7 +2,8 @@
 // What the last push asked for, sent and read back, item by item.
 
 import { element, icon, messageLine } from '../../dom.js';
-import { formatFigures, formatFixed } from '../../numbers.js';
+import { formatFigures } from '../../numbers.js';
+import { formatFigure, sizeText } from './figures.js';
 
 /** @typedef {import('../../types.js').Device} Device */
 
@@ -26,7 +27,9 @@ export function createPushReport() {
           item.name,
           !item.name.endsWith(item.unit) && element('small', { textContent: ` ${item.unit}` }),
         ),
-        ...[item.requested, item.sent, item.read_back].map((value) => element('td', { textContent: value })),
+        ...[item.requested, item.sent, item.read_back].map((value) =>
+          element('td', { textContent: value === null ? 'unreadable' : formatFigure(value, item.unit) }),
+        ),
         element(
           'td',
           { className: item.sent === item.read_back ? 'same' : 'differs' },
@@ -47,7 +50,7 @@ export function createPushReport() {
           textContent: pushed.verified ? 'Read back as sent' : 'Not as sent',
         }),
         element('span', {
-          textContent: `ramp ${pushed.sequence} · ${pushed.segments} segments · ${formatFixed(pushed.bytes)} bytes`,
+          textContent: `ramp ${pushed.sequence} · ${sizeText(pushed)}`,
         }),
       ),
       element(

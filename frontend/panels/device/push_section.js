@@ -3,8 +3,9 @@
 
 import { element, icon, messageLine } from '../../dom.js';
 import { formatFixed } from '../../numbers.js';
+import { formatFigure, sizeText } from './figures.js';
 import { createPushReport } from './push_report.js';
-import { able } from './section.js';
+import { able, can } from './section.js';
 
 /** @typedef {import('../../types.js').Device} Device */
 /** @typedef {import('./section.js').Context} Context */
@@ -26,7 +27,7 @@ export function createPushSection(handlers) {
   /** @type {Device | null} */
   let device = null;
   const report = createPushReport();
-  const push = button('push', 'button primary grow', () => device && handlers.push(device, 'keep'));
+  const push = button('push', 'button primary grow', () => device && handlers.push(device, can(device, 'keep') ? 'keep' : 'try'));
   push.append(icon('send'), element('span'));
   push.setAttribute('aria-describedby', 'push-reason');
   const trial = button('try', 'button', () => device && handlers.push(device, 'try'));
@@ -76,7 +77,7 @@ export function createPushSection(handlers) {
         'div',
         { className: 'push-head' },
         element('b', { textContent: preview.same ? 'The device has this ramp' : 'A push would change' }),
-        element('span', { textContent: `${preview.segments} segments · ${formatFixed(preview.bytes)} bytes` }),
+        element('span', { textContent: sizeText(preview) }),
       ),
       ...(differing.length > 0 ? [changesTable(differing, axes)] : []),
       ...preview.warnings.map((text) => messageLine({ text, isWarning: true })),
@@ -104,9 +105,11 @@ export function createPushSection(handlers) {
       able([push, trial], reason, blocked || isInvalid, situation.isBusy);
       for (const other of [keep, rollBack, restore]) other.disabled = blocked !== '' || situation.isBusy;
       restore.disabled ||= Boolean(present?.on_trial) || !present?.ramp || present.ramp.sequence < 2;
-      restore.hidden = !present?.ramp;
+      restore.hidden = !present?.ramp || !can(present, 'restore');
       onTrial.hidden = !present?.on_trial;
-      keep.hidden = !present?.ramp;
+      keep.hidden = !present?.ramp || !can(present, 'keep');
+      rollBack.hidden = !can(present, 'try');
+      trial.hidden = !can(present, 'keep') || !can(present, 'try');
       const label = /** @type {HTMLElement} */ (push.lastElementChild);
       const isOther = situation.isChanged || (situation.preview !== null && !situation.preview.same);
       const noun = situation.designs.length > 1 ? `the ${situation.designs.length} ramps` : 'the ramp';
@@ -146,9 +149,14 @@ function changeRow(item, isOfSeveral) {
       name,
       item.unit !== '' && !item.name.endsWith(item.unit) && element('small', { textContent: ` ${item.unit}` }),
     ),
-    element('td', { textContent: item.on_device ?? '–' }),
-    element('td', { className: 'coming', textContent: item.to_send ?? '–' }),
+    element('td', { textContent: figureText(item.on_device, item.unit) }),
+    element('td', { className: 'coming', textContent: figureText(item.to_send, item.unit) }),
   );
+}
+
+/** @param {number | null} value @param {string} unit */
+function figureText(value, unit) {
+  return value === null ? '–' : formatFigure(value, unit);
 }
 
 /** @param {string} id @param {string} className @param {() => void} onclick */

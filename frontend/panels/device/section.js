@@ -20,6 +20,12 @@
  * @property {(rejections: import('../../types.js').Rejection[]) => import('../../types.js').Rejection[]} [reject]
  *   shows those that it has a field for and returns the others */
 
+/** Whether a device can do what only some can; until it is known of a device, whether any can.
+ * @param {Device | null} device @param {import('../../types.js').Capability} what */
+export function can(device, what) {
+  return device === null || device.state === 'connecting' || device.capabilities.includes(what);
+}
+
 /**
  * @param {HTMLButtonElement[]} buttons @param {HTMLElement} reason where it is told why not
  * @param {string} why empty: they can be used @param {boolean} isBusy

@@ -47,16 +47,22 @@ const MOST_AXES = 4;
 export function createSettingsDialog(limit) {
   /** @type {Device | null} */
   let device = null;
-  /** The settings that are shown as the device has them; empty: not known. */
-  let before = '';
+  /** The settings as the device has them; null: not known.
+   * @type {Settings | null} */
+  let before = null;
   const limits = createLimitFields();
   const controls = SETTINGS.map(controlOf);
   const problem = element('div', { className: 'problem', role: 'alert' });
-  const dialog = createDialog(
-    { id: 'settings-dialog', title: 'Device settings', onSubmit: submitted },
+  const pins = element(
+    'div',
+    { id: 'pin-settings' },
     element('h3', { textContent: 'How the controller drives its pins' }),
     element('p', { className: 'reason', textContent: 'On trial until it is kept, in the Push section.' }),
     ...controls.map((control) => control.element),
+  );
+  const dialog = createDialog(
+    { id: 'settings-dialog', title: 'Device settings', onSubmit: submitted },
+    pins,
     element('h3', { textContent: 'Soft limits' }),
     element('p', {
       className: 'reason',
@@ -78,7 +84,12 @@ export function createSettingsDialog(limit) {
     problem.replaceChildren(messageLine({ text, isWarning: false }));
   }
 
-  const entries = () => Object.fromEntries(controls.map((control) => [control.name, control.value()]));
+  /** The settings as they are wanted; those that have no field here stay as they are.
+   * @param {Settings} present */
+  function wanted(present) {
+    const shown = controls.filter((control) => control.name in present);
+    return { ...present, ...Object.fromEntries(shown.map((control) => [control.name, control.value()])) };
+  }
 
   /** What is changed is sent, and no more.
    * @param {SubmitEvent} event */
@@ -90,7 +101,8 @@ export function createSettingsDialog(limit) {
     try {
       const axes = limits.changed();
       if (axes.length > 0) await limit(device, axes);
-      if (before !== '' && JSON.stringify(entries()) !== before) await api.useSettings(device.id, entries());
+      const settings = before && wanted(before);
+      if (settings && JSON.stringify(settings) !== JSON.stringify(before)) await api.useSettings(device.id, settings);
       dialog.close();
     } catch (error) {
       const others = error instanceof Refusal ? limits.reject(error.rejections) : [error];
@@ -98,21 +110,31 @@ export function createSettingsDialog(limit) {
     }
   }
 
+  /** @param {Device} present */
+  async function showSettings(present) {
+    try {
+      const settings = await api.settings(present.id);
+      for (const control of controls) {
+        control.element.hidden = !(control.name in settings);
+        control.show(settings[control.name]);
+      }
+      // As its fields say it: they know no order of axes, and no other spelling of a number.
+      before = wanted(settings);
+    } catch (error) {
+      showProblem(error);
+    }
+  }
+
   return {
     /** @param {Device} present @param {import('../../types.js').Situation} situation */
     async open(present, situation) {
       device = present;
-      before = '';
+      before = null;
       problem.replaceChildren();
       limits.show(present, situation);
-      try {
-        const settings = await api.settings(present.id);
-        for (const control of controls) control.show(settings[control.name]);
-        before = JSON.stringify(entries());
-      } catch (error) {
-        showProblem(error);
-      }
-      dialog.open(controls[0].first());
+      pins.hidden = !present.capabilities.includes('settings');
+      if (!pins.hidden) await showSettings(present);
+      dialog.open(pins.hidden ? limits.element.querySelector('input') : controls[0].first());
     },
   };
 }

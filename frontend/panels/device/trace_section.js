@@ -3,6 +3,7 @@
 
 import { element } from '../../dom.js';
 import { formatFigures, formatFixed } from '../../numbers.js';
+import { can } from './section.js';
 
 /** @typedef {import('./section.js').Context} Context */
 
@@ -36,8 +37,9 @@ export function createTraceSection(onTrace) {
       note,
     ),
     /** @param {Context} context */
-    show({ situation }) {
-      box.checked = situation.isTracing;
+    show({ device, situation }) {
+      box.disabled = !can(device, 'trace');
+      box.checked = situation.isTracing && !box.disabled;
       const { trace } = situation;
       const shown = trace ? figuresOf(trace) : [];
       const known = JSON.stringify(shown);
@@ -50,13 +52,15 @@ export function createTraceSection(onTrace) {
           ]),
         );
       }
-      note.textContent = !trace
-        ? 'The controller tells when it made each step of a move that begins at rest; the plots lay that over the plan.'
-        : trace.changed
-          ? 'The move was changed on its way: the trace ends there.'
-          : trace.complete
-            ? ''
-            : 'The end of the trace did not come.';
+      note.textContent = box.disabled
+        ? 'This controller can’t tell when it made its steps.'
+        : !trace
+          ? 'The controller tells when it made each step of a move that begins at rest; the plots lay that over the plan.'
+          : trace.changed
+            ? 'The move was changed on its way: the trace ends there.'
+            : trace.complete
+              ? ''
+              : 'The end of the trace did not come.';
       note.hidden = note.textContent === '';
     },
   };

@@ -3,14 +3,25 @@
 from collections.abc import Callable, Collection, Sequence
 from time import sleep
 
+from stepramp.controllers.capabilities import (
+    DrawsLines,
+    HasSettings,
+    RestoresRamps,
+    StoresRamps,
+    TracesMoves,
+    TriesRamps,
+    ZeroesGauges,
+)
 from stepramp.controllers.contract import (
     UNDER_WAY,
     Activity,
     Asked,
+    Controller,
     ControllerStatus,
     PushMode,
     PushPreview,
     PushReport,
+    Trace,
 )
 from stepramp.controllers.progress import Tell
 from stepramp.controllers.stepramp.conversation import Conversation
@@ -37,19 +48,27 @@ from stepramp.controllers.stepramp.settings import Settings
 from stepramp.controllers.stepramp.speed_limits import interval_ticks
 from stepramp.controllers.stepramp.status import status_after, status_of
 from stepramp.controllers.stepramp.storage import Storage
-from stepramp.controllers.stepramp.trace import Trace
 from stepramp.controllers.stepramp.tracing import Tracing
 from stepramp.controllers.stepramp.transfer import Transfer
 from stepramp.design import Design
 from stepramp.errors import DeviceLost, Refused
-from stepramp.link.serial_port import SerialPort
+from stepramp.link.connection import Connection
 
 
-class StepRampController:
-    """A client of the protocol; see Controller for what its calls do."""
+class StepRampController(
+    Controller,
+    StoresRamps,
+    TriesRamps,
+    RestoresRamps,
+    HasSettings[Settings],
+    TracesMoves,
+    DrawsLines,
+    ZeroesGauges,
+):
+    """A client of the protocol; see Controller, and the capabilities, for what its calls do."""
 
     def __init__(
-        self, port: SerialPort, give_way: Callable[[float], None] = sleep, tell: Tell = lambda _: None
+        self, port: Connection, give_way: Callable[[float], None] = sleep, tell: Tell = lambda _: None
     ) -> None:
         """Talk over an open port.
 

@@ -15,7 +15,7 @@ from stepramp.controllers.stepramp.messages.reply import Refusal, ReplyStatus, u
 from stepramp.controllers.stepramp.messages.session import HelloReply, HelloRequest
 from stepramp.controllers.stepramp.refusals import exception_for
 from stepramp.errors import DeviceLost, Rejection
-from stepramp.link.serial_port import SerialPort
+from stepramp.link.connection import Connection
 
 HELLO_INTERVAL_S = 0.25
 MOST_HELLOS = 20
@@ -35,7 +35,7 @@ class Conversation:
     give_way: called before each request, and before it is repeated, for other calls that are more urgent.
     """
 
-    def __init__(self, port: SerialPort, give_way: Callable[[float], None]) -> None:
+    def __init__(self, port: Connection, give_way: Callable[[float], None]) -> None:
         self._port = port
         self._give_way = give_way
         self._splitter = FrameSplitter()

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from stepramp.controllers.contract import PreviewItem, PushItem, PushPreview, PushReport
+from stepramp.controllers.contract import FigureUnit, PreviewItem, PushItem, PushPreview, PushReport
 from stepramp.controllers.stepramp.frames import crc16
 from stepramp.controllers.stepramp.messages.session import HelloReply
 from stepramp.controllers.stepramp.push_limits import PushLimits
@@ -148,8 +148,8 @@ class PushPlan:
 
     def _differences(self, present: RampImage | None, present_hz: int) -> Iterator[PreviewItem]:
         before = present.axes if present else ()
-        yield PreviewItem("Axes with a ramp", "", str(len(before)), str(len(self.image.axes)), None)
-        yield PreviewItem("Clock", "Hz", f"{present_hz:,}" if present else None, f"{self.timer_hz:,}", None)
+        yield PreviewItem("Axes with a ramp", "", len(before), len(self.image.axes), None)
+        yield PreviewItem("Clock", "Hz", present_hz if present else None, self.timer_hz, None)
         pushed = {each.axis for each in self.wanted}
         for axis in range(max(len(before), len(self.image.axes))):
             if axis < len(self.image.axes) and axis not in pushed:
@@ -158,8 +158,8 @@ class PushPlan:
             here = _figures(unpacked(self.image.axes[axis]), self.timer_hz) if axis < len(self.image.axes) else {}
             for name, unit in {**here, **there}:
                 yield PreviewItem(name, unit, there.get((name, unit)), here.get((name, unit)), axis)
-        crc = f"0x{crc16(present.encode()):04X}" if present else None
-        yield PreviewItem("Ramp image CRC", "", crc, f"0x{crc16(self.image.encode()):04X}", None)
+        crc = crc16(present.encode()) if present else None
+        yield PreviewItem("Ramp image", "CRC-16", crc, crc16(self.image.encode()), None)
 
     def _items(self, stored: bytes) -> Iterator[PushItem]:
         try:
@@ -171,10 +171,9 @@ class PushPlan:
             sent = _figures(unpacked(self.image.axes[each.axis]), self.timer_hz)
             for (name, unit), figure in _figures(each.ramp, self.timer_hz).items():
                 called = name if len(self.wanted) == 1 else f"Axis {each.axis}: {name[0].lower()}{name[1:]}"
-                back = there.get((name, unit), "unreadable")
-                yield PushItem(called, unit, figure, sent[name, unit], back, each.axis)
-        crc = f"0x{crc16(self.image.encode()):04X}"
-        yield PushItem("Ramp image CRC", "", crc, crc, f"0x{crc16(stored):04X}", None)
+                yield PushItem(called, unit, figure, sent[name, unit], there.get((name, unit)), each.axis)
+        crc = crc16(self.image.encode())
+        yield PushItem("Ramp image", "CRC-16", crc, crc, crc16(stored), None)
 
     def _deviation_us(self, each: Wanted) -> float:
         """Return the largest difference between an interval of a design's ramp and of the one sent [µs]."""
@@ -344,19 +343,13 @@ def _all_intervals(ramp: Ramp) -> NDArray[np.float64]:
     return np.concatenate((ramp.up, [ramp.slew], ramp.down)).astype(np.float64)
 
 
-def _figures(ramp: Ramp, hz: float) -> dict[tuple[str, str], str]:
+def _figures(ramp: Ramp, hz: float) -> dict[tuple[str, FigureUnit], float]:
     """Return the figures of a ramp that people compare: (name, unit) → figure."""
-    figures = {("Up ramp steps", "steps"): f"{ramp.up.size:,}"}
+    figures: dict[tuple[str, FigureUnit], float] = {("Up ramp steps", "steps"): ramp.up.size}
     if ramp.up.size:
-        figures["First interval", "µs"] = _microseconds(ramp.up[0], hz)
-    figures["Slew interval", "µs"] = _microseconds(ramp.slew, hz)
-    figures["Down ramp steps", "steps"] = f"{ramp.down.size:,}"
+        figures["First interval", "µs"] = us_from_ticks(float(ramp.up[0]), hz)
+    figures["Slew interval", "µs"] = us_from_ticks(float(ramp.slew), hz)
+    figures["Down ramp steps", "steps"] = ramp.down.size
     if ramp.down.size:
-        figures["Last interval", "µs"] = _microseconds(ramp.down[0], hz)
+        figures["Last interval", "µs"] = us_from_ticks(float(ramp.down[0]), hz)
     return figures
-
-
-def _microseconds(ticks: float, hz: float) -> str:
-    """Return ticks as µs for people, to a ten-thousandth: finer than a tick of any controller here."""
-    whole, _, part = f"{us_from_ticks(float(ticks), hz):,.4f}".partition(".")
-    return f"{whole}.{part.rstrip('0') or '0'}"

@@ -3,11 +3,12 @@
 import struct
 from typing import Annotated, Literal, Self
 
-from pydantic import AfterValidator, Field
+from pydantic import Field
 
-from stepramp.controllers.stepramp.messages.axes import MOST_AXES, axes_of, mask_of
+from stepramp.controllers.axes import AxisNumbers
+from stepramp.controllers.stepramp.messages.axes import axes_of, mask_of
 from stepramp.controllers.stepramp.messages.settings import SETTINGS_BYTES
-from stepramp.validation import Document, ListOf, Within
+from stepramp.validation import Document, Within
 
 Outputs = Literal["step_and_direction", "gauges"]
 OUTPUTS: tuple[Outputs, ...] = ("step_and_direction", "gauges")
@@ -16,30 +17,6 @@ LEVELS: tuple[Level, ...] = ("low", "high")
 MOST_GAUGES = 3
 HOLD_FOR_EVER = 0xFFFF
 _LAYOUT = struct.Struct("<6B3H")
-
-AxisNumber = Annotated[int, Within(0, MOST_AXES - 1)]
-
-
-class ListOrNull(ListOf):
-    """A list of things described in words, or null."""
-
-    def _check(self, value: object) -> object:
-        return None if value is None else super()._check(value)
-
-
-def _in_order(axes: tuple[int, ...] | None) -> tuple[int, ...] | None:
-    return None if axes is None else tuple(sorted(set(axes)))
-
-
-MOST_NAMED = 4 * MOST_AXES
-"""Longest list of axes; naming one twice is harmless."""
-
-_AXES = f"axes, whole numbers from 0 to {MOST_AXES - 1}"
-AxisNumbersAsGiven = Annotated[tuple[AxisNumber, ...], ListOf(_AXES, most=MOST_NAMED)]
-AxisNumbers = Annotated[AxisNumbersAsGiven, AfterValidator(_in_order)]
-AxisNumbersOrNull = Annotated[
-    tuple[AxisNumber, ...] | None, ListOrNull(_AXES, most=MOST_NAMED), AfterValidator(_in_order)
-]
 
 
 class Settings(Document):

@@ -11,9 +11,9 @@ from functools import cache, partial
 import numpy as np
 from numpy.typing import NDArray
 
+from stepramp.controllers.contract import Trace
 from stepramp.controllers.stepramp.messages.trace import TraceNotice
 from stepramp.ramp.playback.course import Stretch, pulse_instants
-from stepramp.units import us_from_ticks
 
 MOST_STEPS = 500_000
 """So many steps of a trace are kept, the first ones: a run may last for days."""
@@ -34,31 +34,6 @@ class Plan:
         if self.pulse_of_step is None:
             return pulse_instants(self.course, steps)
         return pulse_instants(self.course, self.pulse_of_step[np.minimum(steps, self.pulse_of_step.size) - 1])
-
-
-@dataclass(frozen=True)
-class Trace:
-    """The instants of every k-th step of a move. Arrays of shape (n,)."""
-
-    axis: int
-    every_steps: int
-    timer_hz: int
-    complete: bool
-    """The move has ended, and all that there is of it is here."""
-    changed: bool
-    """The move was changed on its way; what came after that is left out, since no plan is known for it."""
-    step: NDArray[np.int64]
-    """Which steps, counted from 1. Steps that the port could not carry are left out."""
-    planned_ticks: NDArray[np.int64]
-    """When they were to be made, from the first step on [ticks]."""
-    measured_ticks: NDArray[np.int64]
-    """When they were made, from the first step on [ticks]."""
-
-    @property
-    def deviation_us(self) -> NDArray[np.float64]:
-        """How much later than planned they were made [µs], shape (n,)."""
-        late = (self.measured_ticks - self.planned_ticks).astype(np.float64)
-        return late * np.float64(us_from_ticks(1, self.timer_hz))
 
 
 class TraceCollector:

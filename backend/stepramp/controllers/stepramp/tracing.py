@@ -3,10 +3,11 @@
 from collections.abc import Callable, Collection, Mapping, Sequence
 from time import monotonic
 
+from stepramp.controllers.contract import Trace
 from stepramp.controllers.stepramp.conversation import Conversation
 from stepramp.controllers.stepramp.messages.status import AxisState, StatusReply, StatusRequest
 from stepramp.controllers.stepramp.messages.trace import TRACE_OFF, TraceNotice, TraceReply, TraceRequest
-from stepramp.controllers.stepramp.trace import Plan, Trace, TraceCollector
+from stepramp.controllers.stepramp.trace import Plan, TraceCollector
 from stepramp.ramp.line import steps_together
 from stepramp.ramp.playback.course import Ways
 

@@ -1,0 +1,129 @@
+"""What only some controllers can do: each capability is a protocol, and a controller has those that it derives from."""
+
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass
+from typing import Literal, Protocol, TypeVar, runtime_checkable
+
+from stepramp.controllers.contract import Asked, Controller, Trace
+from stepramp.errors import Refused
+from stepramp.validation import Document
+
+C = TypeVar("C")
+S = TypeVar("S", bound=Document)
+
+
+@runtime_checkable
+class StoresRamps(Protocol):
+    """A controller that keeps ramps, and settings if it has some, when it is switched off."""
+
+    def keep(self) -> None:
+        """Store the ramps and settings in use."""
+
+
+@runtime_checkable
+class TriesRamps(Protocol):
+    """A controller that uses ramps, and settings if it has some, without storing them."""
+
+    def roll_back(self) -> None:
+        """Use the stored ramps and settings again; Refused when nothing else is in use."""
+
+
+@runtime_checkable
+class RestoresRamps(Protocol):
+    """A controller that keeps the ramps, too, that it had before the stored ones."""
+
+    def restore(self) -> None:
+        """Make the ramps and settings that were stored before the stored ones; Refused when there are none."""
+
+
+@runtime_checkable
+class HasSettings(Protocol[S]):
+    """A controller with settings besides its ramps: a document of the model that its family names."""
+
+    def settings(self) -> S:
+        """Ask for the settings in use."""
+
+    def use_settings(self, settings: S) -> None:
+        """Use other settings until a roll back or a reset."""
+
+
+@runtime_checkable
+class TracesMoves(Protocol):
+    """A controller that tells when it made each step."""
+
+    @property
+    def trace(self) -> Callable[[], Trace] | None:
+        """What works out the trace of the last move that was traced, in any thread; None before there was one."""
+
+    def trace_moves(self, axis: int | None, every_steps: int) -> int:
+        """Trace every so many-th step of each move of an axis from now on, and return that number; None: no more.
+
+        every_steps: at least; it becomes so many that the port can carry them.
+        """
+
+
+@runtime_checkable
+class DrawsLines(Protocol):
+    """A controller whose axes go along a straight line together."""
+
+    def line(self, steps: Sequence[Asked], ramp_axis: int | None = None) -> None:
+        """Begin to move axes along a straight line.
+
+        ramp_axis: whose ramp the axis with most steps plays; None: that of the slowest axis, so that none is faster
+        than on its own.
+        """
+
+
+@runtime_checkable
+class ZeroesGauges(Protocol):
+    """A controller whose axes find position 0 by running against a stop."""
+
+    def zero(self, axes: Collection[int], steps: int) -> None:
+        """Call the places where axes are so many steps and move them to 0, as gauges find their stop."""
+
+
+CapabilityName = Literal["keep", "try", "restore", "settings", "trace", "line", "zero"]
+
+
+@dataclass(frozen=True)
+class Capability:
+    """What only some controllers can do."""
+
+    name: CapabilityName
+    """What the API calls it."""
+    of: type
+    """The protocol of those that can."""
+    words: str
+    """What the others can't do, as a refusal says it."""
+
+
+CAPABILITIES = (
+    Capability("keep", StoresRamps, "store ramps"),
+    Capability("try", TriesRamps, "try ramps without storing them"),
+    Capability("restore", RestoresRamps, "bring back the ramps that it had before"),
+    Capability("settings", HasSettings, "be given settings"),
+    Capability("trace", TracesMoves, "trace moves"),
+    Capability("line", DrawsLines, "move axes along a straight line"),
+    Capability("zero", ZeroesGauges, "zero gauges"),
+)
+
+
+def capabilities_of(controller: Controller) -> tuple[CapabilityName, ...]:
+    """Return the names of what a controller can do besides what all can."""
+    return tuple(each.name for each in CAPABILITIES if isinstance(controller, each.of))
+
+
+def capable(controller: Controller, kind: type[C], called: str, family: str) -> C:
+    """Return a controller as one that has a capability, given as its protocol; Refused when it hasn't.
+
+    called: what people call the controller. family: the title of its family.
+    """
+    if not isinstance(controller, kind):
+        raise refusal(kind, called, family)
+    return controller
+
+
+def refusal(kind: type, called: str, family: str) -> Refused:
+    """Return what is raised when a controller hasn't got a capability; as capable."""
+    words = next(each.words for each in CAPABILITIES if each.of is kind)
+    return Refused(f"{called} can't {words}: no controller of its family, {family}, can.")

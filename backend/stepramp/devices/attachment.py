@@ -1,0 +1,183 @@
+"""The attachment of a device to a port: when it is connected, lost, found again and let go of."""
+
+import threading
+from contextlib import suppress
+from dataclasses import replace
+
+from stepramp.controllers.capabilities import capabilities_of
+from stepramp.controllers.families import Family
+from stepramp.devices.contact import Contact
+from stepramp.devices.leases import Leases
+from stepramp.devices.live_view import LiveView
+from stepramp.devices.permit import Permit
+from stepramp.devices.runs import Runs
+from stepramp.devices.shared_attempt import SharedAttempt
+from stepramp.devices.stopping import LAST_STOP_S, Stopping
+from stepramp.devices.to_and_fro import ToAndFro
+from stepramp.devices.view import DeviceState
+from stepramp.devices.watch import IDLE_POLL_S, Watch
+from stepramp.devices.writing import Writing
+from stepramp.errors import DeviceLost, Refused, StepRampError
+from stepramp.link.connection import Connection
+from stepramp.link.ports import Port, find_again, known_port, place_of, port_name
+from stepramp.link.worker import Worker
+
+
+class Attachment:
+    """Connects a device to its port, and sees to what goes on while it is connected. For any thread.
+
+    known: the port. family: how it is opened, and of what kind the controller there is.
+    """
+
+    def __init__(
+        self,
+        known: Port,
+        family: Family,
+        view: LiveView,
+        contact: Contact,
+        watch: Watch,
+        leases: Leases,
+        permit: Permit,
+        stopping: Stopping,
+        runs: Runs,
+        to_and_fro: ToAndFro,
+        writing: Writing,
+    ) -> None:
+        self._known = known
+        self._family = family
+        self._view = view
+        self._contact = contact
+        self._watch = watch
+        self._leases = leases
+        self._permit = permit
+        self._stopping = stopping
+        self._runs = runs
+        self._to_and_fro = to_and_fro
+        self._writing = writing
+        self._connecting = threading.Lock()
+        self._attempt = SharedAttempt(self._connect_unless_done)
+        self._connection: Connection | None = None
+        self._place: str | None = None
+        self._let_go = False
+        self._has_ended = False
+
+    @property
+    def identity(self) -> object:
+        """What tells what is plugged in apart; see Port."""
+        return self._known.identity
+
+    @property
+    def place(self) -> str | None:
+        """Where the port leads that it holds, whatever name it was given; None: it holds none."""
+        return self._place
+
+    @property
+    def is_connected(self) -> bool:
+        """Whether the handshake is done and the device not lost."""
+        return self._view.now.state not in (DeviceState.CONNECTING, DeviceState.LOST)
+
+    def connect(self) -> None:
+        """Open the port and shake hands, unless that is done already; see Device.connect."""
+        self._attempt()
+
+    def reconnect(self) -> bool:
+        """Connect again if what was lost is back; see Device.reconnect."""
+        port = find_again(self._known)
+        if port is None:
+            return False
+        with self._connecting:
+            if not self.is_connected and not self._let_go:
+                self._connect(port)
+            return True
+
+    def disconnect(self) -> None:
+        """Let go of the port; Refused while the motor moves. A device that is lost is let go of, too."""
+        with self._connecting:
+            if self.is_connected:
+                with suppress(DeviceLost):
+                    self._contact.ask(lambda _: self._end_at_rest())
+            self._let_go = True
+            self._close()
+
+    def refuse_from_now_on(self) -> None:
+        """Connect no more: for the end of the program."""
+        self._has_ended = True
+
+    def shut_down(self) -> None:
+        """Let go of the port, whatever is going on: for the end of the program."""
+        self._let_go = True
+        if (worker := self._contact.worker) is not None:
+            worker.close(LAST_STOP_S)
+
+    def _connect_unless_done(self) -> None:
+        with self._connecting:
+            self._let_go = False
+            if not self.is_connected:
+                self._connect(self._view.now.port)
+
+    def _connect(self, port: str) -> None:
+        name = port_name(port)
+        self._view.change(lambda view: view.anew(port, name))
+        worker = Worker(port, self.poll, self._ended)
+        self._contact.begin(worker)
+        try:
+            if self._has_ended:
+                raise Refused("StepRamp is ending: nothing is connected any more.")
+            worker.call(self._open)
+        except Exception as error:
+            worker.close()
+            reason = str(error)
+            self._view.change(lambda view: view.at_a_loss(reason))
+            raise
+        self._known = known_port(port)
+
+    def _close(self) -> None:
+        if (worker := self._contact.worker) is not None:
+            worker.close()
+
+    # From here on: in the thread of the port.
+
+    def poll(self) -> float:
+        """See to what is due when nothing is asked; return after how long to look again [s]."""
+        if not self._contact.is_there or self._view.now.state is DeviceState.CONNECTING:
+            return IDLE_POLL_S
+        self._runs.let_end()
+        self._watch.look()
+        self._to_and_fro.go_on()
+        return self._watch.pause_s
+
+    def _open(self) -> None:
+        port = self._view.now.port
+        self._connection = self._family.open(port, self._permit.check)
+        self._place = place_of(port)
+        controller = self._family.make(self._connection, self._runs.give_way, self._writing.note_progress)
+        controller.connect(lambda: self._stopping.greet(controller))
+        status = controller.status()
+        self._view.change(
+            lambda view: replace(
+                view,
+                firmware_version=controller.firmware_version,
+                clocks_hz=controller.clocks_hz,
+                capabilities=capabilities_of(controller),
+            )
+        )
+        self._watch.show(status)
+        self._view.log("connected, firmware %s", controller.firmware_version)
+
+    def _end_at_rest(self) -> None:
+        """End the thread in the same call that looks whether the motor moves, so that no move slips in between."""
+        self._watch.refuse_under_way()
+        self._close()
+
+    def _ended(self, loss: DeviceLost | None) -> None:
+        if self._contact.is_there and loss is None:
+            with suppress(StepRampError):
+                self._contact.controller.disconnect()
+        if self._connection is not None:
+            self._connection.close()
+            self._connection = None
+        self._place = None
+        self._leases.drop()
+        self._contact.end()
+        self._view.change(lambda view: view.let_go() if loss is None else view.at_a_loss(str(loss)))
+        self._view.log("%s", "let go of" if loss is None else f"lost: {loss}")

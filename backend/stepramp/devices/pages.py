@@ -1,0 +1,37 @@
+"""The pages that are open."""
+
+import threading
+from collections import Counter
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+
+class Pages:
+    """Those that listen to the devices, each as often as it does. For any thread.
+
+    gone: called with a page that listens no more.
+    """
+
+    def __init__(self, gone: Callable[[str], None]) -> None:
+        self._gone = gone
+        self._lock = threading.Lock()
+        self._listening: Counter[str] = Counter()
+
+    def is_there(self, page: str) -> bool:
+        """Whether a page listens."""
+        with self._lock:
+            return self._listening[page] > 0
+
+    @contextmanager
+    def present(self, page: str) -> Iterator[None]:
+        """Note that a page is there and listens."""
+        with self._lock:
+            self._listening[page] += 1
+        try:
+            yield
+        finally:
+            with self._lock:
+                self._listening[page] -= 1
+                self._listening += Counter()  # Only those above zero stay.
+            if not self.is_there(page):
+                self._gone(page)

@@ -1,0 +1,110 @@
+"""Setting out: how anything that moves a motor begins, and what ends by that."""
+
+from collections.abc import Callable, Collection
+from dataclasses import replace
+
+from stepramp.controllers.contract import Controller
+from stepramp.devices.contact import Contact
+from stepramp.devices.leases import Lease, Leases
+from stepramp.devices.live_view import LiveView
+from stepramp.devices.permit import Permit
+from stepramp.devices.stopping import Stopping
+from stepramp.devices.stops import Order
+from stepramp.devices.view import UNDER_WAY
+from stepramp.devices.watch import Watch
+from stepramp.errors import StepRampError
+
+
+def _nothing() -> None:
+    pass
+
+
+class SettingOut:
+    """Has axes set out, if no stop has come since that was asked for. order: of all that is asked and stopped."""
+
+    def __init__(
+        self,
+        view: LiveView,
+        contact: Contact,
+        watch: Watch,
+        leases: Leases,
+        permit: Permit,
+        stopping: Stopping,
+        order: Order,
+    ) -> None:
+        self._view = view
+        self._contact = contact
+        self._watch = watch
+        self._leases = leases
+        self._permit = permit
+        self._stopping = stopping
+        self._order = order
+
+    def moment(self, asked: int | None) -> int:
+        """Return when something was asked for, in the order of all that is asked; None: now."""
+        return self._order.next() if asked is None else asked
+
+    def begin(
+        self,
+        what: str,
+        axes: Collection[int],
+        begin: Callable[[Controller], None],
+        asked: int | None,
+        lease: Lease | None = None,
+        then: Callable[[], None] = _nothing,
+    ) -> None:
+        """Have the worker set axes in motion, if no stop has come since it was asked for. From any thread.
+
+        what: how the log calls it. lease: what they run on, if they do. then: called once it is granted.
+        """
+        at = self.moment(asked)
+
+        def set_out(controller: Controller) -> None:
+            self.newly(axes, lambda: self.permitted(axes, at, lambda: begin(controller)), lease, then)
+
+        try:
+            self._contact.ask(set_out)
+        except StepRampError as error:
+            self._view.log("%s: refused: %s", what, error)
+            raise
+        self._view.log("%s: begun", what)
+
+    # From here on: in the thread of the port.
+
+    def newly(
+        self,
+        axes: Collection[int],
+        job: Callable[[], None],
+        lease: Lease | None = None,
+        then: Callable[[], None] = _nothing,
+    ) -> None:
+        """Do what is asked of axes now. Once it is granted, what went on with them by itself ends."""
+        view = self._view.now
+        if view.soft_limits and view.state in UNDER_WAY:
+            # What is asked counts from where the axes would come to rest, not from where they were last heard.
+            self._watch.refresh()
+        with self._permit.setting_out():
+            job()
+            self._leases.drop(axes)
+            if lease is not None:
+                self._leases.take(lease)
+            self._view.change(lambda view: replace(view, shuttle=None))
+            self._watch.refresh()
+        then()
+
+    def again(self, axes: Collection[int], asked: int, begin: Callable[[], None]) -> None:
+        """Set axes in motion that go on by themselves, for what was asked then."""
+        with self._permit.setting_out():
+            self.permitted(axes, asked, begin)
+            self._watch.refresh()
+
+    def permitted(self, axes: Collection[int], asked: int, begin: Callable[[], None]) -> None:
+        """Set axes in motion for what was asked then."""
+        try:
+            with self._permit.given(asked):
+                begin()
+        except Exception as error:
+            if self._permit.may_have_set_out(error):
+                # A stop of other axes doesn't end it: what is refused must not move.
+                self._stopping.take_back(axes)
+            raise

@@ -1,0 +1,132 @@
+"""Stopping a device: before anything else that was asked for, and for good."""
+
+from collections.abc import Callable, Collection, Iterator
+from concurrent.futures import Future
+from contextlib import contextmanager, suppress
+from dataclasses import replace
+
+from stepramp.controllers.contract import Controller
+from stepramp.devices.contact import Contact
+from stepramp.devices.leases import Leases
+from stepramp.devices.live_view import LiveView
+from stepramp.devices.owed_stops import OwedStops
+from stepramp.devices.permit import Permit
+from stepramp.devices.stops import Stops
+from stepramp.devices.view import UNDER_WAY
+from stepramp.devices.watch import Watch
+from stepramp.errors import StepRampError
+
+LAST_STOP_S = 1.5
+"""How long the end of the program waits for a stop to be granted [s]."""
+
+Send = Callable[[Collection[int] | None], None]
+"""Tells a controller to stop axes, or all."""
+
+
+class Stopping:
+    """The stops of one device, until they are granted.
+
+    stops: its stops. permit: which motion may set out. owed: stops that no controller has granted yet; owes_at: the
+    port that they are owed at. It may be found at another port later, and yet owes what it owed.
+    """
+
+    def __init__(
+        self,
+        view: LiveView,
+        contact: Contact,
+        watch: Watch,
+        leases: Leases,
+        stops: Stops,
+        permit: Permit,
+        owed: OwedStops,
+        owes_at: str,
+    ) -> None:
+        self._view = view
+        self._contact = contact
+        self._watch = watch
+        self._leases = leases
+        self._stops = stops
+        self._permit = permit
+        self._owed = owed
+        self._owes_at = owes_at
+
+    @contextmanager
+    def being_stopped(self) -> Iterator[None]:
+        """Let nothing move while a stop is being answered, nor afterwards what was asked until then."""
+        try:
+            with self._stops.unanswered():
+                self.show()
+                yield
+        finally:
+            self.show()
+
+    def stop(self, axes: Collection[int] | None = None) -> "Future[None]":
+        """Slow axes, or all, down before anything else that was asked for; see Device.stop."""
+        owed = self._owe("stop", axes)
+        controller, worker = self._contact.ready_to_stop()
+        return worker.call_urgently(lambda: self._stop(axes, controller.stop, owed))
+
+    def halt(self, axes: Collection[int] | None = None) -> "Future[None]":
+        """Make no further step, before anything else that was asked for; see Device.halt."""
+        owed = self._owe("halt", axes)
+        controller, worker = self._contact.ready_to_stop()
+        return worker.call_urgently(lambda: self._halt(axes, controller.halt, owed))
+
+    def end(self) -> None:
+        """Stop the motor for good: nothing moves it any more. For the end of the program."""
+        self._stops.end()
+        # Whatever hinders it, there is no second chance.
+        with suppress(StepRampError, TimeoutError):
+            self.stop().result(LAST_STOP_S)
+
+    def show(self) -> None:
+        """Tell the number of the last stop."""
+        self._view.change(lambda view: replace(view, stops=self._stops.last))
+
+    def _owe(self, what: str, axes: Collection[int] | None) -> int:
+        self._view.log("%s of %s asked for", what, "all axes" if axes is None else f"axes {sorted(axes)}")
+        owed = self._owed.owe(self._owes_at)
+        self._stops.note()
+        self.show()
+        return owed
+
+    # From here on: in the thread of the port.
+
+    def greet(self, controller: Controller) -> None:
+        """Let stops come to the controller from here on, and first of all tell it that which is owed."""
+        self._contact.greet(controller)
+        owed = self._owed.newest(self._owes_at)
+        if owed is not None:
+            self._stop(None, controller.stop, owed)
+
+    def slow_down(self, axes: Collection[int]) -> None:
+        """Stop axes that nobody has asked to be stopped."""
+        self._stop(axes, self._contact.controller.stop)
+
+    def take_back(self, axes: Collection[int]) -> None:
+        """Stop axes that may have set out, though whoever asked for that is told that they haven't."""
+        self._stop(axes, self._contact.controller.stop, self._owed.owe(self._owes_at))
+
+    def _halt(self, axes: Collection[int] | None, send: Send, owed: int) -> None:
+        """Halt axes, and look where that was."""
+        self._stop(axes, send, owed)
+        if self._watch.is_view_old:
+            self._watch.refresh()
+
+    def _stop(self, axes: Collection[int] | None, send: Send, owed: int | None = None) -> None:
+        """Stop axes, also in the midst of what sets some in motion. Where they come to rest is looked at afterwards.
+
+        owed: the number of the stop that is owed until it is granted.
+        """
+        if axes is not None and not set(axes) <= {axis.axis for axis in self._view.now.axes}:
+            axes = None  # Whoever names an axis that isn't there means something else than we know: all stop.
+        with self._permit.set_aside():
+            send(axes)
+            if owed is not None:
+                self._owed.settle(self._owes_at, owed, of_all_axes=axes is None)
+                self._view.log("stop granted")
+            self._leases.drop(axes)
+            self._watch.is_view_old = self._view.now.state in UNDER_WAY
+            self._view.change(lambda view: replace(view.stopping(axes), shuttle=None))
+            if self._permit.is_unseen:
+                self._watch.refresh()

@@ -1,0 +1,80 @@
+"""To and fro: an axis goes there and back by itself, one way after the other."""
+
+from dataclasses import replace
+
+from stepramp.controllers.contract import Asked, Controller
+from stepramp.devices.contact import Contact
+from stepramp.devices.control import Control
+from stepramp.devices.limit_checks import refuse_targets, refuse_there_and_back
+from stepramp.devices.live_view import LiveView
+from stepramp.devices.setting_out import SettingOut
+from stepramp.devices.shuttle import Shuttle
+from stepramp.devices.stops import Stops
+from stepramp.devices.view import DeviceState
+from stepramp.devices.watch import Watch
+from stepramp.errors import Refused, Rejected
+
+
+class ToAndFro:
+    """Begins each way of a shuttle, until it is done or something else comes."""
+
+    def __init__(
+        self, view: LiveView, contact: Contact, watch: Watch, control: Control, setting_out: SettingOut, stops: Stops
+    ) -> None:
+        self._view = view
+        self._contact = contact
+        self._watch = watch
+        self._control = control
+        self._setting_out = setting_out
+        self._stops = stops
+
+    def begin(self, shuttle: Shuttle, way: Asked, asked: int | None = None) -> None:
+        """Set out on the first way; see Device.go_there_and_back. From any thread."""
+        shuttle = replace(shuttle, asked=self._setting_out.moment(asked))
+
+        def begin(controller: Controller) -> None:
+            self._control.refuse_without(shuttle.page)
+            self._watch.refuse_under_way()
+            refuse_there_and_back(self._view.now, way)
+            controller.move_by([way])
+
+        what = f"go there and back by {way.value:g} (axis {way.axis})"
+        self._setting_out.begin(what, [shuttle.axis], begin, shuttle.asked, then=lambda: self._show_way(shuttle))
+
+    # From here on: in the thread of the port.
+
+    def go_on(self) -> None:
+        """Set out on the next way there or back once the pause is over; it ends when it rests elsewhere."""
+        view = self._view.now
+        if view.shuttle is None or view.state is not DeviceState.READY:
+            return
+        shuttle = view.shuttle.arrived()
+        if shuttle.ended or self._target_steps(shuttle.axis) != shuttle.expected_steps:
+            self._show(None)
+        elif shuttle.is_due():
+            self._begin_way(shuttle)
+        else:
+            self._show(shuttle)
+
+    def _begin_way(self, shuttle: Shuttle) -> None:
+        controller, way = self._contact.controller, Asked(shuttle.axis, shuttle.next_by_steps, "by_steps")
+        try:
+            self._control.refuse_without(shuttle.page)
+            refuse_targets(self._view.now, [way], relative=True)
+            self._setting_out.again([shuttle.axis], shuttle.asked, lambda: controller.move_by([way]))
+        except (Refused, Rejected):
+            # A stop came, or somebody else at the controller, such as its own sketch, has begun something: it is over.
+            self._show(None)
+            return
+        self._show_way(shuttle)
+
+    def _show_way(self, shuttle: Shuttle) -> None:
+        """Note where the way leads that has just been begun, unless it has been stopped meanwhile."""
+        if not self._stops.have_overtaken(shuttle.asked):
+            self._show(shuttle.set_out(self._target_steps(shuttle.axis)))
+
+    def _show(self, shuttle: Shuttle | None) -> None:
+        self._view.change(lambda view: replace(view, shuttle=shuttle))
+
+    def _target_steps(self, axis: int) -> int:
+        return self._view.now.axes[axis].target_steps

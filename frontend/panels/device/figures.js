@@ -1,0 +1,18 @@
+// @ts-check
+// The figures of a push as people read them.
+
+import { formatFixed } from '../../numbers.js';
+
+/** Write a figure in its unit: times to a ten-thousandth of a µs, which is finer than a tick of any controller here.
+ * @param {number} value @param {string} unit */
+export function formatFigure(value, unit) {
+  if (unit === 'CRC-16') return `0x${value.toString(16).toUpperCase().padStart(4, '0')}`;
+  if (unit !== 'µs' && Number.isInteger(value)) return formatFixed(value);
+  return formatFixed(value, 4).replace(/0{1,3}$/, '');
+}
+
+/** What a push takes: segments, if the controller takes any, and bytes.
+ * @param {{segments: number | null, bytes: number}} push */
+export function sizeText({ segments, bytes }) {
+  return [...(segments === null ? [] : [`${segments} segments`]), `${formatFixed(bytes)} bytes`].join(' · ');
+}

@@ -1,0 +1,76 @@
+"""The device panel where there are several families: one is chosen, and only what a device can do is offered."""
+
+from __future__ import annotations
+
+import json
+import re
+
+import pytest
+from playwright.sync_api import Route, WebSocketRoute, expect
+
+from browser.conftest import Watch
+from browser.stepramp_page import StepRampPage
+
+REFUSED = r"status of 422"
+
+
+@pytest.fixture
+def several(stepramp: StepRampPage) -> StepRampPage:
+    """Return a page that hears of one more family than there is, and of devices that can do no more than all can."""
+
+    def told(route: Route) -> None:
+        answer = route.fetch()
+        known = answer.json()
+        known["families"].append({"name": "plain", "title": "Plain"})
+        route.fulfill(response=answer, json=known)
+
+    def heard(socket: WebSocketRoute) -> None:
+        def pass_on(message: str | bytes) -> None:
+            news = json.loads(message)
+            for device in news.get("devices", []):
+                device["capabilities"] = []
+            socket.send(json.dumps(news))
+
+        socket.connect_to_server().on_message(pass_on)
+
+    stepramp.page.route("**/api/v1/ports", told)
+    stepramp.page.route_web_socket(re.compile(r"/devices/events"), heard)
+    stepramp.reload()
+    return stepramp
+
+
+def test_the_family_of_a_controller_is_chosen_where_there_are_several(several: StepRampPage, watch: Watch) -> None:
+    several.show_panel("device")
+    family = several.page.locator("#family")
+    expect(family.locator("option")).to_have_text(["StepRamp", "Plain"])
+    watch.expected.append(REFUSED)
+    family.select_option("plain")
+    several.page.locator("#connect").click()
+    expect(several.page.locator("#device .problem").first).to_contain_text("family is 'plain'; allowed: stepramp")
+    assert several.devices() == []
+    family.select_option("stepramp")
+    several.connect()
+    expect(family).to_be_disabled()
+    expect(family).to_have_value("stepramp")
+
+
+def test_one_family_needs_no_choice(stepramp: StepRampPage) -> None:
+    stepramp.show_panel("device")
+    expect(stepramp.page.locator("#port")).to_be_visible()
+    expect(stepramp.page.locator("#family")).to_be_hidden()
+
+
+def test_what_a_device_cant_do_is_not_offered(several: StepRampPage) -> None:
+    page = several.page
+    several.connect()
+    for button in ("#try", "#restore", "#keep-ramp", "#roll-back"):
+        expect(page.locator(button)).to_be_hidden()
+    several.device_section("jog")
+    expect(page.locator("#run-ahead")).to_be_visible()
+    expect(page.locator("#zero")).to_be_hidden()
+    several.device_section("trace")
+    expect(page.locator("#trace")).to_be_disabled()
+    expect(page.locator("#trace-note")).to_have_text("This controller can’t tell when it made its steps.")
+    page.locator("#settings").click()
+    expect(page.locator("#settings-dialog")).to_be_visible()
+    expect(page.locator("#pin-settings")).to_be_hidden()

@@ -1,0 +1,133 @@
+"""Devices of several families: what only some controllers can do, and that none is taken for one of another family."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from controllers.plain_controller import PLAIN, NoWire, PlainController
+from designs import design
+from stepramp.controllers.capabilities import CAPABILITIES, HasSettings
+from stepramp.controllers.contract import Asked
+from stepramp.controllers.families import FAMILIES, Family
+from stepramp.controllers.stepramp.settings import Settings
+from stepramp.controllers.virtual.controller import VirtualController
+from stepramp.devices.device import Device
+from stepramp.devices.registry import Devices
+from stepramp.devices.view import DeviceState
+from stepramp.errors import DeviceLost, Refused, Rejected
+
+BY = [Asked(0, 5, "by_steps")]
+ALL = ("keep", "try", "restore", "settings", "trace", "line", "zero")
+
+
+@pytest.fixture
+def made() -> list[PlainController]:
+    """Return the plain controllers that have been made, in that order."""
+    return []
+
+
+@pytest.fixture
+def devices(made: list[PlainController]) -> Iterator[Devices]:
+    def make(*asked: object) -> PlainController:
+        made.append(PlainController(*asked))  # type: ignore[arg-type]
+        return made[-1]
+
+    devices = Devices(FAMILIES | {"plain": Family("plain", "Plain", NoWire, make)})
+    yield devices
+    devices.close()
+
+
+@pytest.fixture
+def plain(devices: Devices) -> Device:
+    return devices.connect("at a plain wire", "plain")
+
+
+def test_a_device_is_given_its_connection_and_its_controller(plain: Device, made: list[PlainController]) -> None:
+    assert [controller.connection.name for controller in made] == ["at a plain wire"]
+    view = plain.view
+    assert (view.family, view.capabilities, view.state) == ("plain", (), DeviceState.READY)
+    assert (view.clocks_hz, view.timer_hz, view.starved, view.ramp) == ((), None, None, None)
+    plain.move_by(BY)
+    plain.stop().result()
+    assert made[0].asked == ["move_by", "stop None"]
+    assert plain.view.position_steps == 5
+
+
+@pytest.mark.parametrize(
+    ("ask", "words"),
+    [
+        (lambda device: device.push([design()]), "store ramps"),
+        (lambda device: device.push([design()], mode="try"), "try ramps without storing them"),
+        (Device.keep, "store ramps"),
+        (Device.roll_back, "try ramps without storing them"),
+        (Device.restore, "bring back the ramps that it had before"),
+        (lambda device: device.settings_model, "be given settings"),
+        (Device.settings, "be given settings"),
+        (lambda device: device.use_settings(Settings()), "be given settings"),
+        (Device.trace, "trace moves"),
+        (lambda device: device.trace_moves(0, 1), "trace moves"),
+        (lambda device: device.line(BY), "move axes along a straight line"),
+        (lambda device: device.zero([0], 5), "zero gauges"),
+    ],
+)
+def test_what_only_others_can_do_is_refused_in_plain_words(
+    plain: Device, made: list[PlainController], ask: Callable[[Device], object], words: str
+) -> None:
+    told = f"{plain.view.name} can't {words}: no controller of its family, Plain, can."
+    with pytest.raises(Refused, match=re.escape(told)):
+        ask(plain)
+    assert (made[0].asked, plain.view.state) == ([], DeviceState.READY)
+
+
+def test_a_controller_of_ours_can_do_all(devices: Devices, plug_in: Callable) -> None:
+    view = devices.connect(plug_in(VirtualController())).view
+    assert (view.family, view.capabilities) == ("stepramp", ALL)
+    assert tuple(each.name for each in CAPABILITIES) == ALL
+
+
+def test_there_is_no_such_family(devices: Devices) -> None:
+    with pytest.raises(Rejected) as caught:
+        devices.connect("at a plain wire", "tick")
+    [rejection] = caught.value.rejections
+    assert (rejection.field, rejection.value, rejection.allowed) == ("family", "tick", ", ".join([*FAMILIES, "plain"]))
+    assert devices.views() == []
+
+
+def test_a_device_is_not_taken_for_one_of_another_family(
+    devices: Devices, plain: Device, made: list[PlainController]
+) -> None:
+    with pytest.raises(Refused, match="connected as one of the family Plain, not of StepRamp: disconnect it first"):
+        devices.connect("at a plain wire")
+    assert (devices.views(), len(made)) == ([plain.view], 1)
+    devices.disconnect(plain.view.id)
+    with pytest.raises(DeviceLost):
+        devices.connect("at a plain wire")
+    assert len(made) == 1
+
+
+def test_what_was_lost_is_connected_again_as_one_of_its_family(
+    devices: Devices, made: list[PlainController], tmp_path: Path
+) -> None:
+    port = tmp_path / "wire"
+    device = devices.connect(str(port), "plain")
+
+    def go() -> None:
+        raise DeviceLost("It has gone.")
+
+    made[0].status = go  # type: ignore[assignment, method-assign]
+    with pytest.raises(DeviceLost):
+        device.move_by(BY)
+    assert device.view.state is DeviceState.LOST
+    port.touch()
+    assert device.reconnect()
+    assert (device.view.state, device.view.family, len(made)) == (DeviceState.READY, "plain", 2)
+
+
+def test_a_family_has_a_model_of_settings_if_its_controllers_have_settings() -> None:
+    for family in [*FAMILIES.values(), PLAIN]:
+        controller = family.make(NoWire("unopened", lambda: None), lambda _: None, lambda _: None)
+        assert isinstance(controller, HasSettings) == (family.settings is not None)

@@ -1,0 +1,84 @@
+"""Families of controllers over the API: which there are, which one a device is of, and what it can't do."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+from starlette.testclient import TestClient
+
+from controllers.plain_controller import PLAIN
+from designs import document
+from stepramp.controllers.families import FAMILIES
+from stepramp.http_api.app import create_app
+
+DEVICES = "/api/v1/devices"
+MOVE = [{"axis": 0, "by_steps": 5}]
+
+
+@pytest.fixture
+def client() -> Iterator[TestClient]:
+    app = create_app(FAMILIES | {"plain": PLAIN})
+    with TestClient(app, base_url="http://127.0.0.1:8000", raise_server_exceptions=False) as client:
+        yield client
+
+
+@pytest.fixture
+def route(client: TestClient) -> str:
+    device = client.post(DEVICES, json={"port": "plain wire", "family": "plain"}).json()
+    return f"{DEVICES}/{device['id']}"
+
+
+def test_the_families_are_told_with_the_ports(client: TestClient) -> None:
+    families = client.get("/api/v1/ports").json()["families"]
+    assert families[0] == {"name": "stepramp", "title": "StepRamp"}
+    assert families[-1] == {"name": "plain", "title": "Plain"}
+
+
+def test_a_device_tells_its_family_and_what_it_can_do(client: TestClient, route: str) -> None:
+    device = client.get(route).json()
+    assert (device["family"], device["capabilities"], device["state"]) == ("plain", [], "ready")
+    assert (device["clocks_hz"], device["timer_hz"], device["starved"]) == ([], None, None)
+    preview = client.post(f"{route}/push/preview", json={"design": document()}).json()
+    assert (preview["segments"], preview["bytes"]) == (None, 8)
+
+
+def test_a_family_that_there_isnt(client: TestClient) -> None:
+    refused = client.post(DEVICES, json={"port": "plain wire", "family": "plane"})
+    [error] = refused.json()["errors"]
+    allowed = ", ".join([*FAMILIES, "plain"])
+    assert (refused.status_code, error["field"], error["value"], error["allowed"]) == (422, "family", "plane", allowed)
+    assert client.get(DEVICES).json() == {"devices": []}
+
+
+def test_one_of_another_family_is_disconnected_first(client: TestClient, route: str) -> None:
+    refused = client.post(DEVICES, json={"port": "plain wire"})
+    assert refused.status_code == 409
+    assert "disconnect it first" in refused.json()["errors"][0]["message"]
+    assert client.get(route).json()["state"] == "ready"
+
+
+@pytest.mark.parametrize(
+    ("method", "path", "body", "words"),
+    [
+        ("POST", "push", {"design": document()}, "store ramps"),
+        ("POST", "push", {"design": document(), "mode": "try"}, "try ramps without storing them"),
+        ("POST", "keep", None, "store ramps"),
+        ("POST", "roll_back", None, "try ramps without storing them"),
+        ("POST", "restore", None, "bring back the ramps that it had before"),
+        ("GET", "settings", None, "be given settings"),
+        ("PUT", "settings", {}, "be given settings"),
+        ("PUT", "settings", {"pulse_width_us": -1}, "be given settings"),
+        ("POST", "line", {"axes": MOVE}, "move axes along a straight line"),
+        ("POST", "zero", {"axes": [0], "steps": 5}, "zero gauges"),
+        ("GET", "trace", None, "trace moves"),
+        ("PUT", "trace", {"traced_axis": 0}, "trace moves"),
+    ],
+)
+def test_what_it_cant_do_is_refused(
+    client: TestClient, route: str, method: str, path: str, body: Any, words: str
+) -> None:
+    refused = client.request(method, f"{route}/{path}", json=body)
+    assert refused.status_code == 409
+    assert f"can't {words}: no controller of its family, Plain, can." in refused.json()["errors"][0]["message"]
