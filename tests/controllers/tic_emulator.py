@@ -248,6 +248,8 @@ class TicEmulator:
         while self._now_s + SLICE_S <= now_s:
             self._now_s += SLICE_S
             self._evaluate()
+            if self.state == NORMAL:
+                self._obey_input()
             self._step_for(SLICE_S)
 
     def _evaluate(self) -> None:
@@ -267,8 +269,6 @@ class TicEmulator:
             self.energized = True
         elif before == NORMAL:
             self._respond_to_soft_error()
-        if self.state == NORMAL:
-            self._obey_input()
 
     def _next_state(self) -> int:
         if self.driver_fault or self.low_vin:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import random
 import time
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import pytest
 from starlette.testclient import TestClient
 
-from controllers.tic_emulator import READ, TicEmulator, TicOnACable
+from controllers.tic_emulator import HALTED, READ, VELOCITY, TicEmulator, TicOnACable
 from designs import document
 
 DEVICES = "/api/v1/devices"
@@ -198,3 +200,22 @@ def test_a_tic_is_no_stepramp_controller_nor_the_other_way_round(client: TestCli
     assert client.get(DEVICES).json() == {"devices": []}
     assert client.post(DEVICES, json={"port": cable.port, "family": "tic"}).status_code == 200
     assert "disconnect it first" in error_of(client.post(DEVICES, json={"port": cable.port}), 409)["message"]
+
+
+@pytest.mark.parametrize("path", ["move", "run", "zero"])
+def test_a_stop_at_a_random_moment_around_a_motion_is_final(
+    client: TestClient, cable: TicOnACable, device: str, path: str
+) -> None:
+    """Though the Tic's own precautions against what it was told before are switched off."""
+    cable.tic.disable_safe_start = True
+    body = {"move": {"by_steps": 3000}, "run": {"speed_steps_per_s": 900, "for_s": 60}, "zero": {"steps": 2000}}[path]
+    moments = random.Random(path)
+    with ThreadPoolExecutor(1) as pool:
+        for _ in range(20):
+            motion = pool.submit(client.post, f"{device}/{path}", json=body)
+            time.sleep(moments.uniform(0, 0.1))
+            assert client.post(f"{device}/stop").status_code == 200
+            assert motion.result().status_code in (200, 409)
+            at_rest(client, device)
+            assert cable.tic.told in ((VELOCITY, 0), (HALTED, 0))
+            assert cable.tic.velocity == 0

@@ -253,7 +253,7 @@ class TicController(Controller, TriesRamps, ZeroesGauges):
         self._tell_target(command, told_so, stops)
         if not seen.velocity:
             self._set_out_at = seen.position
-        self._let_move(stops)
+        self._let_move(told_so, stops)
         self._leads, self._cut_short = True, Condition(0)
 
     def _tell_target(self, command: bytes, told_so: Input, stops: int) -> None:
@@ -264,12 +264,12 @@ class TicController(Controller, TriesRamps, ZeroesGauges):
                 return
         self._give_up("The Tic doesn't take its target: is its serial line disturbed?", stops)
 
-    def _let_move(self, stops: int) -> None:
+    def _let_move(self, told_so: Input, stops: int) -> None:
         """End what keeps the Tic from moving until it is told to; it has its target by now."""
         for _ in range(STARTING_POLLS):
             general = self._general()
             self._refuse_stopped(stops)
-            if general.operation is OperationState.NORMAL and general.planning is not PlanningMode.OFF:
+            if general.operation is OperationState.NORMAL and self._acting_on(general) == told_so:
                 return
             if general.conditions:
                 energize = [quick(Quick.ENERGIZE)] if Condition.DEENERGIZED in general.conditions else []
@@ -295,6 +295,14 @@ class TicController(Controller, TriesRamps, ZeroesGauges):
         if conditions & BY_ITSELF:
             return _cannot_move(conditions & BY_ITSELF)
         return f"The Tic has stopped by itself: {told(self._cut_short)}." if self._cut_short else None
+
+    def _acting_on(self, general: General) -> Input | None:
+        """Return what the Tic makes steps for, as it is told such things; None for nothing."""
+        if general.planning is PlanningMode.TARGET_POSITION:
+            return Input(InputState.TARGET_POSITION, general.target_position)
+        if general.planning is PlanningMode.TARGET_VELOCITY:
+            return Input(InputState.TARGET_VELOCITY, self._conversation.read(TARGET_VELOCITY)[0])
+        return None
 
     def _heads_nowhere(self) -> bool:
         """Whether the Tic has no target: neither one that it was told, nor that of its settings for errors."""
