@@ -177,12 +177,13 @@ class TicController(Controller, TriesRamps, ZeroesGauges):
     def move_by(self, steps: Sequence[Asked]) -> None:
         """Begin to move by so many steps from the target; Refused while the motor runs at a speed, or slows down."""
         asked, stops = _of_the_axis(steps), self._stops
-        self._move(asked, self._resting_place() + int(asked.value), stops)
+        place, seen = self._resting_place()
+        self._move(asked, place + int(asked.value), seen, stops)
 
     def move_to(self, positions: Sequence[Asked]) -> None:
         """Begin to move to a position [steps]."""
-        asked = _of_the_axis(positions)
-        self._move(asked, int(asked.value), self._stops)
+        asked, stops = _of_the_axis(positions), self._stops
+        self._move(asked, int(asked.value), self._look(), stops)
 
     def run(self, speeds: Sequence[Asked]) -> None:
         """Run at a speed, rounded towards 0, negative for backwards [steps/s]; 0 stops."""
@@ -211,7 +212,7 @@ class TicController(Controller, TriesRamps, ZeroesGauges):
         stops = self._stops
         _refuse_unable(self._look())
         self.set_position([Asked(axis, steps, "axes") for axis in axes])
-        self._move(Asked(0, 0, "axes"), 0, stops)
+        self._move(Asked(0, 0, "axes"), 0, self._look(), stops)
 
     def stop(self, axes: Collection[int] | None = None) -> None:  # noqa: ARG002  # one motor, whichever is named
         """Begin to slow down with the ramp; a Tic that heads somewhere nevertheless is halted."""
@@ -237,8 +238,8 @@ class TicController(Controller, TriesRamps, ZeroesGauges):
 
     # Moving.
 
-    def _move(self, asked: Asked, target: int, stops: int) -> None:
-        seen, target = self._look(), _within_32_bits(asked, target)
+    def _move(self, asked: Asked, target: int, seen: Variables, stops: int) -> None:
+        target = _within_32_bits(asked, target)
         if abs(target - seen.position) >= 2**31:
             allowed = f"a way of less than 2,147,483,648 steps from {seen.position:,}: a Tic goes the shorter way round"
             raise Rejected([Rejection(asked.field, int(asked.value), allowed)])
@@ -311,8 +312,8 @@ class TicController(Controller, TriesRamps, ZeroesGauges):
         general = self._general()
         return Flag.ENERGIZED not in general.flags or general.planning is not PlanningMode.TARGET_POSITION
 
-    def _resting_place(self) -> int:
-        """Return where the motor rests, or will: the same twice in a row, since it is counted from there."""
+    def _resting_place(self) -> tuple[int, Variables]:
+        """Return where the motor rests, or will, the same twice in a row, since moves count from there; and all seen."""
         last = None
         for _ in range(1 + MOST_REPEATS):
             seen = self._look()
@@ -321,7 +322,7 @@ class TicController(Controller, TriesRamps, ZeroesGauges):
                 raise Refused("The motor runs, so it isn't known yet where it comes to rest: say a position, or wait.")
             place = seen.general.target_position if is_under_way else seen.position
             if place == last:
-                return place
+                return place, seen
             last = place
         raise Refused("The Tic tells another position each time: is its serial line disturbed?")
 
