@@ -292,8 +292,9 @@ def test_rolling_back_brings_the_ramp_of_the_settings(bench: Bench, controller: 
 
 def test_a_ramp_that_was_changed_at_the_usb_port_is_seen(tic: TicEmulator, controller: TicController) -> None:
     assert controller.preview_push([design()], 0).same
+    before = controller.status().ramp
     tic.exchange(bytes([0xE6, 0, 0, 0x2D, 0x31, 0x01]))
-    controller.status()
+    assert controller.status().ramp != before
     changed = {item.name: item.on_device for item in controller.preview_push([design()], 0).items if item.differs}
     assert changed == {"Full speed": 2000}
 

@@ -135,7 +135,7 @@ class TicController(Controller, TriesRamps, ZeroesGauges):
         return ControllerStatus(
             activity=axis.activity,
             axes=(axis,),
-            ramp=StoredRamp(sequence=0),
+            ramp=StoredRamp(sequence=0, crc=self._ramp.crc),
             on_trial=self._ramp != self._stored_ramp,
             motors_on=Flag.ENERGIZED in seen.general.flags,
             trouble=self._trouble(seen.general.conditions),
@@ -313,7 +313,7 @@ class TicController(Controller, TriesRamps, ZeroesGauges):
         return Flag.ENERGIZED not in general.flags or general.planning is not PlanningMode.TARGET_POSITION
 
     def _resting_place(self) -> tuple[int, Variables]:
-        """Return where the motor rests, or will, the same twice in a row, since moves count from there; and all seen."""
+        """Return where the motor rests, or will: seen twice in a row, since moves count from there; and all seen."""
         last = None
         for _ in range(1 + MOST_REPEATS):
             seen = self._look()

@@ -1,6 +1,8 @@
 """A Tic's ramp: four limits that it computes its steps from. User's Guide (Pololu 0J71), section 5.1."""
 
+import binascii
 import math
+import struct
 from dataclasses import dataclass
 from decimal import Decimal
 
@@ -64,6 +66,12 @@ class TicRamp:
             write(Write.MAX_ACCELERATION, self.max_acceleration),
             write(Write.MAX_DECELERATION, self.max_deceleration),
         )
+
+    @property
+    def crc(self) -> int:
+        """CRC-16 of the sixteen bytes that it takes in the Tic's memory: it tells ramps apart."""
+        limits = (self.starting_speed, self.max_speed, self.max_deceleration, self.max_acceleration)
+        return binascii.crc_hqx(struct.pack("<4I", *limits), 0xFFFF)
 
     @property
     def figures(self) -> tuple[float, float, float, float]:
