@@ -17,6 +17,7 @@ from controllers.tic_emulator import (
     NORMAL,
     READ,
     SOFT_ERROR,
+    STARTING_UP,
     VELOCITY,
     TicEmulator,
 )
@@ -349,6 +350,18 @@ def test_moving(bench: Bench, controller: TicController) -> None:
     assert controller.status().axes[0].steps_made == 4000
 
 
+def test_a_move_counts_as_begun_once_the_tic_acts_on_it(bench: Bench, controller: TicController) -> None:
+    """It does so a moment after it was told; until then it looks as if it rested at the target before."""
+    controller.move_by(by(100))
+    bench.rest()
+    bench.lasts_s = 0.0
+    controller.move_by(by(-100))
+    assert controller.status().activity is Activity.MOVING
+    controller.run(at(-100))
+    [axis] = controller.status().axes
+    assert axis.target_steps == axis.position_steps
+
+
 def test_moves_count_from_the_target(bench: Bench, controller: TicController) -> None:
     controller.move_by(by(1000))
     bench.pass_time(0.3)
@@ -585,6 +598,20 @@ def test_what_an_error_cut_short_is_not_gone_on_with(
     assert status.trouble.startswith("The Tic has stopped by itself: ")
 
 
+def test_what_a_failing_supply_cut_short_is_told_though_it_is_over(bench: Bench, controller: TicController) -> None:
+    """Without safe start a Tic would go on by itself as soon as its driver is ready again."""
+    bench.tic.disable_safe_start, bench.lasts_s = True, 0.0
+    controller.run(at(1000))
+    bench.pass_time(0.3)
+    bench.tic.press("low_vin")
+    bench.tic.press("low_vin", False)
+    assert bench.tic.state == STARTING_UP
+    bench.lasts_s = 0.002
+    assert controller.status().trouble == "The Tic has stopped by itself: its driver was started anew."
+    bench.pass_time(1)
+    assert bench.tic.velocity == 0
+
+
 def test_a_motor_that_was_switched_off_on_purpose_is_switched_on_by_a_move_alone(
     bench: Bench, controller: TicController
 ) -> None:
@@ -630,32 +657,29 @@ def test_a_byte_without_a_stop_bit_ends_a_motion_and_is_told(bench: Bench, contr
 
 
 class LateLine:
-    """A connection over which an answer comes late, when it is late, or else at once."""
+    """A connection over which an answer comes when it has been given up, if it is late, or else at once."""
 
     def __init__(self, tic: TicEmulator) -> None:
         self.name = "late"
         self.is_late = False
         self._tic = tic
-        self._tic.has_been_up(60)
-        self._coming = b""
-        self._come = b""
+        self._late = b""
+        self._come: list[bytes] = []
 
     def write(self, data: bytes) -> None:
-        self._come += self._coming
-        self._coming = b""
+        answer = self._tic.exchange(data)
         if self.is_late:
-            self._coming, self.is_late = self._tic.exchange(data), False
+            self._late, self.is_late = answer, False
         else:
-            self._come += self._tic.exchange(data)
+            self._come += [self._late, answer] if self._late else [answer]
+            self._late = b""
 
     def read(self, _: float) -> bytes:
-        come, self._come = self._come, b""
-        return come
+        return self._come.pop(0) if self._come else b""
 
     def pending(self) -> bytes:
-        self._come += self._coming
-        self._coming = b""
-        return self.read(0)
+        come, self._come = b"".join(self._come), []
+        return come
 
     def close(self) -> None:
         pass
@@ -762,6 +786,7 @@ def test_a_move_counts_from_where_the_motor_is_though_an_answer_was_damaged(
 
 
 def test_an_answer_that_comes_late_is_not_taken_for_the_next_one(tic: TicEmulator) -> None:
+    tic.has_been_up(60)
     line = LateLine(tic)
     talk = conversation.Conversation(line, lambda _: None)
     talk.begin()

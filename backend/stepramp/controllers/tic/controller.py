@@ -86,8 +86,8 @@ class TicController(Controller, TriesRamps, ZeroesGauges):
         self._stops = 0
         self._leads = False
         """The Tic moves, or holds its motor, for what was asked over this connection: so it is kept from timing out."""
-        self._cut_short = Condition(0)
-        """What has ended the last motion that was asked for, if anything has."""
+        self._cut_short: Condition | None = None
+        """What has ended the last motion that was asked for; None: nothing has, so far."""
         self._set_out_at = 0
 
     @property
@@ -255,7 +255,7 @@ class TicController(Controller, TriesRamps, ZeroesGauges):
         if not seen.velocity:
             self._set_out_at = seen.position
         self._let_move(told_so, stops)
-        self._leads, self._cut_short = True, Condition(0)
+        self._leads, self._cut_short = True, None
 
     def _tell_target(self, command: bytes, told_so: Input, stops: int) -> None:
         for _ in range(1 + MOST_REPEATS):
@@ -295,7 +295,9 @@ class TicController(Controller, TriesRamps, ZeroesGauges):
     def _trouble(self, conditions: Condition) -> str | None:
         if conditions & BY_ITSELF:
             return _cannot_move(conditions & BY_ITSELF)
-        return f"The Tic has stopped by itself: {told(self._cut_short)}." if self._cut_short else None
+        if self._cut_short is None:
+            return None
+        return f"The Tic has stopped by itself: {told(self._cut_short) or 'its driver was started anew'}."
 
     def _acting_on(self, general: General) -> Input | None:
         """Return what the Tic makes steps for, as it is told such things; None for nothing."""
