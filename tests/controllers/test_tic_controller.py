@@ -656,29 +656,33 @@ def test_a_byte_without_a_stop_bit_ends_a_motion_and_is_told(bench: Bench, contr
 # ---- bad lines ----
 
 
-class LateLine:
-    """A connection over which an answer comes when it has been given up, if it is late, or else at once."""
+class SlowLine:
+    """A connection with a clock of its own. Answers come in their order, each so long after its question [s]."""
 
     def __init__(self, tic: TicEmulator) -> None:
-        self.name = "late"
-        self.is_late = False
+        self.name = "slow"
+        self.now_s = 0.0
+        self.answers_after_s = iter([0.0])
         self._tic = tic
-        self._late = b""
-        self._come: list[bytes] = []
+        self._on_the_way: list[tuple[float, bytes]] = []
 
     def write(self, data: bytes) -> None:
-        answer = self._tic.exchange(data)
-        if self.is_late:
-            self._late, self.is_late = answer, False
-        else:
-            self._come += [self._late, answer] if self._late else [answer]
-            self._late = b""
+        last_s = self._on_the_way[-1][0] if self._on_the_way else 0.0
+        due_s = max(self.now_s + next(self.answers_after_s, 0.0), last_s) + 0.01
+        self._on_the_way.append((due_s, self._tic.exchange(data)))
 
-    def read(self, _: float) -> bytes:
-        return self._come.pop(0) if self._come else b""
+    def read(self, timeout_s: float) -> bytes:
+        if self._on_the_way and self._on_the_way[0][0] <= self.now_s + timeout_s:
+            due_s, answer = self._on_the_way.pop(0)
+            self.now_s = max(self.now_s, due_s)
+            return answer
+        self.now_s += timeout_s
+        return b""
 
     def pending(self) -> bytes:
-        come, self._come = b"".join(self._come), []
+        come = b""
+        while self._on_the_way and self._on_the_way[0][0] <= self.now_s:
+            come += self._on_the_way.pop(0)[1]
         return come
 
     def close(self) -> None:
@@ -785,12 +789,18 @@ def test_a_move_counts_from_where_the_motor_is_though_an_answer_was_damaged(
     assert bench.tic.position == (5000 if refused else 5070)
 
 
-def test_an_answer_that_comes_late_is_not_taken_for_the_next_one(tic: TicEmulator) -> None:
+@pytest.mark.parametrize("late_s", [0.1, 0.195, 0.2, 0.25, 0.39, 0.45, 0.6, 0.75])
+def test_an_answer_that_comes_late_is_not_taken_for_the_next_one(
+    tic: TicEmulator, monkeypatch: pytest.MonkeyPatch, late_s: float
+) -> None:
+    """Those of target velocity and up time are of the same length."""
     tic.has_been_up(60)
-    line = LateLine(tic)
+    line = SlowLine(tic)
+    monkeypatch.setattr(conversation, "ANSWER_S", 0.2)
+    monkeypatch.setattr(conversation, "monotonic", lambda: line.now_s)
     talk = conversation.Conversation(line, lambda _: None)
     talk.begin()
-    line.is_late = True
+    line.answers_after_s = iter([late_s])
     (target_velocity,), (up_time_ms,) = talk.read(TARGET_VELOCITY), talk.read(UP_TIME)
     assert (target_velocity, up_time_ms) == (0, 60_000)
 

@@ -11,6 +11,8 @@ from stepramp.link.connection import Connection
 ANSWER_S = 0.2
 """So long an answer is waited for [s]: 15 bytes take 17 ms at 9600 baud, and a USB adapter may keep them 16 ms."""
 MOST_REPEATS = 3
+MOST_LATE = 10
+"""So many pieces of late answers, or of noise, are waited for."""
 MOST_GREETINGS = 3
 
 
@@ -57,12 +59,14 @@ class Conversation:
 
     def read(self, block: Block) -> tuple[int, ...]:
         """Return the values of a block; DeviceLost when it never comes whole."""
-        for _ in range(1 + MOST_REPEATS):
+        for attempt in range(1 + MOST_REPEATS):
             self._give_way(0.0)
-            # Noise, or an answer that was given up.
-            self._port.pending()
+            self._port.pending()  # Noise.
             self._ask_for(block)
             data = self._whole(self._hear(block.length + self._answers_have_crc), block)
+            if data is None or attempt:
+                # Answers don't say to what: one that was given up mustn't be taken for that to the next question.
+                self._await_silence()
             if data is not None:
                 return block.unpack(data)
         raise DeviceLost(f"The Tic at {self._port.name} does not answer.")
@@ -85,6 +89,12 @@ class Conversation:
         while len(heard) < most and (left_s := deadline - monotonic()) > 0:
             heard += self._port.read(left_s)
         return heard
+
+    def _await_silence(self) -> None:
+        """Drop what comes in until nothing does, or it never ends."""
+        for _ in range(MOST_LATE):
+            if not self._port.read(ANSWER_S):
+                return
 
     def _whole(self, answer: bytes, block: Block) -> bytes | None:
         """Return the data of an answer; None when it is too short, too long, or not what its CRC says."""
