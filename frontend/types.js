@@ -116,8 +116,8 @@
 /** read_back: null when that makes no sense.
  * @typedef {{name: string, unit: string, requested: number, sent: number, read_back: number | null}} PushItem */
 
-/** @typedef {{items: PushItem[], verified: boolean, segments: number | null, bytes: number, largest_deviation_us: number,
- *   sequence: number, warnings: string[]}} Push */
+/** @typedef {{items: PushItem[], verified: boolean, segments: number | null, bytes: number,
+ *   largest_deviation_us: number | null, sequence: number, warnings: string[]}} Push */
 
 /** What is pushed: a design for one axis, or those of all.
  * @typedef {{mode?: 'keep' | 'try'} & ({design: Design, to_axis: number} | {axes: Design[]})} Pushed */
@@ -125,8 +125,8 @@
 /** @typedef {{name: string, unit: string, on_device: number | null, to_send: number | null, differs: boolean,
  *   axis: number | null}} PreviewItem */
 
-/** @typedef {{items: PreviewItem[], same: boolean, segments: number | null, bytes: number, largest_deviation_us: number,
- *   warnings: string[]}} Preview */
+/** @typedef {{items: PreviewItem[], same: boolean, segments: number | null, bytes: number,
+ *   largest_deviation_us: number | null, warnings: string[]}} Preview */
 
 /** @typedef {{stage: 'planning' | 'sending' | 'checking' | 'storing' | 'reading_back', bytes_done: number,
  *   bytes_total: number}} Progress */
@@ -182,7 +182,7 @@
  * @property {number} target_steps
  * @property {number} speed_steps_per_s
  * @property {number | null} timer_hz      null until it is connected, and without a step timer
- * @property {string} firmware_version
+ * @property {string | null} firmware_version
  * @property {{sequence: number, crc: number | null} | null} ramp
  * @property {Push | null} pushed */
 

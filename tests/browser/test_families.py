@@ -10,6 +10,7 @@ from playwright.sync_api import Route, WebSocketRoute, expect
 
 from browser.conftest import Watch
 from browser.stepramp_page import StepRampPage
+from stepramp.controllers.families import FAMILIES
 
 REFUSED = r"status of 422"
 
@@ -42,11 +43,13 @@ def several(stepramp: StepRampPage) -> StepRampPage:
 def test_the_family_of_a_controller_is_chosen_where_there_are_several(several: StepRampPage, watch: Watch) -> None:
     several.show_panel("device")
     family = several.page.locator("#family")
-    expect(family.locator("option")).to_have_text(["StepRamp", "Plain"])
+    expect(family.locator("option")).to_have_text([*(each.title for each in FAMILIES.values()), "Plain"])
     watch.expected.append(REFUSED)
     family.select_option("plain")
     several.page.locator("#connect").click()
-    expect(several.page.locator("#device .problem").first).to_contain_text("family is 'plain'; allowed: stepramp")
+    expect(several.page.locator("#device .problem").first).to_contain_text(
+        f"family is 'plain'; allowed: {', '.join(FAMILIES)}"
+    )
     assert several.devices() == []
     family.select_option("stepramp")
     several.connect()
@@ -55,6 +58,14 @@ def test_the_family_of_a_controller_is_chosen_where_there_are_several(several: S
 
 
 def test_one_family_needs_no_choice(stepramp: StepRampPage) -> None:
+    def told(route: Route) -> None:
+        answer = route.fetch()
+        known = answer.json()
+        del known["families"][1:]
+        route.fulfill(response=answer, json=known)
+
+    stepramp.page.route("**/api/v1/ports", told)
+    stepramp.reload()
     stepramp.show_panel("device")
     expect(stepramp.page.locator("#port")).to_be_visible()
     expect(stepramp.page.locator("#family")).to_be_hidden()

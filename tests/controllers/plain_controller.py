@@ -40,11 +40,12 @@ class NoWire:
 
 
 class PlainController(Controller):
-    """One axis that is where it was sent at once. asked: what was asked of it, in that order."""
+    """One axis that is where it was sent at once. asked: what was asked of it, in that order. It tells its trouble."""
 
     def __init__(self, connection: Connection, _give_way: Callable[[float], None], _tell: Tell) -> None:
         self.connection = connection
         self.asked: list[str] = []
+        self.trouble: str | None = None
         self._position = 0
 
     @property
@@ -56,8 +57,8 @@ class PlainController(Controller):
         return None
 
     @property
-    def firmware_version(self) -> str:
-        return "7"
+    def firmware_version(self) -> str | None:
+        return None
 
     def connect(self, greeted: Callable[[], None] = lambda: None) -> None:
         greeted()
@@ -67,7 +68,7 @@ class PlainController(Controller):
 
     def status(self) -> ControllerStatus:
         axis = AxisStatus(0, Activity.READY, self._position, self._position, 0.0, 0)
-        return ControllerStatus(Activity.READY, (axis,), None, on_trial=False, motors_on=True)
+        return ControllerStatus(Activity.READY, (axis,), None, on_trial=False, motors_on=True, trouble=self.trouble)
 
     def listen(self) -> ControllerStatus | None:
         return None
@@ -78,7 +79,7 @@ class PlainController(Controller):
         raise AssertionError(f"{len(designs)} designs for axis {first_axis} to {mode}")
 
     def preview_push(self, designs: Sequence[Design], first_axis: int | None = None) -> PushPreview:  # noqa: ARG002
-        return PushPreview((), same=False, segments=None, bytes=8, largest_deviation_us=0.0, warnings=())
+        return PushPreview((), same=False, segments=None, bytes=8, largest_deviation_us=None, warnings=())
 
     def move_by(self, steps: Sequence[Asked]) -> None:
         self.asked.append("move_by")

@@ -57,6 +57,19 @@ def test_a_device_is_given_its_connection_and_its_controller(plain: Device, made
     assert plain.view.position_steps == 5
 
 
+def test_what_a_controller_cant_tell_is_not_told(plain: Device) -> None:
+    assert plain.view.firmware_version is None
+    assert plain.preview_push([design()]).largest_deviation_us is None
+
+
+def test_what_keeps_a_motor_from_moving_is_told_until_it_is_over(plain: Device, made: list[PlainController]) -> None:
+    assert plain.view.message is None
+    for trouble in ("Its emergency stop is pressed.", None):
+        made[0].trouble = trouble
+        plain.set_position([Asked(0, 0, "position_steps")])
+        assert (plain.view.message, plain.view.state) == (trouble, DeviceState.READY)
+
+
 @pytest.mark.parametrize(
     ("ask", "words"),
     [

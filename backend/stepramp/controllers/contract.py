@@ -63,6 +63,8 @@ class ControllerStatus:
     motors_on: bool
     starved: int | None = None
     """How often a motor's next step was not known in time since the controller started; None: it doesn't count that."""
+    trouble: str | None = None
+    """What keeps the motors from being moved, or has cut their last motion short, as a sentence for people."""
 
 
 FigureUnit = Literal["", "steps", "steps/s", "steps/s²", "µs", "Hz", "CRC-16"]
@@ -94,8 +96,11 @@ class PushReport:
     """None for a controller that takes no segments."""
     bytes: int
     """Length of what the controller was sent [bytes]."""
-    largest_deviation_us: float
-    """Largest difference between an interval of a design's ramp and the controller's [µs]."""
+    largest_deviation_us: float | None
+    """Largest difference between an interval of a design's ramp and the controller's [µs].
+
+    None: not known, since the controller works out the intervals itself.
+    """
     sequence: int
     """How often the controller has stored ramps so far; 0 when it never does."""
     kept: bool
@@ -133,7 +138,8 @@ class PushPreview:
     """None for a controller that takes no segments."""
     bytes: int
     """Length of what the controller would be sent [bytes]."""
-    largest_deviation_us: float
+    largest_deviation_us: float | None
+    """As in PushReport."""
     warnings: tuple[str, ...]
 
 
@@ -194,8 +200,8 @@ class Controller(Protocol):
         """
 
     @property
-    def firmware_version(self) -> str:
-        """Version of the firmware, such as 0.2.0; known once connected."""
+    def firmware_version(self) -> str | None:
+        """Version of the firmware, such as 0.2.0, known once connected; None for a controller that doesn't tell."""
 
     def connect(self, greeted: Callable[[], None] = lambda: None) -> None:
         """Shake hands with a controller that may just have been reset; Refused when it is of another kind.

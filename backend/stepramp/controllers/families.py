@@ -8,6 +8,7 @@ from stepramp.controllers.contract import Controller
 from stepramp.controllers.progress import Tell
 from stepramp.controllers.stepramp.controller import StepRampController
 from stepramp.controllers.stepramp.settings import Settings
+from stepramp.controllers.tic.controller import TicController
 from stepramp.controllers.virtual.controller import VirtualController
 from stepramp.link import protocol_sim
 from stepramp.link.connection import Connection
@@ -46,7 +47,11 @@ def at_baud_rate(baud_rate: int) -> Open:
 USUAL_FAMILY = "stepramp"
 """That of a controller of which nothing else is said."""
 FAMILIES = {
-    each.name: each for each in (Family("stepramp", "StepRamp", at_baud_rate(115_200), StepRampController, Settings),)
+    each.name: each
+    for each in (
+        Family("stepramp", "StepRamp", at_baud_rate(115_200), StepRampController, Settings),
+        Family("tic", "Pololu Tic", at_baud_rate(9_600), TicController),
+    )
 }
 
 

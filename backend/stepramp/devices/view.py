@@ -64,7 +64,7 @@ class DeviceView:
     """What the controller can do besides what all can; known once connected."""
     state: DeviceState = DeviceState.CONNECTING
     message: str | None = None
-    """Why the device is lost."""
+    """Why the device is lost, or what keeps its motors from being moved."""
     position_steps: int = 0
     target_steps: int = 0
     speed_steps_per_s: float = 0.0
@@ -109,6 +109,7 @@ class DeviceView:
             on_trial=status.on_trial,
             motors_on=status.motors_on,
             starved=status.starved,
+            message=status.trouble,
         )
 
     def anew(self, port: str, name: str) -> "DeviceView":

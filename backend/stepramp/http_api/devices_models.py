@@ -119,8 +119,9 @@ class PushAnswer(Answer):
         description="Segments of all ramps that the controller now has; null for one that takes no segments"
     )
     bytes: int = Field(description="Length of their image [bytes]")
-    largest_deviation_us: float = Field(
-        description="Largest difference between an interval of a design's ramp and the controller's [µs]"
+    largest_deviation_us: float | None = Field(
+        description="Largest difference between an interval of a design's ramp and the controller's [µs]; null: not "
+        "known, since the controller works out the intervals itself"
     )
     sequence: int = Field(description="How often the controller has stored ramps so far")
     kept: bool = Field(description="Whether they are stored; otherwise on trial")
@@ -147,8 +148,8 @@ class PreviewAnswer(Answer):
         description="Segments of all ramps that would be sent; null for a controller that takes no segments"
     )
     bytes: int = Field(description="Length of their image [bytes]")
-    largest_deviation_us: float = Field(
-        description="Largest difference between an interval of a design's ramp and the one sent [µs]"
+    largest_deviation_us: float | None = Field(
+        description="Largest difference between an interval of a design's ramp and the one sent [µs]; null: not known"
     )
     warnings: list[str] = Field(description="What would work, but not as the designs say")
 
@@ -205,7 +206,7 @@ class DeviceAnswer(Answer):
         description="moving: one of its axes moves; stopping: all that move slow down. lost: no longer there; it is "
         "connected again when it comes back"
     )
-    message: str | None = Field(description="Why it is lost")
+    message: str | None = Field(description="Why it is lost, or what keeps its motors from being moved")
     position_steps: int = Field(description="Where the motor of axis 0 is [steps]")
     target_steps: int = Field(description="Where axis 0 will come to rest, as in axes [steps]")
     speed_steps_per_s: float = Field(description="How fast axis 0 moves, without sign [steps/s]")
@@ -218,7 +219,9 @@ class DeviceAnswer(Answer):
         description="Ticks a second that the timer can have, fastest first, none without a step timer [Hz]; null until "
         "it is connected"
     )
-    firmware_version: str | None = Field(description="Version of its firmware; null until it is connected")
+    firmware_version: str | None = Field(
+        description="Version of its firmware; null until it is connected, and where it isn't told"
+    )
     ramp: RampAnswer | None = Field(description="The ramps that it uses; null for none")
     on_trial: bool = Field(description="Whether ramps or settings are in use that are not stored")
     motors_on: bool = Field(description="Whether its enable pin has the motors switched on")

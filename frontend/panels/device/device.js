@@ -235,8 +235,9 @@ export function createDevice(root, fleet, onChoice) {
     connect.title = isMoving ? 'Stop it first' : '';
     gear.disabled = hindrance(present, now) !== '' || isMoving || now.isBusy;
     control.hidden = !now.isOthers || !isConnected;
-    const lost = present?.state === 'lost' ? `${present.message ?? 'It is lost.'} It is connected again once it is back.` : '';
-    showProblem([lost, refused === present?.message ? '' : refused].filter(Boolean).join(' '));
+    const message = present?.message ?? '';
+    const trouble = present?.state === 'lost' ? `${message || 'It is lost.'} It is connected again once it is back.` : message;
+    showProblem([trouble, refused === message ? '' : refused].filter(Boolean).join(' '));
     showFamilies(present);
     showForgottenLimits(isConnected && !now.isOthers ? present : null, now);
     showAxes(isConnected ? present : null);

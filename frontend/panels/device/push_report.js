@@ -69,7 +69,7 @@ export function createPushReport() {
         ),
         element('tbody', {}, ...rows),
       ),
-      ...(pushed.largest_deviation_us > 0
+      ...(pushed.largest_deviation_us !== null && pushed.largest_deviation_us > 0
         ? [
             element('p', {
               className: 'reason',

@@ -1,0 +1,27 @@
+"""What a Tic's error conditions mean to people."""
+
+from stepramp.controllers.tic.variables import Condition
+
+WORDS = {
+    Condition.DEENERGIZED: "its motor was switched off on purpose (de-energized)",
+    Condition.MOTOR_DRIVER: "its motor driver reports a fault, such as too much current or heat (motor driver error)",
+    Condition.LOW_VIN: "the supply of its motor is off or too low (low VIN)",
+    Condition.KILL_SWITCH: "its kill switch is active",
+    Condition.INPUT_INVALID: "its input gives no valid signal (required input invalid)",
+    Condition.SERIAL: "bytes on its serial line were damaged or lost (serial error)",
+    Condition.COMMAND_TIMEOUT: "it heard no command for longer than its command timeout",
+    Condition.SAFE_START: "it stays in safe start",
+    Condition.ERR_LINE: "its ERR line is high, so another device that is wired to it reports an error",
+}
+BY_ITSELF = (
+    Condition.MOTOR_DRIVER | Condition.LOW_VIN | Condition.KILL_SWITCH | Condition.INPUT_INVALID | Condition.ERR_LINE
+)
+"""Conditions that last until something is mended at the machine: no command ends them."""
+CONSEQUENCES = Condition.COMMAND_TIMEOUT | Condition.SAFE_START
+"""Conditions that come with any other: alone they say why, beside others they say nothing."""
+
+
+def told(conditions: Condition) -> str:
+    """Return what keeps a Tic from moving, as part of a sentence."""
+    causes = conditions & ~CONSEQUENCES or conditions
+    return ", and ".join(words for condition, words in WORDS.items() if condition in causes)

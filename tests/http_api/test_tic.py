@@ -1,0 +1,223 @@
+"""A Pololu Tic behind a real pseudo-terminal, over the API: connecting, pushing, moving, stopping, unplugging."""
+
+from __future__ import annotations
+
+import random
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+import pytest
+from starlette.testclient import TestClient
+
+from controllers.tic_emulator import HALTED, READ, VELOCITY, TicEmulator, TicOnACable
+from designs import document
+
+DEVICES = "/api/v1/devices"
+PATIENCE_S = 10.0
+
+
+@pytest.fixture
+def cable() -> Iterator[TicOnACable]:
+    tic = TicEmulator()
+    tic.has_been_up(60)
+    with TicOnACable(tic) as cable:
+        yield cable
+
+
+@pytest.fixture
+def device(client: TestClient, cable: TicOnACable) -> str:
+    """Return the route of a Tic with a ramp of 1000 steps/s and 5000 steps/s²."""
+    connected = client.post(DEVICES, json={"port": cable.port, "family": "tic"})
+    assert connected.status_code == 200, connected.text
+    route = f"{DEVICES}/{connected.json()['id']}"
+    pushed = client.post(f"{route}/push", json={"design": document(), "mode": "try"})
+    assert pushed.status_code == 200, pushed.text
+    return route
+
+
+def wait_until(client: TestClient, route: str, condition: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
+    deadline = time.monotonic() + PATIENCE_S
+    while not condition(device := client.get(route).json()):
+        assert time.monotonic() < deadline, device
+        time.sleep(0.02)
+    return device
+
+
+def at_rest(client: TestClient, route: str) -> dict[str, Any]:
+    return wait_until(client, route, lambda device: device["state"] == "ready")
+
+
+def error_of(response: Any, status: int) -> dict[str, Any]:
+    assert response.status_code == status, response.text
+    [error] = response.json()["errors"]
+    return error
+
+
+def test_the_family_is_listed(client: TestClient) -> None:
+    assert {"name": "tic", "title": "Pololu Tic"} in client.get("/api/v1/ports").json()["families"]
+
+
+def test_connecting_asks_and_moves_nothing(client: TestClient, cable: TicOnACable) -> None:
+    device = client.post(DEVICES, json={"port": cable.port, "family": "tic"}).json()
+    assert (device["family"], device["state"], device["capabilities"]) == ("tic", "ready", ["try", "zero"])
+    assert (device["clocks_hz"], device["timer_hz"], device["firmware_version"]) == ([], None, None)
+    assert (device["on_trial"], device["motors_on"], device["message"], device["starved"]) == (False, False, None, None)
+    assert {command[0] for command in cable.tic.commands} <= READ
+    assert not cable.tic.energized
+
+
+def test_pushing(client: TestClient, cable: TicOnACable, device: str) -> None:
+    assert cable.tic.ramp == [0, 10_000_000, 500_000, 500_000]
+    pushed = client.get(device).json()["pushed"]
+    assert (pushed["verified"], pushed["kept"], pushed["segments"], pushed["largest_deviation_us"]) == (
+        True, False, None, None,
+    )  # fmt: skip
+    figures = {"requested": 1000, "sent": 1000, "read_back": 1000}
+    assert {"name": "Full speed", "unit": "steps/s", "axis": 0, **figures} in pushed["items"]
+    assert any("computes its own ramp" in warning for warning in pushed["warnings"])
+    slower = {"design": document(ramp__slew_speed_steps_per_s=300)}
+    preview = client.post(f"{device}/push/preview", json=slower).json()
+    assert [item["name"] for item in preview["items"] if item["differs"]] == ["Full speed"]
+    assert client.get(device).json()["on_trial"]
+    assert not client.post(f"{device}/roll_back").json()["on_trial"]
+    assert cable.tic.ramp == [0, 2_000_000, 40_000, 40_000]
+
+
+def test_what_a_tic_cant_play_names_the_field(client: TestClient, device: str) -> None:
+    too_fast = document(ramp__slew_speed_steps_per_s=50_001)
+    for path in ("push", "push/preview"):
+        mode = {"mode": "try"} if path == "push" else {}
+        error = error_of(client.post(f"{device}/{path}", json={"design": too_fast, **mode}), 422)
+        assert (error["field"], error["value"]) == ("design.ramp.slew_speed_steps_per_s", 50_001)
+        assert error["allowed"] == "at most 50,000 steps/s with a Tic"
+
+
+@pytest.mark.parametrize(
+    ("method", "path", "body", "words"),
+    [
+        ("POST", "push", {"design": document()}, "store ramps"),
+        ("POST", "keep", None, "store ramps"),
+        ("POST", "restore", None, "bring back the ramps that it had before"),
+        ("GET", "settings", None, "be given settings"),
+        ("PUT", "settings", {}, "be given settings"),
+        ("POST", "line", {"axes": [{"axis": 0, "by_steps": 5}]}, "move axes along a straight line"),
+        ("PUT", "trace", {"traced_axis": 0}, "trace moves"),
+        ("GET", "trace", None, "trace moves"),
+    ],
+)
+def test_what_a_tic_cant_do_is_refused(
+    client: TestClient, device: str, method: str, path: str, body: Any, words: str
+) -> None:
+    error = error_of(client.request(method, f"{device}/{path}", json=body), 409)
+    assert f"can't {words}: no controller of its family, Pololu Tic, can." in error["message"]
+
+
+def test_moving_further_than_its_timeout_lasts(client: TestClient, cable: TicOnACable, device: str) -> None:
+    moving = client.post(f"{device}/move", json={"by_steps": -1800}).json()
+    assert (moving["state"], moving["target_steps"], moving["motors_on"]) == ("moving", -1800, True)
+    rested = at_rest(client, device)
+    assert rested["position_steps"] == cable.tic.position == -1800
+    assert rested["message"] is None
+    assert client.post(f"{device}/position", json={"position_steps": 7}).json()["position_steps"] == 7
+    client.post(f"{device}/zero", json={"steps": 30})
+    assert at_rest(client, device)["position_steps"] == 0
+
+
+def test_stopping(client: TestClient, cable: TicOnACable, device: str) -> None:
+    client.post(f"{device}/move", json={"by_steps": 5000})
+    wait_until(client, device, lambda device: device["position_steps"] > 200)
+    stopping = client.post(f"{device}/stop").json()
+    assert stopping["state"] in ("stopping", "ready")
+    rested = at_rest(client, device)
+    assert 200 < rested["position_steps"] == rested["target_steps"] == cable.tic.position < 5000
+    client.post(f"{device}/move", json={"to_steps": 5000})
+    assert client.post(f"{device}/halt").json()["state"] == "ready"
+    assert cable.tic.velocity == 0
+
+
+def test_running_lasts_as_long_as_its_lease(client: TestClient, cable: TicOnACable, device: str) -> None:
+    running = client.post(f"{device}/run", json={"speed_steps_per_s": 500, "for_s": 1.5})
+    assert running.status_code == 200, running.text
+    wait_until(client, device, lambda device: device["position_steps"] > 100)
+    rested = at_rest(client, device)
+    assert rested["position_steps"] == cable.tic.position
+    assert rested["message"] is None
+
+
+def test_there_and_back(client: TestClient, cable: TicOnACable, device: str) -> None:
+    asked = client.post(f"{device}/there_and_back", json={"by_steps": 60, "times": 2, "pause_s": 0})
+    assert asked.status_code == 200, asked.text
+    wait_until(client, device, lambda device: device["shuttle"] is None and device["state"] == "ready")
+    assert (cable.tic.position, cable.tic.steps) == (0, 240)
+
+
+def test_soft_limits_are_kept(client: TestClient, cable: TicOnACable, device: str) -> None:
+    limits = {"axes": [{"axis": 0, "lowest_steps": -100, "highest_steps": 1500}]}
+    assert client.put(f"{device}/soft_limits", json=limits).status_code == 200
+    error_of(client.post(f"{device}/move", json={"by_steps": 1501}), 422)
+    assert client.post(f"{device}/run", json={"speed_steps_per_s": 1000, "for_s": 30}).status_code == 200
+    assert at_rest(client, device)["position_steps"] == cable.tic.position <= 1500
+
+
+def test_what_keeps_it_from_moving_is_told(client: TestClient, cable: TicOnACable, device: str) -> None:
+    cable.tic.press("low_vin")
+    error = error_of(client.post(f"{device}/move", json={"by_steps": 5}), 409)
+    assert error["message"].startswith("The Tic can't move: the supply of its motor is off or too low")
+    told = wait_until(client, device, lambda device: device["message"] is not None)
+    assert (told["message"], told["state"]) == (error["message"], "ready")
+    cable.tic.press("low_vin", False)
+    client.post(f"{device}/move", json={"by_steps": 5})
+    assert at_rest(client, device)["message"] is None
+
+
+def test_unplugging(client: TestClient, cable: TicOnACable, device: str) -> None:
+    client.post(f"{device}/run", json={"speed_steps_per_s": 500, "for_s": 30})
+    cable.unplug()
+    lost = wait_until(client, device, lambda device: device["state"] == "lost")
+    assert "Axis 0 was moving" in lost["message"]
+    error_of(client.post(f"{device}/move", json={"by_steps": 5}), 502)
+
+
+def test_a_tic_that_is_switched_off_and_on_again_is_lost_and_found(
+    client: TestClient, cable: TicOnACable, device: str
+) -> None:
+    client.post(f"{device}/move", json={"by_steps": 40})
+    at_rest(client, device)
+    cable.tic.power_up()
+    lost = wait_until(client, device, lambda device: device["state"] == "lost")
+    assert "was restarted: its position is no longer known" in lost["message"]
+    steps = cable.tic.steps
+    again = client.post(DEVICES, json={"port": cable.port, "family": "tic"}).json()
+    assert (again["state"], again["on_trial"], again["unknown_positions"]) == ("ready", False, [0])
+    assert cable.tic.steps == steps
+
+
+def test_a_tic_is_no_stepramp_controller_nor_the_other_way_round(client: TestClient, cable: TicOnACable) -> None:
+    nothing_there = error_of(client.post(DEVICES, json={"port": "sim://", "family": "tic"}), 502)
+    assert "A controller of another family is to be connected as that" in nothing_there["message"]
+    assert client.get(DEVICES).json() == {"devices": []}
+    assert client.post(DEVICES, json={"port": cable.port, "family": "tic"}).status_code == 200
+    assert "disconnect it first" in error_of(client.post(DEVICES, json={"port": cable.port}), 409)["message"]
+
+
+@pytest.mark.parametrize("path", ["move", "run", "zero"])
+def test_a_stop_at_a_random_moment_around_a_motion_is_final(
+    client: TestClient, cable: TicOnACable, device: str, path: str
+) -> None:
+    """Though the Tic's own precautions against what it was told before are switched off."""
+    cable.tic.disable_safe_start = True
+    body = {"move": {"by_steps": 3000}, "run": {"speed_steps_per_s": 900, "for_s": 60}, "zero": {"steps": 2000}}[path]
+    moments = random.Random(path)
+    with ThreadPoolExecutor(1) as pool:
+        for _ in range(20):
+            # On a busy machine it may come in after the stop: then, too, it is one that was asked before.
+            known = {"X-StepRamp-Stops": str(client.get(device).json()["stops"])}
+            motion = pool.submit(client.post, f"{device}/{path}", json=body, headers=known)
+            time.sleep(moments.uniform(0, 0.1))
+            assert client.post(f"{device}/stop").status_code == 200
+            assert motion.result().status_code in (200, 409)
+            at_rest(client, device)
+            assert cable.tic.told in ((VELOCITY, 0), (HALTED, 0))
+            assert cable.tic.velocity == 0
