@@ -19,6 +19,10 @@ _Static_assert(offsetof(struct axis_player, empty) == EMPTY, "known to engine.S"
 _Static_assert(sizeof(struct queued_segment) == QUEUED_SEGMENT_BYTES, "known to engine.S");
 _Static_assert(sizeof(struct line_player) == LINE_PLAYER_BYTES, "known to line.S");
 _Static_assert(sizeof(struct line_segment) == LINE_SEGMENT_BYTES, "known to line.S");
+_Static_assert(sizeof(struct line_follower) == LINE_FOLLOWER_BYTES, "known to line.S");
+_Static_assert(offsetof(struct line_follower, step_add) == STEP_ADD, "known to line.S");
+_Static_assert(offsetof(struct line_follower, due) == DUE_TO_STEP, "known to line.S");
+_Static_assert(offsetof(struct line_player, follower_pins) == LINE_FOLLOWER_PINS, "known to line.S");
 _Static_assert(offsetof(struct line_player, pins) == LINE_PINS, "known to line.S");
 _Static_assert(offsetof(struct line_player, tail) == LINE_TAIL, "known to line.S");
 
@@ -67,7 +71,7 @@ void engine_set_line(bool line)
     if (IS_SET(GAUGE_OUTPUTS)) {
         return;
     }
-    GPIOR0 = (uint8_t)((GPIOR0 & (_BV(WIDE) | _BV(LINE_SPECIAL))) | (line ? _BV(OTHER_MODE) : 0));
+    GPIOR0 = (uint8_t)((GPIOR0 & _BV(WIDE)) | (line ? _BV(OTHER_MODE) : 0));
     engine_park(0xFF);
 }
 

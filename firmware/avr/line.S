@@ -1,9 +1,9 @@
 /* The step interrupt of a straight line: see engine.h. One or more axes lead, up to three follow by Bresenham's
- * algorithm: `error` is what is left until a follower's next step, in units of 1/delta of a leader's step.
+ * algorithm: `due` is negative as long as a follower's next step is yet to come, in units of 1/delta of a leader's step.
  *
  * The pins of an event are known since the event before, so that all of them rise together and without delay. From
- * acceptance to the end of reti: 106 cycles at most with one follower, 132 with two, 158 with three at a steady speed; 11
- * more while it changes, and about 160 more when a piece of a line begins. */
+ * acceptance to the end of reti: 104 cycles at most with one follower, 125 with two, 146 with three at a steady speed; 9
+ * more while it changes, and about 200 more when a piece of a line begins. */
 #define __SFR_OFFSET 0
 #include <avr/io.h>
 
@@ -26,32 +26,42 @@ line_pulse_pins:                             /* pins whose pulses end: not those
 	out  PINB, \scratch
 .endm
 
-/* 8 cycles. Uses r24, r25. */
+/* Of those pins whose pulses end. 12 cycles. Uses r24, r25. */
 .macro END_LINE_PULSE
 	lds  r24, line_player + LINE_PINS
-	sbic GPIOR0, LINE_SPECIAL
-	rcall special_end
+	lds  r25, line_pulse_pins
+	and  r24, r25
+	sbic GPIOR0, WIDE
+	rcall lengthen_pulse
 	TOGGLE r24, r25
 .endm
 
-/* Follower k: error -= delta; when that borrows, error += total, and it steps: its pin joins r27. 16 or 24 cycles.
- * Uses r24 to r26. */
+/* Follower k: it steps when `due` is not negative, and its pin joins r27. Then as much is added to `due` as step_add, or
+ * wait_add, says. 19 cycles either way. Uses r24 to r26. */
 .macro FOLLOW k
-	lds  r24, line_player + LINE_ERROR + 2 * \k
-	lds  r25, line_player + LINE_ERROR + 2 * \k + 1
-	lds  r26, line_player + LINE_DELTA + 2 * \k
-	sub  r24, r26
-	lds  r26, line_player + LINE_DELTA + 2 * \k + 1
-	sbc  r25, r26
-	brcc 1f
-	lds  r26, line_player + LINE_TOTAL
+	lds  r24, line_player + LINE_FOLLOWERS + LINE_FOLLOWER_BYTES * \k + DUE_TO_STEP
+	lds  r25, line_player + LINE_FOLLOWERS + LINE_FOLLOWER_BYTES * \k + DUE_TO_STEP + 1
+	sbrc r25, 7
+	rjmp follower_\k\()_waits
+	lds  r26, line_player + LINE_FOLLOWERS + LINE_FOLLOWER_BYTES * \k + STEP_ADD
 	add  r24, r26
-	lds  r26, line_player + LINE_TOTAL + 1
+	lds  r26, line_player + LINE_FOLLOWERS + LINE_FOLLOWER_BYTES * \k + STEP_ADD + 1
 	adc  r25, r26
 	lds  r26, line_player + LINE_FOLLOWER_PINS + \k
 	or   r27, r26
-1:	sts  line_player + LINE_ERROR + 2 * \k, r24
-	sts  line_player + LINE_ERROR + 2 * \k + 1, r25
+follower_\k\()_follows:
+	sts  line_player + LINE_FOLLOWERS + LINE_FOLLOWER_BYTES * \k + DUE_TO_STEP, r24
+	sts  line_player + LINE_FOLLOWERS + LINE_FOLLOWER_BYTES * \k + DUE_TO_STEP + 1, r25
+.endm
+
+/* What FOLLOW leaves out. */
+.macro WAIT k
+follower_\k\()_waits:
+	lds  r26, line_player + LINE_FOLLOWERS + LINE_FOLLOWER_BYTES * \k + WAIT_ADD
+	add  r24, r26
+	lds  r26, line_player + LINE_FOLLOWERS + LINE_FOLLOWER_BYTES * \k + WAIT_ADD + 1
+	adc  r25, r26
+	rjmp follower_\k\()_follows
 .endm
 
 	.section .text.step_interrupt, "ax", @progbits
@@ -111,13 +121,9 @@ line_again:
 	out  TIFR1, r24
 	rjmp line_event
 
-/* r24 are the pins to end their pulse: only those that do, and not too early. Uses r25. */
-special_end:
-	lds  r25, line_pulse_pins
-	and  r24, r25
-	sbic GPIOR0, WIDE
-	rcall lengthen_pulse
-	ret
+	WAIT 0
+	WAIT 1
+	WAIT 2
 
 line_count_high:
 	lds  r24, line_player + LINE_COUNT + 1
@@ -138,48 +144,58 @@ line_load:
 	rjmp park_line
 1:	ldi  r31, hi8(line_queue)
 	COPY_INTERVAL line_player + LINE_INTERVAL
+	ldi  r26, lo8(line_player + LINE_ADD)
+	ldi  r27, hi8(line_player + LINE_ADD)
 	ld   r25, Z+
-	sts  line_player + LINE_ADD, r25
-	COPY line_player + LINE_ADD + 1
+	st   X+, r25
+	ld   r24, Z+
+	st   X+, r24
 	cbi  GPIOR0, LINE_STEADY
 	or   r24, r25
 	brne 1f
 	sbi  GPIOR0, LINE_STEADY
-1:	COPY line_player + LINE_COUNT
-	COPY line_player + LINE_COUNT + 1
+1:	ld   r24, Z+
+	st   X+, r24
+	ld   r24, Z+
+	st   X+, r24
 	ld   r24, Z+
 	ld   r25, Z+
-	mov  r26, r24
-	or   r26, r25
+	sbiw r24, 0
 	brne begin_piece
 	adiw r30, 2 * MOST_FOLLOWERS         /* total is 0: the piece goes on */
 	ld   r25, Z+
 	rjmp set_leaders
 
-/* r25:r24 = total; the deltas come next in the queue. */
+/* r25:r24 = total; the deltas come next in the queue, and go, with what follows from them, to the
+ * followers, at X. At first a follower is due by delta - total + total / 2: so its steps lie in the middle of their time. */
 begin_piece:
-	sts  line_player + LINE_TOTAL, r24
-	sts  line_player + LINE_TOTAL + 1, r25
-	subi r24, 1                          /* (total - 1) / 2: so a follower's steps lie in the middle of their time */
-	sbci r25, 0
-	lsr  r25
-	ror  r24
-	sts  line_player + LINE_ERROR, r24
-	sts  line_player + LINE_ERROR + 1, r25
-	sts  line_player + LINE_ERROR + 2, r24
-	sts  line_player + LINE_ERROR + 3, r25
-	sts  line_player + LINE_ERROR + 4, r24
-	sts  line_player + LINE_ERROR + 5, r25
-	COPY line_player + LINE_DELTA
-	COPY line_player + LINE_DELTA + 1
-	COPY line_player + LINE_DELTA + 2
-	COPY line_player + LINE_DELTA + 3
-	COPY line_player + LINE_DELTA + 4
-	COPY line_player + LINE_DELTA + 5
+	push r20
+	push r21
+	push r22
+	push r23
+	movw r22, r24
+	lsr  r23
+	ror  r22
+1:	ld   r20, Z+
+	ld   r21, Z+
+	st   X+, r20
+	st   X+, r21
+	sub  r20, r24
+	sbc  r21, r25
+	st   X+, r20
+	st   X+, r21
+	add  r20, r22
+	adc  r21, r23
+	st   X+, r20
+	st   X+, r21
+	cpi  r26, lo8(line_player + LINE_FOLLOWER_PINS)
+	brne 1b
+	pop  r23
+	pop  r22
+	pop  r21
+	pop  r20
 	ld   r25, Z+
-	/* bits 4 to 7 of r25: the followers. Their pins in the order of the axes. */
-	ldi  r26, lo8(line_player + LINE_FOLLOWER_PINS)
-	ldi  r27, hi8(line_player + LINE_FOLLOWER_PINS)
+	/* bits 4 to 7 of r25: the followers. Their pins in the order of the axes, at X. */
 	ldi  r24, 1 << FIRST_STEP_BIT
 	sbrc r25, 4
 	st   X+, r24
@@ -192,15 +208,14 @@ begin_piece:
 	ldi  r24, 1 << LINE_AXIS_3_BIT
 	sbrc r25, 7
 	st   X+, r24
-	cbi  GPIOR0, LINE_TWO
-	cbi  GPIOR0, LINE_THREE
-	cpi  r26, lo8(line_player + LINE_FOLLOWER_PINS + 2)
-	breq two_followers
-	cpi  r26, lo8(line_player + LINE_FOLLOWER_PINS + 3)
-	brne set_leaders
-	sbi  GPIOR0, LINE_THREE
-two_followers:
-	sbi  GPIOR0, LINE_TWO
+	in   r24, GPIOR0
+	andi r24, ~(1 << LINE_TWO | 1 << LINE_THREE)
+	cpi  r26, lo8(line_player + LINE_FOLLOWER_PINS + 2) /* X is in the first 256 bytes behind the queues */
+	brcs 2f
+	breq 1f
+	ori  r24, 1 << LINE_THREE
+1:	ori  r24, 1 << LINE_TWO
+2:	out  GPIOR0, r24
 
 /* Bits 0 to 3 of r25: the leaders. The axes that turn come next in the queue. */
 set_leaders:
@@ -226,20 +241,22 @@ set_leaders:
 
 park_line:
 	END_LINE_PULSE
-	lds  r24, line_player + LINE_EMPTY
+	ldi  r30, lo8(line_player)
+	ldi  r31, hi8(line_player)
+	ldd  r24, Z + LINE_EMPTY
 	inc  r24
-	sts  line_player + LINE_EMPTY, r24
+	std  Z + LINE_EMPTY, r24
 	ldi  r24, lo8(LONGEST_WAIT_TICKS)
-	sts  line_player + LINE_INTERVAL, r24
+	std  Z + LINE_INTERVAL, r24
 	ldi  r24, hi8(LONGEST_WAIT_TICKS)
-	sts  line_player + LINE_INTERVAL + 1, r24
+	std  Z + LINE_INTERVAL + 1, r24
 	ldi  r24, 0
-	sts  line_player + LINE_ADD, r24
-	sts  line_player + LINE_ADD + 1, r24
-	sts  line_player + LINE_COUNT, r24
-	sts  line_player + LINE_COUNT + 1, r24
-	sts  line_player + LINE_LEADER_PINS, r24
-	sts  line_player + LINE_PINS, r24
+	std  Z + LINE_ADD, r24
+	std  Z + LINE_ADD + 1, r24
+	std  Z + LINE_COUNT, r24
+	std  Z + LINE_COUNT + 1, r24
+	std  Z + LINE_LEADER_PINS, r24
+	std  Z + LINE_PINS, r24
 	sts  TIMSK1, r24                     /* on a line nothing else uses this timer's interrupts */
 	pop  r31
 	pop  r30

@@ -69,15 +69,12 @@ static void configure_axis(uint8_t axis, const struct settings *settings)
 static void configure_width(uint8_t width_us)
 {
     int16_t wait = (int16_t)(width_us * CYCLES_PER_US - OWN_PULSE_CYCLES);
-    GPIOR0 &= (uint8_t)~(_BV(WIDE) | _BV(LINE_SPECIAL));
+    GPIOR0 &= (uint8_t)~_BV(WIDE);
     engine_listens = wait >= LEAST_LISTENING_CYCLES;
     if (wait > 0) {
         wait = (int16_t)(wait - (engine_listens ? LISTENING_CALL_CYCLES : WIDTH_CALL_CYCLES));
         engine_extra_width = wait > 0 ? (uint8_t)((wait + WIDTH_UNIT_CYCLES - 1) / WIDTH_UNIT_CYCLES) : 1;
-        GPIOR0 |= _BV(WIDE) | _BV(LINE_SPECIAL);
-    }
-    if (both_edges != 0) {
-        GPIOR0 |= _BV(LINE_SPECIAL);
+        GPIOR0 |= _BV(WIDE);
     }
 }
 

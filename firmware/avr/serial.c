@@ -39,23 +39,23 @@ int16_t serial_take(void)
     if (out == received_in) {
         return NO_BYTE;
     }
-    uint8_t byte = received[out];
-    received_out = place(out + 1);
+    uint8_t byte = received[place(out)];
+    received_out = (uint8_t)(out + 1);
     return byte;
 }
 
 /* Looks back from the end: what was taken last is still there. Behind another stop it waits for its turn. */
 bool port_skip_to_stop(void)
 {
-    uint8_t in = received_in, unread = place(in - received_out), begin = 0, kind = 0, code = 0;
+    uint8_t in = received_in, unread = (uint8_t)(in - received_out), begin = 0, kind = 0, code = 0;
     if (unread == 0 || received[place(in - 1)] != 0) {
         return false;
     }
     for (uint8_t back = 2; back != RECEIVED_BYTES; back++) {
         uint8_t byte = received[place(in - back)];
         if (byte == 0 && is_urgent(kind)) {
-            if (begin != 0) {
-                return true;
+            if (begin != 0 || unread < back) {
+                return true; /* or it is what is taken next */
             }
             begin = back;
         } else if (byte == 0 && begin == 0) {
@@ -64,8 +64,8 @@ bool port_skip_to_stop(void)
         kind = code;
         code = byte;
     }
-    if (begin != 0 && unread >= begin) {
-        received_out = place(in - begin);
+    if (begin != 0) {
+        received_out = (uint8_t)(in - begin);
     }
     return begin != 0;
 }

@@ -2,7 +2,8 @@
 #ifndef STEPRAMP_SERIAL_H
 #define STEPRAMP_SERIAL_H
 
-#define RECEIVED_BYTES 32 /* a power of 2: room for what comes in 2.7 ms, and any request that comes while motors move */
+#define RECEIVED_BITS 5
+#define RECEIVED_BYTES (1 << RECEIVED_BITS) /* room for what comes in 2.7 ms, and any request that comes while motors move */
 
 /* UCSR0B while nothing is sent, and what is added to it while a frame goes out. */
 #define RECEIVING (1 << RXCIE0 | 1 << RXEN0 | 1 << TXEN0)

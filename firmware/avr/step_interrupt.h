@@ -16,7 +16,6 @@
 #define A_SHARED 3       /* both axes 0 and 2 run */
 #define B_SHARED 4       /* both axes 1 and 3 run */
 #define WIDE 5           /* pulses are to be lengthened */
-#define LINE_SPECIAL 6   /* a line's pulses are to be lengthened, or not all of them end */
 #define GAUGE_OUTPUTS 7  /* the pins are coils: compare B serves all axes */
 #define LINE_TWO A_SECOND   /* on a line: there is a second follower */
 #define LINE_THREE A_SHARED /* and a third */
@@ -44,16 +43,20 @@
 #define LINE_INTERVAL 0
 #define LINE_ADD 2
 #define LINE_COUNT 4
-#define LINE_TOTAL 6
-#define LINE_DELTA 8
-#define LINE_ERROR 14
-#define LINE_PINS 20
-#define LINE_LEADER_PINS 21
-#define LINE_FOLLOWER_PINS 22
-#define LINE_TAIL 26
-#define LINE_HEAD 27
-#define LINE_EMPTY 28
-#define LINE_PLAYER_BYTES 30
+#define LINE_FOLLOWERS 6
+#define LINE_FOLLOWER_PINS 24
+#define LINE_PINS 27
+#define LINE_LEADER_PINS 28
+#define LINE_TAIL 29
+#define LINE_HEAD 30
+#define LINE_EMPTY 31
+#define LINE_PLAYER_BYTES 33
+
+/* Offsets in struct line_follower */
+#define WAIT_ADD 0
+#define STEP_ADD 2
+#define DUE_TO_STEP 4
+#define LINE_FOLLOWER_BYTES 6
 
 /* In `pins` and such of a line, axis 0, 1, 2 have their bits of port D. Axis 3, which is on port B, has bit 1: on port D
  * that is the serial transmitter's pin, which takes no notice of the port. */

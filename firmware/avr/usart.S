@@ -1,6 +1,6 @@
 /* The serial port's interrupts: a byte has been received, a byte can be sent. Each lets step interrupts come as soon as it
  * has masked both of them, 18 cycles after its acceptance, and again blocks them only for its last 10. So they don't nest,
- * and the stack needs room for one of them and a step interrupt. 63 and 67 cycles in all, 70 at the end of a frame.
+ * and the stack needs room for one of them and a step interrupt. 64 and 67 cycles in all, 70 at the end of a frame.
  *
  * Where step interrupts listen, with wide pulses, they are blocked for all of that: they would keep these from their end for
  * too long. */
@@ -15,9 +15,9 @@
 	.global received, received_in, received_out, serial_control, serial_next
 received:
 	.zero RECEIVED_BYTES
-received_in:                                 /* index of the first free place */
+received_in:                                 /* number of the next byte, counted modulo 256 */
 	.zero 1
-received_out:                                /* of the oldest byte; the main loop's */
+received_out:                                /* of the oldest one that has not been taken */
 	.zero 1
 serial_control:                              /* what UCSR0B is outside of these interrupts */
 	.zero 1
@@ -38,37 +38,30 @@ serial_next:                                 /* address of the next byte to be s
 	push r31
 .endm
 
-.macro UNMASK
-	pop  r31
-	pop  r30
-	lds  r24, serial_control
-	out  SREG, r25
-	pop  r25
-	cli
-	sts  UCSR0B, r24
-	pop  r24
-	reti
-.endm
-
 	.section .text.step_interrupt, "ax", @progbits
 
-/* A byte for which there is no room is lost: its frame's checksum will tell. */
+/* A byte for which there is no room takes that of the oldest: that one's frame is lost, and its checksum will tell, but a stop
+ * that comes last isn't. The main loop may be taking the oldest byte: then both of them do the same. */
 	.global USART_RX_vect
 USART_RX_vect:
 	MASK
 	lds  r30, received_in
+	mov  r24, r30
+	inc  r24
+	sts  received_in, r24
+	lds  r31, received_out
+	sub  r24, r31
+	sbrs r24, RECEIVED_BITS
+	rjmp 1f
+	inc  r31
+	sts  received_out, r31
+1:	andi r30, RECEIVED_BYTES - 1
 	ldi  r31, 0
 	subi r30, lo8(-(received))
 	sbci r31, hi8(-(received))
 	lds  r24, UDR0
-	st   Z, r24                          /* into the free place, whether it is the last one or not */
-	lds  r30, received_in
-	inc  r30
-	andi r30, RECEIVED_BYTES - 1
-	lds  r24, received_out
-	cpse r30, r24
-	sts  received_in, r30
-	UNMASK
+	st   Z, r24
+	rjmp unmask
 
 	.global USART_UDRE_vect
 USART_UDRE_vect:
@@ -80,7 +73,16 @@ USART_UDRE_vect:
 	sts  serial_next, r30
 	sts  serial_next + 1, r31
 	tst  r24
-	brne 1f
+	brne unmask
 	ldi  r24, RECEIVING                  /* a frame's last byte is its only zero */
 	sts  serial_control, r24
-1:	UNMASK
+unmask:
+	pop  r31
+	pop  r30
+	lds  r24, serial_control
+	out  SREG, r25
+	pop  r25
+	cli
+	sts  UCSR0B, r24
+	pop  r24
+	reti

@@ -87,16 +87,21 @@ struct LINE_SEGMENT_ATTRIBUTES line_segment {
 /* Axes are a bit each. */
 #define LINE_AXES(leaders, followers) ((uint8_t)((leaders) | (followers) << 4))
 
+/* In a piece with so many steps of the leaders, `total`, and `delta` of its own. */
+struct line_follower {
+    int16_t wait_add; /* delta: added to `due` where it doesn't step with the leaders */
+    int16_t step_add; /* delta - total: where it does */
+    int16_t due;      /* it steps next when this is not negative */
+};
+
 struct line_player {
     uint16_t interval;
     int16_t add;
     uint16_t count_less_1;
-    uint16_t total;
-    uint16_t delta[MOST_FOLLOWERS];
-    uint16_t error[MOST_FOLLOWERS];
+    struct line_follower followers[MOST_FOLLOWERS];
+    uint8_t follower_pins[MOST_FOLLOWERS];
     uint8_t pins;         /* of the next event: worked out one event ahead, so that all of them rise together */
     uint8_t leader_pins;  /* 0: silent */
-    uint8_t follower_pins[MOST_FOLLOWERS + 1];
     volatile uint8_t tail;  /* offset in the queue of the next segment to load; the interrupt's */
     volatile uint8_t head;  /* that of the first free place; the main loop's */
     volatile uint8_t empty; /* counts the loads that found nothing: then the line is parked */

@@ -168,10 +168,11 @@ static void set_followers(uint8_t axes)
 
 static void begin_piece(const struct line_segment *segment)
 {
-    line_player.total = segment->total;
     for (uint8_t k = 0; k < MOST_FOLLOWERS; k++) {
-        line_player.delta[k] = segment->delta[k];
-        line_player.error[k] = (uint16_t)((segment->total - 1) / 2);
+        struct line_follower *follower = &line_player.followers[k];
+        follower->wait_add = (int16_t)segment->delta[k];
+        follower->step_add = (int16_t)(segment->delta[k] - segment->total);
+        follower->due = (int16_t)(follower->step_add + segment->total / 2);
     }
     set_followers(segment->axes >> 4);
 }
@@ -202,8 +203,9 @@ static uint8_t next_pins(void)
 {
     uint8_t pins = line_player.leader_pins;
     for (uint8_t k = 0; k < MOST_FOLLOWERS && line_player.leader_pins != 0; k++) {
-        bool steps = line_player.error[k] < line_player.delta[k];
-        line_player.error[k] = (uint16_t)(line_player.error[k] - line_player.delta[k] + (steps ? line_player.total : 0));
+        struct line_follower *follower = &line_player.followers[k];
+        bool steps = follower->due >= 0;
+        follower->due = (int16_t)(follower->due + (steps ? follower->step_add : follower->wait_add));
         pins |= steps ? line_player.follower_pins[k] : 0;
     }
     return pins;

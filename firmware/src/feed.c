@@ -246,7 +246,7 @@ static void retire(struct feed *feed)
     lane->retired = lane_next(place);
 }
 
-/* Retires what has been played. The segment loaded last, the one before the tail, is being played. */
+/* Retires what has been played, one segment when a stop waits. That loaded last, the one before the tail, is being played. */
 static void retire_played(struct feed *feed)
 {
     const struct lane *lane = lane_of(feed->index);
@@ -255,6 +255,9 @@ static void retire_played(struct feed *feed)
     }
     while (lane_next(lane->retired) != lane->tail) {
         retire(feed);
+        if (port_skip_to_stop()) {
+            return;
+        }
     }
 }
 

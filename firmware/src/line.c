@@ -1,7 +1,8 @@
 #include "line.h"
 
-/* Steps of the leader in a piece, but for the last: that has all that are left, when 16 bits can hold them. */
-static const uint16_t STEPS_OF_A_PIECE = 1u << 15;
+/* Steps of the leader in a piece, but for the last: that has all that are left, when those are not more than the engine
+ * counts to. */
+static const uint16_t STEPS_OF_A_PIECE = 1u << 14, MOST_STEPS_OF_A_PIECE = 1u << 15;
 
 struct line line;
 struct line_piece line_in_progress;
@@ -51,7 +52,7 @@ static uint32_t steps_at(uint8_t follower, uint32_t made)
 /* The leader's steps in a piece that begins with so many left. */
 static uint16_t piece_of(uint32_t left)
 {
-    return left <= UINT16_MAX ? (uint16_t)left : STEPS_OF_A_PIECE;
+    return left <= MOST_STEPS_OF_A_PIECE ? (uint16_t)left : STEPS_OF_A_PIECE;
 }
 
 /* Lays out the next piece. */
@@ -97,7 +98,7 @@ static uint16_t steps_in_piece(uint16_t done, uint16_t delta, uint16_t total)
     if (total == 0) {
         return 0;
     }
-    /* At most (2^16 - 1)^2 + 2^15, which is less than 2^32. */
+    /* At most 2^30 + 2^14 */
     return (uint16_t)(((uint32_t)done * delta + total / 2) / total);
 }
 
@@ -109,7 +110,7 @@ uint32_t line_steps_of(const struct line_piece *piece, uint8_t follower)
 uint32_t line_steps_with(uint8_t follower, uint32_t leader_steps)
 {
     uint32_t begin = leader_steps - leader_steps % STEPS_OF_A_PIECE;
-    if (begin != 0 && line.total - begin + STEPS_OF_A_PIECE <= UINT16_MAX) {
+    if (begin != 0 && line.total - begin + STEPS_OF_A_PIECE <= MOST_STEPS_OF_A_PIECE) {
         begin -= STEPS_OF_A_PIECE; /* the last piece is a longer one */
     }
     uint16_t total = piece_of(line.total - begin);
@@ -118,15 +119,21 @@ uint32_t line_steps_with(uint8_t follower, uint32_t leader_steps)
     return before + steps_in_piece((uint16_t)(leader_steps - begin), delta, total);
 }
 
+static void __attribute__((noinline)) begin_to_play(struct line_piece *piece, const struct line_segment *segment)
+{
+    for (uint8_t i = 0; i < MOST_FOLLOWERS; i++) {
+        piece->made[i] = line_steps_of(piece, i);
+        piece->delta[i] = segment->delta[i];
+    }
+    piece->total = segment->total;
+    piece->done = 0;
+}
+
+/* In two, since few segments begin a piece: saving the registers which that takes would be most of the work. */
 void line_play(struct line_piece *piece, const struct line_segment *segment, uint16_t steps)
 {
     if (segment->axes != 0 && segment->total != 0) {
-        for (uint8_t i = 0; i < MOST_FOLLOWERS; i++) {
-            piece->made[i] = line_steps_of(piece, i);
-            piece->delta[i] = segment->delta[i];
-        }
-        piece->total = segment->total;
-        piece->done = 0;
+        begin_to_play(piece, segment);
     }
     piece->done = (uint16_t)(piece->done + steps);
 }

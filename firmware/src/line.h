@@ -1,5 +1,5 @@
 /* A straight line: the axis with most steps leads and plays a ramp, the others make their steps with its. In pieces of
- * at most 2^16 - 1 steps, as that is what the engine counts to; each begins and ends within half a step of the line. */
+ * at most 2^15 steps, as that is what the engine counts to; each begins and ends within half a step of the line. */
 #ifndef STEPRAMP_LINE_H
 #define STEPRAMP_LINE_H
 

@@ -333,14 +333,12 @@ static void make_pins_ready(void)
     }
 }
 
-/* Begins with all axes at rest where they are, each with its own ramp. */
-static void begin_axes(void)
+/* Begins with an axis at rest where it is, with its own ramp. */
+static void begin_axis(struct feed *feed)
 {
-    for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
-        struct image_ramp ramp = ramp_of(feed);
-        axis_begin(&feed->axis, &ramp);
-        axis_halt(&feed->axis, feed->played.position);
-    }
+    struct image_ramp ramp = ramp_of(feed);
+    axis_begin(&feed->axis, &ramp);
+    axis_halt(&feed->axis, feed->played.position);
 }
 
 /* The place of an axis among the followers of a line; MOST_FOLLOWERS: it is none. */
@@ -361,16 +359,17 @@ static uint32_t follower_steps(const struct feed *feed, const struct line_piece 
     return place == MOST_FOLLOWERS ? 0 : line_steps_of(piece, place);
 }
 
-/* The line has come to rest: its axes are axes of their own again. */
+/* The line has come to rest: its axes are axes of their own again. Only the leader's had another's ramp. */
 static void end_line(const struct line_piece *piece)
 {
     for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
         feed->played.position = moved(feed->played.position, feed->pin_backward, follower_steps(feed, piece));
+        axis_halt(&feed->axis, feed->played.position);
     }
     line.is_on = false;
     engine_set_line(false);
     make_pins_ready();
-    begin_axes();
+    begin_axis(&feeds[line.leader]);
 }
 
 /* ---- stopping ---- */
@@ -451,7 +450,9 @@ void machine_use(const uint8_t *new_image, const struct settings *new_settings)
         engine_set_clock(is_fast);
         feed_clock.is_fast = is_fast;
         feed_clock.setup_ticks = (uint32_t)(settings->direction_setup_us + latest_turn_us()) * ticks_a_us();
-        begin_axes();
+        for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
+            begin_axis(feed);
+        }
     }
 }
 

@@ -188,7 +188,7 @@ def shortest_row_s(plan: PushPlan) -> float:
 def test_more_axes_get_fewer_segments_in_the_same_time() -> None:
     one, two = planned(design(**STEEP)), planned(*[design(**STEEP)] * 2)
     assert one.keeps_pace
-    assert shortest_row_s(one) >= 8 * 0.35e-3
+    assert shortest_row_s(one) >= 8 * 0.5e-3
     assert two.keeps_pace
     assert shortest_row_s(two) >= 2 * 8 * 0.35e-3
     assert two.bounds_ticks[0] > one.bounds_ticks[0]

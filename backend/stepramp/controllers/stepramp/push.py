@@ -32,7 +32,10 @@ COARSEST_BOUND = 0.01
 COARSEST_BOUND_US, COARSEST_SHORT_BOUND = 1.0, 0.05
 """… or, where that is larger, in time [µs], which is as late as steps may come anyway, but at most this part."""
 SEGMENT_US = 350
-"""What a controller takes to prepare a segment, with motors near its limits [µs]: measured, see decision 10."""
+"""What a controller takes to prepare a segment of each of several axes, with motors near its limits [µs]: measured, see
+decision 10."""
+ONLY_SEGMENT_US = 500
+"""The same of an only axis: at its limit there is less of the processor left than at those of several."""
 SEGMENTS_IN_A_ROW = 8
 """So many may be ready beforehand."""
 
@@ -55,7 +58,8 @@ class SmallestChange:
     def __init__(self, wanted: Wanted, limits: PushLimits, axes: int) -> None:
         self.wanted = wanted
         self._limits = limits
-        self._shortest_row = SEGMENTS_IN_A_ROW * axes * ticks_from_us(SEGMENT_US, limits.timer_hz)
+        segments_us = max(SEGMENT_US * axes, ONLY_SEGMENT_US)
+        self._shortest_row = SEGMENTS_IN_A_ROW * ticks_from_us(segments_us, limits.timer_hz)
         self._bounds = _bounds(_coarsest_bound(wanted.ramp.slew, limits.timer_hz))
         self.bound_ticks = next(self._bounds)
         self.ramp: AxisRamp = formula_ramp(wanted.design, limits.by_formula) or self._compressed()
