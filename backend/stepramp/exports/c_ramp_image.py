@@ -1,14 +1,20 @@
 """A ramp as the bytes that a StepRamp controller stores, in a C header for sketches with the StepRamp library."""
 
-from stepramp.controllers.stepramp.ramp_image import LONGEST_INTERVAL_TICKS, MOST_SEGMENTS, RampImage, SegmentRamp
-from stepramp.controllers.virtual.controller import HELLO
+from stepramp.controllers.stepramp.ramp_image import (
+    FAST_CLOCK_HZ,
+    LONGEST_INTERVAL_TICKS,
+    MOST_SEGMENTS,
+    SLOW_CLOCK_HZ,
+    RampImage,
+    SegmentRamp,
+)
 from stepramp.design import Design
 from stepramp.errors import Rejected, Rejection
 from stepramp.exports.c_text import filled, heading, ramp_values
 from stepramp.ramp.plan import ramp_of
 from stepramp.ramp.segments import compress_sides
 
-CLOCKS_HZ = (HELLO.slow_clock_hz, HELLO.fast_clock_hz)
+CLOCKS_HZ = (SLOW_CLOCK_HZ, FAST_CLOCK_HZ)
 BYTES_A_LINE = 16
 
 
@@ -30,7 +36,7 @@ def ramp_image_header(design: Design, name: str, bound_ticks: int) -> str:
     if not sides.keeps(range(1, LONGEST_INTERVAL_TICKS + 1)):
         allowed = f"faster, so that no interval is longer than {LONGEST_INTERVAL_TICKS:,} ticks"
         raise Rejected([Rejection("ramp.acceleration_steps_per_s2", design.ramp.acceleration_steps_per_s2, allowed)])
-    image = RampImage(design.timer.frequency_hz == HELLO.fast_clock_hz, (sides,)).encode()
+    image = RampImage(design.timer.frequency_hz == FAST_CLOCK_HZ, (sides,)).encode()
     return filled(
         "ramp_image.h",
         heading(design, name, "ramp_image")

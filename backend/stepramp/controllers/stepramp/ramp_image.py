@@ -19,6 +19,8 @@ FAST_CLOCK = 0x01
 SAME_DOWN = 0x01
 """Flag of a ramp: down is the same list as up and is left out."""
 OF_SEGMENTS, BY_FORMULA = 0, 1
+SLOW_CLOCK_HZ, FAST_CLOCK_HZ = 2_000_000, 16_000_000
+"""Those of the project's own firmware; another controller tells its own in its hello [Hz]."""
 MOST_SEGMENTS = 250
 LONGEST_INTERVAL_TICKS = 2**28 - 1
 HEADER = 0xFF

@@ -39,6 +39,7 @@ from stepramp.controllers.stepramp.messages.session import PROTOCOL_VERSION, Hel
 from stepramp.controllers.stepramp.messages.settings import ReadSettingsRequest, SettingsReply, WriteSettingsRequest
 from stepramp.controllers.stepramp.messages.status import MachineState, StatusFlag, StatusReply, StatusRequest
 from stepramp.controllers.stepramp.messages.trace import TRACE_OFF, TraceReply, TraceRequest
+from stepramp.controllers.stepramp.ramp_image import FAST_CLOCK_HZ, SLOW_CLOCK_HZ
 from stepramp.controllers.stepramp.settings import OFFSETS, Settings
 from stepramp.controllers.virtual.machine import VirtualMachine
 from stepramp.controllers.virtual.memory import LARGEST_IMAGE_BYTES, VirtualMemory
@@ -52,8 +53,8 @@ HELLO = HelloReply(
     firmware_major=0,
     firmware_minor=2,
     firmware_patch=0,
-    fast_clock_hz=16_000_000,
-    slow_clock_hz=2_000_000,
+    fast_clock_hz=FAST_CLOCK_HZ,
+    slow_clock_hz=SLOW_CLOCK_HZ,
     shortest_intervals=(106, 246, 380, 533),
     shortest_line_intervals=(133, 160, 177),
     longest_interval_ticks=2**28 - 1,
