@@ -495,10 +495,15 @@ def test_a_halt_makes_no_further_step(bench: Bench, controller: TicController) -
 def test_a_stop_at_any_place_of_a_motion_is_final(
     bench: Bench, controller: TicController, stop: str, begin: str, guarded: bool
 ) -> None:
-    """At each place where it gives way, one after the other, until there is no further one."""
+    """At each place where it gives way, one after the other, until there is no further one. It is looked at, too."""
     bench.tic.disable_safe_start, bench.lasts_s = not guarded, 0.02
+
+    def stop_and_look() -> None:
+        getattr(controller, stop)()
+        controller.status()
+
     for place in count():
-        interruption = Interruption(place, getattr(controller, stop))
+        interruption = Interruption(place, stop_and_look)
         bench.interrupt = interruption.passed
         with suppress(AnswerUnknown):
             controller.zero([0], 500) if begin == "zero" else getattr(controller, begin)([Asked(0, 900, "value")])

@@ -217,7 +217,7 @@ def test_a_stop_at_a_random_moment_around_a_motion_is_final(
             motion = pool.submit(client.post, f"{device}/{path}", json=body, headers=known)
             time.sleep(moments.uniform(0, 0.1))
             assert client.post(f"{device}/stop").status_code == 200
-            assert motion.result().status_code in (200, 409)
+            assert motion.result().status_code in (200, 409), motion.result().text
             at_rest(client, device)
             assert cable.tic.told in ((VELOCITY, 0), (HALTED, 0))
             assert cable.tic.velocity == 0

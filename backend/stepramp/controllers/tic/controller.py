@@ -375,14 +375,18 @@ class TicController(Controller, TriesRamps, ZeroesGauges):
     def _look(self) -> Variables:
         """Return how the Tic fares; DeviceLost when it was restarted since the last time."""
         general = self._general()
+        self._refuse_restarted()
         (target_velocity,) = self._conversation.read(TARGET_VELOCITY)
-        (up_time_ms,) = self._conversation.read(UP_TIME)
         # Last, so that what is told to have ended is told where.
         position, velocity = self._conversation.read(MOTION)
-        if self._up_time_ms is not None and (up_time_ms - self._up_time_ms) % 2**32 >= 2**31:
-            raise DeviceLost(f"The Tic at {self._port_name} was restarted: its position is no longer known.")
-        self._up_time_ms = up_time_ms
         return Variables(general, target_velocity, position, velocity)
+
+    def _refuse_restarted(self) -> None:
+        # Noted at once: something more urgent may look, too, before the next question.
+        (up_time_ms,) = self._conversation.read(UP_TIME)
+        before_ms, self._up_time_ms = self._up_time_ms, up_time_ms
+        if before_ms is not None and (up_time_ms - before_ms) % 2**32 >= 2**31:
+            raise DeviceLost(f"The Tic at {self._port_name} was restarted: its position is no longer known.")
 
     def _sensible(self, read: Callable[[], T]) -> T:
         """Return what was read, read again when no Tic says so: noise that has the right length."""
