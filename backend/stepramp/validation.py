@@ -99,14 +99,14 @@ class Within(_Allowance):
         return self._guard(number)
 
 
-@dataclass
 class OneOf:
     """One of some words; for a str whose words no Literal can say, since they are registered by being there."""
 
-    words: Iterable[str]
+    def __init__(self, words: Iterable[str]) -> None:
+        self.words = list(words)
 
     def __get_pydantic_core_schema__(self, source: type, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.literal_schema(list(self.words))
+        return core_schema.literal_schema(self.words)
 
 
 @dataclass
