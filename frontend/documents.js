@@ -65,7 +65,7 @@ const PARTS = {
     slew_speed_steps_per_s: entry(),
     acceleration_steps_per_s2: entry(),
     deceleration_steps_per_s2: openEntry,
-    shape: { refusal: text.refusal, mayStayOut: true },
+    shape: { refusal: (value) => (isObject(value) ? null : 'a shape with its name'), mayStayOut: true },
   },
   method: {
     name: oneOf(...METHODS.map((method) => method.name)),

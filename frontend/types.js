@@ -26,7 +26,7 @@
  * @property {{full_steps_per_rev: Entry, microsteps: Entry, travel_per_rev: Entry, travel_unit: string}} axis
  * @property {{frequency_hz: Entry, counter_bits: Entry, shortest_interval_us: Entry}} timer
  * @property {{base_speed_steps_per_s: Entry, slew_speed_steps_per_s: Entry, acceleration_steps_per_s2: Entry,
- *   deceleration_steps_per_s2: Entry | null, shape?: string}} ramp
+ *   deceleration_steps_per_s2: Entry | null, shape?: {name: string}}} ramp
  * @property {{name: MethodName, arithmetic: string, rounding: string, tuned_for?: string}} method
  * @property {{rows: [Entry, Entry][], interval_unit: string} | null} table
  * @property {{steps: Entry}} move */

@@ -64,6 +64,12 @@ class Timer(Document):
     )
 
 
+class RampShape(Document):
+    """How speed grows along a ramp, whose accelerations are the largest along it."""
+
+    name: ShapeName = Field(USUAL_SHAPE, description="constant: the acceleration stays the same")
+
+
 class RampParameters(Document):
     """The speeds and accelerations that a ramp is computed from."""
 
@@ -75,12 +81,11 @@ class RampParameters(Document):
     deceleration_steps_per_s2: Acceleration | None = Field(
         None, description="d: loss of speed a second [steps/s²]; null: the same as the acceleration"
     )
-    shape: ShapeName = Field(
-        USUAL_SHAPE,
-        description="How speed grows along the ramp; the accelerations are the largest along it. The usual one is left "
-        "out of documents",
+    shape: RampShape = Field(
+        RampShape(),
+        description="The usual one is left out of documents",
         # So that they stay readable for programs that know of no other.
-        exclude_if=lambda shape: shape == USUAL_SHAPE,
+        exclude_if=lambda shape: shape == RampShape(),
     )
 
     @model_validator(mode="after")

@@ -29,7 +29,7 @@ from stepramp.ramp.error_curves import error_curves, relative_errors
 from stepramp.ramp.plan import ramp_of
 from stepramp.ramp.profile import profile_of
 from stepramp.ramp.segments import compress
-from stepramp.shapes.constant_acceleration import ConstantAcceleration as Slope
+from stepramp.shapes.constant import ConstantAcceleration as Slope
 
 STEPS = (1_000, 100_000, 10_000_000)
 METHODS = ("exact", "first_order", "table")

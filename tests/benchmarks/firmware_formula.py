@@ -12,7 +12,7 @@ from firmware.formula.machine import Machine, build_for_chip
 from stepramp.controllers.stepramp.formula_image import encode_formula
 from stepramp.methods.common.fixed_point import Scaled
 from stepramp.ramp.on_chip import OnChipRamp
-from stepramp.shapes.constant_acceleration import ConstantAcceleration as Slope
+from stepramp.shapes.constant import ConstantAcceleration as Slope
 
 METHODS: dict[str, int] = {"first_order": 0, "compromise": 2, "newton": 4}
 WAYS_AT, WAY_BYTES = 15, 39

@@ -49,7 +49,7 @@ from firmware.protocol import (
 from simulator.avr import Asked
 from stepramp.controllers.stepramp.formula_image import encode_formula
 from stepramp.ramp.on_chip import OnChipRamp
-from stepramp.shapes.constant_acceleration import ConstantAcceleration as Slope
+from stepramp.shapes.constant import ConstantAcceleration as Slope
 
 LIMITS = (106, 246, 380, 533)
 LINE_LIMITS = (106, 133, 160, 177)

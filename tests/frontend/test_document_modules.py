@@ -42,7 +42,7 @@ def designs() -> st.SearchStrategy[dict[str, Any]]:
                     **dict.fromkeys(rules.RampParameters.model_fields.keys() - {"shape"}, entries),
                     "deceleration_steps_per_s2": st.none() | entries,
                 },
-                optional={"shape": st.text(max_size=20)},
+                optional={"shape": st.fixed_dictionaries({"name": st.text(max_size=20)})},
             ),
             "method": st.fixed_dictionaries(
                 {

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from stepramp.methods.exact import exact_intervals
 from stepramp.methods.ideal import ideal_intervals
 from stepramp.methods.midpoint import midpoint_intervals
-from stepramp.shapes.constant_acceleration import ConstantAcceleration as Slope
+from stepramp.shapes.constant import ConstantAcceleration as Slope
 
 speeds = st.floats(0.5, 200_000)
 accelerations = st.floats(1, 1e7)

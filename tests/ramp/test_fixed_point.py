@@ -22,7 +22,7 @@ from stepramp.methods.common.taylor import (
     taylor_up,
 )
 from stepramp.methods.newton import fixed_newton_down, fixed_newton_up, newton_down, newton_up
-from stepramp.shapes.constant_acceleration import ConstantAcceleration as Slope
+from stepramp.shapes.constant import ConstantAcceleration as Slope
 from tools import require
 
 COEFFICIENTS = {"first_order": 0.0, "second_order": 1.5, "compromise": 1.0}

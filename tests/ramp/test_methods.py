@@ -16,7 +16,7 @@ from stepramp.methods.newton import fixed_newton_up
 from stepramp.methods.tuned import best_coefficient, coefficient_down, coefficient_up
 from stepramp.ramp.plan import ramp_of, real_ramp
 from stepramp.ramp.profile import profile_of
-from stepramp.shapes.constant_acceleration import ConstantAcceleration as Slope
+from stepramp.shapes.constant import ConstantAcceleration as Slope
 
 COMBINATIONS = [(name, arithmetic) for name, method in METHODS.items() for arithmetic in method.arithmetics]
 ROUNDINGS = ("nearest", "floor", "carry")

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from designs import design, document
 from stepramp.controllers.stepramp.ways import formula_ramp
-from stepramp.design import Design
+from stepramp.design import Design, RampShape
 from stepramp.errors import Rejected
 from stepramp.exports.export import Options, export
 from stepramp.numerics.numbers import Number
@@ -53,7 +53,9 @@ def even_growth(monkeypatch: pytest.MonkeyPatch) -> None:
 def shaped(method: str = "exact", **changes: Any) -> Design:
     """Return a design whose ramp has the shape; its name is checked before, at the start of the program."""
     plain = design(method__name=method, ramp__base_speed_steps_per_s=BASE, **changes)
-    return plain.model_copy(update={"ramp": plain.ramp.model_copy(update={"shape": "even_growth"})})
+    return plain.model_copy(
+        update={"ramp": plain.ramp.model_copy(update={"shape": RampShape.model_construct(name="even_growth")})}
+    )
 
 
 def speed(place: float) -> float:
@@ -89,7 +91,7 @@ def test_recurrences_hold_for_constant_acceleration_only(name: str) -> None:
         real_ramp(shaped(name))
     [rejection] = caught.value.rejections
     assert (rejection.field, rejection.value) == ("method.name", name)
-    assert rejection.allowed == "exact, ideal, midpoint, table with ramp.shape 'even_growth'"
+    assert rejection.allowed == "exact, ideal, midpoint, table with ramp.shape.name 'even_growth'"
 
 
 def test_neither_code_nor_a_controller_computes_it() -> None:
@@ -108,9 +110,9 @@ def test_a_ramp_that_is_too_long_says_how_steep_it_must_be_in_this_shape() -> No
 
 
 def test_the_usual_shape_is_left_out_of_documents() -> None:
-    named = Design.checked(document() | {"ramp": document()["ramp"] | {"shape": "constant_acceleration"}})
+    named = Design.checked(document() | {"ramp": document()["ramp"] | {"shape": {"name": "constant"}}})
     assert named == design()
     assert "shape" not in named.model_dump(mode="json")["ramp"]
-    assert shaped().model_dump(mode="json")["ramp"]["shape"] == "even_growth"
-    with pytest.raises(Rejected, match=r"ramp\.shape is 'jerk_limited'; allowed: constant_acceleration"):
-        Design.checked(document() | {"ramp": document()["ramp"] | {"shape": "jerk_limited"}})
+    assert shaped().model_dump(mode="json")["ramp"]["shape"] == {"name": "even_growth"}
+    with pytest.raises(Rejected, match=r"ramp\.shape\.name is 'jerk_limited'; allowed: constant"):
+        Design.checked(document() | {"ramp": document()["ramp"] | {"shape": {"name": "jerk_limited"}}})

@@ -27,7 +27,7 @@ from stepramp.ramp.on_chip import (
     slopes_refusal,
 )
 from stepramp.ramp.plan import plan_of
-from stepramp.shapes.constant_acceleration import ConstantAcceleration as Slope
+from stepramp.shapes.constant import ConstantAcceleration as Slope
 
 COEFFICIENTS = {"first_order": 0.0, "compromise": 1.0}
 METHODS: tuple[str, ...] = ("first_order", "compromise", "newton")

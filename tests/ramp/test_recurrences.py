@@ -10,7 +10,7 @@ from stepramp.methods.austin import austin_up
 from stepramp.methods.common.method import Sides
 from stepramp.methods.exact import exact_intervals
 from stepramp.numerics.numbers import Arithmetic
-from stepramp.shapes.constant_acceleration import ConstantAcceleration as Slope
+from stepramp.shapes.constant import ConstantAcceleration as Slope
 from tools import require
 
 SLOPES = [

@@ -10,7 +10,7 @@ import pytest
 
 from simulator.avr import SimulatedController, missing_tools
 from stepramp.methods import METHODS
-from stepramp.shapes.constant_acceleration import ConstantAcceleration as Slope
+from stepramp.shapes.constant import ConstantAcceleration as Slope
 from tools import require
 
 SLOPES = [

@@ -12,7 +12,7 @@ from stepramp.methods.common.method import Code, FixedCode
 from stepramp.numerics.numbers import NUMBERS, Arithmetic, Number
 from stepramp.ramp.plan import Plan, plan_of
 from stepramp.ramp.slopes import constant_slopes_of
-from stepramp.shapes.constant_acceleration import ConstantAcceleration
+from stepramp.shapes.constant import ConstantAcceleration
 
 CODES = {name: method.code for name, method in METHODS.items() if method.code}
 """The methods that have code, by name."""

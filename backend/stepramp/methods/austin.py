@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from stepramp.methods.common.method import RampMethod, Style, in_numbers
 from stepramp.numerics.compiled import compiled
 from stepramp.numerics.numbers import Number
-from stepramp.shapes.constant_acceleration import ConstantAcceleration
+from stepramp.shapes.constant import ConstantAcceleration
 
 
 def austin_up(slope: ConstantAcceleration, number: Number) -> NDArray[np.floating]:

@@ -2,7 +2,7 @@
 
 from stepramp.methods.common.method import STEP_BY_STEP, RampMethod, Style
 from stepramp.methods.common.taylor import taylor_code, taylor_on_chip, taylor_sides
-from stepramp.shapes.constant_acceleration import ConstantAcceleration
+from stepramp.shapes.constant import ConstantAcceleration
 
 COEFFICIENT = 1.0
 """c of p (1 + q + c q²)."""

@@ -30,7 +30,7 @@ from stepramp.methods.common.method import (
 )
 from stepramp.numerics.compiled import compiled
 from stepramp.numerics.numbers import Number
-from stepramp.shapes.constant_acceleration import ConstantAcceleration
+from stepramp.shapes.constant import ConstantAcceleration
 
 
 def newton_up(slope: ConstantAcceleration, number: Number) -> NDArray[np.floating]:

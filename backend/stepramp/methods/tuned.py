@@ -13,7 +13,7 @@ from stepramp.methods.exact import exact_intervals
 from stepramp.methods.first_order import COEFFICIENT as FIRST_ORDER
 from stepramp.methods.second_order import COEFFICIENT as SECOND_ORDER
 from stepramp.numerics.numbers import Arithmetic, Number
-from stepramp.shapes.constant_acceleration import ConstantAcceleration
+from stepramp.shapes.constant import ConstantAcceleration
 
 Side = Callable[[ConstantAcceleration, float, Number], NDArray[np.floating]]
 

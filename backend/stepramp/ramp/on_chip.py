@@ -31,7 +31,7 @@ from stepramp.methods.common.fixed_point import (
     refusal,
 )
 from stepramp.ramp.slopes import constant_slopes_of
-from stepramp.shapes.constant_acceleration import ConstantAcceleration
+from stepramp.shapes.constant import ConstantAcceleration
 
 ON_CHIP = {name: method.on_chip for name, method in METHODS.items() if method.on_chip}
 """The methods that a controller can compute, by name."""
@@ -349,7 +349,7 @@ def design_refusal(design: Design) -> str | None:
         return f"The rounding is {method.rounding}; a controller rounds to the nearest tick."
     slopes = constant_slopes_of(design)
     if slopes is None:
-        return f"The shape of the ramp is {design.ramp.shape}; a controller computes constant acceleration."
+        return f"The shape of the ramp is {design.ramp.shape.name}; a controller computes constant acceleration."
     return slopes_refusal(*slopes, method.name)
 
 

@@ -113,7 +113,9 @@ def _slopes_for_the_method(design: Design) -> tuple[Slope, Slope]:
     if shape is None or all(isinstance(slope, shape) for slope in slopes):
         return slopes
     others = ", ".join(name for name, method in METHODS.items() if method.shape is None)
-    raise Rejected([Rejection("method.name", design.method.name, f"{others} with ramp.shape '{design.ramp.shape}'")])
+    raise Rejected(
+        [Rejection("method.name", design.method.name, f"{others} with ramp.shape.name '{design.ramp.shape.name}'")]
+    )
 
 
 def _refuse_runaway(design: Design, ramp: RealRamp) -> None:

@@ -6,5 +6,5 @@ from stepramp.numerics.slope import Slope
 SHAPES: dict[str, type[Slope]] = {name: module.SHAPE for name, module in modules_in(__name__, __path__).items()}
 """By name, which is that of the module."""
 
-USUAL_SHAPE = "constant_acceleration"
+USUAL_SHAPE = "constant"
 """That of a design that names none."""

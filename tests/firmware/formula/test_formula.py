@@ -15,7 +15,7 @@ from simulator.avr import missing_tools
 from stepramp.controllers.stepramp.formula_image import FORMULA_BYTES, encode_formula
 from stepramp.methods.common.fixed_point import Format, Output, Scaled
 from stepramp.ramp.on_chip import OnChipMotor, OnChipRamp, Phase, slopes_refusal
-from stepramp.shapes.constant_acceleration import ConstantAcceleration as Slope
+from stepramp.shapes.constant import ConstantAcceleration as Slope
 from tools import require
 
 LONGEST_ON_THE_CHIP_STEPS = 1500

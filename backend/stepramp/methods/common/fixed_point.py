@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from stepramp.numerics.compiled import compiled
 from stepramp.numerics.limit_text import at_least
-from stepramp.shapes.constant_acceleration import ConstantAcceleration
+from stepramp.shapes.constant import ConstantAcceleration
 
 LEAST_INTERVAL_TICKS = 1
 MOST_INTERVAL_TICKS = 2**27

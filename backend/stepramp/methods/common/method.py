@@ -11,7 +11,7 @@ from stepramp.errors import Rejected, Rejection
 from stepramp.methods.common.fixed_point import FixedIntervals, Format, Scaled
 from stepramp.numerics.numbers import NUMBERS, Arithmetic, Number
 from stepramp.numerics.slope import Slope
-from stepramp.shapes.constant_acceleration import ConstantAcceleration
+from stepramp.shapes.constant import ConstantAcceleration
 
 TunedFor = Literal["largest_error", "time"]
 

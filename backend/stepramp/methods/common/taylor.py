@@ -27,7 +27,7 @@ from stepramp.methods.common.fixed_point import (
 from stepramp.methods.common.method import Code, FixedCode, OnChip, Sides, TunedFor, step_by_step
 from stepramp.numerics.compiled import compiled
 from stepramp.numerics.numbers import Arithmetic, Number
-from stepramp.shapes.constant_acceleration import ConstantAcceleration
+from stepramp.shapes.constant import ConstantAcceleration
 
 MOST_TAYLOR_DECELERATION = 2**18
 """Longest deceleration by (20), (22) or (23) [steps]: they multiply any error by the number of steps."""
