@@ -5,7 +5,7 @@ from __future__ import annotations
 from playwright.sync_api import Route, expect
 
 from browser.stepramp_page import SLEW_SPEED, StepRampPage, until
-from controllers.tic_emulator import TicOnACable
+from controllers.tic.emulator import TicOnACable
 
 
 def test_a_tic_at_the_page(stepramp: StepRampPage) -> None:

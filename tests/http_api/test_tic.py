@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 from starlette.testclient import TestClient
 
-from controllers.tic_emulator import HALTED, READ, VELOCITY, TicEmulator, TicOnACable
+from controllers.tic.emulator import HALTED, READ, VELOCITY, TicEmulator, TicOnACable
 from designs import document
 
 DEVICES = "/api/v1/devices"

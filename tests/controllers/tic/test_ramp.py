@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from controllers.tic_emulator import crc_7
+from controllers.tic.emulator import crc_7
 from designs import design
 from stepramp.controllers.tic.ramp import TicRamp
 from stepramp.controllers.tic.wire import Quick, Read, Write, crc7, quick, read, write

@@ -1,0 +1,131 @@
+"""What keeps a Tic from moving, and what it stops by itself for."""
+
+from __future__ import annotations
+
+import pytest
+
+from controllers.tic.bench import POLL_S, TARGET_FAR_AWAY, Bench, at, by, to
+from controllers.tic.emulator import DEENERGIZE, HALT_AND_HOLD, STARTING_UP, VELOCITY
+from stepramp.controllers.contract import Asked
+from stepramp.controllers.tic.controller import TicController
+from stepramp.errors import DeviceLost, Refused
+
+
+@pytest.mark.parametrize(
+    ("condition", "words"),
+    [
+        ("low_vin", "the supply of its motor is off or too low \\(low VIN\\)"),
+        ("driver_fault", "its motor driver reports a fault"),
+        ("kill_switch", "its kill switch is active"),
+        ("err_line_high", "its ERR line is high"),
+    ],
+)
+def test_what_keeps_a_tic_from_moving_is_told(
+    bench: Bench, controller: TicController, condition: str, words: str
+) -> None:
+    bench.tic.press(condition)
+    for ask in (lambda: controller.move_by(by(5)), lambda: controller.run(at(5)), lambda: controller.zero([0], 5)):
+        with pytest.raises(Refused, match=f"^The Tic can't move: {words}"):
+            ask()
+    assert not {0xE0, 0xE3, 0x83, 0x85} & set(bench.told())
+    assert controller.status().trouble is not None
+    bench.tic.press(condition, False)
+    assert controller.status().trouble is None
+    controller.move_by(by(5))
+    assert bench.rest().axes[0].position_steps == 5
+
+
+@pytest.mark.parametrize("response", [DEENERGIZE, HALT_AND_HOLD, 2])
+@pytest.mark.parametrize("condition", ["low_vin", "kill_switch", "err_line_high"])
+@pytest.mark.parametrize("begin", ["move_by", "run"])
+def test_what_an_error_cut_short_is_not_gone_on_with(
+    bench: Bench, controller: TicController, response: int, condition: str, begin: str
+) -> None:
+    """Not even by a Tic whose own precautions are switched off."""
+    tic = bench.tic
+    tic.disable_safe_start, tic.command_timeout_ms, tic.soft_error_response = True, 0, response
+    getattr(controller, begin)([Asked(0, 1000, "value")])
+    bench.pass_time(0.3)
+    tic.press(condition)
+    status = bench.rest()
+    assert status.trouble is not None
+    steps = tic.steps
+    tic.press(condition, False)
+    for _ in range(5):
+        status = controller.status()
+        bench.pass_time(POLL_S)
+    assert tic.steps == steps
+    assert status.trouble is not None
+    assert status.trouble.startswith("The Tic has stopped by itself: ")
+
+
+def test_what_a_failing_supply_cut_short_is_told_though_it_is_over(bench: Bench, controller: TicController) -> None:
+    """Without safe start a Tic would go on by itself as soon as its driver is ready again."""
+    bench.tic.disable_safe_start, bench.lasts_s = True, 0.0
+    controller.run(at(1000))
+    bench.pass_time(0.3)
+    bench.tic.press("low_vin")
+    bench.tic.press("low_vin", False)
+    assert bench.tic.state == STARTING_UP
+    bench.lasts_s = 0.002
+    assert controller.status().trouble == "The Tic has stopped by itself: its driver was started anew."
+    bench.pass_time(1)
+    assert bench.tic.velocity == 0
+
+
+def test_a_motor_that_was_switched_off_on_purpose_is_switched_on_by_a_move_alone(
+    bench: Bench, controller: TicController
+) -> None:
+    bench.tic.exchange(bytes([0x86]))
+    controller.status()
+    controller.stop()
+    controller.set_position(to(7))
+    assert not bench.tic.energized
+    controller.move_to(to(9))
+    assert bench.told()[-3:] == [0xE0, 0x85, 0x83]
+    assert bench.rest().axes[0].position_steps == 9
+
+
+@pytest.mark.parametrize("guarded", [True, False])
+def test_an_old_target_is_never_set_out_for(bench: Bench, controller: TicController, guarded: bool) -> None:
+    """Switched on, or out of safe start, a Tic heads for what it was told last: that must be the new target."""
+    bench.lasts_s = 0.02
+    bench.tic.exchange(TARGET_FAR_AWAY)
+    bench.tic.exchange(bytes([0x86]))
+    bench.tic.disable_safe_start = not guarded
+    controller.move_to(to(-50))
+    assert bench.rest().axes[0].position_steps == -50
+    assert max(bench.way) == 0
+
+
+def test_a_tic_that_stays_in_error_is_left_without_a_target(bench: Bench, controller: TicController) -> None:
+    bench.tic.on_the_way_in = lambda data: b"" if data[:1] == b"\x83" else data
+    with pytest.raises(Refused, match=r"^The Tic can't move: it stays in safe start\.$"):
+        controller.move_by(by(500))
+    bench.tic.on_the_way_in = lambda data: data
+    assert bench.tic.told == (VELOCITY, 0)
+
+
+def test_a_byte_without_a_stop_bit_ends_a_motion_and_is_told(bench: Bench, controller: TicController) -> None:
+    controller.run(at(1000))
+    bench.pass_time(0.3)
+    bench.tic.frame_badly()
+    trouble = bench.rest().trouble
+    assert trouble == "The Tic has stopped by itself: bytes on its serial line were damaged or lost (serial error)."
+
+
+def test_a_tic_that_was_restarted_is_lost(bench: Bench, controller: TicController) -> None:
+    controller.move_by(by(100))
+    bench.rest()
+    bench.pass_time(1)
+    bench.tic.power_up()
+    with pytest.raises(DeviceLost, match="was restarted: its position is no longer known"):
+        controller.status()
+
+
+def test_a_tic_that_has_been_up_for_seven_weeks_is_not_lost(bench: Bench) -> None:
+    bench.tic.has_been_up(2**32 / 1000 - 2)
+    bench.controller.connect()
+    for _ in range(20):
+        bench.controller.status()
+        bench.pass_time(POLL_S)
