@@ -1,0 +1,23 @@
+"""Motions in real time, and what they are waited for."""
+
+from __future__ import annotations
+
+import time
+
+from stepramp.controllers.contract import Asked
+from stepramp.devices.device import Device
+from stepramp.devices.view import DeviceState
+
+PATIENCE_S = 10.0
+LONG_MOVE = 100_000
+
+
+def by_steps(*steps: int) -> list[Asked]:
+    return [Asked(axis, each, f"axes.{axis}.by_steps") for axis, each in enumerate(steps)]
+
+
+def wait_for(device: Device, state: DeviceState) -> None:
+    deadline = time.monotonic() + PATIENCE_S
+    while device.view.state is not state:
+        assert time.monotonic() < deadline, f"still {device.view}"
+        time.sleep(0.005)

@@ -1,0 +1,118 @@
+"""Leases, without which no run goes on."""
+
+from __future__ import annotations
+
+import time
+
+import pytest
+
+from designs import design
+from devices.bench import MOTIONS, Bench, by, run
+from devices.motion import wait_for
+from stepramp.controllers.contract import Asked
+from stepramp.controllers.stepramp import tracing
+from stepramp.controllers.stepramp.messages.motion import RunRequest, StopRequest
+from stepramp.controllers.stepramp.messages.settings import ReadSettingsRequest
+from stepramp.devices.leases import JOG_S, Lease
+from stepramp.devices.registry import Devices
+from stepramp.devices.view import DeviceState
+from stepramp.errors import Refused, StepRampError
+
+
+def test_a_lease_runs_out_and_is_not_brought_back() -> None:
+    lease = Lease({0: 400.0})
+    assert lease.renew()
+    time.sleep(JOG_S + 0.05)
+    assert not lease.holds
+    assert not lease.renew()
+    ended = Lease({0: 400.0})
+    ended.end()
+    assert not ended.renew()
+
+
+def test_a_jog_that_was_let_go_of_before_it_began(devices: Devices, port: str) -> None:
+    device = devices.connect(port)
+    device.push([design()])
+    lease = Lease({0: 400.0})
+    device.end_run(lease)
+    with pytest.raises(Refused, match="let go before it began"):
+        device.run([Asked(0, 400.0, "speed_steps_per_s")], lease)
+    assert device.view.state is DeviceState.READY
+
+
+def test_a_jog_that_nobody_renews_slows_down(devices: Devices, port: str) -> None:
+    device = devices.connect(port)
+    device.push([design()])
+    device.run([Asked(0, 400.0, "speed_steps_per_s")], Lease({0: 400.0}))
+    wait_for(device, DeviceState.READY)
+    position = device.view.position_steps
+    # 400 steps/s for 0.4 s, and what it takes to slow down: 16 steps with 5,000 steps/s².
+    assert 20 < position < 400
+    time.sleep(0.3)
+    assert device.view.position_steps == position
+
+
+def test_a_run_goes_on_for_as_long_as_its_lease_holds(devices: Devices, port: str) -> None:
+    """The controller ends a run that nobody asks about for 1.3 s."""
+    device = devices.connect(port)
+    device.push([design()])
+    device.run([Asked(0, 100.0, "speed_steps_per_s")], Lease({0: 100.0}, 60))
+    time.sleep(3.0)
+    assert device.view.state is DeviceState.MOVING
+    assert device.view.position_steps > 200
+    device.stop()
+    wait_for(device, DeviceState.READY)
+
+
+def test_what_was_refused_takes_no_lease_away(bench: Bench) -> None:
+    """A move that is refused must not let a run go on for ever."""
+    bench.reset()
+    lease = Lease({0: 400.0}, 1e6)
+    bench.device.run([Asked(0, 400.0, "speed_steps_per_s")], lease)
+    with pytest.raises(StepRampError):
+        bench.device.move_by([by(2**40)])
+    with pytest.raises(StepRampError):
+        bench.device.run([Asked(0, 5e5, "speed_steps_per_s")], Lease({0: 5e5}, 1e6))
+    lease.end()
+    bench.poll()
+    assert bench.witness.seen[-1] not in MOTIONS
+    assert StopRequest.KIND in bench.witness.seen
+
+
+def test_a_lease_of_one_axis_outlives_a_move_of_another(bench: Bench) -> None:
+    bench.reset()
+    lease = Lease({0: 400.0}, 1e6)
+    bench.device.run([Asked(0, 400.0, "speed_steps_per_s")], lease)
+    bench.device.move_by([by(60, 1)])
+    lease.end()
+    bench.poll()
+    assert StopRequest.KIND in bench.witness.seen
+    bench.settle()
+
+
+def test_a_run_s_lease_ends_while_answers_are_lost(bench: Bench) -> None:
+    bench.reset()
+    lease = Lease({0: 400.0}, 1e6)
+    bench.device.run([Asked(0, 400.0, "speed_steps_per_s")], lease)
+    bench.witness.seen.clear()
+    bench.witness.unanswered[ReadSettingsRequest.KIND] = 3
+    lease.end()
+    bench.device.settings()
+    assert bench.witness.seen[:2] == [StopRequest.KIND, ReadSettingsRequest.KIND]
+    assert bench.witness.seen.count(StopRequest.KIND) == 1
+
+
+def test_a_mistake_after_a_run_was_granted_lets_it_not_run_on(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It has no lease yet that would end it."""
+    bench.reset()
+
+    def fail(*_: object) -> None:
+        raise ZeroDivisionError("a mistake of ours")
+
+    monkeypatch.setattr(tracing.Tracing, "runs", fail)
+    with pytest.raises(ZeroDivisionError):
+        run(bench, bench.devices.order.next())
+    sent = bench.witness.seen
+    assert StopRequest.KIND in sent[sent.index(RunRequest.KIND) :]
+    bench.look()
+    assert bench.device.view.axes[0].state is not DeviceState.MOVING

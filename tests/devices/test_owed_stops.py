@@ -1,0 +1,206 @@
+"""Stops that find no connection, or one that is only being made: they are owed."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
+
+import pytest
+
+from controllers.conftest import Clock
+from devices.bench import MOTIONS, STOPS, Bench, by, push, worker_of
+from devices.boards import OwnSupply, UnpluggedAt
+from devices.motion import PATIENCE_S
+from stepramp.controllers.stepramp import conversation
+from stepramp.controllers.stepramp.messages.motion import HaltRequest, StopRequest
+from stepramp.controllers.stepramp.messages.session import HelloRequest
+from stepramp.controllers.stepramp.messages.settings import ReadSettingsRequest
+from stepramp.controllers.stepramp.messages.status import StatusRequest
+from stepramp.controllers.virtual.controller import VirtualController
+from stepramp.devices.owed_stops import OwedStops
+from stepramp.devices.registry import Devices
+from stepramp.devices.stops import Order
+from stepramp.devices.view import DeviceState
+from stepramp.errors import DeviceLost, Refused, StepRampError
+
+
+def test_a_stop_that_finds_no_connection_is_owed(clock: Clock, plug_in: Callable) -> None:
+    """It is the first thing that the controller is told once it is there again."""
+    board = OwnSupply(clock)
+    VirtualController.opened(board.controller)
+    devices = Devices()
+    device = devices.connect(plug_in(board))
+    push(device, clock)
+    device.move_by([by(5000)])
+    clock.now_s += 0.1
+    board.is_plugged_in = False
+    with pytest.raises(DeviceLost):
+        device.trace_moves(0, 1)
+    with pytest.raises(DeviceLost):
+        device.stop()
+    board.is_plugged_in = True
+    board.seen.clear()
+    devices.connect(device.view.port)
+    after_hello = [kind for kind in board.seen if kind in MOTIONS | STOPS]
+    assert after_hello == [StopRequest.KIND]
+    assert device.view.state is DeviceState.STOPPING
+    # Owed once: a device that is connected again later is not stopped again.
+    board.is_plugged_in = False
+    with pytest.raises(DeviceLost):
+        device.trace_moves(0, 1)
+    board.is_plugged_in = True
+    board.seen.clear()
+    devices.connect(device.view.port)
+    assert not STOPS & set(board.seen)
+    devices.close()
+
+
+@pytest.mark.parametrize("stop", ["stop", "halt"])
+def test_a_stop_that_finds_the_connection_gone_is_owed(
+    clock: Clock, plug_in: Callable, unplugged_at: UnpluggedAt, stop: str
+) -> None:
+    """Nobody knew until then: it is the stop itself that finds it out, or it still waits when that is found out."""
+    board, devices = unplugged_at, Devices()
+    device = devices.connect(plug_in(board))
+    push(device, clock)
+    device.move_by([by(50_000)])
+    clock.now_s += 0.1
+    board.kind = StopRequest.KIND if stop == "stop" else HaltRequest.KIND
+    with ThreadPoolExecutor(1) as pool:
+        begun, held = threading.Event(), threading.Event()
+        busy = pool.submit(worker_of(device).call, lambda: (begun.set(), held.wait(PATIENCE_S)))
+        assert begun.wait(PATIENCE_S)
+        stopped = [getattr(device, stop)() for _ in range(2)]
+        held.set()
+        assert busy.result(PATIENCE_S)
+    for each in stopped:
+        with pytest.raises(DeviceLost):
+            each.result(PATIENCE_S)
+    assert not STOPS & set(board.seen)
+    board.is_plugged_in = True
+    devices.connect(device.view.port)
+    assert [kind for kind in board.seen if kind in STOPS] == [StopRequest.KIND]
+    assert device.view.state is DeviceState.STOPPING
+    devices.close()
+
+
+def test_a_stop_that_was_granted_is_owed_no_more() -> None:
+    """One of all axes does what one before it was to do; one of a single axis does not, nor what came after it."""
+    owed = OwedStops(Order())
+    first, second, third = (owed.owe("A") for _ in range(3))
+    elsewhere = owed.owe("B")
+    owed.settle("A", second, of_all_axes=False)
+    assert owed.newest("A") == third
+    owed.settle("A", third, of_all_axes=False)
+    assert owed.newest("A") == first
+    last = [owed.owe("A"), owed.owe("A")]
+    owed.settle("A", last[0], of_all_axes=True)
+    assert owed.newest("A") == last[1]
+    owed.settle("A", last[1], of_all_axes=True)
+    assert owed.newest("A") is None
+    assert owed.newest("B") == elsewhere
+
+
+def test_a_stop_that_is_owed_outlives_a_connect_that_fails(
+    clock: Clock, plug_in: Callable, unplugged_at: UnpluggedAt, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The device is forgotten, but its motor may move: whatever is connected there next is stopped, before all else."""
+    board, devices = unplugged_at, Devices()
+    port = plug_in(board)
+    device = devices.connect(port)
+    push(device, clock)
+    device.move_by([by(50_000)])
+    devices.close()
+    monkeypatch.setattr(conversation, "MOST_HELLOS", 2)
+    monkeypatch.setattr(conversation, "HELLO_INTERVAL_S", 0.05)
+    devices = Devices()
+    waiting, go_on = threading.Event(), threading.Event()
+    listen = board.exchange
+
+    def mute(sent: bytes) -> bytes:
+        if sent:
+            waiting.set()
+            assert go_on.wait(PATIENCE_S)
+        return b""
+
+    monkeypatch.setattr(board, "exchange", mute)
+    with ThreadPoolExecutor(1) as pool:
+        connecting = pool.submit(devices.connect, port)
+        assert waiting.wait(PATIENCE_S)
+        devices.stop_all()
+        go_on.set()
+        with pytest.raises(DeviceLost):
+            connecting.result(PATIENCE_S)
+    assert devices.views() == []
+    monkeypatch.setattr(board, "exchange", listen)
+    board.seen.clear()
+    device = devices.connect(port)
+    assert board.seen[:2] == [HelloRequest.KIND, StopRequest.KIND]
+    assert STOPS & set(board.seen[2:]) == set()
+    devices.close()
+
+
+def test_a_stop_need_not_wait_until_the_ramps_are_read(
+    clock: Clock, plug_in: Callable, unplugged_at: UnpluggedAt
+) -> None:
+    board, devices = unplugged_at, Devices()
+    device = devices.connect(plug_in(board))
+    push(device, clock)
+    device.move_by([by(50_000)])
+    board.is_plugged_in = False
+    with pytest.raises(DeviceLost):
+        device.trace_moves(0, 1)
+    board.is_plugged_in = True
+    board.seen.clear()
+    exchange, asked = board.exchange, []
+
+    def stopping(sent: bytes) -> bytes:
+        said = exchange(sent)
+        if ReadSettingsRequest.KIND in board.seen and not asked:
+            asked.append(device.stop())
+        return said
+
+    board.exchange = stopping  # type: ignore[method-assign]
+    devices.connect(device.view.port)
+    assert asked[0].result(PATIENCE_S) is None
+    assert board.seen[:3] == [HelloRequest.KIND, ReadSettingsRequest.KIND, StopRequest.KIND]
+    devices.close()
+
+
+def test_what_is_connected_while_all_are_stopped_does_not_move(bench: Bench, clock: Clock, plug_in: Callable) -> None:
+    bench.reset()
+    early = bench.devices.order.next()
+    with bench.devices.being_stopped():
+        other = bench.devices.connect(plug_in(VirtualController(clock)))
+        push(other, clock)
+        with pytest.raises(Refused, match="A stop came first"):
+            other.move_by([by(50)])
+    for asked in (early, other.view.stops - 1):
+        with pytest.raises(Refused, match="A stop came first"):
+            other.move_by([by(50)], asked)
+    other.move_by([by(50)], other.view.stops)
+    assert other.view.target_steps == 50
+
+
+def test_a_stop_in_the_last_moment_of_connecting_is_carried_out(clock: Clock, plug_in: Callable) -> None:
+    devices = Devices()
+    asked: list[object] = []
+
+    class Late(OwnSupply):
+        def exchange(self, sent: bytes) -> bytes:
+            said = super().exchange(sent)
+            if StatusRequest.KIND in self.seen and not asked:
+                asked.append(1)
+                with suppress(StepRampError):
+                    devices.get("1").stop()
+            return said
+
+    late = Late(clock)
+    VirtualController.opened(late.controller)
+    device = devices.connect(plug_in(late))
+    worker_of(device).call(lambda: None)
+    assert asked
+    assert StopRequest.KIND in late.seen
+    devices.close()

@@ -1,0 +1,172 @@
+"""Soft limits: what is kept to them, and what becomes of them when a device is lost or let go of."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
+
+import pytest
+
+from controllers.conftest import Clock
+from devices.bench import MOTIONS, Bench, by, push
+from devices.boards import WAITED_FOR_S, UnpluggedAt
+from devices.motion import PATIENCE_S
+from stepramp.controllers.contract import Asked
+from stepramp.controllers.stepramp.messages.motion import ZeroRequest
+from stepramp.controllers.stepramp.messages.session import HelloRequest
+from stepramp.controllers.stepramp.messages.settings import ReadSettingsRequest
+from stepramp.controllers.virtual.controller import VirtualController
+from stepramp.devices import attachment, limit_checks, watch
+from stepramp.devices import registry as devices_module
+from stepramp.devices.leases import Lease
+from stepramp.devices.registry import Devices
+from stepramp.devices.shuttle import Shuttle
+from stepramp.devices.soft_limits import FREE, Span
+from stepramp.devices.view import DeviceState
+from stepramp.errors import DeviceLost, Refused, Rejected
+from stepramp.link.ports import Port
+
+
+def held(bench: Bench, *calls: Callable[[], object]) -> list[Future[object]]:
+    """Let calls wait for the port's thread, one after the other, and return what comes of them."""
+    with ThreadPoolExecutor(1 + len(calls)) as pool:
+        begun, go_on = threading.Event(), threading.Event()
+        pool.submit(bench.worker.call, lambda: (begun.set(), go_on.wait(PATIENCE_S)))
+        assert begun.wait(PATIENCE_S)
+        results = []
+        for count, call in enumerate(calls, 1):
+            results.append(pool.submit(call))
+            while len(bench.worker._waiting) < count and not results[-1].done():
+                time.sleep(0.001)
+        go_on.set()
+    return results
+
+
+def test_limits_that_were_answered_hold_for_a_zero_that_was_asked_before(bench: Bench) -> None:
+    bench.reset()
+    limited, zeroed = held(bench, lambda: bench.device.limit({0: Span(-10, 1000)}), lambda: bench.device.zero([0], 900))
+    assert limited.result() is None
+    with pytest.raises(Rejected, match="axes without soft limits"):
+        zeroed.result()
+    assert ZeroRequest.KIND not in bench.witness.seen
+    bench.device.limit({0: FREE})
+
+
+def test_a_run_keeps_to_soft_limits_while_answers_are_lost(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever is asked just then, and is answered only after the third repeat: the run is looked after meanwhile."""
+    for module in (watch, limit_checks):
+        monkeypatch.setattr(module, "monotonic", bench.clock)
+    reached = []
+    for polls in range(20, 90, 5):
+        bench.reset()
+        bench.device.limit({0: Span(None, 1500)})
+        bench.device.run([Asked(0, 900.0, "speed_steps_per_s")], Lease({0: 900.0}, 1e6))
+        for _ in range(polls):
+            bench.clock.now_s += 0.02
+            bench.poll()
+        bench.witness.unanswered[ReadSettingsRequest.KIND] = 3
+        bench.device.settings()
+        for _ in range(200):
+            bench.clock.now_s += 0.02
+            bench.poll()
+        assert bench.device.view.state is DeviceState.READY
+        reached.append(bench.device.view.position_steps)
+    bench.device.limit({0: FREE})
+    assert max(reached) <= 1500
+    # It is looked again 0.2 s later at most: no run ends much further away from the limit than it needs to.
+    assert min(reached) > 1500 - 900 * (0.5 + WAITED_FOR_S)
+
+
+def test_limits_are_kept_to_only_where_it_is_known_what_they_are_counted_from(
+    clock: Clock, plug_in: Callable, unplugged_at: UnpluggedAt
+) -> None:
+    board, devices = unplugged_at, Devices()
+    device = devices.connect(plug_in(board))
+    push(device, clock)
+    device.limit({0: Span(0, 1000)})
+    device.move_to([Asked(0, 900, "to_steps")])
+    board.is_plugged_in = False
+    with pytest.raises(DeviceLost):
+        device.trace_moves(0, 1)
+    board.is_plugged_in = True
+    VirtualController.opened(board.controller)  # The board was reset: it counts from 0, and is near 1,000.
+    devices.connect(device.view.port)
+    assert (device.view.position_steps, device.view.unknown_positions) == (0, (0, 1))
+    motions: list[Callable[[], None]] = [
+        lambda: device.move_by([by(5, 1), by(900)]),
+        lambda: device.move_to([Asked(0, 900, "to_steps")]),
+        lambda: device.line([by(900), by(5, 1)]),
+        lambda: device.run([Asked(0, 50.0, "speed_steps_per_s")], Lease({0: 50.0}, 1e6)),
+        lambda: device.go_there_and_back(Shuttle(0, 50, 1, 0.0), by(50)),
+    ]
+    for motion in motions:
+        with pytest.raises(Refused, match=r"Axis 0 may be elsewhere .* set the position, or take the limits away"):
+            motion()
+    assert not MOTIONS & set(board.seen[board.seen.index(HelloRequest.KIND, 1) :])
+    device.move_by([by(5, 1)])
+    device.run([Asked(0, 0.0, "speed_steps_per_s")], Lease({}, 1e6))
+    device.stop().result(PATIENCE_S)
+    clock.now_s += 100.0
+    device.set_position([Asked(0, 900, "position_steps")])
+    with pytest.raises(Rejected, match="0 to 1,000 steps, and this leads to 1,800"):
+        device.move_by([by(900)])
+    device.move_by([by(100)])
+    devices.close()
+
+
+@pytest.mark.parametrize("is_lost", [False, True])
+def test_limits_outlive_a_device_that_is_let_go_of(
+    clock: Clock, plug_in: Callable, unplugged_at: UnpluggedAt, is_lost: bool
+) -> None:
+    """Whether it was lost before or not, it may have been moved meanwhile, and count anew."""
+    board, devices = unplugged_at, Devices()
+    device = devices.connect(plug_in(board))
+    push(device, clock)
+    device.limit({0: Span(0, 100)})
+    if is_lost:
+        board.is_plugged_in = False
+        with pytest.raises(DeviceLost):
+            device.trace_moves(0, 1)
+    devices.disconnect(device.view.id)
+    board.is_plugged_in = True
+    again = devices.connect(device.view.port)
+    assert again.view.id != device.view.id
+    assert [(axis.lowest_steps, axis.highest_steps) for axis in again.view.axes] == [(0, 100), (None, None)]
+    assert again.view.unknown_positions == ((0, 1) if is_lost else (0,))
+    with pytest.raises(Refused, match="Axis 0 may be elsewhere"):
+        again.move_by([by(50)])
+    again.set_position([Asked(0, 90, "position_steps")])
+    with pytest.raises(Rejected, match="0 to 100 steps, and this leads to 140"):
+        again.move_by([by(50)])
+    # Whoever has taken them away meets them no more.
+    again.limit({0: Span()})
+    devices.disconnect(again.view.id)
+    last = devices.connect(again.view.port)
+    assert last.view.soft_limits == {}
+    assert last.view.unknown_positions == ((1,) if is_lost else ())
+    devices.close()
+
+
+def test_limits_go_with_what_has_a_serial_number(
+    clock: Clock, plug_in: Callable, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    numbered: dict[str, str] = {}
+
+    def known(port: str) -> Port:
+        return Port(port, port, usb=(0x2341, 0x0043, numbered[port]))
+
+    for module in (devices_module, attachment):
+        monkeypatch.setattr(module, "known_port", known)
+    first, second = plug_in(VirtualController(clock)), plug_in(VirtualController(clock))
+    numbered |= {first: "A1", second: "B2"}
+    devices = Devices()
+    limited, free = devices.connect(first), devices.connect(second)
+    limited.limit({0: Span(-5, 5)})
+    for device in (limited, free):
+        devices.disconnect(device.view.id)
+    numbered |= {first: "B2", second: "A1"}
+    assert devices.connect(first).view.soft_limits == {}
+    assert devices.connect(second).view.soft_limits == {0: Span(-5, 5)}
+    devices.close()

@@ -1,0 +1,152 @@
+"""Devices that are lost, and connected again."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+import pytest
+
+from controllers.conftest import Clock
+from controllers.usb_board import Cable, UsbBoard
+from designs import design
+from devices.bench import push, worker_of
+from devices.boards import UnpluggedAt
+from devices.motion import LONG_MOVE, by_steps, wait_for
+from stepramp.controllers.contract import Asked
+from stepramp.controllers.stepramp.messages.motion import MoveByRequest
+from stepramp.controllers.stepramp.messages.ramps import CommitRequest, DataRequest
+from stepramp.controllers.stepramp.messages.status import StatusRequest
+from stepramp.controllers.virtual.controller import VirtualController
+from stepramp.devices.device import Device
+from stepramp.devices.registry import Devices
+from stepramp.devices.view import DeviceState
+from stepramp.devices.writing import SendPush
+from stepramp.errors import DeviceLost, Refused, StepRampError
+
+
+def unplugged_while_idle(board: UsbBoard, _: Device) -> None:
+    board.unplug()
+
+
+def unplugged_in_a_push(board: UsbBoard, device: Device) -> None:
+    board.unplug_at(DataRequest.KIND, after=2)
+    device.push([design()])
+
+
+def unplugged_while_writing(board: UsbBoard, device: Device) -> None:
+    board.unplug_at(CommitRequest.KIND)
+    device.push([design()])
+
+
+def unplugged_as_a_move_begins(board: UsbBoard, device: Device) -> None:
+    board.unplug_at(MoveByRequest.KIND)
+    device.move_by(by_steps(LONG_MOVE))
+
+
+def unplugged_in_a_move(board: UsbBoard, device: Device) -> None:
+    device.move_by(by_steps(LONG_MOVE))
+    board.unplug_at(StatusRequest.KIND)
+    time.sleep(0.1)
+    device.move_by(by_steps(1))
+
+
+@pytest.mark.parametrize(
+    "unplug",
+    [
+        unplugged_while_idle,
+        unplugged_in_a_push,
+        unplugged_while_writing,
+        unplugged_as_a_move_begins,
+        unplugged_in_a_move,
+    ],
+)
+def test_unplugging(devices: Devices, port: str, unplug: Callable[[UsbBoard, Device], None]) -> None:
+    other = devices.connect(port)
+    other.push([design()])
+    other.move_by(by_steps(LONG_MOVE))
+    with UsbBoard() as board:
+        device = devices.connect(board.port)
+        device.push([design()])
+        try:
+            unplug(board, device)
+        except StepRampError as error:
+            assert isinstance(error, DeviceLost)
+        wait_for(device, DeviceState.LOST)
+    assert device.view.message is not None
+    assert board.port in device.view.message
+    assert device.view.speed_steps_per_s == 0
+    for refused in (lambda: device.push([design()]), lambda: device.move_by(by_steps(1)), device.stop, device.halt):
+        with pytest.raises(DeviceLost):
+            refused()
+    with pytest.raises(DeviceLost):
+        devices.connect(board.port)
+    assert device.view.state is DeviceState.LOST
+    assert other.view.state is DeviceState.MOVING
+    devices.disconnect(device.view.id)
+    assert [view.id for view in devices.views()] == [other.view.id]
+
+
+def test_a_lost_device_is_connected_again_under_its_id(devices: Devices, plug_in: Callable) -> None:
+    virtual = VirtualController()
+    port = plug_in(virtual)
+    device = devices.connect(port)
+    device.push([design()])
+    virtual.opened()  # The board is reset: it forgets the session.
+    wait_for(device, DeviceState.LOST)
+    assert "was restarted" in (device.view.message or "")
+    again = devices.connect(port)
+    assert again is device
+    assert (again.view.id, again.view.state, again.view.message) == ("1", DeviceState.READY, None)
+    assert again.view.pushed is None
+
+
+def test_what_was_unplugged_is_connected_again_by_itself_and_nothing_moves(devices: Devices, cable: Cable) -> None:
+    device = devices.connect(str(cable.port))
+    device.push([design()])
+    device.move_by(by_steps(LONG_MOVE))
+    time.sleep(0.3)
+    cable.unplug()
+    wait_for(device, DeviceState.LOST)
+    assert "Axis 0 was moving, last heard of at" in (device.view.message or "")
+    assert device.view.unknown_positions == (0,)
+    cable.plug_in()
+    wait_for(device, DeviceState.READY)
+    view = device.view
+    assert (view.id, view.position_steps, view.target_steps, view.unknown_positions) == ("1", 0, 0, (0,))
+    device.set_position([Asked(0, 77, "position_steps")])
+    assert (device.view.position_steps, device.view.unknown_positions) == (77, ())
+
+
+def test_what_was_let_go_of_is_not_connected_again(devices: Devices, cable: Cable) -> None:
+    device = devices.connect(str(cable.port))
+    cable.unplug()
+    wait_for(device, DeviceState.LOST)
+    devices.disconnect("1")
+    cable.plug_in()
+    assert device.reconnect()
+    assert device.view.state is DeviceState.LOST
+    assert devices.views() == []
+
+
+def test_a_push_that_was_planned_for_a_lost_connection_is_not_sent_over_the_next(
+    clock: Clock, plug_in: Callable, unplugged_at: UnpluggedAt
+) -> None:
+    board, devices = unplugged_at, Devices()
+    device = devices.connect(plug_in(board))
+    push(device, clock)
+
+    def across_a_loss(plan: Callable[[], SendPush]) -> SendPush:
+        send = plan()
+        board.is_plugged_in = False
+        with pytest.raises(DeviceLost):
+            device.trace_moves(0, 1)
+        board.is_plugged_in = True
+        devices.connect(device.view.port)
+        return send
+
+    with pytest.raises(Refused, match="connected again in the meantime"):
+        device.push([design()], planned=across_a_loss)
+    worker_of(device).call(device._attachment._watch.refresh)
+    assert (device.view.state, len(device.view.axes)) == (DeviceState.READY, 2)
+    devices.close()
