@@ -56,6 +56,11 @@ struct feed_clock {
 
 extern struct feed_clock feed_clock;
 
+static inline bool feed_is_moving(const struct feed *feed)
+{
+    return feed->stage != FEED_IDLE;
+}
+
 /* Begins to move an axis that is idle. */
 void feed_set_out(struct feed *feed);
 

@@ -8,13 +8,14 @@
 #include "line.h"
 #include "port.h"
 #include "ramp_image.h"
+#include "share.h"
 
 /* From the start of a queue to its first segment [us]: time to queue some more. */
 #ifndef START_US
 #define START_US 200
 #endif
 
-enum { MOST_GAUGES = 3, SHARE_BITS = 12 };
+enum { MOST_GAUGES = 3 };
 
 /* What a step takes of the processor without its pulse, and when a segment begins with it [us]. */
 enum { STEP_US = 10 };
@@ -23,7 +24,7 @@ enum { STEP_US = 10 };
 enum { MOST_YIELDS = 4 };
 
 static const uint8_t *image;
-static const struct settings *settings;
+const struct settings *machine_settings;
 static struct feed feeds[MOST_AXES];
 static struct feed *end_of_feeds = feeds; /* after those of the image's axes */
 static bool is_enabled;
@@ -31,11 +32,6 @@ static uint16_t polled_ms;      /* when the main loop came round last */
 static uint16_t enabled_for_ms; /* for so long the motors have been enabled, */
 static uint16_t at_rest_for_ms; /* and at rest. 65535 stays 65535, however long that is */
 static uint8_t yields; /* so often what has been received may still come first, before all axes have had their turn */
-
-static bool is_moving(const struct feed *feed)
-{
-    return feed->stage != FEED_IDLE;
-}
 
 static uint8_t ticks_a_us(void)
 {
@@ -59,102 +55,6 @@ static int32_t moved(int32_t position, bool backward, uint32_t steps)
     return (int32_t)((uint32_t)position + (backward ? 0u - steps : steps));
 }
 
-/* ---- the processor's share ---- */
-
-/* The share of the processor, in 4096ths, of one of `count` axes with this shortest interval [ticks], when all of them
- * together need so many cycles for a step each. Rounded down, so that the shortest intervals allowed come to the whole. */
-static uint16_t share_of(uint32_t interval, uint16_t cycles, uint8_t count)
-{
-    if (interval > UINT16_MAX) {
-        return 0; /* or nearly so */
-    }
-    uint8_t fast_ticks_a_tick = ramp_image_is_fast(image) ? 1 : FAST_CLOCK_HZ / SLOW_CLOCK_HZ;
-    uint32_t share = ((uint32_t)cycles << SHARE_BITS) / (interval * fast_ticks_a_tick * count);
-    return share > UINT16_MAX / MOST_AXES ? UINT16_MAX / MOST_AXES : (uint16_t)share;
-}
-
-/* Not tables: an AVR would copy them into its RAM. */
-static uint16_t shortest_together(uint8_t count)
-{
-    return count < 2   ? SHORTEST_INTERVAL_1_AXIS_TICKS
-           : count < 3 ? SHORTEST_INTERVAL_2_AXES_TICKS
-           : count < 4 ? SHORTEST_INTERVAL_3_AXES_TICKS
-                       : SHORTEST_INTERVAL_4_AXES_TICKS;
-}
-
-static uint16_t shortest_on_a_line(uint8_t count)
-{
-    return count < 2   ? SHORTEST_INTERVAL_1_AXIS_TICKS
-           : count < 3 ? SHORTEST_INTERVAL_LINE_2_TICKS
-           : count < 4 ? SHORTEST_INTERVAL_LINE_3_TICKS
-                       : SHORTEST_INTERVAL_LINE_4_TICKS;
-}
-
-/* Cycles that `count` steps take, and wide pulses more. Those are waited for: as much again is left for the main loop. */
-static uint16_t cycles_with_pulses(uint16_t cycles, uint8_t count)
-{
-    return (uint16_t)(cycles + count * settings->pulse_width_us * (FAST_CLOCK_HZ / 1000000u * 2));
-}
-
-static uint8_t share_status(uint16_t share, uint16_t *detail)
-{
-    if (share <= 1u << SHARE_BITS) {
-        return STATUS_OK;
-    }
-    *detail = (uint16_t)((uint32_t)share * 100 >> SHARE_BITS);
-    return STATUS_TOO_FAST;
-}
-
-/* The shorter of two intervals, of which the second may be none: 0. */
-static uint32_t shorter(uint32_t interval, uint32_t other)
-{
-    return other != 0 && other < interval ? other : interval;
-}
-
-/* The shortest interval that an axis comes to [ticks]: `wanted`, or when that is 0, the one told before; until it has
- * slowed down to that, the one at the end of its queue, or the present one. */
-static uint32_t shortest_interval(const struct feed *feed, uint32_t wanted)
-{
-    uint32_t interval = shorter(wanted != 0 ? wanted : feed->axis.level, feed->axis.interval);
-    return shorter(interval, feed_step_interval(feed));
-}
-
-/* The share of an axis that comes to this interval [ticks] when axes of `count` segment lists need `cycles` for a step
- * each. Gauges, and ramps that are computed, have their own limits. */
-static uint16_t share_of_axis(const struct feed *feed, uint32_t interval, uint16_t cycles, uint8_t count)
-{
-    if (settings->outputs == OUTPUTS_GAUGES) {
-        return share_of(interval, SHORTEST_GAUGE_INTERVAL_TICKS, 1);
-    }
-    return axis_is_by_formula(&feed->axis)
-               ? share_of(interval, cycles_with_pulses(SHORTEST_FORMULA_INTERVAL_TICKS, 1), 1)
-               : share_of(interval, cycles, count);
-}
-
-/* Whether axes can move with these intervals [ticks], 0 for those that go on as they do. Gauges are slow: each has its
- * limit, whatever the others do. A stop that has come in makes an end of it: the divisions take long. */
-static uint8_t check_share(const uint32_t wanted[MOST_AXES], uint16_t *detail)
-{
-    bool are_gauges = settings->outputs == OUTPUTS_GAUGES;
-    uint8_t count = 0;
-    for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
-        count = (uint8_t)(count + (wanted[feed->index] != 0 || is_moving(feed)));
-    }
-    uint16_t cycles = cycles_with_pulses(shortest_together(count), count), sum = 0;
-    for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
-        if (port_skip_to_stop()) {
-            *detail = 0;
-            return STATUS_OUT_OF_ORDER;
-        }
-        if (wanted[feed->index] != 0 || is_moving(feed)) {
-            uint32_t interval = shortest_interval(feed, wanted[feed->index]);
-            uint16_t share = share_of_axis(feed, interval, cycles, count);
-            sum = are_gauges ? (share > sum ? share : sum) : (uint16_t)(sum + share);
-        }
-    }
-    return share_status(sum, detail);
-}
-
 /* ---- requests ---- */
 
 static uint8_t check_mask(uint8_t mask, uint16_t *detail)
@@ -165,7 +65,7 @@ static uint8_t check_mask(uint8_t mask, uint16_t *detail)
     }
     *detail = mask;
     bool is_known = mask != 0 && mask >> machine_axes() == 0;
-    bool has_pins = settings->outputs != OUTPUTS_GAUGES || mask >> MOST_GAUGES == 0;
+    bool has_pins = machine_settings->outputs != OUTPUTS_GAUGES || mask >> MOST_GAUGES == 0;
     return is_known && has_pins ? STATUS_OK : STATUS_OUT_OF_RANGE;
 }
 
@@ -220,7 +120,7 @@ static uint8_t order(uint8_t mask, const int32_t values[MOST_AXES], bool is_run,
             return STATUS_OUT_OF_RANGE;
         }
     }
-    status = check_share(wanted, detail);
+    status = share_check(feeds, end_of_feeds, wanted, detail);
     for (struct feed *feed = feeds; status == STATUS_OK && feed != end_of_feeds; feed++) {
         if ((mask & feed->bit) != 0) {
             begin_order(feed, wanted[feed->index], values[feed->index], is_run);
@@ -264,13 +164,6 @@ uint8_t machine_zero(uint8_t mask, uint16_t steps, uint16_t *detail)
 
 /* ---- lines ---- */
 
-/* Whether a line whose leader comes to this interval [ticks] is slow enough for `count` axes that make steps. */
-static uint8_t check_line_share(uint32_t interval, uint8_t count, uint16_t *detail)
-{
-    uint16_t cycles = cycles_with_pulses(shortest_on_a_line(count), 1);
-    return share_status(share_of(interval, cycles, 1), detail);
-}
-
 /* Lays out a line for the axis with most steps to lead, with this ramp. */
 static void begin_line(const struct image_ramp *ramp, const int32_t steps[MOST_AXES], const uint32_t lengths[MOST_AXES])
 {
@@ -298,7 +191,7 @@ uint8_t machine_line(uint8_t mask, uint8_t ramp_axis, const int32_t steps[MOST_A
 {
     uint32_t lengths[MOST_AXES] = {0};
     uint8_t count = 0, status = check_mask(mask, detail);
-    if (status == STATUS_OK && (ramp_axis >= machine_axes() || settings->outputs == OUTPUTS_GAUGES)) {
+    if (status == STATUS_OK && (ramp_axis >= machine_axes() || machine_settings->outputs == OUTPUTS_GAUGES)) {
         *detail = ramp_axis;
         return STATUS_OUT_OF_RANGE;
     }
@@ -314,7 +207,7 @@ uint8_t machine_line(uint8_t mask, uint8_t ramp_axis, const int32_t steps[MOST_A
     }
     if (status == STATUS_OK && count != 0) {
         struct image_ramp ramp = ramp_image_ramp(image, ramp_axis);
-        status = check_line_share(ramp.slew_interval, count, detail);
+        status = share_check_line(ramp.slew_interval, count, detail);
         if (status == STATUS_OK) {
             begin_line(&ramp, steps, lengths);
         }
@@ -325,7 +218,7 @@ uint8_t machine_line(uint8_t mask, uint8_t ramp_axis, const int32_t steps[MOST_A
 /* At rest: all directions forward, whatever was queued of turns. */
 static void make_pins_ready(void)
 {
-    engine_configure(settings);
+    engine_configure(machine_settings);
     for (struct feed *feed = feeds; feed != feeds + MOST_AXES; feed++) {
         feed->pin_backward = false;
         feed->played.backward = false;
@@ -387,7 +280,7 @@ void machine_stop(uint8_t mask)
 {
     mask = axes_meant(mask);
     for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
-        if (is_moving(feed) && (mask & feed->bit) != 0) {
+        if (feed_is_moving(feed) && (mask & feed->bit) != 0) {
             stop(feed);
         }
     }
@@ -410,7 +303,7 @@ void machine_halt(uint8_t mask)
     }
     engine_halt(mask);
     for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
-        if (is_moving(feed) && (mask & feed->bit) != 0) {
+        if (feed_is_moving(feed) && (mask & feed->bit) != 0) {
             feed_halted(feed);
         }
     }
@@ -436,20 +329,20 @@ void machine_begin(void)
 static uint16_t latest_turn_us(void)
 {
     uint8_t others = (uint8_t)(machine_axes() - 1);
-    return (uint16_t)(STEP_US + 3 * others * (STEP_US + settings->pulse_width_us));
+    return (uint16_t)(STEP_US + 3 * others * (STEP_US + machine_settings->pulse_width_us));
 }
 
-void machine_use(const uint8_t *new_image, const struct settings *new_settings)
+void machine_use(const uint8_t *new_image, const struct settings *settings)
 {
     image = new_image;
-    settings = new_settings;
+    machine_settings = settings;
     end_of_feeds = feeds + (image == NULL ? 0 : ramp_image_axes(image));
     make_pins_ready();
     if (image != NULL) {
         bool is_fast = ramp_image_is_fast(image);
         engine_set_clock(is_fast);
         feed_clock.is_fast = is_fast;
-        feed_clock.setup_ticks = (uint32_t)(settings->direction_setup_us + latest_turn_us()) * ticks_a_us();
+        feed_clock.setup_ticks = (uint32_t)(machine_settings->direction_setup_us + latest_turn_us()) * ticks_a_us();
         for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
             begin_axis(feed);
         }
@@ -464,7 +357,7 @@ uint8_t machine_axes(void)
 bool machine_is_moving(void)
 {
     for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
-        if (is_moving(feed)) {
+        if (feed_is_moving(feed)) {
             return true;
         }
     }
@@ -502,7 +395,7 @@ struct axis_report machine_report(uint8_t index)
     }
     struct feed_progress progress = feed_progress(feed);
     struct axis_report report = {AXIS_IDLE, progress.position, 0, progress.steps_made};
-    if (is_moving(feed)) {
+    if (feed_is_moving(feed)) {
         report.state = feed->axis.stopping ? AXIS_STOPPING : AXIS_MOVING;
         report.interval = feed_interval(feed);
     }
@@ -516,7 +409,7 @@ int32_t machine_target(uint8_t index)
     if (place != MOST_FOLLOWERS) {
         return moved(feed->played.position, feed->pin_backward, line_steps_with(place, steps_of_leader()));
     }
-    return is_moving(feed) && !feed->axis.runs ? feed->axis.target : machine_report(index).position;
+    return feed_is_moving(feed) && !feed->axis.runs ? feed->axis.target : machine_report(index).position;
 }
 
 uint8_t machine_starved(void)
@@ -568,14 +461,14 @@ static bool motors_are_ready(void)
         enabled_for_ms = 0;
         port_enable(true);
     }
-    return settings->enable_lead_ms == 0 || enabled_for_ms > settings->enable_lead_ms;
+    return machine_settings->enable_lead_ms == 0 || enabled_for_ms > machine_settings->enable_lead_ms;
 }
 
 /* Disables motors that have been at rest for long enough. */
 static void let_go(void)
 {
-    bool is_for_ever = settings->enable_hold_ms == HOLD_FOR_EVER;
-    if (is_enabled && !is_for_ever && at_rest_for_ms >= settings->enable_hold_ms && !machine_is_moving()) {
+    bool is_for_ever = machine_settings->enable_hold_ms == HOLD_FOR_EVER;
+    if (is_enabled && !is_for_ever && at_rest_for_ms >= machine_settings->enable_hold_ms && !machine_is_moving()) {
         is_enabled = false;
         port_enable(false);
     }
@@ -610,7 +503,7 @@ static void start(uint8_t mask)
 /* What there is to do once all axes have had their turn. */
 static void go_on_together(void)
 {
-    if (line_is_on() && !is_moving(&feeds[line.leader])) {
+    if (line_is_on() && !feed_is_moving(&feeds[line.leader])) {
         end_line(&line.played);
     }
     pass_time(port_milliseconds());
@@ -630,7 +523,7 @@ bool machine_poll(void)
     feed_clock.now = port_time();
     while (next < end_of_feeds) {
         struct feed *feed = next++;
-        if (!is_moving(feed)) {
+        if (!feed_is_moving(feed)) {
             continue;
         }
         axis_compute(&feed->axis);

@@ -23,6 +23,9 @@ struct axis_report {
     uint32_t steps_made; /* since it last set out from rest */
 };
 
+/* Those in use; machine_use sets them. */
+extern const struct settings *machine_settings;
+
 void machine_begin(void);
 
 /* Uses an image that has been checked and stays as it is until the next call; NULL: none. At rest. */

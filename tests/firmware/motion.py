@@ -20,7 +20,7 @@ OK, NO_RAMP, OUT_OF_RANGE, TOO_FAST = 0, 5, 6, 12
 _HERE = Path(__file__).parent
 _SOURCES = _HERE.parent.parent / "firmware" / "src"
 _USED = (
-    *("axis", "axis_steps", "axis_by_formula", "ramp_cursor", "ramp_image", "feed", "lane", "line", "machine"),
+    *("axis", "axis_steps", "axis_by_formula", "ramp_cursor", "ramp_image", "feed", "lane", "line", "machine", "share"),
     *("engine_portable", "formula", "settings"),
 )
 
