@@ -17,6 +17,7 @@
 #define B_SHARED 4       /* both axes 1 and 3 run */
 #define WIDE 5           /* pulses are to be lengthened */
 #define GAUGE_OUTPUTS 7  /* the pins are coils: compare B serves all axes */
+#define LINE_FOLLOWED 6  /* on a line: an axis follows, in the present segment */
 #define LINE_TWO A_SECOND   /* on a line: there is a second follower */
 #define LINE_THREE A_SHARED /* and a third */
 #define LINE_STEADY B_SECOND /* its interval stays as it is: at full speed there is no time to add 0 */
@@ -51,6 +52,8 @@
 #define LINE_HEAD 30
 #define LINE_EMPTY 31
 #define LINE_PLAYER_BYTES 33
+
+#define LINE_FIRST_FOLLOWER 0x10 /* LINE_AXES(0, 1) */
 
 /* Offsets in struct line_follower */
 #define WAIT_ADD 0

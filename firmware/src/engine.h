@@ -73,7 +73,7 @@ struct engine_place engine_place(uint8_t axis);
  * A piece of a line is one or more segments. Its first has total != 0: so many steps the leaders make in all of the
  * piece, and delta[k] <= total of them are steps of follower k too. The m-th of them comes with the leaders' step
  * ceil(total * (2 m - 1) / (2 delta[k])). Segments with total == 0 go on with the piece; their delta and followers don't
- * count. A silent segment has no leaders; followers wait with them. */
+ * count. In a silent segment no axis leads or follows: its followers wait. */
 struct LINE_SEGMENT_ATTRIBUTES line_segment {
     uint16_t interval; /* as in queued_segment, also once it is loaded */
     int16_t add;

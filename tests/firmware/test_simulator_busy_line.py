@@ -53,7 +53,7 @@ STOPS = 40
 MOST_EMPTY_FRAMES = 12
 FASTEST_ALONE = 150_000
 SEGMENTS = 30
-LAST_STEP_OF_A_LINE_MS = 3.0
+LAST_STEP_OF_A_LINE_MS = 4.5
 FLOODS = 12
 
 
@@ -192,30 +192,39 @@ def judge_stops(
 
 def just_keeping_pace(axes: int, slew: int) -> Ramp:
     """A ramp whose segments are as short as docs/serial_protocol.md allows, from a third of the slew speed on."""
-    shortest_ticks, places = 5_600 * axes, np.linspace(0, 1, SEGMENTS)
+    shortest_ticks, places = max(5_600 * axes, 8_000), np.linspace(0, 1, SEGMENTS)
     intervals = [round(slew * 3 ** float(1 - place)) for place in places]
     up = [(interval, -(-shortest_ticks // interval), 0) for interval in intervals]
     return Ramp(up, slew, up)
 
 
-@pytest.mark.parametrize(("axes", "slew", "both_edges"), [(3, 160, 0), (4, 177, 0), (4, 177, 0b1111)])
+@pytest.mark.parametrize(
+    ("axes", "slew", "both_edges"), [(1, 106, 0), (2, 133, 0b1111), (3, 160, 0), (4, 177, 0), (4, 177, 0b1111)]
+)
 def test_a_stop_of_a_line_at_its_highest_speed_is_quick(
     tmp_path: Path, record_property: Callable[..., None], axes: int, slew: int, both_edges: int
 ) -> None:
-    """In the midst of all that keeps the processor busy, also behind the longest request that a client can send."""
+    """In the midst of all that keeps the processor busy, also behind the longest request that a client can send, and
+    where a piece of the line ends."""
     talk = Talk(random.Random(axes + both_edges))
     talk.begin(just_keeping_pace(axes, slew).image(axes, fast=True), Settings(both_edges=both_edges))
     talk.ask(REPORT, b"\x32")
     talk.ask(TRACE, struct.pack("<BH", 0, 1))
     asked = []
     for _ in range(STOPS):
-        steps = [20_000, *(talk.random.choice([20_000, 19_999, 15_000, 1_000]) for _ in range(axes - 1))]
+        steps = [40_000, *(talk.random.choice([40_000, 39_999, 30_000, 1_000]) for _ in range(axes - 1))]
         talk.ask(LINE, bytes([(1 << axes) - 1, 0]) + struct.pack(f"<{axes}i", *steps), wait_ms=20)
         before = talk.random.choice(
-            [b"", talk.frame(STATUS, b"\0"), talk.frame(DATA, bytes(2) + b"\x09" * 48), talk.frame(READ, b"\1\0\0\x30")]
+            [
+                b"",
+                talk.frame(STATUS, b"\0"),
+                talk.frame(DATA, bytes(2) + b"\x09" * 48),
+                talk.frame(READ, b"\1\0\0\x30"),
+                talk.frame(MOVE_BY, b"\x0f" + bytes(16)),
+            ]
         )
         kind = talk.random.choice([HALT, HALT, STOP])
-        blob, wait_ms = before + talk.frame(kind), 30 + 120 * talk.random.random()
+        blob, wait_ms = before + talk.frame(kind), 30 + 180 * talk.random.random()
         talk.asked.append(Asked(blob, wait_cycles=int(wait_ms * CYCLES_PER_MS)))
         asked.append((len(talk.asked) - 1, struct.pack("<BHB", kind, SESSION, talk.tag)))
         talk.ask(HALT, wait_ms=60)

@@ -141,7 +141,7 @@ def test_a_line_is_reported_on_its_way(host: Host) -> None:
 
 
 def test_a_line_of_more_steps_than_the_engine_counts(host: Host) -> None:
-    """In pieces of 32,768 steps, each of which begins and ends within half a step of the line."""
+    """In pieces of 16,384 steps, each of which begins and ends within half a step of the line."""
     quick = StoredRamp((200, 150), 125, (200, 150))
     machine = Machine(host, image_of(quick, quick, quick))
     machine.ask("line", 7, 0, 150_000, 99_999, -1)
