@@ -130,6 +130,8 @@ line_count_high:
 	brcs line_load
 	rjmp line_counted
 
+to_park_line:
+	rjmp park_line
 line_load:
 	lds  r26, TCNT1L                     /* always so long after the edge: what is traced */
 	lds  r27, TCNT1H
@@ -138,9 +140,8 @@ line_load:
 	lds  r30, line_player + LINE_TAIL
 	lds  r24, line_player + LINE_HEAD
 	cp   r30, r24
-	brne 1f
-	rjmp park_line
-1:	ldi  r31, hi8(line_queue)
+	breq to_park_line
+	ldi  r31, hi8(line_queue)
 	COPY_INTERVAL line_player + LINE_INTERVAL
 	ldi  r26, lo8(line_player + LINE_ADD)
 	ldi  r27, hi8(line_player + LINE_ADD)
@@ -160,9 +161,13 @@ line_load:
 	ld   r25, Z+
 	sbiw r24, 0
 	brne begin_piece
-	adiw r30, 2 * MOST_FOLLOWERS         /* total is 0: the piece goes on */
+	adiw r30, 2 * MOST_FOLLOWERS         /* total is 0: the piece goes on, or is silent */
 	ld   r25, Z+
-	rjmp set_leaders
+	cbi  GPIOR0, LINE_FOLLOWED
+	cpi  r25, LINE_FIRST_FOLLOWER
+	brcs 1f
+	sbi  GPIOR0, LINE_FOLLOWED
+1:	rjmp set_leaders
 
 /* r25:r24 = total; the deltas come next in the queue, and go, with what follows from them, to the
  * followers, at X. At first a follower is due by delta - total + total / 2: so its steps lie in the middle of their time. */
@@ -207,8 +212,11 @@ begin_piece:
 	sbrc r25, 7
 	st   X+, r24
 	in   r24, GPIOR0
-	andi r24, ~(1 << LINE_TWO | 1 << LINE_THREE)
-	cpi  r26, lo8(line_player + LINE_FOLLOWER_PINS + 2) /* X is in the first 256 bytes behind the queues */
+	andi r24, ~(1 << LINE_TWO | 1 << LINE_THREE | 1 << LINE_FOLLOWED)
+	cpi  r26, lo8(line_player + LINE_FOLLOWER_PINS + 1) /* X is in the first 256 bytes behind the queues */
+	brcs 2f
+	ori  r24, 1 << LINE_FOLLOWED
+	cpi  r26, lo8(line_player + LINE_FOLLOWER_PINS + 2)
 	brcs 2f
 	breq 1f
 	ori  r24, 1 << LINE_THREE
@@ -217,11 +225,7 @@ begin_piece:
 
 /* r25: the leaders in bits 0 to 3, the followers above, both 0 when silent. The axes that turn come next in the queue. */
 set_leaders:
-	cbi  GPIOR0, LINE_FOLLOWED
-	cpi  r25, LINE_FIRST_FOLLOWER
-	brcs 1f
-	sbi  GPIOR0, LINE_FOLLOWED
-1:	andi r25, 0x0F
+	andi r25, 0x0F
 	lsl  r25
 	lsl  r25
 	bst  r25, FIRST_STEP_BIT + 3

@@ -72,7 +72,7 @@ struct engine_place engine_place(uint8_t axis);
  * One or more axes lead: they step at each event. Up to three followers step at some of the same events.
  * A piece of a line is one or more segments. Its first has total != 0: so many steps the leaders make in all of the
  * piece, and delta[k] <= total of them are steps of follower k too. The m-th of them comes with the leaders' step
- * ceil(total * (2 m - 1) / (2 delta[k])). Segments with total == 0 go on with the piece; their delta and followers don't
+ * ceil(total * (2 m - 1) / (2 delta[k])). Segments with total == 0 go on with the piece and have its followers; their delta doesn't
  * count. In a silent segment no axis leads or follows: its followers wait. */
 struct LINE_SEGMENT_ATTRIBUTES line_segment {
     uint16_t interval; /* as in queued_segment, also once it is loaded */

@@ -48,7 +48,7 @@ class Segment:
 
 @dataclass(frozen=True)
 class LineSegment:
-    """`followers` are (axis, delta); only where `total` isn't 0 they count."""
+    """`followers` are (axis, delta), which counts only where `total` isn't 0; all segments of a piece name them."""
 
     interval: int
     count: int = 1

@@ -53,7 +53,7 @@ def random_line(choice: random.Random, shortest: int, pieces: int) -> list[LineS
         if choice.random() < 0.5:
             segments.append(LineSegment(shortest * 2, leaders=0))
         if first < total:
-            segments.append(LineSegment(shortest, total - first, 1, 1 << axes[0]))
+            segments.append(LineSegment(shortest, total - first, 1, 1 << axes[0], 0, followers))
     return segments
 
 
