@@ -6,7 +6,7 @@
 enum { MOST_CHANGES = 3 };
 
 /* How many intervals are computed at a time, after one of so many ticks: more is faster, but 16 bits must hold their
- * differences, and a stop waits for them. On the way down the next one is at most 1.75 times as long, as x^2 is below
+ * differences, and a stop waits for them. On the ramp down the next one is at most 1.75 times as long, as x^2 is below
  * 3/4. */
 static uint8_t batch_size(uint32_t interval, bool goes_up)
 {
@@ -83,8 +83,8 @@ static void keep_level(struct axis *axis, uint32_t interval, uint32_t left)
     }
 }
 
-/* Of falling or rising intervals those before the first that is beyond the speed wanted: shorter on the way up; on the
- * way down, where that one is the last, longer. At speed it takes too long to compute them one by one. */
+/* Of falling or rising intervals those before the first that is beyond the speed wanted: shorter on the ramp up; on the
+ * ramp down, where that one is the last, longer. At speed it takes too long to compute them one by one. */
 static uint8_t count_to_level(const struct axis *axis, const uint32_t *intervals, uint8_t size, bool goes_up)
 {
     uint8_t count = 0;

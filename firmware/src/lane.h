@@ -27,12 +27,12 @@ static inline struct lane *lane_of(uint8_t axis)
     return (struct lane *)(line_is_on() ? &line_player.tail : &axis_players[axis].tail);
 }
 
-static inline uint8_t lane_next(uint8_t place)
+static inline uint8_t lane_next(uint8_t offset)
 {
     if (line_is_on()) {
-        return (uint8_t)(place + LINE_SEGMENT_BYTES);
+        return (uint8_t)(offset + LINE_SEGMENT_BYTES);
     }
-    return (uint8_t)((place & QUEUE_BYTES) | ((place + QUEUED_SEGMENT_BYTES) & (QUEUE_BYTES - 1)));
+    return (uint8_t)((offset & QUEUE_BYTES) | ((offset + QUEUED_SEGMENT_BYTES) & (QUEUE_BYTES - 1)));
 }
 
 /* One place stays free, so that a full lane doesn't look like an empty one. */
@@ -53,7 +53,7 @@ struct loaded {
     uint16_t steps; /* 0: silent */
     bool turns;
 };
-struct loaded lane_loaded(uint8_t axis, uint8_t place);
+struct loaded lane_loaded(uint8_t axis, uint8_t offset);
 
 #ifdef __cplusplus
 }

@@ -14,7 +14,7 @@ class Shuttle:
     pause_s: float
     page: str | None = None
     """Whose it is, if a page's: it ends when that page is no longer in control."""
-    asked: int = 0
+    request_number: int = 0
     """When it was asked for, in the order of all that is asked; see stops."""
     legs_begun: int = 0
     """Ways there and ways back that have been set out on."""

@@ -37,14 +37,14 @@ MostPoints = Annotated[
 ]
 
 
-class ProfileRequest(Document):
+class ProfilePayload(Document):
     """A design whose move is to be planned."""
 
     design: Design
     max_points: MostPoints = None
 
 
-class ErrorsRequest(Document):
+class ErrorsPayload(Document):
     """A design and the methods that are to be compared."""
 
     design: Design

@@ -40,7 +40,7 @@ from stepramp.controllers.stepramp.messages.settings import ReadSettingsRequest,
 from stepramp.controllers.stepramp.messages.status import MachineState, StatusFlag, StatusReply, StatusRequest
 from stepramp.controllers.stepramp.messages.trace import TRACE_OFF, TraceReply, TraceRequest
 from stepramp.controllers.stepramp.ramp_image import FAST_CLOCK_HZ, SLOW_CLOCK_HZ
-from stepramp.controllers.stepramp.settings import OFFSETS, Settings
+from stepramp.controllers.stepramp.settings import OFFSETS, StepRampSettings
 from stepramp.controllers.virtual.machine import VirtualMachine
 from stepramp.controllers.virtual.memory import LARGEST_IMAGE_BYTES, VirtualMemory
 from stepramp.controllers.virtual.store import VirtualStore
@@ -255,7 +255,7 @@ class VirtualController:
 
     def _write_settings(self, request: WriteSettingsRequest) -> Reply | Refusal:
         try:
-            settings = Settings.unpack(request.settings)
+            settings = StepRampSettings.unpack(request.settings)
         except Rejected as error:
             first = min(OFFSETS[each.field.split(".")[0]] for each in error.rejections)
             return Refusal(ReplyStatus.OUT_OF_RANGE, first)
