@@ -288,7 +288,7 @@ three_bytes:
         rjmp    store_17_bits
 
 ; ---------------------------------------------------------------------------------------------------------------------
-; Beginning and end. The pointers to x and, on top, to the way stay on the stack.
+; Beginning and end. The pointers to x and, on top, to the side stay on the stack.
 
 done:   pop     r0
         pop     r0
@@ -402,7 +402,7 @@ load_exponent_number:
         andi    T0, EXPONENT_MASK >> 4
         ret
 
-; All that depends on the exponent. Z: way.
+; All that depends on the exponent. Z: side.
 load_exponent:
         rcall   load_exponent_number
         mov     T1, T0

@@ -167,7 +167,7 @@ static uint16_t most_that_leave_room(const struct axis *axis, uint32_t left, uin
 }
 
 /* The next steps of the present segment of the ramp up that may be taken, if the ramp down allows it: those that are not
- * faster than wanted, and not past the target. */
+ * faster than commanded, and not past the target. */
 static uint16_t steps_up(const struct axis *axis, uint32_t left)
 {
     uint16_t count = (uint16_t)(axis->up.count - axis->up.taken);
@@ -209,7 +209,7 @@ static void go_up(struct axis *axis, const struct piece_limits *limits, struct p
 
 /* ---- level ---- */
 
-/* Looks for the ramp down from the speed wanted, as find_ramp_down does; its steps are then known. */
+/* Looks for the ramp down from the commanded speed, as find_ramp_down does; its steps are then known. */
 static bool know_steps_down(struct axis *axis, const struct piece_limits *limits, uint32_t *steps, struct piece *piece)
 {
     if (axis->is_slewing) {
@@ -224,7 +224,7 @@ static bool know_steps_down(struct axis *axis, const struct piece_limits *limits
     return found;
 }
 
-/* No more than `left` steps at the speed wanted. */
+/* No more than `left` steps at the commanded speed. */
 static void give_level(struct axis *axis, const struct piece_limits *limits, uint32_t left, struct piece *piece)
 {
     uint16_t count = steps_that_fit(limits, axis->level, 0, left < UINT16_MAX ? (uint16_t)left : UINT16_MAX);
@@ -260,7 +260,7 @@ static void go_level(struct axis *axis, const struct piece_limits *limits, struc
 
 /* ---- down ---- */
 
-/* Goes on looking for the place on the ramp up that has this interval [ticks], over one segment. Returns true when it is
+/* Goes on looking for the position on the ramp up that has this interval [ticks], over one segment. Returns true when it is
  * found. In PHASE_DOWN only: until that is left, `up` faces back. */
 static bool ramp_up_is_found(struct axis *axis, uint32_t interval)
 {

@@ -1,4 +1,4 @@
-/* An axis: the way of a motor along its ramp, decided piece by piece, each where the last one ends. So target, speed or
+/* An axis: the motion of a motor along its ramp, decided piece by piece, each where the last one ends. So target, speed or
  * a stop may change at any moment. Nothing here knows of timers and pins; all of it belongs to the main loop. */
 #ifndef STEPRAMP_AXIS_H
 #define STEPRAMP_AXIS_H
@@ -30,12 +30,12 @@ struct axis {
     int32_t target;      /* [steps] where it will come to rest; of a run only its sign counts, which is the direction */
     uint32_t interval;   /* [ticks] the last one; 0 at rest */
     uint32_t shortest;   /* [ticks] since the speed began to rise: the ramp down from here has the longer intervals */
-    uint32_t level;      /* [ticks] interval of the speed wanted: the ramp's slew interval, or a longer one */
+    uint32_t level;      /* [ticks] interval of the commanded speed: the ramp's slew interval, or a longer one */
     uint32_t down_steps; /* of the whole ramp down */
     uint8_t phase; /* enum axis_phase */
     uint8_t batch_left;
     bool is_by_formula : 1;
-    bool is_slewing : 1; /* the speed wanted is the ramp's slew speed */
+    bool is_slewing : 1; /* the commanded speed is the ramp's slew speed */
     bool backward : 1;
     bool stopping : 1; /* to rest, which has been asked for */
     bool runs : 1; /* at a speed, without a target */

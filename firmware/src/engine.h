@@ -103,7 +103,7 @@ struct line_player {
     uint8_t pins;         /* of the next event: worked out one event ahead, so that all of them rise together */
     uint8_t leader_pins;  /* 0: silent */
     volatile uint8_t tail;  /* offset in the queue of the next segment to load; the interrupt's */
-    volatile uint8_t head;  /* that of the first free place; the main loop's */
+    volatile uint8_t head;  /* offset of the first free segment; the main loop's */
     volatile uint8_t empty; /* counts the loads that found nothing: then the line is parked */
     uint8_t retired;        /* the main loop's */
 };

@@ -10,7 +10,7 @@ enum event_result {
     EVENT_PARKED = 4 /* the queue was empty: this was the last event */
 };
 
-/* The place after another one in a queue. Places keep bit 7, which belongs to the queue's address. */
+/* The offset after another one in a queue [bytes]. Offsets keep bit 7, which belongs to the queue's address. */
 static inline uint8_t offset_after(uint8_t offset)
 {
     return (uint8_t)((offset & QUEUE_BYTES) | ((offset + QUEUED_SEGMENT_BYTES) & (QUEUE_BYTES - 1)));

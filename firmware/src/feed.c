@@ -39,10 +39,10 @@ enum { LEAST_SEGMENTS = 4 };
 struct feed_clock feed_clock;
 static uint8_t starved;
 
-/* Of the axis that is traced: pulses until the next one whose time is wanted, at both ends of the queue. */
+/* Of the axis that is traced: pulses until the next one whose time is traced, at both ends of the queue. */
 static uint16_t trace_to_queue, trace_to_play;
 
-/* Pulses until the next one whose time is wanted, after some more of them. Those that the queue has no end at are left
+/* Pulses until the next one whose time is traced, after some more of them. Those that the queue has no end at are left
  * out. */
 static uint16_t trace_left(const struct feed *feed, uint16_t left, uint16_t pulses)
 {

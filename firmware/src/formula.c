@@ -11,7 +11,7 @@ enum {
 enum { COMPROMISE = 1, NEWTON = 2 };
 enum { AT_REST, GOING_UP, SLEWING, GOING_DOWN };
 enum { EXPONENT_AT = 4, EXPONENTS = 4 };
-/* A place has a fraction of 8 bits. */
+/* A position on the ramp has a fraction of 8 bits. */
 enum { ONE = 256 };
 
 #define LEAST_MANTISSA ((uint32_t)LEAST_MANTISSA_BYTE << 24)
@@ -146,7 +146,7 @@ void formula_multiply(struct formula_x *x, const uint8_t *ratio)
 
 #endif
 
-/* ---- from one way to the other ---- */
+/* ---- from one side to the other ---- */
 
 static struct formula_x read_x(const uint8_t *bytes)
 {
@@ -158,7 +158,7 @@ static bool is_longer(const struct formula_x *x, const struct formula_x *other)
     return x->exponent != other->exponent ? x->exponent < other->exponent : x->mantissa > other->mantissa;
 }
 
-/* x, or the end of a way that it is beyond. */
+/* x, or the end of a side that it is beyond. */
 static void clamp(struct formula_x *x, const uint8_t *side)
 {
     struct formula_x longest = read_x(side + SIDE_LONGEST_AT), shortest = read_x(side + SIDE_SHORTEST_AT);
@@ -176,7 +176,7 @@ static bool is_ratio(const uint8_t *ratio)
     return ratio[3] != 0;
 }
 
-/* x from one way's scale into that of the other. */
+/* x from one side's scale into that of the other. */
 static void carry(struct formula_x *x, const uint8_t *from, const uint8_t *ratio, const uint8_t *to)
 {
     clamp(x, from);
@@ -191,7 +191,7 @@ static uint32_t top_of(const uint8_t *side)
     return read_u24(side + SIDE_STEPS_AT) << 8;
 }
 
-/* A place, above 0, times the square of a ratio, rounded to the nearest; UINT32_MAX when it is that or more. */
+/* A position, above 0, times the square of a ratio, rounded to the nearest; UINT32_MAX when it is that or more. */
 static uint32_t times_square(uint32_t ramp_position, const uint8_t *root)
 {
     struct formula_x x = {ramp_position, 0};
@@ -211,8 +211,8 @@ static uint32_t times_square(uint32_t ramp_position, const uint8_t *root)
     return x.mantissa + half;
 }
 
-/* A place on one way as one on the other, from 1 step to its top. The root of the ratio is the one that carries x the
- * other way. */
+/* A position on one side as one on the other, from 1 step to its top. The root of the ratio is the one that carries x the
+ * other way round. */
 static uint32_t convert(uint32_t ramp_position, const uint8_t *root, const uint8_t *to)
 {
     uint32_t top = top_of(to);
@@ -236,15 +236,15 @@ static uint32_t room_above(const uint8_t *constants, uint32_t ramp_position)
     return read_u24(constants + UP_AT + SIDE_STEPS_AT) - ((ramp_position + ONE / 2) >> 8);
 }
 
-/* From a place on the ramp up. */
+/* From a position on the ramp up. */
 static uint32_t steps_down_from(const uint8_t *constants, uint32_t ramp_position)
 {
     const uint8_t *down = constants + DOWN_AT;
     return room_above(constants, ramp_position) == 0 ? read_u24(down + SIDE_STEPS_AT)
-                                             : rounded_up(convert(ramp_position, constants + CARRY_UP_AT, down));
+                                                     : rounded_up(convert(ramp_position, constants + CARRY_UP_AT, down));
 }
 
-/* ---- along a way ---- */
+/* ---- along a side ---- */
 
 /* The next intervals, `count` of them: within those of slew speed and p1. */
 static void step(struct formula_state *state, const uint8_t *constants, uint32_t *intervals, uint8_t count,

@@ -1,7 +1,7 @@
 /* Ramps that are computed while they are played, by formulas (20) and (23) of Eiderman, "Real time stepper motor linear
  * ramping just by addition and multiplication" (2004), or by Newton's method, in integers.
  *
- * x = p sqrt(R) = sqrt(a) / v is mantissa / 2^32 / 16^exponent. The arithmetic, and the way of a motor along such a
+ * x = p sqrt(R) = sqrt(a) / v is mantissa / 2^32 / 16^exponent. The arithmetic, and the motion along such a
  * ramp, are defined by the host program, bit for bit.
  *
  * The constants are little-endian bytes, as a ramp image has them:
@@ -16,7 +16,7 @@
  *   54       the ramp down
  *   93       end
  *
- * of which a way is
+ * of which a side is
  *
  *    0  u24  n_up or n_down [steps], at least 1
  *    3  u32  interval p1, the longest [ticks]
@@ -34,7 +34,7 @@
 
 #define FORMULA_BYTES 93
 
-/* Offsets in the bytes of a way. */
+/* Offsets in the bytes of a side. */
 #define SIDE_STEPS_AT 0
 #define SIDE_LONGEST_INTERVAL_AT 3
 #define SIDE_LONGEST_AT 7
@@ -67,12 +67,12 @@ struct formula_x {
     int8_t exponent;
 };
 
-/* A motor on its way. */
+/* A motor on such a ramp. */
 struct formula_state {
     struct formula_x x;
-    uint32_t ramp_position;      /* [1/256 steps of the way it is on] from rest to here */
-    uint32_t steps_down; /* from here to rest */
-    uint32_t interval;   /* [ticks] the last one */
+    uint32_t ramp_position; /* [1/256 steps of the side it is on] from rest to here */
+    uint32_t steps_down;    /* from here to rest */
+    uint32_t interval;      /* [ticks] the last one */
     uint8_t phase;
 };
 
@@ -112,7 +112,7 @@ uint32_t formula_hold_interval(const struct formula_state *state);
 /* The interval of moves that are too short for one step up and its ramp down. */
 uint32_t formula_creep_interval(const uint8_t *constants);
 
-/* The hot part, in assembly on an AVR: the next `count` intervals, at least one, along a way. `index`, for Newton's
+/* The hot part, in assembly on an AVR: the next `count` intervals, at least one, along a side. `index`, for Newton's
  * method, is the whole part of the last interval's ramp index. */
 void formula_step(struct formula_x *x, const uint8_t *side, uint32_t *intervals, uint8_t count, uint8_t flags,
                   uint32_t index);

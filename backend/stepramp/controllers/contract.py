@@ -32,7 +32,7 @@ class StoredRamp:
     """Which ramps a controller has."""
 
     sequence: int
-    """The how-many-th that were stored; 0: they are only on trial."""
+    """Sequence number of what was stored; 0: they are only on trial."""
     crc: int | None = None
     """CRC-16 of their image; None for a controller that has no image of them."""
 

@@ -211,7 +211,7 @@ class Device:
     def go_there_and_back(self, shuttle: Shuttle, leg: AxisCommand, request_number: int | None = None) -> None:
         """Begin to go to and fro, from rest, until it is done or something else is asked for.
 
-        way: how far, with what rejections call it. Raises as move_by.
+        leg: how far, with what rejections call it. Raises as move_by.
         """
         self._to_and_fro.begin(shuttle, leg, request_number)
 

@@ -31,7 +31,7 @@ def refuse_targets(view: DeviceView, commands: Sequence[AxisCommand], *, relativ
 
 
 def refuse_there_and_back(view: DeviceView, leg: AxisCommand) -> None:
-    """Reject a way that leads beyond soft limits, or whose way back does."""
+    """Reject a leg that leads beyond soft limits, or whose leg back does."""
     refuse_targets(view, [leg], relative=True)
     there = {axis: target + int(leg.value) for axis, target in _targets(view).items()}
     refuse_beyond(view.soft_limits, [replace(leg, value=-leg.value)], there, relative=True)

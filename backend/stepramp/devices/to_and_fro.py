@@ -1,4 +1,4 @@
-"""To and fro: an axis goes there and back by itself, one way after the other."""
+"""To and fro: an axis goes there and back by itself, one leg after the other."""
 
 from dataclasses import replace
 
@@ -16,7 +16,7 @@ from stepramp.errors import Refused, Rejected
 
 
 class ToAndFro:
-    """Begins each way of a shuttle, until it is done or something else comes."""
+    """Begins each leg of a shuttle, until it is done or something else comes."""
 
     def __init__(
         self, view: LiveView, contact: Contact, watch: Watch, control: Control, setting_out: SettingOut, stops: Stops
@@ -29,7 +29,7 @@ class ToAndFro:
         self._stops = stops
 
     def begin(self, shuttle: Shuttle, leg: AxisCommand, request_number: int | None = None) -> None:
-        """Set out on the first way; see Device.go_there_and_back. From any thread."""
+        """Set out on the first leg; see Device.go_there_and_back. From any thread."""
         shuttle = replace(shuttle, request_number=self._setting_out.moment(request_number))
 
         def begin(controller: Controller) -> None:
@@ -46,7 +46,7 @@ class ToAndFro:
     # From here on: in the thread of the port.
 
     def go_on(self) -> None:
-        """Set out on the next way there or back once the pause is over; it ends when it rests elsewhere."""
+        """Set out on the next leg, there or back, once the pause is over; it ends when it rests elsewhere."""
         view = self._view.now
         if view.shuttle is None or view.state is not DeviceState.READY:
             return
@@ -71,7 +71,7 @@ class ToAndFro:
         self._show_leg(shuttle)
 
     def _show_leg(self, shuttle: Shuttle) -> None:
-        """Note where the way leads that has just been begun, unless it has been stopped meanwhile."""
+        """Note where the leg leads that has just been begun, unless it has been stopped meanwhile."""
         if not self._stops.have_overtaken(shuttle.request_number):
             self._show(shuttle.set_out(self._target_steps(shuttle.axis)))
 

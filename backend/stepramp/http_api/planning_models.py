@@ -64,7 +64,7 @@ class ErrorsPayload(Document):
 
 
 class PhaseAnswer(Answer):
-    """A stretch of the move."""
+    """A phase of the move."""
 
     name: Literal["accelerate", "slew", "decelerate"]
     first_step: int = Field(description="First step, counted from 1 [steps]")

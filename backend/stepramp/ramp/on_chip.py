@@ -1,10 +1,10 @@
 """Ramps that a controller computes while it plays them, in whole ticks. They are of constant acceleration.
 
-The arithmetic is fixed_point's, bit for bit. What is defined here is the way of a motor along such a ramp when no list
+The arithmetic is fixed_point's, bit for bit. What is defined here is the motion along such a ramp when no list
 of it is stored: where a ramp down begins, how long it is, and how a ramp up goes on from within a ramp down. A move of
 full length is that of plan.plan_of; docs/decisions/0009-formulas-on-the-chip.md has what is different in a short one.
 
-The place on the ramp is the distance from rest, in steps of the way that the motor is on, with 8 bits of fraction:
+The position on the ramp is the distance from rest, in steps of the side that the motor is on, with 8 bits of fraction:
 each step up adds 1 to that of the acceleration, each step down takes 1 from that of the deceleration. Where the motor
 turns it is multiplied by the ratio of the accelerations, as x is by its root.
 
@@ -39,7 +39,7 @@ MOST_ON_CHIP_INDEX = 2**24 - 2
 """Largest v² / 2 a of the slew speed [steps]: the ramp index has 24 bits."""
 
 POSITION_BITS = 8
-"""Of fraction, in a place on the ramp."""
+"""Of fraction, in a position on the ramp."""
 
 _ONE_STEP = 1 << RAMP_INDEX_BITS
 _WHOLE = 1 << POSITION_BITS
@@ -167,7 +167,7 @@ class OnChipMotor:
         self.state = MotorState.REST
         self._x = ramp.up.form.longest
         self._position = 0
-        """Distance from rest, with POSITION_BITS of fraction [steps of the present way]."""
+        """Distance from rest, with POSITION_BITS of fraction [steps of the present side]."""
         self._interval = 0
 
     @property
@@ -207,7 +207,7 @@ class OnChipMotor:
         """Return the next intervals of the ramp up [ticks], shape (at most `most`,); none at slew speed.
 
         From rest the first is p1. From within a ramp down it is the last interval, held: x is carried over, and the
-        place is what it was before the step that this interval was.
+        position is what it was before the step that this interval was.
         """
         begin = self._begin_of_ramp_up
         count = min(most, self._room_from(begin))
@@ -259,7 +259,7 @@ class OnChipMotor:
 
     @property
     def _begin_of_ramp_up(self) -> int:
-        """The place before the next step up. From within a ramp down that step takes the last one back."""
+        """The position before the next step up. From within a ramp down that step takes the last one back."""
         return self._position_up - _WHOLE if self.state is MotorState.DOWN else self._position
 
     def _room_from(self, position: int) -> int:
@@ -270,7 +270,7 @@ class OnChipMotor:
         return self._room_from(position) == 0
 
     def _steps_down_from(self, position: int) -> int:
-        """Return the steps of the ramp down from a place on the ramp up."""
+        """Return the steps of the ramp down from a position on the ramp up."""
         if self._is_top(position):
             return self.ramp.down.steps
         return _rounded_up(_converted(position, self.ramp.up, self.ramp.down))
@@ -294,7 +294,7 @@ def _rounded_up(position: int) -> int:
 
 
 def _converted(position: int, here: OnChipSide, there: OnChipSide) -> int:
-    """Return a place in steps of the other side: times the ratio of the accelerations, at least 1 step."""
+    """Return a position in steps of the other side: times the ratio of the accelerations, at least 1 step."""
     if here.carry is not None:
         x = Scaled(position, 0)
         while x.mantissa < LEAST_MANTISSA:

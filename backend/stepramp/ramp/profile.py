@@ -22,7 +22,7 @@ MOST_TICKS = 2**62
 
 @dataclass(frozen=True)
 class Phase:
-    """A stretch of a move, from its first step to its last, counted from 1."""
+    """A phase of a move: from its first step to its last, counted from 1."""
 
     name: str
     first_step: int
@@ -42,7 +42,7 @@ class Profile:
     duration_s: float
     """From pulse 1 to the end of the last interval [s]."""
     phases: tuple[Phase, ...]
-    """The stretches that have steps, in order of time."""
+    """Those that have steps, in order of time."""
     slew_resolution: SlewResolution
     """How finely the timer divides speeds at slew speed."""
     warnings: tuple[TimerWarning, ...]

@@ -4,13 +4,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
+from stepramp.design import Row
 from stepramp.ramp.table_delays import WIDEST
 from stepramp.units import MICROSECONDS_PER_SECOND, speed_from_interval
 
 HARSH = 10
 """A row change is harsh when it asks for so many times the mean acceleration of the table."""
-
-Row = tuple[int, int]
 
 
 @dataclass(frozen=True)

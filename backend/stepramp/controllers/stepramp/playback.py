@@ -1,4 +1,4 @@
-"""The ways of the ramps that an image holds, whether they are stored or computed."""
+"""Playback of the ramps that an image holds, whether they are stored or computed."""
 
 from stepramp.controllers.stepramp.formula_constants import decode_formula
 from stepramp.controllers.stepramp.formula_image import encode_formula
@@ -13,7 +13,7 @@ from stepramp.ramp.segments import expand
 
 
 def playback_of(ramp: AxisRamp) -> Playback:
-    """Return the ramps up and down of a ramp."""
+    """Return the playback of a ramp."""
     return FormulaPlayback(_on_chip(ramp)) if isinstance(ramp, FormulaRamp) else ListPlayback(unpacked(ramp))
 
 

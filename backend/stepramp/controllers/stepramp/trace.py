@@ -23,14 +23,14 @@ WRAP = 1 << 16
 
 @dataclass(frozen=True)
 class TracedMove:
-    """A move as it was asked for: with which pulse of a course each of its steps comes, counted from 1."""
+    """A move as it was asked for: with which pulse of a trajectory each of its steps comes, counted from 1."""
 
     trajectory: Sequence[PulseTrain]
     pulse_of_step: NDArray[np.int64] | None = None
     """Shape (steps,); None: each step is a pulse."""
 
     def instants(self, steps: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Return when steps come, counted from 1, from the course's first pulse on [ticks], shape of steps."""
+        """Return when steps come, counted from 1, from the trajectory's first pulse on [ticks], shape of steps."""
         if self.pulse_of_step is None:
             return pulse_instants(self.trajectory, steps)
         return pulse_instants(self.trajectory, self.pulse_of_step[np.minimum(steps, self.pulse_of_step.size) - 1])

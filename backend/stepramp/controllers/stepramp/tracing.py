@@ -86,7 +86,7 @@ class Tracing:
             collector.begin(lambda: TracedMove(own.trajectory(own.rest, ENDLESS_STEPS, interval)), timer_hz)
 
     def goes_along_a_line(self, steps: Mapping[int, int], playback: Playback, timer_hz: int) -> None:
-        """Note that axes have begun to move along a line, whose leader goes these playback."""
+        """Note that axes have begun to move along a line, whose leader plays this ramp."""
         if (collector := self._setting_out(steps)) is not None:
             most, own = max(map(abs, steps.values())), abs(steps[collector.axis])
             collector.begin(

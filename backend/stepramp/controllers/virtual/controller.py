@@ -172,8 +172,8 @@ class VirtualController:
     def _present_report(self) -> ReportNotice:
         machine, axes = self._machine, range(self._store.axes)
         states = sum(machine.state(axis) << 2 * axis for axis in axes)
-        places = tuple((machine.position(axis), machine.interval(axis)) for axis in axes)
-        return ReportNotice(int(self._clock() * 1000) % 2**16, states, places)
+        motions = tuple((machine.position(axis), machine.interval(axis)) for axis in axes)
+        return ReportNotice(int(self._clock() * 1000) % 2**16, states, motions)
 
     def _reply_to(self, message: Message) -> Reply | Refusal:
         if message.kind not in ALWAYS_OBEYED and message.session != self._session:

@@ -1,4 +1,4 @@
-"""The virtual controller's motors: each where its course has brought it, by a clock of ticks."""
+"""The virtual controller's motors: each where its trajectory has brought it, by a clock of ticks."""
 
 from collections.abc import Callable
 from typing import Protocol
@@ -42,9 +42,9 @@ class VirtualMotor:
         self.watch = watch
         self._trajectory: Trajectory = []
         self._began = 0
-        """Instant of the first pulse of the present stretch."""
+        """Instant of the first pulse of the present train."""
         self._done = 0
-        """Pulses of the present stretch."""
+        """Pulses of the present train."""
         self._due = 0
         """Instant of the next pulse, or of the end of the last interval."""
         self._ramp_position = self._playback.rest

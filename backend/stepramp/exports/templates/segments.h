@@ -37,7 +37,7 @@ $down_lines
     {0, 0, 0},
 };
 
-/* A place in a list: so many intervals into a segment. */
+/* A cursor in a list: so many intervals into a segment. */
 struct ${name}_cursor {
     const struct ${name}_segment *segment;
     uint16_t at;

@@ -1,4 +1,4 @@
-"""What a ramp method is: its numerics, what people are told of it, its C, and its way onto the chip."""
+"""What a ramp method is: its numerics, what people are told of it, its C, and how a controller computes it."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -61,7 +61,7 @@ class FixedCode:
     change: str
     """The function that takes x one step on."""
     state_field: str = ""
-    """Of a way along a side, besides its x …"""
+    """Of the state of a motor along a side, besides its x …"""
     state_value: str = ""
     """… and what it begins with."""
 

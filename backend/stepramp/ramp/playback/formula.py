@@ -1,4 +1,4 @@
-"""The ways of a ramp that the controller computes while it plays it; `ramp.on_chip` is their definition."""
+"""Playback of a ramp that the controller computes meanwhile; `ramp.on_chip` is its definition."""
 
 from copy import copy
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ class FormulaPosition:
 
 
 class FormulaPlayback:
-    """The ways of a ramp by formula. See trajectory.Playback."""
+    """Playback of a ramp by formula. See trajectory.Playback."""
 
     def __init__(self, ramp: OnChipRamp) -> None:
         self._ramp = ramp
@@ -39,16 +39,16 @@ class FormulaPlayback:
 
     @property
     def rest(self) -> RampPosition:
-        """The place of a motor at rest."""
+        """The position of a motor at rest."""
         return FormulaPosition(0, OnChipMotor(self._ramp))
 
     def steps_to_rest(self, position: RampPosition) -> int:
-        """Return the steps of the shortest way to rest from a place."""
+        """Return the steps of the shortest ramp down to rest from a position."""
         assert isinstance(position, FormulaPosition)
         return position.motor.steps_down
 
     def steps_from(self, interval: int) -> int:
-        """Return the steps of the way to rest from the speed of an interval [ticks]."""
+        """Return the steps of the ramp down to rest from the speed of an interval [ticks]."""
         return int(np.count_nonzero(self._down > interval))
 
     @cached_property
@@ -56,7 +56,7 @@ class FormulaPlayback:
         return OnChipMotor(self._ramp).down(self._ramp.down.steps)
 
     def trajectory(self, position: RampPosition, steps: int, level: int | None = None) -> Trajectory:
-        """Return what is played from a place on; see trajectory.Playback."""
+        """Return what is played from a position on; see trajectory.Playback."""
         assert isinstance(position, FormulaPosition)
         commanded = self.slew_interval if level is None else level
         here, motor, trajectory, is_level = position, position.motor, Trajectory(), False
@@ -75,14 +75,14 @@ class FormulaPlayback:
     def _climbed(
         self, position: FormulaPosition, steps: int, commanded: int
     ) -> tuple[Trajectory, FormulaPosition, bool]:
-        """Return the ramp up that leaves room for the ramp down, where it leads, and whether to the speed wanted."""
+        """Return the ramp up that leaves room for the ramp down, where it leads, and whether to the commanded speed."""
         could = copy(position.motor).up(position.motor.fitting(steps, min(steps, MOST_STEPS_UP)))
         faster = np.flatnonzero(could < commanded)
         trajectory, here = _added(position, int(faster[0]) if faster.size else could.size, goes_up=True)
         return trajectory, here, bool(faster.size) or here.motor.slews
 
     def _slowed(self, position: FormulaPosition, steps: int, commanded: int) -> tuple[Trajectory, FormulaPosition]:
-        """Return the ramp down to the speed wanted."""
+        """Return the ramp down to the commanded speed."""
         down = copy(position.motor).down(min(steps, position.motor.steps_down))
         slower = np.flatnonzero(down > commanded)
         return _added(position, int(slower[0]) if slower.size else down.size, goes_up=False)
@@ -93,7 +93,7 @@ class FormulaPlayback:
 
 
 def _added(position: FormulaPosition, count: int, *, goes_up: bool) -> tuple[Trajectory, FormulaPosition]:
-    """Return so many steps up or down from a place, and where they lead."""
+    """Return so many steps up or down from a position, and where they lead."""
     if count < 1:
         return [], position
 

@@ -1,4 +1,4 @@
-"""The ways of a ramp that is stored as lists of intervals. A move from rest is that of `ramp.move.split`."""
+"""Playback of a ramp that is stored as lists of intervals. A move from rest is that of `ramp.move.split`."""
 
 from dataclasses import dataclass
 from functools import partial
@@ -26,7 +26,7 @@ class ListPosition:
 
 
 class ListPlayback:
-    """The ways of two lists of intervals, each from the slow end, and the interval between. See trajectory.Playback."""
+    """Playback of two lists of intervals, each from the slow end, and the interval between. See trajectory.Playback."""
 
     def __init__(self, ramp: Ramp) -> None:
         self._up = ramp.up
@@ -47,11 +47,11 @@ class ListPlayback:
 
     @property
     def rest(self) -> RampPosition:
-        """The place of a motor at rest."""
+        """The position of a motor at rest."""
         return ListPosition()
 
     def trajectory(self, position: RampPosition, steps: int, level: int | None = None) -> Trajectory:
-        """Return what is played from a place on; see trajectory.Playback."""
+        """Return what is played from a position on; see trajectory.Playback."""
         assert isinstance(position, ListPosition)
         commanded = None if level == self._slew else level
         if position.down_left is not None:
@@ -61,12 +61,12 @@ class ListPlayback:
         return self._onward(position, steps, commanded)
 
     def steps_to_rest(self, position: RampPosition) -> int:
-        """Return the steps of the shortest way to rest from a place."""
+        """Return the steps of the shortest ramp down to rest from a position."""
         assert isinstance(position, ListPosition)
         return self._steps_down(position.shortest) if position.down_left is None else position.down_left
 
     def steps_from(self, interval: int) -> int:
-        """Return the steps of the way to rest from the speed of an interval [ticks]."""
+        """Return the steps of the ramp down to rest from the speed of an interval [ticks]."""
         return self._steps_down(interval)
 
     def _steps_down(self, shortest: int) -> int:
@@ -74,7 +74,7 @@ class ListPlayback:
         return int(np.searchsorted(self._falling, -shortest, side="left"))
 
     def _onward(self, position: ListPosition, steps: int, commanded: int | None) -> Trajectory:
-        """Return a course from rest, from the ramp up or from a level, whose ramp down fits into the steps."""
+        """Return a trajectory from rest, from the ramp up or from a level, whose ramp down fits into the steps."""
         could = self._up[position.up_index : position.up_index + steps]
         if commanded is not None:
             faster = could < commanded
@@ -114,7 +114,7 @@ class ListPlayback:
         return trajectory + self._onward(ListPosition(interval, interval, up_index), steps, commanded)
 
     def _downwards(self, position: ListPosition, steps: int, kept: int = 0) -> Trajectory:
-        """Return the ramp down from a place where it has so many steps, but for those that are kept."""
+        """Return the ramp down from a position where it has so many steps, but for those that are kept."""
         down = self._down[kept:steps][::-1]
 
         def after(pulses: int) -> ListPosition:

@@ -1,8 +1,8 @@
-"""Courses: what a motor plays of its ramp, from rest or from the midst of a move, until it comes to rest.
+"""Trajectories: what a motor plays of its ramp, from rest or from the midst of a move, until it comes to rest.
 
-A course is decided as the firmware decides it: as many steps of the ramp up as leave room for the ramp down, then the
-wanted speed, then the ramp down. So target and speed may change at any step. A target that is too close, or behind, is
-passed: the course then ends beyond it.
+A trajectory is decided as the firmware decides it: as many steps of the ramp up as leave room for the ramp down, then
+the commanded speed, then the ramp down. So target and speed may change at any step. A target that is too close, or
+behind, is passed: the trajectory then ends beyond it.
 """
 
 from collections.abc import Callable, Sequence
@@ -17,7 +17,7 @@ Ticks = NDArray[np.int64]
 
 
 class RampPosition(Protocol):
-    """Where on its ramp a motor is; what more there is to it only its ways know."""
+    """Where on its ramp a motor is; what more there is to it only its playback knows."""
 
     @property
     def interval(self) -> int:
@@ -63,7 +63,7 @@ Trajectory = list[PulseTrain]
 
 
 class Playback(Protocol):
-    """The ramps up and down of an axis' ramp."""
+    """How an axis' ramp is played, from wherever on it the motor is."""
 
     @property
     def slew_interval(self) -> int:
@@ -75,25 +75,25 @@ class Playback(Protocol):
 
     @property
     def rest(self) -> RampPosition:
-        """The place of a motor at rest."""
+        """The position of a motor at rest."""
 
     def trajectory(self, position: RampPosition, steps: int, level: int | None = None) -> Trajectory:
-        """Return what is played from a place on, to come to rest after so many steps, or later where that can't be.
+        """Return what is played from a position on, to come to rest after so many steps, or later where that can't be.
 
-        level: interval of the speed wanted [ticks]; None: the slew speed.
+        level: interval of the commanded speed [ticks]; None: the slew speed.
         """
 
     def steps_to_rest(self, position: RampPosition) -> int:
-        """Return the steps of the shortest way to rest from a place."""
+        """Return the steps of the shortest ramp down to rest from a position."""
 
     def steps_from(self, interval: int) -> int:
-        """Return the steps of the way to rest from the speed of an interval [ticks]."""
+        """Return the steps of the ramp down to rest from the speed of an interval [ticks]."""
 
 
 def pulse_instants(trajectory: Sequence[PulseTrain], pulses: NDArray[np.int64]) -> Ticks:
-    """Return when pulses of a course come, counted from 1, from the first on [ticks], shape of pulses.
+    """Return when pulses of a trajectory come, counted from 1, from the first on [ticks], shape of pulses.
 
-    Pulses beyond the course come when it ends.
+    Pulses beyond the trajectory come when it ends.
     """
     firsts = np.cumsum([0, *(train.count for train in trajectory)])
     begins = np.cumsum([0, *(train.ticks_to(train.count) for train in trajectory)])
