@@ -132,9 +132,9 @@ def serve(listener: socket.socket, *, open_page: bool) -> None:
     """Serve the page and the API until interrupted."""
     # numba and FastAPI load slowly: not for --help
     from stepramp.http_api.app import create_app  # noqa: PLC0415
-    from stepramp.http_api.asked_at import numbering  # noqa: PLC0415
     from stepramp.http_api.bodies import MOST_BYTES  # noqa: PLC0415
     from stepramp.http_api.connections import MOST_NEW, allow_descriptors  # noqa: PLC0415
+    from stepramp.http_api.request_numbers import numbering  # noqa: PLC0415
     from stepramp.http_api.server import GRACE_S, Server  # noqa: PLC0415
 
     address = f"http://{LOOPBACK}:{listener.getsockname()[1]}/"

@@ -37,7 +37,7 @@ Speed = Annotated[float, Within(SLOWEST_STEPS_PER_S, 1_000_000, "steps/s")]
 Acceleration = Annotated[float, Within(LEAST_ACCELERATION, 1_000_000_000, "steps/s²")]
 
 
-class Axis(Document):
+class AxisScale(Document):
     """What one turn of the motor means. Only shown units depend on it."""
 
     full_steps_per_rev: Annotated[int, Within(1, 100_000, "full steps")] = Field(
@@ -193,7 +193,7 @@ class Design(Document):
 
     schema_: Literal["stepramp/1"] = Field(alias="schema", description="Name and version of the document's format")
     name: Annotated[str, Text(100)] = Field("", description="What people call it")
-    axis: Axis = Axis()
+    axis: AxisScale = AxisScale()
     timer: Timer
     ramp: RampParameters
     method: Method = Method()

@@ -14,7 +14,7 @@ from stepramp.figure import figure_of
 from stepramp.methods import REFERENCE
 from stepramp.ramp.error_curves import ErrorCurves, error_curves
 from stepramp.ramp.profile import Phase, Profile, profile_of
-from stepramp.ramp.timer_limits import Warning
+from stepramp.ramp.timer_limits import TimerWarning
 from stepramp.validation import rejected
 
 if TYPE_CHECKING:
@@ -95,7 +95,7 @@ class PlannedMove:
         return self.profile.phases
 
     @property
-    def warnings(self) -> tuple[Warning, ...]:
+    def warnings(self) -> tuple[TimerWarning, ...]:
         """What works, but not as the design says, and what to change."""
         return self.profile.warnings
 

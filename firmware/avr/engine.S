@@ -30,7 +30,7 @@ engine_extra_width:                          /* of pulses, when WIDE is set [8 c
 engine_listens:                              /* 1: the serial port's interrupts may come while a pulse is lengthened */
 	.zero 1
 
-/* The places in queues are low bytes of addresses, so these are aligned to 256 bytes. The linker puts them to the begin
+/* The offsets in queues are low bytes of addresses, so these are aligned to 256 bytes. The linker puts them to the begin
  * of the RAM, where that leaves no gap: see the Makefile. */
 	.global queues, line_queue
 

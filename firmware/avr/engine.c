@@ -41,7 +41,7 @@ extern uint8_t engine_end_masks[MOST_AXES];
 
 static uint16_t start_delay_ticks;
 
-static uint8_t place_of(const void *queue)
+static uint8_t offset_of(const void *queue)
 {
     return (uint8_t)(uintptr_t)queue;
 }
@@ -60,9 +60,9 @@ void engine_begin(void)
     GPIOR0 = 0;
     engine_set_clock(true);
     for (uint8_t axis = 0; axis < MOST_AXES; axis++) {
-        axis_players[axis].tail = place_of(queues[axis]);
+        axis_players[axis].tail = offset_of(queues[axis]);
     }
-    line_player.tail = place_of(line_queue);
+    line_player.tail = offset_of(line_queue);
     engine_park(0xFF);
 }
 
@@ -158,18 +158,18 @@ uint8_t engine_running(void)
     return running_in_channel(CHANNEL_A, flags, enabled) | running_in_channel(CHANNEL_B, flags, enabled);
 }
 
-struct engine_place engine_place(uint8_t axis)
+struct engine_progress engine_progress(uint8_t axis)
 {
-    struct engine_place place;
+    struct engine_progress progress;
     const volatile uint8_t *tail = is_line() ? &line_player.tail : &axis_players[axis].tail;
     const volatile uint16_t *count_less_1 = is_line() ? &line_player.count_less_1 : &axis_players[axis].count_less_1;
     ATOMIC_BLOCK(ATOMIC_RESTORESTATE)
     {
-        place.count_less_1 = *count_less_1;
-        place.tail = tail[0];
-        place.empty = tail[offsetof(struct axis_player, empty) - offsetof(struct axis_player, tail)];
+        progress.count_less_1 = *count_less_1;
+        progress.tail = tail[0];
+        progress.empty = tail[offsetof(struct axis_player, empty) - offsetof(struct axis_player, tail)];
     }
-    return place;
+    return progress;
 }
 
 /* ---- start ---- */

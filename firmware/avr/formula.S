@@ -114,7 +114,7 @@ next:   sbrc    flags, NEWTON_BIT
         rjmp    newton          ; (4 or 5)
 
 ; ---------------------------------------------------------------------------------------------------------------------
-; Formulas (20) and (23): x (1 - q) and x (1 - q + q^2), or with + on the way down. (94 for (23), 71 for (20))
+; Formulas (20) and (23): x (1 - q) and x (1 - q + q^2), or with + on the ramp down. (94 for (23), 71 for (20))
 
 #define Q0      r20     /* q = x^2, in Q3:Q2:Q1; then the factor of x */
 #define Q1      r21
@@ -288,7 +288,7 @@ three_bytes:
         rjmp    store_17_bits
 
 ; ---------------------------------------------------------------------------------------------------------------------
-; Beginning and end. The pointers to x and, on top, to the way stay on the stack.
+; Beginning and end. The pointers to x and, on top, to the side stay on the stack.
 
 done:   pop     r0
         pop     r0
@@ -332,9 +332,9 @@ formula_step:
         swap    T0
         or      flags, T0
         movw    r30, r22
-        ldd     K0, Z+WAY_INDEX_AT
-        ldd     K1, Z+WAY_INDEX_AT+1
-        ldd     K2, Z+WAY_INDEX_AT+2
+        ldd     K0, Z+SIDE_INDEX_AT
+        ldd     K1, Z+SIDE_INDEX_AT+1
+        ldd     K2, Z+SIDE_INDEX_AT+2
         mov     K3, r12         ; r14:r13:r12 is the argument `index`
         rjmp    2f
 1:      mov     K0, K1
@@ -348,7 +348,7 @@ formula_step:
         rcall   load_exponent
         rjmp    next
 
-.macro load_way                 ; Z = way
+.macro load_side                 ; Z = side
         pop     r31
         pop     r30
         push    r30
@@ -368,7 +368,7 @@ next_exponent:
         mov     K1, K2
         mov     K2, K3
         clr     K3
-        load_way
+        load_side
         subi    flags, 0 - EXPONENT_ONE
         rcall   load_exponent
         rjmp    output
@@ -387,12 +387,12 @@ exponent_before:
         mov     K3, K2
         mov     K2, K1
         mov     K1, K0
-        load_way
+        load_side
         rcall   load_exponent_number
         add     r30, T0
         adc     r31, zero
-        ldd     K0, Z+WAY_INDEX_AT
-        load_way
+        ldd     K0, Z+SIDE_INDEX_AT
+        load_side
         rcall   load_exponent
         rjmp    output
 
@@ -402,7 +402,7 @@ load_exponent_number:
         andi    T0, EXPONENT_MASK >> 4
         ret
 
-; All that depends on the exponent. Z: way.
+; All that depends on the exponent. Z: side.
 load_exponent:
         rcall   load_exponent_number
         mov     T1, T0
@@ -410,10 +410,10 @@ load_exponent:
         lsl     T1
         add     r30, T1
         adc     r31, zero
-        ldd     M0, Z+WAY_OUTPUTS_AT
-        ldd     M1, Z+WAY_OUTPUTS_AT+1
-        ldd     M2, Z+WAY_OUTPUTS_AT+2
-        ldd     T1, Z+WAY_OUTPUTS_AT+3
+        ldd     M0, Z+SIDE_OUTPUTS_AT
+        ldd     M1, Z+SIDE_OUTPUTS_AT+1
+        ldd     M2, Z+SIDE_OUTPUTS_AT+2
+        ldd     T1, Z+SIDE_OUTPUTS_AT+3
         mov     M2_ROUNDED, M1
         lsl     M2_ROUNDED
         mov     M2_ROUNDED, M2

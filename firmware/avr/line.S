@@ -240,7 +240,7 @@ set_leaders:
 	out  PIND, r24
 	brcc 1f
 	out  PINB, r25
-1:	sts  line_player + LINE_TAIL, r30    /* the queue has 256 bytes: the place wraps by itself */
+1:	sts  line_player + LINE_TAIL, r30    /* the queue has 256 bytes: the offset wraps by itself */
 	pop  r31
 	pop  r30
 	rjmp line_counted

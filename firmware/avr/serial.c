@@ -28,7 +28,7 @@ void serial_begin(void)
     set_control(RECEIVING);
 }
 
-static uint8_t place(uint8_t number)
+static uint8_t wrapped(uint8_t number)
 {
     return number & (RECEIVED_BYTES - 1);
 }
@@ -39,7 +39,7 @@ int16_t serial_take(void)
     if (out == received_in) {
         return NO_BYTE;
     }
-    uint8_t byte = received[place(out)];
+    uint8_t byte = received[wrapped(out)];
     received_out = (uint8_t)(out + 1);
     return byte;
 }
@@ -48,11 +48,11 @@ int16_t serial_take(void)
 bool port_skip_to_stop(void)
 {
     uint8_t in = received_in, unread = (uint8_t)(in - received_out), begin = 0, kind = 0, code = 0;
-    if (unread == 0 || received[place(in - 1)] != 0) {
+    if (unread == 0 || received[wrapped(in - 1)] != 0) {
         return false;
     }
     for (uint8_t back = 2; back != RECEIVED_BYTES; back++) {
-        uint8_t byte = received[place(in - back)];
+        uint8_t byte = received[wrapped(in - back)];
         if (byte == 0 && is_urgent(kind)) {
             if (begin != 0 || unread < back) {
                 return true; /* or it is what is taken next */

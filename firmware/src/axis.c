@@ -3,10 +3,10 @@
 #include "axis_by_formula.h"
 #include "axis_steps.h"
 
-/* A speed is held for a part of a piece at a time, while the way down is looked for. */
+/* A speed is held for a part of a piece at a time, while the ramp down is looked for. */
 enum { HOLD_DIVISOR = 4 };
 
-/* Segments of the way down that are looked at in one go: that takes less time than to come back for each. */
+/* Segments of the ramp down that are looked at in one go: that takes less time than to come back for each. */
 enum { SOUGHT_AT_ONCE = 4 };
 
 /* The number of steps of a list. */
@@ -35,10 +35,10 @@ void axis_begin(struct axis *axis, const struct image_ramp *ramp)
     }
 }
 
-/* ---- the way down ---- */
+/* ---- the ramp down ---- */
 
-/* Goes on looking for the way down from the present speed, over one segment. Returns true when it is found. */
-static bool way_down_is_found(struct axis *axis)
+/* Goes on looking for the ramp down from the present speed, over one segment. Returns true when it is found. */
+static bool ramp_down_is_found(struct axis *axis)
 {
     return cursor_seek_forward(&axis->down, &axis->down_list, axis->shortest);
 }
@@ -55,12 +55,12 @@ static bool hold(struct axis *axis, const struct piece_limits *limits, uint32_t 
     return true;
 }
 
-/* Looks for the way down from the present speed. When it isn't found soon: gives nothing yet, or in a hurry some more
+/* Looks for the ramp down from the present speed. When it isn't found soon: gives nothing yet, or in a hurry some more
  * of the present speed, as long as there is room for that, and then looks on. Returns true when it is found. */
-static bool find_way_down(struct axis *axis, const struct piece_limits *limits, struct piece *piece)
+static bool find_ramp_down(struct axis *axis, const struct piece_limits *limits, struct piece *piece)
 {
     uint8_t segments = SOUGHT_AT_ONCE;
-    while (!way_down_is_found(axis)) {
+    while (!ramp_down_is_found(axis)) {
         if (segments != 0) {
             segments--;
             continue;
@@ -73,12 +73,12 @@ static bool find_way_down(struct axis *axis, const struct piece_limits *limits, 
     return true;
 }
 
-/* Turns to the way down: so that it ends at the target, or, when that is too close, the shortest. Intervals that are
- * not longer than the present one may be part of it: they fill what is left between the last interval of the way up and
+/* Turns to the ramp down: so that it ends at the target, or, when that is too close, the shortest. Intervals that are
+ * not longer than the present one may be part of it: they fill what is left between the last interval of the ramp up and
  * the next, which would be one too many. */
 static void turn_down(struct axis *axis, const struct piece_limits *limits, struct piece *piece)
 {
-    if (!find_way_down(axis, limits, piece)) {
+    if (!find_ramp_down(axis, limits, piece)) {
         return;
     }
     uint32_t left = steps_left(axis);
@@ -92,7 +92,7 @@ static void turn_down(struct axis *axis, const struct piece_limits *limits, stru
 
 /* ---- up ---- */
 
-/* The shortest interval once `count` more intervals of the present segment of the way up have been played. */
+/* The shortest interval once `count` more intervals of the present segment of the ramp up have been played. */
 static uint32_t shortest_after(const struct axis *axis, uint16_t count)
 {
     const struct ramp_cursor *up = &axis->up;
@@ -101,7 +101,7 @@ static uint32_t shortest_after(const struct axis *axis, uint16_t count)
     return interval < axis->shortest ? interval : axis->shortest;
 }
 
-/* After `count` more steps up, whose way down begins in the present segment of `down`, it fits into what is then left of
+/* After `count` more steps up, whose ramp down begins in the present segment of `down`, it fits into what is then left of
  * `left` steps. */
 static bool leaves_room(const struct axis *axis, const struct ramp_cursor *down, uint32_t left, uint16_t count)
 {
@@ -125,7 +125,7 @@ static uint16_t most_in_segment(const struct axis *axis, const struct ramp_curso
     return low;
 }
 
-/* The most steps up, from `low` to `count`, whose way down begins in the present segment of `down`. */
+/* The most steps up, from `low` to `count`, whose ramp down begins in the present segment of `down`. */
 static uint16_t most_that_stay(const struct axis *axis, const struct ramp_cursor *down, uint16_t low, uint16_t count)
 {
     uint32_t to_pass = cursor_to_pass(down);
@@ -136,7 +136,7 @@ static uint16_t most_that_stay(const struct axis *axis, const struct ramp_cursor
     return most > low ? most : low;
 }
 
-/* After `count` more steps up the way down fits into what is then left of `left` steps. */
+/* After `count` more steps up the ramp down fits into what is then left of `left` steps. */
 static bool all_leave_room(const struct axis *axis, uint32_t left, uint16_t count)
 {
     struct ramp_cursor down = axis->down;
@@ -149,8 +149,8 @@ static bool all_leave_room(const struct axis *axis, uint32_t left, uint16_t coun
     return false;
 }
 
-/* The most steps up, no more than `count`, that leave room for the way down: the more, the less room and the longer
- * the way down. Looked for a segment of the way down at a time, each of them once: there may be many. */
+/* The most steps up, no more than `count`, that leave room for the ramp down: the more, the less room and the longer
+ * the ramp down. Looked for a segment of the ramp down at a time, each of them once: there may be many. */
 static uint16_t most_that_leave_room(const struct axis *axis, uint32_t left, uint16_t count)
 {
     if (all_leave_room(axis, left, count)) { /* most often, and sooner known */
@@ -166,8 +166,8 @@ static uint16_t most_that_leave_room(const struct axis *axis, uint32_t left, uin
     return most;
 }
 
-/* The next steps of the present segment of the way up that may be taken, if the way down allows it: those that are not
- * faster than wanted, and not past the target. */
+/* The next steps of the present segment of the ramp up that may be taken, if the ramp down allows it: those that are not
+ * faster than commanded, and not past the target. */
 static uint16_t steps_up(const struct axis *axis, uint32_t left)
 {
     uint16_t count = (uint16_t)(axis->up.count - axis->up.taken);
@@ -192,7 +192,7 @@ static void go_up(struct axis *axis, const struct piece_limits *limits, struct p
     uint32_t interval = cursor_interval(&axis->up, axis->up.taken);
     count = steps_that_fit(limits, interval, axis->up.add, count);
     if (left - count < axis->down_steps) {
-        if (!find_way_down(axis, limits, piece)) {
+        if (!find_ramp_down(axis, limits, piece)) {
             return;
         }
         count = most_that_leave_room(axis, left, count);
@@ -209,7 +209,7 @@ static void go_up(struct axis *axis, const struct piece_limits *limits, struct p
 
 /* ---- level ---- */
 
-/* Looks for the way down from the speed wanted, as find_way_down does; its steps are then known. */
+/* Looks for the ramp down from the commanded speed, as find_ramp_down does; its steps are then known. */
 static bool know_steps_down(struct axis *axis, const struct piece_limits *limits, uint32_t *steps, struct piece *piece)
 {
     if (axis->is_slewing) {
@@ -219,12 +219,12 @@ static bool know_steps_down(struct axis *axis, const struct piece_limits *limits
     if (axis->level < axis->shortest) {
         axis->shortest = axis->level;
     }
-    bool found = find_way_down(axis, limits, piece);
+    bool found = find_ramp_down(axis, limits, piece);
     *steps = cursor_steps(&axis->down);
     return found;
 }
 
-/* No more than `left` steps at the speed wanted. */
+/* No more than `left` steps at the commanded speed. */
 static void give_level(struct axis *axis, const struct piece_limits *limits, uint32_t left, struct piece *piece)
 {
     uint16_t count = steps_that_fit(limits, axis->level, 0, left < UINT16_MAX ? (uint16_t)left : UINT16_MAX);
@@ -246,7 +246,7 @@ static void go_level(struct axis *axis, const struct piece_limits *limits, struc
     } else if (steps_up(axis, left) != 0) {
         axis->phase = PHASE_UP;
     } else if (is_too_fast(axis)) {
-        if (find_way_down(axis, limits, piece)) {
+        if (find_ramp_down(axis, limits, piece)) {
             axis->phase = PHASE_DOWN;
         }
     } else if (know_steps_down(axis, limits, &steps_down, piece)) {
@@ -260,14 +260,14 @@ static void go_level(struct axis *axis, const struct piece_limits *limits, struc
 
 /* ---- down ---- */
 
-/* Goes on looking for the place on the way up that has this interval [ticks], over one segment. Returns true when it is
+/* Goes on looking for the position on the ramp up that has this interval [ticks], over one segment. Returns true when it is
  * found. In PHASE_DOWN only: until that is left, `up` faces back. */
-static bool way_up_is_found(struct axis *axis, uint32_t interval)
+static bool ramp_up_is_found(struct axis *axis, uint32_t interval)
 {
     return cursor_seek_back(&axis->up, interval);
 }
 
-/* Leaves the way down for a speed to go on with; what there is more of than the way down has is `room` [steps]. */
+/* Leaves the ramp down for a speed to go on with; what there is more of than the ramp down has is `room` [steps]. */
 static void turn_up(struct axis *axis, const struct piece_limits *limits, uint32_t room, struct piece *piece)
 {
     if (axis->interval == 0) { /* no step has been given yet: it sets out anew */
@@ -275,7 +275,7 @@ static void turn_up(struct axis *axis, const struct piece_limits *limits, uint32
         return;
     }
     uint32_t interval = is_too_fast(axis) ? axis->level : axis->interval;
-    if (!way_up_is_found(axis, interval)) {
+    if (!ramp_up_is_found(axis, interval)) {
         if (limits->in_a_hurry) {
             hold(axis, limits, room, piece);
         }
@@ -368,7 +368,7 @@ bool axis_look_ahead(struct axis *axis)
         return false;
     }
     if (axis->phase == PHASE_DOWN) {
-        return !way_up_is_found(axis, axis->interval);
+        return !ramp_up_is_found(axis, axis->interval);
     }
     if (cursor_is_at_end(&axis->down)) {
         return false;
@@ -393,7 +393,7 @@ void axis_run(struct axis *axis, bool backward, uint32_t interval, bool is_slewi
     axis->runs = true;
 }
 
-/* Turns to the shortest way down, or, when no step has been given yet, is at rest again. */
+/* Turns to the shortest ramp down, or, when no step has been given yet, is at rest again. */
 static void turn_to_rest(struct axis *axis)
 {
     if (axis->interval == 0) {

@@ -1,4 +1,4 @@
-/* An axis: the way of a motor along its ramp, decided piece by piece, each where the last one ends. So target, speed or
+/* An axis: the motion of a motor along its ramp, decided piece by piece, each where the last one ends. So target, speed or
  * a stop may change at any moment. Nothing here knows of timers and pins; all of it belongs to the main loop. */
 #ifndef STEPRAMP_AXIS_H
 #define STEPRAMP_AXIS_H
@@ -20,22 +20,22 @@ enum { FORMULA_BATCH = 6 };
 
 enum axis_phase {
     PHASE_REST,
-    PHASE_UP,    /* along the way up */
+    PHASE_UP,    /* along the ramp up */
     PHASE_LEVEL, /* at slew speed, or at the speed of a run */
-    PHASE_DOWN   /* along the way down */
+    PHASE_DOWN   /* along the ramp down */
 };
 
 struct axis {
     int32_t position;    /* [steps] after the last piece */
     int32_t target;      /* [steps] where it will come to rest; of a run only its sign counts, which is the direction */
     uint32_t interval;   /* [ticks] the last one; 0 at rest */
-    uint32_t shortest;   /* [ticks] since the speed began to rise: the way down from here has the longer intervals */
-    uint32_t level;      /* [ticks] interval of the speed wanted: the ramp's slew interval, or a longer one */
-    uint32_t down_steps; /* of the whole way down */
+    uint32_t shortest;   /* [ticks] since the speed began to rise: the ramp down from here has the longer intervals */
+    uint32_t level;      /* [ticks] interval of the commanded speed: the ramp's slew interval, or a longer one */
+    uint32_t down_steps; /* of the whole ramp down */
     uint8_t phase; /* enum axis_phase */
     uint8_t batch_left;
     bool is_by_formula : 1;
-    bool is_slewing : 1; /* the speed wanted is the ramp's slew speed */
+    bool is_slewing : 1; /* the commanded speed is the ramp's slew speed */
     bool backward : 1;
     bool stopping : 1; /* to rest, which has been asked for */
     bool runs : 1; /* at a speed, without a target */
@@ -43,8 +43,8 @@ struct axis {
         struct {
             struct packed_list up_list;
             struct packed_list down_list;
-            struct ramp_cursor up;   /* before the next interval of the way up, or after that: on the way down */
-            struct ramp_cursor down; /* after the next interval of the way down, or before that: not looked for yet */
+            struct ramp_cursor up;   /* before the next interval of the ramp up, or after that: on the ramp down */
+            struct ramp_cursor down; /* after the next interval of the ramp down, or before that: not looked for yet */
         };
         struct {
             const uint8_t *constants;
@@ -87,7 +87,7 @@ void axis_next(struct axis *axis, const struct piece_limits *limits, struct piec
  * give, when the ramp is one by formula. */
 void axis_compute(struct axis *axis);
 
-/* To be called when there is time: looks ahead of need for the way down, and on that for the way back up. Returns true
+/* To be called when there is time: looks ahead of need for the ramp down, and on that for the ramp back up. Returns true
  * when there is more to look for. */
 bool axis_look_ahead(struct axis *axis);
 
@@ -97,7 +97,7 @@ void axis_move_to(struct axis *axis, uint32_t slew_interval, int32_t target);
 /* Go on and on, past the last position to the first, with this interval [ticks]: the ramp's slew interval or a longer one. */
 void axis_run(struct axis *axis, bool backward, uint32_t interval, bool is_slewing);
 
-/* Slow down to rest: the target becomes where that is. Its way down is looked for to the end, which takes a short time
+/* Slow down to rest: the target becomes where that is. Its ramp down is looked for to the end, which takes a short time
  * as it is near. */
 void axis_stop(struct axis *axis);
 

@@ -2,11 +2,11 @@
 
 #include "axis_steps.h"
 
-/* Of its way, before steps are computed again: from slowing down to a speed that is held, or to rising, and back. */
+/* Of its phase, before steps are computed again: from slowing down to a speed that is held, or to rising, and back. */
 enum { MOST_CHANGES = 3 };
 
 /* How many intervals are computed at a time, after one of so many ticks: more is faster, but 16 bits must hold their
- * differences, and a stop waits for them. On the way down the next one is at most 1.75 times as long, as x^2 is below
+ * differences, and a stop waits for them. On the ramp down the next one is at most 1.75 times as long, as x^2 is below
  * 3/4. */
 static uint8_t batch_size(uint32_t interval, bool goes_up)
 {
@@ -83,8 +83,8 @@ static void keep_level(struct axis *axis, uint32_t interval, uint32_t left)
     }
 }
 
-/* Of falling or rising intervals those before the first that is beyond the speed wanted: shorter on the way up; on the
- * way down, where that one is the last, longer. At speed it takes too long to compute them one by one. */
+/* Of falling or rising intervals those before the first that is beyond the commanded speed: shorter on the ramp up; on the
+ * ramp down, where that one is the last, longer. At speed it takes too long to compute them one by one. */
 static uint8_t count_to_level(const struct axis *axis, const uint32_t *intervals, uint8_t size, bool goes_up)
 {
     uint8_t count = 0;
@@ -94,7 +94,7 @@ static uint8_t count_to_level(const struct axis *axis, const uint32_t *intervals
     return goes_up || count == size ? count : (uint8_t)(count + 1);
 }
 
-/* Goes up, as long as that isn't faster than wanted and there is room: or else stays at this speed, or turns. */
+/* Goes up, as long as that isn't faster than commanded and there is room: or else stays at this speed, or turns. */
 static void compute_up(struct axis *axis, uint32_t left)
 {
     struct formula_state after = axis->formula;
@@ -163,7 +163,7 @@ static void compute(struct axis *axis)
     }
 }
 
-/* A change of its way gives no steps, but then the next round of the main loop may come too late. */
+/* A change of its phase gives no steps, but then the next round of the main loop may come too late. */
 void axis_compute(struct axis *axis)
 {
     if (!axis_is_by_formula(axis)) {

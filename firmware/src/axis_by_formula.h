@@ -1,4 +1,4 @@
-/* The way of an axis whose ramp is computed while it is played: see axis.h and formula.h. */
+/* The motion of an axis whose ramp is computed while it is played: see axis.h and formula.h. */
 #ifndef STEPRAMP_AXIS_BY_FORMULA_H
 #define STEPRAMP_AXIS_BY_FORMULA_H
 

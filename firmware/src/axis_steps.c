@@ -5,9 +5,9 @@ uint32_t steps_left(const struct axis *axis)
     if (axis->runs) {
         return axis->backward == (axis->target < 0) ? INT32_MAX : 0;
     }
-    uint32_t way = (uint32_t)axis->target - (uint32_t)axis->position;
+    uint32_t distance = (uint32_t)axis->target - (uint32_t)axis->position;
     bool is_ahead = (axis->target > axis->position) != axis->backward;
-    return !is_ahead ? 0 : axis->backward ? 0u - way : way;
+    return !is_ahead ? 0 : axis->backward ? 0u - distance : distance;
 }
 
 bool is_too_fast(const struct axis *axis)

@@ -1,4 +1,4 @@
-/* Shared between the ways of an axis along segments (axis.c) and by formula (axis_by_formula.c). For no one else. */
+/* Shared between the motion of an axis along segments (axis.c) and by formula (axis_by_formula.c). For no one else. */
 #ifndef STEPRAMP_AXIS_STEPS_H
 #define STEPRAMP_AXIS_STEPS_H
 
@@ -11,7 +11,7 @@ extern "C" {
 /* Steps from here to the target; 0 when it isn't ahead. A run has always more of them in its direction. */
 uint32_t steps_left(const struct axis *axis);
 
-/* The speed wanted has become lower than the present one. */
+/* The commanded speed has become lower than the present one. */
 bool is_too_fast(const struct axis *axis);
 
 /* How many of `count` intervals, the first `interval` long, each next one longer by `add`, a piece may hold: at least

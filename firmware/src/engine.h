@@ -52,12 +52,12 @@ uint16_t engine_now(void);
 
 /* Where an axis is in its queue, read at one instant while it runs: `count_less_1 + 1` events are left of the segment
  * before `tail`. When it is parked, none are, and count_less_1 is 0 all the same. In line mode: the line's, for any axis. */
-struct engine_place {
+struct engine_progress {
     uint16_t count_less_1;
     uint8_t tail;
     uint8_t empty;
 };
-struct engine_place engine_place(uint8_t axis);
+struct engine_progress engine_progress(uint8_t axis);
 
 /* Where RAM is short, engine_portable.c has no line_queue: it is the memory of the axes' queues. */
 #ifdef STEPRAMP_SHARED_QUEUES
@@ -103,7 +103,7 @@ struct line_player {
     uint8_t pins;         /* of the next event: worked out one event ahead, so that all of them rise together */
     uint8_t leader_pins;  /* 0: silent */
     volatile uint8_t tail;  /* offset in the queue of the next segment to load; the interrupt's */
-    volatile uint8_t head;  /* that of the first free place; the main loop's */
+    volatile uint8_t head;  /* offset of the first free segment; the main loop's */
     volatile uint8_t empty; /* counts the loads that found nothing: then the line is parked */
     uint8_t retired;        /* the main loop's */
 };

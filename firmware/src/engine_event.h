@@ -10,10 +10,10 @@ enum event_result {
     EVENT_PARKED = 4 /* the queue was empty: this was the last event */
 };
 
-/* The place after another one in a queue. Places keep bit 7, which belongs to the queue's address. */
-static inline uint8_t place_after(uint8_t place)
+/* The offset after another one in a queue [bytes]. Offsets keep bit 7, which belongs to the queue's address. */
+static inline uint8_t offset_after(uint8_t offset)
 {
-    return (uint8_t)((place & QUEUE_BYTES) | ((place + QUEUED_SEGMENT_BYTES) & (QUEUE_BYTES - 1)));
+    return (uint8_t)((offset & QUEUE_BYTES) | ((offset + QUEUED_SEGMENT_BYTES) & (QUEUE_BYTES - 1)));
 }
 
 static inline void park_player(struct axis_player *player)
@@ -27,19 +27,19 @@ static inline void park_player(struct axis_player *player)
 /* Loads the next segment at an event at the timer's value `now`. */
 static inline uint8_t load_segment(struct axis_player *player, struct queued_segment *queue, uint16_t now)
 {
-    uint8_t place = player->tail;
-    if (place == player->head) {
+    uint8_t offset = player->tail;
+    if (offset == player->head) {
         player->empty++;
         park_player(player);
         return EVENT_PARKED;
     }
-    struct queued_segment *segment = queue + (place & (QUEUE_BYTES - 1)) / QUEUED_SEGMENT_BYTES;
+    struct queued_segment *segment = queue + (offset & (QUEUE_BYTES - 1)) / QUEUED_SEGMENT_BYTES;
     player->interval = segment->interval;
     player->add = segment->add;
     player->count_less_1 = segment->count_less_1;
     player->step_mask = segment->step_mask;
     segment->interval = now;
-    player->tail = place_after(place);
+    player->tail = offset_after(offset);
     return segment->turn_mask != 0 ? EVENT_TURN : 0;
 }
 

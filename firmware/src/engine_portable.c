@@ -100,13 +100,13 @@ uint16_t engine_now(void)
     return timer;
 }
 
-struct engine_place engine_place(uint8_t axis)
+struct engine_progress engine_progress(uint8_t axis)
 {
     if (is_line) {
-        return (struct engine_place){line_player.count_less_1, line_player.tail, line_player.empty};
+        return (struct engine_progress){line_player.count_less_1, line_player.tail, line_player.empty};
     }
     const struct axis_player *player = &axis_players[axis];
-    return (struct engine_place){player->count_less_1, player->tail, player->empty};
+    return (struct engine_progress){player->count_less_1, player->tail, player->empty};
 }
 
 static void start_line(uint16_t first, uint16_t setup_ticks)

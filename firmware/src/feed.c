@@ -39,10 +39,10 @@ enum { LEAST_SEGMENTS = 4 };
 struct feed_clock feed_clock;
 static uint8_t starved;
 
-/* Of the axis that is traced: pulses until the next one whose time is wanted, at both ends of the queue. */
+/* Of the axis that is traced: pulses until the next one whose time is traced, at both ends of the queue. */
 static uint16_t trace_to_queue, trace_to_play;
 
-/* Pulses until the next one whose time is wanted, after some more of them. Those that the queue has no end at are left
+/* Pulses until the next one whose time is traced, after some more of them. Those that the queue has no end at are left
  * out. */
 static uint16_t trace_left(const struct feed *feed, uint16_t left, uint16_t pulses)
 {
@@ -176,7 +176,7 @@ static bool queue_next_piece(struct feed *feed, uint16_t ahead)
     return true;
 }
 
-static bool is_wanted(const struct feed *feed, uint16_t ahead)
+static bool is_needed(const struct feed *feed, uint16_t ahead)
 {
     const struct lane *lane = lane_of(feed->index);
     return lane_has_room(lane) && (ahead < TIME_AHEAD || lane_ahead(lane) < LEAST_SEGMENTS);
@@ -186,7 +186,7 @@ static bool is_wanted(const struct feed *feed, uint16_t ahead)
 static bool fill(struct feed *feed)
 {
     uint16_t ahead = time_ahead(feed, feed_clock.now);
-    if (!is_wanted(feed, ahead)) {
+    if (!is_needed(feed, ahead)) {
         feed->has_got_ahead = true;
         return axis_look_ahead(&feed->axis);
     }
@@ -216,9 +216,9 @@ static void trace_played(const struct feed *feed, uint16_t steps, uint8_t next)
     if (!feed->is_traced || steps == 0) {
         return;
     }
-    bool is_wanted = steps == trace_to_play;
+    bool is_traced = steps == trace_to_play;
     trace_to_play = trace_left(feed, trace_to_play, steps);
-    if (is_wanted && next != lane_of(feed->index)->tail) {
+    if (is_traced && next != lane_of(feed->index)->tail) {
         trace_value(feed->index, feed->played.steps_made, lane_loaded(feed->index, next).time);
     }
 }
@@ -235,15 +235,15 @@ static void count(struct feed_progress *progress, const struct loaded *segment, 
 static void retire(struct feed *feed)
 {
     struct lane *lane = lane_of(feed->index);
-    uint8_t place = lane->retired;
-    struct loaded segment = lane_loaded(feed->index, place);
+    uint8_t offset = lane->retired;
+    struct loaded segment = lane_loaded(feed->index, offset);
     count(&feed->played, &segment, segment.steps);
     feed->has_stepped = feed->has_stepped || segment.steps != 0;
     if (line_is_on()) {
-        line_retire(&line_queue[place / LINE_SEGMENT_BYTES], segment.steps);
+        line_retire(&line_queue[offset / LINE_SEGMENT_BYTES], segment.steps);
     }
-    trace_played(feed, segment.steps, lane_next(place));
-    lane->retired = lane_next(place);
+    trace_played(feed, segment.steps, lane_next(offset));
+    lane->retired = lane_next(offset);
 }
 
 /* Retires what has been played, one segment when a stop waits. That loaded last, the one before the tail, is being played. */
@@ -284,7 +284,7 @@ void feed_set_out(struct feed *feed)
 bool feed_is_ready(const struct feed *feed)
 {
     bool is_all = lane_ahead(lane_of(feed->index)) != 0 && axis_is_at_rest(&feed->axis) && !feed->has_pulses;
-    return is_all || !is_wanted(feed, time_ahead(feed, feed_clock.now));
+    return is_all || !is_needed(feed, time_ahead(feed, feed_clock.now));
 }
 
 uint16_t feed_next_interval(const struct feed *feed)
@@ -385,7 +385,7 @@ bool feed_poll(struct feed *feed)
 
 /* The steps that have been played of a segment that has been loaded: all, but of the one that is being played. */
 static uint16_t steps_played(const struct feed *feed, const struct loaded *segment, uint8_t next,
-                             const struct engine_place *now)
+                             const struct engine_progress *now)
 {
     bool is_playing = next == now->tail && now->empty == feed->seen_empty;
     return is_playing && segment->steps != 0 ? (uint16_t)(segment->steps - 1u - now->count_less_1) : segment->steps;
@@ -394,21 +394,21 @@ static uint16_t steps_played(const struct feed *feed, const struct loaded *segme
 struct feed_progress feed_progress(const struct feed *feed)
 {
     struct feed_progress progress = feed->played;
-    struct engine_place now = engine_place(feed->index);
-    uint8_t place = lane_of(feed->index)->retired;
+    struct engine_progress now = engine_progress(feed->index);
+    uint8_t offset = lane_of(feed->index)->retired;
     if (feed->stage != FEED_PLAYING) {
-        now.tail = place;
+        now.tail = offset;
     }
     line_in_progress = line.played;
-    while (place != now.tail) {
-        struct loaded segment = lane_loaded(feed->index, place);
-        uint8_t next = lane_next(place);
+    while (offset != now.tail) {
+        struct loaded segment = lane_loaded(feed->index, offset);
+        uint8_t next = lane_next(offset);
         uint16_t steps = steps_played(feed, &segment, next, &now);
         count(&progress, &segment, steps);
         if (line_is_on()) {
-            line_play(&line_in_progress, &line_queue[place / LINE_SEGMENT_BYTES], steps);
+            line_play(&line_in_progress, &line_queue[offset / LINE_SEGMENT_BYTES], steps);
         }
-        place = next;
+        offset = next;
     }
     return progress;
 }

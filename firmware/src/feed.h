@@ -32,7 +32,7 @@ struct feed {
     uint8_t stage;      /* enum feed_stage */
     uint8_t turns_too;  /* other axes, a bit each, that turn together with this one */
     bool is_traced : 1;     /* in this move */
-    bool has_got_ahead : 1; /* the queue was as long as wanted, in this move */
+    bool has_got_ahead : 1; /* the queue was as long as needed, in this move */
     bool turns_next : 1;    /* a silence in which the direction may turn comes next */
     bool has_pulses : 1;    /* queued since the last silence at rest */
     bool has_stepped : 1;   /* since the last start, as far as that has been counted */
@@ -80,7 +80,7 @@ uint16_t feed_next_interval(const struct feed *feed);
 /* The engine has started its queue, whose first segment comes so many ticks from now. */
 void feed_started(struct feed *feed, uint16_t start_ticks);
 
-/* The engine has halted its queue, whose places are still as they were: what hasn't been played is forgotten. */
+/* The engine has halted its queue, whose segments are still as they were: what hasn't been played is forgotten. */
 void feed_halted(struct feed *feed);
 
 /* How far the motor has come now. When it leads a line, `line_in_progress` is the line then. */

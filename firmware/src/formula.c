@@ -6,12 +6,12 @@ enum {
     CARRY_DOWN_AT = 5,
     CARRY_UP_AT = 10,
     UP_AT = 15,
-    DOWN_AT = UP_AT + WAY_BYTES
+    DOWN_AT = UP_AT + SIDE_BYTES
 };
 enum { COMPROMISE = 1, NEWTON = 2 };
 enum { AT_REST, GOING_UP, SLEWING, GOING_DOWN };
 enum { EXPONENT_AT = 4, EXPONENTS = 4 };
-/* A place has a fraction of 8 bits. */
+/* A position on the ramp has a fraction of 8 bits. */
 enum { ONE = 256 };
 
 #define LEAST_MANTISSA ((uint32_t)LEAST_MANTISSA_BYTE << 24)
@@ -54,9 +54,9 @@ static inline uint32_t read_u32(const uint8_t *bytes)
 #if !defined(__AVR_HAVE_MUL__) || defined(ARDUINO)
 
 /* The interval of x in whole ticks: to the nearest, halves up. */
-static uint32_t whole_ticks(struct formula_x x, const uint8_t *way)
+static uint32_t whole_ticks(struct formula_x x, const uint8_t *side)
 {
-    const uint8_t *output = way + WAY_OUTPUTS_AT + 4 * x.exponent;
+    const uint8_t *output = side + SIDE_OUTPUTS_AT + 4 * x.exponent;
     uint32_t high = x.mantissa >> 16, rounded = (read_u24(output) + 0x8000u) >> 16;
     /* high * multiplier / 256 in 32 bits */
     uint32_t interval = high * (output[1] | (uint32_t)output[2] << 8) + (high * output[0] >> 8);
@@ -119,17 +119,17 @@ static struct formula_x newton(struct formula_x from, uint64_t k)
     return normal(mantissa, from.exponent);
 }
 
-void formula_step(struct formula_x *x, const uint8_t *way, uint32_t *intervals, uint8_t count, uint8_t flags,
+void formula_step(struct formula_x *x, const uint8_t *side, uint32_t *intervals, uint8_t count, uint8_t flags,
                   uint32_t index)
 {
     for (uint8_t i = 0; i < count; i++) {
         index = (flags & STEP_DOWN) != 0 ? index - 1 : index + 1;
         if ((flags & STEP_NEWTON) != 0) {
-            *x = newton(*x, (uint64_t)index << 24 | read_u24(way + WAY_INDEX_AT));
+            *x = newton(*x, (uint64_t)index << 24 | read_u24(side + SIDE_INDEX_AT));
         } else {
             *x = taylor(*x, flags);
         }
-        intervals[i] = whole_ticks(*x, way);
+        intervals[i] = whole_ticks(*x, side);
     }
 }
 
@@ -146,7 +146,7 @@ void formula_multiply(struct formula_x *x, const uint8_t *ratio)
 
 #endif
 
-/* ---- from one way to the other ---- */
+/* ---- from one side to the other ---- */
 
 static struct formula_x read_x(const uint8_t *bytes)
 {
@@ -158,10 +158,10 @@ static bool is_longer(const struct formula_x *x, const struct formula_x *other)
     return x->exponent != other->exponent ? x->exponent < other->exponent : x->mantissa > other->mantissa;
 }
 
-/* x, or the end of a way that it is beyond. */
-static void clamp(struct formula_x *x, const uint8_t *way)
+/* x, or the end of a side that it is beyond. */
+static void clamp(struct formula_x *x, const uint8_t *side)
 {
-    struct formula_x longest = read_x(way + WAY_LONGEST_AT), shortest = read_x(way + WAY_SHORTEST_AT);
+    struct formula_x longest = read_x(side + SIDE_LONGEST_AT), shortest = read_x(side + SIDE_SHORTEST_AT);
     if (is_longer(x, &longest)) {
         *x = longest;
     }
@@ -176,7 +176,7 @@ static bool is_ratio(const uint8_t *ratio)
     return ratio[3] != 0;
 }
 
-/* x from one way's scale into that of the other. */
+/* x from one side's scale into that of the other. */
 static void carry(struct formula_x *x, const uint8_t *from, const uint8_t *ratio, const uint8_t *to)
 {
     clamp(x, from);
@@ -186,15 +186,15 @@ static void carry(struct formula_x *x, const uint8_t *from, const uint8_t *ratio
     clamp(x, to);
 }
 
-static uint32_t top_of(const uint8_t *way)
+static uint32_t top_of(const uint8_t *side)
 {
-    return read_u24(way + WAY_STEPS_AT) << 8;
+    return read_u24(side + SIDE_STEPS_AT) << 8;
 }
 
-/* A place, above 0, times the square of a ratio, rounded to the nearest; UINT32_MAX when it is that or more. */
-static uint32_t times_square(uint32_t place, const uint8_t *root)
+/* A position, above 0, times the square of a ratio, rounded to the nearest; UINT32_MAX when it is that or more. */
+static uint32_t times_square(uint32_t ramp_position, const uint8_t *root)
 {
-    struct formula_x x = {place, 0};
+    struct formula_x x = {ramp_position, 0};
     for (; x.mantissa < LEAST_MANTISSA; x.mantissa <<= 4) {
         x.exponent++;
     }
@@ -211,56 +211,56 @@ static uint32_t times_square(uint32_t place, const uint8_t *root)
     return x.mantissa + half;
 }
 
-/* A place on one way as one on the other, from 1 step to its top. The root of the ratio is the one that carries x the
- * other way. */
-static uint32_t convert(uint32_t place, const uint8_t *root, const uint8_t *to)
+/* A position on one side as one on the other, from 1 step to its top. The root of the ratio is the one that carries x the
+ * other way round. */
+static uint32_t convert(uint32_t ramp_position, const uint8_t *root, const uint8_t *to)
 {
     uint32_t top = top_of(to);
     if (is_ratio(root)) {
-        place = times_square(place, root);
+        ramp_position = times_square(ramp_position, root);
     }
-    if (place < ONE) {
-        place = ONE;
+    if (ramp_position < ONE) {
+        ramp_position = ONE;
     }
-    return place > top ? top : place;
+    return ramp_position > top ? top : ramp_position;
 }
 
-static uint32_t rounded_up(uint32_t place)
+static uint32_t rounded_up(uint32_t ramp_position)
 {
-    return (place + (ONE - 1)) >> 8;
+    return (ramp_position + (ONE - 1)) >> 8;
 }
 
 /* Whole steps up to slew speed. */
-static uint32_t room_above(const uint8_t *constants, uint32_t place)
+static uint32_t room_above(const uint8_t *constants, uint32_t ramp_position)
 {
-    return read_u24(constants + UP_AT + WAY_STEPS_AT) - ((place + ONE / 2) >> 8);
+    return read_u24(constants + UP_AT + SIDE_STEPS_AT) - ((ramp_position + ONE / 2) >> 8);
 }
 
-/* From a place on the way up. */
-static uint32_t steps_down_from(const uint8_t *constants, uint32_t place)
+/* From a position on the ramp up. */
+static uint32_t steps_down_from(const uint8_t *constants, uint32_t ramp_position)
 {
     const uint8_t *down = constants + DOWN_AT;
-    return room_above(constants, place) == 0 ? read_u24(down + WAY_STEPS_AT)
-                                             : rounded_up(convert(place, constants + CARRY_UP_AT, down));
+    return room_above(constants, ramp_position) == 0 ? read_u24(down + SIDE_STEPS_AT)
+                                                     : rounded_up(convert(ramp_position, constants + CARRY_UP_AT, down));
 }
 
-/* ---- along a way ---- */
+/* ---- along a side ---- */
 
 /* The next intervals, `count` of them: within those of slew speed and p1. */
 static void step(struct formula_state *state, const uint8_t *constants, uint32_t *intervals, uint8_t count,
                  uint32_t index)
 {
-    const uint8_t *way = constants + UP_AT;
+    const uint8_t *side = constants + UP_AT;
     uint8_t flags = (uint8_t)(constants[METHOD_AT] << 1);
     if (state->phase == GOING_DOWN) {
-        way = constants + DOWN_AT;
+        side = constants + DOWN_AT;
         flags |= STEP_DOWN;
     }
     if (count == 0) {
         return;
     }
-    formula_step(&state->x, way, intervals, count, flags, index + read_u24(way + WAY_INDEX_AT + 3));
-    uint32_t shortest = formula_slew_interval(constants), longest = read_u32(way + WAY_LONGEST_INTERVAL_AT), interval;
+    formula_step(&state->x, side, intervals, count, flags, index + read_u24(side + SIDE_INDEX_AT + 3));
+    uint32_t shortest = formula_slew_interval(constants), longest = read_u32(side + SIDE_LONGEST_INTERVAL_AT), interval;
     do {
         interval = *intervals;
         if (interval < shortest) {
@@ -274,15 +274,15 @@ static void step(struct formula_state *state, const uint8_t *constants, uint32_t
     state->interval = interval;
 }
 
-/* The first interval of a way up, from rest or from within a way down. */
+/* The first interval of a ramp up, from rest or from within a ramp down. */
 static void begin_up(struct formula_state *state, const uint8_t *constants)
 {
-    const uint8_t *way = constants + UP_AT;
+    const uint8_t *side = constants + UP_AT;
     if (state->phase == AT_REST) {
-        state->x = read_x(way + WAY_LONGEST_AT);
-        state->interval = read_u32(way + WAY_LONGEST_INTERVAL_AT);
+        state->x = read_x(side + SIDE_LONGEST_AT);
+        state->interval = read_u32(side + SIDE_LONGEST_INTERVAL_AT);
     } else {
-        carry(&state->x, constants + DOWN_AT, constants + CARRY_UP_AT, way);
+        carry(&state->x, constants + DOWN_AT, constants + CARRY_UP_AT, side);
     }
     state->phase = GOING_UP;
 }
@@ -290,7 +290,7 @@ static void begin_up(struct formula_state *state, const uint8_t *constants)
 uint8_t formula_up(struct formula_state *state, const uint8_t *constants, uint32_t *intervals, uint8_t most,
                    uint32_t steps_left)
 {
-    uint32_t begin = state->place, end, steps_down;
+    uint32_t begin = state->ramp_position, end, steps_down;
     if (state->phase == GOING_DOWN) {
         /* the first step takes back the last one down */
         begin = convert(begin + ONE, constants + CARRY_DOWN_AT, constants + UP_AT) - ONE;
@@ -312,29 +312,29 @@ uint8_t formula_up(struct formula_state *state, const uint8_t *constants, uint32
         intervals[given++] = state->interval;
     }
     step(state, constants, intervals + given, (uint8_t)(count - given), (begin >> 8) + given - 1);
-    state->place = end;
+    state->ramp_position = end;
     state->steps_down = steps_down;
     if (count == room) {
         state->phase = SLEWING;
         state->interval = formula_slew_interval(constants);
-        state->place = top_of(constants + UP_AT);
+        state->ramp_position = top_of(constants + UP_AT);
     }
     return count;
 }
 
 uint8_t formula_down(struct formula_state *state, const uint8_t *constants, uint32_t *intervals, uint8_t most)
 {
-    const uint8_t *way = constants + DOWN_AT;
+    const uint8_t *side = constants + DOWN_AT;
     uint8_t given = 0;
     if (most == 0 || state->phase == AT_REST) {
         return 0;
     }
     if (state->phase == SLEWING) {
-        state->x = read_x(way + WAY_SHORTEST_AT);
-        state->place = top_of(way);
+        state->x = read_x(side + SIDE_SHORTEST_AT);
+        state->ramp_position = top_of(side);
     } else if (state->phase == GOING_UP) {
-        state->place = convert(state->place, constants + CARRY_UP_AT, way) - ONE;
-        carry(&state->x, constants + UP_AT, constants + CARRY_DOWN_AT, way);
+        state->ramp_position = convert(state->ramp_position, constants + CARRY_UP_AT, side) - ONE;
+        carry(&state->x, constants + UP_AT, constants + CARRY_DOWN_AT, side);
         intervals[given++] = state->interval;
         state->steps_down--;
     }
@@ -345,7 +345,7 @@ uint8_t formula_down(struct formula_state *state, const uint8_t *constants, uint
     }
     step(state, constants, intervals + given, count, state->steps_down);
     state->steps_down -= count;
-    state->place -= (uint16_t)count * ONE;
+    state->ramp_position -= (uint16_t)count * ONE;
     if (state->steps_down == 0) {
         formula_rest(state);
     }
@@ -355,7 +355,7 @@ uint8_t formula_down(struct formula_state *state, const uint8_t *constants, uint
 void formula_rest(struct formula_state *state)
 {
     state->phase = AT_REST;
-    state->place = 0;
+    state->ramp_position = 0;
     state->steps_down = 0;
 }
 
@@ -376,8 +376,8 @@ uint32_t formula_hold_interval(const struct formula_state *state)
 
 uint32_t formula_creep_interval(const uint8_t *constants)
 {
-    uint32_t up = read_u32(constants + UP_AT + WAY_LONGEST_INTERVAL_AT);
-    uint32_t down = read_u32(constants + DOWN_AT + WAY_LONGEST_INTERVAL_AT);
+    uint32_t up = read_u32(constants + UP_AT + SIDE_LONGEST_INTERVAL_AT);
+    uint32_t down = read_u32(constants + DOWN_AT + SIDE_LONGEST_INTERVAL_AT);
     return up > down ? up : down;
 }
 
@@ -388,11 +388,11 @@ static bool x_is_good(const uint8_t *x)
     return x[3] >= LEAST_MANTISSA_BYTE && x[3] < MANTISSA_LIMIT_BYTE && x[EXPONENT_AT] < EXPONENTS;
 }
 
-static bool way_is_good(const uint8_t *way, uint32_t shortest_allowed, uint32_t longest_allowed)
+static bool side_is_good(const uint8_t *side, uint32_t shortest_allowed, uint32_t longest_allowed)
 {
-    uint32_t longest = read_u32(way + WAY_LONGEST_INTERVAL_AT);
-    return read_u24(way + WAY_STEPS_AT) != 0 && longest >= shortest_allowed && longest <= longest_allowed &&
-           x_is_good(way + WAY_LONGEST_AT) && x_is_good(way + WAY_SHORTEST_AT);
+    uint32_t longest = read_u32(side + SIDE_LONGEST_INTERVAL_AT);
+    return read_u24(side + SIDE_STEPS_AT) != 0 && longest >= shortest_allowed && longest <= longest_allowed &&
+           x_is_good(side + SIDE_LONGEST_AT) && x_is_good(side + SIDE_SHORTEST_AT);
 }
 
 bool formula_check(const uint8_t *constants, uint8_t length, uint32_t shortest_allowed, uint32_t longest_allowed)
@@ -402,6 +402,6 @@ bool formula_check(const uint8_t *constants, uint8_t length, uint32_t shortest_a
     }
     uint32_t slew = formula_slew_interval(constants);
     return constants[METHOD_AT] <= NEWTON && slew >= shortest_allowed &&
-           slew <= longest_allowed && way_is_good(constants + UP_AT, shortest_allowed, longest_allowed) &&
-           way_is_good(constants + DOWN_AT, shortest_allowed, longest_allowed);
+           slew <= longest_allowed && side_is_good(constants + UP_AT, shortest_allowed, longest_allowed) &&
+           side_is_good(constants + DOWN_AT, shortest_allowed, longest_allowed);
 }

@@ -75,7 +75,7 @@ static uint32_t without_sign(int32_t number)
 }
 
 /* The interval that is wanted of an axis of the mask [ticks]; 0: a run at no speed, which is a stop. */
-static uint32_t wanted_interval(const struct feed *feed, int32_t value, bool is_run)
+static uint32_t requested_interval(const struct feed *feed, int32_t value, bool is_run)
 {
     return is_run ? without_sign(value) : slew_interval_of(feed);
 }
@@ -107,23 +107,23 @@ static void begin_order(struct feed *feed, uint32_t interval, int32_t value, boo
 /* Moves the axes of the mask to positions, or runs them at intervals with a sign. */
 static uint8_t order(uint8_t mask, const int32_t values[MOST_AXES], bool is_run, uint16_t *detail)
 {
-    uint32_t wanted[MOST_AXES] = {0};
+    uint32_t requested[MOST_AXES] = {0};
     uint8_t status = check_mask(mask, detail);
     if (status != STATUS_OK) {
         return status;
     }
     for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
-        uint32_t interval = (mask & feed->bit) != 0 ? wanted_interval(feed, values[feed->index], is_run) : 0;
-        wanted[feed->index] = interval;
+        uint32_t interval = (mask & feed->bit) != 0 ? requested_interval(feed, values[feed->index], is_run) : 0;
+        requested[feed->index] = interval;
         if (interval != 0 && (interval < slew_interval_of(feed) || interval > LONGEST_INTERVAL_TICKS)) {
             *detail = feed->index;
             return STATUS_OUT_OF_RANGE;
         }
     }
-    status = share_check(feeds, end_of_feeds, wanted, detail);
+    status = share_check(feeds, end_of_feeds, requested, detail);
     for (struct feed *feed = feeds; status == STATUS_OK && feed != end_of_feeds; feed++) {
         if ((mask & feed->bit) != 0) {
-            begin_order(feed, wanted[feed->index], values[feed->index], is_run);
+            begin_order(feed, requested[feed->index], values[feed->index], is_run);
         }
     }
     return status;
@@ -234,8 +234,8 @@ static void begin_axis(struct feed *feed)
     axis_halt(&feed->axis, feed->played.position);
 }
 
-/* The place of an axis among the followers of a line; MOST_FOLLOWERS: it is none. */
-static uint8_t place_in_line(const struct feed *feed)
+/* The index of an axis among the followers of a line; MOST_FOLLOWERS: it is none. */
+static uint8_t follower_index(const struct feed *feed)
 {
     for (uint8_t k = 0; line_is_on() && k < line.follower_count; k++) {
         if (line.followers[k] == feed->index) {
@@ -248,8 +248,8 @@ static uint8_t place_in_line(const struct feed *feed)
 /* The steps of an axis that follows in a line, as far as that has been played. */
 static uint32_t follower_steps(const struct feed *feed, const struct line_piece *piece)
 {
-    uint8_t place = place_in_line(feed);
-    return place == MOST_FOLLOWERS ? 0 : line_steps_of(piece, place);
+    uint8_t follower = follower_index(feed);
+    return follower == MOST_FOLLOWERS ? 0 : line_steps_of(piece, follower);
 }
 
 /* The line has come to rest: its axes are axes of their own again. Only the leader's had another's ramp. */
@@ -373,14 +373,14 @@ bool machine_is_on_a_line(void)
 static uint32_t steps_of_leader(void)
 {
     const struct feed *leader = &feeds[line.leader];
-    uint32_t way = (uint32_t)leader->axis.target - (uint32_t)leader->played.position;
-    return leader->played.steps_made + without_sign((int32_t)way);
+    uint32_t distance = (uint32_t)leader->axis.target - (uint32_t)leader->played.position;
+    return leader->played.steps_made + without_sign((int32_t)distance);
 }
 
-static struct axis_report report_follower(const struct feed *feed, uint8_t place)
+static struct axis_report report_follower(const struct feed *feed, uint8_t follower)
 {
     feed_progress(&feeds[line.leader]);
-    uint32_t steps_made = line_steps_of(&line_in_progress, place);
+    uint32_t steps_made = line_steps_of(&line_in_progress, follower);
     int32_t position = moved(feed->played.position, feed->pin_backward, steps_made);
     uint8_t state = feeds[line.leader].axis.stopping ? AXIS_STOPPING : AXIS_MOVING;
     return (struct axis_report){state, position, 0, steps_made};
@@ -389,9 +389,9 @@ static struct axis_report report_follower(const struct feed *feed, uint8_t place
 struct axis_report machine_report(uint8_t index)
 {
     const struct feed *feed = &feeds[index];
-    uint8_t place = place_in_line(feed);
-    if (place != MOST_FOLLOWERS) {
-        return report_follower(feed, place);
+    uint8_t follower = follower_index(feed);
+    if (follower != MOST_FOLLOWERS) {
+        return report_follower(feed, follower);
     }
     struct feed_progress progress = feed_progress(feed);
     struct axis_report report = {AXIS_IDLE, progress.position, 0, progress.steps_made};
@@ -405,9 +405,9 @@ struct axis_report machine_report(uint8_t index)
 int32_t machine_target(uint8_t index)
 {
     const struct feed *feed = &feeds[index];
-    uint8_t place = place_in_line(feed);
-    if (place != MOST_FOLLOWERS) {
-        return moved(feed->played.position, feed->pin_backward, line_steps_with(place, steps_of_leader()));
+    uint8_t follower = follower_index(feed);
+    if (follower != MOST_FOLLOWERS) {
+        return moved(feed->played.position, feed->pin_backward, line_steps_with(follower, steps_of_leader()));
     }
     return feed_is_moving(feed) && !feed->axis.runs ? feed->axis.target : machine_report(index).position;
 }

@@ -46,9 +46,9 @@ struct axis_player {
     uint16_t count_less_1; /* events of this segment after the next one */
     uint8_t step_mask;
     volatile uint8_t tail;  /* low byte of the offset of the next segment to load, in the queue; the interrupt's */
-    volatile uint8_t head;  /* that of the first free place; the main loop's */
+    volatile uint8_t head;  /* offset of the first free segment; the main loop's */
     volatile uint8_t empty; /* counts the loads that found nothing: then the axis is parked */
-    uint8_t retired;        /* place whose events are counted next; the main loop's */
+    uint8_t retired;        /* offset of the segment whose events are counted next; the main loop's */
 };
 
 extern struct axis_player axis_players[MOST_AXES];

@@ -62,11 +62,11 @@ static uint32_t shorter(uint32_t interval, uint32_t other)
     return other != 0 && other < interval ? other : interval;
 }
 
-/* The shortest interval that an axis comes to [ticks]: `wanted`, or when that is 0, the one told before; until it has
+/* The shortest interval that an axis comes to [ticks]: `requested`, or when that is 0, the one told before; until it has
  * slowed down to that, the one at the end of its queue, or the present one. */
-static uint32_t shortest_interval(const struct feed *feed, uint32_t wanted)
+static uint32_t shortest_interval(const struct feed *feed, uint32_t requested)
 {
-    uint32_t interval = shorter(wanted != 0 ? wanted : feed->axis.level, feed->axis.interval);
+    uint32_t interval = shorter(requested != 0 ? requested : feed->axis.level, feed->axis.interval);
     return shorter(interval, feed_step_interval(feed));
 }
 
@@ -83,22 +83,22 @@ static uint16_t share_of_axis(const struct feed *feed, uint32_t interval, uint8_
 
 /* Gauges are slow: each has its limit, whatever the others do. A stop that has come in makes an end of it: the
  * divisions take long. */
-uint8_t share_check(const struct feed *feeds, const struct feed *end_of_feeds, const uint32_t wanted[MOST_AXES],
+uint8_t share_check(const struct feed *feeds, const struct feed *end_of_feeds, const uint32_t requested[MOST_AXES],
                     uint16_t *detail)
 {
     bool are_gauges = machine_settings->outputs == OUTPUTS_GAUGES;
     uint8_t count = 0;
     uint16_t sum = 0;
     for (const struct feed *feed = feeds; feed != end_of_feeds; feed++) {
-        count = (uint8_t)(count + (wanted[feed->index] != 0 || feed_is_moving(feed)));
+        count = (uint8_t)(count + (requested[feed->index] != 0 || feed_is_moving(feed)));
     }
     for (const struct feed *feed = feeds; feed != end_of_feeds; feed++) {
         if (port_skip_to_stop()) {
             *detail = 0;
             return STATUS_OUT_OF_ORDER;
         }
-        if (wanted[feed->index] != 0 || feed_is_moving(feed)) {
-            uint32_t interval = shortest_interval(feed, wanted[feed->index]);
+        if (requested[feed->index] != 0 || feed_is_moving(feed)) {
+            uint32_t interval = shortest_interval(feed, requested[feed->index]);
             uint16_t share = share_of_axis(feed, interval, count);
             sum = are_gauges ? (share > sum ? share : sum) : (uint16_t)(sum + share);
         }

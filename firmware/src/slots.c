@@ -190,7 +190,7 @@ static uint8_t header_byte(uint8_t index)
     return header[index];
 }
 
-static uint8_t wanted_byte(uint16_t index)
+static uint8_t content_byte(uint16_t index)
 {
     return stage == WRITE_HEADER    ? header_byte((uint8_t)index)
            : stage == WRITE_CONTENT ? content_bytes()[index]
@@ -222,15 +222,15 @@ enum write_progress slots_poll(void)
     }
     uint16_t index = (uint16_t)(left - 1);
     uint16_t address = address_of(slot_of(PREVIOUS_SLOT), stage == WRITE_CONTENT ? SLOT_HEADER_BYTES + index : index);
-    uint8_t wanted = wanted_byte(index);
-    if (port_eeprom_read(address) == wanted) { /* a byte that stands there already isn't worn out */
+    uint8_t byte = content_byte(index);
+    if (port_eeprom_read(address) == byte) { /* a byte that stands there already isn't worn out */
         known &= (uint8_t)~HAS_BEEN_WRITTEN;
         left = index;
     } else if ((known & HAS_BEEN_WRITTEN) != 0) {
         stage = REST;
         return WRITE_FAILED;
     } else {
-        port_eeprom_write(address, wanted);
+        port_eeprom_write(address, byte);
         known |= HAS_BEEN_WRITTEN;
     }
     return WRITING;

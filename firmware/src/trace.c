@@ -24,7 +24,7 @@ static uint32_t next_step; /* that of the value that would continue them */
 
 static uint8_t traced_axis;
 static uint16_t every; /* 0: no trace */
-static uint8_t doings;
+static uint8_t flags;
 static uint8_t tag;
 static uint8_t sent_ms; /* when the last frame was made */
 
@@ -33,7 +33,7 @@ void trace_arm(uint8_t axis, uint16_t every_steps)
     traced_axis = axis;
     every = every_steps;
     waiting_count = 0;
-    doings = 0;
+    flags = 0;
 }
 
 void trace_off(void)
@@ -43,27 +43,27 @@ void trace_off(void)
 
 uint16_t trace_every(uint8_t axis)
 {
-    return (doings & IN_A_MOVE) != 0 && axis == traced_axis ? every : 0;
+    return (flags & IN_A_MOVE) != 0 && axis == traced_axis ? every : 0;
 }
 
 void trace_begin_move(uint8_t axis)
 {
     if (every != 0 && axis == traced_axis) {
-        doings |= IN_A_MOVE;
+        flags |= IN_A_MOVE;
     }
 }
 
 void trace_value(uint8_t axis, uint32_t step, uint16_t value)
 {
-    if (trace_every(axis) == 0 || (doings & END_IS_DUE) != 0) {
+    if (trace_every(axis) == 0 || (flags & END_IS_DUE) != 0) {
         return; /* while the end of the move before is due, the beginning of this one is lost */
     }
     if (waiting_count == 0) {
         next_step = step;
-        doings = IN_A_MOVE;
+        flags = IN_A_MOVE;
     }
-    if ((doings & GAP_FOLLOWS) != 0 || waiting_count == MOST_TRACE_VALUES || step != next_step) {
-        doings |= GAP_FOLLOWS;
+    if ((flags & GAP_FOLLOWS) != 0 || waiting_count == MOST_TRACE_VALUES || step != next_step) {
+        flags |= GAP_FOLLOWS;
         return;
     }
     waiting[waiting_count++] = value;
@@ -73,14 +73,14 @@ void trace_value(uint8_t axis, uint32_t step, uint16_t value)
 void trace_end_move(uint8_t axis)
 {
     if (trace_every(axis) != 0) {
-        doings = (uint8_t)((doings & ~IN_A_MOVE) | END_IS_DUE);
+        flags = (uint8_t)((flags & ~IN_A_MOVE) | END_IS_DUE);
     }
 }
 
 static void write_frame(uint16_t session)
 {
     notice_begin(KIND_TRACE_NOTICE, session, tag++);
-    reply_u8((doings & END_IS_DUE) != 0 ? traced_axis | TRACE_LAST : traced_axis);
+    reply_u8((flags & END_IS_DUE) != 0 ? traced_axis | TRACE_LAST : traced_axis);
     reply_u16(every);
     reply_u32(next_step - (uint32_t)waiting_count * every);
     for (uint8_t i = 0; i < waiting_count; i++) {
@@ -88,14 +88,14 @@ static void write_frame(uint16_t session)
     }
     notice_send();
     waiting_count = 0;
-    doings &= IN_A_MOVE;
+    flags &= IN_A_MOVE;
 }
 
 /* It is time for a frame: a move has ended, or enough values wait, or some for long enough or with a gap after them. */
 static bool is_time(uint8_t now_ms)
 {
-    bool is_patient = (uint8_t)(now_ms - sent_ms) < MOST_PATIENCE_MS && (doings & GAP_FOLLOWS) == 0;
-    return (doings & END_IS_DUE) != 0 || waiting_count >= ENOUGH_FOR_A_FRAME || (waiting_count != 0 && !is_patient);
+    bool is_patient = (uint8_t)(now_ms - sent_ms) < MOST_PATIENCE_MS && (flags & GAP_FOLLOWS) == 0;
+    return (flags & END_IS_DUE) != 0 || waiting_count >= ENOUGH_FOR_A_FRAME || (waiting_count != 0 && !is_patient);
 }
 
 bool trace_poll(uint16_t session, uint16_t now_ms)

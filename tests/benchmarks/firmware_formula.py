@@ -15,7 +15,7 @@ from stepramp.ramp.on_chip import OnChipRamp
 from stepramp.shapes.constant import ConstantAcceleration as Slope
 
 METHODS: dict[str, int] = {"first_order": 0, "compromise": 2, "newton": 4}
-WAYS_AT, WAY_BYTES = 15, 39
+SIDES_AT, SIDE_BYTES = 15, 39
 TIMER_HZ, SLEW, ACCELERATION = 2e6, 5000, 10_000
 INDEX = 600
 SIZES = (3, 8, 16)
@@ -33,7 +33,7 @@ def mean_cycles(machine: Machine, batch: Callable[[], int]) -> float:
 
 
 def ways(machine: Machine, method: str, deceleration: float, size: int) -> str:
-    """Return the cycles a delay of a whole way up and a whole way down."""
+    """Return the cycles a delay of a whole ramp up and a whole ramp down."""
     slopes = Slope(TIMER_HZ, 0, SLEW, ACCELERATION), Slope(TIMER_HZ, 0, SLEW, deceleration)
     machine.check(encode_formula(OnChipRamp.of(*slopes, method)))
     up = mean_cycles(machine, lambda: machine.up(size).size)
@@ -45,7 +45,7 @@ def loop(machine: Machine, method: str, size: int) -> int:
     slope = Slope(TIMER_HZ, 0, SLEW, ACCELERATION)
     constants = encode_formula(OnChipRamp.of(slope, slope, method))
     x = Scaled.of((2 * INDEX) ** -0.5)
-    machine.step(size, METHODS[method], INDEX, *x, constants[WAYS_AT : WAYS_AT + WAY_BYTES])
+    machine.step(size, METHODS[method], INDEX, *x, constants[SIDES_AT : SIDES_AT + SIDE_BYTES])
     return machine.cycles
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from benchmarks import firmware_formula
 from firmware.checker import CYCLES_PER_S, lateness_us
-from firmware.rig import BusyClient, Plan, Played, along_a_line, controller_in, image, move_by, play
+from firmware.rig import BusyClient, Played, RampDesign, along_a_line, controller_in, image, move_by, play
 from simulator.avr import build_firmware, build_harness
 
 RATES = {
@@ -47,7 +47,7 @@ class Run:
 def run(name: str, rate: int, folder: Path) -> Run:
     """Move as a name of RATES says, up to a rate, while the serial port is busy."""
     count, is_line = int("".join(filter(str.isdigit, name))), name.startswith("line")
-    plan = Plan(rate, rate / RAMP_S, rate / RAMP_S)
+    plan = RampDesign(rate, rate / RAMP_S, rate / RAMP_S)
     steps = [int(rate * SLEW_S) - (axis if is_line else 0) for axis in range(count)]
     work = along_a_line(*steps) if is_line else move_by(*steps)
     played = play(partial(controller_in, folder), image([plan] * count), work)
@@ -61,7 +61,7 @@ def run(name: str, rate: int, folder: Path) -> Run:
     return Run(is_good, np.concatenate(late), free_at_slew(played, plan, made))
 
 
-def free_at_slew(played: Played, plan: Plan, made: list[np.ndarray]) -> float:
+def free_at_slew(played: Played, plan: RampDesign, made: list[np.ndarray]) -> float:
     """Return the share that is left when each step costs what a step of this run cost on average."""
     cycles = sum(played.statistics[name]["cycles"] for name in ("compare_a", "compare_b"))
     received = played.statistics["receive"]
@@ -83,7 +83,7 @@ def answers() -> None:
     """Print how long a status takes to be answered, at rest and at full speed."""
     print("\n| one axis, steps/s | longest answer to a status ms |\n|---:|---:|")
     for rate in (0, 50_000, 150_944):
-        plan = Plan(rate or 1000, (rate or 1000) / RAMP_S, (rate or 1000) / RAMP_S)
+        plan = RampDesign(rate or 1000, (rate or 1000) / RAMP_S, (rate or 1000) / RAMP_S)
         with tempfile.TemporaryDirectory() as folder:
             played = play(partial(controller_in, Path(folder)), image([plan]), asking(rate))
         print(f"| {rate:,} | {played.statistics['longest_answer_cycles'] / CYCLES_PER_S * 1e3:.1f} |", flush=True)

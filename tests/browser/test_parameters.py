@@ -10,7 +10,7 @@ from playwright.sync_api import Locator, Page, expect
 from browser.conftest import Watch
 from browser.server import Server
 from browser.stepramp_page import ACCELERATION, REFUSED_VALUE, SLEW_SPEED, StepRampPage, until
-from stepramp.design import Axis, Method, Move, RampParameters, Timer
+from stepramp.design import AxisScale, Method, Move, RampParameters, Timer
 from stepramp.shapes import SHAPES
 
 BASE_SPEED = "ramp.base_speed_steps_per_s"
@@ -292,7 +292,7 @@ def test_what_the_method_is_tuned_for_can_be_chosen_where_it_matters(stepramp: S
 
 def test_every_field_of_a_design_can_be_edited(stepramp: StepRampPage) -> None:
     """Each has a control on the page: a number, a choice, the name, or the table with its unit."""
-    parts = {"axis": Axis, "timer": Timer, "ramp": RampParameters, "method": Method, "move": Move}
+    parts = {"axis": AxisScale, "timer": Timer, "ramp": RampParameters, "method": Method, "move": Move}
     paths = {f"{part}.{name}" for part, model in parts.items() for name in model.model_fields}
     if len(SHAPES) == 1:
         paths.remove("ramp.shape")  # There is nothing to choose from.

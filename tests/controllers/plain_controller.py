@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection, Sequence
 
 from stepramp.controllers.contract import (
     Activity,
-    Asked,
+    AxisCommand,
     AxisStatus,
     Controller,
     ControllerStatus,
@@ -81,18 +81,18 @@ class PlainController(Controller):
     def preview_push(self, designs: Sequence[Design], first_axis: int | None = None) -> PushPreview:  # noqa: ARG002
         return PushPreview((), same=False, segments=None, bytes=8, largest_deviation_us=None, warnings=())
 
-    def move_by(self, steps: Sequence[Asked]) -> None:
+    def move_by(self, steps: Sequence[AxisCommand]) -> None:
         self.asked.append("move_by")
         self._position += int(steps[0].value)
 
-    def move_to(self, positions: Sequence[Asked]) -> None:
+    def move_to(self, positions: Sequence[AxisCommand]) -> None:
         self.asked.append("move_to")
         self._position = int(positions[0].value)
 
-    def run(self, speeds: Sequence[Asked]) -> None:
+    def run(self, speeds: Sequence[AxisCommand]) -> None:
         self.asked.append(f"run at {speeds[0].value}")
 
-    def set_position(self, positions: Sequence[Asked]) -> None:
+    def set_position(self, positions: Sequence[AxisCommand]) -> None:
         self.asked.append("set_position")
         self._position = int(positions[0].value)
 

@@ -13,7 +13,7 @@ from contextlib import contextmanager
 import pytest
 
 from controllers.ramps import IMAGE
-from stepramp.controllers.contract import Asked
+from stepramp.controllers.contract import AxisCommand
 from stepramp.controllers.stepramp import conversation
 from stepramp.controllers.stepramp.controller import StepRampController
 from stepramp.controllers.stepramp.frames import FrameSplitter, encode_frame
@@ -23,7 +23,7 @@ from stepramp.controllers.stepramp.messages.motion import MoveByRequest, Targets
 from stepramp.controllers.stepramp.messages.reply import pack_reply
 from stepramp.controllers.stepramp.messages.session import HelloRequest
 from stepramp.controllers.stepramp.messages.settings import ReadSettingsRequest, SettingsReply
-from stepramp.controllers.stepramp.settings import OFFSETS, Settings
+from stepramp.controllers.stepramp.settings import OFFSETS, StepRampSettings
 from stepramp.controllers.virtual.controller import HELLO, VirtualController
 from stepramp.errors import DeviceLost, Rejected
 from stepramp.link.protocol_sim import VirtualDevice
@@ -58,7 +58,7 @@ def reply_to(request: type, reply: Reply) -> tuple[int, bytes]:
 
 
 def settings_with(name: str, value: int) -> bytes:
-    packed = bytearray(Settings().pack())
+    packed = bytearray(StepRampSettings().pack())
     packed[OFFSETS[name]] = value
     return bytes(packed)
 
@@ -81,7 +81,7 @@ def test_more_or_fewer_targets_than_axes_are_the_controllers_fault(plug_in: Plug
     controller.connect()
     controller.try_out(IMAGE.encode())
     with pytest.raises(DeviceLost, match=f"answers without sense: {count} targets for 1 axes"):
-        controller.move_by([Asked(0, 5, "by_steps")])
+        controller.move_by([AxisCommand(0, 5, "by_steps")])
 
 
 @pytest.mark.parametrize("at", [slice(13, 15), slice(27, 31), slice(31, 33)], ids=["shortest", "longest", "by formula"])
@@ -98,7 +98,7 @@ def test_intervals_of_nothing_are_the_controllers_fault(plug_in: PlugIn, at: sli
 def test_speeds_slower_than_the_slowest_are_refused(controller: StepRampController, speed: float) -> None:
     controller.try_out(IMAGE.encode())
     with pytest.raises(Rejected) as caught:
-        controller.run([Asked(0, speed, "speed_steps_per_s")])
+        controller.run([AxisCommand(0, speed, "speed_steps_per_s")])
     [rejection] = caught.value.rejections
     assert (rejection.field, rejection.value) == ("speed_steps_per_s", speed)
     assert rejection.allowed.endswith("and 0 or at least 0.00745058 either way")

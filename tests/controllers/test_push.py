@@ -4,11 +4,11 @@ import pytest
 from designs import design
 from firmware.protocol import crc16
 from stepramp.controllers.stepramp.messages.session import HelloReply
+from stepramp.controllers.stepramp.playback import unpacked
 from stepramp.controllers.stepramp.push import PushPlan, plan_push
 from stepramp.controllers.stepramp.push_limits import PushLimits
 from stepramp.controllers.stepramp.ramp_image import FormulaRamp, RampImage, SegmentRamp
-from stepramp.controllers.stepramp.settings import Settings
-from stepramp.controllers.stepramp.ways import unpacked
+from stepramp.controllers.stepramp.settings import StepRampSettings
 from stepramp.controllers.virtual.controller import HELLO
 from stepramp.design import Design
 from stepramp.errors import Rejected, Rejection
@@ -21,8 +21,8 @@ def limits(**changes: object) -> HelloReply:
     return HelloReply(**{**vars(HELLO), **changes})
 
 
-def planned(*designs: Design, hello: HelloReply = HELLO, settings: Settings | None = None) -> PushPlan:
-    return plan_push(designs, hello, settings or Settings())
+def planned(*designs: Design, hello: HelloReply = HELLO, settings: StepRampSettings | None = None) -> PushPlan:
+    return plan_push(designs, hello, settings or StepRampSettings())
 
 
 def segments_of(plan: PushPlan, axis: int = 0) -> SegmentRamp:
@@ -31,7 +31,7 @@ def segments_of(plan: PushPlan, axis: int = 0) -> SegmentRamp:
     return ramp
 
 
-def rejected(*designs: Design, hello: HelloReply = HELLO, settings: Settings | None = None) -> Rejection:
+def rejected(*designs: Design, hello: HelloReply = HELLO, settings: StepRampSettings | None = None) -> Rejection:
     with pytest.raises(Rejected) as caught:
         planned(*designs, hello=hello, settings=settings)
     return caught.value.rejections[0]
@@ -113,9 +113,9 @@ def test_equal_ramps_are_sent_once() -> None:
 def test_one_design_replaces_the_ramp_of_one_axis() -> None:
     present = planned(design(), design(ramp__slew_speed_steps_per_s=500)).image
     slower = design(ramp__slew_speed_steps_per_s=300)
-    plan = plan_push([slower], HELLO, Settings(), 1, present)
+    plan = plan_push([slower], HELLO, StepRampSettings(), 1, present)
     assert plan.image.axes == (present.axes[0], planned(slower).image.axes[0])
-    added = plan_push([slower], HELLO, Settings(), 2, present)
+    added = plan_push([slower], HELLO, StepRampSettings(), 2, present)
     assert added.image.axes[:2] == present.axes
     assert unpacked(added.image.axes[2]).slew == ramp_of(slower).slew
 
@@ -124,7 +124,7 @@ def test_one_design_replaces_the_ramp_of_one_axis() -> None:
 def test_an_axis_that_would_leave_a_gap(axis: int, axes: int) -> None:
     present = planned(*[design()] * axes).image if axes else None
     with pytest.raises(Rejected) as caught:
-        plan_push([design()], HELLO, Settings(), axis, present)
+        plan_push([design()], HELLO, StepRampSettings(), axis, present)
     assert caught.value.rejections[0].field == "to_axis"
 
 
@@ -156,15 +156,15 @@ def test_axes_that_cant_all_move_at_once_are_told() -> None:
 def test_which_pulse_width_would_do_is_told() -> None:
     """By hand, in fast ticks: 20,000 steps/s are 800. Four axes need 533 + 128 w, a line 177 + 32 w, one 106 + 32 w."""
     quick = design(**FAST, ramp__slew_speed_steps_per_s=20_000, ramp__acceleration_steps_per_s2=1e9)
-    plan = planned(quick, quick, quick, quick, settings=Settings(pulse_width_us=10))
+    plan = planned(quick, quick, quick, quick, settings=StepRampSettings(pulse_width_us=10))
     [warning] = plan.report(plan.image.encode(), 1, kept=True).warnings
     # 4 (1813 / 4) / 800.
     assert "all 4 axes together would take 227 %" in warning
     assert warning.endswith("except along a line, or with a pulse width of at most 2 µs (now 10 µs).")
-    plan = planned(quick, quick, quick, quick, settings=Settings(pulse_width_us=20))
+    plan = planned(quick, quick, quick, quick, settings=StepRampSettings(pulse_width_us=20))
     [warning] = plan.report(plan.image.encode(), 1, kept=True).warnings
     assert "line" not in warning
-    alone = rejected(quick, settings=Settings(pulse_width_us=29))
+    alone = rejected(quick, settings=StepRampSettings(pulse_width_us=29))
     assert "20,000" not in alone.allowed
     assert alone.allowed.endswith("or with a pulse width of at most 21 µs (now 29 µs)")
 
@@ -231,7 +231,7 @@ def test_a_timer_that_is_no_clock_of_the_controller() -> None:
     assert (rejection.field, rejection.value) == ("axes.0.timer.frequency_hz", 1_000_000)
     assert "16,000,000 or 2,000,000 Hz" in rejection.allowed
     with pytest.raises(Rejected) as caught:
-        plan_push([design(timer__frequency_hz=1_000_000)], HELLO, Settings(), 0)
+        plan_push([design(timer__frequency_hz=1_000_000)], HELLO, StepRampSettings(), 0)
     assert caught.value.rejections[0].field == "timer.frequency_hz"
 
 
@@ -241,8 +241,8 @@ def test_all_axes_have_one_clock() -> None:
     assert rejection.allowed.startswith("2,000,000 Hz, that of axis 0")
     present = planned(design(), design()).image
     with pytest.raises(Rejected, match="2,000,000 Hz, that of the axes that keep their ramps"):
-        plan_push([design(**FAST)], HELLO, Settings(), 0, present)
-    alone = plan_push([design(**FAST)], HELLO, Settings(), 0, planned(design()).image)
+        plan_push([design(**FAST)], HELLO, StepRampSettings(), 0, present)
+    alone = plan_push([design(**FAST)], HELLO, StepRampSettings(), 0, planned(design()).image)
     assert alone.image.fast_clock
 
 
@@ -274,7 +274,7 @@ def test_the_ramps_that_stay_count_too() -> None:
     present = planned(uneven, design(ramp__acceleration_steps_per_s2=4000)).image
     assert len(present.encode()) > 400
     with pytest.raises(Rejected, match="make it shorter") as caught:
-        plan_push([design(ramp__acceleration_steps_per_s2=10)], HELLO, Settings(), 2, present)
+        plan_push([design(ramp__acceleration_steps_per_s2=10)], HELLO, StepRampSettings(), 2, present)
     assert caught.value.rejections[0].field == "ramp.acceleration_steps_per_s2"
 
 
@@ -326,12 +326,12 @@ def test_the_fastest_speed_that_is_allowed_is_taken() -> None:
 @pytest.mark.parametrize(
     ("settings", "fastest"),
     [
-        (Settings(), 16_000_000 / 106),
-        (Settings(pulse_width_us=10), 16_000_000 / (106 + 320)),
-        (Settings(outputs="gauges"), 5000),
+        (StepRampSettings(), 16_000_000 / 106),
+        (StepRampSettings(pulse_width_us=10), 16_000_000 / (106 + 320)),
+        (StepRampSettings(outputs="gauges"), 5000),
     ],
 )
-def test_settings_make_it_slower(settings: Settings, fastest: float) -> None:
+def test_settings_make_it_slower(settings: StepRampSettings, fastest: float) -> None:
     assert PushLimits.of(HELLO, settings, 16_000_000).of_segments.start == round(16_000_000 / fastest)
     above = design(**FAST, ramp__slew_speed_steps_per_s=fastest * 1.01, ramp__acceleration_steps_per_s2=1e8)
     assert rejected(above, settings=settings).field == "axes.0.ramp.slew_speed_steps_per_s"

@@ -9,6 +9,7 @@ from controllers.ramps import IMAGE, SIDE, four_axes, image_of
 from designs import design
 from stepramp.controllers.stepramp.formula_image import FORMULA_BYTES
 from stepramp.controllers.stepramp.frames import crc16
+from stepramp.controllers.stepramp.playback import formula_ramp, unpacked
 from stepramp.controllers.stepramp.ramp_image import (
     HEADER,
     MOST_SEGMENTS,
@@ -18,7 +19,6 @@ from stepramp.controllers.stepramp.ramp_image import (
     RampImage,
     SegmentRamp,
 )
-from stepramp.controllers.stepramp.ways import formula_ramp, unpacked
 from stepramp.controllers.virtual.controller import HELLO
 from stepramp.ramp.plan import ramp_of
 from stepramp.ramp.segments import Segment

@@ -43,7 +43,7 @@ from stepramp.controllers.stepramp.messages.status import (
     StatusRequest,
 )
 from stepramp.controllers.stepramp.ramp_image import AxisRamp, FormulaRamp, RampImage, SegmentRamp
-from stepramp.controllers.stepramp.settings import Settings
+from stepramp.controllers.stepramp.settings import StepRampSettings
 from stepramp.controllers.virtual.controller import VirtualController
 from stepramp.ramp.on_chip import on_chip_ramp
 from stepramp.ramp.segments import Segment
@@ -90,7 +90,7 @@ class Both:
         self.ok(TryRequest())
 
     def settings(self, **settings: object) -> None:
-        self.ok(WriteSettingsRequest(Settings(**settings).pack()))
+        self.ok(WriteSettingsRequest(StepRampSettings(**settings).pack()))
 
     def tried(self, request: Request, axes: int) -> tuple[int, int]:
         """Return what is said to a motion, and end it."""

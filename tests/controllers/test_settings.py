@@ -2,12 +2,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from stepramp.controllers.stepramp.settings import OFFSETS, Settings
+from stepramp.controllers.stepramp.settings import OFFSETS, StepRampSettings
 from stepramp.errors import Rejected
 
 AXES = st.lists(st.integers(0, 3), max_size=6)
 SETTINGS = st.builds(
-    Settings,
+    StepRampSettings,
     outputs=st.sampled_from(["step_and_direction", "gauges"]),
     both_edges=AXES,
     step_inverted=AXES,
@@ -21,16 +21,16 @@ SETTINGS = st.builds(
 
 
 def test_the_defaults() -> None:
-    assert Settings().pack().hex() == "0000000000001e000100ffff"
+    assert StepRampSettings().pack().hex() == "0000000000001e000100ffff"
 
 
 @given(SETTINGS)
-def test_settings_come_back(settings: Settings) -> None:
-    assert Settings.unpack(settings.pack()) == settings
+def test_settings_come_back(settings: StepRampSettings) -> None:
+    assert StepRampSettings.unpack(settings.pack()) == settings
 
 
 def test_settings_byte_by_byte() -> None:
-    settings = Settings(
+    settings = StepRampSettings(
         outputs="gauges",
         both_edges=(0, 3),
         step_inverted=(1,),
@@ -43,7 +43,7 @@ def test_settings_byte_by_byte() -> None:
     )
     assert settings.pack().hex() == "0109020601" + "64" + "983a" + "e803" + "0001"
     assert settings.direction_inverted == (1, 2)
-    assert [OFFSETS[name] for name in Settings.model_fields] == [0, 1, 2, 3, 4, 5, 6, 8, 10]
+    assert [OFFSETS[name] for name in StepRampSettings.model_fields] == [0, 1, 2, 3, 4, 5, 6, 8, 10]
 
 
 @pytest.mark.parametrize(
@@ -59,7 +59,7 @@ def test_settings_byte_by_byte() -> None:
 )
 def test_packed_settings_out_of_range(packed: str, field: str) -> None:
     with pytest.raises(Rejected) as caught:
-        Settings.unpack(bytes.fromhex(packed))
+        StepRampSettings.unpack(bytes.fromhex(packed))
     assert [each.field for each in caught.value.rejections] == [field]
 
 
@@ -76,7 +76,7 @@ def test_packed_settings_out_of_range(packed: str, field: str) -> None:
 )
 def test_settings_that_cant_be(given_: dict, field: str, allowed: str) -> None:
     with pytest.raises(Rejected) as caught:
-        Settings.checked(given_)
+        StepRampSettings.checked(given_)
     [rejection] = caught.value.rejections
     assert rejection.field == field
     assert allowed in rejection.allowed
@@ -84,4 +84,4 @@ def test_settings_that_cant_be(given_: dict, field: str, allowed: str) -> None:
 
 def test_too_few_bytes() -> None:
     with pytest.raises(ValueError, match="12"):
-        Settings.unpack(bytes(11))
+        StepRampSettings.unpack(bytes(11))

@@ -5,18 +5,18 @@ from hypothesis import strategies as st
 
 from stepramp.controllers.stepramp import trace as trace_module
 from stepramp.controllers.stepramp.messages.trace import TRACE_LAST, TraceNotice
-from stepramp.controllers.stepramp.trace import Plan, TraceCollector, extended
+from stepramp.controllers.stepramp.trace import TraceCollector, TracedMove, extended
 from stepramp.controllers.virtual.streams import ReportClock, TraceRecorder
 from stepramp.numerics.ramp import Ramp
 from stepramp.ramp.line import steps_together
-from stepramp.ramp.playback.list_ways import ListWays
+from stepramp.ramp.playback.lists import ListPlayback
 
 HZ = 2_000_000
-WAYS = ListWays(Ramp(np.array([90_000, 70_000]), 50_000, np.array([90_000, 70_000])))
+PLAYBACK = ListPlayback(Ramp(np.array([90_000, 70_000]), 50_000, np.array([90_000, 70_000])))
 
 
-def plan(steps: int) -> Plan:
-    return Plan(WAYS.course(WAYS.rest, steps))
+def plan(steps: int) -> TracedMove:
+    return TracedMove(PLAYBACK.trajectory(PLAYBACK.rest, steps))
 
 
 @given(
@@ -109,8 +109,8 @@ def test_a_trace_ends_where_the_move_was_changed() -> None:
 
 
 def test_the_trace_of_a_follower_begins_with_its_first_step() -> None:
-    course = WAYS.course(WAYS.rest, 7)
-    followed = Plan(course, steps_together(7, 2))
+    trajectory = PLAYBACK.trajectory(PLAYBACK.rest, 7)
+    followed = TracedMove(trajectory, steps_together(7, 2))
     # Steps 1 and 2 of 2 come with the leader's ceil(7 / 4) = 2nd and ceil(21 / 4) = 6th.
     assert followed.instants(np.array([1, 2])).tolist() == [90_000, 310_000]
     collector = TraceCollector(0, 1)

@@ -1,12 +1,12 @@
 import pytest
 
 from stepramp.controllers.stepramp.frames import crc16
-from stepramp.controllers.stepramp.settings import Settings
+from stepramp.controllers.stepramp.settings import StepRampSettings
 from stepramp.controllers.virtual.memory import LARGEST_IMAGE_BYTES, WRITE_TIME_S, Slot, VirtualMemory
 
 OLD, NEW = b"the old ramp", b"the new ramp, a longer one"
-SETTINGS = Settings().pack()
-OTHER = Settings(pulse_width_us=9).pack()
+SETTINGS = StepRampSettings().pack()
+OTHER = StepRampSettings(pulse_width_us=9).pack()
 
 
 def written(image: bytes, into: VirtualMemory, settings: bytes = SETTINGS) -> VirtualMemory:

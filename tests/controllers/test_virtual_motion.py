@@ -13,9 +13,9 @@ from stepramp.controllers.virtual.motion import InstantsOf, VirtualMotor
 from stepramp.numerics.ramp import Ramp
 from stepramp.ramp.move import play
 from stepramp.ramp.on_chip import on_chip_ramp
-from stepramp.ramp.playback.course import pulse_instants
-from stepramp.ramp.playback.formula_ways import FormulaWays
-from stepramp.ramp.playback.list_ways import ListWays
+from stepramp.ramp.playback.formula import FormulaPlayback
+from stepramp.ramp.playback.lists import ListPlayback
+from stepramp.ramp.playback.trajectory import pulse_instants
 
 SETUP_TICKS = 7
 FAR = 2**31 - 1
@@ -39,7 +39,7 @@ class SteppedMotor:
         self.interval = self.direction = 0
         self.target, self.level, self.stops = 0, self.slew, False
         self.falls = False
-        """The present interval is one of the way down."""
+        """The present interval is one of the ramp down."""
 
     def longer(self, interval: int) -> int:
         return sum(each > interval for each in self.down)
@@ -105,21 +105,21 @@ class Pulses:
 
 @given(RAMPS, st.integers(1, 60))
 def test_a_course_from_rest_is_the_move_of_the_ramp(ramp: Ramp, steps: int) -> None:
-    ways = ListWays(ramp)
-    course = ways.course(ways.rest, steps)
+    playback = ListPlayback(ramp)
+    trajectory = playback.trajectory(playback.rest, steps)
     intervals = [int(each) for each in play(ramp, steps)]
-    played = [each for stretch in course for each in np.resize(stretch.intervals, stretch.count).tolist()]
+    played = [each for train in trajectory for each in np.resize(train.intervals, train.count).tolist()]
     assert played == intervals
-    instants = pulse_instants(course, np.arange(1, steps + 3))
+    instants = pulse_instants(trajectory, np.arange(1, steps + 3))
     assert instants.tolist() == [*np.cumsum([0, *intervals]).tolist(), sum(intervals)]
 
 
 @given(st.lists(st.integers(5, 9), max_size=20), st.lists(st.integers(5, 9), max_size=20), st.integers(1, 50))
 def test_it_is_so_with_intervals_in_any_order(up: list[int], down: list[int], steps: int) -> None:
     ramp = Ramp(np.array(up, np.int64), 6, np.array(down, np.int64))
-    ways = ListWays(ramp)
-    course = ways.course(ways.rest, steps)
-    played = [each for stretch in course for each in np.resize(stretch.intervals, stretch.count).tolist()]
+    playback = ListPlayback(ramp)
+    trajectory = playback.trajectory(playback.rest, steps)
+    played = [each for train in trajectory for each in np.resize(train.intervals, train.count).tolist()]
     assert played == [int(each) for each in play(ramp, steps)]
 
 
@@ -134,7 +134,7 @@ ORDERS = st.one_of(
 @settings(max_examples=400)
 def test_orders_in_flight(ramp: Ramp, orders: list[tuple[int, tuple[str, int]]]) -> None:
     pulses, stepped = Pulses(), SteppedMotor(ramp)
-    motor = VirtualMotor(ListWays(ramp), SETUP_TICKS, watch=pulses)
+    motor = VirtualMotor(ListPlayback(ramp), SETUP_TICKS, watch=pulses)
     expected: list[tuple[int, int]] = []
     now = 0
     for wait, (what, value) in orders:
@@ -171,7 +171,7 @@ def test_orders_in_flight(ramp: Ramp, orders: list[tuple[int, tuple[str, int]]])
 
 @given(RAMPS, st.integers(-60, 60), st.lists(st.integers(0, 100), max_size=20))
 def test_a_motor_is_where_its_pulses_have_brought_it(ramp: Ramp, steps: int, waits: list[int]) -> None:
-    motor, stepped = VirtualMotor(ListWays(ramp), SETUP_TICKS), SteppedMotor(ramp)
+    motor, stepped = VirtualMotor(ListPlayback(ramp), SETUP_TICKS), SteppedMotor(ramp)
     motor.move_to(steps, 0)
     stepped.target = steps
     for now in np.cumsum([0, *waits]).tolist():
@@ -183,7 +183,7 @@ def test_a_motor_is_where_its_pulses_have_brought_it(ramp: Ramp, steps: int, wai
 
 
 def test_a_move_of_two_thousand_million_steps_takes_no_memory() -> None:
-    motor = VirtualMotor(ListWays(Ramp(np.array([9, 5]), 2, np.array([9, 5]))), SETUP_TICKS)
+    motor = VirtualMotor(ListPlayback(Ramp(np.array([9, 5]), 2, np.array([9, 5]))), SETUP_TICKS)
     motor.move_to(2**31 - 1, 0)
     motor.settle(14 + 2 * 10**9)
     assert motor.position == 2 + 10**9 + 1
@@ -191,7 +191,7 @@ def test_a_move_of_two_thousand_million_steps_takes_no_memory() -> None:
 
 @pytest.mark.parametrize("direction", [1, -1])
 def test_a_halted_motor_counts_each_pulse(direction: int) -> None:
-    motor = VirtualMotor(ListWays(Ramp(np.array([10]), 5, np.array([10]))), SETUP_TICKS, position=100)
+    motor = VirtualMotor(ListPlayback(Ramp(np.array([10]), 5, np.array([10]))), SETUP_TICKS, position=100)
     motor.move_to(100 + 4 * direction, 0)
     motor.settle(10)
     assert (motor.position, motor.target, motor.interval) == (100 + 2 * direction, 100 + 4 * direction, 5)
@@ -205,7 +205,7 @@ def test_a_halted_motor_counts_each_pulse(direction: int) -> None:
 @pytest.mark.parametrize("direction", [1, -1])
 def test_a_run_goes_on_past_the_last_position(direction: int) -> None:
     last = FAR if direction > 0 else -FAR - 1
-    motor = VirtualMotor(ListWays(Ramp(np.array([10, 8]), 5, np.array([10, 8]))), SETUP_TICKS, last)
+    motor = VirtualMotor(ListPlayback(Ramp(np.array([10, 8]), 5, np.array([10, 8]))), SETUP_TICKS, last)
     motor.run(5, direction, 0)
     motor.settle(17)
     assert (motor.position, motor.interval) == (last + direction * (2 - 2**32), 8)
@@ -219,7 +219,7 @@ def test_a_run_goes_on_past_the_last_position(direction: int) -> None:
 
 
 def test_a_run_tells_its_position_as_target_and_a_stop_where_it_ends() -> None:
-    motor = VirtualMotor(ListWays(Ramp(np.array([10, 8]), 5, np.array([10, 8]))), SETUP_TICKS)
+    motor = VirtualMotor(ListPlayback(Ramp(np.array([10, 8]), 5, np.array([10, 8]))), SETUP_TICKS)
     motor.run(5, 1, 0)
     motor.settle(100)
     assert motor.target == motor.position
@@ -230,16 +230,16 @@ def test_a_run_tells_its_position_as_target_and_a_stop_where_it_ends() -> None:
 @pytest.mark.parametrize("method", ["first_order", "compromise", "newton"])
 @pytest.mark.parametrize("deceleration", [None, 2500, 9000])
 class TestByFormula:
-    def ways(self, method: str, deceleration: float | None) -> FormulaWays:
+    def playback(self, method: str, deceleration: float | None) -> FormulaPlayback:
         wanted = design(method__name=method, method__arithmetic="fixed", ramp__deceleration_steps_per_s2=deceleration)
         self.ramp = on_chip_ramp(wanted)
-        return FormulaWays(self.ramp)
+        return FormulaPlayback(self.ramp)
 
     def test_a_course_from_rest_is_the_move_of_the_ramp(self, method: str, deceleration: float | None) -> None:
-        ways = self.ways(method, deceleration)
+        playback = self.playback(method, deceleration)
         for steps in (1, 2, 3, 10, 101, 300, 301, 1000):
-            course = ways.course(ways.rest, steps)
-            played = [each for stretch in course for each in np.resize(stretch.intervals, stretch.count).tolist()]
+            trajectory = playback.trajectory(playback.rest, steps)
+            played = [each for train in trajectory for each in np.resize(train.intervals, train.count).tolist()]
             assert played == self.ramp.move(steps).tolist()
 
     @pytest.mark.parametrize("at_ticks", [1, 30_000, 200_000, 400_000, 700_000])
@@ -247,18 +247,18 @@ class TestByFormula:
     def test_targets_in_flight_are_reached(
         self, method: str, deceleration: float | None, at_ticks: int, target: int
     ) -> None:
-        ways = self.ways(method, deceleration)
+        playback = self.playback(method, deceleration)
         pulses = Pulses()
-        motor = VirtualMotor(ways, SETUP_TICKS, watch=pulses)
+        motor = VirtualMotor(playback, SETUP_TICKS, watch=pulses)
         motor.move_to(400, 0)
         motor.settle(at_ticks)
         motor.move_to(target, at_ticks)
         motor.settle(10**8)
         assert (motor.position, motor.moving) == (target, False)
-        assert np.diff(pulses.instants).min() >= ways.slew_interval
+        assert np.diff(pulses.instants).min() >= playback.slew_interval
 
     def test_a_run_keeps_to_its_speed(self, method: str, deceleration: float | None) -> None:
-        motor = VirtualMotor(self.ways(method, deceleration), SETUP_TICKS)
+        motor = VirtualMotor(self.playback(method, deceleration), SETUP_TICKS)
         for interval, until in ((5000, 10**6), (2000, 2 * 10**6), (9000, 3 * 10**6), (3000, 4 * 10**6)):
             motor.run(interval, 1, until - 10**6)
             motor.settle(until)

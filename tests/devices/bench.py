@@ -12,7 +12,7 @@ from controllers.conftest import Clock
 from designs import design
 from devices.boards import Witness
 from devices.motion import PATIENCE_S
-from stepramp.controllers.contract import Asked
+from stepramp.controllers.contract import AxisCommand
 from stepramp.controllers.stepramp.messages.motion import (
     HaltRequest,
     LineRequest,
@@ -108,7 +108,7 @@ class Bench:
         self.settle()
         with suppress(Refused):
             self.device.trace_moves(0, 1)
-        self.device.set_position([Asked(0, 0, "position_steps"), Asked(1, 0, "position_steps")])
+        self.device.set_position([AxisCommand(0, 0, "position_steps"), AxisCommand(1, 0, "position_steps")])
         self.witness.seen.clear()
 
 
@@ -127,9 +127,9 @@ def push(device: Device, clock: Clock) -> None:
         pushing.join(0.001)
 
 
-def by(steps: int, axis: int = 0) -> Asked:
-    return Asked(axis, steps, "by_steps")
+def by(steps: int, axis: int = 0) -> AxisCommand:
+    return AxisCommand(axis, steps, "by_steps")
 
 
 def run(bench: Bench, asked: int, *, lasts_s: float = 1e6) -> None:
-    bench.device.run([Asked(0, 400.0, "speed_steps_per_s")], Lease({0: 400.0}, lasts_s), asked)
+    bench.device.run([AxisCommand(0, 400.0, "speed_steps_per_s")], Lease({0: 400.0}, lasts_s), asked)

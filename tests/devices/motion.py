@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 
-from stepramp.controllers.contract import Asked
+from stepramp.controllers.contract import AxisCommand
 from stepramp.devices.device import Device
 from stepramp.devices.view import DeviceState
 
@@ -12,8 +12,8 @@ PATIENCE_S = 10.0
 LONG_MOVE = 100_000
 
 
-def by_steps(*steps: int) -> list[Asked]:
-    return [Asked(axis, each, f"axes.{axis}.by_steps") for axis, each in enumerate(steps)]
+def by_steps(*steps: int) -> list[AxisCommand]:
+    return [AxisCommand(axis, each, f"axes.{axis}.by_steps") for axis, each in enumerate(steps)]
 
 
 def wait_for(device: Device, state: DeviceState) -> None:

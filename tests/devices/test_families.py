@@ -11,16 +11,16 @@ import pytest
 from controllers.plain_controller import PLAIN, NoWire, PlainController
 from designs import design
 from stepramp.controllers.capabilities import CAPABILITIES, HasSettings
-from stepramp.controllers.contract import Asked
+from stepramp.controllers.contract import AxisCommand
 from stepramp.controllers.families import FAMILIES, Family
-from stepramp.controllers.stepramp.settings import Settings
+from stepramp.controllers.stepramp.settings import StepRampSettings
 from stepramp.controllers.virtual.controller import VirtualController
 from stepramp.devices.device import Device
 from stepramp.devices.registry import Devices
 from stepramp.devices.view import DeviceState
 from stepramp.errors import DeviceLost, Refused, Rejected
 
-BY = [Asked(0, 5, "by_steps")]
+BY = [AxisCommand(0, 5, "by_steps")]
 ALL = ("keep", "try", "restore", "settings", "trace", "line", "zero")
 
 
@@ -66,7 +66,7 @@ def test_what_keeps_a_motor_from_moving_is_told_until_it_is_over(plain: Device, 
     assert plain.view.message is None
     for trouble in ("Its emergency stop is pressed.", None):
         made[0].trouble = trouble
-        plain.set_position([Asked(0, 0, "position_steps")])
+        plain.set_position([AxisCommand(0, 0, "position_steps")])
         assert (plain.view.message, plain.view.state) == (trouble, DeviceState.READY)
 
 
@@ -80,7 +80,7 @@ def test_what_keeps_a_motor_from_moving_is_told_until_it_is_over(plain: Device, 
         (Device.restore, "bring back the ramps that it had before"),
         (lambda device: device.settings_model, "be given settings"),
         (Device.settings, "be given settings"),
-        (lambda device: device.use_settings(Settings()), "be given settings"),
+        (lambda device: device.use_settings(StepRampSettings()), "be given settings"),
         (Device.trace, "trace moves"),
         (lambda device: device.trace_moves(0, 1), "trace moves"),
         (lambda device: device.line(BY), "move axes along a straight line"),

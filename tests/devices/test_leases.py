@@ -9,7 +9,7 @@ import pytest
 from designs import design
 from devices.bench import MOTIONS, Bench, by, run
 from devices.motion import wait_for
-from stepramp.controllers.contract import Asked
+from stepramp.controllers.contract import AxisCommand
 from stepramp.controllers.stepramp import tracing
 from stepramp.controllers.stepramp.messages.motion import RunRequest, StopRequest
 from stepramp.controllers.stepramp.messages.settings import ReadSettingsRequest
@@ -36,14 +36,14 @@ def test_a_jog_that_was_let_go_of_before_it_began(devices: Devices, port: str) -
     lease = Lease({0: 400.0})
     device.end_run(lease)
     with pytest.raises(Refused, match="let go before it began"):
-        device.run([Asked(0, 400.0, "speed_steps_per_s")], lease)
+        device.run([AxisCommand(0, 400.0, "speed_steps_per_s")], lease)
     assert device.view.state is DeviceState.READY
 
 
 def test_a_jog_that_nobody_renews_slows_down(devices: Devices, port: str) -> None:
     device = devices.connect(port)
     device.push([design()])
-    device.run([Asked(0, 400.0, "speed_steps_per_s")], Lease({0: 400.0}))
+    device.run([AxisCommand(0, 400.0, "speed_steps_per_s")], Lease({0: 400.0}))
     wait_for(device, DeviceState.READY)
     position = device.view.position_steps
     # 400 steps/s for 0.4 s, and what it takes to slow down: 16 steps with 5,000 steps/s².
@@ -56,7 +56,7 @@ def test_a_run_goes_on_for_as_long_as_its_lease_holds(devices: Devices, port: st
     """The controller ends a run that nobody asks about for 1.3 s."""
     device = devices.connect(port)
     device.push([design()])
-    device.run([Asked(0, 100.0, "speed_steps_per_s")], Lease({0: 100.0}, 60))
+    device.run([AxisCommand(0, 100.0, "speed_steps_per_s")], Lease({0: 100.0}, 60))
     time.sleep(3.0)
     assert device.view.state is DeviceState.MOVING
     assert device.view.position_steps > 200
@@ -68,11 +68,11 @@ def test_what_was_refused_takes_no_lease_away(bench: Bench) -> None:
     """A move that is refused must not let a run go on for ever."""
     bench.reset()
     lease = Lease({0: 400.0}, 1e6)
-    bench.device.run([Asked(0, 400.0, "speed_steps_per_s")], lease)
+    bench.device.run([AxisCommand(0, 400.0, "speed_steps_per_s")], lease)
     with pytest.raises(StepRampError):
         bench.device.move_by([by(2**40)])
     with pytest.raises(StepRampError):
-        bench.device.run([Asked(0, 5e5, "speed_steps_per_s")], Lease({0: 5e5}, 1e6))
+        bench.device.run([AxisCommand(0, 5e5, "speed_steps_per_s")], Lease({0: 5e5}, 1e6))
     lease.end()
     bench.poll()
     assert bench.witness.seen[-1] not in MOTIONS
@@ -82,7 +82,7 @@ def test_what_was_refused_takes_no_lease_away(bench: Bench) -> None:
 def test_a_lease_of_one_axis_outlives_a_move_of_another(bench: Bench) -> None:
     bench.reset()
     lease = Lease({0: 400.0}, 1e6)
-    bench.device.run([Asked(0, 400.0, "speed_steps_per_s")], lease)
+    bench.device.run([AxisCommand(0, 400.0, "speed_steps_per_s")], lease)
     bench.device.move_by([by(60, 1)])
     lease.end()
     bench.poll()
@@ -93,7 +93,7 @@ def test_a_lease_of_one_axis_outlives_a_move_of_another(bench: Bench) -> None:
 def test_a_run_s_lease_ends_while_answers_are_lost(bench: Bench) -> None:
     bench.reset()
     lease = Lease({0: 400.0}, 1e6)
-    bench.device.run([Asked(0, 400.0, "speed_steps_per_s")], lease)
+    bench.device.run([AxisCommand(0, 400.0, "speed_steps_per_s")], lease)
     bench.witness.seen.clear()
     bench.witness.unanswered[ReadSettingsRequest.KIND] = 3
     lease.end()

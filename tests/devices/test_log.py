@@ -7,7 +7,7 @@ import pytest
 
 from designs import design
 from firmware.protocol import STOP, decode_frame
-from stepramp.controllers.contract import Asked
+from stepramp.controllers.contract import AxisCommand
 from stepramp.controllers.virtual.controller import VirtualController
 from stepramp.devices.device import Device
 from stepramp.devices.registry import Devices
@@ -29,10 +29,10 @@ def told(caplog: pytest.LogCaptureFixture, level: int, logger: str) -> list[str]
 
 def test_connects_pushes_moves_and_stops_are_told(device: Device, caplog: pytest.LogCaptureFixture) -> None:
     device.push([design()], mode="try")
-    device.move_by([Asked(0, 20_000, "by_steps")])
+    device.move_by([AxisCommand(0, 20_000, "by_steps")])
     device.stop([0]).result()
     with pytest.raises(Rejected):
-        device.move_by([Asked(3, 5, "by_steps")])
+        device.move_by([AxisCommand(3, 5, "by_steps")])
     device.halt().result()
     lines = told(caplog, logging.INFO, "stepramp.devices.live_view")
     where = f"Device 1 at {device.view.port}: "

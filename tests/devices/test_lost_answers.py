@@ -8,10 +8,10 @@ import pytest
 
 from devices.bench import Bench, by, run
 from devices.motion import PATIENCE_S
-from stepramp.controllers.contract import Asked
+from stepramp.controllers.contract import AxisCommand
 from stepramp.controllers.stepramp.messages.motion import MoveByRequest, RunRequest, StopRequest
 from stepramp.controllers.stepramp.messages.ramps import CommitRequest
-from stepramp.controllers.stepramp.settings import Settings
+from stepramp.controllers.stepramp.settings import StepRampSettings
 from stepramp.devices.leases import Lease
 from stepramp.devices.view import DeviceState
 from stepramp.errors import Refused
@@ -46,7 +46,7 @@ def test_a_move_whose_answer_was_lost_is_not_carried_out_twice(bench: Bench) -> 
     """A jog of the other axis is let go before the repeat, which the controller would then take for another move."""
     bench.reset()
     lease = Lease({1: 400.0}, 1e6)
-    bench.device.run([Asked(1, 400.0, "speed_steps_per_s")], lease)
+    bench.device.run([AxisCommand(1, 400.0, "speed_steps_per_s")], lease)
     bench.witness.seen.clear()
     bench.witness.loses = 1  # The first is asked where the traced axis is.
 
@@ -70,7 +70,7 @@ def stop_while_looking_again(bench: Bench, place: int) -> None:
 
     At a place of that, there is one more stop.
     """
-    bench.device.use_settings(Settings(pulse_width_us=5 + place))
+    bench.device.use_settings(StepRampSettings(pulse_width_us=5 + place))
     bench.witness.seen.clear()
     bench.witness.loses = 2  # Both axes are asked first whether they move.
     bench.witness.lasts_s = 0.5  # It is soon stored.

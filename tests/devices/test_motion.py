@@ -10,7 +10,7 @@ import pytest
 from controllers.usb_board import UsbBoard
 from designs import design
 from devices.motion import LONG_MOVE, PATIENCE_S, by_steps, wait_for
-from stepramp.controllers.contract import Asked
+from stepramp.controllers.contract import AxisCommand
 from stepramp.controllers.stepramp.messages.report import ReportRequest
 from stepramp.controllers.stepramp.messages.status import StatusRequest
 from stepramp.devices.leases import Lease
@@ -56,13 +56,13 @@ def test_four_axes(devices: Devices, port: str) -> None:
     ]
     assert [axis.target_steps for axis in device.view.axes] == [300, -200, 0, 50]
     assert (device.view.state, device.view.target_steps) == (DeviceState.MOVING, 300)
-    device.move_to([Asked(1, 60, "axes.0.to_steps")])
+    device.move_to([AxisCommand(1, 60, "axes.0.to_steps")])
     wait_for(device, DeviceState.READY)
     assert [axis.position_steps for axis in device.view.axes] == [300, 60, 0, 50]
     device.stop([0]).result(PATIENCE_S)
-    device.run([Asked(2, 400.0, "axes.0.speed_steps_per_s")], Lease({2: 400.0}, 60))
+    device.run([AxisCommand(2, 400.0, "axes.0.speed_steps_per_s")], Lease({2: 400.0}, 60))
     device.halt([2]).result(PATIENCE_S)
-    device.line([*by_steps(-30, 20), Asked(3, 5, "axes.2.by_steps")])
+    device.line([*by_steps(-30, 20), AxisCommand(3, 5, "axes.2.by_steps")])
     wait_for(device, DeviceState.READY)
     assert [device.view.axes[axis].position_steps for axis in (0, 1, 3)] == [270, 80, 55]
     device.set_position(by_steps(-7))

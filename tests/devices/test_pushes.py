@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from designs import design
-from stepramp.controllers.stepramp.settings import Settings
+from stepramp.controllers.stepramp.settings import StepRampSettings
 from stepramp.devices.registry import Devices
 from stepramp.devices.view import DeviceState
 from stepramp.errors import Refused
@@ -30,8 +30,8 @@ def test_a_ramp_on_trial_and_what_becomes_of_it(devices: Devices, port: str) -> 
 
 def test_settings(devices: Devices, port: str) -> None:
     device = devices.connect(port)
-    assert device.settings() == Settings()
-    device.use_settings(Settings(pulse_width_us=8))
+    assert device.settings() == StepRampSettings()
+    device.use_settings(StepRampSettings(pulse_width_us=8))
     assert (device.settings().pulse_width_us, device.view.on_trial) == (8, True)
     with pytest.raises(Refused, match="push a design first"):
         device.keep()

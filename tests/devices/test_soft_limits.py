@@ -13,7 +13,7 @@ from controllers.conftest import Clock
 from devices.bench import MOTIONS, Bench, by, push
 from devices.boards import WAITED_FOR_S, UnpluggedAt
 from devices.motion import PATIENCE_S
-from stepramp.controllers.contract import Asked
+from stepramp.controllers.contract import AxisCommand
 from stepramp.controllers.stepramp.messages.motion import ZeroRequest
 from stepramp.controllers.stepramp.messages.session import HelloRequest
 from stepramp.controllers.stepramp.messages.settings import ReadSettingsRequest
@@ -62,7 +62,7 @@ def test_a_run_keeps_to_soft_limits_while_answers_are_lost(bench: Bench, monkeyp
     for polls in range(20, 90, 5):
         bench.reset()
         bench.device.limit({0: Span(None, 1500)})
-        bench.device.run([Asked(0, 900.0, "speed_steps_per_s")], Lease({0: 900.0}, 1e6))
+        bench.device.run([AxisCommand(0, 900.0, "speed_steps_per_s")], Lease({0: 900.0}, 1e6))
         for _ in range(polls):
             bench.clock.now_s += 0.02
             bench.poll()
@@ -86,7 +86,7 @@ def test_limits_are_kept_to_only_where_it_is_known_what_they_are_counted_from(
     device = devices.connect(plug_in(board))
     push(device, clock)
     device.limit({0: Span(0, 1000)})
-    device.move_to([Asked(0, 900, "to_steps")])
+    device.move_to([AxisCommand(0, 900, "to_steps")])
     board.is_plugged_in = False
     with pytest.raises(DeviceLost):
         device.trace_moves(0, 1)
@@ -96,9 +96,9 @@ def test_limits_are_kept_to_only_where_it_is_known_what_they_are_counted_from(
     assert (device.view.position_steps, device.view.unknown_positions) == (0, (0, 1))
     motions: list[Callable[[], None]] = [
         lambda: device.move_by([by(5, 1), by(900)]),
-        lambda: device.move_to([Asked(0, 900, "to_steps")]),
+        lambda: device.move_to([AxisCommand(0, 900, "to_steps")]),
         lambda: device.line([by(900), by(5, 1)]),
-        lambda: device.run([Asked(0, 50.0, "speed_steps_per_s")], Lease({0: 50.0}, 1e6)),
+        lambda: device.run([AxisCommand(0, 50.0, "speed_steps_per_s")], Lease({0: 50.0}, 1e6)),
         lambda: device.go_there_and_back(Shuttle(0, 50, 1, 0.0), by(50)),
     ]
     for motion in motions:
@@ -106,10 +106,10 @@ def test_limits_are_kept_to_only_where_it_is_known_what_they_are_counted_from(
             motion()
     assert not MOTIONS & set(board.seen[board.seen.index(HelloRequest.KIND, 1) :])
     device.move_by([by(5, 1)])
-    device.run([Asked(0, 0.0, "speed_steps_per_s")], Lease({}, 1e6))
+    device.run([AxisCommand(0, 0.0, "speed_steps_per_s")], Lease({}, 1e6))
     device.stop().result(PATIENCE_S)
     clock.now_s += 100.0
-    device.set_position([Asked(0, 900, "position_steps")])
+    device.set_position([AxisCommand(0, 900, "position_steps")])
     with pytest.raises(Rejected, match="0 to 1,000 steps, and this leads to 1,800"):
         device.move_by([by(900)])
     device.move_by([by(100)])
@@ -137,7 +137,7 @@ def test_limits_outlive_a_device_that_is_let_go_of(
     assert again.view.unknown_positions == ((0, 1) if is_lost else (0,))
     with pytest.raises(Refused, match="Axis 0 may be elsewhere"):
         again.move_by([by(50)])
-    again.set_position([Asked(0, 90, "position_steps")])
+    again.set_position([AxisCommand(0, 90, "position_steps")])
     with pytest.raises(Rejected, match="0 to 100 steps, and this leads to 140"):
         again.move_by([by(50)])
     # Whoever has taken them away meets them no more.

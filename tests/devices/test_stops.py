@@ -15,7 +15,7 @@ import pytest
 from designs import design
 from devices.bench import MOTIONS, STOPS, Bench, by, run
 from devices.motion import PATIENCE_S
-from stepramp.controllers.contract import Asked
+from stepramp.controllers.contract import AxisCommand
 from stepramp.controllers.stepramp.messages.motion import MoveByRequest, StopRequest
 from stepramp.controllers.virtual.controller import VirtualController
 from stepramp.devices.leases import Lease
@@ -30,7 +30,7 @@ MOST_PLACES = 400
 def changed_on_its_way(bench: Bench, asked: int) -> None:
     bench.device.move_by([by(2000)], asked)
     bench.clock.now_s += 0.5
-    bench.device.move_to([Asked(0, -300, "to_steps")], asked)
+    bench.device.move_to([AxisCommand(0, -300, "to_steps")], asked)
 
 
 def there_and_back(bench: Bench, asked: int) -> None:
@@ -43,11 +43,11 @@ def there_and_back(bench: Bench, asked: int) -> None:
 
 def jog_and_renew(bench: Bench, asked: int) -> None:
     lease = Lease({0: 400.0}, 1e6)
-    bench.device.run([Asked(0, 400.0, "speed_steps_per_s")], lease, asked)
+    bench.device.run([AxisCommand(0, 400.0, "speed_steps_per_s")], lease, asked)
     bench.clock.now_s += 0.3
     lease.renew()
     bench.poll()
-    bench.device.run([Asked(0, -200.0, "speed_steps_per_s")], Lease({0: -200.0}, 1e6), asked)
+    bench.device.run([AxisCommand(0, -200.0, "speed_steps_per_s")], Lease({0: -200.0}, 1e6), asked)
 
 
 def traced_move(bench: Bench, asked: int) -> None:
@@ -185,7 +185,7 @@ def test_a_stop_shows_what_has_set_out_though_something_was_looked_at_meanwhile(
     """A jog of the other axis is let go of before the move is sent, and a stop comes before the move is looked at."""
     bench.reset()
     lease = Lease({1: 400.0}, 1e6)
-    bench.device.run([Asked(1, 400.0, "speed_steps_per_s")], lease)
+    bench.device.run([AxisCommand(1, 400.0, "speed_steps_per_s")], lease)
     bench.witness.seen.clear()
     shown: list[DeviceState] = []
 
@@ -210,7 +210,7 @@ def test_a_stop_shows_what_has_set_out_though_something_was_looked_at_meanwhile(
 
 def test_a_stop_of_an_axis_that_is_not_there_stops_all_and_says_so(bench: Bench) -> None:
     bench.reset()
-    bench.device.run([Asked(1, 400.0, "speed_steps_per_s")], Lease({1: 400.0}, 1e6))
+    bench.device.run([AxisCommand(1, 400.0, "speed_steps_per_s")], Lease({1: 400.0}, 1e6))
     bench.device.move_by([by(5000)])
     bench.clock.now_s += 0.1
     bench.device.stop([3]).result(PATIENCE_S)

@@ -13,7 +13,7 @@ from designs import design
 from devices.bench import push, worker_of
 from devices.boards import UnpluggedAt
 from devices.motion import LONG_MOVE, by_steps, wait_for
-from stepramp.controllers.contract import Asked
+from stepramp.controllers.contract import AxisCommand
 from stepramp.controllers.stepramp.messages.motion import MoveByRequest
 from stepramp.controllers.stepramp.messages.ramps import CommitRequest, DataRequest
 from stepramp.controllers.stepramp.messages.status import StatusRequest
@@ -114,7 +114,7 @@ def test_what_was_unplugged_is_connected_again_by_itself_and_nothing_moves(devic
     wait_for(device, DeviceState.READY)
     view = device.view
     assert (view.id, view.position_steps, view.target_steps, view.unknown_positions) == ("1", 0, 0, (0,))
-    device.set_position([Asked(0, 77, "position_steps")])
+    device.set_position([AxisCommand(0, 77, "position_steps")])
     assert (device.view.position_steps, device.view.unknown_positions) == (77, ())
 
 

@@ -9,7 +9,7 @@ from designs import design
 from firmware.rig import BusyClient, Work, controller_in, move_by, play, until_made
 from simulator.avr import SimulatedController, missing_tools
 from stepramp.controllers.stepramp.push import plan_push
-from stepramp.controllers.stepramp.settings import Settings
+from stepramp.controllers.stepramp.settings import StepRampSettings
 from stepramp.controllers.virtual.controller import HELLO
 from stepramp.design import Design
 from stepramp.examples import all_examples
@@ -36,7 +36,7 @@ def test_no_motor_waits(make: Callable[..., SimulatedController], axes: int, spe
         ramp__slew_speed_steps_per_s=speed,
         ramp__acceleration_steps_per_s2=speed / seconds,
     )
-    plan = plan_push([wanted] * axes, HELLO, Settings())
+    plan = plan_push([wanted] * axes, HELLO, StepRampSettings())
     assert plan.keeps_pace
     steps = int(1.5 * speed * seconds)
     played = play(make, plan.image.encode(), move_by(*[steps] * axes), move_by(*[-steps] * axes))
@@ -58,7 +58,7 @@ def test_no_motor_waits_on_a_ramp_of_a_few_steps(
         ramp__acceleration_steps_per_s2=acceleration,
         ramp__base_speed_steps_per_s=base,
     )
-    plan = plan_push([wanted] * axes, HELLO, Settings())
+    plan = plan_push([wanted] * axes, HELLO, StepRampSettings())
     assert plan.keeps_pace
     moves = (move_by(*[steps] * axes) for steps in (2, 7, 15, 20, 25, 40, 3000))
     play(make, plan.image.encode(), *moves).assert_nothing_lost()
@@ -83,14 +83,14 @@ EVEN = design(
 )
 LASER_TABLE = Design.checked(next(each["design"] for each in all_examples() if each["title"] == "Laser-table axis"))
 LATE = [(2, EVEN, 4200, range(2300, 4150, 150)), (4, LASER_TABLE, 1200, range(700, 1190, 40))]
-"""Axes, design, steps, and at which of them the move is made longer: on the way down, from its begin to its end."""
+"""Axes, design, steps, and at which of them the move is made longer: on the ramp down, from its begin to its end."""
 
 
 @pytest.mark.parametrize(("axes", "wanted", "steps", "at_steps"), LATE, ids=["two axes", "four axes"])
 def test_no_motor_waits_when_a_move_is_extended_while_it_slows_down(
     make: Callable[..., SimulatedController], axes: int, wanted: Design, steps: int, at_steps: range
 ) -> None:
-    image = plan_push([wanted] * axes, HELLO, Settings()).image
+    image = plan_push([wanted] * axes, HELLO, StepRampSettings()).image
     played = play(make, image.encode(), *(extended(axes, steps, at_step) for at_step in at_steps))
     played.assert_nothing_lost()
     assert {status.position for status in played.statuses} == {len(at_steps) * (steps + 20)}

@@ -60,7 +60,7 @@ class Limits:
 
 
 @dataclass(frozen=True)
-class Axis:
+class AxisEdges:
     """The edges of one axis."""
 
     steps: Cycles
@@ -87,7 +87,7 @@ def axis_of(
     step_inverted: bool = False,
     direction_inverted: bool = False,
     both_edges: bool = False,
-) -> Axis:
+) -> AxisEdges:
     """Return what the pins of an axis did. A pin that has no edge yet is low."""
     step, turn = of_pin(edges, STEP_PINS[axis]), of_pin(edges, DIRECTION_PINS[axis])
     # An inverted pin rises once to its resting level, before any step.
@@ -96,7 +96,7 @@ def axis_of(
     steps = step["cycle"][begins].astype(np.int64)
     last_turn = np.searchsorted(turn["cycle"], steps, side="right") - 1
     levels = np.where(last_turn >= 0, turn["value"][last_turn] if turn.size else 0, 0)
-    return Axis(steps, step["cycle"][~begins], turn["cycle"], (levels == 1) != direction_inverted)
+    return AxisEdges(steps, step["cycle"][~begins], turn["cycle"], (levels == 1) != direction_inverted)
 
 
 def faults(edges: Edges, limits: Limits, axis: int = 0) -> list[str]:
@@ -116,7 +116,7 @@ def assert_good(edges: Edges, limits: Limits, axis: int = 0) -> None:
     assert not found, "\n".join(found)
 
 
-def _count_faults(made: Axis, limits: Limits) -> list[str]:
+def _count_faults(made: AxisEdges, limits: Limits) -> list[str]:
     found = []
     if made.steps.size != abs(limits.steps):
         found.append(f"{made.steps.size} steps instead of {abs(limits.steps)}")
@@ -126,7 +126,7 @@ def _count_faults(made: Axis, limits: Limits) -> list[str]:
     return found
 
 
-def _pin_faults(made: Axis, limits: Limits) -> list[str]:
+def _pin_faults(made: AxisEdges, limits: Limits) -> list[str]:
     """Pulses long enough and complete, and the direction set in time and then still."""
     found, shortest = [], limits.pulse_us * CYCLES_PER_US
     if not limits.both_edges:

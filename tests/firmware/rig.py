@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from firmware.checker import CYCLES_PER_S, Axis, Cycles, Edges, Limits, axis_of
+from firmware.checker import CYCLES_PER_S, AxisEdges, Cycles, Edges, Limits, axis_of
 from firmware.protocol import (
     FAST_HZ,
     IN_MOTION,
@@ -73,7 +73,7 @@ def candidates(delays: npt.NDArray[np.float64], slowest: int, fastest: int) -> I
 
 
 @dataclass(frozen=True)
-class Plan:
+class RampDesign:
     """What an axis is designed for."""
 
     speed: float
@@ -105,7 +105,7 @@ class Plan:
         return replace(limits, tick_us=1e6 / self.hz, **changes)
 
 
-def image(plans: Sequence[Plan]) -> bytes:
+def image(plans: Sequence[RampDesign]) -> bytes:
     """Return the image of as many axes as plans; equal ones share a ramp."""
     ramps = list(dict.fromkeys(plans))
     numbers = [ramps.index(plan) for plan in plans]
@@ -195,7 +195,7 @@ class Played:
     notices: Sequence[bytes] = ()
     on_the_way: Sequence[Status] = ()
 
-    def axis(self, axis: int = 0, settings: Settings = DEFAULT) -> Axis:
+    def axis(self, axis: int = 0, settings: Settings = DEFAULT) -> AxisEdges:
         return axis_of(
             self.edges,
             axis,

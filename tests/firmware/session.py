@@ -46,7 +46,7 @@ from firmware.protocol import (
     values_of,
     with_header,
 )
-from simulator.avr import Asked
+from simulator.avr import TimedFrame
 from stepramp.controllers.stepramp.formula_image import encode_formula
 from stepramp.ramp.on_chip import OnChipRamp
 from stepramp.shapes.constant import ConstantAcceleration as Slope
@@ -71,7 +71,7 @@ class Session:
     seed: int
     title: str
     setting: Setting
-    asked: Sequence[Asked]
+    asked: Sequence[TimedFrame]
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ class Planned:
         return float(max(self.slopes.up.max(initial=0), self.slopes.down.max(initial=0), self.slopes.slew)) / self.hz
 
     @cached_property
-    def way_down_s(self) -> float:
+    def ramp_down_s(self) -> float:
         return float(self.slopes.down.sum()) / self.hz
 
     @property
@@ -157,8 +157,8 @@ def by_formula(random: np.random.Generator, slew: int, hz: int) -> Planned:
 
 def slopes_of(ramp: OnChipRamp, up: float, down: float, hz: int) -> Slopes:
     """Return by how much each method may change an interval at a time: none rises faster than formula (20), none falls
-    faster than an even deceleration. At rest is what comes close to the last steps of a way down, as imprecise as they
-    are, and by Newton's method the first steps of a way up: decision 9."""
+    faster than an even deceleration. At rest is what comes close to the last steps of a ramp down, as imprecise as they
+    are, and by Newton's method the first steps of a ramp up: decision 9."""
     lengths = np.unique(np.geomspace(2, 2 * (ramp.up.steps + ramp.down.steps), 40).astype(int))
     at_rest = 0.8 * min(int(ramp.move(int(steps))[-2]) for steps in lengths)
     if ramp.method == "newton":
@@ -205,7 +205,7 @@ class Author:
     ramps: Sequence[Planned]
     settings: Settings
     hz: int
-    asked: list[Asked] = field(default_factory=list)
+    asked: list[TimedFrame] = field(default_factory=list)
     tag: int = 0
     made: int = 0
     longest_run_s: float = 0.0
@@ -218,12 +218,12 @@ class Author:
     @property
     def rest_s(self) -> float:
         """How long it may take to come to rest, from the slowest run or the highest speed."""
-        return max(self.longest_run_s, *(ramp.longest_s + ramp.way_down_s for ramp in self.ramps))
+        return max(self.longest_run_s, *(ramp.longest_s + ramp.ramp_down_s for ramp in self.ramps))
 
     def ask(self, kind: int, body: bytes = b"", **when: int) -> None:
         self.tag = (self.tag + 1) & 0xFF
         self.made += 1
-        self.asked.append(Asked(encode_frame(struct.pack("<BHB", kind, SESSION, self.tag) + body), **when))
+        self.asked.append(TimedFrame(encode_frame(struct.pack("<BHB", kind, SESSION, self.tag) + body), **when))
 
     def deliver(self, image: bytes) -> None:
         self.ask(HELLO, b"\x02")
@@ -245,7 +245,7 @@ class Author:
             return {}
         if choice < 0.65:
             return {"wait_cycles": int(self.random.exponential(2e-3) * CYCLES_PER_S)}
-        way_s = min(1.5 * self.ramps[axis].way_down_s, LONGEST_WAIT_MS / 1e3)
+        way_s = min(1.5 * self.ramps[axis].ramp_down_s, LONGEST_WAIT_MS / 1e3)
         if choice < 0.85:
             return {"wait_cycles": int(self.random.uniform(0, way_s) * CYCLES_PER_S)}
         return self.after_steps(axis, int(self.random.integers(1, 40)))

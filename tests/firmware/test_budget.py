@@ -9,7 +9,17 @@ from typing import Any
 import pytest
 
 from firmware.protocol import COMMIT, READ_SETTINGS, STORED, WRITING, Ramp, Settings
-from firmware.rig import BusyClient, Plan, Played, along_a_line, at_the_same_time, controller_in, image, move_by, play
+from firmware.rig import (
+    BusyClient,
+    Played,
+    RampDesign,
+    along_a_line,
+    at_the_same_time,
+    controller_in,
+    image,
+    move_by,
+    play,
+)
 from simulator.avr import build_firmware, build_harness, missing_tools
 from tools import require
 
@@ -17,8 +27,8 @@ BUDGET = tomllib.loads(Path(__file__).with_name("budget.toml").read_text())
 QUEUE_BYTES = 512
 """They lie before the linker's sections."""
 GENEROUS = 1.05
-FOUR = Plan(30_019, 900_000, 900_000)
-LINE = Plan(90_396, 4_500_000, 4_500_000)
+FOUR = RampDesign(30_019, 900_000, 900_000)
+LINE = RampDesign(90_396, 4_500_000, 4_500_000)
 
 
 def section_bytes() -> dict[str, int]:

@@ -137,14 +137,14 @@ def test_a_short_interval(at: int) -> None:
 
 
 @pytest.mark.parametrize("at", [0, 3, 30, 200])
-def test_a_way_up_with_intervals_left_out(at: int) -> None:
+def test_a_ramp_up_with_intervals_left_out(at: int) -> None:
     left_out = np.concatenate((WAY[:at], WAY[at + 30 :], np.full(500, SLEW), WAY[::-1]))
     times = after(left_out)
     assert "the speed rises too fast" in seen(times, ended(Told().move(times.size), times.size))
 
 
 @pytest.mark.parametrize("at", [5, 30, 200])
-def test_a_way_down_with_intervals_left_out(at: int) -> None:
+def test_a_ramp_down_with_intervals_left_out(at: int) -> None:
     left_out = np.concatenate((WAY, np.full(500, SLEW), WAY[::-1][: -at - 30], WAY[::-1][-at:]))
     times = after(left_out)
     assert "a pause at speed" in seen(times, ended(Told().move(times.size), times.size))

@@ -203,7 +203,7 @@ def test_a_target_further_on_makes_it_rise_again(host: Host, ramp: Ramp) -> None
 @given(ramp=st.sampled_from(EASY), wait=st.integers(0, 600_000))
 @settings(max_examples=60)
 def test_stop(host: Host, ramp: Ramp, wait: int) -> None:
-    """The way down from wherever it is: no longer than the whole one."""
+    """The ramp down from wherever it is: no longer than the whole one."""
     machine = Machine(host, ramp.image)
     machine.move(100_000)
     machine.do("wait", wait)
@@ -213,7 +213,7 @@ def test_stop(host: Host, ramp: Ramp, wait: int) -> None:
     intervals, report = played(machine)
     assert report.position == target
     assert report.position == len(intervals) + 1 if intervals else report.position <= 1
-    # What is queued, and a batch, come before the way down.
+    # What is queued, and a batch, come before the ramp down.
     assert report.position - made <= ramp.on_chip.down.steps + 80
     assert within_ramp(intervals, ramp)
     # By Newton's method the second interval from rest is too short.

@@ -7,7 +7,7 @@ import pytest
 
 from firmware.checker import assert_good, lateness_us
 from firmware.protocol import HALT, IN_MOTION, MOVE_BY, STOP, for_axes
-from firmware.rig import BusyClient, Make, Plan, image, move_by, play, request, until_made
+from firmware.rig import BusyClient, Make, RampDesign, image, move_by, play, request, until_made
 
 SPEEDS = {2: 65_040, 3: 42_106, 4: 30_019}
 """[steps/s] of each axis, when so many move: as fast as the limits in whole ticks allow."""
@@ -15,15 +15,15 @@ LATE_US = {2: 15, 3: 25, 4: 50}
 """Most of it where several axes load a segment at the same instant."""
 STEPS = (5000, -6000, 5500, -4500)
 MIXED = (
-    Plan(20_000, 400_000, 400_000),
-    Plan(9000, 90_000, 90_000),
-    Plan(25_000, 900_000, 900_000),
-    Plan(500, 4000, 4000),
+    RampDesign(20_000, 400_000, 400_000),
+    RampDesign(9000, 90_000, 90_000),
+    RampDesign(25_000, 900_000, 900_000),
+    RampDesign(500, 4000, 4000),
 )
 MIXED_STEPS = (2000, -700, 3000, 40)
 
 
-def check_axes(played: object, plans: Sequence[Plan], steps: Sequence[int], late_us: float) -> list[float]:
+def check_axes(played: object, plans: Sequence[RampDesign], steps: Sequence[int], late_us: float) -> list[float]:
     """Each axis keeps to its plan and to its design; return how late they are [us]."""
     late = []
     for axis, (plan, count) in enumerate(zip(plans, steps, strict=True)):
@@ -39,7 +39,7 @@ def test_axes_at_their_highest_speed(
     simulated_controller: Make, record_property: Callable[..., None], count: int
 ) -> None:
     """The serial port busy both ways: no step is lost, and none later than stated."""
-    plans = [Plan(SPEEDS[count], 30 * SPEEDS[count], 40 * SPEEDS[count])] * count
+    plans = [RampDesign(SPEEDS[count], 30 * SPEEDS[count], 40 * SPEEDS[count])] * count
     played = play(simulated_controller, image(plans), move_by(*STEPS[:count]))
     played.assert_nothing_lost()
     record_property("late_us", check_axes(played, plans, STEPS[:count], LATE_US[count]))
@@ -48,7 +48,7 @@ def test_axes_at_their_highest_speed(
 @pytest.mark.parametrize("speed", [2000, 10_000, 20_000, 25_000])
 def test_four_axes_at_other_speeds(simulated_controller: Make, speed: int) -> None:
     """Alike, so that all of them need their next segments at the same instants."""
-    plan = Plan(speed, 40 * speed, 40 * speed)
+    plan = RampDesign(speed, 40 * speed, 40 * speed)
     steps = (speed // 10,) * 4
     played = play(simulated_controller, image([plan] * 4), move_by(*steps))
     played.assert_nothing_lost()
@@ -97,6 +97,6 @@ def test_all_are_halted_at_full_speed(simulated_controller: Make) -> None:
         client.expect_ok(HALT)
         assert {client.status(axis).axis_state for axis in range(4)} == {0}
 
-    played = play(simulated_controller, image([Plan(30_000, 900_000, 900_000)] * 4), halt, request(STOP))
+    played = play(simulated_controller, image([RampDesign(30_000, 900_000, 900_000)] * 4), halt, request(STOP))
     played.assert_nothing_lost()
     assert all(3000 <= status.position < 100_000 for status in played.statuses)

@@ -41,9 +41,9 @@ from firmware.protocol import (
     for_axes,
     image_parts,
 )
-from firmware.rig import Plan, image
+from firmware.rig import RampDesign, image
 from firmware.test_simulator_axes import SPEEDS, STEPS
-from simulator.avr import Asked, Conversation, Frame, build_firmware, build_harness, converse, missing_tools
+from simulator.avr import Conversation, Frame, TimedFrame, build_firmware, build_harness, converse, missing_tools
 from tools import require
 
 CYCLES_PER_MS = CYCLES_PER_S // 1000
@@ -68,7 +68,7 @@ class Talk:
     """What is said to a controller."""
 
     random: random.Random
-    asked: list[Asked] = field(default_factory=list)
+    asked: list[TimedFrame] = field(default_factory=list)
     tag: int = 0
 
     def frame(self, kind: int, body: bytes = b"", session: int = SESSION) -> bytes:
@@ -76,7 +76,7 @@ class Talk:
         return encode_frame(struct.pack("<BHB", kind, session, self.tag) + body)
 
     def ask(self, kind: int, body: bytes = b"", wait_ms: float = 0.0) -> None:
-        self.asked.append(Asked(self.frame(kind, body), wait_cycles=int(wait_ms * CYCLES_PER_MS)))
+        self.asked.append(TimedFrame(self.frame(kind, body), wait_cycles=int(wait_ms * CYCLES_PER_MS)))
 
     def begin(self, ramps: bytes, settings: Settings | None = None) -> None:
         self.ask(HELLO, b"\2")
@@ -126,7 +126,7 @@ def request_before(talk: Talk, axes: int, slew: int) -> bytes:
     )()
 
 
-def stops(talk: Talk, plan: Plan, axes: int) -> Iterator[tuple[int, bytes]]:
+def stops(talk: Talk, plan: RampDesign, axes: int) -> Iterator[tuple[int, bytes]]:
     """Ask for stops and halts, each right behind another request, most of them while the motors run; give the number of
     each blob and the header of the stop in it."""
     talk.ask(REPORT, b"\x32")
@@ -140,7 +140,7 @@ def stops(talk: Talk, plan: Plan, axes: int) -> Iterator[tuple[int, bytes]]:
         before = request_before(talk, axes, plan.slew) + bytes(talk.random.randint(0, MOST_EMPTY_FRAMES))
         blob = before + talk.frame(kind, session=session)
         wait = (70 if runs else 10) + talk.random.random()
-        talk.asked.append(Asked(blob, wait_cycles=int(wait * CYCLES_PER_MS)))
+        talk.asked.append(TimedFrame(blob, wait_cycles=int(wait * CYCLES_PER_MS)))
         yield len(talk.asked) - 1, struct.pack("<BHB", kind, session, talk.tag)
         talk.ask(HALT, wait_ms=45)
 
@@ -151,7 +151,7 @@ def stops(talk: Talk, plan: Plan, axes: int) -> Iterator[tuple[int, bytes]]:
 def test_a_stop_right_behind_another_request_is_as_quick(
     tmp_path: Path, record_property: Callable[..., None], axes: int, speed: int, seed: int
 ) -> None:
-    plan, talk = Plan(speed, 20 * speed, 20 * speed), Talk(random.Random(seed))
+    plan, talk = RampDesign(speed, 20 * speed, 20 * speed), Talk(random.Random(seed))
     talk.begin(image([plan] * axes))
     asked = list(stops(talk, plan, axes))
     talk.end(axes)
@@ -225,7 +225,7 @@ def test_a_stop_of_a_line_at_its_highest_speed_is_quick(
         )
         kind = talk.random.choice([HALT, HALT, STOP])
         blob, wait_ms = before + talk.frame(kind), 30 + 180 * talk.random.random()
-        talk.asked.append(Asked(blob, wait_cycles=int(wait_ms * CYCLES_PER_MS)))
+        talk.asked.append(TimedFrame(blob, wait_cycles=int(wait_ms * CYCLES_PER_MS)))
         asked.append((len(talk.asked) - 1, struct.pack("<BHB", kind, SESSION, talk.tag)))
         talk.ask(HALT, wait_ms=60)
     talk.end(axes)
@@ -235,7 +235,7 @@ def test_a_stop_of_a_line_at_its_highest_speed_is_quick(
 @pytest.mark.parametrize("second", [STOP, HALT])
 def test_a_halt_is_obeyed_right_before_another_stop(tmp_path: Path, second: int) -> None:
     """Also behind a request, and when the second one names but one axis."""
-    axes, plan, talk = 4, Plan(30_000, 600_000, 600_000), Talk(random.Random(second))
+    axes, plan, talk = 4, RampDesign(30_000, 600_000, 600_000), Talk(random.Random(second))
     talk.begin(image([plan] * axes))
     blobs = []
     for _ in range(20):
@@ -243,7 +243,7 @@ def test_a_halt_is_obeyed_right_before_another_stop(tmp_path: Path, second: int)
         before = talk.random.choice([b"", talk.frame(STATUS, b"\0"), talk.frame(MOVE_BY, b"\1" + bytes(4))])
         wait_ms = 60 + 20 * talk.random.random()
         blob = before + talk.frame(HALT) + talk.frame(second, b"\1")
-        talk.asked.append(Asked(blob, wait_cycles=int(wait_ms * CYCLES_PER_MS)))
+        talk.asked.append(TimedFrame(blob, wait_cycles=int(wait_ms * CYCLES_PER_MS)))
         blobs.append(len(talk.asked) - 1)
         talk.ask(HALT, wait_ms=60)
     played = talk.play(tmp_path)
@@ -264,7 +264,7 @@ def test_a_halt_is_obeyed_right_before_another_stop(tmp_path: Path, second: int)
 def test_motors_never_wait_for_a_flood(tmp_path: Path, count: int, seed: int) -> None:
     """It begins at any time of a move, and has pauses too short to catch up in."""
     talk = Talk(random.Random(seed))
-    plan = Plan(SPEEDS[count], 30 * SPEEDS[count], 40 * SPEEDS[count])
+    plan = RampDesign(SPEEDS[count], 30 * SPEEDS[count], 40 * SPEEDS[count])
     talk.begin(image([plan] * count))
     talk.ask(MOVE_BY, for_axes(dict(enumerate(STEPS[:count]))), wait_ms=talk.random.random() * 40)
     for _ in range(18):
@@ -273,7 +273,7 @@ def test_motors_never_wait_for_a_flood(tmp_path: Path, count: int, seed: int) ->
             frame = talk.frame(STATUS, bytes([talk.random.randrange(4)]))
             blob += frame if len(blob) + len(frame) <= LONGEST_BLOB else b""
         pause_ms = talk.random.choice([0, 0, 0, talk.random.random(), 3 * talk.random.random()])
-        talk.asked.append(Asked(blob, wait_cycles=int(pause_ms * CYCLES_PER_MS)))
+        talk.asked.append(TimedFrame(blob, wait_cycles=int(pause_ms * CYCLES_PER_MS)))
     talk.ask(STATUS, b"\0", wait_ms=300)
     talk.end(count)
     played = talk.play(tmp_path)

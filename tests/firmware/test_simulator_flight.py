@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from firmware.checker import CYCLES_PER_US, Axis, assert_good, axis_of
+from firmware.checker import CYCLES_PER_US, AxisEdges, assert_good, axis_of
 from firmware.protocol import (
     HALT,
     MOVE_TO,
@@ -21,13 +21,13 @@ from firmware.protocol import (
     expand,
     for_axes,
 )
-from firmware.rig import BusyClient, Make, Plan, Played, Work, image, move_by, play, request, until_made
+from firmware.rig import BusyClient, Make, Played, RampDesign, Work, image, move_by, play, request, until_made
 from simulator.avr import CLOCK_HZ
 
-PLAN = Plan(20_000, 200_000, 100_000)
+PLAN = RampDesign(20_000, 200_000, 100_000)
 """1000 steps up, 2000 down."""
-SLOW = Plan(15_000, 120_000, 80_000, SLOW_HZ)
-FAST = Plan(150_944, 8_000_000, 10_000_000)
+SLOW = RampDesign(15_000, 120_000, 80_000, SLOW_HZ)
+FAST = RampDesign(150_944, 8_000_000, 10_000_000)
 ANSWER_WITHIN_S, ANSWER_ANYTHING_WITHIN_S = 0.010, 0.100
 SECONDS_OF_A_STOP_ON_THE_LINE = 20 * 10 / 115_200
 """And of its answer."""
@@ -42,13 +42,13 @@ def retargeted(first: int, at_step: int, then: int) -> Work:
     return work
 
 
-def runs_of(made: Axis) -> list[Axis]:
+def runs_of(made: AxisEdges) -> list[AxisEdges]:
     """Return what was made in one direction each."""
     ends = [0, *(np.flatnonzero(np.diff(made.forward.astype(int))) + 1), made.steps.size]
-    return [Axis(made.steps[a:b], made.ends[a:b], made.turns, made.forward[a:b]) for a, b in pairwise(ends)]
+    return [AxisEdges(made.steps[a:b], made.ends[a:b], made.turns, made.forward[a:b]) for a, b in pairwise(ends)]
 
 
-def only(played: Played, part: Axis) -> np.ndarray:
+def only(played: Played, part: AxisEdges) -> np.ndarray:
     """Return the edges of a part of a move, its pin's direction included."""
     chosen = (played.edges["cycle"] >= part.steps[0]) & (played.edges["cycle"] <= part.ends[-1])
     return played.edges[chosen | ((played.edges["pin"] == 5) & (played.edges["cycle"] < part.steps[0]))]
@@ -58,7 +58,7 @@ def only(played: Played, part: Axis) -> np.ndarray:
 @pytest.mark.parametrize(
     ("at_step", "then"), [(300, 9000), (300, 3000), (2500, 9000), (5000, 9000), (900, 1000), (300, -500), (4000, 0)]
 )
-def test_a_new_target_in_flight(simulated_controller: Make, plan: Plan, at_step: int, then: int) -> None:
+def test_a_new_target_in_flight(simulated_controller: Make, plan: RampDesign, at_step: int, then: int) -> None:
     """The motor comes to rest at the new target, along good ramps; when it has to turn, through rest."""
     played = play(simulated_controller, image([plan]), retargeted(6000, at_step, then))
     played.assert_nothing_lost()
@@ -103,7 +103,7 @@ def test_a_run_is_not_faster_than_the_ramp(simulated_controller: Make) -> None:
 
 @pytest.mark.parametrize("at_step", [1, 400, 990, 4500])
 @pytest.mark.parametrize("plan", [PLAN, SLOW], ids=["fast clock", "slow clock"])
-def test_stop_anywhere(simulated_controller: Make, plan: Plan, at_step: int) -> None:
+def test_stop_anywhere(simulated_controller: Make, plan: RampDesign, at_step: int) -> None:
     def work(client: BusyClient) -> None:
         client.move_by(6000)
         until_made(client, at_step)

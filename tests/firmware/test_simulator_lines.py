@@ -7,22 +7,22 @@ import pytest
 
 from firmware.checker import Cycles, assert_good, lateness_us
 from firmware.protocol import HALT, LINE, MOVING, STOP, Settings
-from firmware.rig import BusyClient, Make, Plan, Played, Work, along_a_line, image, move_by, play, until_made
+from firmware.rig import BusyClient, Make, Played, RampDesign, Work, along_a_line, image, move_by, play, until_made
 
 PLANS = {
-    2: Plan(120_301, 6_000_000, 6_000_000),
-    3: Plan(100_000, 5_000_000, 5_000_000),
-    4: Plan(90_396, 4_500_000, 4_500_000),
+    2: RampDesign(120_301, 6_000_000, 6_000_000),
+    3: RampDesign(100_000, 5_000_000, 5_000_000),
+    4: RampDesign(90_396, 4_500_000, 4_500_000),
 }
 """As fast as a line of so many axes may be."""
 STEPS = (20_000, -19_999, 12_345, -3)
-SLOW = Plan(20_000, 400_000, 400_000)
+SLOW = RampDesign(20_000, 400_000, 400_000)
 LATE_US = 10.0
 TOGETHER_CYCLES = 16
 """The pins of an event rise together, axis 3's a few cycles after the others'."""
 
 
-def check_line(played: Played, plan: Plan, steps: tuple[int, ...], late_us: float = LATE_US) -> float:
+def check_line(played: Played, plan: RampDesign, steps: tuple[int, ...], late_us: float = LATE_US) -> float:
     """The leader keeps to its ramp, the m-th step of each other comes with its step ceil(L (2 m - 1) / (2 D))."""
     most = max(abs(count) for count in steps)
     leader = [abs(count) for count in steps].index(most)

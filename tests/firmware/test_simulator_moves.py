@@ -9,16 +9,16 @@ import pytest
 
 from firmware.checker import CYCLES_PER_US, assert_good, lateness_us
 from firmware.protocol import HALT, SLOW_HZ, Client, Ramp
-from firmware.rig import BusyClient, Make, Plan, at_the_same_time, controller_in, image, move_by, play, until_made
+from firmware.rig import BusyClient, Make, RampDesign, at_the_same_time, controller_in, image, move_by, play, until_made
 
 LATE_US, LATE_AT_SPEED_US = 2.0, 5.0
 """Below 50,000 steps/s, and above."""
 PLANS = {
-    "lead screw": Plan(10_000, 100_000, 50_000, SLOW_HZ),
-    "fast clock": Plan(10_000, 100_000, 50_000),
-    "49,000": Plan(49_000, 2_000_000, 1_500_000),
-    "130,000": Plan(130_000, 6_000_000, 6_000_000),
-    "150,000": Plan(150_944, 8_000_000, 10_000_000),
+    "lead screw": RampDesign(10_000, 100_000, 50_000, SLOW_HZ),
+    "fast clock": RampDesign(10_000, 100_000, 50_000),
+    "49,000": RampDesign(49_000, 2_000_000, 1_500_000),
+    "130,000": RampDesign(130_000, 6_000_000, 6_000_000),
+    "150,000": RampDesign(150_944, 8_000_000, 10_000_000),
 }
 WHOLE = {"lead screw": 2500, "fast clock": 2500, "49,000": 4000, "130,000": 12_000, "150,000": 30_000}
 Record = Callable[..., None]

@@ -9,11 +9,11 @@ import pytest
 
 from firmware.checker import lateness_us
 from firmware.protocol import DATA, HALT, HELLO, MOVE_BY, MOVING, STATUS, STOP, Client, encode_frame, for_axes
-from firmware.rig import BusyClient, Make, Plan, image, play
+from firmware.rig import BusyClient, Make, RampDesign, image, play
 from simulator.avr import CLOCK_HZ
 
-FAST = Plan(130_000, 6_000_000, 6_000_000)
-FOUR = Plan(28_000, 600_000, 600_000)
+FAST = RampDesign(130_000, 6_000_000, 6_000_000)
+FOUR = RampDesign(28_000, 600_000, 600_000)
 STEPS = 30_000
 LATE_US, LATE_OF_FOUR_US = 5.0, 50.0
 ANSWER_WITHIN_S = 0.100

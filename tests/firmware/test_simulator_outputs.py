@@ -16,9 +16,9 @@ from firmware.checker import (
     of_pin,
 )
 from firmware.protocol import STATUS, ZERO, Client, Ramp, Settings
-from firmware.rig import Make, Plan, Played, image, move_by, play, request
+from firmware.rig import Make, Played, RampDesign, image, move_by, play, request
 
-PLAN = Plan(10_000, 200_000, 100_000)
+PLAN = RampDesign(10_000, 200_000, 100_000)
 LATE_US = 60
 """Of four axes that set out at the same tick."""
 START_US = 250
@@ -64,7 +64,7 @@ def test_axes_with_pins_of_their_own_kind(simulated_controller: Make, settings: 
 @pytest.mark.parametrize("width_us", [0, 1, 3, 10, 100])
 def test_pulses_are_so_wide_at_least(simulated_controller: Make, width_us: int) -> None:
     """And not much wider, but for interrupts of the serial port in between, for which wide ones leave room."""
-    slow = Plan(2000, 40_000, 40_000)
+    slow = RampDesign(2000, 40_000, 40_000)
     played = play(simulated_controller, image([slow]), move_by(200), settings=Settings(pulse_width_us=width_us))
     widths = (played.axis().ends - played.steps()) / CYCLES_PER_US
     assert widths.min() >= max(width_us, 2.0)

@@ -17,11 +17,11 @@ from firmware.protocol import (
     Report,
     Trace,
 )
-from firmware.rig import BusyClient, Make, Plan, Played, Work, image, move_by, play
+from firmware.rig import BusyClient, Make, Played, RampDesign, Work, image, move_by, play
 
-SLOW = Plan(5000, 50_000, 50_000, SLOW_HZ)
-FAST = Plan(40_000, 1_000_000, 1_000_000)
-QUICKEST = Plan(150_944, 8_000_000, 8_000_000)
+SLOW = RampDesign(5000, 50_000, 50_000, SLOW_HZ)
+FAST = RampDesign(40_000, 1_000_000, 1_000_000)
+QUICKEST = RampDesign(150_944, 8_000_000, 8_000_000)
 
 
 def traced(k: int, *steps: int, axis: int = 0) -> Work:
@@ -40,7 +40,7 @@ def traces_of(played: Played) -> list[Trace]:
     return [Trace.unpack(notice[4:]) for notice in played.notices if notice[0] == TRACE_NOTICE]
 
 
-def offsets(played: Played, plan: Plan, axis: int = 0) -> np.ndarray:
+def offsets(played: Played, plan: RampDesign, axis: int = 0) -> np.ndarray:
     """Return each value's timer tick less that of its edge, the smallest one as 0; all within half of 16 bits."""
     steps = played.steps(axis)
     values = {step: value for trace in traces_of(played) for step, value in trace.by_step().items()}
@@ -62,7 +62,7 @@ def offsets(played: Played, plan: Plan, axis: int = 0) -> np.ndarray:
     ],
 )
 def test_a_trace_tells_when_steps_were_made(
-    simulated_controller: Make, record_property: Callable[..., None], plan: Plan, k: int, steps: int
+    simulated_controller: Make, record_property: Callable[..., None], plan: RampDesign, k: int, steps: int
 ) -> None:
     """The values are the timer's at the edges but for a constant and what interrupts add; the steps are as planned."""
     played = play(simulated_controller, image([plan]), traced(k, steps))

@@ -16,8 +16,8 @@ from uvicorn.server import ServerState
 
 from event_loop import run
 from server_process import PATIENCE_S, ServerProcess
-from stepramp.http_api.asked_at import numbering
 from stepramp.http_api.connections import DESCRIPTORS, Connection, Connections, Stage
+from stepramp.http_api.request_numbers import numbering
 
 REQUEST = b"GET /quick HTTP/1.1\r\nHost: a\r\n\r\n"
 POST = b"POST /quick HTTP/1.1\r\nHost: a\r\nContent-Length: 2\r\n\r\n{}"

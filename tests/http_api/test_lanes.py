@@ -14,7 +14,7 @@ from starlette.testclient import TestClient, WebSocketTestSession
 
 from designs import design, document
 from event_loop import run
-from stepramp.controllers.stepramp.settings import Settings
+from stepramp.controllers.stepramp.settings import StepRampSettings
 from stepramp.controllers.virtual.controller import VirtualController
 from stepramp.devices.device import Device
 from stepramp.http_api.curves_models import CurvesAnswer
@@ -174,10 +174,10 @@ def test_a_muted_device_keeps_no_other_one_waiting(
     muted = f"{DEVICES}/{client.post(DEVICES, json={'port': 'sim://lanes-mute'}).json()['id']}"
     answers, asked = threading.Event(), threading.Semaphore(0)
 
-    def settings(_: Device) -> Settings:
+    def settings(_: Device) -> StepRampSettings:
         asked.release()
         answers.wait(PATIENCE_S)
-        return Settings()
+        return StepRampSettings()
 
     monkeypatch.setattr(Device, "settings", settings)
     with ThreadPoolExecutor(ASKERS) as callers:

@@ -20,8 +20,8 @@ from designs import document
 from event_loop import run
 from server_process import ServerProcess
 from stepramp.http_api.answered import AT_LAST, Answered
-from stepramp.http_api.asked_at import AskedAt, numbering
 from stepramp.http_api.connections import Connections
+from stepramp.http_api.request_numbers import RequestNumbering, numbering
 
 PATIENCE_S = 15.0
 
@@ -93,7 +93,7 @@ class Numbered:
         self.served: ASGIApp = self.app
 
     async def app(self, scope: Scope, receive: Receive, send: Send) -> None:
-        self.numbers[scope["path"]] = scope["state"]["stepramp.asked"]
+        self.numbers[scope["path"]] = scope["state"]["stepramp.request_number"]
         if scope["path"] == "/slow":
             await self.answer_slow.wait()
         await PlainTextResponse("answered")(scope, receive, send)
@@ -199,7 +199,7 @@ def test_what_comes_in_unread_before_a_stop_is_answered_is_as_old_as_the_stop() 
                 other.write(get("/move"))
             await numbered.app(scope, receive, send)
 
-        numbered.served = AskedAt(Answered(app, numbered.now, numbered.connections), numbered.now)
+        numbered.served = RequestNumbering(Answered(app, numbered.now, numbered.connections), numbered.now)
         async with numbered.connected() as (_, reader, writer), numbered.connected() as (moving, told, other):
             writer.write(get(STOP).replace(b"GET", b"POST"))
             await reader.readuntil(b"answered")
@@ -258,7 +258,7 @@ def test_what_waits_to_be_accepted_when_a_stop_is_answered_is_as_old_as_the_stop
                 stops.append(numbered.now())
             await numbered.app(scope, receive, send)
 
-        numbered.served = AskedAt(Answered(app, numbered.now, numbered.connections), numbered.now)
+        numbered.served = RequestNumbering(Answered(app, numbered.now, numbered.connections), numbered.now)
         config = uvicorn.Config(numbered.served, interface="asgi3", log_level="critical")
         made = numbering(numbered.now, numbered.connections)
         listener = await asyncio.get_running_loop().create_server(

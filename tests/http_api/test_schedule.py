@@ -153,5 +153,5 @@ def test_rejections_that_the_numerics_make_have_the_path_of_the_design(client: T
 
 def test_every_field_is_described(client: TestClient) -> None:
     schemas = client.get("/api/v1/openapi.json").json()["components"]["schemas"]
-    for name in ("ScheduleRequest", "AxisPulsesAnswer", "PulsesAnswer", "ConflictAnswer", "LimitAnswer"):
+    for name in ("SchedulePayload", "AxisPulsesAnswer", "PulsesAnswer", "ConflictAnswer", "LimitAnswer"):
         assert all(field.get("description") for field in schemas[name]["properties"].values()), name

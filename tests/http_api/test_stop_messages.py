@@ -19,7 +19,7 @@ from event_loop import run, with_lifespan
 from stepramp.controllers.virtual.controller import VirtualController
 from stepramp.devices.registry import Devices
 from stepramp.http_api.app import create_app
-from stepramp.http_api.stop_messages import MOST_AT_A_TIME, Answer, answered
+from stepramp.http_api.stop_messages import MOST_AT_A_TIME, PendingAnswer, answered
 from stepramp.link import protocol_sim
 
 DEVICES = "/api/v1/devices"
@@ -79,9 +79,9 @@ def moving_fast(client: TestClient, *ids: str) -> None:
 
 
 @pytest.mark.parametrize("message", ['{"do": "stop"}', '{"do": "halt", "device": "%s"}'])
-@pytest.mark.parametrize("end", [Answer.made, Answer.give_up])
+@pytest.mark.parametrize("end", [PendingAnswer.made, PendingAnswer.give_up])
 def test_nothing_moves_between_a_stop_and_the_writing_of_its_answer(
-    client: TestClient, device_id: str, message: str, end: Callable[[Answer], object]
+    client: TestClient, device_id: str, message: str, end: Callable[[PendingAnswer], object]
 ) -> None:
     """Nor for ever: an answer that nobody reads is given up."""
     devices: Devices = client.app.state.devices

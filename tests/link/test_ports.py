@@ -4,7 +4,7 @@ import pytest
 from serial.tools import list_ports
 from serial.tools.list_ports_common import ListPortInfo
 
-from stepramp.link.ports import Port, find_again, known_port, list_serial_ports, place_of, port_name
+from stepramp.link.ports import Port, find_again, known_port, list_serial_ports, location_of, port_name
 
 
 def found(
@@ -89,6 +89,6 @@ def test_all_names_of_a_port_have_one_place(tmp_path: Path) -> None:
     port, link = tmp_path / "ttyACM0", tmp_path / "by-id"
     port.touch()
     link.symlink_to(port)
-    assert {place_of(str(name)) for name in (port, link, tmp_path / ".." / tmp_path.name / "by-id")} == {str(port)}
+    assert {location_of(str(name)) for name in (port, link, tmp_path / ".." / tmp_path.name / "by-id")} == {str(port)}
     for no_file in ("socket://127.0.0.1:3000", "sim://a/../b", "\0"):
-        assert place_of(no_file) == no_file
+        assert location_of(no_file) == no_file

@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from designs import design, document
-from stepramp.controllers.stepramp.ways import formula_ramp
+from stepramp.controllers.stepramp.playback import formula_ramp
 from stepramp.design import Design, RampShape
 from stepramp.errors import Rejected
 from stepramp.exports.export import Options, export

@@ -17,10 +17,10 @@ from stepramp.methods.common.taylor import fixed_taylor_down, fixed_taylor_up
 from stepramp.methods.newton import fixed_newton_down, fixed_newton_up
 from stepramp.ramp.on_chip import (
     Factor,
+    MotorState,
     OnChipMotor,
     OnChipRamp,
-    Phase,
-    Side,
+    OnChipSide,
     design_refusal,
     on_chip_move,
     on_chip_ramp,
@@ -130,7 +130,7 @@ def test_a_short_move_rises_as_far_as_it_can_holds_and_falls(
     motor = OnChipMotor(ramp)
     u = motor.fitting(steps, steps)
     if u == 0:
-        # A single step up may be all of the way up.
+        # A single step up may be all of the ramp up.
         assert 1 + (n_down if n_up == 1 else steps_down_by_hand(1, sides)) > steps
         assert set(move) == {max(nearest(State(*side.form.longest), side.form) for side in (ramp.up, ramp.down))}
         return
@@ -147,11 +147,11 @@ def test_a_short_move_rises_as_far_as_it_can_holds_and_falls(
     if u == n_up:
         return
     assert set(move[u : steps - m + 1]) <= {move[u - 1]}
-    # The way down: from the same speed, if that is one of its own.
-    way_down = [carried_by_hand(State(*ramp.up.clamped(Scaled(*xs[-1]))), math.sqrt(ratio), down)]
+    # The ramp down: from the same speed, if that is one of its own.
+    ramp_down = [carried_by_hand(State(*ramp.up.clamped(Scaled(*xs[-1]))), math.sqrt(ratio), down)]
     for left in range(m - 2, -1, -1):
-        way_down.append(stepped(way_down[-1], method, False, down.first_ramp_index + left * 2**24, wide_open(down)))
-    expected = [limited(x, ramp, ramp.down) for x in way_down]
+        ramp_down.append(stepped(ramp_down[-1], method, False, down.first_ramp_index + left * 2**24, wide_open(down)))
+    expected = [limited(x, ramp, ramp.down) for x in ramp_down]
     np.testing.assert_allclose(move[steps - m + 1 :], expected[1:], rtol=1e-4, atol=2)
 
 
@@ -164,7 +164,7 @@ def wide_open(form: Format) -> Format:
     return replace(form, shortest=Scaled(15 << 24, 3))
 
 
-def limited(x: State, ramp: OnChipRamp, side: Side) -> int:
+def limited(x: State, ramp: OnChipRamp, side: OnChipSide) -> int:
     """The interval of x, within those of the ramp."""
     return min(max(nearest(x, side.form), ramp.slew_interval), nearest(State(*side.form.longest), side.form))
 
@@ -213,10 +213,10 @@ def test_any_way_comes_to_rest_with_intervals_within_the_ramp(
             assert command == "up" or motor.steps_down <= max(before - found.size, 0)
         assert motor.steps_up <= ramp.up.steps
         assert motor.steps_down <= ramp.down.steps
-    way_down = motor.down(motor.steps_down + 1)
-    assert motor.phase is Phase.REST
-    assert way_down.size <= ramp.down.steps
-    played += way_down.tolist()
+    ramp_down = motor.down(motor.steps_down + 1)
+    assert motor.state is MotorState.REST
+    assert ramp_down.size <= ramp.down.steps
+    played += ramp_down.tolist()
     if played:
         slowest = max(side.ticks(side.form.longest) for side in (ramp.up, ramp.down))
         assert max(played) <= slowest
@@ -228,17 +228,17 @@ def test_any_way_comes_to_rest_with_intervals_within_the_ramp(
 def test_turning_again_and_again_leaves_no_trace(method: str, ratio: float) -> None:
     motor = OnChipMotor(OnChipRamp.of(*slopes(2e6, 2000, 0, 900, ratio), method))
     motor.up(400)
-    place = motor.steps_up, motor.steps_down
+    position = motor.steps_up, motor.steps_down
     speed = motor.hold_interval
     for _ in range(100):
         assert motor.down(1).tolist() == [speed]
         assert motor.up(1).tolist() == [speed]
-        assert (motor.steps_up, motor.steps_down) == pytest.approx(place, abs=1 if ratio > 20 else 0)
+        assert (motor.steps_up, motor.steps_down) == pytest.approx(position, abs=1 if ratio > 20 else 0)
 
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("ratio", [0.2, 1.0, 3.0])
-def test_a_second_way_up_is_like_the_first(method: str, ratio: float) -> None:
+def test_a_second_ramp_up_is_like_the_first(method: str, ratio: float) -> None:
     up, down = slopes(2e6, 2000, 0, 900, ratio)
     straight = OnChipMotor(OnChipRamp.of(up, down, method)).up(900)
     motor = OnChipMotor(OnChipRamp.of(up, down, method))
@@ -246,12 +246,12 @@ def test_a_second_way_up_is_like_the_first(method: str, ratio: float) -> None:
     motor.down(motor.steps_down // 2)
     reached = motor.steps_up
     again = motor.up(1000)[5:]
-    # One place off, and what the two formulas lose on the way down.
+    # One place off, and what the two formulas lose on the ramp down.
     np.testing.assert_allclose(again, straight[-again.size :], rtol=0.02)
     assert abs(straight.size - reached - again.size - 5) < 2 + 1 / ratio
 
 
-def test_a_way_down_from_the_top_begins_with_ps() -> None:
+def test_a_ramp_down_from_the_top_begins_with_ps() -> None:
     up, down = slopes(2e6, 1000, 0, 90.5, 1)
     motor = OnChipMotor(OnChipRamp.of(up, down, "first_order"))
     assert motor.up(1000).size == 90

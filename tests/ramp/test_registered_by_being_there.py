@@ -27,7 +27,7 @@ def _intervals(slope, number):
 
 
 METHOD = RampMethod(
-    place=75,
+    rank=75,
     label="Trial",
     summary="half the slew speed",
     help="Every step at half the slew speed.",

@@ -197,7 +197,7 @@ class Frame:
 
 
 @dataclass(frozen=True)
-class Asked:
+class TimedFrame:
     """A frame to be sent, and when: so long after the answer to the one before, and so long after the last edge of a
     step pin; but at once when a pin has had so many edges since that answer."""
 
@@ -221,7 +221,7 @@ class Conversation:
     statistics: dict[str, Any]
 
 
-def converse(firmware_elf: Path, workdir: Path, asked: Iterable[Asked]) -> Conversation:
+def converse(firmware_elf: Path, workdir: Path, asked: Iterable[TimedFrame]) -> Conversation:
     """Let a controller answer some frames, as fast as this machine can, and always in the same way to the cycle.
 
     RuntimeError when the simulator fails.

@@ -4,7 +4,7 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from typing import Literal, Protocol, TypeVar, runtime_checkable
 
-from stepramp.controllers.contract import Asked, Controller, Trace
+from stepramp.controllers.contract import AxisCommand, Controller, Trace
 from stepramp.errors import Refused
 from stepramp.validation import Document
 
@@ -66,7 +66,7 @@ class TracesMoves(Protocol):
 class DrawsLines(Protocol):
     """A controller whose axes go along a straight line together."""
 
-    def line(self, steps: Sequence[Asked], ramp_axis: int | None = None) -> None:
+    def line(self, steps: Sequence[AxisCommand], ramp_axis: int | None = None) -> None:
         """Begin to move axes along a straight line.
 
         ramp_axis: whose ramp the axis with most steps plays; None: that of the slowest axis, so that none is faster

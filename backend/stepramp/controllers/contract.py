@@ -32,7 +32,7 @@ class StoredRamp:
     """Which ramps a controller has."""
 
     sequence: int
-    """The how-many-th that were stored; 0: they are only on trial."""
+    """Sequence number of what was stored; 0: they are only on trial."""
     crc: int | None = None
     """CRC-16 of their image; None for a controller that has no image of them."""
 
@@ -169,7 +169,7 @@ class Trace:
 
 
 @dataclass(frozen=True)
-class Asked:
+class AxisCommand:
     """What a request asks of one axis; `field` is what a rejection calls the value."""
 
     axis: int
@@ -233,16 +233,16 @@ class Controller(Protocol):
     def preview_push(self, designs: Sequence[Design], first_axis: int | None = None) -> PushPreview:
         """Return what a push of the same would change, without the port: for any thread. Raises as prepare_push."""
 
-    def move_by(self, steps: Sequence[Asked]) -> None:
+    def move_by(self, steps: Sequence[AxisCommand]) -> None:
         """Begin to move axes by so many steps, from where they would come to rest."""
 
-    def move_to(self, positions: Sequence[Asked]) -> None:
+    def move_to(self, positions: Sequence[AxisCommand]) -> None:
         """Begin to move axes to positions [steps]."""
 
-    def run(self, speeds: Sequence[Asked]) -> None:
+    def run(self, speeds: Sequence[AxisCommand]) -> None:
         """Run axes at speeds, negative for backwards [steps/s]; 0 stops."""
 
-    def set_position(self, positions: Sequence[Asked]) -> None:
+    def set_position(self, positions: Sequence[AxisCommand]) -> None:
         """Call the places where axes are these positions [steps]."""
 
     def stop(self, axes: Collection[int] | None = None) -> None:
@@ -255,6 +255,6 @@ class Controller(Protocol):
         """Return how many steps an axis takes to slow down from a speed [steps/s], without the port."""
 
 
-def values_of(asked: Sequence[Asked]) -> Mapping[int, float]:
+def values_of(commands: Sequence[AxisCommand]) -> Mapping[int, float]:
     """Return what is asked by axes, in ascending order."""
-    return {each.axis: each.value for each in sorted(asked, key=lambda each: each.axis)}
+    return {each.axis: each.value for each in sorted(commands, key=lambda each: each.axis)}

@@ -7,7 +7,7 @@ from functools import partial
 from stepramp.controllers.contract import Controller
 from stepramp.controllers.progress import Tell
 from stepramp.controllers.stepramp.controller import StepRampController
-from stepramp.controllers.stepramp.settings import Settings
+from stepramp.controllers.stepramp.settings import StepRampSettings
 from stepramp.controllers.tic.controller import TicController
 from stepramp.controllers.virtual.controller import VirtualController
 from stepramp.link import protocol_sim
@@ -49,7 +49,7 @@ USUAL_FAMILY = "stepramp"
 FAMILIES = {
     each.name: each
     for each in (
-        Family("stepramp", "StepRamp", at_baud_rate(115_200), StepRampController, Settings),
+        Family("stepramp", "StepRamp", at_baud_rate(115_200), StepRampController, StepRampSettings),
         Family("tic", "Pololu Tic", at_baud_rate(9_600), TicController),
     )
 }

@@ -19,7 +19,7 @@ from stepramp.devices.watch import IDLE_POLL_S, Watch
 from stepramp.devices.writing import Writing
 from stepramp.errors import DeviceLost, Refused, StepRampError
 from stepramp.link.connection import Connection
-from stepramp.link.ports import Port, find_again, known_port, place_of, port_name
+from stepramp.link.ports import Port, find_again, known_port, location_of, port_name
 from stepramp.link.worker import Worker
 
 
@@ -57,7 +57,7 @@ class Attachment:
         self._connecting = threading.Lock()
         self._attempt = SharedAttempt(self._connect_unless_done)
         self._connection: Connection | None = None
-        self._place: str | None = None
+        self._location: str | None = None
         self._let_go = False
         self._has_ended = False
 
@@ -67,9 +67,9 @@ class Attachment:
         return self._known.identity
 
     @property
-    def place(self) -> str | None:
+    def location(self) -> str | None:
         """Where the port leads that it holds, whatever name it was given; None: it holds none."""
-        return self._place
+        return self._location
 
     @property
     def is_connected(self) -> bool:
@@ -127,7 +127,7 @@ class Attachment:
         except Exception as error:
             worker.close()
             reason = str(error)
-            self._view.change(lambda view: view.at_a_loss(reason))
+            self._view.change(lambda view: view.lost(reason))
             raise
         self._known = known_port(port)
 
@@ -149,7 +149,7 @@ class Attachment:
     def _open(self) -> None:
         port = self._view.now.port
         self._connection = self._family.open(port, self._permit.check)
-        self._place = place_of(port)
+        self._location = location_of(port)
         controller = self._family.make(self._connection, self._runs.give_way, self._writing.note_progress)
         controller.connect(lambda: self._stopping.greet(controller))
         status = controller.status()
@@ -176,8 +176,8 @@ class Attachment:
         if self._connection is not None:
             self._connection.close()
             self._connection = None
-        self._place = None
+        self._location = None
         self._leases.drop()
         self._contact.end()
-        self._view.change(lambda view: view.let_go() if loss is None else view.at_a_loss(str(loss)))
+        self._view.change(lambda view: view.let_go() if loss is None else view.lost(str(loss)))
         self._view.log("%s", "let go of" if loss is None else f"lost: {loss}")

@@ -6,7 +6,7 @@ from contextlib import AbstractContextManager
 from dataclasses import replace
 
 from stepramp.controllers.capabilities import HasSettings, refusal
-from stepramp.controllers.contract import Asked, PushMode, PushPreview, PushReport, Trace
+from stepramp.controllers.contract import AxisCommand, PushMode, PushPreview, PushReport, Trace
 from stepramp.controllers.families import Family
 from stepramp.design import Design
 from stepramp.devices.attachment import Attachment
@@ -39,8 +39,8 @@ class Device:
     are for each device. owed: stops that no controller has granted yet. changed: called from any thread after each
     change of the view. before: what was known of what is plugged in there when it was last let go of.
 
-    What sets motors moving takes `asked`: when it was asked for, in that order; None: now. It is refused when a stop
-    came after that. What the controller can't do, since it hasn't got the capability, is Refused in plain words.
+    What sets motors moving takes `request_number`: when it was asked for, in that order; None: now. It is refused when
+    a stop came after that. What the controller can't do, since it hasn't got the capability, is Refused in plain words.
     """
 
     def __init__(
@@ -86,9 +86,9 @@ class Device:
         return self._attachment.identity
 
     @property
-    def place(self) -> str | None:
+    def location(self) -> str | None:
         """Where the port leads that it holds, whatever name it was given; None: it holds none."""
-        return self._attachment.place
+        return self._attachment.location
 
     @property
     def connected(self) -> bool:
@@ -183,43 +183,45 @@ class Device:
         """Keep these axes within soft limits from now on, the others within theirs; Refused while the motor moves."""
         self._motions.limit(spans)
 
-    def move_by(self, steps: Sequence[Asked], asked: int | None = None) -> None:
+    def move_by(self, steps: Sequence[AxisCommand], request_number: int | None = None) -> None:
         """Begin to move axes by so many steps; see Controller. Rejected also when they lead beyond soft limits."""
-        self._motions.move_by(steps, asked)
+        self._motions.move_by(steps, request_number)
 
-    def move_to(self, positions: Sequence[Asked], asked: int | None = None) -> None:
+    def move_to(self, positions: Sequence[AxisCommand], request_number: int | None = None) -> None:
         """Begin to move axes to positions [steps]; see Controller. Rejected also when they lie beyond soft limits."""
-        self._motions.move_to(positions, asked)
+        self._motions.move_to(positions, request_number)
 
-    def line(self, steps: Sequence[Asked], ramp_axis: int | None = None, asked: int | None = None) -> None:
+    def line(
+        self, steps: Sequence[AxisCommand], ramp_axis: int | None = None, request_number: int | None = None
+    ) -> None:
         """Begin to move axes along a straight line; see DrawsLines. Rejected also when it leads beyond soft limits."""
-        self._motions.line(steps, ramp_axis, asked)
+        self._motions.line(steps, ramp_axis, request_number)
 
-    def run(self, speeds: Sequence[Asked], lease: Lease, asked: int | None = None) -> None:
+    def run(self, speeds: Sequence[AxisCommand], lease: Lease, request_number: int | None = None) -> None:
         """Run axes at speeds [steps/s] as long as a lease holds, then slow them down; see Controller.run.
 
         Rejected also for a speed that leads out of soft limits, Refused when the lease ran out before it came to that.
         """
-        self._motions.run(speeds, lease, asked)
+        self._motions.run(speeds, lease, request_number)
 
     def end_run(self, lease: Lease) -> None:
         """Slow axes down that run on a lease, before anything else that was asked for."""
         self._runs.end(lease)
 
-    def go_there_and_back(self, shuttle: Shuttle, way: Asked, asked: int | None = None) -> None:
+    def go_there_and_back(self, shuttle: Shuttle, leg: AxisCommand, request_number: int | None = None) -> None:
         """Begin to go to and fro, from rest, until it is done or something else is asked for.
 
-        way: how far, with what rejections call it. Raises as move_by.
+        leg: how far, with what rejections call it. Raises as move_by.
         """
-        self._to_and_fro.begin(shuttle, way, asked)
+        self._to_and_fro.begin(shuttle, leg, request_number)
 
-    def set_position(self, positions: Sequence[Asked]) -> None:
+    def set_position(self, positions: Sequence[AxisCommand]) -> None:
         """Call the places where axes are these positions [steps]; see Controller."""
         self._motions.set_position(positions)
 
-    def zero(self, axes: Collection[int], steps: int, asked: int | None = None) -> None:
+    def zero(self, axes: Collection[int], steps: int, request_number: int | None = None) -> None:
         """Call the places where axes are so many steps and move them to 0; see ZeroesGauges."""
-        self._motions.zero(axes, steps, asked)
+        self._motions.zero(axes, steps, request_number)
 
     def trace_moves(self, axis: int | None, every_steps: int) -> int:
         """Trace every so many-th step of each move of an axis from now on; see TracesMoves."""

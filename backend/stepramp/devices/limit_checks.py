@@ -4,7 +4,7 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from time import monotonic
 
-from stepramp.controllers.contract import Asked
+from stepramp.controllers.contract import AxisCommand
 from stepramp.devices.soft_limits import FREE, Span, comes_too_near, out_of_limits, refuse_beyond
 from stepramp.devices.view import AxisView, DeviceView
 from stepramp.errors import Refused, Rejected, Rejection
@@ -24,20 +24,20 @@ def refuse_absent(view: DeviceView, spans: Mapping[int, Span]) -> None:
         raise Rejected(absent)
 
 
-def refuse_targets(view: DeviceView, asked: Sequence[Asked], *, relative: bool) -> None:
-    """Reject what leads beyond soft limits, or too far without; asked: distances, or else positions [steps]."""
-    _refuse_unknown(view, [each.axis for each in asked])
-    refuse_beyond(view.soft_limits, asked, _targets(view), relative=relative)
+def refuse_targets(view: DeviceView, commands: Sequence[AxisCommand], *, relative: bool) -> None:
+    """Reject what leads beyond soft limits, or too far without; commands: distances, or else positions [steps]."""
+    _refuse_unknown(view, [each.axis for each in commands])
+    refuse_beyond(view.soft_limits, commands, _targets(view), relative=relative)
 
 
-def refuse_there_and_back(view: DeviceView, way: Asked) -> None:
-    """Reject a way that leads beyond soft limits, or whose way back does."""
-    refuse_targets(view, [way], relative=True)
-    there = {axis: target + int(way.value) for axis, target in _targets(view).items()}
-    refuse_beyond(view.soft_limits, [replace(way, value=-way.value)], there, relative=True)
+def refuse_there_and_back(view: DeviceView, leg: AxisCommand) -> None:
+    """Reject a leg that leads beyond soft limits, or whose leg back does."""
+    refuse_targets(view, [leg], relative=True)
+    there = {axis: target + int(leg.value) for axis, target in _targets(view).items()}
+    refuse_beyond(view.soft_limits, [replace(leg, value=-leg.value)], there, relative=True)
 
 
-def refuse_outward(view: DeviceView, speeds: Sequence[Asked], steps_to_rest: StepsToRest) -> None:
+def refuse_outward(view: DeviceView, speeds: Sequence[AxisCommand], steps_to_rest: StepsToRest) -> None:
     """Reject speeds with which axes can't be kept within their soft limits."""
     going = [each for each in speeds if each.value]
     _refuse_unknown(view, [each.axis for each in going])
@@ -51,7 +51,7 @@ def refuse_outward(view: DeviceView, speeds: Sequence[Asked], steps_to_rest: Ste
         raise Rejected([out_of_limits(each, view.soft_limits[each.axis]) for each in near])
 
 
-def refuse_running(view: DeviceView, running: Collection[int], steps: Sequence[Asked]) -> None:
+def refuse_running(view: DeviceView, running: Collection[int], steps: Sequence[AxisCommand]) -> None:
     """Refused for axes that run and have soft limits: where they are when the controller hears it isn't known."""
     for each in steps:
         if each.axis in running and each.axis in view.soft_limits:

@@ -3,7 +3,7 @@
 from collections.abc import Collection, Mapping, Sequence
 
 from stepramp.controllers.capabilities import DrawsLines, ZeroesGauges
-from stepramp.controllers.contract import Asked, Controller
+from stepramp.controllers.contract import AxisCommand, Controller
 from stepramp.devices.contact import Contact
 from stepramp.devices.control import Control
 from stepramp.devices.leases import Lease, Leases
@@ -40,7 +40,7 @@ class Motions:
         self._control = control
         self._setting_out = setting_out
 
-    def move_by(self, steps: Sequence[Asked], asked: int | None) -> None:
+    def move_by(self, steps: Sequence[AxisCommand], request_number: int | None) -> None:
         """Begin to move axes by so many steps."""
 
         def begin(controller: Controller) -> None:
@@ -48,18 +48,18 @@ class Motions:
             refuse_targets(self._view.now, steps, relative=True)
             controller.move_by(steps)
 
-        self._setting_out.begin(f"move by {_told(steps)}", _axes_of(steps), begin, asked)
+        self._setting_out.begin(f"move by {_told(steps)}", _axes_of(steps), begin, request_number)
 
-    def move_to(self, positions: Sequence[Asked], asked: int | None) -> None:
+    def move_to(self, positions: Sequence[AxisCommand], request_number: int | None) -> None:
         """Begin to move axes to positions [steps]."""
 
         def begin(controller: Controller) -> None:
             refuse_targets(self._view.now, positions, relative=False)
             controller.move_to(positions)
 
-        self._setting_out.begin(f"move to {_told(positions)}", _axes_of(positions), begin, asked)
+        self._setting_out.begin(f"move to {_told(positions)}", _axes_of(positions), begin, request_number)
 
-    def line(self, steps: Sequence[Asked], ramp_axis: int | None, asked: int | None) -> None:
+    def line(self, steps: Sequence[AxisCommand], ramp_axis: int | None, request_number: int | None) -> None:
         """Begin to move axes along a straight line."""
 
         def begin(controller: Controller) -> None:
@@ -67,9 +67,9 @@ class Motions:
             refuse_targets(self._view.now, steps, relative=True)
             able.line(steps, ramp_axis)
 
-        self._setting_out.begin(f"line by {_told(steps)}", _axes_of(steps), begin, asked)
+        self._setting_out.begin(f"line by {_told(steps)}", _axes_of(steps), begin, request_number)
 
-    def run(self, speeds: Sequence[Asked], lease: Lease, asked: int | None) -> None:
+    def run(self, speeds: Sequence[AxisCommand], lease: Lease, request_number: int | None) -> None:
         """Run axes at speeds [steps/s] as long as a lease holds."""
 
         def begin(controller: Controller) -> None:
@@ -79,9 +79,9 @@ class Motions:
             refuse_outward(self._view.now, speeds, controller.steps_to_rest)
             controller.run(speeds)
 
-        self._setting_out.begin(f"run at {_told(speeds)}", _axes_of(speeds), begin, asked, lease)
+        self._setting_out.begin(f"run at {_told(speeds)}", _axes_of(speeds), begin, request_number, lease)
 
-    def zero(self, axes: Collection[int], steps: int, asked: int | None) -> None:
+    def zero(self, axes: Collection[int], steps: int, request_number: int | None) -> None:
         """Call the places where axes are so many steps and move them to 0."""
 
         def begin(controller: Controller) -> None:
@@ -90,9 +90,9 @@ class Motions:
             able.zero(axes, steps)
 
         what = f"zero from {steps} steps on: axes {sorted(axes)}"
-        self._setting_out.begin(what, axes, begin, asked, then=lambda: self._know_positions(axes))
+        self._setting_out.begin(what, axes, begin, request_number, then=lambda: self._know_positions(axes))
 
-    def set_position(self, positions: Sequence[Asked]) -> None:
+    def set_position(self, positions: Sequence[AxisCommand]) -> None:
         """Call the places where axes are these positions [steps]. Nothing moves."""
         axes = _axes_of(positions)
 
@@ -117,9 +117,9 @@ class Motions:
         self._view.change(lambda view: view.with_known_positions(axes))
 
 
-def _told(asked: Sequence[Asked]) -> str:
-    return ", ".join(f"{each.value:g} (axis {each.axis})" for each in asked)
+def _told(request_number: Sequence[AxisCommand]) -> str:
+    return ", ".join(f"{each.value:g} (axis {each.axis})" for each in request_number)
 
 
-def _axes_of(asked: Sequence[Asked]) -> list[int]:
-    return [each.axis for each in asked]
+def _axes_of(request_number: Sequence[AxisCommand]) -> list[int]:
+    return [each.axis for each in request_number]

@@ -13,36 +13,36 @@ class Permit:
 
     def __init__(self, stops: Stops) -> None:
         self._stops = stops
-        self._asked: int | None = None
+        self._request_number: int | None = None
         self._has_sent = False
         self.is_unseen = False
         """Something may have set out, and it has not been looked since."""
 
     def check(self) -> None:
         """Raise Overtaken when what is about to be sent sets out what a stop came after."""
-        if self._asked is not None:
-            self._stops.refuse_overtaken(self._asked)
+        if self._request_number is not None:
+            self._stops.refuse_overtaken(self._request_number)
             self._has_sent = True
 
     @contextmanager
-    def given(self, asked: int) -> Iterator[None]:
+    def given(self, request_number: int) -> Iterator[None]:
         """Let that be sent which was asked for then."""
-        self._asked, self._has_sent = asked, False
+        self._request_number, self._has_sent = request_number, False
         try:
             # Refused here too: what the controller is asked first, as its state, may not have to be sent.
-            self._stops.refuse_overtaken(asked)
+            self._stops.refuse_overtaken(request_number)
             yield
         finally:
-            self._asked = None
+            self._request_number = None
 
     @contextmanager
     def set_aside(self) -> Iterator[None]:
         """Let a stop be sent in the midst of what sets axes in motion."""
-        asked, self._asked = self._asked, None
+        request_number, self._request_number = self._request_number, None
         try:
             yield
         finally:
-            self._asked = asked
+            self._request_number = request_number
 
     @contextmanager
     def setting_out(self) -> Iterator[None]:

@@ -14,7 +14,7 @@ from stepramp.devices.reconnect import Returning
 from stepramp.devices.stops import Order, Stops
 from stepramp.devices.view import DeviceState, DeviceView
 from stepramp.errors import NotFound, Refused, Rejected, Rejection, StepRampError, shown
-from stepramp.link.ports import known_port, place_of
+from stepramp.link.ports import known_port, location_of
 
 _logger = logging.getLogger(__name__)
 
@@ -196,12 +196,12 @@ class Devices:
 
     def _at(self, port: str, family: Family) -> tuple[Device, bool]:
         # Without the lock: this may take a while, as does listing the machine's ports, and a stop must not wait for it.
-        place = place_of(port)
-        if (device := self._present_at(port, place)) is not None:
+        location = location_of(port)
+        if (device := self._present_at(port, location)) is not None:
             return device, False
         known = known_port(port)
         with self._lock:
-            if (device := self._one_at(port, place)) is not None:
+            if (device := self._one_at(port, location)) is not None:
                 return device, False
             if self._has_ended:
                 raise Refused("StepRamp is ending: nothing is connected any more.")
@@ -213,13 +213,13 @@ class Devices:
         self._tell()
         return device, True
 
-    def _present_at(self, port: str, place: str) -> Device | None:
+    def _present_at(self, port: str, location: str) -> Device | None:
         with self._lock:
-            return self._one_at(port, place)
+            return self._one_at(port, location)
 
-    def _one_at(self, port: str, place: str) -> Device | None:
+    def _one_at(self, port: str, location: str) -> Device | None:
         named = (device for device in self._devices.values() if device.view.port == port)
-        return next(named, None) or next((each for each in self._devices.values() if each.place == place), None)
+        return next(named, None) or next((each for each in self._devices.values() if each.location == location), None)
 
     def _forget(self, device: Device) -> None:
         with self._lock:

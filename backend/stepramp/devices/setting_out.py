@@ -40,16 +40,16 @@ class SettingOut:
         self._stopping = stopping
         self._order = order
 
-    def moment(self, asked: int | None) -> int:
+    def moment(self, request_number: int | None) -> int:
         """Return when something was asked for, in the order of all that is asked; None: now."""
-        return self._order.next() if asked is None else asked
+        return self._order.next() if request_number is None else request_number
 
     def begin(
         self,
         what: str,
         axes: Collection[int],
         begin: Callable[[Controller], None],
-        asked: int | None,
+        request_number: int | None,
         lease: Lease | None = None,
         then: Callable[[], None] = _nothing,
     ) -> None:
@@ -57,7 +57,7 @@ class SettingOut:
 
         what: how the log calls it. lease: what they run on, if they do. then: called once it is granted.
         """
-        at = self.moment(asked)
+        at = self.moment(request_number)
 
         def set_out(controller: Controller) -> None:
             self.newly(axes, lambda: self.permitted(axes, at, lambda: begin(controller)), lease, then)
@@ -92,16 +92,16 @@ class SettingOut:
             self._watch.refresh()
         then()
 
-    def again(self, axes: Collection[int], asked: int, begin: Callable[[], None]) -> None:
+    def again(self, axes: Collection[int], request_number: int, begin: Callable[[], None]) -> None:
         """Set axes in motion that go on by themselves, for what was asked then."""
         with self._permit.setting_out():
-            self.permitted(axes, asked, begin)
+            self.permitted(axes, request_number, begin)
             self._watch.refresh()
 
-    def permitted(self, axes: Collection[int], asked: int, begin: Callable[[], None]) -> None:
+    def permitted(self, axes: Collection[int], request_number: int, begin: Callable[[], None]) -> None:
         """Set axes in motion for what was asked then."""
         try:
-            with self._permit.given(asked):
+            with self._permit.given(request_number):
                 begin()
         except Exception as error:
             if self._permit.may_have_set_out(error):

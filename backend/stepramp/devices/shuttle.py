@@ -14,18 +14,18 @@ class Shuttle:
     pause_s: float
     page: str | None = None
     """Whose it is, if a page's: it ends when that page is no longer in control."""
-    asked: int = 0
+    request_number: int = 0
     """When it was asked for, in the order of all that is asked; see stops."""
     legs_begun: int = 0
-    """Ways there and ways back that have been set out on."""
+    """Legs, there and back, that have been set out on."""
     expected_steps: int | None = None
-    """Where the present way ends; None before the first."""
+    """Where the present leg ends; None before the first."""
     rest_since_s: float | None = None
     """Since when it is at rest, by the monotonic clock [s]; None while it moves."""
 
     @property
     def times_done(self) -> int:
-        """How often it has set out on the way back, and arrived."""
+        """How often it has set out on the leg back, and arrived."""
         return (self.legs_begun - (self.rest_since_s is None)) // 2
 
     @property
@@ -35,11 +35,11 @@ class Shuttle:
 
     @property
     def ended(self) -> bool:
-        """Whether it is back from the last way."""
+        """Whether it is back from the last leg."""
         return self.rest_since_s is not None and self.legs_begun == 2 * self.times
 
     def set_out(self, target_steps: int) -> "Shuttle":
-        """Return it on its next way, which ends at a target [steps]."""
+        """Return it on its next leg, which ends at a target [steps]."""
         return replace(self, legs_begun=self.legs_begun + 1, expected_steps=target_steps, rest_since_s=None)
 
     def arrived(self) -> "Shuttle":

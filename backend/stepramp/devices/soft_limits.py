@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from stepramp.controllers.contract import Asked
+from stepramp.controllers.contract import AxisCommand
 from stepramp.design import MOST_STEPS
 from stepramp.errors import Rejected, Rejection
 
@@ -40,14 +40,16 @@ FREE = Span()
 Spans = Mapping[int, Span]
 
 
-def refuse_beyond(spans: Spans, asked: Sequence[Asked], from_steps: Mapping[int, int], *, relative: bool) -> None:
+def refuse_beyond(
+    spans: Spans, commands: Sequence[AxisCommand], from_steps: Mapping[int, int], *, relative: bool
+) -> None:
     """Reject targets beyond soft limits, and ways of more than ten million steps towards where an axis has none.
 
-    asked: distances, or else positions [steps]. from_steps: where each axis would come to rest otherwise [steps]; axes
-    that aren't known are left to the controller.
+    commands: distances, or else positions [steps]. from_steps: where each axis would come to rest otherwise [steps];
+    axes that aren't known are left to the controller.
     """
     rejections = []
-    for each in asked:
+    for each in commands:
         if each.axis not in from_steps:
             continue
         start, span = from_steps[each.axis], spans.get(each.axis, FREE)
@@ -63,10 +65,10 @@ def refuse_beyond(spans: Spans, asked: Sequence[Asked], from_steps: Mapping[int,
         raise Rejected(rejections)
 
 
-def out_of_limits(asked: Asked, span: Span) -> Rejection:
+def out_of_limits(command: AxisCommand, span: Span) -> Rejection:
     """Return the rejection of a speed that leads out of soft limits, or too near to them to stop in time."""
-    allowed = f"a speed at which axis {asked.axis} can still come to rest within its soft limits, {span.words}"
-    return Rejection(asked.field, asked.value, allowed)
+    allowed = f"a speed at which axis {command.axis} can still come to rest within its soft limits, {span.words}"
+    return Rejection(command.field, command.value, allowed)
 
 
 def comes_too_near(span: Span, position_steps: float, velocity_steps_per_s: float, steps_to_rest: int) -> bool:

@@ -75,13 +75,13 @@ class Stops:
             self._unanswered += 1
             self._last = self._order.next()
 
-    def have_overtaken(self, asked: int) -> bool:
+    def have_overtaken(self, request_number: int) -> bool:
         """Tell whether a stop came after what was asked then, or is still to be answered."""
         with self._lock:
-            overtaken = self._unanswered > 0 or asked < self._last
-        return overtaken or (self._of_all is not None and self._of_all.have_overtaken(asked))
+            overtaken = self._unanswered > 0 or request_number < self._last
+        return overtaken or (self._of_all is not None and self._of_all.have_overtaken(request_number))
 
-    def refuse_overtaken(self, asked: int) -> None:
+    def refuse_overtaken(self, request_number: int) -> None:
         """Raise Overtaken when a stop came after what was asked then, or is still to be answered."""
-        if self.have_overtaken(asked):
+        if self.have_overtaken(request_number):
             raise Overtaken("A stop came first: what was asked before it is not carried out.")

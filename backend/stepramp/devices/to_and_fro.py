@@ -1,8 +1,8 @@
-"""To and fro: an axis goes there and back by itself, one way after the other."""
+"""To and fro: an axis goes there and back by itself, one leg after the other."""
 
 from dataclasses import replace
 
-from stepramp.controllers.contract import Asked, Controller
+from stepramp.controllers.contract import AxisCommand, Controller
 from stepramp.devices.contact import Contact
 from stepramp.devices.control import Control
 from stepramp.devices.limit_checks import refuse_targets, refuse_there_and_back
@@ -16,7 +16,7 @@ from stepramp.errors import Refused, Rejected
 
 
 class ToAndFro:
-    """Begins each way of a shuttle, until it is done or something else comes."""
+    """Begins each leg of a shuttle, until it is done or something else comes."""
 
     def __init__(
         self, view: LiveView, contact: Contact, watch: Watch, control: Control, setting_out: SettingOut, stops: Stops
@@ -28,23 +28,25 @@ class ToAndFro:
         self._setting_out = setting_out
         self._stops = stops
 
-    def begin(self, shuttle: Shuttle, way: Asked, asked: int | None = None) -> None:
-        """Set out on the first way; see Device.go_there_and_back. From any thread."""
-        shuttle = replace(shuttle, asked=self._setting_out.moment(asked))
+    def begin(self, shuttle: Shuttle, leg: AxisCommand, request_number: int | None = None) -> None:
+        """Set out on the first leg; see Device.go_there_and_back. From any thread."""
+        shuttle = replace(shuttle, request_number=self._setting_out.moment(request_number))
 
         def begin(controller: Controller) -> None:
             self._control.refuse_without(shuttle.page)
             self._watch.refuse_under_way()
-            refuse_there_and_back(self._view.now, way)
-            controller.move_by([way])
+            refuse_there_and_back(self._view.now, leg)
+            controller.move_by([leg])
 
-        what = f"go there and back by {way.value:g} (axis {way.axis})"
-        self._setting_out.begin(what, [shuttle.axis], begin, shuttle.asked, then=lambda: self._show_way(shuttle))
+        what = f"go there and back by {leg.value:g} (axis {leg.axis})"
+        self._setting_out.begin(
+            what, [shuttle.axis], begin, shuttle.request_number, then=lambda: self._show_leg(shuttle)
+        )
 
     # From here on: in the thread of the port.
 
     def go_on(self) -> None:
-        """Set out on the next way there or back once the pause is over; it ends when it rests elsewhere."""
+        """Set out on the next leg, there or back, once the pause is over; it ends when it rests elsewhere."""
         view = self._view.now
         if view.shuttle is None or view.state is not DeviceState.READY:
             return
@@ -52,25 +54,25 @@ class ToAndFro:
         if shuttle.ended or self._target_steps(shuttle.axis) != shuttle.expected_steps:
             self._show(None)
         elif shuttle.is_due():
-            self._begin_way(shuttle)
+            self._begin_leg(shuttle)
         else:
             self._show(shuttle)
 
-    def _begin_way(self, shuttle: Shuttle) -> None:
-        controller, way = self._contact.controller, Asked(shuttle.axis, shuttle.next_by_steps, "by_steps")
+    def _begin_leg(self, shuttle: Shuttle) -> None:
+        controller, leg = self._contact.controller, AxisCommand(shuttle.axis, shuttle.next_by_steps, "by_steps")
         try:
             self._control.refuse_without(shuttle.page)
-            refuse_targets(self._view.now, [way], relative=True)
-            self._setting_out.again([shuttle.axis], shuttle.asked, lambda: controller.move_by([way]))
+            refuse_targets(self._view.now, [leg], relative=True)
+            self._setting_out.again([shuttle.axis], shuttle.request_number, lambda: controller.move_by([leg]))
         except (Refused, Rejected):
             # A stop came, or somebody else at the controller, such as its own sketch, has begun something: it is over.
             self._show(None)
             return
-        self._show_way(shuttle)
+        self._show_leg(shuttle)
 
-    def _show_way(self, shuttle: Shuttle) -> None:
-        """Note where the way leads that has just been begun, unless it has been stopped meanwhile."""
-        if not self._stops.have_overtaken(shuttle.asked):
+    def _show_leg(self, shuttle: Shuttle) -> None:
+        """Note where the leg leads that has just been begun, unless it has been stopped meanwhile."""
+        if not self._stops.have_overtaken(shuttle.request_number):
             self._show(shuttle.set_out(self._target_steps(shuttle.axis)))
 
     def _show(self, shuttle: Shuttle | None) -> None:

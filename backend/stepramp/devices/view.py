@@ -143,7 +143,7 @@ class DeviceView:
         """Return the device once somebody has said where axes are."""
         return replace(self, unknown_positions=tuple(axis for axis in self.unknown_positions if axis not in axes))
 
-    def at_a_loss(self, message: str) -> "DeviceView":
+    def lost(self, message: str) -> "DeviceView":
         """Return the device as it is once its controller is no longer there."""
         axes = tuple(replace(axis, state=DeviceState.LOST, speed_steps_per_s=0.0) for axis in self.axes)
         return replace(
@@ -163,7 +163,7 @@ class DeviceView:
         Until it is connected again it may be moved by others, and count anew: nobody knows where its limits are then.
         """
         unknown = tuple(sorted({*self.unknown_positions, *self.soft_limits}))
-        return replace(self.at_a_loss("Disconnected."), unknown_positions=unknown)
+        return replace(self.lost("Disconnected."), unknown_positions=unknown)
 
     def _midst(self) -> Iterator[str]:
         """Yield what was going on, for somebody who wonders what has come of it."""

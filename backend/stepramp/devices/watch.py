@@ -25,7 +25,7 @@ class Watch:
     def __init__(self, view: LiveView, contact: Contact) -> None:
         self._view = view
         self._contact = contact
-        self._asked_s = 0.0
+        self._polled_s = 0.0
         self.is_view_old = False
         """The controller does something else than is shown, and has still to be asked what."""
         self.is_writing = False
@@ -41,7 +41,7 @@ class Watch:
         """Listen to the controller, or ask it, if that is due."""
         view = self._view.now
         under_way = view.state in UNDER_WAY
-        is_due = self.is_view_old or (under_way and monotonic() - self._asked_s > HEARTBEAT_S)
+        is_due = self.is_view_old or (under_way and monotonic() - self._polled_s > HEARTBEAT_S)
         if not is_due and not (under_way and self.listen()):
             is_due = monotonic() - view.heard_s > (SILENCE_S if under_way else IDLE_POLL_S)
         if is_due:
@@ -56,7 +56,7 @@ class Watch:
 
     def refresh(self) -> None:
         """Ask the controller what it does, and show it."""
-        self._asked_s = monotonic()
+        self._polled_s = monotonic()
         status = self._contact.controller.status()
         self.is_view_old = False
         self.show(status)

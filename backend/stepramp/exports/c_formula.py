@@ -130,8 +130,8 @@ def _fixed_side(values: dict[str, str], code: FixedCode, up: ConstantAcceleratio
             "side_fields": _indented(["int is_up;", Template(code.field).substitute(values)]),
             "up": _fixed_constants(up, code, is_up=True),
             "down": _fixed_constants(down, code, is_up=False),
-            "way_fields": f"\n    {code.way_field}" if code.way_field else "",
-            "way_values": f", {code.way_value}" if code.way_value else "",
+            "state_fields": f"\n    {code.state_field}" if code.state_field else "",
+            "state_values": f", {code.state_value}" if code.state_value else "",
             "change": Template(code.change).substitute(values),
         },
     )  # fmt: skip

@@ -8,9 +8,9 @@ from collections.abc import Callable
 
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from stepramp.http_api.asked_at import number_of
 from stepramp.http_api.connections import Connections
 from stepramp.http_api.door import is_last, is_stop
+from stepramp.http_api.request_numbers import number_of
 
 AT_LAST = "stepramp.at_last"
 """In a message to a WebSocket, instead of its text: what makes the text as it is written, and has stops overtake what

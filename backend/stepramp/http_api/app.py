@@ -13,12 +13,12 @@ from stepramp.controllers.families import FAMILIES, Family
 from stepramp.devices.registry import Devices
 from stepramp.http_api import curves, devices, exports, methods, pages, planning, schedule, tables
 from stepramp.http_api.answered import Answered
-from stepramp.http_api.asked_at import AskedAt
 from stepramp.http_api.connections import Connections
 from stepramp.http_api.door import Door
 from stepramp.http_api.errors import ErrorList, handle_errors
 from stepramp.http_api.journal import Journal
 from stepramp.http_api.news import News
+from stepramp.http_api.request_numbers import RequestNumbering
 from stepramp.http_api.security import LoopbackOnly, with_policy
 from stepramp.ramp.warm_up import warm_up
 from stepramp.version import __version__
@@ -99,5 +99,5 @@ def create_app(families: Mapping[str, Family] = FAMILIES) -> FastAPI:
     app.add_middleware(LoopbackOnly)
     now = app.state.devices.order.next
     app.add_middleware(Answered, now=now, connections=app.state.connections)
-    app.add_middleware(AskedAt, now=now)
+    app.add_middleware(RequestNumbering, now=now)
     return app

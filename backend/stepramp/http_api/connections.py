@@ -86,7 +86,7 @@ class Connections:
             min(self._open, key=lambda each: each.turn_to_end).transport.abort()
         self._open.add(connection)
 
-    def make_unread_as_old_as(self, asked: int, but: Sequence[object] | None = None) -> None:
+    def make_unread_as_old_as(self, request_number: int, but: Sequence[object] | None = None) -> None:
         """Have what has come in, and waits to be read, count as asked for then.
 
         but: the address of a client of whom this doesn't hold, since it has only now been answered.
@@ -94,9 +94,9 @@ class Connections:
         listening = {each.transport.get_extra_info("socket"): each for each in self._open if each.is_listening}
         for unread in readable(listening):
             if but is None or tuple(but) != listening[unread].client:
-                listening[unread].make_as_old_as(asked)
+                listening[unread].make_as_old_as(request_number)
         if self._listener is not None and readable([self._listener]):
-            self.late = asked
+            self.late = request_number
             asyncio.get_running_loop().call_soon(self._end_of_late, TURNS_TO_ACCEPT)
 
     def _end_of_late(self, turns: int) -> None:
@@ -145,7 +145,7 @@ class Connection(H11Protocol):
         self._waits_since_s = self.loop.time()
         super().on_response_complete()
 
-    def make_as_old_as(self, asked: int) -> None:
+    def make_as_old_as(self, request_number: int) -> None:
         """Have what waits to be read count as asked for then."""
 
     @property

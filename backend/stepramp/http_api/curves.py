@@ -6,7 +6,7 @@ from fastapi import APIRouter, WebSocket
 
 from stepramp.errors import Rejected, Rejection
 from stepramp.http_api.bodies import LARGE_BYTES, JsonRoute
-from stepramp.http_api.curves_models import CurvesAnswer, CurvesRequest
+from stepramp.http_api.curves_models import CurvesAnswer, CurvesPayload
 from stepramp.http_api.errors import ErrorList, error_items, in_body
 from stepramp.http_api.json_response import json_bytes, json_pieces
 from stepramp.http_api.lanes import CHECKING, Lane, planning_lane
@@ -20,7 +20,7 @@ LONGEST_MESSAGE_BYTES = 2**22
 
 
 @router.post("/curves")
-async def curves(request: CurvesRequest) -> Planned[CurvesAnswer]:
+async def curves(request: CurvesPayload) -> Planned[CurvesAnswer]:
     """Plan a design's move by several methods, thinned for plots, with their errors and figures."""
     return Planned(_lane(request), lambda: CurvesAnswer.of(request.drawing))
 
@@ -47,11 +47,11 @@ async def _answer(message: str | bytes) -> str:
         return json_bytes(ErrorList(errors=error_items(in_body(error)))).decode()
 
 
-def _checked(message: str | bytes) -> CurvesRequest:
-    return CurvesRequest.checked(parsed(message, "a JSON object with a design and methods"))
+def _checked(message: str | bytes) -> CurvesPayload:
+    return CurvesPayload.checked(parsed(message, "a JSON object with a design and methods"))
 
 
-def _lane(request: CurvesRequest) -> Lane:
+def _lane(request: CurvesPayload) -> Lane:
     return planning_lane([request.design], len(request.methods), request.max_points)
 
 

@@ -29,7 +29,7 @@ from stepramp.validation import Document, ListOf, Within
 StepOfMove = Annotated[int, Within(1, MOST_STEPS, "steps, or null")] | None
 
 
-class CurvesRequest(Document):
+class CurvesPayload(Document):
     """A design, and what is to be drawn of it."""
 
     design: Design
@@ -59,7 +59,7 @@ class CurvesRequest(Document):
         span = (self.first_step or 1, self.last_step or abs(self.design.move.steps))
         return Drawing(
             design=self.design,
-            wanted=tuple(dict.fromkeys(self.methods)),
+            chosen=tuple(dict.fromkeys(self.methods)),
             reference=self.reference,
             most_points=self.max_points,
             span=None if self.first_step is self.last_step is None else span,

@@ -12,7 +12,7 @@ from stepramp.http_api import jog, motion, settings, stopping
 from stepramp.http_api.bodies import JsonRoute
 from stepramp.http_api.device_registry import Acting, Page, Registry
 from stepramp.http_api.devices_models import (
-    ConnectRequest,
+    ConnectPayload,
     DeviceAnswer,
     DevicesAnswer,
     DisconnectedAnswer,
@@ -20,13 +20,13 @@ from stepramp.http_api.devices_models import (
     PreviewAnswer,
     PushAnswer,
     PushDesigns,
-    PushRequest,
+    PushPayload,
 )
 from stepramp.http_api.errors import ErrorList
 from stepramp.http_api.lanes import ACTING, CONNECTING, PLANNING, PUSHING
 from stepramp.http_api.news import News
 from stepramp.http_api.sockets import accept, received, send, send_at_last, served
-from stepramp.http_api.stop_messages import MOST_AT_A_TIME, Answer, Answers, answered
+from stepramp.http_api.stop_messages import MOST_AT_A_TIME, PendingAnswer, PendingAnswers, answered
 from stepramp.link.ports import list_serial_ports
 
 UNREAD_S = 1.0
@@ -62,7 +62,7 @@ async def all_devices(devices: Registry) -> DevicesAnswer:
 
 @router.post("/devices")
 @CONNECTING.serves
-def connect(request: ConnectRequest, devices: Registry, page: Page = None) -> DeviceAnswer:
+def connect(request: ConnectPayload, devices: Registry, page: Page = None) -> DeviceAnswer:
     """Connect to a port, which takes up to 6 s, and return its device. Nothing moves.
 
     A device that was lost is connected again by itself, as one of the family that it was connected as.
@@ -97,7 +97,7 @@ async def take_over(device_id: str, devices: Registry, page: Page = None) -> Dev
 
 @router.post("/devices/{device_id}/push")
 @PUSHING.serves
-def push(request: PushRequest, device: Acting) -> PushAnswer:
+def push(request: PushPayload, device: Acting) -> PushAnswer:
     """Have the controller use designs' ramps, stored or on trial, and read them back; refused while a motor moves."""
     return PushAnswer.model_validate(device.push(request.designs, request.first_axis, request.mode, PLANNING.wait_for))
 
@@ -144,7 +144,7 @@ async def events(socket: WebSocket, devices: Registry, page: str | None = None) 
     stop, too: `{"do": "stop"}` and `{"do": "halt", "device": "1"}` are answered once that is granted, with `did`.
     """
     news: News = socket.app.state.news
-    answers = Answers()
+    answers = PendingAnswers()
     async with served(socket):
         await accept(socket)
         with devices.present(page):
@@ -162,7 +162,7 @@ async def _tell(socket: WebSocket, texts: AsyncGenerator[str, None]) -> None:
             await send(socket, text)
 
 
-async def _answer(socket: WebSocket, answers: AsyncGenerator[Answer, None]) -> None:
+async def _answer(socket: WebSocket, answers: AsyncGenerator[PendingAnswer, None]) -> None:
     async with aclosing(answers):
         async for answer in answers:
             try:
@@ -171,7 +171,7 @@ async def _answer(socket: WebSocket, answers: AsyncGenerator[Answer, None]) -> N
                 answer.give_up()
 
 
-async def _hear(socket: WebSocket, devices: Devices, answers: Answers) -> None:
+async def _hear(socket: WebSocket, devices: Devices, answers: PendingAnswers) -> None:
     """Stop whenever that is asked for, until the other end has gone."""
     stopping: set[asyncio.Task[None]] = set()
     room = asyncio.Semaphore(MOST_AT_A_TIME)

@@ -15,7 +15,7 @@ from stepramp.http_api.answer import Answer
 from stepramp.validation import Document, ListOrNull, Text, Within, refuse
 
 
-class ConnectRequest(Document):
+class ConnectPayload(Document):
     """A port to connect to."""
 
     port: Annotated[str, Text(200)] = Field(
@@ -59,7 +59,7 @@ class PushDesigns(Document):
         return self.to_axis if self.axes is None else None
 
 
-class PushRequest(PushDesigns):
+class PushPayload(PushDesigns):
     """Designs whose ramps the controller is to use, and for how long."""
 
     mode: Literal["keep", "try"] = Field(

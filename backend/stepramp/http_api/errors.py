@@ -76,13 +76,13 @@ def handle_errors(app: FastAPI) -> None:
 
     async def http(request: Request, error: Exception) -> Response:
         assert isinstance(error, HTTPException)
-        asked = f"{request.method} {brief(request.url.path)}"
+        request_line = f"{request.method} {brief(request.url.path)}"
         message, headers = error.detail, dict(error.headers or {})
         if error.status_code == 405:
             headers["Allow"] = ", ".join(_methods_of(request)) or headers.get("Allow", "GET, HEAD")
-            message = f"{message}: {asked}; allowed: {headers['Allow']}."
+            message = f"{message}: {request_line}; allowed: {headers['Allow']}."
         elif not message.endswith("."):
-            message = f"{message}: {asked}. The routes are described at /docs."
+            message = f"{message}: {request_line}. The routes are described at /docs."
         return _response(error.status_code, [_sentence(message)], headers)
 
     async def unexpected(_: Request, error: Exception) -> Response:

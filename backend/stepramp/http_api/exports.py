@@ -7,7 +7,7 @@ from starlette.responses import Response
 
 from stepramp.exports.export import MEDIA_TYPES, FormatName, Options, export
 from stepramp.http_api.bodies import JsonRoute
-from stepramp.http_api.exports_models import ExportRequest
+from stepramp.http_api.exports_models import ExportPayload
 from stepramp.http_api.lanes import LONG_PLANNING
 
 router = APIRouter(tags=["exports"], route_class=JsonRoute)
@@ -18,7 +18,7 @@ FILE["application/json"] = {"schema": {"type": "object", "description": "The des
 
 @router.post("/export/{format}", response_class=Response, responses={200: {"description": "The file", "content": FILE}})
 @LONG_PLANNING.serves
-def export_design(format: FormatName, request: ExportRequest) -> Response:
+def export_design(format: FormatName, request: ExportPayload) -> Response:
     """Export a design: a C header of its table, its segments or a formula, a list of steps, a report or a picture."""
     options = Options(request.name, tuple(request.methods), request.arithmetic, request.segment_bound_ticks)
     made = export(request.design, format, options)

@@ -12,7 +12,7 @@ from stepramp.validation import Document, ListOf, Within, refuse
 MOST_BOUND_TICKS = 10_000
 
 
-class ExportRequest(Document):
+class ExportPayload(Document):
     """A design, and what its file should be like."""
 
     design: Design

@@ -8,12 +8,12 @@ from fastapi import APIRouter, WebSocket
 from stepramp.devices.device import Device
 from stepramp.devices.leases import Lease
 from stepramp.errors import Rejected, Rejection, StepRampError
-from stepramp.http_api.asked_at import arrived_at
 from stepramp.http_api.device_registry import Registry
 from stepramp.http_api.errors import ErrorList, error_items
-from stepramp.http_api.jog_models import JogRequest
+from stepramp.http_api.jog_models import JogPayload
 from stepramp.http_api.json_response import json_bytes
 from stepramp.http_api.lanes import ACTING
+from stepramp.http_api.request_numbers import arrived_at
 from stepramp.http_api.sockets import accept, parsed, received, send, served
 
 ALLOWED = 'a JSON object such as {"do": "hold"}'
@@ -67,7 +67,7 @@ class _Held:
         try:
             if len(message) > LONGEST_MESSAGE:
                 raise Rejected([Rejection("message", message, f"{ALLOWED}, of up to {LONGEST_MESSAGE:,} characters")])
-            request = JogRequest.checked(parsed(message, ALLOWED))
+            request = JogPayload.checked(parsed(message, ALLOWED))
         except Rejected as error:
             self.let_go()
             await _tell(self._socket, error)
@@ -76,8 +76,8 @@ class _Held:
             if self._lease is not None:
                 self._lease.end()
             self._lease = Lease({request.axis: request.speed_steps_per_s}, page=self._page)
-            asked = self._opened if request.stops is None else min(self._opened, request.stops)
-            task = asyncio.create_task(self._begin(self._lease, request, asked))
+            request_number = self._opened if request.stops is None else min(self._opened, request.stops)
+            task = asyncio.create_task(self._begin(self._lease, request, request_number))
             self._beginning.add(task)
             task.add_done_callback(self._beginning.discard)
         elif request.do == "hold" and self._lease is not None:
@@ -91,10 +91,12 @@ class _Held:
         if lease is not None:
             self._device.end_run(lease)
 
-    async def _begin(self, lease: Lease, request: JogRequest, asked: int) -> None:
+    async def _begin(self, lease: Lease, request: JogPayload, request_number: int) -> None:
         # In a thread of its own: the messages that renew the lease or end it must not wait for the controller.
         async with served(self._socket):
             try:
-                await ACTING.run(partial(self._device.run, [request.asked], lease, asked), self._device.view.id)
+                await ACTING.run(
+                    partial(self._device.run, [request.command], lease, request_number), self._device.view.id
+                )
             except StepRampError as error:
                 await _tell(self._socket, error)

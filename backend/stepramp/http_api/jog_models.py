@@ -5,12 +5,12 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from stepramp.controllers.axes import AxisNumber
-from stepramp.controllers.contract import Asked
+from stepramp.controllers.contract import AxisCommand
 from stepramp.http_api.motion_models import AXIS, Speed
 from stepramp.validation import Document, Within
 
 
-class JogRequest(Document):
+class JogPayload(Document):
     """What the WebSocket of a jog is told."""
 
     do: Literal["run", "hold", "end"] = Field(
@@ -23,6 +23,6 @@ class JogRequest(Document):
     )
 
     @property
-    def asked(self) -> Asked:
+    def command(self) -> AxisCommand:
         """How fast the axis is to run."""
-        return Asked(self.axis, self.speed_steps_per_s, "speed_steps_per_s")
+        return AxisCommand(self.axis, self.speed_steps_per_s, "speed_steps_per_s")

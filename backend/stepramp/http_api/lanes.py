@@ -71,8 +71,8 @@ class Lane:
         """Have a route's requests served in this lane: a decorator."""
 
         @wraps(route)
-        async def in_turn(*args: P.args, **asked: P.kwargs) -> T:
-            return await self.run(partial(route, *args, **asked), _device_of(asked))
+        async def in_turn(*args: P.args, **arguments: P.kwargs) -> T:
+            return await self.run(partial(route, *args, **arguments), _device_of(arguments))
 
         return in_turn
 
@@ -101,10 +101,10 @@ def _in(loop: asyncio.AbstractEventLoop, act: Callable[[], None]) -> None:
         loop.call_soon_threadsafe(act)
 
 
-def _device_of(asked: dict[str, Any]) -> object:
+def _device_of(arguments: dict[str, Any]) -> object:
     """Return what tells the device apart that a route is asked about, if it is."""
-    device: Device | None = asked.get("device")
-    return asked.get("device_id") if device is None else device.view.id
+    device: Device | None = arguments.get("device")
+    return arguments.get("device_id") if device is None else device.view.id
 
 
 def planning_lane(designs: Sequence[Design], methods: int = 1, points: int | None = None) -> Lane:

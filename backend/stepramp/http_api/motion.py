@@ -2,53 +2,55 @@
 
 from fastapi import APIRouter
 
-from stepramp.http_api.asked_at import AskedNumber
 from stepramp.http_api.bodies import JsonRoute
 from stepramp.http_api.device_registry import Acting, Page, Registry
 from stepramp.http_api.devices_models import DeviceAnswer
 from stepramp.http_api.json_response import JsonResponse
 from stepramp.http_api.lanes import ACTING
 from stepramp.http_api.motion_models import (
-    LineRequest,
-    MoveRequest,
-    PositionRequest,
-    RunRequest,
-    ShuttleRequest,
-    SoftLimitsRequest,
+    LinePayload,
+    MovePayload,
+    PositionPayload,
+    RunPayload,
+    ShuttlePayload,
+    SoftLimitsPayload,
     TraceAnswer,
-    TraceRequest,
+    TracePayload,
     TracingAnswer,
-    ZeroRequest,
+    ZeroPayload,
 )
+from stepramp.http_api.request_numbers import RequestNumber
 
 router = APIRouter(route_class=JsonRoute)
 
 
 @router.post("/devices/{device_id}/move")
 @ACTING.serves
-def move(request: MoveRequest, device: Acting, asked: AskedNumber) -> DeviceAnswer:
+def move(request: MovePayload, device: Acting, request_number: RequestNumber) -> DeviceAnswer:
     """Begin to move with the ramps in use, by so many steps or to positions, also from the midst of a move."""
     if request.is_relative:
-        device.move_by(request.asked, asked)
+        device.move_by(request.commands, request_number)
     else:
-        device.move_to(request.asked, asked)
+        device.move_to(request.commands, request_number)
     return DeviceAnswer.model_validate(device.view)
 
 
 @router.post("/devices/{device_id}/there_and_back")
 @ACTING.serves
-def there_and_back(request: ShuttleRequest, device: Acting, asked: AskedNumber, page: Page = None) -> DeviceAnswer:
+def there_and_back(
+    request: ShuttlePayload, device: Acting, request_number: RequestNumber, page: Page = None
+) -> DeviceAnswer:
     """Begin to go there and back, so many times, from rest. Whatever else is asked of axes ends it, as does a stop.
 
     What a page has begun ends with it, as a run does.
     """
-    device.go_there_and_back(request.shuttle(page), request.asked, asked)
+    device.go_there_and_back(request.shuttle(page), request.command, request_number)
     return DeviceAnswer.model_validate(device.view)
 
 
 @router.post("/devices/{device_id}/run")
 @ACTING.serves
-def run(request: RunRequest, device: Acting, asked: AskedNumber, page: Page = None) -> DeviceAnswer:
+def run(request: RunPayload, device: Acting, request_number: RequestNumber, page: Page = None) -> DeviceAnswer:
     """Run at speeds for so long, also from the midst of a move; asked again in time, it goes on. Then it slows down.
 
     So a program that is gone leaves no motor running, nor does a page: what it runs ends with it. To run only as long
@@ -56,37 +58,37 @@ def run(request: RunRequest, device: Acting, asked: AskedNumber, page: Page = No
     `{"do": "run", "axis": 0, "speed_steps_per_s": 400}`, then `{"do": "hold"}` at least every 0.4 s. The axis slows
     down when that stops, when the socket closes, or at `{"do": "end"}`.
     """
-    device.run(request.asked, request.lease(page), asked)
+    device.run(request.commands, request.lease(page), request_number)
     return DeviceAnswer.model_validate(device.view)
 
 
 @router.post("/devices/{device_id}/line")
 @ACTING.serves
-def line(request: LineRequest, device: Acting, asked: AskedNumber) -> DeviceAnswer:
+def line(request: LinePayload, device: Acting, request_number: RequestNumber) -> DeviceAnswer:
     """Begin to move along a straight line, from rest."""
-    device.line(request.asked, request.ramp_axis, asked)
+    device.line(request.commands, request.ramp_axis, request_number)
     return DeviceAnswer.model_validate(device.view)
 
 
 @router.post("/devices/{device_id}/position")
 @ACTING.serves
-def position(request: PositionRequest, device: Acting) -> DeviceAnswer:
+def position(request: PositionPayload, device: Acting) -> DeviceAnswer:
     """Call the places where axes are at rest something else. Nothing moves."""
-    device.set_position(request.asked)
+    device.set_position(request.commands)
     return DeviceAnswer.model_validate(device.view)
 
 
 @router.post("/devices/{device_id}/zero")
 @ACTING.serves
-def zero(request: ZeroRequest, device: Acting, asked: AskedNumber) -> DeviceAnswer:
+def zero(request: ZeroPayload, device: Acting, request_number: RequestNumber) -> DeviceAnswer:
     """Move gauges backwards against their stop, which is position 0 from then on."""
-    device.zero(request.axes, request.steps, asked)
+    device.zero(request.axes, request.steps, request_number)
     return DeviceAnswer.model_validate(device.view)
 
 
 @router.put("/devices/{device_id}/soft_limits")
 @ACTING.serves
-def limit(request: SoftLimitsRequest, device: Acting) -> DeviceAnswer:
+def limit(request: SoftLimitsPayload, device: Acting) -> DeviceAnswer:
     """Keep axes within positions from now on; null takes a limit away. Nothing moves.
 
     The server keeps them until it ends, also when the device is disconnected and connected again, for its port, or its
@@ -101,7 +103,7 @@ def limit(request: SoftLimitsRequest, device: Acting) -> DeviceAnswer:
 
 @router.put("/devices/{device_id}/trace")
 @ACTING.serves
-def trace_moves(request: TraceRequest, device: Acting) -> TracingAnswer:
+def trace_moves(request: TracePayload, device: Acting) -> TracingAnswer:
     """Trace the moves of an axis that begin from now on: when each step, or every so many-th, was made."""
     every = device.trace_moves(request.traced_axis, request.every_steps)
     return TracingAnswer(traced_axis=request.traced_axis, every_steps=every)

@@ -6,7 +6,7 @@ from typing import Annotated, Self
 from pydantic import Field, model_validator
 
 from stepramp.controllers.axes import MOST_AXES, AxisNumber, AxisNumbersAsGiven
-from stepramp.controllers.contract import Asked, Trace
+from stepramp.controllers.contract import AxisCommand, Trace
 from stepramp.devices.leases import Lease
 from stepramp.devices.shuttle import Shuttle
 from stepramp.devices.soft_limits import Span
@@ -31,7 +31,7 @@ class AxisMove(Document):
         return self
 
 
-class MoveRequest(Document):
+class MovePayload(Document):
     """Where to move: axis 0 by so many steps or to a position, or several axes that begin together."""
 
     by_steps: Steps | None = Field(
@@ -63,13 +63,13 @@ class MoveRequest(Document):
         return (self.by_steps if self.axes is None else self.axes[0].by_steps) is not None
 
     @property
-    def asked(self) -> list[Asked]:
+    def commands(self) -> list[AxisCommand]:
         """What is asked of the axes."""
         name = "by_steps" if self.is_relative else "to_steps"
-        return _asked(self.axes, name, getattr(self, name))
+        return _commands(self.axes, name, getattr(self, name))
 
 
-class ShuttleRequest(Document):
+class ShuttlePayload(Document):
     """How one axis is to go there and back."""
 
     axis: AxisNumber = Field(0, description=AXIS)
@@ -91,9 +91,9 @@ class ShuttleRequest(Document):
         return Shuttle(self.axis, self.by_steps, self.times, self.pause_s, page)
 
     @property
-    def asked(self) -> Asked:
+    def command(self) -> AxisCommand:
         """What is asked of the axis first."""
-        return Asked(self.axis, self.by_steps, "by_steps")
+        return AxisCommand(self.axis, self.by_steps, "by_steps")
 
 
 class AxisRun(Document):
@@ -103,7 +103,7 @@ class AxisRun(Document):
     speed_steps_per_s: Speed = Field(description="Speed, negative for backwards; 0 stops [steps/s]")
 
 
-class RunRequest(Document):
+class RunPayload(Document):
     """How fast to run: axis 0, or several axes."""
 
     speed_steps_per_s: Speed | None = Field(
@@ -123,12 +123,12 @@ class RunRequest(Document):
 
     def lease(self, page: str | None) -> Lease:
         """Return what the axes run on, for whoever asks."""
-        return Lease({each.axis: each.value for each in self.asked}, self.for_s, page)
+        return Lease({each.axis: each.value for each in self.commands}, self.for_s, page)
 
     @property
-    def asked(self) -> list[Asked]:
+    def commands(self) -> list[AxisCommand]:
         """What is asked of the axes."""
-        return _asked(self.axes, "speed_steps_per_s", self.speed_steps_per_s)
+        return _commands(self.axes, "speed_steps_per_s", self.speed_steps_per_s)
 
 
 class AxisSteps(Document):
@@ -138,7 +138,7 @@ class AxisSteps(Document):
     by_steps: Steps = Field(description="How far from here, negative for backwards [steps]")
 
 
-class LineRequest(Document):
+class LinePayload(Document):
     """A straight line of several axes, which begin and end together."""
 
     axes: Annotated[list[AxisSteps], ListOf("axes and how far they go", most=MOST_AXES, least=1)] = Field(
@@ -158,9 +158,9 @@ class LineRequest(Document):
         return self
 
     @property
-    def asked(self) -> list[Asked]:
+    def commands(self) -> list[AxisCommand]:
         """What is asked of the axes."""
-        return _asked(self.axes, "by_steps", None)
+        return _commands(self.axes, "by_steps", None)
 
 
 class AxisPosition(Document):
@@ -170,7 +170,7 @@ class AxisPosition(Document):
     position_steps: Steps = Field(description="Its position from now on [steps]")
 
 
-class PositionRequest(Document):
+class PositionPayload(Document):
     """What the place of axis 0, or of several axes, is to be called; nothing moves."""
 
     position_steps: Steps | None = Field(None, description="Position of axis 0 from now on [steps]")
@@ -184,9 +184,9 @@ class PositionRequest(Document):
         return self
 
     @property
-    def asked(self) -> list[Asked]:
+    def commands(self) -> list[AxisCommand]:
         """What is asked of the axes."""
-        return _asked(self.axes, "position_steps", self.position_steps)
+        return _commands(self.axes, "position_steps", self.position_steps)
 
 
 class AxisLimits(Document):
@@ -203,7 +203,7 @@ class AxisLimits(Document):
         return self
 
 
-class SoftLimitsRequest(Document):
+class SoftLimitsPayload(Document):
     """Positions that axes are kept within from now on; those that are not named keep theirs."""
 
     axes: Annotated[list[AxisLimits], ListOf("limits of axes")] = Field(description="The axes, and their limits")
@@ -223,7 +223,7 @@ class SoftLimitsRequest(Document):
         return {each.axis: Span(each.lowest_steps, each.highest_steps) for each in self.axes}
 
 
-class ZeroRequest(Document):
+class ZeroPayload(Document):
     """Gauges that are to run against their stop, which is then position 0."""
 
     axes: AxisNumbersAsGiven = Field((0,), description="Which axes, each once")
@@ -237,7 +237,7 @@ class ZeroRequest(Document):
         return self
 
 
-class TraceRequest(Document):
+class TracePayload(Document):
     """Whose moves are to be traced from now on."""
 
     traced_axis: AxisNumber | None = Field(description="Which axis, from 0; null: none")
@@ -285,12 +285,12 @@ class TraceAnswer(Answer):
         )
 
 
-def _asked(axes: Sequence[Document] | None, name: str, own: float | None) -> list[Asked]:
+def _commands(axes: Sequence[Document] | None, name: str, own: float | None) -> list[AxisCommand]:
     """Return what is asked of axes, or of axis 0, with what rejections call it."""
     if axes is None:
-        return [] if own is None else [Asked(0, own, name)]
+        return [] if own is None else [AxisCommand(0, own, name)]
     fields = [(getattr(each, "axis"), getattr(each, name)) for each in axes]  # noqa: B009  # of several models
-    return [Asked(axis, value, f"axes.{number}.{name}") for number, (axis, value) in enumerate(fields)]
+    return [AxisCommand(axis, value, f"axes.{number}.{name}") for number, (axis, value) in enumerate(fields)]
 
 
 def _refuse_both_or_none(by_steps: int | None, to_steps: int | None) -> None:
@@ -309,11 +309,11 @@ def refuse_own_axes(axes: Sequence[object], own: dict[str, int | None]) -> None:
             refuse(name, value, "nothing, since axes is given")
 
 
-def _refuse_unless_one(axes: Sequence[object] | None, name: str, value: float | None, wanted: str) -> None:
+def _refuse_unless_one(axes: Sequence[object] | None, name: str, value: float | None, allowed: str) -> None:
     """Refuse a list of axes next to what is given of axis 0, and neither of them."""
     if axes is not None and value is not None:
         refuse(name, value, "nothing, since axes is given")
     if axes is not None:
         refuse_own_axes(axes, {})
     elif value is None:
-        refuse(name, None, f"{wanted}, or else axes")
+        refuse(name, None, f"{allowed}, or else axes")

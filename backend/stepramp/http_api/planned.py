@@ -68,13 +68,13 @@ class _Pieces:
         self._loop = asyncio.get_running_loop()
         self._pieces: asyncio.Queue[bytes] = asyncio.Queue()
         self._room = threading.Semaphore(MOST_AHEAD)
-        self._is_wanted = True
+        self._is_awaited = True
 
     def make(self) -> None:
         """Do the job and write what it returns, as fast as it is taken."""
         for piece in json_pieces(self._job()):
             self._room.acquire()
-            if not self._is_wanted:
+            if not self._is_awaited:
                 return
             self._loop.call_soon_threadsafe(self._pieces.put_nowait, piece)
 
@@ -90,5 +90,5 @@ class _Pieces:
 
     def give_up(self) -> None:
         """Let the writing end: nobody takes the pieces any more."""
-        self._is_wanted = False
+        self._is_awaited = False
         self._room.release()

@@ -8,11 +8,11 @@ from stepramp.http_api.lanes import planning_lane
 from stepramp.http_api.planned import Planned
 from stepramp.http_api.planning_models import (
     ErrorsAnswer,
-    ErrorsRequest,
+    ErrorsPayload,
     ExamplesAnswer,
     HealthAnswer,
     ProfileAnswer,
-    ProfileRequest,
+    ProfilePayload,
 )
 from stepramp.ramp.error_curves import all_error_curves
 from stepramp.ramp.plan import tuning_report
@@ -23,7 +23,7 @@ router = APIRouter(tags=["planning"], route_class=JsonRoute)
 
 
 @router.post("/profile")
-async def profile(request: ProfileRequest) -> Planned[ProfileAnswer]:
+async def profile(request: ProfilePayload) -> Planned[ProfileAnswer]:
     """Plan a design's move: intervals, times, positions and speeds of its steps, its phases, and a summary."""
     design, points = request.design, request.max_points
     lane = planning_lane([design], points=points)
@@ -31,7 +31,7 @@ async def profile(request: ProfileRequest) -> Planned[ProfileAnswer]:
 
 
 @router.post("/errors")
-async def errors(request: ErrorsRequest) -> Planned[ErrorsAnswer]:
+async def errors(request: ErrorsPayload) -> Planned[ErrorsAnswer]:
     """Compare methods with a reference, step by step: relative error and error in ticks of each interval."""
     lane = planning_lane([request.design], len(request.methods), request.max_points)
     return Planned(lane, lambda: _errors(request))
@@ -49,6 +49,6 @@ async def health() -> HealthAnswer:
     return HealthAnswer(status="ok", version=__version__)
 
 
-def _errors(request: ErrorsRequest) -> ErrorsAnswer:
+def _errors(request: ErrorsPayload) -> ErrorsAnswer:
     judged = all_error_curves(request.design, request.methods, request.reference, request.segment_bound_ticks)
     return ErrorsAnswer.of(request.reference, judged, request.curves, request.max_points)

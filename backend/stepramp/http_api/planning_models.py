@@ -37,14 +37,14 @@ MostPoints = Annotated[
 ]
 
 
-class ProfileRequest(Document):
+class ProfilePayload(Document):
     """A design whose move is to be planned."""
 
     design: Design
     max_points: MostPoints = None
 
 
-class ErrorsRequest(Document):
+class ErrorsPayload(Document):
     """A design and the methods that are to be compared."""
 
     design: Design
@@ -64,7 +64,7 @@ class ErrorsRequest(Document):
 
 
 class PhaseAnswer(Answer):
-    """A stretch of the move."""
+    """A phase of the move."""
 
     name: Literal["accelerate", "slew", "decelerate"]
     first_step: int = Field(description="First step, counted from 1 [steps]")

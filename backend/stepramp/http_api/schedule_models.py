@@ -7,11 +7,11 @@ from pydantic import Field
 from stepramp.design import Design
 from stepramp.http_api.answer import Answer, Numbers, WholeNumbers
 from stepramp.http_api.planning_models import MostPoints, WarningAnswer
-from stepramp.ramp.schedule import MOST_AXES, Axis, Mode, Schedule, conflicts_of, merged
+from stepramp.ramp.schedule import MOST_AXES, Mode, Schedule, ScheduledAxis, conflicts_of, merged
 from stepramp.validation import Document, ListOf, Within
 
 
-class ScheduleRequest(Document):
+class SchedulePayload(Document):
     """Designs whose moves begin together."""
 
     designs: Annotated[list[Design], ListOf("designs", most=MOST_AXES, least=1)] = Field(
@@ -53,7 +53,7 @@ class ScheduledAxisAnswer(Answer):
     pulses: AxisPulsesAnswer
 
     @classmethod
-    def of(cls, axis: Axis) -> Self:
+    def of(cls, axis: ScheduledAxis) -> Self:
         """Return an axis of a schedule as an answer."""
         return cls(
             name=axis.name,

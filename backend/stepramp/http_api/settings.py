@@ -27,8 +27,8 @@ def use_settings(request: AnySettings, device: Acting) -> Document | Response:
     """Use other settings, what isn't given being the default; they are on trial until they are kept."""
     model = device.settings_model
     try:
-        wanted = model.checked(request.model_extra)
+        settings = model.checked(request.model_extra)
     except Rejected as error:
         return error_response(error)  # Whatever the fields are called, they are none of a design.
-    device.use_settings(wanted)
+    device.use_settings(settings)
     return device.settings()

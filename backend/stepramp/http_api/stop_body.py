@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from stepramp.errors import Rejected
 from stepramp.http_api.bodies import parsed_json
-from stepramp.http_api.stopping_models import AxesRequest
+from stepramp.http_api.stopping_models import AxesPayload
 
 MOST_BYTES = 1024
 """Many times what `{"axes": [0, 1, 2, 3]}` takes; nobody waits for what is longer to be understood [bytes]."""
@@ -15,6 +15,6 @@ def axes_of_stop(body: bytes) -> Sequence[int] | None:
     if len(body) > MOST_BYTES:
         return None
     try:
-        return AxesRequest.checked(parsed_json(body.decode())).axes
+        return AxesPayload.checked(parsed_json(body.decode())).axes
     except (Rejected, ValueError):
         return None

@@ -25,7 +25,7 @@ MOST_AT_A_TIME = 16
 """So many messages of a socket are seen to at a time, the next ones wait. So many answers wait to be sent."""
 
 
-class Answer:
+class PendingAnswer:
     """An answer, made in the instant at which it is written: only then a stop is answered.
 
     until_then: ends when that is done, or given up. For any thread.
@@ -47,24 +47,24 @@ class Answer:
             self._until_then.close()
 
 
-class Answers:
+class PendingAnswers:
     """What is to be answered over a socket. Whoever doesn't read the answers gets only the newest of them.
 
     So a client that reads nothing is heard all the same, and nothing piles up meanwhile.
     """
 
     def __init__(self) -> None:
-        self._given: deque[Answer] = deque(maxlen=MOST_AT_A_TIME)
+        self._given: deque[PendingAnswer] = deque(maxlen=MOST_AT_A_TIME)
         self._came = asyncio.Event()
 
-    def add(self, answer: Answer) -> None:
+    def add(self, answer: PendingAnswer) -> None:
         """Have something answered."""
         if len(self._given) == MOST_AT_A_TIME:
             self._given[0].give_up()
         self._given.append(answer)
         self._came.set()
 
-    async def given(self) -> AsyncGenerator[Answer, None]:
+    async def given(self) -> AsyncGenerator[PendingAnswer, None]:
         """Yield one answer after the other, for as long as it is asked for more."""
         while True:
             await self._came.wait()
@@ -78,7 +78,7 @@ class Answers:
             answer.give_up()
 
 
-async def answered(text: str | bytes, devices: Devices) -> Answer:
+async def answered(text: str | bytes, devices: Devices) -> PendingAnswer:
     """Stop or halt as a message asks, and return what makes the answer.
 
     Its `did` says what was done, its `errors` why it wasn't.
@@ -89,7 +89,7 @@ async def answered(text: str | bytes, devices: Devices) -> Answer:
         message = StopMessage.checked(parsed(text, ALLOWED))
     except StepRampError as error:
         refused = _text(StopMessageAnswer(errors=error_items(error)))
-        return Answer(lambda: refused)
+        return PendingAnswer(lambda: refused)
     with ExitStack() as stopping:
         try:
             if message.device is None:
@@ -101,13 +101,13 @@ async def answered(text: str | bytes, devices: Devices) -> Answer:
                 await halt_whole(device)
         except StepRampError as error:
             failed = _text(StopMessageAnswer(did=message, errors=error_items(error)))
-            return Answer(lambda: failed, stopping.pop_all())
+            return PendingAnswer(lambda: failed, stopping.pop_all())
         until_then = stopping.pop_all()
 
     def done() -> str:
         return _text(StopMessageAnswer(did=message, devices=devices.views()))
 
-    return Answer(done, until_then)
+    return PendingAnswer(done, until_then)
 
 
 def _text(answer: StopMessageAnswer) -> str:

@@ -14,7 +14,7 @@ from stepramp.errors import DeviceLost, Refused, StepRampError
 from stepramp.http_api.device_registry import Registry
 from stepramp.http_api.devices_models import DeviceAnswer, DevicesAnswer
 from stepramp.http_api.stop_body import MOST_BYTES, axes_of_stop
-from stepramp.http_api.stopping_models import AxesRequest
+from stepramp.http_api.stopping_models import AxesPayload
 
 BODY_WITHIN_S = 0.25
 """How long the names of axes are waited for [s]. Without them all are stopped."""
@@ -23,7 +23,7 @@ router = APIRouter()
 AXES_IN_BODY = {
     "requestBody": {
         "description": "Which axes. A body that is missing, late or can't be understood stops all",
-        "content": {"application/json": {"schema": AxesRequest.model_json_schema()}},
+        "content": {"application/json": {"schema": AxesPayload.model_json_schema()}},
     }
 }
 

@@ -12,7 +12,7 @@ from stepramp.http_api.motion_models import refuse_own_axes
 from stepramp.validation import Document, Within, refuse
 
 
-class AxesRequest(Document):
+class AxesPayload(Document):
     """Which axes are to stop."""
 
     axes: AxisNumbersOrNull = Field(None, description="Which axes; null: all")

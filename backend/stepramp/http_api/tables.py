@@ -9,13 +9,13 @@ from stepramp.http_api.lanes import PLANNING
 from stepramp.http_api.planned import Planned
 from stepramp.http_api.tables_models import (
     CheckAnswer,
-    CheckRequest,
+    CheckPayload,
     FitAnswer,
     FitCurveAnswer,
-    FitCurveRequest,
-    FitRequest,
+    FitCurvePayload,
+    FitPayload,
     PlayAnswer,
-    PlayRequest,
+    PlayPayload,
     RowKind,
     bytes_per_row,
 )
@@ -29,14 +29,14 @@ router = APIRouter(prefix="/table", tags=["lookup tables"], route_class=JsonRout
 
 
 @router.post("/play")
-async def play(request: PlayRequest) -> Planned[PlayAnswer]:
+async def play(request: PlayPayload) -> Planned[PlayAnswer]:
     """Play a table as a gauge library does: targets may change in flight; it stops before it reverses."""
     return Planned(PLANNING, lambda: PlayAnswer.of(_played(request)))
 
 
 @router.post("/check")
 @PLANNING.serves
-def check(request: CheckRequest) -> CheckAnswer:
+def check(request: CheckPayload) -> CheckAnswer:
     """Check a table: what is wrong with each row, and the acceleration that each row change asks for."""
     return CheckAnswer.of(
         check_table(request.rows, request.slew_interval_us, request.unit),
@@ -47,7 +47,7 @@ def check(request: CheckRequest) -> CheckAnswer:
 
 @router.post("/fit")
 @PLANNING.serves
-def fit(request: FitRequest) -> FitAnswer:
+def fit(request: FitPayload) -> FitAnswer:
     """Fit a table to a ramp: the least error for a number of rows or bytes, or the fewest rows for an error."""
     ramp = ramp_delays(request.design, request.interval_unit, request.fit_to)
     return FitAnswer.of(_fitted(ramp, request), floor_of(ramp), request.row_kind, request.interval_unit)
@@ -55,21 +55,21 @@ def fit(request: FitRequest) -> FitAnswer:
 
 @router.post("/fit/curve")
 @PLANNING.serves
-def fit_curve(request: FitCurveRequest) -> FitCurveAnswer:
+def fit_curve(request: FitCurvePayload) -> FitCurveAnswer:
     """Fit tables of 1 row, 2 rows and so on to a ramp: how much smaller the error gets with each more."""
     ramp = ramp_delays(request.design, request.interval_unit, request.fit_to)
     fitted = [_fitted_rows(ramp, rows, request.row_kind) for rows in range(1, request.most_rows + 1)]
     return FitCurveAnswer.of(fitted, floor_of(ramp), request.row_kind)
 
 
-def _played(request: PlayRequest) -> TableMoves:
+def _played(request: PlayPayload) -> TableMoves:
     rows = np.array(request.table.rows, dtype=np.int64)
     at_us = np.array([each.at_us for each in request.targets], dtype=np.int64)
     targets = np.array([each.target for each in request.targets], dtype=np.int64)
     return play_table(rows, request.range_steps, at_us, targets)
 
 
-def _fitted(ramp: RampDelays, request: FitRequest) -> FittedTable:
+def _fitted(ramp: RampDelays, request: FitPayload) -> FittedTable:
     is_linear = request.row_kind == "linear"
     if request.largest_relative_error is not None:
         return (fit_linear_error if is_linear else fit_error)(ramp, request.largest_relative_error)

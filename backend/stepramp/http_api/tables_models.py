@@ -45,7 +45,7 @@ class Target(Document):
     )
 
 
-class PlayRequest(Document):
+class PlayPayload(Document):
     """A table and the targets that it is to be played towards."""
 
     table: TableInMicroseconds
@@ -63,7 +63,7 @@ class PlayRequest(Document):
         return self
 
 
-class CheckRequest(Document):
+class CheckPayload(Document):
     """A table to be checked; its rows may be in any order."""
 
     rows: Annotated[list[Row], ListOf("rows of two whole numbers", most=MOST_TABLE_ROWS, least=1)] = Field(
@@ -93,7 +93,7 @@ class CheckRequest(Document):
         )
 
 
-class FitRequest(Document):
+class FitPayload(Document):
     """A ramp and the size or the quality of the table that is to stand for it: exactly one of the three."""
 
     design: Design
@@ -118,7 +118,7 @@ class FitRequest(Document):
         return self
 
 
-class FitCurveRequest(Document):
+class FitCurvePayload(Document):
     """A ramp that tables of several sizes are to stand for."""
 
     design: Design

@@ -75,7 +75,7 @@ def known_port(port: str) -> Port:
     return listed.get(port, Port(port, port_name(port)))
 
 
-def place_of(port: str) -> str:
+def location_of(port: str) -> str:
     """Return what all names of a port have in common: links lead to one file, addresses to none."""
     return os.path.realpath(port) if port.isprintable() and "://" not in port else port
 

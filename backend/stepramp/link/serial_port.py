@@ -142,9 +142,9 @@ class SerialPort:
             raise DeviceLost(f"Port {self.name} {what}: {_reason(error)}.") from error
 
 
-def _log_bytes(port: str, way: str, data: bytes) -> None:
+def _log_bytes(port: str, direction: str, data: bytes) -> None:
     if data and _logger.isEnabledFor(logging.DEBUG):
-        _logger.debug("%s %s %s", port, way, data.hex(" "))
+        _logger.debug("%s %s %s", port, direction, data.hex(" "))
 
 
 def _reason(error: Exception) -> str:

@@ -5,7 +5,7 @@ from stepramp.numerics.registered import modules_in
 
 _FOUND: dict[str, RampMethod] = {name: module.METHOD for name, module in modules_in(__name__, __path__).items()}
 
-METHODS = dict(sorted(_FOUND.items(), key=lambda each: each[1].place))
+METHODS = dict(sorted(_FOUND.items(), key=lambda each: each[1].rank))
 """By name, which is that of the module, in the order in which people are shown them."""
 
 REFERENCE = "exact"

@@ -59,7 +59,7 @@ def _austin(interval, divisor, four, two, out):  # type: ignore[no-untyped-def] 
 
 
 METHOD = RampMethod(
-    place=90,
+    rank=90,
     label="Austin",
     summary="AVR446",
     help="The ramp of Atmel’s application note AVR446: each interval from the one before with one division.",

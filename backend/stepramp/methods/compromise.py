@@ -8,7 +8,7 @@ COEFFICIENT = 1.0
 """c of p (1 + q + c q²)."""
 
 METHOD = RampMethod(
-    place=60,
+    rank=60,
     label="Compromise",
     formula="23",
     summary="formula (23)",

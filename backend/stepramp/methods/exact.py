@@ -20,7 +20,7 @@ def exact_intervals(slope: Slope, number: Number) -> NDArray[np.floating]:
 
 
 METHOD = RampMethod(
-    place=10,
+    rank=10,
     label="Exact",
     formula="9",
     summary="formula (9)",

@@ -8,7 +8,7 @@ COEFFICIENT = 0.0
 """c of p (1 + q + c q²)."""
 
 METHOD = RampMethod(
-    place=40,
+    rank=40,
     label="1st order",
     formula="20",
     summary="formula (20)",

@@ -14,7 +14,7 @@ def ideal_intervals(slope: Slope, number: Number) -> NDArray[np.floating]:
 
 
 METHOD = RampMethod(
-    place=20,
+    rank=20,
     label="Ideal",
     summary="true instants of constant acceleration",
     help="The true instants of constant acceleration. From rest its first interval is twice that of the exact formula.",

@@ -22,7 +22,7 @@ def midpoint_intervals(slope: Slope, number: Number) -> NDArray[np.floating]:
 
 
 METHOD = RampMethod(
-    place=30,
+    rank=30,
     label="Midpoint",
     summary="speed at the centre of the step",
     help="Each interval from the speed at the centre of its step. From the second step on it is close to ideal.",

@@ -166,43 +166,43 @@ static const struct ${name}_side ${name}_down = {$down_steps, 0, $slew, $down_w,
 static const ${name}_number ${name}_k = $k; /* 1 / F^2 */
 
 /* Where on a side one is. */
-struct ${name}_way {
+struct ${name}_state {
     const struct ${name}_side *side;
     uint32_t given;
     ${name}_number interval, w;
 };
 
-static inline struct ${name}_way ${name}_start(const struct ${name}_side *side)
+static inline struct ${name}_state ${name}_start(const struct ${name}_side *side)
 {
-    const struct ${name}_way way = {side, side->given, side->first, side->w};
-    return way;
+    const struct ${name}_state state = {side, side->given, side->first, side->w};
+    return state;
 }
 
 /* The next interval of a side, in order of time. */
-static inline ${name}_number ${name}_step(struct ${name}_way *way)
+static inline ${name}_number ${name}_step(struct ${name}_state *state)
 {
-    const ${name}_number p = way->interval;
-    if (way->given != 0) {
-        way->given--;
+    const ${name}_number p = state->interval;
+    if (state->given != 0) {
+        state->given--;
         return p;
     }
-    way->w = way->w + way->side->gain;
-    way->interval = p + p * (1 - way->w * ${name}_k * p * p) * $half;
-    return way->interval;
+    state->w = state->w + state->side->gain;
+    state->interval = p + p * (1 - state->w * ${name}_k * p * p) * $half;
+    return state->interval;
 }
 """
 """One side of the ramp in C, in floating-point numbers."""
 
 FIXED_CHANGE = """\
 /* x + x (1/2 - k x^2); k = v^2 / 2 a, the steps from rest to here, grows or shrinks by 1 a step. */
-static inline void ${name}_recur(struct ${name}_way *way)
+static inline void ${name}_recur(struct ${name}_state *state)
 {
     const uint64_t one = (uint64_t)1 << 24, half = (uint64_t)1 << 31;
-    const uint32_t x = (uint32_t)(((uint64_t)way->x.mantissa + 0x8000) >> 16), square = x * x;
+    const uint32_t x = (uint32_t)(((uint64_t)state->x.mantissa + 0x8000) >> 16), square = x * x;
     uint32_t scaled;
     uint64_t product, mantissa;
-    way->k = way->side->is_up ? way->k + one : way->k - one;
-    scaled = (uint32_t)(way->k >> (8 * way->x.exponent));
+    state->k = state->side->is_up ? state->k + one : state->k - one;
+    scaled = (uint32_t)(state->k >> (8 * state->x.exponent));
     product = (uint64_t)(scaled >> 24) * square + (uint64_t)(scaled >> 16 & 255u) * (square >> 8) +
               (uint64_t)(scaled >> 8 & 255u) * (square >> 16) + (scaled & 255u) * (square >> 24);
     mantissa = (uint64_t)x << 16;
@@ -210,13 +210,13 @@ static inline void ${name}_recur(struct ${name}_way *way)
         mantissa += x * ((half - product) >> 8) >> 8;
     else
         mantissa -= x * ((product - half) >> 8) >> 8;
-    way->x = ${name}_normal(mantissa, way->x.exponent);
+    state->x = ${name}_normal(mantissa, state->x.exponent);
 }
 """
 """One step of the recurrence in C, in integers."""
 
 METHOD = RampMethod(
-    place=80,
+    rank=80,
     label="Newton",
     summary="w = v² kept by addition, p corrected by one Newton step",
     help="Keeps w = v² by addition and corrects p with one Newton step. Errors shrink from step to step.",
@@ -234,8 +234,8 @@ METHOD = RampMethod(
             field="uint64_t k;            /* v^2 / 2 a there, in 2^-24 steps */",
             constants=lambda _, ramp_index: (ramp_index,),
             change=FIXED_CHANGE,
-            way_field="uint64_t k;",
-            way_value="side->k",
+            state_field="uint64_t k;",
+            state_value="side->k",
         ),
     ),
     on_chip=OnChip(2, _steps_on_chip, refusal),

@@ -8,7 +8,7 @@ COEFFICIENT = 1.5
 """c of p (1 + q + c q²)."""
 
 METHOD = RampMethod(
-    place=50,
+    rank=50,
     label="2nd order",
     formula="22",
     summary="formula (22)",

@@ -27,7 +27,7 @@ def table_ramp(indices: NDArray[np.int64], delays: NDArray[np.float64]) -> RealR
 
 
 METHOD = RampMethod(
-    place=100,
+    rank=100,
     label="Table",
     summary="the lookup table",
     help="The lookup table: the delay of a step is that of the first row that reaches it. Cheapest on the chip.",

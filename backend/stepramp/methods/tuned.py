@@ -15,7 +15,7 @@ from stepramp.methods.second_order import COEFFICIENT as SECOND_ORDER
 from stepramp.numerics.numbers import Arithmetic, Number
 from stepramp.shapes.constant import ConstantAcceleration
 
-Side = Callable[[ConstantAcceleration, float, Number], NDArray[np.floating]]
+TunedSideIntervals = Callable[[ConstantAcceleration, float, Number], NDArray[np.floating]]
 
 LEAST_COEFFICIENT = 0.0
 RESOLUTION = 1e-9
@@ -56,7 +56,7 @@ def report(up: ConstantAcceleration, down: ConstantAcceleration, tuned_for: Tune
 
 
 @lru_cache(KEPT_COEFFICIENTS)
-def best_coefficient(slope: ConstantAcceleration, side: Side, tuned_for: TunedFor) -> float:
+def best_coefficient(slope: ConstantAcceleration, side: TunedSideIntervals, tuned_for: TunedFor) -> float:
     """Return the c, from 0 to 4, with which a side's error against the exact ramp is least.
 
     Every interval grows with c. So the largest relative error is least where the longest interval is as much too long
@@ -83,7 +83,7 @@ def best_coefficient(slope: ConstantAcceleration, side: Side, tuned_for: TunedFo
 
 
 METHOD = RampMethod(
-    place=70,
+    rank=70,
     label="Tuned",
     summary="p (1 + q + c q²) with the c that suits the ramp",
     help="p (1 + q + c q²) with the c that suits this ramp, found anew for each: a constant to the chip.",

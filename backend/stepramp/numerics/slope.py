@@ -21,7 +21,7 @@ class Slope(ABC):
     slew_speed: float
     """v [steps/s]."""
     acceleration: float
-    """a, or d on the way down: the largest along the slope, without sign [steps/s²]."""
+    """a, or d on the ramp down: the largest along the slope, without sign [steps/s²]."""
 
     @property
     @abstractmethod

@@ -35,7 +35,7 @@ class Drawing:
     """What is to be drawn of a design."""
 
     design: Design
-    wanted: tuple[MethodName, ...]
+    chosen: tuple[MethodName, ...]
     reference: MethodName
     most_points: int
     span: tuple[int, int] | None = None
@@ -52,7 +52,7 @@ class Drawing:
         """
         self._check_span()
         reference_ticks = reference_intervals(self.design, self.reference)
-        for method in self.wanted:
+        for method in self.chosen:
             try:
                 drawn: Drawn | Rejected = self._drawn(method, reference_ticks)
             except Rejected as rejected:

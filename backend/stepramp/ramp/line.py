@@ -199,10 +199,10 @@ def _limit(designs: Sequence[Design], leader: int, allowances: Sequence[Allowanc
         f"{called(designs, axis)} allows a {name} of {own:,.6g} {unit}: "
         f"along the line that of {called(designs, leader)} is {line:,.6g} instead of {led:,.6g} {unit}."
     )
-    return Limit(f"designs.{axis}.{_place(designs[axis], quantity)[0]}", axis, message)
+    return Limit(f"designs.{axis}.{_field_of(designs[axis], quantity)[0]}", axis, message)
 
 
-def _place(design: Design, quantity: str) -> tuple[str, object]:
+def _field_of(design: Design, quantity: str) -> tuple[str, object]:
     """Return the field of a design where what it allows can be changed, and what stands there."""
     if design.method.plays_table:
         return "table.rows", design.table and design.table.rows
@@ -220,7 +220,7 @@ def _where_it_is_limited(
     axis = limiting.get(quantity, leader)
     if axis == leader:
         return _at(leader, rejection)
-    field, value = _place(designs[axis], quantity)
+    field, value = _field_of(designs[axis], quantity)
     share = f"{steps_of(designs[leader]):,} steps to {steps_of(designs[axis]):,} of this axis"
     allowed = f"{rejection.allowed}, counted for designs.{leader}, which leads the line with {share}"
     return Rejection(f"designs.{axis}.{field}", value, allowed)

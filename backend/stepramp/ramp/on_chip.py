@@ -1,10 +1,10 @@
 """Ramps that a controller computes while it plays them, in whole ticks. They are of constant acceleration.
 
-The arithmetic is fixed_point's, bit for bit. What is defined here is the way of a motor along such a ramp when no list
-of it is stored: where a way down begins, how long it is, and how a way up goes on from within a way down. A move of
+The arithmetic is fixed_point's, bit for bit. What is defined here is the motion along such a ramp when no list
+of it is stored: where a ramp down begins, how long it is, and how a ramp up goes on from within a ramp down. A move of
 full length is that of plan.plan_of; docs/decisions/0009-formulas-on-the-chip.md has what is different in a short one.
 
-The place on the ramp is the distance from rest, in steps of the way that the motor is on, with 8 bits of fraction:
+The position on the ramp is the distance from rest, in steps of the side that the motor is on, with 8 bits of fraction:
 each step up adds 1 to that of the acceleration, each step down takes 1 from that of the deceleration. Where the motor
 turns it is multiplied by the ratio of the accelerations, as x is by its root.
 
@@ -38,11 +38,11 @@ ON_CHIP = {name: method.on_chip for name, method in METHODS.items() if method.on
 MOST_ON_CHIP_INDEX = 2**24 - 2
 """Largest v² / 2 a of the slew speed [steps]: the ramp index has 24 bits."""
 
-PLACE_BITS = 8
-"""Of fraction, in a place on the ramp."""
+POSITION_BITS = 8
+"""Of fraction, in a position on the ramp."""
 
 _ONE_STEP = 1 << RAMP_INDEX_BITS
-_WHOLE = 1 << PLACE_BITS
+_WHOLE = 1 << POSITION_BITS
 _NO_TICKS: NDArray[np.int64] = np.empty(0, np.int64)
 
 
@@ -72,7 +72,7 @@ class Factor(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Side:
+class OnChipSide:
     """What a controller knows of one side of the ramp."""
 
     steps: int
@@ -103,8 +103,8 @@ class OnChipRamp:
     """A ramp as a controller is sent it that computes it while it plays it."""
 
     method: MethodName
-    up: Side
-    down: Side
+    up: OnChipSide
+    down: OnChipSide
     slew_interval: int
     """[ticks]."""
 
@@ -120,14 +120,14 @@ class OnChipRamp:
         same = up.acceleration == down.acceleration
         return cls(
             method=method,
-            up=Side(up.steps, Format.of(up), None if same else Factor.of(1 / ratio)),
-            down=Side(down.steps, Format.of(down), None if same else Factor.of(ratio)),
+            up=OnChipSide(up.steps, Format.of(up), None if same else Factor.of(1 / ratio)),
+            down=OnChipSide(down.steps, Format.of(down), None if same else Factor.of(ratio)),
             slew_interval=math.floor(up.slew_interval + 0.5),
         )
 
     @property
     def creep_interval(self) -> int:
-        """Interval of moves that are too short for one step up and the way down from it [ticks].
+        """Interval of moves that are too short for one step up and the ramp down from it [ticks].
 
         It is p1 of the slower side, which either can begin and end with.
         """
@@ -147,12 +147,12 @@ class OnChipRamp:
         return np.concatenate((up, held, motor.down(motor.steps_down)))
 
 
-class Phase(Enum):
+class MotorState(Enum):
     """Where a motor is."""
 
     REST = 0
     UP = 1
-    """On the way up, or at slew speed."""
+    """On the ramp up, or at slew speed."""
     DOWN = 2
 
 
@@ -164,36 +164,36 @@ class OnChipMotor:
 
     def __init__(self, ramp: OnChipRamp) -> None:
         self.ramp = ramp
-        self.phase = Phase.REST
+        self.state = MotorState.REST
         self._x = ramp.up.form.longest
-        self._place = 0
-        """Distance from rest, with PLACE_BITS of fraction [steps of the present way]."""
+        self._position = 0
+        """Distance from rest, with POSITION_BITS of fraction [steps of the present side]."""
         self._interval = 0
 
     @property
     def steps_up(self) -> int:
         """Steps up from rest to here, u, to the nearest [steps]."""
-        place = self._place_up if self.phase is Phase.DOWN else self._place
-        return (place + _WHOLE // 2) >> PLACE_BITS
+        position = self._position_up if self.state is MotorState.DOWN else self._position
+        return (position + _WHOLE // 2) >> POSITION_BITS
 
     @property
     def steps_down(self) -> int:
-        """Steps of the way down from here to rest, m [steps]."""
-        return self._steps_down_from(self._place) if self.phase is Phase.UP else _rounded_up(self._place)
+        """Steps of the ramp down from here to rest, m [steps]."""
+        return self._steps_down_from(self._position) if self.state is MotorState.UP else _rounded_up(self._position)
 
     @property
     def slews(self) -> bool:
-        """Whether the way up has come to its end."""
-        return self.phase is Phase.UP and self._is_top(self._place)
+        """Whether the ramp up has come to its end."""
+        return self.state is MotorState.UP and self._is_top(self._position)
 
     @property
     def hold_interval(self) -> int:
-        """The interval that keeps the present speed: the last one, or at the end of the way up that of slew speed."""
+        """The interval that keeps the present speed: the last one, or at the end of the ramp up that of slew speed."""
         return self.ramp.slew_interval if self.slews else self._interval
 
     def fitting(self, steps_left: int, most: int) -> int:
-        """Return how many of the next `most` steps up leave enough of steps_left for the way down after them."""
-        begin = self._begin_of_way_up
+        """Return how many of the next `most` steps up leave enough of steps_left for the ramp down after them."""
+        begin = self._begin_of_ramp_up
         least, above = 0, 1 + max(min(most, self._room_from(begin), steps_left), 0)
         while above - least > 1:
             count = (least + above) // 2
@@ -204,78 +204,78 @@ class OnChipMotor:
         return least
 
     def up(self, most: int) -> NDArray[np.int64]:
-        """Return the next intervals of the way up [ticks], shape (at most `most`,); none at slew speed.
+        """Return the next intervals of the ramp up [ticks], shape (at most `most`,); none at slew speed.
 
-        From rest the first is p1. From within a way down it is the last interval, held: x is carried over, and the
-        place is what it was before the step that this interval was.
+        From rest the first is p1. From within a ramp down it is the last interval, held: x is carried over, and the
+        position is what it was before the step that this interval was.
         """
-        begin = self._begin_of_way_up
+        begin = self._begin_of_ramp_up
         count = min(most, self._room_from(begin))
         if count < 1:
             return _NO_TICKS
         first = []
-        if self.phase is not Phase.UP:
-            if self.phase is Phase.REST:
+        if self.state is not MotorState.UP:
+            if self.state is MotorState.REST:
                 self._x, self._interval = self.ramp.up.form.longest, self.ramp.up.longest_interval
             else:
                 self._x = _carried(self._x, self.ramp.down, self.ramp.up)
             first = [self._interval]
-        self.phase = Phase.UP
-        last = (begin >> PLACE_BITS) + len(first) - 1
+        self.state = MotorState.UP
+        last = (begin >> POSITION_BITS) + len(first) - 1
         index = self.ramp.up.form.first_ramp_index + last * _ONE_STEP
-        self._place = begin + count * _WHOLE
-        if self._is_top(self._place):
-            self._place = self.ramp.up.steps * _WHOLE
+        self._position = begin + count * _WHOLE
+        if self._is_top(self._position):
+            self._position = self.ramp.up.steps * _WHOLE
         return np.concatenate((np.array(first, np.int64), self._stepped(self.ramp.up, index, count - len(first))))
 
     def down(self, most: int) -> NDArray[np.int64]:
-        """Return the next intervals of the way down [ticks], shape (at most `most`,); none at rest.
+        """Return the next intervals of the ramp down [ticks], shape (at most `most`,); none at rest.
 
-        From slew speed the first is one step of the recurrence from pS. From within a way up it is the last interval,
+        From slew speed the first is one step of the recurrence from pS. From within a ramp up it is the last interval,
         held, and x is carried over.
         """
-        if most < 1 or self.phase is Phase.REST:
+        if most < 1 or self.state is MotorState.REST:
             return _NO_TICKS
         first = []
         if self.slews:
-            self._x, self._place = self.ramp.down.form.shortest, self.ramp.down.steps * _WHOLE
-        elif self.phase is Phase.UP:
-            self._place = _converted(self._place, self.ramp.up, self.ramp.down) - _WHOLE
+            self._x, self._position = self.ramp.down.form.shortest, self.ramp.down.steps * _WHOLE
+        elif self.state is MotorState.UP:
+            self._position = _converted(self._position, self.ramp.up, self.ramp.down) - _WHOLE
             self._x = _carried(self._x, self.ramp.up, self.ramp.down)
             first = [self._interval]
-        self.phase = Phase.DOWN
+        self.state = MotorState.DOWN
         count = min(most - len(first), self.steps_down)
         index = self.ramp.down.form.first_ramp_index + self.steps_down * _ONE_STEP
-        self._place = max(self._place - count * _WHOLE, 0)
+        self._position = max(self._position - count * _WHOLE, 0)
         stepped = self._stepped(self.ramp.down, index, count)
-        if self._place == 0:
-            self.phase = Phase.REST
+        if self._position == 0:
+            self.state = MotorState.REST
         return np.concatenate((np.array(first, np.int64), stepped))
 
     @property
-    def _place_up(self) -> int:
+    def _position_up(self) -> int:
         """Distance from rest before the last step down, in steps up."""
-        return _converted(self._place + _WHOLE, self.ramp.down, self.ramp.up)
+        return _converted(self._position + _WHOLE, self.ramp.down, self.ramp.up)
 
     @property
-    def _begin_of_way_up(self) -> int:
-        """The place before the next step up. From within a way down that step takes the last one back."""
-        return self._place_up - _WHOLE if self.phase is Phase.DOWN else self._place
+    def _begin_of_ramp_up(self) -> int:
+        """The position before the next step up. From within a ramp down that step takes the last one back."""
+        return self._position_up - _WHOLE if self.state is MotorState.DOWN else self._position
 
-    def _room_from(self, place: int) -> int:
+    def _room_from(self, position: int) -> int:
         """Return how many steps up there are to slew speed."""
-        return self.ramp.up.steps - ((place + _WHOLE // 2) >> PLACE_BITS)
+        return self.ramp.up.steps - ((position + _WHOLE // 2) >> POSITION_BITS)
 
-    def _is_top(self, place: int) -> bool:
-        return self._room_from(place) == 0
+    def _is_top(self, position: int) -> bool:
+        return self._room_from(position) == 0
 
-    def _steps_down_from(self, place: int) -> int:
-        """Return the steps of the way down from a place on the way up."""
-        if self._is_top(place):
+    def _steps_down_from(self, position: int) -> int:
+        """Return the steps of the ramp down from a position on the ramp up."""
+        if self._is_top(position):
             return self.ramp.down.steps
-        return _rounded_up(_converted(place, self.ramp.up, self.ramp.down))
+        return _rounded_up(_converted(position, self.ramp.up, self.ramp.down))
 
-    def _stepped(self, side: Side, index: int, count: int) -> NDArray[np.int64]:
+    def _stepped(self, side: OnChipSide, index: int, count: int) -> NDArray[np.int64]:
         """Return the next intervals by the recurrence; index: k of the last one."""
         if count < 1:
             return _NO_TICKS
@@ -289,22 +289,24 @@ class OnChipMotor:
         return ticks
 
 
-def _rounded_up(place: int) -> int:
-    return (place + _WHOLE - 1) >> PLACE_BITS
+def _rounded_up(position: int) -> int:
+    return (position + _WHOLE - 1) >> POSITION_BITS
 
 
-def _converted(place: int, here: Side, there: Side) -> int:
-    """Return a place in steps of the other side: times the ratio of the accelerations, at least 1 step."""
+def _converted(position: int, here: OnChipSide, there: OnChipSide) -> int:
+    """Return a position in steps of the other side: times the ratio of the accelerations, at least 1 step."""
     if here.carry is not None:
-        x = Scaled(place, 0)
+        x = Scaled(position, 0)
         while x.mantissa < LEAST_MANTISSA:
             x = Scaled(x.mantissa << 4, x.exponent + 1)
         x = here.carry.times(here.carry.times(x))
-        place = (x.mantissa + (1 << 4 * x.exponent >> 1)) >> 4 * x.exponent if x.exponent >= 0 else there.steps * _WHOLE
-    return min(max(place, _WHOLE), there.steps * _WHOLE)
+        position = (
+            (x.mantissa + (1 << 4 * x.exponent >> 1)) >> 4 * x.exponent if x.exponent >= 0 else there.steps * _WHOLE
+        )
+    return min(max(position, _WHOLE), there.steps * _WHOLE)
 
 
-def _carried(x: Scaled, here: Side, there: Side) -> Scaled:
+def _carried(x: Scaled, here: OnChipSide, there: OnChipSide) -> Scaled:
     """Return x in the scale of the other side."""
     x = here.clamped(x)
     return there.clamped(x if there.carry is None else there.carry.times(x))

@@ -13,7 +13,7 @@ from stepramp.numerics.compiled import counted
 from stepramp.numerics.limit_text import at_least, at_most
 from stepramp.ramp.plan import Plan, plan_of
 from stepramp.ramp.slopes import SIDES, slopes_of
-from stepramp.ramp.timer_limits import SlewResolution, Warning, slew_resolution, timer_warnings
+from stepramp.ramp.timer_limits import SlewResolution, TimerWarning, slew_resolution, timer_warnings
 from stepramp.units import speed_from_interval
 
 MOST_TICKS = 2**62
@@ -22,7 +22,7 @@ MOST_TICKS = 2**62
 
 @dataclass(frozen=True)
 class Phase:
-    """A stretch of a move, from its first step to its last, counted from 1."""
+    """A phase of a move: from its first step to its last, counted from 1."""
 
     name: str
     first_step: int
@@ -42,10 +42,10 @@ class Profile:
     duration_s: float
     """From pulse 1 to the end of the last interval [s]."""
     phases: tuple[Phase, ...]
-    """The stretches that have steps, in order of time."""
+    """Those that have steps, in order of time."""
     slew_resolution: SlewResolution
     """How finely the timer divides speeds at slew speed."""
-    warnings: tuple[Warning, ...]
+    warnings: tuple[TimerWarning, ...]
     plan: Plan
     """The ramp that the move is played from."""
 
@@ -103,16 +103,16 @@ def _phases(plan: Plan) -> tuple[Phase, ...]:
     return tuple(Phase(name, before + 1, last) for name, before, last in cuts if last > before)
 
 
-def _short_move(design: Design, plan: Plan) -> list[Warning]:
+def _short_move(design: Design, plan: Plan) -> list[TimerWarning]:
     needed = plan.ramp.up.size + plan.ramp.down.size
     if plan.steps >= needed:
         return []
     peak = speed_from_interval(float(plan.intervals.min()), design.timer.frequency_hz)
     message = f"Too short to reach full speed, which takes {needed:,} steps: the move peaks at {peak:,.0f} steps/s."
-    return [Warning("move.steps", message)]
+    return [TimerWarning("move.steps", message)]
 
 
-def _no_ramp(design: Design, plan: Plan) -> list[Warning]:
+def _no_ramp(design: Design, plan: Plan) -> list[TimerWarning]:
     """Warn of a side that has no step, by (16): one would be more than leads from the base to the slew speed."""
     base, slew = design.ramp.base_speed_steps_per_s, design.ramp.slew_speed_steps_per_s
     if design.method.plays_table or base == slew:
@@ -128,5 +128,5 @@ def _no_ramp(design: Design, plan: Plan) -> list[Warning]:
             f"At {rate:,.6g} steps/s² a single step would reach {reached:,.6g} steps/s, above the slew speed: there is "
             f"no ramp. Use {slower}a slew speed of {at_least(reached)} steps/s."
         )
-        warnings.append(Warning(f"ramp.{field}", message))
+        warnings.append(TimerWarning(f"ramp.{field}", message))
     return warnings

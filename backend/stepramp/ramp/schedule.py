@@ -15,7 +15,7 @@ from stepramp.numerics.limit_text import at_most
 from stepramp.ramp.line import Limit, called, fields_of, leader_of, line_profile, steps_of, steps_together
 from stepramp.ramp.profile import Profile, profile_of
 from stepramp.ramp.thinning import kept_steps
-from stepramp.ramp.timer_limits import Warning
+from stepramp.ramp.timer_limits import TimerWarning
 from stepramp.units import MICROSECONDS_PER_SECOND, speed_from_interval, ticks_from_us, us_from_ticks
 
 Mode = Literal["independent", "line"]
@@ -30,7 +30,7 @@ not counted as short."""
 
 
 @dataclass(frozen=True)
-class Axis:
+class ScheduledAxis:
     """One axis of a schedule. Each of its pulses comes with a pulse of a profile, its pace."""
 
     name: str
@@ -60,7 +60,7 @@ class Axis:
         """Speed after the pulse of each step: along a line its even share of the leader's [steps/s], shape (n,)."""
         return self.pace.speed_steps_per_s[self.pace_step - 1] * (self.steps / self.pace.time_s.size)
 
-    def thinned(self, most: int) -> "Axis":
+    def thinned(self, most: int) -> "ScheduledAxis":
         """Return the axis with about `most` steps that keep the shape of its pace, the first and the last of them."""
         if self.step.size <= most:
             return self
@@ -73,12 +73,12 @@ class Axis:
 class Schedule:
     """What one to four axes do from time 0 on."""
 
-    axes: tuple[Axis, ...]
+    axes: tuple[ScheduledAxis, ...]
     leader: int | None
     """The axis that leads the line, counted from 0; None when each axis moves on its own."""
     limits: tuple[Limit, ...]
     """What makes a line slower than its leader's own move."""
-    warnings: tuple[Warning, ...]
+    warnings: tuple[TimerWarning, ...]
     """Their fields are paths from `designs` on."""
 
     @property
@@ -132,7 +132,7 @@ def schedule_of(designs: Sequence[Design], mode: Mode) -> Schedule:
     return _independent(designs) if mode == "independent" else _line(designs)
 
 
-def merged(axes: Sequence[Axis]) -> Pulses:
+def merged(axes: Sequence[ScheduledAxis]) -> Pulses:
     """Return the pulses of all axes in order of time."""
     times = np.concatenate([axis.time_s for axis in axes])
     # Stable, and quick on runs that are sorted already: it merges them.
@@ -181,9 +181,9 @@ def _line(designs: Sequence[Design]) -> Schedule:
     return Schedule(axes, leader, limits, tuple(warnings))
 
 
-def _axis(design: Design, pace: Profile) -> Axis:
+def _axis(design: Design, pace: Profile) -> ScheduledAxis:
     steps = steps_of(design)
-    return Axis(
+    return ScheduledAxis(
         name=design.name,
         steps=steps,
         direction=int(math.copysign(1, design.move.steps)),
@@ -193,13 +193,14 @@ def _axis(design: Design, pace: Profile) -> Axis:
     )
 
 
-def _warnings(axis: int, profile: Profile) -> list[Warning]:
+def _warnings(axis: int, profile: Profile) -> list[TimerWarning]:
     return [
-        Warning(warning.field and f"designs.{axis}.{warning.field}", warning.message) for warning in profile.warnings
+        TimerWarning(warning.field and f"designs.{axis}.{warning.field}", warning.message)
+        for warning in profile.warnings
     ]
 
 
-def _bunched(designs: Sequence[Design], leader: int, number: int, axis: Axis) -> list[Warning]:
+def _bunched(designs: Sequence[Design], leader: int, number: int, axis: ScheduledAxis) -> list[TimerWarning]:
     """Warn of a follower whose steps come closer than its driver allows: they fall on the leader's, so not evenly."""
     timer, timer_hz = designs[number].timer, designs[leader].timer.frequency_hz
     ends = np.cumsum(axis.pace.intervals_ticks)
@@ -214,7 +215,7 @@ def _bunched(designs: Sequence[Design], leader: int, number: int, axis: Axis) ->
         f"{us_from_ticks(int(gaps.min()), timer_hz):,.6g} µs, less than the {timer.shortest_interval_us:g} µs that the "
         f"controller needs: use a slew speed of {at_most(fastest)} steps/s."
     )
-    return [Warning(f"designs.{number}.timer.shortest_interval_us", message)]
+    return [TimerWarning(f"designs.{number}.timer.shortest_interval_us", message)]
 
 
 @compiled

@@ -88,8 +88,8 @@ def _furthest_line(intervals, at, bound, drift, most_count):  # type: ignore[no-
             continue
         # Of the adds that reach as far, the one that leaves the least drift.
         pairs = count * (count - 1) // 2
-        wanted = (total - drift - count * first) / pairs if pairs else 0.0
-        add = min(max(int(np.rint(wanted)), low), high)
+        exact = (total - drift - count * first) / pairs if pairs else 0.0
+        add = min(max(int(np.rint(exact)), low), high)
         left = drift + count * first + pairs * add - total
         if count > best[1] or abs(left) < abs(best_drift):
             best[:] = (first, count, add)

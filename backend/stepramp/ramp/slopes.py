@@ -8,11 +8,11 @@ from stepramp.shapes import SHAPES
 from stepramp.shapes.constant import ConstantAcceleration
 
 SIDES = ("acceleration_steps_per_s2", "deceleration_steps_per_s2")
-"""The fields of the ramp that say how steep its way up and its way down are."""
+"""The fields of the ramp that say how steep its ramp up and its ramp down are."""
 
 
 def slopes_of(design: Design) -> tuple[Slope, Slope]:
-    """Return the way up and the way down of a design's ramp."""
+    """Return the ramp up and the ramp down of a design's ramp."""
     ramp, shape = design.ramp, SHAPES[design.ramp.shape.name]
     speeds = design.timer.frequency_hz, ramp.base_speed_steps_per_s, ramp.slew_speed_steps_per_s
     return shape(*speeds, ramp.acceleration_steps_per_s2), shape(*speeds, ramp.slowdown_steps_per_s2)

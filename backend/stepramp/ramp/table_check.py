@@ -4,13 +4,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
+from stepramp.design import Row
 from stepramp.ramp.table_delays import WIDEST
 from stepramp.units import MICROSECONDS_PER_SECOND, speed_from_interval
 
 HARSH = 10
 """A row change is harsh when it asks for so many times the mean acceleration of the table."""
-
-Row = tuple[int, int]
 
 
 @dataclass(frozen=True)
@@ -92,8 +91,10 @@ def _of_row(rows: Sequence[Row], number: int, unit: DelayUnit) -> Iterator[RowFi
         reason = f"delay {delay:,} {unit.name} rises: the row before has {delay_before:,} {unit.name}"
         yield RowFinding(number, reason, wrong=False)
         return
-    asked = row_changes(rows, unit)[number].acceleration_steps_per_s2
+    acceleration = row_changes(rows, unit)[number].acceleration_steps_per_s2
     mean = mean_acceleration(rows, unit)
-    if asked > HARSH * mean:
-        reason = f"asks for a jump of {asked:,.0f} steps/s² within a step; the ramp's mean is {mean:,.0f} steps/s²"
+    if acceleration > HARSH * mean:
+        reason = (
+            f"asks for a jump of {acceleration:,.0f} steps/s² within a step; the ramp's mean is {mean:,.0f} steps/s²"
+        )
         yield RowFinding(number, reason, wrong=False)

@@ -20,7 +20,7 @@ def kept_steps(
 
     A move of up to `most` steps keeps them all. Otherwise each phase is cut into buckets, and of each bucket the
     first, least, greatest and last value are kept: corners and extremes stay. Buckets are narrow at the slow ends of
-    a move, where a curve changes most from one step to the next; a level stretch keeps its two ends.
+    a move, where a curve changes most from one step to the next; a level part keeps its two ends.
 
     curve: one value a step, shape (N,).
     """
@@ -37,7 +37,7 @@ def kept_steps_of_all(
 ) -> NDArray[np.int64]:
     """Return about `most` steps, counted from 0 and increasing, that carry the shapes of several curves at once.
 
-    As kept_steps, but a stretch where all curves are level keeps only its two ends in a short move too.
+    As kept_steps, but a part where all curves are level keeps only its two ends in a short move too.
 
     curves: one value a step each, shape (N,), at least one.
     span: first and last step of a part of the move, counted from 1, that gets the points; the rest then has about a
@@ -60,7 +60,7 @@ def _within(phases: tuple[Phase, ...], first: int, last: int) -> tuple[Phase, ..
 def _thinned(
     curves: Sequence[NDArray[np.int64] | NDArray[np.float64]], phases: tuple[Phase, ...], most: int
 ) -> NDArray[np.int64]:
-    """Return the steps to keep of adjoining phases, level stretches still whole."""
+    """Return the steps to keep of adjoining phases, level parts still whole."""
     begin, end = phases[0].first_step - 1, phases[-1].last_step
     if end - begin <= most:
         return counted(begin, end - begin)

@@ -15,7 +15,7 @@ COARSE = 0.01
 
 
 @dataclass(frozen=True)
-class Warning:
+class TimerWarning:
     """Something that works, but not as the design says; `field` is where it can be changed."""
 
     field: str | None
@@ -44,7 +44,7 @@ def slew_resolution(interval_ticks: float, timer_hz: float) -> SlewResolution:
     )
 
 
-def timer_warnings(design: Design, intervals: NDArray[np.int64], slew_interval_ticks: float) -> list[Warning]:
+def timer_warnings(design: Design, intervals: NDArray[np.int64], slew_interval_ticks: float) -> list[TimerWarning]:
     """Return what the design's timer can't do of a move's intervals [ticks], shape (steps,).
 
     slew_interval_ticks: the slew interval before rounding [ticks].
@@ -58,12 +58,12 @@ def timer_warnings(design: Design, intervals: NDArray[np.int64], slew_interval_t
     return [warning for warning in found if warning is not None]
 
 
-def _wider_than_counter(longest: int, timer: Timer) -> Warning | None:
+def _wider_than_counter(longest: int, timer: Timer) -> TimerWarning | None:
     widest = 2**timer.counter_bits - 1
     if longest <= widest:
         return None
     slower = timer.frequency_hz * widest / longest
-    return Warning(
+    return TimerWarning(
         "timer.counter_bits",
         f"The longest interval, {longest:,} ticks, does not fit in a counter of {timer.counter_bits} bits "
         f"(at most {widest:,}): use {longest.bit_length()} bits, a timer of {at_most(slower)} Hz, "
@@ -71,12 +71,12 @@ def _wider_than_counter(longest: int, timer: Timer) -> Warning | None:
     )
 
 
-def _shorter_than_shortest(shortest: int, timer: Timer) -> Warning | None:
+def _shorter_than_shortest(shortest: int, timer: Timer) -> TimerWarning | None:
     least = ticks_from_us(timer.shortest_interval_us, timer.frequency_hz)
     if shortest >= least:
         return None
     fastest = speed_from_interval(math.ceil(least), timer.frequency_hz)
-    return Warning(
+    return TimerWarning(
         "timer.shortest_interval_us",
         f"The shortest interval, {us_from_ticks(shortest, timer.frequency_hz):,.2f} µs, is less than the "
         f"{timer.shortest_interval_us:,g} µs that the controller needs: "
@@ -84,7 +84,7 @@ def _shorter_than_shortest(shortest: int, timer: Timer) -> Warning | None:
     )
 
 
-def _coarse_slew(slew_interval_ticks: float, timer: Timer) -> Warning | None:
+def _coarse_slew(slew_interval_ticks: float, timer: Timer) -> TimerWarning | None:
     resolution = slew_resolution(slew_interval_ticks, timer.frequency_hz)
     if resolution.relative <= COARSE:
         return None
@@ -99,4 +99,4 @@ def _coarse_slew(slew_interval_ticks: float, timer: Timer) -> Warning | None:
             f"One tick is {100 * resolution.relative:.1f} % of the slew interval: the nearest speeds are {speeds} "
             f"steps/s. Use one of them; {advice}"
         )
-    return Warning("timer.frequency_hz", text)
+    return TimerWarning("timer.frequency_hz", text)

@@ -14,7 +14,7 @@ const THIRDS = [
 
 /**
  * @param {object} handlers
- * @param {(isWanted: boolean) => void} handlers.onAcceleration
+ * @param {(isShown: boolean) => void} handlers.onAcceleration
  * @param {(third: Third) => void} handlers.onThird
  */
 export function createSwitches({ onAcceleration, onThird }) {

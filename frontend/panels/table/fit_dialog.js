@@ -170,20 +170,20 @@ export function createFitDialog(ask, onRows) {
     }
     const size = wish === 'largest_relative_error' ? value / 100 : value;
     try {
-      const asked = { [wish]: size, row_kind: kind, interval_unit: intervalUnit(), fit_to: fitTo };
-      show(await ask.fitTable(design, asked));
+      const requested = { [wish]: size, row_kind: kind, interval_unit: intervalUnit(), fit_to: fitTo };
+      show(await ask.fitTable(design, requested));
     } catch (error) {
       show(null, problemOf(error));
     }
   });
 
   const fetchCurve = newestWins(async () => {
-    const [asked, askedKind, askedFor] = [design, kind, fitTo];
-    if (asked === null || !dialog.isOpen() || presentCurve()) return;
+    const [requested, requestedKind, requestedFor] = [design, kind, fitTo];
+    if (requested === null || !dialog.isOpen() || presentCurve()) return;
     try {
-      const kindOfRow = { row_kind: askedKind, interval_unit: intervalUnit(), fit_to: askedFor };
-      const curve = await ask.fitCurve(asked, kindOfRow);
-      if (asked === design) curves[`${askedKind} ${askedFor}`] = curve;
+      const kindOfRow = { row_kind: requestedKind, interval_unit: intervalUnit(), fit_to: requestedFor };
+      const curve = await ask.fitCurve(requested, kindOfRow);
+      if (requested === design) curves[`${requestedKind} ${requestedFor}`] = curve;
     } catch (error) {
       // Without the curve a size can still be typed; what is wrong with the design the fit says.
       if (!(error instanceof Refusal)) show(null, problemOf(error));

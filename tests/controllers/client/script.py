@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from controllers.ramps import IMAGE, four_axes
 from designs import design
-from stepramp.controllers.contract import Asked
+from stepramp.controllers.contract import AxisCommand
 from stepramp.controllers.stepramp.controller import StepRampController
 from stepramp.controllers.stepramp.frames import FrameSplitter, crc16, encode_frame
 from stepramp.controllers.stepramp.messages.body import DoneReply, Notice, Reply, Request
@@ -26,7 +26,7 @@ from stepramp.controllers.stepramp.messages.session import HelloReply, HelloRequ
 from stepramp.controllers.stepramp.messages.settings import ReadSettingsRequest, SettingsReply
 from stepramp.controllers.stepramp.messages.status import StatusReply, StatusRequest
 from stepramp.controllers.stepramp.push import plan_push
-from stepramp.controllers.stepramp.settings import Settings
+from stepramp.controllers.stepramp.settings import StepRampSettings
 from stepramp.controllers.virtual.controller import HELLO
 
 SESSION = 0x1234
@@ -47,8 +47,8 @@ def said(notice: Notice, tag: int = 0, session: int = SESSION) -> bytes:
     return encode_frame(Message(notice.KIND, session, tag, notice.pack()).pack())
 
 
-def by_steps(*values: int) -> list[Asked]:
-    return [Asked(axis, value, f"axes.{axis}.by_steps") for axis, value in enumerate(values)]
+def by_steps(*values: int) -> list[AxisCommand]:
+    return [AxisCommand(axis, value, f"axes.{axis}.by_steps") for axis, value in enumerate(values)]
 
 
 class Script:
@@ -57,14 +57,14 @@ class Script:
     The handshake is expected first; tags count on by themselves.
     """
 
-    def __init__(self, hello: HelloReply = HELLO, settings: Settings | None = None, image: bytes = b"") -> None:
+    def __init__(self, hello: HelloReply = HELLO, settings: StepRampSettings | None = None, image: bytes = b"") -> None:
         self.pairs: list[tuple[Message, bytes]] = [(sent(HelloRequest(), 0), replied(HelloRequest(), hello, 0))]
         self.splitter = FrameSplitter()
         self.unasked = b""
         self.noise = b""
         """What it receives after each frame."""
         self._tag = 0
-        self.then(ReadSettingsRequest(), SettingsReply((settings or Settings()).pack()))
+        self.then(ReadSettingsRequest(), SettingsReply((settings or StepRampSettings()).pack()))
         if hello.ramp_in_use:
             self.reads(0, image)
         self.then(ReportRequest(50), DoneReply())
@@ -124,5 +124,13 @@ def four() -> Script:
 
 
 def fast_image() -> bytes:
-    return plan_push([design(timer__frequency_hz=16_000_000, ramp__slew_speed_steps_per_s=35_000,
-                             ramp__acceleration_steps_per_s2=1e9)] * 4, HELLO, Settings()).image.encode()  # fmt: skip
+    return plan_push(
+        [
+            design(
+                timer__frequency_hz=16_000_000, ramp__slew_speed_steps_per_s=35_000, ramp__acceleration_steps_per_s2=1e9
+            )
+        ]
+        * 4,
+        HELLO,
+        StepRampSettings(),
+    ).image.encode()

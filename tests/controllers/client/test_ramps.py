@@ -28,7 +28,7 @@ from stepramp.controllers.stepramp.messages.reply import Refusal, ReplyStatus
 from stepramp.controllers.stepramp.messages.settings import ReadSettingsRequest, SettingsReply, WriteSettingsRequest
 from stepramp.controllers.stepramp.messages.status import StatusReply, StatusRequest
 from stepramp.controllers.stepramp.push import plan_push
-from stepramp.controllers.stepramp.settings import Settings
+from stepramp.controllers.stepramp.settings import StepRampSettings
 from stepramp.controllers.virtual.controller import HELLO
 from stepramp.errors import Refused
 from stepramp.link.serial_port import SerialPort
@@ -85,14 +85,14 @@ def test_an_image_that_is_refused(connect: Connect, refusal: Refusal, words: str
 
 
 def test_a_push_is_refused_while_moving(connect: Connect) -> None:
-    image = plan_push([design()], HELLO, Settings()).image.encode()
+    image = plan_push([design()], HELLO, StepRampSettings()).image.encode()
     controller = connect(Script().then(BeginRequest(len(image), crc16(image)), Refusal(ReplyStatus.MOVING)))
     with pytest.raises(Refused, match="moves"):
         controller.prepare_push([design()])()
 
 
 def test_a_push_to_one_axis_does_not_undo_another(connect: Connect) -> None:
-    plan = plan_push([design()], HELLO, Settings(), 0)
+    plan = plan_push([design()], HELLO, StepRampSettings(), 0)
     image = plan.image.encode()
     script = Script().delivers(image).then(TryRequest(), DoneReply()).then(StatusRequest(0), NO_RAMP).reads(1, image)
     controller = connect(script)
@@ -112,7 +112,9 @@ def test_keeping(connect: Connect) -> None:
 def test_rolling_back(connect: Connect) -> None:
     on_trial = StatusReply(0, 0, 0, 0, 0, 0, 1, 7, 2, 0)
     script = stored().then(StatusRequest(0), on_trial).then(RollBackRequest(), DoneReply())
-    script.then(StatusRequest(0), IDLE).then(ReadSettingsRequest(), SettingsReply(Settings().pack())).reads(0, BYTES)
+    script.then(StatusRequest(0), IDLE).then(ReadSettingsRequest(), SettingsReply(StepRampSettings().pack())).reads(
+        0, BYTES
+    )
     controller = connect(script.then(StatusRequest(0), IDLE))
     controller.roll_back()
     with pytest.raises(Refused, match="Nothing is on trial"):
@@ -121,7 +123,7 @@ def test_rolling_back(connect: Connect) -> None:
 
 def test_restoring(connect: Connect) -> None:
     previous, restored = four_axes().encode(), StatusReply(0, 0, 0, 0, 0, 0, 2, 7, 0, 0)
-    settings = SettingsReply(Settings(pulse_width_us=4).pack())
+    settings = SettingsReply(StepRampSettings(pulse_width_us=4).pack())
     script = stored().then(StatusRequest(0), IDLE).reads(2, previous).then(RollBackRequest(), DoneReply())
     script.then(StatusRequest(0), restored).then(ReadSettingsRequest(), settings).reads(0, previous)
     connect(script.then(StatusRequest(0), restored)).restore()
@@ -138,7 +140,7 @@ def test_restoring_what_is_not_there_or_while_something_is_on_trial(connect: Con
 
 def test_restoring_when_an_image_was_delivered_and_not_used(connect: Connect) -> None:
     """The first roll back then only drops that one."""
-    settings, restored = SettingsReply(Settings().pack()), StatusReply(0, 0, 0, 0, 0, 0, 2, 7, 0, 0)
+    settings, restored = SettingsReply(StepRampSettings().pack()), StatusReply(0, 0, 0, 0, 0, 0, 2, 7, 0, 0)
     script = stored().then(StatusRequest(0), IDLE).reads(2, BYTES).then(RollBackRequest(), DoneReply())
     script.then(StatusRequest(0), IDLE).then(ReadSettingsRequest(), settings).reads(0, BYTES)
     script.then(StatusRequest(0), IDLE).then(RollBackRequest(), DoneReply())
@@ -147,11 +149,11 @@ def test_restoring_when_an_image_was_delivered_and_not_used(connect: Connect) ->
 
 
 def test_settings(connect: Connect) -> None:
-    other = Settings(pulse_width_us=9)
+    other = StepRampSettings(pulse_width_us=9)
     script = Script(settings=other).then(ReadSettingsRequest(), SettingsReply(other.pack()))
-    controller = connect(script.then(WriteSettingsRequest(Settings().pack()), DoneReply()))
+    controller = connect(script.then(WriteSettingsRequest(StepRampSettings().pack()), DoneReply()))
     assert controller.settings() == other
-    controller.use_settings(Settings())
+    controller.use_settings(StepRampSettings())
 
 
 def test_it_gives_way_before_each_request_and_while_the_memory_is_written(plug_in: Callable) -> None:

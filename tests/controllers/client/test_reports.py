@@ -7,7 +7,7 @@ from collections.abc import Callable
 import pytest
 
 from controllers.client.script import IDLE, SESSION, Connect, replied, said, stored
-from stepramp.controllers.contract import Activity, Asked, ControllerStatus
+from stepramp.controllers.contract import Activity, AxisCommand, ControllerStatus
 from stepramp.controllers.stepramp.controller import StepRampController
 from stepramp.controllers.stepramp.frames import encode_frame
 from stepramp.controllers.stepramp.messages.body import DoneReply, Reply, Request
@@ -41,12 +41,12 @@ def test_reports_are_heard_without_asking(connect: Connect) -> None:
 
 TO_TARGETS: list[tuple[Callable[[StepRampController], None], Request, Reply]] = [
     (
-        lambda controller: controller.move_by([Asked(0, 1500, "by_steps")]),
+        lambda controller: controller.move_by([AxisCommand(0, 1500, "by_steps")]),
         MoveByRequest(1, (1500,)),
         TargetsReply((1500,)),
     ),
     (
-        lambda controller: controller.line([Asked(0, 1500, "by_steps")]),
+        lambda controller: controller.line([AxisCommand(0, 1500, "by_steps")]),
         LineRequest(1, 0, (1500,)),
         TargetsReply((1500,)),
     ),
@@ -68,7 +68,7 @@ def test_after_a_run_a_target_is_told_again(
     script.then(request_, reply).then(StatusRequest(0), moving)
     controller = connect(script)
     controller.status()
-    controller.run([Asked(0, 500.0, "speed_steps_per_s")])
+    controller.run([AxisCommand(0, 500.0, "speed_steps_per_s")])
     controller.status()
     if rests:
         controller.status()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from controllers.client.script import IDLE, Connect, said, stored
-from stepramp.controllers.contract import Asked
+from stepramp.controllers.contract import AxisCommand
 from stepramp.controllers.stepramp.messages.body import DoneReply
 from stepramp.controllers.stepramp.messages.motion import MoveByRequest, RunRequest, StopRequest, TargetsReply
 from stepramp.controllers.stepramp.messages.status import StatusRequest
@@ -20,7 +20,7 @@ def test_a_trace_is_collected_with_the_plan_of_the_move(connect: Connect) -> Non
     controller = connect(script)
     assert controller.trace is None
     assert controller.trace_moves(0, 2) == 2
-    controller.move_by([Asked(0, -5, "by_steps")])
+    controller.move_by([AxisCommand(0, -5, "by_steps")])
     # The slowest five of 4000, 2828 … up and 4000, 3900 … down: 4000 up, then 3700, 3800, 3900, 4000 down.
     script.unasked = said(TraceNotice(0, 2, 1, (60_000, (60_000 + 7700) % 65_536))) + said(
         TraceNotice(0x80, 2, 5, ((60_000 + 15_400 + 4) % 65_536,)), 1
@@ -39,7 +39,7 @@ def test_a_stop_ends_the_trace(connect: Connect) -> None:
     script.then(RunRequest(1, (2000,)), DoneReply()).then(StopRequest(), DoneReply())
     controller = connect(script)
     controller.trace_moves(0, 0)
-    controller.run([Asked(0, 1000.0, "speed_steps_per_s")])
+    controller.run([AxisCommand(0, 1000.0, "speed_steps_per_s")])
     script.unasked = said(TraceNotice(0, 1, 1, (1, 4001)))
     controller.listen()
     controller.stop()

@@ -9,7 +9,7 @@ import pytest
 from controllers.conformance.answers import LONG_MOVE, TOLERANCE_US
 from designs import document
 from simulator.avr import SimulatedController, build_firmware, missing_tools
-from stepramp.controllers.contract import Asked
+from stepramp.controllers.contract import AxisCommand
 from stepramp.controllers.stepramp.controller import StepRampController
 from stepramp.design import Design
 from stepramp.errors import Refused, Rejected
@@ -32,12 +32,12 @@ def test_the_client_pushes_and_moves(port: str) -> None:
     report = controller.prepare_push(designs)()
     assert report.verified
     assert report.largest_deviation_us <= 0.5
-    controller.move_by([Asked(0, LONG_MOVE, "by_steps"), Asked(1, -50, "by_steps")])
+    controller.move_by([AxisCommand(0, LONG_MOVE, "by_steps"), AxisCommand(1, -50, "by_steps")])
     with pytest.raises(Refused, match="moves"):
         controller.prepare_push(designs)()
     controller.halt()
     with pytest.raises(Rejected):
-        controller.move_by([Asked(0, 2**31 - 1, "by_steps")])
+        controller.move_by([AxisCommand(0, 2**31 - 1, "by_steps")])
     serial_port.close()
 
 
@@ -46,7 +46,7 @@ def test_the_client_traces_a_move_against_its_plan(port: str) -> None:
     design = Design.checked(document())
     controller.prepare_push([design])()
     every = controller.trace_moves(0, 0)
-    controller.move_by([Asked(0, 300, "by_steps")])
+    controller.move_by([AxisCommand(0, 300, "by_steps")])
     deadline = time.monotonic() + 10
     while (work_out := controller.trace) is None or not (trace := work_out()).complete:
         assert time.monotonic() < deadline
@@ -66,7 +66,7 @@ def test_a_ramp_by_formula_moves_to_its_targets(port: str, method: str) -> None:
     report = controller.prepare_push([design])()
     assert (report.verified, report.segments, report.largest_deviation_us) == (True, 0, 0)
     for target in (1, 2, 30, -77, 200, 400, 0):
-        controller.move_to([Asked(0, target, "to_steps")])
+        controller.move_to([AxisCommand(0, target, "to_steps")])
         deadline = time.monotonic() + 10
         while (status := controller.status().axes[0]).activity != "ready":
             assert time.monotonic() < deadline

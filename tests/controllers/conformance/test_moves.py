@@ -24,7 +24,7 @@ from stepramp.controllers.stepramp.messages.ramps import (
 from stepramp.controllers.stepramp.messages.reply import ReplyStatus
 from stepramp.controllers.stepramp.messages.settings import WriteSettingsRequest
 from stepramp.controllers.stepramp.messages.status import AxisState, MachineState
-from stepramp.controllers.stepramp.settings import Settings
+from stepramp.controllers.stepramp.settings import StepRampSettings
 
 
 @pytest.mark.parametrize("steps", [1, 2, 3, 42, 43, 44, 82, 83, 84, 300, -1, -83, -300])
@@ -92,7 +92,7 @@ def test_what_is_refused_while_moving(line: Line) -> None:
         CommitRequest(),
         TryRequest(),
         RollBackRequest(),
-        WriteSettingsRequest(Settings().pack()),
+        WriteSettingsRequest(StepRampSettings().pack()),
         SetPositionRequest(1, (0,)),
         ZeroRequest(1, 5),
         LineRequest(1, 0, (5,)),

@@ -31,7 +31,7 @@ from stepramp.controllers.stepramp.messages.reply import Refusal, ReplyStatus
 from stepramp.controllers.stepramp.messages.settings import WriteSettingsRequest
 from stepramp.controllers.stepramp.messages.status import MachineState, StatusFlag
 from stepramp.controllers.stepramp.ramp_image import RampImage, SegmentRamp
-from stepramp.controllers.stepramp.settings import Settings
+from stepramp.controllers.stepramp.settings import StepRampSettings
 from stepramp.ramp.segments import Segment
 
 
@@ -158,7 +158,7 @@ def test_while_writing(line: Line) -> None:
         MoveByRequest(1, (1,)),
         MoveToRequest(1, (1,)),
         RunRequest(1, (5000,)),
-        WriteSettingsRequest(Settings().pack()),
+        WriteSettingsRequest(StepRampSettings().pack()),
     ):
         refused(line, request, ReplyStatus.WRITING)
     line.good(StopRequest())

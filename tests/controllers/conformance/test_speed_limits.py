@@ -7,7 +7,7 @@ from stepramp.controllers.stepramp.messages.reply import Refusal, ReplyStatus
 from stepramp.controllers.stepramp.messages.settings import WriteSettingsRequest
 from stepramp.controllers.stepramp.messages.status import MachineState
 from stepramp.controllers.stepramp.ramp_image import RampImage, SegmentRamp
-from stepramp.controllers.stepramp.settings import Settings
+from stepramp.controllers.stepramp.settings import StepRampSettings
 from stepramp.ramp.segments import Segment
 
 
@@ -35,8 +35,8 @@ def test_axes_that_are_too_fast_together(line: Line) -> None:
 
 def test_an_axis_that_slows_down_is_still_fast(line: Line) -> None:
     """Whether it is told so in the same request or before."""
-    long_way_down = (Segment(220, 60_000, 0),)
-    line.use(RampImage(True, (SegmentRamp((), 200, long_way_down), SegmentRamp((), 260, ()))))
+    long_ramp_down = (Segment(220, 60_000, 0),)
+    line.use(RampImage(True, (SegmentRamp((), 200, long_ramp_down), SegmentRamp((), 260, ()))))
     line.good(RunRequest(1, (200,)))
     line.wait_until(lambda status: status.interval_ticks == 200)
     assert line.ask(RunRequest(3, (100_000, 260))).status is ReplyStatus.TOO_FAST
@@ -52,9 +52,9 @@ def test_wide_pulses_and_gauges_take_longer(line: Line) -> None:
     line.use(fast_axes(200, 1))
     moved(line, MoveByRequest(1, (5,)))
     line.wait_for_rest()
-    line.good(WriteSettingsRequest(Settings(pulse_width_us=6).pack()))
+    line.good(WriteSettingsRequest(StepRampSettings(pulse_width_us=6).pack()))
     assert line.ask(MoveByRequest(1, (5,))).status is ReplyStatus.TOO_FAST
-    line.good(WriteSettingsRequest(Settings(outputs="gauges").pack()))
+    line.good(WriteSettingsRequest(StepRampSettings(outputs="gauges").pack()))
     assert line.ask(MoveByRequest(1, (5,))).status is ReplyStatus.TOO_FAST
 
 

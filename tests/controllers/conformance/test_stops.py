@@ -15,7 +15,7 @@ from stepramp.ramp.segments import Segment
 
 
 @pytest.mark.parametrize("wait_s", [0.0, 0.01, 0.02, 0.2])
-def test_a_stop_follows_the_way_down(line: Line, wait_s: float) -> None:
+def test_a_stop_follows_the_ramp_down(line: Line, wait_s: float) -> None:
     line.use(IMAGE)
     moved(line, MoveByRequest(1, (-LONG_MOVE,)))
     time.sleep(wait_s)
@@ -33,7 +33,7 @@ def test_a_stop_follows_the_way_down(line: Line, wait_s: float) -> None:
     assert line.status().position_steps == end.position_steps
 
 
-def test_a_stop_on_the_way_down_changes_nothing(line: Line) -> None:
+def test_a_stop_on_the_ramp_down_changes_nothing(line: Line) -> None:
     line.use(image_of(SegmentRamp(SIDE, 1000, (Segment(60_000, 40, -1500),))))
     moved(line, MoveByRequest(1, (100,)))
     line.wait_until(lambda status: status.steps_made > 75)

@@ -8,7 +8,7 @@ import pytest
 
 from controllers.conftest import Clock
 from controllers.tic.emulator import READ, TicEmulator
-from stepramp.controllers.contract import Activity, Asked, ControllerStatus
+from stepramp.controllers.contract import Activity, AxisCommand, ControllerStatus
 from stepramp.controllers.tic.controller import TicController
 from stepramp.errors import Rejected
 from stepramp.link.protocol_sim import VirtualDevice
@@ -21,16 +21,16 @@ TARGET_FAR_AWAY = bytes([0xE0, 0, 0, 0, 0x7F, 0])
 """8,323,072 steps."""
 
 
-def by(steps: int, axis: int = 0) -> list[Asked]:
-    return [Asked(axis, steps, "by_steps")]
+def by(steps: int, axis: int = 0) -> list[AxisCommand]:
+    return [AxisCommand(axis, steps, "by_steps")]
 
 
-def to(position: int) -> list[Asked]:
-    return [Asked(0, position, "to_steps")]
+def to(position: int) -> list[AxisCommand]:
+    return [AxisCommand(0, position, "to_steps")]
 
 
-def at(speed: float) -> list[Asked]:
-    return [Asked(0, speed, "speed_steps_per_s")]
+def at(speed: float) -> list[AxisCommand]:
+    return [AxisCommand(0, speed, "speed_steps_per_s")]
 
 
 class Bench:

@@ -6,7 +6,7 @@ import pytest
 
 from controllers.tic.bench import POLL_S, TARGET_FAR_AWAY, Bench, at, by, to
 from controllers.tic.emulator import DEENERGIZE, HALT_AND_HOLD, STARTING_UP, VELOCITY
-from stepramp.controllers.contract import Asked
+from stepramp.controllers.contract import AxisCommand
 from stepramp.controllers.tic.controller import TicController
 from stepramp.errors import DeviceLost, Refused
 
@@ -44,7 +44,7 @@ def test_what_an_error_cut_short_is_not_gone_on_with(
     """Not even by a Tic whose own precautions are switched off."""
     tic = bench.tic
     tic.disable_safe_start, tic.command_timeout_ms, tic.soft_error_response = True, 0, response
-    getattr(controller, begin)([Asked(0, 1000, "value")])
+    getattr(controller, begin)([AxisCommand(0, 1000, "value")])
     bench.pass_time(0.3)
     tic.press(condition)
     status = bench.rest()

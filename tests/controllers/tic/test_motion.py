@@ -6,7 +6,7 @@ import pytest
 
 from controllers.tic.bench import POLL_S, Bench, at, by, only_rejection, to
 from controllers.tic.emulator import NORMAL, SOFT_ERROR, VELOCITY
-from stepramp.controllers.contract import Activity, Asked
+from stepramp.controllers.contract import Activity, AxisCommand
 from stepramp.controllers.tic.controller import TicController
 from stepramp.errors import Refused
 
@@ -107,9 +107,9 @@ def test_speeds_that_a_tic_would_not_run_at(bench: Bench, controller: TicControl
 @pytest.mark.parametrize("ask", ["move_by", "move_to", "run", "set_position"])
 def test_other_axes_are_not_there(controller: TicController, ask: str) -> None:
     for field, named in (("by_steps", "axis"), ("axes.0.by_steps", "axes.0.axis")):
-        rejected = only_rejection(lambda field=field: getattr(controller, ask)([Asked(2, 5, field)]))
+        rejected = only_rejection(lambda field=field: getattr(controller, ask)([AxisCommand(2, 5, field)]))
         assert rejected == (named, 2, "0: a Tic has one axis")
-    twice = [Asked(0, 5, "axes.0.by_steps"), Asked(0, 6, "axes.1.by_steps")]
+    twice = [AxisCommand(0, 5, "axes.0.by_steps"), AxisCommand(0, 6, "axes.1.by_steps")]
     assert only_rejection(lambda: getattr(controller, ask)(twice)) == ("axes.1.axis", 0, "each axis once")
 
 

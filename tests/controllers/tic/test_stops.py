@@ -11,7 +11,7 @@ import pytest
 from controllers.tic.bench import Bench, at, to
 from controllers.tic.damage import losing
 from controllers.tic.emulator import GO_TO_POSITION, HALTED, SOFT_ERROR, VELOCITY
-from stepramp.controllers.contract import Activity, AnswerUnknown, Asked
+from stepramp.controllers.contract import Activity, AnswerUnknown, AxisCommand
 from stepramp.controllers.tic.controller import TicController
 from stepramp.errors import Refused
 
@@ -33,7 +33,7 @@ class Interruption:
 
 @pytest.mark.parametrize("begin", ["move_by", "run"])
 def test_a_stop_slows_down_with_the_ramp(bench: Bench, controller: TicController, begin: str) -> None:
-    getattr(controller, begin)([Asked(0, -1000, "value")])
+    getattr(controller, begin)([AxisCommand(0, -1000, "value")])
     bench.pass_time(0.4)
     at_stop = bench.tic.position
     controller.stop()
@@ -73,7 +73,7 @@ def test_a_stop_at_any_place_of_a_motion_is_final(
         interruption = Interruption(place, stop_and_look)
         bench.interrupt = interruption.passed
         with suppress(AnswerUnknown):
-            controller.zero([0], 500) if begin == "zero" else getattr(controller, begin)([Asked(0, 900, "value")])
+            controller.zero([0], 500) if begin == "zero" else getattr(controller, begin)([AxisCommand(0, 900, "value")])
         bench.interrupt = lambda: None
         if not interruption.came:
             break

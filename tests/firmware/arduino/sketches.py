@@ -21,7 +21,7 @@ def image_in(example: str) -> bytes:
 
 
 @dataclass(frozen=True)
-class Wanted:
+class ExampleRamp:
     """The ramp of an example: what its comment says, and the segments that come close to it."""
 
     speed: float
@@ -53,7 +53,7 @@ _EXPORTED_DOWN = (
     *((4977, 9, -97), (4127, 14, -54), (3385, 22, -29), (2749, 39, -15), (2168, 22, -9)),
 )
 RAMPS = {
-    "LeadScrewStage": Wanted(1500, 10_000, 10_000, 1, Ramp(_STAGE, 1333, _STAGE), 7),
-    "ThreeGauges": Wanted(400, 2000, 2000, 3, Ramp(_GAUGE, 5000, _GAUGE), 5),
-    "ExportedRamp": Wanted(1000, 2000, 4000, 1, Ramp(_EXPORTED_UP, 2000, _EXPORTED_DOWN), 25),
+    "LeadScrewStage": ExampleRamp(1500, 10_000, 10_000, 1, Ramp(_STAGE, 1333, _STAGE), 7),
+    "ThreeGauges": ExampleRamp(400, 2000, 2000, 3, Ramp(_GAUGE, 5000, _GAUGE), 5),
+    "ExportedRamp": ExampleRamp(1000, 2000, 4000, 1, Ramp(_EXPORTED_UP, 2000, _EXPORTED_DOWN), 25),
 }

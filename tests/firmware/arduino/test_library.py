@@ -72,19 +72,22 @@ def test_each_example_is_in_a_folder_of_its_name() -> None:
 
 @pytest.mark.parametrize("example", RAMPS)
 def test_the_bytes_are_the_ramp_that_the_comment_promises(example: str) -> None:
-    wanted = RAMPS[example]
-    assert image_in(example) == wanted.ramp.image(wanted.axes)
-    assert wanted.ramp.slew == round(TICKS_HZ / wanted.speed)
-    for segments, rate in ((wanted.ramp.up, wanted.acceleration), (wanted.ramp.down, wanted.deceleration)):
+    example_ramp = RAMPS[example]
+    assert image_in(example) == example_ramp.ramp.image(example_ramp.axes)
+    assert example_ramp.ramp.slew == round(TICKS_HZ / example_ramp.speed)
+    for segments, rate in (
+        (example_ramp.ramp.up, example_ramp.acceleration),
+        (example_ramp.ramp.down, example_ramp.deceleration),
+    ):
         intervals = expand(segments)
         first = TICKS_HZ / math.sqrt(2 * rate)
         exact = [first / math.sqrt(n + 1) for n in range(len(intervals))]
-        assert max(abs(a - b) for a, b in zip(intervals, exact, strict=True)) <= wanted.bound_ticks + 0.5
-        assert abs(len(intervals) - wanted.speed**2 / (2 * rate)) <= 1
+        assert max(abs(a - b) for a, b in zip(intervals, exact, strict=True)) <= example_ramp.bound_ticks + 0.5
+        assert abs(len(intervals) - example_ramp.speed**2 / (2 * rate)) <= 1
 
 
 def test_the_firmware_finds_the_bytes_good(tmp_path: Path) -> None:
     require(*missing_compiler())
     with Host(build_driver(tmp_path)) as host:
-        for example, wanted in RAMPS.items():
-            assert host.ask("check", image_in(example).hex()) == f"good {wanted.axes} 1"
+        for example, example_ramp in RAMPS.items():
+            assert host.ask("check", image_in(example).hex()) == f"good {example_ramp.axes} 1"

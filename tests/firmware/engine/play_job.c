@@ -53,14 +53,14 @@ static bool next_index(uint8_t axis, uint16_t *index)
 static void fill_axis(uint8_t axis)
 {
     struct axis_player *player = &axis_players[axis];
-    uint8_t place = player->head;
-    uint8_t after = (uint8_t)((place & QUEUE_BYTES) | ((place + QUEUED_SEGMENT_BYTES) & (QUEUE_BYTES - 1)));
+    uint8_t offset = player->head;
+    uint8_t after = (uint8_t)((offset & QUEUE_BYTES) | ((offset + QUEUED_SEGMENT_BYTES) & (QUEUE_BYTES - 1)));
     uint16_t index;
     if (after == player->retired || !next_index(axis, &index)) {
         return;
     }
     axis_jobs[axis].next++;
-    struct queued_segment *segment = &queues[axis][(place & (QUEUE_BYTES - 1)) / QUEUED_SEGMENT_BYTES];
+    struct queued_segment *segment = &queues[axis][(offset & (QUEUE_BYTES - 1)) / QUEUED_SEGMENT_BYTES];
     job_read_segment(index, segment, sizeof *segment);
     segment->step_mask = segment->step_mask != 0 ? engine_step_mask(axis) : 0;
     segment->turn_mask = segment->turn_mask != 0 ? engine_turn_mask(axis) : 0;
@@ -70,13 +70,13 @@ static void fill_axis(uint8_t axis)
 
 static void fill_line(void)
 {
-    uint8_t place = line_player.head, after = (uint8_t)(place + LINE_SEGMENT_BYTES);
+    uint8_t offset = line_player.head, after = (uint8_t)(offset + LINE_SEGMENT_BYTES);
     uint16_t index;
     if (after == line_player.retired || !next_index(0, &index)) {
         return;
     }
     axis_jobs[0].next++;
-    struct line_segment *segment = &line_queue[place / LINE_SEGMENT_BYTES];
+    struct line_segment *segment = &line_queue[offset / LINE_SEGMENT_BYTES];
     job_read_segment(index, segment, sizeof *segment);
     KEEP_ORDER();
     line_player.head = after;
@@ -95,30 +95,30 @@ static void note_load(uint8_t axis, uint16_t trace)
 static void count_axis(uint8_t axis)
 {
     struct axis_player *player = &axis_players[axis];
-    uint8_t place = player->retired;
-    if (place == player->tail) {
+    uint8_t offset = player->retired;
+    if (offset == player->tail) {
         return;
     }
-    struct queued_segment *segment = &queues[axis][(place & (QUEUE_BYTES - 1)) / QUEUED_SEGMENT_BYTES];
+    struct queued_segment *segment = &queues[axis][(offset & (QUEUE_BYTES - 1)) / QUEUED_SEGMENT_BYTES];
     backward[axis] ^= segment->turn_mask != 0;
     if (segment->step_mask != 0) {
         int32_t steps = (int32_t)segment->count_less_1 + 1;
         result.position[axis] += backward[axis] ? -steps : steps;
     }
     note_load(axis, segment->interval);
-    player->retired = (uint8_t)((place & QUEUE_BYTES) | ((place + QUEUED_SEGMENT_BYTES) & (QUEUE_BYTES - 1)));
+    player->retired = (uint8_t)((offset & QUEUE_BYTES) | ((offset + QUEUED_SEGMENT_BYTES) & (QUEUE_BYTES - 1)));
 }
 
 static void count_line(void)
 {
-    uint8_t place = line_player.retired;
-    if (place == line_player.tail) {
+    uint8_t offset = line_player.retired;
+    if (offset == line_player.tail) {
         return;
     }
-    const struct line_segment *segment = &line_queue[place / LINE_SEGMENT_BYTES];
+    const struct line_segment *segment = &line_queue[offset / LINE_SEGMENT_BYTES];
     result.position[0] += (segment->axes & 0x0F) != 0 ? (int32_t)segment->count_less_1 + 1 : 0;
     note_load(0, segment->interval);
-    line_player.retired = (uint8_t)(place + LINE_SEGMENT_BYTES);
+    line_player.retired = (uint8_t)(offset + LINE_SEGMENT_BYTES);
 }
 
 static void serve_queues(void)
@@ -140,23 +140,23 @@ static void serve_queues(void)
 static void take_off(uint8_t axis)
 {
     struct axis_player *player = &axis_players[axis];
-    struct engine_place place = engine_place(axis);
-    while (player->retired != place.tail) {
+    struct engine_progress progress = engine_progress(axis);
+    while (player->retired != progress.tail) {
         count_axis(axis);
     }
     if (player->step_mask != 0) {
-        int32_t left = (int32_t)place.count_less_1 + 1;
+        int32_t left = (int32_t)progress.count_less_1 + 1;
         result.position[axis] -= backward[axis] ? -left : left;
     }
 }
 
 static void take_off_line(void)
 {
-    struct engine_place place = engine_place(0);
-    while (line_player.retired != place.tail) {
+    struct engine_progress progress = engine_progress(0);
+    while (line_player.retired != progress.tail) {
         count_line();
     }
-    result.position[0] -= line_player.leader_pins != 0 ? (int32_t)place.count_less_1 + 1 : 0;
+    result.position[0] -= line_player.leader_pins != 0 ? (int32_t)progress.count_less_1 + 1 : 0;
 }
 
 static void halt(uint8_t axes)
@@ -234,7 +234,7 @@ int main(int count, char **words)
         serve_queues();
     }
     for (uint8_t axis = 0; axis < MOST_AXES; axis++) {
-        result.empty[axis] = engine_place(axis).empty;
+        result.empty[axis] = engine_progress(axis).empty;
     }
     job_end(&result, sizeof result);
     return 0;

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from firmware.checker import CYCLES_PER_US, Axis
+from firmware.checker import CYCLES_PER_US, AxisEdges
 from firmware.flight.judgement import Judgement, at, us
 from firmware.flight.motion import Flight, leader_of
 
@@ -33,7 +33,7 @@ def judge_lines(flights: Sequence[Flight], found: Judgement) -> None:
                 found.add(f"axis {axis}: a step of a line {us(np.abs(wanted - made.steps).max())} from the leader's")
 
 
-def _between(flight: Flight, begin: float, end: float) -> Axis:
+def _between(flight: Flight, begin: float, end: float) -> AxisEdges:
     first, last = np.searchsorted(flight.made.steps, [begin, end])
     made = flight.made
-    return Axis(made.steps[first:last], made.ends[first:last], made.turns, made.forward[first:last])
+    return AxisEdges(made.steps[first:last], made.ends[first:last], made.turns, made.forward[first:last])

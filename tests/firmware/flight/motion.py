@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from firmware.checker import Axis, Cycles, Edges, axis_of
+from firmware.checker import AxisEdges, Cycles, Edges, axis_of
 from firmware.flight.exchange import ORDERS, Exchange
 from firmware.flight.setting import Setting
 from firmware.protocol import LINE
@@ -16,7 +16,7 @@ class Flight:
     """What an axis did, and what it was told."""
 
     axis: int
-    made: Axis
+    made: AxisEdges
     setting: Setting
     heard: Sequence[Exchange]
     lines: Sequence[tuple[Exchange, float]]
@@ -39,7 +39,7 @@ class Flight:
         return range(int(way.min()) - 1, int(way.max()) + 2)
 
 
-def axis_at(edges: Edges, axis: int, setting: Setting) -> Axis:
+def axis_at(edges: Edges, axis: int, setting: Setting) -> AxisEdges:
     """Return what the pins of an axis did since they were set up: at their first levels none of them has stepped."""
     settings = setting.settings
     return axis_of(

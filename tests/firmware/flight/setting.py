@@ -37,7 +37,7 @@ class Slopes:
     places: int = 0
     """An interval that lies between two of a list may count as one so many places on."""
     last_places: int = 1
-    """So many intervals of the way down may be left out or unseen before rest: no step follows the last one."""
+    """So many intervals of the ramp down may be left out or unseen before rest: no step follows the last one."""
 
 
 @dataclass(frozen=True)

@@ -14,12 +14,12 @@ from ramp.test_on_chip import METHODS, both_slopes, methods, nearest, possible
 from simulator.avr import missing_tools
 from stepramp.controllers.stepramp.formula_image import FORMULA_BYTES, encode_formula
 from stepramp.methods.common.fixed_point import Format, Output, Scaled
-from stepramp.ramp.on_chip import OnChipMotor, OnChipRamp, Phase, slopes_refusal
+from stepramp.ramp.on_chip import MotorState, OnChipMotor, OnChipRamp, slopes_refusal
 from stepramp.shapes.constant import ConstantAcceleration as Slope
 from tools import require
 
 LONGEST_ON_THE_CHIP_STEPS = 1500
-UP_AT, WAY_BYTES = 15, 39
+UP_AT, SIDE_BYTES = 15, 39
 DOWN, COMPROMISE, NEWTON = 1, 2, 4
 LONGEST_STEPPED = 0xC0000000
 """Up to here x² + x⁴ is below 1; p1 of a ramp from rest is at 0.7071 · 2³²."""
@@ -104,7 +104,7 @@ def test_any_way_is_that_of_the_host(
         assert status.steps_down == motor.steps_down
         assert status.slews == motor.slews
         assert status.creep_interval == ramp.creep_interval
-        if motor.phase is not Phase.REST:
+        if motor.state is not MotorState.REST:
             assert status.hold_interval == motor.hold_interval
 
 
@@ -201,7 +201,7 @@ def newton_without_limit(x: State, k: int) -> State | None:
 
 
 def product_of(x: int, k: int) -> int:
-    return sum((k >> 8 * place & 255) * (x * x >> 8 * (3 - place)) for place in range(4))
+    return sum((k >> 8 * position & 255) * (x * x >> 8 * (3 - position)) for position in range(4))
 
 
 # Untrusted bytes.
@@ -259,7 +259,7 @@ def test_bytes_that_are_found_good_are_safe(
 
 @pytest.mark.parametrize("constants", good_ramps(), ids=itertools.count())
 def test_limits_are_kept(machine: Machine, constants: bytes) -> None:
-    slew, p1_up, p1_down = (struct.unpack_from("<I", constants, at)[0] for at in (1, UP_AT + 3, UP_AT + WAY_BYTES + 3))
+    slew, p1_up, p1_down = (struct.unpack_from("<I", constants, at)[0] for at in (1, UP_AT + 3, UP_AT + SIDE_BYTES + 3))
     longest = max(p1_up, p1_down)
     assert machine.check(constants, (slew, longest))
     assert not machine.check(constants, (slew + 1, longest))

@@ -12,7 +12,7 @@ queue the next one, its start, and the silence in which the direction settles.""
 
 
 def assert_obeys(made: Steps, ramp: StoredRamp, slowest_run: int) -> None:
-    """No interval is shorter than the next of the way up after the one before it allows, nor longer than the way down
+    """No interval is shorter than the next of the ramp up after the one before it allows, nor longer than the ramp down
     allows; a run's speed lies between. A direction begins and ends slowly."""
     start = (*ramp.up, ramp.slew)[0]
     landing = (*ramp.down, ramp.slew)[0]
@@ -31,7 +31,7 @@ def assert_obeys(made: Steps, ramp: StoredRamp, slowest_run: int) -> None:
 
 
 def assert_without_a_stall(intervals: Sequence[int], ramp: StoredRamp) -> None:
-    """The motor slows down no faster than its way down does."""
+    """The motor slows down no faster than its ramp down does."""
     down = sorted(ramp.down)
     for before, after in itertools.pairwise(intervals):
         slower = bisect_left(down, before + 1)

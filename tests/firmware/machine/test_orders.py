@@ -64,7 +64,7 @@ def test_a_farther_target_is_gone_to_without_a_stop(host: Host) -> None:
 @pytest.mark.parametrize("round_ticks", [8_000, 16_000, 32_000])
 @pytest.mark.parametrize("at_ms", range(210, 400, 10))
 def test_a_move_that_is_extended_while_it_slows_down_does_not_wait(host: Host, at_ms: int, round_ticks: int) -> None:
-    """The place on the way up is near when it is wanted, also when the main loop takes 2 ms for a round."""
+    """The place on the ramp up is near when it is wanted, also when the main loop takes 2 ms for a round."""
     machine = Machine(host, image_of(LONG, fast=True), round_ticks=round_ticks)
     before = machine.report().starved
     machine.move(4200)

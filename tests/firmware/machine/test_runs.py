@@ -22,7 +22,7 @@ def test_a_run_that_becomes_slower_does_not_wait(host: Host, round_ticks: int) -
 
 
 def test_running(host: Host) -> None:
-    """Up to the speed, slower along the way down, faster along the way up, back through rest, and a stop by 0."""
+    """Up to the speed, slower along the ramp down, faster along the ramp up, back through rest, and a stop by 0."""
     machine = Machine(host, image_of(QUICK))
     for interval in (2500, 4000, 2200):
         assert machine.ask("run", 1, interval) == (OK, 0)

@@ -53,7 +53,7 @@ def test_after_a_stop_the_target_is_where_it_comes_to_rest(
 
 
 def test_after_a_stop_the_target_is_known_also_on_long_lists(host: Host) -> None:
-    """Right after a quick start, when the list of the way down has hardly been read."""
+    """Right after a quick start, when the list of the ramp down has hardly been read."""
     ramp = StoredRamp(coarse_slope(20_000, 2_000_000, 4), 800, coarse_slope(20_000, 50_000, 80))
     machine = Machine(host, image_of(ramp, fast=True), round_ticks=16_000)
     for wait_ms in range(1, 60):

@@ -15,7 +15,7 @@ from stepramp.controllers.capabilities import (
 from stepramp.controllers.contract import (
     UNDER_WAY,
     Activity,
-    Asked,
+    AxisCommand,
     Controller,
     ControllerStatus,
     PushMode,
@@ -44,7 +44,7 @@ from stepramp.controllers.stepramp.messages.status import StatusReply, StatusReq
 from stepramp.controllers.stepramp.messages.trace import TraceNotice
 from stepramp.controllers.stepramp.motion_checks import MotionChecks
 from stepramp.controllers.stepramp.push import plan_push
-from stepramp.controllers.stepramp.settings import Settings
+from stepramp.controllers.stepramp.settings import StepRampSettings
 from stepramp.controllers.stepramp.speed_limits import interval_ticks
 from stepramp.controllers.stepramp.status import status_after, status_of
 from stepramp.controllers.stepramp.storage import Storage
@@ -60,7 +60,7 @@ class StepRampController(
     StoresRamps,
     TriesRamps,
     RestoresRamps,
-    HasSettings[Settings],
+    HasSettings[StepRampSettings],
     TracesMoves,
     DrawsLines,
     ZeroesGauges,
@@ -195,23 +195,23 @@ class StepRampController(
         """Make the ramps and settings that were stored before the stored ones; Refused when there are none."""
         self._storage.restore(self.status())
 
-    def settings(self) -> Settings:
+    def settings(self) -> StepRampSettings:
         """Ask for the settings in use."""
         return self._storage.read_settings()
 
-    def use_settings(self, settings: Settings) -> None:
+    def use_settings(self, settings: StepRampSettings) -> None:
         """Use other settings until a roll back or a reset."""
         self._storage.use_settings(settings)
 
-    def move_by(self, steps: Sequence[Asked]) -> None:
+    def move_by(self, steps: Sequence[AxisCommand]) -> None:
         """Begin to move axes by so many steps; see Controller."""
         self._move(steps, MoveByRequest)
 
-    def move_to(self, positions: Sequence[Asked]) -> None:
+    def move_to(self, positions: Sequence[AxisCommand]) -> None:
         """Begin to move axes to positions [steps]; see Controller."""
         self._move(positions, MoveToRequest)
 
-    def run(self, speeds: Sequence[Asked]) -> None:
+    def run(self, speeds: Sequence[AxisCommand]) -> None:
         """Run axes at speeds [steps/s]; see Controller."""
         intervals = self._checks.intervals_of(speeds)
         rejected = self._checks.unless_too_fast(self._moving, speeds, intervals)
@@ -219,9 +219,9 @@ class StepRampController(
         request = RunRequest(mask_of(intervals), tuple(intervals[axis] for axis in sorted(intervals)))
         self._conversation.ask(request, DoneReply, rejected)
         self._checks.running |= {axis: abs(interval) for axis, interval in intervals.items() if interval}
-        self._tracing.runs(intervals, self._checks.ways, self.timer_hz)
+        self._tracing.runs(intervals, self._checks.playbacks, self.timer_hz)
 
-    def line(self, steps: Sequence[Asked], ramp_axis: int | None = None) -> None:
+    def line(self, steps: Sequence[AxisCommand], ramp_axis: int | None = None) -> None:
         """Begin to move axes along a straight line; see Controller."""
         values = self._checks.whole_values(steps)
         axis = self._checks.ramp_axis(values, ramp_axis)
@@ -230,9 +230,9 @@ class StepRampController(
         self._tracing.prepare(values, self._hear)
         self._conversation.ask(LineRequest(mask_of(values), axis, ordered), TargetsReply, rejected)
         self._checks.run_no_more(values)
-        self._tracing.goes_along_a_line(values, self._checks.ways[axis], self.timer_hz)
+        self._tracing.goes_along_a_line(values, self._checks.playbacks[axis], self.timer_hz)
 
-    def set_position(self, positions: Sequence[Asked]) -> None:
+    def set_position(self, positions: Sequence[AxisCommand]) -> None:
         """Call the places where axes are these positions [steps]."""
         values = self._checks.whole_values(positions)
         ordered = tuple(values[axis] for axis in sorted(values))
@@ -240,13 +240,13 @@ class StepRampController(
 
     def zero(self, axes: Collection[int], steps: int) -> None:
         """Call the places where axes are so many steps and move them to 0."""
-        asked = [Asked(axis, axis, "axes") for axis in axes]
-        self._checks.known_axes(asked)
-        rejected = self._checks.unless_too_fast(self._moving, asked, self._checks.slew_intervals(axes))
+        commands = [AxisCommand(axis, axis, "axes") for axis in axes]
+        self._checks.known_axes(commands)
+        rejected = self._checks.unless_too_fast(self._moving, commands, self._checks.slew_intervals(axes))
         self._tracing.prepare(axes, self._hear)
         self._conversation.ask(ZeroRequest(mask_of(axes), steps), DoneReply, rejected)
         self._checks.run_no_more(axes)
-        self._tracing.moves(dict.fromkeys(axes, -steps), self._checks.ways, self.timer_hz)
+        self._tracing.moves(dict.fromkeys(axes, -steps), self._checks.playbacks, self.timer_hz)
 
     def stop(self, axes: Collection[int] | None = None) -> None:
         """Begin to slow down with the ramp."""
@@ -260,17 +260,17 @@ class StepRampController(
 
     def steps_to_rest(self, axis: int, speed_steps_per_s: float) -> int:
         """Return how many steps an axis takes to slow down from a speed [steps/s]."""
-        return self._checks.ways[axis].steps_from(interval_ticks(speed_steps_per_s, self.timer_hz))
+        return self._checks.playbacks[axis].steps_from(interval_ticks(speed_steps_per_s, self.timer_hz))
 
     def trace_moves(self, axis: int | None, every_steps: int) -> int:
         """Trace every so many-th step of each move of an axis from now on; see Controller."""
         if axis is not None:
-            self._checks.known_axes([Asked(axis, 0, "traced_axis")])
+            self._checks.known_axes([AxisCommand(axis, 0, "traced_axis")])
         return self._tracing.arm(axis, every_steps)
 
-    def _move(self, asked: Sequence[Asked], request: type[AxesRequest]) -> None:
-        values = self._checks.whole_values(asked)
-        rejected = self._checks.unless_too_fast(self._moving, asked, self._checks.slew_intervals(values))
+    def _move(self, commands: Sequence[AxisCommand], request: type[AxesRequest]) -> None:
+        values = self._checks.whole_values(commands)
+        rejected = self._checks.unless_too_fast(self._moving, commands, self._checks.slew_intervals(values))
         starts = self._tracing.prepare(values, self._hear)
         targets = self._conversation.ask(
             request(mask_of(values), tuple(values[axis] for axis in sorted(values))), TargetsReply, rejected
@@ -281,7 +281,7 @@ class StepRampController(
         self._checks.run_no_more(values)
         reached = dict(zip(sorted(values), targets.targets_steps, strict=True))
         distances = {axis: reached[axis] - start for axis, start in starts.items()}
-        self._tracing.moves(distances, self._checks.ways, self.timer_hz)
+        self._tracing.moves(distances, self._checks.playbacks, self.timer_hz)
 
     def _moving(self, anew: bool) -> dict[int, int]:
         """Return the axes that move with their present intervals [ticks], as last heard or as asked anew."""
@@ -294,9 +294,9 @@ class StepRampController(
         image = self._storage.image
         count = len(image.axes) if image else 1
         while True:
-            others = self._conversation.asked
+            others = self._conversation.requests_made
             replies = [self._conversation.ask(StatusRequest(axis), StatusReply) for axis in range(count)]
-            if self._conversation.asked == others + count:
+            if self._conversation.requests_made == others + count:
                 return replies
 
     def _hear(self) -> None:
@@ -313,7 +313,7 @@ class StepRampController(
 
     def _mask(self, axes: Collection[int] | None) -> bytes:
         """Return which axes are to stop: nothing, which is all, also when one of them is unknown."""
-        known = range(len(self._checks.ways))
+        known = range(len(self._checks.playbacks))
         return b"" if axes is None or not all(axis in known for axis in axes) else bytes([mask_of(axes)])
 
     def _use(self) -> None:

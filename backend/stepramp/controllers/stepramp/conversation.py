@@ -43,13 +43,13 @@ class Conversation:
         self._notices: deque[Notice] = deque()
         self._session = 0
         self._tag = 0
-        self._asked = 0
+        self._requests_made = 0
         self._heard_bytes = self._heard_messages = 0
 
     @property
-    def asked(self) -> int:
+    def requests_made(self) -> int:
         """How many requests there were: more than one's own when others came in between."""
-        return self._asked
+        return self._requests_made
 
     def begin(self) -> HelloReply:
         """Shake hands: drop what a reset left on the line, then say hello until it is answered.
@@ -86,7 +86,7 @@ class Conversation:
         """
         self._give_way(0.0)
         self._tag = (self._tag + 1) % 256
-        self._asked += 1
+        self._requests_made += 1
         message = Message(request.KIND, self._session, self._tag, request.pack())
         for attempt in range(1 + MOST_REPEATS):
             if attempt:

@@ -12,7 +12,7 @@ from stepramp.methods.common.fixed_point import (
     Output,
     Scaled,
 )
-from stepramp.ramp.on_chip import Factor, OnChipRamp, Side
+from stepramp.ramp.on_chip import Factor, OnChipRamp, OnChipSide
 
 _METHOD_AND_SLEW = struct.Struct("<BI")
 _FACTOR = struct.Struct("<Ib")
@@ -31,12 +31,12 @@ def decode_formula(constants: bytes, limits: range) -> OnChipRamp:
     at = _METHOD_AND_SLEW.size
     down_carry = Factor(*_FACTOR.unpack_from(constants, at))
     up_carry = Factor(*_FACTOR.unpack_from(constants, at + _FACTOR.size))
-    ways = constants[at + 2 * _FACTOR.size :]
-    half = len(ways) // 2
+    sides = constants[at + 2 * _FACTOR.size :]
+    half = len(sides) // 2
     ramp = OnChipRamp(
         method=next(name for name, number in METHODS.items() if number == method),
-        up=_side(ways[:half], up_carry),
-        down=_side(ways[half:], down_carry),
+        up=_side(sides[:half], up_carry),
+        down=_side(sides[half:], down_carry),
         slew_interval=slew,
     )
     if encode_formula(ramp) != constants:
@@ -47,15 +47,18 @@ def decode_formula(constants: bytes, limits: range) -> OnChipRamp:
     return ramp
 
 
-def _side(way: bytes, carry: Factor) -> Side:
+def _side(packed: bytes, carry: Factor) -> OnChipSide:
     at = _U24 + _TICKS
-    longest, shortest = (_scaled(*_X.unpack_from(way, at + place * _X.size)) for place in range(2))
+    longest, shortest = (_scaled(*_X.unpack_from(packed, at + number * _X.size)) for number in range(2))
     at += 2 * _X.size
     outputs = [
-        Output(int.from_bytes(way[at + 4 * place : at + 4 * place + _U24], "little"), 8 * way[at + 4 * place + _U24])
-        for place in range(EXPONENTS)
+        Output(
+            int.from_bytes(packed[at + 4 * number : at + 4 * number + _U24], "little"),
+            8 * packed[at + 4 * number + _U24],
+        )
+        for number in range(EXPONENTS)
     ]
-    index = way[at + 4 * EXPONENTS :]
+    index = packed[at + 4 * EXPONENTS :]
     fraction, whole = int.from_bytes(index[:_U24], "little"), int.from_bytes(index[_U24:], "little")
     form = Format(
         longest=longest,
@@ -63,10 +66,10 @@ def _side(way: bytes, carry: Factor) -> Side:
         first_ramp_index=whole << RAMP_INDEX_BITS | fraction,
         outputs=tuple(outputs),
     )
-    steps = int.from_bytes(way[:_U24], "little")
+    steps = int.from_bytes(packed[:_U24], "little")
     if steps < 1 or any(output.fraction_bits > 24 for output in outputs):
         raise ValueError(f"{steps} steps with outputs {outputs}")
-    return Side(steps, form, carry if any(carry) else None)
+    return OnChipSide(steps, form, carry if any(carry) else None)
 
 
 def _scaled(mantissa: int, exponent: int) -> Scaled:

@@ -6,7 +6,7 @@ docs/serial_protocol.md has the format.
 import struct
 
 from stepramp.methods.common.fixed_point import RAMP_INDEX_BITS, Format
-from stepramp.ramp.on_chip import ON_CHIP, Factor, OnChipRamp, Side
+from stepramp.ramp.on_chip import ON_CHIP, Factor, OnChipRamp, OnChipSide
 
 FORMULA_BYTES = 93
 METHODS = {name: method.number for name, method in ON_CHIP.items()}
@@ -23,13 +23,13 @@ def encode_formula(ramp: OnChipRamp) -> bytes:
             struct.pack("<BI", METHODS[ramp.method], ramp.slew_interval),
             _FACTOR.pack(*ramp.down.carry or Factor(0, 0)),
             _FACTOR.pack(*ramp.up.carry or Factor(0, 0)),
-            _way(ramp.up),
-            _way(ramp.down),
+            _packed(ramp.up),
+            _packed(ramp.down),
         )
     )
 
 
-def _way(side: Side) -> bytes:
+def _packed(side: OnChipSide) -> bytes:
     form: Format = side.form
     whole, fraction = divmod(form.first_ramp_index, 1 << RAMP_INDEX_BITS)
     return b"".join(

@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 from stepramp.controllers.contract import FigureUnit, PreviewItem, PushItem, PushPreview, PushReport
 from stepramp.controllers.stepramp.frames import crc16
 from stepramp.controllers.stepramp.messages.session import HelloReply
+from stepramp.controllers.stepramp.playback import formula_ramp, playback_of, unpacked
 from stepramp.controllers.stepramp.push_limits import PushLimits
 from stepramp.controllers.stepramp.ramp_image import AxisRamp, BadRampImage, RampImage, SegmentRamp
-from stepramp.controllers.stepramp.settings import Settings
-from stepramp.controllers.stepramp.ways import formula_ramp, unpacked, ways_of
+from stepramp.controllers.stepramp.settings import StepRampSettings
 from stepramp.design import Design
 from stepramp.errors import Rejected, Rejection
 from stepramp.numerics.ramp import Ramp
@@ -41,7 +41,7 @@ SEGMENTS_IN_A_ROW = 8
 
 
 @dataclass(frozen=True)
-class Wanted:
+class PushedDesign:
     """A design that is pushed to an axis."""
 
     axis: int
@@ -55,14 +55,14 @@ class Wanted:
 class SmallestChange:
     """A ramp as it may be sent: by formula, or as segments with a bound that can be made coarser step by step."""
 
-    def __init__(self, wanted: Wanted, limits: PushLimits, axes: int) -> None:
-        self.wanted = wanted
+    def __init__(self, pushed: PushedDesign, limits: PushLimits, axes: int) -> None:
+        self.pushed = pushed
         self._limits = limits
         segments_us = max(SEGMENT_US * axes, ONLY_SEGMENT_US)
         self._shortest_row = SEGMENTS_IN_A_ROW * ticks_from_us(segments_us, limits.timer_hz)
-        self._bounds = _bounds(_coarsest_bound(wanted.ramp.slew, limits.timer_hz))
+        self._bounds = _bounds(_coarsest_bound(pushed.ramp.slew, limits.timer_hz))
         self.bound_ticks = next(self._bounds)
-        self.ramp: AxisRamp = formula_ramp(wanted.design, limits.by_formula) or self._compressed()
+        self.ramp: AxisRamp = formula_ramp(pushed.design, limits.by_formula) or self._compressed()
 
     @property
     def fits(self) -> bool:
@@ -99,8 +99,8 @@ class SmallestChange:
                 return
 
     def _compressed(self) -> SegmentRamp:
-        up, down = compress_sides(self.wanted.ramp, self.bound_ticks)
-        return SegmentRamp(tuple(up), self.wanted.ramp.slew, tuple(down))
+        up, down = compress_sides(self.pushed.ramp, self.bound_ticks)
+        return SegmentRamp(tuple(up), self.pushed.ramp.slew, tuple(down))
 
 
 def _shortest_row(segments: Sequence[Segment]) -> float:
@@ -116,7 +116,7 @@ def _shortest_row(segments: Sequence[Segment]) -> float:
 class PushPlan:
     """What will be sent for some designs, and what it comes from."""
 
-    wanted: tuple[Wanted, ...]
+    pushed: tuple[PushedDesign, ...]
     image: RampImage
     timer_hz: int
     bounds_ticks: tuple[int, ...]
@@ -133,7 +133,7 @@ class PushPlan:
             verified=stored == encoded,
             segments=self.image.sent_segments,
             bytes=len(encoded),
-            largest_deviation_us=max(map(self._deviation_us, self.wanted)),
+            largest_deviation_us=max(map(self._deviation_us, self.pushed)),
             sequence=sequence,
             kept=kept,
             warnings=tuple(self._warnings(verified=stored == encoded)),
@@ -146,7 +146,7 @@ class PushPlan:
             same=present is not None and present.encode() == self.image.encode(),
             segments=self.image.sent_segments,
             bytes=len(self.image.encode()),
-            largest_deviation_us=max(map(self._deviation_us, self.wanted)),
+            largest_deviation_us=max(map(self._deviation_us, self.pushed)),
             warnings=tuple(self._warnings(verified=True)),
         )
 
@@ -154,9 +154,9 @@ class PushPlan:
         before = present.axes if present else ()
         yield PreviewItem("Axes with a ramp", "", len(before), len(self.image.axes), None)
         yield PreviewItem("Clock", "Hz", present_hz if present else None, self.timer_hz, None)
-        pushed = {each.axis for each in self.wanted}
+        pushed_axes = {each.axis for each in self.pushed}
         for axis in range(max(len(before), len(self.image.axes))):
-            if axis < len(self.image.axes) and axis not in pushed:
+            if axis < len(self.image.axes) and axis not in pushed_axes:
                 continue
             there = _figures(unpacked(before[axis]), present_hz) if axis < len(before) else {}
             here = _figures(unpacked(self.image.axes[axis]), self.timer_hz) if axis < len(self.image.axes) else {}
@@ -170,16 +170,16 @@ class PushPlan:
             read_back = RampImage.decode(stored).axes
         except BadRampImage:
             read_back = ()
-        for each in self.wanted:
+        for each in self.pushed:
             there = _figures(unpacked(read_back[each.axis]), self.timer_hz) if each.axis < len(read_back) else {}
             sent = _figures(unpacked(self.image.axes[each.axis]), self.timer_hz)
             for (name, unit), figure in _figures(each.ramp, self.timer_hz).items():
-                called = name if len(self.wanted) == 1 else f"Axis {each.axis}: {name[0].lower()}{name[1:]}"
+                called = name if len(self.pushed) == 1 else f"Axis {each.axis}: {name[0].lower()}{name[1:]}"
                 yield PushItem(called, unit, figure, sent[name, unit], there.get((name, unit)), each.axis)
         crc = crc16(self.image.encode())
         yield PushItem("Ramp image", "CRC-16", crc, crc, crc16(stored), None)
 
-    def _deviation_us(self, each: Wanted) -> float:
+    def _deviation_us(self, each: PushedDesign) -> float:
         """Return the largest difference between an interval of a design's ramp and of the one sent [µs]."""
         sent = _all_intervals(unpacked(self.image.axes[each.axis]))
         return us_from_ticks(float(np.abs(_all_intervals(each.ramp) - sent).max()), self.timer_hz)
@@ -187,9 +187,9 @@ class PushPlan:
     def _warnings(self, *, verified: bool) -> Iterator[str]:
         if not verified:
             yield "What the controller has is not what was sent: push again before moving."
-        for each, bound in zip(self.wanted, self.bounds_ticks, strict=True):
+        for each, bound in zip(self.pushed, self.bounds_ticks, strict=True):
             if bound:
-                which = "" if len(self.wanted) == 1 else f" of axis {each.axis}"
+                which = "" if len(self.pushed) == 1 else f" of axis {each.axis}"
                 yield (
                     f"To fit the controller's memory, intervals{which} were changed by up to {bound:,} ticks: "
                     f"at most {self._deviation_us(each):,.3g} µs from the design."
@@ -200,7 +200,7 @@ class PushPlan:
                 f"The ramps have more segments in so short a time than the controller can prepare: {them} may have to "
                 f"wait between steps. A lower acceleration takes fewer."
             )
-        too_fast = self.limits.too_fast_together([ways_of(ramp) for ramp in self.image.axes])
+        too_fast = self.limits.too_fast_together([playback_of(ramp) for ramp in self.image.axes])
         if len(self.image.axes) > 1 and too_fast is not None:
             yield too_fast
 
@@ -208,7 +208,7 @@ class PushPlan:
 def plan_push(
     designs: Sequence[Design],
     hello: HelloReply,
-    settings: Settings,
+    settings: StepRampSettings,
     first_axis: int | None = None,
     present: RampImage | None = None,
 ) -> PushPlan:
@@ -224,21 +224,23 @@ def plan_push(
     _check_axes(len(designs), hello, first_axis, others)
     timer_hz = _clock_hz(designs, hello, first_axis, others)
     limits = PushLimits.of(hello, settings, timer_hz)
-    wanted = tuple(
-        Wanted(number if first_axis is None else first_axis, design, _path(number, first_axis), _ramp(design, path))
+    pushed = tuple(
+        PushedDesign(
+            number if first_axis is None else first_axis, design, _path(number, first_axis), _ramp(design, path)
+        )
         for number, design in enumerate(designs)
         for path in [_path(number, first_axis)]
     )
-    for each in wanted:
+    for each in pushed:
         limits.check(each.design, each.ramp, each.path)
-    axes = max(len(wanted), len(others.axes) if others else 0)
-    changes = {_key(each.design): SmallestChange(each, limits, axes) for each in reversed(wanted)}
+    axes = max(len(pushed), len(others.axes) if others else 0)
+    changes = {_key(each.design): SmallestChange(each, limits, axes) for each in reversed(pushed)}
     for change in changes.values():
         change.ease()
-    chosen = [changes[_key(each.design)] for each in wanted]
-    image = _fitting(wanted, chosen, others, limits)
+    chosen = [changes[_key(each.design)] for each in pushed]
+    image = _fitting(pushed, chosen, others, limits)
     keeps_pace = all(change.keeps_pace for change in chosen)
-    return PushPlan(wanted, image, timer_hz, tuple(change.bound_ticks for change in chosen), limits, keeps_pace)
+    return PushPlan(pushed, image, timer_hz, tuple(change.bound_ticks for change in chosen), limits, keeps_pace)
 
 
 def _path(number: int, first_axis: int | None) -> str:
@@ -280,8 +282,8 @@ def _clock_hz(designs: Sequence[Design], hello: HelloReply, first_axis: int | No
     ]
     if bad:
         raise Rejected(bad)
-    wanted = {number: int(design.timer.frequency_hz) for number, design in enumerate(designs)}
-    others_hz, whose = wanted[0], "that of axis 0"
+    clocks_hz = {number: int(design.timer.frequency_hz) for number, design in enumerate(designs)}
+    others_hz, whose = clocks_hz[0], "that of axis 0"
     if present is not None and any(axis != first_axis for axis in range(len(present.axes))):
         others_hz, whose = clocks[0] if present.fast_clock else clocks[1], "that of the axes that keep their ramps"
     bad = [
@@ -290,7 +292,7 @@ def _clock_hz(designs: Sequence[Design], hello: HelloReply, first_axis: int | No
             hz,
             f"{others_hz:,} Hz, {whose}: all axes have one clock, which is {both}",
         )
-        for number, hz in wanted.items()
+        for number, hz in clocks_hz.items()
         if hz != others_hz
     ]
     if bad:
@@ -299,12 +301,12 @@ def _clock_hz(designs: Sequence[Design], hello: HelloReply, first_axis: int | No
 
 
 def _fitting(
-    wanted: Sequence[Wanted], chosen: Sequence[SmallestChange], present: RampImage | None, limits: PushLimits
+    pushed: Sequence[PushedDesign], chosen: Sequence[SmallestChange], present: RampImage | None, limits: PushLimits
 ) -> RampImage:
     """Return the image that fits the controller, made so by coarser bounds of the ramps that take most."""
     while True:
         axes = dict(enumerate(present.axes if present else ()))
-        axes |= {each.axis: change.ramp for each, change in zip(wanted, chosen, strict=True)}
+        axes |= {each.axis: change.ramp for each, change in zip(pushed, chosen, strict=True)}
         image = RampImage(limits.fast_clock, tuple(axes[axis] for axis in sorted(axes)))
         misfits = [change for change in chosen if not change.fits]
         if not misfits and len(image.encode()) <= limits.largest_image_bytes:
@@ -315,7 +317,7 @@ def _fitting(
 
 
 def _too_large(change: SmallestChange, limits: PushLimits) -> Rejection:
-    design, path = change.wanted.design, change.wanted.path
+    design, path = change.pushed.design, change.pushed.path
     allowed = (
         f"a ramp of at most {limits.most_segments} segments, all ramps together of at most "
         f"{limits.largest_image_bytes} bytes, with this controller; this one takes {change.ramp.sent_segments:,} "

@@ -8,12 +8,12 @@ import numpy as np
 
 from stepramp.controllers.stepramp.messages.session import HelloReply
 from stepramp.controllers.stepramp.ramp_image import MOST_SEGMENTS, IntervalLimits
-from stepramp.controllers.stepramp.settings import Settings
+from stepramp.controllers.stepramp.settings import StepRampSettings
 from stepramp.controllers.stepramp.speed_limits import Pace, SpeedLimits
 from stepramp.design import Design
 from stepramp.errors import Rejected, Rejection
 from stepramp.numerics.ramp import Ramp
-from stepramp.ramp.playback.course import Ways
+from stepramp.ramp.playback.trajectory import Playback
 from stepramp.units import MICROSECONDS_PER_SECOND, speed_from_interval, us_from_ticks
 
 
@@ -33,7 +33,7 @@ class PushLimits:
     speeds: SpeedLimits
 
     @classmethod
-    def of(cls, hello: HelloReply, settings: Settings, timer_hz: int) -> "PushLimits":
+    def of(cls, hello: HelloReply, settings: StepRampSettings, timer_hz: int) -> "PushLimits":
         """Return the limits of a controller that introduced itself like this, for one of its clocks [Hz]."""
         fast = timer_hz == hello.fast_clock_hz
         speeds, intervals = SpeedLimits.of(hello, settings, timer_hz), IntervalLimits.of(hello)
@@ -49,9 +49,9 @@ class PushLimits:
             speeds=speeds,
         )
 
-    def too_fast_together(self, ways: Collection[Ways]) -> str | None:
+    def too_fast_together(self, playbacks: Collection[Playback]) -> str | None:
         """Return what to say of axes that can't all move at the full speed of their ramps; None: they can."""
-        paces = [Pace(each.slew_interval, each.by_formula) for each in ways]
+        paces = [Pace(each.slew_interval, each.by_formula) for each in playbacks]
         share = self.speeds.share(paces)
         if share <= 1:
             return None

@@ -19,7 +19,7 @@ HOLD_FOR_EVER = 0xFFFF
 _LAYOUT = struct.Struct("<6B3H")
 
 
-class Settings(Document):
+class StepRampSettings(Document):
     """How a controller drives its pins. A controller without any stored has these defaults."""
 
     outputs: Outputs = Field(
@@ -79,5 +79,5 @@ class Settings(Document):
         )
 
 
-OFFSETS = dict(zip(Settings.model_fields, (0, 1, 2, 3, 4, 5, 6, 8, 10), strict=True))
+OFFSETS = dict(zip(StepRampSettings.model_fields, (0, 1, 2, 3, 4, 5, 6, 8, 10), strict=True))
 """Where each setting lies when packed [bytes]."""

@@ -11,7 +11,7 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from stepramp.controllers.stepramp.messages.session import HelloReply
-from stepramp.controllers.stepramp.settings import Settings
+from stepramp.controllers.stepramp.settings import StepRampSettings
 from stepramp.units import MICROSECONDS_PER_SECOND
 
 SHORTEST_GAUGE_INTERVAL = 3200
@@ -46,10 +46,10 @@ class SpeedLimits:
     """Of axes that move at the same time [fast ticks], as those below."""
     shortest_line_intervals: tuple[int, ...]
     shortest_formula_interval: int
-    settings: Settings
+    settings: StepRampSettings
 
     @classmethod
-    def of(cls, hello: HelloReply, settings: Settings, timer_hz: int) -> "SpeedLimits":
+    def of(cls, hello: HelloReply, settings: StepRampSettings, timer_hz: int) -> "SpeedLimits":
         """Return the limits of a controller, from its hello and its settings, for one of its clocks [Hz]."""
         return cls(
             timer_hz,

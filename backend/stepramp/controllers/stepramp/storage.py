@@ -11,7 +11,7 @@ from stepramp.controllers.stepramp.messages.session import RampInUse
 from stepramp.controllers.stepramp.messages.settings import ReadSettingsRequest, SettingsReply, WriteSettingsRequest
 from stepramp.controllers.stepramp.messages.status import StatusReply, StatusRequest
 from stepramp.controllers.stepramp.ramp_image import BadRampImage, RampImage
-from stepramp.controllers.stepramp.settings import Settings
+from stepramp.controllers.stepramp.settings import StepRampSettings
 from stepramp.controllers.stepramp.transfer import Transfer
 from stepramp.errors import DeviceLost, Refused, Rejected
 
@@ -38,7 +38,7 @@ class Storage:
         self._used = used
         self.image: RampImage | None = None
         """The ramps in use."""
-        self.settings = Settings()
+        self.settings = StepRampSettings()
         """Those in use."""
 
     def store(self, image: bytes) -> tuple[bytes, int]:
@@ -85,16 +85,16 @@ class Storage:
             # An image had been delivered and not used: the first time only dropped that.
             self._roll_back()
 
-    def read_settings(self) -> Settings:
+    def read_settings(self) -> StepRampSettings:
         """Ask for the settings in use."""
         reply = self._conversation.ask(ReadSettingsRequest(), SettingsReply)
         try:
-            return Settings.unpack(reply.settings)
+            return StepRampSettings.unpack(reply.settings)
         except (Rejected, ValueError) as error:
             # Not the client's fault: a Rejected would name a field that nobody sent.
             raise DeviceLost(f"The controller at {self._port_name} has settings without sense: {error}") from error
 
-    def use_settings(self, settings: Settings) -> None:
+    def use_settings(self, settings: StepRampSettings) -> None:
         """Use other settings until a roll back or a reset."""
         self._conversation.ask(WriteSettingsRequest(settings.pack()), DoneReply)
         self._note_settings(settings)
@@ -114,7 +114,7 @@ class Storage:
         self._used()
         return read
 
-    def _note_settings(self, settings: Settings) -> None:
+    def _note_settings(self, settings: StepRampSettings) -> None:
         self.settings = settings
         self._used()
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from stepramp.controllers.contract import Trace
 from stepramp.controllers.stepramp.messages.trace import TraceNotice
-from stepramp.ramp.playback.course import Stretch, pulse_instants
+from stepramp.ramp.playback.trajectory import PulseTrain, pulse_instants
 
 MOST_STEPS = 500_000
 """So many steps of a trace are kept, the first ones: a run may last for days."""
@@ -22,18 +22,18 @@ WRAP = 1 << 16
 
 
 @dataclass(frozen=True)
-class Plan:
-    """A move as it was asked for: with which pulse of a course each of its steps comes, counted from 1."""
+class TracedMove:
+    """A move as it was asked for: with which pulse of a trajectory each of its steps comes, counted from 1."""
 
-    course: Sequence[Stretch]
+    trajectory: Sequence[PulseTrain]
     pulse_of_step: NDArray[np.int64] | None = None
     """Shape (steps,); None: each step is a pulse."""
 
     def instants(self, steps: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Return when steps come, counted from 1, from the course's first pulse on [ticks], shape of steps."""
+        """Return when steps come, counted from 1, from the trajectory's first pulse on [ticks], shape of steps."""
         if self.pulse_of_step is None:
-            return pulse_instants(self.course, steps)
-        return pulse_instants(self.course, self.pulse_of_step[np.minimum(steps, self.pulse_of_step.size) - 1])
+            return pulse_instants(self.trajectory, steps)
+        return pulse_instants(self.trajectory, self.pulse_of_step[np.minimum(steps, self.pulse_of_step.size) - 1])
 
 
 class TraceCollector:
@@ -42,7 +42,7 @@ class TraceCollector:
     def __init__(self, axis: int, every_steps: int) -> None:
         self.axis = axis
         self.every_steps = every_steps
-        self._plan: Callable[[], Plan] | None = None
+        self._move: Callable[[], TracedMove] | None = None
         self._timer_hz = 0
         self._has_ended = self._changed = self._is_full = False
         self._steps: list[int] = []
@@ -51,25 +51,25 @@ class TraceCollector:
     @property
     def is_under_way(self) -> bool:
         """Whether the end of a move is still to be told."""
-        return self._plan is not None and not self._has_ended
+        return self._move is not None and not self._has_ended
 
-    def begin(self, plan: Callable[[], Plan], timer_hz: int) -> None:
+    def begin(self, move: Callable[[], TracedMove], timer_hz: int) -> None:
         """Begin with a move that sets out from rest.
 
         plan: works the plan out, which takes a while: it is called only when the trace is looked at.
         """
-        self._plan, self._timer_hz = cache(plan), timer_hz
+        self._move, self._timer_hz = cache(move), timer_hz
         self._has_ended = self._changed = self._is_full = False
         self._steps, self._values = [], []
 
     def change(self) -> None:
         """Take no further steps of this move: they are no longer made as planned."""
-        if self._plan is not None and not self._has_ended:
+        if self._move is not None and not self._has_ended:
             self._changed = True
 
     def take(self, notice: TraceNotice) -> None:
         """Take what the controller tells."""
-        if notice.axis != self.axis or self._plan is None or self._has_ended:
+        if notice.axis != self.axis or self._move is None or self._has_ended:
             return
         self._is_full = self._is_full or len(self._steps) + len(notice.values) > MOST_STEPS
         if not self._changed and not self._is_full:
@@ -79,15 +79,15 @@ class TraceCollector:
 
     def trace(self) -> Callable[[], Trace] | None:
         """Return what works out the trace as far as it is known now, in any thread; None before a move was traced."""
-        if self._plan is None:
+        if self._move is None:
             return None
         complete = self._has_ended and not self._is_full
         known = (self.axis, self.every_steps, self._timer_hz, complete, self._changed)
-        return partial(_trace, self._plan, self._steps.copy(), self._values.copy(), *known)
+        return partial(_trace, self._move, self._steps.copy(), self._values.copy(), *known)
 
 
 def _trace(
-    planned_move: Callable[[], Plan],
+    traced_move: Callable[[], TracedMove],
     steps: Sequence[int],
     values: Sequence[int],
     axis: int,
@@ -96,11 +96,11 @@ def _trace(
     complete: bool,
     changed: bool,
 ) -> Trace:
-    plan, step = planned_move(), np.array(steps, np.int64)
-    planned = plan.instants(step)
-    if plan.pulse_of_step is not None:
+    move, step = traced_move(), np.array(steps, np.int64)
+    planned = move.instants(step)
+    if move.pulse_of_step is not None:
         # A follower's first step may come after the leader's first: the trace begins with its own.
-        planned = planned - plan.instants(np.array([1]))[0]
+        planned = planned - move.instants(np.array([1]))[0]
     measured = extended(np.array(values, np.int64), planned)
     return Trace(axis, every_steps, timer_hz, complete, changed, step, planned, measured)
 

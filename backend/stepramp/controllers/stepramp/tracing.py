@@ -7,9 +7,9 @@ from stepramp.controllers.contract import Trace
 from stepramp.controllers.stepramp.conversation import Conversation
 from stepramp.controllers.stepramp.messages.status import AxisState, StatusReply, StatusRequest
 from stepramp.controllers.stepramp.messages.trace import TRACE_OFF, TraceNotice, TraceReply, TraceRequest
-from stepramp.controllers.stepramp.trace import Plan, TraceCollector
+from stepramp.controllers.stepramp.trace import TraceCollector, TracedMove
 from stepramp.ramp.line import steps_together
-from stepramp.ramp.playback.course import Ways
+from stepramp.ramp.playback.trajectory import Playback
 
 ENDLESS_STEPS = 2**31
 LAST_FRAME_WITHIN_S = 0.2
@@ -71,29 +71,31 @@ class Tracing:
         if self._collector is not None and (axes is None or self._collector.axis in axes):
             self._collector.change()
 
-    def moves(self, distances: Mapping[int, int], ways: Sequence[Ways], timer_hz: int) -> None:
+    def moves(self, distances: Mapping[int, int], playbacks: Sequence[Playback], timer_hz: int) -> None:
         """Note that axes have begun to move so many steps."""
         if (collector := self._setting_out(distances)) is not None:
-            own = ways[collector.axis]
+            own = playbacks[collector.axis]
             steps = abs(distances[collector.axis])
-            collector.begin(lambda: Plan(own.course(own.rest, steps)), timer_hz)
+            collector.begin(lambda: TracedMove(own.trajectory(own.rest, steps)), timer_hz)
 
-    def runs(self, intervals: Mapping[int, int], ways: Sequence[Ways], timer_hz: int) -> None:
+    def runs(self, intervals: Mapping[int, int], playbacks: Sequence[Playback], timer_hz: int) -> None:
         """Note that axes have begun to run at intervals [ticks]."""
         if (collector := self._setting_out(intervals)) is not None:
-            own = ways[collector.axis]
+            own = playbacks[collector.axis]
             interval = abs(intervals[collector.axis])
-            collector.begin(lambda: Plan(own.course(own.rest, ENDLESS_STEPS, interval)), timer_hz)
+            collector.begin(lambda: TracedMove(own.trajectory(own.rest, ENDLESS_STEPS, interval)), timer_hz)
 
-    def goes_along_a_line(self, steps: Mapping[int, int], ways: Ways, timer_hz: int) -> None:
-        """Note that axes have begun to move along a line, whose leader goes these ways."""
+    def goes_along_a_line(self, steps: Mapping[int, int], playback: Playback, timer_hz: int) -> None:
+        """Note that axes have begun to move along a line, whose leader plays this ramp."""
         if (collector := self._setting_out(steps)) is not None:
             most, own = max(map(abs, steps.values())), abs(steps[collector.axis])
-            collector.begin(lambda: Plan(ways.course(ways.rest, most), steps_together(most, own)), timer_hz)
+            collector.begin(
+                lambda: TracedMove(playback.trajectory(playback.rest, most), steps_together(most, own)), timer_hz
+            )
 
-    def _setting_out(self, asked: Mapping[int, int]) -> TraceCollector | None:
+    def _setting_out(self, commanded: Mapping[int, int]) -> TraceCollector | None:
         """Return the collector if the axis that it traces has set out from rest."""
         collector = self._collector
-        if collector is None or not self._sets_out or not asked.get(collector.axis):
+        if collector is None or not self._sets_out or not commanded.get(collector.axis):
             return None
         return collector

@@ -14,7 +14,7 @@ from stepramp.controllers.capabilities import TriesRamps, ZeroesGauges
 from stepramp.controllers.contract import (
     Activity,
     AnswerUnknown,
-    Asked,
+    AxisCommand,
     AxisStatus,
     Controller,
     ControllerStatus,
@@ -174,31 +174,31 @@ class TicController(Controller, TriesRamps, ZeroesGauges):
         self._refuse_moving()
         self._use(self._stored_ramp)
 
-    def move_by(self, steps: Sequence[Asked]) -> None:
+    def move_by(self, steps: Sequence[AxisCommand]) -> None:
         """Begin to move by so many steps from the target; Refused while the motor runs at a speed, or slows down."""
-        asked, stops = _of_the_axis(steps), self._stops
-        place, seen = self._resting_place()
-        self._move(asked, place + int(asked.value), seen, stops)
+        command, stops = _of_the_axis(steps), self._stops
+        position, seen = self._resting_position()
+        self._move(command, position + int(command.value), seen, stops)
 
-    def move_to(self, positions: Sequence[Asked]) -> None:
+    def move_to(self, positions: Sequence[AxisCommand]) -> None:
         """Begin to move to a position [steps]."""
-        asked, stops = _of_the_axis(positions), self._stops
-        self._move(asked, int(asked.value), self._look(), stops)
+        command, stops = _of_the_axis(positions), self._stops
+        self._move(command, int(command.value), self._look(), stops)
 
-    def run(self, speeds: Sequence[Asked]) -> None:
+    def run(self, speeds: Sequence[AxisCommand]) -> None:
         """Run at a speed, rounded towards 0, negative for backwards [steps/s]; 0 stops."""
-        asked, stops = _of_the_axis(speeds), self._stops
-        units = self._velocity(asked)
+        command, stops = _of_the_axis(speeds), self._stops
+        units = self._velocity(command)
         if units:
             told_so = Input(InputState.TARGET_VELOCITY, units)
             self._set_out(write(Write.TARGET_VELOCITY, units), told_so, self._look(), stops)
         else:
             self.stop()
 
-    def set_position(self, positions: Sequence[Asked]) -> None:
+    def set_position(self, positions: Sequence[AxisCommand]) -> None:
         """Call the place where the motor rests a position [steps]."""
-        asked = _of_the_axis(positions)
-        position = _within_32_bits(asked, int(asked.value))
+        command = _of_the_axis(positions)
+        position = _within_32_bits(command, int(command.value))
         self._refuse_moving()
         for _ in range(1 + MOST_REPEATS):
             self._conversation.send(write(Write.HALT_AND_SET_POSITION, position))
@@ -211,8 +211,8 @@ class TicController(Controller, TriesRamps, ZeroesGauges):
         """Call the place where the motor is so many steps, and move it to 0."""
         stops = self._stops
         _refuse_unable(self._look())
-        self.set_position([Asked(axis, steps, "axes") for axis in axes])
-        self._move(Asked(0, 0, "axes"), 0, self._look(), stops)
+        self.set_position([AxisCommand(axis, steps, "axes") for axis in axes])
+        self._move(AxisCommand(0, 0, "axes"), 0, self._look(), stops)
 
     def stop(self, axes: Collection[int] | None = None) -> None:  # noqa: ARG002  # one motor, whichever is named
         """Begin to slow down with the ramp; a Tic that heads somewhere nevertheless is halted."""
@@ -238,11 +238,11 @@ class TicController(Controller, TriesRamps, ZeroesGauges):
 
     # Moving.
 
-    def _move(self, asked: Asked, target: int, seen: Variables, stops: int) -> None:
-        target = _within_32_bits(asked, target)
+    def _move(self, command: AxisCommand, target: int, seen: Variables, stops: int) -> None:
+        target = _within_32_bits(command, target)
         if abs(target - seen.position) >= 2**31:
             allowed = f"a way of less than 2,147,483,648 steps from {seen.position:,}: a Tic goes the shorter way round"
-            raise Rejected([Rejection(asked.field, int(asked.value), allowed)])
+            raise Rejected([Rejection(command.field, int(command.value), allowed)])
         self._set_out(write(Write.TARGET_POSITION, target), Input(InputState.TARGET_POSITION, target), seen, stops)
 
     def _set_out(self, command: bytes, told_so: Input, seen: Variables, stops: int) -> None:
@@ -314,7 +314,7 @@ class TicController(Controller, TriesRamps, ZeroesGauges):
         general = self._general()
         return Flag.ENERGIZED not in general.flags or general.planning is not PlanningMode.TARGET_POSITION
 
-    def _resting_place(self) -> tuple[int, Variables]:
+    def _resting_position(self) -> tuple[int, Variables]:
         """Return where the motor rests, or will: seen twice in a row, since moves count from there; and all seen."""
         last = None
         for _ in range(1 + MOST_REPEATS):
@@ -322,22 +322,22 @@ class TicController(Controller, TriesRamps, ZeroesGauges):
             is_under_way = _is_under_way(seen)
             if is_under_way and seen.general.planning is not PlanningMode.TARGET_POSITION:
                 raise Refused("The motor runs, so it isn't known yet where it comes to rest: say a position, or wait.")
-            place = seen.general.target_position if is_under_way else seen.position
-            if place == last:
-                return place, seen
-            last = place
+            position = seen.general.target_position if is_under_way else seen.position
+            if position == last:
+                return position, seen
+            last = position
         raise Refused("The Tic tells another position each time: is its serial line disturbed?")
 
-    def _velocity(self, asked: Asked) -> int:
+    def _velocity(self, command: AxisCommand) -> int:
         """Return a speed in the Tic's units; Rejected when the ramp in use doesn't lead to it."""
-        units = speed_units(asked.value)
-        if abs(units) > self._ramp.max_speed or (asked.value and abs(units) < LEAST_SPEED):
+        units = speed_units(command.value)
+        if abs(units) > self._ramp.max_speed or (command.value and abs(units) < LEAST_SPEED):
             fastest = steps_per_s(self._ramp.max_speed)
             allowed = (
                 f"from {-fastest:,.10g} to {fastest:,.10g} steps/s, the full speed of the ramp in use, and 0 or at "
                 f"least {steps_per_s(LEAST_SPEED):g} either way"
             )
-            raise Rejected([Rejection(asked.field, asked.value, allowed)])
+            raise Rejected([Rejection(command.field, command.value, allowed)])
         return units
 
     def _refuse_moving(self) -> None:
@@ -414,8 +414,8 @@ class TicController(Controller, TriesRamps, ZeroesGauges):
             return Activity.MOVING, seen.general.target_position
         if seen.target_velocity or Flag.HOMING in seen.general.flags:
             return Activity.MOVING, seen.position
-        way = self._ramp.steps_to_rest(steps_per_s(abs(seen.velocity)))
-        return Activity.STOPPING, seen.position + (way if seen.velocity > 0 else -way)
+        steps_to_rest = self._ramp.steps_to_rest(steps_per_s(abs(seen.velocity)))
+        return Activity.STOPPING, seen.position + (steps_to_rest if seen.velocity > 0 else -steps_to_rest)
 
 
 def _refuse_unable(seen: Variables) -> None:
@@ -441,18 +441,18 @@ def _is_under_way(seen: Variables) -> bool:
     return bool(ahead) and seen.general.operation is OperationState.NORMAL and limit not in seen.general.flags
 
 
-def _of_the_axis(asked: Sequence[Asked]) -> Asked:
+def _of_the_axis(commands: Sequence[AxisCommand]) -> AxisCommand:
     """Return what is asked of the only axis; Rejected when another one is named, or one twice."""
-    for number, each in enumerate(asked):
+    for number, each in enumerate(commands):
         if each.axis or number:
             field = each.field.rpartition(".")[0] + ".axis" if "." in each.field else "axis"
             raise Rejected([Rejection(field, each.axis, "each axis once" if not each.axis else ONE_AXIS)])
-    return asked[0]
+    return commands[0]
 
 
-def _within_32_bits(asked: Asked, position: int) -> int:
+def _within_32_bits(command: AxisCommand, position: int) -> int:
     """Return a position; Rejected when a Tic can't count so far."""
     if not -(2**31) <= position < 2**31:
         allowed = "a target from -2,147,483,648 to 2,147,483,647 steps"
-        raise Rejected([Rejection(asked.field, int(asked.value), allowed)])
+        raise Rejected([Rejection(command.field, int(command.value), allowed)])
     return position

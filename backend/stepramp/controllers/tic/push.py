@@ -42,7 +42,7 @@ class PushPlan:
         """Return what came of the push."""
         rows = zip(FIGURES, figures_of(self.design), self.ramp.figures, read_back.figures, strict=True)
         return PushReport(
-            items=tuple(PushItem(name, unit, asked, sent, back, 0) for (name, unit), asked, sent, back in rows),
+            items=tuple(PushItem(name, unit, requested, sent, back, 0) for (name, unit), requested, sent, back in rows),
             verified=read_back == self.ramp,
             segments=None,
             bytes=self.bytes,

@@ -50,7 +50,7 @@ def write(command: Write, value: int) -> bytes:
     Raises OverflowError for a value of more bits.
     """
     data = value.to_bytes(4, "little", signed=value < 0)
-    top_bits = sum((byte >> 7) << place for place, byte in enumerate(data))
+    top_bits = sum((byte >> 7) << number for number, byte in enumerate(data))
     return bytes([command, top_bits, *(byte & 0x7F for byte in data)])
 
 

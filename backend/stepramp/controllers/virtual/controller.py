@@ -40,7 +40,7 @@ from stepramp.controllers.stepramp.messages.settings import ReadSettingsRequest,
 from stepramp.controllers.stepramp.messages.status import MachineState, StatusFlag, StatusReply, StatusRequest
 from stepramp.controllers.stepramp.messages.trace import TRACE_OFF, TraceReply, TraceRequest
 from stepramp.controllers.stepramp.ramp_image import FAST_CLOCK_HZ, SLOW_CLOCK_HZ
-from stepramp.controllers.stepramp.settings import OFFSETS, Settings
+from stepramp.controllers.stepramp.settings import OFFSETS, StepRampSettings
 from stepramp.controllers.virtual.machine import VirtualMachine
 from stepramp.controllers.virtual.memory import LARGEST_IMAGE_BYTES, VirtualMemory
 from stepramp.controllers.virtual.store import VirtualStore
@@ -172,8 +172,8 @@ class VirtualController:
     def _present_report(self) -> ReportNotice:
         machine, axes = self._machine, range(self._store.axes)
         states = sum(machine.state(axis) << 2 * axis for axis in axes)
-        places = tuple((machine.position(axis), machine.interval(axis)) for axis in axes)
-        return ReportNotice(int(self._clock() * 1000) % 2**16, states, places)
+        motions = tuple((machine.position(axis), machine.interval(axis)) for axis in axes)
+        return ReportNotice(int(self._clock() * 1000) % 2**16, states, motions)
 
     def _reply_to(self, message: Message) -> Reply | Refusal:
         if message.kind not in ALWAYS_OBEYED and message.session != self._session:
@@ -255,7 +255,7 @@ class VirtualController:
 
     def _write_settings(self, request: WriteSettingsRequest) -> Reply | Refusal:
         try:
-            settings = Settings.unpack(request.settings)
+            settings = StepRampSettings.unpack(request.settings)
         except Rejected as error:
             first = min(OFFSETS[each.field.split(".")[0]] for each in error.rejections)
             return Refusal(ReplyStatus.OUT_OF_RANGE, first)

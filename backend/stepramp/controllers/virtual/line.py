@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepramp.controllers.stepramp.messages.status import AxisState
-from stepramp.controllers.virtual.motion import InstantsOf, VirtualMotor, Watch
-from stepramp.ramp.playback.course import Ways
+from stepramp.controllers.virtual.motion import InstantsOf, PulseListener, VirtualMotor
+from stepramp.ramp.playback.trajectory import Playback
 
 
 def follower_steps(leader_steps: int, steps: int, made: int) -> int:
@@ -22,13 +22,17 @@ class VirtualLine:
     """
 
     def __init__(
-        self, motors: Mapping[int, VirtualMotor], steps: Mapping[int, int], ways: Ways, watches: Mapping[int, Watch]
+        self,
+        motors: Mapping[int, VirtualMotor],
+        steps: Mapping[int, int],
+        playback: Playback,
+        watches: Mapping[int, PulseListener],
     ) -> None:
         self._motors, self._steps = motors, steps
         self._starts = {axis: motor.position for axis, motor in motors.items()}
         self._leader_steps = max(map(abs, steps.values()))
         watched = [_Followed(watches[axis], self._leader_steps, abs(steps[axis])) for axis in watches]
-        self._leader = VirtualMotor(ways, 0, watch=_Together(watched))
+        self._leader = VirtualMotor(playback, 0, watch=_Together(watched))
 
     def begin(self, ready: int) -> None:
         """Set out at an instant."""
@@ -38,7 +42,7 @@ class VirtualLine:
         """Move to where the line is by now, and return whether it goes on."""
         self._leader.settle(now)
         for axis, motor in self._motors.items():
-            motor.place_at(self._at(axis, self._leader.position))
+            motor.set_position(self._at(axis, self._leader.position))
             motor.steps_made = abs(motor.position - self._starts[axis])
         return self._leader.moving
 
@@ -96,7 +100,7 @@ class _Together:
 class _Followed:
     """Tells a watch of the pulses of one axis, from those of the leader."""
 
-    def __init__(self, watch: Watch, leader_steps: int, steps: int) -> None:
+    def __init__(self, watch: PulseListener, leader_steps: int, steps: int) -> None:
         self._watch, self._leader_steps, self._steps = watch, leader_steps, steps
 
     def set_out(self) -> None:

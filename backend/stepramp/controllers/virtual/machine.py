@@ -7,14 +7,14 @@ from stepramp.controllers.stepramp.messages.axes import MOST_AXES, mask_of
 from stepramp.controllers.stepramp.messages.reply import Refusal, ReplyStatus
 from stepramp.controllers.stepramp.messages.session import HelloReply
 from stepramp.controllers.stepramp.messages.status import AxisState
+from stepramp.controllers.stepramp.playback import playback_of
 from stepramp.controllers.stepramp.ramp_image import RampImage
-from stepramp.controllers.stepramp.settings import MOST_GAUGES, Settings
+from stepramp.controllers.stepramp.settings import MOST_GAUGES, StepRampSettings
 from stepramp.controllers.stepramp.speed_limits import Pace, SpeedLimits
-from stepramp.controllers.stepramp.ways import ways_of
 from stepramp.controllers.virtual.line import VirtualLine
 from stepramp.controllers.virtual.motion import VirtualMotor
 from stepramp.controllers.virtual.streams import TraceRecorder
-from stepramp.ramp.playback.course import Ways
+from stepramp.ramp.playback.trajectory import Playback
 from stepramp.units import ticks_from_us
 
 POSITIONS = range(-(2**31), 2**31)
@@ -30,10 +30,10 @@ class VirtualMachine:
     def __init__(self, clock: Callable[[], float], hello: HelloReply) -> None:
         self._clock = clock
         self._hello = hello
-        self._settings = Settings()
+        self._settings = StepRampSettings()
         self._timer_hz = hello.slow_clock_hz
         self._positions = [0] * MOST_AXES
-        self._ways: list[Ways] = []
+        self._playbacks: list[Playback] = []
         self._motors: list[VirtualMotor] = []
         self._line: VirtualLine | None = None
         self._enabled_s: float | None = None
@@ -62,15 +62,15 @@ class VirtualMachine:
         """Whether the motors are switched on."""
         return self._enabled_s is not None
 
-    def use(self, image: RampImage | None, settings: Settings) -> None:
+    def use(self, image: RampImage | None, settings: StepRampSettings) -> None:
         """Use the ramps of an image from now on, at rest; None: there are none."""
         self._settings = settings
         fast = image is not None and image.fast_clock
         self._timer_hz = self._hello.fast_clock_hz if fast else self._hello.slow_clock_hz
         for axis, motor in enumerate(self._motors):
             self._positions[axis] = motor.position
-        self._ways = [ways_of(ramp) for ramp in image.axes] if image else []
-        self._motors = [self._motor(axis) for axis in range(len(self._ways))]
+        self._playbacks = [playback_of(ramp) for ramp in image.axes] if image else []
+        self._motors = [self._motor(axis) for axis in range(len(self._playbacks))]
 
     def watch(self, trace: TraceRecorder | None) -> None:
         """Trace the moves of an axis that begin from now on; None: no more of them."""
@@ -80,7 +80,7 @@ class VirtualMachine:
 
     def steps_a_trace_value(self, axis: int, values_a_second: int) -> int:
         """Return k, so that every k-th step of an axis comes so many times a second at full speed."""
-        return -(-(self._timer_hz // values_a_second) // self._ways[axis].slew_interval)
+        return -(-(self._timer_hz // values_a_second) // self._playbacks[axis].slew_interval)
 
     def heard(self) -> None:
         """Note that a request has come: what runs at a speed may go on."""
@@ -128,7 +128,7 @@ class VirtualMachine:
     def move_to(self, targets: dict[int, int]) -> dict[int, int] | Refusal:
         """Move axes to positions, and return them."""
         refusal = self._without_pins(targets) or self._too_fast(
-            {axis: self._ways[axis].slew_interval for axis in targets}
+            {axis: self._playbacks[axis].slew_interval for axis in targets}
         )
         if refusal is None:
             ready = self._ready()
@@ -143,7 +143,7 @@ class VirtualMachine:
         if refusal := self._without_pins(intervals):
             return refusal
         for axis, interval in running.items():
-            if not self._ways[axis].slew_interval <= abs(interval) <= self._hello.longest_interval_ticks:
+            if not self._playbacks[axis].slew_interval <= abs(interval) <= self._hello.longest_interval_ticks:
                 return Refusal(ReplyStatus.OUT_OF_RANGE, axis)
         refusal = self._too_fast({axis: abs(interval) for axis, interval in running.items()})
         if refusal is None:
@@ -162,12 +162,12 @@ class VirtualMachine:
             return refusal
         if ramp_axis >= self.axes or self._settings.outputs == "gauges":
             return Refusal(ReplyStatus.OUT_OF_RANGE, ramp_axis)
-        paces = [Pace(self._ways[ramp_axis].slew_interval, line_axes=len(going))] if going else []
+        paces = [Pace(self._playbacks[ramp_axis].slew_interval, line_axes=len(going))] if going else []
         refusal = self._out_of_range(targets) or self._too_much(paces)
         if refusal is None and going:
             watches = {self.trace.axis: self.trace} if self.trace and self.trace.axis in going else {}
             led = {axis: self._motors[axis] for axis in going}
-            self._line = VirtualLine(led, {axis: steps[axis] for axis in going}, self._ways[ramp_axis], watches)
+            self._line = VirtualLine(led, {axis: steps[axis] for axis in going}, self._playbacks[ramp_axis], watches)
             self._line.begin(self._ready())
             self._enable()
             self.settle()
@@ -176,11 +176,11 @@ class VirtualMachine:
     def set_position(self, positions: Mapping[int, int]) -> None:
         """Call the places of axes at rest these positions [steps]."""
         for axis, position in positions.items():
-            self._motors[axis].place_at(position)
+            self._motors[axis].set_position(position)
 
     def zero(self, axes: Collection[int], steps: int) -> Refusal | None:
         """Call the places of axes at rest so many steps, and move them to 0."""
-        slew_intervals = {axis: self._ways[axis].slew_interval for axis in axes}
+        slew_intervals = {axis: self._playbacks[axis].slew_interval for axis in axes}
         refusal = self._without_pins(axes) or self._too_fast(slew_intervals)
         if refusal is None:
             self.set_position(dict.fromkeys(axes, steps))
@@ -220,7 +220,7 @@ class VirtualMachine:
     def _motor(self, axis: int) -> VirtualMotor:
         setup_ticks = round(ticks_from_us(self._settings.direction_setup_us, self._timer_hz))
         watch = self.trace if self.trace is not None and self.trace.axis == axis else None
-        return VirtualMotor(self._ways[axis], setup_ticks, self._positions[axis], watch)
+        return VirtualMotor(self._playbacks[axis], setup_ticks, self._positions[axis], watch)
 
     def _ready(self) -> int:
         """Return from when on motors can set out: they are given time to hold [ticks]."""
@@ -249,7 +249,7 @@ class VirtualMachine:
         for axis, motor in enumerate(self._motors):
             if motor.moving:
                 going[axis] = motor.shortest_interval(shortest.get(axis))
-        return self._too_much([Pace(interval, self._ways[axis].by_formula) for axis, interval in going.items()])
+        return self._too_much([Pace(interval, self._playbacks[axis].by_formula) for axis, interval in going.items()])
 
     def _too_much(self, paces: Collection[Pace]) -> Refusal | None:
         share = SpeedLimits.of(self._hello, self._settings, self._timer_hz).share(paces)

@@ -27,7 +27,7 @@ LARGEST_IMAGE_BYTES = 440
 
 @dataclass(frozen=True)
 class Slot:
-    """What a slot holds: the how-many-th content, packed settings and a ramp image."""
+    """What a slot holds: its sequence number, packed settings and a ramp image."""
 
     sequence: int = 0
     """0: nothing, or a content whose number was about to be changed when the power was cut."""

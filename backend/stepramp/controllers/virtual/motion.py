@@ -1,4 +1,4 @@
-"""The virtual controller's motors: each where its course has brought it, by a clock of ticks."""
+"""The virtual controller's motors: each where its trajectory has brought it, by a clock of ticks."""
 
 from collections.abc import Callable
 from typing import Protocol
@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepramp.controllers.stepramp.messages.status import AxisState
-from stepramp.ramp.playback.course import Course, Ways
+from stepramp.ramp.playback.trajectory import Playback, Trajectory
 
 ENDLESS_STEPS = 2**48
 """More than a run makes in a lifetime."""
@@ -15,7 +15,7 @@ ENDLESS_STEPS = 2**48
 InstantsOf = Callable[[NDArray[np.int64]], NDArray[np.int64]]
 
 
-class Watch(Protocol):
+class PulseListener(Protocol):
     """What is told of each pulse of a motor."""
 
     def set_out(self) -> None:
@@ -34,18 +34,20 @@ class VirtualMotor:
     setup_ticks: from a change of direction to the next pulse.
     """
 
-    def __init__(self, ways: Ways, setup_ticks: int, position: int = 0, watch: Watch | None = None) -> None:
-        self._ways = ways
+    def __init__(
+        self, playback: Playback, setup_ticks: int, position: int = 0, watch: PulseListener | None = None
+    ) -> None:
+        self._playback = playback
         self._setup_ticks = setup_ticks
         self.watch = watch
-        self._course: Course = []
+        self._trajectory: Trajectory = []
         self._began = 0
-        """Instant of the first pulse of the present stretch."""
+        """Instant of the first pulse of the present train."""
         self._done = 0
-        """Pulses of the present stretch."""
+        """Pulses of the present train."""
         self._due = 0
         """Instant of the next pulse, or of the end of the last interval."""
-        self._place = self._ways.rest
+        self._ramp_position = self._playback.rest
         self._direction = 1
         self._destination = position
         self._level: int | None = None
@@ -67,7 +69,7 @@ class VirtualMotor:
     @property
     def interval(self) -> int:
         """The interval that passes [ticks]; 0 at rest."""
-        return self._place.interval if self.moving else 0
+        return self._ramp_position.interval if self.moving else 0
 
     @property
     def target(self) -> int:
@@ -79,15 +81,15 @@ class VirtualMotor:
         """Whether it goes on and on at a speed."""
         return self._run_direction != 0
 
-    def shortest_interval(self, asked: int | None) -> int:
+    def shortest_interval(self, commanded: int | None) -> int:
         """Return the shortest interval that it may come to when this one is asked for; None: left to what it does."""
-        wanted = asked or self._level or self._ways.slew_interval
-        return min(wanted, self.interval or wanted)
+        shortest = commanded or self._level or self._playback.slew_interval
+        return min(shortest, self.interval or shortest)
 
     def settle(self, now: int) -> None:
         """Move to where it is by now."""
         while self.moving and self._due <= now:
-            if self._course:
+            if self._trajectory:
                 self._play(now)
             elif not self.running and self.position == self._destination:
                 self._rest()
@@ -109,8 +111,8 @@ class VirtualMotor:
         if not self.moving or self.stopping:
             return
         self.stopping, self._run_direction = True, 0
-        self._destination = self._stop_place()
-        if self._place.interval:
+        self._destination = self._stop_position()
+        if self._ramp_position.interval:
             self._replan()
         else:
             self._rest()
@@ -121,7 +123,7 @@ class VirtualMotor:
             self._destination = self.position
             self._rest()
 
-    def place_at(self, position: int) -> None:
+    def set_position(self, position: int) -> None:
         """Call the place where it rests a position."""
         self.position = self._destination = position
 
@@ -132,8 +134,8 @@ class VirtualMotor:
         elif self.running or self._destination != self.position:
             self._set_out(ready)
 
-    def _stop_place(self) -> int:
-        steps = self._ways.steps_to_rest(self._place) if self._place.interval else 0
+    def _stop_position(self) -> int:
+        steps = self._playback.steps_to_rest(self._ramp_position) if self._ramp_position.interval else 0
         return _position(self.position + self._direction * steps)
 
     def _set_out(self, at: int) -> None:
@@ -143,37 +145,39 @@ class VirtualMotor:
             self.watch.set_out()
 
     def _plan_from_rest(self, at: int) -> None:
-        self._place, self._due = self._ways.rest, at
+        self._ramp_position, self._due = self._playback.rest, at
         self._replan()
 
     def _replan(self) -> None:
         """Plan what comes after the present interval."""
-        if not self._place.interval:
+        if not self._ramp_position.interval:
             self._direction = self._run_direction or (1 if self._destination > self.position else -1)
-        way = ENDLESS_STEPS * self._run_direction if self.running else self._destination - self.position
-        self._course = self._ways.course(self._place, max(0, way * self._direction), self._level)
+        distance = ENDLESS_STEPS * self._run_direction if self.running else self._destination - self.position
+        self._trajectory = self._playback.trajectory(
+            self._ramp_position, max(0, distance * self._direction), self._level
+        )
         self._began, self._done = self._due, 0
 
     def _play(self, now: int) -> None:
-        stretch = self._course[0]
+        train = self._trajectory[0]
         done, began = self._done, self._began
-        self._done = stretch.pulses_within(now - began)
-        self._place = stretch.place_after(self._done)
-        self._due = began + stretch.ticks_to(self._done)
+        self._done = train.pulses_within(now - began)
+        self._ramp_position = train.position_after(self._done)
+        self._due = began + train.ticks_to(self._done)
         made = self._done - done
         self.position = _position(self.position + self._direction * made)
         self.steps_made += made
-        if self._done == stretch.count:
-            self._course.pop(0)
+        if self._done == train.count:
+            self._trajectory.pop(0)
             self._began, self._done = self._due, 0
         if self.watch:
             first = self.steps_made - made + 1
-            self.watch.pulses(first, made, lambda pulses: began + stretch.instants(pulses - first + done))
+            self.watch.pulses(first, made, lambda pulses: began + train.instants(pulses - first + done))
 
     def _rest(self) -> None:
         self.moving = self.stopping = False
         self._run_direction = 0
-        self._course, self._place, self._level = [], self._ways.rest, None
+        self._trajectory, self._ramp_position, self._level = [], self._playback.rest, None
         if self.watch:
             self.watch.at_rest()
 

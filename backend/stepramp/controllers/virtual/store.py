@@ -19,10 +19,10 @@ from stepramp.controllers.stepramp.messages.ramps import (
 from stepramp.controllers.stepramp.messages.reply import Refusal, ReplyStatus
 from stepramp.controllers.stepramp.messages.session import HelloReply, RampInUse
 from stepramp.controllers.stepramp.ramp_image import BadRampImage, IntervalLimits, RampImage
-from stepramp.controllers.stepramp.settings import Settings
+from stepramp.controllers.stepramp.settings import StepRampSettings
 from stepramp.controllers.virtual.memory import VirtualMemory
 
-Use = Callable[[RampImage | None, Settings], None]
+Use = Callable[[RampImage | None, StepRampSettings], None]
 
 
 class Content(Enum):
@@ -53,7 +53,7 @@ class VirtualStore:
         self._use = use
         self._announced = BeginRequest(0, 0)
         self.writing = False
-        self.settings = Settings()
+        self.settings = StepRampSettings()
         self._load_stored()
 
     @property
@@ -97,7 +97,7 @@ class VirtualStore:
             self._load(with_settings=False)
         return self._content in PLAYABLE
 
-    def use_settings(self, settings: Settings) -> None:
+    def use_settings(self, settings: StepRampSettings) -> None:
         """Use other settings from now on."""
         self.settings, self._settings_are_stored = settings, False
         self._use_all()
@@ -185,7 +185,7 @@ class VirtualStore:
         self._ram = bytearray(stored.image)
         self._content = Content.STORED if stored.sequence else Content.NOTHING
         if with_settings:
-            self.settings = Settings.unpack(stored.settings) if stored.sequence else Settings()
+            self.settings = StepRampSettings.unpack(stored.settings) if stored.sequence else StepRampSettings()
             self._settings_are_stored = True
         self._use_all()
 

@@ -23,16 +23,16 @@ static const struct ${name}_side ${name}_up = $up;
 static const struct ${name}_side ${name}_down = $down;
 
 /* Where on a side one is. */
-struct ${name}_way {
+struct ${name}_state {
     const struct ${name}_side *side;
     uint32_t given;
-    struct ${name}_x x;$way_fields
+    struct ${name}_x x;$state_fields
 };
 
-static inline struct ${name}_way ${name}_start(const struct ${name}_side *side)
+static inline struct ${name}_state ${name}_start(const struct ${name}_side *side)
 {
-    const struct ${name}_way way = {side, side->given, side->first$way_values};
-    return way;
+    const struct ${name}_state state = {side, side->given, side->first$state_values};
+    return state;
 }
 
 /* x with its mantissa in range, where its exponent can be changed. */
@@ -53,17 +53,17 @@ static inline struct ${name}_x ${name}_normal(uint64_t mantissa, uint8_t exponen
 
 $change
 /* The next interval of a side, in order of time. */
-static inline ${name}_number ${name}_step(struct ${name}_way *way)
+static inline ${name}_number ${name}_step(struct ${name}_state *state)
 {
     uint32_t rounded, interval;
     const struct ${name}_output *output;
-    if (way->given != 0)
-        way->given--;
+    if (state->given != 0)
+        state->given--;
     else
-        ${name}_recur(way);
-    output = &way->side->outputs[way->x.exponent];
+        ${name}_recur(state);
+    output = &state->side->outputs[state->x.exponent];
     rounded = (output->multiplier + 0x8000u) >> 16;
-    interval = (uint32_t)((uint64_t)(way->x.mantissa >> 16) * output->multiplier >> 8) +
-               (way->x.mantissa >> 8 & 255u) * rounded;
+    interval = (uint32_t)((uint64_t)(state->x.mantissa >> 16) * output->multiplier >> 8) +
+               (state->x.mantissa >> 8 & 255u) * rounded;
 $made
 }

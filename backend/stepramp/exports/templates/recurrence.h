@@ -35,10 +35,10 @@ $whole
 static inline ${name}_ticks
 ${name}_shortest(const struct ${name}_side *side, uint32_t skipped, uint32_t counted)
 {
-    struct ${name}_way way = ${name}_start(side);
+    struct ${name}_state state = ${name}_start(side);
     ${name}_ticks shortest = $ticks_max;$sum_variable
     for (uint32_t i = 0; i < skipped + counted; i++) {
-        const ${name}_ticks interval = ${name}_whole(${name}_step(&way)$sum_argument);
+        const ${name}_ticks interval = ${name}_whole(${name}_step(&state)$sum_argument);
         if (i >= skipped && interval < shortest) shortest = interval;
     }
     return shortest;
@@ -63,7 +63,7 @@ static inline uint32_t ${name}_steps_up(uint32_t steps)
 }
 
 struct ${name}_move {
-    struct ${name}_way up, down;
+    struct ${name}_state up, down;
     uint32_t steps_up, steps_slew, steps_down; /* still to come */$sum_field
 };
 

@@ -37,41 +37,41 @@ $down_lines
     {0, 0, 0},
 };
 
-/* A place in a list: so many intervals into a segment. */
-struct ${name}_place {
+/* A cursor in a list: so many intervals into a segment. */
+struct ${name}_cursor {
     const struct ${name}_segment *segment;
     uint16_t at;
 };
 
-static inline ${name}_ticks ${name}_interval(struct ${name}_place place)
+static inline ${name}_ticks ${name}_interval(struct ${name}_cursor cursor)
 {
-    return (${name}_ticks)(($signed_type)place.segment->interval + ($signed_type)place.segment->add * place.at);
+    return (${name}_ticks)(($signed_type)cursor.segment->interval + ($signed_type)cursor.segment->add * cursor.at);
 }
 
-static inline int ${name}_is_end(struct ${name}_place place)
+static inline int ${name}_is_end(struct ${name}_cursor cursor)
 {
-    return place.segment->count == 0;
+    return cursor.segment->count == 0;
 }
 
-static inline void ${name}_advance(struct ${name}_place *place)
+static inline void ${name}_advance(struct ${name}_cursor *cursor)
 {
-    if (++place->at == place->segment->count) {
-        place->segment++;
-        place->at = 0;
+    if (++cursor->at == cursor->segment->count) {
+        cursor->segment++;
+        cursor->at = 0;
     }
 }
 
-static inline void ${name}_go_back(struct ${name}_place *place)
+static inline void ${name}_go_back(struct ${name}_cursor *cursor)
 {
-    if (place->at == 0) {
-        place->segment--;
-        place->at = place->segment->count;
+    if (cursor->at == 0) {
+        cursor->segment--;
+        cursor->at = cursor->segment->count;
     }
-    place->at--;
+    cursor->at--;
 }
 
 struct ${name}_move {
-    struct ${name}_place up, down;
+    struct ${name}_cursor up, down;
     uint32_t steps_up, steps_slew, steps_down; /* still to come */
 };
 

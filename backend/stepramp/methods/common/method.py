@@ -1,4 +1,4 @@
-"""What a ramp method is: its numerics, what people are told of it, its C, and its way onto the chip."""
+"""What a ramp method is: its numerics, what people are told of it, its C, and how a controller computes it."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -15,10 +15,10 @@ from stepramp.shapes.constant import ConstantAcceleration
 
 TunedFor = Literal["largest_error", "time"]
 
-Side = Callable[[Any], NDArray[np.floating]]
+SideIntervals = Callable[[Any], NDArray[np.floating]]
 """Of a slope of the method's shape, the intervals [ticks], shape (steps,), from the slow end."""
-SideInNumbers = Callable[[Any, Number], NDArray[np.floating]]
-SideInIntegers = Callable[[ConstantAcceleration], FixedIntervals]
+SideIntervalsInNumbers = Callable[[Any, Number], NDArray[np.floating]]
+SideIntervalsInIntegers = Callable[[ConstantAcceleration], FixedIntervals]
 
 CLOSED_FORM: tuple[Arithmetic, ...] = ("float64", "float32")
 """What needs a square root is not for integers."""
@@ -30,8 +30,8 @@ STEP_BY_STEP: tuple[Arithmetic, ...] = ("float32", "float64", "fixed")
 class Sides:
     """The two sides of a ramp by one method in one arithmetic. Raises Rejected for a slope that it can't compute."""
 
-    up: Side
-    down: Side
+    up: SideIntervals
+    down: SideIntervals
 
 
 @dataclass(frozen=True)
@@ -60,9 +60,9 @@ class FixedCode:
     """The values of that field for a side's format and the ramp index of its first x, in 2^-24 steps."""
     change: str
     """The function that takes x one step on."""
-    way_field: str = ""
-    """Of a way along a side, besides its x …"""
-    way_value: str = ""
+    state_field: str = ""
+    """Of the state of a motor along a side, besides its x …"""
+    state_value: str = ""
     """… and what it begins with."""
 
 
@@ -109,7 +109,7 @@ class TuningReport:
 class RampMethod:
     """A method: everything that is its own."""
 
-    place: int
+    rank: int
     """Where it stands in lists: methods with less stand before it."""
     label: str
     """What people call it; short."""
@@ -134,12 +134,12 @@ class RampMethod:
     """Whether the page shows it until a person chooses."""
 
 
-def mirrored(side: SideInNumbers) -> Callable[[Arithmetic, TunedFor], Sides]:
+def mirrored(side: SideIntervalsInNumbers) -> Callable[[Arithmetic, TunedFor], Sides]:
     """Return the sides of a method that decelerates as it accelerates, backwards."""
     return in_numbers(side, side)
 
 
-def in_numbers(up: SideInNumbers, down: SideInNumbers) -> Callable[[Arithmetic, TunedFor], Sides]:
+def in_numbers(up: SideIntervalsInNumbers, down: SideIntervalsInNumbers) -> Callable[[Arithmetic, TunedFor], Sides]:
     """Return the sides of a method that computes in floating-point numbers."""
 
     def sides(arithmetic: Arithmetic, _: TunedFor) -> Sides:
@@ -150,7 +150,10 @@ def in_numbers(up: SideInNumbers, down: SideInNumbers) -> Callable[[Arithmetic, 
 
 
 def step_by_step(
-    up: SideInNumbers, down: SideInNumbers, fixed_up: SideInIntegers, fixed_down: SideInIntegers
+    up: SideIntervalsInNumbers,
+    down: SideIntervalsInNumbers,
+    fixed_up: SideIntervalsInIntegers,
+    fixed_down: SideIntervalsInIntegers,
 ) -> Callable[[Arithmetic, TunedFor], Sides]:
     """Return the sides of a method that computes in integers, too."""
 
@@ -162,7 +165,7 @@ def step_by_step(
     return sides
 
 
-def _ticks_of(side: SideInIntegers) -> Side:
+def _ticks_of(side: SideIntervalsInIntegers) -> SideIntervals:
     def ticks(slope: ConstantAcceleration) -> NDArray[np.floating]:
         if slope.steps < 1:
             return np.empty(0)

@@ -217,31 +217,31 @@ static const struct ${name}_side ${name}_up = {$up_steps, 1, $up_first, $up_mult
 static const struct ${name}_side ${name}_down = {$down_steps, 0, $slew, $down_multiplier, $slew, $down_longest};
 
 /* Where on a side one is. */
-struct ${name}_way {
+struct ${name}_state {
     const struct ${name}_side *side;
     uint32_t given;
     ${name}_number interval;
 };
 
-static inline struct ${name}_way ${name}_start(const struct ${name}_side *side)
+static inline struct ${name}_state ${name}_start(const struct ${name}_side *side)
 {
-    const struct ${name}_way way = {side, side->given, side->first};
-    return way;
+    const struct ${name}_state state = {side, side->given, side->first};
+    return state;
 }
 
 /* The next interval of a side, in order of time. */
-static inline ${name}_number ${name}_step(struct ${name}_way *way)
+static inline ${name}_number ${name}_step(struct ${name}_state *state)
 {
-    const struct ${name}_side *const side = way->side;
-    const ${name}_number p = way->interval, q = side->multiplier * p * p;
-    if (way->given != 0) {
-        way->given--;
+    const struct ${name}_side *const side = state->side;
+    const ${name}_number p = state->interval, q = side->multiplier * p * p;
+    if (state->given != 0) {
+        state->given--;
         return p;
     }
-    way->interval = p * ($series);
-    if (way->interval < side->shortest) way->interval = side->shortest;
-    if (way->interval > side->longest) way->interval = side->longest;
-    return way->interval;
+    state->interval = p * ($series);
+    if (state->interval < side->shortest) state->interval = side->shortest;
+    if (state->interval > side->longest) state->interval = side->longest;
+    return state->interval;
 }
 """
 """One side of the ramp in C, in floating-point numbers."""
@@ -253,10 +253,10 @@ static inline int ${name}_is_shorter(struct ${name}_x x, struct ${name}_x other)
 }
 
 /* x (1 + q + c q^2) with c in 2^-16, q being subtracted upwards; kept between pS and p1. */
-static inline void ${name}_recur(struct ${name}_way *way)
+static inline void ${name}_recur(struct ${name}_state *state)
 {
-    const struct ${name}_side *const side = way->side;
-    const struct ${name}_x from = way->x;
+    const struct ${name}_side *const side = state->side;
+    const struct ${name}_x from = state->x;
     const uint32_t c = $coefficient, high = from.mantissa >> 16, low = from.mantissa >> 8 & 255u;
     const uint32_t q = (high * high + 128) >> 8, x = (high << 8) + 3 * (low | 1u);
     const uint32_t square = (q >> 8) * ((q >> 8) + 1);
@@ -271,9 +271,9 @@ static inline void ${name}_recur(struct ${name}_way *way)
     else
         factor = q + second < 0xFFFFFF ? q + second : 0xFFFFFF;
     change = ((x >> 8) * factor + (x & 255u) * (factor >> 8) + half) >> shift;
-    way->x = ${name}_normal(side->is_up ? from.mantissa - change : from.mantissa + change, from.exponent);
-    if (${name}_is_shorter(way->x, side->shortest)) way->x = side->shortest;
-    if (${name}_is_shorter(side->longest, way->x)) way->x = side->longest;
+    state->x = ${name}_normal(side->is_up ? from.mantissa - change : from.mantissa + change, from.exponent);
+    if (${name}_is_shorter(state->x, side->shortest)) state->x = side->shortest;
+    if (${name}_is_shorter(side->longest, state->x)) state->x = side->longest;
 }
 """
 """One step of the recurrence in C, in integers."""

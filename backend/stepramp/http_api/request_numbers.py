@@ -17,7 +17,7 @@ from stepramp.http_api.connections import Connection, Connections, readable
 
 STOPS_HEADER = "X-StepRamp-Stops"
 MOST_DIGITS = 18
-_ASKED = "stepramp.asked"
+_REQUEST_NUMBER = "stepramp.request_number"
 
 
 def numbering(now: Callable[[], int], connections: Connections) -> type[H11Protocol]:
@@ -37,7 +37,7 @@ def numbering(now: Callable[[], int], connections: Connections) -> type[H11Proto
 
         def data_received(self, data: bytes) -> None:
             self._has_left_unread = self._has_left_unread and self._is_readable()
-            self.app_state.setdefault(_ASKED, now())
+            self.app_state.setdefault(_REQUEST_NUMBER, now())
             super().data_received(data)
             self._forget_when_idle()
 
@@ -46,15 +46,15 @@ def numbering(now: Callable[[], int], connections: Connections) -> type[H11Proto
             super().on_response_complete()
             self._forget_when_idle()
 
-        def make_as_old_as(self, asked: int) -> None:
-            self.app_state.setdefault(_ASKED, asked)
+        def make_as_old_as(self, request_number: int) -> None:
+            self.app_state.setdefault(_REQUEST_NUMBER, request_number)
             self._has_left_unread = True
 
         def _forget_when_idle(self) -> None:
             """Have the next request get a number of its own, unless something of it is here already."""
             is_idle = self.conn.our_state is self.conn.their_state is h11.IDLE and not self.conn.trailing_data[0]
             if is_idle and not self._has_left_unread:
-                self.app_state.pop(_ASKED, None)
+                self.app_state.pop(_REQUEST_NUMBER, None)
 
         def _is_readable(self) -> bool:
             return bool(readable([self.transport.get_extra_info("socket")]))
@@ -62,7 +62,7 @@ def numbering(now: Callable[[], int], connections: Connections) -> type[H11Proto
     return Numbering
 
 
-class AskedAt:
+class RequestNumbering:
     """Numbers each request and WebSocket that the server's protocol hasn't numbered.
 
     now: returns the number of the present moment in the order of all that is asked and stopped.
@@ -75,11 +75,11 @@ class AskedAt:
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Note when it was asked for, and pass it on."""
         if scope["type"] != "lifespan":
-            scope = {**scope, _ASKED: scope.get("state", {}).get(_ASKED) or self.now()}
+            scope = {**scope, _REQUEST_NUMBER: scope.get("state", {}).get(_REQUEST_NUMBER) or self.now()}
         await self.app(scope, receive, send)
 
 
-async def asked_at(
+async def latest_known_number(
     connection: HTTPConnection,
     stops: Annotated[
         str | None,
@@ -108,8 +108,8 @@ def arrived_at(connection: HTTPConnection) -> int:
 
 def number_of(scope: Scope) -> int:
     """Return the same of a request's or WebSocket's scope."""
-    arrived: int = scope[_ASKED]
+    arrived: int = scope[_REQUEST_NUMBER]
     return arrived
 
 
-AskedNumber = Annotated[int, Depends(asked_at)]
+RequestNumber = Annotated[int, Depends(latest_known_number)]

@@ -1,8 +1,8 @@
-"""Courses: what a motor plays of its ramp, from rest or from the midst of a move, until it comes to rest.
+"""Trajectories: what a motor plays of its ramp, from rest or from the midst of a move, until it comes to rest.
 
-A course is decided as the firmware decides it: as many steps of the way up as leave room for the way down, then the
-wanted speed, then the way down. So target and speed may change at any step. A target that is too close, or behind, is
-passed: the course then ends beyond it.
+A trajectory is decided as the firmware decides it: as many steps of the ramp up as leave room for the ramp down, then
+the commanded speed, then the ramp down. So target and speed may change at any step. A target that is too close, or
+behind, is passed: the trajectory then ends beyond it.
 """
 
 from collections.abc import Callable, Sequence
@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 Ticks = NDArray[np.int64]
 
 
-class Place(Protocol):
-    """Where on its ramp a motor is; what more there is to it only its ways know."""
+class RampPosition(Protocol):
+    """Where on its ramp a motor is; what more there is to it only its playback knows."""
 
     @property
     def interval(self) -> int:
@@ -25,12 +25,12 @@ class Place(Protocol):
 
 
 @dataclass(frozen=True)
-class Stretch:
+class PulseTrain:
     """Pulses, an interval after each: the intervals of an array, or `count` times a single one."""
 
     intervals: Ticks
     count: int
-    place_after: Callable[[int], Place]
+    position_after: Callable[[int], RampPosition]
     """Returns where the motor is once so many pulses have been made, at least one."""
 
     @cached_property
@@ -59,11 +59,11 @@ class Stretch:
         return begins
 
 
-Course = list[Stretch]
+Trajectory = list[PulseTrain]
 
 
-class Ways(Protocol):
-    """The ways up and down of an axis' ramp."""
+class Playback(Protocol):
+    """How an axis' ramp is played, from wherever on it the motor is."""
 
     @property
     def slew_interval(self) -> int:
@@ -74,31 +74,31 @@ class Ways(Protocol):
         """Whether the controller computes it while it is played."""
 
     @property
-    def rest(self) -> Place:
-        """The place of a motor at rest."""
+    def rest(self) -> RampPosition:
+        """The position of a motor at rest."""
 
-    def course(self, place: Place, steps: int, level: int | None = None) -> Course:
-        """Return what is played from a place on, to come to rest after so many steps, or later where that can't be.
+    def trajectory(self, position: RampPosition, steps: int, level: int | None = None) -> Trajectory:
+        """Return what is played from a position on, to come to rest after so many steps, or later where that can't be.
 
-        level: interval of the speed wanted [ticks]; None: the slew speed.
+        level: interval of the commanded speed [ticks]; None: the slew speed.
         """
 
-    def steps_to_rest(self, place: Place) -> int:
-        """Return the steps of the shortest way to rest from a place."""
+    def steps_to_rest(self, position: RampPosition) -> int:
+        """Return the steps of the shortest ramp down to rest from a position."""
 
     def steps_from(self, interval: int) -> int:
-        """Return the steps of the way to rest from the speed of an interval [ticks]."""
+        """Return the steps of the ramp down to rest from the speed of an interval [ticks]."""
 
 
-def pulse_instants(course: Sequence[Stretch], pulses: NDArray[np.int64]) -> Ticks:
-    """Return when pulses of a course come, counted from 1, from the first on [ticks], shape of pulses.
+def pulse_instants(trajectory: Sequence[PulseTrain], pulses: NDArray[np.int64]) -> Ticks:
+    """Return when pulses of a trajectory come, counted from 1, from the first on [ticks], shape of pulses.
 
-    Pulses beyond the course come when it ends.
+    Pulses beyond the trajectory come when it ends.
     """
-    firsts = np.cumsum([0, *(stretch.count for stretch in course)])
-    begins = np.cumsum([0, *(stretch.ticks_to(stretch.count) for stretch in course)])
+    firsts = np.cumsum([0, *(train.count for train in trajectory)])
+    begins = np.cumsum([0, *(train.ticks_to(train.count) for train in trajectory)])
     instants = np.full(pulses.shape, begins[-1], np.int64)
-    for stretch, first, begin in zip(course, firsts, begins, strict=False):
-        within = (pulses > first) & (pulses <= first + stretch.count)
-        instants[within] = begin + stretch.instants(pulses[within] - 1 - first)
+    for train, first, begin in zip(trajectory, firsts, begins, strict=False):
+        within = (pulses > first) & (pulses <= first + train.count)
+        instants[within] = begin + train.instants(pulses[within] - 1 - first)
     return instants

@@ -1,4 +1,4 @@
-"""The ways of the ramps that an image holds, whether they are stored or computed."""
+"""Playback of the ramps that an image holds, whether they are stored or computed."""
 
 from stepramp.controllers.stepramp.formula_constants import decode_formula
 from stepramp.controllers.stepramp.formula_image import encode_formula
@@ -6,15 +6,15 @@ from stepramp.controllers.stepramp.ramp_image import ANY_INTERVAL, AxisRamp, For
 from stepramp.design import Design
 from stepramp.numerics.ramp import Ramp
 from stepramp.ramp.on_chip import OnChipMotor, OnChipRamp, design_refusal, on_chip_ramp
-from stepramp.ramp.playback.course import Ways
-from stepramp.ramp.playback.formula_ways import FormulaWays
-from stepramp.ramp.playback.list_ways import ListWays
+from stepramp.ramp.playback.formula import FormulaPlayback
+from stepramp.ramp.playback.lists import ListPlayback
+from stepramp.ramp.playback.trajectory import Playback
 from stepramp.ramp.segments import expand
 
 
-def ways_of(ramp: AxisRamp) -> Ways:
-    """Return the ways up and down of a ramp."""
-    return FormulaWays(_on_chip(ramp)) if isinstance(ramp, FormulaRamp) else ListWays(unpacked(ramp))
+def playback_of(ramp: AxisRamp) -> Playback:
+    """Return the playback of a ramp."""
+    return FormulaPlayback(_on_chip(ramp)) if isinstance(ramp, FormulaRamp) else ListPlayback(unpacked(ramp))
 
 
 def unpacked(ramp: AxisRamp) -> Ramp:
