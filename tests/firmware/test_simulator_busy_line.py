@@ -192,7 +192,7 @@ def judge_stops(
 
 def just_keeping_pace(axes: int, slew: int) -> Ramp:
     """A ramp whose segments are as short as docs/serial_protocol.md allows, from a third of the slew speed on."""
-    shortest_ticks, places = max(5_600 * axes, 8_000), np.linspace(0, 1, SEGMENTS)
+    shortest_ticks, places = 11_200 * axes, np.linspace(0, 1, SEGMENTS)
     intervals = [round(slew * 3 ** float(1 - place)) for place in places]
     up = [(interval, -(-shortest_ticks // interval), 0) for interval in intervals]
     return Ramp(up, slew, up)

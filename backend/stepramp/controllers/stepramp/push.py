@@ -5,39 +5,33 @@ pace. A ramp whose intervals would have to change by more than a hundredth of th
 where that is longer, is refused.
 """
 
-import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from stepramp.controllers.contract import FigureUnit, PreviewItem, PushItem, PushPreview, PushReport
 from stepramp.controllers.stepramp.frames import crc16
+from stepramp.controllers.stepramp.keeping_pace import Preparation
 from stepramp.controllers.stepramp.messages.session import HelloReply
 from stepramp.controllers.stepramp.playback import formula_ramp, playback_of, unpacked
 from stepramp.controllers.stepramp.push_limits import PushLimits
 from stepramp.controllers.stepramp.ramp_image import AxisRamp, BadRampImage, RampImage, SegmentRamp
 from stepramp.controllers.stepramp.settings import StepRampSettings
+from stepramp.controllers.stepramp.speed_limits import Pace
 from stepramp.design import Design
 from stepramp.errors import Rejected, Rejection
 from stepramp.numerics.ramp import Ramp
 from stepramp.ramp.plan import ramp_of
-from stepramp.ramp.segments import Segment, compress_sides
+from stepramp.ramp.playback.trajectory import Playback
+from stepramp.ramp.segments import compress_sides
 from stepramp.units import ticks_from_us, us_from_ticks
 
 COARSEST_BOUND = 0.01
 """Largest bound of the compression, as a part of the slew interval …"""
 COARSEST_BOUND_US, COARSEST_SHORT_BOUND = 1.0, 0.05
 """… or, where that is larger, in time [µs], which is as late as steps may come anyway, but at most this part."""
-SEGMENT_US = 350
-"""What a controller takes to prepare a segment of each of several axes, with motors near its limits [µs]: measured, see
-decision 10."""
-ONLY_SEGMENT_US = 500
-"""The same of an only axis: at its limit there is less of the processor left than at those of several."""
-SEGMENTS_IN_A_ROW = 8
-"""So many may be ready beforehand."""
 
 
 @dataclass(frozen=True)
@@ -55,11 +49,10 @@ class PushedDesign:
 class SmallestChange:
     """A ramp as it may be sent: by formula, or as segments with a bound that can be made coarser step by step."""
 
-    def __init__(self, pushed: PushedDesign, limits: PushLimits, axes: int) -> None:
+    def __init__(self, pushed: PushedDesign, limits: PushLimits, preparation: Preparation) -> None:
         self.pushed = pushed
         self._limits = limits
-        segments_us = max(SEGMENT_US * axes, ONLY_SEGMENT_US)
-        self._shortest_row = SEGMENTS_IN_A_ROW * ticks_from_us(segments_us, limits.timer_hz)
+        self._preparation = preparation
         self._bounds = _bounds(_coarsest_bound(pushed.ramp.slew, limits.timer_hz))
         self.bound_ticks = next(self._bounds)
         self.ramp: AxisRamp = formula_ramp(pushed.design, limits.by_formula) or self._compressed()
@@ -70,14 +63,6 @@ class SmallestChange:
         if not isinstance(self.ramp, SegmentRamp):
             return True
         return self.ramp.sent_segments <= self._limits.most_segments and self.ramp.keeps(self._limits.of_segments)
-
-    @property
-    def keeps_pace(self) -> bool:
-        """Whether the controller can prepare the segments as fast as they are played, with all axes moving."""
-        if not isinstance(self.ramp, SegmentRamp):
-            return True
-        # The shortest move that has them all, up and then down.
-        return _shortest_row((*self.ramp.up, *reversed(self.ramp.down))) >= self._shortest_row
 
     def make_coarser(self) -> bool:
         """Compress with the next bound; return whether there is one."""
@@ -90,7 +75,7 @@ class SmallestChange:
 
     def ease(self) -> None:
         """Compress coarser until the controller can keep pace, as long as it takes the ramp."""
-        while not self.keeps_pace:
+        while not self._preparation.keeps_pace_with(self.ramp):
             before, fitted = (self.bound_ticks, self.ramp), self.fits
             if not self.make_coarser():
                 return
@@ -103,15 +88,6 @@ class SmallestChange:
         return SegmentRamp(tuple(up), self.pushed.ramp.slew, tuple(down))
 
 
-def _shortest_row(segments: Sequence[Segment]) -> float:
-    """Return the shortest time that some consecutive segments last [ticks]; infinite when there are fewer."""
-    if len(segments) < SEGMENTS_IN_A_ROW:
-        return math.inf
-    interval, count, add = np.array(segments, np.int64).T
-    lengths = count * interval + add * (count * (count - 1) // 2)
-    return float(sliding_window_view(lengths, SEGMENTS_IN_A_ROW).sum(1).min())
-
-
 @dataclass(frozen=True)
 class PushPlan:
     """What will be sent for some designs, and what it comes from."""
@@ -122,8 +98,13 @@ class PushPlan:
     bounds_ticks: tuple[int, ...]
     """How far the compression may have moved an interval of each design [ticks]."""
     limits: PushLimits
-    keeps_pace: bool
-    """Whether the controller can prepare all segments in time."""
+    out_of_pace: tuple[int, ...]
+    """Axes whose segments the controller may not prepare in time, when all axes move together."""
+
+    @property
+    def keeps_pace(self) -> bool:
+        """Whether the controller can prepare all segments in time."""
+        return not self.out_of_pace
 
     def report(self, stored: bytes, sequence: int, *, kept: bool) -> PushReport:
         """Return what came of the push, from the image that was read back and the sequence number of what is stored."""
@@ -200,6 +181,8 @@ class PushPlan:
                 f"The ramps have more segments in so short a time than the controller can prepare: {them} may have to "
                 f"wait between steps. A lower acceleration takes fewer."
             )
+            if not {each.axis for each in self.pushed} >= set(self.out_of_pace):
+                yield "The ramps that stay were made for fewer axes: push the designs of all axes together."
         too_fast = self.limits.too_fast_together([playback_of(ramp) for ramp in self.image.axes])
         if len(self.image.axes) > 1 and too_fast is not None:
             yield too_fast
@@ -233,14 +216,27 @@ def plan_push(
     )
     for each in pushed:
         limits.check(each.design, each.ramp, each.path)
-    axes = max(len(pushed), len(others.axes) if others else 0)
-    changes = {_key(each.design): SmallestChange(each, limits, axes) for each in reversed(pushed)}
+    preparation = Preparation.of(limits.speeds, _paces(pushed, others))
+    changes = {_key(each.design): SmallestChange(each, limits, preparation) for each in reversed(pushed)}
     for change in changes.values():
         change.ease()
     chosen = [changes[_key(each.design)] for each in pushed]
     image = _fitting(pushed, chosen, others, limits)
-    keeps_pace = all(change.keeps_pace for change in chosen)
-    return PushPlan(pushed, image, timer_hz, tuple(change.bound_ticks for change in chosen), limits, keeps_pace)
+    bounds_ticks = tuple(change.bound_ticks for change in chosen)
+    out_of_pace = tuple(axis for axis, ramp in enumerate(image.axes) if not preparation.keeps_pace_with(ramp))
+    return PushPlan(pushed, image, timer_hz, bounds_ticks, limits, out_of_pace)
+
+
+def _paces(pushed: Sequence[PushedDesign], present: RampImage | None) -> list[Pace]:
+    """Return how fast all axes are that there will be; what is pushed may yet be computed by the controller."""
+    kept = dict(enumerate(present.axes if present else ()))
+    paces = {axis: _pace(playback_of(ramp)) for axis, ramp in kept.items()}
+    paces |= {each.axis: Pace(int(each.ramp.slew)) for each in pushed}
+    return list(paces.values())
+
+
+def _pace(playback: Playback) -> Pace:
+    return Pace(playback.slew_interval, playback.by_formula)
 
 
 def _path(number: int, first_axis: int | None) -> str:
