@@ -190,11 +190,11 @@ def judge_stops(
 # ---- stops on a line at its highest speed
 
 
-def just_keeping_pace(axes: int, slew: int) -> Ramp:
+def just_keeping_pace(axes: int, slew: int, segments: int = SEGMENTS) -> Ramp:
     """A ramp whose segments are as short as docs/serial_protocol.md allows, from a third of the slew speed on."""
-    shortest_ticks, places = 11_200 * axes, np.linspace(0, 1, SEGMENTS)
-    intervals = [round(slew * 3 ** float(1 - place)) for place in places]
-    up = [(interval, -(-shortest_ticks // interval), 0) for interval in intervals]
+    intervals = [round(slew * 3 ** float(1 - place)) for place in np.linspace(0, 1, segments)]
+    lengths = [axes * max(5_600, 11_200 * slew // interval) for interval in intervals]
+    up = [(interval, 1 + length // interval, 0) for interval, length in zip(intervals, lengths, strict=True)]
     return Ramp(up, slew, up)
 
 
@@ -230,6 +230,30 @@ def test_a_stop_of_a_line_at_its_highest_speed_is_quick(
         talk.ask(HALT, wait_ms=60)
     talk.end(axes)
     judge_stops(talk.play(tmp_path), asked, axes, record_property, LAST_STEP_OF_A_LINE_MS)
+
+
+# ---- stops where a long ramp would have to be searched
+
+
+@pytest.mark.parametrize(("axes", "slew"), [(1, 106), (4, 533)])
+def test_a_stop_is_quick_wherever_on_a_long_ramp(
+    tmp_path: Path, record_property: Callable[..., None], axes: int, slew: int
+) -> None:
+    """The ramp down from there is known by then, however busy the line was."""
+    talk, ramp = Talk(random.Random(axes)), just_keeping_pace(axes, slew, 2 * SEGMENTS)
+    lasting_ms = sum(interval * count for interval, count, _ in ramp.up) / CYCLES_PER_MS
+    talk.begin(ramp.image(axes, fast=True))
+    talk.ask(REPORT, b"\x32")
+    talk.ask(TRACE, struct.pack("<BH", 0, 1))
+    asked = []
+    for number in range(STOPS):
+        talk.ask(RUN, for_axes(dict.fromkeys(range(axes), slew)))
+        wait_ms = 10 + number * (lasting_ms + 20) / STOPS
+        talk.asked.append(TimedFrame(talk.frame(STOP), wait_cycles=int(wait_ms * CYCLES_PER_MS)))
+        asked.append((len(talk.asked) - 1, struct.pack("<BHB", STOP, SESSION, talk.tag)))
+        talk.ask(HALT, wait_ms=60)
+    talk.end(axes)
+    judge_stops(talk.play(tmp_path), asked, axes, record_property)
 
 
 @pytest.mark.parametrize("second", [STOP, HALT])
