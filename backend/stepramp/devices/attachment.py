@@ -162,7 +162,8 @@ class Attachment:
             )
         )
         self._watch.show(status)
-        self._view.log("connected, firmware %s", controller.firmware_version)
+        version = controller.firmware_version
+        self._view.log("connected%s", "" if version is None else f", firmware {version}")
 
     def _end_at_rest(self) -> None:
         """End the thread in the same call that looks whether the motor moves, so that no move slips in between."""
