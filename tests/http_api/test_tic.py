@@ -77,6 +77,7 @@ def test_pushing(client: TestClient, cable: TicOnACable, device: str) -> None:
     figures = {"requested": 1000, "sent": 1000, "read_back": 1000}
     assert {"name": "Full speed", "unit": "steps/s", "axis": 0, **figures} in pushed["items"]
     assert any("computes its own ramp" in warning for warning in pushed["warnings"])
+    assert (pushed["sequence"], client.get(device).json()["ramp"]["sequence"]) == (None, None)
     slower = {"design": document(ramp__slew_speed_steps_per_s=300)}
     preview = client.post(f"{device}/push/preview", json=slower).json()
     assert [item["name"] for item in preview["items"] if item["differs"]] == ["Full speed"]

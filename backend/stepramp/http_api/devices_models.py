@@ -92,7 +92,10 @@ class PortsAnswer(Answer):
 class RampAnswer(Answer):
     """The ramps that a controller has."""
 
-    sequence: int = Field(description="How often ramps were stored so far, these included; 0: they are only on trial")
+    sequence: int | None = Field(
+        description="How often ramps were stored so far, these included; 0: they are only on trial, null for a "
+        "controller that never stores any"
+    )
     crc: int | None = Field(description="CRC-16 of their image; null for a controller without an image of them")
 
 
@@ -123,7 +126,9 @@ class PushAnswer(Answer):
         description="Largest difference between an interval of a design's ramp and the controller's [µs]; null: not "
         "known, since the controller works out the intervals itself"
     )
-    sequence: int = Field(description="How often the controller has stored ramps so far")
+    sequence: int | None = Field(
+        description="How often the controller has stored ramps so far; null for one that never does"
+    )
     kept: bool = Field(description="Whether they are stored; otherwise on trial")
     warnings: list[str] = Field(description="What works, but not as the designs say")
 

@@ -135,7 +135,7 @@ class TicController(Controller, TriesRamps, ZeroesGauges):
         return ControllerStatus(
             activity=axis.activity,
             axes=(axis,),
-            ramp=StoredRamp(sequence=0, crc=self._ramp.crc),
+            ramp=StoredRamp(sequence=None, crc=self._ramp.crc),
             on_trial=self._ramp != self._stored_ramp,
             motors_on=Flag.ENERGIZED in seen.general.flags,
             trouble=self._trouble(seen.general.conditions),
