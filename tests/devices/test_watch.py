@@ -10,7 +10,7 @@ from controllers.conftest import Clock
 from controllers.tic.emulator import TicEmulator
 from designs import design
 from devices.bench import POLL, worker_of
-from stepramp.controllers.contract import Asked
+from stepramp.controllers.contract import AxisCommand
 from stepramp.devices import watch
 from stepramp.devices.attachment import Attachment
 from stepramp.devices.device import Device
@@ -76,7 +76,7 @@ def test_a_controller_at_rest_is_asked_each_half_second(device: Device, clock: C
 
 def test_a_tic_at_rest_after_a_move_has_no_trouble(device: Device, clock: Clock, tic: SlowTic) -> None:
     device.push([design()], mode="try")
-    device.move_by([Asked(0, 200, "by_steps")])
+    device.move_by([AxisCommand(0, 200, "by_steps")])
     look_for(device, clock, 4)
     assert (device.view.state, device.view.position_steps) == (DeviceState.READY, 200)
     for _ in range(40):

@@ -200,6 +200,10 @@ class Controller(Protocol):
         """
 
     @property
+    def most_axes(self) -> int:
+        """How many axes it can have, known once connected."""
+
+    @property
     def firmware_version(self) -> str | None:
         """Version of the firmware, such as 0.2.0, known once connected; None for a controller that doesn't tell."""
 

@@ -158,6 +158,7 @@ class Attachment:
                 view,
                 firmware_version=controller.firmware_version,
                 clocks_hz=controller.clocks_hz,
+                most_axes=controller.most_axes,
                 capabilities=capabilities_of(controller),
             )
         )

@@ -109,6 +109,11 @@ class TicController(Controller, TriesRamps, ZeroesGauges):
         return None
 
     @property
+    def most_axes(self) -> int:
+        """One: a Tic drives one motor."""
+        return 1
+
+    @property
     def firmware_version(self) -> str | None:
         """None: a Tic doesn't tell it over its serial port."""
         return None
