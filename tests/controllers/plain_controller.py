@@ -57,6 +57,10 @@ class PlainController(Controller):
         return None
 
     @property
+    def most_axes(self) -> int:
+        return 1
+
+    @property
     def firmware_version(self) -> str | None:
         return None
 

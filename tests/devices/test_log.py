@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
+from controllers.plain_controller import PLAIN
 from designs import design
 from firmware.protocol import STOP, decode_frame
 from stepramp.controllers.contract import AxisCommand
@@ -44,6 +45,14 @@ def test_connects_pushes_moves_and_stops_are_told(device: Device, caplog: pytest
     assert said[2:5] == ["move by 20000 (axis 0): begun", "stop of axes [0] asked for", "stop granted"]
     assert said[5].startswith("move by 5 (axis 3): refused: ")
     assert said[6:] == ["halt of all axes asked for", "stop granted"]
+
+
+def test_a_version_that_isnt_told_is_left_out(caplog: pytest.LogCaptureFixture) -> None:
+    caplog.set_level(logging.INFO, "stepramp")
+    devices = Devices({"plain": PLAIN})
+    devices.connect("at a plain wire", "plain")
+    devices.close()
+    assert told(caplog, logging.INFO, "stepramp.devices.live_view")[0] == "Device 1 at at a plain wire: connected"
 
 
 def test_each_byte_is_told_in_one_place(device: Device, caplog: pytest.LogCaptureFixture) -> None:

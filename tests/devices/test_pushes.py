@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import pytest
 
 from designs import design
 from stepramp.controllers.stepramp.settings import StepRampSettings
+from stepramp.devices.device import Device
 from stepramp.devices.registry import Devices
 from stepramp.devices.view import DeviceState
 from stepramp.errors import Refused
@@ -26,6 +29,15 @@ def test_a_ramp_on_trial_and_what_becomes_of_it(devices: Devices, port: str) -> 
     device.restore()
     assert (device.view.ramp.sequence, len(device.view.axes)) == (3, 1)
     assert device.view.state is DeviceState.READY
+
+
+@pytest.mark.parametrize("end", [Device.keep, Device.roll_back, Device.restore])
+def test_nothing_is_under_way_once_it_is_answered(devices: Devices, port: str, end: Callable[[Device], None]) -> None:
+    device = devices.connect(port)
+    device.push([design()])
+    device.push([design(), design()], mode="try" if end is not Device.restore else "keep")
+    end(device)
+    assert (device.view.progress, device.view.state) == (None, DeviceState.READY)
 
 
 def test_settings(devices: Devices, port: str) -> None:

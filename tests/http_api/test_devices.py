@@ -17,7 +17,7 @@ LOCAL = {"host": "127.0.0.1:8000"}
 PATIENCE_S = 10.0
 DEVICE_FIELDS = {
     "id", "port", "name", "family", "capabilities", "state", "message", "position_steps", "target_steps",
-    "speed_steps_per_s", "axes", "timer_hz", "clocks_hz", "firmware_version", "ramp", "on_trial",
+    "speed_steps_per_s", "axes", "timer_hz", "clocks_hz", "most_axes", "firmware_version", "ramp", "on_trial",
     "motors_on", "starved", "pushed", "progress", "shuttle", "unknown_positions", "in_control", "stops", "heard_s",
 }  # fmt: skip
 AXIS_FIELDS = {
@@ -72,7 +72,7 @@ def error_of(response: Any, status: int) -> dict[str, Any]:
 
 def test_the_virtual_port_is_last(client: TestClient) -> None:
     last = client.get("/api/v1/ports").json()["ports"][-1]
-    assert last == {"port": "sim://", "name": "Virtual (nothing attached)", "virtual": True}
+    assert last == {"port": "sim://", "name": "Virtual (nothing attached)", "virtual": True, "families": ["stepramp"]}
 
 
 def test_connecting(client: TestClient, port: str) -> None:
@@ -81,7 +81,7 @@ def test_connecting(client: TestClient, port: str) -> None:
     assert set(device) == DEVICE_FIELDS
     assert (device["id"], device["port"], device["state"], device["timer_hz"]) == ("1", port, "ready", 2_000_000)
     assert (device["ramp"], device["pushed"], device["message"]) == (None, None, None)
-    assert (device["clocks_hz"], device["on_trial"]) == ([16_000_000, 2_000_000], False)
+    assert (device["clocks_hz"], device["on_trial"], device["most_axes"]) == ([16_000_000, 2_000_000], False, 4)
     assert device["family"] == "stepramp"
     assert set(device["capabilities"]) == {"keep", "try", "restore", "settings", "trace", "line", "zero"}
     [axis] = device["axes"]

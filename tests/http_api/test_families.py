@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
+from serial.tools import list_ports
+from serial.tools.list_ports_common import ListPortInfo
 from starlette.testclient import TestClient
 
 from controllers.plain_controller import PLAIN
@@ -36,10 +38,32 @@ def test_the_families_are_told_with_the_ports(client: TestClient) -> None:
     assert families[-1] == {"name": "plain", "title": "Plain"}
 
 
+def test_each_port_tells_the_families_that_it_takes(client: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
+    attached = ListPortInfo("/dev/ttyACM0")
+    attached.description = "a board"
+    monkeypatch.setattr(list_ports, "comports", lambda: [attached])
+    taken = {each["port"]: each["families"] for each in client.get("/api/v1/ports").json()["ports"]}
+    assert taken == {"/dev/ttyACM0": [*FAMILIES, "plain"], "sim://": ["stepramp"]}
+
+
+@pytest.mark.parametrize("family", ["tic", "plain"])
+def test_the_virtual_port_takes_one_family_only(client: TestClient, family: str) -> None:
+    refused = client.post(DEVICES, json={"port": "sim://", "family": family})
+    [error] = refused.json()["errors"]
+    assert (refused.status_code, error["field"], error["value"], error["allowed"]) == (
+        422,
+        "family",
+        family,
+        "stepramp",
+    )
+    assert client.get(DEVICES).json() == {"devices": []}
+
+
 def test_a_device_tells_its_family_and_what_it_can_do(client: TestClient, route: str) -> None:
     device = client.get(route).json()
     assert (device["family"], device["capabilities"], device["state"]) == ("plain", [], "ready")
     assert (device["clocks_hz"], device["timer_hz"], device["starved"]) == ([], None, None)
+    assert device["most_axes"] == 1
     preview = client.post(f"{route}/push/preview", json={"design": document()}).json()
     assert (preview["segments"], preview["bytes"]) == (None, 8)
 

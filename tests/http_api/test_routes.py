@@ -1,16 +1,20 @@
 """Each route has an answer model, and models lie beside the routes that they are of."""
 
+import threading
+import warnings
 from importlib import import_module
 from pkgutil import iter_modules
 from types import ModuleType
-from typing import get_args
+from typing import Any, get_args
 
+import pytest
 from fastapi import APIRouter
 from fastapi.routing import APIRoute
 from pydantic import BaseModel
+from starlette.testclient import TestClient
 
 from stepramp import http_api
-from stepramp.http_api import answer, errors
+from stepramp.http_api import answer, app, errors
 from stepramp.http_api.answer import Answer
 from stepramp.validation import Document
 
@@ -47,3 +51,23 @@ def test_models_lie_beside_the_routes_that_they_are_of() -> None:
 def test_models_lie_nowhere_else() -> None:
     elsewhere = [each for each in MODULES if not each.__name__.endswith("_models")]
     assert {each.__name__ for each in elsewhere if models_of(each)} == OF_ALL_ROUTES
+
+
+def test_no_route_is_built_while_others_may_change_the_filters_of_warnings(monkeypatch: pytest.MonkeyPatch) -> None:
+    """FastAPI builds them with filters of its own, and those are the whole process's: compiling sets others."""
+    monkeypatch.setattr(app, "warm_up", lambda: None)
+    built = app.create_app()
+
+    catch_warnings = warnings.catch_warnings
+
+    def change_filters(**options: Any) -> Any:
+        # Applications of other tests may still be compiling.
+        assert "warm_up" in threading.current_thread().name, "a route is built while requests are answered"
+        return catch_warnings(**options)
+
+    paths = ("devices", "ports", "methods", "examples")
+    with TestClient(built, base_url="http://127.0.0.1:8000") as client, monkeypatch.context() as meanwhile:
+        meanwhile.setattr(warnings, "catch_warnings", change_filters)
+        answered = [client.get(f"/api/v1/{path}").status_code for path in paths]
+        connected = client.post("/api/v1/devices", json={"port": "sim://"}).status_code
+    assert (answered, connected) == ([200] * len(paths), 200)

@@ -64,6 +64,7 @@ def test_connecting_asks_and_moves_nothing(client: TestClient, cable: TicOnACabl
     assert (device["family"], device["state"], device["capabilities"]) == ("tic", "ready", ["try", "zero"])
     assert (device["clocks_hz"], device["timer_hz"], device["firmware_version"]) == ([], None, None)
     assert (device["on_trial"], device["motors_on"], device["message"], device["starved"]) == (False, False, None, None)
+    assert device["most_axes"] == 1
     assert {command[0] for command in cable.tic.commands} <= READ
     assert not cable.tic.energized
 
@@ -77,6 +78,7 @@ def test_pushing(client: TestClient, cable: TicOnACable, device: str) -> None:
     figures = {"requested": 1000, "sent": 1000, "read_back": 1000}
     assert {"name": "Full speed", "unit": "steps/s", "axis": 0, **figures} in pushed["items"]
     assert any("computes its own ramp" in warning for warning in pushed["warnings"])
+    assert (pushed["sequence"], client.get(device).json()["ramp"]["sequence"]) == (None, None)
     slower = {"design": document(ramp__slew_speed_steps_per_s=300)}
     preview = client.post(f"{device}/push/preview", json=slower).json()
     assert [item["name"] for item in preview["items"] if item["differs"]] == ["Full speed"]
@@ -195,8 +197,8 @@ def test_a_tic_that_is_switched_off_and_on_again_is_lost_and_found(
 
 
 def test_a_tic_is_no_stepramp_controller_nor_the_other_way_round(client: TestClient, cable: TicOnACable) -> None:
-    nothing_there = error_of(client.post(DEVICES, json={"port": "sim://", "family": "tic"}), 502)
-    assert "A controller of another family is to be connected as that" in nothing_there["message"]
+    refused = error_of(client.post(DEVICES, json={"port": "sim://", "family": "tic"}), 422)
+    assert (refused["field"], refused["value"], refused["allowed"]) == ("family", "tic", "stepramp")
     assert client.get(DEVICES).json() == {"devices": []}
     assert client.post(DEVICES, json={"port": cable.port, "family": "tic"}).status_code == 200
     assert "disconnect it first" in error_of(client.post(DEVICES, json={"port": cable.port}), 409)["message"]

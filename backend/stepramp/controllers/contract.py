@@ -31,8 +31,8 @@ UNDER_WAY = (Activity.MOVING, Activity.STOPPING)
 class StoredRamp:
     """Which ramps a controller has."""
 
-    sequence: int
-    """Sequence number of what was stored; 0: they are only on trial."""
+    sequence: int | None
+    """Sequence number of what was stored; 0: they are only on trial. None for a controller that never stores any."""
     crc: int | None = None
     """CRC-16 of their image; None for a controller that has no image of them."""
 
@@ -101,8 +101,8 @@ class PushReport:
 
     None: not known, since the controller works out the intervals itself.
     """
-    sequence: int
-    """How often the controller has stored ramps so far; 0 when it never does."""
+    sequence: int | None
+    """How often the controller has stored ramps so far; None for one that never does."""
     kept: bool
     """Stored; otherwise on trial."""
     warnings: tuple[str, ...]
@@ -198,6 +198,10 @@ class Controller(Protocol):
 
         None for a controller without a step timer.
         """
+
+    @property
+    def most_axes(self) -> int:
+        """How many axes it can have, known once connected."""
 
     @property
     def firmware_version(self) -> str | None:

@@ -37,6 +37,12 @@ class Family:
     make: Make
     settings: type[Document] | None = None
     """What its settings are a document of, if it is a HasSettings."""
+    has_virtual: bool = False
+    """The virtual controller is one of it."""
+
+    def may_be_at(self, port: str) -> bool:
+        """Whether a controller of it may be at a port."""
+        return self.has_virtual or port != VIRTUAL_PORT
 
 
 def at_baud_rate(baud_rate: int) -> Open:
@@ -49,7 +55,7 @@ USUAL_FAMILY = "stepramp"
 FAMILIES = {
     each.name: each
     for each in (
-        Family("stepramp", "StepRamp", at_baud_rate(115_200), StepRampController, StepRampSettings),
+        Family("stepramp", "StepRamp", at_baud_rate(115_200), StepRampController, StepRampSettings, has_virtual=True),
         Family("tic", "Pololu Tic", at_baud_rate(9_600), TicController),
     )
 }

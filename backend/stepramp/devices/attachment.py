@@ -158,11 +158,13 @@ class Attachment:
                 view,
                 firmware_version=controller.firmware_version,
                 clocks_hz=controller.clocks_hz,
+                most_axes=controller.most_axes,
                 capabilities=capabilities_of(controller),
             )
         )
         self._watch.show(status)
-        self._view.log("connected, firmware %s", controller.firmware_version)
+        version = controller.firmware_version
+        self._view.log("connected%s", "" if version is None else f", firmware {version}")
 
     def _end_at_rest(self) -> None:
         """End the thread in the same call that looks whether the motor moves, so that no move slips in between."""

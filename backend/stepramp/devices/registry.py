@@ -90,6 +90,10 @@ class Devices:
         """Note that a page is there and listens; once it is gone, it is in control of nothing."""
         return nullcontext() if page is None else self._pages.present(page)
 
+    def families_at(self, port: str) -> list[str]:
+        """Return the names of the families that a controller at a port may be of."""
+        return [name for name, family in self.families.items() if family.may_be_at(port)]
+
     def connect(self, port: str, family: str = USUAL_FAMILY) -> Device:
         """Return the device at a port, connected: the one that is there already, by whatever name, or a new one.
 
@@ -97,11 +101,11 @@ class Devices:
         another one, so none is tried.
 
         A lost device is connected again under its id. Raises as Device.connect; a new device that can't be connected
-        is forgotten, a lost one stays lost. Rejected for a family that there isn't, Refused while the device there
-        counts as one of another family.
+        is forgotten, a lost one stays lost. Rejected for a family that there isn't, or not at such a port; Refused
+        while the device there counts as one of another family.
         """
-        if family not in self.families:
-            raise Rejected([Rejection("family", family, ", ".join(self.families))])
+        if family not in (allowed := self.families_at(port)):
+            raise Rejected([Rejection("family", family, ", ".join(allowed))])
         device, is_new = self._at(port, self.families[family])
         if device.view.family != family:
             there = self.families[device.view.family].title

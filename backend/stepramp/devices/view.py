@@ -73,6 +73,8 @@ class DeviceView:
     timer_hz: int | None = None
     """Known once connected, as are the clocks, the firmware's version and the ramp; None without a step timer."""
     clocks_hz: tuple[int, ...] | None = None
+    most_axes: int | None = None
+    """How many axes it can have; known once connected."""
     firmware_version: str | None = None
     ramp: StoredRamp | None = None
     on_trial: bool = False

@@ -16,7 +16,8 @@ HEARTBEAT_S = 1 / 3
 SILENCE_S = 1 / 10
 """A device that moves and doesn't report for so long is asked."""
 IDLE_POLL_S = 1 / 2
-"""Often enough to notice soon that a device was unplugged."""
+"""So often a controller at rest is asked: soon enough to notice that it was unplugged, and before one that waits for
+commands no longer than 1 s gives up."""
 
 
 class Watch:
@@ -35,15 +36,17 @@ class Watch:
     def pause_s(self) -> float:
         """After how long to look again [s]."""
         view = self._view.now
-        return LISTEN_S if view.state in UNDER_WAY or view.shuttle else IDLE_POLL_S
+        if view.state in UNDER_WAY or view.shuttle:
+            return LISTEN_S
+        return max(LISTEN_S, self._polled_s + IDLE_POLL_S - monotonic())
 
     def look(self) -> None:
         """Listen to the controller, or ask it, if that is due."""
         view = self._view.now
         under_way = view.state in UNDER_WAY
-        is_due = self.is_view_old or (under_way and monotonic() - self._polled_s > HEARTBEAT_S)
-        if not is_due and not (under_way and self.listen()):
-            is_due = monotonic() - view.heard_s > (SILENCE_S if under_way else IDLE_POLL_S)
+        is_due = self.is_view_old or monotonic() - self._polled_s >= (HEARTBEAT_S if under_way else IDLE_POLL_S)
+        if not is_due and under_way and not self.listen():
+            is_due = monotonic() - view.heard_s > SILENCE_S
         if is_due:
             self.refresh()
 

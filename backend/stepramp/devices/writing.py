@@ -102,6 +102,7 @@ class Writing:
             job()
         finally:
             self._watch.is_writing = False
+            self._show(None)
             self._watch.refresh()
 
     def _show(self, progress: Progress | None) -> None:

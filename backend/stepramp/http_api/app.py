@@ -7,6 +7,7 @@ from contextlib import asynccontextmanager
 from typing import Any
 
 from fastapi import FastAPI
+from fastapi.routing import iter_route_contexts
 from starlette.types import Receive, Scope, Send
 
 from stepramp.controllers.families import FAMILIES, Family
@@ -100,4 +101,15 @@ def create_app(families: Mapping[str, Family] = FAMILIES) -> FastAPI:
     now = app.state.devices.order.next
     app.add_middleware(Answered, now=now, connections=app.state.connections)
     app.add_middleware(RequestNumbering, now=now)
+    _build_routes(app)
     return app
+
+
+def _build_routes(app: FastAPI) -> None:
+    """Build what the routes take and answer now, not when the first request comes.
+
+    FastAPI silences warnings of its own making while it does that, for the whole process; what is compiled in another
+    thread at the time sets its own, and brings them back.
+    """
+    for _ in iter_route_contexts(app.routes):
+        pass

@@ -51,7 +51,8 @@ router.include_router(settings.router)
 @ACTING.serves
 def ports(devices: Registry) -> PortsAnswer:
     """Return the ports of this machine, the virtual one last, and the families that a controller there may be of."""
-    return PortsAnswer.model_validate({"ports": list_serial_ports(), "families": list(devices.families.values())})
+    found = [{**vars(each), "families": devices.families_at(each.port)} for each in list_serial_ports()]
+    return PortsAnswer.model_validate({"ports": found, "families": list(devices.families.values())})
 
 
 @router.get("/devices")

@@ -73,6 +73,9 @@ class PortAnswer(Answer):
     port: str = Field(description="What to connect to")
     name: str = Field(description="What people call it")
     virtual: bool = Field(description="Whether nothing is attached: the virtual controller")
+    families: list[str] = Field(
+        description="Names of the families that what is there may be connected as; another one is refused with 422"
+    )
 
 
 class FamilyAnswer(Answer):
@@ -92,7 +95,10 @@ class PortsAnswer(Answer):
 class RampAnswer(Answer):
     """The ramps that a controller has."""
 
-    sequence: int = Field(description="How often ramps were stored so far, these included; 0: they are only on trial")
+    sequence: int | None = Field(
+        description="How often ramps were stored so far, these included; 0: they are only on trial, null for a "
+        "controller that never stores any"
+    )
     crc: int | None = Field(description="CRC-16 of their image; null for a controller without an image of them")
 
 
@@ -123,7 +129,9 @@ class PushAnswer(Answer):
         description="Largest difference between an interval of a design's ramp and the controller's [µs]; null: not "
         "known, since the controller works out the intervals itself"
     )
-    sequence: int = Field(description="How often the controller has stored ramps so far")
+    sequence: int | None = Field(
+        description="How often the controller has stored ramps so far; null for one that never does"
+    )
     kept: bool = Field(description="Whether they are stored; otherwise on trial")
     warnings: list[str] = Field(description="What works, but not as the designs say")
 
@@ -211,6 +219,9 @@ class DeviceAnswer(Answer):
     target_steps: int = Field(description="Where axis 0 will come to rest, as in axes [steps]")
     speed_steps_per_s: float = Field(description="How fast axis 0 moves, without sign [steps/s]")
     axes: list[AxisAnswer] = Field(description="All axes that have a ramp; axis 0 in any case, once connected")
+    most_axes: int | None = Field(
+        description="How many axes it can have; a push to one beyond is refused. null until it is connected"
+    )
     timer_hz: int | None = Field(
         description="Ticks a second of its step timer with the ramps in use [Hz]; null until it is connected, and for "
         "a controller without one"

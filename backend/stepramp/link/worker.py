@@ -110,7 +110,8 @@ class Worker:
                     self._serve(call)
                     poll_at = monotonic()
                 elif not self._closed:
-                    poll_at = monotonic() + self._poll_once()
+                    pause_s = self._poll_once()
+                    poll_at = monotonic() + pause_s
         finally:
             # Also after a mistake of ours in a poll: nobody must wait for a thread that is no more.
             self._end()

@@ -68,9 +68,89 @@ def test_what_a_failing_supply_cut_short_is_told_though_it_is_over(bench: Bench,
     bench.tic.press("low_vin", False)
     assert bench.tic.state == STARTING_UP
     bench.lasts_s = 0.002
-    assert controller.status().trouble == "The Tic has stopped by itself: its driver was started anew."
+    assert controller.status().trouble == (
+        "The Tic has stopped by itself: its driver was started anew. It may be elsewhere than it counts."
+    )
     bench.pass_time(1)
     assert bench.tic.velocity == 0
+
+
+WAS = {
+    "low_vin": "the supply of its motor was off or too low (low VIN). It may be elsewhere than it counts.",
+    "driver_fault": "its motor driver reported a fault, such as too much current or heat (motor driver error). It may "
+    "be elsewhere than it counts.",
+    "kill_switch": "its kill switch was active.",
+    "err_line_high": "its ERR line was high, since another device that is wired to it reported an error.",
+}
+
+
+@pytest.mark.parametrize("condition", WAS)
+def test_what_has_ended_a_motion_is_told_as_past_once_it_is_over(
+    bench: Bench, controller: TicController, condition: str
+) -> None:
+    controller.run(at(1000))
+    bench.pass_time(0.3)
+    bench.tic.press(condition)
+    assert (bench.rest().trouble or "").startswith("The Tic can't move: ")
+    bench.tic.press(condition, False)
+    assert controller.status().trouble == f"The Tic has stopped by itself: {WAS[condition]}"
+    controller.set_position(to(0))
+    assert controller.status().trouble is None
+
+
+@pytest.mark.parametrize("condition", WAS)
+def test_what_came_and_went_at_rest_is_told_only_if_the_motor_was_let_go_of(
+    bench: Bench, controller: TicController, condition: str
+) -> None:
+    controller.move_by(by(50))
+    bench.rest()
+    bench.tic.press(condition)
+    assert (controller.status().trouble or "").startswith("The Tic can't move: ")
+    bench.tic.press(condition, False)
+    let_go = condition in ("low_vin", "driver_fault")
+    told = f"The motor of the Tic has been without current: {WAS[condition]}" if let_go else None
+    assert controller.status().trouble == told
+    controller.move_by(by(50))
+    assert bench.rest().trouble is None
+
+
+def test_a_motion_that_came_to_its_end_before_was_not_cut_short(bench: Bench, controller: TicController) -> None:
+    """Though nobody has looked in between."""
+    controller.move_by(by(10))
+    bench.pass_time(0.8)
+    bench.tic.press("kill_switch")
+    controller.status()
+    bench.tic.press("kill_switch", False)
+    assert controller.status().trouble is None
+
+
+def test_the_last_trouble_is_told_not_one_before(bench: Bench, controller: TicController) -> None:
+    controller.run(at(1000))
+    bench.pass_time(0.3)
+    for condition in ("kill_switch", "low_vin"):
+        bench.tic.press(condition)
+        bench.rest()
+        bench.tic.press(condition, False)
+        trouble = controller.status().trouble
+    assert trouble == f"The motor of the Tic has been without current: {WAS['low_vin']}"
+
+
+@pytest.mark.parametrize("timeout_ms", [1, 999])
+def test_a_command_timeout_too_short_to_be_kept_up_is_told(bench: Bench, timeout_ms: int) -> None:
+    bench.tic.command_timeout_ms = timeout_ms
+    bench.controller.connect()
+    told = (
+        f"The Tic can't move: its command timeout is {timeout_ms} ms, so it would stop before StepRamp speaks to it "
+        "again; set it to at least 1,000 ms in the Tic Control Center."
+    )
+    assert bench.controller.status().trouble == told
+    with pytest.raises(Refused, match=f"^{told}$"):
+        bench.controller.move_by(by(5))
+    assert bench.told() == []
+    bench.tic.command_timeout_ms = 1000
+    assert bench.controller.status().trouble is None
+    bench.controller.move_by(by(5))
+    assert bench.rest().axes[0].position_steps == 5
 
 
 def test_a_motor_that_was_switched_off_on_purpose_is_switched_on_by_a_move_alone(

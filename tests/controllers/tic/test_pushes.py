@@ -26,7 +26,7 @@ def test_a_push_is_sent_read_back_and_told(bench: Bench) -> None:
         ("Deceleration", "steps/s²", 2500.125, 2500.12, 2500.12),
     ]
     assert (report.verified, report.kept, report.bytes, report.segments) == (True, False, 24, None)
-    assert (report.largest_deviation_us, report.sequence) == (None, 0)
+    assert (report.largest_deviation_us, report.sequence) == (None, None)
     assert "the method 'exact'" in report.warnings[0]
     assert "switched off" in report.warnings[1]
     # What a Tic has when it is new.

@@ -105,6 +105,11 @@ class StepRampController(
         return fast if image is not None and image.fast_clock else slow
 
     @property
+    def most_axes(self) -> int:
+        """How many axes it said in reply to hello that it can have."""
+        return self.identity.axes
+
+    @property
     def firmware_version(self) -> str:
         """Version of the firmware."""
         said = self.identity

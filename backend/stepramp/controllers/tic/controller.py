@@ -24,11 +24,12 @@ from stepramp.controllers.contract import (
     StoredRamp,
 )
 from stepramp.controllers.progress import Progress, PushStage, Tell
-from stepramp.controllers.tic.conditions import BY_ITSELF, told
+from stepramp.controllers.tic.conditions import BY_ITSELF, told, told_afterwards
 from stepramp.controllers.tic.conversation import Conversation
 from stepramp.controllers.tic.push import PushPlan
 from stepramp.controllers.tic.ramp import LEAST_SPEED, TicRamp, speed_units, steps_per_s
 from stepramp.controllers.tic.variables import (
+    COMMAND_TIMEOUT,
     CONTROL_MODE,
     GENERAL,
     INPUT,
@@ -60,6 +61,8 @@ MOST_REPEATS = 3
 STARTING_POLLS = 10
 STARTING_POLL_S = 0.02
 """A Tic needs at most 10 ms until its motor's current is steady; safe start is left for 200 ms."""
+LEAST_TIMEOUT_MS = 1000
+"""A command timeout that a device keeps up, since it asks for a status each half second; what a Tic comes with."""
 SLOW_DOWN = write(Write.TARGET_VELOCITY, 0)
 HALT = quick(Quick.HALT_AND_HOLD)
 NEUTRAL = (Input(InputState.TARGET_VELOCITY, 0), Input(InputState.HALT, 0))
@@ -86,8 +89,13 @@ class TicController(Controller, TriesRamps, ZeroesGauges):
         self._stops = 0
         self._leads = False
         """The Tic moves, or holds its motor, for what was asked over this connection: so it is kept from timing out."""
-        self._cut_short: Condition | None = None
-        """What has ended the last motion that was asked for; None: nothing has, so far."""
+        self._is_going = False
+        """What was asked for last had not come to its end yet, when the Tic was last looked at."""
+        self._holds = False
+        """The motor had its current, when the Tic was last looked at."""
+        self._past_trouble: str | None = None
+        """What ended the last motion, or let go of the motor, since it was last moved or its position set."""
+        self._timeout_ms = 0
         self._set_out_at = 0
 
     @property
@@ -99,6 +107,11 @@ class TicController(Controller, TriesRamps, ZeroesGauges):
     def timer_hz(self) -> int | None:
         """None, as said."""
         return None
+
+    @property
+    def most_axes(self) -> int:
+        """One: a Tic drives one motor."""
+        return 1
 
     @property
     def firmware_version(self) -> str | None:
@@ -118,7 +131,9 @@ class TicController(Controller, TriesRamps, ZeroesGauges):
             )
         greeted()
         self._ramp, self._stored_ramp = self._read_ramp(RAMP), self._read_ramp(STORED_RAMP)
-        self._set_out_at = self._look().position
+        (self._timeout_ms,) = self._conversation.read(COMMAND_TIMEOUT)
+        seen = self._look()
+        self._set_out_at, self._holds = seen.position, seen.general.holds
 
     def disconnect(self) -> None:
         """Leave the Tic alone: what still moves slows down once its command timeout is over."""
@@ -126,16 +141,16 @@ class TicController(Controller, TriesRamps, ZeroesGauges):
     def status(self) -> ControllerStatus:
         """Ask what the Tic is doing; while it does what was asked over this connection, keep it from timing out."""
         seen = self._look()
-        if self._leads:
-            self._lead(seen.general)
+        self._note_trouble(seen)
         axis = self._axis_status(seen)
         if axis.activity is Activity.READY:
             # Whoever is at its USB port may have changed it.
             self._ramp = self._read_ramp(RAMP)
+            (self._timeout_ms,) = self._conversation.read(COMMAND_TIMEOUT)
         return ControllerStatus(
             activity=axis.activity,
             axes=(axis,),
-            ramp=StoredRamp(sequence=0, crc=self._ramp.crc),
+            ramp=StoredRamp(sequence=None, crc=self._ramp.crc),
             on_trial=self._ramp != self._stored_ramp,
             motors_on=Flag.ENERGIZED in seen.general.flags,
             trouble=self._trouble(seen.general.conditions),
@@ -203,14 +218,14 @@ class TicController(Controller, TriesRamps, ZeroesGauges):
         for _ in range(1 + MOST_REPEATS):
             self._conversation.send(write(Write.HALT_AND_SET_POSITION, position))
             if self._input() == Input(InputState.HALT, 0) and self._look().position == position:
-                self._set_out_at = position
+                self._set_out_at, self._past_trouble = position, None
                 return
         raise Refused("The Tic doesn't take the position: is its serial line disturbed?")
 
     def zero(self, axes: Collection[int], steps: int) -> None:
         """Call the place where the motor is so many steps, and move it to 0."""
         stops = self._stops
-        _refuse_unable(self._look())
+        self._refuse_unable(self._look())
         self.set_position([AxisCommand(axis, steps, "axes") for axis in axes])
         self._move(AxisCommand(0, 0, "axes"), 0, self._look(), stops)
 
@@ -250,12 +265,13 @@ class TicController(Controller, TriesRamps, ZeroesGauges):
 
         stops: how many had come when it was asked for.
         """
-        _refuse_unable(seen)
+        self._refuse_unable(seen)
         self._tell_target(command, told_so, stops)
         if not seen.velocity:
             self._set_out_at = seen.position
         self._let_move(told_so, stops)
-        self._leads, self._cut_short = True, None
+        self._leads = self._is_going = self._holds = True
+        self._past_trouble = None
 
     def _tell_target(self, command: bytes, told_so: Input, stops: int) -> None:
         for _ in range(1 + MOST_REPEATS):
@@ -284,20 +300,45 @@ class TicController(Controller, TriesRamps, ZeroesGauges):
         self.stop()
         raise Refused(reason)
 
-    def _lead(self, general: General) -> None:
-        """Keep the Tic from timing out; but once something else has ended its motion, let it not go on by itself."""
-        if general.operation is OperationState.NORMAL:
+    def _note_trouble(self, seen: Variables) -> None:
+        """Keep the Tic from timing out, and note what has ended its motion or let go of its motor."""
+        stopped = self._leads and not self._goes_on(seen)
+        let_go, self._holds = self._holds and not seen.general.holds, seen.general.holds
+        if stopped or let_go:
+            self._past_trouble = told_afterwards(seen.general.conditions, stopped=stopped, let_go=let_go)
+
+    def _goes_on(self, seen: Variables) -> bool:
+        """Keep the Tic from timing out; but once something else has ended its motion, let it not go on by itself.
+
+        Returns whether it still does what was asked, or had done that before.
+        """
+        if seen.general.operation is OperationState.NORMAL:
             self._conversation.send(quick(Quick.RESET_COMMAND_TIMEOUT))
-        else:
-            self._leads, self._cut_short = False, general.conditions
-            self.stop()
+            self._is_going = _is_under_way(seen)
+            return True
+        done = not self._is_going or self._input() in (*NEUTRAL, Input(InputState.TARGET_POSITION, seen.position))
+        self._leads = self._is_going = False
+        self.stop()
+        return done
 
     def _trouble(self, conditions: Condition) -> str | None:
+        return self._inability(conditions) or self._past_trouble
+
+    def _inability(self, conditions: Condition) -> str | None:
+        """Return what keeps the Tic from moving until something is mended, as a sentence; None for nothing."""
         if conditions & BY_ITSELF:
             return _cannot_move(conditions & BY_ITSELF)
-        if self._cut_short is None:
-            return None
-        return f"The Tic has stopped by itself: {told(self._cut_short) or 'its driver was started anew'}."
+        if 0 < self._timeout_ms < LEAST_TIMEOUT_MS:
+            return (
+                f"The Tic can't move: its command timeout is {self._timeout_ms} ms, so it would stop before StepRamp "
+                f"speaks to it again; set it to at least {LEAST_TIMEOUT_MS:,} ms in the Tic Control Center."
+            )
+        return None
+
+    def _refuse_unable(self, seen: Variables) -> None:
+        """Refuse a motion before anything is said of it, when something is in its way that no command ends."""
+        if (reason := self._inability(seen.general.conditions)) is not None:
+            raise Refused(reason)
 
     def _acting_on(self, general: General) -> Input | None:
         """Return what the Tic makes steps for, as it is told such things; None for nothing."""
@@ -416,12 +457,6 @@ class TicController(Controller, TriesRamps, ZeroesGauges):
             return Activity.MOVING, seen.position
         steps_to_rest = self._ramp.steps_to_rest(steps_per_s(abs(seen.velocity)))
         return Activity.STOPPING, seen.position + (steps_to_rest if seen.velocity > 0 else -steps_to_rest)
-
-
-def _refuse_unable(seen: Variables) -> None:
-    """Refuse a motion before anything is said of it, when something at the machine is in its way."""
-    if seen.general.conditions & BY_ITSELF:
-        raise Refused(_cannot_move(seen.general.conditions & BY_ITSELF))
 
 
 def _cannot_move(conditions: Condition) -> str:

@@ -47,7 +47,7 @@ class PushPlan:
             segments=None,
             bytes=self.bytes,
             largest_deviation_us=None,
-            sequence=0,
+            sequence=None,
             kept=False,
             warnings=tuple(self._losses()),
         )

@@ -93,6 +93,8 @@ RAMP = (Block(Read.VARIABLES, 0x12, "<II"), Block(Read.VARIABLES, 0x1A, "<II"))
 STORED_RAMP = (Block(Read.SETTINGS, 0x43, "<II"), Block(Read.SETTINGS, 0x4B, "<II"))
 """The same as they are after a reset."""
 CONTROL_MODE = Block(Read.SETTINGS, 0x01, "<B")
+COMMAND_TIMEOUT = Block(Read.SETTINGS, 0x09, "<H")
+"""How long a Tic waits for a command until it stops; 0: for ever [ms]."""
 SERIAL_OPTIONS = Block(Read.SETTINGS, 0x0B, "<B")
 
 
@@ -112,6 +114,11 @@ class General:
     conditions: Condition
     planning: PlanningMode
     target_position: int
+
+    @property
+    def holds(self) -> bool:
+        """Whether the motor has its current, and had it all the time: the driver wasn't just started."""
+        return Flag.ENERGIZED in self.flags and self.operation is not OperationState.STARTING_UP
 
     @classmethod
     def of(cls, operation: int, flags: int, conditions: int, planning: int, target_position: int) -> "General":
