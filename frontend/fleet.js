@@ -156,6 +156,7 @@ export function createFleet({ onChange, onPorts, onRejected, onMeasured, say, on
   const askPreview = newestWins(async () => {
     if (previewed === null) return;
     const { device, wanted, key } = previewed;
+    if (!devices.some(({ id }) => id === device.id)) return; // It was let go of while the preview waited.
     try {
       known = { key, preview: await api.preview(device.id, wanted), problem: '' };
     } catch (error) {

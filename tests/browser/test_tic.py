@@ -22,7 +22,7 @@ def cable() -> Iterator[TicOnACable]:
 
 
 @pytest.fixture
-def attached(stepramp: StepRampPage, cable: TicOnACable) -> Iterator[StepRampPage]:
+def attached(stepramp: StepRampPage, cable: TicOnACable) -> StepRampPage:
     """Return a page that finds the Tic's port, and the virtual one."""
 
     def told(route: Route) -> None:
@@ -35,8 +35,7 @@ def attached(stepramp: StepRampPage, cable: TicOnACable) -> Iterator[StepRampPag
     stepramp.page.route("**/api/v1/ports", told)
     stepramp.reload()
     stepramp.show_panel("device")
-    yield stepramp
-    stepramp.release_devices(stepramp.url)
+    return stepramp
 
 
 @pytest.fixture
@@ -64,7 +63,7 @@ def live_line(page: Page) -> dict[str, Any]:
 
 def cut_off(page: Page) -> list[str]:
     """Return what of the device panel is cut off at its right."""
-    script = """() => [...document.querySelectorAll('#device :is(th, td, table, .push-details, .push-head span, label)')]
+    script = """() => [...document.querySelectorAll('#device :is(th, td, table, .push-head span, label)')]
         .filter((one) => one.offsetParent && (one.scrollWidth > one.clientWidth + 1 ||
             one.getBoundingClientRect().right > one.closest('#device').getBoundingClientRect().right))
         .map((one) => one.innerText)"""
@@ -148,7 +147,7 @@ def test_the_family_is_remembered_with_the_port(attached: StepRampPage, cable: T
     page = attached.page
     family = page.get_by_label("Family")
     connect(attached, cable)
-    attached.release_devices(attached.url)
+    page.locator("#connect").click()
     expect(attached.state).to_have_text("not connected")
     page.locator("#port").select_option("sim://")
     expect(family).to_be_hidden()
@@ -199,7 +198,8 @@ def test_no_figure_of_a_push_is_cut_off(connected: StepRampPage, size: tuple[int
     assert cut_off(page) == []
     connected.push()
     assert cut_off(page) == []
-    connected.release_devices(connected.url)
+    page.locator("#connect").click()
+    expect(connected.state).to_have_text("not connected")
     connected.connect()
     expect(page.locator("#push-preview tbody tr").last).to_be_visible()
     assert cut_off(page) == []
