@@ -23,6 +23,8 @@ def several(stepramp: StepRampPage) -> StepRampPage:
         answer = route.fetch()
         known = answer.json()
         known["families"].append({"name": "plain", "title": "Plain"})
+        for port in known["ports"]:
+            port["families"] = [family["name"] for family in known["families"]]
         route.fulfill(response=answer, json=known)
 
     def heard(socket: WebSocketRoute) -> None:
