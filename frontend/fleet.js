@@ -32,7 +32,8 @@ function rampKey(designs) {
 /** The designs that a push sends: of more than the device can have axes only the one in view.
  * @param {Device | null} device @param {Work} work */
 function designsFor(device, { designs, active }) {
-  return device && designs.length > device.most_axes ? [designs[active]] : designs;
+  const most = device?.most_axes ?? designs.length;
+  return designs.length > most ? [designs[active]] : designs;
 }
 
 /** What a push sends: one design goes to one axis, several are those of all axes.

@@ -175,7 +175,7 @@
  * @property {string} port
  * @property {string} name
  * @property {string} family               the name of that of its controller
- * @property {number} most_axes            how many axes it can have
+ * @property {number | null} most_axes     how many axes it can have; null until it is connected
  * @property {Capability[]} capabilities   what it can do besides what all can
  * @property {'connecting' | 'ready' | 'moving' | 'stopping' | 'writing' | 'lost'} state
  * @property {string | null} message

@@ -240,7 +240,7 @@ export function createDevice(root, fleet, onChoice) {
   function showAxes(present) {
     const count = present?.axes.length ?? 0;
     // One more than there are: the next axis may be given a ramp.
-    const isGiving = chosen === 'push' && situation?.toPush.length === 1 && present?.ramp && count > 0 && count < present.most_axes;
+    const isGiving = chosen === 'push' && situation?.toPush.length === 1 && present?.ramp && count > 0 && count < (present.most_axes ?? 0);
     const offered = isGiving ? count + 1 : count;
     if (axis >= Math.max(1, offered)) axis = 0;
     axisChoice.element.hidden = offered < 2;
