@@ -8,6 +8,9 @@ import { METHODS, methodOf } from './methods.js';
 /** @typedef {import('./types.js').MethodName} MethodName */
 /** @typedef {[Entry, Entry][]} Rows */
 
+/** What shapes of ramps there are, by their names. */
+export const SHAPES = ['constant'];
+
 /** @param {Design} design @param {string} path such as "ramp.slew_speed_steps_per_s" @returns {any} */
 export function valueAt(design, path) {
   return path.split('.').reduce((part, name) => part?.[name], /** @type {any} */ (design));
@@ -84,6 +87,7 @@ export function isDesign(document) {
     typeof document.name === 'string' &&
     ['axis', 'timer', 'ramp', 'method', 'move'].every((part) => isObject(document[part])) &&
     METHODS.some((method) => method.name === document.method.name) &&
+    (document.ramp.shape === undefined || SHAPES.includes(document.ramp.shape?.name)) &&
     (document.table === null ||
       (isObject(document.table) &&
         Array.isArray(document.table.rows) &&

@@ -26,8 +26,10 @@ export function createDialog({ id, title, onSubmit }, ...content) {
     ? element('form', { className: 'dialog-body', method: 'dialog', noValidate: true, onsubmit: onSubmit }, ...whole)
     : element('div', { className: 'dialog-body' }, ...whole);
   const dialog = element('dialog', { className: 'dialog', id, 'aria-labelledby': `${id}-title` }, body);
-  dialog.addEventListener('keydown', (event) => {
-    if (event.key === 'Escape') close();
+  // Wherever the focus is, such as on STOP, unless it is in another dialog.
+  addEventListener('keydown', (event) => {
+    const within = event.target instanceof Element ? event.target.closest('dialog') : null;
+    if (event.key === 'Escape' && dialog.open && (within === null || within === dialog)) close();
   });
   dialog.addEventListener('close', () => opener?.focus());
   document.body.append(dialog);

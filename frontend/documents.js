@@ -2,6 +2,7 @@
 // Designs as text: what is saved in files and carried by links. A text is read whole or not at all, and then it is said
 // why. Values are for the server to judge: what stands in a number field may be any number, or text that was typed there.
 
+import { SHAPES } from './design.js';
 import { METHODS } from './methods.js';
 import { MOST_AXES } from './workbench.js';
 
@@ -50,6 +51,12 @@ function oneOf(...words) {
   };
 }
 
+/** @param {unknown} value @returns {string | null} */
+function shapeRefusal(value) {
+  const allowed = SHAPES.map((name) => JSON.stringify({ name }));
+  return allowed.includes(JSON.stringify(value)) ? null : allowed.join(', ');
+}
+
 /** The parts of a design and what stands in for what is left out: the same as where the server reads one.
  * @type {Record<string, Record<string, Rule>>} */
 const PARTS = {
@@ -65,7 +72,7 @@ const PARTS = {
     slew_speed_steps_per_s: entry(),
     acceleration_steps_per_s2: entry(),
     deceleration_steps_per_s2: openEntry,
-    shape: { refusal: (value) => (isObject(value) ? null : 'a shape with its name'), mayStayOut: true },
+    shape: { refusal: shapeRefusal, mayStayOut: true },
   },
   method: {
     name: oneOf(...METHODS.map((method) => method.name)),

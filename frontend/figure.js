@@ -14,6 +14,7 @@ import { linesOf } from './lines.js';
 
 // Room that a hidden plot keeps: Plotly takes anything smaller for the whole height.
 const COLLAPSED = [0, 0.001];
+const DOT_PX = 6;
 const Y_AXES = { velocity: 'y', delay: 'y2', error: 'y3', acceleration: 'y4' };
 
 /** @param {Scene} scene */
@@ -24,9 +25,9 @@ export function figureOf(scene) {
 
 /** @param {Line[]} lines */
 export function tracesOf(lines) {
-  return lines.map(({ uid, name, plot, x, y, shape, colour, dash, width, isVisible }) => ({
+  return lines.map(({ uid, name, plot, x, y, shape, colour, dash, width, isVisible, isDots }) => ({
     type: 'scatter',
-    mode: 'lines',
+    mode: isDots ? 'markers' : 'lines',
     name,
     meta: plot,
     uid,
@@ -38,6 +39,7 @@ export function tracesOf(lines) {
     hoverinfo: 'skip',
     // Plotly's own thinning would slope a long plateau; the server has thinned the points already.
     line: { color: colour, dash, width, shape, simplify: false },
+    marker: { color: colour, size: DOT_PX },
   }));
 }
 

@@ -5,6 +5,7 @@ import { api, Ended, PAGE, Refusal, watchDevices } from './api.js';
 import { createGestures } from './gestures.js';
 import { createJog } from './jogging.js';
 import { memory } from './memory.js';
+import { pushText } from './messages.js';
 import { newestWins } from './newest.js';
 import { createFollower, isEndless, measuredFrom } from './traces.js';
 
@@ -26,6 +27,13 @@ const TRACE_PAUSE_MS = 100;
  * @param {Design[]} designs */
 function rampKey(designs) {
   return JSON.stringify(designs.map((design) => ({ ...design, name: '' })));
+}
+
+/** The designs that a push sends: of more than the device can have axes only the one in view.
+ * @param {Device | null} device @param {Work} work */
+function designsFor(device, { designs, active }) {
+  const most = device?.most_axes ?? designs.length;
+  return designs.length > most ? [designs[active]] : designs;
 }
 
 /** What a push sends: one design goes to one axis, several are those of all axes.
@@ -149,6 +157,7 @@ export function createFleet({ onChange, onPorts, onRejected, onMeasured, say, on
   const askPreview = newestWins(async () => {
     if (previewed === null) return;
     const { device, wanted, key } = previewed;
+    if (!devices.some(({ id }) => id === device.id)) return; // It was let go of while the preview waited.
     try {
       known = { key, preview: await api.preview(device.id, wanted), problem: '' };
     } catch (error) {
@@ -156,7 +165,7 @@ export function createFleet({ onChange, onPorts, onRejected, onMeasured, say, on
         previewed = null; // Not now: asked again when there is news of the device.
         return;
       }
-      known = { key, preview: null, problem: error.message };
+      known = { key, preview: null, problem: pushText(error.rejections) };
     }
     onChange();
   });
@@ -165,7 +174,8 @@ export function createFleet({ onChange, onPorts, onRejected, onMeasured, say, on
    * @param {Device} device @param {Design[]} designs @param {number} toAxis
    * @returns {{preview: Preview | null, problem: string}} */
   function previewOf(device, designs, toAxis) {
-    const key = JSON.stringify([device.id, device.ramp, device.on_trial, device.timer_hz, toAxis, rampKey(designs)]);
+    const { id, ramp, on_trial, timer_hz, in_control } = device;
+    const key = JSON.stringify([id, ramp, on_trial, timer_hz, in_control, toAxis, rampKey(designs)]);
     if (previewed?.key !== key) {
       previewed = { device, wanted: pushOf(designs, toAxis), key };
       clearTimeout(previewTimer);
@@ -192,13 +202,15 @@ export function createFleet({ onChange, onPorts, onRejected, onMeasured, say, on
     situation(device, toAxis, work) {
       const last = device ? pushed.get(device.id) : undefined;
       const canPreview = link === 'there' && work.isDesignValid && device?.state === 'ready';
-      const would = canPreview && device ? previewOf(device, work.designs, toAxis) : null;
+      const toPush = designsFor(device, work);
+      const would = canPreview && device ? previewOf(device, toPush, toAxis) : null;
       return {
         ...work,
+        toPush,
         link,
         isBusy: asking !== null,
         isPushing: asking === 'push',
-        isChanged: last !== undefined && last !== rampKey(work.designs),
+        isChanged: last !== undefined && last !== rampKey(toPush),
         isOthers: device !== null && device.in_control !== null && device.in_control !== PAGE,
         isTracing,
         preview: would?.preview ?? null,
@@ -268,6 +280,13 @@ export function createFleet({ onChange, onPorts, onRejected, onMeasured, say, on
     async limit(device, axes) {
       await api.limit(device.id, axes);
       memory.keepSoftLimits(device.port, axes);
+      onChange();
+    },
+    /** Have the controller drive its pins so; fails when it is refused. What it can take may be another then.
+     * @param {Device} device @param {unknown} settings */
+    async useSettings(device, settings) {
+      await api.useSettings(device.id, settings);
+      previewed = null;
       onChange();
     },
     /** Bring those of the port back into force.

@@ -23,13 +23,16 @@ import { METHODS, methodOf, REFERENCE } from './methods.js';
  * @property {string} colour
  * @property {string} dash
  * @property {number} width   [px]
+ * @property {boolean} [isDots]  points that no line joins
  * @property {boolean} isVisible */
 
-/** @typedef {Pick<Line, 'colour' | 'dash' | 'width'>} Look */
+/** @typedef {Pick<Line, 'colour' | 'dash' | 'width' | 'isDots'>} Look */
 
 // So far apart, steps are seen as steps and not as a curve [px].
 const STEP_SEEN_PX = 5;
 const KEPT_DASH = '4px, 3px';
+// Lines that join fewer samples would show corners of a ramp where there are none.
+const FEWEST_JOINED = 10;
 
 /** @type {[ErrorPart, string][]} */
 export const PARTS = [
@@ -114,7 +117,10 @@ function methodLines(scene, frame) {
     add('measured-delay', 'delay', measured.x, measured.delay, reality);
     if (third === 'deviation') add('measured-deviation', 'error', measured.x, measured.deviation, reality);
   }
-  if (live) add('live-velocity', 'velocity', live.x, live.velocity, { ...reality, width: 2 });
+  if (live) {
+    const isDots = live.x.length < FEWEST_JOINED;
+    add('live-velocity', 'velocity', live.x, live.velocity, { ...reality, width: 2, isDots });
+  }
   return lines;
 }
 

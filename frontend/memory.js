@@ -19,6 +19,7 @@ const SHOWN = 'stepramp.shown';
 const THEME = 'stepramp.theme';
 const RUN_SECONDS = 'stepramp.run_seconds';
 const SOFT_LIMITS = 'stepramp.soft_limits';
+const FAMILIES = 'stepramp.families';
 
 /** Private windows may refuse storage: the page then works without a memory.
  * @param {string} key */
@@ -68,6 +69,15 @@ function isState(state) {
     (state.together === 'independent' || state.together === 'line') &&
     (state.kept === null || isDesign(state.kept))
   );
+}
+
+/** @returns {Record<string, unknown>} the family last chosen, by port */
+function readFamilies() {
+  try {
+    return Object(JSON.parse(read(FAMILIES) ?? '{}'));
+  } catch {
+    return {};
+  }
 }
 
 /** @returns {Record<string, SoftLimits[]>} by port */
@@ -127,6 +137,14 @@ export const memory = {
     const others = (all[port] ?? []).filter(({ axis }) => !axes.some((one) => one.axis === axis));
     write(SOFT_LIMITS, JSON.stringify({ ...all, [port]: [...others, ...axes].filter(isLimited) }));
   },
+  /** The family last chosen of the controller at a port; null: none was.
+   * @param {string} port */
+  family: (port) => {
+    const name = readFamilies()[port];
+    return typeof name === 'string' ? name : null;
+  },
+  /** @param {string} port @param {string} family */
+  keepFamily: (port, family) => write(FAMILIES, JSON.stringify({ ...readFamilies(), [port]: family })),
   /** @returns {string | null} */
   theme: () => read(THEME),
   /** @param {string} theme */

@@ -28,6 +28,8 @@ const LABELS = new Map([
     (field) => /** @type {[string, string]} */ ([field.path, field.label]),
   ),
 ]);
+/** A push calls the designs of axes by their axes. */
+const OF_AXIS = /^(?:designs|axes)\.(\d+)\.(.*)$/;
 const ROW = /^table\.rows\.(\d+)(?:\.([01]))?$/;
 
 /**
@@ -53,11 +55,19 @@ export function textOf(errors) {
   return [...fields.values(), ...rows.values(), ...others].map(({ text }) => text).join(' ');
 }
 
+/** Why designs can't be pushed, of one axis or of several.
+ * @param {Rejection[]} errors */
+export function pushText(errors) {
+  const ofAxes = errors.filter(({ field }) => OF_AXIS.test(field ?? ''));
+  const others = errors.filter((error) => !ofAxes.includes(error));
+  return [textOf(others), ...axesMessages(ofAxes, false).map(({ text }) => text)].filter(Boolean).join(' ');
+}
+
 /** What is said of all axes together, each message with the axis it is about.
  * @param {{field: string | null, message: string}[]} list @param {boolean} isWarning @returns {Message[]} */
 export function axesMessages(list, isWarning) {
   return list.map(({ field, message }) => {
-    const [, axis, path] = /^designs\.(\d+)\.(.*)$/.exec(field ?? '') ?? [];
+    const [, axis, path] = OF_AXIS.exec(field ?? '') ?? [];
     const label = LABELS.get(path);
     const text = (label === undefined ? message : named(message, field, label)).replace(/\bdesigns\.(\d)/g, 'axis $1');
     const isNamed = axis === undefined || text.includes(`axis ${axis}`);

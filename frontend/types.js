@@ -102,7 +102,7 @@
 
 /** @typedef {{rows: number[], bytes: number[], largest_relative_error: number[], floor: Floor}} FitCurve */
 
-/** @typedef {{port: string, name: string, virtual: boolean}} Port */
+/** @typedef {{port: string, name: string, virtual: boolean, families: string[]}} Port  families: that one there may be of */
 
 /** A family of controllers.
  * @typedef {{name: string, title: string}} Family */
@@ -117,7 +117,7 @@
  * @typedef {{name: string, unit: string, requested: number, sent: number, read_back: number | null}} PushItem */
 
 /** @typedef {{items: PushItem[], verified: boolean, segments: number | null, bytes: number,
- *   largest_deviation_us: number | null, sequence: number, warnings: string[]}} Push */
+ *   largest_deviation_us: number | null, sequence: number | null, warnings: string[]}} Push */
 
 /** What is pushed: a design for one axis, or those of all.
  * @typedef {{mode?: 'keep' | 'try'} & ({design: Design, to_axis: number} | {axes: Design[]})} Pushed */
@@ -175,6 +175,7 @@
  * @property {string} port
  * @property {string} name
  * @property {string} family               the name of that of its controller
+ * @property {number | null} most_axes     how many axes it can have; null until it is connected
  * @property {Capability[]} capabilities   what it can do besides what all can
  * @property {'connecting' | 'ready' | 'moving' | 'stopping' | 'writing' | 'lost'} state
  * @property {string | null} message
@@ -183,7 +184,7 @@
  * @property {number} speed_steps_per_s
  * @property {number | null} timer_hz      null until it is connected, and without a step timer
  * @property {string | null} firmware_version
- * @property {{sequence: number, crc: number | null} | null} ramp
+ * @property {{sequence: number | null, crc: number | null} | null} ramp
  * @property {Push | null} pushed */
 
 /** Why the curves belong to earlier values; null: they don't.
@@ -205,6 +206,7 @@
  * @property {string} previewProblem   why the device can't take the design
  * @property {Trace | null} trace      of the last traced move
  * @property {Design[]} designs        of all axes of the page
+ * @property {Design[]} toPush         those that a push sends
  * @property {number} active           the one in hand
  * @property {import('./units.js').Units} units */
 

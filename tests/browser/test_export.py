@@ -162,6 +162,12 @@ def test_stop_stays_in_reach_and_the_dialog_fits_a_phone(open_page: Callable[...
     assert page.evaluate("document.documentElement.scrollWidth") <= PHONE[0]
 
 
+def test_escape_closes_it_after_a_stop_too(dialog: ExportDialog) -> None:
+    dialog.page.locator("#stop").click()
+    dialog.page.keyboard.press("Escape")
+    expect(dialog.element).to_be_hidden()
+
+
 def test_a_saved_report_opens_without_a_server(
     dialog: ExportDialog, browser: Browser, server: Server, tmp_path: Path
 ) -> None:

@@ -23,6 +23,8 @@ def several(stepramp: StepRampPage) -> StepRampPage:
         answer = route.fetch()
         known = answer.json()
         known["families"].append({"name": "plain", "title": "Plain"})
+        for port in known["ports"]:
+            port["families"] = [family["name"] for family in known["families"]]
         route.fulfill(response=answer, json=known)
 
     def heard(socket: WebSocketRoute) -> None:
@@ -47,9 +49,7 @@ def test_the_family_of_a_controller_is_chosen_where_there_are_several(several: S
     watch.expected.append(REFUSED)
     family.select_option("plain")
     several.page.locator("#connect").click()
-    expect(several.page.locator("#device .problem").first).to_contain_text(
-        f"family is 'plain'; allowed: {', '.join(FAMILIES)}"
-    )
+    expect(several.page.locator("#device .problem").first).to_contain_text("family is 'plain'; allowed: stepramp")
     assert several.devices() == []
     family.select_option("stepramp")
     several.connect()

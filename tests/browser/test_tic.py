@@ -2,43 +2,207 @@
 
 from __future__ import annotations
 
-from playwright.sync_api import Route, expect
+from collections.abc import Iterator
+from typing import Any
 
-from browser.stepramp_page import SLEW_SPEED, StepRampPage, until
+import pytest
+from playwright.sync_api import Page, Route, expect
+
+from browser.conftest import Watch
+from browser.stepramp_page import ACCELERATION, REFUSED_VALUE, SLEW_SPEED, StepRampPage, until
 from controllers.tic.emulator import TicOnACable
 
+SIZES = [(1440, 900), (1024, 768), (390, 844)]
 
-def test_a_tic_at_the_page(stepramp: StepRampPage) -> None:
-    with TicOnACable() as cable:
 
-        def told(route: Route) -> None:
-            answer = route.fetch()
-            known = answer.json()
-            known["ports"].insert(0, {"port": cable.port, "name": "A Tic", "virtual": False})
-            route.fulfill(response=answer, json=known)
+@pytest.fixture
+def cable() -> Iterator[TicOnACable]:
+    with TicOnACable() as made:
+        yield made
 
-        page = stepramp.page
-        page.route("**/api/v1/ports", told)
-        stepramp.reload()
-        stepramp.show_panel("device")
-        page.locator("#port").select_option(cable.port)
-        page.locator("#family").select_option("tic")
-        page.locator("#connect").click()
-        expect(stepramp.state).to_have_text("ready")
-        for speed in (900, 800):
-            stepramp.edit_and_wait(SLEW_SPEED, str(speed))
-            expect(page.locator("#push-preview")).to_contain_text("A push would change")
-            stepramp.push()
-            expect(page.locator("#push-preview")).to_contain_text("The device has this ramp")
-            assert cable.tic.ramp[1] == speed * 10_000
-        expect(page.locator("#push-report")).to_contain_text("A Tic computes its own ramp")
-        stepramp.move("300")
-        until(lambda: cable.tic.position == 300)
-        expect(stepramp.state).to_have_text("ready")
-        cable.tic.press("kill_switch")
-        expect(page.locator("#device .problem").first).to_contain_text("The Tic can't move: its kill switch is active")
-        cable.tic.press("kill_switch", False)
-        stepramp.move("200")
-        until(lambda: cable.tic.position == 500)
-        expect(page.locator("#device .problem").first).to_be_empty()
-        stepramp.release_devices(stepramp.url)
+
+@pytest.fixture
+def attached(stepramp: StepRampPage, cable: TicOnACable) -> StepRampPage:
+    """Return a page that finds the Tic's port, and the virtual one."""
+
+    def told(route: Route) -> None:
+        answer = route.fetch()
+        known = answer.json()
+        others = [family["name"] for family in known["families"]]
+        known["ports"].insert(0, {"port": cable.port, "name": "A Tic", "virtual": False, "families": others})
+        route.fulfill(response=answer, json=known)
+
+    stepramp.page.route("**/api/v1/ports", told)
+    stepramp.reload()
+    stepramp.show_panel("device")
+    return stepramp
+
+
+@pytest.fixture
+def connected(attached: StepRampPage, cable: TicOnACable) -> StepRampPage:
+    connect(attached, cable)
+    return attached
+
+
+def connect(stepramp: StepRampPage, cable: TicOnACable) -> None:
+    stepramp.page.locator("#port").select_option(cable.port)
+    stepramp.page.locator("#family").select_option("tic")
+    stepramp.page.locator("#connect").click()
+    expect(stepramp.state).to_have_text("ready")
+
+
+def live_line(page: Page) -> dict[str, Any]:
+    """Return how the samples of the last move are drawn, and how many dots are seen of them."""
+    script = """() => { const figure = document.querySelector('.figure');
+        const trace = figure.data.find((one) => one.uid === 'live-velocity');
+        return trace && {mode: trace.mode, samples: trace.x.length,
+            dots: figure.querySelectorAll('.tracelive-velocity .point').length,
+            lines: figure.querySelectorAll('.tracelive-velocity .js-line').length}; }"""
+    return page.evaluate(script) or {}
+
+
+def cut_off(page: Page) -> list[str]:
+    """Return what of the device panel is cut off at its right."""
+    script = """() => [...document.querySelectorAll('#device :is(th, td, table, .push-head span, label)')]
+        .filter((one) => one.offsetParent && (one.scrollWidth > one.clientWidth + 1 ||
+            one.getBoundingClientRect().right > one.closest('#device').getBoundingClientRect().right))
+        .map((one) => one.innerText)"""
+    return page.evaluate(script)
+
+
+def test_a_tic_at_the_page(connected: StepRampPage, cable: TicOnACable) -> None:
+    page = connected.page
+    for speed in (900, 800):
+        connected.edit_and_wait(SLEW_SPEED, str(speed))
+        expect(page.locator("#push-preview")).to_contain_text("A push would change")
+        connected.push()
+        expect(page.locator("#push-preview")).to_contain_text("The device has this ramp")
+        assert cable.tic.ramp[1] == speed * 10_000
+    expect(page.locator("#device").get_by_text("A Tic computes its own ramp")).to_have_count(1)
+    expect(page.locator("#push-report .push-head span")).to_have_text("24 bytes")
+    connected.move("300")
+    until(lambda: cable.tic.position == 300)
+    expect(connected.state).to_have_text("ready")
+    cable.tic.press("kill_switch")
+    expect(page.locator("#device .problem").first).to_contain_text("The Tic can't move: its kill switch is active")
+    cable.tic.press("kill_switch", False)
+    connected.move("200")
+    until(lambda: cable.tic.position == 500)
+    expect(page.locator("#device .problem").first).to_be_empty()
+
+
+def test_a_tic_is_offered_the_one_ramp_that_it_can_have(connected: StepRampPage, cable: TicOnACable) -> None:
+    page = connected.page
+    expect(page.locator("#push")).to_have_text("Push the changes")
+    expect(page.locator("#device-axis")).to_be_hidden()
+    connected.push()
+    expect(page.locator("#device-axis")).to_be_hidden()
+    page.get_by_role("button", name="Add an axis").click()
+    connected.edit_and_wait(SLEW_SPEED, "600")
+    expect(page.locator("#push")).to_have_text("Push the ramp in view")
+    expect(page.locator("#push-preview")).to_contain_text("A push would change")
+    expect(page.locator("#push-problem")).to_be_empty()
+    connected.push()
+    assert cable.tic.ramp[1] == 600 * 10_000
+    # The other one comes into view.
+    page.locator("#axes").get_by_text("Lead-screw stage").first.click()
+    expect(page.locator("#push-preview")).to_contain_text("A push would change")
+    connected.push()
+    assert cable.tic.ramp[1] == 1000 * 10_000
+
+
+def test_what_a_tic_cant_play_is_told_in_the_words_of_the_page(connected: StepRampPage, watch: Watch) -> None:
+    page = connected.page
+    watch.expected.append(REFUSED_VALUE)
+    # By its guide a Tic counts accelerations from 1 step/s².
+    connected.edit_and_wait(ACCELERATION, "0.5")
+    expect(page.locator("#push-problem")).to_contain_text("Acceleration is 0.5; allowed: from 1 to")
+    expect(page.locator("#push")).to_be_disabled()
+    connected.edit_and_wait(ACCELERATION, "4000")
+    expect(page.locator("#push-problem")).to_be_empty()
+    connected.push()
+
+
+def test_rolling_back_shows_the_changes_again(connected: StepRampPage) -> None:
+    page = connected.page
+    connected.push()
+    page.locator("#roll-back").click()
+    expect(page.locator("#roll-back")).to_be_hidden()
+    expect(page.locator("#push-progress")).to_be_hidden()
+    expect(page.locator("#push-preview")).to_contain_text("A push would change")
+
+
+def test_a_lost_tic_is_offered_no_more_than_before(connected: StepRampPage, cable: TicOnACable) -> None:
+    page = connected.page
+    connected.push()
+    cable.unplug()
+    expect(connected.state).to_have_text("lost")
+    for button in ("#try", "#restore", "#keep-ramp"):
+        expect(page.locator(button)).to_be_hidden()
+    connected.device_section("trace")
+    expect(page.locator("#trace-note")).to_have_text("This controller can’t tell when it made its steps.")
+
+
+def test_the_family_is_remembered_with_the_port(attached: StepRampPage, cable: TicOnACable) -> None:
+    page = attached.page
+    family = page.get_by_label("Family")
+    connect(attached, cable)
+    page.locator("#connect").click()
+    expect(attached.state).to_have_text("not connected")
+    page.locator("#port").select_option("sim://")
+    expect(family).to_be_hidden()
+    expect(page.locator("#only-family")).to_have_text("StepRamp")
+    attached.reload()
+    expect(page.locator("#port")).to_have_value(cable.port)
+    expect(family).to_have_value("tic")
+
+
+def test_a_port_its_family_and_connect_follow_each_other_by_keyboard(
+    attached: StepRampPage, cable: TicOnACable
+) -> None:
+    page = attached.page
+    focused = "() => document.activeElement.id"
+    page.locator("#port").select_option(cable.port)
+    page.locator("#family").select_option("tic")
+    page.locator("#port").focus()
+    order = []
+    for _ in range(3):
+        page.keyboard.press("Tab")
+        order.append(page.evaluate(focused))
+    assert order == ["refresh-ports", "family", "connect"]
+    for state in ("ready", "not connected"):
+        page.keyboard.press("Enter")
+        expect(attached.state).to_have_text(state)
+        expect(page.locator("#connect")).to_be_focused()
+
+
+def test_few_samples_of_a_move_are_dots_and_many_a_line(connected: StepRampPage, cable: TicOnACable) -> None:
+    connected.push()
+    connected.move("100")
+    until(lambda: cable.tic.position == 100)
+    expect(connected.state).to_have_text("ready")
+    until(lambda: live_line(connected.page).get("dots", 0) >= 2)
+    few = live_line(connected.page)
+    assert (few["mode"], few["dots"], few["lines"]) == ("markers", few["samples"], 0)
+    connected.move("2000")
+    until(lambda: cable.tic.position == 2100)
+    until(lambda: live_line(connected.page)["lines"] == 1)
+    assert live_line(connected.page)["dots"] == 0
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_no_figure_of_a_push_is_cut_off(connected: StepRampPage, size: tuple[int, int]) -> None:
+    page = connected.page
+    page.set_viewport_size({"width": size[0], "height": size[1]})
+    connected.show_panel("device")
+    assert cut_off(page) == []
+    connected.push()
+    assert cut_off(page) == []
+    page.locator("#connect").click()
+    expect(connected.state).to_have_text("not connected")
+    connected.connect()
+    expect(page.locator("#push-preview")).to_be_visible()
+    assert cut_off(page) == []
+    connected.push()
+    assert cut_off(page) == []
+    expect(page.locator("#push-report tbody th").last).to_have_text("Ramp image CRC")

@@ -42,7 +42,7 @@ def designs() -> st.SearchStrategy[dict[str, Any]]:
                     **dict.fromkeys(rules.RampParameters.model_fields.keys() - {"shape"}, entries),
                     "deceleration_steps_per_s2": st.none() | entries,
                 },
-                optional={"shape": st.fixed_dictionaries({"name": st.text(max_size=20)})},
+                optional={"shape": st.just({"name": "constant"})},
             ),
             "method": st.fixed_dictionaries(
                 {
@@ -185,6 +185,11 @@ def test_nonsense_is_told(modules: Modules, text: str, words: str) -> None:
         (document(axis__travel_unit="inch"), 'axis.travel_unit is "inch"; allowed: deg, mm'),
         (document(method__name="__proto__"), 'method.name is "__proto__"; allowed: exact, ideal'),
         (document(method__arithmetic="float16"), 'method.arithmetic is "float16"'),
+        (document(ramp__shape={"name": "sine"}), 'ramp.shape is {"name":"sine"}; allowed: {"name":"constant"}.'),
+        (document(ramp__shape={"name": 5}), 'ramp.shape is {"name":5}; allowed: {"name":"constant"}.'),
+        (document(ramp__shape={}), 'ramp.shape is {}; allowed: {"name":"constant"}.'),
+        (document(ramp__shape=None), 'ramp.shape is null; allowed: {"name":"constant"}.'),
+        (document(ramp__shape={"name": "constant", "jerk": 1}), 'ramp.shape is {"name":"constant","jerk":1}; allowed'),
         (document(method__rounding="up"), 'method.rounding is "up"'),
         (document(method__tuned_for="fun"), 'method.tuned_for is "fun"'),
         (document(table=[]), "table is []"),
@@ -203,6 +208,13 @@ def test_nonsense_is_told(modules: Modules, text: str, words: str) -> None:
 )
 def test_what_the_page_could_not_show_is_told_with_its_field(modules: Modules, wrong: object, words: str) -> None:
     assert words in problem(modules, json.dumps(wrong))
+
+
+def test_what_a_browser_kept_with_an_unknown_shape_is_not_shown_again(modules: Modules) -> None:
+    shapes = [{"name": "constant"}, {"name": "sine"}, {}, None]
+    kept = [modules.call("design.js", "isDesign", document(ramp__shape=shape)) for shape in shapes]
+    assert kept == [True, False, False, False]
+    assert modules.call("design.js", "isDesign", document())
 
 
 def test_a_number_too_large_for_any_machine_is_told(modules: Modules) -> None:

@@ -306,3 +306,18 @@ def test_presets_are_the_facts_of_data_sheets_and_designs_the_server_takes(modul
             assert {name for name in before if changed[name] != before[name]} <= {part}
             Design.checked(changed)
             assert modules.call("presets.js", "presetOf", changed, part) == preset
+
+
+def test_a_refused_push_is_told_in_the_words_of_the_page(modules: Modules) -> None:
+    allowed = "at most 50,000 steps/s with a Tic"
+
+    def told(place: str) -> str:
+        field = f"{place}.ramp.slew_speed_steps_per_s"
+        rejection = {"field": field, "value": 60000.0, "allowed": allowed}
+        message = f"{field} is 60000.0; allowed: {allowed}."
+        return str(modules.call("messages.js", "pushText", [{**rejection, "message": message}]))
+
+    assert told("design") == f"Slew speed is 60000.0; allowed: {allowed}."
+    assert told("axes.2") == f"Axis 2: Slew speed is 60000.0; allowed: {allowed}."
+    other = {"field": "ramp", "value": None, "allowed": None, "message": "The controller is full."}
+    assert modules.call("messages.js", "pushText", [other]) == "The controller is full."

@@ -3,6 +3,7 @@
 
 import { element, icon, messageLine, picker, segmented } from '../../dom.js';
 import { memory } from '../../memory.js';
+import { pushText } from '../../messages.js';
 import { createJogSection } from './jog_section.js';
 import { limitsText } from './limits.js';
 import { createLive } from './live.js';
@@ -39,10 +40,11 @@ export function createDevice(root, fleet, onChoice) {
   /** @type {Device[]} */
   let devices = [];
   let port = '';
-  /** What a controller at a port may be of, and the one that was chosen.
+  /** What controllers may be of, and what was chosen, by port.
    * @type {import('../../types.js').Family[]} */
   let families = [];
-  let family = '';
+  /** @type {Map<string, string>} */
+  const chosenFamilies = new Map();
   /** The device shown last, which keeps its id when it comes back at another port.
    * @type {string | null} */
   let shownId = null;
@@ -56,7 +58,7 @@ export function createDevice(root, fleet, onChoice) {
   let situation = null;
 
   const pill = element('span', { className: 'pill', role: 'status' });
-  const settings = createSettingsDialog(fleet.limit);
+  const settings = createSettingsDialog(fleet);
   const gear = iconButton('settings', 'Device settings: how it drives its pins, and soft limits', 'gear', () => {
     const present = device();
     if (present && situation) settings.open(present, situation);
@@ -71,12 +73,13 @@ export function createDevice(root, fleet, onChoice) {
   choice.element.classList.add('grow');
   choice.select.id = 'port';
   const familyChoice = picker('Family of the controller', (value) => {
-    family = value;
+    chosenFamilies.set(port, value);
+    memory.keepFamily(port, value);
     onChoice();
   });
   familyChoice.element.classList.add('grow');
   familyChoice.select.id = 'family';
-  const familyLine = element('div', { className: 'line' }, familyChoice.element);
+  const onlyFamily = element('span', { className: 'grow', id: 'only-family' });
   const refresh = iconButton('refresh-ports', 'Look for ports again', 'refresh', fleet.refreshPorts);
   const connect = element('button', { className: 'button', id: 'connect', type: 'button', onclick: toggleConnection });
   const problem = element('div', { className: 'problem', role: 'alert' });
@@ -104,7 +107,7 @@ export function createDevice(root, fleet, onChoice) {
   /** @type {Record<SectionName, Section>} */
   const sections = {
     push: createPushSection({
-      push: (present, mode) => situation && fleet.push(present, situation.designs, axis, mode),
+      push: (present, mode) => situation && fleet.push(present, situation.toPush, axis, mode),
       store: fleet.store,
     }),
     move: createMoveSection(fleet.go),
@@ -122,8 +125,15 @@ export function createDevice(root, fleet, onChoice) {
     element(
       'div',
       { className: 'device-body' },
-      element('div', { className: 'line' }, choice.element, refresh, connect),
-      familyLine,
+      element('div', { className: 'line' }, choice.element, refresh),
+      element(
+        'div',
+        { className: 'line family-line' },
+        element('label', { htmlFor: 'family', textContent: 'Family' }),
+        familyChoice.element,
+        onlyFamily,
+        connect,
+      ),
       problem,
       control,
       limitsOffer,
@@ -143,21 +153,41 @@ export function createDevice(root, fleet, onChoice) {
     if (present) act(present);
   }
 
-  function toggleConnection() {
+  async function toggleConnection() {
     const present = device();
-    if (present && present.state !== 'lost') fleet.disconnect(present);
-    else fleet.connect(port, present?.family ?? family);
+    if (present && present.state !== 'lost') await fleet.disconnect(present);
+    else await fleet.connect(port, present?.family ?? family());
+    // While it was asked it could not be used, and lost the focus.
+    if (document.activeElement === document.body) connect.focus();
+  }
+
+  /** The families that a controller at the port may be of. */
+  function offeredFamilies() {
+    const taken = ports.find((known) => known.port === port)?.families;
+    return taken ? families.filter(({ name }) => taken.includes(name)) : families;
+  }
+
+  /** The family chosen for the port, now or before; until then the first. */
+  function family() {
+    const offered = offeredFamilies();
+    const last = chosenFamilies.get(port) ?? memory.family(port);
+    return (offered.find(({ name }) => name === last) ?? offered[0])?.name ?? '';
   }
 
   /** Have a person say what kind of controller there is, where there are several: none is ever tried. One that is known
    * already, also while it is lost, stays what it is.
    * @param {Device | null} present */
   function showFamilies(present) {
-    if (!families.some(({ name }) => name === family)) family = families[0]?.name ?? '';
-    familyLine.hidden = families.length < 2;
+    const chosen = present?.family ?? family();
+    const offered = present ? families : offeredFamilies();
+    const isChoice = offeredFamilies().length > 1;
+    familyChoice.element.hidden = !isChoice;
     familyChoice.select.disabled = present !== null;
-    const offered = families.map(({ name, title }) => /** @type {[string, string]} */ ([name, title]));
-    familyChoice.offer(offered, present?.family ?? family);
+    const choices = offered.map(({ name, title }) => /** @type {[string, string]} */ ([name, title]));
+    familyChoice.offer(choices, chosen);
+    onlyFamily.hidden = isChoice;
+    const title = families.find(({ name }) => name === chosen)?.title ?? '';
+    if (onlyFamily.textContent !== title) onlyFamily.textContent = title;
   }
 
   function offerPorts() {
@@ -188,10 +218,12 @@ export function createDevice(root, fleet, onChoice) {
     const found = device();
     const present = found?.state === 'lost' ? null : found;
     const isMoving = present?.state === 'moving' || present?.state === 'stopping';
+    const { designs, active, toPush } = situation;
     const context = {
       device: present,
+      known: found,
       axis,
-      design: situation.designs[axis] ?? situation.designs[situation.active],
+      design: (toPush.length < designs.length ? null : designs[axis]) ?? designs[active],
       inTheWay: hindrance(found, situation),
       notAtRest: isMoving ? 'Wait until it is at rest, or stop it.' : '',
       situation,
@@ -208,7 +240,7 @@ export function createDevice(root, fleet, onChoice) {
   function showAxes(present) {
     const count = present?.axes.length ?? 0;
     // One more than there are: the next axis may be given a ramp.
-    const isGiving = chosen === 'push' && situation?.designs.length === 1 && count > 0 && count < 4 && present?.ramp;
+    const isGiving = chosen === 'push' && situation?.toPush.length === 1 && present?.ramp && count > 0 && count < (present.most_axes ?? 0);
     const offered = isGiving ? count + 1 : count;
     if (axis >= Math.max(1, offered)) axis = 0;
     axisChoice.element.hidden = offered < 2;
@@ -280,7 +312,7 @@ export function createDevice(root, fleet, onChoice) {
      * @param {import('../../types.js').Rejection[]} rejections */
     showRejections(rejections) {
       const others = SECTIONS.reduce((left, [name]) => sections[name].reject?.(left) ?? left, rejections);
-      refused = others.map(({ message }) => message).join(' ');
+      refused = pushText(others);
       if (situation) show(situation);
     },
     /** @param {import('../../types.js').Ports} known */

@@ -1,6 +1,7 @@
 // @ts-check
 // The figures of a push as people read them.
 
+import { element } from '../../dom.js';
 import { formatFixed } from '../../numbers.js';
 
 /** Write a figure in its unit: times to a ten-thousandth of a µs, which is finer than a tick of any controller here.
@@ -9,6 +10,14 @@ export function formatFigure(value, unit) {
   if (unit === 'CRC-16') return `0x${value.toString(16).toUpperCase().padStart(4, '0')}`;
   if (unit !== 'µs' && Number.isInteger(value)) return formatFixed(value);
   return formatFixed(value, 4).replace(/0{1,3}$/, '');
+}
+
+/** The head of a figure's row: its name and its unit, of a checksum what kind of number it is.
+ * @param {string} name @param {string} unit */
+export function figureHead(name, unit) {
+  const word = unit === 'CRC-16' ? 'CRC' : unit;
+  const small = word !== '' && !name.endsWith(word) && element('small', { textContent: word });
+  return element('th', { scope: 'row' }, name, small && ' ', small);
 }
 
 /** What a push takes: segments, if the controller takes any, and bytes.

@@ -141,7 +141,7 @@ export function createJogSection(jog, handlers) {
     /** @param {Context} present */
     show(present) {
       context = present;
-      const { device, situation, design, inTheWay, notAtRest } = present;
+      const { device, known, situation, design, inTheWay, notAtRest } = present;
       if (speed.value() === '' && speed.input !== document.activeElement) {
         const slew = Number(design.ramp.slew_speed_steps_per_s);
         if (slew > 0) speed.set(Number(shownValue({ length: 'steps', time: 's' }, design, 'speed', slew * FIRST_PART_OF_SLEW).toPrecision(3)));
@@ -153,7 +153,7 @@ export function createJogSection(jog, handlers) {
       const isHeld = 'held' in back.dataset || 'held' in ahead.dataset;
       able([runBack, runAhead], reason, inTheWay || noRamp, situation.isBusy);
       if (!isHeld) able([back, ahead], reason, inTheWay || noRamp, situation.isBusy);
-      for (const one of [gauge, gaugeExplained]) one.hidden = !can(device, 'zero');
+      for (const one of [gauge, gaugeExplained]) one.hidden = !can(known, 'zero');
       able([set, zero], placeReason, inTheWay || notAtRest || noRamp, situation.isBusy);
       if (placeReason.textContent === reason.textContent) placeReason.hidden = true;
     },

@@ -115,10 +115,10 @@ export function createMoveSection(go) {
   /** @param {Context} present */
   function show(present) {
     context = present;
-    const { device, situation, design, inTheWay, notAtRest } = present;
+    const { device, known, situation, design, inTheWay, notAtRest } = present;
     const count = device?.axes.length ?? 1;
     const lineButton = /** @type {HTMLElement} */ (kinds.element.querySelector('[data-value="line"]'));
-    lineButton.hidden = count < 2 || !can(device, 'line');
+    lineButton.hidden = count < 2 || !can(known, 'line');
     if (lineButton.hidden && kind === 'line') kind = 'by';
     kinds.press(kind);
     distance.show(situation.units, design);

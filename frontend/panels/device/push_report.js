@@ -3,7 +3,7 @@
 
 import { element, icon, messageLine } from '../../dom.js';
 import { formatFigures } from '../../numbers.js';
-import { formatFigure, sizeText } from './figures.js';
+import { figureHead, formatFigure, sizeText } from './figures.js';
 
 /** @typedef {import('../../types.js').Device} Device */
 
@@ -15,18 +15,13 @@ export function createPushReport() {
   const details = element('div', { className: 'push-details' });
   let known = '';
 
-  /** @param {import('../../types.js').Push} pushed @param {boolean} isChanged */
-  function showDetails(pushed, isChanged) {
+  /** @param {import('../../types.js').Push} pushed @param {string[]} warnings @param {boolean} isChanged */
+  function showDetails(pushed, warnings, isChanged) {
     const rows = pushed.items.map((item) =>
       element(
         'tr',
         {},
-        element(
-          'th',
-          { scope: 'row' },
-          item.name,
-          !item.name.endsWith(item.unit) && element('small', { textContent: ` ${item.unit}` }),
-        ),
+        figureHead(item.name, item.unit),
         ...[item.requested, item.sent, item.read_back].map((value) =>
           element('td', { textContent: value === null ? 'unreadable' : formatFigure(value, item.unit) }),
         ),
@@ -50,7 +45,7 @@ export function createPushReport() {
           textContent: pushed.verified ? 'Read back as sent' : 'Not as sent',
         }),
         element('span', {
-          textContent: `ramp ${pushed.sequence} · ${sizeText(pushed)}`,
+          textContent: [...(pushed.sequence === null ? [] : [`ramp ${pushed.sequence}`]), sizeText(pushed)].join(' · '),
         }),
       ),
       element(
@@ -77,25 +72,27 @@ export function createPushReport() {
             }),
           ]
         : []),
-      ...pushed.warnings.map((text) => messageLine({ text, isWarning: true })),
+      ...warnings.map((text) => messageLine({ text, isWarning: true })),
       ...(isChanged ? [messageLine({ text: 'The design has changed since this push.', isWarning: true })] : []),
     );
   }
 
   return {
     element: element('div', { className: 'push-report', id: 'push-report' }, bar, details),
-    /** @param {Device | null} device @param {{isPushing: boolean, isChanged: boolean}} situation */
-    show(device, { isPushing, isChanged }) {
+    /** @param {Device | null} device @param {import('../../types.js').Situation} situation */
+    show(device, { isPushing, isChanged, preview }) {
       const pushed = device?.pushed ?? null;
       const reached = isPushing ? 1 : pushed === null ? 0 : pushed.verified ? STAGES.length : STAGES.length - 1;
       stages.forEach((stage, index) => {
         stage.className = index < reached ? 'done' : isPushing && index < STAGES.length - 1 ? 'doing' : '';
       });
       details.hidden = isPushing || pushed === null;
-      const state = JSON.stringify([pushed, isChanged]);
+      // What is said of the next push is not said of the last one again.
+      const warnings = (pushed?.warnings ?? []).filter((text) => !preview?.warnings.includes(text));
+      const state = JSON.stringify([pushed, warnings, isChanged]);
       if (state === known) return;
       known = state;
-      if (pushed) showDetails(pushed, isChanged);
+      if (pushed) showDetails(pushed, warnings, isChanged);
     },
   };
 }

@@ -3,7 +3,7 @@
 
 import { element, icon, messageLine } from '../../dom.js';
 import { formatFixed } from '../../numbers.js';
-import { formatFigure, sizeText } from './figures.js';
+import { figureHead, formatFigure, sizeText } from './figures.js';
 import { createPushReport } from './push_report.js';
 import { able, can } from './section.js';
 
@@ -27,7 +27,7 @@ export function createPushSection(handlers) {
   /** @type {Device | null} */
   let device = null;
   const report = createPushReport();
-  const push = button('push', 'button primary grow', () => device && handlers.push(device, can(device, 'keep') ? 'keep' : 'try'));
+  const push = button('push', 'button primary grow', () => device && handlers.push(device, device.capabilities.includes('keep') ? 'keep' : 'try'));
   push.append(icon('send'), element('span'));
   push.setAttribute('aria-describedby', 'push-reason');
   const trial = button('try', 'button', () => device && handlers.push(device, 'try'));
@@ -98,22 +98,22 @@ export function createPushSection(handlers) {
       element('div', { className: 'line' }, restore),
     ),
     /** @param {Context} context */
-    show({ device: present, situation, inTheWay, notAtRest }) {
+    show({ device: present, known, situation, inTheWay, notAtRest }) {
       device = present;
       const blocked = inTheWay || notAtRest;
       const isInvalid = situation.isDesignValid ? '' : 'Correct the design first.';
-      able([push, trial], reason, blocked || isInvalid, situation.isBusy);
+      const isRefused = situation.previewProblem !== '';
+      able([push, trial], reason, blocked || isInvalid, situation.isBusy || isRefused);
       for (const other of [keep, rollBack, restore]) other.disabled = blocked !== '' || situation.isBusy;
-      restore.disabled ||= Boolean(present?.on_trial) || !present?.ramp || present.ramp.sequence < 2;
-      restore.hidden = !present?.ramp || !can(present, 'restore');
+      restore.disabled ||= Boolean(present?.on_trial) || !present?.ramp || (present.ramp.sequence ?? 0) < 2;
+      restore.hidden = !present?.ramp || !can(known, 'restore');
       onTrial.hidden = !present?.on_trial;
-      keep.hidden = !present?.ramp || !can(present, 'keep');
-      rollBack.hidden = !can(present, 'try');
-      trial.hidden = !can(present, 'keep') || !can(present, 'try');
+      keep.hidden = !present?.ramp || !can(known, 'keep');
+      rollBack.hidden = !can(known, 'try');
+      trial.hidden = !can(known, 'keep') || !can(known, 'try');
       const label = /** @type {HTMLElement} */ (push.lastElementChild);
       const isOther = situation.isChanged || (situation.preview !== null && !situation.preview.same);
-      const noun = situation.designs.length > 1 ? `the ${situation.designs.length} ramps` : 'the ramp';
-      label.textContent = situation.isPushing ? 'Pushing…' : isOther && present?.ramp ? 'Push the changes' : `Push ${noun}`;
+      label.textContent = situation.isPushing ? 'Pushing…' : pushWords(situation, isOther && Boolean(present?.ramp));
       const now = present?.progress ?? null;
       progress.hidden = now === null;
       if (now) showProgress(now);
@@ -124,6 +124,14 @@ export function createPushSection(handlers) {
       report.show(present, situation);
     },
   };
+}
+
+/** What a push is called: where the device can't have the ramps of all designs, the one in view is told from the others.
+ * @param {import('../../types.js').Situation} situation @param {boolean} isChange */
+function pushWords({ designs, toPush }, isChange) {
+  if (toPush.length < designs.length) return 'Push the ramp in view';
+  if (isChange) return 'Push the changes';
+  return toPush.length > 1 ? `Push the ${toPush.length} ramps` : 'Push the ramp';
 }
 
 /** @param {import('../../types.js').PreviewItem[]} items @param {boolean} areOfSeveral */
@@ -143,12 +151,7 @@ function changeRow(item, isOfSeveral) {
   return element(
     'tr',
     {},
-    element(
-      'th',
-      { scope: 'row' },
-      name,
-      item.unit !== '' && !item.name.endsWith(item.unit) && element('small', { textContent: ` ${item.unit}` }),
-    ),
+    figureHead(name, item.unit),
     element('td', { textContent: figureText(item.on_device, item.unit) }),
     element('td', { className: 'coming', textContent: figureText(item.to_send, item.unit) }),
   );

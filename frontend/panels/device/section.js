@@ -7,8 +7,9 @@
 /** What a section shows.
  * @typedef {object} Context
  * @property {Device | null} device  null: none, or it is lost
+ * @property {Device | null} known   the same, also while it is lost
  * @property {number} axis
- * @property {Design} design         of this axis
+ * @property {Design} design         of this axis, or the one in view where the device can't have those of all axes
  * @property {string} inTheWay       why nothing can be asked of the device now; empty: something can
  * @property {string} notAtRest      why nothing can be begun; empty: it is at rest
  * @property {import('../../types.js').Situation} situation */

@@ -43,8 +43,9 @@ const SETTINGS = [
 ];
 const MOST_AXES = 4;
 
-/** @param {(device: Device, axes: import('../../types.js').SoftLimits[]) => Promise<void>} limit */
-export function createSettingsDialog(limit) {
+/** @param {{limit: (device: Device, axes: import('../../types.js').SoftLimits[]) => Promise<void>,
+ *   useSettings: (device: Device, settings: unknown) => Promise<void>}} handlers */
+export function createSettingsDialog({ limit, useSettings }) {
   /** @type {Device | null} */
   let device = null;
   /** The settings as the device has them; null: not known.
@@ -102,7 +103,7 @@ export function createSettingsDialog(limit) {
       const axes = limits.changed();
       if (axes.length > 0) await limit(device, axes);
       const settings = before && wanted(before);
-      if (settings && JSON.stringify(settings) !== JSON.stringify(before)) await api.useSettings(device.id, settings);
+      if (settings && JSON.stringify(settings) !== JSON.stringify(before)) await useSettings(device, settings);
       dialog.close();
     } catch (error) {
       const others = error instanceof Refusal ? limits.reject(error.rejections) : [error];

@@ -37,14 +37,14 @@ export function createTraceSection(onTrace) {
       note,
     ),
     /** @param {Context} context */
-    show({ device, situation }) {
-      box.disabled = !can(device, 'trace');
+    show({ known, situation }) {
+      box.disabled = !can(known, 'trace');
       box.checked = situation.isTracing && !box.disabled;
       const { trace } = situation;
       const shown = trace ? figuresOf(trace) : [];
-      const known = JSON.stringify(shown);
-      if (figures.dataset.known !== known) {
-        figures.dataset.known = known;
+      const text = JSON.stringify(shown);
+      if (figures.dataset.known !== text) {
+        figures.dataset.known = text;
         figures.replaceChildren(
           ...shown.flatMap(([name, value]) => [
             element('dt', { textContent: name }),

@@ -53,7 +53,7 @@ export function createPainter(figure, { onSelect, onDoubleClick }) {
         figure.dataset.listened = 'true';
         listen();
       }
-      const visible = lines.filter((line) => line.isVisible);
+      const visible = lines.filter((line) => line.isVisible && !line.isDots);
       const paths = visible.map((line) => [line.uid, figure.querySelector(`.trace${line.uid} path.js-line`)]);
       painted = {
         key: keyOf(scene, frame, lines),
@@ -67,7 +67,7 @@ export function createPainter(figure, { onSelect, onDoubleClick }) {
     /** Rewrite the paths; false when something else has changed too, so that nothing was done.
      * @param {Scene} scene @param {Frame} frame @param {Line[]} lines */
     rewrite(scene, frame, lines) {
-      const visible = lines.filter((line) => line.isVisible);
+      const visible = lines.filter((line) => line.isVisible && !line.isDots);
       if (painted === null || painted.key !== keyOf(scene, frame, lines)) return false;
       const { paths } = painted;
       const shadings = shadingPaths(frame);
@@ -86,12 +86,12 @@ export function createPainter(figure, { onSelect, onDoubleClick }) {
   };
 }
 
-/** All that paths alone don't show.
+/** All that paths alone don't show: dots are none.
  * @param {Scene} scene @param {Frame} frame @param {Line[]} lines */
 function keyOf({ size, axis, third, axes, colours, answer }, frame, lines) {
   const drawn = lines
     .filter((line) => line.isVisible)
-    .map(({ uid, shape, colour, dash, width }) => [uid, shape, colour, dash, width]);
+    .map(({ uid, shape, colour, dash, width, isDots, x, y }) => [uid, shape, colour, dash, width, isDots && [x, y]]);
   const plots = frame.plots.map(({ range, isVisible, unit }) => [range, isVisible, unit]);
   const { full, x, acceleration } = frame;
   const look = [size, axis, third, axes !== null, colours.grid, answer.design.axis.travel_unit, answer.units];

@@ -27,7 +27,7 @@ def test_a_push_is_sent_read_back_and_told(bench: Bench) -> None:
     ]
     assert (report.verified, report.kept, report.bytes, report.segments) == (True, False, 24, None)
     assert (report.largest_deviation_us, report.sequence) == (None, None)
-    assert "the method 'exact'" in report.warnings[0]
+    assert "the method Exact and" in report.warnings[0]
     assert "switched off" in report.warnings[1]
     # What a Tic has when it is new.
     assert [(item.on_device, item.to_send) for item in preview.items] == [

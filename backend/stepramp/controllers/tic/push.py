@@ -7,6 +7,7 @@ from stepramp.controllers.contract import FigureUnit, PreviewItem, PushItem, Pus
 from stepramp.controllers.tic.ramp import TicRamp, figures_of
 from stepramp.design import Design
 from stepramp.errors import Rejected, Rejection
+from stepramp.methods import METHODS
 
 FIGURES: tuple[tuple[str, FigureUnit], ...] = (
     ("Starting speed", "steps/s"),
@@ -67,7 +68,7 @@ class PushPlan:
     def _losses(self) -> Iterator[str]:
         """Yield what works, but not as the design says."""
         method = self.design.method.name
-        lost = "the lookup table" if method == "table" else f"the method '{method}'"
+        lost = "the lookup table" if method == "table" else f"the method {METHODS[method].label}"
         yield (
             f"A Tic computes its own ramp, of constant acceleration, from these four figures: {lost} and the "
             "intervals that it gives are not played."
