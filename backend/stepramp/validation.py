@@ -191,6 +191,8 @@ def _rejection(error: ErrorDetails, skip: int) -> Rejection:
             allowed = str(context["expected"]).replace(" or ", ", ").replace("'", "")
         case "bool_type":
             allowed = "true or false"
+        case "string_type":
+            allowed = "a text"
         case "missing":
             value, allowed = None, "a value; this field is required"
         case "extra_forbidden":

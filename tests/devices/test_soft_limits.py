@@ -18,7 +18,7 @@ from stepramp.controllers.stepramp.messages.motion import ZeroRequest
 from stepramp.controllers.stepramp.messages.session import HelloRequest
 from stepramp.controllers.stepramp.messages.settings import ReadSettingsRequest
 from stepramp.controllers.virtual.controller import VirtualController
-from stepramp.devices import attachment, limit_checks, watch
+from stepramp.devices import attachment, limit_checks, setting_out, watch
 from stepramp.devices import registry as devices_module
 from stepramp.devices.leases import Lease
 from stepramp.devices.registry import Devices
@@ -56,7 +56,7 @@ def test_limits_that_were_answered_hold_for_a_zero_that_was_asked_before(bench: 
 
 def test_a_run_keeps_to_soft_limits_while_answers_are_lost(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
     """Whatever is asked just then, and is answered only after the third repeat: the run is looked after meanwhile."""
-    for module in (watch, limit_checks):
+    for module in (watch, limit_checks, setting_out):
         monkeypatch.setattr(module, "monotonic", bench.clock)
     reached = []
     for polls in range(20, 90, 5):
@@ -77,6 +77,25 @@ def test_a_run_keeps_to_soft_limits_while_answers_are_lost(bench: Bench, monkeyp
     assert max(reached) <= 1500
     # It is looked again 0.2 s later at most: no run ends much further away from the limit than it needs to.
     assert min(reached) > 1500 - 900 * (0.5 + WAITED_FOR_S)
+
+
+def test_an_axis_that_was_heard_of_long_ago_rested_until_it_set_out(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A run away from a limit isn't ended at once, however long it is since anything was heard of it."""
+    for module in (watch, limit_checks, setting_out):
+        monkeypatch.setattr(module, "monotonic", bench.clock)
+    bench.reset()
+    bench.device.set_position([AxisCommand(0, 50, "position_steps")])
+    bench.device.limit({0: Span(-50, 50)})
+    bench.clock.now_s += 1.0
+    bench.device.run([AxisCommand(0, -100.0, "speed_steps_per_s")], Lease({0: -100.0}, 1e6))
+    for _ in range(100):
+        bench.clock.now_s += 0.02
+        bench.poll()
+    bench.device.limit({0: FREE})
+    assert bench.device.view.state is DeviceState.READY
+    assert -50 <= bench.device.view.position_steps <= 10
 
 
 def test_limits_are_kept_to_only_where_it_is_known_what_they_are_counted_from(

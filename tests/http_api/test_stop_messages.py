@@ -139,6 +139,7 @@ def test_a_halt_is_for_one_device(client: TestClient, device_id: str, events: An
         ('{"do": "halt"}', "the id of the device that is to halt"),
         ('{"do": "stop", "device": "1"}', "a stop over this WebSocket is for all devices"),
         ('{"do": "halt", "device": "99"}', "There is no device '99'."),
+        ('{"do": "halt", "device": 7}', "device is 7; allowed: a text"),
     ],
 )
 def test_what_is_no_stop_is_refused_and_the_socket_goes_on(

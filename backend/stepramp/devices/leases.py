@@ -52,10 +52,12 @@ class Leases:
 
     def __init__(self) -> None:
         self._of_axes: dict[int, Lease] = {}
+        self._set_out_s: dict[int, float] = {}
 
-    def take(self, lease: Lease) -> None:
-        """Note that axes run on a lease from now on, and on no other."""
+    def take(self, lease: Lease, set_out_s: float) -> None:
+        """Note that axes run on a lease, and on no other, since that instant at the earliest [s]."""
         self._of_axes |= dict.fromkeys(lease.speeds, lease)
+        self._set_out_s |= dict.fromkeys(lease.speeds, set_out_s)
 
     def drop(self, axes: Iterable[int] | None = None) -> None:
         """Note that these axes, or all, no longer run."""
@@ -64,6 +66,10 @@ class Leases:
     def run_out(self, in_control: str | None) -> list[int]:
         """Return the axes whose lease no longer holds, when that page is in control."""
         return sorted(axis for axis, lease in self._of_axes.items() if not lease.holds_with(in_control))
+
+    def set_out_s(self, axis: int) -> float:
+        """Return when an axis set out that runs on a lease, at the earliest [s]."""
+        return self._set_out_s[axis]
 
     @property
     def speeds(self) -> dict[int, float]:

@@ -5,6 +5,7 @@ from dataclasses import replace
 from time import monotonic
 
 from stepramp.controllers.contract import AxisCommand
+from stepramp.devices.leases import Leases
 from stepramp.devices.soft_limits import FREE, Span, comes_too_near, out_of_limits, refuse_beyond
 from stepramp.devices.view import AxisView, DeviceView
 from stepramp.errors import Refused, Rejected, Rejection
@@ -66,15 +67,18 @@ def refuse_limited(view: DeviceView, axes: Iterable[int]) -> None:
         raise Rejected([Rejection("axes", axis, allowed) for axis in limited])
 
 
-def too_near(view: DeviceView, speeds: Mapping[int, float], steps_to_rest: StepsToRest) -> list[int]:
-    """Return which axes of those that run at speeds [steps/s] must slow down now to stay within their soft limits."""
-    since_s = monotonic() - view.heard_s
+def too_near(view: DeviceView, leases: Leases, steps_to_rest: StepsToRest) -> list[int]:
+    """Return which axes of those that run on leases must slow down now to stay within their soft limits."""
+    now_s, speeds = monotonic(), leases.speeds
     return [
         axis.axis
         for axis in view.axes
         if axis.axis in view.soft_limits
         and axis.axis in speeds
-        and _is_near(view, axis, speeds[axis.axis], steps_to_rest, since_s)
+        # What was heard of an axis before it set out may be old: it rested until then.
+        and _is_near(
+            view, axis, speeds[axis.axis], steps_to_rest, now_s - max(view.heard_s, leases.set_out_s(axis.axis))
+        )
     ]
 
 

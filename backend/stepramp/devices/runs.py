@@ -54,6 +54,6 @@ class Runs:
         if not self._contact.is_there:
             return []
         view = self._view.now
-        near = too_near(view, self._leases.speeds, self._contact.controller.steps_to_rest)
+        near = too_near(view, self._leases, self._contact.controller.steps_to_rest)
         left = [view.shuttle.axis] if view.shuttle and view.shuttle.page not in (None, view.in_control) else []
         return sorted({*self._leases.run_out(view.in_control), *near, *left})

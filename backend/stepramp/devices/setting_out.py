@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Collection
 from dataclasses import replace
+from time import monotonic
 
 from stepramp.controllers.contract import Controller
 from stepramp.devices.contact import Contact
@@ -83,11 +84,12 @@ class SettingOut:
         if view.soft_limits and view.state in UNDER_WAY:
             # What is asked counts from where the axes would come to rest, not from where they were last heard.
             self._watch.refresh()
+        begun_s = monotonic()
         with self._permit.setting_out():
             job()
             self._leases.drop(axes)
             if lease is not None:
-                self._leases.take(lease)
+                self._leases.take(lease, begun_s)
             self._view.change(lambda view: replace(view, shuttle=None))
             self._watch.refresh()
         then()

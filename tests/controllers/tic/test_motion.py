@@ -129,7 +129,8 @@ def test_setting_the_position_and_zeroing(bench: Bench, controller: TicControlle
     controller.set_position(to(-70_000))
     assert (bench.tic.position, bench.tic.position_uncertain, bench.tic.steps) == (-70_000, False, 0)
     assert controller.status().axes[0].position_steps == -70_000
-    controller.zero([0], 40)
+    assert only_rejection(lambda: controller.zero([0, 1], 40)) == ("axes", 1, "0: a Tic has one axis")
+    controller.zero([0, 0], 40)
     assert bench.rest().axes[0].position_steps == 0
     assert bench.tic.steps == 40
 

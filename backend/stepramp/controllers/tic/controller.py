@@ -226,7 +226,7 @@ class TicController(Controller, TriesRamps, ZeroesGauges):
         """Call the place where the motor is so many steps, and move it to 0."""
         stops = self._stops
         self._refuse_unable(self._look())
-        self.set_position([AxisCommand(axis, steps, "axes") for axis in axes])
+        self.set_position([AxisCommand(axis, steps, "axes") for axis in sorted(set(axes))])
         self._move(AxisCommand(0, 0, "axes"), 0, self._look(), stops)
 
     def stop(self, axes: Collection[int] | None = None) -> None:  # noqa: ARG002  # one motor, whichever is named
@@ -480,7 +480,8 @@ def _of_the_axis(commands: Sequence[AxisCommand]) -> AxisCommand:
     """Return what is asked of the only axis; Rejected when another one is named, or one twice."""
     for number, each in enumerate(commands):
         if each.axis or number:
-            field = each.field.rpartition(".")[0] + ".axis" if "." in each.field else "axis"
+            beside = each.field.rpartition(".")[0] + ".axis" if "." in each.field else "axis"
+            field = each.field if each.field == "axes" else beside
             raise Rejected([Rejection(field, each.axis, "each axis once" if not each.axis else ONE_AXIS)])
     return commands[0]
 
