@@ -179,7 +179,6 @@ static uint16_t steps_up(const struct axis *axis, uint32_t left)
 
 static void go_up(struct axis *axis, const struct piece_limits *limits, struct piece *piece)
 {
-    axis_look_ahead(axis); /* so that little is left to be looked for at a stop, however busy the line is */
     uint32_t left = steps_left(axis);
     if (left == 0) {
         turn_down(axis, limits, piece);

@@ -380,6 +380,12 @@ bool feed_poll(struct feed *feed)
             break;
         }
     }
+    /* So that little is left to be looked for at a stop. */
+    for (uint8_t left = SEGMENTS_AT_ONCE; has_time && left != 0 && feed->axis.phase == PHASE_UP; left--) {
+        if (!axis_look_ahead(&feed->axis)) {
+            break;
+        }
+    }
     return has_time;
 }
 

@@ -119,21 +119,15 @@ uint32_t line_steps_with(uint8_t follower, uint32_t leader_steps)
     return before + steps_in_piece((uint16_t)(leader_steps - begin), delta, total);
 }
 
-static void __attribute__((noinline)) begin_to_play(struct line_piece *piece, const struct line_segment *segment)
-{
-    for (uint8_t i = 0; i < MOST_FOLLOWERS; i++) {
-        piece->made[i] = line_steps_of(piece, i);
-        piece->delta[i] = segment->delta[i];
-    }
-    piece->total = segment->total;
-    piece->done = 0;
-}
-
-/* In two, since few segments begin a piece: saving the registers which that takes would be most of the work. */
 void line_play(struct line_piece *piece, const struct line_segment *segment, uint16_t steps)
 {
     if (segment->axes != 0 && segment->total != 0) {
-        begin_to_play(piece, segment);
+        for (uint8_t i = 0; i < MOST_FOLLOWERS; i++) {
+            piece->made[i] = line_steps_of(piece, i);
+            piece->delta[i] = segment->delta[i];
+        }
+        piece->total = segment->total;
+        piece->done = 0;
     }
     piece->done = (uint16_t)(piece->done + steps);
 }

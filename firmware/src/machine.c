@@ -74,7 +74,7 @@ static uint32_t without_sign(int32_t number)
     return number < 0 ? 0u - (uint32_t)number : (uint32_t)number;
 }
 
-/* The interval that is wanted of an axis of the mask [ticks]; 0: a run at no speed, which is a stop. */
+/* The interval that is requested of an axis of the mask [ticks]; 0: a run at no speed, which is a stop. */
 static uint32_t requested_interval(const struct feed *feed, int32_t value, bool is_run)
 {
     return is_run ? without_sign(value) : slew_interval_of(feed);

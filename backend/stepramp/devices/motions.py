@@ -117,9 +117,9 @@ class Motions:
         self._view.change(lambda view: view.with_known_positions(axes))
 
 
-def _told(request_number: Sequence[AxisCommand]) -> str:
-    return ", ".join(f"{each.value:g} (axis {each.axis})" for each in request_number)
+def _told(commands: Sequence[AxisCommand]) -> str:
+    return ", ".join(f"{each.value:g} (axis {each.axis})" for each in commands)
 
 
-def _axes_of(request_number: Sequence[AxisCommand]) -> list[int]:
-    return [each.axis for each in request_number]
+def _axes_of(commands: Sequence[AxisCommand]) -> list[int]:
+    return [each.axis for each in commands]

@@ -141,3 +141,7 @@ def test_a_limit_switch_on_the_way(bench: Bench, controller: TicController) -> N
     bench.tic.press("forward_limit")
     status = bench.rest()
     assert status.axes[0].target_steps == status.axes[0].position_steps < 1000
+    assert status.trouble == "The Tic has stopped at a limit switch: it does not go on when the switch is released."
+    bench.tic.press("forward_limit", False)
+    bench.pass_time(5.0)
+    assert bench.rest().axes[0].position_steps == status.axes[0].position_steps

@@ -66,6 +66,7 @@ LEAST_TIMEOUT_MS = 1000
 SLOW_DOWN = write(Write.TARGET_VELOCITY, 0)
 HALT = quick(Quick.HALT_AND_HOLD)
 NEUTRAL = (Input(InputState.TARGET_VELOCITY, 0), Input(InputState.HALT, 0))
+AT_A_SWITCH = "The Tic has stopped at a limit switch: it does not go on when the switch is released."
 ONE_AXIS = "0: a Tic has one axis"
 
 
@@ -304,7 +305,9 @@ class TicController(Controller, TriesRamps, ZeroesGauges):
         """Keep the Tic from timing out, and note what has ended its motion or let go of its motor."""
         stopped = self._leads and not self._goes_on(seen)
         let_go, self._holds = self._holds and not seen.general.holds, seen.general.holds
-        if stopped or let_go:
+        if stopped and _is_held_by_a_switch(seen):
+            self._past_trouble = AT_A_SWITCH
+        elif stopped or let_go:
             self._past_trouble = told_afterwards(seen.general.conditions, stopped=stopped, let_go=let_go)
 
     def _goes_on(self, seen: Variables) -> bool:
@@ -312,7 +315,8 @@ class TicController(Controller, TriesRamps, ZeroesGauges):
 
         Returns whether it still does what was asked, or had done that before.
         """
-        if seen.general.operation is OperationState.NORMAL:
+        # At a limit switch it rests with its target ahead, and would go on once the switch is released.
+        if seen.general.operation is OperationState.NORMAL and not _is_held_by_a_switch(seen):
             self._conversation.send(quick(Quick.RESET_COMMAND_TIMEOUT))
             self._is_going = _is_under_way(seen)
             return True
@@ -353,6 +357,8 @@ class TicController(Controller, TriesRamps, ZeroesGauges):
         if self._input() not in NEUTRAL:
             return False
         general = self._general()
+        if Flag.HOMING in general.flags:
+            return False
         return Flag.ENERGIZED not in general.flags or general.planning is not PlanningMode.TARGET_POSITION
 
     def _resting_position(self) -> tuple[int, Variables]:
@@ -467,13 +473,23 @@ def _is_under_way(seen: Variables) -> bool:
     """Whether the motor moves, or is about to: a limit switch may keep it from its target."""
     if seen.velocity or Flag.HOMING in seen.general.flags:
         return True
-    ahead = {
+    is_normal = seen.general.operation is OperationState.NORMAL
+    return bool(_ahead(seen)) and is_normal and not _is_held_by_a_switch(seen)
+
+
+def _is_held_by_a_switch(seen: Variables) -> bool:
+    """Whether the motor rests at a limit switch, with something ahead of it."""
+    limit = Flag.FORWARD_LIMIT if _ahead(seen) > 0 else Flag.REVERSE_LIMIT
+    return bool(_ahead(seen)) and not seen.velocity and limit in seen.general.flags
+
+
+def _ahead(seen: Variables) -> int:
+    """Return how far the Tic's target is ahead, in steps or as a speed, with its sign; 0: nowhere."""
+    return {
         PlanningMode.OFF: 0,
         PlanningMode.TARGET_POSITION: seen.general.target_position - seen.position,
         PlanningMode.TARGET_VELOCITY: seen.target_velocity,
     }[seen.general.planning]
-    limit = Flag.FORWARD_LIMIT if ahead > 0 else Flag.REVERSE_LIMIT
-    return bool(ahead) and seen.general.operation is OperationState.NORMAL and limit not in seen.general.flags
 
 
 def _of_the_axis(commands: Sequence[AxisCommand]) -> AxisCommand:
