@@ -13,7 +13,6 @@ enum { BYTES_A_ROUND = 10 };
 
 static void receive_bytes(void)
 {
-    port_skip_to_stop();
     int16_t byte;
     for (uint8_t left = BYTES_A_ROUND; left != 0 && (byte = serial_take()) != NO_BYTE; left--) {
         controller_receive((uint8_t)byte);
@@ -30,7 +29,11 @@ int main(void)
     sei();
     for (;;) {
         wdt_reset();
+        port_skip_to_stop();
         receive_bytes();
+        if (port_skip_to_stop()) { /* it has come in the meantime */
+            receive_bytes();
+        }
         controller_poll();
     }
 }

@@ -44,10 +44,15 @@ int16_t serial_take(void)
     return byte;
 }
 
-/* Looks back from the end: what was taken last is still there. Behind another stop it waits for its turn. */
+/* Looks back from the end: what was taken last is still there. Behind another stop it waits for its turn. One that has been
+ * found is not looked for again, as long as nothing comes in and nothing is taken. */
 bool port_skip_to_stop(void)
 {
+    static uint8_t found_in, found_unread;
     uint8_t in = received_in, unread = (uint8_t)(in - received_out), begin = 0, kind = 0, code = 0;
+    if (in == found_in && unread == found_unread) {
+        return unread != 0;
+    }
     if (unread == 0 || received[wrapped(in - 1)] != 0) {
         return false;
     }
@@ -66,6 +71,8 @@ bool port_skip_to_stop(void)
     }
     if (begin != 0) {
         received_out = (uint8_t)(in - begin);
+        found_in = in;
+        found_unread = begin;
     }
     return begin != 0;
 }

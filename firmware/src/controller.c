@@ -25,6 +25,7 @@ enum { NO_SESSION = 0 };
 enum { KIND_AT = 0, SESSION_AT = 1, TAG_AT = 3 };
 
 static bool is_written; /* the reply to the request that waits, which is not a frame yet */
+static bool gave_way;   /* its answer, to a stop that has come in: it is begun anew, should that turn out to be none */
 static uint16_t session = NO_SESSION;
 static uint8_t answered_kind, answered_tag; /* the request answered last */
 static uint8_t heard;                       /* when the last request came: port_milliseconds() / 256 */
@@ -82,11 +83,16 @@ static void answer_status(const uint8_t *body)
         reply_refusal(STATUS_OUT_OF_RANGE, body[0]);
         return;
     }
-    struct axis_report report = machine_report(body[0]);
+    struct axis_report report = machine_report(body[0]); /* takes a millisecond on the fastest lines */
+    gave_way = port_skip_to_stop();
+    if (gave_way) {
+        return;
+    }
     reply_u8(slots_are_writing() ? STATE_WRITING : machine_is_moving() ? STATE_MOVING : STATE_IDLE);
     reply_u8(report.state);
     reply_numbers(&report.position, 1);
-    reply_u32((uint32_t)machine_target(body[0]));
+    /* Of a run the target is its position, which another look might find a step further on. */
+    reply_u32((uint32_t)(machine_runs(body[0]) ? report.position : machine_target(body[0])));
     reply_numbers(&report.interval, 2); /* and steps made */
     reply_ramp_in_use();
     reply_u8(machine_is_enabled() ? ramp_store_flags() | FLAG_ENABLED : ramp_store_flags());
@@ -181,11 +187,15 @@ static void read_values(uint8_t axes, const uint8_t *bytes, int32_t values[MOST_
     }
 }
 
-/* Adds to each number of steps where that axis would come to rest. Returns the first axis that would leave the range,
- * or MOST_AXES. */
+/* Adds to each number of steps where that axis would come to rest, unless a stop comes in. Returns the first axis that
+ * would leave the range, or MOST_AXES. */
 static uint8_t make_targets(uint8_t axes, int32_t values[MOST_AXES])
 {
     for (uint8_t i = 0; i < MOST_AXES; i++, axes >>= 1) {
+        gave_way = port_skip_to_stop();
+        if (gave_way) {
+            return i;
+        }
         int32_t from = machine_target(i);
         int32_t target = (int32_t)((uint32_t)from + (uint32_t)values[i]);
         if ((axes & 1) != 0 && (values[i] >= 0) != (target >= from)) {
@@ -478,7 +488,11 @@ static bool answer_waiting(void)
         requests.waiting_length = 0;
     } else {
         answer(requests.kept, (uint8_t)(requests.waiting_length - MESSAGE_HEADER_BYTES));
-        is_written = true;
+        is_written = !gave_way;
+        if (gave_way) {
+            answered_kind = KIND_HELLO; /* nothing has been answered that could be asked for again */
+            gave_way = false;
+        }
     }
     return true;
 }

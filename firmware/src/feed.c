@@ -139,7 +139,10 @@ static void queue_closing(struct feed *feed)
 /* Time for which steps are queued [64 us]. */
 static uint16_t time_ahead(const struct feed *feed, uint16_t now)
 {
-    uint16_t ahead = (uint16_t)(feed->end_time - (feed->stage == FEED_PLAYING ? now : 0));
+    uint16_t ahead = feed->end_time;
+    if (feed->stage == FEED_PLAYING) {
+        ahead = (uint16_t)(ahead - now);
+    }
     return ahead <= INT16_MAX ? ahead : 0; /* it is past */
 }
 
@@ -246,14 +249,22 @@ static void retire(struct feed *feed)
     lane->retired = lane_next(offset);
 }
 
-/* Retires what has been played, one segment when a stop waits. That loaded last, the one before the tail, is being played. */
+/* Other things can be done first. */
+static bool can_wait(const struct feed *feed)
+{
+    return feed->stage != FEED_PLAYING || time_ahead(feed, port_time()) >= WAITING_TIME ||
+           !lane_has_room(lane_of(feed->index));
+}
+
+/* Retires what has been played: one segment when a stop waits, and not so many that nothing is queued meanwhile. That loaded
+ * last, the one before the tail, is being played. */
 static void retire_played(struct feed *feed)
 {
     const struct lane *lane = lane_of(feed->index);
     if (lane->retired == lane->tail) {
         return;
     }
-    while (lane_next(lane->retired) != lane->tail) {
+    for (uint8_t left = SEGMENTS_AT_ONCE; left != 0 && lane_next(lane->retired) != lane->tail; left--) {
         retire(feed);
         if (port_skip_to_stop()) {
             return;
@@ -335,8 +346,8 @@ static void become_idle(struct feed *feed)
 /* The engine has found the queue empty: at rest, or in a move. */
 static void parked(struct feed *feed)
 {
-    feed->seen_empty = lane_of(feed->index)->empty;
     const struct lane *lane = lane_of(feed->index);
+    feed->seen_empty = lane->empty;
     while (lane->retired != lane->tail) {
         retire(feed);
     }
@@ -354,11 +365,11 @@ static void parked(struct feed *feed)
     feed->end_ticks = 0;
 }
 
-/* Other things can be done first. */
-static bool can_wait(const struct feed *feed)
+/* To a stop. What only looks like one comes as often as a disturbed line makes it: an axis that has little time left queues
+ * something first. On a line, one axis queues for all, and is soon asked again. */
+static bool gives_way(const struct feed *feed)
 {
-    return feed->stage != FEED_PLAYING || time_ahead(feed, port_time()) >= WAITING_TIME ||
-           !lane_has_room(lane_of(feed->index));
+    return (line_is_on() || can_wait(feed)) && port_skip_to_stop();
 }
 
 bool feed_poll(struct feed *feed)
@@ -374,14 +385,14 @@ bool feed_poll(struct feed *feed)
         return true;
     }
     bool has_time = true;
-    for (uint8_t left = SEGMENTS_AT_ONCE; left != 0 && fill(feed); left--) {
+    for (uint8_t left = SEGMENTS_AT_ONCE; left != 0 && !gives_way(feed) && fill(feed); left--) {
         has_time = can_wait(feed);
-        if ((has_time && left < SEGMENTS_AT_ONCE) || port_skip_to_stop()) {
+        if (has_time && left < SEGMENTS_AT_ONCE) {
             break;
         }
     }
     /* So that little is left to be looked for at a stop. */
-    for (uint8_t left = SEGMENTS_AT_ONCE; has_time && left != 0 && feed->axis.phase == PHASE_UP; left--) {
+    for (uint8_t left = SEGMENTS_AT_ONCE; has_time && left != 0 && feed->axis.phase == PHASE_UP && !port_skip_to_stop(); left--) {
         if (!axis_look_ahead(&feed->axis)) {
             break;
         }

@@ -1,11 +1,10 @@
 #include "line.h"
 
-/* Steps of the leader in a piece, but for the last: that has all that are left, when those are not more than the engine
- * counts to. */
-static const uint16_t STEPS_OF_A_PIECE = 1u << 14, MOST_STEPS_OF_A_PIECE = 1u << 15;
+/* Steps of the leader in a piece, but for the last: as many as the engine counts to. */
+static const uint16_t STEPS_OF_A_PIECE = 1u << 15;
 
 struct line line;
-struct line_piece line_in_progress;
+struct line_progress line_in_progress;
 
 void line_begin(uint8_t leader, const uint32_t steps[MOST_AXES])
 {
@@ -20,39 +19,51 @@ void line_begin(uint8_t leader, const uint32_t steps[MOST_AXES])
             followers |= (uint8_t)(1u << axis);
             line.followers[line.follower_count] = axis;
             line.steps[line.follower_count] = steps[axis];
+            line.rest[line.follower_count] = line.total / 2;
             line.follower_count++;
         }
     }
     line.axes = LINE_AXES(1u << leader, followers);
 }
 
-/* The steps of a follower where the leader has made `made`, at the end of a piece: steps * made / total to the nearest,
- * halves up. Bit by bit, since the product has up to 62 bits. */
-static uint32_t steps_at(uint8_t follower, uint32_t made)
+/* The steps that a follower makes with some of the leader's: steps * leader_steps / total, and what remains of that is added
+ * to `rest`, which makes one step more when it comes to a whole one. Bit by bit, since the product has up to 62 bits: the
+ * leader's steps are the topmost `bits` bits. */
+static uint32_t share_of(uint8_t follower, uint32_t leader_steps, uint8_t bits, uint32_t *rest)
 {
     uint32_t over = 0, steps = 0;
-    for (uint8_t halves = 2 * 32; halves != 0; halves--) { /* of a bit: first all is doubled, then what it is worth added */
+    for (uint8_t halves = 2 * bits; halves != 0; halves--) { /* of a bit: first all is doubled, then what it is worth added */
         if ((halves & 1) == 0) {
             steps <<= 1;
             over <<= 1;
         } else {
-            if ((made & 1ul << 31) != 0) {
+            if ((leader_steps & 1ul << 31) != 0) {
                 over += line.steps[follower];
             }
-            made <<= 1;
+            leader_steps <<= 1;
         }
         if (over >= line.total) {
             over -= line.total;
             steps++;
         }
     }
-    return over >= line.total - over ? steps + 1 : steps;
+    *rest += over;
+    if (*rest >= line.total) {
+        *rest -= line.total;
+        steps++;
+    }
+    return steps;
 }
 
 /* The leader's steps in a piece that begins with so many left. */
 static uint16_t piece_of(uint32_t left)
 {
-    return left <= MOST_STEPS_OF_A_PIECE ? (uint16_t)left : STEPS_OF_A_PIECE;
+    return left < STEPS_OF_A_PIECE ? (uint16_t)left : STEPS_OF_A_PIECE;
+}
+
+static uint16_t share_of_piece(uint8_t follower, uint16_t leader_steps, uint32_t *rest)
+{
+    return (uint16_t)share_of(follower, (uint32_t)leader_steps << 16, 16, rest);
 }
 
 /* Lays out the next piece. */
@@ -62,9 +73,7 @@ static void begin_piece(void)
     line.queued.done = 0;
     line.left -= line.queued.total;
     for (uint8_t i = 0; i < line.follower_count; i++) {
-        uint32_t made = steps_at(i, line.total - line.left);
-        line.queued.delta[i] = (uint16_t)(made - line.queued.made[i]);
-        line.queued.made[i] = made;
+        line.queued.delta[i] = share_of_piece(i, line.queued.total, &line.rest[i]);
     }
 }
 
@@ -78,11 +87,12 @@ uint16_t line_most_steps(void)
 
 void line_fill_in(volatile struct line_segment *segment, bool is_step)
 {
-    segment->axes = is_step ? line.axes : 0;
+    segment->axes = 0;
     segment->total = 0;
     if (!is_step) {
         return;
     }
+    segment->axes = line.axes;
     if (line.queued.done == 0) {
         segment->total = line.queued.total;
         for (uint8_t i = 0; i < MOST_FOLLOWERS; i++) {
@@ -102,28 +112,31 @@ static uint16_t steps_in_piece(uint16_t done, uint16_t delta, uint16_t total)
     return (uint16_t)(((uint32_t)done * delta + total / 2) / total);
 }
 
-uint32_t line_steps_of(const struct line_piece *piece, uint8_t follower)
+uint32_t line_steps_of(const struct line_progress *progress, uint8_t follower)
 {
-    return piece->made[follower] + steps_in_piece(piece->done, piece->delta[follower], piece->total);
+    const struct line_piece *piece = &progress->piece;
+    return progress->made[follower] + steps_in_piece(piece->done, piece->delta[follower], piece->total);
 }
 
 uint32_t line_steps_with(uint8_t follower, uint32_t leader_steps)
 {
-    uint32_t begin = leader_steps - leader_steps % STEPS_OF_A_PIECE;
-    if (begin != 0 && line.total - begin + STEPS_OF_A_PIECE <= MOST_STEPS_OF_A_PIECE) {
-        begin -= STEPS_OF_A_PIECE; /* the last piece is a longer one */
+    if (leader_steps == line.total) { /* most often, and sooner known */
+        return line.steps[follower];
     }
+    uint32_t begin = leader_steps - leader_steps % STEPS_OF_A_PIECE;
     uint16_t total = piece_of(line.total - begin);
-    uint32_t before = steps_at(follower, begin);
-    uint16_t delta = (uint16_t)(steps_at(follower, begin + total) - before);
+    uint32_t rest = line.total / 2;
+    uint32_t before = share_of(follower, begin, 32, &rest);
+    uint16_t delta = share_of_piece(follower, total, &rest);
     return before + steps_in_piece((uint16_t)(leader_steps - begin), delta, total);
 }
 
-void line_play(struct line_piece *piece, const struct line_segment *segment, uint16_t steps)
+void line_play(struct line_progress *progress, const struct line_segment *segment, uint16_t steps)
 {
+    struct line_piece *piece = &progress->piece;
     if (segment->axes != 0 && segment->total != 0) {
         for (uint8_t i = 0; i < MOST_FOLLOWERS; i++) {
-            piece->made[i] = line_steps_of(piece, i);
+            progress->made[i] = line_steps_of(progress, i);
             piece->delta[i] = segment->delta[i];
         }
         piece->total = segment->total;

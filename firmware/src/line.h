@@ -12,11 +12,16 @@
 extern "C" {
 #endif
 
-/* A piece as far as it has been queued, or played. */
+/* A piece of it. */
 struct line_piece {
     uint16_t total; /* steps of the leader; 0: none yet */
-    uint16_t done;  /* of them */
+    uint16_t done;  /* of them, as far as they have been queued, or played */
     uint16_t delta[MOST_FOLLOWERS];
+};
+
+/* How far it has been played. */
+struct line_progress {
+    struct line_piece piece;
     uint32_t made[MOST_FOLLOWERS]; /* steps of the followers in the pieces before */
 };
 
@@ -29,14 +34,15 @@ struct line {
     uint32_t left;                     /* steps of the leader that are in no piece yet */
     uint32_t total;                    /* steps of the leader */
     uint32_t steps[MOST_FOLLOWERS];
+    uint32_t rest[MOST_FOLLOWERS];     /* of `total`, by which their steps are due a step more: of what has been laid out */
     struct line_piece queued;
-    struct line_piece played; /* and retired */
+    struct line_progress played;       /* and retired */
 };
 
 extern struct line line;
 
 /* As far as it had been played when feed_progress looked. */
-extern struct line_piece line_in_progress;
+extern struct line_progress line_in_progress;
 
 static inline bool line_is_on(void)
 {
@@ -62,7 +68,7 @@ uint32_t line_steps_with(uint8_t follower, uint32_t leader_steps);
 void line_fill_in(volatile struct line_segment *segment, bool is_step);
 
 /* A segment of the line has been played, or `steps` of it. */
-void line_play(struct line_piece *piece, const struct line_segment *segment, uint16_t steps);
+void line_play(struct line_progress *progress, const struct line_segment *segment, uint16_t steps);
 
 static inline void line_retire(const struct line_segment *segment, uint16_t steps)
 {
@@ -70,7 +76,7 @@ static inline void line_retire(const struct line_segment *segment, uint16_t step
 }
 
 /* Steps of a follower as far as its line has been played. */
-uint32_t line_steps_of(const struct line_piece *piece, uint8_t follower);
+uint32_t line_steps_of(const struct line_progress *progress, uint8_t follower);
 
 #ifdef __cplusplus
 }

@@ -246,17 +246,17 @@ static uint8_t follower_index(const struct feed *feed)
 }
 
 /* The steps of an axis that follows in a line, as far as that has been played. */
-static uint32_t follower_steps(const struct feed *feed, const struct line_piece *piece)
+static uint32_t follower_steps(const struct feed *feed, const struct line_progress *progress)
 {
     uint8_t follower = follower_index(feed);
-    return follower == MOST_FOLLOWERS ? 0 : line_steps_of(piece, follower);
+    return follower == MOST_FOLLOWERS ? 0 : line_steps_of(progress, follower);
 }
 
 /* The line has come to rest: its axes are axes of their own again. Only the leader's had another's ramp. */
-static void end_line(const struct line_piece *piece)
+static void end_line(const struct line_progress *progress)
 {
     for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
-        feed->played.position = moved(feed->played.position, feed->pin_backward, follower_steps(feed, piece));
+        feed->played.position = moved(feed->played.position, feed->pin_backward, follower_steps(feed, progress));
         axis_halt(&feed->axis, feed->played.position);
     }
     line.is_on = false;
@@ -303,7 +303,7 @@ void machine_halt(uint8_t mask)
     }
     engine_halt(mask);
     for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
-        if (feed_is_moving(feed) && (mask & feed->bit) != 0) {
+        if ((mask & feed->bit) != 0) {
             feed_halted(feed);
         }
     }
@@ -400,6 +400,11 @@ struct axis_report machine_report(uint8_t index)
         report.interval = feed_interval(feed);
     }
     return report;
+}
+
+bool machine_runs(uint8_t index)
+{
+    return feeds[index].axis.runs;
 }
 
 int32_t machine_target(uint8_t index)

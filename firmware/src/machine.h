@@ -58,6 +58,9 @@ void machine_halt(uint8_t axes);
 
 struct axis_report machine_report(uint8_t axis);
 
+/* At a speed, without a target. */
+bool machine_runs(uint8_t axis);
+
 /* [steps] Where the motor will come to rest; while it runs at a speed, and at rest, its position. */
 int32_t machine_target(uint8_t axis);
 

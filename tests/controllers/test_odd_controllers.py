@@ -101,7 +101,7 @@ def test_speeds_slower_than_the_slowest_are_refused(controller: StepRampControll
         controller.run([AxisCommand(0, speed, "speed_steps_per_s")])
     [rejection] = caught.value.rejections
     assert (rejection.field, rejection.value) == ("speed_steps_per_s", speed)
-    assert rejection.allowed.endswith("and 0 or at least 0.00745058 either way")
+    assert rejection.allowed.endswith("and 0 or at least 0.00745058 steps/s either way")
 
 
 @contextmanager

@@ -2,37 +2,28 @@
 
 from __future__ import annotations
 
-import os
-import select
-import threading
-import tty
 from pathlib import Path
-from typing import Self
 
+from controllers.pseudo_terminal import PseudoTerminal
 from stepramp.controllers.stepramp.frames import FrameSplitter
 from stepramp.controllers.stepramp.messages.message import Message
 from stepramp.controllers.virtual.controller import VirtualController
 
 
-class UsbBoard:
+class UsbBoard(PseudoTerminal):
     """Plugged in while the context lasts.
 
     unplug_at: the cable comes out when a request of this kind has arrived; after: so many of them.
     """
 
     def __init__(self, controller: VirtualController | None = None) -> None:
+        super().__init__()
         self.controller = controller or VirtualController()
         self.requests: list[int] = []
         self.unheard: list[int] = []
         self._is_mute = False
         self._unplug_at: tuple[int, int] | None = None
         self._splitter = FrameSplitter()
-        self._unplugged = threading.Event()
-        self._far_end, near_end = os.openpty()
-        tty.setraw(near_end)
-        self.port = os.ttyname(near_end)
-        os.close(near_end)
-        self._thread = threading.Thread(target=self._serve)
 
     def unplug_at(self, kind: int, after: int = 1) -> None:
         self._unplug_at = (kind, after + self.requests.count(kind))
@@ -45,33 +36,10 @@ class UsbBoard:
         """Hear and answer again."""
         self._is_mute = False
 
-    def unplug(self) -> None:
-        self._unplugged.set()
-        self._thread.join()
-
-    def __enter__(self) -> Self:
-        self._thread.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.unplug()
-
-    def _serve(self) -> None:
-        while not self._unplugged.is_set():
-            data = b""
-            if select.select([self._far_end], [], [], 0.005)[0]:
-                try:
-                    data = os.read(self._far_end, 4096)
-                except OSError:
-                    # Nobody has the port open: what Linux says of a pseudo-terminal until somebody does. Time goes on.
-                    self.controller.exchange(b"")
-                    self._unplugged.wait(0.01)
-                    continue
-            is_mute = self._is_mute
-            self._note(data, self.unheard if is_mute else self.requests)
-            if not self._unplugged.is_set() and (said := self.controller.exchange(b"" if is_mute else data)):
-                os.write(self._far_end, said)
-        os.close(self._far_end)
+    def exchange(self, data: bytes) -> bytes:
+        is_mute = self._is_mute
+        self._note(data, self.unheard if is_mute else self.requests)
+        return b"" if self._unplugged.is_set() else self.controller.exchange(b"" if is_mute else data)
 
     def _note(self, data: bytes, requests: list[int]) -> None:
         for frame in self._splitter.feed(data):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from contextlib import suppress
 
 import pytest
 
@@ -38,6 +39,41 @@ def test_a_jog_that_was_let_go_of_before_it_began(devices: Devices, port: str) -
     with pytest.raises(Refused, match="let go before it began"):
         device.run([AxisCommand(0, 400.0, "speed_steps_per_s")], lease)
     assert device.view.state is DeviceState.READY
+
+
+@pytest.mark.parametrize("lost", [0, 1, 2])
+def test_a_jog_that_is_let_go_of_while_it_sets_out(bench: Bench, lost: int) -> None:
+    """Wherever that is, also between a run whose answer was lost and its repetition: none is sent from then on but what
+    is on its way, and a stop comes after that."""
+    place, moved = 0, 0
+    while let_go_at(bench, place, lost):
+        seen = bench.witness.seen
+        bench.poll()
+        if RunRequest.KIND in seen:
+            moved += 1
+            assert StopRequest.KIND in seen[len(seen) - seen[::-1].index(RunRequest.KIND) :], place
+        place += 1
+    assert place > moved > 0
+
+
+def let_go_at(bench: Bench, place: int, lost: int) -> bool:
+    """Begin a jog, and let go of it where its port's thread gives way for that time; return whether it came to that."""
+    bench.reset()
+    bench.witness.unanswered[RunRequest.KIND] = lost
+    lease = Lease({0: 400.0}, 1e6)
+    sent_before: list[int] = []
+
+    def let_go() -> None:
+        bench.device.end_run(lease)
+        sent_before.append(bench.witness.seen.count(RunRequest.KIND))
+
+    bench.places.choose(place, let_go)
+    with suppress(StepRampError):
+        bench.device.run([AxisCommand(0, 400.0, "speed_steps_per_s")], lease)
+    bench.places.chosen = None
+    bench.witness.unanswered.clear()
+    assert bench.witness.seen.count(RunRequest.KIND) - (sent_before or [lost])[0] <= 1, place
+    return bool(sent_before)
 
 
 def test_a_jog_that_nobody_renews_slows_down(devices: Devices, port: str) -> None:

@@ -11,6 +11,7 @@ from stepramp.controllers.stepramp.settings import StepRampSettings
 from stepramp.devices.device import Device
 from stepramp.devices.registry import Devices
 from stepramp.devices.view import DeviceState
+from stepramp.devices.writing import PlanPush, SendPush
 from stepramp.errors import Refused
 
 
@@ -29,6 +30,22 @@ def test_a_ramp_on_trial_and_what_becomes_of_it(devices: Devices, port: str) -> 
     device.restore()
     assert (device.view.ramp.sequence, len(device.view.axes)) == (3, 1)
     assert device.view.state is DeviceState.READY
+
+
+def test_a_stop_ends_a_push_that_is_still_being_planned(devices: Devices, port: str) -> None:
+    device = devices.connect(port)
+    device.push([design()])
+
+    def stopped_meanwhile(plan: PlanPush) -> SendPush:
+        send = plan()
+        device.stop().result(10)
+        return send
+
+    with pytest.raises(Refused, match="A stop came before anything was sent"):
+        device.push([design(), design()], None, "keep", stopped_meanwhile)
+    assert (device.view.ramp.sequence, len(device.view.axes), device.view.progress) == (1, 1, None)
+    device.push([design(), design()])
+    assert len(device.view.axes) == 2, "what is asked for after it works"
 
 
 @pytest.mark.parametrize("end", [Device.keep, Device.roll_back, Device.restore])

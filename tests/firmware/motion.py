@@ -149,6 +149,7 @@ class Machine:
         host.ask("position", 15, 0, 0, 0, 0)
         host.ask("round", round_ticks)
         host.ask("put", 0)
+        host.ask("stop_comes", 0)
         host.ask("trace", 255, 0)
 
     def ask(self, *words: object) -> tuple[int, ...]:

@@ -5,6 +5,7 @@
  *   use BYTES SETTINGS          uses an image and packed settings; what was played is forgotten
  *   round TICKS                 time between two rounds of the main loop
  *   put TICKS                   time that passes while steps are put into a queue, the engine playing meanwhile
+ *   stop_comes 0 or 1           whether a stop is always waiting to be read, which ends the main loop's rounds early
  *   move MASK T T T T           `STATUS DETAIL`; also: run MASK I I I I, line MASK RAMP S S S S, zero MASK STEPS
  *   position MASK P P P P       sets positions
  *   stop MASK, halt MASK
@@ -34,6 +35,7 @@ struct event {
     uint8_t axes, backward;
 };
 
+static bool a_stop_comes;
 static uint64_t now, ticks_a_round = 100, ticks_a_put, ticks_a_ms = 2000;
 static struct event *events;
 static size_t event_count;
@@ -94,7 +96,7 @@ bool port_has_received(void)
 
 bool port_skip_to_stop(void)
 {
-    return false;
+    return a_stop_comes;
 }
 
 /* ---- the trace ---- */
@@ -239,6 +241,9 @@ static void do_command(const char *command)
         printf("ok\n");
     } else if (strcmp(command, "put") == 0) {
         ticks_a_put = strtoull(strtok(NULL, " \n"), NULL, 10);
+        printf("ok\n");
+    } else if (strcmp(command, "stop_comes") == 0) {
+        a_stop_comes = number() != 0;
         printf("ok\n");
     } else if (strcmp(command, "position") == 0) {
         uint8_t mask = number();

@@ -18,6 +18,8 @@ PLANS = {
 STEPS = (20_000, -19_999, 12_345, -3)
 SLOW = RampDesign(20_000, 400_000, 400_000)
 LATE_US = 10.0
+LATE_AT_A_PIECE_US = 12.0
+"""Of the step before a next piece begins, and a few after it."""
 TOGETHER_CYCLES = 16
 """The pins of an event rise together, axis 3's a few cycles after the others'."""
 
@@ -60,16 +62,21 @@ def test_lines_of_all_slopes(simulated_controller: Make, steps: tuple[int, ...])
     check_line(played, SLOW, steps)
 
 
-def test_a_line_of_several_pieces(simulated_controller: Make) -> None:
-    """More steps than the engine counts to: each piece begins and ends within half a step of the line."""
-    fast = PLANS[2]
-    played = play(simulated_controller, image([fast] * 2), along_a_line(70_000, -23_456))
+@pytest.mark.parametrize("count", PLANS)
+def test_a_line_of_several_pieces(simulated_controller: Make, record_property: Callable[..., None], count: int) -> None:
+    """Each piece begins and ends within half a step of the line, and no step is late where the next one begins."""
+    fast, steps = PLANS[count], (70_000, -23_456, 69_999, -69_998)[:count]
+    played = play(simulated_controller, image([fast] * count), along_a_line(*steps))
     played.assert_nothing_lost()
-    lead, other = played.steps(0), played.steps(1)
-    assert (lead.size, other.size) == (70_000, 23_456)
-    made = np.searchsorted(other, lead + TOGETHER_CYCLES)
-    assert np.abs(made - np.arange(1, 70_001) * 23_456 / 70_000).max() <= 1
-    assert lateness_us(lead, fast.ramp.intervals(70_000), 1).max() <= LATE_US
+    lead = played.steps(0)
+    for axis, whole in list(enumerate(steps))[1:]:
+        made = played.steps(axis)
+        assert (lead.size, made.size) == (70_000, abs(whole))
+        at = np.searchsorted(made, lead + TOGETHER_CYCLES)
+        assert np.abs(at - np.arange(1, 70_001) * abs(whole) / 70_000).max() <= 1
+    late = float(lateness_us(lead, fast.ramp.intervals(70_000), 1).max())
+    record_property("late_us", late)
+    assert late <= LATE_AT_A_PIECE_US
 
 
 def test_lines_and_moves_take_turns(simulated_controller: Make) -> None:
@@ -99,7 +106,9 @@ def test_a_line_is_left_early(simulated_controller: Make, kind: int) -> None:
     lead = played.statuses[0].position
     assert 1500 <= lead < 50_000
     for axis, whole in ((1, -30_000), (2, 777)):
-        assert abs(played.statuses[axis].position - lead * whole / 50_000) <= 0.5
+        # A step is made where the piece, of 32,768 of the leader's steps, calls for it: that ends within half a step of
+        # the line, and the axis is within half a step of the piece.
+        assert abs(played.statuses[axis].position - lead * whole / 50_000) <= 1
     if kind == STOP:
         assert_good(played.edges, SLOW.limits(lead, late_us=LATE_US))
 

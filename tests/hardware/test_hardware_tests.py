@@ -14,7 +14,8 @@ MODULE = Path(__file__).with_name("test_real_controller.py")
 def run(*options: str, **environment: str) -> str:
     """Run the module by itself; return the summary's last line."""
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", str(MODULE), *options]
-    settings = {name: value for name, value in os.environ.items() if name != "CI"} | environment
+    outer = {"CI", "PYTEST_ADDOPTS"}
+    settings = {name: value for name, value in os.environ.items() if name not in outer} | environment
     result = subprocess.run(command, capture_output=True, text=True, check=False, env=settings, cwd=MODULE.parents[2])
     return result.stdout.rstrip().splitlines()[-1]
 

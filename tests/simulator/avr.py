@@ -101,7 +101,8 @@ class SimulatedController:
     `boot_ms`: opening the port resets it, and it is deaf for so long, like an Arduino Uno (0: opening does nothing).
     `real_time`: at 16 MHz; otherwise as fast as this machine can. `eeprom`: the file that keeps its EEPROM (default: a
     new one in `workdir`). `cut_power_at_write`: the power fails in the middle of that EEPROM write, counted from 1;
-    `start` runs it again, with the power on for good.
+    `start` runs it again, with the power on for good. `press`: a button between pin 14 to 19 and ground, from when to
+    when it is pressed [ms].
     """
 
     def __init__(
@@ -113,6 +114,7 @@ class SimulatedController:
         real_time: bool = True,
         eeprom: Path | None = None,
         cut_power_at_write: int | None = None,
+        press: tuple[int, int, int] | None = None,
     ) -> None:
         self.port = str(workdir / "avr-tty")
         self.eeprom = eeprom or workdir / "eeprom.bin"
@@ -123,6 +125,7 @@ class SimulatedController:
         self._boot_ms = boot_ms
         self._real_time = real_time
         self._cut_power_at_write = cut_power_at_write
+        self._press = press
         self._process: subprocess.Popen[str] | None = None
 
     def start(self) -> None:
@@ -135,6 +138,7 @@ class SimulatedController:
         if self._cut_power_at_write is not None:
             command += ["--cut-power-at", str(self._cut_power_at_write)]
             self._cut_power_at_write = None
+        command += [] if self._press is None else ["--press", "{}:{}-{}".format(*self._press)]
         self._process = subprocess.Popen([*command, str(self._firmware)], stdout=subprocess.PIPE, text=True)
         if self._process.stdout is None or self._process.stdout.readline() != "ready\n":
             self._process.kill()

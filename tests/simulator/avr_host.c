@@ -24,6 +24,7 @@ static const char help[] =
     "  --eeprom FILE     keep the EEPROM in FILE\n"
     "  --cut-power-at N  cut the power in the middle of EEPROM write N, counted from 1\n"
     "  --boot-ms N       opening the terminal resets the processor, which then is deaf for N ms (0: no reset)\n"
+    "  --press PIN:A-B   press a button between a pin, 14 to 19, and ground from A to B ms\n"
     "  --free-running    run as fast as possible (default: in real time)\n"
     "  --batch           no terminal: run as fast as possible until the program sleeps for good, say what was counted\n"
     "  --data FILE       with --batch: put the bytes of FILE into the program memory, from 0x4000 on\n"
@@ -40,7 +41,7 @@ enum { DATA_BEGINS = 0x4000, MCUSR = 0x54, POWER_ON = 1, EXTERNAL_RESET = 2, TIM
 #define LONGEST_BATCH_CYCLES (600 * CLOCK_HZ)
 
 struct options {
-    const char *link, *edges, *eeprom, *firmware;
+    const char *link, *edges, *eeprom, *firmware, *press;
     long cut_power_at;
     unsigned boot_ms;
     bool free_running, batch, busy;
@@ -131,7 +132,8 @@ static bool parse_options(int count, char **words, struct options *options)
         {"batch", no_argument, NULL, 'B'},         {"data", required_argument, NULL, 'd'},
         {"sent", required_argument, NULL, 's'},    {"busy", no_argument, NULL, 'y'},
         {"requests", required_argument, NULL, 'r'}, {"log", required_argument, NULL, 'g'},
-        {"help", no_argument, NULL, 'h'},          {NULL, 0, NULL, 0}};
+        {"press", required_argument, NULL, 'p'},   {"help", no_argument, NULL, 'h'},
+        {NULL, 0, NULL, 0}};
     int option;
     while ((option = getopt_long(count, words, "", names, NULL)) != -1) {
         switch (option) {
@@ -147,6 +149,7 @@ static bool parse_options(int count, char **words, struct options *options)
         case 'y': options->busy = true; break;
         case 'r': options->requests = optarg; break;
         case 'g': options->log = optarg; break;
+        case 'p': options->press = optarg; break;
         case 'h': fputs(help, stdout); exit(0);
         default: return false;
         }
@@ -223,7 +226,8 @@ static bool load(const struct options *options)
     interrupts_attach(avr);
     avr_register_io(avr, &resetting);
     return eeprom_attach(avr, options->eeprom, options->cut_power_at, on_power_cut) &&
-           edges_attach(avr, options->edges) && attach_line(options);
+           edges_attach(avr, options->edges) && (!options->press || button_attach(avr, options->press)) &&
+           attach_line(options);
 }
 
 /* Resets the processor. It begins to run after `boot_ms`, as its boot loader waits so long for a new program. */

@@ -85,6 +85,11 @@ long edges_of_pin(int pin);
 /* When there was one of a step pin, the last time. */
 avr_cycle_count_t edges_last_step(void);
 
+/* ---- button.c ---- */
+
+/* `press` as "16:200-300": pin 16, of A0 to A5, is connected to ground from 200 to 300 ms. Returns false when it isn't. */
+bool button_attach(avr_t *avr, const char *press);
+
 /* ---- conversation.c: requests at moments that are the same each time ---- */
 
 /* `requests` has a line for each frame: "wait quiet pin edges hex". It begins to come in `wait` cycles after the answer to the one

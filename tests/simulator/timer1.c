@@ -1,7 +1,8 @@
 /* Timer1 as the firmware uses it, in the place of simavr's: it counts up freely, and both compare channels are exact to
- * the cycle. */
+ * the cycle. Channel A can move pin 9, OC1A. */
 #include <string.h>
 
+#include <simavr/avr_ioport.h>
 #include <simavr/avr_timer.h>
 #include <simavr/sim_cycle_timers.h>
 #include <simavr/sim_interrupts.h>
@@ -9,9 +10,10 @@
 
 #include "host.h"
 
-enum { TIFR1 = 0x36, TIMSK1 = 0x6F, TCCR1A = 0x80, TCCR1B = 0x81 };
+enum { TIFR1 = 0x36, TIMSK1 = 0x6F, TCCR1A = 0x80, TCCR1B = 0x81, TCCR1C = 0x82 };
 enum { TCNT1L = 0x84, TCNT1H = 0x85, OCR1AL = 0x88, OCR1AH = 0x89, OCR1BL = 0x8A, OCR1BH = 0x8B };
-enum { CHANNELS = 2 };
+enum { CHANNELS = 2, OC1A_BIT_OF_PORT_B = 1 };
+enum { OUTPUT_A_SHIFT = 6, OUTPUT_CLEARS = 2, OUTPUT_SETS = 3, FORCE_A = 1 << 7 };
 
 struct channel {
     avr_int_vector_t *vector;
@@ -63,11 +65,27 @@ static void raise_flag(struct channel *channel)
     }
 }
 
+/* What a match of channel A does to its pin; the programs here write to no other pin of port B meanwhile. */
+static void move_output_a(void)
+{
+    unsigned mode = avr->data[TCCR1A] >> OUTPUT_A_SHIFT;
+    if (mode == OUTPUT_CLEARS || mode == OUTPUT_SETS) {
+        avr_raise_irq(avr_io_getirq(avr, AVR_IOCTL_IOPORT_GETIRQ('B'), OC1A_BIT_OF_PORT_B), mode == OUTPUT_SETS);
+    }
+}
+
 /* The flag goes up at the end of the tick in which the counter has the compare value. */
 static avr_cycle_count_t on_match(avr_t *mcu, avr_cycle_count_t when, void *channel)
 {
     (void)mcu;
     raise_flag(channel);
+    if (channel == &channels[0]) {
+        /* simavr calls this at the end of an instruction; the pin has changed in the midst of it. */
+        avr_cycle_count_t now = avr->cycle;
+        avr->cycle = when;
+        move_output_a();
+        avr->cycle = now;
+    }
     return when + 65536ULL * prescaler;
 }
 
@@ -86,6 +104,14 @@ static void on_plain_write(avr_t *mcu, avr_io_addr_t address, uint8_t value, voi
 {
     (void)unused;
     mcu->data[address] = value;
+}
+
+static void on_force_write(avr_t *mcu, avr_io_addr_t address, uint8_t value, void *unused)
+{
+    (void)mcu, (void)address, (void)unused;
+    if (value & FORCE_A) {
+        move_output_a();
+    }
 }
 
 static void on_compare_write(avr_t *mcu, avr_io_addr_t address, uint8_t value, void *unused)
@@ -184,6 +210,7 @@ void timer1_attach(avr_t *mcu)
     }
     replace(TCCR1A, on_plain_write, NULL);
     replace(TCCR1B, on_clock_select, NULL);
+    replace(TCCR1C, on_force_write, NULL);
     replace(TCNT1L, on_count_write, on_count_read);
     replace(TCNT1H, on_plain_write, NULL);
     replace(OCR1AL, on_compare_write, NULL);

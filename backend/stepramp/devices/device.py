@@ -231,6 +231,10 @@ class Device:
         """Return the trace of the last move that was traced, as far as it is known; Refused before there was one."""
         return self._traces.last()
 
+    def trace_as_csv(self) -> str:
+        """Return that trace as a captured file; Refused unless it has each step."""
+        return self._traces.last_as_csv()
+
     def being_stopped(self) -> AbstractContextManager[None]:
         """Let nothing move while a stop is being answered, nor afterwards what was asked until then."""
         return self._stopping.being_stopped()

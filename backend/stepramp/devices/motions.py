@@ -15,10 +15,10 @@ from stepramp.devices.limit_checks import (
     refuse_targets,
 )
 from stepramp.devices.live_view import LiveView
+from stepramp.devices.permit import LetGo
 from stepramp.devices.setting_out import SettingOut
 from stepramp.devices.soft_limits import Span
 from stepramp.devices.watch import Watch
-from stepramp.errors import Refused
 
 
 class Motions:
@@ -75,7 +75,7 @@ class Motions:
         def begin(controller: Controller) -> None:
             self._control.refuse_without(lease.page)
             if not lease.holds:
-                raise Refused("It was let go before it began; nothing moved.")
+                raise LetGo
             refuse_outward(self._view.now, speeds, controller.steps_to_rest)
             controller.run(speeds)
 

@@ -61,7 +61,7 @@ class SettingOut:
         at = self.moment(request_number)
 
         def set_out(controller: Controller) -> None:
-            self.newly(axes, lambda: self.permitted(axes, at, lambda: begin(controller)), lease, then)
+            self.newly(axes, lambda: self.permitted(axes, at, lambda: begin(controller), lease), lease, then)
 
         try:
             self._contact.ask(set_out)
@@ -100,10 +100,12 @@ class SettingOut:
             self.permitted(axes, request_number, begin)
             self._watch.refresh()
 
-    def permitted(self, axes: Collection[int], request_number: int, begin: Callable[[], None]) -> None:
+    def permitted(
+        self, axes: Collection[int], request_number: int, begin: Callable[[], None], lease: Lease | None = None
+    ) -> None:
         """Set axes in motion for what was asked then."""
         try:
-            with self._permit.given(request_number):
+            with self._permit.given(request_number, lease):
                 begin()
         except Exception as error:
             if self._permit.may_have_set_out(error):

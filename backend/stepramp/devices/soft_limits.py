@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from stepramp.controllers.contract import AxisCommand
 from stepramp.design import MOST_STEPS
-from stepramp.errors import Rejected, Rejection
+from stepramp.errors import Limits, Rejected, Rejection
 
 REACTION_S = 0.5
 """What may pass until a run that comes near a limit is slowed down [s]: while a request isn't answered it is looked
@@ -27,6 +27,11 @@ class Span:
     def is_open(self, direction: int) -> bool:
         """Whether there is no limit in a direction, given by its sign."""
         return (self.highest_steps if direction > 0 else self.lowest_steps) is None
+
+    def limits(self, note: str, origin_steps: int = 0) -> Limits:
+        """Return where an axis may go as limits, counted from an origin [steps]. note: see Limits."""
+        low, high = (None if end is None else end - origin_steps for end in (self.lowest_steps, self.highest_steps))
+        return Limits(low, high, "steps", is_whole=True, note=note)
 
     @property
     def words(self) -> str:
@@ -57,10 +62,15 @@ def refuse_beyond(
         if not span.contains(target):
             to = f", and this leads to {target:,}" if relative else ""
             allowed = f"what stays within the soft limits of axis {each.axis}, {span.words}{to}"
-            rejections.append(Rejection(each.field, int(each.value), allowed))
+            note = f", the soft limits of axis {each.axis}{' from there' if relative and start else ''}"
+            limits = span.limits(note, start if relative else 0)
+            rejections.append(Rejection(each.field, int(each.value), allowed, limits))
         elif abs(target - start) > MOST_STEPS and span.is_open(target - start):
             allowed = f"a way of up to {MOST_STEPS:,} steps at a time where axis {each.axis} has no soft limit"
-            rejections.append(Rejection(each.field, int(each.value), allowed))
+            origin = 0 if relative else start
+            note = f", since axis {each.axis} has no soft limit there"
+            limits = Limits(origin - MOST_STEPS, origin + MOST_STEPS, "steps", is_whole=True, note=note)
+            rejections.append(Rejection(each.field, int(each.value), allowed, limits))
     if rejections:
         raise Rejected(rejections)
 

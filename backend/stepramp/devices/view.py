@@ -3,6 +3,7 @@
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
+from time import monotonic
 
 from stepramp.controllers.capabilities import CapabilityName
 from stepramp.controllers.contract import Activity, AxisStatus, ControllerStatus, PushReport, StoredRamp
@@ -95,7 +96,12 @@ class DeviceView:
     soft_limits: Mapping[int, Span] = field(default_factory=dict)
     """Of the axes that have some."""
     heard_s: float = field(default=0.0, compare=False)
-    """When the controller said so, by the monotonic clock [s]."""
+    """When the controller said so, by the monotonic clock; 0 before it has said anything [s]."""
+
+    @property
+    def age_s(self) -> float | None:
+        """How long ago the controller said so [s]; None before it has said anything."""
+        return monotonic() - self.heard_s if self.heard_s else None
 
     def with_status(self, status: ControllerStatus) -> "DeviceView":
         """Return the device as its controller now says it is."""

@@ -60,9 +60,9 @@ class Watch:
     def refresh(self) -> None:
         """Ask the controller what it does, and show it."""
         self._polled_s = monotonic()
-        status = self._contact.controller.status()
+        # Before it is asked: a stop in the midst of that makes the view old again.
         self.is_view_old = False
-        self.show(status)
+        self.show(self._contact.controller.status())
 
     def show(self, status: ControllerStatus) -> None:
         """Show what the controller says of itself."""

@@ -41,14 +41,17 @@ class Writing:
         mode: PushMode,
         planned: Callable[[PlanPush], SendPush],
     ) -> PushReport:
-        """Have the controller use the designs' ramps, and store them or not."""
+        """Have the controller use the designs' ramps, and store them or not; a stop ends it until it is sent."""
         connection = controller, worker = self._contact.ready()
         self._contact.capable(controller, StoresRamps if mode == "keep" else TriesRamps)
         if self._view.now.state in UNDER_WAY:
             raise Refused("The motor moves: stop it first.")
+        stops = self._view.now.stops
         self._show(Progress(PushStage.PLANNING, 0, 0))
         try:
             send = planned(lambda: controller.prepare_push(designs, first_axis, mode))
+            if self._view.now.stops != stops:
+                raise Refused("A stop came before anything was sent: the controller has the ramps that it had.")
             if self._contact.ready() != connection:
                 raise Refused("The device was lost and connected again in the meantime: push again.")
             return worker.call(lambda: self._push(send))

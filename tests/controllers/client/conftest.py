@@ -14,7 +14,7 @@ from stepramp.link.serial_port import SerialPort
 
 @pytest.fixture(autouse=True)
 def _quick(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(conversation.secrets, "randbelow", lambda _: SESSION - 1)
+    monkeypatch.setattr(conversation, "_new_session", lambda: SESSION)
     monkeypatch.setattr(conversation, "GARBAGE_S", 0.0)
     monkeypatch.setattr(conversation, "REPLY_TIMEOUT_S", 0.01)
     monkeypatch.setattr(conversation, "HELLO_INTERVAL_S", 0.01)

@@ -56,8 +56,10 @@ def test_a_farther_target_while_slowing_down_speeds_it_up_again(line: Line) -> N
 def test_running_at_a_speed_and_changing_it(line: Line) -> None:
     line.use(IMAGE)
     line.good(RunRequest(1, (1500,)))
-    status = line.wait_until(lambda status: status.interval_ticks == 1500)
-    assert (status.axis_state, status.target_steps) == (AxisState.MOVING, status.position_steps)
+    line.wait_until(lambda status: status.interval_ticks == 1500)
+    for _ in range(40):
+        status = line.status()
+        assert (status.axis_state, status.target_steps) == (AxisState.MOVING, status.position_steps)
     line.good(RunRequest(1, (1000,)))
     line.wait_until(lambda status: status.interval_ticks == 1000)
     line.good(RunRequest(1, (3000,)))

@@ -6,14 +6,12 @@ Written from the guide alone: of the client it knows nothing. Sections 5.1 (moti
 from __future__ import annotations
 
 import math
-import os
-import select
 import struct
 import threading
 import time
-import tty
 from collections.abc import Callable
-from typing import Self
+
+from controllers.pseudo_terminal import PseudoTerminal
 
 RESET, DEENERGIZED, SOFT_ERROR, WAITING_FOR_ERR_LINE, STARTING_UP, NORMAL = 0, 2, 4, 6, 8, 10
 OFF, TO_POSITION, AT_VELOCITY = 0, 1, 2
@@ -21,11 +19,13 @@ HALTED, POSITION, VELOCITY = 2, 3, 4
 QUICK = {0x83, 0x85, 0x86, 0x89, 0x8A, 0x8C, 0x8F, 0xB0}
 WRITE_32 = {0xE0, 0xE3, 0xE5, 0xE6, 0xE9, 0xEA, 0xEC}
 READ = {0xA1, 0xA2, 0xA8}
-LENGTHS = {**dict.fromkeys(QUICK, 1), **dict.fromkeys(WRITE_32, 6), **dict.fromkeys(READ, 3)}
+GO_HOME = 0x97
+LENGTHS = {GO_HOME: 2, **dict.fromkeys(QUICK, 1), **dict.fromkeys(WRITE_32, 6), **dict.fromkeys(READ, 3)}
 ENDS_SERIAL_ERROR = {0xE0, 0xE3, 0xEC, 0x89, 0x85, 0x83, 0xB0}
 SLICE_S = 0.001
 EXIT_LASTS_S = 0.2
 CURRENT_STEADY_S = 0.01
+AT_HOME_S = 0.02
 FRAMING, FORMAT, CRC = 1 << 16, 1 << 18, 1 << 19
 DEENERGIZE, HALT_AND_HOLD, DECELERATE_TO_HOLD, GO_TO_POSITION = range(4)
 
@@ -57,6 +57,9 @@ class TicEmulator:
         self.stored_ramp = [0, 2_000_000, 0, 40_000]
         self.low_vin = self.driver_fault = self.kill_switch = self.err_line_high = False
         self.forward_limit = self.reverse_limit = False
+        self.homing_speed_towards = self.homing_speed_away = 1_000_000
+        self.targets_end_homing = True
+        """Whether they do the guide doesn't say."""
         self.on_the_way_in: Callable[[bytes], bytes] = lambda data: data
         self.on_the_way_out: Callable[[bytes], bytes] = lambda data: data
         self._lock = threading.RLock()
@@ -77,6 +80,7 @@ class TicEmulator:
         self._safe_until_s = self._steady_at_s = -math.inf
         self._load_ramp()
         self._input = (HALTED, 0)
+        self._homing: Callable[[], None] | None = None
         self.planning, self._target_position, self._target_velocity = OFF, 0, 0
         self.position, self._speed, self._direction, self._wait_s = 0, 0.0, 1, 0.0
         self.steps = 0
@@ -107,6 +111,16 @@ class TicEmulator:
             self._go_on()
             setattr(self, name, pressed)
             self._evaluate()
+
+    def go_home(self, direction: int) -> None:
+        """Begin to look for a limit switch, backwards with -1: what somebody at the USB port may ask for."""
+        with self._lock:
+            self._go_on()
+            self._begin_homing(direction)
+
+    @property
+    def is_homing(self) -> bool:
+        return self._homing is not None
 
     @property
     def told(self) -> tuple[int, int]:
@@ -170,6 +184,8 @@ class TicEmulator:
         if command in READ:
             memory = self._settings() if command == 0xA8 else self._variables()
             answer = memory[whole[1] : whole[1] + whole[2]]
+            if command == 0xA2:
+                self.errors_occurred = self.errors
             assert 1 <= whole[2] <= 15
             return answer + (bytes([crc_7(answer)]) if self.crc_for_responses else b"")
         if command in ENDS_SERIAL_ERROR | {0x8C}:
@@ -178,6 +194,8 @@ class TicEmulator:
             self._serial_error = False
         if command in WRITE_32:
             self._write(command, whole)
+        elif command == GO_HOME:
+            self._begin_homing(1 if whole[1] else -1)
         else:
             self._do(command)
         self._evaluate()
@@ -204,6 +222,8 @@ class TicEmulator:
                 self.position, self.position_uncertain = value, False
             else:
                 self._input = (POSITION if command == 0xE0 else VELOCITY, value)
+                if self.targets_end_homing:
+                    self._homing = None
 
     def _do(self, command: int) -> None:
         if command == 0x89 and self.control_mode == 0:
@@ -217,12 +237,12 @@ class TicEmulator:
             self._safe_start_violation = not self.disable_safe_start
 
     def _halt(self) -> None:
-        self._speed, self.planning, self._input = 0.0, OFF, (HALTED, 0)
+        self._speed, self.planning, self._input, self._homing = 0.0, OFF, (HALTED, 0), None
 
     # What it tells.
 
     def _variables(self) -> bytes:
-        flags = (self.energized, self.position_uncertain, self.forward_limit, self.reverse_limit)
+        flags = (self.energized, self.position_uncertain, self.forward_limit, self.reverse_limit, self.is_homing)
         memory = bytearray(0x55)
         struct.pack_into("<BBHI", memory, 0, self.state, sum(f << n for n, f in enumerate(flags)), self.errors,
                          self.errors_occurred)  # fmt: skip
@@ -249,7 +269,9 @@ class TicEmulator:
             self._now_s += SLICE_S
             self._evaluate()
             if self.state == NORMAL:
-                self._obey_input()
+                (self._homing or self._obey_input)()
+            else:
+                self._homing = None
             self._step_for(SLICE_S)
 
     def _evaluate(self) -> None:
@@ -301,6 +323,26 @@ class TicEmulator:
             self.planning, self._target_position = TO_POSITION, value
         elif kind == VELOCITY:
             self.planning, self._target_velocity = AT_VELOCITY, value
+
+    # Homing: section 5.6.
+
+    def _begin_homing(self, direction: int) -> None:
+        if self.control_mode == 0 and self.state == NORMAL:
+            self.position_uncertain, self._home_at_s = True, math.inf
+            self._homing = lambda: self._go_towards_switch(direction)
+
+    def _go_towards_switch(self, direction: int) -> None:
+        self.planning, self._target_velocity = AT_VELOCITY, direction * self.homing_speed_towards
+        if self.forward_limit if direction > 0 else self.reverse_limit:
+            self._home_at_s = min(self._home_at_s, self._now_s + AT_HOME_S)
+        if self._now_s >= self._home_at_s:
+            self._homing = lambda: self._leave_switch(direction)
+
+    def _leave_switch(self, direction: int) -> None:
+        self.planning, self._target_velocity = AT_VELOCITY, -direction * self.homing_speed_away
+        if not (self.forward_limit if direction > 0 else self.reverse_limit):
+            self._halt()
+            self.position, self.position_uncertain = 0, False
 
     # The motor, step by step.
 
@@ -362,38 +404,12 @@ class TicEmulator:
         return math.sqrt(min(most, max(starting**2, self._speed**2 + 2 * acceleration)))
 
 
-class TicOnACable:
+class TicOnACable(PseudoTerminal):
     """A Tic at a pseudo-terminal, plugged in while the context lasts."""
 
     def __init__(self, tic: TicEmulator | None = None) -> None:
+        super().__init__()
         self.tic = tic or TicEmulator()
-        self._unplugged = threading.Event()
-        self._far_end, near_end = os.openpty()
-        tty.setraw(near_end)
-        self.port = os.ttyname(near_end)
-        os.close(near_end)
-        self._thread = threading.Thread(target=self._serve)
 
-    def unplug(self) -> None:
-        self._unplugged.set()
-        self._thread.join()
-
-    def __enter__(self) -> Self:
-        self._thread.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.unplug()
-
-    def _serve(self) -> None:
-        while not self._unplugged.is_set():
-            data = b""
-            if select.select([self._far_end], [], [], 0.005)[0]:
-                try:
-                    data = os.read(self._far_end, 4096)
-                except OSError:
-                    # Nobody has the port open: what Linux says of a pseudo-terminal until somebody does. Time goes on.
-                    self._unplugged.wait(0.01)
-            if said := self.tic.exchange(data):
-                os.write(self._far_end, said)
-        os.close(self._far_end)
+    def exchange(self, data: bytes) -> bytes:
+        return self.tic.exchange(data)

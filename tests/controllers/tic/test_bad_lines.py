@@ -8,7 +8,8 @@ import pytest
 
 from controllers.tic.bench import Bench, at, by, to
 from controllers.tic.damage import flipping, losing
-from controllers.tic.emulator import READ, TicEmulator
+from controllers.tic.emulator import READ, VELOCITY
+from controllers.tic.line import ANSWER_S, SlowLine
 from designs import design
 from stepramp.controllers.tic import conversation
 from stepramp.controllers.tic.controller import TicController
@@ -16,39 +17,6 @@ from stepramp.controllers.tic.variables import TARGET_VELOCITY, UP_TIME
 from stepramp.errors import DeviceLost, Refused
 
 DAMAGED = "is its serial line disturbed"
-
-
-class SlowLine:
-    """A connection with a clock of its own. Answers come in their order, each so long after its question [s]."""
-
-    def __init__(self, tic: TicEmulator) -> None:
-        self.name = "slow"
-        self.now_s = 0.0
-        self.answers_after_s = iter([0.0])
-        self._tic = tic
-        self._on_the_way: list[tuple[float, bytes]] = []
-
-    def write(self, data: bytes) -> None:
-        last_s = self._on_the_way[-1][0] if self._on_the_way else 0.0
-        due_s = max(self.now_s + next(self.answers_after_s, 0.0), last_s) + 0.01
-        self._on_the_way.append((due_s, self._tic.exchange(data)))
-
-    def read(self, timeout_s: float) -> bytes:
-        if self._on_the_way and self._on_the_way[0][0] <= self.now_s + timeout_s:
-            due_s, answer = self._on_the_way.pop(0)
-            self.now_s = max(self.now_s, due_s)
-            return answer
-        self.now_s += timeout_s
-        return b""
-
-    def pending(self) -> bytes:
-        come = b""
-        while self._on_the_way and self._on_the_way[0][0] <= self.now_s:
-            come += self._on_the_way.pop(0)[1]
-        return come
-
-    def close(self) -> None:
-        pass
 
 
 @pytest.mark.parametrize("lost", range(30))
@@ -128,18 +96,19 @@ def test_a_move_counts_from_where_the_motor_is_though_an_answer_was_damaged(
 
 @pytest.mark.parametrize("late_s", [0.1, 0.195, 0.2, 0.25, 0.39, 0.45, 0.6, 0.75])
 def test_an_answer_that_comes_late_is_not_taken_for_the_next_one(
-    tic: TicEmulator, monkeypatch: pytest.MonkeyPatch, late_s: float
+    monkeypatch: pytest.MonkeyPatch, late_s: float
 ) -> None:
     """Those of target velocity and up time are of the same length."""
-    tic.has_been_up(60)
-    line = SlowLine(tic)
-    monkeypatch.setattr(conversation, "ANSWER_S", 0.2)
+    line = SlowLine()
+    line.tic.has_been_up(60)
+    monkeypatch.setattr(conversation, "ANSWER_S", ANSWER_S)
     monkeypatch.setattr(conversation, "monotonic", lambda: line.now_s)
     talk = conversation.Conversation(line, lambda _: None)
     talk.begin()
     line.answers_after_s = iter([late_s])
     (target_velocity,), (up_time_ms,) = talk.read(TARGET_VELOCITY), talk.read(UP_TIME)
-    assert (target_velocity, up_time_ms) == (0, 60_000)
+    assert target_velocity == 0
+    assert 60_000 <= up_time_ms <= 60_000 + line.now_s * 1000
 
 
 def test_crcs_of_answers_are_checked(bench: Bench) -> None:
@@ -178,3 +147,28 @@ def test_a_disturbed_line_is_told(bench: Bench, controller: TicController) -> No
     ):
         with pytest.raises(Refused, match=DAMAGED):
             ask()
+
+
+@pytest.mark.parametrize("target", [0xE0, 0xE3])
+@pytest.mark.parametrize("place", [0, 6, 12, 18])
+def test_a_command_of_a_ramp_that_arrives_as_that_of_a_motion_is_taken_back(
+    bench: Bench, controller: TicController, target: int, place: int
+) -> None:
+    controller.move_by(by(10))
+    bench.rest()
+
+    def damage(data: bytes) -> bytes:
+        if data[0] != 0xE5:
+            return data
+        bench.tic.on_the_way_in = lambda data: data
+        return data[:place] + bytes([target]) + data[place + 1 :]
+
+    push = controller.prepare_push([design(ramp__base_speed_steps_per_s=20)], 0, "try")
+    bench.tic.on_the_way_in = damage
+    with pytest.raises(Refused, match=r"^A damaged command has set the motor moving, and it was stopped: "):
+        push()
+    bench.pass_time(2)
+    assert bench.tic.told == (VELOCITY, 0)
+    assert bench.tic.velocity == 0
+    assert abs(bench.tic.position - 10) < 50
+    assert push().verified

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from controllers.tic.bench import POLL_S, TARGET_FAR_AWAY, Bench, at, by, to
-from controllers.tic.emulator import DEENERGIZE, HALT_AND_HOLD, STARTING_UP, VELOCITY
+from controllers.tic.emulator import DEENERGIZE, HALT_AND_HOLD, NORMAL, STARTING_UP, VELOCITY
 from stepramp.controllers.contract import AxisCommand
 from stepramp.controllers.tic.controller import TicController
 from stepramp.errors import DeviceLost, Refused
@@ -59,17 +59,28 @@ def test_what_an_error_cut_short_is_not_gone_on_with(
     assert status.trouble.startswith("The Tic has stopped by itself: ")
 
 
-def test_what_a_failing_supply_cut_short_is_told_though_it_is_over(bench: Bench, controller: TicController) -> None:
-    """Without safe start a Tic would go on by itself as soon as its driver is ready again."""
+@pytest.mark.parametrize(
+    ("forgotten", "cause"),
+    [(False, "the supply of its motor was off or too low (low VIN)"), (True, "its driver was started anew")],
+)
+def test_what_a_failing_supply_cut_short_is_told_though_it_is_over(
+    bench: Bench, controller: TicController, forgotten: bool, cause: str
+) -> None:
+    """Without safe start a Tic would go on by itself as soon as its driver is ready again.
+
+    The Control Center has the Tic forget time and again which errors have occurred.
+    """
     bench.tic.disable_safe_start, bench.lasts_s = True, 0.0
     controller.run(at(1000))
     bench.pass_time(0.3)
     bench.tic.press("low_vin")
     bench.tic.press("low_vin", False)
     assert bench.tic.state == STARTING_UP
+    if forgotten:
+        bench.tic.errors_occurred = 0
     bench.lasts_s = 0.002
     assert controller.status().trouble == (
-        "The Tic has stopped by itself: its driver was started anew. It may be elsewhere than it counts."
+        f"The Tic has stopped by itself: {cause}. It may be elsewhere than it counts."
     )
     bench.pass_time(1)
     assert bench.tic.velocity == 0
@@ -133,6 +144,56 @@ def test_the_last_trouble_is_told_not_one_before(bench: Bench, controller: TicCo
         bench.tic.press(condition, False)
         trouble = controller.status().trouble
     assert trouble == f"The motor of the Tic has been without current: {WAS['low_vin']}"
+
+
+@pytest.mark.parametrize("condition", WAS)
+@pytest.mark.parametrize("begin", ["move_by", "run"])
+def test_what_ended_a_motion_between_two_looks_is_not_gone_on_with(
+    bench: Bench, controller: TicController, begin: str, condition: str
+) -> None:
+    """Without safe start a Tic would do so by itself once it is over."""
+    tic = bench.tic
+    tic.disable_safe_start = True
+    getattr(controller, begin)([AxisCommand(0, 1000, "value")])
+    bench.pass_time(0.3)
+    controller.status()
+    tic.press(condition)
+    bench.pass_time(0.05)
+    tic.press(condition, False)
+    bench.pass_time(0.05)
+    assert (tic.state, tic.errors, tic.velocity > 0) == (NORMAL, 0, True)
+    status = bench.rest()
+    assert tic.told == (VELOCITY, 0)
+    assert tic.position < 1000
+    assert status.trouble == f"The Tic has stopped by itself: {WAS[condition]}"
+
+
+@pytest.mark.parametrize("asked_after_s", [0.1 * tenths for tenths in range(1, 12)])
+def test_a_motion_that_timed_out_while_it_was_asked_is_not_gone_on_with(
+    bench: Bench, controller: TicController, asked_after_s: float
+) -> None:
+    """On a line so bad that each question takes a third of the timeout; without safe start."""
+    tic = bench.tic
+    tic.disable_safe_start = True
+    controller.run(at(1000))
+    bench.pass_time(asked_after_s)
+    bench.lasts_s = 0.35
+    for _ in range(4):
+        status = controller.status()
+    assert tic.told == (VELOCITY, 0)
+    assert tic.velocity == 0
+    assert status.trouble == ("The Tic has stopped by itself: it heard no command for longer than its command timeout.")
+
+
+def test_errors_from_before_a_motion_have_not_ended_it(bench: Bench, controller: TicController) -> None:
+    for condition in WAS:
+        bench.tic.press(condition)
+        bench.pass_time(0.05)
+        bench.tic.press(condition, False)
+    bench.pass_time(2)
+    controller.move_by(by(1000))
+    status = bench.rest()
+    assert (bench.tic.position, status.trouble) == (1000, None)
 
 
 @pytest.mark.parametrize("timeout_ms", [1, 999])

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import pytest
 
 from controllers.tic.bench import POLL_S, Bench, at, by, only_rejection, to
 from controllers.tic.emulator import NORMAL, SOFT_ERROR, VELOCITY
 from stepramp.controllers.contract import Activity, AxisCommand
 from stepramp.controllers.tic.controller import TicController
-from stepramp.errors import Refused
+from stepramp.errors import Refused, Rejected
 
 
 def test_moving(bench: Bench, controller: TicController) -> None:
@@ -102,6 +104,26 @@ def test_speeds_that_a_tic_would_not_run_at(bench: Bench, controller: TicControl
         "from -1,000 to 1,000 steps/s, the full speed of the ramp in use, and 0 or at least 0.0007"
     )
     assert bench.told() == []
+
+
+def test_what_a_tic_can_be_told_is_told_as_limits_of_the_field(controller: TicController) -> None:
+    """What they tell is allowed, and one more isn't."""
+
+    def limits_of(call: Callable[[], object]) -> tuple[float | None, float | None, str]:
+        with pytest.raises(Rejected) as caught:
+            call()
+        limits = caught.value.rejections[0].limits
+        assert limits is not None
+        return limits.lowest, limits.highest, limits.unit
+
+    assert limits_of(lambda: controller.run(at(1001))) == (-1000, 1000, "steps/s")
+    controller.set_position(to(1000))
+    beyond = -(2**31), 2**31 - 1, "steps"
+    assert limits_of(lambda: controller.set_position(to(2**31))) == beyond
+    lowest, highest = -(2**31) + 1001, 2**31 - 1
+    assert limits_of(lambda: controller.move_to(to(lowest - 1))) == (lowest, highest, "steps")
+    assert limits_of(lambda: controller.move_to(to(highest + 1))) == (lowest, highest, "steps")
+    assert limits_of(lambda: controller.move_by(by(2**31))) == (lowest - 1000, highest - 1000, "steps")
 
 
 @pytest.mark.parametrize("ask", ["move_by", "move_to", "run", "set_position"])

@@ -79,9 +79,21 @@ def test_what_people_type_is_not_rounded_twice(figure: float) -> None:
     ("changes", "field", "allowed"),
     [
         ({"slew_speed_steps_per_s": 50_000.5}, "ramp.slew_speed_steps_per_s", "at most 50,000 steps/s with a Tic"),
-        ({"acceleration_steps_per_s2": 0.99}, "ramp.acceleration_steps_per_s2", "from 1 to 21,474,836.47 steps/s²"),
-        ({"acceleration_steps_per_s2": 3e7}, "ramp.acceleration_steps_per_s2", "from 1 to 21,474,836.47 steps/s²"),
-        ({"deceleration_steps_per_s2": 0.5}, "ramp.deceleration_steps_per_s2", "from 1 to 21,474,836.47 steps/s²"),
+        (
+            {"acceleration_steps_per_s2": 0.99},
+            "ramp.acceleration_steps_per_s2",
+            "a number from 1 to 21,474,836.47 ",
+        ),
+        (
+            {"acceleration_steps_per_s2": 3e7},
+            "ramp.acceleration_steps_per_s2",
+            "a number from 1 to 21,474,836.47 ",
+        ),
+        (
+            {"deceleration_steps_per_s2": 0.5},
+            "ramp.deceleration_steps_per_s2",
+            "a number from 1 to 21,474,836.47 ",
+        ),
     ],
 )
 def test_what_is_beyond_a_tic_is_rejected_by_its_field(changes: dict[str, float], field: str, allowed: str) -> None:

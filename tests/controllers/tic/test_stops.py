@@ -117,3 +117,24 @@ def test_a_tic_that_obeys_no_stop_is_told_so(bench: Bench, controller: TicContro
     for stop, word in ((controller.stop, "stop"), (controller.halt, "halt")):
         with pytest.raises(Refused, match=f"doesn't {word} when it is told to: cut the power of its motor"):
             stop()
+
+
+@pytest.mark.parametrize("stop", ["stop", "halt"])
+def test_a_status_tells_what_is_seen_after_a_stop_in_its_midst(
+    bench: Bench, controller: TicController, stop: str
+) -> None:
+    for place in count():
+        controller.set_position(to(0))
+        controller.move_to(to(5000))
+        bench.pass_time(0.4)
+        interruption = Interruption(place, getattr(controller, stop))
+        bench.interrupt = interruption.passed
+        status = controller.status()
+        bench.interrupt = lambda: None
+        if not interruption.came:
+            break
+        [axis] = status.axes
+        assert axis.activity is (Activity.STOPPING if stop == "stop" else Activity.READY), place
+        assert axis.target_steps < 5000, place
+        bench.rest()
+    assert place > 3

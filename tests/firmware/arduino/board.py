@@ -99,13 +99,14 @@ def build(example: str, board: Board = UNO) -> Sketch:
     return build_sketch(LIBRARY / "examples" / example / f"{example}.ino", board)
 
 
-def build_sketch(source: Path, board: Board = UNO) -> Sketch:
+def build_sketch(source: Path, board: Board = UNO, *, with_library: bool = True) -> Sketch:
     """Build a sketch of one file. AssertionError as above."""
-    objects, warnings = _library(board)
+    objects, warnings = _library(board) if with_library else ([], "")
     folder = _folder(board, source.stem)
     sketch = folder / "sketch.cpp"
     sketch.write_text(f'#include <Arduino.h>\n#line 1 "{source}"\n{source.read_text()}')
-    warnings += _compile(board, sketch, folder / "sketch.o", *_WARNINGS, f"-I{LIBRARY / 'src'}")
+    includes = [f"-I{LIBRARY / 'src'}"] if with_library else []
+    warnings += _compile(board, sketch, folder / "sketch.o", *_WARNINGS, *includes)
     elf = folder / "sketch.elf"
     link = ["avr-gcc", "-w", "-Os", f"-mmcu={board.chip}", "-flto", "-fuse-linker-plugin", "-Wl,--gc-sections"]
     command = [*link, "-o", str(elf), str(folder / "sketch.o"), *map(str, objects), str(_core(board)), "-lm"]

@@ -11,9 +11,11 @@ from firmware.checker import CYCLES_PER_US
 from firmware.flight.judgement import Judgement, at, us
 from firmware.flight.motion import Flight, leader_of
 from firmware.flight.setting import Slopes, Ticks
-from firmware.protocol import HALT
+from firmware.protocol import HALT, STOP
 
 LINE_LATE_US = 4.5
+SETTING_OUT_US = 60
+"""A stop that comes before the first step halts; until it has, steps may be made, as fast as a motor sets out."""
 WINDOWS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 128, 256, 512)
 """Steps over which a change of speed is looked at."""
 
@@ -56,6 +58,7 @@ def pieces_of(flight: Flight) -> Iterator[Piece]:
         in_line = any(line.arrived < halt < end for line, end in lines)
         if in_line or any(one.answered == halt for one in flight.orders):
             cuts[int(np.searchsorted(steps, halt))] = False
+    cuts |= dict.fromkeys(_stopped_setting_out(flight), False)
     for line, end in lines:
         for moment in (line.arrived, end):
             cuts.setdefault(int(np.searchsorted(steps, moment)), True)
@@ -69,6 +72,15 @@ def pieces_of(flight: Flight) -> Iterator[Piece]:
             slopes = flight.setting.slopes[its_line[0].body[1]]
             late = LINE_LATE_US * CYCLES_PER_US + flight.setting.cycles_per_tick
         yield Piece(flight, begin, end, slopes, cuts[end], late)
+
+
+def _stopped_setting_out(flight: Flight) -> Iterator[int]:
+    """Yield the ends of first steps that were made while a stop, come before them, was being obeyed."""
+    steps = flight.made.steps
+    for stop in (one for one in flight.heard if one.is_granted and one.kind == STOP):
+        first, last = np.searchsorted(steps, [stop.arrived, stop.answered])
+        if last - first > 1 and steps[last - 1] - steps[first] <= SETTING_OUT_US * CYCLES_PER_US:
+            yield int(last)
 
 
 def judge_speed(piece: Piece, found: Judgement) -> None:

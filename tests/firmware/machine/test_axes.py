@@ -141,7 +141,7 @@ def test_a_line_is_reported_on_its_way(host: Host) -> None:
 
 
 def test_a_line_of_more_steps_than_the_engine_counts(host: Host) -> None:
-    """In pieces of 16,384 steps, each of which begins and ends within half a step of the line."""
+    """In pieces of 32,768 steps, each of which begins and ends within half a step of the line."""
     quick = StoredRamp((200, 150), 125, (200, 150))
     machine = Machine(host, image_of(quick, quick, quick))
     machine.ask("line", 7, 0, 150_000, 99_999, -1)
@@ -152,6 +152,39 @@ def test_a_line_of_more_steps_than_the_engine_counts(host: Host) -> None:
     for i, time in enumerate(half.times):
         assert abs((i + 1) / 99_999 * 150_000 - at[time]) <= 2
     assert machine.report(0).starved == 0
+
+
+@pytest.mark.parametrize("leader", [16_384, 32_767, 32_768, 32_769, 65_536, 65_537])
+def test_a_line_of_whole_pieces(host: Host, leader: int) -> None:
+    quick = StoredRamp((200, 150), 125, (200, 150))
+    machine = Machine(host, image_of(quick, quick, quick, quick))
+    steps = (leader, 1 - leader, leader // 2, -1)
+    machine.ask("line", 15, 0, *steps)
+    machine.rest()
+    made = machine.all_steps()
+    assert tuple(axis.travel for axis in made) == steps
+    at = {time: i + 1 for i, time in enumerate(made[0].times)}
+    for axis, count in zip(made[1:], steps[1:], strict=True):
+        apart = [abs((i + 0.5) * leader / abs(count) - at[time]) for i, time in enumerate(axis.times)]
+        assert max(apart) <= leader / abs(count) + 1
+
+
+def test_a_halt_where_a_line_has_just_ended(host: Host) -> None:
+    """Its leader rests already, and the main loop hasn't ended the line yet."""
+    quick = StoredRamp((200, 150), 125, (200, 150))
+    machine = Machine(host, image_of(quick, quick, quick))
+    machine.ask("line", 7, 0, 400, -300, 77)
+    ticks_of_line = machine.rest() - machine.all_steps()[0].times[0]
+    for wait in range(ticks_of_line - 2000, ticks_of_line + 4000, 100):
+        machine = Machine(host, image_of(quick, quick, quick))
+        machine.ask("line", 7, 0, 400, -300, 77)
+        machine.report(1)  # which counts how far it has been played by then
+        machine.do("stop_comes", 1)
+        machine.do("wait", wait)
+        machine.do("halt", 7)
+        machine.do("stop_comes", 0)
+        reached = [machine.report(axis).position for axis in range(3)]
+        assert reached == [axis.travel for axis in machine.all_steps()[:3]], wait
 
 
 @pytest.mark.parametrize("wait_ms", [5, 2000, 4100, 8200, 12_400, 18_300])

@@ -43,7 +43,7 @@ from stepramp.controllers.stepramp.messages.session import HelloReply, RampInUse
 from stepramp.controllers.stepramp.messages.status import StatusReply, StatusRequest
 from stepramp.controllers.stepramp.messages.trace import TraceNotice
 from stepramp.controllers.stepramp.motion_checks import MotionChecks
-from stepramp.controllers.stepramp.push import plan_push
+from stepramp.controllers.stepramp.push_remedies import plan_or_remedies
 from stepramp.controllers.stepramp.settings import StepRampSettings
 from stepramp.controllers.stepramp.speed_limits import interval_ticks
 from stepramp.controllers.stepramp.status import status_after, status_of
@@ -163,7 +163,7 @@ class StepRampController(
     ) -> Callable[[], PushReport]:
         """Work out the ramp image, without the port, and return the call that sends it; see Controller."""
         present = self._storage.image
-        plan = plan_push(designs, self.identity, self._storage.settings, first_axis, present)
+        plan = plan_or_remedies(designs, self.identity, self._storage.settings, first_axis, present)
 
         def push() -> PushReport:
             if first_axis is not None and self._storage.image is not present:
@@ -177,7 +177,7 @@ class StepRampController(
     def preview_push(self, designs: Sequence[Design], first_axis: int | None = None) -> PushPreview:
         """Work out what a push would change; see Controller."""
         present, present_hz = self._storage.image, self.timer_hz
-        plan = plan_push(designs, self.identity, self._storage.settings, first_axis, present)
+        plan = plan_or_remedies(designs, self.identity, self._storage.settings, first_axis, present)
         return plan.preview(present, present_hz)
 
     def store(self, image: bytes) -> tuple[bytes, int]:

@@ -23,6 +23,8 @@ MOST_HELLOS = 20
 GARBAGE_S = 0.05
 MOST_GARBAGE_S = 0.5
 """A controller may still be telling an earlier client what it does; the hello ends that."""
+FIRST_COMMAND = 0x80
+"""To controllers that obey single bytes, as a Pololu Tic does, bytes from here on are commands."""
 REPLY_TIMEOUT_S = 0.2
 MOST_REPEATS = 3
 
@@ -42,7 +44,7 @@ class Conversation:
         self._inbox: deque[Message] = deque()
         self._notices: deque[Notice] = deque()
         self._session = 0
-        self._tag = 0
+        self._tag = 0xFF
         self._requests_made = 0
         self._heard_bytes = self._heard_messages = 0
 
@@ -58,11 +60,10 @@ class Conversation:
         Raises DeviceLost when nothing answers or what talks there is no StepRamp controller, Refused when another
         protocol version does.
         """
-        if self._session:
-            self._tag = (self._tag + 1) % 256
-        else:
-            self._session = 1 + secrets.randbelow(0xFFFF)
-        message = Message(HelloRequest.KIND, self._session, self._tag, HelloRequest().pack())
+        if not self._session:
+            self._session = _new_session()
+        message = _harmless_hello(self._session, self._tag)
+        self._tag = message.tag
         began = monotonic()
         while monotonic() < began + MOST_GARBAGE_S and (garbage := self._port.read(GARBAGE_S)):
             self._heard_bytes += len(garbage)
@@ -152,3 +153,19 @@ class Conversation:
         if reply.status is ReplyStatus.STALE_SESSION:
             raise DeviceLost(f"The controller at {self._port.name} was restarted: its position is no longer known.")
         raise exception_for(reply, rejected)
+
+
+def _new_session() -> int:
+    """Return a session, which is never 0, of two bytes that are no commands to a controller of another kind."""
+    number = 1 + secrets.randbelow(FIRST_COMMAND**2 - 1)
+    return number // FIRST_COMMAND << 8 | number % FIRST_COMMAND
+
+
+def _harmless_hello(session: int, last_tag: int) -> Message:
+    """Return a hello with the next tag whose frame sets nothing in motion where it meets a controller of another kind.
+
+    Each session that _new_session returns has several such tags.
+    """
+    body = HelloRequest().pack()
+    hellos = (Message(HelloRequest.KIND, session, (last_tag + count) % 256, body) for count in range(1, 257))
+    return next(each for each in hellos if max(encode_frame(each.pack())) < FIRST_COMMAND)

@@ -11,12 +11,14 @@ from stepramp.controllers.stepramp.playback import playback_of
 from stepramp.controllers.stepramp.ramp_image import RampImage
 from stepramp.controllers.stepramp.settings import MOST_GAUGES, StepRampSettings
 from stepramp.controllers.stepramp.speed_limits import Pace, SpeedLimits, interval_ticks
-from stepramp.errors import Refused, Rejected, Rejection
+from stepramp.errors import Limits, Refused, Rejected, Rejection
+from stepramp.numerics.limit_text import highest
 from stepramp.ramp.playback.trajectory import Playback
 from stepramp.units import speed_from_interval
 
 FURTHEST_STEPS = 2**31 - 1
 TARGETS = "a target from -2,147,483,648 to 2,147,483,647 steps"
+TARGET_LIMITS = Limits(-FURTHEST_STEPS - 1, FURTHEST_STEPS, "steps", is_whole=True)
 
 Moving = Callable[[bool], Mapping[int, int]]
 """Returns the axes that move with their present intervals [ticks], 0 between two moves; as last heard or asked anew."""
@@ -65,7 +67,7 @@ class MotionChecks:
         self.known_axes(commands)
         for each in commands:
             if not -FURTHEST_STEPS - 1 <= each.value <= FURTHEST_STEPS:
-                raise Rejected([Rejection(each.field, each.value, TARGETS)])
+                raise Rejected([Rejection(each.field, each.value, TARGETS, TARGET_LIMITS)])
         return {axis: int(value) for axis, value in values_of(commands).items()}
 
     def intervals_of(self, speeds: Sequence[AxisCommand]) -> dict[int, int]:
@@ -79,11 +81,11 @@ class MotionChecks:
                 too_slow or not slew <= abs(interval_ticks(each.value, self._timer_hz)) <= self._longest_ticks
             ):
                 slowest, fastest = (speed_from_interval(ticks, self._timer_hz) for ticks in (self._longest_ticks, slew))
-                allowed = (
-                    f"from {-fastest:,.10g} to {fastest:,.10g} steps/s, the slew speed of the axis' ramp, and 0 or at "
-                    f"least {slowest:,.6g} either way"
-                )
-                raise Rejected([Rejection(each.field, each.value, allowed)])
+                note = f", the slew speed of the axis' ramp, and 0 or at least {slowest:,.6g} steps/s either way"
+                most = highest(fastest, figures=10)
+                allowed = f"from {-fastest:,.10g} to {fastest:,.10g} steps/s{note}"
+                limits = Limits(-most, most, "steps/s", note=note)
+                raise Rejected([Rejection(each.field, each.value, allowed, limits)])
         return {axis: interval_ticks(speed, self._timer_hz) for axis, speed in values_of(speeds).items()}
 
     def run_no_more(self, axes: Iterable[int]) -> None:
@@ -198,6 +200,6 @@ def _rejecting(commands: Sequence[AxisCommand], too_fast: Callable[[Fraction], R
         if refusal.status is ReplyStatus.TOO_FAST:
             return too_fast(Fraction(refusal.detail + 1, 100))  # it tells whole percent, rounded down
         to_blame = next((each for each in commands if each.axis == refusal.detail), commands[0])
-        return Rejection(to_blame.field, to_blame.value, TARGETS)
+        return Rejection(to_blame.field, to_blame.value, TARGETS, TARGET_LIMITS)
 
     return rejection

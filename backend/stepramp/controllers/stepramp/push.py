@@ -46,14 +46,28 @@ class PushedDesign:
     """The design's ramp, in ticks of its timer, which are those of the controller."""
 
 
+class TooLong(Rejected):
+    """Ramps that the controller has no room for, however coarse: each by itself, or all of them together."""
+
+    def __init__(self, pushed: Sequence[PushedDesign], rejections: Sequence[Rejection], *, together: bool) -> None:
+        super().__init__(rejections)
+        self.pushed = tuple(pushed)
+        """What the rejections are about, in their order."""
+        self.together = together
+
+
 class SmallestChange:
     """A ramp as it may be sent: by formula, or as segments with a bound that can be made coarser step by step."""
 
-    def __init__(self, pushed: PushedDesign, limits: PushLimits, preparation: Preparation) -> None:
+    def __init__(
+        self, pushed: PushedDesign, limits: PushLimits, preparation: Preparation, *, coarsest_only: bool = False
+    ) -> None:
         self.pushed = pushed
         self._limits = limits
         self._preparation = preparation
-        self._bounds = _bounds(_coarsest_bound(pushed.ramp.slew, limits.timer_hz))
+        bounds = list(_bounds(_coarsest_bound(pushed.ramp.slew, limits.timer_hz)))
+        self._coarsest = bounds[-1]
+        self._bounds = iter(bounds[-1:] if coarsest_only else bounds)
         self.bound_ticks = next(self._bounds)
         self.ramp: AxisRamp = formula_ramp(pushed.design, limits.by_formula) or self._compressed()
 
@@ -62,7 +76,11 @@ class SmallestChange:
         """Whether the controller takes it. Compression may move an interval past a limit that the design keeps."""
         if not isinstance(self.ramp, SegmentRamp):
             return True
-        return self.ramp.sent_segments <= self._limits.most_segments and self.ramp.keeps(self._limits.of_segments)
+        return not self._is_too_long and self.ramp.keeps(self._limits.of_segments)
+
+    @property
+    def _is_too_long(self) -> bool:
+        return self.ramp.sent_segments > self._limits.most_segments
 
     def make_coarser(self) -> bool:
         """Compress with the next bound; return whether there is one."""
@@ -75,7 +93,7 @@ class SmallestChange:
 
     def ease(self) -> None:
         """Compress coarser until the controller can keep pace, as long as it takes the ramp."""
-        while not self._preparation.keeps_pace_with(self.ramp):
+        while self._is_too_long or not self._preparation.keeps_pace_with(self.ramp):
             before, fitted = (self.bound_ticks, self.ramp), self.fits
             if not self.make_coarser():
                 return
@@ -84,7 +102,9 @@ class SmallestChange:
                 return
 
     def _compressed(self) -> SegmentRamp:
-        up, down = compress_sides(self.pushed.ramp, self.bound_ticks)
+        # What is too long isn't compressed to its end; a rejection tells how long it is with the coarsest bound.
+        most = None if self.bound_ticks == self._coarsest else self._limits.most_segments + 1
+        up, down = compress_sides(self.pushed.ramp, self.bound_ticks, most)
         return SegmentRamp(tuple(up), self.pushed.ramp.slew, tuple(down))
 
 
@@ -194,11 +214,15 @@ def plan_push(
     settings: StepRampSettings,
     first_axis: int | None = None,
     present: RampImage | None = None,
+    *,
+    coarsest_only: bool = False,
 ) -> PushPlan:
     """Return what to send for designs to a controller that introduced itself like this.
 
     first_axis, present: the only design is that of this axis; the others keep their present ramps. Without a first axis
     the designs are those of all axes, and rejections name their fields from `axes` on.
+
+    coarsest_only: whether they fit at all is seen soonest with the coarsest bounds.
 
     Raises Rejected when a design's timer isn't a clock of the controller, an interval lies outside the limits, or the
     ramps take more memory than there is.
@@ -217,7 +241,10 @@ def plan_push(
     for each in pushed:
         limits.check(each.design, each.ramp, each.path)
     preparation = Preparation.of(limits.speeds, _paces(pushed, others))
-    changes = {_key(each.design): SmallestChange(each, limits, preparation) for each in reversed(pushed)}
+    changes = {
+        _key(each.design): SmallestChange(each, limits, preparation, coarsest_only=coarsest_only)
+        for each in reversed(pushed)
+    }
     for change in changes.values():
         change.ease()
     chosen = [changes[_key(each.design)] for each in pushed]
@@ -247,7 +274,7 @@ def _ramp(design: Design, path: str) -> Ramp:
     try:
         return ramp_of(design)
     except Rejected as error:
-        raise Rejected([Rejection(path + each.field, each.value, each.allowed) for each in error.rejections]) from error
+        raise Rejected([each.within(path) for each in error.rejections]) from error
 
 
 def _key(design: Design) -> str:
@@ -309,19 +336,39 @@ def _fitting(
             return image
         largest_first = sorted(misfits or chosen, key=lambda change: -change.ramp.sent_segments)
         if not any(change.make_coarser() for change in largest_first):
-            raise Rejected([_too_large(largest_first[0], limits)])
+            raise _too_long(pushed, chosen, limits, image)
 
 
-def _too_large(change: SmallestChange, limits: PushLimits) -> Rejection:
-    design, path = change.pushed.design, change.pushed.path
+def _too_long(
+    pushed: Sequence[PushedDesign], chosen: Sequence[SmallestChange], limits: PushLimits, image: RampImage
+) -> TooLong:
+    each = list(zip(pushed, chosen, strict=True))
+    misfits = [(one, change) for one, change in each if not change.fits]
+    if misfits:
+        rejections = [
+            _rejection(one, change, limits, f"{change.ramp.sent_segments:,} of {limits.most_segments:,} segments")
+            for one, change in misfits
+        ]
+        return TooLong([one for one, _ in misfits], rejections, together=False)
+    one, change = max(each, key=lambda pair: pair[1].ramp.sent_segments)
+    size = f"{len(image.encode()):,} of {limits.largest_image_bytes:,} bytes"
+    taken = size if len(image.axes) == 1 else f"all ramps together take {size}, this one most of them"
+    return TooLong([one], [_rejection(one, change, limits, taken)], together=True)
+
+
+def _rejection(pushed: PushedDesign, change: SmallestChange, limits: PushLimits, taken: str) -> Rejection:
+    design, path = pushed.design, pushed.path
     allowed = (
-        f"a ramp of at most {limits.most_segments} segments, all ramps together of at most "
-        f"{limits.largest_image_bytes} bytes, with this controller; this one takes {change.ramp.sent_segments:,} "
-        f"segments, even with intervals changed by {change.bound_ticks:,} ticks: make it shorter or more even"
+        f"a ramp of at most {limits.most_segments:,} segments, all ramps together of at most "
+        f"{limits.largest_image_bytes:,} bytes, with this controller"
     )
+    changed = f", even with intervals changed by up to {change.bound_ticks:,} ticks" if change.bound_ticks else ""
+    reason = f"Too long for this controller: {taken}{changed}."
     if design.method.plays_table:
-        return Rejection(f"{path}table.rows", f"{len(design.table.rows) if design.table else 0} rows", allowed)
-    return Rejection(f"{path}ramp.acceleration_steps_per_s2", design.ramp.acceleration_steps_per_s2, allowed)
+        rows = f"{len(design.table.rows) if design.table else 0} rows"
+        return Rejection(f"{path}table.rows", rows, allowed, reason=reason)
+    rate = design.ramp.acceleration_steps_per_s2
+    return Rejection(f"{path}ramp.acceleration_steps_per_s2", rate, allowed, reason=reason)
 
 
 def _coarsest_bound(slew: float, timer_hz: int) -> int:

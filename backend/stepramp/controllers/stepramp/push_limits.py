@@ -11,7 +11,8 @@ from stepramp.controllers.stepramp.ramp_image import MOST_SEGMENTS, IntervalLimi
 from stepramp.controllers.stepramp.settings import StepRampSettings
 from stepramp.controllers.stepramp.speed_limits import Pace, SpeedLimits
 from stepramp.design import Design
-from stepramp.errors import Rejected, Rejection
+from stepramp.errors import Limits, Rejected, Rejection
+from stepramp.numerics.limit_text import highest, lowest
 from stepramp.numerics.ramp import Ramp
 from stepramp.ramp.playback.trajectory import Playback
 from stepramp.units import MICROSECONDS_PER_SECOND, speed_from_interval, us_from_ticks
@@ -75,21 +76,25 @@ class PushLimits:
             raise Rejected(list(self._bad_rows(design, path, narrower)))
         if intervals.min() < shortest or ramp.slew > longest:
             slowest, fastest = speed_from_interval(longest, hz), speed_from_interval(shortest, hz)
-            allowed = f"from {slowest:,.6g} to {fastest:,.10g} steps/s with this controller and its settings{narrower}"
-            field, value = "slew_speed_steps_per_s", design.ramp.slew_speed_steps_per_s
+            note = f" with this controller and its settings{narrower}"
+            speeds = Limits(lowest(slowest), highest(fastest, figures=10), "steps/s", note=note)
+            slew = design.ramp.slew_speed_steps_per_s
+            rejection = Rejection.outside(f"{path}ramp.slew_speed_steps_per_s", slew, speeds)
         else:
             most_us = us_from_ticks(longest, hz)
             allowed = f"more, so that each step takes at most {most_us:,.10g} µs: this controller's longest"
-            field, value = "acceleration_steps_per_s2", design.ramp.acceleration_steps_per_s2
-        raise Rejected([Rejection(f"{path}ramp.{field}", value, allowed)])
+            rate = design.ramp.acceleration_steps_per_s2
+            rejection = Rejection(f"{path}ramp.acceleration_steps_per_s2", rate, allowed)
+        raise Rejected([rejection])
 
     def _bad_rows(self, design: Design, path: str, narrower: str) -> Iterator[Rejection]:
         """Yield the delays of a design's table that lie outside the limits."""
         rows, unit = (design.table.rows, design.table.interval_unit) if design.table else ([], "us")
         scale = 1.0 if unit == "ticks" else MICROSECONDS_PER_SECOND / self.timer_hz
         shortest, longest = self.of_segments.start * scale, (self.of_segments.stop - 1) * scale
-        words = "µs" if unit == "us" else "ticks"
+        note = f" with this controller{narrower}"
+        ends = math.ceil(shortest), math.floor(longest)
+        delays = Limits(*ends, "µs" if unit == "us" else "ticks", is_whole=True, note=note)
         for number, (_, delay) in enumerate(rows):
             if not shortest <= delay <= longest:
-                allowed = f"a delay from {shortest:,.10g} to {longest:,.10g} {words} with this controller{narrower}"
-                yield Rejection(f"{path}table.rows.{number}.1", delay, allowed)
+                yield Rejection.outside(f"{path}table.rows.{number}.1", delay, delays)

@@ -42,7 +42,7 @@ class StepRampSettings(Document):
     enable_lead_ms: Annotated[int, Within(0, 1000, "ms")] = Field(
         1, description="Time from switching the motors on to the first pulse [ms]"
     )
-    enable_hold_ms: Annotated[int, Within(0, HOLD_FOR_EVER - 1, "ms, or null: they stay on")] | None = Field(
+    enable_hold_ms: Annotated[int, Within(0, HOLD_FOR_EVER - 1, "ms", ", or null: they stay on")] | None = Field(
         None, description="Time from the rest of the last motor to switching them off; null: they stay on [ms]"
     )
 

@@ -27,6 +27,8 @@ BY_ITSELF = (
     Condition.MOTOR_DRIVER | Condition.LOW_VIN | Condition.KILL_SWITCH | Condition.INPUT_INVALID | Condition.ERR_LINE
 )
 """Conditions that last until something is mended at the machine: no command ends them."""
+LETTING_GO = Condition.DEENERGIZED | Condition.MOTOR_DRIVER | Condition.LOW_VIN
+"""Conditions in which the motor has no current."""
 CONSEQUENCES = Condition.COMMAND_TIMEOUT | Condition.SAFE_START
 """Conditions that come with any other: alone they say why, beside others they say nothing."""
 

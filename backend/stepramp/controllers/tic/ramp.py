@@ -8,7 +8,7 @@ from decimal import Decimal
 
 from stepramp.controllers.tic.wire import Write, write
 from stepramp.design import Design
-from stepramp.errors import Rejected, Rejection
+from stepramp.errors import Limits, Rejected, Rejection
 
 SPEED_SCALE = 10_000
 """A Tic counts speeds in steps a ten thousand seconds …"""
@@ -127,15 +127,16 @@ def _check(design: Design, path: str) -> None:
     rates = {"acceleration_steps_per_s2": ramp.acceleration_steps_per_s2}
     if ramp.deceleration_steps_per_s2 is not None:
         rates["deceleration_steps_per_s2"] = ramp.deceleration_steps_per_s2
+    fastest = Limits(highest=steps_per_s(MOST_SPEED), unit="steps/s", note=" with a Tic")
     lowest, highest = LEAST_ACCELERATION / ACCELERATION_SCALE, MOST_ACCELERATION / ACCELERATION_SCALE
-    fastest = steps_per_s(MOST_SPEED)
+    between = Limits(lowest, highest, "steps/s²", note=" with a Tic")
     bad = [
-        Rejection(f"{path}ramp.{field}", speed, f"at most {fastest:,g} steps/s with a Tic")
+        Rejection.outside(f"{path}ramp.{field}", speed, fastest)
         for field, speed in speeds.items()
-        if speed > fastest
+        if speed > steps_per_s(MOST_SPEED)
     ]
     bad += [
-        Rejection(f"{path}ramp.{field}", rate, f"from {lowest:,g} to {highest:,.2f} steps/s² with a Tic")
+        Rejection.outside(f"{path}ramp.{field}", rate, between)
         for field, rate in rates.items()
         if not lowest <= rate <= highest
     ]

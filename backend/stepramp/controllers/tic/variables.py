@@ -1,7 +1,7 @@
 """What a Tic tells of itself: User's Guide (Pololu 0J71), sections 6 and 7."""
 
 import struct
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum, IntFlag
 
 from stepramp.controllers.tic.wire import Read
@@ -79,8 +79,10 @@ class Block:
         return struct.unpack(self.layout, data)
 
 
-GENERAL = Block(Read.VARIABLES, 0x00, "<BBH4xxBi")
-"""Operation state, flags, error status, planning mode, target position."""
+GENERAL = Block(Read.VARIABLES, 0x00, "<BBHIxBi")
+"""Operation state, flags, error status, errors occurred, planning mode, target position."""
+LAST_OF_ERRORS = replace(GENERAL, command=Read.VARIABLES_FORGETTING_ERRORS)
+"""The same, after which no errors have occurred."""
 TARGET_VELOCITY = Block(Read.VARIABLES, 0x0E, "<i")
 MOTION = Block(Read.VARIABLES, 0x22, "<ii")
 """Position, velocity."""
@@ -112,6 +114,8 @@ class General:
     operation: OperationState
     flags: Flag
     conditions: Condition
+    occurred: Condition
+    """Also those that are over, since it was told to forget them."""
     planning: PlanningMode
     target_position: int
 
@@ -120,13 +124,26 @@ class General:
         """Whether the motor has its current, and had it all the time: the driver wasn't just started."""
         return Flag.ENERGIZED in self.flags and self.operation is not OperationState.STARTING_UP
 
+    @property
+    def is_homing(self) -> bool:
+        """Whether the Tic looks for the place that it counts from, at a limit switch."""
+        return Flag.HOMING in self.flags
+
     @classmethod
-    def of(cls, operation: int, flags: int, conditions: int, planning: int, target_position: int) -> "General":
+    def of(
+        cls, operation: int, flags: int, conditions: int, occurred: int, planning: int, target_position: int
+    ) -> "General":
         """Return what the block GENERAL says; ValueError when no Tic says so."""
         if flags > sum(Flag) or conditions > sum(Condition):
             raise ValueError("bits that are reserved")
         return cls(
-            OperationState(operation), Flag(flags), Condition(conditions), PlanningMode(planning), target_position
+            OperationState(operation),
+            Flag(flags),
+            Condition(conditions),
+            # Its upper half says more of serial errors.
+            Condition(occurred & sum(Condition)),
+            PlanningMode(planning),
+            target_position,
         )
 
 
@@ -143,6 +160,10 @@ class Input:
         return cls(InputState(state), value)
 
 
+NEUTRAL = (Input(InputState.TARGET_VELOCITY, 0), Input(InputState.HALT, 0))
+"""What leaves a Tic without a target."""
+
+
 @dataclass(frozen=True)
 class Variables:
     """How a Tic fares; velocities in its units, positions in microsteps."""
@@ -151,3 +172,28 @@ class Variables:
     target_velocity: int
     position: int
     velocity: int
+
+    @property
+    def is_under_way(self) -> bool:
+        """Whether the motor moves, or is about to: a limit switch may keep it from its target."""
+        if self.velocity or self.general.is_homing:
+            return True
+        is_normal = self.general.operation is OperationState.NORMAL
+        return bool(self.ahead) and is_normal and not self.is_held_by_a_switch
+
+    @property
+    def is_held_by_a_switch(self) -> bool:
+        """Whether the motor rests at a limit switch, with something ahead of it. What homes goes on by itself."""
+        if self.general.is_homing:
+            return False
+        limit = Flag.FORWARD_LIMIT if self.ahead > 0 else Flag.REVERSE_LIMIT
+        return bool(self.ahead) and not self.velocity and limit in self.general.flags
+
+    @property
+    def ahead(self) -> int:
+        """How far the Tic's target is ahead, in steps or as a speed, with its sign; 0: nowhere."""
+        return {
+            PlanningMode.OFF: 0,
+            PlanningMode.TARGET_POSITION: self.general.target_position - self.position,
+            PlanningMode.TARGET_VELOCITY: self.target_velocity,
+        }[self.general.planning]

@@ -36,6 +36,7 @@ class Read(IntEnum):
     """Commands that are answered with a block of the Tic's memory."""
 
     VARIABLES = 0xA1
+    VARIABLES_FORGETTING_ERRORS = 0xA2
     SETTINGS = 0xA8
 
 
