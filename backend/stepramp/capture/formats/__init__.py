@@ -1,0 +1,1 @@
+"""The files that logic analysers write, each format in a module of its own."""

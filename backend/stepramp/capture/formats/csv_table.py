@@ -1,0 +1,162 @@
+"""CSV files of levels: what stands before their rows, and the edges in them."""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NoReturn
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepramp.capture.formats import csv_rows
+from stepramp.capture.formats.text import as_array, line_at
+from stepramp.capture.recording import (
+    LATEST_TICKS,
+    MOST_CHANNELS,
+    UNKNOWN,
+    EdgeList,
+    refused_file,
+)
+
+COMMENTS = (";", "META ")
+"""How lines begin that stand before the rows: sigrok-cli also writes what it was told of its input."""
+LONGEST_HEAD_BYTES = 2**16
+LOOKED_AT_ROWS = 100
+"""So many rows tell which columns are levels."""
+_LEVELS = {"0", "1", "x", "X", "z", "Z", ""}
+_LINE = re.compile(r"[^\r\n]*(?:\r\n|\r|\n)|[^\r\n]+")
+_NUMBER = re.compile(r"[-+]?\d+([.,]\d*)?([eE][-+]?\d+)?")
+
+
+@dataclass(frozen=True)
+class Head:
+    """What stands before the rows of a CSV file, and its first rows."""
+
+    comments: tuple[str, ...]
+    titles: tuple[str, ...]
+    """Of the columns, as many as the first row has; none without a line of titles."""
+    delimiter: str
+    rows_begin: int
+    rows: tuple[tuple[str, ...], ...]
+    """The first rows."""
+
+    def level_columns(self, begin: int) -> list[int]:
+        """Return the columns from `begin` on that hold levels in all of the first rows."""
+        columns = range(begin, len(self.rows[0]) if self.rows else len(self.titles))
+        return [each for each in columns if all(row[each] in _LEVELS for row in self.rows if each < len(row))]
+
+
+@dataclass(frozen=True)
+class Rows:
+    """The edges in the rows of a CSV file; see Recording."""
+
+    first_levels: NDArray[np.int8]
+    ticks: NDArray[np.int64]
+    codes: NDArray[np.uint8]
+    first_ticks: int
+    last_ticks: int
+    count: int
+    unknown_levels: int
+    uneven: int
+    """How many instants are no multiples of what they were to be multiples of."""
+    is_cut_off: bool
+
+
+def head_of(content: bytes) -> Head:
+    """Return what stands before the rows of a CSV file, whatever its line ends and delimiter."""
+    lines = _LINE.findall(content[:LONGEST_HEAD_BYTES].decode("utf-8", "replace"))
+    if len(content) > LONGEST_HEAD_BYTES:
+        lines.pop()
+    comments, place, titles = [], 0, ""
+    while lines and (lines[0].startswith(COMMENTS) or not lines[0].strip()):
+        comments.append(lines.pop(0).strip())
+        # Not the decoded line's own length: it may hold bytes of another encoding.
+        place = _after_line(content, place)
+    delimiter = _delimiter(lines[0]) if lines else ","
+    if lines and not _is_row(lines[0], delimiter):
+        titles = lines.pop(0)
+        place = _after_line(content, place)
+    rows = tuple(_fields(line, delimiter) for line in lines[:LOOKED_AT_ROWS] if line.strip())
+    return Head(tuple(comments), _fields(titles, delimiter) if titles else (), delimiter, place, rows)
+
+
+def rows_of(
+    content: bytes,
+    head: Head,
+    levels: Sequence[int],
+    has_time: bool,
+    places: int,
+    ticks_per_s: int,
+    step_ticks: int = 0,
+) -> Rows:
+    """Return the edges in the rows of a CSV file.
+
+    levels: the columns that hold levels. places: an instant is told in 10**-places of the unit that the file has; its
+    rows are the instants when it has none. ticks_per_s: how many of these are a second. step_ticks: what instants are
+    to be multiples of; 0: of nothing.
+
+    Raises Rejected for a row that is none, or too early, and for too many channels or edges.
+    """
+    if not 1 <= len(levels) <= MOST_CHANNELS:
+        raise refused_file(f"a CSV file of {len(levels)} columns of 0 and 1", f"1 to {MOST_CHANNELS} of them")
+    width = len(head.rows[0]) if head.rows else len(head.titles)
+    channels = np.full(width - has_time, -1, np.int16)
+    channels[np.array(levels) - has_time] = np.arange(len(levels))
+    state = np.zeros(csv_rows.STATE, np.int64)
+    state[csv_rows.POSITION], state[csv_rows.STEP_TICKS] = head.rows_begin, step_ticks
+    known, first = np.full((2, len(levels)), UNKNOWN, np.int8)
+    comma = ord("," if head.delimiter != "," else ".")
+    data, edges = as_array(content), EdgeList()
+    layout = (channels, has_time, ord(head.delimiter), comma, places)
+    edges.fill(lambda: int(csv_rows.read_rows(data, state, known, first, edges.ticks, edges.codes, *layout)))
+    problem = int(state[csv_rows.PROBLEM])
+    if problem not in (csv_rows.FINE, csv_rows.CUT_OFF):
+        _refuse_row(content, problem, int(state[csv_rows.POSITION]), LATEST_TICKS // ticks_per_s)
+    return Rows(
+        first,
+        edges.all_ticks(),
+        edges.all_codes(),
+        int(state[csv_rows.FIRST_TICKS]),
+        int(state[csv_rows.LAST_TICKS]),
+        int(state[csv_rows.ROW]),
+        int(state[csv_rows.UNKNOWN_LEVELS]),
+        int(state[csv_rows.UNEVEN]),
+        problem == csv_rows.CUT_OFF,
+    )
+
+
+def _refuse_row(content: bytes, problem: int, position: int, latest_s: int) -> NoReturn:
+    allowed = {
+        csv_rows.BAD_TIME: "a time as a number, such as 0.000125, before the levels of a row",
+        csv_rows.BAD_LEVEL: "levels of 0 and 1, or X where one is unknown",
+        csv_rows.BAD_COLUMNS: "as many columns in each row as in the first",
+        csv_rows.BACKWARDS: "times that never go back: at least that of the row before",
+        csv_rows.LATE: f"times from -{latest_s:,} to {latest_s:,} s",
+    }[problem]
+    raise refused_file(line_at(content, position), allowed)
+
+
+def _delimiter(line: str) -> str:
+    outside = re.sub(r'"[^"]*"', "", line)
+    return next((each for each in ("\t", ";") if each in outside), ",")
+
+
+def _fields(line: str, delimiter: str) -> tuple[str, ...]:
+    pattern = rf'"[^"]*"|[^{re.escape(delimiter)}"]+|{re.escape(delimiter)}'
+    fields = [""]
+    for part in re.findall(pattern, line.strip("\r\n")):
+        if part == delimiter:
+            fields.append("")
+        else:
+            fields[-1] += part.strip('"')
+    return tuple(each.strip() for each in fields)
+
+
+def _is_row(line: str, delimiter: str) -> bool:
+    fields = _fields(line, delimiter)
+    return bool(_NUMBER.fullmatch(fields[0])) and all(each in _LEVELS or _NUMBER.fullmatch(each) for each in fields[1:])
+
+
+def _after_line(content: bytes, begin: int) -> int:
+    found = re.compile(rb"\r\n|\r|\n").search(content, begin)
+    return len(content) if found is None else found.end()
