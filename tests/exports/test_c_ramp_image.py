@@ -54,7 +54,7 @@ def test_the_bytes_are_the_segments_as_the_protocol_packs_them(
     ("changes", "message"),
     [
         ({"timer__frequency_hz": 1_000_000}, "timer.frequency_hz is .*; allowed: 2,000,000 or 16,000,000 Hz"),
-        ({"ramp__acceleration_steps_per_s2": 20}, "segment_bound_ticks is 0; allowed: more, so that .* 250 segments"),
+        ({"ramp__acceleration_steps_per_s2": 20}, "Too long for a controller: .* of 250 segments; allow"),
         ({"timer__frequency_hz": 16_000_000, "timer__counter_bits": 32, "ramp__acceleration_steps_per_s2": 0.0015,
           "ramp__slew_speed_steps_per_s": 0.06}, "acceleration_steps_per_s2 is 0.0015; allowed: faster"),
     ],
@@ -62,3 +62,16 @@ def test_the_bytes_are_the_segments_as_the_protocol_packs_them(
 def test_what_no_image_can_hold_is_refused(changes: dict[str, Any], message: str) -> None:
     with pytest.raises(Rejected, match=message):
         exported("c_ramp_image", design(**changes), 0)
+
+
+def test_a_ramp_of_too_many_segments_is_told_the_finest_bound_that_fits() -> None:
+    """Of those that are tried, which double: half of it is too little."""
+    long = design(ramp__acceleration_steps_per_s2=100)
+    with pytest.raises(Rejected) as caught:
+        exported("c_ramp_image", long, 0)
+    [[change]] = [remedy.changes for remedy in caught.value.rejections[0].remedies]
+    assert change.field == "segment_bound_ticks"
+    assert isinstance(change.value, int)
+    assert exported("c_ramp_image", long, change.value)
+    with pytest.raises(Rejected):
+        exported("c_ramp_image", long, change.value // 2)

@@ -2,7 +2,7 @@
 
 from stepramp.design import Design
 from stepramp.errors import Rejected, Rejection
-from stepramp.exports.c_text import filled, heading, ramp_values, ticks_types
+from stepramp.exports.c_text import filled, heading, ramp_values, ticks_in_words, ticks_types
 from stepramp.ramp.plan import ramp_of
 from stepramp.ramp.segments import Segment, compress_sides
 
@@ -26,7 +26,7 @@ def segments_header(design: Design, name: str, bound_ticks: int) -> str:
         values | {
             "method": design.method.name,
             "arithmetic": design.method.arithmetic,
-            "bound": f"{bound_ticks} tick{'' if bound_ticks == 1 else 's'}",
+            "bound": ticks_in_words(bound_ticks),
             "slew": str(ramp.slew),
             "up_lines": _lines(up),
             "down_lines": _lines(down),

@@ -50,6 +50,15 @@ def number(value: np.floating) -> str:
     return str(value) + ("f" if isinstance(value, np.float32) else "")
 
 
+def ticks_in_words(ticks: int) -> str:
+    """Return a number of ticks as it stands in a sentence.
+
+    >>> ticks_in_words(1), ticks_in_words(0)
+    ('1 tick', '0 ticks')
+    """
+    return f"{ticks} tick{'' if ticks == 1 else 's'}"
+
+
 def ticks_types(most: int) -> dict[str, str]:
     """Return the types that hold intervals of up to `most` ticks, without and with sign, and the largest number."""
     unsigned, signed = ("32" if most < 2**bits else "64" for bits in (32, 31))

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from stepramp.design import Design, MethodName
+from stepramp.exports.arduino import arduino_library_sketch, arduino_sketch
 from stepramp.exports.c_formula import CODES, formula_header
 from stepramp.exports.c_ramp_image import ramp_image_header
 from stepramp.exports.c_segments import segments_header
@@ -79,6 +80,14 @@ _FORMATS: dict[str, _Format] = {
         lambda design, name, options: ramp_image_header(design, name, options.segment_bound_ticks),
     ),
     **{format_of(method): _code_of(method) for method in CODES},
+    "arduino": _Format(
+        ".ino", HEADER, lambda design, name, options: arduino_sketch(design, name, options.segment_bound_ticks)
+    ),
+    "arduino_library": _Format(
+        "_library.ino",
+        HEADER,
+        lambda design, name, options: arduino_library_sketch(design, name, options.segment_bound_ticks),
+    ),
     "csv": _Format(".csv", f"text/csv; {TEXT}", lambda design, *_: csv(design)),
     "json": _Format(".json", "application/json", lambda design, *_: document(design)),
     "html": _Format(".html", f"text/html; {TEXT}", lambda design, _, options: report(design, _moves(design, options))),

@@ -1,12 +1,10 @@
 """The plots as a picture: velocity, delay and error over steps, drawn by matplotlib."""
 
 import io
-import threading
 from collections.abc import Sequence
-from typing import Any, Literal
+from typing import Literal
 
-from stepramp.design import MethodName
-from stepramp.methods import METHODS
+from stepramp.exports.matplotlib_turn import matplotlib_turn, style_of
 from stepramp.ramp.error_curves import ErrorCurves
 from stepramp.ramp.thinning import kept_steps
 from stepramp.units import us_from_ticks
@@ -15,10 +13,6 @@ PictureFormat = Literal["png", "svg"]
 INCHES = (10.0, 9.0)
 DOTS_PER_INCH = 150
 MOST_POINTS = 4000
-SETTINGS: Any = {"svg.hashsalt": "stepramp", "svg.fonttype": "path", "axes.grid": True, "grid.alpha": 0.3}
-
-_one_at_a_time = threading.Lock()
-"""matplotlib's settings and fonts are shared by all threads."""
 
 
 def picture_of(moves: Sequence[ErrorCurves], file_format: PictureFormat) -> bytes:
@@ -26,18 +20,17 @@ def picture_of(moves: Sequence[ErrorCurves], file_format: PictureFormat) -> byte
 
     Moves of more than 4,000 steps are thinned to about so many points that keep the curves' shapes.
     """
-    import matplotlib as mpl  # noqa: PLC0415  # loads slowly, and only pictures need it
-    from matplotlib.figure import Figure  # noqa: PLC0415
+    from matplotlib.figure import Figure  # noqa: PLC0415  # loads slowly, and only pictures need it
 
     out = io.BytesIO()
-    with _one_at_a_time, mpl.rc_context(SETTINGS):
+    with matplotlib_turn():
         figure = Figure(figsize=INCHES, dpi=DOTS_PER_INCH, layout="constrained")
         velocity, delay, error = figure.subplots(3, 1, sharex=True)
         for move in moves:
             kept = kept_steps(move.relative_error, move.profile.phases, MOST_POINTS)
             intervals_us = us_from_ticks(1, move.timer_hz) * move.profile.intervals_ticks[kept]
             curves = (move.profile.speed_steps_per_s[kept], intervals_us, 100 * move.relative_error[kept])
-            style = _style_of(move.method)
+            style = style_of(move.method)
             for axes, curve in zip((velocity, delay, error), curves, strict=True):
                 axes.plot(kept + 1, curve, label=move.method, **style)
         velocity.set_ylabel("velocity [steps/s]")
@@ -49,10 +42,3 @@ def picture_of(moves: Sequence[ErrorCurves], file_format: PictureFormat) -> byte
         # Without the date the same design gives the same file.
         figure.savefig(out, format=file_format, metadata={"Date": None} if file_format == "svg" else {"Software": None})
     return out.getvalue()
-
-
-def _style_of(method: MethodName) -> dict[str, Any]:
-    """Return what matplotlib draws a method's lines with: the page's colours, in its light theme."""
-    style = METHODS[method].style
-    dashes = {} if style.file_dash is None else {"dashes": style.file_dash}
-    return {"color": style.light, "linewidth": style.file_width, **dashes}
