@@ -57,7 +57,7 @@ def test_a_base_speed_below_zero_or_not_a_number_is_refused(value: object) -> No
 def test_a_base_speed_above_the_slew_speed_is_refused() -> None:
     [(field, value, allowed)] = refused(document(ramp__base_speed_steps_per_s=1001))
     assert (field, value) == ("ramp.base_speed_steps_per_s", 1001)
-    assert "1,000.0 steps/s" in allowed
+    assert allowed == "a number from 0 to 1,000 steps/s, the slew speed"
 
 
 def test_a_base_speed_equal_to_the_slew_speed_is_allowed() -> None:
@@ -75,7 +75,7 @@ def test_moves_beyond_the_limits_are_refused(value: float) -> None:
 def test_a_base_speed_is_none_or_not_slower_than_the_slowest(speed: float) -> None:
     [(field, value, allowed)] = refused(document(ramp__base_speed_steps_per_s=speed))
     assert (field, value) == ("ramp.base_speed_steps_per_s", speed)
-    assert allowed == "0, or a number from 0.001 steps/s to the slew speed"
+    assert allowed == "a number from 0.001 to 1,000 steps/s, the slew speed, or 0"
     for possible in (0, 0.001):
         assert design(ramp__base_speed_steps_per_s=possible).ramp.base_speed_steps_per_s == possible
 
@@ -84,13 +84,16 @@ def test_a_whole_number_may_be_written_with_an_exponent() -> None:
     assert design(move__steps=2e6).move.steps == 2_000_000
 
 
+AFTER = ": more than the ramp index of the row before"
+
+
 @pytest.mark.parametrize(
     ("rows", "field", "allowed"),
     [
         ([], "table.rows", "a list of 1 to 1,000 rows of two whole numbers"),
         ([[1, 1]] * 1001, "table.rows", "a list of 1 to 1,000 rows of two whole numbers"),
-        ([[10, 500], [10, 400]], "table.rows.1.0", "more than the ramp index of the row before, 10"),
-        ([[10, 500], [5, 400]], "table.rows.1.0", "more than the ramp index of the row before, 10"),
+        ([[10, 500], [10, 400]], "table.rows.1.0", f"a whole number from 11 to 10,000,000 steps{AFTER}"),
+        ([[10, 500], [5, 400]], "table.rows.1.0", f"a whole number from 11 to 10,000,000 steps{AFTER}"),
         ([[10, 500], [20, 0]], "table.rows.1.1", "a whole number from 1 to 4,294,967,295 µs or ticks"),
         ([[10, 500.5]], "table.rows.0.1", "a whole number from 1 to 4,294,967,295 µs or ticks"),
         ([[-1, 500]], "table.rows.0.0", "a whole number from 0 to 10,000,000 steps"),
@@ -190,3 +193,11 @@ def test_examples_are_designs() -> None:
 def test_the_gauge_example_is_the_published_table() -> None:
     record = json.loads((Path(__file__).parent / "reference" / "gauge_table_moves.json").read_text())
     assert all_examples()[2]["design"]["table"] == {"rows": record["cases"][0]["table"], "interval_unit": "us"}
+
+
+def test_a_last_ramp_index_with_a_row_behind_it_is_refused_itself() -> None:
+    with pytest.raises(Rejected) as caught:
+        design(table={"rows": [[10_000_000, 9], [10_000_000, 8]]})
+    [rejection] = caught.value.rejections
+    assert rejection.field == "table.rows.0.0"
+    assert rejection.allowed == "a whole number from 0 to 9,999,999 steps, so that row 2 can lie behind it"

@@ -42,7 +42,9 @@ def test_the_files_that_the_architecture_names_are_there() -> None:
     assert len(named) > 60
     project = DOCS.parent
     missing = [
-        name for name in named if not any((root / name).exists() for root in (project, project / "backend/stepramp"))
+        name
+        for name in named
+        if not any((root / name).exists() for root in (project, project / "backend/stepramp", project / "frontend"))
     ]
     assert missing == []
 
@@ -51,3 +53,17 @@ def test_the_index_leads_to_each_document() -> None:
     linked = set(re.findall(r"\]\((?!\.\.)([\w./]+?)/?\)", (DOCS / "README.md").read_text("utf-8")))
     documents = {each.name for each in DOCS.iterdir() if each.suffix in (".md", ".json") and each.name != "README.md"}
     assert linked == documents | {"decisions"}
+
+
+def test_the_decisions_are_numbered_without_a_gap_and_say_their_number() -> None:
+    decisions = sorted((DOCS / "decisions").iterdir())
+    numbers = range(1, len(decisions) + 1)
+    assert [each.name[:5] for each in decisions] == [f"{number:04}-" for number in numbers]
+    titles = [each.read_text("utf-8").partition("\n")[0] for each in decisions]
+    assert [title for title, number in zip(titles, numbers, strict=True) if not title.startswith(f"# {number}. ")] == []
+    named = {
+        target
+        for document in (*DOCS.glob("*.md"), *decisions, *DOCS.parent.glob("*.md"))
+        for target in re.findall(r"decisions/(\d{4}-[\w-]+\.md)", document.read_text("utf-8"))
+    }
+    assert named <= {each.name for each in decisions}

@@ -2,7 +2,6 @@
 
 import argparse
 import gc
-import json
 import logging
 import os
 import socket
@@ -64,12 +63,13 @@ def export_design(format_name: str, source: str, target: str) -> None:
     """
     from stepramp.design import Design  # noqa: PLC0415  # load slowly: not for --help
     from stepramp.exports.export import FORMAT_NAMES, Options, export  # noqa: PLC0415
+    from stepramp.json_text import parsed_json  # noqa: PLC0415
 
     if format_name not in FORMAT_NAMES:
         raise Rejected([Rejection("format", format_name, ", ".join(FORMAT_NAMES))])
     try:
         text = sys.stdin.read() if source == "-" else Path(source).read_text(encoding="utf-8")
-        design = Design.checked(json.loads(text))
+        design = Design.checked(parsed_json(text))
     except (OSError, ValueError) as error:
         if isinstance(error, Rejected):
             raise

@@ -8,11 +8,12 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from stepramp.errors import Rejected, Rejection
+from stepramp.errors import Limits, Rejected, Rejection
 from stepramp.methods import METHODS, REFERENCE
 from stepramp.methods.common.method import RampMethod, TunedFor
 from stepramp.numerics.numbers import Arithmetic
 from stepramp.shapes import SHAPES, USUAL_SHAPE
+from stepramp.units import DEGREES_PER_REV, LengthUnit
 from stepramp.validation import Document, ListOf, OneOf, Text, Within, refuse
 
 MOST_STEPS = 10_000_000
@@ -43,13 +44,22 @@ class AxisScale(Document):
     full_steps_per_rev: Annotated[int, Within(1, 100_000, "full steps")] = Field(
         200, description="Full steps of one turn of the motor [full steps]"
     )
-    microsteps: Annotated[int, Within(1, 1024, "microsteps")] = Field(
+    microsteps: Annotated[int, Within(1, 1024, "per step")] = Field(
         1, description="Pulses of the driver for one full step [steps per full step]"
     )
     travel_per_rev: Annotated[float, Within(0.001, 1_000_000)] = Field(
         360.0, description="Distance that the axis covers in one turn of the motor [travel_unit]"
     )
     travel_unit: Literal["mm", "deg"] = Field("deg", description="Unit of the axis' travel")
+
+    def length_of_step(self, unit: LengthUnit) -> float | None:
+        """Return how long a step is [unit]; None in millimetres when the axis' travel isn't known in them."""
+        if unit == "steps":
+            return 1.0
+        lengths_of_turn: dict[LengthUnit, float] = {"rev": 1.0, "deg": DEGREES_PER_REV}
+        lengths_of_turn[self.travel_unit] = self.travel_per_rev
+        length_of_turn = lengths_of_turn.get(unit)
+        return None if length_of_turn is None else length_of_turn / (self.full_steps_per_rev * self.microsteps)
 
 
 class Timer(Document):
@@ -94,13 +104,13 @@ class RampParameters(Document):
             refuse(
                 "base_speed_steps_per_s",
                 self.base_speed_steps_per_s,
-                f"0, or a number from {SLOWEST_STEPS_PER_S} steps/s to the slew speed",
+                Limits(SLOWEST_STEPS_PER_S, self.slew_speed_steps_per_s, "steps/s", note=", the slew speed, or 0"),
             )
         if self.base_speed_steps_per_s > self.slew_speed_steps_per_s:
             refuse(
                 "base_speed_steps_per_s",
                 self.base_speed_steps_per_s,
-                f"a number from 0 to the slew speed, {self.slew_speed_steps_per_s:,} steps/s",
+                Limits(0, self.slew_speed_steps_per_s, "steps/s", note=", the slew speed"),
             )
         return self
 
@@ -170,21 +180,28 @@ class Table(Document):
         for number in range(1, len(self.rows)):
             before, index = self.rows[number - 1][0], self.rows[number][0]
             if index <= before:
-                refuse(f"rows.{number}.0", index, f"more than the ramp index of the row before, {before:,}")
+                if before == MOST_STEPS:
+                    why = f", so that row {number + 1} can lie behind it"
+                    refuse(f"rows.{number - 1}.0", before, Limits(0, MOST_STEPS - 1, "steps", is_whole=True, note=why))
+                why = ": more than the ramp index of the row before"
+                refuse(f"rows.{number}.0", index, Limits(before + 1, MOST_STEPS, "steps", is_whole=True, note=why))
         return self
+
+
+NOT_ZERO = ", but not 0"
 
 
 class Move(Document):
     """The move that the design is shown with."""
 
-    steps: Annotated[int, Within(-MOST_STEPS, MOST_STEPS, "steps, but not 0")] = Field(
+    steps: Annotated[int, Within(-MOST_STEPS, MOST_STEPS, "steps", NOT_ZERO)] = Field(
         description="Length of the move, negative for backwards [steps]", json_schema_extra={"not": {"const": 0}}
     )
 
     @model_validator(mode="after")
     def _moves(self) -> Self:
         if self.steps == 0:
-            refuse("steps", 0, f"a whole number from {-MOST_STEPS:,} to {MOST_STEPS:,} steps, but not 0")
+            refuse("steps", 0, Limits(-MOST_STEPS, MOST_STEPS, "steps", is_whole=True, note=NOT_ZERO))
         return self
 
 

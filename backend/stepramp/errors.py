@@ -11,7 +11,8 @@ StepRampError
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Self
 
 MOST_TOLD = 20
 """So many rejections are told one by one, and so many items of a value that is told back."""
@@ -26,17 +27,74 @@ class StepRampError(Exception):
 
 
 @dataclass(frozen=True)
+class Limits:
+    """From where to where a number may lie, or how long a text or a list may be; None where there is no end."""
+
+    lowest: float | None = None
+    highest: float | None = None
+    unit: str = ""
+    is_whole: bool = False
+    note: str = ""
+    """How a sentence goes on that ends with them: why they hold, or what is allowed besides."""
+
+    @property
+    def words(self) -> str:
+        """What is allowed of a number."""
+        if self.lowest is not None and self.highest is not None:
+            kind = "a whole number" if self.is_whole else "a number"
+            ends = f"{kind} from {_figure(self.lowest)} to {_figure(self.highest)}"
+        elif self.lowest is not None:
+            ends = f"at least {_figure(self.lowest)}"
+        else:
+            ends = "any" if self.highest is None else f"at most {_figure(self.highest)}"
+        return f"{ends} {self.unit}".rstrip() + self.note
+
+
+@dataclass(frozen=True)
+class Change:
+    """A value that would be accepted in place of another."""
+
+    field: str
+    value: object
+
+
+@dataclass(frozen=True)
+class Remedy:
+    """Changes that together make what was refused acceptable, and what people call them."""
+
+    text: str
+    changes: tuple[Change, ...]
+
+
+@dataclass(frozen=True)
 class Rejection:
-    """One value that can't be used: which field, what it was, and what is allowed."""
+    """One value that can't be used: which field, what it was, and what is allowed; what else is known of it as data."""
 
     field: str
     value: object
     allowed: str
+    limits: Limits | None = None
+    remedies: tuple[Remedy, ...] = ()
+    reason: str = ""
+    """Why, as a sentence without the field, where more than the value is wrong."""
+
+    @classmethod
+    def outside(cls, field: str, value: object, limits: Limits) -> Self:
+        """Return the rejection of a number outside of limits."""
+        return cls(field, value, limits.words, limits)
+
+    def within(self, place: str) -> Self:
+        """Return the same with the paths of its fields below a place, such as "axes.0."."""
+        remedies = tuple(
+            replace(each, changes=tuple(Change(place + change.field, change.value) for change in each.changes))
+            for each in self.remedies
+        )
+        return replace(self, field=place + self.field, remedies=remedies)
 
     @property
     def message(self) -> str:
         """The rejection as one sentence."""
-        return f"{self.field} is {shown(self.value)}; allowed: {self.allowed}."
+        return self.reason or f"{self.field} is {shown(self.value)}; allowed: {self.allowed}."
 
 
 class Rejected(StepRampError, ValueError):
@@ -98,6 +156,10 @@ def brief(value: object) -> object:
 def escaped(text: str) -> str:
     """Return text with a backslash and a number in place of each half of a surrogate pair, which no UTF-8 can carry."""
     return text.encode("utf-8", "backslashreplace").decode()
+
+
+def _figure(limit: float) -> str:
+    return f"{int(limit):,}" if float(limit).is_integer() else f"{limit:,.15g}"
 
 
 def _brief(value: object, depth: int) -> object:

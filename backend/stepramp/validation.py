@@ -16,7 +16,7 @@ from pydantic import (
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, ErrorDetails, PydanticCustomError, core_schema
 
-from stepramp.errors import MOST_TOLD, Rejected, Rejection, escaped
+from stepramp.errors import MOST_TOLD, Limits, Rejected, Rejection, escaped
 
 LONGEST_NAME = 100
 """Length of the longest field name that is told whole [characters]."""
@@ -60,36 +60,44 @@ class _Untold:
     count: int
 
 
-def refuse(field: str, value: object, allowed: str) -> NoReturn:
+def refuse(field: str, value: object, allowed: str | Limits) -> NoReturn:
     """Refuse a value from within a validator; field is its path below the model that is validated."""
-    raise PydanticCustomError("refused", "allowed: {allowed}", {"field": field, "value": value, "allowed": allowed})
+    limits = allowed if isinstance(allowed, Limits) else None
+    words = allowed.words if isinstance(allowed, Limits) else allowed
+    context = {"field": field, "value": value, "allowed": words, "limits": limits}
+    raise PydanticCustomError("refused", "allowed: {allowed}", context)
 
 
 class _Allowance:
     """Base of annotations that replace pydantic's message by one that says what is allowed."""
 
     allowed: str
+    limits: Limits | None
 
     def _guard(self, schema: CoreSchema) -> CoreSchema:
         def check(value: object, validate: ValidatorFunctionWrapHandler) -> Any:
             try:
                 return validate(value)
             except ValidationError:
-                raise PydanticCustomError("refused", "allowed: {allowed}", {"allowed": self.allowed}) from None
+                raise PydanticCustomError("refused", "allowed: {allowed}", self._context) from None
 
         return core_schema.no_info_wrap_validator_function(check, schema)
 
+    @property
+    def _context(self) -> dict[str, object]:
+        return {"allowed": self.allowed, "limits": self.limits}
+
 
 class Within(_Allowance):
-    """A number from low to high [unit]. Whole when the annotated type is int."""
+    """A number from low to high [unit]. Whole when the annotated type is int. note: what else is allowed, or isn't."""
 
-    def __init__(self, low: float, high: float, unit: str = "") -> None:
-        self.low, self.high, self.unit = low, high, unit
+    def __init__(self, low: float, high: float, unit: str = "", note: str = "") -> None:
+        self.low, self.high, self.unit, self.note = low, high, unit, note
 
     def __get_pydantic_core_schema__(self, source: type, handler: GetCoreSchemaHandler) -> CoreSchema:
         whole = source is int
-        kind = "a whole number" if whole else "a number"
-        self.allowed = f"{kind} from {self.low:,} to {self.high:,} {self.unit}".rstrip()
+        self.limits = Limits(self.low, self.high, self.unit, is_whole=whole, note=self.note)
+        self.allowed = self.limits.words
         if whole:
             number: CoreSchema = core_schema.no_info_before_validator_function(
                 _whole, core_schema.int_schema(strict=True, ge=int(self.low), le=int(self.high))
@@ -97,6 +105,11 @@ class Within(_Allowance):
         else:
             number = core_schema.float_schema(strict=True, allow_inf_nan=False, ge=self.low, le=self.high)
         return self._guard(number)
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
+        """Return what pydantic says of the number, and its unit for who shows it."""
+        described = handler(schema)
+        return {**described, "x-unit": self.unit} if self.unit else described
 
 
 class OneOf:
@@ -122,6 +135,8 @@ class ListOf(_Allowance):
     least: int = 0
 
     def __post_init__(self) -> None:
+        counted = self.most is not None
+        self.limits = Limits(self.least, self.most, "items", is_whole=True) if counted else None
         if self.most is None:
             self.allowed = f"a list of {self.things}"
         elif self.least:
@@ -140,7 +155,7 @@ class ListOf(_Allowance):
         return described
 
     def _check(self, value: object) -> object:
-        context: dict[str, object] = {"allowed": self.allowed}
+        context = self._context
         if not isinstance(value, list | tuple) or self.length not in (None, len(value)):
             raise PydanticCustomError("refused", "allowed: {allowed}", context)
         if len(value) < self.least or (self.most is not None and len(value) > self.most):
@@ -163,6 +178,7 @@ class Text(_Allowance):
 
     def __get_pydantic_core_schema__(self, source: type, handler: GetCoreSchemaHandler) -> CoreSchema:
         self.allowed = f"a text of up to {self.longest} characters"
+        self.limits = Limits(0, self.longest, "characters", is_whole=True)
         return self._guard(core_schema.str_schema(strict=True, max_length=self.longest))
 
 
@@ -180,7 +196,7 @@ def rejected(errors: Sequence[ErrorDetails], skip: int = 0) -> Rejected:
 
 def _rejection(error: ErrorDetails, skip: int) -> Rejection:
     context = error.get("ctx", {})
-    path = [_part(part) for part in error["loc"][skip:]]
+    path = list(error["loc"][skip:])
     value = context.get("value", error["input"])
     if "field" in context:
         path.append(str(context["field"]))
@@ -201,7 +217,12 @@ def _rejection(error: ErrorDetails, skip: int) -> Rejection:
             allowed = "an object with named fields"
         case _:
             allowed = error["msg"]
-    return Rejection(".".join(path) or "document", value, allowed)
+    return Rejection(path_in_words(path), value, allowed, context.get("limits"))
+
+
+def path_in_words(path: Iterable[int | str]) -> str:
+    """Return the path of a field; of no field, that of the document."""
+    return ".".join(map(_part, path)) or "document"
 
 
 def _part(part: int | str) -> str:

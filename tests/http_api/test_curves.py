@@ -158,3 +158,20 @@ def test_a_socket_answers_as_the_route_does(client: TestClient) -> None:
         socket.send_text("{")
         [error] = socket.receive_json()["errors"]
         assert error["message"] == "message is '{'; allowed: a JSON object with a design and methods."
+
+
+def test_answers_over_the_socket_carry_the_id_of_their_question(client: TestClient) -> None:
+    body = {"design": document(), "methods": ["exact"], "max_points": 50}
+    plain = client.post("/api/v1/curves", json=body).json()
+    with client.websocket_connect("/api/v1/curves/socket", headers={"host": "127.0.0.1"}) as socket:
+        for number in (0, 7, 2**53 - 1):
+            socket.send_json({**body, "id": number})
+            assert socket.receive_json() == {"id": number, **plain}
+        socket.send_json({**body, "methods": ["none"], "id": 8})
+        refused = socket.receive_json()
+        assert refused["id"] == 8
+        assert refused["errors"][0]["field"] == "methods.0"
+        for wrong in (-1, 2**53, 1.5, "1", True):
+            socket.send_json({**body, "id": wrong})
+            [error] = socket.receive_json()["errors"]
+            assert error["field"] == "id"

@@ -19,6 +19,7 @@ DEVICE_FIELDS = {
     "id", "port", "name", "family", "capabilities", "state", "message", "position_steps", "target_steps",
     "speed_steps_per_s", "axes", "timer_hz", "clocks_hz", "most_axes", "firmware_version", "ramp", "on_trial",
     "motors_on", "starved", "pushed", "progress", "shuttle", "unknown_positions", "in_control", "stops", "heard_s",
+    "age_s",
 }  # fmt: skip
 AXIS_FIELDS = {
     "axis", "state", "position_steps", "target_steps", "speed_steps_per_s", "steps_made", "lowest_steps",
@@ -66,7 +67,7 @@ def wait_for(client: TestClient, route: str, state: str) -> dict[str, Any]:
 def error_of(response: Any, status: int) -> dict[str, Any]:
     assert response.status_code == status, response.text
     [error] = response.json()["errors"]
-    assert set(error) == {"field", "value", "allowed", "message"}
+    assert {"field", "value", "allowed", "message"} <= set(error)
     return error
 
 
@@ -86,9 +87,10 @@ def test_connecting(client: TestClient, port: str) -> None:
     assert set(device["capabilities"]) == {"keep", "try", "restore", "settings", "trace", "line", "zero"}
     [axis] = device["axes"]
     assert set(axis) == AXIS_FIELDS
-    assert client.post(DEVICES, json={"port": port}).json() == device
-    assert client.get(f"{DEVICES}/1").json() == device
-    assert client.get(DEVICES).json() == {"devices": [device]}
+    assert 0 <= device.pop("age_s") < PATIENCE_S
+    assert client.post(DEVICES, json={"port": port}).json().items() > device.items()
+    assert client.get(f"{DEVICES}/1").json().items() > device.items()
+    assert client.get(DEVICES).json()["devices"][0].items() > device.items()
 
 
 def test_the_virtual_controller_of_the_list_can_be_connected(client: TestClient) -> None:
@@ -421,7 +423,27 @@ def test_a_design_that_the_controller_cant_play(client: TestClient, device: str)
     design = document(ramp__slew_speed_steps_per_s=160_000)
     error = error_of(client.post(f"{device}/push", json={"design": design}), 422)
     assert error["field"] == "design.ramp.slew_speed_steps_per_s"
-    assert "to 142,857.1429 steps/s with this controller" in error["allowed"]
+    assert "to 142,857.1428 steps/s with this controller" in error["allowed"]
+
+
+@pytest.mark.parametrize("what", ["push/preview", "push"])
+def test_a_design_that_is_too_long_is_refused_with_what_would_be_accepted(
+    client: TestClient, device: str, what: str
+) -> None:
+    def body() -> dict[str, Any]:
+        return {"design": document(ramp__acceleration_steps_per_s2=14, ramp__deceleration_steps_per_s2=22)}
+
+    error = error_of(client.post(f"{device}/{what}", json=body()), 422)
+    assert error["field"] == "design.ramp.acceleration_steps_per_s2"
+    assert error["message"] == error["reason"]
+    assert " of 250 segments, " in error["reason"]
+    assert [remedy["text"].split()[0] for remedy in error["remedies"]] == ["raise", "lower", "use"]
+    for remedy in error["remedies"]:
+        wanted = body()
+        for change in remedy["changes"]:
+            root, part, name = change["field"].split(".")
+            wanted[root][part][name] = change["value"]
+        assert client.post(f"{device}/push/preview", json=wanted).status_code == 200
 
 
 def test_the_socket_tells_all_at_once_and_then_each_change(client: TestClient, device: str) -> None:

@@ -1,4 +1,5 @@
 import json
+from typing import Any
 
 import pytest
 from starlette.testclient import TestClient
@@ -12,7 +13,7 @@ def errors_of(response, status: int) -> list[dict]:
     assert set(body) == {"errors"}
     assert body["errors"]
     for error in body["errors"]:
-        assert set(error) == {"field", "value", "allowed", "message"}
+        assert {"field", "value", "allowed", "message"} <= set(error)
         assert error["message"].endswith(".")
         assert "Traceback" not in error["message"]
     return body["errors"]
@@ -107,6 +108,56 @@ def with_value(document: object, path: list[str], value: object) -> object:
     return {**document, first: with_value(document.get(first), rest, value)}
 
 
+@pytest.mark.parametrize(
+    ("changes", "limits", "unit"),
+    [
+        (
+            {"ramp__slew_speed_steps_per_s": -5},
+            {"lowest": 0.001, "highest": 1_000_000, "is_whole": False, "note": ""},
+            "steps/s",
+        ),
+        (
+            {"ramp__base_speed_steps_per_s": 1001},
+            {"lowest": 0, "highest": 1000, "is_whole": False, "note": ", the slew speed"},
+            "steps/s",
+        ),
+        (
+            {"move__steps": 0},
+            {"lowest": -10_000_000, "highest": 10_000_000, "is_whole": True, "note": ", but not 0"},
+            "steps",
+        ),
+        # By (16) the ramp has v² / 2 a steps: a is at least 1,000,000 / 20,000,000.
+        (
+            {"ramp__acceleration_steps_per_s2": 0.04},
+            {
+                "lowest": 0.05,
+                "highest": None,
+                "is_whole": False,
+                "note": " between these speeds, for a ramp of at most 10,000,000 steps",
+            },
+            "steps/s²",
+        ),
+        ({"name": "x" * 101}, {"lowest": 0, "highest": 100, "is_whole": True, "note": ""}, "characters"),
+        (
+            {"table__rows": [[row, 9] for row in range(1001)]},
+            {"lowest": 1, "highest": 1000, "is_whole": True, "note": ""},
+            "items",
+        ),
+    ],
+)
+def test_limits_are_told_as_data(
+    client: TestClient, changes: dict[str, Any], limits: dict[str, Any], unit: str
+) -> None:
+    [error] = errors_of(client.post("/api/v1/profile", json={"design": document(**changes)}), 422)
+    assert (error["limits"], error["unit"]) == (limits, unit)
+    assert error["field"] == "design." + next(iter(changes)).replace("__", ".")
+
+
+def test_what_has_no_limits_tells_none(client: TestClient) -> None:
+    [error] = errors_of(client.post("/api/v1/profile", json={"design": document(method__name="magic")}), 422)
+    assert set(error) == {"field", "value", "allowed", "message"}
+
+
 @pytest.mark.parametrize("wrong", ["magic", "", 1, ["keep"], {"keep": 1}])
 @pytest.mark.parametrize(("route", "field"), [(route, field) for route, fields in WORDS.items() for field in fields])
 def test_a_word_that_is_none_of_the_allowed_names_them(
@@ -119,7 +170,7 @@ def test_a_word_that_is_none_of_the_allowed_names_them(
     body = with_value(bodies.get(route, {"design": document()}), field.split("."), wrong)
     [error] = errors_of(client.post(f"/api/v1/{route}", json=body), 422)
     allowed = WORDS[route][field]
-    assert error == {"field": field, "value": wrong, "allowed": allowed, "message": error["message"]}
+    assert (error["field"], error["value"], error["allowed"]) == (field, wrong, allowed)
     assert error["message"].endswith(f"; allowed: {allowed}.")
 
 
@@ -127,7 +178,7 @@ def test_a_format_that_is_none_names_the_formats(client: TestClient) -> None:
     [error] = errors_of(client.post("/api/v1/export/magic", json={"design": document()}), 422)
     assert (error["field"], error["value"]) == ("format", "magic")
     of_c = "c_table, c_table_progmem, c_segments, c_ramp_image, c_first_order, c_second_order, c_compromise, c_newton"
-    assert error["allowed"] == f"{of_c}, csv, json, html, svg, png"
+    assert error["allowed"] == f"{of_c}, arduino, arduino_library, csv, json, html, svg, png"
 
 
 def test_pages_and_routes_that_are_not_there(client: TestClient) -> None:

@@ -11,8 +11,10 @@ from designs import document
 from exports.c_program import PLAY_MOVES, compiled, printed
 from stepramp.exports.export import FORMAT_NAMES
 
+ENDINGS = {"arduino": ".ino", "arduino_library": "_library.ino"}
 TYPES = {
     **dict.fromkeys((name for name in FORMAT_NAMES if name.startswith("c_")), "text/x-c; charset=utf-8"),
+    **dict.fromkeys(("arduino", "arduino_library"), "text/x-c; charset=utf-8"),
     "csv": "text/csv; charset=utf-8",
     "json": "application/json",
     "html": "text/html; charset=utf-8",
@@ -27,10 +29,10 @@ def exported(client: TestClient, kind: str, **body: Any) -> Any:
 
 @pytest.mark.parametrize("name", TYPES)
 def test_every_format_comes_as_a_file_of_its_kind(client: TestClient, name: str) -> None:
-    answer = exported(client, name, design=document(name="Lead-screw stage"))
+    answer = exported(client, name, design=document(name="Lead-screw stage"), segment_bound_ticks=10)
     assert answer.status_code == 200, answer.text
     assert answer.headers["content-type"] == TYPES[name]
-    ending = f"_{name[2:]}.h" if name.startswith("c_") else f".{name}"
+    ending = f"_{name[2:]}.h" if name.startswith("c_") else ENDINGS.get(name, f".{name}")
     assert answer.headers["content-disposition"] == f'attachment; filename="lead_screw_stage{ending}"'
     assert len(answer.content) > 500
 

@@ -210,3 +210,12 @@ def test_connecting_has_few_threads(client: TestClient) -> None:
             assert client.get(DEVICES).json() == {"devices": []}
             assert not connect.done()
         assert connect.result().json()["state"] == "ready"
+
+
+def test_a_report_waits_with_what_takes_long_and_keeps_no_stop_waiting(client: TestClient, device: str) -> None:
+    with ThreadPoolExecutor(1) as caller:
+        with taken(LONG_PLANNING, CORES):
+            report = caller.submit(client.post, "/api/v1/report?format=pdf", json={"design": document()})
+            assert client.post(f"{device}/stop").status_code == 200
+            assert not report.done()
+        assert report.result().content.startswith(b"%PDF")

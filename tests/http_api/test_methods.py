@@ -21,11 +21,11 @@ def test_the_methods_are_served_with_all_that_the_page_says_of_them(client: Test
         "help": "Each interval from the one before with three multiplications. From rest it errs most in its first "
         "steps.",
         "arithmetics": ["float32", "float64", "fixed"],
-        "style": {"light": "#d2601a", "dark": "#ee6a1a", "dash": None},
+        "style": {"light": "#d2601a", "dark": "#ee6a1a", "dash": [9, 3]},
         "plays_table": False,
         "is_tuned": False,
         "is_shown_at_first": True,
-        "code": {"format": "c_first_order", "label": "Formula 20", "help": "p (1 + q), the quickest."},
+        "code": {"format": "c_first_order", "label": "1st order", "help": "Formula 20: p (1 + q), the quickest."},
     }
     assert by_name["ideal"]["style"]["dash"] == [2, 3]
     assert [name for name in NAMES if by_name[name]["code"]] == [

@@ -146,3 +146,26 @@ def test_curves_are_sent_on_request(client: TestClient) -> None:
     assert curves["landing_error_steps_per_s"] > 0
     refused = client.post("/api/v1/errors", json={**body, "curves": ["magic"]})
     assert refused.json()["errors"][0]["field"] == "curves.0"
+
+
+def test_more_numbers_than_an_answer_can_hold_are_refused_before_they_are_worked_out(client: TestClient) -> None:
+    long = document(move__steps=10_000_000)
+    curves = {
+        "design": long,
+        "methods": ["exact", "newton", "ideal", "tuned"],
+        "curves": ["tick_error", "time_error_s"],
+    }
+    # 4 methods with the steps and two curves each are 12 numbers a point.
+    for points in (None, 10_000_000, 8_333_334):
+        response = client.post("/api/v1/errors", json={**curves, "max_points": points})
+        assert response.status_code == 422
+        [error] = response.json()["errors"]
+        assert error["field"] == "max_points"
+        assert (error["limits"]["lowest"], error["limits"]["highest"]) == (10, 8_333_333)
+    # An axis has four numbers a point, and three among the pulses of all.
+    four = {"designs": [long] * 4, "mode": "independent"}
+    [error] = client.post("/api/v1/schedule", json=four).json()["errors"]
+    assert error["field"] == "max_points"
+    assert (error["limits"]["lowest"], error["limits"]["highest"]) == (10, 3_571_428)
+    assert "more than 100,000,000 numbers" in error["message"]
+    assert client.post("/api/v1/schedule", json={**four, "max_points": 1000}).status_code == 200

@@ -21,7 +21,7 @@ def rejection(client: TestClient, body: object) -> dict[str, Any]:
     response = client.post("/api/v1/schedule", json=body)
     assert response.status_code == 422, response.text
     [error] = response.json()["errors"]
-    assert set(error) == {"field", "value", "allowed", "message"}
+    assert {"field", "value", "allowed", "message"} <= set(error)
     assert error["field"] in error["message"]
     return error
 
@@ -67,8 +67,8 @@ def test_a_line_tells_who_leads_and_what_limits_it(client: TestClient) -> None:
         {
             "field": "designs.0.ramp.slew_speed_steps_per_s",
             "axis": 0,
-            "message": "Y (designs.0) allows a slew speed of 100 steps/s: "
-            "along the line that of X (designs.1) is 200 instead of 1,000 steps/s.",
+            "message": "Y (axis 0) allows a slew speed of 100 steps/s: "
+            "along the line that of X (axis 1) is 200 instead of 1,000 steps/s.",
         }
     ]
     follower, leader = answer["axes"]

@@ -26,6 +26,7 @@ def test_the_axes_that_are_named_stop(axes: list[int], stopped: tuple[int, ...])
         b'{"axes": 0}',
         b'{"axis": 0}',
         b'{"axes": [0], "more": 1}',
+        b'{"axes": [0], "axes": [1]}',
         b'{"axes": [0]',
         b"[0]",
         b"null",

@@ -51,6 +51,7 @@ def fit(client: TestClient, **wish: object) -> dict:
 def test_a_table_is_fitted_by_rows_error_or_bytes(client: TestClient) -> None:
     by_rows, by_bytes = fit(client, rows=5), fit(client, bytes=23)
     assert by_rows == by_bytes
+    assert fit(client, bytes=4) == fit(client, bytes=5) == fit(client, rows=1)
     assert (by_rows["rows"], by_rows["bytes"], len(by_rows["table"]["rows"])) == (5, 20, 5)
     by_error = fit(client, largest_relative_error=by_rows["largest_relative_error"])
     assert by_error["rows"] == 5
@@ -79,7 +80,15 @@ def test_a_fit_is_to_what_is_played_unless_the_ramp_index_is_asked_for(client: T
 
 
 @pytest.mark.parametrize(
-    "wish", [{}, {"rows": 5, "bytes": 20}, {"rows": 0}, {"largest_relative_error": 0}, {"bytes": 3}]
+    "wish",
+    [
+        {},
+        {"rows": 5, "bytes": 20},
+        {"rows": 0},
+        {"largest_relative_error": 0},
+        {"bytes": 3},
+        {"bytes": 5, "row_kind": "linear"},
+    ],
 )
 def test_a_wish_that_is_none_is_refused(client: TestClient, wish: dict) -> None:
     response = client.post("/api/v1/table/fit", json={"design": document(), **wish})

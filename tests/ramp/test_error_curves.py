@@ -1,3 +1,4 @@
+from fractions import Fraction
 from itertools import pairwise
 
 import numpy as np
@@ -119,3 +120,50 @@ def test_playing_from_segments_stays_within_their_bound() -> None:
         judged = error_curves(design(), "exact", "exact", bound)
         assert np.abs(judged.parts.compression).max() <= bound
         assert (bound == 0) == (not judged.parts.compression.any())
+
+
+FAST_AND_GENTLE = {
+    "ramp__slew_speed_steps_per_s": 20_000,
+    "ramp__acceleration_steps_per_s2": 2000,
+    "move__steps": 210_000,
+}
+
+
+@pytest.mark.parametrize("rounding", ["nearest", "floor", "carry"])
+def test_what_rounding_makes_of_an_acceleration_is_not_the_ramp(rounding: str) -> None:
+    """By (4) v² grows by 2 a a step: all accelerations are a, however coarse the ticks that they are played in."""
+    judged = error_curves(design(**FAST_AND_GENTLE, method__rounding=rounding), "exact", "exact")
+    # Near full speed an interval is 100 or 101 ticks of 2 MHz: one step between them is (v² - v'²) / 2.
+    one_tick = (Fraction(2_000_000, 100) ** 2 - Fraction(2_000_000, 101) ** 2) / 2
+    assert abs(judged.peak_acceleration.value) == pytest.approx(float(one_tick))
+    assert one_tick > 1900 * 2000
+    assert abs(judged.peak_ramp_acceleration.value) == pytest.approx(2000, rel=1e-6)
+
+
+@pytest.mark.parametrize("arithmetic", ["float32", "float64", "fixed"])
+def test_what_the_method_does_is_the_ramp(arithmetic: str) -> None:
+    """Formula (20) from rest: q = a p1² / F² is 1/2, so p2 is p1 / 2, and v2² - v1² is 8 a - 2 a."""
+    wanted = design(**FAST_AND_GENTLE, method__name="first_order", method__arithmetic=arithmetic)
+    peak = error_curves(wanted, "first_order", "exact").peak_ramp_acceleration
+    assert (peak.value, peak.step) == (pytest.approx(3 * 2000, rel=1e-5), 2)
+
+
+@given(
+    delays=st.lists(st.integers(100, 20_000), min_size=1, max_size=6),
+    lengths=st.lists(st.integers(1, 5), min_size=6, max_size=6),
+    steps=st.integers(1, 80),
+)
+def test_the_jumps_of_a_table_are_its_own(delays: list[int], lengths: list[int], steps: int) -> None:
+    rows, last = [], -1
+    for delay, length in zip(sorted(delays, reverse=True), lengths, strict=False):
+        last += length
+        rows.append([last, delay])
+    wanted = design(table={"rows": rows, "interval_unit": "us"}, move__steps=steps, timer__frequency_hz=1000.5e3)
+    judged = error_curves(wanted.with_method("table"), "table", "table")
+    squares = [Fraction(0), *((Fraction(1_000_500) / Fraction(each)) ** 2
+                              for each in judged.profile.plan.real_intervals.tolist())]  # fmt: skip
+    jumps = [float(after - before) / 2 for before, after in pairwise(squares)]
+    counted = jumps[1:] or jumps
+    peak = judged.peak_ramp_acceleration
+    assert abs(peak.value) == pytest.approx(max(map(abs, counted)), rel=1e-9, abs=1e-3)
+    assert jumps[peak.step - 1] == pytest.approx(peak.value, rel=1e-9, abs=1e-3)

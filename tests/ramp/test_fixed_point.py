@@ -104,7 +104,8 @@ def newton_step(x: State, k: int) -> State:
     error = 2**31 - product
     change = within(rounded * within(abs(error) // 256, 24), 40) // 256
     sign = 1 if error > 0 else -1
-    return normal(within(rounded * 2**16 + sign * change, 32), x.exponent)
+    # A short move may turn down from an x that is far too small for there: then x grows by up to a half.
+    return normal(within(rounded * 2**16 + sign * change, 33), x.exponent)
 
 
 def states(run: Run) -> Iterator[State]:

@@ -139,10 +139,10 @@ def test_each_quantity_is_the_least_that_an_axis_allows() -> None:
         ("designs.2.ramp.acceleration_steps_per_s2", 2),
     ]
     assert limits[0].message == (
-        "Y (designs.1) allows a slew speed of 200 steps/s: "
-        "along the line that of X (designs.0) is 400 instead of 1,000 steps/s."
+        "Y (axis 1) allows a slew speed of 200 steps/s: "
+        "along the line that of X (axis 0) is 400 instead of 1,000 steps/s."
     )
-    assert "(designs.2) allows a deceleration of 1,000 steps/s²" in limits[2].message
+    assert "(axis 2) allows a deceleration of 1,000 steps/s²" in limits[2].message
     assert "is 3,000 instead of 5,000 steps/s²" in limits[2].message
 
 
@@ -213,7 +213,7 @@ def test_a_table_is_stretched_for_a_slow_follower() -> None:
     assert profile.intervals_ticks.min() == 4000
     assert profile.intervals_ticks[0] == 33_333
     assert [(limit.field, limit.axis) for limit in limits] == [("designs.1.ramp", 1)]
-    assert "(designs.1) can't follow the table of Gauge (designs.0)" in limits[0].message
+    assert "(axis 1) can't follow the table of Gauge (axis 0)" in limits[0].message
     assert "3.33333 times as long" in limits[0].message
 
 
@@ -248,7 +248,7 @@ def test_a_ramp_that_a_follower_makes_too_long_is_refused_at_the_follower() -> N
     [rejection] = caught.value.rejections
     assert (rejection.field, rejection.value) == ("designs.1.ramp.acceleration_steps_per_s2", 0.01)
     assert "at least 0.05 steps/s²" in rejection.allowed
-    assert "counted for designs.0, which leads the line with 4,000 steps to 1,000 of this axis" in rejection.allowed
+    assert "counted for axis 0, which leads the line with 4,000 steps to 1,000 of this axis" in rejection.allowed
 
 
 def test_a_follower_so_slow_that_no_table_can_follow_is_refused() -> None:
@@ -258,7 +258,7 @@ def test_a_follower_so_slow_that_no_table_can_follow_is_refused() -> None:
         line_profile([table, still, design(move__steps=1)], 0)
     [rejection] = caught.value.rejections
     assert rejection.field == "designs.1.table"
-    assert "one that slows each delay of Gauge (designs.0) to a whole number from 1 to" in rejection.allowed
+    assert "one that slows each delay of Gauge (axis 0) to a whole number from 1 to" in rejection.allowed
     assert rejection.value == {"rows": [(1, 2**32 - 1)], "interval_unit": "us"}
 
 

@@ -1,3 +1,5 @@
+import time
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -65,6 +67,25 @@ def test_the_time_of_a_step_does_not_drift_however_long_the_ramp(bound: int, ste
     assert np.abs(drift[ends]).max() <= 32 * bound
     # Keeping to that costs few segments: no way to cut at all needs fewer than this bound on the longest lines.
     assert len(segments) <= 1.3 * fewest_without_drift_limit(given, bound) + 2
+
+
+@pytest.mark.parametrize("bound", [1, 200, 1600, 10_000])
+def test_a_long_slow_ramp_takes_no_time(bound: int) -> None:
+    given = np.rint(2e6 / np.sqrt(1 + 0.02 * np.arange(1, 500_001))).astype(np.int64)
+    compress(given[:10], bound)
+    begin_s = time.process_time()
+    segments = compress(given, bound)
+    # It takes a tenth of a second; trying every line for each interval took minutes.
+    assert time.process_time() - begin_s < 5
+    off = expand(segments) - given
+    assert np.abs(off).max() <= bound
+    assert np.abs(np.cumsum(off)[np.cumsum([segment.count for segment in segments]) - 1]).max() <= 32 * bound
+
+
+def test_no_more_segments_are_made_than_are_wanted() -> None:
+    given = np.rint(2e6 / np.sqrt(2 * 4000 * np.arange(1, 5001))).astype(np.int64)
+    assert compress(given, 1, 7) == compress(given, 1)[:7]
+    assert compress(given, 1, 10_000) == compress(given, 1)
 
 
 def fewest_without_drift_limit(given: np.ndarray, bound: int) -> int:

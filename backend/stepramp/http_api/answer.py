@@ -34,3 +34,5 @@ WholeNumbers = Annotated[list[int], _Column()]
 """A column of whole numbers: an array of shape (n,)."""
 Numbers = Annotated[list[float], _Column()]
 """A column of numbers: an array of shape (n,)."""
+NumbersOrNull = Annotated[list[float | None], _Column()]
+"""The same with null where there is none: NaN in the array."""

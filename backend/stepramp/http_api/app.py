@@ -10,9 +10,10 @@ from fastapi import FastAPI
 from fastapi.routing import iter_route_contexts
 from starlette.types import Receive, Scope, Send
 
+from stepramp.capture.warm_up import warm_up_captures
 from stepramp.controllers.families import FAMILIES, Family
 from stepramp.devices.registry import Devices
-from stepramp.http_api import curves, devices, exports, methods, pages, planning, schedule, tables
+from stepramp.http_api import capture, curves, devices, exports, methods, pages, planning, report, schedule, tables
 from stepramp.http_api.answered import Answered
 from stepramp.http_api.connections import Connections
 from stepramp.http_api.door import Door
@@ -37,13 +38,18 @@ design's timer, speeds in steps/s.
 @asynccontextmanager
 async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     """Compile the numerics in the background; at the end let go of every device, one that moves being stopped first."""
-    threading.Thread(target=warm_up, daemon=True).start()
+    threading.Thread(target=_warm_up, daemon=True).start()
     app.state.devices.look_for_lost_ones()
     app.state.news = News(app.state.devices)
     publishing = asyncio.create_task(app.state.news.publish())
     yield
     publishing.cancel()
     app.state.devices.close()
+
+
+def _warm_up() -> None:
+    warm_up()
+    warm_up_captures()
 
 
 class Application(FastAPI):
@@ -92,6 +98,8 @@ def create_app(families: Mapping[str, Family] = FAMILIES) -> FastAPI:
     app.include_router(schedule.router, prefix="/api/v1")
     app.include_router(tables.router, prefix="/api/v1")
     app.include_router(exports.router, prefix="/api/v1")
+    app.include_router(capture.router, prefix="/api/v1")
+    app.include_router(report.router, prefix="/api/v1")
     app.include_router(devices.router, prefix="/api/v1")
     handle_errors(app)
     pages.add(app)

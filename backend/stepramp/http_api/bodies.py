@@ -3,9 +3,7 @@
 A large body is parsed and validated in a thread: both take so long that a STOP would wait for them.
 """
 
-import json
-import re
-from collections.abc import Callable, Coroutine, Iterator
+from collections.abc import Callable, Coroutine, Iterable, Iterator
 from contextlib import contextmanager
 from functools import partial
 from inspect import signature
@@ -13,35 +11,46 @@ from typing import Any, get_args, get_origin
 
 from fastapi import Request
 from fastapi.routing import APIRoute
+from starlette.datastructures import QueryParams
 from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect
 from starlette.responses import Response
 from starlette.types import Receive, Scope, Send
 
-from stepramp.errors import Overloaded, Rejected, Rejection, escaped, shown
+from stepramp.errors import Overloaded, Rejected, Rejection, shown
 from stepramp.http_api.errors import ErrorList, error_response
 from stepramp.http_api.json_response import JsonResponse
 from stepramp.http_api.lanes import CHECKING
 from stepramp.http_api.planned import Planned
+from stepramp.json_text import ONCE, parsed_json
 from stepramp.validation import Document
 
 MOST_BYTES = 2_000_000
 """Size of the largest body, and of the largest message on a WebSocket [bytes]."""
+MOST_FILE_BYTES = 2**28
+"""Size of the largest file [bytes]."""
+MOST_TAKEN_BYTES = 2**30
+"""So much of a file that is too large is taken before it is refused [bytes]."""
+JSON_TYPE = "application/json"
+FILE_TYPE = "application/octet-stream"
 LARGE_BYTES = 16_384
 """What is larger is parsed and validated in a thread [bytes]."""
 MOST_TOGETHER_BYTES = 32_000_000
 """Size of all larger bodies together, of those that are coming in and of those that are not answered yet [bytes]."""
+OF_FILES: dict[int | str, dict[str, Any]] = {
+    400: {"model": ErrorList, "description": "The body ended early"},
+    413: {"model": ErrorList, "description": f"The body is larger than {MOST_FILE_BYTES:,} bytes"},
+    415: {"model": ErrorList, "description": f"The body is not {FILE_TYPE}"},
+}
+"""The same for files."""
 OF_BODIES: dict[int | str, dict[str, Any]] = {
     400: {"model": ErrorList, "description": "The body ended early"},
     413: {"model": ErrorList, "description": f"The body is larger than {MOST_BYTES:,} bytes"},
     415: {"model": ErrorList, "description": "The body is not application/json"},
 }
 """What is answered to a body that is not even looked at."""
-WHOLE_TEXT = "text without halves of surrogate pairs"
 
 _TAKE = "stepramp.take_room"
-_ESCAPED_SURROGATE = re.compile(r"\\u[dD][89a-fA-F]")
-_SURROGATE = re.compile("[\ud800-\udfff]")
 
 
 class Room:
@@ -79,6 +88,9 @@ class JsonRoute(APIRoute):
     What it answers is described by what its endpoint returns, also when that is a response of an answer.
     """
 
+    room = Room(MOST_TOGETHER_BYTES)
+    """For all such routes together."""
+
     def __init__(self, path: str, endpoint: Callable[..., Any], **options: Any) -> None:
         returned = signature(endpoint).return_annotation
         if get_origin(returned) in (JsonResponse, Planned):
@@ -89,22 +101,25 @@ class JsonRoute(APIRoute):
 
     async def handle(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Serve a request; its body has its room until the answer is sent, since what makes that needs it."""
-        with _ROOM.held() as take:
+        with self.room.held() as take:
             await super().handle({**scope, _TAKE: take}, receive, send)
 
     def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
         """Return what handles a request: FastAPI's own handler, given the document in place of the body."""
         handle, kind = super().get_route_handler(), _document_of(self.endpoint)
+        parameters = [each.alias for each in self.dependant.query_params]
         if kind is None:
+            assert not parameters, "who takes parameters without a document has to refuse repeated ones"
             return handle
 
         def checked(body: bytes) -> Document:
             return kind.checked(_content(body))
 
         async def handle_document(request: Request) -> Response:
-            _refuse_other_types(request)
+            _refuse_other_types(request, JSON_TYPE)
             body = await read_body(request)
             try:
+                refuse_repeated(request.query_params, parameters)
                 is_large = len(body) > LARGE_BYTES
                 document = await CHECKING.run(partial(checked, body)) if is_large else checked(body)
             except Rejected as error:
@@ -114,47 +129,61 @@ class JsonRoute(APIRoute):
         return handle_document
 
 
-async def read_body(request: Request) -> bytes:
-    """Return the body of a JsonRoute's request.
+class FileRoute(JsonRoute):
+    """A route whose body is a file."""
 
-    Raises HTTPException with status 413 as soon as it is too large, without reading more, and 400 when it ends early;
-    Overloaded when it has no room beside other large ones.
+    room = Room(2 * MOST_FILE_BYTES)
+
+
+def refuse_repeated(given: QueryParams, names: Iterable[str]) -> None:
+    """Raise Rejected for parameters of these names that are given more than once."""
+    repeated = [Rejection(name, values, ONCE) for name in names if len(values := given.getlist(name)) > 1]
+    if repeated:
+        raise Rejected(repeated)
+
+
+async def read_body(request: Request) -> bytes:
+    """Return the body of a JsonRoute's request; it raises what _parts_of raises."""
+    return b"".join(await _parts_of(request, MOST_BYTES, MOST_BYTES))
+
+
+async def read_file_body(request: Request) -> list[bytes]:
+    """Return the body of a FileRoute's request, in parts: to join them takes long.
+
+    Raises HTTPException with status 415 for another type, and what _parts_of raises. Most of a body that is too large
+    is taken, though not kept: a browser shows no answer that comes before it has sent all.
+    """
+    _refuse_other_types(request, FILE_TYPE)
+    return await _parts_of(request, MOST_FILE_BYTES, MOST_TAKEN_BYTES)
+
+
+async def _parts_of(request: Request, most_bytes: int, most_taken_bytes: int) -> list[bytes]:
+    """Return a body in parts.
+
+    Raises HTTPException with status 413 when it is too large, without reading more than is to be taken, and 400 when it
+    ends early; Overloaded when it has no room beside other large ones.
     """
     take_room: Callable[[int], None] = request.scope[_TAKE]
     declared = request.headers.get("content-length", "")
-    chunks, size = [], int(declared) if declared.isdecimal() and len(declared) < 20 else 0
+    parts: list[bytes] = []
+    size = int(declared) if declared.isdecimal() and len(declared) < 20 else 0
     try:
-        if size <= MOST_BYTES:
+        if size <= most_taken_bytes:
             size = 0
-            async for chunk in request.stream():
-                chunks.append(chunk)
-                size += len(chunk)
-                if size > MOST_BYTES:
+            async for part in request.stream():
+                size += len(part)
+                if size > most_taken_bytes:
                     break
-                take_room(size)
+                if size > most_bytes:
+                    parts.clear()
+                else:
+                    parts.append(part)
+                    take_room(size)
     except ClientDisconnect:
         raise HTTPException(400, "The request's body ended early.") from None
-    if size > MOST_BYTES:
-        raise HTTPException(413, f"The request's body is too large; allowed: up to {MOST_BYTES:,} bytes.")
-    return b"".join(chunks)
-
-
-def parsed_json(text: str) -> object:
-    """Return JSON as objects; ValueError when it is none, is nested too deeply, or has numbers of too many digits.
-
-    Raises Rejected for half a surrogate pair: UTF-8 can't carry it, so nothing that holds it could be answered.
-    """
-    try:
-        content: object = json.loads(text)
-    except RecursionError:
-        raise ValueError("It is nested too deeply.") from None
-    if _ESCAPED_SURROGATE.search(text) and (half := next(_halves(content), None)) is not None:
-        path, value = half
-        raise Rejected([Rejection(".".join(map(str, path)) or "document", value, WHOLE_TEXT)])
-    return content
-
-
-_ROOM = Room(MOST_TOGETHER_BYTES)
+    if size > most_bytes:
+        raise HTTPException(413, f"The request's body is too large; allowed: up to {most_bytes:,} bytes.")
+    return parts
 
 
 class _WithDocument(Request):
@@ -177,11 +206,11 @@ def _document_of(endpoint: Callable[..., Any]) -> type[Document] | None:
     return next((each for each in annotations if isinstance(each, type) and issubclass(each, Document)), None)
 
 
-def _refuse_other_types(request: Request) -> None:
+def _refuse_other_types(request: Request, allowed: str) -> None:
     given = request.headers.get("content-type")
     kind = (given or "").partition(";")[0].strip().lower()
-    if kind != "application/json":
-        raise HTTPException(415, f"The Content-Type header is {shown(given)}; allowed: application/json.")
+    if kind != allowed:
+        raise HTTPException(415, f"The Content-Type header is {shown(given)}; allowed: {allowed}.")
 
 
 def _content(body: bytes) -> object:
@@ -189,21 +218,9 @@ def _content(body: bytes) -> object:
         return parsed_json(body.decode("utf-8-sig"))
     except Rejected:
         raise
+    except UnicodeDecodeError:
+        shown_bytes = body[:100].decode("latin-1")
+        raise Rejected([Rejection("body", shown_bytes, "JSON in UTF-8, not compressed")]) from None
     except ValueError as error:
         text = body[:1000].decode("utf-8", "backslashreplace")
         raise Rejected([Rejection("body", text, f"JSON ({error})")]) from None
-
-
-def _halves(content: object) -> Iterator[tuple[tuple[str | int, ...], str]]:
-    """Yield texts with half a surrogate pair, and where they are; of a field's name, where the field is."""
-    waiting: list[tuple[tuple[str | int, ...], object]] = [((), content)]
-    while waiting:
-        path, value = waiting.pop()
-        if isinstance(value, str) and _SURROGATE.search(value):
-            yield path, value
-        elif isinstance(value, list):
-            waiting += [((*path, number), each) for number, each in enumerate(value)]
-        elif isinstance(value, dict):
-            names = list(map(escaped, value))
-            yield from (((*path, name), name) for name, given in zip(names, value, strict=True) if name != given)
-            waiting += [((*path, name), each) for name, each in zip(names, value.values(), strict=True)]

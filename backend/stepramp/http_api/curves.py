@@ -15,6 +15,8 @@ from stepramp.http_api.sockets import accept, parsed, received, send, served
 
 router = APIRouter(tags=["planning"], route_class=JsonRoute)
 
+LARGEST_ID = 2**53 - 1
+"""A number that every language of the web can hold."""
 LONGEST_MESSAGE_BYTES = 2**22
 """A message is sent in one go, for which a stop may have to wait."""
 
@@ -29,7 +31,8 @@ async def curves(request: CurvesPayload) -> Planned[CurvesAnswer]:
 async def curves_socket(socket: WebSocket) -> None:
     """Answer the requests of POST /curves, one after the other, each with its answer or an object with `errors`.
 
-    For sliders: in a browser a request of its own takes longer than the curves of a usual move.
+    For sliders: in a browser a request of its own takes longer than the curves of a usual move. A request may carry an
+    `id`, which its answer then carries too.
     """
     async with served(socket):
         await accept(socket)
@@ -40,15 +43,32 @@ async def curves_socket(socket: WebSocket) -> None:
 
 async def _answer(message: str | bytes) -> str:
     checked = partial(_checked, message)
+    number, request = await CHECKING.run(checked) if len(message) > LARGE_BYTES else checked()
     try:
-        request = await CHECKING.run(checked) if len(message) > LARGE_BYTES else checked()
-        return await _lane(request).run(lambda: _message(CurvesAnswer.of(request.drawing), request.max_points))
+        if isinstance(request, Rejected):
+            raise request
+        text = await _lane(request).run(lambda: _message(CurvesAnswer.of(request.drawing), request.max_points))
     except Rejected as error:
-        return json_bytes(ErrorList(errors=error_items(in_body(error)))).decode()
+        text = json_bytes(ErrorList(errors=error_items(in_body(error)))).decode()
+    return text if number is None else f'{{"id":{number},{text[1:]}'
 
 
-def _checked(message: str | bytes) -> CurvesPayload:
-    return CurvesPayload.checked(parsed(message, "a JSON object with a design and methods"))
+def _checked(message: str | bytes) -> tuple[int | None, CurvesPayload | Rejected]:
+    """Return what is asked, or why it can't be, with the id that its answer carries."""
+    number: int | None = None
+    try:
+        document = parsed(message, "a JSON object with a design and methods")
+        if isinstance(document, dict):
+            number = _number(document.pop("id", None))
+        return number, CurvesPayload.checked(document)
+    except Rejected as error:
+        return number, error
+
+
+def _number(given: object) -> int | None:
+    if given is None or (type(given) is int and 0 <= given <= LARGEST_ID):
+        return given
+    raise Rejected([Rejection("id", given, f"a whole number from 0 to {LARGEST_ID:,}, or null")])
 
 
 def _lane(request: CurvesPayload) -> Lane:

@@ -26,7 +26,7 @@ from stepramp.ramp.drawing import Drawing, Drawn
 from stepramp.ramp.error_curves import Parts
 from stepramp.validation import Document, ListOf, Within
 
-StepOfMove = Annotated[int, Within(1, MOST_STEPS, "steps, or null")] | None
+StepOfMove = Annotated[int, Within(1, MOST_STEPS, "steps", ", or null")] | None
 
 
 class CurvesPayload(Document):
@@ -48,7 +48,7 @@ class CurvesPayload(Document):
     last_step: StepOfMove = Field(None, description="Last step of that part; null: the move's last [steps]")
     acceleration: StrictBool = Field(False, description="Whether the implied acceleration is wanted")
     parts: StrictBool = Field(False, description="Whether the parts of the error are wanted")
-    segment_bound_ticks: Annotated[int, Within(0, 10_000, "ticks, or null for no segments")] | None = Field(
+    segment_bound_ticks: Annotated[int, Within(0, 10_000, "ticks", ", or null for no segments")] | None = Field(
         None,
         description="Bound of the segments whose part of the error is given among the parts [ticks]; null: no segments",
     )

@@ -255,6 +255,10 @@ class DeviceAnswer(Answer):
         "X-StepRamp-Stops moves nothing"
     )
     heard_s: float = Field(description="When the controller said so, by a clock of the server [s]")
+    age_s: float | None = Field(
+        description="How old that is as this is told, by the same clock: under 1 s as long as all is well. null before "
+        "it has said anything [s]"
+    )
 
 
 class DevicesAnswer(Answer):

@@ -34,6 +34,31 @@ STATUS: dict[type[StepRampError], int] = {
 METHODS = ("GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS")
 
 
+class LimitsAnswer(Answer):
+    """From where to where a number may lie; for a text or a list, how long it may be."""
+
+    lowest: float | None = Field(description="The least that is allowed; null: no end")
+    highest: float | None = Field(description="The most that is allowed; null: no end")
+    is_whole: bool = Field(description="Whether only whole numbers are allowed")
+    note: str = Field(
+        description="What follows them and their unit in a sentence: why they hold, or what is allowed besides"
+    )
+
+
+class ChangeAnswer(Answer):
+    """A value that would be accepted in place of the present one."""
+
+    field: str = Field(description="Path of the field in the request's body")
+    value: object = Field(description="What to put there")
+
+
+class RemedyAnswer(Answer):
+    """Changes that together make what was refused acceptable: they were tried."""
+
+    text: str = Field(description="What people call it")
+    changes: list[ChangeAnswer]
+
+
 class ErrorItem(Answer):
     """One thing that is wrong."""
 
@@ -41,6 +66,17 @@ class ErrorItem(Answer):
     value: object = Field(description="What was given")
     allowed: str | None = Field(description="What is allowed")
     message: str = Field(description="The same as a sentence")
+    limits: LimitsAnswer | None = Field(
+        None,
+        description="What `allowed` says of a number, or of a length; left out where it says no such thing",
+    )
+    unit: str | None = Field(None, description="Unit of the limits, '' for mere numbers; left out without limits")
+    reason: str | None = Field(
+        None, description="Why, where more than the value is wrong: the message, and it names no field; else left out"
+    )
+    remedies: list[RemedyAnswer] | None = Field(
+        None, description="What would be accepted instead; left out where nothing is known"
+    )
 
 
 class ErrorList(Answer):
@@ -97,10 +133,7 @@ def handle_errors(app: FastAPI) -> None:
 def in_body(error: Rejected) -> Rejected:
     """Return the rejection of a design's field with the field's path in the request's body, where designs are."""
     return Rejected(
-        [
-            Rejection(f"design.{each.field}", each.value, each.allowed) if _is_of_design(each.field) else each
-            for each in error.rejections
-        ],
+        [each.within("design.") if _is_of_design(each.field) else each for each in error.rejections],
         error.more,
     )
 
@@ -120,11 +153,19 @@ def _methods_of(request: Request) -> list[str]:
 
 
 def _item(rejection: Rejection) -> ErrorItem:
+    known: dict[str, object] = {}
+    if rejection.limits is not None:
+        known |= {"limits": LimitsAnswer.model_validate(rejection.limits), "unit": rejection.limits.unit}
+    if rejection.reason:
+        known["reason"] = rejection.reason
+    if rejection.remedies:
+        known["remedies"] = [RemedyAnswer.model_validate(each) for each in rejection.remedies]
     return ErrorItem(
         field=rejection.field,
         value=brief(rejection.value),
         allowed=rejection.allowed,
         message=rejection.message,
+        **known,
     )
 
 

@@ -28,7 +28,7 @@ class ExportPayload(Document):
         "ones usual for it",
     )
     segment_bound_ticks: Annotated[int, Within(0, MOST_BOUND_TICKS, "ticks")] = Field(
-        0, description="c_segments: how far an interval may be from the planned one, for fewer segments [ticks]"
+        0, description="Ramps as segments: how far an interval may be from the planned one, for fewer segments [ticks]"
     )
 
     @model_validator(mode="after")

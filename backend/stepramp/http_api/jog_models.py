@@ -18,7 +18,7 @@ class JogPayload(Document):
     )
     axis: AxisNumber = Field(0, description=AXIS)
     speed_steps_per_s: Speed = Field(0.0, description="Speed to run at, negative for backwards [steps/s]")
-    stops: Annotated[int, Within(0, 2**53, "or null")] | None = Field(
+    stops: Annotated[int, Within(0, 2**53, note=" or null")] | None = Field(
         None, description="As the header X-StepRamp-Stops of other motions: browsers can give WebSockets no headers"
     )
 

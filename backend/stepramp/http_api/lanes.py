@@ -90,6 +90,8 @@ CONNECTING = Lane("connecting", 8)
 """Connecting, which takes up to 6 s."""
 CHECKING = Lane("checking", 1, computes=True)
 """Parsing and validating of large bodies: one at a time, since other threads hardly get on meanwhile."""
+CAPTURING = Lane("capturing", 1, computes=True)
+"""Reading of captured files: one at a time, since each takes many times its own size in memory."""
 PUSHING = Lane("pushing", 8)
 """Pushes, which take some seconds and wait for their planning, too."""
 ACTING = Lane("acting", 32)

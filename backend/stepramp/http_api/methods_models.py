@@ -17,7 +17,7 @@ class StyleAnswer(Answer):
 
     light: str = Field(description="Colour on a light ground")
     dark: str = Field(description="Colour on a dark ground")
-    dash: tuple[float, float] | None = Field(description="Dash and gap; null: solid [px]")
+    dash: tuple[float, ...] | None = Field(description="Dashes and gaps in turn; null: solid [px]")
 
 
 class CodeAnswer(Answer):

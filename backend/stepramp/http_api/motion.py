@@ -1,6 +1,9 @@
 """Routes that move the axes of attached controllers."""
 
+from typing import Any
+
 from fastapi import APIRouter
+from starlette.responses import Response
 
 from stepramp.http_api.bodies import JsonRoute
 from stepramp.http_api.device_registry import Acting, Page, Registry
@@ -22,6 +25,8 @@ from stepramp.http_api.motion_models import (
 from stepramp.http_api.request_numbers import RequestNumber
 
 router = APIRouter(route_class=JsonRoute)
+
+_CSV: dict[str, Any] = {"text/csv": {"schema": {"type": "string"}}}
 
 
 @router.post("/devices/{device_id}/move")
@@ -114,3 +119,11 @@ def trace_moves(request: TracePayload, device: Acting) -> TracingAnswer:
 def trace(device_id: str, devices: Registry) -> JsonResponse[TraceAnswer]:
     """Return the trace of the last move that was traced, as far as it is known."""
     return JsonResponse(TraceAnswer.of(devices.get(device_id).trace()))
+
+
+@router.get("/devices/{device_id}/trace.csv", response_class=Response, responses={200: {"content": _CSV}})
+@ACTING.serves
+def trace_as_csv(device_id: str, devices: Registry) -> Response:
+    """Return the same as a file that `/capture` reads, unless it lacks steps: each edge is one."""
+    headers = {"content-disposition": 'attachment; filename="trace.csv"'}
+    return Response(devices.get(device_id).trace_as_csv(), headers=headers, media_type="text/csv")

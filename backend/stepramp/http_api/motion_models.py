@@ -10,6 +10,7 @@ from stepramp.controllers.contract import AxisCommand, Trace
 from stepramp.devices.leases import Lease
 from stepramp.devices.shuttle import Shuttle
 from stepramp.devices.soft_limits import Span
+from stepramp.errors import Limits
 from stepramp.http_api.answer import Answer, Numbers, WholeNumbers
 from stepramp.validation import Document, ListOf, ListOrNull, Within, refuse
 
@@ -73,7 +74,7 @@ class ShuttlePayload(Document):
     """How one axis is to go there and back."""
 
     axis: AxisNumber = Field(0, description=AXIS)
-    by_steps: Annotated[int, Within(-(2**31), 2**31 - 1, "steps, but not 0")] = Field(
+    by_steps: Annotated[int, Within(-(2**31), 2**31 - 1, "steps", ", but not 0")] = Field(
         description="How far it goes, from where it is at rest, negative for backwards [steps]",
         json_schema_extra={"not": {"const": 0}},
     )
@@ -199,7 +200,8 @@ class AxisLimits(Document):
     @model_validator(mode="after")
     def _in_order(self) -> Self:
         if self.lowest_steps is not None and self.highest_steps is not None and self.highest_steps < self.lowest_steps:
-            refuse("highest_steps", self.highest_steps, f"at least lowest_steps, {self.lowest_steps:,} steps")
+            limits = Limits(lowest=self.lowest_steps, unit="steps", is_whole=True, note=", the lowest")
+            refuse("highest_steps", self.highest_steps, limits)
         return self
 
 

@@ -6,12 +6,9 @@ from pathlib import Path
 import fastapi_offline
 import plotly
 from fastapi import FastAPI
-from starlette.exceptions import HTTPException
-from starlette.responses import FileResponse, Response
-from starlette.staticfiles import StaticFiles
-from starlette.types import Scope
+from starlette.responses import FileResponse
 
-from stepramp.http_api.methods_models import MethodsAnswer
+from stepramp.http_api.page_files import ASKED_EACH_TIME, AskedEachTime, PageFiles
 
 PACKAGE = Path(str(files("stepramp")))
 PLOTLY = Path(plotly.__file__).parent / "package_data"
@@ -24,36 +21,14 @@ def frontend() -> Path:
     return installed if installed.is_dir() else PACKAGE.parents[1] / "frontend"
 
 
-class Revalidated(StaticFiles):
-    """Files that a browser asks about each time, so that a new version is never mixed with an old one."""
-
-    async def get_response(self, path: str, scope: Scope) -> Response:
-        """Return the answer for a path below the folder; what lies below /api is no file."""
-        if scope["path"].startswith("/api/") or "\0" in path:
-            raise HTTPException(404)
-        return await super().get_response(path, scope)
-
-    def file_response(self, *args: object, **kwargs: object) -> Response:
-        """Return the file, or that it hasn't changed."""
-        response = super().file_response(*args, **kwargs)  # type: ignore[arg-type]  # handed on as they come
-        response.headers["cache-control"] = "no-cache"
-        return response
-
-
 def add(app: FastAPI) -> None:
     """Add the page at /, the API's page at /docs, and what they load below /assets."""
 
     @app.get("/docs", include_in_schema=False)
     async def docs() -> FileResponse:
-        return FileResponse(frontend() / "docs" / "index.html", headers={"cache-control": "no-cache"})
+        return FileResponse(frontend() / "docs" / "index.html", headers={"cache-control": ASKED_EACH_TIME})
 
-    @app.get("/assets/methods.js", include_in_schema=False)
-    async def methods_module() -> Response:
-        # What GET /api/v1/methods answers, for the page to import: it has no list of its own.
-        text = f"export default {MethodsAnswer.of_all().model_dump_json()};\n"
-        return Response(text, media_type="text/javascript", headers={"cache-control": "no-cache"})
-
-    app.mount("/assets/plotly", Revalidated(directory=PLOTLY))
-    app.mount("/assets/swagger-ui", Revalidated(directory=SWAGGER_UI))
+    app.mount("/assets/plotly", AskedEachTime(directory=PLOTLY))
+    app.mount("/assets/swagger-ui", AskedEachTime(directory=SWAGGER_UI))
     # Not mounted: that would keep the router from telling which methods a path of the API knows.
-    app.router.default = Revalidated(directory=frontend(), html=True)
+    app.router.default = PageFiles(frontend())

@@ -5,10 +5,10 @@ from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from stepramp.design import MOST_NAMES, MOST_STEPS, Design, MethodName
-from stepramp.errors import Rejected
+from stepramp.errors import Limits, Rejected
 from stepramp.http_api.answer import Answer, Numbers, WholeNumbers
 from stepramp.http_api.errors import ErrorItem, error_items, in_body
 from stepramp.methods import REFERENCE
@@ -16,7 +16,7 @@ from stepramp.methods.common.method import TuningReport
 from stepramp.ramp.error_curves import ErrorCurves
 from stepramp.ramp.profile import Profile
 from stepramp.ramp.thinning import kept_steps
-from stepramp.validation import Document, ListOf, Within
+from stepramp.validation import Document, ListOf, Within, refuse
 
 CurveName = Literal[
     "relative_error",
@@ -32,9 +32,23 @@ CurveName = Literal[
 ]
 
 MostPoints = Annotated[
-    Annotated[int, Within(10, MOST_STEPS, "points, or null for every step")] | None,
+    Annotated[int, Within(10, MOST_STEPS, "points", ", or null for every step")] | None,
     Field(description="Thin the arrays to about so many steps that keep the curve's shape; null: every step"),
 ]
+
+
+MOST_NUMBERS = 100_000_000
+"""In the arrays of an answer: so many, of some 10 characters, fit into the memory of a small PC."""
+
+
+def refuse_more_numbers(arrays: int, moves: Sequence[Design], max_points: int | None) -> None:
+    """Refuse max_points, from within a validator, when so many arrays for each move would hold too many numbers."""
+    lengths = [abs(design.move.steps) for design in moves]
+    points = sum(length if max_points is None else min(length, max_points) for length in lengths)
+    if arrays * points > MOST_NUMBERS:
+        why = f": with so many curves and steps an answer would hold more than {MOST_NUMBERS:,} numbers"
+        most = MOST_NUMBERS // (arrays * len(moves))
+        refuse("max_points", max_points, Limits(10, most, "points", is_whole=True, note=why))
 
 
 class ProfilePayload(Document):
@@ -55,12 +69,18 @@ class ErrorsPayload(Document):
     curves: Annotated[list[CurveName], ListOf("curve names", most=MOST_NAMES)] = Field(
         default=["relative_error", "tick_error"], description="Curves wanted; the figures come in any case"
     )
-    segment_bound_ticks: Annotated[int, Within(0, 10_000, "ticks, or null for no segments")] | None = Field(
+    segment_bound_ticks: Annotated[int, Within(0, 10_000, "ticks", ", or null for no segments")] | None = Field(
         None,
         description="Judge the move as a controller plays it from segments that keep to this bound [ticks]; null: as "
         "it is planned",
     )
     max_points: MostPoints = None
+
+    @model_validator(mode="after")
+    def _can_be_answered(self) -> Self:
+        steps_and_curves = 1 + len(self.curves)
+        refuse_more_numbers(len(self.methods) * steps_and_curves, [self.design], self.max_points)
+        return self
 
 
 class PhaseAnswer(Answer):
@@ -179,6 +199,9 @@ class ErrorFiguresAnswer(Answer):
     rms_relative_error: float = Field(description="Root of the mean square of the relative errors")
     relative_error_at_ramp_end: float = Field(description="Relative error of the last step of the acceleration")
     peak_acceleration_steps_per_s2: ExtremeAnswer = Field(description="Implied acceleration furthest from 0 [steps/s²]")
+    peak_ramp_acceleration_steps_per_s2: ExtremeAnswer = Field(
+        description="The same before the intervals are rounded to ticks: what a finer timer would leave [steps/s²]"
+    )
     time_difference_s: float = Field(description="How much longer than the reference the move takes [s]")
     landing_error_steps_per_s: float = Field(description="Speed of the last interval less the base speed [steps/s]")
     waiting_steps: int = Field(description="Steps at the end that wait at the last interval [steps]")
@@ -276,6 +299,7 @@ def figures(judged: ErrorCurves) -> dict[str, Any]:
         "rms_relative_error": judged.rms_relative_error,
         "relative_error_at_ramp_end": judged.relative_error_at_ramp_end,
         "peak_acceleration_steps_per_s2": judged.peak_acceleration,
+        "peak_ramp_acceleration_steps_per_s2": judged.peak_ramp_acceleration,
         "time_difference_s": judged.time_difference_s,
         "landing_error_steps_per_s": judged.landing_error_steps_per_s,
         "waiting_steps": judged.waiting_steps,

@@ -2,11 +2,11 @@
 
 from typing import Annotated, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from stepramp.design import Design
 from stepramp.http_api.answer import Answer, Numbers, WholeNumbers
-from stepramp.http_api.planning_models import MostPoints, WarningAnswer
+from stepramp.http_api.planning_models import MostPoints, WarningAnswer, refuse_more_numbers
 from stepramp.ramp.schedule import MOST_AXES, Mode, Schedule, ScheduledAxis, conflicts_of, merged
 from stepramp.validation import Document, ListOf, Within
 
@@ -28,6 +28,12 @@ class SchedulePayload(Document):
         20.0,
         description="Least time that the controller's interrupt needs between two pulses of different axes [µs]",
     )
+
+    @model_validator(mode="after")
+    def _can_be_answered(self) -> Self:
+        each_and_merged = len(AxisPulsesAnswer.model_fields) + len(PulsesAnswer.model_fields)
+        refuse_more_numbers(each_and_merged, self.designs, self.max_points)
+        return self
 
 
 class AxisPulsesAnswer(Answer):

@@ -9,7 +9,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from stepramp.errors import Rejected, Rejection
 from stepramp.http_api.answered import AT_LAST
-from stepramp.http_api.bodies import parsed_json
+from stepramp.json_text import parsed_json
 
 MISTAKE = 1011
 """What a socket is closed with after a mistake of ours."""

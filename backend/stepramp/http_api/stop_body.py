@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 
 from stepramp.errors import Rejected
-from stepramp.http_api.bodies import parsed_json
 from stepramp.http_api.stopping_models import AxesPayload
+from stepramp.json_text import parsed_json
 
 MOST_BYTES = 1024
 """Many times what `{"axes": [0, 1, 2, 3]}` takes; nobody waits for what is longer to be understood [bytes]."""

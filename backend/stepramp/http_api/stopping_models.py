@@ -29,7 +29,7 @@ class StopMessage(Document):
 
     do: Literal["stop", "halt"] = Field(description="stop: slow all devices down. halt: let one make no further step")
     device: str | None = Field(None, description="Which device halts")
-    number: Annotated[int, Within(0, 2**53, "or null")] | None = Field(
+    number: Annotated[int, Within(0, 2**53, note=" or null")] | None = Field(
         None, description="Is told again in the answer, to know which message it answers"
     )
 

@@ -6,6 +6,7 @@ from typing import Annotated, Literal, Self
 from pydantic import FailFast, Field, model_validator
 
 from stepramp.design import MOST_STEPS, MOST_TABLE_ROWS, Design, Row, Table
+from stepramp.errors import Limits
 from stepramp.http_api.answer import Answer, WholeNumbers
 from stepramp.ramp.table_check import MICROSECONDS, DelayUnit, RowChange, RowFinding
 from stepramp.ramp.table_fit import BYTES_PER_ROW, FittedTable, Floor
@@ -59,7 +60,8 @@ class PlayPayload(Document):
         for number in range(1, len(self.targets)):
             before, at_us = self.targets[number - 1].at_us, self.targets[number].at_us
             if at_us < before:
-                refuse(f"targets.{number}.at_us", at_us, f"not before the target before it, at {before:,} µs")
+                limits = Limits(lowest=before, unit="µs", is_whole=True, note=", when the target before it comes")
+                refuse(f"targets.{number}.at_us", at_us, limits)
         return self
 
 
@@ -101,7 +103,7 @@ class FitPayload(Document):
     largest_relative_error: Annotated[float, Within(0.000001, 1)] | None = Field(
         None, description="Largest relative error of a delay: 0.05 is 5 %"
     )
-    bytes: Annotated[int, Within(6, 6 * MOST_TABLE_ROWS, "bytes")] | None = Field(
+    bytes: Annotated[int, Within(4, 6 * MOST_TABLE_ROWS, "bytes")] | None = Field(
         None, description="Most memory: 4 bytes a row of constant delay, 6 a linear one [bytes]"
     )
     row_kind: RowKind = Field(
@@ -115,6 +117,10 @@ class FitPayload(Document):
         given = [name for name in WISHES if getattr(self, name) is not None]
         if len(given) != 1:
             refuse("rows", self.rows, f"exactly one of {', '.join(WISHES)}; given: {', '.join(given) or 'none'}")
+        least = bytes_per_row(self.row_kind)
+        if self.bytes is not None and self.bytes < least:
+            note = f": those of one {self.row_kind} row"
+            refuse("bytes", self.bytes, Limits(lowest=least, unit="bytes", is_whole=True, note=note))
         return self
 
 

@@ -63,7 +63,7 @@ METHOD = RampMethod(
     label="Austin",
     summary="AVR446",
     help="The ramp of Atmel’s application note AVR446: each interval from the one before with one division.",
-    style=Style("#1f86b4", "#7fd6f7", dash=(3, 2), file_dash=(3, 2)),
+    style=Style("#1f86b4", "#7fd6f7", dash=(5, 2, 5, 2, 1.5, 2), file_dash=(4, 1.5, 4, 1.5, 1, 1.5)),
     arithmetics=("float32", "float64"),
     sides=in_numbers(austin_up, austin_down),
     shape=ConstantAcceleration,

@@ -220,7 +220,7 @@ METHOD = RampMethod(
     label="Newton",
     summary="w = v² kept by addition, p corrected by one Newton step",
     help="Keeps w = v² by addition and corrects p with one Newton step. Errors shrink from step to step.",
-    style=Style("#0f8a6d", "#2be0a0"),
+    style=Style("#0f8a6d", "#2be0a0", dash=(16, 4), file_dash=(12, 3)),
     arithmetics=STEP_BY_STEP,
     sides=step_by_step(newton_up, newton_down, fixed_newton_up, fixed_newton_down),
     shape=ConstantAcceleration,

@@ -87,7 +87,7 @@ METHOD = RampMethod(
     label="Tuned",
     summary="p (1 + q + c q²) with the c that suits the ramp",
     help="p (1 + q + c q²) with the c that suits this ramp, found anew for each: a constant to the chip.",
-    style=Style("#7a7000", "#d9c400", dash=(7, 3), file_dash=(6, 2)),
+    style=Style("#7a7000", "#d9c400", dash=(10, 2, 4, 2), file_dash=(8, 1.5, 3, 1.5)),
     arithmetics=STEP_BY_STEP,
     sides=tuned_sides,
     shape=ConstantAcceleration,

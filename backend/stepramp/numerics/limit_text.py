@@ -9,14 +9,27 @@ NOISE_FIGURES = 12
 
 def at_least(limit: float, figures: int = FIGURES) -> str:
     """Return a lower limit as words, rounded up to so many figures."""
-    return f"at least {_rounded(limit, figures, ROUND_CEILING)}"
+    return f"at least {_in_words(_rounded(limit, figures, ROUND_CEILING))}"
 
 
 def at_most(limit: float, figures: int = FIGURES) -> str:
     """Return an upper limit as words, rounded down to so many figures."""
-    return f"at most {_rounded(limit, figures, ROUND_FLOOR)}"
+    return f"at most {_in_words(_rounded(limit, figures, ROUND_FLOOR))}"
 
 
-def _rounded(limit: float, figures: int, rounding: str) -> str:
-    known = Decimal(f"{limit:.{NOISE_FIGURES}g}")
-    return f"{Context(prec=figures, rounding=rounding).plus(known).normalize():,f}"
+def lowest(limit: float, figures: int = FIGURES) -> float:
+    """Return a lower limit rounded up to so many figures."""
+    return float(_rounded(limit, figures, ROUND_CEILING))
+
+
+def highest(limit: float, figures: int = FIGURES) -> float:
+    """Return an upper limit rounded down to so many figures."""
+    return float(_rounded(limit, figures, ROUND_FLOOR))
+
+
+def _rounded(limit: float, figures: int, rounding: str) -> Decimal:
+    return Context(prec=figures, rounding=rounding).plus(Decimal(f"{limit:.{NOISE_FIGURES}g}"))
+
+
+def _in_words(limit: Decimal) -> str:
+    return f"{limit.normalize():,f}"

@@ -143,6 +143,18 @@ class ErrorCurves:
         """The implied acceleration furthest from 0 after the first interval [steps/s²]."""
         return self._figures.acceleration
 
+    @cached_property
+    def peak_ramp_acceleration(self) -> Extreme:
+        """The same before any rounding to ticks, or to integers by the arithmetic: the ramp's own [steps/s²]."""
+        plan, (n_up, n_down) = self.profile.plan, self.profile.plan.sides
+        is_fixed = self.design.method.arithmetic == "fixed"
+        real = real_ramp(self.design.with_method(self.method, "float64")) if is_fixed else plan.real
+        down = real.down[:n_down][::-1]
+        value, step = _peak_acceleration(
+            real.up[:n_up], real.slew, plan.steps - n_up - n_down, down, self.timer_hz, self.base_speed_steps_per_s
+        )
+        return Extreme(float(value), int(step))
+
     @property
     def time_difference_s(self) -> float:
         """How much longer than the reference the whole move takes [s]."""
@@ -258,6 +270,29 @@ def _figures_of(played: NDArray[np.int64], reference: Curve, timer_hz: float, ba
     sums = _scan(played, reference, timer_hz, base_speed, values, steps)
     relative, tick, acceleration = (Extreme(float(values[i]), int(steps[i])) for i in range(3))
     return _Figures(relative, tick, acceleration, *sums)
+
+
+@compiled
+def _peak_acceleration(up, slew, slew_steps, down, timer_hz, base_speed):  # type: ignore[no-untyped-def]  # compiled
+    """Return the implied acceleration furthest from 0 of a move, and its step; within the slew phase there is none."""
+    found, at = 0.0, 1
+    before = base_speed * base_speed
+    slew_end = up.size + slew_steps
+    i = 0
+    while i < slew_end + down.size:
+        # One slew interval after another changes nothing, but the second interval always counts: see below.
+        if up.size + 1 < i < slew_end and i > 1:
+            i = slew_end
+            continue
+        interval = up[i] if i < up.size else slew if i < slew_end else down[i - slew_end]
+        speed = timer_hz / interval
+        acceleration = (speed * speed - before) / 2
+        before = speed * speed
+        # The first interval's counts only when there is no other.
+        if i <= 1 or abs(acceleration) > abs(found):
+            found, at = acceleration, i + 1
+        i += 1
+    return found, at
 
 
 @compiled

@@ -94,7 +94,7 @@ def steps_of(design: Design) -> int:
 
 def called(designs: Sequence[Design], axis: int) -> str:
     """Return what a message calls an axis: its name, if it has one, and its place in the list."""
-    return f"{designs[axis].name} (designs.{axis})".lstrip()
+    return f"{designs[axis].name} (axis {axis})".lstrip()
 
 
 @contextmanager
@@ -107,7 +107,7 @@ def fields_of(axis: int) -> Iterator[None]:
 
 
 def _at(axis: int, rejection: Rejection) -> Rejection:
-    return Rejection(f"designs.{axis}.{rejection.field}", rejection.value, rejection.allowed)
+    return rejection.within(f"designs.{axis}.")
 
 
 def _slowed(designs: Sequence[Design], leader: int, allowances: Sequence[Allowance]) -> tuple[Design, dict[str, int]]:
@@ -222,5 +222,5 @@ def _where_it_is_limited(
         return _at(leader, rejection)
     field, value = _field_of(designs[axis], quantity)
     share = f"{steps_of(designs[leader]):,} steps to {steps_of(designs[axis]):,} of this axis"
-    allowed = f"{rejection.allowed}, counted for designs.{leader}, which leads the line with {share}"
+    allowed = f"{rejection.allowed}, counted for axis {leader}, which leads the line with {share}"
     return Rejection(f"designs.{axis}.{field}", value, allowed)

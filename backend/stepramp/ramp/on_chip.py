@@ -312,16 +312,6 @@ def _carried(x: Scaled, here: OnChipSide, there: OnChipSide) -> Scaled:
     return there.clamped(x if there.carry is None else there.carry.times(x))
 
 
-def on_chip_move(
-    up: ConstantAcceleration, down: ConstantAcceleration, method: MethodName, steps: int
-) -> NDArray[np.int64]:
-    """Return the intervals of a move of so many steps, at least 1 [ticks], shape (steps,).
-
-    Raises ValueError where slopes_refusal gives a reason.
-    """
-    return OnChipRamp.of(up, down, method).move(steps)
-
-
 def slopes_refusal(up: ConstantAcceleration, down: ConstantAcceleration, method: MethodName) -> str | None:
     """Return why a controller can't compute these slopes, as a sentence with what is allowed, else None."""
     if up.steps < 1 or down.steps < 1:

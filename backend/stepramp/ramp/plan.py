@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepramp.design import MOST_STEPS, Design
-from stepramp.errors import Rejected, Rejection
+from stepramp.errors import Limits, Rejected, Rejection
 from stepramp.methods import METHODS
 from stepramp.methods.common.method import TuningReport
 from stepramp.methods.table import table_ramp
-from stepramp.numerics.limit_text import at_most
+from stepramp.numerics.limit_text import highest
 from stepramp.numerics.numbers import NUMBERS
 from stepramp.numerics.ramp import Ramp, RealRamp
 from stepramp.numerics.slope import Slope
@@ -152,17 +152,18 @@ def _less_than_a_tick(design: Design) -> list[Rejection]:
 
 def _fast_slew(design: Design) -> list[Rejection]:
     slew, timer_hz = design.ramp.slew_speed_steps_per_s, design.timer.frequency_hz
-    allowed = f"{at_most(timer_hz)} steps/s with this timer: an interval is 1 tick or more"
-    return [Rejection("ramp.slew_speed_steps_per_s", slew, allowed)] if slew > timer_hz else []
+    limits = Limits(highest=highest(timer_hz), unit="steps/s", note=" with this timer: an interval is 1 tick or more")
+    return [Rejection.outside("ramp.slew_speed_steps_per_s", slew, limits)] if slew > timer_hz else []
 
 
 def _short_rows(design: Design) -> list[Rejection]:
     rows = design.table.rows if design.table else []
     least = 0.5 if design.method.rounding == "nearest" else 1
     tick_us = math.ceil(us_from_ticks(1, design.timer.frequency_hz))
+    limits = Limits(lowest=tick_us, unit="µs", is_whole=True, note=": with this timer that is 1 tick or more")
     # Only delays in µs can be so short: in ticks they are whole.
     return [
-        Rejection(f"table.rows.{row}.1", delay, f"at least {tick_us:,} µs: with this timer that is 1 tick or more")
+        Rejection.outside(f"table.rows.{row}.1", delay, limits)
         for row, (_, delay) in enumerate(rows)
         if ticks_from_us(delay, design.timer.frequency_hz) < least
     ]

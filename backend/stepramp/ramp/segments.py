@@ -27,7 +27,7 @@ class Segment(NamedTuple):
     add: int
 
 
-def compress(intervals: NDArray[np.int64], bound_ticks: int) -> list[Segment]:
+def compress(intervals: NDArray[np.int64], bound_ticks: int, most_segments: int | None = None) -> list[Segment]:
     """Return segments whose intervals all lie within `bound_ticks` of the given ones [ticks], close to the fewest.
 
     Each segment is as long as any can be from where the last one ended; without a limit to the drift that makes their
@@ -35,16 +35,19 @@ def compress(intervals: NDArray[np.int64], bound_ticks: int) -> list[Segment]:
     brings the sum of all intervals so far closest to the given sum; a line that would leave it further off than 32
     times the bound is cut shorter. So the time at which a step comes doesn't drift, however long the ramp.
 
-    intervals: whole [ticks], shape (steps,); may be empty.
+    intervals: whole [ticks], shape (steps,); may be empty. most_segments: so many at most, the first ones of them all.
     """
-    table = _compress(np.ascontiguousarray(intervals, dtype=np.int64), bound_ticks)
-    return [Segment(*map(int, row)) for row in table]
+    most = intervals.size if most_segments is None else most_segments
+    table = _compress(np.ascontiguousarray(intervals, dtype=np.int64), bound_ticks, most)
+    return [Segment(*row) for row in table.tolist()]
 
 
-def compress_sides(ramp: Ramp, bound_ticks: int) -> tuple[list[Segment], list[Segment]]:
+def compress_sides(
+    ramp: Ramp, bound_ticks: int, most_segments: int | None = None
+) -> tuple[list[Segment], list[Segment]]:
     """Return both sides of a ramp as segments, up and down; see compress. Equal sides are compressed once."""
-    up = compress(ramp.up, bound_ticks)
-    return up, up if np.array_equal(ramp.up, ramp.down) else compress(ramp.down, bound_ticks)
+    up = compress(ramp.up, bound_ticks, most_segments)
+    return up, up if np.array_equal(ramp.up, ramp.down) else compress(ramp.down, bound_ticks, most_segments)
 
 
 def expand(segments: Iterable[Segment]) -> NDArray[np.int64]:
@@ -54,64 +57,126 @@ def expand(segments: Iterable[Segment]) -> NDArray[np.int64]:
 
 
 @compiled
-def _compress(intervals, bound):  # type: ignore[no-untyped-def]  # compiled
-    out = np.empty((intervals.size, 3), np.int64)
+def _compress(intervals, bound, most_segments):  # type: ignore[no-untyped-def]  # compiled
+    out = np.empty((min(intervals.size, most_segments), 3), np.int64)
+    room = min(intervals.size, MOST_COUNT)
+    highs, lows = np.empty((4, room), np.int64), np.empty((4, room), np.int64)
     made, at, drift = 0, 0, 0
-    while at < intervals.size:
-        line, drift = _line_within_drift(intervals, at, bound, drift)
-        out[made] = line
-        at += line[1]
+    while at < intervals.size and made < most_segments:
+        first, count, add, drift = _line_within_drift(intervals[at : at + MOST_COUNT], bound, drift, highs, lows)
+        out[made] = first, count, add
+        at += count
         made += 1
     return out[:made]
 
 
 @compiled
-def _line_within_drift(intervals, at, bound, drift):  # type: ignore[no-untyped-def]  # compiled
-    """Return the line that reaches furthest without letting the drift grow too far, and the drift after it."""
-    most_count = MOST_COUNT
-    while True:
-        line, after = _furthest_line(intervals, at, bound, drift, most_count)
-        if line[1] == 1 or abs(after) <= max(MOST_DRIFT * bound, abs(drift)):
-            return line, after
-        # A shorter line leaves more freedom to make up for the drift.
-        most_count = line[1] - 1
+def _line_within_drift(ahead, bound, drift, highs, lows):  # type: ignore[no-untyped-def]  # compiled
+    """Return (interval, count, add) of the line that reaches furthest without too much drift, and the drift after it.
 
-
-@compiled
-def _furthest_line(intervals, at, bound, drift, most_count):  # type: ignore[no-untyped-def]  # compiled
-    """Return (interval, count, add) of the line that reaches furthest, of several the one with the least drift."""
-    best = np.array([intervals[at], 1, 0])
-    best_drift = drift
-    for first in range(intervals[at] - bound, intervals[at] + bound + 1):
-        count, low, high, total = _longest(intervals, at, first, bound, most_count)
-        if count < best[1]:
-            continue
-        # Of the adds that reach as far, the one that leaves the least drift.
-        pairs = count * (count - 1) // 2
-        exact = (total - drift - count * first) / pairs if pairs else 0.0
-        add = min(max(int(np.rint(exact)), low), high)
-        left = drift + count * first + pairs * add - total
-        if count > best[1] or abs(left) < abs(best_drift):
-            best[:] = (first, count, add)
-            best_drift = left
-    return best, best_drift
-
-
-@compiled
-def _longest(intervals, at, first, bound, most_count):  # type: ignore[no-untyped-def]  # compiled
-    """Return how far a line from `first` fits the intervals from `at` on, between which adds, and their sum.
-
-    No interval of a line is shorter than 1 tick.
+    highs, lows: room for the envelopes of what the line must lie between.
     """
-    low, high, count, total = -MOST_ADD, MOST_ADD, 1, intervals[at]
-    if first < 1:
-        return 0, 0, 0, total
-    while at + count < intervals.size and count < most_count:
-        given = intervals[at + count]
-        # Ceiling and floor of what add must lie between.
-        next_low = max(low, -((first - max(given - bound, 1)) // count))
-        next_high = min(high, (given + bound - first) // count)
-        if next_low > next_high:
+    count = _reach(ahead, bound, highs, lows)
+    given = ahead[:count].sum()
+    while count > 1:
+        _, first, add, after = _best_line(highs, lows, count, given - drift)
+        if abs(after) <= max(MOST_DRIFT * bound, abs(drift)):
+            return first, count, add, after
+        # A shorter line leaves more freedom to make up for the drift.
+        count = _move(ahead, bound, highs, lows, count, count - 1)
+        given -= ahead[count]
+    first = min(max(given - drift, -lows[_HEIGHT, 0]), highs[_HEIGHT, 0])
+    return first, 1, 0, drift + first - given
+
+
+@compiled
+def _reach(ahead, bound, highs, lows):  # type: ignore[no-untyped-def]  # compiled
+    """Return how many intervals one line fits at most, and leave their envelopes. What it fits, it fits shorter too."""
+    fitting, beyond, count = 1, ahead.size + 1, _move(ahead, bound, highs, lows, 0, 1)
+    while beyond - fitting > 1:
+        # Twice as many each time while none is known that are too many, then in the middle.
+        wanted = min(2 * fitting, ahead.size) if beyond > ahead.size else (fitting + beyond) // 2
+        count = _move(ahead, bound, highs, lows, count, wanted)
+        if _best_line(highs, lows, count, 0)[0]:
+            fitting = count
+        else:
+            beyond = count
+    return _move(ahead, bound, highs, lows, count, fitting)
+
+
+@compiled
+def _best_line(highs, lows, count, wanted):  # type: ignore[no-untyped-def]  # compiled
+    """Return whether a line fits so many intervals; its first, its add, and how far its sum is off the wanted one.
+
+    Of several it is the one that is off least, then the one that begins lowest.
+    """
+    last, pairs = count - 1, count * (count - 1) // 2
+    fits, best_first, best_add, best = False, 0, 0, 0
+    flattest = max(-MOST_ADD, -((highs[_HEIGHT, 0] + lows[_HEIGHT, last]) // last))
+    steepest = min(MOST_ADD, (highs[_HEIGHT, last] + lows[_HEIGHT, 0]) // last)
+    for add in range(flattest, steepest + 1):
+        low, high = -_least_above(lows, last, -add), _least_above(highs, last, add)
+        if low > high:
+            continue
+        # The first interval that leaves least, the lower one of two.
+        first = (2 * (wanted - pairs * add) + count - 1) // (2 * count)
+        first = min(max(first, low), high)
+        off = count * first + pairs * add - wanted
+        if (
+            not fits
+            or abs(off) < abs(best)
+            or (abs(off) == abs(best) and (first < best_first or (first == best_first and add % 2 == 0)))
+        ):
+            fits, best_first, best_add, best = True, first, add, off
+    return fits, best_first, best_add, best
+
+
+_HEIGHT, _CORNER, _CORNERS, _REPLACED = range(4)
+"""Rows of a lower convex envelope of the points (0, height), (1, height) …: the heights, the points that are its
+corners, how many these were when each point had come, and which corner's place it took."""
+
+
+@compiled
+def _move(ahead, bound, highs, lows, count, to):  # type: ignore[no-untyped-def]  # compiled
+    """Make the envelopes of `count` intervals those of another number, and return that.
+
+    highs: envelope of the longest that each may be; lows: of the shortest, at least 1 tick, negative.
+    """
+    for at in range(count, to):
+        _take(highs, at, ahead[at] + bound)
+        _take(lows, at, -max(ahead[at] - bound, 1))
+    for at in range(count - 1, to - 1, -1):
+        for envelope in (highs, lows):
+            envelope[_CORNER, envelope[_CORNERS, at] - 1] = envelope[_REPLACED, at]
+    return to
+
+
+@compiled
+def _take(envelope, at, height):  # type: ignore[no-untyped-def]  # compiled
+    """Take in the next point, behind all that are there."""
+    heights, corner = envelope[_HEIGHT], envelope[_CORNER]
+    heights[at] = height
+    corners = envelope[_CORNERS, at - 1] if at else 0
+    while corners > 1:
+        before, last = corner[corners - 2], corner[corners - 1]
+        if (heights[last] - heights[before]) * (at - last) < (height - heights[last]) * (last - before):
             break
-        low, high, count, total = next_low, next_high, count + 1, total + given
-    return count, (low if count > 1 else 0), (high if count > 1 else 0), total
+        corners -= 1
+    envelope[_REPLACED, at] = corner[corners]
+    corner[corners] = at
+    envelope[_CORNERS, at] = corners + 1
+
+
+@compiled
+def _least_above(envelope, last, slope):  # type: ignore[no-untyped-def]  # compiled
+    """Return how far the points 0 to `last` lie at least above a line with this slope through (0, 0)."""
+    heights, corner = envelope[_HEIGHT], envelope[_CORNER]
+    low, high = 0, envelope[_CORNERS, last] - 1
+    while low < high:
+        middle = (low + high) // 2
+        here, there = corner[middle], corner[middle + 1]
+        if heights[there] - heights[here] >= slope * (there - here):
+            high = middle
+        else:
+            low = middle + 1
+    return heights[corner[low]] - slope * corner[low]

@@ -1,8 +1,8 @@
 """The two sides of a design's ramp: the one place that makes them."""
 
 from stepramp.design import MOST_STEPS, Design
-from stepramp.errors import Rejected, Rejection
-from stepramp.numerics.limit_text import at_least
+from stepramp.errors import Limits, Rejected, Rejection
+from stepramp.numerics.limit_text import lowest
 from stepramp.numerics.slope import Slope
 from stepramp.shapes import SHAPES
 from stepramp.shapes.constant import ConstantAcceleration
@@ -39,5 +39,5 @@ def playable_slopes_of(design: Design) -> tuple[Slope, Slope]:
 def too_long(design: Design, field: str, most_steps: int, why: str) -> Rejected:
     """Return that a side, named by its field, takes more steps than are allowed, and how steep it would have to be."""
     slope = slopes_of(design)[SIDES.index(field)]
-    least = at_least(slope.acceleration_over(most_steps))
-    return Rejected([Rejection(f"ramp.{field}", getattr(design.ramp, field), f"{least} steps/s²{why}")])
+    limits = Limits(lowest=lowest(slope.acceleration_over(most_steps)), unit="steps/s²", note=why)
+    return Rejected([Rejection.outside(f"ramp.{field}", getattr(design.ramp, field), limits)])

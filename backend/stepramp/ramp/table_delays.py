@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepramp.design import Design
-from stepramp.errors import Rejected, Rejection
+from stepramp.errors import Limits, Rejected, Rejection
 from stepramp.methods import REFERENCE
-from stepramp.numerics.limit_text import at_most
+from stepramp.numerics.limit_text import highest
 from stepramp.numerics.ramp import RealRamp
 from stepramp.ramp.plan import real_ramp
 from stepramp.ramp.slopes import SIDES, too_long
@@ -92,5 +92,5 @@ def _refuse_less_than_a_tick(design: Design) -> None:
     # In µs there is no such limit: no speed is above one step a µs.
     slew, timer_hz = design.ramp.slew_speed_steps_per_s, design.timer.frequency_hz
     if slew > timer_hz:
-        allowed = f"{at_most(timer_hz)} steps/s with this timer: a delay is 1 tick or more"
-        raise Rejected([Rejection("ramp.slew_speed_steps_per_s", slew, allowed)])
+        limits = Limits(highest=highest(timer_hz), unit="steps/s", note=" with this timer: a delay is 1 tick or more")
+        raise Rejected([Rejection.outside("ramp.slew_speed_steps_per_s", slew, limits)])

@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepramp.design import MOST_TABLE_ROWS
-from stepramp.errors import Rejected, Rejection
+from stepramp.errors import Limits, Rejected, Rejection
 from stepramp.numerics.compiled import compiled
-from stepramp.numerics.limit_text import at_least
+from stepramp.numerics.limit_text import lowest
 from stepramp.ramp.table_delays import WIDEST, RampDelays
 
 BYTES_PER_ROW = 4
@@ -91,11 +91,11 @@ def reached(
     Raises Rejected, with the error of the best table, when it doesn't.
     """
     if fitted.largest_relative_error > largest_relative_error * (1 + 1e-12) or len(fitted.rows) > MOST_TABLE_ROWS:
-        least = at_least(best().largest_relative_error, figures=3)
-        allowed = f"{least}, the best that {MOST_TABLE_ROWS:,} rows of whole 16-bit delays can do here"
+        note = f", the best that {MOST_TABLE_ROWS:,} rows of whole 16-bit delays can do here"
         if np.any(ramp.longest > ramp.shortest):
-            allowed += ", where steps of different speeds play the same ramp index"
-        raise Rejected([Rejection("largest_relative_error", largest_relative_error, allowed)])
+            note += ", where steps of different speeds play the same ramp index"
+        limits = Limits(lowest(best().largest_relative_error, figures=3), note=note)
+        raise Rejected([Rejection.outside("largest_relative_error", largest_relative_error, limits)])
     return fitted
 
 

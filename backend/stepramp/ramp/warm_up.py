@@ -26,7 +26,8 @@ def warm_up() -> None:
     usual = [(name, method.arithmetics[0]) for name, method in METHODS.items()]
     rest = [(name, arithmetic) for name, method in METHODS.items() for arithmetic in method.arithmetics[1:]]
     for name, arithmetic in usual + rest:
-        _ = error_curves(small.with_method(name, arithmetic), name, REFERENCE).relative_error
+        judged = error_curves(small.with_method(name, arithmetic), name, REFERENCE)
+        _ = judged.relative_error, judged.peak_ramp_acceleration
         # One thing is compiled at a time: what a request needs goes before the next of these.
         time.sleep(TURN_S)
     compress(np.array([2, 1]), 1)

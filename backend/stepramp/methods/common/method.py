@@ -42,9 +42,9 @@ class Style:
     """Colour on a light ground, also in files."""
     dark: str
     """Colour on a dark ground."""
-    dash: tuple[float, float] | None = None
-    """Dash and gap on the page [px]; None: solid."""
-    file_dash: tuple[float, float] | None = None
+    dash: tuple[float, ...] | None = None
+    """Dashes and gaps on the page [px]; None: solid, which only the reference and a table's staircase are."""
+    file_dash: tuple[float, ...] | None = None
     """The same in files [line widths]."""
     file_width: float = 1.2
     """[points]"""

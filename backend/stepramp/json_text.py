@@ -1,0 +1,89 @@
+"""JSON from outside: refused where it could be read in two ways, or could not be told back."""
+
+import json
+import re
+import sys
+from collections import Counter
+from collections.abc import Iterator
+
+from stepramp.errors import Rejected, Rejection
+from stepramp.validation import path_in_words
+
+ONCE = "one value, given once"
+WHOLE_TEXT = "text without halves of surrogate pairs"
+
+_ESCAPED_SURROGATE = re.compile(r"\\u[dD][89a-fA-F]")
+_SURROGATE = re.compile("[\ud800-\udfff]")
+
+Place = tuple[str | int, ...]
+
+
+class _Repeating(dict[str, object]):
+    """An object that gives a field more than once; `pairs` are all that it gives."""
+
+    pairs: list[tuple[str, object]]
+
+
+def parsed_json(text: str) -> object:
+    """Return JSON as objects; ValueError when it is none, is nested too deeply, or has numbers of too many digits.
+
+    Raises Rejected for a field that is given more than once: which of its values is meant? And for half a surrogate
+    pair: UTF-8 can't carry it, so nothing that holds it could be answered.
+    """
+    are_repeated = False
+
+    def named(pairs: list[tuple[str, object]]) -> dict[str, object]:
+        nonlocal are_repeated
+        fields = dict(pairs)
+        if len(fields) == len(pairs):
+            return fields
+        are_repeated = True
+        repeating = _Repeating(fields)
+        repeating.pairs = pairs
+        return repeating
+
+    try:
+        content: object = json.loads(text, object_pairs_hook=named)
+    except RecursionError:
+        raise ValueError("It is nested too deeply.") from None
+    except json.JSONDecodeError:
+        raise
+    except ValueError:
+        raise ValueError(f"It has a number of more than {sys.get_int_max_str_digits():,} digits.") from None
+    if are_repeated:
+        place, values = next(_repeated(content))
+        raise Rejected([Rejection(path_in_words(place), values, ONCE)])
+    if _ESCAPED_SURROGATE.search(text) and (half := next(_halves(content), None)) is not None:
+        place, value = half
+        raise Rejected([Rejection(path_in_words(place), value, WHOLE_TEXT)])
+    return content
+
+
+def _repeated(content: object) -> Iterator[tuple[Place, list[object]]]:
+    """Yield where fields are that are given more than once, and their values."""
+    for place, value in _all_within(content):
+        if isinstance(value, _Repeating):
+            times = Counter(name for name, _ in value.pairs)
+            for repeated in (name for name in value if times[name] > 1):
+                yield (*place, repeated), [each for name, each in value.pairs if name == repeated]
+
+
+def _halves(content: object) -> Iterator[tuple[Place, str]]:
+    """Yield texts with half a surrogate pair, and where they are; of a field's name, where the field is."""
+    for place, value in _all_within(content):
+        if isinstance(value, str) and _SURROGATE.search(value):
+            yield place, value
+        elif isinstance(value, dict):
+            yield from (((*place, name), name) for name in value if _SURROGATE.search(name))
+
+
+def _all_within(content: object) -> Iterator[tuple[Place, object]]:
+    """Yield a value, and all that is within it, with where it is."""
+    waiting: list[tuple[Place, object]] = [((), content)]
+    while waiting:
+        place, value = waiting.pop()
+        yield place, value
+        if isinstance(value, dict):
+            waiting += [((*place, name), each) for name, each in value.items()]
+        elif isinstance(value, list):
+            waiting += [((*place, number), each) for number, each in enumerate(value)]

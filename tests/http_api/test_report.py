@@ -1,0 +1,213 @@
+"""The report that people send each other, over HTTP: what it says, in which units, and that it is whole by itself."""
+
+import base64
+import io
+import re
+from datetime import date
+from html.parser import HTMLParser
+from typing import Any
+
+import pytest
+from pypdf import PdfReader
+from starlette.testclient import TestClient
+
+from designs import document
+from stepramp.http_api.app import create_app
+
+NASTY = '"a" $x^2$ _b <script>alert(1)</script>\n\\ {日本} \u202e &'
+
+
+def reported(client: TestClient, kind: str, **body: Any) -> Any:
+    return client.post("/api/v1/report", params={"format": kind}, json={"design": document(), **body})
+
+
+class Page(HTMLParser):
+    """What a browser finds in a page."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.tags: list[tuple[str, dict[str, str | None]]] = []
+        self.rows: list[list[str]] = []
+        self.text = ""
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append((tag, dict(attrs)))
+        if tag == "tr":
+            self.rows.append([])
+        if tag in ("td", "th"):
+            self.rows[-1].append("")
+
+    def handle_data(self, data: str) -> None:
+        self.text += data
+        if self.tags and self.tags[-1][0] in ("td", "th") and data != "\n":
+            self.rows[-1][-1] += data
+
+    def all_of(self, tag: str) -> list[dict[str, str | None]]:
+        return [attributes for name, attributes in self.tags if name == tag]
+
+    def row(self, name: str) -> list[str]:
+        [found] = [row for row in self.rows if row[0] == name]
+        return found[1:]
+
+    def pictures(self) -> list[str]:
+        sources = [each["src"] or "" for each in self.all_of("img")]
+        return [base64.b64decode(each.removeprefix("data:image/svg+xml;base64,")).decode() for each in sources]
+
+
+def page_of(answer: Any) -> Page:
+    assert answer.status_code == 200, answer.text
+    return Page(answer.text)
+
+
+def pdf_of(answer: Any) -> tuple[PdfReader, str]:
+    assert answer.status_code == 200, answer.text
+    reader = PdfReader(io.BytesIO(answer.content))
+    return reader, "\n".join(page.extract_text() for page in reader.pages)
+
+
+ASKED = {
+    "design": document(name=NASTY, timer__counter_bits=14, move__steps=150),
+    "pinned": document(name="Before"),
+    "methods": ["first_order", "newton", "exact"],
+    "units": {"length": "mm", "time": "min"},
+}
+
+
+@pytest.fixture(scope="module")
+def answer() -> Any:
+    """Return the answer that has everything: drawing takes a second."""
+    with TestClient(create_app(), base_url="http://127.0.0.1:8000", raise_server_exceptions=False) as client:
+        return reported(client, "html", **ASKED)
+
+
+@pytest.fixture(scope="module")
+def page(answer: Any) -> Page:
+    return page_of(answer)
+
+
+def test_the_page_needs_nothing_from_elsewhere_and_runs_nothing(answer: Any, page: Page) -> None:
+    assert answer.headers["content-type"] == "text/html; charset=utf-8"
+    assert answer.headers["content-disposition"] == 'attachment; filename="a_x_2_b_script_alert_1_script_report.html"'
+    assert not page.all_of("script")
+    assert not [name for _, attributes in page.tags for name in attributes if name.startswith("on") or name == "href"]
+    assert all((each["src"] or "").startswith("data:image/svg+xml;base64,") for each in page.all_of("img"))
+    assert len(page.pictures()) == 3
+    for picture in page.pictures():
+        assert "script" not in re.sub("<!--.*?-->", "", picture)
+        # Names of what the file is written in are no addresses.
+        assert "//" not in re.sub(r'xmlns(:\w+)?="[^"]*"', "", picture)
+    assert NASTY.split("\n", maxsplit=1)[0] in page.text
+
+
+def test_the_page_can_be_read_without_seeing_it(page: Page) -> None:
+    assert page.all_of("html") == [{"lang": "en"}]
+    assert len(page.all_of("title")) == len(page.all_of("h1")) == len(page.all_of("main")) == 1
+    assert page.text.count('"a" $x^2$') >= 2, "as title and as heading"
+    assert all(each.get("scope") in ("col", "row") for each in page.all_of("th"))
+    assert "" not in [cell for row in page.rows for cell in row]
+    # 2 MHz / sqrt(2 · 5000) = 20,000 ticks and 100 steps/s, 120 mm/min; 75 steps up, to sqrt(2 · 5000 · 75) steps/s.
+    speed, delay, error = (each["alt"] or "" for each in page.all_of("img"))
+    assert speed.startswith("velocity, mm/min, over 150 steps: Exact from 120 to 1,040")
+    assert "Exact from 1,150 to 10,000" in delay
+    assert "1st order" in error
+
+
+def test_it_says_all_in_the_units_chosen_with_the_pinned_design_beside_it(page: Page) -> None:
+    """400 steps a turn of 8 mm: a step is 0.02 mm."""
+    assert page.row("parameter") == ["value", "pinned: Before"]
+    assert page.row("slew speed") == ["1,200 mm/min"] * 2
+    assert page.row("acceleration") == ["360,000 mm/min²"] * 2
+    assert page.row("move") == ["3 mm", "40 mm"]
+    assert page.row("length") == ["3 mm, 150 steps"]
+    assert page.row("timer") == ["2,000,000 Hz, 14 bits", "2,000,000 Hz, 16 bits"]
+    assert len(page.row("pinned: Before, Exact")) == 7
+    assert all("pinned: Before" in (each["alt"] or "") for each in page.all_of("img"))
+    assert page.row("3") == ["100", "1,000"], "of the lookup table"
+
+
+def test_methods_are_called_and_drawn_as_on_the_page(client: TestClient, page: Page) -> None:
+    told = {each["name"]: each for each in client.get("/api/v1/methods").json()["methods"]}
+    for method in ("exact", "first_order", "newton"):
+        assert len(page.row(told[method]["label"])) == 7
+        assert all(told[method]["style"]["light"] in picture for picture in page.pictures())
+    body = {"design": ASKED["design"], "methods": ["first_order"]}
+    worst = client.post("/api/v1/errors", json=body).json()["methods"][0]["largest_relative_error"]
+    assert page.row("1st order")[1:3] == [f"{100 * worst['value']:.3g} %", f"{worst['step']:,}"]
+
+
+def test_logarithmic_axes_have_plain_numbers(page: Page) -> None:
+    ticks = re.findall("<!-- (.*?) -->", page.pictures()[1])
+    assert {"2,000", "5,000", "10,000"} <= set(ticks)
+    assert not [tick for tick in ticks if re.search(r"mathdefault|\^|\de", tick)]
+
+
+def test_each_check_has_its_verdict(client: TestClient, page: Page) -> None:
+    verdicts = {row[0]: row[1] for row in page.rows if len(row) == 3 and row[1] in ("passed", "failed")}
+    assert sorted(verdicts.values()) == ["failed"] * 2 + ["passed"] * 3
+    warnings = client.post("/api/v1/profile", json={"design": ASKED["design"]}).json()["warnings"]
+    failed = {page.row(name)[1] for name, verdict in verdicts.items() if verdict == "failed"}
+    assert failed == {each["message"] for each in warnings}
+
+
+def test_the_pdf_says_the_same(client: TestClient) -> None:
+    answer = reported(client, "pdf", **ASKED)
+    assert answer.headers["content-type"] == "application/pdf"
+    reader, text = pdf_of(answer)
+    assert all(page.mediabox.width == pytest.approx(595, abs=1) for page in reader.pages), "A4"
+    today = date.today()
+    for words in (
+        '"a" $x^2$ _b <script>', f"{today.day} {today:%B %Y}", "1,200 mm/min", "360,000 mm/min²", "passed", "failed",
+        "velocity, mm/min", "delay of a step, µs", "Newton", "pinned: Before", "10,000", "Lookup table", "1,500",
+    ):  # fmt: skip
+        assert words in text
+    assert reader.metadata is not None
+    assert (reader.metadata.title or "").startswith('"a"')
+
+
+def test_a_long_table_goes_on_on_further_pages(client: TestClient) -> None:
+    rows = [[row + 1, 9000 - row] for row in range(1000)]
+    reader, text = pdf_of(reported(client, "pdf", design=document(table={"rows": rows, "interval_unit": "us"})))
+    found = re.findall(r"(\d[\d,]*) +(\d[\d,]*) +(\d[\d,]*)(?= |$)", text.partition("Lookup table")[2], re.MULTILINE)
+    told = sorted([int(number.replace(",", "")) for number in row] for row in found)
+    assert told == [[row + 1, row + 1, 9000 - row] for row in range(1000)]
+    assert all("last ramp index" in page.extract_text() for page in reader.pages[2:]), "the head on each page"
+    assert len(reader.pages) > 4
+
+
+@pytest.mark.parametrize(
+    ("kind", "body", "field", "allowed"),
+    [
+        ("docx", {}, "format", "html, pdf"),
+        ("html", {"methods": ["fastest"]}, "methods.0", "exact, ideal"),
+        ("pdf", {"units": {"length": "inch"}}, "units.length", "steps, rev, deg, mm"),
+        ("pdf", {"units": {"time": "h"}}, "units.time", "s, min"),
+        ("html", {"units": {"length": "mm"}, "design": document(axis__travel_unit="deg")}, "units.length",
+         "steps, rev or deg: the travel of 'Test' is in deg"),
+        ("html", {"units": {"length": "mm"}, "pinned": document(name="Old", axis__travel_unit="deg")}, "units.length",
+         "the travel of 'Old' is in deg"),
+        ("html", {"design": document(timer__frequency_hz=1000, ramp__slew_speed_steps_per_s=9000)},
+         "design.ramp.slew_speed_steps_per_s", "at most 1,000 steps/s"),
+        ("html", {"pinned": document(timer__frequency_hz=1000, ramp__slew_speed_steps_per_s=9000)},
+         "pinned.ramp.slew_speed_steps_per_s", "at most 1,000 steps/s"),
+        ("html", {"pinned": document(move__steps=0)}, "pinned.move.steps", "but not 0"),
+        ("html", {"design": document(move__steps=10_000_000), "methods": ["exact", "ideal", "midpoint", "newton",
+         "tuned"]}, "methods", "at most 4 methods"),
+        ("html", {"colour": "red"}, "colour", "nothing; there is no such field"),
+    ],
+)  # fmt: skip
+def test_what_can_t_be_reported_is_refused_by_field_value_and_what_is_allowed(
+    client: TestClient, kind: str, body: dict[str, Any], field: str, allowed: str
+) -> None:
+    answer = reported(client, kind, **body)
+    assert answer.status_code == 422, answer.text
+    [error] = answer.json()["errors"]
+    assert error["field"] == field
+    assert allowed in error["allowed"]
+
+
+def test_a_format_that_is_given_twice_is_refused(client: TestClient) -> None:
+    answer = client.post("/api/v1/report", params={"format": ["html", "pdf"]}, json={"design": document()})
+    [error] = answer.json()["errors"]
+    assert (answer.status_code, error["field"]) == (422, "format")
+    assert error["message"] == "format is ['html', 'pdf']; allowed: one value, given once."
