@@ -24,8 +24,9 @@ class Modules:
         copy = folder / "frontend"
         shutil.copytree(FRONTEND, copy)
         (copy / "assets").mkdir()
-        served = TestClient(create_app(), "http://127.0.0.1").get("/assets/methods.js")
-        (copy / "assets" / "methods.js").write_bytes(served.content)
+        server = TestClient(create_app(), "http://127.0.0.1")
+        for name in ("methods.js", "design_fields.js"):
+            (copy / "assets" / name).write_bytes(server.get(f"/assets/{name}").content)
         # What the server tells browsers by its media type, Node wants to read here.
         (copy / "package.json").write_text('{"type": "module"}')
         command = ["node", str(HARNESS), f"{copy.as_uri()}/"]

@@ -13,6 +13,7 @@ from designs import document
 from frontend.modules import Modules
 from stepramp import design as rules
 from stepramp.design import Design
+from stepramp.errors import Rejected
 from stepramp.methods import METHODS
 
 LONGEST_LINK = 100_000
@@ -73,21 +74,21 @@ def link(text: str) -> str:
 
 
 def problem(modules: Modules, text: str) -> str:
-    reading = modules.call("documents.js", "readDocument", text)
+    reading = modules.call("documents/documents.js", "readDocument", text)
     assert reading["document"] is None
     return str(reading["problem"])
 
 
 def link_problem(modules: Modules, fragment: str) -> str:
-    reading = modules.call("link.js", "decodeLink", fragment)
+    reading = modules.call("documents/link.js", "decodeLink", fragment)
     assert reading["document"] is None
     return str(reading["problem"])
 
 
 def test_any_document_comes_back_from_a_file_and_from_a_link(modules: Modules) -> None:
     script = """async (work) => {
-        const {readDocument, writeDocument} = await import('/documents.js');
-        const {encodeLink, decodeLink} = await import('/link.js');
+        const {readDocument, writeDocument} = await import('/documents/documents.js');
+        const {encodeLink, decodeLink} = await import('/documents/link.js');
         const read = [readDocument(writeDocument(work)), await decodeLink(await encodeLink(work))];
         return JSON.stringify(read); }"""
 
@@ -104,16 +105,16 @@ def test_any_document_comes_back_from_a_file_and_from_a_link(modules: Modules) -
 def test_links_and_files_are_what_other_programs_write_and_read(modules: Modules) -> None:
     one = document(name="Drehteller µ-Schritt, 軸 ½ 🛠")
     work = {"axes": [one], "together": "independent"}
-    written = modules.call("documents.js", "writeDocument", work)
+    written = modules.call("documents/documents.js", "writeDocument", work)
     assert json.loads(written) == one
     assert written == json.dumps(one, indent=2, ensure_ascii=False).replace("8.0", "8")
     machine = {"schema": "stepramp-machine/1", "together": "line", "axes": [one, document(name="Y")]}
     for text, axes, together in [(written, [one], "independent"), (json.dumps(machine), machine["axes"], "line")]:
-        reading = modules.call("link.js", "decodeLink", link(text))
+        reading = modules.call("documents/link.js", "decodeLink", link(text))
         assert reading["problem"] is None
         assert reading["document"]["together"] == together
         assert [Design.checked(axis) for axis in reading["document"]["axes"]] == [Design.checked(axis) for axis in axes]
-    fragment = modules.call("link.js", "encodeLink", {"axes": machine["axes"], "together": "line"})
+    fragment = modules.call("documents/link.js", "encodeLink", {"axes": machine["axes"], "together": "line"})
     packed = fragment.removeprefix("#d=")
     text = zlib.decompress(base64.urlsafe_b64decode(packed + "=" * (-len(packed) % 4)), -zlib.MAX_WBITS)
     assert json.loads(text) == machine
@@ -126,7 +127,7 @@ def test_what_a_design_leaves_out_is_what_the_server_takes_for_it(modules: Modul
         "ramp": {"slew_speed_steps_per_s": 1000, "acceleration_steps_per_s2": 5000},
         "move": {"steps": 10},
     }
-    reading = modules.call("documents.js", "readDocument", "\ufeff" + json.dumps(least))
+    reading = modules.call("documents/documents.js", "readDocument", "\ufeff" + json.dumps(least))
     assert reading["document"]["axes"] == [Design.checked(least).model_dump(mode="json", by_alias=True)]
 
 
@@ -176,6 +177,13 @@ def test_nonsense_is_told(modules: Modules, text: str, words: str) -> None:
         (document(extra=1), "no field extra"),
         (document(axis__extra=1), "no field axis.extra"),
         (document(name=5), "name is 5; allowed: a text"),
+        (document(name="x" * 101), "allowed: a text of up to 100 characters"),
+        (
+            document(table__rows=[[n, 5] for n in range(1001)]),
+            'table.rows is "1,001 rows"; allowed: at most 1,000 rows',
+        ),
+        (machine_with([document(), document(name="x" * 101)]), "axes.1.name is"),
+        (document(move__steps="7" * 101), "move.steps is"),
         (document(ramp=[]), "ramp is []; allowed: an object"),
         (document(ramp={}), "ramp.slew_speed_steps_per_s is missing; allowed: a number"),
         (document(timer=None), "timer is missing"),
@@ -212,9 +220,9 @@ def test_what_the_page_could_not_show_is_told_with_its_field(modules: Modules, w
 
 def test_what_a_browser_kept_with_an_unknown_shape_is_not_shown_again(modules: Modules) -> None:
     shapes = [{"name": "constant"}, {"name": "sine"}, {}, None]
-    kept = [modules.call("design.js", "isDesign", document(ramp__shape=shape)) for shape in shapes]
+    kept = [modules.call("model/design.js", "isDesign", document(ramp__shape=shape)) for shape in shapes]
     assert kept == [True, False, False, False]
-    assert modules.call("design.js", "isDesign", document())
+    assert modules.call("model/design.js", "isDesign", document())
 
 
 def test_a_number_too_large_for_any_machine_is_told(modules: Modules) -> None:
@@ -226,10 +234,62 @@ def test_damaged_links_are_told(modules: Modules) -> None:
     whole = link(json.dumps(document()))
     for cut in (4, 5, len(whole) // 2, len(whole) - 4, len(whole) - 1):
         assert "damaged" in link_problem(modules, whole[:cut])
-    for fragment in ("", "#d=", "#d=%%%", "#d=hello", "#plots", "#d=" + "_" * 50):
+    for fragment in ("", "#d=", "#d=%%%", "#d=hello", "#plots", "#d=" + "_" * 50, "#d", "#D=hello", "#design=hello"):
         assert "damaged" in link_problem(modules, fragment)
     assert "not JSON" in link_problem(modules, link("hello"))
     assert "not a StepRamp design" in link_problem(modules, link("[]"))
+
+
+def test_what_is_meant_as_a_link_is_opened_and_then_told(modules: Modules) -> None:
+    """A fragment is a place on the page only when it looks like one."""
+    meant = ["#d=abc", "#d=", "#d", "#D=abc", "#x=1", "#plots", "#", ""]
+    assert [modules.call("documents/link.js", "isLink", fragment) for fragment in meant] == [True] * 5 + [False] * 3
+
+
+def test_the_limits_are_the_servers(modules: Modules) -> None:
+    limits = modules.evaluate("async () => (({MOST_ROWS, LONGEST_NAME}) => [MOST_ROWS, LONGEST_NAME])"
+                              "(await import('/model/design.js'))")  # fmt: skip
+    assert limits[0] == rules.MOST_TABLE_ROWS
+    for length in (limits[1], limits[1] + 1):
+        # Two characters of UTF-16 each, which count as one to the server.
+        one = document(name="🛠" * length)
+        is_read = modules.call("documents/documents.js", "readDocument", json.dumps(one))["problem"] is None
+        try:
+            Design.checked(one)
+        except Rejected:
+            assert not is_read
+        else:
+            assert is_read
+
+
+def test_a_short_link_to_a_long_table_is_refused_and_one_that_was_kept_is_not_shown_again(modules: Modules) -> None:
+    long = document(table__rows=[[row, 5000] for row in range(10_000)])
+    said = link_problem(modules, link(json.dumps(long)))
+    assert 'table.rows is "10,000 rows"; allowed: at most 1,000 rows' in said
+    assert not modules.call("model/design.js", "isDesign", long)
+    script = """async (work) => (await import('/documents/link.js')).encodeLink(work).catch((error) => error.message)"""
+    made = modules.evaluate(script, {"axes": [long], "together": "independent"})
+    assert "No link was made" in made
+    assert "at most 1,000 rows" in made
+
+
+def test_a_link_that_unpacks_to_very_much_is_unpacked_no_further_than_is_read(modules: Modules) -> None:
+    """As browsers do it: all that a piece of the link unpacks to is made at once. Here a byte becomes a thousand."""
+    script = """async (fragment) => {
+        let made = 0;
+        const kept = globalThis.DecompressionStream;
+        globalThis.DecompressionStream = function () {
+          return new TransformStream({ transform(piece, controller) {
+            made += 1000 * piece.length;
+            controller.enqueue(new Uint8Array(1000 * piece.length).fill(32)); } });
+        };
+        try {
+          const {problem} = await (await import('/documents/link.js')).decodeLink(fragment);
+          return [problem, made];
+        } finally { globalThis.DecompressionStream = kept; } }"""
+    problem, made = modules.evaluate(script, "#d=" + "A" * 60_000)
+    assert "longer than 1,000,000" in problem
+    assert LONGEST_TEXT < made < 5 * LONGEST_TEXT
 
 
 def test_a_huge_link_is_neither_made_nor_read(modules: Modules) -> None:
@@ -238,7 +298,7 @@ def test_a_huge_link_is_neither_made_nor_read(modules: Modules) -> None:
     bomb = link(" " * 50_000_000)
     assert len(bomb) < LONGEST_LINK
     assert "longer than 1,000,000" in link_problem(modules, bomb)
-    script = """async (work) => (await import('/link.js')).encodeLink(work).catch((error) => error.message)"""
+    script = """async (work) => (await import('/documents/link.js')).encodeLink(work).catch((error) => error.message)"""
     noise = "".join(chr(0x4E00 + 40_503 * place % 20_000) for place in range(90_000))
     made = modules.evaluate(script, {"axes": [document(name=noise)], "together": "independent"})
     assert "at most 100,000" in made
@@ -251,6 +311,6 @@ def test_the_largest_machine_fits_into_a_link(modules: Modules) -> None:
     for number, axis in enumerate(axes):
         axis["table"]["rows"] = [[step - number, abs(delay) % 2**32 + number] for step, delay in rows]
         axis["method"]["tuned_for"] = "time"
-    fragment = modules.call("link.js", "encodeLink", {"axes": axes, "together": "line"})
+    fragment = modules.call("documents/link.js", "encodeLink", {"axes": axes, "together": "line"})
     assert len(fragment) < LONGEST_LINK
-    assert modules.call("link.js", "decodeLink", fragment)["document"]["axes"] == axes
+    assert modules.call("documents/link.js", "decodeLink", fragment)["document"]["axes"] == axes

@@ -1,59 +1,8 @@
-"""The page's modules that know no page: numbers, tables, figures, curves."""
+"""The page's modules that know no page: numbers, figures, curves."""
 
 import pytest
 
 from frontend.modules import Modules
-
-
-@pytest.mark.parametrize(
-    ("text", "rows"),
-    [
-        ("{ 10, 5000 }, { 30, 1500 }", [[10, 5000], [30, 1500]]),
-        ("{10,5000},{30,1500},", [[10, 5000], [30, 1500]]),
-        ("{{10, 5000}, {30, 1500}}", [[10, 5000], [30, 1500]]),
-        ("unsigned short accelTable[][2] = {\n {  10, 5000},\n {30,1500}\n};", [[10, 5000], [30, 1500]]),
-        ("const uint16_t t[1][2] PROGMEM = { {10u, 5000UL} };", [[10, 5000]]),
-        ("uint16_t t[][2] = { 10, 5000, 30, 1500 };", [[10, 5000], [30, 1500]]),
-        ("/* {1, 2}, */ {0x0A, 0x1388} // {3, 4}", [[10, 5000]]),
-        ("{ 10,\r\n 5000 },\r\n\r\n{ 30, 1500 }", [[10, 5000], [30, 1500]]),
-        ("{10, 5e3}", [[10, 5000]]),
-        ("{0, 5000}", [[0, 5000]]),
-        ("10\t5000\n30\t1500\n", [[10, 5000], [30, 1500]]),
-        ("10, 5000\n30; 1500", [[10, 5000], [30, 1500]]),
-        ("{-1, 5000}", [[-1, 5000]]),
-    ],
-)
-def test_tables_that_are_understood(modules: Modules, text: str, rows: list[list[float]]) -> None:
-    assert modules.call("c_table.js", "parseTable", text) == {"rows": rows, "problem": None}
-
-
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        ("", "nothing to read"),
-        ("  // {1, 2}", "nothing to read"),
-        ("{}", "Row 1: a number is missing"),
-        ("{{}}", "Row 1: a number is missing"),
-        ("t[][2] = {};", "No row found"),
-        ("t[][2] = {1, 2, 3};", "3 numbers don’t make rows of two"),
-        ("{10}", "Row 1 has 1 value;"),
-        ("{10, 5000}, {30}", "Row 2 has 1 value;"),
-        ("{10, 5000, 1}, {30, 1500}", "Row 1 has 3 values"),
-        ("{10, 5000}, {30, fast}", "Row 2: “fast” is not a number"),
-        ("{10, }, {30, 1500}", "Row 1"),
-        ("{010, 5000}, {30, 1500}", "octal"),
-        ("{10, 5000", "1 closing brace(s)"),
-        ("10, 5000}", "1 opening brace(s)"),
-        ("{{{10, 5000}}, {30, 1500}}", "nested deeper"),
-        ("{10, 5000} + {30, 1500}", "stands between the rows"),
-        ("{10, 1e999}, {30, 1}", "too large"),
-        ("hello", "Row 1 has 1 value"),
-    ],
-)
-def test_tables_that_are_not_understood_are_explained(modules: Modules, text: str, words: str) -> None:
-    reading = modules.call("c_table.js", "parseTable", text)
-    assert reading["rows"] is None
-    assert words in reading["problem"]
 
 
 @pytest.mark.parametrize(
@@ -68,6 +17,9 @@ def test_tables_that_are_not_understood_are_explained(modules: Modules, text: st
         (".5", 0.5),
         ("1,5", "1,5"),
         ("1,0000", "1,0000"),
+        ("0,500", "0,500"),
+        ("-0,500,000", "-0,500,000"),
+        ("100,500", 100_500),
         ("12 34", "12 34"),
         ("1e400", "1e400"),
         ("NaN", "NaN"),
@@ -78,17 +30,54 @@ def test_tables_that_are_not_understood_are_explained(modules: Modules, text: st
     ],
 )
 def test_entries_are_numbers_or_stay_as_typed(modules: Modules, text: str, entry: float | str) -> None:
-    assert modules.call("numbers.js", "parseEntry", text) == entry
+    assert modules.call("model/numbers.js", "parseEntry", text) == entry
+
+
+@pytest.mark.parametrize(
+    ("text", "hint"),
+    [("0,500", "0.500"), (" 1,5 ", "1.5"), ("−0,25", "-0.25"), ("1,5,", ""), ("1.5", ""), ("fast", "")],
+)
+def test_a_decimal_comma_is_refused_with_words_that_a_point_is_expected(modules: Modules, text: str, hint: str) -> None:
+    rejection = {"field": "ramp.slew_speed_steps_per_s", "value": text, "allowed": "a number", "message": "Wrong."}
+    script = """async (rejection) => (await import('/model/messages.js')).sortMessages([rejection], [])
+        .fields.get(rejection.field).text"""
+    told = modules.evaluate(script, rejection)
+    refused = f"Slew speed is '{text}'; allowed: a number."
+    assert told == (refused if hint == "" else f"{refused} A point is expected for the comma: {hint}.")
+
+
+@pytest.mark.parametrize(
+    ("unit", "frequency", "words"),
+    [
+        ("ticks", "0,500", "stay in µs: the timer’s frequency is “0,500”"),
+        ("ticks", "", "frequency is “”"),
+        ("us", -5, "stay in ticks: the timer’s frequency is -5;"),
+        ("us", 0, "frequency is 0;"),
+        ("ticks", 50, "at 50 Hz that of row 2 would be 0 ticks"),
+        ("ticks", 1000, ""),
+        ("us", 1000, ""),
+    ],
+)
+def test_delays_are_not_converted_where_they_would_be_lost(
+    modules: Modules, unit: str, frequency: object, words: str
+) -> None:
+    rows = [[10, "fast"], [20, 5000], [30, 15000]]
+    told = modules.call("model/design.js", "conversionProblem", rows, unit, frequency)
+    assert (told == "") == (words == "")
+    assert words in told
 
 
 def test_a_formatted_entry_reads_back_as_the_same_number(modules: Modules) -> None:
     for value in (0, 1, 999, 1000, 1234567, -1234.5, 0.001, 1e21, 16_000_000.25):
-        assert modules.call("numbers.js", "parseEntry", modules.call("numbers.js", "formatEntry", value)) == value
+        assert (
+            modules.call("model/numbers.js", "parseEntry", modules.call("model/numbers.js", "formatEntry", value))
+            == value
+        )
 
 
 SCENE = """async (change) => {
-    const {figureOf, layoutOf, tracesOf} = await import('/figure.js');
-    const {curveOf} = await import('/curves.js');
+    const {figureOf, layoutOf, tracesOf} = await import('/plotting/figure.js');
+    const {curveOf} = await import('/plotting/curves.js');
     const profile = {step: [1, 2, 3, 4], intervals_ticks: [20000, 4000, 4000, 20000], time_s: [0, .01, .012, .014],
         position_steps: [1, 2, 3, 4], speed_steps_per_s: [100, 500, 500, 100],
         phases: [{name: 'accelerate', first_step: 1, last_step: 2}, {name: 'decelerate', first_step: 3, last_step: 4}],
@@ -100,12 +89,12 @@ SCENE = """async (change) => {
         errors: {exact: {step: profile.step, relative_error: [0, 0, 0, 0]},
             first_order: {step: profile.step, relative_error: [0, 0, 0, -.25]},
             table: {step: profile.step, relative_error: [0, 0, 0, .1]}}};
-    const scene = {answer, axis: 'step', view: 'whole', only: 'velocity', zoom: null, compact: false,
+    const scene = {answer, against: 'step', view: 'whole', only: 'velocity', zoom: null, compact: false,
         shown: new Set(['exact', 'first_order', 'table']), size: {width: 800, height: 600}, colours: {}, dashes: {},
         font: 'serif', ...change};
     scene.shown = new Set(scene.shown);
     scene.curves = Object.fromEntries(['exact', 'first_order', 'table']
-        .map((name) => [name, curveOf(answer, name, scene.axis)]));
+        .map((name) => [name, curveOf(answer, name, scene.against)]));
     const {lines, frame} = figureOf(scene);
     return {traces: tracesOf(lines), layout: layoutOf(scene, frame)};
 }"""
@@ -130,7 +119,7 @@ def test_few_steps_are_drawn_as_steps_and_a_table_always_is(modules: Modules) ->
         return {trace["uid"]: trace["line"]["shape"] for trace in modules.evaluate(SCENE, change)["traces"]}
 
     assert {shapes()[f"first_order-{plot}"] for plot in ("velocity", "delay", "error")} == {"hvh"}
-    assert shapes(axis="time")["first_order-delay"] == "hv", "an interval follows its pulse"
+    assert shapes(against="time")["first_order-delay"] == "hv", "an interval follows its pulse"
     narrow = shapes(size={"width": 80, "height": 600})
     assert (narrow["first_order-velocity"], narrow["table-velocity"], narrow["table-error"]) == (
         "linear",
@@ -140,12 +129,12 @@ def test_few_steps_are_drawn_as_steps_and_a_table_always_is(modules: Modules) ->
 
 
 def test_ranges_stay_while_a_slider_moves_as_long_as_all_fits(modules: Modules) -> None:
-    script = """async (peaks) => { const {frameOf} = await import('/frame.js');
+    script = """async (peaks) => { const {frameOf} = await import('/plotting/frame.js');
         const sceneOf = (peak) => ({answer: {design: {axis: {}, method: {name: 'exact'}},
             profiles: {exact: {phases: [{name: 'accelerate', first_step: 1, last_step: 2}]}}},
             shown: new Set(['exact']),
             curves: {exact: {step: [1, 2], x: [1, 2], shownSpeed: [0, peak], delay_us: [9, 1],
-                error: {x: [1, 2], percent: [0, 1]}}}, axis: 'step', view: 'whole', zoom: null,
+                error: {x: [1, 2], percent: [0, 1]}}}, against: 'step', view: 'whole', zoom: null,
             size: {width: 800, height: 600}, compact: false, only: 'velocity'});
         let held = null;
         return peaks.map((peak) => {
@@ -179,7 +168,7 @@ def test_axes_show_all_curves_and_stack_without_overlap(modules: Modules) -> Non
 
 def test_the_start_is_logarithmic_over_steps_and_near_over_time(modules: Modules) -> None:
     assert modules.evaluate(SCENE, {"view": "start"})["layout"]["xaxis"]["type"] == "log"
-    over_time = modules.evaluate(SCENE, {"view": "start", "axis": "time"})["layout"]["xaxis"]
+    over_time = modules.evaluate(SCENE, {"view": "start", "against": "time"})["layout"]["xaxis"]
     assert over_time["type"] == "linear"
     assert over_time["range"][1] < 10
 
@@ -188,13 +177,13 @@ def test_a_move_of_another_length_is_placed_by_its_ramps(modules: Modules) -> No
     summary = {"steps": 500, "accelerate_steps": 100, "slew_steps": 300, "decelerate_steps": 100}
     places = {(0, 2000): 0, (50, 1950): 50, (1000, 1000): 250, (1950, 50): 450, (2000, 0): 500, (250, 250): 250}
     for (done, remaining), step in places.items():
-        assert modules.call("curves.js", "plottedStep", {"summary": summary}, done, remaining) == step
+        assert modules.call("plotting/curves.js", "plottedStep", {"summary": summary}, done, remaining) == step
 
 
 def path_of(modules: Modules, x: list[float], y: list[float], shape: str = "linear", *, log: bool = False) -> str:
     scale = {"at": 0, "per": 10, "isLog": False}
     up = {"at": 100, "per": -10, "isLog": log}
-    return modules.call("thinning.js", "pathOf", {"x": x, "y": y, "shape": shape}, scale, up, 100)
+    return modules.call("plotting/thinning.js", "pathOf", {"x": x, "y": y, "shape": shape}, scale, up, 100)
 
 
 def test_paths_go_through_their_points_in_each_shape(modules: Modules) -> None:
@@ -220,7 +209,7 @@ def test_a_range_is_kept_within_the_move(modules: Modules) -> None:
     cases = [([5, 90], 100, [5, 90]), ([-3, 90], 100, [1, 90]), ([5, 190], 100, [5, 100]), ([1, 100], 100, None),
              ([100, 200], 100, None), (None, 100, None), ([5, 90], None, None)]  # fmt: skip
     for wanted, steps, expected in cases:
-        assert modules.call("calculation.js", "rangeWithin", wanted, steps) == expected
+        assert modules.call("server/calculation.js", "rangeWithin", wanted, steps) == expected
 
 
 @pytest.mark.parametrize(

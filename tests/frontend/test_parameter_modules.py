@@ -1,5 +1,6 @@
 """Parameters as text, in units, on sliders and in steps: the modules behind the fields."""
 
+import json
 import math
 from typing import Any
 
@@ -10,6 +11,9 @@ from hypothesis import strategies as st
 from designs import document
 from frontend.modules import Modules
 from stepramp.design import Design
+from stepramp.errors import Limits, Rejected, Rejection
+from stepramp.http_api.errors import error_items
+from stepramp.http_api.json_response import json_bytes
 
 MOTOR_TURN_STEPS = 400
 SCREW_MM = 8
@@ -17,7 +21,7 @@ STEP_MM = SCREW_MM / MOTOR_TURN_STEPS
 
 
 def stepped(modules: Modules, path: str, *rest: object) -> Any:
-    script = """async ([path, rest]) => { const {GROUPS} = await import('/fields.js');
+    script = """async ([path, rest]) => { const {GROUPS} = await import('/model/fields.js');
         const {stepped} = await import('/panels/parameters/stepping.js');
         return stepped(GROUPS.flatMap((group) => group.fields).find((field) => field.path === path), ...rest); }"""
     return modules.evaluate(script, [path, list(rest)])
@@ -91,7 +95,7 @@ def test_a_step_goes_to_the_next_round_value(
 
 
 def test_steps_up_and_down_always_move_and_stay_allowed(modules: Modules) -> None:
-    script = """async (values) => { const {GROUPS} = await import('/fields.js');
+    script = """async (values) => { const {GROUPS} = await import('/model/fields.js');
         const {stepped} = await import('/panels/parameters/stepping.js');
         const wrong = [];
         for (const field of GROUPS.flatMap((group) => group.fields))
@@ -115,13 +119,13 @@ def test_steps_up_and_down_always_move_and_stay_allowed(modules: Modules) -> Non
     moves()
 
 
-def test_the_limits_are_those_of_the_server(modules: Modules) -> None:
-    """Both ends are taken, and what lies beyond them is not."""
-    script = """async () => (await import('/fields.js')).GROUPS.flatMap((group) => group.fields)
-        .map(({path, limits, isWhole}) => [path, limits, isWhole ?? false])"""
+def test_the_limits_and_units_are_those_of_the_server(modules: Modules) -> None:
+    """Both ends are taken, and what lies beyond them is refused in the same unit."""
+    script = """async () => (await import('/model/fields.js')).GROUPS.flatMap((group) => group.fields)
+        .map(({path, limits, isWhole, unit}) => [path, limits, isWhole, unit])"""
     fields = modules.evaluate(script)
     assert len(fields) == 11
-    for path, (least, most), is_whole in fields:
+    for path, (least, most), is_whole, unit in fields:
         part, name = path.split(".")
         # No other value than this one may be what is refused.
         rest = {"ramp": {"base_speed_steps_per_s": 0, "slew_speed_steps_per_s": 1_000_000}}.get(part, {})
@@ -131,12 +135,14 @@ def test_the_limits_are_those_of_the_server(modules: Modules) -> None:
             try:
                 Design.checked(changed)
                 assert is_taken, (path, value)
-            except ValueError:
+            except Rejected as refused:
                 assert not is_taken, (path, value)
+                assert refused.rejections[0].limits
+                assert refused.rejections[0].limits.unit == unit
 
 
 def test_a_slider_gives_back_what_it_shows(modules: Modules) -> None:
-    script = """async () => { const {GROUPS} = await import('/fields.js');
+    script = """async () => { const {GROUPS} = await import('/model/fields.js');
         const {sliderPosition, sliderValue} = await import('/panels/parameters/stepping.js');
         return GROUPS.flatMap((group) => group.fields).flatMap((field) => [field.slider.from, field.slider.to]
             .filter((end) => sliderValue(field, sliderPosition(field.slider, end), 1) !== end)
@@ -145,7 +151,7 @@ def test_a_slider_gives_back_what_it_shows(modules: Modules) -> None:
 
 
 def test_a_slider_sets_round_values_in_the_unit_shown(modules: Modules) -> None:
-    script = """async ([path, position, before, factor]) => { const {GROUPS} = await import('/fields.js');
+    script = """async ([path, position, before, factor]) => { const {GROUPS} = await import('/model/fields.js');
         const {sliderValue} = await import('/panels/parameters/stepping.js');
         const field = GROUPS.flatMap((group) => group.fields).find((one) => one.path === path);
         return sliderValue(field, position, before, factor); }"""
@@ -158,7 +164,7 @@ def test_a_slider_sets_round_values_in_the_unit_shown(modules: Modules) -> None:
 
 def test_what_is_typed_comes_back_in_every_unit(modules: Modules) -> None:
     script = """async ([texts, factor]) => { const {readEntry, shownEntry} =
-        await import('/panels/parameters/shown_entry.js');
+        await import('/model/shown_entry.js');
         return texts.map((text) => shownEntry(readEntry({isWhole: false}, text, factor).entry, factor)); }"""
     texts = ["0", "1", "10", "7.5", "0.125", "0.3", "33.333333", "1,234.5678", "999,999", "0.0001", "12o0", "", "1,5"]
     for factor in (1, STEP_MM, 0.9, 1 / MOTOR_TURN_STEPS, STEP_MM * 60, 1 / 3):
@@ -169,7 +175,7 @@ def test_no_digit_before_the_point_is_dropped(modules: Modules) -> None:
     @given(st.floats(1e-6, 1e12), st.floats(1e-6, 1e6))
     @settings(max_examples=100, deadline=None)
     def is_close(stored: float, factor: float) -> None:
-        text = modules.call("panels/parameters/shown_entry.js", "shownEntry", stored, factor)
+        text = modules.call("model/shown_entry.js", "shownEntry", stored, factor)
         assert math.isclose(float(text.replace(",", "")), stored * factor, rel_tol=6e-8)
 
     is_close()
@@ -182,89 +188,97 @@ def test_no_digit_before_the_point_is_dropped(modules: Modules) -> None:
 def test_a_length_becomes_whole_steps_and_it_is_said(
     modules: Modules, text: str, entry: int, exact: float | None
 ) -> None:
-    reading = modules.call("panels/parameters/shown_entry.js", "readEntry", {"isWhole": True}, text, STEP_MM)
+    reading = modules.call("model/shown_entry.js", "readEntry", {"isWhole": True}, text, STEP_MM)
     assert reading == {"entry": entry, "exact": exact}
 
 
 def test_steps_are_never_rounded_when_typed_as_steps(modules: Modules) -> None:
-    reading = modules.call("panels/parameters/shown_entry.js", "readEntry", {"isWhole": True}, "2.5", 1)
+    reading = modules.call("model/shown_entry.js", "readEntry", {"isWhole": True}, "2.5", 1)
     assert reading == {"entry": 2.5, "exact": None}
 
 
-def told(modules: Modules, path: str, value: object, allowed: str, length: str = "mm", time: str = "s") -> str:
-    script = """async ([path, refused, units, design]) => { const {GROUPS} = await import('/fields.js');
-        const {inShownUnit} = await import('/panels/parameters/rejection_text.js');
+def told(modules: Modules, path: str, value: object, limits: Limits | None, length: str = "mm", time: str = "s") -> str:
+    script = """async ([path, refused, units, design]) => { const {GROUPS} = await import('/model/fields.js');
+        const {inShownUnit} = await import('/model/rejection_text.js');
         const field = GROUPS.flatMap((group) => group.fields).find((one) => one.path === path);
         const message = {text: 'as the server tells it', isWarning: false, refused};
         return inShownUnit(message, units, design, field).text; }"""
     units = {"length": length, "time": time}
-    return str(modules.evaluate(script, [path, {"value": value, "allowed": allowed}, units, document()]))
+    allowed = limits.words if limits else "something else"
+    rejection = Rejection(f"design.{path}", value, allowed, limits)
+    return str(modules.evaluate(script, [path, answered(rejection), units, document()]))
+
+
+def answered(rejection: Rejection) -> dict[str, Any]:
+    """Return a rejection as the server answers it."""
+    [error] = error_items(Rejected([rejection]))
+    return dict(json.loads(json_bytes(error)))
+
+
+SPEEDS = Limits(0.001, 1_000_000, "steps/s")
 
 
 @pytest.mark.parametrize(
-    ("path", "value", "allowed", "text"),
+    ("path", "value", "limits", "text"),
     [
         (
             SLEW,
             2_000_000,
-            "a number from 0.001 to 1,000,000 steps/s",
+            SPEEDS,
             "Slew speed is 40,000 mm/s (2,000,000 steps/s); allowed: a number from 0.00002 to 20,000 mm/s.",
         ),
         (
             BASE,
             2000,
-            "a number from 0 to the slew speed, 1,000 steps/s",
-            "Base speed is 40 mm/s (2,000 steps/s); allowed: a number from 0 to the slew speed, 20 mm/s.",
+            Limits(0, 1000, "steps/s", note=", the slew speed"),
+            "Base speed is 40 mm/s (2,000 steps/s); allowed: a number from 0 to 20 mm/s, the slew speed.",
         ),
-        (
-            SLEW,
-            "12o0",
-            "a number from 0.001 to 1,000,000 steps/s",
-            "Slew speed is '12o0'; allowed: a number from 0.00002 to 20,000 mm/s.",
-        ),
+        (SLEW, "12o0", SPEEDS, "Slew speed is '12o0'; allowed: a number from 0.00002 to 20,000 mm/s."),
+        (SLEW, None, SPEEDS, "Slew speed is missing; allowed: a number from 0.00002 to 20,000 mm/s."),
         (
             "ramp.acceleration_steps_per_s2",
             0.01,
-            "at least 50,000.5 steps/s² between these speeds, for a ramp of at most 10,000,000 steps",
+            Limits(lowest=50_000.5, unit="steps/s²", note=" between these speeds, for a ramp of at most 500 steps"),
             "Acceleration is 0.0002 mm/s² (0.01 steps/s²); allowed: at least 1,000.01 mm/s² between these speeds, "
-            "for a ramp of at most 10,000,000 steps.",
+            "for a ramp of at most 500 steps.",
         ),
         (
             SLEW,
             900_000,
-            "at most 800,000 steps/s with this timer: an interval is 1 tick or more",
+            Limits(highest=800_000, unit="steps/s", note=" with this timer: an interval is 1 tick or more"),
             "Slew speed is 18,000 mm/s (900,000 steps/s); allowed: at most 16,000 mm/s with this timer: "
             "an interval is 1 tick or more.",
         ),
         (
             STEPS,
             0,
-            "a whole number from -10,000,000 to 10,000,000 steps, but not 0",
+            Limits(-10_000_000, 10_000_000, "steps", is_whole=True, note=", but not 0"),
             "Distance is 0 mm (0 steps); allowed: whole steps from -200,000 to 200,000 mm, but not 0.",
         ),
-        # What doesn't name the unit is not understood well enough to be converted.
-        (SLEW, 5, "something else", "as the server tells it"),
+        # What isn't in the field's unit is nothing that could be converted.
+        (SLEW, 5, Limits(1, 2, "Hz"), "as the server tells it"),
+        (SLEW, 5, None, "as the server tells it"),
     ],
 )
 def test_what_is_refused_is_told_in_the_unit_shown(
-    modules: Modules, path: str, value: object, allowed: str, text: str
+    modules: Modules, path: str, value: object, limits: Limits | None, text: str
 ) -> None:
-    assert told(modules, path, value, allowed) == text
+    assert told(modules, path, value, limits) == text
 
 
 def test_limits_are_rounded_to_what_is_allowed(modules: Modules) -> None:
     """In turns a minute the limits have endless digits; what is told must not be refused."""
-    text = told(modules, SLEW, 5, "a number from 0.001 to 1,000,000 steps/s", "rev", "min")
+    text = told(modules, SLEW, 5, SPEEDS, "rev", "min")
     low, high = (
         float(word.replace(",", "")) for word in (text.split("from ")[1].split()[0], text.split("to ")[1].split()[0])
     )
     assert low * MOTOR_TURN_STEPS / 60 >= 0.001
     assert high * MOTOR_TURN_STEPS / 60 <= 1_000_000
-    assert told(modules, SLEW, 5, "a number from 1 to 2 steps/s", "deg").endswith("from 0.9 to 1.8 °/s.")
+    assert told(modules, SLEW, 5, Limits(1, 2, "steps/s"), "deg").endswith("from 0.9 to 1.8 °/s.")
 
 
 def test_steps_and_seconds_are_left_to_the_server(modules: Modules) -> None:
-    assert told(modules, SLEW, 5, "a number from 1 to 2 steps/s", "steps") == "as the server tells it"
+    assert told(modules, SLEW, 5, SPEEDS, "steps") == "as the server tells it"
 
 
 # Facts of data sheets: steps of one turn of the output, and what a turn moves.
@@ -272,7 +286,7 @@ AXES = {
     "NEMA 17 · T8 screw, 8 mm": (200, None, 4 * 2, "mm"),
     "NEMA 17 · T8 screw, 2 mm": (200, None, 1 * 2, "mm"),
     "NEMA 17 · GT2 belt, 20 teeth": (200, None, 20 * 2, "mm"),
-    "NEMA 17 · turntable": (200, None, 360, "deg"),
+    "NEMA 17 · direct drive": (200, None, 360, "deg"),
     "Gauge X25, X27 · ⅓°": (360 * 3, 1, 360, "deg"),
     "Gauge X25, X27 · ¹⁄₁₂°": (360 * 12 / 4, 4, 360, "deg"),
     "28BYJ-48 · full steps": (32 * 64, 1, 360, "deg"),
@@ -289,7 +303,7 @@ TIMERS = {
 
 
 def test_presets_are_the_facts_of_data_sheets_and_designs_the_server_takes(modules: Modules) -> None:
-    presets = modules.evaluate("async () => (await import('/presets.js')).PRESETS")
+    presets = modules.evaluate("async () => (await import('/model/presets.js')).PRESETS")
     assert [preset["name"] for preset in presets["axis"]] == list(AXES)
     assert [preset["name"] for preset in presets["timer"]] == list(TIMERS)
     for preset in presets["axis"]:
@@ -302,22 +316,69 @@ def test_presets_are_the_facts_of_data_sheets_and_designs_the_server_takes(modul
     for part, ones in presets.items():
         for preset in ones:
             before = document()
-            changed = modules.call("presets.js", "withPreset", before, part, preset)
+            changed = modules.call("model/presets.js", "withPreset", before, part, preset)
             assert {name for name in before if changed[name] != before[name]} <= {part}
+            # It gives its name to a design that has none, or one that another preset gave it.
+            for unnamed in ("", " ", ones[0]["name"]):
+                renamed = modules.call("model/presets.js", "withPreset", before | {"name": unnamed}, part, preset)
+                assert renamed == changed | {"name": preset["name"]}
             Design.checked(changed)
-            assert modules.call("presets.js", "presetOf", changed, part) == preset
+            assert modules.call("model/presets.js", "presetOf", changed, part) == preset
 
 
 def test_a_refused_push_is_told_in_the_words_of_the_page(modules: Modules) -> None:
-    allowed = "at most 50,000 steps/s with a Tic"
+    limits = Limits(highest=50_000, unit="steps/s", note=" with a Tic")
 
     def told(place: str) -> str:
-        field = f"{place}.ramp.slew_speed_steps_per_s"
-        rejection = {"field": field, "value": 60000.0, "allowed": allowed}
-        message = f"{field} is 60000.0; allowed: {allowed}."
-        return str(modules.call("messages.js", "pushText", [{**rejection, "message": message}]))
+        rejection = Rejection.outside(f"{place}.ramp.slew_speed_steps_per_s", 60000.0, limits)
+        return str(modules.call("model/messages.js", "pushText", [answered(rejection)]))
 
-    assert told("design") == f"Slew speed is 60000.0; allowed: {allowed}."
-    assert told("axes.2") == f"Axis 2: Slew speed is 60000.0; allowed: {allowed}."
+    assert told("design") == "Slew speed is 60,000; allowed: at most 50,000 steps/s with a Tic."
+    assert told("axes.2") == "Axis 2: Slew speed is 60,000; allowed: at most 50,000 steps/s with a Tic."
     other = {"field": "ramp", "value": None, "allowed": None, "message": "The controller is full."}
-    assert modules.call("messages.js", "pushText", [other]) == "The controller is full."
+    assert modules.call("model/messages.js", "pushText", [other]) == "The controller is full."
+    reason = "Too long for this controller: 280 of 250 segments."
+    long = answered(Rejection("axes.1.ramp.acceleration_steps_per_s2", 5.0, "less", reason=reason))
+    assert modules.call("model/messages.js", "pushText", [long]) == f"Axis 1: {reason}"
+
+
+def test_a_name_that_is_too_long_is_told_where_it_is_typed(modules: Modules) -> None:
+    with pytest.raises(Rejected) as caught:
+        Design.checked(document(name="x" * 101))
+    [rejection] = caught.value.rejections
+    script = """async (errors) => { const {sortMessages} = await import('/model/messages.js');
+        const {fields, others} = sortMessages(errors, []);
+        return {fields: [...fields.keys()], others, text: fields.get('name').text}; }"""
+    found = modules.evaluate(script, [answered(rejection.within("design."))])
+    allowed = "allowed: a text of up to 100 characters."
+    assert (found["fields"], found["others"]) == (["name"], [])
+    assert found["text"].split("; ") == [f"Name is '{'x' * 78}…", allowed]
+
+
+def test_what_says_its_axis_itself_is_not_called_by_it_again(modules: Modules) -> None:
+    limit = {"field": "designs.1.ramp.slew_speed_steps_per_s", "axis": 1, "message": "Y (axis 1) allows 5 steps/s."}
+    warning = {"field": "designs.0.timer.counter_bits", "message": "The longest interval does not fit."}
+    told = modules.call("model/messages.js", "axesMessages", [limit, warning], True)
+    assert [each["text"] for each in told] == [limit["message"], f"Axis 0: {warning['message']}"]
+
+
+def test_each_number_of_a_design_is_a_parameter_with_the_servers_limits(modules: Modules) -> None:
+    script = """async () => (await import('/model/fields.js')).GROUPS.flatMap(({fields}) => fields)
+        .map(({path, limits, isWhole}) => [path, [limits, isWhole]])"""
+    found = dict(modules.evaluate(script))
+    assert len(found) == 11
+    for path, (limits, is_whole) in found.items():
+        below, above = (errors_of(path, limit + step) for limit, step in zip(limits, (-1, 1), strict=True))
+        assert (below, above) == ([path], [path]), "refused beyond"
+        assert [errors_of(path, limit) for limit in limits] == [[], []], "taken at the limit"
+        assert (errors_of(path, limits[0] + 0.5) == [path]) == is_whole
+
+
+def errors_of(path: str, value: float) -> list[str]:
+    """Return the fields that the design document refuses when one of them has a value."""
+    changes = {"ramp__slew_speed_steps_per_s": 1_000_000, path.replace(".", "__"): value}
+    try:
+        Design.checked(document(**changes))
+    except Rejected as error:
+        return [one.field for one in error.rejections if one.field]
+    return []

@@ -1,22 +1,18 @@
 // @ts-check
 // The axes of one machine: a tab each, one in hand, and whether they move each by itself or along a line.
 
-import { element, icon, segmented } from '../../dom.js';
-import { MOST_AXES } from '../../workbench.js';
+import { showAll } from '../../app/commands/view.js';
+import { addAxis, choose, removeAxis, setTogether } from '../../app/commands/work.js';
+import { areAxesShown, machineOf, refusedAxesOf } from '../../app/selectors.js';
+import { whenChanged } from '../../app/state.js';
+import { element, icon, segmented } from '../../ui/dom.js';
+import { MOST_AXES } from '../../model/workbench.js';
 
-/** @typedef {import('../../workbench.js').State} State */
-/** @typedef {import('../../workbench.js').Together} Together */
+/** @typedef {import('../../model/workbench.js').Machine} Machine */
+/** @typedef {import('../../model/workbench.js').Together} Together */
 
-/**
- * @param {HTMLElement} root
- * @param {object} handlers
- * @param {(axis: number) => void} handlers.onChoose
- * @param {() => void} handlers.onAdd
- * @param {(axis: number) => void} handlers.onRemove
- * @param {(together: Together) => void} handlers.onTogether
- * @param {(all: boolean) => void} handlers.onAll whether the plots show all axes or the one in hand
- */
-export function createAxes(root, { onChoose, onAdd, onRemove, onTogether, onAll }) {
+/** @param {HTMLElement} root @param {import('../../app/state.js').Dispatch} dispatch */
+export function createAxes(root, dispatch) {
   const list = element('div', { className: 'axis-tabs', role: 'tablist', 'aria-label': 'Axes', onkeydown: walked });
   const add = element(
     'button',
@@ -26,7 +22,7 @@ export function createAxes(root, { onChoose, onAdd, onRemove, onTogether, onAll 
       type: 'button',
       'aria-label': 'Add an axis',
       title: 'Another axis of the same machine, up to four',
-      onclick: onAdd,
+      onclick: () => dispatch(addAxis),
     },
     icon('plus'),
   );
@@ -36,7 +32,7 @@ export function createAxes(root, { onChoose, onAdd, onRemove, onTogether, onAll 
       ['independent', 'Each by itself'],
       ['line', 'Along a line'],
     ]),
-    onTogether,
+    (value) => dispatch(setTogether, value),
   );
   together.element.id = 'together-choice';
   const all = segmented(
@@ -45,16 +41,17 @@ export function createAxes(root, { onChoose, onAdd, onRemove, onTogether, onAll 
       ['one', 'This axis'],
       ['all', 'All axes'],
     ]),
-    (value) => onAll(value === 'all'),
+    (value) => dispatch(showAll, value === 'all'),
   );
   all.element.id = 'axes-choice';
   const several = element('span', { className: 'several' }, together.element, all.element);
   root.replaceChildren(list, add, element('span', { className: 'grow' }), several);
 
-  /** @param {State} state @param {number} axis */
-  function createTab(state, axis) {
-    const { name } = state.axes[axis];
-    const isChosen = axis === state.active;
+  /** @param {Machine} machine @param {number} axis its number @param {boolean} isRefused */
+  function createTab(machine, axis, isRefused) {
+    const { name } = machine.axes[axis];
+    const id = machine.ids[axis];
+    const isChosen = axis === machine.active;
     const tab = element(
       'button',
       {
@@ -63,13 +60,17 @@ export function createAxes(root, { onChoose, onAdd, onRemove, onTogether, onAll 
         role: 'tab',
         'aria-selected': String(isChosen),
         tabIndex: isChosen ? 0 : -1,
-        onclick: () => onChoose(axis),
+        'data-id': String(id),
+        onclick: () => dispatch(choose, id),
       },
       element('i', { className: 'axis-number', 'data-axis': String(axis), textContent: String(axis) }),
       element('span', { textContent: name || 'unnamed' }),
+      isRefused && icon('error'),
+      isRefused && element('span', { className: 'unseen', textContent: ', with values that are refused' }),
     );
+    tab.classList.toggle('refused', isRefused);
     const remove =
-      state.axes.length > 1 &&
+      machine.axes.length > 1 &&
       element(
         'button',
         {
@@ -77,7 +78,7 @@ export function createAxes(root, { onChoose, onAdd, onRemove, onTogether, onAll 
           type: 'button',
           'aria-label': `Remove axis ${axis}, ${name || 'unnamed'}`,
           title: 'Remove this axis',
-          onclick: () => onRemove(axis),
+          onclick: () => dispatch(removeAxis, id),
         },
         icon('remove'),
       );
@@ -88,25 +89,26 @@ export function createAxes(root, { onChoose, onAdd, onRemove, onTogether, onAll 
   function walked(event) {
     const by = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
     if (by === undefined) return;
-    const tabs = [...list.querySelectorAll('[role=tab]')];
+    const tabs = /** @type {HTMLElement[]} */ ([...list.querySelectorAll('[role=tab]')]);
     const next = (tabs.findIndex((tab) => tab.ariaSelected === 'true') + by + tabs.length) % tabs.length;
-    onChoose(next);
+    dispatch(choose, Number(tabs[next].dataset.id));
     /** @type {HTMLElement} */ (list.querySelectorAll('[role=tab]')[next]).focus();
   }
 
   let known = '';
-  return {
-    /** @param {State} state @param {boolean} areAllShown */
-    show(state, areAllShown) {
-      // The tabs are rebuilt only when they differ, so that the focus stays in them.
-      const shown = JSON.stringify([state.active, state.axes.map((design) => design.name)]);
-      if (shown !== known) list.replaceChildren(...state.axes.map((_, axis) => createTab(state, axis)));
-      known = shown;
-      add.disabled = state.axes.length === MOST_AXES;
-      several.hidden = state.axes.length === 1;
-      together.press(state.together);
-      all.press(areAllShown ? 'all' : 'one');
-      list.classList.toggle('coloured', areAllShown && state.axes.length > 1);
-    },
-  };
+  /** @param {Machine | null} machine @param {boolean} areAllShown @param {number[]} refused axes, by their ids */
+  function show(machine, areAllShown, refused) {
+    if (machine === null) return;
+    // The tabs are rebuilt only when they differ, so that the focus stays in them.
+    const shown = JSON.stringify([machine.active, machine.ids, machine.axes.map((design) => design.name), refused]);
+    if (shown !== known) list.replaceChildren(...machine.axes.map((_, axis) => createTab(machine, axis, refused.includes(machine.ids[axis]))));
+    known = shown;
+    add.disabled = machine.axes.length === MOST_AXES;
+    several.hidden = machine.axes.length === 1;
+    together.press(machine.together);
+    all.press(areAllShown ? 'all' : 'one');
+    list.classList.toggle('coloured', areAllShown);
+  }
+
+  return { show: whenChanged((state) => [machineOf(state), areAxesShown(state), refusedAxesOf(state)], show) };
 }

@@ -1,9 +1,12 @@
 // @ts-check
 // The device: which one, what it does, and in sections what can be done with it.
 
-import { element, icon, messageLine, picker, segmented } from '../../dom.js';
-import { memory } from '../../memory.js';
-import { pushText } from '../../messages.js';
+import { chooseAxis, chooseFamily, choosePort, chooseSection, refused as refuse, setTracing } from '../../app/commands/device.js';
+import { axesOffered, deviceAxisOf, deviceOf, portChoicesOf, portOf, situationOf } from '../../app/selectors.js';
+import { whenChanged, whenever } from '../../app/state.js';
+import { memory } from '../../documents/memory.js';
+import { closeButton, element, icon, messageLine, picker, segmented, showText } from '../../ui/dom.js';
+import { pushText } from '../../model/messages.js';
 import { createJogSection } from './jog_section.js';
 import { limitsText } from './limits.js';
 import { createLive } from './live.js';
@@ -12,11 +15,11 @@ import { createPushSection } from './push_section.js';
 import { createSettingsDialog } from './settings_dialog.js';
 import { createTraceSection } from './trace_section.js';
 
-/** @typedef {import('../../types.js').Device} Device */
-/** @typedef {import('../../types.js').Port} Port */
-/** @typedef {import('../../types.js').Situation} Situation */
+/** @typedef {import('../../model/types.js').Device} Device */
+/** @typedef {import('../../model/types.js').Situation} Situation */
 /** @typedef {import('./section.js').Section} Section */
-/** @typedef {'push' | 'move' | 'jog' | 'trace'} SectionName */
+/** @typedef {import('../../app/state.js').SectionName} SectionName */
+/** @typedef {import('../../app/state.js').State} State */
 
 /** @type {[SectionName, string][]} */
 const SECTIONS = [
@@ -31,56 +34,35 @@ const STATE_WORDS = { none: 'not connected', connecting: 'waiting for the board'
 
 /**
  * @param {HTMLElement} root
- * @param {import('../../fleet.js').Fleet} fleet
- * @param {() => void} onChoice  another device or axis was chosen
+ * @param {import('../../app/state.js').Dispatch} dispatch
+ * @param {import('../../app/effects/device_actions.js').DeviceActions &
+ *   {jog: Parameters<typeof createJogSection>[0]}} act  what can be asked of a device
  */
-export function createDevice(root, fleet, onChoice) {
-  /** @type {Port[]} */
-  let ports = [];
-  /** @type {Device[]} */
-  let devices = [];
-  let port = '';
-  /** What controllers may be of, and what was chosen, by port.
-   * @type {import('../../types.js').Family[]} */
-  let families = [];
-  /** @type {Map<string, string>} */
-  const chosenFamilies = new Map();
-  /** The device shown last, which keeps its id when it comes back at another port.
-   * @type {string | null} */
-  let shownId = null;
-  let isPortChosen = false;
-  let axis = 0;
-  /** @type {SectionName} */
-  let chosen = 'push';
-  /** What the server refused last, other than what a field shows. */
+export function createDevice(root, dispatch, act) {
+  /** What is shown.
+   * @type {State | null} */
+  let state = null;
+  /** What was refused, other than what a field shows. */
   let refused = '';
-  /** @type {Situation | null} */
-  let situation = null;
 
   const pill = element('span', { className: 'pill', role: 'status' });
-  const settings = createSettingsDialog(fleet);
+  const settings = createSettingsDialog(act);
   const gear = iconButton('settings', 'Device settings: how it drives its pins, and soft limits', 'gear', () => {
-    const present = device();
+    const [present, situation] = [device(), state && situationOf(state)];
     if (present && situation) settings.open(present, situation);
   });
-  const choice = picker('Port', (value) => {
-    port = value;
-    isPortChosen = true;
-    shownId = null;
-    refused = '';
-    onChoice();
-  });
+  const choice = picker('Port', (value) => dispatch(choosePort, value));
   choice.element.classList.add('grow');
   choice.select.id = 'port';
   const familyChoice = picker('Family of the controller', (value) => {
-    chosenFamilies.set(port, value);
-    memory.keepFamily(port, value);
-    onChoice();
+    if (state === null) return;
+    memory.keepFamily(portOf(state), value);
+    dispatch(chooseFamily, portOf(state), value);
   });
   familyChoice.element.classList.add('grow');
   familyChoice.select.id = 'family';
   const onlyFamily = element('span', { className: 'grow', id: 'only-family' });
-  const refresh = iconButton('refresh-ports', 'Look for ports again', 'refresh', fleet.refreshPorts);
+  const refresh = iconButton('refresh-ports', 'Look for ports again', 'refresh', act.refreshPorts);
   const connect = element('button', { className: 'button', id: 'connect', type: 'button', onclick: toggleConnection });
   const problem = element('div', { className: 'problem', role: 'alert' });
   const control = element(
@@ -92,32 +74,29 @@ export function createDevice(root, fleet, onChoice) {
       id: 'take-over',
       type: 'button',
       textContent: 'Take over',
-      onclick: () => withDevice(fleet.takeOver),
+      onclick: () => withDevice(act.takeOver),
     }),
   );
   const forgotten = element('p', { className: 'message warning' }, icon('warning'), element('span'));
   const setLimits = element('button', { className: 'button small', id: 'set-limits', type: 'button', textContent: 'Set' });
   const limitsOffer = element('div', { className: 'others', id: 'limits-offer', role: 'status' }, forgotten, setLimits);
   const live = createLive();
-  const axisChoice = picker('Axis of the device', (value) => {
-    axis = Number(value);
-    onChoice();
-  });
+  const axisChoice = picker('Axis of the device', (value) => dispatch(chooseAxis, Number(value)));
   axisChoice.select.id = 'device-axis';
   /** @type {Record<SectionName, Section>} */
   const sections = {
     push: createPushSection({
-      push: (present, mode) => situation && fleet.push(present, situation.toPush, axis, mode),
-      store: fleet.store,
-    }),
-    move: createMoveSection(fleet.go),
-    jog: createJogSection(fleet.jog, fleet),
-    trace: createTraceSection(fleet.trace),
+      push(present, mode) {
+        const situation = state && situationOf(state);
+        if (state && situation) act.push(present, situation.toPush, deviceAxisOf(state), mode);
+      },
+      store: act.store,
+    }, dispatch),
+    move: createMoveSection(act.go),
+    jog: createJogSection(act.jog, { ...act, refuse: (rejections) => dispatch(refuse, rejections) }),
+    trace: createTraceSection((wanted) => dispatch(setTracing, wanted), () => withDevice(act.saveTrace)),
   };
-  const tabs = segmented('Work with the device', SECTIONS, (name) => {
-    chosen = name;
-    onChoice();
-  });
+  const tabs = segmented('Work with the device', SECTIONS, (name) => dispatch(chooseSection, name));
   tabs.element.classList.add('fill', 'grow');
   tabs.element.id = 'device-sections';
   root.replaceChildren(
@@ -143,44 +122,30 @@ export function createDevice(root, fleet, onChoice) {
     ),
   );
 
-  function device() {
-    return devices.find((one) => one.id === shownId) ?? devices.find((one) => one.port === port) ?? null;
-  }
+  const device = () => state && deviceOf(state);
 
-  /** @param {(device: Device) => void} act */
-  function withDevice(act) {
+  /** @param {(device: Device) => void} ask */
+  function withDevice(ask) {
     const present = device();
-    if (present) act(present);
+    if (present) ask(present);
   }
 
   async function toggleConnection() {
     const present = device();
-    if (present && present.state !== 'lost') await fleet.disconnect(present);
-    else await fleet.connect(port, present?.family ?? family());
+    if (present && present.state !== 'lost') await act.disconnect(present);
+    else if (state) await act.connect(portOf(state), present?.family ?? familyOf(state));
     // While it was asked it could not be used, and lost the focus.
     if (document.activeElement === document.body) connect.focus();
   }
 
-  /** The families that a controller at the port may be of. */
-  function offeredFamilies() {
-    const taken = ports.find((known) => known.port === port)?.families;
-    return taken ? families.filter(({ name }) => taken.includes(name)) : families;
-  }
-
-  /** The family chosen for the port, now or before; until then the first. */
-  function family() {
-    const offered = offeredFamilies();
-    const last = chosenFamilies.get(port) ?? memory.family(port);
-    return (offered.find(({ name }) => name === last) ?? offered[0])?.name ?? '';
-  }
-
   /** Have a person say what kind of controller there is, where there are several: none is ever tried. One that is known
    * already, also while it is lost, stays what it is.
-   * @param {Device | null} present */
-  function showFamilies(present) {
-    const chosen = present?.family ?? family();
-    const offered = present ? families : offeredFamilies();
-    const isChoice = offeredFamilies().length > 1;
+   * @param {State} now @param {Device | null} present */
+  function showFamilies(now, present) {
+    const { families } = now.devices;
+    const chosen = present?.family ?? familyOf(now);
+    const offered = present ? families : familiesOf(now);
+    const isChoice = familiesOf(now).length > 1;
     familyChoice.element.hidden = !isChoice;
     familyChoice.select.disabled = present !== null;
     const choices = offered.map(({ name, title }) => /** @type {[string, string]} */ ([name, title]));
@@ -190,17 +155,10 @@ export function createDevice(root, fleet, onChoice) {
     if (onlyFamily.textContent !== title) onlyFamily.textContent = title;
   }
 
-  function offerPorts() {
-    const present = devices.find((one) => one.id === shownId);
-    if (present) port = present.port;
-    const gone = devices
-      .filter((one) => !ports.some((known) => known.port === one.port))
-      .map((one) => /** @type {[string, string]} */ ([one.port, `${one.name} (${one.port})`]));
-    const choices = [...ports.map((known) => /** @type {[string, string]} */ ([known.port, known.name])), ...gone];
-    // Until a person chooses, a device that is connected already comes first: a reload finds it again.
-    if (!isPortChosen || !choices.some(([value]) => value === port)) port = devices[0]?.port ?? choices[0]?.[0] ?? '';
-    choice.offer(choices.length > 0 ? choices : [['', 'no port found']], port);
-    shownId = device()?.id ?? null;
+  /** @param {State} now */
+  function showPorts(now) {
+    const choices = portChoicesOf(now);
+    choice.offer(choices.length > 0 ? choices : [['', 'no port found']], portOf(now));
   }
 
   /** Why nothing can be asked of a device; empty: something can.
@@ -213,12 +171,13 @@ export function createDevice(root, fleet, onChoice) {
     return present.state === 'writing' ? 'It is writing its ramp.' : '';
   }
 
-  function showSections() {
-    if (situation === null) return;
-    const found = device();
+  /** @param {State} now @param {Situation} situation */
+  function showSections(now, situation) {
+    const found = deviceOf(now);
     const present = found?.state === 'lost' ? null : found;
     const isMoving = present?.state === 'moving' || present?.state === 'stopping';
     const { designs, active, toPush } = situation;
+    const axis = deviceAxisOf(now);
     const context = {
       device: present,
       known: found,
@@ -229,58 +188,53 @@ export function createDevice(root, fleet, onChoice) {
       situation,
     };
     live.show(context);
-    tabs.press(chosen);
+    tabs.press(now.devices.section);
     for (const [name] of SECTIONS) {
-      sections[name].element.hidden = name !== chosen;
+      sections[name].element.hidden = name !== now.devices.section;
       sections[name].show(context);
     }
   }
 
-  /** @param {Device | null} present */
-  function showAxes(present) {
-    const count = present?.axes.length ?? 0;
-    // One more than there are: the next axis may be given a ramp.
-    const isGiving = chosen === 'push' && situation?.toPush.length === 1 && present?.ramp && count > 0 && count < (present.most_axes ?? 0);
-    const offered = isGiving ? count + 1 : count;
-    if (axis >= Math.max(1, offered)) axis = 0;
+  /** @param {State} now */
+  function showAxes(now) {
+    const offered = axesOffered(now);
     axisChoice.element.hidden = offered < 2;
     axisChoice.offer(
-      Array.from({ length: Math.max(1, offered) }, (_, index) => [String(index), `Axis ${index}`]),
-      String(axis),
+      Array.from({ length: offered }, (_, index) => [String(index), `Axis ${index}`]),
+      String(deviceAxisOf(now)),
     );
   }
 
-  /** @param {Situation} now */
-  function show(now) {
-    situation = now;
-    const present = device();
+  /** @param {State} shown @param {Situation} now */
+  function showDevice(shown, now) {
+    const present = deviceOf(shown);
     const isConnected = present !== null && present.state !== 'lost';
     const isMoving = present?.state === 'moving' || present?.state === 'stopping';
     const state = present?.state ?? 'none';
     const isLive = now.link === 'there';
-    pill.dataset.state = isLive ? state : 'old';
+    const isNew = (isLive && now.age === null) || state === 'lost';
+    pill.dataset.state = isNew ? state : 'old';
     const told = STATE_WORDS[state] ?? state;
-    const word = isLive || present === null ? told : `was ${told}`;
+    const word = isNew || present === null ? told : `was ${told}`;
     if (pill.textContent !== word) pill.textContent = word;
-    connect.textContent = isConnected ? 'Disconnect' : now.isBusy && !present ? 'Connecting…' : 'Connect';
-    connect.disabled = !isLive || now.isBusy || isMoving || port === '' || (isConnected && now.isOthers);
+    showText(connect, isConnected ? 'Disconnect' : now.isBusy && !present ? 'Connecting…' : 'Connect');
+    connect.disabled = !isLive || now.isBusy || isMoving || portOf(shown) === '' || (isConnected && now.isOthers);
     connect.title = isMoving ? 'Stop it first' : '';
     gear.disabled = hindrance(present, now) !== '' || isMoving || now.isBusy;
     control.hidden = !now.isOthers || !isConnected;
     const message = present?.message ?? '';
     const trouble = present?.state === 'lost' ? `${message || 'It is lost.'} It is connected again once it is back.` : message;
-    showProblem([trouble, refused === message ? '' : refused].filter(Boolean).join(' '));
-    showFamilies(present);
-    showForgottenLimits(isConnected && !now.isOthers ? present : null, now);
-    showAxes(isConnected ? present : null);
-    showSections();
+    showProblem(trouble, refused === message ? '' : refused);
+    showForgottenLimits(shown, isConnected && !now.isOthers ? present : null, now);
+    showAxes(shown);
+    showSections(shown, now);
   }
 
   /** Offer to bring back into force the soft limits that are remembered of a port, of each axis that has others or none.
-   * @param {Device | null} present @param {Situation} now */
-  function showForgottenLimits(present, { designs, active, units, isBusy }) {
+   * @param {State} now @param {Device | null} present @param {Situation} situation */
+  function showForgottenLimits(now, present, { designs, active, units, isBusy }) {
     const axes = present?.axes ?? [];
-    const kept = (present ? memory.softLimits(present.port) : []).filter(({ axis, lowest_steps, highest_steps }) => {
+    const kept = (present ? (now.devices.softLimits[present.port] ?? []) : []).filter(({ axis, lowest_steps, highest_steps }) => {
       const one = axes[axis];
       return one && (one.lowest_steps !== lowest_steps || one.highest_steps !== highest_steps);
     });
@@ -294,39 +248,61 @@ export function createDevice(root, fleet, onChoice) {
     const shown = /** @type {HTMLElement} */ (forgotten.lastElementChild);
     if (shown.textContent !== text) shown.textContent = text;
     setLimits.disabled = isBusy;
-    setLimits.onclick = () => fleet.limitAgain(present, kept);
+    setLimits.onclick = () => act.limitAgain(present, kept);
   }
 
-  /** @param {string} text */
-  function showProblem(text) {
-    if (problem.textContent !== text)
-      problem.replaceChildren(...(text === '' ? [] : [messageLine({ text, isWarning: false })]));
+  /** @param {string} trouble that the device has @param {string} fault what was refused, which can be closed */
+  function showProblem(trouble, fault) {
+    const text = [trouble, fault].filter(Boolean).join(' ');
+    if (problem.textContent === text) return;
+    const line = messageLine({ text, isWarning: false });
+    if (fault !== '') line.append(closeButton('Close this message', () => dispatch(refuse, [])));
+    problem.replaceChildren(...(text === '' ? [] : [line]));
   }
+
+  /** What the server refused: shown at its field, or else under the port; an empty list takes it away.
+   * @param {import('../../model/types.js').Rejection[]} rejections */
+  function showRejections(rejections) {
+    const others = SECTIONS.reduce((left, [name]) => sections[name].reject?.(left) ?? left, rejections);
+    refused = pushText(others);
+  }
+
+  const shows = [
+    whenChanged(({ devices }) => [devices.rejections], showRejections),
+    whenever(
+      (now) => [now.devices, situationOf(now)],
+      (now) => {
+        const situation = situationOf(now);
+        showPorts(now);
+        showFamilies(now, deviceOf(now));
+        if (situation) showDevice(now, situation);
+      },
+    ),
+  ];
 
   return {
-    device,
-    /** The axis that is worked with. */
-    axis: () => axis,
-    show,
-    /** Take what the server refused: shown at its field, or else under the port; an empty list takes it away.
-     * @param {import('../../types.js').Rejection[]} rejections */
-    showRejections(rejections) {
-      const others = SECTIONS.reduce((left, [name]) => sections[name].reject?.(left) ?? left, rejections);
-      refused = pushText(others);
-      if (situation) show(situation);
-    },
-    /** @param {import('../../types.js').Ports} known */
-    showPorts(known) {
-      ({ ports, families } = known);
-      offerPorts();
-      showFamilies(device());
-    },
-    /** @param {Device[]} known */
-    showDevices(known) {
-      devices = known;
-      offerPorts();
+    /** @param {State} now */
+    show(now) {
+      state = now;
+      for (const show of shows) show(now);
     },
   };
+}
+
+/** The families that a controller at the port in view may be of.
+ * @param {State} state */
+function familiesOf(state) {
+  const { ports, families } = state.devices;
+  const taken = ports.find(({ port }) => port === portOf(state))?.families;
+  return taken ? families.filter(({ name }) => taken.includes(name)) : families;
+}
+
+/** The family chosen for the port in view, now or before; until then the first.
+ * @param {State} state */
+function familyOf(state) {
+  const offered = familiesOf(state);
+  const last = state.devices.chosenFamilies[portOf(state)];
+  return (offered.find(({ name }) => name === last) ?? offered[0])?.name ?? '';
 }
 
 /** @param {string} id @param {string} label @param {'gear' | 'refresh'} drawing @param {() => void} onclick */

@@ -1,8 +1,8 @@
 // @ts-check
 // The figures of a push as people read them.
 
-import { element } from '../../dom.js';
-import { formatFixed } from '../../numbers.js';
+import { element } from '../../ui/dom.js';
+import { formatFixed } from '../../model/numbers.js';
 
 /** Write a figure in its unit: times to a ten-thousandth of a µs, which is finer than a tick of any controller here.
  * @param {number} value @param {string} unit */
@@ -18,6 +18,18 @@ export function figureHead(name, unit) {
   const word = unit === 'CRC-16' ? 'CRC' : unit;
   const small = word !== '' && !name.endsWith(word) && element('small', { textContent: word });
   return element('th', { scope: 'row' }, name, small && ' ', small);
+}
+
+/** @param {(string | HTMLElement)[]} columns */
+export function tableHead(columns) {
+  const heads = columns.map((column) => element('th', { scope: 'col' }, column));
+  return element('thead', {}, element('tr', {}, ...heads));
+}
+
+/** A word for those who don't see the column.
+ * @param {string} textContent */
+export function unseen(textContent) {
+  return element('span', { className: 'unseen', textContent });
 }
 
 /** What a push takes: segments, if the controller takes any, and bytes.

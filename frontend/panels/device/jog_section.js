@@ -1,15 +1,17 @@
 // @ts-check
 // Jogging while a button is held, running at a speed, and saying where an axis is.
 
-import { element, icon } from '../../dom.js';
-import { memory } from '../../memory.js';
-import { shownValue } from '../../units.js';
+import { directedSpeed } from '../../devices/directed_speed.js';
+import { element, icon } from '../../ui/dom.js';
+import { memory } from '../../documents/memory.js';
+import { shownValue } from '../../model/units.js';
+import { refusalText } from '../../model/messages.js';
 import { plainField } from './plain_field.js';
 import { quantityField } from './quantity.js';
-import { named, showAtPlaces } from './refusal.js';
+import { showAtPlaces } from './refusal.js';
 import { able, can } from './section.js';
 
-/** @typedef {import('../../types.js').Device} Device */
+/** @typedef {import('../../model/types.js').Device} Device */
 /** @typedef {import('./section.js').Context} Context */
 
 /** A part of the slew speed that is slow enough to be looked at. */
@@ -19,7 +21,8 @@ const WHOLE_DIAL_STEPS = 945;
 /**
  * @param {{begin: (device: Device, axis: number, speed: unknown) => void, end: () => void}} jog
  * @param {{go: (device: Device, axis: number, what: 'run' | 'zero', body: unknown) => void,
- *   setPosition: (device: Device, axis: number, steps: unknown) => void}} handlers
+ *   setPosition: (device: Device, axis: number, steps: unknown) => void,
+ *   refuse: (rejections: import('../../model/types.js').Rejection[]) => void}} handlers
  */
 export function createJogSection(jog, handlers) {
   /** @type {Context | null} */
@@ -35,13 +38,15 @@ export function createJogSection(jog, handlers) {
   const [speedProblem, secondsProblem, placeProblem, dialProblem] = Array.from({ length: 4 }, () =>
     element('div', { className: 'problem' }),
   );
-  const place = quantityField({ id: 'set-position', label: 'Position of this place', quantity: 'length', start: 0 });
+  // What was refused was said of another speed.
+  speed.element.addEventListener('input', () => handlers.refuse([]));
+  const place = quantityField({ id: 'set-position', label: 'Current position', quantity: 'length', start: 0 });
   const dial = quantityField({ id: 'zero-steps', label: 'Whole range', quantity: 'length', start: WHOLE_DIAL_STEPS });
-  const back = holdButton(-1, 'Jog backwards while held', 'left');
-  const ahead = holdButton(1, 'Jog forwards while held', 'right');
-  const runBack = button('run-back', 'Run back', () => run(-1));
-  const runAhead = button('run-ahead', 'Run ahead', () => run(1));
-  const set = button('set-position-button', 'Set', () => withDevice((one, axis) => handlers.setPosition(one, axis, place.value())));
+  const back = holdButton(-1, 'left');
+  const ahead = holdButton(1, 'right');
+  const runBack = button('run-back', 'Run \u2212', () => run(-1));
+  const runAhead = button('run-ahead', 'Run +', () => run(1));
+  const set = button('set-position-button', 'Set position', () => withDevice((one, axis) => handlers.setPosition(one, axis, place.value())));
   const zero = button('zero', 'Zero', () =>
     withDevice((one, axis) => handlers.go(one, axis, 'zero', { axes: [axis], steps: dial.value() })),
   );
@@ -53,38 +58,37 @@ export function createJogSection(jog, handlers) {
     if (context?.device) act(context.device, context.axis);
   }
 
-  /** The speed with the sign of a direction; text stays as it is, and the server says what is wrong with it.
-   * @param {1 | -1} direction */
-  function signed(direction) {
-    const value = speed.value();
-    return typeof value === 'number' ? value * direction : value;
+  /** Do something at the speed of the field with the sign of a direction; a sign in the field is refused.
+   * @param {1 | -1} direction @param {(device: Device, axis: number, speed: unknown) => void} act */
+  function withSpeed(direction, act) {
+    const { speed: directed, rejections } = directedSpeed(speed.value(), direction);
+    if (rejections.length > 0) handlers.refuse(rejections);
+    else withDevice((device, axis) => act(device, axis, directed));
   }
 
   /** @param {1 | -1} direction */
   function run(direction) {
-    withDevice((device, axis) =>
-      handlers.go(device, axis, 'run', {
-        axes: [{ axis, speed_steps_per_s: signed(direction) }],
-        for_s: seconds.value(),
-      }),
+    withSpeed(direction, (device, axis, directed) =>
+      handlers.go(device, axis, 'run', { axes: [{ axis, speed_steps_per_s: directed }], for_s: seconds.value() }),
     );
   }
 
   /** Runs while it is pressed, by pointer or by key; whatever takes the press away ends it.
-   * @param {1 | -1} direction @param {string} label @param {'left' | 'right'} drawing */
-  function holdButton(direction, label, drawing) {
+   * @param {1 | -1} direction @param {'left' | 'right'} drawing */
+  function holdButton(direction, drawing) {
+    const text = direction > 0 ? 'Jog +' : 'Jog \u2212';
     const held = element(
       'button',
-      { className: 'button hold', type: 'button', 'aria-label': label, 'aria-describedby': 'jog-reason' },
+      { className: 'button hold', type: 'button', 'aria-label': `${text} while held`, title: 'Moves while it is held', 'aria-describedby': 'jog-reason' },
       drawing === 'left' && icon('left'),
-      element('span', { textContent: 'Hold' }),
+      element('span', { textContent: text }),
       drawing === 'right' && icon('right'),
     );
     held.id = `jog-${drawing}`;
     const begin = () => {
       if (held.disabled) return;
       held.dataset.held = '';
-      withDevice((device, axis) => jog.begin(device, axis, signed(direction)));
+      withSpeed(direction, jog.begin);
     };
     const end = () => {
       if (!('held' in held.dataset)) return;
@@ -135,7 +139,7 @@ export function createJogSection(jog, handlers) {
       gauge,
       dialProblem,
       placeReason,
-      element('p', { className: 'reason', textContent: 'Set says what this place is called.' }),
+      element('p', { className: 'reason', textContent: 'Set position says what the current position is called: nothing moves.' }),
       gaugeExplained,
     ),
     /** @param {Context} present */
@@ -153,11 +157,13 @@ export function createJogSection(jog, handlers) {
       const isHeld = 'held' in back.dataset || 'held' in ahead.dataset;
       able([runBack, runAhead], reason, inTheWay || noRamp, situation.isBusy);
       if (!isHeld) able([back, ahead], reason, inTheWay || noRamp, situation.isBusy);
-      for (const one of [gauge, gaugeExplained]) one.hidden = !can(known, 'zero');
+      // A gauge is a pointer that turns.
+      const isGauge = known !== null && can(known, 'zero') && design.axis.travel_unit === 'deg';
+      for (const one of [gauge, gaugeExplained, dialProblem]) one.hidden = !isGauge;
       able([set, zero], placeReason, inTheWay || notAtRest || noRamp, situation.isBusy);
       if (placeReason.textContent === reason.textContent) placeReason.hidden = true;
     },
-    /** @param {import('../../types.js').Rejection[]} rejections */
+    /** @param {import('../../model/types.js').Rejection[]} rejections */
     reject: (rejections) =>
       showAtPlaces(rejections, [
         {
@@ -166,7 +172,7 @@ export function createJogSection(jog, handlers) {
           problem: speedProblem,
           text: (one) => speed.refusal(one, 'Speed'),
         },
-        { path: /^for_s$/, input: seconds.input, problem: secondsProblem, text: (one) => named(one, 'The time') },
+        { path: /^for_s$/, input: seconds.input, problem: secondsProblem, text: (one) => refusalText(one, 'The time') },
         {
           path: /(^|\.)position_steps$/,
           input: place.input,

@@ -1,17 +1,17 @@
 // @ts-check
 // Soft limits: how far an axis may go, in words, and the fields that say so.
 
-import { element, showMessage } from '../../dom.js';
-import { formatEntry } from '../../numbers.js';
-import { shownValue, unitWord } from '../../units.js';
+import { element, showMessage } from '../../ui/dom.js';
+import { formatEntry } from '../../model/numbers.js';
+import { shownValue, unitWord } from '../../model/units.js';
 import { quantityField } from './quantity.js';
 
-/** @typedef {import('../../types.js').Design} Design */
-/** @typedef {import('../../types.js').Device} Device */
-/** @typedef {import('../../types.js').Rejection} Rejection */
-/** @typedef {import('../../types.js').Situation} Situation */
-/** @typedef {import('../../types.js').SoftLimits} SoftLimits */
-/** @typedef {import('../../units.js').Units} Units */
+/** @typedef {import('../../model/types.js').Design} Design */
+/** @typedef {import('../../model/types.js').Device} Device */
+/** @typedef {import('../../model/types.js').Rejection} Rejection */
+/** @typedef {import('../../model/types.js').Situation} Situation */
+/** @typedef {import('../../model/types.js').SoftLimits} SoftLimits */
+/** @typedef {import('../../model/units.js').Units} Units */
 
 const MOST_AXES = 4;
 const MOST_FIGURES = 7;
@@ -92,7 +92,7 @@ export function createLimitFields() {
           const path = `axes.${asked.indexOf(axis)}.${side}_steps`;
           const found = rejections.find((one) => one.field === path);
           const label = side === 'lowest' ? 'Lowest' : 'Highest';
-          const text = (found && field.refusal(found, label).replace('lowest_steps', 'the lowest')) ?? '';
+          const text = (found && field.refusal(found, label)) ?? '';
           showMessage(field.input, box, found && { text, isWarning: false });
           if (found) problem.append(box);
         }

@@ -1,15 +1,16 @@
 // @ts-check
 // Where an axis is and how fast it moves.
 
-import { element, messageLine } from '../../dom.js';
-import { formatFigures, formatFixed } from '../../numbers.js';
-import { shownValue, unitsFor, unitWord } from '../../units.js';
+import { agoText } from '../../devices/ages.js';
+import { element, messageLine } from '../../ui/dom.js';
+import { formatFigures, formatFixed } from '../../model/numbers.js';
+import { shownValue, unitsFor, unitWord } from '../../model/units.js';
 import { limitsText } from './limits.js';
 
 /** @typedef {import('./section.js').Context} Context */
 
 export function createLive() {
-  const position = readout('Position', 'position');
+  const position = readout('Current position', 'position');
   const speed = readout('Speed', 'speed');
   const limits = element('p', { className: 'reason', id: 'live-limits' });
   const unknown = element(
@@ -20,17 +21,20 @@ export function createLive() {
       isWarning: true,
     }),
   );
-  const old = element(
-    'div',
-    { id: 'old-state' },
-    messageLine({ text: 'Nothing is heard of it now: this is how it was.', isWarning: true }),
-  );
+  const old = element('div', { id: 'old-state' });
+  const readouts = element('div', { className: 'live' }, position.element, speed.element);
   return {
-    element: element('div', { className: 'live-box' }, element('div', { className: 'live' }, position.element, speed.element), old, limits, unknown),
+    element: element('div', { className: 'live-box' }, readouts, old, limits, unknown),
     /** @param {Context} context */
-    show({ device, axis, design, situation }) {
+    show({ known: device, axis, design, situation }) {
       const state = device?.axes[axis] ?? null;
-      old.hidden = state === null || situation.link === 'there';
+      const isLost = device?.state === 'lost';
+      const isOld = state !== null && (isLost || situation.link !== 'there' || situation.age !== null);
+      readouts.classList.toggle('old', isOld);
+      old.hidden = !isOld;
+      const when = situation.age === null ? 'a moment ago' : agoText(situation.age);
+      const oldText = isOld ? `Nothing is heard of it: this is how it was ${when}.` : '';
+      if (old.textContent !== oldText) old.replaceChildren(messageLine({ text: oldText, isWarning: true }));
       const { units } = situation;
       const isInSteps = unitsFor(units, design).length === 'steps';
       const length = (/** @type {number} */ steps) =>
@@ -42,7 +46,7 @@ export function createLive() {
       ];
       position.show(state ? length(state.position_steps) : '–', unitWord(units, design, 'length'), notes.filter(Boolean).join(' · '));
       const shown = state ? shownValue(units, design, 'speed', state.speed_steps_per_s) : 0;
-      speed.show(state ? (isInSteps ? formatFixed(shown) : formatFigures(shown)) : '–', unitWord(units, design, 'speed'), '');
+      speed.show(state && !isLost ? (isInSteps ? formatFixed(shown) : formatFigures(shown)) : '–', unitWord(units, design, 'speed'), '');
       const span = state ? limitsText(units, design, state) : '';
       const isUnknown = device?.unknown_positions.includes(axis) ?? false;
       // Nobody knows where the limits are of what isn't where it counts: the server lets nothing move it.

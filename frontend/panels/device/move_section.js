@@ -1,18 +1,19 @@
 // @ts-check
 // Moves: by so much, to a place, there and back, several axes along a line.
 
-import { element, segmented } from '../../dom.js';
+import { element, segmented, showText } from '../../ui/dom.js';
+import { refusalText } from '../../model/messages.js';
 import { plainField } from './plain_field.js';
 import { quantityField } from './quantity.js';
-import { named, showAtPlaces } from './refusal.js';
+import { showAtPlaces } from './refusal.js';
 import { able, can } from './section.js';
 
-/** @typedef {import('../../types.js').Device} Device */
+/** @typedef {import('../../model/types.js').Device} Device */
 /** @typedef {import('./section.js').Context} Context */
 /** @typedef {'by' | 'to' | 'back' | 'line'} Kind */
 
 /** Proposed is the move that is planned.
- * @param {import('../../types.js').Design} design */
+ * @param {import('../../model/types.js').Design} design */
 const planned = ({ move }) => move.steps;
 const MOST_AXES = 4;
 /** Matches no path. */
@@ -88,10 +89,17 @@ export function createMoveSection(go) {
     reason,
   );
 
+  /** Several axes along a line only where there are several. */
+  function shownKind() {
+    const isLine = (context?.device?.axes.length ?? 1) > 1 && can(context?.known ?? null, 'line');
+    return kind === 'line' && !isLine ? 'by' : kind;
+  }
+
   /** @param {SubmitEvent} event */
   function submitted(event) {
     event.preventDefault();
     if (!context?.device || move.disabled) return;
+    const kind = shownKind();
     const { device, axis } = context;
     const steps = distance.value();
     if (kind === 'line') {
@@ -108,7 +116,7 @@ export function createMoveSection(go) {
   }
 
   function showSteps() {
-    inSteps.textContent = kind === 'line' ? '' : distance.inSteps();
+    inSteps.textContent = shownKind() === 'line' ? '' : distance.inSteps();
     inSteps.hidden = inSteps.textContent === '';
   }
 
@@ -119,17 +127,18 @@ export function createMoveSection(go) {
     const count = device?.axes.length ?? 1;
     const lineButton = /** @type {HTMLElement} */ (kinds.element.querySelector('[data-value="line"]'));
     lineButton.hidden = count < 2 || !can(known, 'line');
-    if (lineButton.hidden && kind === 'line') kind = 'by';
-    kinds.press(kind);
+    const shown = shownKind();
+    kinds.press(shown);
     distance.show(situation.units, design);
     lines.forEach((field, axis) => {
       field.show(situation.units, situation.designs[axis] ?? design);
       rows[axis].hidden = axis >= count;
     });
-    several.hidden = kind !== 'line';
-    repeat.hidden = kind !== 'back';
-    distance.element.hidden = kind === 'line';
-    move.textContent = BUTTONS[kind];
+    several.hidden = shown !== 'line';
+    repeat.hidden = shown !== 'back';
+    distance.element.hidden = shown === 'line';
+    // The plots may show another axis than the one that is chosen here.
+    showText(move, count > 1 && shown !== 'line' ? `${BUTTONS[shown]} axis ${present.axis}` : BUTTONS[shown]);
     const shuttle = device?.shuttle ?? null;
     under.textContent = shuttle
       ? `There and back: ${shuttle.times_done} of ${shuttle.times} done. Stop ends it, also in a pause.`
@@ -140,16 +149,16 @@ export function createMoveSection(go) {
     showSteps();
   }
 
-  /** @param {import('../../types.js').Rejection[]} rejections */
+  /** @param {import('../../model/types.js').Rejection[]} rejections */
   function reject(rejections) {
-    const isLine = kind === 'line';
-    const label = kind === 'to' ? 'Position' : 'Steps';
+    const isLine = shownKind() === 'line';
+    const label = shownKind() === 'to' ? 'Position' : 'Steps';
     return showAtPlaces(rejections, [
       ...lines.map((field, axis) => ({
         path: isLine ? new RegExp(`^axes\\.${axis}\\.by_steps$`) : NOTHING,
         input: field.input,
         problem: lineProblems[axis],
-        text: (/** @type {import('../../types.js').Rejection} */ one) => field.refusal(one, `Steps of axis ${axis}`),
+        text: (/** @type {import('../../model/types.js').Rejection} */ one) => field.refusal(one, `Steps of axis ${axis}`),
       })),
       {
         path: isLine ? NOTHING : /(^|\.)(by|to)_steps$/,
@@ -157,8 +166,8 @@ export function createMoveSection(go) {
         problem,
         text: (one) => distance.refusal(one, label),
       },
-      { path: /^times$/, input: times.input, problem: timesProblem, text: (one) => named(one, 'Times') },
-      { path: /^pause_s$/, input: pause.input, problem: pauseProblem, text: (one) => named(one, 'The pause') },
+      { path: /^times$/, input: times.input, problem: timesProblem, text: (one) => refusalText(one, 'Times') },
+      { path: /^pause_s$/, input: pause.input, problem: pauseProblem, text: (one) => refusalText(one, 'The pause') },
     ]);
   }
 

@@ -1,11 +1,12 @@
 // @ts-check
 // What the last push asked for, sent and read back, item by item.
 
-import { element, icon, messageLine } from '../../dom.js';
-import { formatFigures } from '../../numbers.js';
-import { figureHead, formatFigure, sizeText } from './figures.js';
+import { closeButton, element, icon, messageLine } from '../../ui/dom.js';
+import { formatFigures } from '../../model/numbers.js';
+import { pushedWords } from './push_words.js';
+import { figureHead, formatFigure, sizeText, tableHead, unseen } from './figures.js';
 
-/** @typedef {import('../../types.js').Device} Device */
+/** @typedef {import('../../model/types.js').Device} Device */
 
 const STAGES = ['requested', 'sent', 'read back', 'verified'];
 
@@ -14,9 +15,19 @@ export function createPushReport() {
   const bar = element('div', { className: 'stages', 'aria-hidden': 'true' }, ...stages);
   const details = element('div', { className: 'push-details' });
   let known = '';
+  /** The push whose report was closed.
+   * @type {string | null} */
+  let closed = null;
+  const close = closeButton('Close the report', () => {
+    closed = shown;
+    details.hidden = bar.hidden = true;
+  });
+  /** The push that is reported. */
+  let shown = '';
 
-  /** @param {import('../../types.js').Push} pushed @param {string[]} warnings @param {boolean} isChanged */
-  function showDetails(pushed, warnings, isChanged) {
+  /** @param {import('../../model/types.js').Push} pushed @param {string[]} warnings @param {boolean} isChanged
+   * @param {import('../../model/types.js').Design[] | null} lastPushed  null: another page has pushed it */
+  function showDetails(pushed, warnings, isChanged, lastPushed) {
     const rows = pushed.items.map((item) =>
       element(
         'tr',
@@ -47,22 +58,18 @@ export function createPushReport() {
         element('span', {
           textContent: [...(pushed.sequence === null ? [] : [`ramp ${pushed.sequence}`]), sizeText(pushed)].join(' · '),
         }),
+        close,
       ),
+      ...(lastPushed ? [element('p', { className: 'reason pushed-what', textContent: pushedWords(lastPushed) })] : []),
       element(
-        'table',
-        {},
+        'div',
+        { className: 'push-rows', tabIndex: 0, role: 'region', 'aria-label': 'What was pushed' },
         element(
-          'thead',
+          'table',
           {},
-          element(
-            'tr',
-            {},
-            ...['', 'requested', 'sent', 'read back', ''].map((text) =>
-              element('th', { scope: 'col', textContent: text }),
-            ),
-          ),
+          tableHead([unseen('item'), 'requested', 'sent', 'read back', unseen('the same')]),
+          element('tbody', {}, ...rows),
         ),
-        element('tbody', {}, ...rows),
       ),
       ...(pushed.largest_deviation_us !== null && pushed.largest_deviation_us > 0
         ? [
@@ -73,26 +80,29 @@ export function createPushReport() {
           ]
         : []),
       ...warnings.map((text) => messageLine({ text, isWarning: true })),
-      ...(isChanged ? [messageLine({ text: 'The design has changed since this push.', isWarning: true })] : []),
+      ...(isChanged ? [element('p', { className: 'reason', textContent: 'The design has changed since this push.' })] : []),
     );
   }
 
   return {
     element: element('div', { className: 'push-report', id: 'push-report' }, bar, details),
-    /** @param {Device | null} device @param {import('../../types.js').Situation} situation */
-    show(device, { isPushing, isChanged, preview }) {
+    /** @param {Device | null} device @param {import('../../model/types.js').Situation} situation */
+    show(device, { isPushing, isChanged, preview, lastPushed }) {
       const pushed = device?.pushed ?? null;
       const reached = isPushing ? 1 : pushed === null ? 0 : pushed.verified ? STAGES.length : STAGES.length - 1;
       stages.forEach((stage, index) => {
         stage.className = index < reached ? 'done' : isPushing && index < STAGES.length - 1 ? 'doing' : '';
       });
-      details.hidden = isPushing || pushed === null;
+      shown = JSON.stringify(pushed);
+      if (isPushing) closed = null;
+      bar.hidden = shown === closed;
+      details.hidden = isPushing || pushed === null || shown === closed;
       // What is said of the next push is not said of the last one again.
       const warnings = (pushed?.warnings ?? []).filter((text) => !preview?.warnings.includes(text));
-      const state = JSON.stringify([pushed, warnings, isChanged]);
+      const state = JSON.stringify([pushed, warnings, isChanged, lastPushed && pushedWords(lastPushed)]);
       if (state === known) return;
       known = state;
-      if (pushed) showDetails(pushed, warnings, isChanged);
+      if (pushed) showDetails(pushed, warnings, isChanged, lastPushed);
     },
   };
 }

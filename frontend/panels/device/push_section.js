@@ -1,13 +1,16 @@
 // @ts-check
 // Pushing the ramps: what would change, how far it has come, what came of it, and the way back.
 
-import { element, icon, messageLine } from '../../dom.js';
-import { formatFixed } from '../../numbers.js';
-import { figureHead, formatFigure, sizeText } from './figures.js';
+import { element, icon, messageLine, showText } from '../../ui/dom.js';
+import { formatFixed } from '../../model/numbers.js';
+import { figureHead, formatFigure, sizeText, tableHead, unseen } from './figures.js';
+import { mend } from '../../app/commands/work.js';
 import { createPushReport } from './push_report.js';
+import { createRefusals } from './push_refusals.js';
+import { pushedWords, ratherLong } from './push_words.js';
 import { able, can } from './section.js';
 
-/** @typedef {import('../../types.js').Device} Device */
+/** @typedef {import('../../model/types.js').Device} Device */
 /** @typedef {import('./section.js').Context} Context */
 
 /** What part of a push is behind it when a stage begins, and when it ends. */
@@ -22,8 +25,9 @@ const STAGES = {
 /**
  * @param {{push: (device: Device, mode: 'keep' | 'try') => void,
  *   store: (device: Device, what: 'keep' | 'roll_back' | 'restore') => void}} handlers
+ * @param {import('../../app/state.js').Dispatch} dispatch
  */
-export function createPushSection(handlers) {
+export function createPushSection(handlers, dispatch) {
   /** @type {Device | null} */
   let device = null;
   const report = createPushReport();
@@ -47,14 +51,16 @@ export function createPushSection(handlers) {
   );
   const reason = element('p', { className: 'reason', id: 'push-reason' });
   const changes = element('div', { className: 'push-details', id: 'push-preview' });
-  const problem = element('div', { className: 'problem', id: 'push-problem' });
+  const refusals = createRefusals((axis, remedy) => dispatch(mend, axis, remedy));
   const filled = element('i');
   const bar = element('div', { className: 'progress', role: 'progressbar', 'aria-label': 'Push' }, filled);
   const stage = element('span');
+  const waitsLong = ratherLong();
   const progress = element('div', { className: 'push-progress', id: 'push-progress' }, bar, stage);
 
-  /** @param {import('../../types.js').Progress} now */
+  /** @param {import('../../model/types.js').Progress} now */
   function showProgress({ stage: name, bytes_done, bytes_total }) {
+    const isLong = waitsLong.isSo(name === 'planning', () => showProgress({ stage: name, bytes_done, bytes_total }));
     const { text, from, to } = STAGES[name];
     const part = bytes_total > 0 ? bytes_done / bytes_total : 0;
     const percent = Math.round(100 * (from + (to - from) * part));
@@ -62,10 +68,14 @@ export function createPushSection(handlers) {
     bar.setAttribute('aria-valuenow', String(percent));
     bar.setAttribute('aria-valuetext', text);
     stage.textContent =
-      bytes_total > 0 ? `${text}: ${formatFixed(bytes_done)} of ${formatFixed(bytes_total)} bytes` : `${text} …`;
+      bytes_total > 0
+        ? `${text}: ${formatFixed(bytes_done)} of ${formatFixed(bytes_total)} bytes`
+        : isLong
+          ? `${text}: the first time, what computes ramps is made ready, which takes some seconds. STOP ends it.`
+          : `${text} …`;
   }
 
-  /** @param {import('../../types.js').Preview} preview */
+  /** @param {import('../../model/types.js').Preview} preview */
   function showChanges(preview) {
     const known = JSON.stringify(preview);
     if (changes.dataset.known === known) return;
@@ -79,7 +89,15 @@ export function createPushSection(handlers) {
         element('b', { textContent: preview.same ? 'The device has this ramp' : 'A push would change' }),
         element('span', { textContent: sizeText(preview) }),
       ),
-      ...(differing.length > 0 ? [changesTable(differing, axes)] : []),
+      ...(differing.length > 0
+        ? [
+            element(
+              'div',
+              { className: 'push-rows', tabIndex: 0, role: 'region', 'aria-label': 'What would change' },
+              changesTable(differing, axes),
+            ),
+          ]
+        : []),
       ...preview.warnings.map((text) => messageLine({ text, isWarning: true })),
     );
   }
@@ -88,11 +106,12 @@ export function createPushSection(handlers) {
     element: element(
       'div',
       { className: 'section' },
-      changes,
-      problem,
+      // What comes and goes stands beneath the buttons: nobody presses where one has just been.
       element('div', { className: 'line' }, push, trial),
       reason,
       progress,
+      refusals.element,
+      changes,
       onTrial,
       report.element,
       element('div', { className: 'line' }, restore),
@@ -101,9 +120,9 @@ export function createPushSection(handlers) {
     show({ device: present, known, situation, inTheWay, notAtRest }) {
       device = present;
       const blocked = inTheWay || notAtRest;
-      const isInvalid = situation.isDesignValid ? '' : 'Correct the design first.';
-      const isRefused = situation.previewProblem !== '';
-      able([push, trial], reason, blocked || isInvalid, situation.isBusy || isRefused);
+      const isInvalid = situation.isDesignValid || situation.isAwaited ? '' : 'Correct the design first.';
+      const isRefused = situation.refusals.length > 0;
+      able([push, trial], reason, blocked || isInvalid, situation.isBusy || situation.isAwaited || isRefused);
       for (const other of [keep, rollBack, restore]) other.disabled = blocked !== '' || situation.isBusy;
       restore.disabled ||= Boolean(present?.on_trial) || !present?.ramp || (present.ramp.sequence ?? 0) < 2;
       restore.hidden = !present?.ramp || !can(known, 'restore');
@@ -112,40 +131,27 @@ export function createPushSection(handlers) {
       rollBack.hidden = !can(known, 'try');
       trial.hidden = !can(known, 'keep') || !can(known, 'try');
       const label = /** @type {HTMLElement} */ (push.lastElementChild);
-      const isOther = situation.isChanged || (situation.preview !== null && !situation.preview.same);
-      label.textContent = situation.isPushing ? 'Pushing…' : pushWords(situation, isOther && Boolean(present?.ramp));
+      showText(label, situation.isPushing ? 'Pushing…' : `Push ${pushedWords(situation.toPush)}`);
       const now = present?.progress ?? null;
       progress.hidden = now === null;
       if (now) showProgress(now);
+      else waitsLong.end();
       changes.hidden = situation.preview === null || now !== null;
       if (situation.preview) showChanges(situation.preview);
-      const text = situation.previewProblem;
-      if (problem.textContent !== text) problem.replaceChildren(...(text ? [messageLine({ text, isWarning: false })] : []));
+      refusals.show(situation);
       report.show(present, situation);
     },
   };
 }
 
-/** What a push is called: where the device can't have the ramps of all designs, the one in view is told from the others.
- * @param {import('../../types.js').Situation} situation @param {boolean} isChange */
-function pushWords({ designs, toPush }, isChange) {
-  if (toPush.length < designs.length) return 'Push the ramp in view';
-  if (isChange) return 'Push the changes';
-  return toPush.length > 1 ? `Push the ${toPush.length} ramps` : 'Push the ramp';
-}
-
-/** @param {import('../../types.js').PreviewItem[]} items @param {boolean} areOfSeveral */
+/** @param {import('../../model/types.js').PreviewItem[]} items @param {boolean} areOfSeveral */
 function changesTable(items, areOfSeveral) {
-  const heads = ['', 'on device', 'to send'].map((textContent) => element('th', { scope: 'col', textContent }));
-  return element(
-    'table',
-    {},
-    element('thead', {}, element('tr', {}, ...heads)),
-    element('tbody', {}, ...items.map((item) => changeRow(item, areOfSeveral))),
-  );
+  const rows = items.map((item) => changeRow(item, areOfSeveral));
+  const head = tableHead([unseen('item'), 'on device', 'to send']);
+  return element('table', {}, head, element('tbody', {}, ...rows));
 }
 
-/** @param {import('../../types.js').PreviewItem} item @param {boolean} isOfSeveral */
+/** @param {import('../../model/types.js').PreviewItem} item @param {boolean} isOfSeveral */
 function changeRow(item, isOfSeveral) {
   const name = isOfSeveral && item.axis !== null ? `${item.axis}: ${item.name}` : item.name;
   return element(

@@ -1,8 +1,8 @@
 // @ts-check
 // What the sections of the device panel share.
 
-/** @typedef {import('../../types.js').Device} Device */
-/** @typedef {import('../../types.js').Design} Design */
+/** @typedef {import('../../model/types.js').Device} Device */
+/** @typedef {import('../../model/types.js').Design} Design */
 
 /** What a section shows.
  * @typedef {object} Context
@@ -12,19 +12,34 @@
  * @property {Design} design         of this axis, or the one in view where the device can't have those of all axes
  * @property {string} inTheWay       why nothing can be asked of the device now; empty: something can
  * @property {string} notAtRest      why nothing can be begun; empty: it is at rest
- * @property {import('../../types.js').Situation} situation */
+ * @property {import('../../model/types.js').Situation} situation */
 
 /** The part of the panel for one kind of work.
  * @typedef {object} Section
  * @property {HTMLElement} element
  * @property {(context: Context) => void} show
- * @property {(rejections: import('../../types.js').Rejection[]) => import('../../types.js').Rejection[]} [reject]
+ * @property {(rejections: import('../../model/types.js').Rejection[]) => import('../../model/types.js').Rejection[]} [reject]
  *   shows those that it has a field for and returns the others */
 
 /** Whether a device can do what only some can; until it is known of a device, whether any can.
- * @param {Device | null} device @param {import('../../types.js').Capability} what */
+ * @param {Device | null} device @param {import('../../model/types.js').Capability} what */
 export function can(device, what) {
   return device === null || device.state === 'connecting' || device.capabilities.includes(what);
+}
+
+/** The button that was disabled while it had the focus: browsers then take the focus away, some for good.
+ * @type {HTMLButtonElement | null} */
+let unfocused = null;
+
+/** Enable a button or disable it; one that lost the focus by that gets it back, unless it is elsewhere by then.
+ * @param {HTMLButtonElement} button @param {boolean} isEnabled */
+function enable(button, isEnabled) {
+  if (button.disabled !== isEnabled) return;
+  if (!isEnabled && button === document.activeElement) unfocused = button;
+  button.disabled = !isEnabled;
+  if (!isEnabled || button !== unfocused) return;
+  unfocused = null;
+  if (document.activeElement === document.body) button.focus();
 }
 
 /**
@@ -32,7 +47,7 @@ export function can(device, what) {
  * @param {string} why empty: they can be used @param {boolean} isBusy
  */
 export function able(buttons, reason, why, isBusy) {
-  for (const button of buttons) button.disabled = why !== '' || isBusy;
+  for (const button of buttons) enable(button, why === '' && !isBusy);
   if (reason.textContent !== why) reason.textContent = why;
   reason.hidden = why === '';
 }

@@ -2,14 +2,15 @@
 // The dialog for how the controller drives its pins, which is on trial until it is kept, and for the soft limits of axes,
 // which the server keeps.
 
-import { api, Refusal } from '../../api.js';
-import { createDialog, dialogFoot } from '../../dialog.js';
-import { element, icon, messageLine } from '../../dom.js';
-import { formatEntry, parseEntry } from '../../numbers.js';
+import { api, Refusal } from '../../server/api.js';
+import { createDialog, dialogFoot } from '../../ui/dialog.js';
+import { element, icon, messageLine } from '../../ui/dom.js';
+import { selectOnFocus } from '../../ui/select_on_focus.js';
+import { formatEntry, parseEntry } from '../../model/numbers.js';
 import { createLimitFields } from './limits.js';
 
-/** @typedef {import('../../types.js').Device} Device */
-/** @typedef {import('../../types.js').Settings} Settings */
+/** @typedef {import('../../model/types.js').Device} Device */
+/** @typedef {import('../../model/types.js').Settings} Settings */
 /** @typedef {{name: string, label: string, explained: string} & ({choices: [string, string][]} | {axes: true} |
  *   {unit: string, nullable?: string})} Setting */
 
@@ -43,7 +44,7 @@ const SETTINGS = [
 ];
 const MOST_AXES = 4;
 
-/** @param {{limit: (device: Device, axes: import('../../types.js').SoftLimits[]) => Promise<void>,
+/** @param {{limit: (device: Device, axes: import('../../model/types.js').SoftLimits[]) => Promise<void>,
  *   useSettings: (device: Device, settings: unknown) => Promise<void>}} handlers */
 export function createSettingsDialog({ limit, useSettings }) {
   /** @type {Device | null} */
@@ -115,26 +116,30 @@ export function createSettingsDialog({ limit, useSettings }) {
   async function showSettings(present) {
     try {
       const settings = await api.settings(present.id);
+      if (present !== device) return;
       for (const control of controls) {
         control.element.hidden = !(control.name in settings);
         control.show(settings[control.name]);
       }
       // As its fields say it: they know no order of axes, and no other spelling of a number.
       before = wanted(settings);
+      pins.hidden = false;
     } catch (error) {
-      showProblem(error);
+      if (present === device) showProblem(error);
     }
   }
 
   return {
-    /** @param {Device} present @param {import('../../types.js').Situation} situation */
+    /** @param {Device} present @param {import('../../model/types.js').Situation} situation */
     async open(present, situation) {
       device = present;
       before = null;
       problem.replaceChildren();
       limits.show(present, situation);
-      pins.hidden = !present.capabilities.includes('settings');
-      if (!pins.hidden) await showSettings(present);
+      // Of settings that are not known nothing can be used: their fields come with them.
+      pins.hidden = true;
+      if (present.capabilities.includes('settings')) await showSettings(present);
+      if (present !== device) return;
       dialog.open(pins.hidden ? limits.element.querySelector('input') : controls[0].first());
     },
   };
@@ -211,6 +216,7 @@ function number(id, hint, { unit, nullable }) {
     placeholder: nullable ?? '',
     'aria-describedby': hint,
   });
+  selectOnFocus(input);
   return {
     element: /** @type {HTMLElement} */ (
       element('span', { className: 'field' }, input, element('span', { className: 'unit', textContent: unit }))

@@ -1,19 +1,27 @@
 // @ts-check
 // The trace: whether moves are measured, and what the last one says in figures. The plots show the rest.
 
-import { element } from '../../dom.js';
-import { formatFigures, formatFixed } from '../../numbers.js';
+import { element } from '../../ui/dom.js';
+import { formatFigures, formatFixed } from '../../model/numbers.js';
 import { can } from './section.js';
 
 /** @typedef {import('./section.js').Context} Context */
 
-/** @param {(wanted: boolean) => void} onTrace */
-export function createTraceSection(onTrace) {
+/** @param {(wanted: boolean) => void} onTrace @param {() => void} onSave */
+export function createTraceSection(onTrace, onSave) {
   const box = element('input', { type: 'checkbox', id: 'trace', onchange: () => onTrace(box.checked) });
   const figures = element('dl', { className: 'trace-figures', id: 'trace-figures' });
   const note = element('p', { className: 'reason', id: 'trace-note' });
+  const save = element('button', {
+    className: 'button small',
+    id: 'trace-save',
+    type: 'button',
+    textContent: 'Save as CSV',
+    title: 'When each step was made, as logic analysers save it: it can be opened here, too',
+    onclick: onSave,
+  });
 
-  /** @param {import('../../types.js').Trace} trace */
+  /** @param {import('../../model/types.js').Trace} trace */
   function figuresOf(trace) {
     const last = trace.measured_ticks.length - 1;
     const duration = last < 0 ? 0 : trace.measured_ticks[last] / trace.timer_hz;
@@ -34,6 +42,7 @@ export function createTraceSection(onTrace) {
       { className: 'section' },
       element('label', { className: 'line check' }, box, element('span', { textContent: 'Measure moves begun here' })),
       figures,
+      element('div', { className: 'line' }, save),
       note,
     ),
     /** @param {Context} context */
@@ -42,6 +51,8 @@ export function createTraceSection(onTrace) {
       box.checked = situation.isTracing && !box.disabled;
       const { trace } = situation;
       const shown = trace ? figuresOf(trace) : [];
+      save.hidden = trace === null;
+      save.disabled = situation.isBusy;
       const text = JSON.stringify(shown);
       if (figures.dataset.known !== text) {
         figures.dataset.known = text;

@@ -1,26 +1,27 @@
 // @ts-check
 // The dialog that exports a design: the formats, what the chosen one gives, copy and download.
 
-import { api, Refusal, ServerGone } from '../../api.js';
-import { createDialog, dialogFoot } from '../../dialog.js';
-import { element, icon, messageLine, picker } from '../../dom.js';
-import { beginning, EXPORT_FORMATS, EXPORT_GROUPS, formatBytes } from '../../exports.js';
-import { newestWins } from '../../newest.js';
-import { parseEntry } from '../../numbers.js';
+import { announce } from '../../app/commands/told.js';
+import { designOf, machineOf } from '../../app/selectors.js';
+import { createQuestion, NOBODY_ANSWERS } from '../../app/effects/question.js';
+import { whenChanged, whenever } from '../../app/state.js';
+import { api } from '../../server/api.js';
+import { createDialog, dialogFoot } from '../../ui/dialog.js';
+import { element, icon, messageLine, picker } from '../../ui/dom.js';
+import { download as saveFile } from '../../ui/download.js';
+import { beginning, EXPORT_FORMATS, EXPORT_GROUPS, formatBytes } from '../../documents/exports.js';
+import { methodsToCompute } from '../../model/design.js';
+import { parseEntry } from '../../model/numbers.js';
+import { unitsFor } from '../../model/units.js';
 
-/** @typedef {import('../../exports.js').ExportFormat} ExportFormat */
-/** @typedef {import('../../types.js').Design} Design */
-/** @typedef {import('../../types.js').MethodName} MethodName */
+/** @typedef {import('../../documents/exports.js').ExportFormat} ExportFormat */
+/** @typedef {import('../../model/types.js').MethodName} MethodName */
 
 const MOST_LINES = 400;
 
-/**
- * @param {object} handlers
- * @param {() => Design | null} handlers.design
- * @param {() => MethodName[]} handlers.methods those that are shown, for reports and pictures
- * @param {(text: string) => void} handlers.say
- */
-export function createExport(handlers) {
+/** @param {Pick<import('../../app/state.js').Store, 'state' | 'dispatch'>} store
+ * @param {Pick<typeof api, 'report' | 'exportDesign'>} [server] */
+export function createExport({ state, dispatch }, server = api) {
   let format = EXPORT_FORMATS[0];
   /** What can be copied and saved.
    * @type {{file: Blob, name: string, text: string | null} | null} */
@@ -59,31 +60,43 @@ export function createExport(handlers) {
     dialogFoot(null, copy, download),
   );
   options.showFor(format);
-
-  const ask = newestWins(async () => {
-    const design = handlers.design();
-    if (design === null) return;
-    const asked = format;
-    const body = { design, ...options.wanted(asked, handlers.methods()) };
-    try {
-      const { file, name } = await api.exportDesign(asked.name, body);
-      made = { file, name, text: asked.kind === 'text' ? await file.text() : null };
-      showMade(asked);
-    } catch (error) {
-      if (!(error instanceof Refusal || error instanceof ServerGone)) throw error;
-      made = null;
-      const texts = error instanceof Refusal ? error.rejections.map((each) => each.message) : [error.message];
-      show('', ...texts.map((text) => messageLine({ text, isWarning: false })));
-    }
-    dialog.element.dataset.shown = asked.name;
+  dialog.element.addEventListener('close', () => {
+    question.cancel();
+    show('');
   });
+
+  const question = createQuestion({
+    ask: async (/** @type {{format: ExportFormat, body: object}} */ { format: asked, body }) => {
+      const { file, name } = await (asked.report ? server.report(asked.report, body) : server.exportDesign(asked.name, { ...body }));
+      return { file, name, text: asked.kind === 'text' ? await file.text() : null };
+    },
+    take(found, { format: asked }) {
+      made = found;
+      showMade(asked);
+      dialog.element.dataset.shown = asked.name;
+    },
+    refuse: ({ rejections }, { format: asked }) => showProblems(asked, rejections.map(problemText)),
+    miss: ({ format: asked }) => showProblems(asked, [NOBODY_ANSWERS]),
+    isOnlyNewest: true,
+  });
+
+  /** @param {ExportFormat} asked @param {string[]} texts */
+  function showProblems(asked, texts) {
+    made = null;
+    show('', ...texts.map((text) => messageLine({ text, isWarning: false })));
+    dialog.element.dataset.shown = asked.name;
+  }
 
   function refresh() {
     help.textContent = format.help;
+    note.textContent = 'It is being made …';
     dialog.element.dataset.shown = '';
     made = null;
     enable();
-    ask();
+    const design = designOf(state());
+    if (design === null) return;
+    const body = format.report ? reportOf(state(), design) : { design, ...options.wanted(format, state().shown) };
+    question.want({ format, body });
   }
 
   /** @param {ExportFormat} asked */
@@ -96,22 +109,21 @@ export function createExport(handlers) {
       const text = element('pre', { textContent: shown, tabIndex: 0, role: 'region', 'aria-label': made.name });
       show(`${size}.${part}`, text);
     } else if (asked.kind === 'picture') {
-      pictureUrl = URL.createObjectURL(made.file);
-      show(`${size}.`, element('img', { src: pictureUrl, alt: 'Velocity, delay and error of the methods shown' }));
+      const src = URL.createObjectURL(made.file);
+      show(`${size}.`, element('img', { src, alt: 'Velocity, delay and error of the methods shown' }));
+      pictureUrl = src;
     } else {
-      const text = 'The report is made. Download it and open it in a browser: it needs no internet.';
+      const text = asked.report === 'pdf' ? 'It is made: download it.' : 'It is made: download it and open it in a browser. It needs no internet.';
       show(`${size}.`, element('p', { className: 'export-page', textContent: text }));
     }
   }
 
   /** @param {string} text @param {...HTMLElement} shown */
   function show(text, ...shown) {
-    const before = pictureUrl;
     preview.replaceChildren(...shown);
-    if (before !== '' && !preview.querySelector(`img[src="${before}"]`)) {
-      URL.revokeObjectURL(before);
-      pictureUrl = '';
-    }
+    // The browser keeps a picture for as long as it has an address.
+    URL.revokeObjectURL(pictureUrl);
+    pictureUrl = '';
     note.textContent = text;
     enable();
   }
@@ -126,7 +138,7 @@ export function createExport(handlers) {
     try {
       await navigator.clipboard.writeText(made.text);
       note.textContent = `Copied ${made.name}.`;
-      handlers.say(`Copied ${made.name}`);
+      dispatch(announce, `Copied ${made.name}`);
     } catch {
       note.textContent = 'The browser does not let this page copy: use Download.';
     }
@@ -134,21 +146,44 @@ export function createExport(handlers) {
 
   function save() {
     if (made === null) return;
-    const url = URL.createObjectURL(made.file);
-    element('a', { href: url, download: made.name }).click();
-    URL.revokeObjectURL(url);
+    saveFile(made.file, made.name);
     note.textContent = `Saved as ${made.name}.`;
   }
 
+  const shows = [
+    whenever(
+      (present) => [machineOf(present), present.shown, present.units],
+      () => dialog.isOpen() && refresh(),
+    ),
+    whenChanged(
+      (present) => [present.devices.link],
+      (link) => link === 'there' && question.again(),
+    ),
+  ];
+
   return {
-    open() {
+    /** @param {string} [wanted] a format; the one chosen last */
+    open(wanted = format.name) {
+      format = list.choose(wanted);
+      options.showFor(format);
       dialog.open(list.chosen());
       refresh();
     },
-    /** The design or the methods have changed. */
-    showChanged() {
-      if (dialog.isOpen()) refresh();
+    /** What is exported goes with the design and the methods that are shown. */
+    show(/** @type {import('../../app/state.js').State} */ present) {
+      for (const one of shows) one(present);
     },
+  };
+}
+
+/** What a report is to be about: the design as it is looked at.
+ * @param {import('../../app/state.js').State} state @param {import('../../model/types.js').Design} design */
+function reportOf(state, design) {
+  return {
+    design,
+    pinned: machineOf(state)?.kept ?? null,
+    methods: methodsToCompute(design, new Set(state.shown)),
+    units: unitsFor(state.units, design),
   };
 }
 
@@ -179,6 +214,12 @@ function formatList(onChoose) {
   );
   return {
     element: whole,
+    /** @param {string} name */
+    choose(name) {
+      const input = /** @type {HTMLInputElement} */ (whole.querySelector(`input[value="${name}"]`));
+      input.checked = true;
+      return EXPORT_FORMATS.find((one) => one.name === name) ?? EXPORT_FORMATS[0];
+    },
     chosen: () => /** @type {HTMLElement | null} */ (whole.querySelector('input:checked')),
   };
 }
@@ -228,3 +269,8 @@ function createOptions(onChange) {
 function field(label, control) {
   return element('label', {}, element('span', { textContent: label }), control);
 }
+
+/** What is refused, in words. Which methods a report compares is chosen at the legend.
+ * @param {import('../../model/types.js').Rejection} rejection */
+const problemText = ({ field, allowed, message }) =>
+  field === 'methods' ? `The report compares ${allowed}: hide some in the legend.` : message;

@@ -1,102 +1,168 @@
 // @ts-check
 // The head of the page: whose design it is, its history, files and links, examples, theme, what the device does, and STOP.
 
-import { element, icon, svgElement } from '../../dom.js';
+import { showCapture } from '../../app/commands/capture.js';
+import { openGuide } from '../../app/commands/guide.js';
+import { closeFault } from '../../app/commands/told.js';
+import { setName } from '../../app/commands/work.js';
+import { designOf, messagesOf, toldAgeOf, toldDeviceOf } from '../../app/selectors.js';
+import { whenChanged } from '../../app/state.js';
+import { element, icon, showText, svgElement } from '../../ui/dom.js';
+import { agoText } from '../../devices/ages.js';
 import { createLinkDialog } from './link_dialog.js';
 import { createMenu } from './menu.js';
 import { createNotice } from './notice.js';
 import { createShortcuts } from './shortcuts.js';
 
-/** @typedef {import('../../types.js').Device} Device */
-/** @typedef {import('../../types.js').Example} Example */
+/** @typedef {import('../../model/types.js').Device} Device */
+/** @typedef {import('../../model/types.js').Example} Example */
 /** @typedef {Parameters<typeof icon>[0]} Drawing */
+
+/** What is said at the button of a STOP. */
+const FATES = {
+  answered: '',
+  waiting: 'Not answered yet: nobody knows whether anything stops',
+  undelivered: 'Not delivered: cut the motor’s power',
+};
 
 /**
  * @param {HTMLElement} root
- * @param {object} handlers
- * @param {(name: string) => void} handlers.onName
- * @param {() => void} handlers.onUndo
- * @param {() => void} handlers.onRedo
- * @param {() => void} handlers.onOpen
- * @param {() => void} handlers.onSave
- * @param {() => void} handlers.onShare
- * @param {() => void} handlers.onExport
- * @param {(example: Example) => void} handlers.onExample
- * @param {() => void} handlers.onBack
- * @param {() => void} handlers.onTheme
- * @param {() => void} handlers.onStop
+ * @param {import('../../app/state.js').Dispatch} dispatch
+ * @param {object} act  what can be asked for
+ * @param {() => void} act.undo
+ * @param {() => void} act.redo
+ * @param {() => void} act.openFile
+ * @param {() => void} act.saveFile
+ * @param {() => void} act.shareLink
+ * @param {(format?: string) => void} act.openExport
+ * @param {() => void} act.startNew
+ * @param {() => void} act.duplicate
+ * @param {(work: import('../../model/workbench.js').Work & {ids?: number[]}) => void} act.openWork
+ * @param {() => void} act.goBack
+ * @param {() => void} act.switchTheme
+ * @param {() => void} act.stop
  */
-export function createHeader(root, handlers) {
+export function createHeader(root, dispatch, act) {
   const name = element('input', {
     className: 'design-name',
     'aria-label': 'Design name',
+    placeholder: 'unnamed',
     spellcheck: false,
     autocomplete: 'off',
-    oninput: () => handlers.onName(name.value),
+    oninput: () => dispatch(setName, name.value),
   });
-  const shortcuts = createShortcuts(handlers);
-  const notice = createNotice();
+  const nameProblem = element('p', { className: 'name-problem', id: 'design-name-problem', hidden: true });
+  const shortcuts = createShortcuts({ onSave: act.saveFile, onOpen: act.openFile });
+  const notice = createNotice(() => dispatch(closeFault));
   const linkDialog = createLinkDialog();
-  const undo = tool('undo', 'Undo', 'Undo (Ctrl+Z)', handlers.onUndo);
-  const redo = tool('redo', 'Redo', 'Redo (Ctrl+Shift+Z)', handlers.onRedo);
-  const theme = tool('theme', 'Switch between light and dark', 'Light or dark', handlers.onTheme);
+  const undo = tool('undo', 'Undo', 'Undo (Ctrl+Z)', act.undo);
+  const redo = tool('redo', 'Redo', 'Redo (Ctrl+Shift+Z)', act.redo);
+  const theme = tool('theme', 'Switch between light and dark', 'Light or dark', act.switchTheme);
   const keys = tool('keys', 'Keyboard shortcuts', 'Keyboard shortcuts (?)', shortcuts.open);
-  for (const button of [redo, theme, keys]) button.classList.add('not-phone');
+  for (const button of [redo, theme, keys]) button.classList.add('roomy');
   undo.disabled = redo.disabled = true;
+  const handlers = {
+    onNew: act.startNew,
+    onDuplicate: act.duplicate,
+    onExample: (/** @type {Example} */ { design }) => act.openWork({ axes: [design], together: 'independent' }),
+    onOther: (/** @type {import('../../app/state.js').OtherTab} */ { machine }) => act.openWork(machine),
+    onBack: act.goBack,
+  };
   const menu = createMenu(handlers, [
-    ['Redo', handlers.onRedo],
-    ['Open a file …', handlers.onOpen],
-    ['Save as a file', handlers.onSave],
-    ['Share a link', handlers.onShare],
-    ['Export …', handlers.onExport],
-    ['Light or dark', handlers.onTheme],
+    ['Redo', act.redo],
+    ['Open a file …', act.openFile],
+    ['Measured steps …', () => dispatch(showCapture, true)],
+    ['Save as a file', act.saveFile],
+    ['Share a link', act.shareLink],
+    ['Export …', () => act.openExport()],
+    ['Light or dark', act.switchTheme],
     ['Keyboard shortcuts', shortcuts.open],
+  ], [
+    ['Guide: from the motor to the ramp', guide],
+    ['Report …', () => act.openExport('report_pdf')],
+    ['Print …', () => window.print()],
   ]);
-  const device = createDevice(handlers.onStop);
+  function guide() {
+    dispatch(openGuide);
+    document.getElementById('guide')?.focus();
+  }
+
+  const device = createDevice(act.stop);
   root.replaceChildren(
     brand(),
-    element('span', { className: 'rule not-phone' }),
-    name,
+    element('span', { className: 'rule roomy' }),
+    element('span', { className: 'name-field' }, name, nameProblem),
     element('span', { className: 'tools', role: 'group', 'aria-label': 'History' }, undo, redo),
-    element('span', { className: 'rule not-phone' }),
+    element('span', { className: 'rule roomy' }),
     element(
       'span',
-      { className: 'tools not-phone', role: 'group', 'aria-label': 'Files and links' },
-      wordTool('open', 'Open', 'Open a file (Ctrl+O), or drop one on the page', handlers.onOpen),
-      wordTool('save', 'Save', 'Save as a file (Ctrl+S)', handlers.onSave),
-      wordTool('link', 'Share', 'Copy a link that holds the whole design', handlers.onShare),
-      wordTool('export', 'Export', 'Export as C, CSV, a report or pictures', handlers.onExport),
+      { className: 'tools roomy', role: 'group', 'aria-label': 'Files and links' },
+      wordTool('open', 'Open', 'Open a design, a table or a capture (Ctrl+O), or drop a file on the page', act.openFile),
+      wordTool('save', 'Save', 'Save as a file (Ctrl+S)', act.saveFile),
+      wordTool('link', 'Share', 'Copy a link that holds the whole design', act.shareLink),
+      wordTool('export', 'Export', 'Export as C, CSV, a report or pictures', () => act.openExport()),
     ),
     menu.element,
-    element('span', { className: 'grow not-phone' }),
+    element('span', { className: 'grow roomy' }),
     keys,
     theme,
     device.pill,
-    device.stop,
+    device.stopping,
     notice.element,
   );
 
+  /** @param {string} text */
+  function showName(text) {
+    // What is being typed is there already; an undo meanwhile is not.
+    if (name.value !== text) name.value = text;
+    document.title = text === '' ? 'StepRamp' : `${text} · StepRamp`;
+  }
+
+  /** @param {import('../../model/messages.js').Message | undefined} problem */
+  function showNameProblem(problem) {
+    nameProblem.hidden = problem === undefined;
+    const { refused } = problem ?? {};
+    const most = refused?.limits?.highest;
+    const length = [...String(refused?.value ?? '')].length;
+    showText(nameProblem, most ? `The name has ${length} characters; allowed: at most ${most}.` : (problem?.text ?? ''));
+    name.setAttribute('aria-invalid', String(problem !== undefined));
+    if (problem) name.setAttribute('aria-describedby', nameProblem.id);
+    else name.removeAttribute('aria-describedby');
+  }
+
+  /** @param {boolean} canUndo @param {boolean} canRedo */
+  function showHistory(canUndo, canRedo) {
+    const focused = document.activeElement;
+    undo.disabled = !canUndo;
+    redo.disabled = !canRedo;
+    menu.enable('Redo', canRedo);
+    // A button that is disabled under the finger hands its focus on: the keyboard must not lose its place.
+    const next = focused === undo && !canUndo ? redo : focused === redo && !canRedo ? undo : null;
+    if (next !== null) (next.offsetParent === null ? menu.opener : next).focus();
+  }
+
+  const shows = [
+    whenChanged((state) => [designOf(state)?.name ?? null], (text) => text !== null && showName(text)),
+    whenChanged(({ history }) => [(history?.past.length ?? 0) > 0, (history?.future.length ?? 0) > 0], showHistory),
+    whenChanged(
+      ({ examples, otherTabs, replaced }) => [examples, otherTabs.list, replaced],
+      (examples, others, replaced) => menu.showDesigns(examples, others, replaced && replaced.axes[replaced.active].name),
+    ),
+    whenChanged((state) => [messagesOf(state).fields.get('name')], showNameProblem),
+    whenChanged(
+      (state) => [toldDeviceOf(state), state.devices.isHaltNext, state.devices.stopFate, state.devices.link === 'there', toldAgeOf(state)],
+      device.show,
+    ),
+    whenChanged(({ told }) => [told.notice], (told) => told && notice.show(told.text, told.hasFailed)),
+    whenChanged(({ told }) => [told.fault], notice.showFault),
+    whenChanged(({ told }) => [told.link], (link) => link && linkDialog.open(link.text)),
+  ];
+
   return {
-    /** @param {string} text */
-    showName(text) {
-      // What is being typed is there already; an undo meanwhile is not.
-      if (name.value !== text) name.value = text;
-      document.title = text === '' ? 'StepRamp' : `${text} · StepRamp`;
+    /** @param {import('../../app/state.js').State} state */
+    show(state) {
+      for (const show of shows) show(state);
     },
-    /** @param {boolean} canUndo @param {boolean} canRedo */
-    showHistory(canUndo, canRedo) {
-      const focused = document.activeElement;
-      undo.disabled = !canUndo;
-      redo.disabled = !canRedo;
-      menu.enable('Redo', canRedo);
-      // A button that is disabled under the finger hands its focus on: the keyboard must not lose its place.
-      const next = focused === undo && !canUndo ? redo : focused === redo && !canRedo ? undo : null;
-      if (next !== null) (next.offsetParent === null ? menu.opener : next).focus();
-    },
-    showExamples: menu.showExamples,
-    showDevice: device.show,
-    showNotice: notice.show,
-    showLink: linkDialog.open,
   };
 }
 
@@ -125,30 +191,39 @@ function wordTool(drawing, text, title, onclick) {
 /** What the device does, and STOP.
  * @param {() => void} onStop */
 function createDevice(onStop) {
-  const who = element('span', { className: 'who not-phone' });
+  const who = element('span', { className: 'who roomy' });
   const word = element('span');
-  const pill = element('span', { className: 'pill', id: 'device-pill' }, who, word);
+  const ago = element('span', { className: 'roomy ago' });
+  const pill = element('span', { className: 'pill', id: 'device-pill' }, who, word, ago);
   const stopText = element('span');
   const stop = element(
     'button',
     { className: 'stop', id: 'stop', type: 'button', onclick: onStop },
     stopText,
-    element('kbd', { className: 'not-phone', 'aria-hidden': 'true', textContent: 'Esc' }),
+    element('kbd', { className: 'roomy', 'aria-hidden': 'true', textContent: 'Esc' }),
   );
 
+  const failure = element('span', { className: 'stop-failure', id: 'stop-failure', role: 'alert' });
+  const stopping = element('span', { className: 'stopping' }, stop, failure);
+
   /** @param {Device | null} device @param {boolean} isHaltNext whether a press halts
-   * @param {boolean} isLive whether the device is so now */
-  function show(device, isHaltNext, isLive) {
-    pill.dataset.state = isLive ? (device?.state ?? 'none') : 'old';
+   * @param {import('../../devices/stopping.js').Fate} fate of the last press
+   * @param {boolean} isLinked whether the server tells of it @param {number | null} age of what it told; null: it is new */
+  function show(device, isHaltNext, fate, isLinked, age) {
+    const isLive = isLinked && age === null;
+    pill.dataset.state = isLive || device?.state === 'lost' ? (device?.state ?? 'none') : 'old';
     who.textContent = device ? `${device.name} ·` : '';
-    word.textContent = device ? (isLive ? device.state : `was ${device.state}`) : 'no device';
-    stopText.textContent = isHaltNext ? 'HALT' : 'STOP';
-    const label = isHaltNext ? 'Halt at once without slowing down (Escape)' : 'Stop every motor (Escape)';
-    stop.setAttribute('aria-label', label);
+    word.textContent = device ? (isLive || device.state === 'lost' ? device.state : `was ${device.state}`) : 'no device';
+    ago.textContent = device && age !== null ? `· ${agoText(age)}` : '';
+    showText(stopText, isHaltNext ? 'HALT' : 'STOP');
+    const explained = isHaltNext ? 'Halt at once without slowing down (Escape)' : 'Stop every motor (Escape)';
+    stop.setAttribute('aria-description', explained);
+    if (failure.textContent !== FATES[fate]) failure.textContent = FATES[fate];
+    failure.hidden = FATES[fate] === '';
   }
 
-  show(null, false, true);
-  return { pill, stop, show };
+  show(null, false, 'answered', true, null);
+  return { pill, stopping, show };
 }
 
 function brand() {
@@ -165,6 +240,6 @@ function brand() {
     'div',
     { className: 'brand' },
     drawing,
-    element('span', { className: 'not-phone', textContent: 'StepRamp' }),
+    element('h1', { textContent: 'StepRamp' }),
   );
 }

@@ -1,8 +1,8 @@
 // @ts-check
 // The link to copy by hand, where the browser does not let the page copy it.
 
-import { createDialog } from '../../dialog.js';
-import { element } from '../../dom.js';
+import { createDialog } from '../../ui/dialog.js';
+import { element } from '../../ui/dom.js';
 
 export function createLinkDialog() {
   const field = element('input', { id: 'share-link', readOnly: true, onfocus: () => field.select() });
@@ -10,7 +10,11 @@ export function createLinkDialog() {
     htmlFor: 'share-link',
     textContent: 'The browser did not let the page copy it: copy it from here.',
   });
-  const dialog = createDialog({ id: 'share-dialog', title: 'Share a link' }, label, field);
+  const needed = element('p', {
+    className: 'muted',
+    textContent: `To open it, StepRamp has to run at ${location.host}.`,
+  });
+  const dialog = createDialog({ id: 'share-dialog', title: 'Share a link' }, label, field, needed);
   return {
     /** @param {string} link */
     open(link) {

@@ -1,22 +1,28 @@
 // @ts-check
-// The menu of the head of the page: the examples, and where there is no room for buttons, all that they do.
+// The menu of the head of the page: designs to begin with, those of other tabs, and where there is no room for buttons,
+// all that they do.
 
-import { element, icon, messageLine } from '../../dom.js';
+import { element, icon, messageLine } from '../../ui/dom.js';
 
-/** @typedef {import('../../types.js').Example} Example */
+/** @typedef {import('../../model/types.js').Example} Example */
+/** @typedef {import('../../app/state.js').OtherTab} OtherTab */
 /** @typedef {{name: string, act: () => void, button: HTMLButtonElement}} Action */
 
 /**
  * @param {object} handlers
+ * @param {() => void} handlers.onNew
+ * @param {() => void} handlers.onDuplicate
  * @param {(example: Example) => void} handlers.onExample
+ * @param {(other: OtherTab) => void} handlers.onOther
  * @param {() => void} handlers.onBack
  * @param {[string, () => void][]} actions those that a phone has no room for elsewhere
+ * @param {[string, () => void][]} others   those that are nowhere else
  */
-export function createMenu(handlers, actions) {
+export function createMenu(handlers, actions, others) {
   const large = icon('more');
-  large.classList.add('large', 'phone-only');
+  large.classList.add('large', 'cramped');
   const arrow = icon('down');
-  arrow.classList.add('not-phone');
+  arrow.classList.add('roomy');
   const list = element('div', { className: 'menu-list', id: 'menu-list', hidden: true });
   const opener = element(
     'button',
@@ -28,14 +34,20 @@ export function createMenu(handlers, actions) {
       'aria-controls': 'menu-list',
       onclick: () => open(Boolean(list.hidden)),
     },
-    element('span', { className: 'not-phone', textContent: 'Examples' }),
-    element('span', { className: 'phone-only unseen', textContent: 'Menu' }),
+    element('span', { className: 'roomy', textContent: 'Designs' }),
+    element('span', { className: 'cramped unseen', textContent: 'Menu' }),
     arrow,
     large,
   );
   const whole = element('div', { className: 'menu' }, opener, list);
   /** @type {Map<string, HTMLButtonElement>} */
-  const items = new Map(actions.map(([name, act]) => [name, item(name, '', act, 'phone-only')]));
+  const items = new Map(actions.map(([name, act]) => [name, item(name, '', act, 'cramped')]));
+  const otherItems = others.map(([name, act]) => item(name, '', act));
+
+  const begin = [
+    item('New', 'An unnamed design to begin with.', handlers.onNew),
+    item('Duplicate', 'A copy of this one to go on with.', handlers.onDuplicate),
+  ];
 
   /** @param {boolean} isOpen */
   function open(isOpen) {
@@ -87,21 +99,41 @@ export function createMenu(handlers, actions) {
       const button = items.get(name);
       if (button) button.disabled = !isPossible;
     },
-    /** @param {Example[]} examples @param {string | null} replaced name of the design that can be had back */
-    showExamples(examples, replaced) {
+    /** @param {Example[]} examples @param {OtherTab[]} others
+     * @param {string | null} replaced name of the design that can be had back */
+    showDesigns(examples, others, replaced) {
       const none = { text: 'The examples come with the server, which does not answer.', isWarning: true };
       const back = item(
         `Back to your “${replaced || 'unnamed'}”`,
         'The design that something else took the place of.',
         handlers.onBack,
       );
+      begin[0].disabled = examples.length === 0;
       list.replaceChildren(
-        element('div', { className: 'menu-actions phone-only' }, ...items.values()),
-        element('hr', { className: 'phone-only' }),
+        ...begin,
+        element('hr'),
+        element('div', { className: 'menu-actions cramped' }, ...items.values()),
+        element('hr', { className: 'cramped' }),
+        ...otherItems,
+        element('hr'),
         ...examples.map((example) => item(example.title, example.description, () => handlers.onExample(example))),
         ...(examples.length === 0 ? [messageLine(none)] : []),
-        ...(replaced === null ? [] : [element('hr'), back]),
+        ...(replaced === null && others.length === 0 ? [] : [element('hr')]),
+        ...(replaced === null ? [] : [back]),
+        ...others.map((other) => item(`“${namesOf(other)}”`, placeOf(other), () => handlers.onOther(other))),
       );
     },
   };
+}
+
+/** @param {OtherTab} other */
+const namesOf = ({ machine }) => machine.axes.map(({ name }) => name || 'unnamed').join(', ');
+
+/** Where a design of another tab is, and since when as it is.
+ * @param {OtherTab} other */
+function placeOf({ isOpen, at_ms }) {
+  const time = new Date(at_ms).toLocaleString('en-GB', { day: 'numeric', month: 'short', hour: '2-digit', minute: '2-digit' });
+  const since = at_ms > 0 ? `, last changed ${time}` : '';
+  if (isOpen === null) return `From another tab${since}.`;
+  return isOpen ? 'In another tab, which keeps it: a copy opens here.' : `From a tab that was closed${since}.`;
 }

@@ -1,8 +1,8 @@
 // @ts-check
 // The keys of the page: the list of them, and those that the head of the page acts on.
 
-import { createDialog } from '../../dialog.js';
-import { element } from '../../dom.js';
+import { createDialog } from '../../ui/dialog.js';
+import { element } from '../../ui/dom.js';
 
 const isMac = /Mac|iP(ad|hone|od)/.test(navigator.platform);
 const CTRL = isMac ? '⌘' : 'Ctrl';

@@ -1,11 +1,11 @@
 // @ts-check
 // One choice of a few words, with its message beneath.
 
-import { valueAt } from '../../design.js';
-import { element, segmented, showMessage } from '../../dom.js';
-import { CHOICES } from '../../fields.js';
+import { valueAt } from '../../model/design.js';
+import { element, segmented, showMessage } from '../../ui/dom.js';
+import { CHOICES } from '../../model/fields.js';
 
-/** @typedef {import('../../types.js').Design} Design */
+/** @typedef {import('../../model/types.js').Design} Design */
 
 /**
  * @param {string} path where it stands in the design
@@ -31,7 +31,7 @@ export function createChoice(path, values, onEdit) {
       }
       control.press(valueAt(design, path) ?? values[0][0]);
     },
-    /** @param {import('../../messages.js').Messages['fields']} messages */
+    /** @param {import('../../model/messages.js').Messages['fields']} messages */
     showMessage: (messages) => showMessage(control.element, box, messages.get(path)),
   };
 }

@@ -1,11 +1,10 @@
 // @ts-check
 // The box under the parameters that explains what is pointed at, in focus, or, on a phone, tapped on.
 
-import { element, icon } from '../../dom.js';
+import { element, icon } from '../../ui/dom.js';
+import { SHORT } from '../../ui/layouts.js';
 
 /** @typedef {{label: string, formula: string, help: string}} Explanation */
-
-const PHONE = matchMedia('(max-width: 700px)');
 
 /** @param {Explanation} first */
 export function createInfo(first) {
@@ -14,7 +13,7 @@ export function createInfo(first) {
   const close = element(
     'button',
     {
-      className: 'close phone-only',
+      className: 'close',
       type: 'button',
       'aria-label': 'Close the explanation',
       onclick: () => open(false),
@@ -46,7 +45,7 @@ export function createInfo(first) {
       part.addEventListener('focusin', () => show(explanation()));
       // A finger points at nothing: there a tap on the name explains, and leaves the keyboard where it is.
       label?.addEventListener('click', (event) => {
-        if (!PHONE.matches) return;
+        if (!SHORT.matches) return;
         event.preventDefault();
         show(explanation());
         open(true);

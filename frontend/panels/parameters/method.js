@@ -1,12 +1,12 @@
 // @ts-check
 // The choice of the method, its arithmetic, how its delays become ticks, and what it is tuned for.
 
-import { element, picker, showMessage } from '../../dom.js';
-import { METHODS, methodOf } from '../../methods.js';
+import { element, picker, showMessage } from '../../ui/dom.js';
+import { METHODS, methodOf } from '../../model/methods.js';
 import { createChoice } from './choice.js';
 
-/** @typedef {import('../../types.js').Design} Design */
-/** @typedef {import('../../types.js').MethodName} MethodName */
+/** @typedef {import('../../model/types.js').Design} Design */
+/** @typedef {import('../../model/types.js').MethodName} MethodName */
 
 /** @param {string[]} words @returns {[string, string][]} */
 const asTheyAre = (words) => words.map((word) => [word, word]);
@@ -55,7 +55,7 @@ export function createMethod({ onEdit, onMethod }, info) {
       tunedFor.show(design);
       tunedFor.element.hidden = !method.is_tuned;
     },
-    /** @param {import('../../messages.js').Messages['fields']} messages */
+    /** @param {import('../../model/messages.js').Messages['fields']} messages */
     showMessage(messages) {
       showMessage(name.select, nameBox, messages.get('method.name'));
       for (const choice of choices) choice.showMessage(messages);

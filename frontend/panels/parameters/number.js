@@ -2,20 +2,21 @@
 // One parameter: its name, a number that can be typed, and a slider. What is typed is passed on as it was typed; only
 // the slider has a reach. It is shown in the unit that is chosen; the design stays in its own.
 
-import { valueAt } from '../../design.js';
-import { element, icon, picker, showMessage } from '../../dom.js';
-import { formatEntry } from '../../numbers.js';
-import { inShownUnit } from './rejection_text.js';
-import { factorOf, readEntry, shownEntry, unitOf } from './shown_entry.js';
+import { valueAt } from '../../model/design.js';
+import { element, icon, picker, showMessage } from '../../ui/dom.js';
+import { selectOnFocus } from '../../ui/select_on_focus.js';
+import { formatEntry } from '../../model/numbers.js';
+import { inShownUnit } from '../../model/rejection_text.js';
+import { factorOf, readEntry, shownEntry, unitOf } from '../../model/shown_entry.js';
 import { SLIDER_POSITIONS, sliderPosition, sliderValue, stepped } from './stepping.js';
 import { watchWheel } from './wheel.js';
 
-/** @typedef {import('../../types.js').Design} Design */
-/** @typedef {import('../../types.js').Entry} Entry */
-/** @typedef {import('../../units.js').Units} Units */
+/** @typedef {import('../../model/types.js').Design} Design */
+/** @typedef {import('../../model/types.js').Entry} Entry */
+/** @typedef {import('../../model/units.js').Units} Units */
 /** @typedef {import('./stepping.js').Stride} Stride */
 /** @typedef {{onEdit: (path: string, value: unknown, gesture?: string) => void,
- *   onSliding: (isMoving: boolean) => void}} Handlers */
+ *   onSlid: () => void}} Handlers  onSlid: a slider was let go */
 
 // The one parameter that may be left open: it then follows another.
 const FOLLOWERS = /** @type {Record<string, string>} */ ({
@@ -29,8 +30,8 @@ const STEP_KEYS = { ArrowUp: [1, null], ArrowDown: [-1, null], PageUp: [1, 'coar
 const SLIDER_KEYS = { ...STEP_KEYS, ArrowRight: [1, null], ArrowLeft: [-1, null] };
 const END_KEYS = /** @type {Record<string, number>} */ ({ Home: 0, End: SLIDER_POSITIONS });
 
-/** @param {import('../../fields.js').Field} field @param {Handlers} handlers */
-export function createNumber(field, { onEdit, onSliding }) {
+/** @param {import('../../model/fields.js').Field} field @param {Handlers} handlers */
+export function createNumber(field, { onEdit, onSlid }) {
   const { path } = field;
   const leader = FOLLOWERS[path];
   /** @type {{design: Design, units: Units, factor: number} | null} */
@@ -41,11 +42,12 @@ export function createNumber(field, { onEdit, onSliding }) {
 
   const parts = buildRow(field, leader !== undefined, (unit) => onEdit('axis.travel_unit', unit));
   const { input, slider, note } = parts;
+  selectOnFocus(input);
   input.addEventListener('input', type);
   input.addEventListener('blur', () => showText());
   input.addEventListener('keydown', (event) => pressed(event, STEP_KEYS, step));
   slider.addEventListener('input', slide);
-  slider.addEventListener('change', () => onSliding(false));
+  slider.addEventListener('change', onSlid);
   slider.addEventListener('keydown', (event) => pressed(event, SLIDER_KEYS, stepSlider));
   parts.follow?.addEventListener('click', toggleFollow);
   const hasFocus = () => document.activeElement === input || document.activeElement === slider;
@@ -63,7 +65,6 @@ export function createNumber(field, { onEdit, onSliding }) {
 
   function slide() {
     if (shown === null) return;
-    onSliding(true);
     onEdit(path, sliderValue(field, Number(slider.value), Number(current()), shown.factor), `slide:${path}`);
   }
 
@@ -165,7 +166,7 @@ export function createNumber(field, { onEdit, onSliding }) {
       showText();
       showSlider();
     },
-    /** @param {import('../../messages.js').Messages['fields']} messages */
+    /** @param {import('../../model/messages.js').Messages['fields']} messages */
     showMessage(messages) {
       const own = shown ? inShownUnit(messages.get(path), shown.units, shown.design, field) : undefined;
       showMessage(input, parts.box, own ?? (path === TRAVEL ? messages.get('axis.travel_unit') : undefined));
@@ -180,7 +181,7 @@ function strideOf({ shiftKey, altKey }) {
 
 /**
  * The elements of a row.
- * @param {import('../../fields.js').Field} field
+ * @param {import('../../model/fields.js').Field} field
  * @param {boolean} canFollow
  * @param {(unit: string) => void} onTravelUnit
  */

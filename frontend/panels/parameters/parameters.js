@@ -2,21 +2,21 @@
 // The parameters of the design: a number and a slider each, the method, presets, the units that all is shown in, and the
 // explanation of the field in focus.
 
-import { element } from '../../dom.js';
-import { GROUPS } from '../../fields.js';
-import { STEPS_AND_SECONDS } from '../../units.js';
+import { tell } from '../../app/commands/told.js';
+import { setUnits } from '../../app/commands/view.js';
+import { endGesture, setMethod, setPreset, setValue } from '../../app/commands/work.js';
+import { designOf, messagesOf } from '../../app/selectors.js';
+import { whenChanged, whenever } from '../../app/state.js';
+import { element } from '../../ui/dom.js';
+import { GROUPS } from '../../model/fields.js';
 import { createInfo } from './info.js';
 import { createMethod } from './method.js';
 import { createNumber } from './number.js';
 import { createPresetPicker } from './preset_picker.js';
 import { createUnitsChoice } from './units_choice.js';
 
-/** @typedef {import('../../types.js').Design} Design */
-/** @typedef {import('../../types.js').MethodName} MethodName */
-/** @typedef {import('../../messages.js').Messages} Messages */
-/** @typedef {import('../../presets.js').Part} Part */
-/** @typedef {import('../../presets.js').Preset} Preset */
-/** @typedef {import('../../units.js').Units} Units */
+/** @typedef {import('../../model/types.js').Design} Design */
+/** @typedef {import('../../model/units.js').Units} Units */
 
 const WELCOME = {
   label: 'Parameters',
@@ -24,24 +24,26 @@ const WELCOME = {
   help: 'Point at a parameter to read what it is and what it does to the ramp. Arrow keys step it: Shift coarse, Alt fine.',
 };
 
-/**
- * @param {HTMLElement} root
- * @param {object} handlers
- * @param {(path: string, value: unknown, gesture?: string) => void} handlers.onEdit  changes in a row with the same
- *   gesture are one
- * @param {(name: MethodName) => void} handlers.onMethod
- * @param {(part: Part, preset: Preset) => void} handlers.onPreset
- * @param {(units: Units) => void} handlers.onUnits
- * @param {(isMoving: boolean) => void} handlers.onSliding
- */
-export function createParameters(root, handlers) {
+/** @param {HTMLElement} root @param {import('../../app/state.js').Dispatch} dispatch */
+export function createParameters(root, dispatch) {
+  /** @type {import('./number.js').Handlers & Parameters<typeof createMethod>[0]} */
+  const handlers = {
+    onEdit: (path, value, gesture) => dispatch(setValue, path, value, gesture, performance.now()),
+    onSlid: () => dispatch(endGesture),
+    onMethod: (name) => dispatch(setMethod, name),
+  };
+  /** @type {Parameters<typeof createPresetPicker>[2]} */
+  const onPreset = (part, preset) => {
+    dispatch(setPreset, part, preset);
+    dispatch(tell, `${preset.name}: set`, false);
+  };
   const info = createInfo(WELCOME);
-  const choice = createUnitsChoice(handlers.onUnits, info);
+  const choice = createUnitsChoice((units) => dispatch(setUnits, units), info);
   const numbers = GROUPS.flatMap((group) => group.fields).map((field) => createNumber(field, handlers));
   const method = createMethod(handlers, info);
   const pickers = [
-    createPresetPicker('axis', 'Axis', handlers.onPreset, info),
-    createPresetPicker('timer', 'Timer', handlers.onPreset, info),
+    createPresetPicker('axis', 'Axis', onPreset, info),
+    createPresetPicker('timer', 'Timer', onPreset, info),
   ];
   const groups = GROUPS.map((group, index) =>
     element(
@@ -59,13 +61,8 @@ export function createParameters(root, handlers) {
   );
   for (const { element: row, field, label } of numbers) info.explain(row, () => field, label);
 
-  /** @type {Design | null} */
-  let design = null;
-  /** @type {Messages | null} */
-  let messages = null;
-  let units = STEPS_AND_SECONDS;
-
-  function show() {
+  /** @param {Design | null} design @param {Units} units */
+  function show(design, units) {
     if (design === null) return;
     choice.show(units, design);
     for (const number of numbers) number.show(design, units);
@@ -73,29 +70,23 @@ export function createParameters(root, handlers) {
     method.show(design);
   }
 
-  function showMessages() {
-    if (messages === null) return;
-    for (const number of numbers) number.showMessage(messages.fields);
-    method.showMessage(messages.fields);
+  /** @param {import('../../app/state.js').State} state */
+  function showMessages(state) {
+    const { fields } = messagesOf(state);
+    for (const number of numbers) number.showMessage(fields);
+    method.showMessage(fields);
   }
 
+  const shows = [
+    whenChanged((state) => [designOf(state), state.units], show),
+    // They are told in the units and with the values that are shown.
+    whenever((state) => [messagesOf(state), designOf(state), state.units], showMessages),
+  ];
+
   return {
-    /** @param {Design} present */
-    show(present) {
-      design = present;
-      show();
-      showMessages();
-    },
-    /** @param {Units} chosen */
-    showUnits(chosen) {
-      units = chosen;
-      show();
-      showMessages();
-    },
-    /** @param {Messages} sorted */
-    showMessages(sorted) {
-      messages = sorted;
-      showMessages();
+    /** @param {import('../../app/state.js').State} state */
+    show(state) {
+      for (const part of shows) part(state);
     },
   };
 }

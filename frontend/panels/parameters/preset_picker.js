@@ -1,14 +1,14 @@
 // @ts-check
 // The presets of a group: the list shows which one the values are those of.
 
-import { element, picker } from '../../dom.js';
-import { GROUPS } from '../../fields.js';
-import { formatEntry } from '../../numbers.js';
-import { PRESETS, presetOf } from '../../presets.js';
+import { element, picker } from '../../ui/dom.js';
+import { GROUPS } from '../../model/fields.js';
+import { formatEntry } from '../../model/numbers.js';
+import { PRESETS, presetOf } from '../../model/presets.js';
 
-/** @typedef {import('../../types.js').Design} Design */
-/** @typedef {import('../../presets.js').Part} Part */
-/** @typedef {import('../../presets.js').Preset} Preset */
+/** @typedef {import('../../model/types.js').Design} Design */
+/** @typedef {import('../../model/presets.js').Part} Part */
+/** @typedef {import('../../model/presets.js').Preset} Preset */
 
 const FIELDS = GROUPS.flatMap((group) => group.fields);
 const NONE = '';

@@ -2,8 +2,10 @@
 // What a hand does to a number: where it lies on its slider, and what a step of an arrow key or of the wheel is. Steps
 // are round in the unit that is shown; `factor` says how many of that unit one of the design's units is.
 
-/** @typedef {import('../../fields.js').Field} Field */
-/** @typedef {import('../../fields.js').Slider} Slider */
+import { tidy } from '../../model/numbers.js';
+
+/** @typedef {import('../../model/fields.js').Field} Field */
+/** @typedef {import('../../model/fields.js').Slider} Slider */
 /** @typedef {'fine' | 'usual' | 'coarse'} Stride */
 
 /** Positions of a slider: enough that neighbouring ones differ by less than anyone can set by hand. */
@@ -13,14 +15,6 @@ const USUAL = 0.01;
 const STRIDES = { fine: 0.1, usual: 1, coarse: 10 };
 const LINEAR = { fine: 0, usual: 1, coarse: 2 };
 const POWERS_OF_TWO = { fine: 0, usual: 1, coarse: 2 };
-// What conversions leave of a double's digits is noise beyond these.
-const FIGURES = 12;
-
-/** A number without the noise that conversions leave behind its twelfth figure.
- * @param {number} value */
-export function tidy(value) {
-  return Number(value.toPrecision(FIGURES));
-}
 
 /** Where a value lies on a slider; a value outside its reach lies at its end. The sign of a distance does not matter.
  * @param {Slider} slider @param {number} value */

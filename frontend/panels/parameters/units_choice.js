@@ -1,11 +1,11 @@
 // @ts-check
 // The units that all panels show lengths, speeds and accelerations in.
 
-import { element, segmented } from '../../dom.js';
-import { unitChoices, unitsFor } from '../../units.js';
+import { element, segmented } from '../../ui/dom.js';
+import { unitChoices, unitsFor } from '../../model/units.js';
 
-/** @typedef {import('../../types.js').Design} Design */
-/** @typedef {import('../../units.js').Units} Units */
+/** @typedef {import('../../model/types.js').Design} Design */
+/** @typedef {import('../../model/units.js').Units} Units */
 
 const EXPLANATION = {
   label: 'Units',
@@ -35,7 +35,7 @@ export function createUnitsChoice(onUnits, info) {
   length.element.classList.add('fill');
   length.element.id = 'length-unit';
   time.element.id = 'time-unit';
-  const names = { rev: 'revolutions', deg: 'degrees', mm: 'millimetres', min: 'minutes', s: 'seconds' };
+  const names = { rev: 'revolutions', deg: 'degrees', mm: 'mm, millimetres', min: 'minutes', s: 'seconds' };
   for (const [value, name] of Object.entries(names)) {
     const button =
       length.element.querySelector(`[data-value="${value}"]`) ?? time.element.querySelector(`[data-value="${value}"]`);

@@ -1,16 +1,17 @@
 // @ts-check
-// The legend: one switch a method, with its largest error.
+// The legend: one switch a method, with its largest error, and what was measured.
 
-import { element } from '../../dom.js';
-import { METHODS, REFERENCE } from '../../methods.js';
-import { formatSignedPercent } from '../../numbers.js';
-import { methodSwatch } from '../../swatch.js';
+import { element, icon, showText } from '../../ui/dom.js';
+import { deviationText, MARKS } from '../../plotting/captured.js';
+import { METHODS, REFERENCE } from '../../model/methods.js';
+import { formatFixed, formatSignedPercent } from '../../model/numbers.js';
+import { lineSwatch, methodSwatch } from '../../ui/swatch.js';
 
-/** @typedef {import('../../types.js').Answer} Answer */
-/** @typedef {import('../../types.js').MethodName} MethodName */
+/** @typedef {import('../../model/types.js').Answer} Answer */
+/** @typedef {import('../../model/types.js').MethodName} MethodName */
 
-/** @param {(name: MethodName) => void} onSwitch */
-export function createLegend(onSwitch) {
+/** @param {(name: MethodName) => void} onSwitch @param {{onOpen: () => void, onRemove: () => void}} capture */
+export function createLegend(onSwitch, { onOpen, onRemove }) {
   const chips = METHODS.map(({ name, label, plays_table: playsTable }) => {
     const figure = element('em');
     const chip = element(
@@ -22,12 +23,53 @@ export function createLegend(onSwitch) {
     );
     return { name, label, playsTable, chip, figure };
   });
+  const traceFigure = element('em');
+  const trace = element(
+    'span',
+    { className: 'chip trace', hidden: true },
+    lineSwatch('--measured'),
+    element('span', { textContent: 'Trace' }),
+    traceFigure,
+  );
+  const captureFigure = element('em');
+  const captureChip = element(
+    'button',
+    { className: 'chip', id: 'capture-chip', type: 'button', onclick: onOpen },
+    lineSwatch('--capture'),
+    element('span', { textContent: 'Capture' }),
+    captureFigure,
+  );
+  const removal = { className: 'chip', id: 'remove-capture', type: 'button', title: 'Remove the capture', 'aria-label': 'Remove the capture' };
+  const capture = element(
+    'span',
+    { className: 'capture-chip', hidden: true },
+    captureChip,
+    element('button', { ...removal, onclick: onRemove }, icon('remove')),
+  );
   return {
     element: element(
       'div',
       { className: 'legend', role: 'group', 'aria-label': 'Methods shown' },
       ...chips.map(({ chip }) => chip),
+      trace,
+      capture,
     ),
+    /** @param {boolean} isTraced whether there is a trace among the lines
+     * @param {boolean} isOfAnother whether it is not known to be of the ramp that is plotted */
+    showTrace(isTraced, isOfAnother) {
+      trace.hidden = !isTraced;
+      showText(traceFigure, isOfAnother ? 'of another ramp' : '');
+      const told = 'What the controller measured of the last move';
+      trace.title = isOfAnother ? `${told}. It is not known to have followed the ramp that is plotted: the design has changed since, or was pushed before.` : told;
+    },
+    /** @param {import('../../plotting/captured.js').ShownCapture | null} shown */
+    showCapture(shown) {
+      capture.hidden = shown === null;
+      if (shown === null) return;
+      const [text, words] = captureTexts(shown);
+      showText(captureFigure, text);
+      captureChip.title = `What a logic analyser measured: ${words}`;
+    },
     /** @param {Answer | null} answer @param {ReadonlySet<MethodName>} shown @param {MethodName} active */
     show(answer, shown, active) {
       for (const { name, label, playsTable, chip, figure } of chips) {
@@ -55,4 +97,19 @@ export function createLegend(onSwitch) {
       }
     },
   };
+}
+
+/** What is wrong with the steps, or else how far they are off: in signs, and in words.
+ * @param {import('../../plotting/captured.js').ShownCapture} shown @returns {[string, string]} */
+function captureTexts({ move, isStale }) {
+  if (isStale) return ['…', 'held against an earlier design'];
+  const { deviation, short_pulses: short } = move;
+  const counts = { missing: deviation?.missing.count ?? 0, extra: deviation?.extra.count ?? 0, short: short?.count ?? 0 };
+  const wrong = Object.entries(counts).flatMap(([mark, count]) => {
+    const { sign, word } = MARKS[/** @type {keyof typeof MARKS} */ (mark)];
+    return count === 0 ? [] : [{ text: `${sign} ${formatFixed(count)}`, words: `${formatFixed(count)} ${word}` }];
+  });
+  if (wrong.length > 0) return [wrong.map(({ text }) => text).join('  '), wrong.map(({ words }) => words).join(', ')];
+  const largest = deviation ? deviationText(deviation.figures.largest_us) : '';
+  return [largest, `largest deviation ${largest}`];
 }

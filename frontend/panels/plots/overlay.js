@@ -1,20 +1,23 @@
 // @ts-check
 // What lies over the figure: titles, phases, the cursor with its tooltip, and the dot of a move that runs.
 
-import { element, icon, svgElement } from '../../dom.js';
-import { PLOTS, xPixel, yPixel } from '../../frame.js';
-import { drawingOrder, PARTS } from '../../lines.js';
-import { methodOf } from '../../methods.js';
-import { formatFigures, formatFixed } from '../../numbers.js';
-import { methodSwatch } from '../../swatch.js';
+import { element, icon, svgElement } from '../../ui/dom.js';
+import { xPixel, yPixel } from '../../plotting/frame.js';
+import { drawingOrder, FEWEST_JOINED, PARTS } from '../../plotting/lines.js';
+import { formatReading, PLOTS } from '../../plotting/plots.js';
+import { methodOf } from '../../model/methods.js';
+import { formatFigures, formatFixed } from '../../model/numbers.js';
+import { lineSwatch, methodSwatch } from '../../ui/swatch.js';
 
-/** @typedef {import('../../curves.js').MethodReading} MethodReading */
-/** @typedef {import('../../curves.js').Reading} Reading */
-/** @typedef {import('../../curves.js').AxesReading} AxesReading */
-/** @typedef {import('../../frame.js').Frame} Frame */
-/** @typedef {import('../../frame.js').PlotName} PlotName */
-/** @typedef {import('../../frame.js').Third} Third */
-/** @typedef {import('../../types.js').MethodName} MethodName */
+/** @typedef {import('../../plotting/curves.js').MethodReading} MethodReading */
+/** @typedef {import('../../plotting/curves.js').Reading} Reading */
+/** @typedef {import('../../plotting/curves.js').MeasuredReading} MeasuredReading */
+/** @typedef {{label: string, colour: string, reading: MeasuredReading}} MeasuredRow */
+/** @typedef {import('../../plotting/curves.js').AxesReading} AxesReading */
+/** @typedef {import('../../plotting/frame.js').Frame} Frame */
+/** @typedef {import('../../plotting/frame.js').PlotName} PlotName */
+/** @typedef {import('../../plotting/frame.js').Third} Third */
+/** @typedef {import('../../model/types.js').MethodName} MethodName */
 
 const PHASE_WORDS = /** @type {Record<string, string>} */ ({
   accelerate: 'Accelerate',
@@ -24,9 +27,6 @@ const PHASE_WORDS = /** @type {Record<string, string>} */ ({
 const PART_WORDS = { method: 'Method', arithmetic: 'Arithmetic', rounding: 'Rounding', compression: 'Segments' };
 const TOOLTIP_GAP = 14;
 
-/** What each plot shows of a reading.
- * @type {Record<PlotName, (at: MethodReading) => number>} */
-const READ = { velocity: (at) => at.shownSpeed, delay: (at) => at.delay_us, error: (at) => at.percent };
 const PERCENT_DIGITS = 2;
 
 /** @param {Partial<Record<PlotName, HTMLElement>>} tools what can be switched at a plot's title */
@@ -40,14 +40,15 @@ export function createOverlay(tools) {
     const title = element('div', { className: 'plot-title', hidden: true }, heading, unit, tools[name], key, reading);
     return { name, heading, unit, key, reading, element: title };
   });
-  titles[2].key.append(...PARTS.map(([part, dash]) => partKey(part, dash)));
+  titles[titles.length - 1].key.append(...PARTS.map(([part, dash]) => partKey(part, dash)));
   const phases = element('div', { className: 'phases' });
   const cursor = svgElement('g');
   const dot = svgElement('circle', { class: 'moving-dot', r: 5, visibility: 'hidden' });
+  const run = svgElement('path', { class: 'moving-line', fill: 'none' });
   const drawing = svgElement('svg', { class: 'overlay', 'aria-hidden': 'true' });
   const tooltip = element('div', { className: 'tooltip', hidden: true });
   const reason = element('span');
-  const remedy = element('span', { className: 'not-phone' });
+  const remedy = element('span');
   const note = element(
     'div',
     { className: 'stale-note', role: 'status', hidden: true },
@@ -55,7 +56,7 @@ export function createOverlay(tools) {
     element('span', {}, reason, remedy),
   );
   let shownPhases = '';
-  drawing.append(cursor, dot);
+  drawing.append(run, cursor, dot);
 
   /** @param {Frame} frame @param {Third} third */
   function place(frame, third) {
@@ -115,24 +116,25 @@ export function createOverlay(tools) {
     place,
     clear,
     /** @param {Frame} frame @param {Reading} at @param {MethodName} active @param {ReadonlySet<MethodName>} shown
-     * @param {Third} third */
-    read(frame, at, active, shown, third) {
+     * @param {Third} third @param {MeasuredRow[]} measured */
+    read(frame, at, active, shown, third, measured) {
       clear();
       const x = xPixel(frame, at.x);
       drawCursor(frame, x);
       const visible = at.methods.filter((one) => shown.has(one.method));
       const drawn = drawingOrder(active).flatMap((name) => visible.filter((one) => one.method === name));
       const plots = PLOTS.filter(({ name }) => name !== 'error' || third === 'error');
-      for (const { name } of plots)
-        for (const one of drawn) drawDot(frame, name, x, READ[name](one), `var(--method-${one.method})`);
+      for (const { name, read } of plots)
+        for (const one of drawn) drawDot(frame, name, x, read(one), `var(--method-${one.method})`);
       const own = at.methods.find((one) => one.method === active);
       for (const { name, reading } of titles) {
-        if (!own || !plots.some((plot) => plot.name === name)) continue;
-        const value = READ[name](own);
-        const text = name === 'error' ? formatFixed(value, PERCENT_DIGITS) : formatReading(value);
+        const plot = plots.find((one) => one.name === name);
+        if (!own || !plot) continue;
+        const value = plot.read(own);
+        const text = plot.readingText(value);
         if (Number.isFinite(value)) reading.append(`${methodOf(active).label} `, element('b', { textContent: text }));
       }
-      showTooltip(frame, x, readingTable(at, visible, frame.plots[0].unit));
+      showTooltip(frame, x, readingTable(at, visible, measured, frame.plots[0].unit));
     },
     /** @param {Frame} frame @param {AxesReading} at */
     readAxes(frame, at) {
@@ -145,21 +147,28 @@ export function createOverlay(tools) {
       }
       showTooltip(frame, x, axesTable(at, frame.plots[0].unit));
     },
-    /** @param {Frame} frame @param {{x: number, speed: number} | null} at */
-    showMove(frame, at) {
+    /** The dot of a move that runs, and its line so far: drawn here, many times a second, without Plotly.
+     * @param {Frame} frame @param {{x: number, speed: number, isOld: boolean} | null} at
+     * @param {{x: number[], velocity: number[]} | null} live */
+    showMove(frame, at, live) {
       const velocity = frame.plots[0];
+      run.setAttribute('d', live && live.x.length >= FEWEST_JOINED && velocity.isVisible ? linePath(frame, velocity, live) : '');
       const x = at ? xPixel(frame, at.x) : NaN;
       const isInside = velocity.isVisible && x >= frame.left - 1 && x <= frame.left + frame.width + 1;
       dot.setAttribute('visibility', at && isInside ? 'visible' : 'hidden');
       if (!at || !isInside) return;
+      dot.classList.toggle('old', at.isOld);
       const { low, high } = velocity.range;
       dot.setAttribute('cx', String(x));
       dot.setAttribute('cy', String(yPixel(velocity, Math.max(low, Math.min(at.speed, high)))));
     },
-    /** @param {import('../../types.js').Staleness} staleness */
-    showStale(staleness) {
+    /** @param {import('../../app/state.js').Answers['staleness']} staleness @param {boolean} areDrawn whether there are curves */
+    showStale(staleness, areDrawn) {
       note.hidden = staleness === null;
-      reason.textContent = staleness === 'unanswered' ? 'Earlier values' : 'Last valid values';
+      note.classList.toggle('alone', !areDrawn);
+      remedy.classList.toggle('not-short', areDrawn);
+      const words = staleness === 'unanswered' ? 'Earlier values' : 'Last valid values';
+      reason.textContent = areDrawn ? words : 'No curves yet';
       remedy.textContent = staleness === 'unanswered' ? ': the server does not answer' : ': correct what is marked';
     },
   };
@@ -170,14 +179,7 @@ function setText(box, text) {
   if (box.textContent !== text) box.textContent = text;
 }
 
-/** A tenth of a unit, or finer where values are small.
- * @param {number} value */
-function formatReading(value) {
-  if (!Number.isFinite(value) || value === 0) return value === 0 ? '0' : '–';
-  return Math.abs(value) < 100 ? formatFigures(value) : formatFixed(value, 1);
-}
-
-/** @param {import('../../curves.js').ErrorPart} part @param {string} dash */
+/** @param {import('../../plotting/curves.js').ErrorPart} part @param {string} dash */
 function partKey(part, dash) {
   const drawing = svgElement('svg', { class: 'swatch', viewBox: '0 0 18 8' });
   const style = `stroke: var(--part-${part}); stroke-dasharray: ${dash === 'solid' ? 'none' : dash}`;
@@ -201,8 +203,20 @@ function phaseBar(frame, phase) {
 /** @param {string} text */
 const cell = (text) => element('td', { textContent: text });
 
-/** @param {Reading} at @param {MethodReading[]} methods @param {string} speedUnit */
-function readingTable(at, methods, speedUnit) {
+/** What of a line lies within a plot, as a path.
+ * @param {Frame} frame @param {import('../../plotting/frame.js').PlotFrame} plot @param {{x: number[], velocity: number[]}} line */
+function linePath(frame, plot, { x, velocity }) {
+  const { low, high } = plot.range;
+  const points = x.flatMap((value, index) => {
+    const across = xPixel(frame, value);
+    const isInside = across >= frame.left && across <= frame.left + frame.width && Number.isFinite(velocity[index]);
+    return isInside ? [`${across.toFixed(1)},${yPixel(plot, Math.max(low, Math.min(velocity[index], high))).toFixed(1)}`] : [];
+  });
+  return points.length === 0 ? '' : `M${points.join('L')}`;
+}
+
+/** @param {Reading} at @param {MethodReading[]} methods @param {MeasuredRow[]} measured @param {string} speedUnit */
+function readingTable(at, methods, measured, speedUnit) {
   const rows = methods.map((one) => {
     const about = one.isExact ? '' : '≈ ';
     return element(
@@ -226,6 +240,22 @@ function readingTable(at, methods, speedUnit) {
     ),
     element('tr', { className: 'head' }, cell(''), cell('ticks'), cell('µs'), cell(speedUnit), cell('error')),
     ...rows,
+    ...measured.map(measuredRow),
+  );
+}
+
+/** How much later than planned stands where methods have their errors.
+ * @param {MeasuredRow} row */
+function measuredRow({ label, colour, reading: { delay_us, shownSpeed, deviation_us } }) {
+  const late = Number.isFinite(deviation_us) ? `${deviation_us > 0 ? '+' : ''}${formatFixed(deviation_us, 1)} µs` : '';
+  return element(
+    'tr',
+    { className: 'measured' },
+    element('td', {}, lineSwatch(colour), label),
+    cell(''),
+    cell(Number.isFinite(delay_us) ? formatFixed(delay_us, 1) : ''),
+    cell(Number.isFinite(shownSpeed) ? formatReading(shownSpeed) : ''),
+    cell(late),
   );
 }
 

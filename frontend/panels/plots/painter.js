@@ -2,15 +2,15 @@
 // How the figure gets to the screen: by Plotly, or, where only curves have changed, by rewriting the paths that it drew.
 // A slider changes every curve many times a second, and Plotly alone takes most of a frame for it.
 
-import { layoutOf, shadingPaths, tracesOf } from '../../figure.js';
-import { pathOf } from '../../thinning.js';
+import { layoutOf, shadingPaths, tracesOf } from '../../plotting/figure.js';
+import { pathOf } from '../../plotting/thinning.js';
 
-/** @typedef {import('../../frame.js').Frame} Frame */
-/** @typedef {import('../../frame.js').PlotFrame} PlotFrame */
-/** @typedef {import('../../frame.js').Range} Range */
-/** @typedef {import('../../frame.js').Scene} Scene */
-/** @typedef {import('../../lines.js').Line} Line */
-/** @typedef {import('../../thinning.js').Scale} Scale */
+/** @typedef {import('../../plotting/frame.js').Frame} Frame */
+/** @typedef {import('../../plotting/frame.js').PlotFrame} PlotFrame */
+/** @typedef {import('../../plotting/frame.js').Range} Range */
+/** @typedef {import('../../plotting/frame.js').Scene} Scene */
+/** @typedef {import('../../plotting/lines.js').Line} Line */
+/** @typedef {import('../../plotting/thinning.js').Scale} Scale */
 
 // Scroll to zoom and double click are ours: Plotly's would not know the limits of the view.
 const PLOTLY_OPTIONS = { displayModeBar: false, responsive: false, doubleClick: false, scrollZoom: false };
@@ -88,13 +88,13 @@ export function createPainter(figure, { onSelect, onDoubleClick }) {
 
 /** All that paths alone don't show: dots are none.
  * @param {Scene} scene @param {Frame} frame @param {Line[]} lines */
-function keyOf({ size, axis, third, axes, colours, answer }, frame, lines) {
+function keyOf({ size, against, third, axes, colours, answer }, frame, lines) {
   const drawn = lines
     .filter((line) => line.isVisible)
     .map(({ uid, shape, colour, dash, width, isDots, x, y }) => [uid, shape, colour, dash, width, isDots && [x, y]]);
   const plots = frame.plots.map(({ range, isVisible, unit }) => [range, isVisible, unit]);
   const { full, x, acceleration } = frame;
-  const look = [size, axis, third, axes !== null, colours.grid, answer.design.axis.travel_unit, answer.units];
+  const look = [size, against, third, axes !== null, colours.grid, answer.design.axis.travel_unit, answer.units];
   return JSON.stringify([look, full, x, acceleration, plots, drawn]);
 }
 

@@ -1,6 +1,26 @@
 // @ts-check
 // The three plots in one figure, with zoom, views and cursor.
 
+import { removeCapture, showCapture } from '../../app/commands/capture.js';
+import { look as lookOtherwise, read as tellReading, selectRow, switchMethod, wantPoints, zoomTo } from '../../app/commands/view.js';
+import { pin, setTable, unpin } from '../../app/commands/work.js';
+import {
+  areAxesShown,
+  axisMovesOf,
+  curvesOf,
+  designOf,
+  isMeasuredOfDesign,
+  isSliding,
+  measuredOf,
+  pinnedOf,
+  runningMoveOf,
+  samplesOf,
+  shownCaptureOf,
+  shownCurvesOf,
+  stalenessOf,
+  viewOf,
+} from '../../app/selectors.js';
+import { FIRST_VIEW, remembering, whenChanged, whenever } from '../../app/state.js';
 import {
   activeProfile,
   axesReadingAt,
@@ -8,15 +28,18 @@ import {
   interpolate,
   liveOver,
   measuredOver,
+  measuredReadingAt,
   plottedStep,
   readingAt,
-} from '../../curves.js';
-import { element } from '../../dom.js';
-import { figureOf } from '../../figure.js';
-import { stepsIn, xPixel, xValue, zoomedAbout } from '../../frame.js';
-import { METHODS, REFERENCE } from '../../methods.js';
-import { token } from '../../theme.js';
-import { shownValue, STEPS_AND_SECONDS } from '../../units.js';
+} from '../../plotting/curves.js';
+import { capturedOver } from '../../plotting/captured.js';
+import { element } from '../../ui/dom.js';
+import { figureOf } from '../../plotting/figure.js';
+import { stepsIn, xPixel, xValue, zoomedAbout } from '../../plotting/frame.js';
+import { METHODS, REFERENCE } from '../../model/methods.js';
+import { ONE_PLOT } from '../../ui/layouts.js';
+import { token } from '../../ui/theme.js';
+import { shownValue } from '../../model/units.js';
 import { watchGestures } from './gestures.js';
 import { createLegend } from './legend.js';
 import { createOverlay } from './overlay.js';
@@ -25,63 +48,40 @@ import { createPoints } from './points.js';
 import { createSwitches } from './switches.js';
 import { createViewBar } from './view_bar.js';
 
-/** @typedef {import('../../types.js').Answer} Answer */
-/** @typedef {import('../../types.js').MethodName} MethodName */
-/** @typedef {import('../../curves.js').AxisMove} AxisMove */
-/** @typedef {import('../../curves.js').Curve} Curve */
-/** @typedef {import('../../curves.js').MeasuredMove} MeasuredMove */
-/** @typedef {import('../../curves.js').Reading} Reading */
-/** @typedef {import('../../frame.js').Frame} Frame */
-/** @typedef {import('../../frame.js').Scene} Scene */
+/** @typedef {import('../../model/types.js').Answer} Answer */
+/** @typedef {import('../../model/types.js').MethodName} MethodName */
+/** @typedef {import('../../plotting/curves.js').Curve} Curve */
+/** @typedef {import('../../plotting/curves.js').Reading} Reading */
+/** @typedef {import('../../plotting/frame.js').Frame} Frame */
+/** @typedef {import('../../plotting/frame.js').Scene} Scene */
+/** @typedef {import('../../app/state.js').State} State */
 
-const COMPACT = matchMedia('(max-width: 700px)');
 // So long after the last change the figure is drawn with all its care: ranges that fit, every point.
 const SETTLED_AFTER_MS = 150;
 // Finer points are asked for when fewer than one in so many of those that were asked for is in view.
 const COARSEST_SHARE = 4;
 
-/**
- * @param {HTMLElement} root
- * @param {ReadonlySet<MethodName>} shown the methods to draw, as they are at each drawing
- * @param {object} handlers
- * @param {(name: MethodName) => void} handlers.onSwitch
- * @param {(reading: Reading | null) => void} handlers.onReading
- * @param {(range: [number, number] | null) => void} handlers.onRange  first and last step that finer points are wanted
- *   for; null: the whole move
- * @param {(wanted: {acceleration: boolean, parts: boolean}) => void} handlers.onDetails
- * @param {() => void} handlers.onKeep
- * @param {() => void} handlers.onForget
- * @param {(rows: import('../../design.js').Rows, gesture: string) => void} handlers.onRows
- * @param {(row: number) => void} handlers.onSelectRow
- */
-export function createPlots(root, shown, handlers) {
-  const view = {
-    axis: /** @type {import('../../curves.js').AxisName} */ ('step'),
-    view: /** @type {import('../../frame.js').ViewName} */ ('whole'),
-    only: /** @type {import('../../frame.js').PlotName} */ ('velocity'),
-    third: /** @type {import('../../frame.js').Third} */ ('error'),
-    acceleration: false,
-    zoom: /** @type {[number, number] | null} */ (null),
-  };
-  /** What is laid beside or over the curves of the answer. */
-  const beside = {
-    kept: /** @type {Answer | null} */ (null),
-    axes: /** @type {AxisMove[] | null} */ (null),
-    measured: /** @type {MeasuredMove | null} */ (null),
-    live: /** @type {import('../../types.js').Samples | null} */ (null),
-  };
-  /** @type {Answer | null} */
+/** @type {(names: MethodName[]) => ReadonlySet<MethodName>} */
+const setOf = remembering((names) => new Set(names));
+
+/** @param {HTMLElement} root @param {import('../../app/state.js').Dispatch} dispatch */
+export function createPlots(root, dispatch) {
+  /** What is shown.
+   * @type {State | null} */
+  let state = null;
+  let view = FIRST_VIEW;
+  /** @type {ReadonlySet<MethodName>} */
+  let shown = new Set();
+  /** What the server answered, in the units that it is shown in.
+   * @type {Answer | null} */
   let answer = null;
-  let units = STEPS_AND_SECONDS;
   /** @type {Partial<Record<MethodName, Curve>>} */
   let curves = {};
   /** What is beside them, over the same axis.
-   * @type {Pick<Scene, 'kept' | 'axes' | 'measured' | 'live'>} */
+   * @type {Pick<Scene, 'pinned' | 'axes' | 'measured' | 'captured' | 'live'>} */
   let extras = {};
   /** @type {Frame | null} */
   let frame = null;
-  /** @type {{done: number, remaining: number, speed: number} | null} */
-  let move = null;
   /** @type {Reading | null} */
   let reading = null;
   /** Where the pointer is, in pixels of the figure; null: not over it.
@@ -94,38 +94,40 @@ export function createPlots(root, shown, handlers) {
   /** The frame whose ranges stay while a point is dragged.
    * @type {Frame | null} */
   let held = null;
-  /** The part of the move that finer points were asked for.
-   * @type {[number, number] | null} */
-  let range = null;
   /** Colours, dashes and font as the theme has them; null: to be read.
    * @type {ReturnType<typeof readLook> | null} */
   let look = null;
 
   const bar = createViewBar({
-    onAxis: (axis) => change({ axis, zoom: null }),
-    onView: (name) => change({ view: name, zoom: null }),
-    onPlot: (only) => change({ only }),
-    onKeep: handlers.onKeep,
-    onForget: handlers.onForget,
+    onPlotAxis: (against) => dispatch(lookOtherwise, { against }),
+    onView: (part) => dispatch(lookOtherwise, { part }),
+    onPlot: (only) => dispatch(lookOtherwise, { only }),
+    onPin: () => dispatch(pin),
+    onUnpin: () => dispatch(unpin),
+    onCapture: () => dispatch(showCapture, true),
   });
   const switches = createSwitches({
-    onAcceleration: (acceleration) => change({ acceleration }),
-    onThird: (third) => change({ third }),
+    onAcceleration: (acceleration) => dispatch(lookOtherwise, { acceleration }),
+    onThird: (third) => dispatch(lookOtherwise, { third }),
   });
-  const legend = createLegend(handlers.onSwitch);
+  const legend = createLegend((name) => dispatch(switchMethod, name), {
+    onOpen: () => dispatch(showCapture, true),
+    onRemove: () => dispatch(removeCapture),
+  });
   const overlay = createOverlay(switches.elements);
   const points = createPoints({
-    onRows: handlers.onRows,
-    onSelect: handlers.onSelectRow,
+    onRows: (rows, gesture) => dispatch(setTable, rows, undefined, gesture),
+    onSelect: (row) => dispatch(selectRow, row),
     onDrag: dragged,
-    isOn: () => shown.has('table') && beside.axes === null,
+    isOn: () => shown.has('table') && !areAll(),
   });
+  const showAll = () => dispatch(zoomTo, null);
   const figure = element('div', { className: 'figure' });
   const painter = createPainter(figure, {
     onSelect: (low, high) => {
-      if (frame) zoomTo(frame.x.isLog ? [10 ** low, 10 ** high] : [low, high]);
+      if (frame) zoom(frame.x.isLog ? [10 ** low, 10 ** high] : [low, high]);
     },
-    onDoubleClick: () => change({ zoom: null }),
+    onDoubleClick: showAll,
   });
   const scope = element(
     'div',
@@ -140,9 +142,6 @@ export function createPlots(root, shown, handlers) {
     points.element,
   );
   root.replaceChildren(bar.element, legend.element, scope);
-  bar.show({ ...view, areAxesShown: false });
-  switches.show(view, false, false);
-  legend.show(null, shown, REFERENCE);
   watchGestures(scope, {
     onPoint: (pixel) => {
       pointer = pixel;
@@ -154,7 +153,7 @@ export function createPlots(root, shown, handlers) {
       if (frame) zoomBy(factor, reading ? xPixel(frame, reading.x) : frame.left + frame.width / 2);
     },
     onPan: panBy,
-    onAll: () => change({ zoom: null }),
+    onAll: showAll,
     onWalk: walk,
     isZoomed: () => view.zoom !== null,
   });
@@ -164,7 +163,7 @@ export function createPlots(root, shown, handlers) {
     size = { width: Math.round(contentRect.width), height: Math.round(contentRect.height) };
     redraw();
   }).observe(scope);
-  COMPACT.addEventListener('change', redraw);
+  ONE_PLOT.addEventListener('change', redraw);
   painter.load().then((isThere) => {
     if (isThere) redraw();
     else
@@ -178,39 +177,33 @@ export function createPlots(root, shown, handlers) {
 
   // ---- what is drawn ----
 
-  /** @param {Partial<typeof view>} changed */
-  function change(changed) {
-    Object.assign(view, changed);
-    bar.show({ ...view, areAxesShown: beside.axes !== null });
-    switches.show(view, beside.measured !== null, beside.axes !== null);
-    if ('acceleration' in changed || 'third' in changed)
-      handlers.onDetails({ acceleration: view.acceleration, parts: view.third === 'parts' });
-    updateCurves();
-    redraw();
-  }
+  const areAll = () => state !== null && axisMovesOf(state) !== null;
 
   function updateCurves() {
     curves = {};
     extras = {};
-    if (answer === null) return;
+    if (answer === null || state === null) return;
     for (const { name } of METHODS) {
-      const curve = shown.has(name) || name === answer.design.method.name ? curveOf(answer, name, axis()) : null;
+      const curve = shown.has(name) || name === answer.design.method.name ? curveOf(answer, name, against()) : null;
       if (curve) curves[name] = curve;
     }
-    const { kept, axes, measured, live } = beside;
+    const [pinned, axes, measured] = [pinnedOf(state), axisMovesOf(state), measuredOf(state)];
+    const live = restingSamplesOf(state);
+    const captured = shownCaptureOf(state);
     extras = {
-      kept: kept && curveOf({ ...kept, units }, kept.design.method.name, axis()),
+      pinned: pinned && curveOf({ ...pinned, units: state.units }, pinned.design.method.name, against()),
       axes:
         axes &&
         axes.map(({ time_s, speed, delay_us, ...one }) => ({ ...one, x: time_s, velocity: speed, delay: delay_us })),
-      measured: measured && measuredOver(answer, axis(), measured),
-      live: live && liveOver(answer, axis(), live),
+      measured: measured && measuredOver(answer, against(), measured),
+      captured: captured && capturedOver(answer, against(), captured),
+      live: live && liveOver(answer, against(), live),
     };
   }
 
   /** All axes have only their time in common. */
-  function axis() {
-    return beside.axes ? 'time' : view.axis;
+  function against() {
+    return areAll() ? 'time' : view.against;
   }
 
   function redraw() {
@@ -223,17 +216,20 @@ export function createPlots(root, shown, handlers) {
     if (!answer || !painter.isLoaded() || size.width === 0 || size.height === 0) return null;
     look ??= readLook();
     const firmly = held && { held, hold: /** @type {const} */ ('firmly') };
-    const zoom = view.zoom;
+    const { part, only, third, acceleration, zoom } = view;
     return {
-      ...view,
       ...extras,
+      view: part,
+      only,
+      third,
+      acceleration,
       zoom,
-      axis: axis(),
+      against: against(),
       answer,
       curves,
       shown,
       size,
-      compact: COMPACT.matches,
+      compact: ONE_PLOT.matches,
       ...look,
       ...holding,
       ...firmly,
@@ -273,7 +269,7 @@ export function createPlots(root, shown, handlers) {
   function drawOver() {
     if (!frame || !answer) return;
     overlay.place(frame, view.third);
-    points.place(frame, curves, answer, axis());
+    points.place(frame, curves, answer, against());
     legend.show(answer, shown, answer.design.method.name);
     readAgain();
     showMove();
@@ -282,32 +278,32 @@ export function createPlots(root, shown, handlers) {
   /** Thinned points are replaced by finer ones when only a part of the move is in view. */
   function askForRange() {
     const curve = answer && curves[answer.design.method.name];
-    if (!frame || !answer || !curve || beside.axes) return;
+    if (!frame || !answer || !curve || areAll() || state === null || curvesOf(state) === null) return;
+    const { range } = view;
     const steps = activeProfile(answer).summary.steps;
     const [first, last] = stepsIn(curve, frame.x);
-    const isWhole = view.zoom === null && view.view === 'whole';
+    const isWhole = view.zoom === null && view.part === 'whole';
     const isKnown = range !== null && range[0] <= first && range[1] >= Math.min(last, steps);
     if (isWhole ? range === null : isKnown && range && range[1] - range[0] < COARSEST_SHARE * (last - first + 1))
       return;
     const half = Math.ceil((last - first) / 2);
-    range = isWhole ? null : [Math.max(1, first - half), Math.min(steps, last + half)];
-    handlers.onRange(range);
+    dispatch(wantPoints, isWhole ? null : [Math.max(1, first - half), Math.min(steps, last + half)]);
   }
 
   // ---- looking around ----
 
   /** @param {number[]} ends */
-  function zoomTo(ends) {
+  function zoom(ends) {
     if (!frame) return;
     const [low, high] = [Math.max(frame.full.low, Math.min(...ends)), Math.min(frame.full.high, Math.max(...ends))];
-    if (high > low) change({ zoom: [low, high] });
+    if (high > low) dispatch(zoomTo, [low, high]);
   }
 
   /** @param {number} factor @param {number} pixel */
   function zoomBy(factor, pixel) {
     if (!frame) return;
     const within = Math.min(frame.left + frame.width, Math.max(frame.left, pixel));
-    change({ zoom: zoomedAbout(frame, within, factor) });
+    dispatch(zoomTo, zoomedAbout(frame, within, factor));
   }
 
   /** @param {number} pixels */
@@ -315,14 +311,14 @@ export function createPlots(root, shown, handlers) {
     if (!frame || !view.zoom) return;
     const place = (/** @type {number} */ edge) => xValue(/** @type {Frame} */ (frame), edge - pixels);
     const [low, high] = [place(frame.left), place(frame.left + frame.width)];
-    if (low >= frame.full.low && high <= frame.full.high) change({ zoom: [low, high] });
+    if (low >= frame.full.low && high <= frame.full.high) dispatch(zoomTo, [low, high]);
   }
 
   /** Move the cursor along the computed steps.
    * @param {number} by */
   function walk(by) {
     const steps = answer && curves[answer.design.method.name];
-    if (!steps || !frame || beside.axes) return;
+    if (!steps || !frame || areAll()) return;
     pointer = null;
     const low = frame.x.low;
     const index = reading ? steps.step.indexOf(reading.step) + by : steps.x.findIndex((x) => x >= low);
@@ -338,8 +334,20 @@ export function createPlots(root, shown, handlers) {
     }
     reading = at;
     if (at === null) overlay.clear();
-    else if (frame && answer) overlay.read(frame, at, answer.design.method.name, shown, view.third);
-    handlers.onReading(at);
+    else if (frame && answer) overlay.read(frame, at, answer.design.method.name, shown, view.third, measuredRows(at.x));
+    dispatch(tellReading, at);
+  }
+
+  /** What was measured at a place on the axis.
+   * @param {number} x */
+  function measuredRows(x) {
+    return [
+      { label: 'Trace', colour: '--measured', measured: extras.measured },
+      { label: 'Capture', colour: '--capture', measured: extras.captured },
+    ].flatMap(({ label, colour, measured }) => {
+      const found = measured ? measuredReadingAt(measured, x) : null;
+      return found ? [{ label, colour, reading: found }] : [];
+    });
   }
 
   /** Read what is under the pointer, or else where the keys left the cursor. */
@@ -363,104 +371,105 @@ export function createPlots(root, shown, handlers) {
   // ---- what runs ----
 
   function showMove() {
-    if (!frame || !answer) return;
+    if (!frame || !answer || !state) return;
     const curve = curves[answer.design.method.name];
-    if (!move || !curve || beside.axes) {
-      overlay.showMove(frame, null);
+    const move = runningMoveOf(state);
+    if (!move || !curve || areAll()) {
+      overlay.showMove(frame, null, null);
       return;
     }
+    const samples = samplesOf(state);
+    const live = samples && liveOver(answer, against(), samples);
     const step = Math.max(1, plottedStep(activeProfile(answer), move.done, move.remaining));
-    const speed = shownValue(units, answer.design, 'speed', move.speed);
-    overlay.showMove(frame, { x: interpolate(curve.step, curve.x, step), speed });
+    const speed = shownValue(state.units, answer.design, 'speed', move.speed);
+    overlay.showMove(frame, { x: interpolate(curve.step, curve.x, step), speed, isOld: move.isOld }, live);
   }
 
-  /** @param {Partial<typeof beside>} changed */
-  function lay(changed) {
-    Object.assign(beside, changed);
-    // There is no deviation without a measured move.
-    if (beside.measured === null && view.third === 'deviation') view.third = 'error';
-    bar.show({ ...view, areAxesShown: beside.axes !== null });
-    switches.show(view, beside.measured !== null, beside.axes !== null);
+  // ---- what is shown ----
+
+  /** @param {State} now */
+  function showChoices(now) {
+    const isMeasured = measuredOf(now) !== null;
+    const captured = shownCaptureOf(now);
+    // What the lines are, the numbers of the axes' tabs tell by their colours.
+    const [hasAnswer, areAllShown] = [shownCurvesOf(now) !== null, axisMovesOf(now) !== null];
+    legend.element.hidden = areAllShown;
+    bar.show({ against: view.against, view: view.part, only: view.only, areAxesShown: areAllShown });
+    bar.showPinned(pinnedOf(now) !== null);
+    switches.show(view, isMeasured || captured !== null, areAllShown);
+    legend.showTrace(isMeasured || samplesOf(now) !== null, isMeasured && !isMeasuredOfDesign(now));
+    legend.showCapture(captured);
+    if (!hasAnswer) legend.show(null, shown, designOf(now)?.method.name ?? REFERENCE);
+  }
+
+  /** Curves that are other ones, in the order of haste: what changes many times a second is drawn at once. */
+  const shows = [
+    whenever(
+      (now) => [
+        viewOf(now),
+        measuredOf(now),
+        isMeasuredOfDesign(now),
+        shownCaptureOf(now),
+        samplesOf(now) === null,
+        axisMovesOf(now),
+        pinnedOf(now),
+        shownCurvesOf(now) === null,
+        now.shown,
+      ],
+      showChoices,
+    ),
+    whenever(
+      (now) => [viewOf(now), now.shown, now.units, now.theme, measuredOf(now), shownCaptureOf(now), pinnedOf(now), isSliding(now)],
+      redrawAnew,
+    ),
+    whenever((now) => [shownCurvesOf(now), axisMovesOf(now), restingSamplesOf(now)], drawAnew),
+    whenChanged((now) => [designOf(now)], (design) => design && points.show(design)),
+    whenChanged(({ row }) => [row], (row) => points.select(row)),
+    whenever((now) => [runningMoveOf(now)], showMove),
+    // Why the curves belong to earlier values.
+    whenChanged(
+      (now) => [stalenessOf(now), shownCurvesOf(now) === null, axisMovesOf(now) !== null],
+      (staleness, isEmpty, areAllShown) => {
+        // Those of all axes are not another's.
+        const isAwaited = staleness === 'awaited';
+        root.classList.toggle('stale', staleness !== null && !(isAwaited && areAllShown));
+        root.classList.toggle('awaited', isAwaited);
+        root.classList.toggle('blank', isEmpty && !areAllShown);
+        overlay.showStale(isAwaited ? null : staleness, !isEmpty);
+      },
+    ),
+  ];
+
+  function redrawAnew() {
     updateCurves();
+    redraw();
+  }
+
+  function drawAnew() {
+    updateCurves();
+    drawQuickly();
   }
 
   return {
-    /** @param {Answer} newest */
-    show(newest) {
-      // A zoom into another move would show nothing of this one.
-      if (answer && newest.design.name !== answer.design.name) view.zoom = null;
-      answer = { ...newest, units };
-      updateCurves();
-      drawQuickly();
+    /** @param {State} now */
+    show(now) {
+      const before = state;
+      state = now;
+      view = viewOf(now);
+      shown = setOf(now.shown);
+      const newest = shownCurvesOf(now);
+      if (before === null || newest !== shownCurvesOf(before) || now.units !== before.units) {
+        answer = newest && { ...newest, units: now.units };
+      }
+      for (const show of shows) show(now);
     },
-    /** @param {Answer | null} kept of the design kept to compare with: a ghost beneath the curves */
-    showKept(kept) {
-      if (kept === beside.kept) return;
-      bar.showKept(kept !== null);
-      lay({ kept });
-      redraw();
-    },
-    /** @param {AxisMove[] | null} axes all of them over one time; null: the methods of one axis again */
-    showAxes(axes) {
-      if (axes === null && beside.axes === null) return;
-      if (axes === null || beside.axes === null) view.zoom = null;
-      // What the lines are, the numbers of the axes' tabs tell by their colours.
-      legend.element.hidden = axes !== null;
-      lay({ axes });
-      drawQuickly();
-    },
-    /** @param {MeasuredMove | null} measured laid over its plan; with it comes the choice of its deviation */
-    showMeasured(measured) {
-      if (measured === beside.measured) return;
-      lay({ measured });
-      redraw();
-    },
-    /** @param {import('../../types.js').Samples | null} live samples of a move since its start [s, steps, steps/s] */
-    showLive(live) {
-      if (live === beside.live) return;
-      lay({ live });
-      drawQuickly();
-    },
-    /** @param {import('../../units.js').Units} chosen */
-    showUnits(chosen) {
-      units = chosen;
-      if (answer) answer = { ...answer, units };
-      // Positions are in other units too.
-      view.zoom = view.axis === 'position' ? null : view.zoom;
-      updateCurves();
-      redraw();
-    },
-    /** @param {import('../../types.js').Staleness} staleness why the curves belong to earlier values */
-    showStale(staleness) {
-      root.classList.toggle('stale', staleness !== null);
-      overlay.showStale(answer === null ? null : staleness);
-    },
-    /** @param {boolean} isMoving a slider that is let go has its curves drawn with care at once */
-    showSliding(isMoving) {
-      if (!isMoving) redraw();
-    },
-    /** @param {{done: number, remaining: number, speed: number} | null} present the move that runs, in steps since its
-     * start and to its end */
-    showMove(present) {
-      move = present;
-      showMove();
-    },
-    /** @param {import('../../types.js').Design} design whose rows are the points */
-    showDesign: (design) => points.show(design),
-    /** Where one plot at a time has room: the one with the rows, in the view that shows them apart. */
-    showRows() {
-      if (COMPACT.matches) change({ only: 'delay', axis: 'step', view: 'start', zoom: null });
-    },
-    /** @param {number} row of the table; -1: none */
-    selectRow: (row) => points.select(row),
-    redraw,
   };
 }
 
 /** Colours, dashes and font of the present theme.
  * @returns {Pick<Scene, 'colours' | 'dashes' | 'font'>} */
 function readLook() {
-  const named = ['kept', 'measured', 'axis-0', 'axis-1', 'axis-2', 'axis-3'];
+  const named = ['pinned', 'measured', 'capture', 'capture-missing', 'capture-extra', 'capture-short', 'axis-0', 'axis-1', 'axis-2', 'axis-3'];
   const parts = ['method', 'arithmetic', 'rounding', 'compression'].map((name) => `part-${name}`);
   const colours = Object.fromEntries([
     ...METHODS.map(({ name }) => [name, token(`--method-${name}`)]),
@@ -478,3 +487,8 @@ function readLook() {
     font: token('--font'),
   };
 }
+
+/** What was told of a move while it ran, once it rests; of one that was traced step by step that says nothing more. A move
+ * that runs is drawn by the overlay: for each sample anew.
+ * @param {import('../../app/state.js').State} state */
+const restingSamplesOf = (state) => (runningMoveOf(state) === null && measuredOf(state) === null ? samplesOf(state) : null);

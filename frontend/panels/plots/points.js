@@ -2,10 +2,10 @@
 // The rows of the lookup table as points over the delay plot: dragged, nudged, added and removed where they are drawn.
 // An svg over the figure and beside it, never in it: Plotly may redraw whenever it likes.
 
-import { axisScale, interpolate } from '../../curves.js';
-import { svgElement } from '../../dom.js';
-import { xPixel, xValue, yPixel, yValue } from '../../frame.js';
-import { formatEntry } from '../../numbers.js';
+import { axisScale, interpolate } from '../../plotting/curves.js';
+import { svgElement } from '../../ui/dom.js';
+import { xPixel, xValue, yPixel, yValue } from '../../plotting/frame.js';
+import { formatEntry } from '../../model/numbers.js';
 import {
   delayFromUs,
   delayInUs,
@@ -16,15 +16,15 @@ import {
   nudgedRow,
   rowX,
   withRowAt,
-} from '../../table_rows.js';
+} from '../../plotting/table_rows.js';
 
-/** @typedef {import('../../types.js').Answer} Answer */
-/** @typedef {import('../../types.js').Design} Design */
-/** @typedef {import('../../curves.js').AxisName} AxisName */
-/** @typedef {import('../../design.js').Rows} Rows */
-/** @typedef {import('../../frame.js').Frame} Frame */
-/** @typedef {import('../../frame.js').PlotFrame} PlotFrame */
-/** @typedef {Partial<Record<import('../../types.js').MethodName, import('../../curves.js').Curve>>} Curves */
+/** @typedef {import('../../model/types.js').Answer} Answer */
+/** @typedef {import('../../model/types.js').Design} Design */
+/** @typedef {import('../../plotting/curves.js').PlotAxis} PlotAxis */
+/** @typedef {import('../../model/design.js').Rows} Rows */
+/** @typedef {import('../../plotting/frame.js').Frame} Frame */
+/** @typedef {import('../../plotting/frame.js').PlotFrame} PlotFrame */
+/** @typedef {Partial<Record<import('../../model/types.js').MethodName, import('../../plotting/curves.js').Curve>>} Curves */
 /** @typedef {{x: number, y: number}} Pixels  from the upper left corner of the figure */
 
 /** @typedef {object} Drag
@@ -51,7 +51,7 @@ const LABEL_GAP = 10;
 export function createPoints({ onRows, onSelect, onDrag = () => {}, isOn = () => true }) {
   /** @type {Design | null} */
   let design = null;
-  /** @type {{frame: Frame, curves: Curves, answer: Answer, axis: AxisName} | null} */
+  /** @type {{frame: Frame, curves: Curves, answer: Answer, against: PlotAxis} | null} */
   let scene = null;
   let selected = -1;
   /** @type {Drag | null} */
@@ -83,10 +83,10 @@ export function createPoints({ onRows, onSelect, onDrag = () => {}, isOn = () =>
   const isShown = () => scene !== null && design !== null && delayPlot().isVisible && isOn();
 
   function scale() {
-    const { answer, axis } = /** @type {NonNullable<typeof scene>} */ (scene);
-    const { factor } = axisScale(answer, axis);
-    const isBackward = axis === 'position' && Number(answer.design.move.steps) < 0;
-    return { axis, factor: isBackward ? -factor : factor };
+    const { answer, against } = /** @type {NonNullable<typeof scene>} */ (scene);
+    const { factor } = axisScale(answer, against);
+    const isBackward = against === 'position' && Number(answer.design.move.steps) < 0;
+    return { against, factor: isBackward ? -factor : factor };
   }
 
   /** @param {number} row @returns {Pixels} not numbers where the row has none, or where its axis has no such place */
@@ -102,9 +102,9 @@ export function createPoints({ onRows, onSelect, onDrag = () => {}, isOn = () =>
   function withinPlot({ x, y }) {
     const { frame } = /** @type {NonNullable<typeof scene>} */ (scene);
     const { top, height } = delayPlot();
-    const keep = (/** @type {number} */ value, /** @type {number} */ low, /** @type {number} */ size) =>
+    const within = (/** @type {number} */ value, /** @type {number} */ low, /** @type {number} */ size) =>
       Math.min(low + size, Math.max(low, Number.isNaN(value) ? low : value));
-    return { x: keep(x, frame.left, frame.width), y: keep(y, top, height) };
+    return { x: within(x, frame.left, frame.width), y: within(y, top, height) };
   }
 
   function draw() {
@@ -276,12 +276,12 @@ export function createPoints({ onRows, onSelect, onDrag = () => {}, isOn = () =>
     onRows(changed, `point:${gestures}`);
   }
 
-  /** @param {'kept' | 'restored' | 'left'} how the row stays where it was dragged to, goes back, or is no more ours */
+  /** @param {'stays' | 'restored' | 'left'} how the row stays where it was dragged to, goes back, or is no more ours */
   function finish(how) {
     if (!drag) return;
     cancelAnimationFrame(awaitedFrame);
     // The last move must not be lost.
-    if (how === 'kept') follow();
+    if (how === 'stays') follow();
     const { handle, before, pointerId } = drag;
     [drag, pending, awaitedFrame] = [null, null, 0];
     for (const [name, listener] of dragListeners) handle.removeEventListener(name, listener);
@@ -302,9 +302,9 @@ export function createPoints({ onRows, onSelect, onDrag = () => {}, isOn = () =>
   /** @type {[string, (event: any) => void][]} */
   const dragListeners = [
     ['pointermove', moved],
-    ['pointerup', () => finish('kept')],
+    ['pointerup', () => finish('stays')],
     ['pointercancel', () => finish('restored')],
-    ['lostpointercapture', () => finish('kept')],
+    ['lostpointercapture', () => finish('stays')],
   ];
 
   /** @param {KeyboardEvent} event @param {number} row */
@@ -351,11 +351,11 @@ export function createPoints({ onRows, onSelect, onDrag = () => {}, isOn = () =>
 
   /** @param {Pixels} at */
   function add(at) {
-    const { frame, curves, answer, axis } = /** @type {NonNullable<typeof scene>} */ (scene);
+    const { frame, curves, answer, against } = /** @type {NonNullable<typeof scene>} */ (scene);
     const shown = /** @type {Design} */ (design);
     const x = xValue(frame, at.x);
     const curve = curves.table ?? curves[answer.design.method.name];
-    const step = axis === 'time' && curve ? interpolate(curve.x, curve.step, x) : x / scale().factor;
+    const step = against === 'time' && curve ? interpolate(curve.x, curve.step, x) : x / scale().factor;
     const added = withRowAt(rows(), { index: step + 1, delay: delayFromUs(shown, yValue(delayPlot(), at.y)) });
     if (added.rows !== rows()) onRows(added.rows, '');
     handles[added.row]?.focus({ preventScroll: true });
@@ -366,9 +366,9 @@ export function createPoints({ onRows, onSelect, onDrag = () => {}, isOn = () =>
     element: drawing,
     /** The figure was drawn anew.
      * @param {Frame} frame @param {Curves} curves @param {Answer} answer
-     * @param {AxisName} axis */
-    place(frame, curves, answer, axis) {
-      scene = { frame, curves, answer, axis };
+     * @param {PlotAxis} against */
+    place(frame, curves, answer, against) {
+      scene = { frame, curves, answer, against };
       if (ground === null && drawing.parentElement) {
         ground = drawing.parentElement;
         ground.addEventListener('pointerdown', pressedOnGround, { capture: true });

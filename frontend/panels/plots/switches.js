@@ -1,9 +1,9 @@
 // @ts-check
 // The switches at the titles of plots: what is drawn beside the curves, and what the lowest plot shows.
 
-import { element, segmented } from '../../dom.js';
+import { element, segmented } from '../../ui/dom.js';
 
-/** @typedef {import('../../frame.js').Third} Third */
+/** @typedef {import('../../plotting/frame.js').Third} Third */
 
 /** @type {[Third, string][]} */
 const THIRDS = [

@@ -1,14 +1,15 @@
 // @ts-check
-// The bar over the plots: what they are drawn against, which part of the move, what is kept to compare with, and on a
+// The bar over the plots: what they are drawn against, which part of the move, what is pinned to compare with, and on a
 // phone which plot.
 
-import { element, icon, picker, segmented } from '../../dom.js';
+import { PLOTS } from '../../plotting/plots.js';
+import { element, icon, picker, segmented } from '../../ui/dom.js';
 
-/** @typedef {import('../../curves.js').AxisName} AxisName */
-/** @typedef {import('../../frame.js').PlotName} PlotName */
-/** @typedef {import('../../frame.js').ViewName} ViewName */
+/** @typedef {import('../../plotting/curves.js').PlotAxis} PlotAxis */
+/** @typedef {import('../../plotting/frame.js').PlotName} PlotName */
+/** @typedef {import('../../plotting/frame.js').ViewName} ViewName */
 
-/** @type {[AxisName, string][]} */
+/** @type {[PlotAxis, string][]} */
 const AXES = [
   ['step', 'Step'],
   ['time', 'Time'],
@@ -22,67 +23,65 @@ const VIEWS = [
   ['down', 'Down'],
 ];
 /** @type {[PlotName, string][]} */
-const PLOT_CHOICES = [
-  ['velocity', 'Velocity'],
-  ['delay', 'Delay'],
-  ['error', 'Error'],
-];
+const PLOT_CHOICES = PLOTS.map(({ name, label }) => [name, label]);
 
 /**
  * @param {object} handlers
- * @param {(axis: AxisName) => void} handlers.onAxis
+ * @param {(against: PlotAxis) => void} handlers.onPlotAxis
  * @param {(view: ViewName) => void} handlers.onView
  * @param {(plot: PlotName) => void} handlers.onPlot
- * @param {() => void} handlers.onKeep
- * @param {() => void} handlers.onForget
+ * @param {() => void} handlers.onPin
+ * @param {() => void} handlers.onUnpin
+ * @param {() => void} handlers.onCapture
  */
-export function createViewBar({ onAxis, onView, onPlot, onKeep, onForget }) {
-  const axis = segmented('Horizontal axis', AXES, onAxis);
+export function createViewBar({ onPlotAxis, onView, onPlot, onPin, onUnpin, onCapture }) {
+  const plotAxis = segmented('Horizontal axis', AXES, onPlotAxis);
   const view = segmented('View', VIEWS, onView);
   const plot = segmented('Plot', PLOT_CHOICES, onPlot);
-  const axisPicker = picker('Horizontal axis', (value) => onAxis(/** @type {AxisName} */ (value)));
+  const plotAxisPicker = picker('Horizontal axis', (value) => onPlotAxis(/** @type {PlotAxis} */ (value)));
   const viewPicker = picker('View', (value) => onView(/** @type {ViewName} */ (value)));
-  axis.element.id = 'axis-choice';
+  plotAxis.element.id = 'axis-choice';
   view.element.id = 'view-choice';
   plot.element.id = 'plot-choice';
-  const forget = iconButton('forget', 'remove', 'Forget', 'Stop comparing with what was kept', onForget);
-  const keep = iconButton('keep', 'pin', 'Keep this', 'Keep this design to compare the next changes with', onKeep);
+  const unpin = iconButton('forget', 'remove', 'Unpin', 'Stop comparing with the pinned design', onUnpin);
+  const pin = iconButton('keep', 'pin', 'Pin', 'Pin this design to compare the next changes with it', onPin);
+  const capture = iconButton('open-capture', 'pulses', 'Capture', 'Lay steps that a logic analyser measured over the plots', onCapture);
   const label = (/** @type {string} */ text) =>
     element('span', { className: 'label', 'aria-hidden': 'true', textContent: text });
-  forget.hidden = true;
+  unpin.hidden = true;
   return {
     element: element(
       'div',
       { className: 'view-bar' },
-      element('span', { className: 'not-phone choices' }, label('Against'), axis.element, label('View'), view.element),
-      element('span', { className: 'phone-only choices' }, plot.element, viewPicker.element, axisPicker.element),
-      element('span', { className: 'keeping' }, forget, keep),
+      element('span', { className: 'all-plots-only choices' }, label('Against'), plotAxis.element, label('View'), view.element),
+      element('span', { className: 'one-plot-only choices' }, plot.element, viewPicker.element, plotAxisPicker.element),
+      element('span', { className: 'keeping' }, capture, unpin, pin),
     ),
-    /** @param {{axis: AxisName, view: ViewName, only: PlotName, areAxesShown: boolean}} present */
+    /** @param {{against: PlotAxis, view: ViewName, only: PlotName, areAxesShown: boolean}} present */
     show(present) {
-      axis.press(present.axis);
+      plotAxis.press(present.against);
       view.press(present.view);
       plot.press(present.only);
-      axisPicker.offer(AXES, present.axis);
+      plotAxisPicker.offer(AXES, present.against);
       viewPicker.offer(VIEWS, present.view);
       // All axes have only their time in common.
-      for (const choice of [...axis.element.children, ...view.element.children, axisPicker.select, viewPicker.select])
+      for (const choice of [...plotAxis.element.children, ...view.element.children, plotAxisPicker.select, viewPicker.select])
         /** @type {HTMLButtonElement} */ (choice).disabled = present.areAxesShown;
     },
-    /** @param {boolean} isKept */
-    showKept(isKept) {
-      forget.hidden = !isKept;
+    /** @param {boolean} isPinned */
+    showPinned(isPinned) {
+      unpin.hidden = !isPinned;
     },
   };
 }
 
-/** @param {string} id @param {'pin' | 'remove'} drawing @param {string} text @param {string} title
+/** @param {string} id @param {'pin' | 'remove' | 'pulses'} drawing @param {string} text @param {string} title
  * @param {() => void} onclick */
 function iconButton(id, drawing, text, title, onclick) {
   return element(
     'button',
     { className: 'button quiet', id, type: 'button', title, 'aria-label': `${text}: ${title}`, onclick },
     icon(drawing),
-    element('span', { className: 'not-phone', textContent: text }),
+    element('span', { className: 'not-short', textContent: text }),
   );
 }

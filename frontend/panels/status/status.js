@@ -1,8 +1,10 @@
 // @ts-check
 // The bar at the foot: what the cursor reads, how to zoom, and whether the server is there.
 
-import { element } from '../../dom.js';
-import { formatFixed } from '../../numbers.js';
+import { curvesOf } from '../../app/selectors.js';
+import { whenChanged } from '../../app/state.js';
+import { element } from '../../ui/dom.js';
+import { formatFixed } from '../../model/numbers.js';
 
 const SERVER_WORDS = {
   there: 'server connected',
@@ -10,10 +12,16 @@ const SERVER_WORDS = {
   gone: 'Server gone: trying again…',
 };
 
+const KEEPING_WORDS = {
+  kept: 'saved in this browser',
+  full: 'not saved: this browser has no room left',
+  refused: 'not saved: this browser keeps nothing',
+};
+
 /** @param {HTMLElement} root */
 export function createStatus(root) {
   const reading = element('span', { className: 'reading' });
-  const kept = element('span', { className: 'kept not-phone' });
+  const kept = element('span', { className: 'kept not-short' });
   const server = element('span', { className: 'server', id: 'server-state', role: 'status' });
   root.replaceChildren(
     reading,
@@ -27,31 +35,44 @@ export function createStatus(root) {
   /** @param {string} label @param {string} value */
   const part = (label, value) => element('span', {}, `${label} `, element('b', { textContent: value }));
 
+  /** @param {import('../../plotting/curves.js').Reading | null} at @param {string} method */
+  function showReading(at, method) {
+    const own = at?.methods.find((one) => one.method === method);
+    if (!at || !own) {
+      reading.replaceChildren('Point at a plot to read it');
+      return;
+    }
+    const error = Number.isFinite(own.percent) ? [part('error', `${formatFixed(own.percent, 2)} %`)] : [];
+    reading.replaceChildren(
+      part('Step', formatFixed(at.step)),
+      part('t', `${formatFixed(at.time_s * 1e3, 2)} ms`),
+      part('delay', `${formatFixed(own.ticks)} ticks = ${formatFixed(own.delay_us, 1)} µs`),
+      part('', `${formatFixed(own.speed, 1)} steps/s`),
+      ...error,
+    );
+  }
+
+  const shows = [
+    whenChanged((state) => [state.reading, curvesOf(state)?.design.method.name ?? ''], showReading),
+    whenChanged(
+      ({ devices }) => [devices.link],
+      (link) => {
+        server.classList.toggle('gone', link !== 'there');
+        server.textContent = SERVER_WORDS[link];
+      },
+    ),
+    whenChanged(
+      ({ told }) => [told.keeping],
+      (keeping) => {
+        if (keeping !== null) kept.textContent = KEEPING_WORDS[keeping];
+      },
+    ),
+  ];
+
   return {
-    /** @param {import('../../curves.js').Reading | null} at @param {string} method */
-    showReading(at, method) {
-      const own = at?.methods.find((one) => one.method === method);
-      if (!at || !own) {
-        reading.replaceChildren('Point at a plot to read it');
-        return;
-      }
-      const error = Number.isFinite(own.percent) ? [part('error', `${formatFixed(own.percent, 2)} %`)] : [];
-      reading.replaceChildren(
-        part('Step', formatFixed(at.step)),
-        part('t', `${formatFixed(at.time_s * 1e3, 2)} ms`),
-        part('delay', `${formatFixed(own.ticks)} ticks = ${formatFixed(own.delay_us, 1)} µs`),
-        part('', `${formatFixed(own.speed, 1)} steps/s`),
-        ...error,
-      );
-    },
-    /** @param {import('../../types.js').Link} link */
-    showServer(link) {
-      server.classList.toggle('gone', link !== 'there');
-      server.textContent = SERVER_WORDS[link];
-    },
-    /** @param {boolean} isKept whether the browser could keep the design */
-    showKept(isKept) {
-      kept.textContent = isKept ? 'saved in this browser' : 'not saved: this browser keeps nothing';
+    /** @param {import('../../app/state.js').State} state */
+    show(state) {
+      for (const show of shows) show(state);
     },
   };
 }

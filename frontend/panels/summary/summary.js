@@ -1,17 +1,21 @@
 // @ts-check
-// The figures of the chosen method in one row, those of the kept design beneath them in grey, and above both what is
+// The figures of the chosen method in one row, those of the pinned design beneath them in grey, and above both what is
 // worth a second look.
 
-import { activeProfile, unitsOf } from '../../curves.js';
-import { element, messageLine } from '../../dom.js';
-import { methodOf, REFERENCE } from '../../methods.js';
-import { formatFigures, formatFixed, formatSignedPercent } from '../../numbers.js';
-import { methodSwatch } from '../../swatch.js';
-import { shownValue, STEPS_AND_SECONDS, unitWord } from '../../units.js';
+import { urge } from '../../app/commands/told.js';
+import { pinnedOf, shownCurvesOf, stalenessOf, summaryMessagesOf } from '../../app/selectors.js';
+import { whenChanged } from '../../app/state.js';
+import { activeProfile, unitsOf } from '../../plotting/curves.js';
+import { closeButton, element, messageLine } from '../../ui/dom.js';
+import { methodOf, REFERENCE } from '../../model/methods.js';
+import { formatFigures, formatFixed, formatSignedPercent } from '../../model/numbers.js';
+import { methodSwatch } from '../../ui/swatch.js';
+import { createExplanation } from './explanation.js';
+import { shownValue, unitWord } from '../../model/units.js';
 
-/** @typedef {import('../../types.js').Answer} Answer */
-/** @typedef {import('../../types.js').Design} Design */
-/** @typedef {import('../../units.js').Quantity} Quantity */
+/** @typedef {import('../../model/types.js').Answer} Answer */
+/** @typedef {import('../../model/types.js').Design} Design */
+/** @typedef {import('../../model/units.js').Quantity} Quantity */
 
 /** One figure of a design.
  * @typedef {object} Figure
@@ -23,49 +27,76 @@ import { shownValue, STEPS_AND_SECONDS, unitWord } from '../../units.js';
 // A motor that just bears the acceleration asked for, bears this much more; beyond it steps may be lost.
 const BEARABLE = 1.25;
 
-/** @type {[string, string, (answer: Answer) => Figure][]} */
+const METHOD_HELP = 'Whose figures these are: the method that is chosen, and the numbers it computes with.';
+/** @type {{key: string, title: string, help: string, figureOf: (answer: Answer) => Figure}[]} */
 const FIGURES = [
-  ['duration', 'Duration', duration],
-  ['peak', 'Peak speed', peak],
-  ['error', 'Largest error', largestError],
-  ['acceleration', 'Implied acceleration', acceleration],
-  ['landing', 'Landing error', landing],
+  {
+    key: 'duration',
+    title: 'Duration',
+    help: 'From the first pulse to the end of the last interval, and the way it takes.',
+    figureOf: duration,
+  },
+  {
+    key: 'peak',
+    title: 'Peak speed',
+    help: 'The speed of the shortest interval. A short move slows down before it has the slew speed asked for.',
+    figureOf: peak,
+  },
+  {
+    key: 'error',
+    title: 'Largest error',
+    help: 'How far an interval is from that of the exact method, in parts of it, where it is farthest.',
+    figureOf: largestError,
+  },
+  {
+    key: 'acceleration',
+    title: 'Implied acceleration',
+    help: `What two neighbouring intervals ask of the motor, where it is most. Over ${BEARABLE} × what was asked for it is marked: the motor may lose steps.`,
+    figureOf: acceleration,
+  },
+  {
+    key: 'landing',
+    title: 'Last-step speed',
+    help: 'How much faster than the base speed the last step is: the motor has to stop from it at once.',
+    figureOf: landing,
+  },
 ];
 
-/** @param {HTMLElement} root */
-export function createSummary(root) {
+/** @param {HTMLElement} root @param {import('../../app/state.js').Dispatch} dispatch */
+export function createSummary(root, dispatch) {
   const messages = element('div', { className: 'summary-messages', role: 'status' });
   const figures = element('dl', { className: 'figures' });
   root.replaceChildren(messages, figures);
-  /** @type {Answer | null} */
-  let answer = null;
-  /** @type {Answer | null} */
-  let kept = null;
-  let units = STEPS_AND_SECONDS;
   let drawn = '';
 
   const name = createStat('method', 'Method');
-  const stats = FIGURES.map(([key, title, figureOf]) => ({ ...createStat(key, title), figureOf }));
+  const stats = FIGURES.map((figure) => ({ ...createStat(figure.key, figure.title), ...figure }));
   figures.append(name.element, ...stats.map((stat) => stat.element));
+  const explanation = createExplanation(root);
+  explanation.explain(name.element, METHOD_HELP);
+  for (const stat of stats) explanation.explain(stat.element, stat.help);
 
-  function draw() {
+  /** @param {Answer | null} answer @param {Answer | null} pinned of the pinned design
+   * @param {import('../../model/units.js').Units} units */
+  function draw(answer, pinned, units) {
+    figures.classList.toggle('blank', answer === null);
     if (answer === null) return;
     const present = { ...answer, units };
     const { name: method, arithmetic } = answer.design.method;
-    const before = kept && { ...kept, units };
+    const before = pinned && { ...pinned, units };
     // While a slider moves this comes many times a second: the names stay.
-    const names = JSON.stringify([method, arithmetic, kept?.design.method, kept?.design.name]);
+    const names = JSON.stringify([method, arithmetic, pinned?.design.method, pinned?.design.name]);
     if (names !== drawn) {
       name.value.replaceChildren(methodSwatch(method), methodOf(method).label);
       name.more.replaceChildren(arithmetic);
-      name.kept.replaceChildren(
+      name.pinned.replaceChildren(
         ...(before
-          ? [element('i', { className: 'kept-swatch' }), `kept: ${methodOf(before.design.method.name).label}`]
+          ? [element('i', { className: 'pinned-swatch' }), `pinned: ${methodOf(before.design.method.name).label}`]
           : []),
       );
     }
     drawn = names;
-    for (const { value, more, kept: beneath, figureOf } of stats) {
+    for (const { value, more, pinned: beneath, figureOf } of stats) {
       const figure = figureOf(present);
       value.replaceChildren(figure.value, element('small', { textContent: figure.unit && ` ${figure.unit}` }));
       value.classList.toggle('high', figure.isHigh);
@@ -75,31 +106,37 @@ export function createSummary(root) {
     figures.classList.toggle('compared', before !== null);
   }
 
+  /** @param {import('../../model/messages.js').Message} message */
+  function line(message) {
+    const { about } = message;
+    const shown = messageLine(message);
+    if (about !== undefined) shown.append(closeButton('Close this message', () => dispatch(urge, about, '')));
+    return shown;
+  }
+
+  const shows = [
+    whenChanged((state) => [shownCurvesOf(state), pinnedOf(state), state.units], draw),
+    // Whether the figures belong to earlier values.
+    whenChanged(
+      (state) => [stalenessOf(state)],
+      (staleness) => {
+        root.classList.toggle('stale', staleness !== null);
+        root.classList.toggle('awaited', staleness === 'awaited');
+      },
+    ),
+    whenChanged(
+      (state) => [summaryMessagesOf(state)],
+      (list) => {
+        if (list.length === 0 && messages.childElementCount === 0) return;
+        messages.replaceChildren(...list.map(line));
+      },
+    ),
+  ];
+
   return {
-    /** @param {Answer} newest */
-    show(newest) {
-      answer = newest;
-      draw();
-    },
-    /** @param {Answer | null} compared the answer to the design kept to compare with */
-    showKept(compared) {
-      if (kept === compared) return;
-      kept = compared;
-      draw();
-    },
-    /** @param {import('../../units.js').Units} chosen */
-    showUnits(chosen) {
-      units = chosen;
-      draw();
-    },
-    /** @param {boolean} isStale whether the figures belong to earlier values */
-    showStale(isStale) {
-      root.classList.toggle('stale', isStale);
-    },
-    /** @param {import('../../messages.js').Message[]} others */
-    showMessages(others) {
-      if (others.length === 0 && messages.childElementCount === 0) return;
-      messages.replaceChildren(...others.map((message) => messageLine(message)));
+    /** @param {import('../../app/state.js').State} state */
+    show(state) {
+      for (const show of shows) show(state);
     },
   };
 }
@@ -108,10 +145,10 @@ export function createSummary(root) {
 function createStat(key, title) {
   const value = element('dd', { className: 'value' });
   const more = element('dd', { className: 'more' });
-  const kept = element('dd', { className: 'more kept', title: 'Of the kept design' });
+  const pinned = element('dd', { className: 'more pinned', title: 'Of the pinned design' });
   const heading = element('dt', { textContent: title });
-  const box = element('div', { className: `stat ${key}`, 'data-figure': key }, heading, value, more, kept);
-  return { element: box, value, more, kept };
+  const box = element('div', { className: `stat ${key}`, 'data-figure': key }, heading, value, more, pinned);
+  return { element: box, value, more, pinned };
 }
 
 /** @param {Answer} answer @returns {Figure} */
@@ -160,8 +197,15 @@ function acceleration(answer) {
     value,
     unit: unitWord(unitsOf(answer), design, 'acceleration'),
     more: `${times} × ${largest.value < 0 ? 'd' : 'a'}, step ${formatFixed(largest.step)}`,
-    isHigh: Math.abs(largest.value) > BEARABLE * asked,
+    isHigh: isBeyond(errors[design.method.name]?.peak_ramp_acceleration_steps_per_s2?.value ?? 0, design),
   };
+}
+
+/** Whether the ramp itself, before its intervals are rounded to ticks, asks for more than is bearable.
+ * @param {number} peak [steps/s²] of the ramp; negative while it slows down @param {Design} design */
+function isBeyond(peak, { ramp }) {
+  const { acceleration_steps_per_s2: up, deceleration_steps_per_s2: down } = ramp;
+  return Math.abs(peak) > BEARABLE * Number(peak < 0 ? (down ?? up) : up);
 }
 
 /** @param {Answer} answer @returns {Figure} */

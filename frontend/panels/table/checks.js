@@ -1,61 +1,70 @@
 // @ts-check
-// What a gauge library would meet in the rows: asked of the server once they have changed.
+// What a gauge library would meet in the rows: asked of the server once they have changed, and again while nobody answers.
 
-import { newestWins } from '../../newest.js';
+import { createQuestion } from '../../app/effects/question.js';
 
-/** @typedef {import('../../types.js').Design} Design */
-/** @typedef {import('../../messages.js').RowMessage} RowMessage */
-/** @typedef {import('../../types.js').Entry} Entry */
+/** @typedef {import('../../model/types.js').Design} Design */
+/** @typedef {import('../../model/messages.js').RowMessage} RowMessage */
+/** @typedef {import('../../model/types.js').Entry} Entry */
+/** @typedef {{row: number, reason: string, wrong: boolean}} Finding */
 
 // A slider under the hand changes what is checked many times a second, and the curves come first.
 const QUIET_FOR_MS = 150;
 
 /**
- * @param {(table: object) => Promise<{findings: {row: number, reason: string, wrong: boolean}[]}>} checkTable
+ * @param {(table: object) => Promise<{findings: Finding[]}>} checkTable
  * @param {() => void} onFound
  */
 export function createChecks(checkTable, onFound) {
   /** @type {Map<number, RowMessage>} */
   let found = new Map();
   let asked = '';
-  let waiting = 0;
-  /** @type {object | null} */
-  let wanted = null;
-
-  const ask = newestWins(async () => {
-    found = new Map();
-    for (const { row, reason, wrong } of await findings()) {
-      const earlier = found.get(row);
-      const text = earlier ? `${earlier.text}; ${reason}` : reason.charAt(0).toUpperCase() + reason.slice(1);
-      found.set(row, { column: null, text, isWarning: true, isRemark: !wrong && (earlier?.isRemark ?? true) });
-    }
-    onFound();
+  /** @type {number | null} */
+  let axis = null;
+  const question = createQuestion({
+    ask: checkTable,
+    take: ({ findings }) => show(messagesOf(findings)),
+    // What is wrong with the design itself is said elsewhere.
+    refuse: () => show(new Map()),
+    afterMs: QUIET_FOR_MS,
   });
 
-  async function findings() {
-    if (wanted === null) return [];
-    try {
-      return (await checkTable(wanted)).findings;
-    } catch {
-      // The server is gone, or says about the design what is wrong. The next change asks again.
-      asked = '';
-      return [];
-    }
+  /** @param {Map<number, RowMessage>} messages */
+  function show(messages) {
+    found = messages;
+    onFound();
   }
 
   return {
-    /** By row. What is wrong with the design itself is said elsewhere. */
+    /** By row. */
     found: () => found,
-    /** @param {Design} design */
-    check(design) {
-      const next = tableToCheck(design);
-      if (JSON.stringify(next) === asked) return;
-      asked = JSON.stringify(next);
-      wanted = next;
-      clearTimeout(waiting);
-      waiting = window.setTimeout(ask, QUIET_FOR_MS);
+    /** The server is back. */
+    again: question.again,
+    /** @param {Design} design @param {number} of the axis that it is of */
+    check(design, of) {
+      const wanted = tableToCheck(design);
+      const isAnother = of !== axis;
+      axis = of;
+      if (JSON.stringify(wanted) === asked) return;
+      asked = JSON.stringify(wanted);
+      if (isAnother || wanted === null) {
+        question.cancel();
+        show(new Map());
+      }
+      if (wanted !== null) question.want(wanted);
     },
   };
+}
+
+/** @param {Finding[]} findings @returns {Map<number, RowMessage>} by row */
+function messagesOf(findings) {
+  const found = new Map();
+  for (const { row, reason, wrong } of findings) {
+    const earlier = found.get(row);
+    const text = earlier ? `${earlier.text}; ${reason}` : reason.charAt(0).toUpperCase() + reason.slice(1);
+    found.set(row, { column: null, text, isWarning: true, isRemark: !wrong && (earlier?.isRemark ?? true) });
+  }
+  return found;
 }
 
 /** @param {Design} design @returns {object | null} null: there are no rows, or some that can't be checked */

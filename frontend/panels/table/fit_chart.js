@@ -1,11 +1,11 @@
 // @ts-check
 // The largest error against the number of rows, from which a size is chosen: by pointer, or by keys as on a slider.
 
-import { svgElement } from '../../dom.js';
-import { formatFigures } from '../../numbers.js';
+import { svgElement } from '../../ui/dom.js';
+import { formatFigures } from '../../model/numbers.js';
 import { chartText, gridLine } from './chart.js';
 
-/** @typedef {import('../../types.js').FitCurve} FitCurve */
+/** @typedef {import('../../model/types.js').FitCurve} FitCurve */
 
 const WIDTH = 420;
 const HEIGHT = 132;
@@ -62,8 +62,8 @@ export function createFitChart(onChoose) {
   /** @param {number} index */
   function choose(index) {
     const { rows } = /** @type {FitCurve} */ (curve);
-    const kept = Math.min(rows.length - 1, Math.max(0, index));
-    if (kept !== chosen) onChoose(rows[kept]);
+    const place = Math.min(rows.length - 1, Math.max(0, index));
+    if (place !== chosen) onChoose(rows[place]);
   }
 
   /** @param {number} index */

@@ -1,24 +1,26 @@
 // @ts-check
 // The dialog for fitting rows to the ramp: the size or the error wished for, what comes of it, and only then the rows.
 
-import { Refusal } from '../../api.js';
-import { linearTableAsC } from '../../c_table.js';
-import { copyText } from '../../clipboard.js';
-import { createDialog, dialogFoot } from '../../dialog.js';
-import { element, messageLine, segmented } from '../../dom.js';
-import { methodOf, REFERENCE } from '../../methods.js';
-import { newestWins } from '../../newest.js';
-import { formatEntry, formatFigures, parseEntry } from '../../numbers.js';
+import { createQuestion, NOBODY_ANSWERS } from '../../app/effects/question.js';
+import { linearTableAsC } from '../../documents/c_table.js';
+import { copyText } from '../../ui/clipboard.js';
+import { createDialog, dialogFoot } from '../../ui/dialog.js';
+import { element, messageLine, segmented } from '../../ui/dom.js';
+import { methodOf, REFERENCE } from '../../model/methods.js';
+import { formatEntry, formatFigures, parseEntry, pointHint } from '../../model/numbers.js';
 import { createFitChart } from './fit_chart.js';
-import { previewTable } from './preview_table.js';
+import { fitKey, problemOf, rowsPreview } from './fits.js';
+import { createPurpose } from './purpose.js';
 
-/** @typedef {import('../../types.js').Design} Design */
-/** @typedef {import('../../types.js').Entry} Entry */
-/** @typedef {import('../../types.js').FitCurve} FitCurve */
-/** @typedef {import('../../types.js').FittedTable} FittedTable */
+/** @typedef {import('../../model/types.js').Design} Design */
+/** @typedef {import('../../model/types.js').Entry} Entry */
+/** @typedef {import('../../model/types.js').FitCurve} FitCurve */
+/** @typedef {import('../../model/types.js').FittedTable} FittedTable */
 /** @typedef {'rows' | 'largest_relative_error' | 'bytes'} WishName */
 /** @typedef {'constant' | 'linear'} Kind */
-/** @typedef {import('../../types.js').FitTo} FitTo */
+/** @typedef {import('../../model/types.js').FitTo} FitTo */
+/** Rows with what they were fitted to, and by what wish.
+ * @typedef {{rows: [number, number][], unit: string, design: Design, wish: import('../../model/types.js').FitWish}} Fit */
 
 /** @type {{name: WishName, label: string, unit: string}[]} */
 const WISHES = [
@@ -36,12 +38,14 @@ const LINEAR_NOTE =
   'has rows of constant delay; linear ones can be copied for a program that adds.';
 
 /**
- * @param {Pick<typeof import('../../api.js').api, 'fitTable' | 'fitCurve'>} ask
- * @param {(rows: [number, number][], unit: string) => void} onRows
+ * @param {Pick<typeof import('../../server/api.js').api, 'fitTable' | 'fitCurve'>} ask
+ * @param {(fit: Fit, purpose: import('./purpose.js').Purpose) => void} onRows
  */
 export function createFitDialog(ask, onRows) {
   /** @type {Design | null} */
   let design = null;
+  /** That of the design. */
+  let axis = 0;
   /** @type {WishName} */
   let wish = 'rows';
   /** What each wish's field holds.
@@ -56,6 +60,9 @@ export function createFitDialog(ask, onRows) {
   let curves = {};
   /** @type {FittedTable | null} */
   let fitted = null;
+  /** What the rows would be used as.
+   * @type {Fit | null} */
+  let usable = null;
 
   const about = element('p', { className: 'muted fit-about' });
   const wishes = segmented(
@@ -99,6 +106,7 @@ export function createFitDialog(ask, onRows) {
   });
   const result = element('div', { className: 'fit-result', id: 'fit-result', role: 'status' });
   const preview = element('div', { className: 'preview', tabIndex: 0, role: 'group', 'aria-label': 'Fitted rows' });
+  const purpose = createPurpose('fit');
   const use = element('button', { className: 'button primary', type: 'submit', textContent: 'Use the rows' });
   const copy = element('button', {
     className: 'button primary',
@@ -120,8 +128,14 @@ export function createFitDialog(ask, onRows) {
     chart.element,
     result,
     preview,
+    purpose.element,
     dialogFoot(() => dialog.close(), copy, use),
   );
+
+  dialog.element.addEventListener('close', () => {
+    fitting.cancel();
+    drawing.cancel();
+  });
 
   /** @param {WishName} chosen */
   function chooseWish(chosen) {
@@ -134,6 +148,7 @@ export function createFitDialog(ask, onRows) {
   /** @param {Kind} chosen */
   function chooseKind(chosen) {
     kind = chosen;
+    forget();
     fit();
     fetchCurve();
   }
@@ -141,6 +156,7 @@ export function createFitDialog(ask, onRows) {
   /** @param {FitTo} chosen */
   function choosePlayer(chosen) {
     fitTo = chosen;
+    forget();
     fit();
     fetchCurve();
   }
@@ -161,44 +177,56 @@ export function createFitDialog(ask, onRows) {
   const intervalUnit = () => design?.table?.interval_unit ?? 'us';
   const presentCurve = () => curves[`${kind} ${fitTo}`] ?? null;
 
-  const fitNewest = newestWins(async () => {
+  const fitting = createQuestion({
+    ask: (/** @type {{to: Design, unit: string, requested: import('../../model/types.js').FitWish}} */ { to, requested }) =>
+      ask.fitTable(to, requested),
+    take(answer, { to, unit, requested }) {
+      show(answer);
+      usable = answer.table && { rows: answer.table.rows, unit, design: to, wish: requested };
+    },
+    refuse: (refusal) => show(null, problemOf(refusal)),
+    miss: () => show(null, NOBODY_ANSWERS),
+    isOnlyNewest: true,
+  });
+
+  function fitNewest() {
     const value = wanted[wish];
     if (design === null || !dialog.isOpen()) return;
     if (typeof value !== 'number') {
-      show(null, value === '' ? 'Nothing is wished for.' : `“${value}” is not a number.`);
+      fitting.cancel();
+      show(null, value === '' ? 'Nothing is wished for.' : `“${value}” is not a number.${pointHint(value)}`);
       return;
     }
-    const size = wish === 'largest_relative_error' ? value / 100 : value;
-    try {
-      const requested = { [wish]: size, row_kind: kind, interval_unit: intervalUnit(), fit_to: fitTo };
-      show(await ask.fitTable(design, requested));
-    } catch (error) {
-      show(null, problemOf(error));
-    }
+    const [size, unit] = [wish === 'largest_relative_error' ? value / 100 : value, intervalUnit()];
+    fitting.want({ to: design, unit, requested: { [wish]: size, row_kind: kind, interval_unit: unit, fit_to: fitTo } });
+  }
+
+  const showCurve = () => chart.show(presentCurve(), fitted?.rows ?? 0);
+  const drawing = createQuestion({
+    ask: (/** @type {{to: Design, kindOfRow: {row_kind: Kind, interval_unit: string, fit_to: FitTo}}} */ { to, kindOfRow }) =>
+      ask.fitCurve(to, kindOfRow),
+    take(curve, { to, kindOfRow }) {
+      if (to === design) curves[`${kindOfRow.row_kind} ${kindOfRow.fit_to}`] = curve;
+      showCurve();
+    },
+    // Without the curve a size can still be typed; what is wrong with the design the fit says.
+    refuse: showCurve,
   });
 
-  const fetchCurve = newestWins(async () => {
-    const [requested, requestedKind, requestedFor] = [design, kind, fitTo];
-    if (requested === null || !dialog.isOpen() || presentCurve()) return;
-    try {
-      const kindOfRow = { row_kind: requestedKind, interval_unit: intervalUnit(), fit_to: requestedFor };
-      const curve = await ask.fitCurve(requested, kindOfRow);
-      if (requested === design) curves[`${requestedKind} ${requestedFor}`] = curve;
-    } catch (error) {
-      // Without the curve a size can still be typed; what is wrong with the design the fit says.
-      if (!(error instanceof Refusal)) show(null, problemOf(error));
-    }
-    chart.show(presentCurve(), fitted?.rows ?? 0);
-  });
+  function fetchCurve() {
+    if (design === null || !dialog.isOpen() || presentCurve()) return;
+    drawing.want({ to: design, kindOfRow: { row_kind: kind, interval_unit: intervalUnit(), fit_to: fitTo } });
+  }
 
   /** @param {FittedTable | null} shown @param {string} [problem] why there is none */
   function show(shown, problem = '') {
-    fitted = shown;
+    [fitted, usable] = [shown, null];
     chart.show(presentCurve(), shown?.rows ?? 0);
     input.setAttribute('aria-invalid', String(shown === null));
     use.disabled = copy.disabled = shown === null;
     use.hidden = kind === 'linear';
     copy.hidden = !use.hidden;
+    purpose.element.hidden = use.hidden;
     copy.textContent = 'Copy as C';
     use.textContent = shown === null ? 'Use the rows' : `Use ${shown.rows} row${shown.rows === 1 ? '' : 's'}`;
     if (shown === null) {
@@ -221,7 +249,7 @@ export function createFitDialog(ask, onRows) {
     preview.replaceChildren(rowsPreview(shown, intervalUnit() === 'us' ? 'µs' : 'ticks'));
   }
 
-  /** @param {import('../../types.js').Floor} floor */
+  /** @param {import('../../model/types.js').Floor} floor */
   function floorNote({ relative_error, ramp_index }) {
     const least = formatFigures(relative_error * 100, 3);
     const unit = intervalUnit() === 'us' ? 'µs' : 'ticks';
@@ -238,42 +266,54 @@ export function createFitDialog(ask, onRows) {
 
   /** @param {SubmitEvent} event */
   function submitted(event) {
-    if (fitted?.table) onRows(fitted.table.rows, fitted.table.interval_unit);
+    const meant = purpose.purpose();
+    if (usable && meant) onRows(usable, meant);
     else event.preventDefault();
   }
 
+  /** What was fitted is of another ramp, kind of row or player: it can't be used any more. */
+  function forget() {
+    [fitted, usable] = [null, null];
+    use.disabled = copy.disabled = true;
+  }
+
+  /** @param {Design} to */
+  function begin(to) {
+    design = to;
+    curves = {};
+    forget();
+    chart.show(null, 0);
+    const own = methodOf(to.method.name);
+    const method = own.plays_table ? methodOf(REFERENCE) : own;
+    const speed = formatEntry(to.ramp.slew_speed_steps_per_s);
+    about.textContent = `The best rows for the ramp of “${to.name || 'unnamed'}” by ${method.label} up to ${speed} steps/s.`;
+  }
+
   return {
-    /** @param {Design} present */
-    open(present) {
-      design = present;
-      [curves, fitted] = [{}, null];
-      chart.show(null, 0);
-      const own = methodOf(present.method.name);
-      const method = own.plays_table ? methodOf(REFERENCE) : own;
-      const speed = formatEntry(present.ramp.slew_speed_steps_per_s);
-      about.textContent = `The best rows for the ramp by ${method.label} up to ${speed} steps/s.`;
+    /** @param {Design} present @param {number} of the axis it is that of */
+    open(present, of) {
+      axis = of;
+      begin(present);
+      purpose.open(present, of);
       dialog.open(input);
       fit();
       fetchCurve();
     },
+    /** What is in hand: the fit follows the ramp of the axis that it was opened for, and stays with it.
+     * @param {Design} present @param {number} of the axis it is that of */
+    show(present, of) {
+      purpose.show(of);
+      if (!dialog.isOpen() || of !== axis || design === null || fitKey(present) === fitKey(design)) return;
+      begin(present);
+      fit();
+      fetchCurve();
+    },
+    /** The server is back. */
+    again() {
+      fitting.again();
+      drawing.again();
+    },
+    axis: () => axis,
+    close: dialog.close,
   };
-}
-
-/** @param {FittedTable} fitted @param {string} unit */
-function rowsPreview({ table, linear_rows, relative_errors }, unit) {
-  const heads = ['#', 'to index', `delay, ${unit}`, ...(linear_rows ? ['each step'] : []), 'error'];
-  const rows = (table?.rows ?? linear_rows ?? []).map((row, index) => [
-    ...[index + 1, ...row].map(formatEntry),
-    `${relative_errors[index] === 0 ? 0 : formatFigures(relative_errors[index] * 100, 3)} %`,
-  ]);
-  return previewTable(heads, rows);
-}
-
-/** @param {unknown} error */
-function problemOf(error) {
-  if (!(error instanceof Error)) throw error;
-  const [rejection] = error instanceof Refusal ? error.rejections : [];
-  if (rejection?.field !== 'largest_relative_error') return error.message;
-  const percent = Number((Number(rejection.value) * 100).toPrecision(6));
-  return `${formatEntry(percent)} % is refused: as a fraction, an error is ${rejection.allowed}.`;
 }

@@ -1,13 +1,13 @@
 // @ts-check
 // The grid of the lookup table: two numbers a row that can be typed, the speed they give, and what is wrong with them.
 
-import { element, icon, messageLine } from '../../dom.js';
-import { formatEntry, formatFixed, parseEntry } from '../../numbers.js';
+import { element, icon, messageLine } from '../../ui/dom.js';
+import { formatEntry, formatFixed, parseEntry } from '../../model/numbers.js';
 
-/** @typedef {import('../../types.js').Entry} Entry */
-/** @typedef {import('../../design.js').Rows} Rows */
+/** @typedef {import('../../model/types.js').Entry} Entry */
+/** @typedef {import('../../model/design.js').Rows} Rows */
 
-/** @typedef {import('../../messages.js').RowMessage} RowMessage */
+/** @typedef {import('../../model/messages.js').RowMessage} RowMessage */
 
 const INDEX_HELP =
   'Last ramp index that the row holds for. The first step of a ramp is at index 2, so a row ends with the step before; ' +
@@ -27,7 +27,7 @@ export function createGrid({ onTyped, onRemove, onInsert, onSelect }) {
   let messages = new Map();
   /** Write the rows again, as numbers are written. */
   let settle = () => {};
-  const delayHead = element('span');
+  const delayHead = element('span', { textContent: 'delay' });
   const body = element('tbody');
 
   /** Enter and the arrows go along a column, Insert makes a row.

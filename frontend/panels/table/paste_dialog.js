@@ -1,69 +1,158 @@
 // @ts-check
-// The dialog for pasting a table: the text, what was understood of it, and only then the rows.
+// The dialog for tables that come as text, pasted or from a file: the text, what was understood of it, and only then the
+// rows.
 
-import { parseTable } from '../../c_table.js';
-import { createDialog, dialogFoot } from '../../dialog.js';
-import { element, messageLine } from '../../dom.js';
-import { formatEntry } from '../../numbers.js';
+import { TABLE_FILES } from '../../documents/kinds.js';
+import { readTables } from '../../documents/table_text.js';
+import { createDialog, dialogFoot } from '../../ui/dialog.js';
+import { element, messageLine } from '../../ui/dom.js';
+import { formatEntry } from '../../model/numbers.js';
 import { previewTable } from './preview_table.js';
+import { createPurpose } from './purpose.js';
+
+/** @typedef {import('../../documents/table_text.js').Table} Table */
+/** @typedef {import('../../model/types.js').Design} Design */
+/** @typedef {import('./purpose.js').Purpose} Purpose */
 
 const EXAMPLE = 'unsigned short accelTable[][2] = {\n  { 10, 5000 },\n  { 30, 1500 }\n};';
-const UNIT_WORDS = { us: 'µs', ticks: 'ticks' };
+const UNIT_WORDS = /** @type {Record<string, string>} */ ({ us: 'µs', ticks: 'ticks' });
 
-/** @param {(rows: [number, number][], unit: 'us' | 'ticks' | undefined) => void} onRows  the unit, if the text has one */
-export function createPasteDialog(onRows) {
+/**
+ * @param {(rows: [number, number][], unit: string, purpose: Purpose) => void} onRows
+ * @param {(onText: (text: string) => void, onProblem: (problem: string) => void) => void} chooseFile
+ */
+export function createPasteDialog(onRows, chooseFile) {
+  /** @type {Table[]} */
+  let tables = [];
+  /** Index of the table to use. */
+  let chosen = 0;
+  /** The unit of delays where the text has none. */
+  let ownUnit = 'us';
+
   const text = element('textarea', {
     id: 'paste-text',
     'aria-describedby': 'paste-preview',
     rows: 9,
     spellcheck: false,
     placeholder: EXAMPLE,
-    oninput: preview,
+    oninput: read,
   });
+  const choice = element('div', { className: 'table-choice', role: 'radiogroup', 'aria-label': 'Table', hidden: true });
   const shown = element('div', { className: 'preview', id: 'paste-preview', 'aria-live': 'polite' });
+  const purpose = createPurpose('paste');
   const use = element('button', { className: 'button primary', type: 'submit', textContent: 'Use the rows' });
+  const file = element('button', {
+    className: 'button',
+    type: 'button',
+    textContent: 'Open a file…',
+    title: `C or CSV: ${TABLE_FILES.join(', ')}`,
+    onclick: () => chooseFile(put, showProblem),
+  });
   const dialog = createDialog(
     { id: 'paste-dialog', title: 'Paste a lookup table', onSubmit: submitted },
     element('label', {
       htmlFor: 'paste-text',
       textContent:
-        'A C initialiser, whole or in part, or CSV or cells of a sheet: last index and delay, with or without a heading.',
+        'C, an initialiser or a whole file, CSV, or cells of a sheet: last index and delay, with or without a heading.',
     }),
     text,
+    choice,
     shown,
-    dialogFoot(() => dialog.close(), use),
+    purpose.element,
+    dialogFoot(() => dialog.close(), file, use),
   );
 
-  function preview() {
-    const { rows, problem, unit } = parseTable(text.value);
-    use.disabled = rows === null;
-    use.textContent = rows === null ? 'Use the rows' : `Use ${rows.length} row${rows.length === 1 ? '' : 's'}`;
-    if (rows === null) {
-      const isEmpty = text.value.trim() === '';
-      shown.replaceChildren(
-        isEmpty
-          ? element('p', { className: 'muted', textContent: 'The rows found are shown here.' })
-          : messageLine({ text: problem, isWarning: false }),
+  /** @param {string} given */
+  function put(given) {
+    text.value = given;
+    read();
+  }
+
+  function read() {
+    const reading = readTables(text.value);
+    tables = reading.tables ?? [];
+    if (tables[chosen]?.rows == null) {
+      chosen = Math.max(
+        0,
+        tables.findIndex((table) => table.rows !== null),
       );
-      return;
     }
+    showChoice();
+    if (reading.tables !== null) showChosen();
+    else if (text.value.trim() !== '') showProblem(reading.problem);
+    else {
+      showNone();
+      shown.replaceChildren(element('p', { className: 'muted', textContent: 'The rows found are shown here.' }));
+    }
+  }
+
+  /** Where there are several, one of them: by its name, its size and its ends. */
+  function showChoice() {
+    choice.hidden = tables.length < 2;
+    choice.replaceChildren(...(choice.hidden ? [] : tables.map(choiceOf)));
+  }
+
+  /** @param {Table} table @param {number} index */
+  function choiceOf({ name, line, rows, problem }, index) {
+    const ends = [rows?.[0], rows?.at(-1)].map((row) => row?.map(formatEntry).join(', '));
+    const about = rows === null ? problem : `${counted(rows.length)}, from {${ends[0]}} to {${ends[1]}}`;
+    const radio = element('input', {
+      type: 'radio',
+      name: 'paste-table-choice',
+      checked: index === chosen,
+      disabled: rows === null,
+      onchange: () => {
+        chosen = index;
+        showChosen();
+      },
+    });
+    const words = element('span', { className: 'muted', textContent: `line ${line}: ${about}` });
+    return element('label', {}, radio, element('b', { textContent: name }), words);
+  }
+
+  function showChosen() {
+    const { rows, unit = ownUnit, problem } = tables[chosen];
+    if (rows === null) return showProblem(problem);
+    use.disabled = false;
+    use.textContent = `Use ${counted(rows.length)}`;
     const lines = rows.map((row, index) => [index + 1, ...row].map(formatEntry));
-    shown.replaceChildren(previewTable(['#', 'to index', unit ? `delay, ${UNIT_WORDS[unit]}` : 'delay'], lines));
+    shown.replaceChildren(previewTable(['#', 'to index', `delay, ${UNIT_WORDS[unit]}`], lines));
+  }
+
+  function showNone() {
+    use.disabled = true;
+    use.textContent = 'Use the rows';
+  }
+
+  /** @param {string} problem */
+  function showProblem(problem) {
+    showNone();
+    shown.replaceChildren(messageLine({ text: problem, isWarning: false }));
   }
 
   /** @param {SubmitEvent} event */
   function submitted(event) {
-    const { rows, unit } = parseTable(text.value);
-    if (rows === null) event.preventDefault();
-    else onRows(rows, unit);
+    const [table, meant] = [tables[chosen], purpose.purpose()];
+    if (use.disabled || !table?.rows || meant === null) event.preventDefault();
+    else onRows(table.rows, table.unit ?? ownUnit, meant);
   }
 
   return {
-    /** @param {string} [pasted] text to begin with */
-    open(pasted = '') {
-      text.value = pasted;
-      preview();
-      dialog.open(text);
+    /** @param {Design} design @param {number} axis @param {string} unit of the delays where the text names none
+     * @param {string} [given] text to begin with */
+    open(design, axis, unit, given = '') {
+      [ownUnit, chosen] = [unit, 0];
+      purpose.open(design, axis);
+      put(given);
+      dialog.open(given === '' || use.disabled ? text : use);
     },
+    showAxis: purpose.show,
+    axis: purpose.axis,
+    close: dialog.close,
   };
+}
+
+/** @param {number} count */
+function counted(count) {
+  return `${formatEntry(count)} row${count === 1 ? '' : 's'}`;
 }

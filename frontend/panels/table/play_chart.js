@@ -1,11 +1,11 @@
 // @ts-check
 // A gauge's way: its position over time, and the targets it was after.
 
-import { svgElement } from '../../dom.js';
-import { formatFigures } from '../../numbers.js';
+import { svgElement } from '../../ui/dom.js';
+import { formatFigures } from '../../model/numbers.js';
 import { chartText, gridLine } from './chart.js';
 
-/** @typedef {import('../../types.js').PlayedTable} PlayedTable */
+/** @typedef {import('../../model/types.js').PlayedTable} PlayedTable */
 /** @typedef {{at_us: number, target: number}} Target */
 
 const WIDTH = 420;

@@ -1,15 +1,16 @@
 // @ts-check
 // The dialog that plays the table: what a gauge does when its target changes in flight. Nothing is sent to a device.
 
-import { convertedRows } from '../../design.js';
-import { createDialog, dialogFoot } from '../../dialog.js';
-import { element, messageLine } from '../../dom.js';
-import { newestWins } from '../../newest.js';
-import { formatEntry, formatFixed, parseEntry } from '../../numbers.js';
+import { createQuestion, NOBODY_ANSWERS } from '../../app/effects/question.js';
+import { conversionProblem, convertedRows } from '../../model/design.js';
+import { createDialog, dialogFoot } from '../../ui/dialog.js';
+import { element, messageLine } from '../../ui/dom.js';
+import { formatEntry, formatFixed, parseEntry, pointHint } from '../../model/numbers.js';
 import { createPlayChart } from './play_chart.js';
 
-/** @typedef {import('../../types.js').Design} Design */
-/** @typedef {import('../../types.js').PlayedTable} PlayedTable */
+/** @typedef {import('../../model/types.js').Design} Design */
+/** @typedef {import('../../model/types.js').PlayedTable} PlayedTable */
+/** @typedef {import('./play_chart.js').Target} Target */
 
 const FIELDS = /** @type {const} */ ([
   { name: 'first', label: 'Go to', unit: 'step' },
@@ -21,6 +22,8 @@ const FIELDS = /** @type {const} */ ([
 export function createPlayDialog(playTable) {
   /** @type {Design | null} */
   let design = null;
+  /** That of the design. */
+  let axis = -1;
   const chart = createPlayChart();
   const result = element('div', { className: 'fit-result', id: 'play-result', role: 'status' });
   const inputs = FIELDS.map(({ name, label }) =>
@@ -30,7 +33,7 @@ export function createPlayDialog(playTable) {
       autocomplete: 'off',
       'aria-label': label,
       'aria-describedby': 'play-result',
-      oninput: () => play(),
+      oninput: play,
     }),
   );
   const fields = FIELDS.flatMap(({ label, unit }, at) => [
@@ -44,7 +47,7 @@ export function createPlayDialog(playTable) {
     onclick: () => dialog.close(),
   });
   const dialog = createDialog(
-    { id: 'play-dialog', title: 'Play the table', onSubmit: (event) => event.preventDefault() },
+    { id: 'play-dialog', title: 'Simulate the table', onSubmit: (event) => event.preventDefault() },
     element('p', {
       className: 'muted fit-about',
       textContent:
@@ -57,30 +60,45 @@ export function createPlayDialog(playTable) {
     dialogFoot(null, close),
   );
 
-  const play = newestWins(async () => {
-    if (design?.table === undefined || design?.table === null || !dialog.isOpen()) return;
+  const playing = createQuestion({
+    ask: (/** @type {{table: object, range_steps: number, targets: Target[]}} */ request) => playTable(request),
+    take: (played, { targets }) => show(played, '', targets),
+    refuse: ({ message }) => show(null, message),
+    miss: () => show(null, NOBODY_ANSWERS),
+    isOnlyNewest: true,
+  });
+  dialog.element.addEventListener('close', playing.cancel);
+
+  function play() {
     const entries = inputs.map((input) => parseEntry(input.value));
     inputs.forEach((input, at) => input.setAttribute('aria-invalid', String(!isWhole(entries[at]))));
-    const wrong = FIELDS.findIndex((_, at) => !isWhole(entries[at]));
-    if (wrong >= 0) return show(null, `“${inputs[wrong].value}” is not a whole number from 0 on.`);
+    const problem = problemWith(entries);
+    if (problem !== '' || !design?.table) {
+      playing.cancel();
+      show(null, problem);
+      return;
+    }
     const [first, after, second] = entries.map(Number);
     const targets = [
       { at_us: 0, target: first },
       { at_us: after * 1000, target: second },
     ];
-    const { rows } =
-      design.table.interval_unit === 'us'
-        ? design.table
-        : convertedRows(design.table.rows, 'us', Number(design.timer.frequency_hz));
-    try {
-      show(await playTable({ table: { rows }, range_steps: Math.max(first, second) + 1, targets }), '', targets);
-    } catch (error) {
-      if (!(error instanceof Error)) throw error;
-      show(null, error.message);
-    }
-  });
+    const { rows: own, interval_unit } = design.table;
+    const { rows } = interval_unit === 'us' ? { rows: own } : convertedRows(own, 'us', Number(design.timer.frequency_hz));
+    playing.want({ table: { rows }, range_steps: Math.max(first, second) + 1, targets });
+  }
 
-  /** @param {PlayedTable | null} played @param {string} problem @param {{at_us: number, target: number}[]} [targets] */
+  /** Why nothing can be played; '' if it can.
+   * @param {import('../../model/types.js').Entry[]} entries */
+  function problemWith(entries) {
+    if (!design?.table) return 'The design has no table.';
+    const wrong = FIELDS.findIndex((_, at) => !isWhole(entries[at]));
+    if (wrong >= 0) return `“${inputs[wrong].value}” is not a whole number from 0 on.${pointHint(inputs[wrong].value)}`;
+    const { rows, interval_unit } = design.table;
+    return interval_unit === 'us' ? '' : conversionProblem(rows, 'us', design.timer.frequency_hz);
+  }
+
+  /** @param {PlayedTable | null} played @param {string} problem @param {Target[]} [targets] */
   function show(played, problem, targets = []) {
     chart.show(played, targets);
     if (played === null) {
@@ -99,9 +117,9 @@ export function createPlayDialog(playTable) {
   }
 
   return {
-    /** @param {Design} present */
-    open(present) {
-      design = present;
+    /** @param {Design} present @param {number} of the axis it is that of */
+    open(present, of) {
+      [design, axis] = [present, of];
       const steps = Math.abs(Number(present.move.steps)) || 100;
       const first = [steps, 300, Math.round(steps / 4)];
       inputs.forEach((input, at) => {
@@ -110,10 +128,21 @@ export function createPlayDialog(playTable) {
       dialog.open(inputs[0]);
       play();
     },
+    /** What is in hand: the table that is played is that of the axis that it was opened for, as it is now.
+     * @param {Design} present @param {number} of the axis it is that of */
+    show(present, of) {
+      if (!dialog.isOpen() || of !== axis || (present.table === design?.table && present.timer === design.timer)) return;
+      design = present;
+      play();
+    },
+    /** The server is back. */
+    again: playing.again,
+    axis: () => axis,
+    close: dialog.close,
   };
 }
 
-/** @param {import('../../types.js').Entry} entry */
+/** @param {import('../../model/types.js').Entry} entry */
 function isWhole(entry) {
   return typeof entry === 'number' && Number.isInteger(entry) && entry >= 0;
 }

@@ -1,7 +1,7 @@
 // @ts-check
 // Rows to look at before they are used.
 
-import { element } from '../../dom.js';
+import { element } from '../../ui/dom.js';
 
 /** A table to look at.
  * @param {string[]} heads @param {string[][]} rows */

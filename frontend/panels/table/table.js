@@ -1,76 +1,89 @@
 // @ts-check
 // The lookup table: rows can be typed, added, deleted, fitted, pasted and copied, in µs or in ticks.
 
-import { parseTable, tableAsC, tableAsCsv } from '../../c_table.js';
-import { copyText } from '../../clipboard.js';
-import { convertedRows, rowAfter, rowSpeed } from '../../design.js';
-import { element, icon, messageLine, picker } from '../../dom.js';
+import { selectRow } from '../../app/commands/view.js';
+import { setTable } from '../../app/commands/work.js';
+import { axisOf, designOf, machineOf, messagesOf } from '../../app/selectors.js';
+import { whenChanged, whenever } from '../../app/state.js';
+import { tableAsC, tableAsCsv } from '../../documents/c_table.js';
+import { openTableFile } from '../../documents/files.js';
+import { readTables } from '../../documents/table_text.js';
+import { copyText } from '../../ui/clipboard.js';
+import { conversionProblem, convertedRows, rowAfter, rowSpeed } from '../../model/design.js';
+import { methodOf } from '../../model/methods.js';
+import { idsOf, tablesOf } from '../../model/workbench.js';
+import { element, icon, messageLine, picker } from '../../ui/dom.js';
 import { createChecks } from './checks.js';
 import { createFitDialog } from './fit_dialog.js';
+import { fitKey } from './fits.js';
+import { counted, createFoot } from './foot.js';
 import { createGrid } from './grid.js';
+import { createOrigins } from './origins.js';
 import { createPasteDialog } from './paste_dialog.js';
 import { createPlayDialog } from './play_dialog.js';
 
-/** @typedef {import('../../types.js').Design} Design */
-/** @typedef {import('../../types.js').Entry} Entry */
-/** @typedef {import('../../design.js').Rows} Rows */
-/** @typedef {import('../../messages.js').Messages} Messages */
+/** @typedef {import('../../model/types.js').Design} Design */
+/** @typedef {import('../../model/types.js').Entry} Entry */
+/** @typedef {import('../../model/design.js').Rows} Rows */
+/** @typedef {import('../../model/messages.js').Messages} Messages */
 
-const BYTES_PER_ROW = 4;
+/** @type {[string, string][]} */
+const UNITS = [
+  ['us', 'µs'],
+  ['ticks', 'ticks'],
+];
+
+/** Whose table it becomes, and whether it becomes the method as well.
+ * @typedef {import('./purpose.js').Purpose} Purpose */
 
 /**
  * @param {HTMLElement} root
- * @param {object} handlers
- * @param {(rows: Rows, unit: string, gesture?: string) => void} handlers.onEdit  edits with the same gesture are one
- * @param {(row: number) => void} handlers.onSelect
- * @param {Pick<typeof import('../../api.js').api, 'fitTable' | 'fitCurve' | 'checkTable' | 'playTable'>} handlers.ask
+ * @param {import('../../app/state.js').Dispatch} dispatch
+ * @param {Pick<typeof import('../../server/api.js').api, 'fitTable' | 'fitCurve' | 'checkTable' | 'playTable'>} ask
  */
-export function createTable(root, { onEdit, onSelect, ask }) {
+export function createTable(root, dispatch, ask) {
   /** @type {Design | null} */
   let design = null;
+  /** The id of the axis whose table it is. */
+  let axis = -1;
+  /** All axes.
+   * @type {import('../../model/workbench.js').Machine | null} */
+  let machine = null;
+  /** @type {import('../../model/workbench.js').History | null} */
+  let history = null;
   let unit = 'us';
-  /** The rows that a paste took the place of.
-   * @type {{rows: Rows, unit: string} | null} */
-  let replaced = null;
+  /** By axis, the rows that others took the place of.
+   * @type {Map<number, {rows: Rows, unit: string}>} */
+  const replaced = new Map();
   let note = '';
   /** The rows and unit that the note is about. */
   let noted = '';
-  /** What is wrong with the design as a whole.
+  /** Why something asked of the rows was not done. */
+  let problem = '';
+  /** What is wrong with the table as a whole.
+   * @type {import('../../model/messages.js').Message | undefined} */
+  let whole;
+  /** What is wrong with rows.
    * @type {Messages['rows']} */
   let rejected = new Map();
+  /** The axes that were shown already: the rows of others come with their design.
+   * @type {Set<number>} */
+  const known = new Set();
+  const origins = createOrigins();
 
-  const grid = createGrid({ onTyped: typed, onRemove: remove, onInsert: insert, onSelect });
-  const dialog = createPasteDialog((rows, pastedUnit) => replace(rows, 'pasted', pastedUnit ?? unit));
-  const fitDialog = createFitDialog(ask, (rows, fittedUnit) => replace(rows, 'fitted', fittedUnit));
+  const grid = createGrid({ onTyped: typed, onRemove: remove, onInsert: insert, onSelect: (row) => dispatch(selectRow, row) });
+  const dialog = createPasteDialog(
+    (rows, pastedUnit, purpose) => replace(rows, pastedUnit, 'pasted', purpose),
+    openTableFile,
+  );
+  const fitDialog = createFitDialog(ask, useFit);
   const playDialog = createPlayDialog(ask.playTable);
   const checks = createChecks(ask.checkTable, showRowMessages);
   const units = picker('Unit of the delays', changeUnit);
   units.element.classList.add('quiet');
   units.select.id = 'interval-unit';
-  const add = element(
-    'button',
-    {
-      className: 'button quiet square small',
-      id: 'add-row',
-      type: 'button',
-      'aria-label': 'Add a row',
-      title: 'Add a row',
-      onclick: addRow,
-    },
-    icon('plus'),
-  );
-  const paste = element(
-    'button',
-    {
-      className: 'button quiet square small',
-      id: 'paste-table',
-      type: 'button',
-      'aria-label': 'Paste rows',
-      title: 'Paste rows from C, CSV or a sheet',
-      onclick: () => dialog.open(),
-    },
-    icon('paste'),
-  );
+  const add = button('add-row', 'Add a row', 'plus', addRow);
+  const paste = button('paste-table', 'Paste rows', 'paste', () => openText(''), 'Paste rows from C, CSV or a sheet');
   const fit = element(
     'button',
     {
@@ -78,12 +91,18 @@ export function createTable(root, { onEdit, onSelect, ask }) {
       id: 'fit-table',
       type: 'button',
       title: 'Find the best rows for the ramp',
-      onclick: () => design && fitDialog.open(design),
+      onclick: () => design && fitDialog.open(design, axis),
     },
     icon('fit'),
     'Fit',
   );
-  const foot = element('div', { className: 'table-foot' });
+  const foot = createFoot({
+    simulate: () => design && playDialog.open(design, axis),
+    copyC: () => copy(tableAsC, 'C'),
+    copyCsv: () => copy(tableAsCsv, 'CSV'),
+    refit,
+    putBack,
+  });
   const general = element('div', { className: 'messages' });
   root.replaceChildren(
     element(
@@ -97,7 +116,7 @@ export function createTable(root, { onEdit, onSelect, ask }) {
     ),
     general,
     grid.element,
-    foot,
+    foot.element,
   );
   root.addEventListener('paste', pasted);
 
@@ -106,7 +125,7 @@ export function createTable(root, { onEdit, onSelect, ask }) {
 
   /** @param {Rows} changed @param {string} [gesture] */
   function edit(changed, gesture) {
-    onEdit(changed, unit, gesture);
+    dispatch(setTable, changed, unit, gesture, axis);
   }
 
   /** @param {number} index @param {number} column @param {Entry} entry */
@@ -143,26 +162,64 @@ export function createTable(root, { onEdit, onSelect, ask }) {
 
   /** @param {string} wanted */
   function changeUnit(wanted) {
+    problem = conversionProblem(rows(), wanted, design?.timer.frequency_hz ?? '');
+    showGeneral();
+    if (problem !== '') {
+      units.select.value = unit;
+      return;
+    }
     const { rows: converted, rounded } = convertedRows(rows(), wanted, Number(design?.timer.frequency_hz));
     unit = wanted;
-    const whole = wanted === 'us' ? 'µs' : 'ticks';
-    tell(rounded > 0 ? `${rounded} delay${rounded === 1 ? '' : 's'} rounded to whole ${whole}` : '', converted);
+    const delays = `${rounded} delay${rounded === 1 ? '' : 's'}`;
+    tell(rounded > 0 ? `${delays} rounded to whole ${new Map(UNITS).get(wanted)}` : '', converted);
     edit(converted);
   }
 
-  /** @param {Rows} taken @param {string} how @param {string} [takenUnit] */
-  function replace(taken, how, takenUnit = unit) {
-    replaced = { rows: rows(), unit };
-    unit = takenUnit;
-    tell(`${counted(taken.length)} ${how}`, taken);
-    select(-1);
-    edit(taken);
+  /** Other rows for an axis, which is the one in hand or not.
+   * @param {Rows} taken @param {string} takenUnit @param {string} how @param {Purpose} purpose */
+  function replace(taken, takenUnit, how, purpose) {
+    const table = machine?.axes[machine.ids.indexOf(purpose.axis)]?.table;
+    replaced.set(purpose.axis, { rows: table?.rows ?? [], unit: table?.interval_unit ?? takenUnit });
+    if (purpose.axis === axis) {
+      unit = takenUnit;
+      tell(`${counted(taken.length)} ${how}${purpose.asMethod ? ', now the method' : ''}`, taken);
+      dispatch(selectRow, -1);
+    }
+    dispatch(setTable, taken, takenUnit, undefined, purpose.axis, purpose.asMethod);
   }
 
-  /** @param {number} index */
-  function select(index) {
-    grid.select(index);
-    onSelect(index);
+  /** @param {import('./fit_dialog.js').Fit} fit @param {Purpose} purpose */
+  function useFit({ rows: fitted, unit: fittedUnit, design: of, wish }, purpose) {
+    // Each fit notes its rows: those that can't come back are forgotten.
+    if (history) origins.prune(tablesOf(history));
+    origins.note({ rows: fitted, interval_unit: fittedUnit }, of, wish);
+    replace(fitted, fittedUnit, 'fitted', purpose);
+  }
+
+  /** Whether the table and the ramp of an axis are those still.
+   * @param {Design} of @param {number} at its id */
+  function isAsAsked(of, at) {
+    const now = machine?.axes[machine.ids.indexOf(at)];
+    return now !== undefined && now.table === of.table && fitKey(now) === fitKey(of);
+  }
+
+  /** Fit again as the rows were, to the ramp of now. */
+  async function refit() {
+    const [of, at] = [design, axis];
+    const stale = of && origins.staleWish(of);
+    if (!of || !stale) return;
+    try {
+      const { table } = await ask.fitTable(of, stale.wish);
+      // Rows or a ramp that came meanwhile are not those that were asked about: the foot offers to fit them.
+      if (!isAsAsked(of, at)) return;
+      const unitThen = stale.wish.interval_unit;
+      if (table) useFit({ rows: table.rows, unit: unitThen, design: of, wish: stale.wish }, { axis: at, asMethod: false });
+    } catch (error) {
+      if (!(error instanceof Error)) throw error;
+      if (at !== axis || !isAsAsked(of, at)) return;
+      problem = `The rows were not fitted. ${error.message}`;
+      showGeneral();
+    }
   }
 
   /** @param {(rows: Rows, unit: string) => string} written @param {string} name */
@@ -173,74 +230,76 @@ export function createTable(root, { onEdit, onSelect, ask }) {
   }
 
   function putBack() {
-    if (replaced === null) return;
-    unit = replaced.unit;
-    const { rows: before } = replaced;
-    [replaced, note] = [null, ''];
-    edit(before);
+    const before = replaced.get(axis);
+    if (before === undefined) return;
+    unit = before.unit;
+    replaced.delete(axis);
+    note = '';
+    edit(before.rows);
   }
 
-  /** A table pasted anywhere in the panel takes the place of the rows; a lone number stays an ordinary paste.
+  /** A table pasted anywhere in the panel takes the place of the rows; a lone number stays an ordinary paste. Where there
+   * is something to choose, it is shown first.
    * @param {ClipboardEvent} event */
   function pasted(event) {
     const text = event.clipboardData?.getData('text/plain') ?? '';
-    if (event.defaultPrevented || !/[{};\t\n]/.test(text.trim())) return;
+    const isInText = event.target instanceof HTMLTextAreaElement;
+    if (event.defaultPrevented || isInText || !/[{};\t\n]/.test(text.trim())) return;
     event.preventDefault();
-    const reading = parseTable(text);
-    if (reading.rows === null) dialog.open(text);
-    else replace(reading.rows, 'pasted', reading.unit ?? unit);
+    const { tables } = readTables(text);
+    const [table] = tables ?? [];
+    const isMethod = design !== null && methodOf(design.method.name).plays_table;
+    if (!isMethod || tables?.length !== 1 || !table.rows) openText(text);
+    else replace(table.rows, table.unit ?? unit, 'pasted', { axis, asMethod: false });
   }
 
-  /** @param {Design} shown */
-  function show(shown) {
-    checks.check(shown);
+  /** @param {string} text in which there may be tables */
+  function openText(text) {
+    if (design) dialog.open(design, axis, unit, text);
+  }
+
+  /** @param {Design | null} shown @param {number | null} of the axis that it is of */
+  function showDesign(shown, of) {
+    if (shown === null || of === null) return;
+    checks.check(shown, of);
     // Rows that are shown already stay: sliders of the ramp don't touch them.
-    const isKnown = shown.table === design?.table && shown.timer === design.timer;
-    design = shown;
-    if (isKnown) return;
-    unit = design.table?.interval_unit ?? unit;
-    units.offer(
-      [
-        ['us', 'µs'],
-        ['ticks', 'ticks'],
-      ],
-      unit,
-    );
-    if (noted !== JSON.stringify([rows(), unit])) note = '';
-    // Undone: there is nothing to put back any more.
-    if (replaced && JSON.stringify(replaced) === JSON.stringify({ rows: rows(), unit })) replaced = null;
-    grid.show(rows(), unit, (interval) => rowSpeed(shown, interval, unit));
+    const isKnown = shown.table === design?.table && shown.timer === design.timer && of === axis;
+    if (shown.table && !known.has(of)) origins.note(shown.table, shown, null);
+    known.add(of);
+    [design, axis] = [shown, of];
+    dialog.showAxis(of);
+    fitDialog.show(shown, of);
+    playDialog.show(shown, of);
+    if (!isKnown) showRows(shown);
     showFoot();
   }
 
+  /** @param {Design} shown */
+  function showRows(shown) {
+    unit = shown.table?.interval_unit ?? unit;
+    units.offer(UNITS, unit);
+    if (noted !== JSON.stringify([rows(), unit])) note = '';
+    problem = '';
+    showGeneral();
+    // Undone: there is nothing to put back any more.
+    if (JSON.stringify(replaced.get(axis)) === JSON.stringify({ rows: rows(), unit })) replaced.delete(axis);
+    grid.show(rows(), unit, (interval) => rowSpeed(shown, interval, unit));
+  }
+
   function showFoot() {
-    const count = rows().length;
-    const summary =
-      count === 0
-        ? 'No rows: add one, fit them, or paste a table.'
-        : `${counted(count)} · ${count * BYTES_PER_ROW} bytes`;
-    const told = element('span', {
-      className: 'grow',
-      role: 'status',
-      textContent: [summary, note].filter((text) => text !== '').join(' · '),
+    const stale = design && origins.staleWish(design);
+    const change = stale ? (stale.isFit ? 'fitted for another ramp' : 'the ramp has changed since') : '';
+    foot.show({
+      rows: rows().length,
+      note: [note, change].filter((text) => text !== '').join(' · '),
+      canRefit: stale !== null,
+      replaced: replaced.get(axis)?.rows.length ?? 0,
     });
-    foot.replaceChildren(
-      told,
-      ...(replaced === null || replaced.rows.length === 0
-        ? []
-        : [footButton(`Put the ${replaced.rows.length} before back`, 'Put the rows before back', putBack)]),
-      ...(count === 0
-        ? []
-        : [
-            footButton(
-              'Play',
-              'See what a gauge does when its target changes in flight',
-              () => design && playDialog.open(design),
-            ),
-            footButton('C', 'Copy the rows as C', () => copy(tableAsC, 'C'), icon('copy')),
-            footButton('CSV', 'Copy the rows as CSV', () => copy(tableAsCsv, 'CSV'), icon('copy')),
-          ]),
-    );
+  }
+
+  function showGeneral() {
+    const asked = problem === '' ? [] : [messageLine({ text: problem, isWarning: true })];
+    general.replaceChildren(...(whole ? [messageLine(whole)] : []), ...asked);
   }
 
   /** The remarks of the check beside what is wrong, which comes first. */
@@ -248,38 +307,54 @@ export function createTable(root, { onEdit, onSelect, ask }) {
     grid.showMessages(new Map([...checks.found(), ...rejected]));
   }
 
+  /** @param {Messages} messages */
+  function showMessages({ fields, rows: rowMessages }) {
+    whole = fields.get('table');
+    showGeneral();
+    rejected = rowMessages;
+    showRowMessages();
+  }
+
+  /** @param {import('../../model/workbench.js').Machine | null} shown */
+  function showMachine(shown) {
+    machine = shown;
+    // What was opened for an axis that is gone has nowhere to go.
+    for (const one of [dialog, fitDialog, playDialog]) if (!shown?.ids.includes(one.axis())) one.close();
+  }
+
+  /** Forget the axes that can't come back.
+   * @param {import('../../app/state.js').State} state */
+  function forget(state) {
+    const ids = state.history === null ? new Set() : idsOf(state.history);
+    for (const id of replaced.keys()) if (!ids.has(id)) replaced.delete(id);
+    for (const id of known) if (!ids.has(id)) known.delete(id);
+    if (state.history) origins.prune(tablesOf(state.history));
+  }
+
+  const shows = [
+    whenever(({ opened }) => [opened], forget),
+    whenChanged((state) => [state.history], (known) => (history = known)),
+    whenChanged((state) => [machineOf(state)], showMachine),
+    whenChanged((state) => [designOf(state), axisOf(state)], showDesign),
+    whenChanged((state) => [messagesOf(state)], showMessages),
+    whenChanged(({ row }) => [row], grid.select),
+    whenChanged(({ devices }) => [devices.link], (link) => {
+      if (link === 'there') for (const one of [checks, fitDialog, playDialog]) one.again();
+    }),
+    whenChanged(({ told }) => [told.tableText], (given) => given && openText(given.text)),
+  ];
+
   return {
-    show,
-    /** @param {Messages} messages */
-    showMessages({ fields, rows: rowMessages }) {
-      const whole = fields.get('table');
-      general.replaceChildren(...(whole ? [messageLine(whole)] : []));
-      rejected = rowMessages;
-      showRowMessages();
-    },
-    /** @param {number} index of the row selected in the plot */
-    select: (index) => grid.select(index),
-    /** Forget what a paste replaced: another design is shown. */
-    forget() {
-      [replaced, note] = [null, ''];
-      select(-1);
+    /** @param {import('../../app/state.js').State} state */
+    show(state) {
+      for (const show of shows) show(state);
     },
   };
 }
 
-/** @param {number} count */
-function counted(count) {
-  return `${count} row${count === 1 ? '' : 's'}`;
-}
-
-/** @param {string} text @param {string} title @param {() => void} onclick @param {...Node} before */
-function footButton(text, title, onclick, ...before) {
-  const isPlain = before.length === 0;
-  const label = isPlain ? {} : { 'aria-label': title };
-  return element(
-    'button',
-    { className: 'button quiet small', type: 'button', title, ...label, onclick },
-    ...before,
-    text,
-  );
+/** @param {string} id @param {string} label @param {'plus' | 'paste'} sign @param {() => void} onclick
+ * @param {string} [title] */
+function button(id, label, sign, onclick, title = label) {
+  const properties = { className: 'button quiet square small', id, type: 'button', 'aria-label': label, title, onclick };
+  return element('button', properties, icon(sign));
 }

@@ -1,17 +1,23 @@
 // @ts-check
 // The tabs of the narrow layouts: which of the side panels is in sight.
 
-import { element } from '../../dom.js';
+import { chooseTab } from '../../app/commands/view.js';
+import { whenChanged } from '../../app/state.js';
+import { element } from '../../ui/dom.js';
+import { ONE_PLOT } from '../../ui/layouts.js';
+import { watchSkips } from './skips.js';
 
-/** @type {[string, string][]} */
+/** @typedef {import('../../app/state.js').Tab} Tab */
+
+/** @type {[Tab, string][]} */
 const TABS = [
   ['parameters', 'Parameters'],
   ['table', 'Table'],
   ['device', 'Device'],
 ];
 
-/** @param {HTMLElement} root @param {(name: string) => void} onChoose */
-export function createTabs(root, onChoose) {
+/** @param {HTMLElement} root @param {import('../../app/state.js').Dispatch} dispatch */
+export function createTabs(root, dispatch) {
   const buttons = TABS.map(([name, label]) =>
     element('button', {
       type: 'button',
@@ -30,12 +36,12 @@ export function createTabs(root, onChoose) {
     ),
   );
 
-  /** @param {string} name */
-  function choose(name) {
+  /** @param {Tab} name @param {boolean} isGuided the guide is in their place */
+  function show(name, isGuided) {
     document.body.dataset.tab = name;
     for (const button of buttons) {
       const isChosen = button.dataset.value === name;
-      button.setAttribute('aria-selected', String(isChosen));
+      button.setAttribute('aria-selected', String(isChosen && !isGuided));
       button.tabIndex = isChosen ? 0 : -1;
     }
   }
@@ -49,11 +55,14 @@ export function createTabs(root, onChoose) {
     buttons[next].focus();
   }
 
-  /** @param {string} name */
+  /** @param {Tab} name */
   function pick(name) {
-    choose(name);
-    onChoose(name);
+    dispatch(chooseTab, name, ONE_PLOT.matches);
   }
 
-  choose('parameters');
+  watchSkips(/** @type {HTMLElement} */ (document.getElementById('skips')), (panel) => {
+    const tab = TABS.find(([name]) => name === panel);
+    if (tab) pick(tab[0]);
+  });
+  return { show: whenChanged(({ tab, guide }) => [tab, guide.isOpen], show) };
 }

@@ -1,0 +1,111 @@
+// @ts-check
+// What the server tells of the devices, and what is chosen among them. Nothing here asks anything of a device.
+
+import { areEqual } from '../../model/equal.js';
+import { deviceOf } from '../selectors.js';
+
+/** @typedef {import('../../model/types.js').Design} Design */
+/** @typedef {import('../../model/types.js').Device} Device */
+/** @typedef {import('../state.js').Devices} Devices */
+/** @typedef {import('../state.js').State} State */
+
+/** @param {State} state @param {Partial<Devices>} known @returns {State} */
+const knowing = (state, known) => ({ ...state, devices: { ...state.devices, ...known } });
+
+/** The device in view stays so when it comes back at another port, which is the chosen one from then on.
+ * @param {State} state @returns {State} */
+function following(state) {
+  const { id, port } = state.devices;
+  const device = deviceOf(state);
+  const next = { id: device?.id ?? null, port: port !== null && device !== null && device.id === id ? device.port : port };
+  return next.id === id && next.port === port ? state : knowing(state, next);
+}
+
+/** Of those that are not told any more nothing is known.
+ * @param {State} state @param {Device[]} list @param {import('../state.js').Runs} runs @returns {State} */
+export function heard(state, list, runs) {
+  const { pushed, traces, preview } = state.devices;
+  const told = new Set(list.map(({ id }) => id));
+  const known = {
+    list,
+    runs,
+    pushed: onlyOf(told, pushed),
+    traces: onlyOf(told, traces),
+    preview: preview !== null && told.has(preview.question.id) ? preview : null,
+  };
+  return following(knowing(state, known));
+}
+
+/** What is known of some devices; the same object when it is of no other.
+ * @template Known
+ * @param {Set<string>} ids @param {Record<string, Known>} known @returns {Record<string, Known>} */
+function onlyOf(ids, known) {
+  const entries = Object.entries(known);
+  const told = entries.filter(([id]) => ids.has(id));
+  return told.length === entries.length ? known : Object.fromEntries(told);
+}
+
+/** @param {State} state @param {import('../../model/types.js').Link} link @returns {State} */
+export const linked = (state, link) => (state.devices.link === link ? state : knowing(state, { link }));
+
+/** @param {State} state @param {import('../../model/types.js').Ports} known @returns {State} */
+export const portsCame = (state, { ports, families }) => following(knowing(state, { ports, families }));
+
+/** @param {State} state @param {string} port @returns {State} */
+export const choosePort = (state, port) => following(knowing(state, { port, id: null, rejections: [] }));
+
+/** @param {State} state @param {string} port @param {string} family @returns {State} */
+export const chooseFamily = (state, port, family) =>
+  knowing(state, { chosenFamilies: { ...state.devices.chosenFamilies, [port]: family } });
+
+/** @param {State} state @param {number} axis of the device @returns {State} */
+export const chooseAxis = (state, axis) => knowing(state, { axis });
+
+/** @param {State} state @param {import('../state.js').SectionName} section @returns {State} */
+export const chooseSection = (state, section) => knowing(state, { section });
+
+/** Something is being asked of a device: what was refused before is over.
+ * @param {State} state @param {string} asking @returns {State} */
+export const asks = (state, asking) => knowing(state, { asking, rejections: [] });
+
+/** @param {State} state @returns {State} */
+export const answered = (state) => knowing(state, { asking: null });
+
+/** @param {State} state @param {import('../../model/types.js').Rejection[]} rejections @returns {State} */
+export function refused(state, rejections) {
+  return rejections.length === 0 && state.devices.rejections.length === 0 ? state : knowing(state, { rejections });
+}
+
+/** @param {State} state @param {string} id of the device @param {import('../state.js').Pushed | null} what null: it has
+ * others @returns {State} */
+export function pushed(state, id, what) {
+  const { [id]: _, ...others } = state.devices.pushed;
+  return knowing(state, { pushed: what === null ? others : { ...others, [id]: what } });
+}
+
+/** @param {State} state @param {boolean} isTracing whether moves are measured @returns {State} */
+export const setTracing = (state, isTracing) => knowing(state, { isTracing });
+
+/** @param {State} state @param {string} id of the device @param {import('../../model/types.js').Trace} trace
+ * @returns {State} */
+export const traceCame = (state, id, trace) => knowing(state, { traces: { ...state.devices.traces, [id]: trace } });
+
+/** @param {State} state @param {import('../state.js').MeasuredMove | null} measured @returns {State} */
+export const showMeasured = (state, measured) => (state.devices.measured === measured ? state : knowing(state, { measured }));
+
+/** @param {State} state @param {import('../state.js').Preview | null} preview @returns {State} */
+export const previewCame = (state, preview) => (state.devices.preview === preview ? state : knowing(state, { preview }));
+
+/** @param {State} state @param {boolean} isHaltNext whether a press of STOP halts
+ * @param {import('../../devices/stopping.js').Fate} stopFate what has become of the last @returns {State} */
+export function stopKnown(state, isHaltNext, stopFate) {
+  const { devices } = state;
+  return devices.isHaltNext === isHaltNext && devices.stopFate === stopFate ? state : knowing(state, { isHaltNext, stopFate });
+}
+
+/** @param {State} state @param {Record<string, number>} ages of those devices of which nothing new is known @returns {State} */
+export const aged = (state, ages) => (areEqual(ages, state.devices.ages) ? state : knowing(state, { ages }));
+
+/** @param {State} state @param {string} port @param {import('../../model/types.js').SoftLimits[]} axes as they are remembered
+ * @returns {State} */
+export const limitsKept = (state, port, axes) => knowing(state, { softLimits: { ...state.devices.softLimits, [port]: axes } });

@@ -1,0 +1,69 @@
+// @ts-check
+// How things are looked at: nothing of it is a part of a design, or undone.
+
+import { areAxesShown, axisOf, chosenViewOf, viewOf } from '../selectors.js';
+import { closeGuide } from './guide.js';
+
+/** @typedef {import('../state.js').State} State */
+/** @typedef {import('../state.js').View} View */
+
+/** @param {State} state @param {Partial<View>} wanted @returns {State} */
+function looked(state, wanted) {
+  const axis = axisOf(state);
+  if (axis === null) return state;
+  return { ...state, views: { ...state.views, [axis]: { ...chosenViewOf(state), ...wanted } } };
+}
+
+/** Look at the axis in hand otherwise; along another axis or at another part of the move all of it is shown.
+ * @param {State} state @param {Partial<Omit<View, 'zoom' | 'range'>>} wanted @returns {State} */
+export function look(state, wanted) {
+  const isElsewhere = 'against' in wanted || 'part' in wanted;
+  return looked(state, isElsewhere ? { ...wanted, zoom: null } : wanted);
+}
+
+/** @param {State} state @param {[number, number] | null} zoom null: all @returns {State} */
+export function zoomTo(state, zoom) {
+  if (viewOf(state).zoom === zoom) return state;
+  return areAxesShown(state) ? { ...state, allZoom: zoom } : looked(state, { zoom });
+}
+
+/** Finer points are wanted for a part of the move.
+ * @param {State} state @param {[number, number] | null} range first and last step; null: the whole move
+ * @returns {State} */
+export const wantPoints = (state, range) => looked(state, { range });
+
+/** @param {State} state @param {boolean} areAllShown @returns {State} */
+export const showAll = (state, areAllShown) => ({ ...state, areAllShown, allZoom: null });
+
+/** @param {State} state @param {import('../../model/types.js').MethodName} name @returns {State} */
+export function switchMethod(state, name) {
+  const { shown } = state;
+  return { ...state, shown: shown.includes(name) ? shown.filter((one) => one !== name) : [...shown, name] };
+}
+
+/** @param {State} state @param {import('../../model/units.js').Units} units @returns {State} */
+export function setUnits(state, units) {
+  // A zoom along the position would be in other units.
+  const views = Object.entries(state.views).map(([axis, view]) => [
+    axis,
+    view.against === 'position' ? { ...view, zoom: null } : view,
+  ]);
+  return { ...state, units, views: Object.fromEntries(views) };
+}
+
+/** @param {State} state @param {import('../state.js').Theme} theme @returns {State} */
+export const setTheme = (state, theme) => (state.theme === theme ? state : { ...state, theme });
+
+/** The guide gives way to the panel. Where one plot at a time has room, the tab of the table shows the plot with its rows.
+ * @param {State} state @param {import('../state.js').Tab} tab @param {boolean} isNarrow @returns {State} */
+export function chooseTab(state, tab, isNarrow) {
+  const next = { ...closeGuide(state), tab };
+  if (tab !== 'table' || !isNarrow) return next;
+  return looked(next, { only: 'delay', against: 'step', part: 'start', zoom: null });
+}
+
+/** @param {State} state @param {import('../../plotting/curves.js').Reading | null} reading @returns {State} */
+export const read = (state, reading) => (state.reading === reading ? state : { ...state, reading });
+
+/** @param {State} state @param {number} row of the table; -1: none @returns {State} */
+export const selectRow = (state, row) => (state.row === row ? state : { ...state, row });

@@ -1,0 +1,55 @@
+// @ts-check
+// What is shown beside the design in hand: the pinned design's curves, and all axes of the machine over one time.
+
+import { api } from '../../server/api.js';
+import { calculate, NO_DETAILS } from '../../server/calculation.js';
+import { allAxesCame, pinnedCame } from '../commands/answers.js';
+import { areAxesShown, machineOf } from '../selectors.js';
+import { whenChanged } from '../state.js';
+import { createQuestion } from './question.js';
+
+/** @typedef {import('../../model/types.js').Design} Design */
+/** @typedef {import('../../model/workbench.js').Work} Work */
+
+// As many points as a wide screen has pixels.
+const MAX_POINTS = 1500;
+
+/** @param {Pick<import('../state.js').Store, 'dispatch' | 'subscribe'>} store */
+export function askForBeside({ dispatch, subscribe }) {
+  const pinned = createQuestion({
+    ask: (/** @type {Design} */ design, ended) => calculate(design, [design.method.name], NO_DETAILS, ended),
+    take: (curves, design) => dispatch(pinnedCame, design, curves),
+    refuse: (_, design) => dispatch(pinnedCame, design, null),
+  });
+  const allAxes = createQuestion({
+    ask: (/** @type {Work} */ { axes, together }, ended) => api.schedule(axes, together, MAX_POINTS, ended),
+    take: (planned, work) => dispatch(allAxesCame, { ...work, planned, rejections: [] }),
+    refuse: ({ rejections }, work) => dispatch(allAxesCame, { ...work, planned: null, rejections }),
+  });
+
+  subscribe(
+    whenChanged(
+      (state) => [machineOf(state)?.kept ?? null],
+      (design) => (design === null ? pinned.cancel() : pinned.want(design)),
+    ),
+  );
+  subscribe(
+    whenChanged(
+      (state) => [areAxesShown(state), machineOf(state)?.axes, machineOf(state)?.together],
+      (areShown, axes, together) => {
+        if (areShown && axes && together) allAxes.want({ axes, together });
+        else allAxes.cancel();
+      },
+    ),
+  );
+  subscribe(
+    whenChanged(
+      (state) => [state.devices.link],
+      (link) => {
+        if (link !== 'there') return;
+        pinned.again();
+        allAxes.again();
+      },
+    ),
+  );
+}

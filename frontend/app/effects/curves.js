@@ -1,0 +1,45 @@
+// @ts-check
+// The curves of the design in hand: asked for whenever they would be others.
+
+import { methodsToCompute } from '../../model/design.js';
+import { calculate } from '../../server/calculation.js';
+import { curvesCame, curvesMissed, curvesRefused } from '../commands/answers.js';
+import { axisOf, designOf, isSliding, viewOf } from '../selectors.js';
+import { whenChanged } from '../state.js';
+import { createQuestion } from './question.js';
+
+/** @typedef {import('../state.js').Store} Store */
+
+/** @param {Pick<Store, 'dispatch' | 'subscribe'>} store @param {typeof calculate} [ask] */
+export function askForCurves({ dispatch, subscribe }, ask = calculate) {
+  const question = createQuestion({
+    ask: (/** @type {Question} */ { design, methods, details }, ended) => ask(design, methods, details, ended),
+    take: (curves, { axis }) => dispatch(curvesCame, curves, axis),
+    refuse: ({ rejections }, { design, axis }) => dispatch(curvesRefused, rejections, design, axis),
+    miss: ({ axis }) => dispatch(curvesMissed, axis),
+  });
+  /** @typedef {{axis: number, design: import('../../model/types.js').Design, methods: string[],
+   *   details: import('../../server/calculation.js').Details}} Question */
+  /** @type {number | null} */
+  let present = null;
+
+  subscribe(
+    whenChanged(
+      (state) => {
+        const { range, acceleration, third } = viewOf(state);
+        const design = designOf(state);
+        // As a text: methods that are shown in another order, or can't be computed, ask nothing anew.
+        const methods = design === null ? '' : methodsToCompute(design, new Set(state.shown)).join(' ');
+        return [axisOf(state), design, methods, range, acceleration, third === 'parts', isSliding(state)];
+      },
+      (axis, design, methods, range, acceleration, parts, isMoving) => {
+        if (axis === null || design === null) return;
+        // What is on its way is of another axis.
+        if (axis !== present) question.cancel();
+        present = axis;
+        question.want({ axis, design, methods: methods.split(' '), details: { range, acceleration, parts, isMoving } });
+      },
+    ),
+  );
+  subscribe(whenChanged((state) => [state.devices.link], (link) => link === 'there' && question.again()));
+}

@@ -1,0 +1,67 @@
+// @ts-check
+// Documents that come and go: files, links, examples.
+
+import { openCaptureFile, openFile, saveFile, watchDrops } from '../../documents/files.js';
+import { createOpening } from '../../documents/opening.js';
+import { shareLink } from '../../documents/sharing.js';
+import { unnamed } from '../../model/design.js';
+import { duplicateOf } from '../../model/workbench.js';
+import { openCapture } from '../commands/capture.js';
+import { setAside, showLink, showTableText, tell, urge } from '../commands/told.js';
+import { open } from '../commands/work.js';
+import { designOf, isOwnWork, machineOf } from '../selectors.js';
+import { whenever } from '../state.js';
+
+/** @typedef {import('../../model/workbench.js').Work} Work */
+
+/** @param {import('../state.js').Store} store */
+export function createDocuments({ state, dispatch, subscribe }) {
+  const opening = createOpening({
+    state: () => machineOf(state()),
+    isOwn: () => isOwnWork(state()),
+    aside: () => state().replaced,
+    putAside: (machine) => dispatch(setAside, machine),
+    put: (work) => dispatch(open, work),
+    tell(text, hasFailed) {
+      dispatch(tell, text, hasFailed);
+      if (hasFailed) dispatch(urge, 'opening', text);
+    },
+  });
+  /** What is in hand, as it is saved and shared.
+   * @param {(work: Work) => void} act */
+  function withWork(act) {
+    const machine = machineOf(state());
+    if (machine) act({ axes: machine.axes, together: machine.together });
+  }
+
+  // What could not be opened is over once something else is done.
+  const done = (/** @type {import('../state.js').State} */ now) => [machineOf(now), now.capture?.file, now.told.tableText];
+  subscribe(whenever(done, () => dispatch(urge, 'opening', ''), state()));
+  const onCapture = (/** @type {File} */ file) => dispatch(openCapture, file);
+  const takers = { onDocument: opening.open, onTable: (/** @type {string} */ text) => dispatch(showTableText, text), onCapture };
+  addEventListener('hashchange', opening.openAddress);
+  watchDrops(() => designOf(state())?.name ?? '', takers);
+
+  return {
+    openAddress: opening.openAddress,
+    goBack: opening.goBack,
+    /** @param {Work} work such as an example's */
+    openWork: opening.replace,
+    /** An unnamed design as at first; nothing happens until the examples are there. */
+    startNew() {
+      const [first] = state().examples;
+      if (first) opening.replace({ axes: [unnamed(first.design)], together: 'independent' });
+    },
+    duplicate: () => withWork((work) => opening.replace(duplicateOf(work))),
+    openFile: () => openFile(takers),
+    openCaptureFile: () => openCaptureFile(onCapture),
+    saveFile: () => withWork((work) => dispatch(tell, `Saved as ${saveFile(work)}`, false)),
+    shareLink: () =>
+      withWork((work) =>
+        shareLink(work, {
+          tell: (text, hasFailed) => dispatch(tell, text, hasFailed),
+          showLink: (link) => dispatch(showLink, link),
+        }),
+      ),
+  };
+}

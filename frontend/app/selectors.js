@@ -1,0 +1,499 @@
+// @ts-check
+// What follows from the state: nothing of it is kept, so that none of it can be wrong.
+
+import { activeProfile } from '../plotting/curves.js';
+import { isEndless } from '../devices/traces.js';
+import { axesMessages, pushRefusals, sortMessages } from '../model/messages.js';
+import { areEqual } from '../model/equal.js';
+import { methodOf } from '../model/methods.js';
+import { shownValue } from '../model/units.js';
+import { SLIDE_GESTURE } from '../model/workbench.js';
+import { PAGE } from '../server/api.js';
+import { FIRST_VIEW, remembering } from './state.js';
+
+/** @typedef {import('../model/types.js').Design} Design */
+/** @typedef {import('../model/types.js').Device} Device */
+/** @typedef {import('./state.js').State} State */
+/** @typedef {import('./state.js').View} View */
+
+// ---- what is worked on ----
+
+/** @param {State} state */
+export const machineOf = ({ history }) => history?.present ?? null;
+
+/** The design in hand; null: none yet.
+ * @param {State} state */
+export function designOf(state) {
+  const machine = machineOf(state);
+  return machine && machine.axes[machine.active];
+}
+
+/** The id of the axis in hand; null: none yet.
+ * @param {State} state */
+export function axisOf(state) {
+  const machine = machineOf(state);
+  return machine && machine.ids[machine.active];
+}
+
+/** Whether a slider is under the hand: quick is then better than fine.
+ * @param {State} state */
+export const isSliding = ({ history }) => history?.gesture.startsWith(SLIDE_GESTURE) ?? false;
+
+/** Whether what is in hand would be missed: no example as it came.
+ * @param {State} state */
+export function isOwnWork(state) {
+  const machine = machineOf(state);
+  const examples = [state.lastExample, ...state.examples.map(({ design }) => design)];
+  return machine !== null && !examples.some((design) => areEqual([design], machine.axes));
+}
+
+// ---- other tabs ----
+
+/** Whether what another tab has in hand is the design in hand, further on or as it is: they have an axis in common.
+ * @param {State} state @param {import('./state.js').OtherTab} other */
+export const isSameDesign = (state, { machine }) => machineOf(state)?.ids.some((id) => machine.ids.includes(id)) ?? false;
+
+/** The tab whose change of the design in hand is offered; null: none.
+ * @param {State} state */
+export function offerOf(state) {
+  const other = state.otherTabs.list.find(({ id }) => id === state.otherTabs.offered);
+  return other && isSameDesign(state, other) && isOtherWork(machineOf(state), other.machine) ? other : null;
+}
+
+/** @typedef {import('../model/workbench.js').Machine | null} Work */
+const isOtherWork = remembering(
+  (/** @type {Work} */ own, /** @type {Work} */ other) =>
+    !areEqual([own?.axes, own?.together], [other?.axes, other?.together]),
+);
+
+// ---- the answers of the axis in hand ----
+
+/** The curves of the axis in hand, of its present design or an earlier one; null: none have come.
+ * @param {State} state */
+export const curvesOf = (state) => (state.answers.of === axisOf(state) ? state.answers.curves : null);
+
+/** Why what is shown is not that of the present design.
+ * @param {State} state @returns {import('../model/types.js').Staleness} */
+export function stalenessOf(state) {
+  const { about, staleness } = state.answers;
+  return about !== axisOf(state) ? 'awaited' : staleness;
+}
+
+/** The curves that are shown: those of another axis only for as long as nothing is known of the axis in hand.
+ * @param {State} state */
+export const shownCurvesOf = (state) => (stalenessOf(state) === 'awaited' ? state.answers.curves : curvesOf(state));
+
+// ---- the plots ----
+
+/** Whether the plots show all axes: of one there are no others.
+ * @param {State} state */
+export const areAxesShown = (state) => state.areAllShown && (machineOf(state)?.axes.length ?? 0) > 1;
+
+/** How the axis in hand was chosen to be looked at, whether it can be just now or not.
+ * @param {State} state @returns {View} */
+export const chosenViewOf = ({ history, views }) =>
+  history ? (views[history.present.ids[history.present.active]] ?? FIRST_VIEW) : FIRST_VIEW;
+
+/** How the axis in hand is looked at.
+ * @param {State} state @returns {View} */
+export function viewOf(state) {
+  const { history, areAllShown, allZoom } = state;
+  const view = chosenViewOf(state);
+  const isMeasured = measuredOf(state) !== null || shownCaptureOf(state) !== null;
+  return shownView(view, isMeasured, areAllShown && (history?.present.axes.length ?? 0) > 1, allZoom);
+}
+
+const shownView = remembering(
+  (
+    /** @type {View} */ view,
+    /** @type {boolean} */ isMeasured,
+    /** @type {boolean} */ areAll,
+    /** @type {[number, number] | null} */ allZoom,
+  ) => {
+    // There is no deviation without a measured move.
+    const third = view.third === 'deviation' && !isMeasured ? /** @type {const} */ ('error') : view.third;
+    return { ...view, third, zoom: areAll ? allZoom : view.zoom };
+  },
+);
+
+/** The measured move that lies over the plots: one of the axis in hand, or of one that nobody knows.
+ * @param {State} state @returns {import('../model/types.js').Measured | null} */
+export function measuredOf(state) {
+  const { measured } = state.devices;
+  return measured !== null && (measured.of.axis === null || measured.of.axis === axisOf(state)) ? measured.move : null;
+}
+
+/** Whether that move followed the ramp that is plotted, as far as the page knows.
+ * @param {State} state */
+export function isMeasuredOfDesign(state) {
+  // What is refused is not plotted either.
+  if (stalenessOf(state) === 'refused') return true;
+  const [made, present] = [state.devices.measured?.of.design ?? null, designOf(state)];
+  return made !== null && present !== null && areSameRamps([{ ...made, move: present.move }], [present]);
+}
+
+/** What a move of a device's axis is of.
+ * @param {State} state @param {string} id of the device @param {number} axis of it @returns {import('./state.js').MoveOf} */
+export function moveOf(state, id, axis) {
+  const last = state.devices.pushed[id];
+  const design = last?.designs[axis - last.toAxis] ?? null;
+  return { axis: design && last.ids[axis - last.toAxis], design };
+}
+
+/** The moves of all axes as the plots show them; null: those of one axis are shown.
+ * @param {State} state @returns {import('../plotting/curves.js').AxisMove[] | null} */
+export const axisMovesOf = (state) => (areAxesShown(state) ? axisMoves(state.answers.allAxes, state.units) : null);
+
+const axisMoves = remembering(
+  (/** @type {import('./state.js').AllAxes | null} */ all, /** @type {import('../model/units.js').Units} */ units) =>
+    all?.planned?.axes.map(({ name, pulses }, colour) => ({
+      label: `${colour} ${name}`,
+      colour,
+      time_s: pulses.time_s,
+      speed: pulses.speed_steps_per_s.map((speed) => shownValue(units, all.axes[colour], 'speed', speed)),
+      delay_us: pulses.speed_steps_per_s.map((speed) => 1e6 / speed),
+    })) ?? null,
+);
+
+/** The curves of the pinned design; null: none is, or the server refuses it.
+ * @param {State} state */
+export function pinnedOf(state) {
+  const { pinned } = state.answers;
+  return pinned !== null && pinned.design === machineOf(state)?.kept ? pinned.curves : null;
+}
+
+// ---- what was captured ----
+
+/** The axis that the capture is of: the one it was opened for, while there is such a one.
+ * @param {State} state */
+function captureAxisOf(state) {
+  const { capture } = state;
+  if (capture === null) return null;
+  return machineOf(state)?.ids.includes(capture.axis) ? capture.axis : axisOf(state);
+}
+
+/** The design that a captured file is to be held against, as it is sent: only of a sound one there is a plan.
+ * @param {State} state @returns {string | null} null: there is none now */
+export function comparedDesignOf(state) {
+  const { curves, of, staleness } = state.answers;
+  return curves === null || staleness !== null || of !== captureAxisOf(state) ? null : comparedDesign(curves.design);
+}
+
+// The address that it is a part of has no room for a table that nobody plays.
+const comparedDesign = remembering((/** @type {Design} */ design) =>
+  JSON.stringify({ ...design, name: '', table: methodOf(design.method.name).plays_table ? design.table : null }),
+);
+
+/** What was captured, as far as the plots show it; null: nothing.
+ * @param {State} state @returns {import('../plotting/captured.js').ShownCapture | null} */
+export function shownCaptureOf(state) {
+  const { capture } = state;
+  if (!capture?.answer?.move || captureAxisOf(state) !== axisOf(state) || areAxesShown(state)) return null;
+  return shownCapture(capture.answer.move, isCaptureStale(state));
+}
+
+const shownCapture = remembering(
+  (/** @type {NonNullable<import('../model/types.js').Captured['move']>} */ move, /** @type {boolean} */ isStale) => ({ move, isStale }),
+);
+
+/** Whether what was found is not what is asked for now.
+ * @param {State} state */
+export const isCaptureStale = (state) =>
+  state.capture !== null && (state.capture.stage !== 'answered' || state.capture.of !== comparedDesignOf(state));
+
+// ---- what is said ----
+
+/** Whether what is plotted is the present design, and sound.
+ * @param {State} state */
+export const isDesignValid = (state) => stalenessOf(state) === null && curvesOf(state) !== null;
+
+/** What the server says of the design, by the places that show it.
+ * @param {State} state */
+export function messagesOf(state) {
+  const staleness = stalenessOf(state);
+  return sorted(staleness === 'awaited' ? NO_REJECTIONS : state.answers.rejections, staleness === null ? curvesOf(state) : null);
+}
+
+/** @type {import('../model/types.js').Rejection[]} */
+const NO_REJECTIONS = [];
+
+const sorted = remembering(
+  (
+    /** @type {import('../model/types.js').Rejection[]} */ rejections,
+    /** @type {import('../model/types.js').Answer | null} */ curves,
+  ) => sortMessages(rejections, curves ? activeProfile(curves).warnings : []),
+);
+
+/** What is wrong with all axes is told unless it is told of the one in hand.
+ * @type {Set<import('../model/types.js').Staleness>} */
+const ALL_ARE_TOLD = new Set([null, 'awaited']);
+/** Nobody may ever tell that these are over. */
+const CLOSABLE = new Set(['ended']);
+
+/** What is shown above the figures, the most urgent first.
+ * @param {State} state */
+export const summaryMessagesOf = (state) =>
+  summaryMessages(
+    state.told.urgent,
+    messagesOf(state),
+    areAxesShown(state) && ALL_ARE_TOLD.has(stalenessOf(state)) ? state.answers.allAxes : null,
+  );
+
+const summaryMessages = remembering(
+  (
+    /** @type {Record<string, string>} */ urgent,
+    /** @type {import('../model/messages.js').Messages} */ { others },
+    /** @type {import('./state.js').AllAxes | null} */ allAxes,
+  ) => [
+    ...Object.entries(urgent).map(([about, text]) => ({ text, isWarning: false, about: CLOSABLE.has(about) ? about : undefined })),
+    ...others,
+    ...axesMessages(allAxes?.rejections ?? [], false),
+    ...axesMessages([...(allAxes?.planned?.limits ?? []), ...(allAxes?.planned?.warnings ?? [])], true),
+  ],
+);
+
+// ---- devices ----
+
+/** The ports that can be chosen, with those of devices that are not listed any more.
+ * @param {State} state @returns {[string, string][]} */
+export function portChoicesOf({ devices: { ports, list } }) {
+  const gone = list.filter((one) => !ports.some((known) => known.port === one.port));
+  return [
+    ...ports.map((known) => /** @type {[string, string]} */ ([known.port, known.name])),
+    ...gone.map((one) => /** @type {[string, string]} */ ([one.port, `${one.name} (${one.port})`])),
+  ];
+}
+
+/** The port in view. Until a person chooses, a device that is connected already comes first: a reload finds it again.
+ * @param {State} state */
+export function portOf(state) {
+  const { list, port, id } = state.devices;
+  const followed = list.find((one) => one.id === id);
+  if (followed) return followed.port;
+  const choices = portChoicesOf(state);
+  if (port !== null && choices.some(([value]) => value === port)) return port;
+  return list[0]?.port ?? choices[0]?.[0] ?? '';
+}
+
+/** The device in view; null: none is connected there.
+ * @param {State} state @returns {Device | null} */
+export function deviceOf(state) {
+  const { list, id } = state.devices;
+  const port = portOf(state);
+  return list.find((one) => one.id === id) ?? list.find((one) => one.port === port) ?? null;
+}
+
+/** How many axes of the device can be chosen: while a single design is pushed, one more than there are, as the next axis
+ * may be given a ramp.
+ * @param {State} state */
+export function axesOffered(state) {
+  const device = deviceOf(state);
+  const count = device === null || device.state === 'lost' ? 0 : device.axes.length;
+  const isGiving =
+    state.devices.section === 'push' &&
+    designsToPush(state).length === 1 &&
+    device?.ramp &&
+    count > 0 &&
+    count < (device.most_axes ?? 0);
+  return Math.max(1, isGiving ? count + 1 : count);
+}
+
+/** The axis of the device that is worked with.
+ * @param {State} state */
+export const deviceAxisOf = (state) => (state.devices.axis < axesOffered(state) ? state.devices.axis : 0);
+
+/** The designs that a push sends: of more than the device can have axes only the one in hand.
+ * @param {State} state @returns {Design[]} */
+export function designsToPush(state) {
+  const machine = machineOf(state);
+  const most = deviceOf(state)?.most_axes ?? Infinity;
+  return machine === null ? [] : toPush(machine.axes, machine.active, most);
+}
+
+const toPush = remembering(
+  (/** @type {Design[]} */ axes, /** @type {number} */ active, /** @type {number} */ most) =>
+    axes.length > most ? [axes[active]] : axes,
+);
+
+/** Whether designs are the same ramps: all but their names.
+ * @param {Design[]} one @param {Design[]} other */
+export function areSameRamps(one, other) {
+  const unnamed = (/** @type {Design[]} */ designs) => designs.map((design) => ({ ...design, name: '' }));
+  return one === other || areEqual(unnamed(one), unnamed(other));
+}
+
+/** What decides what a push would change.
+ * ids: of the axes whose designs they are.
+ * @typedef {{id: string, state: unknown[], axis: number, designs: Design[], ids: number[]}} PreviewQuestion */
+
+/** What is to be asked of the device about a push; null: nothing can be now.
+ * @param {State} state @returns {PreviewQuestion | null} */
+export const previewQuestionOf = (state) => (isDesignValid(state) ? pushQuestionOf(state) : null);
+
+/** The same whether the design in hand is sound or not.
+ * @param {State} state @returns {PreviewQuestion | null} */
+function pushQuestionOf(state) {
+  const device = deviceOf(state);
+  if (state.devices.link !== 'there' || device?.state !== 'ready') return null;
+  const { id, ramp, on_trial, timer_hz, in_control } = device;
+  const designs = designsToPush(state);
+  return { id, state: [ramp, on_trial, timer_hz, in_control], axis: deviceAxisOf(state), designs, ids: idsToPush(state) };
+}
+
+/** The ids of the axes whose designs a push sends.
+ * @param {State} state @returns {number[]} */
+export function idsToPush(state) {
+  const machine = machineOf(state);
+  if (machine === null) return [];
+  return designsToPush(state).length === machine.ids.length ? machine.ids : [machine.ids[machine.active]];
+}
+
+/** @type {import('../model/types.js').PushRefusal[]} */
+const NO_REFUSALS = [];
+
+/** Why a push is refused, each with the axis of the page that is to blame. */
+const refusals = remembering((/** @type {import('./state.js').Preview} */ { question, rejections }) =>
+  pushRefusals(rejections).map(({ axis, ...refusal }) => ({ ...refusal, axis: axis === null ? null : question.ids[axis] })),
+);
+
+/** The axes that are refused, be it by themselves or by the device, by their ids.
+ * @param {State} state @returns {number[]} */
+export const refusedAxesOf = (state) =>
+  refusedAxes(machineOf(state), state.answers.refused, situationOf(state)?.refusals ?? NO_REFUSALS);
+
+const refusedAxes = remembering(
+  (
+    /** @type {import('../model/workbench.js').Machine | null} */ machine,
+    /** @type {Record<number, Design>} */ refused,
+    /** @type {import('../model/types.js').PushRefusal[]} */ ofPush,
+  ) => (machine?.ids ?? []).filter((id, at) => refused[id] === machine?.axes[at] || ofPush.some(({ axis }) => axis === id)),
+);
+
+/** @param {PreviewQuestion} one @param {PreviewQuestion} other */
+export function areSameQuestions(one, other) {
+  return (
+    one.id === other.id &&
+    one.axis === other.axis &&
+    areEqual([one.state, one.ids], [other.state, other.ids]) &&
+    areSameRamps(one.designs, other.designs)
+  );
+}
+
+/** What decides which of the device's buttons can be used; null until there is a design.
+ * @param {State} state */
+export const situationOf = (state) => {
+  const machine = machineOf(state);
+  return machine && situation(state.devices, machine, state.units, isDesignValid(state), stalenessOf(state), state);
+};
+
+/** @param {import('./state.js').Devices} devices @param {import('../model/workbench.js').Machine} machine
+ * @param {import('../model/units.js').Units} units @param {boolean} isValid
+ * @param {import('../model/types.js').Staleness} staleness @param {State} state
+ * @returns {import('../model/types.js').Situation} */
+function makeSituation(devices, machine, units, isValid, staleness, state) {
+  const isAwaited = staleness === 'awaited';
+  const device = deviceOf(state);
+  const pushing = designsToPush(state);
+  const last = device ? devices.pushed[device.id]?.designs : undefined;
+  // What is known of these designs stays in view while an answer is awaited.
+  const question = isValid || isAwaited ? pushQuestionOf(state) : null;
+  const { preview } = devices;
+  const would = question && preview && areSameQuestions(preview.question, question) ? preview : null;
+  return {
+    isDesignValid: isValid,
+    isAwaited,
+    designs: machine.axes,
+    ids: machine.ids,
+    active: machine.active,
+    units,
+    toPush: pushing,
+    link: devices.link,
+    age: device ? (devices.ages[device.id] ?? null) : null,
+    isBusy: devices.asking !== null,
+    isPushing: devices.asking === 'push',
+    // What is refused is no change yet.
+    isChanged: last !== undefined && staleness !== 'refused' && !areSameRamps(last, pushing),
+    isOthers: device !== null && device.in_control !== null && device.in_control !== PAGE,
+    isTracing: devices.isTracing,
+    preview: would?.preview ?? null,
+    refusals: would ? refusals(would) : NO_REFUSALS,
+    lastPushed: last ?? null,
+    trace: device ? (devices.traces[device.id] ?? null) : null,
+  };
+}
+
+/** Anew only when one of the first five is another: the rest of the state has no say in it.
+ * @type {typeof makeSituation} */
+const situation = (() => {
+  /** @type {{of: unknown[], made: import('../model/types.js').Situation} | null} */
+  let last = null;
+  return (devices, machine, units, isValid, staleness, state) => {
+    const of = [devices, machine, units, isValid, staleness];
+    if (last === null || of.some((one, index) => one !== last?.of[index])) {
+      last = { of, made: makeSituation(devices, machine, units, isValid, staleness, state) };
+    }
+    return last.made;
+  };
+})();
+
+/** The device that the head of the page tells of: what moves, be it the one in view or another.
+ * @param {State} state */
+export function toldDeviceOf(state) {
+  return state.devices.list.find(({ state: does }) => does === 'moving' || does === 'stopping') ?? deviceOf(state);
+}
+
+/** How old what is known of that device is [whole s]; null: it is new.
+ * @param {State} state */
+export function toldAgeOf(state) {
+  const device = toldDeviceOf(state);
+  return device && (state.devices.ages[device.id] ?? null);
+}
+
+/** @typedef {{done: number, remaining: number, speed: number, isOld: boolean}} RunningMove  in steps since its start and to
+ *   its end; isOld: it was so when it was last heard of */
+
+/** Whether what the axis that is worked with does belongs over the plots: not when it was given another axis' ramp.
+ * @param {State} state @param {string} id of the device */
+function isOfAxisInHand(state, id) {
+  const { axis } = moveOf(state, id, deviceAxisOf(state));
+  return axis === null || axis === axisOf(state);
+}
+
+/** The move that runs, counted from its start and its end; null when nothing runs.
+ * @param {State} state @returns {RunningMove | null} */
+export function runningMoveOf(state) {
+  const device = toldDeviceOf(state);
+  if (device !== null && !isOfAxisInHand(state, device.id)) return null;
+  const axis = deviceAxisOf(state);
+  const one = device?.axes[axis];
+  if (!device || !one || (one.state !== 'moving' && one.state !== 'stopping')) return null;
+  const isOld = state.devices.link !== 'there' || toldAgeOf(state) !== null;
+  const start = state.devices.runs[runKey(device.id, axis)]?.restingPlace;
+  return runningMove(one, start, Math.abs(Number(curvesOf(state)?.design.move.steps ?? 0)), isOld);
+}
+
+const runningMove = remembering(
+  (
+    /** @type {import('../model/types.js').AxisState} */ one,
+    /** @type {number | undefined} */ start,
+    /** @type {number} */ planned,
+    /** @type {boolean} */ isOld,
+  ) => {
+    const remaining = isEndless(one) ? Infinity : Math.abs(one.target_steps - one.position_steps);
+    const done = start === undefined ? Math.max(0, planned - remaining) : Math.abs(one.position_steps - start);
+    return { done, remaining, speed: one.speed_steps_per_s, isOld };
+  },
+);
+
+/** What is known of the running or last move of the axis that is worked with; null also of what had no end to go to, as
+ * a jog: no plan is like it.
+ * @param {State} state */
+export function samplesOf(state) {
+  const device = toldDeviceOf(state);
+  if (device === null || !isOfAxisInHand(state, device.id)) return null;
+  const samples = state.devices.runs[runKey(device.id, deviceAxisOf(state))]?.samples ?? null;
+  return samples?.length === null ? null : samples;
+}
+
+/** @param {string} id @param {number} axis */
+const runKey = (id, axis) => `${id} ${axis}`;

@@ -1,0 +1,43 @@
+// @ts-check
+// Devices that are out of reach: nobody knows whether they move, and a board with a supply of its own may go on.
+
+/** @typedef {import('../model/types.js').Device} Device */
+
+/** @param {Device} device */
+export const isMoving = (device) => device.state === 'moving' || device.state === 'stopping';
+/** @param {Device} device */
+export const isOutOfReach = (device) => device.state === 'lost' || device.state === 'connecting';
+
+/** Follows which devices moved when they were last heard of. */
+export function createOutOfReach() {
+  /** @type {Set<string>} */
+  const moving = new Set();
+
+  return {
+    /** Take note of all devices, as the server tells of them.
+     * @param {Device[]} devices */
+    follow(devices) {
+      for (const device of devices) {
+        // A page that was not there when it was lost sees that it had not arrived.
+        const isOnTheWay = device.axes.some((axis) => axis.target_steps !== axis.position_steps);
+        if (isMoving(device) || (device.state === 'lost' && isOnTheWay)) moving.add(device.id);
+        else if (!isOutOfReach(device)) moving.delete(device.id);
+      }
+      for (const id of moving) if (!devices.some((device) => device.id === id)) moving.delete(id);
+    },
+    /** Whether a stop was pressed for of one that may move, and did not get to it.
+     * @param {Device[]} devices @param {(device: Device) => boolean} isStopped */
+    isUndelivered: (devices, isStopped) =>
+      devices.some((device) => isOutOfReach(device) && moving.has(device.id) && isStopped(device)),
+    /** What has to be known of those that may move; empty when there are none.
+     * @param {Device[]} devices @param {(device: Device) => boolean} isStopped whether a stop of it is owed */
+    words(devices, isStopped) {
+      const sentences = devices.filter(isOutOfReach).map((device) => {
+        if (isStopped(device)) return `${device.name} is out of reach: it is stopped as soon as it answers.`;
+        if (!moving.has(device.id)) return '';
+        return `${device.name} is out of reach since it moved, and may still move. STOP stops it as soon as it answers.`;
+      });
+      return sentences.filter(Boolean).join(' ');
+    },
+  };
+}

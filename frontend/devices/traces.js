@@ -1,0 +1,124 @@
+// @ts-check
+// Moves as they were made: the trace that the controller took, and what it told while they ran.
+
+/** @typedef {import('../model/types.js').Device} Device */
+/** @typedef {import('../model/types.js').Samples} Samples */
+
+const MICROSECONDS = 1e6;
+const TRACE_ATTEMPTS = 10;
+const TRACE_PAUSE_MS = 100;
+/** More points of a running move than a plot can show are thinned: every second one goes. */
+const MOST_SAMPLES = 2_000;
+
+/** What the plots show of a trace. A delay is that after its step: none follows the last.
+ * @param {import('../model/types.js').Trace} trace @returns {import('../model/types.js').Measured} */
+export function measuredFrom(trace) {
+  const time = trace.measured_ticks.map((ticks) => ticks / trace.timer_hz);
+  const delay = time.map((seconds, index) => {
+    if (index === time.length - 1) return NaN;
+    return (time[index + 1] - seconds) / (trace.step[index + 1] - trace.step[index]);
+  });
+  return {
+    step: trace.step,
+    time_s: time,
+    speed_steps_per_s: delay.map((seconds) => 1 / seconds),
+    delay_us: delay.map((seconds) => seconds * MICROSECONDS),
+    deviation_us: trace.deviation_us,
+    // What was changed on its way is traced as far as that: where it came to rest is not told.
+    length: trace.changed ? null : trace.step[trace.step.length - 1],
+  };
+}
+
+/** Look at a trace until all of it has come: its end comes over the wire a moment after the last step.
+ * @param {() => Promise<import('../model/types.js').Trace | null>} look null: just now it can't be seen
+ * @param {(trace: import('../model/types.js').Trace) => void} take what is known of it so far
+ * @param {() => boolean} isOver whether what comes now may be of another move
+ * @returns {Promise<import('../model/types.js').Trace | null>} what has come of it */
+export async function untilComplete(look, take, isOver) {
+  let known = null;
+  for (let attempt = 0; attempt < TRACE_ATTEMPTS && !known?.complete; attempt += 1) {
+    if (attempt > 0) await new Promise((resolve) => setTimeout(resolve, TRACE_PAUSE_MS));
+    const trace = await look();
+    if (isOver()) return null;
+    known = trace ?? known;
+    if (trace) take(trace);
+  }
+  return known;
+}
+
+/** Whether an axis runs at a speed, and so has no target but where it is.
+ * @param {import('../model/types.js').AxisState} axis */
+export function isEndless({ state, target_steps, position_steps }) {
+  return state === 'moving' && target_steps === position_steps;
+}
+
+/** Follows the axes of devices from where they set out until they set out again. */
+export function createFollower() {
+  /** @type {Map<string, {samples: Samples, fromSteps: number, fromSeconds: number, isMoving: boolean}>} */
+  const runs = new Map();
+  /** Where each axis last was at rest.
+   * @type {Map<string, number>} */
+  const resting = new Map();
+
+  /** @param {Device} device @param {import('../model/types.js').AxisState} axis */
+  function followAxis(device, axis) {
+    const key = `${device.id} ${axis.axis}`;
+    const isMoving = axis.state === 'moving' || axis.state === 'stopping';
+    const before = runs.get(key);
+    let run = before;
+    if (isMoving && !before?.isMoving) {
+      const fromSteps = resting.get(key) ?? axis.position_steps;
+      run = { samples: { time_s: [], position: [], speed: [], length: null }, fromSteps, fromSeconds: device.heard_s, isMoving };
+      runs.set(key, run);
+    }
+    if (run && (isMoving || before?.isMoving)) add(run, device.heard_s, axis);
+    if (run) run.isMoving = isMoving;
+    if (axis.state === 'ready') resting.set(key, axis.position_steps);
+  }
+
+  /** @param {{samples: Samples, fromSteps: number, fromSeconds: number}} run @param {number} heard
+   * @param {import('../model/types.js').AxisState} axis */
+  function add(run, heard, axis) {
+    const isEven = (/** @type {number} */ _, /** @type {number} */ index) => index % 2 === 0;
+    let { time_s, position, speed } = run.samples;
+    if (time_s.length >= MOST_SAMPLES) {
+      [time_s, position, speed] = [time_s.filter(isEven), position.filter(isEven), speed.filter(isEven)];
+    }
+    run.samples = {
+      time_s: [...time_s, heard - run.fromSeconds],
+      position: [...position, Math.abs(axis.position_steps - run.fromSteps)],
+      speed: [...speed, axis.speed_steps_per_s],
+      // What ran without an end and was then slowed down has none either.
+      length: isEndless(axis) || (time_s.length > 0 && run.samples.length === null) ? null : Math.abs(axis.target_steps - run.fromSteps),
+    };
+  }
+
+  return {
+    /** @param {Device} device */
+    follow(device) {
+      for (const axis of device.axes) followAxis(device, axis);
+    },
+    /** Of devices that are not told any more nothing is known: their numbers may come to others.
+     * @param {Device[]} told */
+    forgetOthers(told) {
+      const ids = new Set(told.map(({ id }) => id));
+      for (const known of [runs, resting])
+        for (const key of known.keys()) if (!ids.has(key.slice(0, key.lastIndexOf(' ')))) known.delete(key);
+    },
+    /** All that is known, by device and axis: "1 0".
+     * @returns {Record<string, {samples: Samples | null, restingPlace: number | undefined}>} */
+    runs: () =>
+      Object.fromEntries(
+        [...new Set([...runs.keys(), ...resting.keys()])].map((key) => [
+          key,
+          { samples: runs.get(key)?.samples ?? null, restingPlace: resting.get(key) },
+        ]),
+      ),
+    /** The move of an axis that runs, or ran last; null before there was one.
+     * @param {string} id @param {number} axis @returns {Samples | null} */
+    samples: (id, axis) => runs.get(`${id} ${axis}`)?.samples ?? null,
+    /** Where an axis last was at rest.
+     * @param {string} id @param {number} axis */
+    restingPlace: (id, axis) => resting.get(`${id} ${axis}`),
+  };
+}

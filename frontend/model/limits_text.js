@@ -1,0 +1,26 @@
+// @ts-check
+// Limits as words, in the unit that is shown.
+
+import { formatEntry } from './numbers.js';
+
+// The figures of a converted limit.
+const FIGURES = 6;
+
+/** Limits in another unit are rounded inwards, so that what is told is allowed.
+ * @param {import('./types.js').Limits} limits @param {string} unit @param {number} factor from the unit they are in */
+export function limitsInUnit({ lowest, highest, is_whole, note }, unit, factor) {
+  const low = lowest === null ? null : formatEntry(roundedTo(lowest * factor, factor, Math.ceil));
+  const high = highest === null ? null : formatEntry(roundedTo(highest * factor, factor, Math.floor));
+  const kind = is_whole ? 'whole steps' : 'a number';
+  const ends =
+    low !== null && high !== null ? `${kind} from ${low} to ${high}` : low !== null ? `at least ${low}` : `at most ${high}`;
+  return `${ends} ${unit}${note}`;
+}
+
+/** @param {number} limit @param {number} factor @param {(value: number) => number} toWhole */
+function roundedTo(limit, factor, toWhole) {
+  if (limit === 0 || factor === 1) return limit;
+  const scale = 10 ** (FIGURES - 1 - Math.floor(Math.log10(Math.abs(limit))));
+  // Noise of the conversion must not push a limit to its neighbour.
+  return Number((toWhole(Number((limit * scale).toPrecision(12))) / scale).toPrecision(FIGURES));
+}

@@ -1,0 +1,133 @@
+// @ts-check
+// Where the server's messages belong on the page.
+
+import { GROUPS } from './fields.js';
+import { formatEntry, pointHint } from './numbers.js';
+
+/** @typedef {import('./types.js').Rejection} Rejection */
+/** Something that works, but not as the design says; or what makes an axis slower along a line, which says whose it is.
+ * @typedef {{field: string | null, message: string, axis?: number}} Remark */
+/** What was refused, when something was, is kept to be told in other units, and to be mended.
+ * about: what it can be closed by, when it can.
+ * @typedef {{text: string, isWarning: boolean, refused?: Rejection, about?: string}} Message */
+/** A remark is worth a look, and no more: it is told in full where the row is selected.
+ * @typedef {{column: number | null, isRemark?: boolean} & Message} RowMessage */
+
+/** @typedef {object} Messages
+ * @property {Map<string, Message>} fields  by path in the design
+ * @property {Map<number, RowMessage>} rows  by row of the table
+ * @property {Message[]} others              those that no field shows */
+
+const CHOICE_LABELS = {
+  'method.name': 'Method',
+  'method.arithmetic': 'Arithmetic',
+  'method.rounding': 'Rounding',
+  'method.tuned_for': 'Tuned for',
+  'axis.travel_unit': 'Travel unit',
+  table: 'Lookup table',
+};
+const LABELS = new Map([
+  ['name', 'Name'],
+  ...Object.entries(CHOICE_LABELS),
+  ...GROUPS.flatMap((group) => group.fields).map(
+    (field) => /** @type {[string, string]} */ ([field.path, field.label]),
+  ),
+]);
+/** What is about several axes calls their designs by their places. */
+const OF_AXIS = /^(?:designs|axes)\.(\d+)\.(.*)$/;
+/** So does a push; of one design there is no place. */
+const OF_DESIGN = /^(?:axes\.(\d+)|design)\.(.*)$/;
+// A cut list or object is told in words by the server already.
+const LONGEST_VALUE = 80;
+const ROW = /^table\.rows\.(\d+)(?:\.([01]))?$/;
+
+/**
+ * Sort messages by the place that shows them. Errors come before warnings: the first at a place is kept.
+ * @param {Rejection[]} errors
+ * @param {Remark[]} warnings
+ * @returns {Messages}
+ */
+export function sortMessages(errors, warnings) {
+  /** @type {Messages} */
+  const sorted = { fields: new Map(), rows: new Map(), others: [] };
+  for (const error of errors) place(sorted, error, error);
+  for (const warning of warnings) place(sorted, warning);
+  return sorted;
+}
+
+/** What was refused, as a sentence that calls the field by its label.
+ * @param {Rejection} rejection @param {string} label @param {{given?: string, allowed?: string | null}} [words] of the
+ *   value and of what is allowed, where they are told in another unit */
+export function refusalText({ message, value, reason, ...rejection }, label, words = {}) {
+  const allowed = words.allowed ?? rejection.allowed;
+  return reason !== undefined || allowed === null
+    ? message
+    : `${label} is ${words.given ?? valueText(value)}; allowed: ${allowed}.${pointHint(value)}`;
+}
+
+/** @param {unknown} value */
+function valueText(value) {
+  if (value === null) return 'missing';
+  if (typeof value === 'number') return formatEntry(value);
+  const text = typeof value === 'string' ? `'${value}'` : JSON.stringify(value);
+  return text.length <= LONGEST_VALUE ? text : `${text.slice(0, LONGEST_VALUE - 1)}…`;
+}
+
+/** What was refused, as one text that calls the fields what the page calls them.
+ * @param {Rejection[]} errors */
+export function textOf(errors) {
+  const { fields, rows, others } = sortMessages(errors, []);
+  return [...fields.values(), ...rows.values(), ...others].map(({ text }) => text).join(' ');
+}
+
+/** Why designs can't be pushed, each with its place among them; null: it is nothing of a design. Remedies have the paths
+ * of a design.
+ * @param {Rejection[]} errors @returns {{text: string, axis: number | null, remedies: import('./types.js').Remedy[]}[]} */
+export function pushRefusals(errors) {
+  return errors.map((error) => {
+    const [, number, path] = OF_DESIGN.exec(error.field ?? '') ?? [];
+    const text = number === undefined ? textOf([error]) : axesMessages([error], false)[0].text;
+    const remedies = (error.remedies ?? []).map((remedy) => ({
+      ...remedy,
+      changes: remedy.changes.map(({ field, value }) => ({ field: OF_DESIGN.exec(field)?.[2] ?? field, value })),
+    }));
+    return { text, axis: path === undefined ? null : Number(number ?? 0), remedies };
+  });
+}
+
+/** The same as one text.
+ * @param {Rejection[]} errors */
+export const pushText = (errors) => pushRefusals(errors).map(({ text }) => text).join(' ');
+
+/** What is said of all axes together, each message with the axis it is about.
+ * @param {(Rejection | Remark)[]} list @param {boolean} isWarning @returns {Message[]} */
+export function axesMessages(list, isWarning) {
+  return list.map((one) => {
+    const [, axis, path] = OF_AXIS.exec(one.field ?? '') ?? [];
+    const label = LABELS.get(path);
+    const text = label !== undefined && 'allowed' in one ? refusalText(one, label) : one.message;
+    const namesItself = axis === undefined || 'axis' in one;
+    return { text: namesItself ? text : `Axis ${axis}: ${text}`, isWarning };
+  });
+}
+
+/** @param {Messages} sorted @param {Remark} remark @param {Rejection} [refused] the same, when it is one */
+function place(sorted, { field, message }, refused) {
+  const isWarning = refused === undefined;
+  const textWith = (/** @type {string} */ label) => (refused ? refusalText(refused, label) : message);
+  const whole = (field ?? '').replace(/^design\./, '');
+  const row = ROW.exec(whole);
+  // The table has one place for all that is not about one row.
+  const path = /^table\b/.test(whole) ? 'table' : whole;
+  const label = LABELS.get(path);
+  if (row) {
+    const [index, column] = [Number(row[1]), row[2] === undefined ? null : Number(row[2])];
+    const called = `Row ${index + 1}${column === null ? '' : column === 0 ? ', last index,' : ', delay,'}`;
+    if (!sorted.rows.has(index)) sorted.rows.set(index, { column, text: textWith(called), isWarning });
+  } else if (label !== undefined) {
+    const text = textWith(label);
+    if (!sorted.fields.has(path)) sorted.fields.set(path, { text, isWarning, refused });
+  } else {
+    sorted.others.push({ text: message, isWarning });
+  }
+}

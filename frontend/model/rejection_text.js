@@ -1,0 +1,35 @@
+// @ts-check
+// What the server refuses, told in the unit that is shown. The server speaks of steps and seconds.
+
+import { limitsInUnit } from './limits_text.js';
+import { refusalText } from './messages.js';
+import { formatEntry } from './numbers.js';
+import { factorOf, shownEntry, unitOf } from './shown_entry.js';
+
+/** @typedef {import('./types.js').Design} Design */
+/** @typedef {import('./fields.js').Field} Field */
+/** @typedef {import('./messages.js').Message} Message */
+/** @typedef {import('./units.js').Units} Units */
+
+/** The message in the unit that is shown. A warning stays as it is: it says itself which units its numbers are in.
+ * @param {Message | undefined} message @param {Units} units @param {Design} design @param {Field} field
+ * @returns {Message | undefined} */
+export function inShownUnit(message, units, design, field) {
+  if (message?.refused?.unit !== field.unit) return message;
+  return inUnit(message, field, unitOf(units, design, field), factorOf(units, design, field));
+}
+
+/** The message in a unit of which a field's own has so many.
+ * @param {Message} message @param {Pick<Field, 'label' | 'unit'>} field @param {string} unit @param {number} factor
+ * @returns {Message} */
+export function inUnit(message, field, unit, factor) {
+  const { refused } = message;
+  if (refused?.limits === undefined || factor === 1) return message;
+  const { value } = refused;
+  const given =
+    typeof value === 'number'
+      ? `${shownEntry(value, factor)} ${unit} (${formatEntry(value)} ${field.unit})`
+      : undefined;
+  const allowed = limitsInUnit(refused.limits, unit, factor);
+  return { ...message, text: refusalText(refused, field.label, { given, allowed }) };
+}

@@ -1,0 +1,46 @@
+// @ts-check
+// A field's content in the unit that is shown, and back. The design keeps steps and seconds whatever is shown.
+
+import { formatEntry, parseEntry, tidy } from './numbers.js';
+import { shownValue, unitWord } from './units.js';
+
+/** @typedef {import('./types.js').Design} Design */
+/** @typedef {import('./types.js').Entry} Entry */
+/** @typedef {import('./fields.js').Field} Field */
+/** @typedef {import('./units.js').Units} Units */
+
+// Of a converted value as many figures are shown as a field has room for.
+const FIGURES = 8;
+
+/** How many of the unit shown one of the design's units is.
+ * @param {Units} units @param {Design} design @param {Field} field */
+export function factorOf(units, design, { quantity }) {
+  return quantity === undefined ? 1 : shownValue(units, design, quantity, 1);
+}
+
+/** The word for the unit shown.
+ * @param {Units} units @param {Design} design @param {Field} field */
+export function unitOf(units, design, { quantity, unit }) {
+  return quantity === undefined ? unit : unitWord(units, design, quantity);
+}
+
+/** A field's content as it is shown: a number in the design's own unit with all its digits, a converted one with about
+ * eight, text as it was typed.
+ * @param {Entry} entry @param {number} factor */
+export function shownEntry(entry, factor) {
+  if (typeof entry === 'string' || factor === 1) return formatEntry(entry);
+  const value = entry * factor;
+  return formatEntry(Math.abs(value) >= 10 ** FIGURES ? Math.round(value) : Number(value.toPrecision(FIGURES)));
+}
+
+/** What typed text is in the design's unit. A field of whole numbers takes a converted one to the nearest: `exact` is
+ * what it would have been, null when it is that.
+ * @param {Field} field @param {string} text @param {number} factor
+ * @returns {{entry: Entry, exact: number | null}} */
+export function readEntry({ isWhole }, text, factor) {
+  const typed = parseEntry(text);
+  if (typeof typed === 'string' || factor === 1) return { entry: typed, exact: null };
+  const stored = tidy(typed / factor);
+  const entry = isWhole ? Math.round(stored) : stored;
+  return { entry, exact: entry === stored ? null : stored };
+}

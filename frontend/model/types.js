@@ -1,0 +1,289 @@
+// @ts-check
+// The shapes that the server and the page exchange. Types only: nothing runs here.
+
+/** What a field holds: a number, or the text of a field that isn't one (the server says what is wrong with it).
+ * @typedef {number | string} Entry */
+
+/** One of those that the server has.
+ * @typedef {string} MethodName */
+
+/** A method, as the server tells of it.
+ * @typedef {object} RampMethod
+ * @property {MethodName} name
+ * @property {string} label
+ * @property {string} formula         its number; '' when it has none
+ * @property {string} help
+ * @property {string[]} arithmetics   the usual one first
+ * @property {{light: string, dark: string, dash: number[] | null}} style  of its line; dashes and gaps in turn [px]
+ * @property {boolean} plays_table    it is not computed, but the lookup table
+ * @property {boolean} is_tuned
+ * @property {boolean} is_shown_at_first
+ * @property {{format: string, label: string, help: string} | null} code  in C */
+
+/** @typedef {object} Design
+ * @property {string} schema
+ * @property {string} name
+ * @property {{full_steps_per_rev: Entry, microsteps: Entry, travel_per_rev: Entry, travel_unit: string}} axis
+ * @property {{frequency_hz: Entry, counter_bits: Entry, shortest_interval_us: Entry}} timer
+ * @property {{base_speed_steps_per_s: Entry, slew_speed_steps_per_s: Entry, acceleration_steps_per_s2: Entry,
+ *   deceleration_steps_per_s2: Entry | null, shape?: {name: string}}} ramp
+ * @property {{name: MethodName, arithmetic: string, rounding: string, tuned_for?: string}} method
+ * @property {{rows: [Entry, Entry][], interval_unit: string} | null} table
+ * @property {{steps: Entry}} move */
+
+/** @typedef {{name: 'accelerate' | 'slew' | 'decelerate', first_step: number, last_step: number}} Phase */
+
+/** @typedef {object} Profile
+ * @property {number[]} step
+ * @property {number[]} intervals_ticks
+ * @property {number[]} time_s
+ * @property {number[]} position_steps
+ * @property {number[]} speed_steps_per_s
+ * @property {Phase[]} phases
+ * @property {{steps: number, duration_s: number, peak_speed_steps_per_s: number, accelerate_steps: number,
+ *   slew_steps: number, decelerate_steps: number}} summary
+ * @property {{field: string | null, message: string}[]} warnings */
+
+/** One method's errors against the reference.
+ * @typedef {object} ErrorCurve
+ * @property {MethodName} method
+ * @property {number[]} step
+ * @property {number[]} relative_error
+ * @property {number[]} [implied_acceleration_steps_per_s2]  when it was asked for
+ * @property {Record<ErrorPart, number[]>} [parts]            when they were asked for [ticks]
+ * @property {{value: number, step: number}} largest_relative_error
+ * @property {{value: number, step: number}} peak_acceleration_steps_per_s2       as it is played, in whole ticks
+ * @property {{value: number, step: number}} peak_ramp_acceleration_steps_per_s2  before rounding: the ramp's own
+ * @property {number} landing_error_steps_per_s */
+
+/** Where an error comes from.
+ * @typedef {'method' | 'arithmetic' | 'rounding' | 'compression'} ErrorPart */
+
+/** What the server answers to be drawn.
+ * @typedef {object} DrawnCurves
+ * @property {number} timer_hz
+ * @property {1 | -1} direction
+ * @property {(ErrorCurve & {intervals_ticks: number[], start_ticks: number[]} &
+ *   Pick<Profile, 'phases' | 'summary' | 'warnings'>)[]} methods
+ * @property {{method: MethodName, errors: Rejection[]}[]} failures */
+
+/** One round of answers to one design: everything that the plots and the summary show.
+ * @typedef {object} Answer
+ * @property {Design} design
+ * @property {[number, number] | null} range  first and last step of the part that has the points; null: the whole move
+ * @property {import('./units.js').Units} [units]  that it is shown in
+ * @property {Partial<Record<MethodName, Profile>>} profiles
+ * @property {Partial<Record<MethodName, ErrorCurve>>} errors
+ * @property {Partial<Record<MethodName, string>>} failures  why a method has no profile */
+
+/** From where to where a number may lie, or how long a text or a list may be; null: no end. A sentence about them goes on
+ * with the note.
+ * @typedef {{lowest: number | null, highest: number | null, is_whole: boolean, note: string}} Limits */
+
+/** What would be accepted instead of what was refused: it was tried.
+ * @typedef {{text: string, changes: {field: string, value: unknown}[]}} Remedy */
+
+/** What can't be used, or can't be done. limits and their unit: what `allowed` says, where it is about numbers. reason: the
+ * message, where more than the value is wrong. What isn't known is left out.
+ * @typedef {{field: string | null, value: unknown, allowed: string | null, message: string, limits?: Limits,
+ *   unit?: string, reason?: string, remedies?: Remedy[]}} Rejection */
+
+/** Why a push is refused, and what would be accepted instead. axis: whose design is to blame, by its id; null: nobody's.
+ * @typedef {{text: string, axis: number | null, remedies: Remedy[]}} PushRefusal */
+
+/** @typedef {{title: string, description: string, design: Design}} Example */
+
+/** What a fitted table is to keep to: one of rows, bytes and largest_relative_error (a fraction).
+ * @typedef {{rows?: number, bytes?: number, largest_relative_error?: number, row_kind: 'constant' | 'linear',
+ *   interval_unit: string, fit_to: FitTo}} FitWish */
+
+/** What a table is fitted to: all steps that play a ramp index, or step k speeding up at index k.
+ * @typedef {'played' | 'ramp_index'} FitTo */
+
+/** What no number of rows can mend, and the ramp index that has it.
+ * @typedef {{relative_error: number, ramp_index: number}} Floor */
+
+/** @typedef {object} FittedTable
+ * @property {{rows: [number, number][], interval_unit: string} | null} table  null for linear rows
+ * @property {[number, number, number][] | null} linear_rows  last ramp index, first delay, what is added each step
+ * @property {number} rows
+ * @property {number} bytes
+ * @property {number} largest_relative_error
+ * @property {number[]} relative_errors
+ * @property {Floor} floor */
+
+/** @typedef {{steps: {at_us: number[], position: number[]}, stops: {at_us: number, position: number}[]}} PlayedTable */
+
+/** @typedef {{rows: number[], bytes: number[], largest_relative_error: number[], floor: Floor}} FitCurve */
+
+/** @typedef {{port: string, name: string, virtual: boolean, families: string[]}} Port  families: that one there may be of */
+
+/** A family of controllers.
+ * @typedef {{name: string, title: string}} Family */
+
+/** What can be connected to.
+ * @typedef {{ports: Port[], families: Family[]}} Ports */
+
+/** What only some controllers can do.
+ * @typedef {'keep' | 'try' | 'restore' | 'settings' | 'trace' | 'line' | 'zero'} Capability */
+
+/** read_back: null when that makes no sense.
+ * @typedef {{name: string, unit: string, requested: number, sent: number, read_back: number | null}} PushItem */
+
+/** @typedef {{items: PushItem[], verified: boolean, segments: number | null, bytes: number,
+ *   largest_deviation_us: number | null, sequence: number | null, warnings: string[]}} Push */
+
+/** What is pushed: a design for one axis, or those of all.
+ * @typedef {{mode?: 'keep' | 'try'} & ({design: Design, to_axis: number} | {axes: Design[]})} Pushed */
+
+/** @typedef {{name: string, unit: string, on_device: number | null, to_send: number | null, differs: boolean,
+ *   axis: number | null}} PreviewItem */
+
+/** @typedef {{items: PreviewItem[], same: boolean, segments: number | null, bytes: number,
+ *   largest_deviation_us: number | null, warnings: string[]}} Preview */
+
+/** @typedef {{stage: 'planning' | 'sending' | 'checking' | 'storing' | 'reading_back', bytes_done: number,
+ *   bytes_total: number}} Progress */
+
+/** @typedef {{traced_axis: number, every_steps: number, timer_hz: number, complete: boolean, changed: boolean,
+ *   step: number[], planned_ticks: number[], measured_ticks: number[], deviation_us: number[]}} Trace */
+
+/** A finished move as it was made.
+ * @typedef {object} Measured
+ * @property {number[]} step
+ * @property {number[]} time_s
+ * @property {number[]} speed_steps_per_s
+ * @property {number[]} delay_us
+ * @property {number[]} deviation_us  how much later than planned
+ * @property {number | null} length     steps from rest to rest; null: not known */
+
+/** What is wanted of a captured file; null: what is likeliest.
+ * @typedef {object} CaptureWish
+ * @property {string | null} step_channel
+ * @property {string | null} direction_channel   empty: none
+ * @property {'rising' | 'falling' | 'both' | null} edge
+ * @property {number | null} move_number         counted from 1
+ * @property {'first_step' | 'best_fit'} alignment
+ * @property {Entry | null} shortest_pulse_us    null: none is marked
+ * @property {Entry | null} longest_wait_us */
+
+/** Steps that something is wrong with: how many, and the first of them.
+ * @typedef {{count: number, step: number[], time_s: number[]}} MarkedSteps */
+
+/** A captured move laid over the planned one.
+ * @typedef {object} Deviation
+ * @property {number} planned_steps
+ * @property {number} matched_steps
+ * @property {{largest_us: number, largest_at_step: number, mean_us: number, rms_us: number, clock_ppm: number}} figures
+ * @property {MarkedSteps} missing               planned steps that were not made
+ * @property {MarkedSteps} extra                 measured steps that were not planned
+ * @property {number[]} planned_step             of each listed step; 0: none
+ * @property {(number | null)[]} deviation_us    how much later than planned */
+
+/** @typedef {{move: number, steps: number, begin_s: number, duration_s: number, direction_level: 0 | 1 | null}} CapturedMove */
+
+/** What a captured file shows, next to a design.
+ * @typedef {object} Captured
+ * @property {string} format
+ * @property {{name: string, edges: number}[]} channels
+ * @property {string} step_channel
+ * @property {string | null} direction_channel
+ * @property {'rising' | 'falling' | 'both'} edge
+ * @property {number | null} sample_rate_hz
+ * @property {number} duration_s
+ * @property {number} longest_wait_us
+ * @property {string[]} remarks
+ * @property {number} move_count
+ * @property {CapturedMove[]} moves              the first of them
+ * @property {(CapturedMove & {step: number[], time_s: number[], interval_us: (number | null)[],
+ *   speed_steps_per_s: (number | null)[], short_pulses: MarkedSteps | null, deviation: Deviation | null}) | null} move */
+
+/** A running move as the controller tells of it, since it set out: so many steps long; null while it has no end.
+ * @typedef {{time_s: number[], position: number[], speed: number[], length: number | null}} Samples */
+
+/** How the controller drives its pins; see the API.
+ * @typedef {Record<string, unknown>} Settings */
+
+/** @typedef {object} AxisState
+ * @property {number} axis
+ * @property {'ready' | 'moving' | 'stopping' | 'lost'} state
+ * @property {number} position_steps
+ * @property {number} target_steps
+ * @property {number} speed_steps_per_s
+ * @property {number} steps_made
+ * @property {number | null} lowest_steps   soft limit; null: none
+ * @property {number | null} highest_steps */
+
+/** What is asked for: numbers, or the text that is none; null for no limit.
+ * @typedef {{axis: number, lowest_steps: Entry | null, highest_steps: Entry | null}} SoftLimits */
+
+/** @typedef {object} Device
+ * @property {AxisState[]} axes
+ * @property {boolean} on_trial
+ * @property {Progress | null} progress
+ * @property {{axis: number, by_steps: number, times: number, times_done: number, pause_s: number} | null} shuttle
+ * @property {number[]} unknown_positions  axes that may be elsewhere than they count, since the device was lost
+ * @property {string | null} in_control    the page that is
+ * @property {number} stops                grows with each stop of it
+ * @property {number} heard_s
+ * @property {number | null} age_s         how old that was when it was told; null: nothing was heard yet
+ * @property {string} id
+ * @property {string} port
+ * @property {string} name
+ * @property {string} family               the name of that of its controller
+ * @property {number | null} most_axes     how many axes it can have; null until it is connected
+ * @property {Capability[]} capabilities   what it can do besides what all can
+ * @property {'connecting' | 'ready' | 'moving' | 'stopping' | 'writing' | 'lost'} state
+ * @property {string | null} message
+ * @property {number} position_steps
+ * @property {number} target_steps
+ * @property {number} speed_steps_per_s
+ * @property {number | null} timer_hz      null until it is connected, and without a step timer
+ * @property {string | null} firmware_version
+ * @property {{sequence: number | null, crc: number | null} | null} ramp
+ * @property {Push | null} pushed */
+
+/** How an axis is looked at.
+ * @typedef {object} View
+ * @property {'step' | 'time' | 'position'} against
+ * @property {'whole' | 'start' | 'up' | 'down'} part
+ * @property {string} only   the one plot where there is room for one
+ * @property {'error' | 'parts' | 'deviation'} third
+ * @property {boolean} acceleration
+ * @property {[number, number] | null} zoom   in units of the horizontal axis
+ * @property {[number, number] | null} range  first and last step that finer points are wanted for; null: the whole move */
+
+/** Why the curves belong to earlier values; null: they don't. awaited: those of the axis in hand haven't come yet.
+ * @typedef {'refused' | 'unanswered' | 'awaited' | null} Staleness */
+
+/** Whether the server is heard of. silent: the connection is there, but nothing comes over it.
+ * @typedef {'there' | 'silent' | 'gone'} Link */
+
+/** What decides which of the device's buttons can be used.
+ * @typedef {object} Situation
+ * @property {Link} link
+ * @property {number | null} age       of what is known of the device [whole s]; null: it is new
+ * @property {boolean} isDesignValid
+ * @property {boolean} isAwaited        whether it is valid is not known yet
+ * @property {boolean} isBusy          something is being asked of a device
+ * @property {boolean} isPushing
+ * @property {boolean} isChanged       the design is another than the one last pushed
+ * @property {boolean} isOthers        another page is in control
+ * @property {boolean} isTracing
+ * @property {Preview | null} preview  what a push would change
+ * @property {PushRefusal[]} refusals  why the device can't take the designs
+ * @property {Design[] | null} lastPushed  from this page, to this device; null: none
+ * @property {Trace | null} trace      of the last traced move
+ * @property {Design[]} designs        of all axes of the page
+ * @property {number[]} ids            of these axes
+ * @property {Design[]} toPush         those that a push sends
+ * @property {number} active           the one in hand
+ * @property {import('./units.js').Units} units */
+
+export {};
+
+/** Axes that begin together, each thinned.
+ * @typedef {object} ScheduledAxes
+ * @property {{name: string, pulses: {time_s: number[], speed_steps_per_s: number[]}}[]} axes
+ * @property {{field: string, message: string}[]} limits           what makes a line slower than its leader
+ * @property {{field: string | null, message: string}[]} warnings */

@@ -1,0 +1,87 @@
+// @ts-check
+// The units that lengths, speeds and accelerations are shown in. Designs are in steps and seconds whatever is shown.
+
+/** @typedef {import('./types.js').Design} Design */
+/** @typedef {'steps' | 'rev' | 'deg' | 'mm'} LengthUnit */
+/** @typedef {{length: LengthUnit, time: 's' | 'min'}} Units */
+/** @typedef {'length' | 'speed' | 'acceleration'} Quantity */
+
+const DEGREES_PER_REV = 360;
+const SECONDS_PER_MIN = 60;
+
+/** @type {Units} */
+export const STEPS_AND_SECONDS = { length: 'steps', time: 's' };
+
+/** Units as a text that can be kept, as "mm min".
+ * @param {Units} units */
+export const unitsText = ({ length, time }) => `${length} ${time}`;
+
+/** The units that such a text names; the usual ones where it names none.
+ * @param {string} text @returns {Units} */
+export function unitsNamed(text) {
+  const [length, time] = text.split(' ');
+  const isKnown = LENGTHS.some(([unit]) => unit === length) && (time === 's' || time === 'min');
+  return isKnown ? /** @type {Units} */ ({ length, time }) : STEPS_AND_SECONDS;
+}
+
+/** @type {[LengthUnit, string][]} */
+const LENGTHS = [
+  ['steps', 'steps'],
+  ['rev', 'rev'],
+  ['deg', '°'],
+  ['mm', 'mm'],
+];
+
+/** The time's power in each quantity. */
+const TIME_POWER = { length: 0, speed: 1, acceleration: 2 };
+const POWERS = ['', '', '²'];
+
+/** The units of length that an axis can be shown in: millimetres only where its travel is known in them.
+ * @param {Design} design @returns {[LengthUnit, string][]} */
+export function unitChoices(design) {
+  return LENGTHS.filter(([unit]) => unit !== 'mm' || design.axis.travel_unit === 'mm');
+}
+
+/** How many units of length one step is; NaN while the axis has no such numbers.
+ * @param {LengthUnit} unit @param {Design} design */
+function lengthOfStep(unit, design) {
+  if (unit === 'steps') return 1;
+  const { full_steps_per_rev, microsteps, travel_per_rev, travel_unit } = design.axis;
+  const stepsPerRev = Number(full_steps_per_rev) * Number(microsteps);
+  const isTravel = unit === travel_unit;
+  const perRev = isTravel ? Number(travel_per_rev) : unit === 'deg' ? DEGREES_PER_REV : 1;
+  return stepsPerRev > 0 && perRev > 0 ? perRev / stepsPerRev : NaN;
+}
+
+/** The units that hold for a design: steps where it has no such length.
+ * @param {Units} units @param {Design} design @returns {Units} */
+export function unitsFor(units, design) {
+  const isKnown =
+    unitChoices(design).some(([unit]) => unit === units.length) && lengthOfStep(units.length, design) > 0;
+  return isKnown ? units : { ...units, length: 'steps' };
+}
+
+/** @param {Units} units @param {Design} design @param {Quantity} quantity */
+function factorOf(units, design, quantity) {
+  const known = unitsFor(units, design);
+  const seconds = known.time === 'min' ? SECONDS_PER_MIN : 1;
+  return lengthOfStep(known.length, design) * seconds ** TIME_POWER[quantity];
+}
+
+/** @param {Units} units @param {Design} design @param {Quantity} quantity @param {number} stored in steps and seconds */
+export function shownValue(units, design, quantity, stored) {
+  return stored * factorOf(units, design, quantity);
+}
+
+/** @param {Units} units @param {Design} design @param {Quantity} quantity @param {number} shown */
+export function storedValue(units, design, quantity, shown) {
+  return shown / factorOf(units, design, quantity);
+}
+
+/** @param {Units} units @param {Design} design @param {Quantity} quantity such as "mm/s²" */
+export function unitWord(units, design, quantity) {
+  const known = unitsFor(units, design);
+  const length = LENGTHS.find(([unit]) => unit === known.length)?.[1] ?? '';
+  const power = TIME_POWER[quantity];
+  return power === 0 ? length : `${length}/${known.time}${POWERS[power]}`;
+}

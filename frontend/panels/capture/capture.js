@@ -1,0 +1,135 @@
+// @ts-check
+// The dialog of measured steps: the file that a logic analyser wrote, what is taken of it, and what it says of the ramp.
+
+import { removeCapture, showCapture, wishCapture } from '../../app/commands/capture.js';
+import { isCaptureStale } from '../../app/selectors.js';
+import { whenChanged } from '../../app/state.js';
+import { formatBytes } from '../../documents/exports.js';
+import { formatFixed } from '../../model/numbers.js';
+import { createDialog, dialogFoot } from '../../ui/dialog.js';
+import { element, messageLine, showText } from '../../ui/dom.js';
+import { createCaptureFields } from './fields.js';
+import { createCaptureFigures } from './figures.js';
+
+/** @typedef {import('../../app/state.js').Capture} Capture */
+
+const FORMATS = /** @type {Record<string, string>} */ ({
+  saleae_csv: 'CSV of Saleae Logic 2',
+  sigrok_csv: 'CSV of sigrok',
+  sigrok_session: 'session of sigrok',
+  vcd: 'VCD',
+});
+
+/** @param {import('../../app/state.js').Dispatch} dispatch @param {{openCaptureFile: () => void, cancel: () => void}} act */
+export function createCapture(dispatch, act) {
+  const about = element('p', {
+    className: 'muted',
+    textContent:
+      'Lays the steps that a logic analyser saw over the planned ones. It reads CSV of Saleae Logic 2 and sigrok, VCD, and .sr ' +
+      'where sigrok-cli is installed. Open a file, or drop it on the page.',
+  });
+  const file = element('p', { className: 'capture-file', id: 'capture-file' });
+  const bar = element('progress', { max: 1, 'aria-label': 'Sending the file' });
+  const doing = element('span');
+  const cancel = element('button', {
+    className: 'button small',
+    id: 'capture-cancel',
+    type: 'button',
+    textContent: 'Cancel',
+    onclick: act.cancel,
+  });
+  const progress = element('div', { className: 'capture-progress', id: 'capture-progress' }, bar, doing, cancel);
+  const problems = element('div', { id: 'capture-problems', role: 'alert' });
+  const note = element('p', { className: 'muted', id: 'capture-note', role: 'status' });
+  const fields = createCaptureFields((wanted) => dispatch(wishCapture, wanted));
+  const figures = createCaptureFigures();
+  const open = element('button', { className: 'button', id: 'capture-open', type: 'button', onclick: act.openCaptureFile });
+  const remove = element('button', {
+    className: 'button',
+    id: 'capture-remove',
+    type: 'button',
+    textContent: 'Remove capture',
+    onclick: () => dispatch(removeCapture),
+  });
+  const close = element('button', { className: 'button primary', type: 'button', textContent: 'Show the plots', onclick: () => dialog.close() });
+  const foot = dialogFoot(null, remove, open, close);
+  const dialog = createDialog(
+    { id: 'capture-dialog', title: 'Measured steps' },
+    about,
+    file,
+    progress,
+    problems,
+    fields.element,
+    figures.element,
+    note,
+    foot,
+  );
+  dialog.element.addEventListener('close', () => dispatch(showCapture, false));
+
+  /** @param {Capture} capture */
+  function showFile({ file: { name, size }, answer }) {
+    const kind = answer && FORMATS[answer.format];
+    const rate = answer?.sample_rate_hz ? `, ${formatFixed(answer.sample_rate_hz / 1000)} kHz` : '';
+    file.replaceChildren(
+      element('b', { textContent: name }),
+      element('span', { className: 'muted', textContent: ` ${formatBytes(size)}${kind ? `, ${kind}${rate}` : ''}` }),
+    );
+  }
+
+  /** @param {Capture} capture */
+  function showProgress({ stage, sent }) {
+    progress.hidden = stage !== 'asked' && stage !== 'unanswered';
+    const isSent = sent >= 1;
+    if (isSent || stage === 'unanswered') bar.removeAttribute('value');
+    else bar.value = sent;
+    const words = isSent ? 'being read …' : `${formatFixed(sent * 100)} % sent`;
+    showText(doing, stage === 'unanswered' ? 'The server can’t read it now: tried again.' : words);
+  }
+
+  /** What is between the file and what it says of the present design.
+   * @param {Capture} capture @param {boolean} isStale */
+  function noteOf({ stage, answer }, isStale) {
+    if (stage === 'cancelled') return 'Cancelled: what is shown was found before. A change asks again.';
+    if (isStale && stage === 'answered') return 'The design can’t be computed now: what is shown was held against an earlier one.';
+    if (answer && answer.move === null) return 'There is no step in it: choose another channel.';
+    return answer?.remarks.join(' ') ?? '';
+  }
+
+  /** @param {Capture | null} capture @param {boolean} isStale */
+  function show(capture, isStale) {
+    const answer = capture?.answer ?? null;
+    about.hidden = capture !== null;
+    for (const part of [file, remove, close]) part.hidden = capture === null;
+    open.textContent = capture === null ? 'Open a file …' : 'Open another file …';
+    fields.element.hidden = figures.element.hidden = answer === null;
+    progress.hidden = note.hidden = true;
+    if (capture === null) {
+      problems.replaceChildren();
+      return;
+    }
+    showFile(capture);
+    showProgress(capture);
+    const others = fields.show(capture);
+    problems.replaceChildren(...others.map((text) => messageLine({ text, isWarning: false })));
+    if (answer) figures.show(answer, isStale);
+    showText(note, noteOf(capture, isStale));
+    note.hidden = note.textContent === '';
+  }
+
+  const shows = [
+    whenChanged((/** @type {import('../../app/state.js').State} */ state) => [state.capture, isCaptureStale(state)], show),
+    whenChanged(
+      ({ isCaptureOpen, capture }) => [isCaptureOpen, capture?.file ?? null],
+      (isOpen, present) => {
+        if (isOpen && !dialog.isOpen()) dialog.open(present === null ? open : close);
+        else if (!isOpen && dialog.isOpen()) dialog.close();
+      },
+    ),
+  ];
+  return {
+    /** @param {import('../../app/state.js').State} state */
+    show(state) {
+      for (const one of shows) one(state);
+    },
+  };
+}

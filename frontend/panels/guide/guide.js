@@ -1,0 +1,106 @@
+// @ts-check
+// The guide of a first visit: four steps from a motor to a ramp that is played. It stands where the panels at the side
+// are, so that the plots show what comes of each answer, and STOP stays in reach; the design is the one that all show.
+
+import { closeGuide, goToStep, takeDrive } from '../../app/commands/guide.js';
+import { chooseSection } from '../../app/commands/device.js';
+import { chooseTab } from '../../app/commands/view.js';
+import { curvesOf, designOf, messagesOf, stalenessOf } from '../../app/selectors.js';
+import { whenever } from '../../app/state.js';
+import { GUIDE_STEPS } from '../../model/guide.js';
+import { element, icon, showText } from '../../ui/dom.js';
+import { ONE_PLOT } from '../../ui/layouts.js';
+import { createLimitsStep } from './limits.js';
+import { createMotorStep } from './motor.js';
+import { createRampStep } from './ramp.js';
+import { createUseStep } from './use.js';
+
+/** @typedef {import('../../app/state.js').State} State */
+/** @typedef {import('../../model/guide.js').GuideStep} GuideStep */
+
+/** @param {HTMLElement} root @param {import('../../app/state.js').Dispatch} dispatch
+ * @param {{openExport: (format: string) => void, saveFile: () => void}} act */
+export function createGuide(root, dispatch, act) {
+  /** @type {GuideStep} */
+  let step = 'motor';
+  const use = createUseStep({ ...act, goToDevice, choosePlayer: () => goTo('ramp') });
+  const steps = { motor: createMotorStep(dispatch), limits: createLimitsStep(dispatch), ramp: createRampStep(dispatch), use };
+  const tabs = GUIDE_STEPS.map(({ name, label }, at) =>
+    element('button', { type: 'button', 'data-value': name, onclick: () => goTo(name) }, `${at + 1} ${label}`),
+  );
+  const heading = element('h2', { tabIndex: -1 });
+  const closing = element(
+    'button',
+    { className: 'button quiet square small', id: 'guide-close', type: 'button', 'aria-label': 'Close the guide', title: 'Close it; the menu opens it again', onclick: close },
+    icon('remove'),
+  );
+  const body = element('div', { className: 'guide-body' }, ...Object.values(steps).map((one) => one.element));
+  const back = element('button', { className: 'button', id: 'guide-back', type: 'button', textContent: 'Back', onclick: () => go(-1) });
+  const next = element('button', { className: 'button primary', id: 'guide-next', type: 'button', textContent: 'Next', onclick: takeAndGo });
+  const skip = element('button', { className: 'button quiet', id: 'guide-skip', type: 'button', textContent: 'Skip', title: 'Leave all as it is', onclick: () => go(1) });
+  root.replaceChildren(
+    element('div', { className: 'panel-head' }, heading, closing),
+    element('div', { className: 'segmented fill', role: 'group', 'aria-label': 'Steps of the guide' }, ...tabs),
+    body,
+    element('div', { className: 'guide-foot' }, back, element('span', { className: 'grow' }), skip, next),
+  );
+  root.hidden = true;
+
+  const place = () => GUIDE_STEPS.findIndex(({ name }) => name === step);
+
+  /** @param {1 | -1} direction beyond the last step the guide is over */
+  function go(direction) {
+    const to = GUIDE_STEPS[place() + direction];
+    if (to) goTo(to.name);
+    else close();
+  }
+
+  /** What is shown is the answer. */
+  function takeAndGo() {
+    if (step === 'motor') dispatch(takeDrive);
+    go(1);
+  }
+
+  /** @param {GuideStep} name */
+  function goTo(name) {
+    dispatch(goToStep, name);
+    body.scrollTop = 0;
+    heading.focus();
+  }
+
+  function close() {
+    dispatch(closeGuide);
+    document.getElementById('examples')?.focus();
+  }
+
+  function goToDevice() {
+    dispatch(chooseTab, 'device', ONE_PLOT.matches);
+    dispatch(chooseSection, 'push');
+    document.getElementById('device')?.focus();
+  }
+
+  /** @param {State} state */
+  function draw(state) {
+    const { guide } = state;
+    step = guide.step;
+    root.hidden = !guide.isOpen;
+    document.body.dataset.guide = guide.isOpen ? 'open' : 'closed';
+    if (!guide.isOpen) return;
+    const at = place();
+    showText(heading, `${at + 1} of ${GUIDE_STEPS.length}: ${GUIDE_STEPS[at].title}`);
+    for (const tab of tabs) tab.setAttribute('aria-pressed', String(tab.dataset.value === step));
+    for (const [name, one] of Object.entries(steps)) one.element.hidden = name !== step;
+    steps[step].show(state);
+    back.disabled = at === 0;
+    const isLast = at === GUIDE_STEPS.length - 1;
+    skip.hidden = isLast;
+    showText(next, isLast ? 'Done' : 'Next');
+  }
+
+  return {
+    show: whenever((state) => {
+      const { guide, units } = state;
+      return [guide, designOf(state), units, messagesOf(state), curvesOf(state), stalenessOf(state)];
+    }, draw),
+  };
+}

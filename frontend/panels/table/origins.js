@@ -1,0 +1,56 @@
+// @ts-check
+// Where tables come from: rows that were fitted, or that came with a design, are of its ramp. When the ramp is another one
+// by now, they can be fitted anew. Rows that a person typed, dragged or pasted are meant as they are.
+
+/** @typedef {import('../../model/types.js').Design} Design */
+/** @typedef {import('../../model/types.js').FitWish} FitWish */
+/** @typedef {{ramp: string, wish: FitWish | null}} Origin   wish: that of the fit, if it was one */
+
+export function createOrigins() {
+  /** By the rows and their unit.
+   * @type {Map<string, Origin>} */
+  const origins = new Map();
+  /** A slider under the hand asks of the same rows many times a second.
+   * @type {WeakMap<object, string>} */
+  const keys = new WeakMap();
+
+  /** @param {NonNullable<Design['table']>} table */
+  function keyOf(table) {
+    const key = keys.get(table) ?? JSON.stringify([table.rows, table.interval_unit]);
+    keys.set(table, key);
+    return key;
+  }
+
+  return {
+    /** The rows of a design were fitted to its ramp, or came with it.
+     * @param {NonNullable<Design['table']>} table @param {Design} design @param {FitWish | null} wish */
+    note(table, design, wish) {
+      const key = keyOf(table);
+      if (wish !== null || !origins.has(key)) origins.set(key, { ramp: rampOf(design), wish });
+    },
+    /** Forget all but those of these tables.
+     * @param {Design['table'][]} tables */
+    prune(tables) {
+      const present = new Set(tables.map((table) => table && keyOf(table)));
+      for (const key of origins.keys()) if (!present.has(key)) origins.delete(key);
+    },
+    /** The wish for rows that suit the ramp again; null: they suit it, or are a person's own.
+     * @param {Design} design @returns {{wish: FitWish, isFit: boolean} | null} */
+    staleWish(design) {
+      const origin = design.table && origins.get(keyOf(design.table));
+      if (!design.table || !origin || !isNumbers(design) || origin.ramp === rampOf(design)) return null;
+      const { rows, interval_unit } = design.table;
+      const same = { rows: rows.length, row_kind: /** @type {const} */ ('constant'), fit_to: /** @type {const} */ ('played') };
+      return { wish: { ...(origin.wish ?? same), interval_unit }, isFit: origin.wish !== null };
+    },
+  };
+}
+
+/** Whether the ramp is one: what a person types may be no number yet.
+ * @param {Design} design */
+const isNumbers = ({ ramp, timer }) => ![...Object.values(ramp), timer.frequency_hz].some((value) => typeof value === 'string');
+
+/** @param {Design} design */
+function rampOf({ ramp, timer }) {
+  return JSON.stringify([ramp, timer.frequency_hz]);
+}

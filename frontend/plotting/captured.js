@@ -1,0 +1,71 @@
+// @ts-check
+// A captured move over the axis of the plots: its steps where the plan has them, and marks where something is wrong.
+
+import { activeProfile, along, interpolate, measuredOver, unitsOf } from './curves.js';
+import { formatFigures } from '../model/numbers.js';
+import { shownValue } from '../model/units.js';
+
+/** @typedef {import('../model/types.js').Answer} Answer */
+/** @typedef {import('../model/types.js').MarkedSteps} MarkedSteps */
+/** @typedef {import('./curves.js').PlotAxis} PlotAxis */
+/** @typedef {NonNullable<import('../model/types.js').Captured['move']>} CapturedSteps */
+/** @typedef {{move: CapturedSteps, isStale: boolean}} ShownCapture  isStale: it is of an earlier design */
+/** @typedef {'missing' | 'extra' | 'short'} MarkName */
+/** @typedef {{x: number[], velocity: number[], delay: number[]}} Marks  each where the plan is then */
+/** @typedef {import('./frame.js').Measured & {isStale: boolean, marks: Record<MarkName, Marks>}} CapturedCurve */
+
+const NOISE_US = 0.001;
+/** The signs of what is marked, as Plotly calls them and as they are written.
+ * @type {Record<MarkName, {symbol: string, sign: string, word: string}>} */
+export const MARKS = {
+  missing: { symbol: 'x-thin-open', sign: '×', word: 'missing' },
+  extra: { symbol: 'cross-thin-open', sign: '+', word: 'extra' },
+  short: { symbol: 'triangle-down', sign: '▼', word: 'too short' },
+};
+
+/** How much later than planned, in words. No analyser tells parts of a nanosecond: that is the noise of arithmetic.
+ * @param {number} us */
+export const deviationText = (us) => (Math.abs(us) < NOISE_US ? '0 µs' : `${formatFigures(us, 3)} µs`);
+
+/** @param {Answer} answer @param {PlotAxis} against @param {ShownCapture} shown @returns {CapturedCurve} */
+export function capturedOver(answer, against, { move, isStale }) {
+  const { deviation, short_pulses: short } = move;
+  const planned = deviation?.planned_step ?? move.step;
+  const used = planned.flatMap((step, index) => (step > 0 ? [index] : []));
+  // A wait that an extra pulse ends is no step's.
+  const cut = new Set(deviation?.extra.step.map((step) => step - 1));
+  const of = (/** @type {(number | null)[]} */ values) => used.map((index) => values[index] ?? NaN);
+  const whole = (/** @type {(number | null)[]} */ values) => used.map((index) => (cut.has(move.step[index]) ? NaN : (values[index] ?? NaN)));
+  const measured = measuredOver(answer, against, {
+    step: of(planned),
+    time_s: of(move.time_s),
+    speed_steps_per_s: whole(move.speed_steps_per_s),
+    delay_us: whole(move.interval_us),
+    deviation_us: of(deviation?.deviation_us ?? []),
+    length: null,
+  });
+  return {
+    ...measured,
+    isStale,
+    marks: {
+      missing: marksOver(answer, against, deviation?.missing),
+      extra: marksOver(answer, against, deviation?.extra),
+      short: marksOver(answer, against, short),
+    },
+  };
+}
+
+/** Marks have their place by their time: a step that was not planned has no number among the planned ones.
+ * @param {Answer} answer @param {PlotAxis} against @param {MarkedSteps | null | undefined} marked @returns {Marks} */
+function marksOver(answer, against, marked) {
+  const { step, time_s, speed_steps_per_s } = activeProfile(answer);
+  const perStep = shownValue(unitsOf(answer), answer.design, 'speed', 1);
+  const isThere = (/** @type {number} */ at) => answer.range === null || (at >= time_s[0] && at <= time_s[time_s.length - 1]);
+  const times = (marked?.time_s ?? []).filter(isThere);
+  const speeds = times.map((at) => interpolate(time_s, speed_steps_per_s, at));
+  return {
+    x: along(answer, against, times.map((at) => interpolate(time_s, step, at)), times),
+    velocity: speeds.map((speed) => speed * perStep),
+    delay: speeds.map((speed) => 1e6 / speed),
+  };
+}

@@ -1,0 +1,72 @@
+// @ts-check
+// The plots, from top to bottom: an entry each, with all that is its own. Nothing else lists them.
+
+import { formatFigures, formatFixed } from '../model/numbers.js';
+import { unitWord } from '../model/units.js';
+import { unitsOf } from './curves.js';
+
+/** @typedef {import('./curves.js').Curve} Curve */
+/** @typedef {import('./curves.js').MethodReading} MethodReading */
+
+/** @typedef {object} Plot
+ * @property {string} name
+ * @property {string} plotlyAxis
+ * @property {string} label     where one plot at a time is chosen
+ * @property {string} title
+ * @property {(answer: import('../model/types.js').Answer) => string} unit
+ * @property {'from zero' | 'logarithmic' | 'around zero'} scale
+ * @property {(curve: Curve) => {x: number[], y: number[]}} curve  what is drawn of a method
+ * @property {((move: import('./frame.js').Measured) => number[]) | null} measured  what is drawn of a measured move
+ * @property {((axis: import('./frame.js').AxisCurve) => number[]) | null} ofAxis   what is drawn where all axes are shown;
+ *   null: it is not there then
+ * @property {(at: MethodReading) => number} read                  what the cursor reads of a method
+ * @property {(value: number) => string} readingText */
+
+/** @type {Plot[]} */
+export const PLOTS = [
+  {
+    name: 'velocity',
+    plotlyAxis: 'y',
+    label: 'Velocity',
+    title: 'Velocity',
+    unit: (answer) => unitWord(unitsOf(answer), answer.design, 'speed'),
+    scale: 'from zero',
+    curve: ({ x, shownSpeed }) => ({ x, y: shownSpeed }),
+    measured: ({ velocity }) => velocity,
+    ofAxis: ({ velocity }) => velocity,
+    read: (at) => at.shownSpeed,
+    readingText: formatReading,
+  },
+  {
+    name: 'delay',
+    plotlyAxis: 'y2',
+    label: 'Delay',
+    title: 'Delay per step',
+    unit: () => 'µs',
+    scale: 'logarithmic',
+    curve: ({ x, delay_us }) => ({ x, y: delay_us }),
+    measured: ({ delay }) => delay,
+    ofAxis: ({ delay }) => delay,
+    read: (at) => at.delay_us,
+    readingText: formatReading,
+  },
+  {
+    name: 'error',
+    plotlyAxis: 'y3',
+    label: 'Error',
+    title: 'Error against exact',
+    unit: () => '% of the interval',
+    scale: 'around zero',
+    curve: ({ error }) => ({ x: error.x, y: error.percent }),
+    measured: null,
+    ofAxis: null,
+    read: (at) => at.percent,
+    readingText: (percent) => formatFixed(percent, 2),
+  },
+];
+
+/** @param {number} value */
+export function formatReading(value) {
+  if (!Number.isFinite(value) || value === 0) return value === 0 ? '0' : '–';
+  return Math.abs(value) < 100 ? formatFigures(value) : formatFixed(value, 1);
+}

@@ -1,0 +1,327 @@
+// @ts-check
+// The only module that talks to the server.
+
+import { createConversation } from './conversation.js';
+import { createEvents } from './events.js';
+import { createGate } from './gate.js';
+import { isReadable, upload } from './upload.js';
+
+/** @typedef {import('../model/types.js').Design} Design */
+/** @typedef {import('../model/types.js').Device} Device */
+/** @typedef {import('../model/types.js').Rejection} Rejection */
+/** @typedef {import('../model/types.js').FitWish} FitWish */
+/** @typedef {import('./gestures.js').Gesture} Gesture */
+
+const ANSWER_WITHIN_MS = 15_000;
+const PUSH_WITHIN_MS = 90_000;
+const EXPORT_WITHIN_MS = 60_000;
+const CAPTURE_WITHIN_MS = 600_000;
+/** A stop that is not answered so soon is said over the socket of events, too. */
+const STOP_WITHIN_MS = 100;
+/** Browsers have six connections to a server: some stay free, so that what stops does not stand in line. */
+const MOST_REQUESTS = 4;
+/** The status of what is understood but can't be done. */
+export const UNPROCESSABLE = 422;
+/** No larger file is read [bytes]. */
+const MOST_FILE_BYTES = 268_435_456;
+/** From here on it is the server that can't, not the question that is wrong. */
+const SERVER_ERROR = 500;
+
+/** What this page calls itself: the server knows by it which page is in control of a device. */
+export const PAGE = crypto.randomUUID();
+
+/** The server understood and said no: one rejection or more. */
+export class Refusal extends Error {
+  /** @param {number} status @param {Rejection[]} rejections */
+  constructor(status, rejections) {
+    super(rejections.map((rejection) => rejection.message).join(' '));
+    this.status = status;
+    this.rejections = rejections;
+  }
+}
+
+/** The server can't be reached, or its answer makes no sense. */
+export class ServerGone extends Error {}
+
+/** It was ended on the way, by somebody who knows. */
+export class Ended extends Error {}
+
+/** @param {string} path */
+function address(path) {
+  return new URL(`api/v1/${path}`, document.baseURI);
+}
+
+const gate = createGate(MOST_REQUESTS);
+
+/** How a request differs from most.
+ * @typedef {object} Manner
+ * @property {number} [withinMs]
+ * @property {(response: Response) => Promise<any>} [read] what makes the answer of a response that is no refusal
+ * @property {Gesture} [gesture]    what it is a part of
+ * @property {AbortSignal} [ended]  what ends it
+ * @property {boolean} [isUrgent]   it stands in no line */
+
+/**
+ * @param {'GET' | 'POST' | 'PUT' | 'DELETE'} method
+ * @param {string} path
+ * @param {unknown} [body]
+ * @param {Manner} [manner]
+ * @returns {Promise<any>}
+ */
+async function request(method, path, body, manner = {}) {
+  const { withinMs = ANSWER_WITHIN_MS, read = readJson, gesture, ended = gesture?.ended, isUrgent = false } = manner;
+  /** @type {Record<string, string>} */
+  const headers = { 'X-StepRamp-Page': PAGE };
+  if (gesture) headers['X-StepRamp-Stops'] = String(gesture.stops);
+  if (body !== undefined) headers['Content-Type'] = 'application/json';
+  const options = { method, headers, body: body === undefined ? undefined : JSON.stringify(body) };
+  const exchange = async (/** @type {AbortSignal} */ signal) => {
+    const response = await fetch(address(path), { ...options, signal });
+    return { response, answer: await (response.ok ? read : readJson)(response) };
+  };
+  let exchanged;
+  try {
+    exchanged = await within(withinMs, ended, (signal) => (isUrgent ? exchange(signal) : gate(() => exchange(signal))));
+  } catch (error) {
+    if (ended?.aborted) throw new Ended('It was ended.');
+    throw new ServerGone(`The server does not answer (${error instanceof Error ? error.message : error}).`);
+  }
+  const { response, answer } = exchanged;
+  if (response.ok) return answer;
+  if (ended?.aborted) throw new Ended('It was ended.');
+  throw refusalOf(response.status, answer);
+}
+
+/** @param {number} status @param {any} answer */
+function refusalOf(status, answer) {
+  return new Refusal(status, answer?.errors ?? [rejection(`The server answers with status ${status}.`)]);
+}
+
+/** @param {string} message @param {string | null} [field] @returns {Rejection} */
+const rejection = (message, field = null) => ({ field, value: null, allowed: null, message });
+
+/** Have a file looked at. A server that can't answer now is one to ask again.
+ * @param {string} path @param {File} file @param {AbortSignal} ended @param {import('./upload.js').OnSent} onSent
+ * @returns {Promise<any>} */
+async function sendFile(path, file, ended, onSent) {
+  if (file.size > MOST_FILE_BYTES) {
+    const [size, limit] = [file.size, MOST_FILE_BYTES].map((count) => count.toLocaleString('en-US'));
+    throw new Refusal(UNPROCESSABLE, [rejection(`“${file.name}” has ${size} bytes; at most ${limit} are read.`, 'file')]);
+  }
+  const headers = { 'X-StepRamp-Page': PAGE, 'Content-Type': 'application/octet-stream' };
+  let sent;
+  try {
+    sent = await gate(() => upload(address(path), headers, file, { ended, withinMs: CAPTURE_WITHIN_MS, onSent }));
+  } catch (error) {
+    if (ended.aborted) throw new Ended('It was ended.');
+    const message = `“${file.name}” can’t be read any more: it has changed, or is gone. Open it again.`;
+    if (!(await isReadable(file))) throw new Refusal(UNPROCESSABLE, [rejection(message, 'file')]);
+    throw new ServerGone(`The server does not answer (${error instanceof Error ? error.message : error}).`);
+  }
+  const { status, answer } = sent;
+  if (status >= SERVER_ERROR) throw new ServerGone(`The server answers with status ${status}.`);
+  if (status >= 400 || answer === null) throw refusalOf(status, answer);
+  return answer;
+}
+
+/** Do what a signal ends when it takes too long, or something else has ended; then it fails at once.
+ * @template T @param {number} ms @param {AbortSignal | undefined} ended @param {(signal: AbortSignal) => Promise<T>} act
+ * @returns {Promise<T>} */
+async function within(ms, ended, act) {
+  const end = new AbortController();
+  const stop = () => end.abort(new Error('ended'));
+  const timer = setTimeout(() => end.abort(new Error('it took too long')), ms);
+  ended?.addEventListener('abort', stop);
+  if (ended?.aborted) stop();
+  const over = new Promise((_, reject) => {
+    const fail = () => reject(end.signal.reason);
+    end.signal.addEventListener('abort', fail);
+    if (end.signal.aborted) fail();
+  });
+  try {
+    return /** @type {T} */ (await Promise.race([over, act(end.signal)]));
+  } finally {
+    clearTimeout(timer);
+    ended?.removeEventListener('abort', stop);
+  }
+}
+
+/** @param {Response} response */
+function readJson(response) {
+  return response.json();
+}
+
+/** @param {Response} response @returns {Promise<{file: Blob, name: string}>} */
+async function readFile(response) {
+  const name = /filename="([^"]+)"/.exec(response.headers.get('Content-Disposition') ?? '')?.[1] ?? 'stepramp';
+  return { file: await response.blob(), name };
+}
+
+const events = createEvents(() => socketAddress('devices/events'));
+const sliding = createConversation(() => socketAddress('curves/socket'), ANSWER_WITHIN_MS);
+
+export const api = {
+  /** @returns {Promise<{examples: import('../model/types.js').Example[]}>} */
+  examples: () => request('GET', 'examples'),
+
+  /** @param {object} wanted a design, methods, and what is to be drawn of them
+   * @param {AbortSignal} [ended] @returns {Promise<import('../model/types.js').DrawnCurves>} */
+  curves: (wanted, ended) => request('POST', 'curves', wanted, { ended }),
+
+  /** The same, quicker: for a slider that moves.
+   * @param {object} wanted @param {AbortSignal} [ended] @returns {Promise<import('../model/types.js').DrawnCurves>} */
+  async movingCurves(wanted, ended) {
+    const answer = await sliding.ask(wanted);
+    if (answer === null) return api.curves(wanted, ended);
+    if (answer.errors) throw new Refusal(UNPROCESSABLE, answer.errors);
+    return /** @type {any} */ (answer);
+  },
+
+  /** @param {Design[]} designs @param {'independent' | 'line'} mode @param {number} maxPoints
+   * @param {AbortSignal} ended @returns {Promise<import('../model/types.js').ScheduledAxes>} */
+  schedule: (designs, mode, maxPoints, ended) =>
+    request('POST', 'schedule', { designs, mode, max_points: maxPoints }, { ended }),
+
+  /** @param {Design} design @param {FitWish} wish @returns {Promise<import('../model/types.js').FittedTable>} */
+  fitTable: (design, wish) => request('POST', 'table/fit', { design, ...wish }),
+
+  /** @param {Design} design @param {{row_kind: string, interval_unit: string, fit_to: string}} kind
+   * @returns {Promise<import('../model/types.js').FitCurve>} */
+  fitCurve: (design, kind) => request('POST', 'table/fit/curve', { design, ...kind }),
+
+  /** @param {object} table rows, interval_unit, frequency_hz and slew_interval_us
+   * @returns {Promise<{findings: {row: number, reason: string, wrong: boolean}[]}>} */
+  checkTable: (table) => request('POST', 'table/check', table),
+
+  /** @param {string} format @param {Record<string, unknown>} wanted the design, and what the format looks at besides
+   * @returns {Promise<{file: Blob, name: string}>} */
+  exportDesign: (format, wanted) =>
+    request('POST', `export/${format}`, wanted, { withinMs: EXPORT_WITHIN_MS, read: readFile }),
+
+  /** @param {'html' | 'pdf'} format @param {object} wanted the design, and what its report is to say besides
+   * @returns {Promise<{file: Blob, name: string}>} */
+  report: (format, wanted) => request('POST', `report?format=${format}`, wanted, { withinMs: EXPORT_WITHIN_MS, read: readFile }),
+
+  /** @param {object} play table, range_steps and targets @returns {Promise<import('../model/types.js').PlayedTable>} */
+  playTable: (play) => request('POST', 'table/play', play),
+
+  /** Read what a logic analyser captured. What is null is left to the server.
+   * @param {File} file @param {import('../model/types.js').CaptureWish & {design: string}} wanted
+   * @param {AbortSignal} ended @param {import('./upload.js').OnSent} onSent
+   * @returns {Promise<import('../model/types.js').Captured>} */
+  capture(file, wanted, ended, onSent) {
+    const given = Object.entries(wanted).flatMap(([name, value]) => (value === null ? [] : [[name, String(value)]]));
+    return sendFile(`capture?${new URLSearchParams(given)}`, file, ended, onSent);
+  },
+
+  /** @returns {Promise<import('../model/types.js').Ports>} */
+  ports: () => request('GET', 'ports'),
+
+  /** @param {string} port @param {string} family @returns {Promise<Device>} */
+  connect: (port, family) => request('POST', 'devices', { port, family }),
+
+  /** @param {string} id */
+  disconnect: (id) => request('DELETE', device(id)),
+
+  /** @param {string} id @param {import('../model/types.js').Pushed} wanted @param {Gesture} gesture a STOP ends it
+   * @returns {Promise<import('../model/types.js').Push>} */
+  push: (id, wanted, gesture) => request('POST', `${device(id)}/push`, wanted, { withinMs: PUSH_WITHIN_MS, gesture }),
+
+  /** What a push would change; nothing is sent.
+   * @param {string} id @param {import('../model/types.js').Pushed} wanted @param {AbortSignal} ended
+   * @returns {Promise<import('../model/types.js').Preview>} */
+  preview: (id, wanted, ended) =>
+    request('POST', `${device(id)}/push/preview`, wanted, { withinMs: PUSH_WITHIN_MS, ended }),
+
+  /** Have a device do something else that moves nothing and has a route of its own.
+   * @param {string} id @param {'position' | 'keep' | 'roll_back' | 'restore' | 'control'} what
+   * @param {unknown} [body] @returns {Promise<Device>} */
+  act: (id, what, body) => request('POST', `${device(id)}/${what}`, body, { withinMs: PUSH_WITHIN_MS }),
+
+  /** @param {string} id @param {'move' | 'run' | 'line' | 'there_and_back' | 'zero'} what @param {unknown} body
+   * @param {Gesture} gesture @returns {Promise<Device>} */
+  move: (id, what, body, gesture) =>
+    request('POST', `${device(id)}/${what}`, body, { withinMs: PUSH_WITHIN_MS, gesture }),
+
+  /** @param {string} id @param {import('../model/types.js').SoftLimits[]} axes @returns {Promise<Device>} */
+  limit: (id, axes) => request('PUT', `${device(id)}/soft_limits`, { axes }),
+
+  /** @param {string} id @returns {Promise<import('../model/types.js').Settings>} */
+  settings: (id) => request('GET', `${device(id)}/settings`),
+
+  /** @param {string} id @param {unknown} settings @returns {Promise<import('../model/types.js').Settings>} */
+  useSettings: (id, settings) => request('PUT', `${device(id)}/settings`, settings),
+
+  /** Have the moves of an axis traced that begin from now on.
+   * @param {string} id @param {number} axis @param {Gesture} gesture */
+  traceMoves: (id, axis, gesture) => request('PUT', `${device(id)}/trace`, { traced_axis: axis }, { gesture }),
+
+  /** @param {string} id @returns {Promise<import('../model/types.js').Trace>} */
+  trace: (id) => request('GET', `${device(id)}/trace`),
+
+  /** The same as a captured file.
+   * @param {string} id @returns {Promise<{file: Blob, name: string}>} */
+  traceFile: (id) => request('GET', `${device(id)}/trace.csv`, undefined, { read: readFile }),
+
+  /** Slow all devices down.
+   * @returns {Promise<{devices: Device[]}>} what they do once it is granted */
+  stopAll: () => stop({ do: 'stop', device: null }, 'devices/stop'),
+
+  /** @param {string} id @returns {Promise<{devices: Device[]}>} */
+  halt: (id) => stop({ do: 'halt', device: id }, `${device(id)}/halt`),
+};
+
+/** Stop by a request, which the server serves before all else. One that is not answered soon waits for the requests of
+ * other tabs: then it is said over the socket of events, too, and whichever is answered first counts, however late. It has
+ * failed once neither can be answered any more, or the server has said no.
+ * @param {import('./events.js').Stop} wanted @param {string} path @returns {Promise<{devices: Device[]}>} */
+async function stop(wanted, path) {
+  const answered = new AbortController();
+  // A request that is still in line is never sent: it would stop what is asked for after this.
+  const asRequest = request('POST', path, undefined, { ended: answered.signal, isUrgent: true });
+  const refused = new Promise((_, reject) => {
+    asRequest.catch((error) => isNo(error) && reject(error));
+  });
+  const isLate = new Promise((resolve) => {
+    asRequest.catch((error) => isNo(error) || resolve(null));
+    setTimeout(resolve, STOP_WITHIN_MS);
+  });
+  const overEvents = isLate.then(() => {
+    if (answered.signal.aborted) throw new Ended('It was answered.');
+    return events.stop(wanted);
+  });
+  try {
+    const told = await Promise.race([refused, Promise.any([asRequest, overEvents])]);
+    return 'devices' in told ? told : { devices: [told] };
+  } catch {
+    return await asRequest;
+  } finally {
+    answered.abort();
+  }
+}
+
+/** Whether the server understood, and will not do it however it is asked.
+ * @param {unknown} error */
+const isNo = (error) => error instanceof Refusal && error.status < SERVER_ERROR;
+
+/** @param {string} id */
+function device(id) {
+  return `devices/${encodeURIComponent(id)}`;
+}
+
+/** @param {string} path */
+function socketAddress(path) {
+  const url = address(path);
+  url.protocol = url.protocol === 'https:' ? 'wss:' : 'ws:';
+  url.searchParams.set('page', PAGE);
+  return url;
+}
+
+/** The socket that a jog lives in: the axis slows down when it ends, or when nothing is said over it for 0.4 s.
+ * @param {string} id */
+export function openJog(id) {
+  return new WebSocket(socketAddress(`${device(id)}/jog`));
+}
+
+/** Hear of every change of the devices, for as long as the page lives. */
+export const watchDevices = events.watch;

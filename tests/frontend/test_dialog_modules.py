@@ -1,0 +1,206 @@
+"""Dialogs and notices without a browser: what they ask, ask again, and show.
+
+Plain objects stand in for elements.
+"""
+
+from typing import Any
+
+import pytest
+
+from designs import document
+from frontend.modules import Modules
+
+# `textOf(element)` is all its text; `find(element, wanted)` the first within it that `wanted` is true of.
+# `pass()` ends what waits, as time does; `settled()` lets all promises go on.
+ELEMENTS = """
+    const own = {document: globalThis.document, HTMLInputElement: globalThis.HTMLInputElement,
+        addEventListener: globalThis.addEventListener, setTimeout: globalThis.setTimeout,
+        clearTimeout: globalThis.clearTimeout};
+    const made = (tag) => { const heard = {};
+        const plain = {tag, children: [], dataset: {}, value: '', textContent: '', hidden: false, options: [],
+            open: false, classList: {toggle() {}, add() {}, remove() {}},
+            addEventListener(name, act) { heard[name] = act; },
+            append(...more) { this.children.push(...more); }, replaceChildren(...more) { this.children = more; },
+            setAttribute(name, value) { this[name] = value; }, getAttribute(name) { return this[name] ?? null; },
+            querySelectorAll: () => [], querySelector: () => made('input'), focus() {}, select() {},
+            show() { this.open = true; }, close() { this.open = false; heard.close?.(); }};
+        return new Proxy(plain, {has: () => true}); };
+    const body = made('body'), waiting = new Map();
+    globalThis.document = {createElement: made, createElementNS: (_, tag) => made(tag), body, activeElement: null};
+    globalThis.HTMLInputElement = class {};
+    globalThis.addEventListener = () => {};
+    globalThis.setTimeout = (act) => { const id = {}; waiting.set(id, act); return id; };
+    globalThis.clearTimeout = (id) => waiting.delete(id);
+    const pass = () => { const due = [...waiting.values()]; waiting.clear(); for (const act of due) act(); };
+    const settled = () => new Promise((done) => own.setTimeout(done, 0));
+    const textOf = (one) => typeof one === 'string' ? one : one.textContent + one.children.map(textOf).join(' ');
+    const find = (one, wanted) => typeof one === 'string' ? null : wanted(one) ? one :
+        one.children.map((child) => find(child, wanted)).find((found) => found) ?? null;
+    const byId = (id) => find(body, (one) => one.id === id);
+    const {ServerGone} = await import('/server/api.js');
+    const gone = () => Promise.reject(new ServerGone('gone'));
+"""
+
+
+def run(modules: Modules, script: str) -> Any:
+    """Return what a script makes of a design, with elements to stand in for a page's."""
+    whole = f"async (design) => {{ {ELEMENTS} try {{ {script} }} finally {{ Object.assign(globalThis, own); }} }}"
+    return modules.evaluate(whole, document())
+
+
+NOBODY = "The server does not answer. It is asked again until it does."
+
+
+@pytest.mark.parametrize("back", ["pass()", "dialog.again()"])
+def test_a_fit_is_asked_for_again_until_the_server_answers(modules: Modules, back: str) -> None:
+    seen = run(
+        modules,
+        f"""const {{createFitDialog}} = await import('/panels/table/fit_dialog.js');
+        const asked = [];
+        let answer = gone;
+        const dialog = createFitDialog({{fitTable: (to) => {{ asked.push(to.name); return answer(); }},
+            fitCurve: () => gone()}}, () => {{}});
+        dialog.open(design, 3); await settled();
+        const first = textOf(byId('fit-result'));
+        answer = async () => ({{table: {{rows: [[1, 2]]}}, rows: 1, bytes: 4, largest_relative_error: 0.5,
+            relative_errors: [0.5], floor: {{relative_error: 0.1, ramp_index: 2}}, linear_rows: null}});
+        {back}; await settled();
+        const then = textOf(byId('fit-result'));
+        dialog.show({{...design, name: 'Steeper', ramp: {{...design.ramp, acceleration_steps_per_s2: 77}}}}, 3);
+        await settled();
+        answer = gone; dialog.show(design, 3); await settled();
+        dialog.close(); pass(); await settled();
+        return [first, then, asked, waiting.size];""",
+    )
+    first, then, asked, waiting = seen
+    assert NOBODY in first
+    assert "1 row" in then
+    assert asked == [document()["name"]] * 2 + ["Steeper", document()["name"]], "closed, it asks no more"
+    assert waiting == 0
+
+
+def test_what_is_played_is_asked_for_again_and_follows_the_axis_that_it_was_opened_for(modules: Modules) -> None:
+    first, then, asked = run(
+        modules,
+        """const {createPlayDialog} = await import('/panels/table/play_dialog.js');
+        const asked = [];
+        let answer = gone;
+        const dialog = createPlayDialog((request) => { asked.push(request.table.rows[0][1]); return answer(); });
+        const tabled = (delay) => ({...design, table: {rows: [[1, delay]], interval_unit: 'us'}});
+        dialog.open(tabled(900), 3); await settled();
+        const first = textOf(byId('play-result'));
+        answer = async () => ({stops: [{at_us: 1000, position: 7}], steps: {position: [1], at_us: [1]}});
+        dialog.again(); await settled();
+        const then = textOf(byId('play-result'));
+        dialog.show(tabled(800), 3); dialog.show(tabled(700), 4); await settled();
+        const removed = {...design, table: null};
+        dialog.show(removed, 3); await settled();
+        return [first, then, [...asked, textOf(byId('play-result'))]];""",
+    )
+    assert NOBODY in first
+    assert "At rest at step 7" in then
+    assert asked[:3] == [900, 900, 800]
+    assert "no table" in asked[3]
+    assert len(asked) == 4, "another axis is not played"
+
+
+def test_an_export_is_asked_for_again_and_follows_the_design(modules: Modules) -> None:
+    first, then, asked = run(
+        modules,
+        """const {createExport} = await import('/panels/export/export.js');
+        const {createStore, FIRST_STATE} = await import('/app/state.js');
+        const {COMMANDS: {work, device}} = await import('/app/commands/commands.js');
+        const asked = [];
+        let answer = gone;
+        const store = createStore(FIRST_STATE, (error) => { throw error; });
+        const panel = createExport(store, {report: gone, exportDesign: (_, {design}) => {
+            asked.push(design.name); return answer(); }});
+        store.subscribe(panel.show);
+        store.dispatch(work.begin, {axes: [design], together: 'independent'});
+        panel.open(); await settled();
+        const first = textOf(byId('export-preview'));
+        answer = async () => ({file: new Blob(['int a;']), name: 'a.h'});
+        store.dispatch(device.linked, 'gone'); store.dispatch(device.linked, 'there'); await settled(); await settled();
+        const then = textOf(byId('export-preview'));
+        store.dispatch(work.setName, 'Other'); await settled();
+        return [first, then, asked];""",
+    )
+    assert NOBODY in first
+    assert "int a;" in then
+    assert asked == [document()["name"], document()["name"], "Other"]
+
+
+def test_where_rows_come_from_is_forgotten_with_them(modules: Modules) -> None:
+    script = """async (design) => { const {createOrigins} = await import('/panels/table/origins.js');
+        const {tablesOf} = await import('/model/workbench.js');
+        const table = (delay) => ({rows: [[1, delay]], interval_unit: 'us'});
+        const origins = createOrigins();
+        const tables = [1, 2, 3].map(table);
+        for (const one of tables) origins.note(one, design, null);
+        const machine = (one) => ({axes: [{...design, table: one}, {...design, table: null}]});
+        origins.prune(tablesOf({past: [machine(tables[0])], present: machine(tables[1]), future: []}));
+        const steeper = {...design, ramp: {...design.ramp, acceleration_steps_per_s2: 77}};
+        const typed = {...steeper, ramp: {...steeper.ramp, slew_speed_steps_per_s: 'fast'}, table: tables[0]};
+        return [...tables.map((one) => origins.staleWish({...steeper, table: one})), origins.staleWish(typed)]
+            .map((wish) => wish !== null); }"""
+    assert modules.evaluate(script, document()) == [True, True, False, False]
+
+
+def test_a_fault_of_the_page_stays_until_it_is_closed(modules: Modules) -> None:
+    seen = run(
+        modules,
+        """const {createNotice} = await import('/panels/header/notice.js');
+        const {watchErrors} = await import('/app/effects/errors.js');
+        const {createStore, FIRST_STATE, whenChanged} = await import('/app/state.js');
+        const {tell, closeFault} = await import('/app/commands/told.js');
+        const store = createStore(FIRST_STATE, (error) => { throw error; });
+        const notice = createNotice(() => store.dispatch(closeFault));
+        store.subscribe(whenChanged(({told}) => [told.notice],
+            (told) => told && notice.show(told.text, told.hasFailed)));
+        store.subscribe(whenChanged(({told}) => [told.fault], notice.showFault));
+        const look = () => [notice.element.hidden ? '' : textOf(notice.element).trim(), notice.element['aria-hidden']];
+        const seen = [];
+        store.dispatch(tell, 'Saved', false); seen.push(look()); pass(); seen.push(look());
+        const log = console.error; console.error = () => {};
+        watchErrors(store).show(new Error('broken')); console.error = log;
+        pass(); seen.push(look());
+        store.dispatch(tell, 'Saved again', false); seen.push(look()); pass(); seen.push(look());
+        find(notice.element, ({tag}) => tag === 'button').onclick(); seen.push(look());
+        return seen;""",
+    )
+    fault = "Something went wrong in the page: broken. Your design is kept; reload the page if anything looks odd."
+    assert seen[0] == ["Saved", "true"]
+    assert seen[1][0] == ""
+    assert seen[2] == [fault, "false"], "and it can be closed by those who don't see it"
+    assert [text for text, _ in seen[3:]] == ["Saved again", fault, ""]
+
+
+@pytest.mark.parametrize(
+    ("units", "changes", "words"),
+    [
+        ({"length": "steps", "time": "s"}, {"slew_speed_steps_per_s": 12_000}, "The server's words"),
+        # 200 · 16 steps/rev, 8 mm/rev: 12,000 / 3200 = 3.75 rev/s = 30 mm/s; 90,000 / 400 = 225 mm/s².
+        ({"length": "mm", "time": "s"}, {"slew_speed_steps_per_s": 12_000}, "Lower the slew speed to about 30 mm/s"),
+        (
+            {"length": "rev", "time": "min"},
+            {"slew_speed_steps_per_s": 12_000},
+            "Lower the slew speed to about 225 rev/min",
+        ),
+        (
+            {"length": "mm", "time": "s"},
+            {"acceleration_steps_per_s2": 90_000, "deceleration_steps_per_s2": 180_000},
+            "Raise the acceleration to about 225 mm/s² and raise the deceleration to about 450 mm/s²",
+        ),
+        ({"length": "mm", "time": "s"}, {"name": "newton"}, "The server's words"),
+    ],
+)
+def test_a_remedy_is_told_in_the_units_that_are_shown(
+    modules: Modules, units: dict[str, str], changes: dict[str, object], words: str
+) -> None:
+    axis = {"full_steps_per_rev": 200, "microsteps": 16, "travel_per_rev": 8, "travel_unit": "mm"}
+    design = document(axis=axis)
+    design["ramp"] = {**design["ramp"], "slew_speed_steps_per_s": 20_000, "acceleration_steps_per_s2": 50_000}
+    part = "method" if "name" in changes else "ramp"
+    listed = [{"field": f"{part}.{name}", "value": value} for name, value in changes.items()]
+    remedy = {"text": "the server's words", "changes": listed}
+    assert modules.call("panels/device/remedy_words.js", "remedyWords", remedy, design, units) == words

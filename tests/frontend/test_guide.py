@@ -1,0 +1,179 @@
+"""The guide of a first visit: what its answers make of a design, and the lines for machines that ramp by themselves.
+
+The figures are worked out by hand, from the formulas that stand beside them.
+"""
+
+import math
+from typing import Any
+
+import pytest
+
+from designs import document
+from frontend.modules import Modules
+
+SCREW = {"full_steps_per_rev": 200, "microsteps": 16, "travel_per_rev": 8, "travel_unit": "mm"}
+DIAL = {"full_steps_per_rev": 1080, "microsteps": 1, "travel_per_rev": 360, "travel_unit": "deg"}
+RUN = """async ([design, steps, examples, look]) => {
+    const {FIRST_STATE} = await import('/app/state.js');
+    const {COMMANDS} = await import('/app/commands/commands.js');
+    const {designOf} = await import('/app/selectors.js');
+    let state = COMMANDS.work.begin({...FIRST_STATE, examples}, {axes: [design], together: 'independent'});
+    for (const [name, ...args] of steps) {
+        const [noun, verb] = name.split('.');
+        state = COMMANDS[noun][verb](state, ...args);
+    }
+    return {design: designOf(state), units: state.units, guide: state.guide, past: state.history.past.length}; }"""
+
+
+def made(modules: Modules, *steps: list[object], design: Any = None, examples: Any = ()) -> Any:
+    """Return what there is after commands."""
+    return modules.evaluate(RUN, [design or document(axis=SCREW), steps, examples, ""])
+
+
+def test_each_step_of_the_guide_is_undone_as_one(modules: Modules) -> None:
+    first = document(axis=SCREW)
+    # What is typed digit by digit, with the focus gone from one field to the next.
+    typed: list[list[object]] = [
+        ["guide.openGuide"],
+        ["guide.answer", "axis.microsteps", 3],
+        ["guide.answer", "axis.microsteps", 32],
+        ["work.endGesture"],
+        ["guide.answer", "axis.travel_per_rev", 2],
+        ["guide.goToStep", "limits"],
+        ["guide.answer", "ramp.slew_speed_steps_per_s", 1600],
+        ["work.endGesture"],
+        ["guide.answer", "ramp.base_speed_steps_per_s", 50],
+    ]
+    end = made(modules, *typed)
+    assert (end["past"], end["design"]["axis"]["microsteps"], end["design"]["axis"]["travel_per_rev"]) == (2, 32, 2)
+    once = made(modules, *typed, ["work.undo"])["design"]
+    assert (once["ramp"], once["axis"]["microsteps"]) == (first["ramp"], 32)
+    assert made(modules, *typed, ["work.undo"], ["work.undo"])["design"] == first
+    # What comes after the guide is a change by itself.
+    assert made(modules, *typed, ["guide.closeGuide"], ["guide.answer", "move.steps", 7])["past"] == 3
+
+
+def test_nothing_is_changed_by_skipping(modules: Modules) -> None:
+    steps: list[list[object]] = [["guide.openGuide"], *(["guide.goToStep", step] for step in ("limits", "ramp", "use"))]
+    end = made(modules, *steps, ["guide.closeGuide"])
+    assert (end["design"], end["past"], end["units"]) == (document(axis=SCREW), 0, {"length": "steps", "time": "s"})
+
+
+def test_units_are_those_of_what_is_driven(modules: Modules) -> None:
+    assert made(modules, ["guide.setDrive", "dial"])["units"] == {"length": "deg", "time": "s"}
+    assert made(modules, ["guide.setDrive", "nothing"])["units"] == {"length": "rev", "time": "s"}
+    assert made(modules, ["guide.takeDrive"])["units"] == {"length": "mm", "time": "s"}
+    minutes = {"length": "mm", "time": "min"}
+    assert made(modules, ["view.setUnits", minutes], ["guide.takeDrive"])["units"] == minutes, "chosen before"
+    wheel = made(modules, ["guide.setDrive", "wheel"])["design"]["axis"]
+    assert wheel == {**SCREW, "travel_per_rev": pytest.approx(math.pi * 65)}
+    assert made(modules, ["guide.setDrive", "linear"])["design"]["axis"] == SCREW, "it is one already"
+
+
+def test_an_example_is_renamed_and_a_persons_own_design_is_not(modules: Modules) -> None:
+    example = document(axis=SCREW)
+    answer: list[object] = ["guide.answer", "axis.microsteps", 4]
+    renamed = made(modules, answer, examples=[{"title": "", "description": "", "design": example}])
+    assert renamed["design"]["name"] == ""
+    assert made(modules, answer)["design"]["name"] == example["name"]
+    same: list[object] = ["guide.answer", "axis.microsteps", 16]
+    unchanged = made(modules, same, examples=[{"title": "", "description": "", "design": example}])
+    assert (unchanged["design"], unchanged["past"]) == (example, 0)
+
+
+@pytest.mark.parametrize(
+    ("player", "method", "frequency_hz"),
+    [
+        ("controller", "exact", 2_000_000),
+        ("sketch", "exact", 2_000_000),
+        ("grbl", "ideal", 24_000_000),
+        ("marlin", "ideal", 24_000_000),
+        ("chip", "newton", 24_000_000),
+    ],
+)
+def test_the_method_shows_what_plays_the_ramp(modules: Modules, player: str, method: str, frequency_hz: int) -> None:
+    teensy = document(axis=SCREW)
+    teensy["timer"] = {**teensy["timer"], "frequency_hz": 24_000_000, "counter_bits": 32}
+    design = made(modules, ["guide.setPlayer", player], design=teensy)["design"]
+    assert (design["method"]["name"], design["timer"]["frequency_hz"]) == (method, frequency_hz)
+    assert design["name"] == teensy["name"]
+
+
+@pytest.mark.parametrize("player", ["grbl", "marlin"])
+def test_the_error_shown_of_a_machine_that_ramps_by_itself_is_explained(modules: Modules, player: str) -> None:
+    help_text = modules.evaluate("async () => (await import('/model/guide.js')).PLAYERS")[player]["help"]
+    assert "+100 %" in help_text
+    assert "no fault of the machine" in help_text
+
+
+def test_an_unos_clock_stays(modules: Modules) -> None:
+    fine = document(axis=SCREW)
+    fine["timer"] = {**fine["timer"], "frequency_hz": 16_000_000, "counter_bits": 16}
+    assert made(modules, ["guide.setPlayer", "sketch"], design=fine)["design"]["timer"] == fine["timer"]
+
+
+def test_careful_limits_are_in_full_steps_and_within_the_timers(modules: Modules) -> None:
+    ramp = made(modules, ["guide.beginCarefully"])["design"]["ramp"]
+    assert (ramp["slew_speed_steps_per_s"], ramp["acceleration_steps_per_s2"]) == (400 * 16, 2000 * 16)
+    assert (ramp["base_speed_steps_per_s"], ramp["deceleration_steps_per_s2"]) == (0, None)
+    fine = document(axis={**SCREW, "microsteps": 256})
+    fine["timer"] = {**fine["timer"], "shortest_interval_us": 20}
+    # 102,400 steps/s are more than a step each 20 us.
+    assert made(modules, ["guide.beginCarefully"], design=fine)["design"]["ramp"]["slew_speed_steps_per_s"] == 50_000
+    wrong = document(axis={**SCREW, "microsteps": "many"})
+    assert made(modules, ["guide.beginCarefully"], design=wrong)["past"] == 0, "nothing is made of a refused number"
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_move_becomes_long_enough(modules: Modules, sign: int) -> None:
+    short = document(axis=SCREW)
+    short["ramp"] = {
+        "base_speed_steps_per_s": 100,
+        "slew_speed_steps_per_s": 1000,
+        "acceleration_steps_per_s2": 2000,
+        "deceleration_steps_per_s2": 4500,
+    }
+    short["move"] = {"steps": 10 * sign}
+    # (1000² − 100²) / (2 · 2000) = 247.5 and / (2 · 4500) = 110: 248 + 110 steps; half of the move is at slew speed.
+    assert modules.call("model/guide.js", "leastSteps", short) == 358
+    assert made(modules, ["guide.lengthenMove"], design=short)["design"]["move"]["steps"] == 716 * sign
+
+
+def lines(modules: Modules, machine: str, letter: str, design: Any) -> Any:
+    return modules.call("documents/machine_settings.js", "settingLines", design, machine, letter)
+
+
+def test_settings_for_grbl_and_marlin(modules: Modules) -> None:
+    design = document(axis=SCREW)
+    design["ramp"] = {**design["ramp"], "slew_speed_steps_per_s": 20_000, "acceleration_steps_per_s2": 100_000}
+    # 200 · 16 / 8 = 400 steps/mm; 20,000 / 400 = 50 mm/s = 3,000 mm/min; 100,000 / 400 = 250 mm/s².
+    assert lines(modules, "grbl", "X", design) == ["$100=400", "$110=3000", "$120=250"]
+    assert lines(modules, "grbl", "Z", design) == ["$102=400", "$112=3000", "$122=250"]
+    assert lines(modules, "marlin", "Y", design) == ["M92 Y400", "M203 Y50", "M201 Y250", "M500"]
+    odd = document(axis={**SCREW, "microsteps": 1, "travel_per_rev": 1000 * math.pi})
+    odd["ramp"] = {**odd["ramp"], "slew_speed_steps_per_s": 1000}
+    # 200 / 3141.5927 = 0.0636620 steps/mm; 1000 / 0.0636620 · 60 = 942,477.796 mm/min.
+    assert lines(modules, "grbl", "X", odd)[:2] == ["$100=0.06366", "$110=942477.796"]
+
+
+def test_what_such_a_machine_does_otherwise_is_said(modules: Modules) -> None:
+    def remarks(design: Any) -> Any:
+        return modules.call("documents/machine_settings.js", "settingRemarks", design, "grbl")
+
+    plain = document(axis=SCREW)
+    plain["ramp"] = {
+        "base_speed_steps_per_s": 0,
+        "slew_speed_steps_per_s": 30_000,
+        "acceleration_steps_per_s2": 5000,
+        "deceleration_steps_per_s2": None,
+    }
+    assert remarks(plain) == []
+    other = document(axis=DIAL)
+    other["ramp"] = {
+        "base_speed_steps_per_s": 50,
+        "slew_speed_steps_per_s": 30_001,
+        "acceleration_steps_per_s2": 5000,
+        "deceleration_steps_per_s2": 6000,
+    }
+    said = " ".join(remarks(other))
+    assert all(words in said for words in ("start speed", "deceleration", "30,001", "degree"))

@@ -1,0 +1,320 @@
+"""What follows from the page's state after some commands."""
+
+import pytest
+
+from designs import document
+from frontend.modules import Modules
+from frontend.state import DEVICE, MACHINE, OTHER, STATE, VIEW, after
+
+
+def test_a_remedy_is_one_step_of_the_axis_that_was_refused(modules: Modules) -> None:
+    changes = [
+        {"field": "ramp.acceleration_steps_per_s2", "value": 4321},
+        {"field": "method.name", "value": "newton"},
+    ]
+    seen = """({history, shown}) => [history.present.active, history.past.length, shown.includes('newton'),
+        history.present.axes.map(({ramp, method}) => [ramp.acceleration_steps_per_s2, method.name])]"""
+    before = [document()["ramp"]["acceleration_steps_per_s2"], document()["method"]["name"]]
+    mend: list[object] = ["work.mend", 7, {"text": "", "changes": changes}]
+    assert after(modules, [mend], seen) == [1, 2, True, [before, [4321, "newton"]]]
+    undone = after(modules, [mend, ["work.undo"]], seen)
+    assert isinstance(undone, list)
+    assert undone[1:] == [1, True, [before, before]]
+
+
+def test_an_axis_that_is_refused_is_marked_while_another_is_in_hand(modules: Modules) -> None:
+    refused = [{"field": "name", "value": 1, "allowed": "a text", "message": "no"}]
+    script = """(state, {refusedAxesOf}) => refusedAxesOf(state)"""
+    asked = f"""async ([design, refused]) => {{ {STATE}
+        const {{curvesRefused, curvesCame}} = await import('/app/commands/answers.js');
+        const {{choose, setName}} = await import('/app/commands/work.js');
+        const see = {script};
+        const selectors = await import('/app/selectors.js');
+        const wrong = curvesRefused(state, refused, state.history.present.axes[0], 5);
+        const away = choose(wrong, 7);
+        const mended = setName(choose(away, 5), 'Another');
+        return [state, wrong, away, mended, curvesCame(away, {{}}, 5)].map((one) => see(one, selectors)); }}"""
+    assert modules.evaluate(asked, [document(), refused]) == [[], [5], [5], [], []]
+
+
+def test_turns_of_the_wheel_minutes_apart_are_taken_back_one_by_one(modules: Modules) -> None:
+    path, gesture = "move.steps", "step:move.steps"
+    turned = [["work.setValue", path, 3000 + at, gesture, at] for at in (0, 500, 1000, 61_000, 61_500)]
+    look = "({history}) => [history.present.axes[0].move.steps, history.past.length]"
+    before = after(modules, [], look)
+    assert after(modules, turned, look) == [64_500, before[1] + 2]
+    assert after(modules, [*turned, ["work.undo"]], look) == [4000, before[1] + 1]
+    assert after(modules, [*turned, ["work.undo"], ["work.undo"]], look) == before
+
+
+def test_a_slider_that_comes_back_to_its_first_value_slides_no_more(modules: Modules) -> None:
+    path, gesture = "move.steps", "slide:move.steps"
+    first = document()["move"]["steps"]
+    away = [["work.endGesture"], ["work.setValue", path, 1234, gesture]]
+    look = "(state, {isSliding}) => [isSliding(state), state.history.past.length]"
+    assert after(modules, away, look) == [True, 2]
+    assert after(modules, [*away, ["work.setValue", path, first, gesture]], look) == [False, 1]
+    assert after(modules, [*away, ["work.endGesture"]], look) == [False, 2]
+
+
+def test_an_axis_keeps_its_id_and_its_zoom(modules: Modules) -> None:
+    zoom = ["view.zoomTo", [2, 5]]
+    seen = "(state, {axisOf, viewOf}) => [state.history.present.ids, axisOf(state), viewOf(state).zoom]"
+    assert after(modules, [zoom, ["work.setName", "Typed"]], seen) == [[5, 7], 5, [2, 5]]
+    assert after(modules, [zoom, ["work.choose", 7]], seen) == [[5, 7], 7, None]
+    assert after(modules, [zoom, ["work.removeAxis", 5]], seen) == [[7], 7, None]
+    assert after(modules, [zoom, ["work.removeAxis", 5], ["work.addAxis"]], seen) == [[7, 8], 8, None]
+    assert after(modules, [zoom, ["work.removeAxis", 5], ["work.undo"]], seen) == [[5, 7], 5, [2, 5]]
+    opened = ["work.open", {"axes": [OTHER], "together": "independent"}]
+    assert after(modules, [["view.look", VIEW], zoom, opened], seen) == [[8], 8, None]
+    look = "(state, {viewOf}) => [viewOf(state).against, viewOf(state).part]"
+    assert after(modules, [["view.look", VIEW], zoom, opened], look) == ["time", "up"]
+
+
+def test_a_table_goes_to_the_axis_that_it_was_made_for(modules: Modules) -> None:
+    rows = [[10, 5000], [30, 1500]]
+    put = ["work.setTable", rows, "us", "", 7]
+    look = "({history}) => history.present.axes.map(({table}) => table && table.rows)"
+    own, other = after(modules, [put], look)
+    assert (own, other) == (document()["table"]["rows"], rows)
+    assert after(modules, [["work.removeAxis", 7], put], look) == [own]
+
+
+def test_what_a_person_chose_stays_while_less_can_be_chosen(modules: Modules) -> None:
+    axis = {"state": "ready"}
+    two = {**DEVICE, "axes": [axis, axis]}
+    one = {**DEVICE, "axes": [axis], "most_axes": 1}
+    look = "(state, {deviceAxisOf, portOf}) => [deviceAxisOf(state), state.devices.axis, portOf(state)]"
+    chosen = [["device.heard", [two], {}], ["device.chooseAxis", 1]]
+    assert after(modules, chosen, look) == [1, 1, "sim://"]
+    assert after(modules, [*chosen, ["device.heard", [one], {}]], look) == [0, 1, "sim://"]
+    assert after(modules, [*chosen, ["device.heard", [one], {}], ["device.heard", [two], {}]], look) == [1, 1, "sim://"]
+    moved = {**two, "port": "/dev/other"}
+    assert after(modules, [*chosen, ["device.heard", [moved], {}]], look) == [1, 1, "/dev/other"]
+
+
+MEASURED = ["device.showMeasured", {"of": {"axis": None, "design": None}, "move": {"step": [1, 2]}}]
+
+
+@pytest.mark.parametrize("step", [["view.wantPoints", [1, 9]], ["work.addAxis"], ["work.open", MACHINE]])
+def test_a_choice_that_can_not_be_shown_now_counts_again_whatever_else_is_looked_at(
+    modules: Modules, step: list[object]
+) -> None:
+    look = "(state, {viewOf}) => viewOf(state).third"
+    hidden = [["view.look", {"third": "deviation"}], step]
+    assert after(modules, hidden, look) == "error"
+    assert after(modules, [*hidden, MEASURED], look) == "deviation"
+
+
+def test_an_axis_has_no_answers_of_another(modules: Modules) -> None:
+    refused = [{"field": "move.steps", "value": 1, "allowed": "more", "message": "no"}]
+    script = f"""async ([design, refused]) => {{ {STATE}
+        const {{curvesCame, curvesMissed, curvesRefused}} = await import('/app/commands/answers.js');
+        const {{heard, previewCame}} = await import('/app/commands/device.js');
+        const {{choose}} = await import('/app/commands/work.js');
+        const {{curvesOf, isDesignValid, messagesOf, previewQuestionOf, shownCurvesOf, situationOf, stalenessOf}} =
+            await import('/app/selectors.js');
+        const device = {{id: '1', port: 'sim://', name: 'S', state: 'ready', axes: [], most_axes: 4, stops: 0}};
+        const summary = {{warnings: [{{field: 'ramp.slew_speed_steps_per_s', message: 'slow'}}]}};
+        const curves = {{design, profiles: {{[design.method.name]: summary}}, errors: {{}}, failures: {{}}}};
+        const see = (one) => [stalenessOf(one), curvesOf(one) !== null, shownCurvesOf(one) !== null, isDesignValid(one),
+            [...messagesOf(one).fields.keys()], previewQuestionOf(one) !== null, situationOf(one).preview];
+        const sound = heard(curvesCame(state, curves, 5), [device], {{}});
+        const known = previewCame(sound, {{question: previewQuestionOf(sound), preview: 'known', rejections: []}});
+        const away = choose(known, 7);
+        const wrong = choose(curvesRefused(sound, refused, design, 5), 7);
+        return [state, known, away, wrong, choose(wrong, 5), curvesRefused(away, refused, design, 7),
+            curvesMissed(away, 7), curvesCame(away, curves, 7)].map(see); }}"""
+    speed, steps = ["ramp.slew_speed_steps_per_s"], ["move.steps"]
+    first, known, away, wrong, back, refused_too, missed, came = modules.evaluate(script, [document(), refused])
+    assert first == ["awaited", False, False, False, [], False, None]
+    assert known == [None, True, True, True, speed, True, "known"]
+    # Nothing of it is used but to be shown as old; what a push would change holds for all axes, and stays in view.
+    assert away == ["awaited", False, True, False, [], False, "known"]
+    assert wrong == ["awaited", False, True, False, [], False, None]
+    assert back == ["refused", True, True, False, steps, False, None]
+    assert refused_too == ["refused", False, False, False, steps, False, None]
+    assert missed == ["unanswered", False, False, False, [], False, None]
+    assert came == [None, True, True, True, speed, True, "known"]
+
+
+def test_a_row_is_selected_in_the_table_of_one_axis(modules: Modules) -> None:
+    select, choose = ["view.selectRow", 3], ["work.choose", 7]
+    look = "({row}) => row"
+    assert after(modules, [select, ["work.setName", "Typed"]], look) == 3
+    elsewhere: list[list[list[object]]] = [
+        [select, choose],
+        [select, ["work.removeAxis", 5]],
+        [select, ["work.addAxis"]],
+        [["work.removeAxis", 5], select, ["work.undo"]],
+        [["work.removeAxis", 5], ["work.undo"], select, ["work.redo"]],
+    ]
+    for steps in elsewhere:
+        assert after(modules, steps, look) == -1, steps
+
+
+def test_how_axes_are_looked_at_is_forgotten_with_them(modules: Modules) -> None:
+    opened = ["work.open", {"axes": [OTHER], "together": "independent"}]
+    look = "({history, views}) => [history.past.length, Object.keys(views).length]"
+    assert after(modules, [["view.zoomTo", [2, 5]], opened], look) == [2, 2], "undone, its zoom is there again"
+    assert after(modules, [opened] * 700, look) == [500, 501]
+
+
+# ---- other tabs ----
+
+
+def other(name: str, ids: list[int], tab: str = "b") -> dict[str, object]:
+    """Return a tab that has designs with these ids in hand."""
+    axes = [{**document(), "name": name} for _ in ids]
+    machine = {"axes": axes, "ids": ids, "active": 0, "together": "independent", "kept": None}
+    return {"id": tab, "at_ms": 1, "isOpen": True, "machine": machine}
+
+
+OFFERED = "(state, {offerOf}) => offerOf(state)?.machine.axes[0].name ?? null"
+
+
+def test_only_what_another_tab_made_of_the_same_design_is_offered(modules: Modules) -> None:
+    changed = ["others.otherChanged", other("Of theirs", [5])]
+    assert after(modules, [changed], OFFERED) == "Of theirs"
+    assert after(modules, [["others.otherChanged", other("Else", [9])]], OFFERED) is None
+    assert after(modules, [changed, ["others.declineOther", "b"]], OFFERED) is None
+    assert after(modules, [["others.declineOther", "b"], changed], OFFERED) is None, "not again"
+    assert after(modules, [changed, ["work.open", {"axes": [OTHER], "together": "line"}]], OFFERED) is None
+    name = "(state) => state.history.present.axes[0].name"
+    assert after(modules, [changed], name) == "A", "nothing is taken"
+
+
+def test_what_another_tab_has_is_opened_with_its_ids_and_taken_back(modules: Modules) -> None:
+    theirs = other("Of theirs", [5])
+    taken = [["others.otherChanged", theirs], ["work.open", theirs["machine"]]]
+    look = "(state, {offerOf}) => [state.history.present.axes[0].name, state.history.present.ids, offerOf(state)?.id]"
+    assert after(modules, taken, look) == ["Of theirs", [5], None]
+    assert after(modules, [*taken, ["work.undo"]], look) == ["A", [5, 7], "b"]
+
+
+def test_axes_get_ids_that_no_other_tab_gives(modules: Modules) -> None:
+    script = """async ([design, firstId]) => { const {FIRST_STATE} = await import('/app/state.js');
+        const {COMMANDS: {work}} = await import('/app/commands/commands.js');
+        const begun = (machine) => work.begin({...FIRST_STATE, firstId}, machine);
+        const one = {axes: [design], together: 'line'};
+        const fresh = work.addAxis(begun(one)), known = work.addAxis(begun({...one, ids: [7000]}));
+        return [fresh, known, work.open(known, one)].map(({history}) => history.present.ids); }"""
+    assert modules.evaluate(script, [document(), 4096]) == [[4096, 4097], [7000, 4096], [4097]]
+
+
+# ---- bounds ----
+
+
+def test_a_table_that_would_be_too_long_is_refused_in_words(modules: Modules) -> None:
+    rows = [[index, 1000] for index in range(1, 1002)]
+    look = "({history, told}) => [history.present.axes[0].table?.rows.length ?? 0, told.notice?.text ?? '']"
+    before = after(modules, [], look)[0]
+    words = "The table stays as it is: it would have 1,001 rows; allowed: at most 1,000."
+    assert after(modules, [["work.setTable", rows, "us"]], look) == [before, words]
+    assert after(modules, [["work.setTable", rows[:1000], "us"]], look) == [1000, ""]
+
+
+@pytest.mark.parametrize(
+    ("name", "copy"),
+    [
+        ("Stage", "Stage copy"),
+        ("Stage copy", "Stage copy 2"),
+        ("Stage copy 9", "Stage copy 10"),
+        ("", "copy"),
+        ("copy", "copy 2"),
+        ("A copy machine", "A copy machine copy"),
+        ("軸" * 100, "軸" * 95 + " copy"),
+        ("𝛼" * 97 + " copy 9", "𝛼" * 92 + " copy 10"),
+    ],
+)
+def test_a_duplicate_is_called_a_copy(modules: Modules, name: str, copy: str) -> None:
+    work = {"axes": [{**document(), "name": name}], "together": "line"}
+    made = modules.call("model/workbench.js", "duplicateOf", work)
+    assert made == {"axes": [{**document(), "name": copy}], "together": "line"}
+
+
+def test_a_trace_lies_over_the_axis_whose_ramp_was_pushed(modules: Modules) -> None:
+    look = "(state, {measuredOf}) => measuredOf(state)?.step ?? null"
+    move = {"step": [1, 2]}
+    measured = ["device.showMeasured", {"of": {"axis": 7, "design": document()}, "move": move}]
+    assert after(modules, [measured], look) is None
+    assert after(modules, [measured, ["work.choose", 7]], look) == [1, 2]
+    unknown = ["device.showMeasured", {"of": {"axis": None, "design": None}, "move": move}]
+    assert after(modules, [unknown], look) == [1, 2]
+
+
+def test_a_trace_of_another_ramp_is_told_apart(modules: Modules) -> None:
+    look = "(state, {isMeasuredOfDesign}) => isMeasuredOfDesign(state)"
+
+    def measured(design: dict[str, object] | None) -> list[object]:
+        return ["device.showMeasured", {"of": {"axis": 5, "design": design}, "move": {"step": [1, 2]}}]
+
+    # A name is no part of a ramp, and a move may be as long as one likes.
+    assert after(modules, [measured({**document(), "name": "Other", "move": {"steps": 7}})], look)
+    assert not after(modules, [measured(document(ramp__acceleration_steps_per_s2=1))], look)
+    assert not after(modules, [measured(None)], look)
+    changed = [measured(document()), ["work.setValue", "ramp.slew_speed_steps_per_s", 700, "", 1]]
+    assert not after(modules, changed, look)
+
+
+def test_a_move_is_of_the_axis_that_was_pushed_there_last(modules: Modules) -> None:
+    pushed = ["device.pushed", "1", {"designs": [document(), OTHER], "ids": [5, 7], "toAxis": 1}]
+    look = "(state, {moveOf}) => [0, 1, 2].map((axis) => moveOf(state, '1', axis).axis)"
+    assert after(modules, [pushed], look) == [None, 5, 7]
+    assert after(modules, [pushed, ["device.pushed", "1", None]], look) == [None, None, None]
+
+
+def test_of_a_device_that_is_not_told_any_more_nothing_is_known(modules: Modules) -> None:
+    known = [
+        ["device.heard", [DEVICE, {**DEVICE, "id": "2"}], {}],
+        *(["device.pushed", name, {"designs": [document()], "ids": [5], "toAxis": 0}] for name in "12"),
+        *(["device.traceCame", name, {"step": [1]}] for name in "12"),
+        ["device.previewCame", {"question": {"id": "1", "axis": 0, "designs": []}, "preview": None, "rejections": []}],
+    ]
+    look = """({devices: {pushed, traces, preview}}) =>
+        [Object.keys(pushed), Object.keys(traces), preview?.question.id ?? null]"""
+    assert after(modules, known, look) == [["1", "2"], ["1", "2"], "1"]
+    assert after(modules, [*known, ["device.heard", [{**DEVICE, "id": "2"}], {}]], look) == [["2"], ["2"], None]
+
+
+def test_a_value_that_is_refused_is_no_change_since_the_push(modules: Modules) -> None:
+    look = "(state, {situationOf}) => situationOf(state).isChanged"
+    pushed = ["device.pushed", "1", {"designs": [document(), document()], "ids": [5, 7], "toAxis": 0}]
+    known = [["device.heard", [DEVICE], {}], pushed]
+    changed = [*known, ["work.setValue", "ramp.slew_speed_steps_per_s", 700, "", 1]]
+    assert after(modules, changed, look)
+    rejection = {"field": "ramp.slew_speed_steps_per_s", "value": 700, "allowed": "less", "message": "no"}
+    assert not after(modules, [*changed, ["answers.curvesRefused", [rejection], document(), 5]], look)
+
+
+def test_a_running_move_lies_over_the_plots_of_its_own_axis_and_a_jog_over_none(modules: Modules) -> None:
+    look = (
+        "(state, {samplesOf, runningMoveOf}) => [samplesOf(state)?.length ?? null, runningMoveOf(state)?.done ?? null]"
+    )
+    axis = {"axis": 0, "state": "moving", "position_steps": 30, "target_steps": 90, "speed_steps_per_s": 5}
+    moving = [{**DEVICE, "state": "moving", "axes": [axis]}]
+
+    def heard(length: int | None) -> list[object]:
+        samples = {"time_s": [0, 1], "position": [0, 30], "speed": [0, 5], "length": length}
+        return ["device.heard", moving, {"1 0": {"samples": samples, "restingPlace": 0}}]
+
+    def pushed(axis_id: int) -> list[object]:
+        return ["device.pushed", "1", {"designs": [document()], "ids": [axis_id], "toAxis": 0}]
+
+    assert after(modules, [heard(90)], look) == [90, 30], "nobody knows which axis' it is"
+    assert after(modules, [heard(90), pushed(5)], look) == [90, 30]
+    assert after(modules, [heard(90), pushed(7)], look) == [None, None]
+    assert after(modules, [heard(None), pushed(5)], look) == [None, 30]
+
+
+def test_a_file_that_can_not_be_read_leaves_the_capture_before_it(modules: Modules) -> None:
+    look = "({capture}) => [capture.file.name, capture.stage]"
+    good = [["capture.openCapture", {"name": "good.csv"}], ["capture.captureCame", {"move": None}, "{}"]]
+    bad = [["capture.openCapture", {"name": "bad.csv"}], ["capture.captureRefused", []]]
+    closed = ["capture.showCapture", False]
+    assert after(modules, [*good, *bad], look) == ["bad.csv", "refused"], "it says why for as long as it is looked at"
+    assert after(modules, [*good, *bad, closed], look) == ["good.csv", "answered"]
+    assert after(modules, [*good, *bad, *bad, closed], look) == ["good.csv", "answered"]
+    assert after(modules, [*bad, closed], look) == ["bad.csv", "refused"]
+    waited = [["capture.openCapture", {"name": "long.csv"}], ["capture.captureCancelled"]]
+    assert after(modules, [*good, *waited], look) == ["good.csv", "answered"]

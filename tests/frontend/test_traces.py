@@ -1,0 +1,59 @@
+"""Moves as they were made: what is followed of devices, and the traces that are read."""
+
+import pytest
+
+from frontend.modules import Modules
+
+READ = """async ([answers, overAt]) => {
+    const {untilComplete} = await import('/devices/traces.js');
+    globalThis.setTimeout = (act) => { queueMicrotask(act); return 0; };
+    const taken = [];
+    let looks = 0;
+    const look = async () => answers[Math.min(looks++, answers.length - 1)];
+    const last = await untilComplete(look, ({name}) => taken.push(name), () => looks >= overAt);
+    return [taken, last?.name ?? null, looks]; }"""
+PART, WHOLE = {"name": "part", "complete": False}, {"name": "whole", "complete": True}
+NEVER = 100
+
+
+@pytest.mark.parametrize(
+    ("answers", "over_at", "taken", "last", "looks"),
+    [
+        ([WHOLE], NEVER, ["whole"], "whole", 1),
+        ([PART, None, WHOLE], NEVER, ["part", "whole"], "whole", 3),
+        ([PART], NEVER, ["part"] * 10, "part", 10),
+        ([None], NEVER, [], None, 10),
+        # What is seen after the next move was asked for may be that one's.
+        ([PART, WHOLE], 2, ["part"], None, 2),
+        ([WHOLE], 1, [], None, 1),
+    ],
+)
+def test_a_trace_is_read_until_it_is_whole_or_of_another_move(
+    modules: Modules, answers: list[object], over_at: int, taken: list[str], last: str | None, looks: int
+) -> None:
+    assert modules.evaluate(READ, [answers, over_at]) == [taken, last, looks]
+
+
+def test_moves_of_devices_that_are_not_told_any_more_are_forgotten(modules: Modules) -> None:
+    script = """async () => {
+        const follower = (await import('/devices/traces.js')).createFollower();
+        const axis = {axis: 0, state: 'ready', position_steps: 5, target_steps: 5, speed_steps_per_s: 0};
+        const device = (id) => ({id, heard_s: 1, axes: [axis]});
+        const tell = (list) => { follower.forgetOthers(list); list.forEach(follower.follow);
+            return Object.keys(follower.runs()).sort(); };
+        return [tell([device('1'), device('12')]), tell([device('12')]), tell([])]; }"""
+    assert modules.evaluate(script) == [["1 0", "12 0"], ["12 0"], []]
+
+
+def test_what_ran_without_an_end_has_none_when_it_was_slowed_down_either(modules: Modules) -> None:
+    script = """async () => {
+        const follower = (await import('/devices/traces.js')).createFollower();
+        const tell = (heard_s, state, position_steps, target_steps) => {
+            const axis = {axis: 0, state, position_steps, target_steps, speed_steps_per_s: 9};
+            follower.follow({id: '1', heard_s, axes: [axis]});
+            return follower.samples('1', 0)?.length; };
+        const jog = [tell(0, 'ready', 0, 0), tell(1, 'moving', 5, 5), tell(2, 'stopping', 9, 20),
+            tell(3, 'ready', 20, 20)];
+        const move = [tell(4, 'moving', 30, 70), tell(5, 'ready', 70, 70)];
+        return [jog, move].map((lengths) => lengths.map((length) => length ?? null)); }"""
+    assert modules.evaluate(script) == [[None] * 4, [50, 50]]
