@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 from starlette.testclient import TestClient
 
+from benchmarks.captures import captures
 from benchmarks.firmware_engine import firmware_engine
 from benchmarks.firmware_machine import firmware_machine
 from benchmarks.frame_times import frame_times
@@ -119,6 +120,12 @@ def requests() -> None:
                 print(f"| {steps:,} | {route}, 2,000 points | {spent:.2f} |", flush=True)
 
 
+def captured_files() -> None:
+    """Print how long captured files take."""
+    print("\n## Captures\n")
+    captures()
+
+
 def frames() -> None:
     """Print the times from a slider's event to the painted frame, or that there is no browser."""
     print("\n## In the browser\n")
@@ -150,6 +157,7 @@ if __name__ == "__main__":
     numerics()
     segments()
     requests()
+    captured_files()
     frames()
     stops()
     firmware()

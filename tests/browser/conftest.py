@@ -4,7 +4,7 @@ import re
 from collections.abc import Callable, Iterator
 
 import pytest
-from playwright.sync_api import Browser, BrowserContext, Page, expect, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Page, expect, sync_playwright
 
 from browser.server import CHROMIUM, CHROMIUM_ARGUMENTS, Server
 from browser.stepramp_page import StepRampPage
@@ -27,8 +27,17 @@ class Watch:
     def follow(self, page: Page) -> None:
         """Take note of what happens in a page."""
         page.on("pageerror", lambda error: self.errors.append(f"page error: {error}"))
-        page.on("console", lambda message: message.type == "error" and self.errors.append(message.text))
+        page.on("console", self._console)
         page.on("request", lambda request: self._request(request.url))
+
+    def _console(self, message: ConsoleMessage) -> None:
+        url = message.location["url"]
+        # A device was let go of while it was on its way, or what moved it again came before its trace was read.
+        is_late = (url.endswith("/preview") and "404" in message.text) or (
+            url.endswith("/trace") and "409" in message.text
+        )
+        if message.type == "error" and not is_late:
+            self.errors.append(f"{message.text} {url}")
 
     def _request(self, url: str) -> None:
         if not url.startswith((self.base_url, "data:", "blob:")):
@@ -45,7 +54,8 @@ class Watch:
 def browser() -> Iterator[Browser]:
     require(*([] if CHROMIUM.exists() else [str(CHROMIUM)]))
     with sync_playwright() as playwright:
-        launched = playwright.chromium.launch(executable_path=CHROMIUM, args=CHROMIUM_ARGUMENTS)
+        arguments = [*CHROMIUM_ARGUMENTS, "--process-per-site"]
+        launched = playwright.chromium.launch(executable_path=CHROMIUM, args=arguments)
         yield launched
         launched.close()
 
@@ -74,8 +84,10 @@ def watch(server: Server) -> Iterator[Watch]:
 
 @pytest.fixture(scope="session")
 def context(browser: Browser, shared_server: Server) -> Iterator[BrowserContext]:
-    """Return one browser profile for all pages, so that Plotly is compiled once."""
+    """Return one browser profile for all pages, and one process, so that Plotly is compiled once."""
     made = browser.new_context(base_url=shared_server.url)
+    # The process lives for as long as one of its pages does.
+    made.new_page().goto(f"{shared_server.url}favicon.svg")
     yield made
     made.close()
 
@@ -117,8 +129,8 @@ def new_page(context: BrowserContext, watch: Watch, size: tuple[int, int] = DESK
     page.set_default_timeout(20_000)
     page.set_viewport_size({"width": size[0], "height": size[1]})
     page.emulate_media(color_scheme=theme)
-    kept = {"origin": watch.base_url.rstrip("/"), "storageTypes": "local_storage"}
-    context.new_cdp_session(page).send("Storage.clearDataForOrigin", kept)
+    page.goto(f"{watch.base_url}favicon.svg")
+    page.evaluate("localStorage.clear()")
     # Never a dialog of the system: it is asked for here, before anything can open one.
     page.on("filechooser", lambda _: None)
     watch.follow(page)

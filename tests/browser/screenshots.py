@@ -1,6 +1,7 @@
 """Pictures of the page for the documentation and for looking at.  usage: python tests/browser/screenshots.py FOLDER.
 
-Each size in both themes: at rest, with wrong values, and while a move runs. Those named screenshot are in docs/.
+Each size in both themes and in forced colours: at rest, with wrong values, and while a move runs. Those named
+screenshot are in docs/.
 """
 
 import sys
@@ -14,7 +15,16 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from browser.server import CHROMIUM, CHROMIUM_ARGUMENTS, Server
 from browser.stepramp_page import SLEW_SPEED, StepRampPage
 
-SIZES = {"wide": (1440, 900), "tablet": (1024, 768), "phone": (390, 844)}
+SIZES = {
+    "wide": (1440, 900),
+    "tablet": (1024, 768),
+    "phone": (390, 844),
+    "phone-on-its-side": (844, 390),
+    "magnified": (720, 450),
+    "magnified-more": (640, 360),
+    "narrow": (320, 568),
+}
+THEMES = ("dark", "light", "forced")
 SETTLE_MS = 300
 
 
@@ -23,7 +33,7 @@ def main(folder: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     with Server() as server, sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=CHROMIUM, args=CHROMIUM_ARGUMENTS)
-        for theme in ("dark", "light"):
+        for theme in THEMES:
             for size in SIZES:
                 take_all(opened(browser, server, size, theme), folder, f"{size}-{theme}")
                 StepRampPage.release_devices(server.url)
@@ -38,7 +48,10 @@ def opened(browser: Browser, server: Server, size: str, theme: str) -> StepRampP
     width, height = SIZES[size]
     scale = 2 if size == "phone" else 1
     context = browser.new_context(
-        viewport={"width": width, "height": height}, color_scheme=theme, device_scale_factor=scale
+        viewport={"width": width, "height": height},
+        color_scheme="light" if theme == "light" else "dark",
+        forced_colors="active" if theme == "forced" else "none",
+        device_scale_factor=scale,
     )
     return StepRampPage(context.new_page(), server.url).open()
 

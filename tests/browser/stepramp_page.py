@@ -14,7 +14,18 @@ from playwright.sync_api import Locator, Page, expect
 SLEW_SPEED = "ramp.slew_speed_steps_per_s"
 ACCELERATION = "ramp.acceleration_steps_per_s2"
 REFUSED_VALUE = r"status of 422"
+# What the page asks by itself may be on its way when the cable is pulled.
+PREVIEW_LOST = r"status of 502.*/push/preview$"
 """The browser itself reports every refused request as an error; tests of wrong values expect it."""
+
+
+# Where the page has its modules from: they are loaded once.
+FOLDER = "document.querySelector('script[type=module]').src.replace('app/main.js', '')"
+GUIDE_CLOSED = """if (location.protocol.startsWith('http') && localStorage.getItem('stepramp.guide') === null)
+    localStorage.setItem('stepramp.guide', 'closed');"""
+# What the page would write a moment later, it writes at once when it is left.
+RECORD = "`stepramp.tab.${sessionStorage.getItem('stepramp.tab')}`"
+KEPT = f"() => {{ dispatchEvent(new Event('pagehide')); return JSON.parse(localStorage.getItem({RECORD})); }}"
 
 
 def until(condition: Callable[[], Any], within_s: float = 20) -> None:
@@ -25,9 +36,16 @@ def until(condition: Callable[[], Any], within_s: float = 20) -> None:
         time.sleep(0.03)
 
 
+def drop_file(page: Page, name: str, text: str) -> None:
+    """Drop a file on the page."""
+    script = """([name, text]) => { const data = new DataTransfer(); data.items.add(new File([text], name));
+        document.body.dispatchEvent(new DragEvent('drop', {dataTransfer: data, bubbles: true, cancelable: true})); }"""
+    page.evaluate(script, [name, text])
+
+
 def call(page: Page, module: str, function: str, *arguments: object) -> Any:
     """Call a function of one of the page's modules."""
-    script = "async ([module, name, values]) => (await import(`/${module}`))[name](...values)"
+    script = f"async ([module, name, values]) => (await import({FOLDER} + module))[name](...values)"
     return page.evaluate(script, [module, function, list(arguments)])
 
 
@@ -38,9 +56,21 @@ class StepRampPage:
         self.page, self.url = page, url
 
     def open(self) -> Self:
+        """Open it as somebody who has closed the guide; that of a first visit has tests of its own."""
+        self.page.add_init_script(GUIDE_CLOSED)
         self.page.goto(self.url)
         self.wait_for_plots()
         return self
+
+    def kept(self) -> dict[str, Any]:
+        """Return what the tab keeps: its machine, and how that is looked at."""
+        return self.page.evaluate(KEPT)
+
+    def keep(self, **changes: object) -> None:
+        """Let the tab find something else kept when it is loaded again."""
+        write = f"localStorage.setItem({RECORD}, JSON.stringify(record))"
+        script = f"(record) => addEventListener('pagehide', () => {{ {write}; }})"
+        self.page.evaluate(script, {**self.kept(), **changes})
 
     def reload(self) -> None:
         self.page.reload()
@@ -81,12 +111,16 @@ class StepRampPage:
         rows = self.page.locator("#table-rows tr.row")
         return [[cell.input_value() for cell in row.locator("input").all()] for row in rows.all()]
 
-    def paste_into_table(self, text: str) -> None:
-        """Paste as Ctrl+V does, with the focus in the grid."""
+    def paste_into_table(self, text: str, *, as_method: bool = False) -> None:
+        """Paste as Ctrl+V does, with the focus in the grid, and use the rows where there is something to choose."""
         script = """(text) => { const data = new DataTransfer(); data.setData('text/plain', text);
             document.querySelector('#table-rows').dispatchEvent(
                 new ClipboardEvent('paste', {clipboardData: data, bubbles: true, cancelable: true})); }"""
         self.page.evaluate(script, text)
+        use = self.page.locator("#paste-dialog [type=submit]")
+        if use.is_visible() and use.is_enabled():
+            self.page.locator("#paste-as-method").set_checked(as_method)
+            use.click()
 
     def show_panel(self, name: str) -> None:
         """Choose a tab where there are tabs."""

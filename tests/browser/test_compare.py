@@ -1,4 +1,4 @@
-"""Designs side by side: one kept to compare with, and the axes of one machine over one time."""
+"""Designs side by side: one pinned to compare with, and the axes of one machine over one time."""
 
 from collections.abc import Callable
 from typing import Any
@@ -18,33 +18,33 @@ def traces(stepramp: StepRampPage, start: str) -> dict[str, dict[str, Any]]:
 
 
 def kept_figure(stepramp: StepRampPage, name: str) -> str:
-    return stepramp.page.locator(f'[data-figure="{name}"] .kept').inner_text()
+    return stepramp.page.locator(f'[data-figure="{name}"] .pinned').inner_text()
 
 
-def test_the_kept_design_stays_as_a_ghost_beneath_and_in_the_summary(stepramp: StepRampPage) -> None:
+def test_the_pinned_design_stays_as_a_ghost_beneath_and_in_the_summary(stepramp: StepRampPage) -> None:
     page = stepramp.page
     before = stepramp.curves()
     expect(page.locator("#forget")).to_be_hidden()
     page.locator("#keep").click()
-    until(lambda: len(traces(stepramp, "kept-")) == 3)
+    until(lambda: len(traces(stepramp, "pinned-")) == 3)
     stepramp.edit_and_wait(ACCELERATION, "20000")
-    ghost = traces(stepramp, "kept-")
+    ghost = traces(stepramp, "pinned-")
     # The exact ramp of 5,000 steps/s², closed form (17), and the reference of all errors.
-    for step, speed in zip(ghost["kept-velocity"]["x"][:100], ghost["kept-velocity"]["y"][:100], strict=True):
+    for step, speed in zip(ghost["pinned-velocity"]["x"][:100], ghost["pinned-velocity"]["y"][:100], strict=True):
         assert speed == pytest.approx((2 * 5000 * step) ** 0.5, rel=1e-3)
-    assert ghost["kept-delay"]["y"] == before["exact-delay"]
-    assert ghost["kept-velocity"]["dash"] == "4px, 3px"
+    assert ghost["pinned-delay"]["y"] == before["exact-delay"]
+    assert ghost["pinned-velocity"]["dash"] == "4px, 3px"
     order = page.evaluate("() => document.querySelector('.figure').data.filter((one) => one.visible)[0].uid")
-    assert order == "kept-velocity", "beneath the others"
+    assert order == "pinned-velocity", "beneath the others"
     until(lambda: kept_figure(stepramp, "duration").replace("\u202f", " ").startswith("671.8 ms"))
     assert "671.8" not in page.locator('[data-figure="duration"] .value').inner_text()
     assert kept_figure(stepramp, "peak").startswith("1,000")
     page.reload()
     stepramp.wait_for_plots()
-    until(lambda: len(traces(stepramp, "kept-")) == 3)
+    until(lambda: len(traces(stepramp, "pinned-")) == 3)
     page.locator("#forget").click()
-    until(lambda: traces(stepramp, "kept-") == {})
-    expect(page.locator('[data-figure="duration"] .kept')).to_be_hidden()
+    until(lambda: traces(stepramp, "pinned-") == {})
+    expect(page.locator('[data-figure="duration"] .pinned')).to_be_hidden()
 
 
 def test_the_summary_holds_the_servers_figures_and_marks_more_than_a_motor_bears(stepramp: StepRampPage) -> None:
@@ -116,11 +116,11 @@ def test_what_was_measured_lies_over_its_plan(
     page = open_page().page
     move = {"step": [1, 100], "time_s": [0, 0.5], "speed_steps_per_s": [100, 800], "delay_us": [10_000, 1_250],
             "deviation_us": [0, 3], "length": 100}  # fmt: skip
-    measured = call(page, "curves.js", "measuredOver", ANSWER, axis, move)
+    measured = call(page, "plotting/curves.js", "measuredOver", ANSWER, axis, move)
     assert measured == {"x": pytest.approx(x), "velocity": pytest.approx([2, 16]), "delay": [10_000, 1_250],
                         "deviation": [0, 3]}  # fmt: skip
     samples = {"time_s": [0, 0.5], "position": [-1, -100], "speed": [-100, -800], "length": 100}
-    live = call(page, "curves.js", "liveOver", ANSWER, axis, samples)
+    live = call(page, "plotting/curves.js", "liveOver", ANSWER, axis, samples)
     assert live == {"x": pytest.approx(x), "velocity": pytest.approx([2, 16])}
 
 
@@ -129,8 +129,8 @@ def test_a_move_of_another_length_lies_over_the_ramps_of_the_plan(open_page: Cal
     page = open_page().page
     steps, places = [50, 100, 150, 200, 250, 300], [50, 100, 250, 400, 450, 500]
     same = {"time_s": [0.1] * 6, "speed": [1] * 6, "position": steps}
-    assert call(page, "curves.js", "liveOver", ANSWER, "step", {**same, "length": 300})["x"] == places
-    assert call(page, "curves.js", "liveOver", ANSWER, "step", {**same, "length": None})["x"] == steps
+    assert call(page, "plotting/curves.js", "liveOver", ANSWER, "step", {**same, "length": 300})["x"] == places
+    assert call(page, "plotting/curves.js", "liveOver", ANSWER, "step", {**same, "length": None})["x"] == steps
     move = {
         "step": steps,
         "time_s": [0.1] * 6,
@@ -138,5 +138,5 @@ def test_a_move_of_another_length_lies_over_the_ramps_of_the_plan(open_page: Cal
         "delay_us": [1] * 6,
         "deviation_us": [0] * 6,
     }
-    assert call(page, "curves.js", "measuredOver", ANSWER, "step", {**move, "length": 300})["x"] == places
-    assert call(page, "curves.js", "measuredOver", ANSWER, "step", {**move, "length": None})["x"] == steps
+    assert call(page, "plotting/curves.js", "measuredOver", ANSWER, "step", {**move, "length": 300})["x"] == places
+    assert call(page, "plotting/curves.js", "measuredOver", ANSWER, "step", {**move, "length": None})["x"] == steps

@@ -175,7 +175,7 @@ def test_running_at_a_speed_and_calling_the_place_something(pushed: StepRampPage
     pushed.device_section("jog")
     page.locator("#jog-speed").fill("99999")
     page.locator("#run-ahead").click()
-    expect(page.locator("#jog-speed-message")).to_contain_text("Speed is 99999")
+    expect(page.locator("#jog-speed-message")).to_contain_text("Speed is 99,999")
     page.locator("#jog-speed").fill("300")
     page.locator("#run-back").click()
     until(lambda: device_of(pushed)["speed_steps_per_s"] > 290)
@@ -195,6 +195,7 @@ def test_the_measured_trace(pushed: StepRampPage) -> None:
     expect(figures).to_contain_text("500, every one")
     # The virtual controller is never late.
     expect(figures).to_contain_text("0.00 µs")
+    expect(pushed.page.locator(".legend .trace")).to_be_visible()
     pushed.page.locator("#trace").uncheck()
     pushed.move("10")
     at_rest(pushed)
@@ -222,7 +223,7 @@ def test_a_jog_takes_away_what_was_refused_before(pushed: StepRampPage, watch: W
     pushed.device_section("jog")
     page.locator("#jog-speed").fill("99999")
     page.locator("#run-ahead").click()
-    refused = page.locator("#device .problem", has_text="99999")
+    refused = page.locator("#jog-speed-message", has_text="99,999")
     expect(refused).to_be_visible()
     page.locator("#jog-speed").fill("300")
     press_and_hold(page, "#jog-right")
@@ -236,7 +237,7 @@ def test_several_axes(stepramp: StepRampPage) -> None:
     page.get_by_role("button", name="Add an axis").click()
     stepramp.connect()
     stepramp.device_section("push")
-    expect(page.locator("#push")).to_have_text("Push the 2 ramps")
+    expect(page.locator("#push")).to_have_text(re.compile("^Push 2 ramps by "))
     stepramp.push()
     assert len(device_of(stepramp)["axes"]) == 2
     page.locator("#device-axis").select_option("1")
@@ -361,10 +362,16 @@ def test_what_is_refused_stands_at_its_field_in_its_unit(pushed: StepRampPage, w
 
     # 400 steps make one turn of 8 mm, and the ramp goes up to 1,000 steps/s.
     speed = refused("#jog-speed", "21", "#run-ahead")
-    assert speed.startswith("Speed is 21 mm/s; allowed: from -20 to 20 mm/s, the slew speed")
+    assert speed.startswith("Speed is 21 mm/s (1,050 steps/s); allowed: a number from -20 to 20 mm/s, the slew speed")
     assert refused("#jog-speed", "abc", "#run-back").startswith("Speed is 'abc'; allowed: a number from -20,000 to")
-    assert "42,949,67" in refused("#set-position", "x", "#set-position-button")
-    assert refused("#zero-steps", "-1", "#zero") == "Range is -1 mm; allowed: whole steps from 0.02 to 1,310.7 mm."
+    assert "42,949,600 mm" in refused("#set-position", "x", "#set-position-button")
+    # Only what turns is a gauge: here 8° a turn of 400 steps, of which 65,535 are the most.
+    expect(page.locator("#zero")).to_be_hidden()
+    page.get_by_label("Travel unit").select_option("deg")
+    page.locator('#length-unit [data-value="deg"]').click()
+    assert refused("#zero-steps", "-1", "#zero") == (
+        "Range is -1 ° (-50 steps); allowed: whole steps from 0.02 to 1,310.7 °."
+    )
     page.locator('#device-sections [data-value="move"]').click()
     page.locator('.panel.device [data-value="back"]').click()
     assert refused("#move-times", "0", "#move").startswith("Times is 0; allowed: a whole number from 1 to 10,000")

@@ -12,7 +12,7 @@ from playwright.sync_api import BrowserContext, Page, expect
 
 from browser.conftest import Watch
 from browser.server import Server
-from browser.stepramp_page import SLEW_SPEED, StepRampPage, until
+from browser.stepramp_page import KEPT, SLEW_SPEED, StepRampPage, call, until
 from designs import document
 from stepramp.design import Design
 
@@ -41,7 +41,7 @@ def link(text: str) -> str:
 
 def state(page: Page) -> dict[str, Any]:
     """Return what is in hand as the browser keeps it."""
-    return json.loads(page.evaluate("localStorage.getItem('stepramp.work')"))
+    return page.evaluate(KEPT)["machine"]
 
 
 def expect_shared(stepramp: StepRampPage) -> None:
@@ -193,9 +193,8 @@ def test_text_that_is_dragged_is_left_alone(stepramp: StepRampPage) -> None:
         (["軸" * 100], "軸" * 80 + ".stepramp.json"),
     ],
 )
-def test_a_files_name_comes_from_the_design(stepramp: StepRampPage, names: list[str], file: str) -> None:
-    script = "async (names) => (await import('/files.js')).fileName(names)"
-    assert stepramp.page.evaluate(script, names) == file
+def test_a_files_name_comes_from_the_design(module_page: StepRampPage, names: list[str], file: str) -> None:
+    assert call(module_page.page, "documents/files.js", "fileName", names) == file
 
 
 # ---- links ----
@@ -282,7 +281,7 @@ def test_a_wrong_link_at_the_start_leaves_what_was_kept(open_page: Callable[...,
 
 def test_where_the_page_may_not_copy_the_link_is_shown(stepramp: StepRampPage) -> None:
     page = stepramp.page
-    script = """() => { navigator.clipboard.writeText = () => Promise.reject(new Error('no'));
+    script = """() => { navigator.clipboard.write = () => Promise.reject(new Error('no'));
         document.execCommand = () => false; }"""
     page.evaluate(script)
     page.locator("#head-link").click()

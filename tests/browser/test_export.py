@@ -9,11 +9,13 @@ from playwright.sync_api import Browser, BrowserContext, Locator, Page, expect
 
 from browser.conftest import Watch
 from browser.server import Server
-from browser.stepramp_page import REFUSED_VALUE, SLEW_SPEED, StepRampPage, call, until
+from browser.stepramp_page import FOLDER, REFUSED_VALUE, SLEW_SPEED, StepRampPage, call, until
 from stepramp.exports.export import FORMAT_NAMES
 
 PHONE = (390, 844)
 PICTURES = ("svg", "png")
+REPORTS = ("report_pdf", "report_html")
+"""Made by a route of their own."""
 
 
 class ExportDialog:
@@ -54,15 +56,16 @@ def dialog(stepramp: StepRampPage) -> ExportDialog:
 
 
 def test_the_page_offers_every_format_of_the_server(module_page: StepRampPage) -> None:
-    script = "async () => (await import('/exports.js')).EXPORT_FORMATS.map((format) => format.name)"
-    assert sorted(module_page.page.evaluate(script)) == sorted(FORMAT_NAMES)
+    script = f"async () => (await import({FOLDER} + 'documents/exports.js')).EXPORT_FORMATS.map(({{name}}) => name)"
+    assert sorted(module_page.page.evaluate(script)) == sorted((*FORMAT_NAMES, *REPORTS))
 
 
 def test_a_long_text_is_shown_in_part(module_page: StepRampPage) -> None:
     page = module_page.page
-    assert call(page, "exports.js", "beginning", "a\nb\nc\n", 2) == {"shown": "a\nb", "lines": 3, "shownLines": 2}
-    assert call(page, "exports.js", "beginning", "a\nb\n", 2) == {"shown": "a\nb", "lines": 2, "shownLines": 2}
-    shown = [call(page, "exports.js", "formatBytes", size) for size in (999, 1000, 1_234_567)]
+    for text, lines in (("a\nb\nc\n", 3), ("a\nb\n", 2)):
+        beginning = call(page, "documents/exports.js", "beginning", text, 2)
+        assert beginning == {"shown": "a\nb", "lines": lines, "shownLines": 2}
+    shown = [call(page, "documents/exports.js", "formatBytes", size) for size in (999, 1000, 1_234_567)]
     assert shown == ["999 bytes", "1.0 kB", "1.2 MB"]
 
 

@@ -2,37 +2,65 @@
 
 from collections.abc import Callable
 
-import pytest
 from playwright.sync_api import BrowserContext, Route, expect
 
 from browser.conftest import Watch, new_page
 from browser.server import Server
-from browser.stepramp_page import StepRampPage, until
+from browser.stepramp_page import REFUSED_VALUE, SLEW_SPEED, StepRampPage, until
 
-SIZES = [(1440, 900), (1024, 768), (390, 844)]
+# Desktop, tablet, phone; phones on their side, and desktops of 1440 x 900 and 1920 x 1080 magnified to 200 %.
+SIZES = [
+    (1440, 900),
+    (1024, 768),
+    (390, 844),
+    (844, 390),
+    (720, 450),
+    (960, 540),
+    (667, 375),
+    (640, 360),
+    (320, 568),
+]
+LEAST_PLOT_PX = 60
+# What a finger, a cable or a look is for: all of it within the window, and nothing of it under anything else.
+CONTROLS = "#stop, #examples, #plot-choice, #axis-choice, .tabs button, #push, .keeping button, #connect, #fit-table"
+MEASURE = """(controls) => {
+    const seen = [...document.querySelectorAll(controls)].filter((one) => one.checkVisibility());
+    const inSight = (box) => box.top >= 0 && box.bottom <= innerHeight;
+    const centre = (box) => document.elementFromPoint(box.x + box.width / 2, box.y + box.height / 2);
+    const named = (one) => one.id || one.textContent;
+    const frame = document.querySelector('.figure').layout;
+    const heights = [frame.yaxis, frame.yaxis2, frame.yaxis3].map(({ domain }) => domain[1] - domain[0]);
+    const inner = frame.height - frame.margin.t - frame.margin.b;
+    return {
+        page: [document.documentElement.scrollWidth, document.documentElement.scrollHeight],
+        outside: seen.filter((one) => one.getBoundingClientRect().right > innerWidth + 0.5).map(named),
+        covered: seen.filter((one) => inSight(one.getBoundingClientRect()))
+            .filter((one) => !one.contains(centre(one.getBoundingClientRect()))).map(named),
+        plots: heights.filter((height) => height > 0.01).map((height) => height * inner),
+        stop: document.querySelector('#stop').getBoundingClientRect().right,
+    };
+}"""
 
 
-@pytest.mark.parametrize("size", SIZES)
-def test_everything_is_in_reach_and_nothing_scrolls_sideways(
-    open_page: Callable[..., StepRampPage], size: tuple[int, int]
-) -> None:
-    stepramp = open_page(size)
+def test_everything_is_in_reach_at_every_size(open_page: Callable[..., StepRampPage]) -> None:
+    stepramp = open_page()
     page = stepramp.page
-    for panel in ("parameters", "table", "device"):
-        stepramp.show_panel(panel)
-        expect(page.locator(f"#{panel}")).to_be_visible()
-        wide = page.evaluate("() => [document.documentElement.scrollWidth, document.documentElement.scrollHeight]")
-        assert wide[0] <= size[0]
-        assert wide[1] <= size[1]
-        box = page.locator(f"#{panel}").bounding_box()
-        assert box
-        assert box["x"] + box["width"] <= size[0]
-    stop = page.locator("#stop").bounding_box()
-    assert stop
-    assert size[0] - 20 < stop["x"] + stop["width"] <= size[0], "STOP is the last thing of the head"
-    if size == (1440, 900):
-        fits = "() => document.querySelector('.groups').scrollHeight <= document.querySelector('.groups').clientHeight"
-        assert page.evaluate(fits), "all parameters are in sight"
+    fits = "() => document.querySelector('.groups').scrollHeight <= document.querySelector('.groups').clientHeight"
+    assert page.evaluate(fits), "all parameters are in sight on a desktop"
+    for size in SIZES:
+        page.set_viewport_size({"width": size[0], "height": size[1]})
+        until(lambda size=size: page.evaluate("() => document.querySelector('.figure').layout.width") <= size[0])
+        for panel in ("parameters", "table", "device"):
+            stepramp.show_panel(panel)
+            expect(page.locator(f"#{panel}")).to_be_visible()
+            until(lambda: min(page.evaluate(MEASURE, CONTROLS)["plots"]) > LEAST_PLOT_PX)
+            found = page.evaluate(MEASURE, CONTROLS)
+            assert found["page"] <= list(size), (size, panel)
+            assert (found["outside"], found["covered"]) == ([], []), (size, panel)
+            assert size[0] - 20 < found["stop"] <= size[0], "STOP is the last thing of the head"
+            box = page.locator(f"#{panel}").bounding_box()
+            assert box
+            assert (box["height"] >= 150, box["x"] + box["width"] <= size[0]) == (True, True), (size, panel)
 
 
 def test_a_phone_scrolls_nothing_sideways_while_there_are_no_curves_yet(
@@ -71,6 +99,58 @@ def test_the_theme_follows_the_system_until_it_is_switched(open_page: Callable[.
     until(lambda: stepramp.page.evaluate(background) == "#f8f9fb")
     stepramp.reload()
     expect(root).to_have_attribute("data-theme", "light")
+
+
+def test_the_device_is_a_few_keys_away(open_page: Callable[..., StepRampPage]) -> None:
+    page = open_page((1024, 768)).page
+    for _ in range(4):
+        page.keyboard.press("Tab")
+    expect(page.locator(":focus")).to_have_text("Skip to the device")
+    page.keyboard.press("Enter")
+    expect(page.locator("#device")).to_be_focused()
+    assert "#" not in page.url, "the address is that of a design"
+    page.keyboard.press("Tab")
+    assert page.evaluate("() => document.activeElement.closest('#device') !== null")
+
+
+def test_a_number_is_replaced_by_what_is_typed_unless_the_caret_is_set(stepramp: StepRampPage) -> None:
+    field = stepramp.field(SLEW_SPEED)
+    field.click()
+    stepramp.page.keyboard.type("1500")
+    expect(field).to_have_value("1500")
+    # The second press at it sets the caret: at the end of what stands at the right.
+    field.click(position={"x": field.bounding_box()["width"] - 5, "y": 5})  # type: ignore[index]
+    stepramp.page.keyboard.type("0")
+    expect(field).to_have_value("15000")
+
+
+def test_figures_explain_themselves(stepramp: StepRampPage) -> None:
+    figure, explained = stepramp.page.locator('[data-figure="landing"]'), stepramp.page.locator("#figure-help")
+    expect(figure).to_contain_text("Last-step speed")
+    for point in (figure.focus, figure.hover):
+        stepramp.page.locator('[data-figure="peak"]').focus()
+        point()
+        expect(explained).to_contain_text("stop from it at once")
+        box, whole = explained.bounding_box(), stepramp.page.locator("#summary").bounding_box()
+        assert box
+        assert whole
+        assert whole["x"] <= box["x"] < box["x"] + box["width"] <= whole["x"] + whole["width"]
+        stepramp.page.keyboard.press("Escape")
+        expect(explained).to_be_hidden()
+
+
+def test_a_page_that_opens_with_a_wrong_value_says_so_where_the_plots_would_be(
+    stepramp: StepRampPage, watch: Watch
+) -> None:
+    watch.expected.append(REFUSED_VALUE)
+    stepramp.field(SLEW_SPEED).fill("fast")
+    expect(stepramp.message(SLEW_SPEED)).to_be_visible()
+    stepramp.page.reload()
+    expect(stepramp.page.locator(".stale-note")).to_have_text("No curves yet: correct what is marked")
+    expect(stepramp.message(SLEW_SPEED)).to_contain_text("a number from 0.001 to 1,000,000 steps/s")
+    stepramp.field(SLEW_SPEED).fill("900")
+    stepramp.wait_for_plots()
+    expect(stepramp.page.locator(".stale-note")).to_be_hidden()
 
 
 def test_the_info_view_explains_the_field_in_focus(stepramp: StepRampPage) -> None:

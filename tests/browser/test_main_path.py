@@ -5,7 +5,7 @@ import re
 from playwright.sync_api import expect
 
 from browser.conftest import Watch
-from browser.stepramp_page import REFUSED_VALUE, SLEW_SPEED, StepRampPage, until
+from browser.stepramp_page import ACCELERATION, REFUSED_VALUE, SLEW_SPEED, StepRampPage, until
 
 GAUGE_TABLE = """unsigned short accelTable[][2] = {
   {   10, 5000},  // slow
@@ -56,7 +56,14 @@ def test_changing_the_design_after_a_push_is_told(stepramp: StepRampPage) -> Non
     expect(stepramp.page.get_by_text("The design has changed since this push.")).to_have_count(0)
     stepramp.edit_and_wait(SLEW_SPEED, "900")
     expect(stepramp.page.get_by_text("The design has changed since this push.")).to_be_visible()
-    expect(stepramp.page.locator("#push")).to_have_text("Push the changes")
+    expect(stepramp.page.locator("#push")).to_have_text(re.compile("^Push \u2018.*\u2019 by Exact$"))
+    report = stepramp.page.locator("#push-report .push-details")
+    rows = "(box) => [getComputedStyle(box).overflowY, getComputedStyle(box).maxHeight]"
+    assert report.locator(".push-rows").evaluate(rows) == ["auto", "172px"], "more of them are scrolled to"
+    stepramp.page.get_by_label("Close the report").click()
+    expect(report).to_be_hidden()
+    stepramp.push()
+    expect(report).to_be_visible()
 
 
 def test_each_example_can_be_shown_and_the_design_it_replaced_had_back(stepramp: StepRampPage) -> None:
@@ -115,3 +122,23 @@ def test_text_that_is_no_table_is_explained(stepramp: StepRampPage) -> None:
     expect(stepramp.page.get_by_role("button", name="Use the rows")).to_be_disabled()
     stepramp.page.get_by_role("button", name="Cancel").click()
     assert stepramp.table_rows() == before
+
+
+def test_a_push_that_is_too_long_is_mended_by_a_button(stepramp: StepRampPage, watch: Watch) -> None:
+    watch.expected.append(r"status of 422.*push/preview")
+    page = stepramp.page
+    stepramp.connect()
+    page.get_by_role("button", name="Add an axis").click()
+    stepramp.edit_and_wait(SLEW_SPEED, "15000")
+    stepramp.edit_and_wait(ACCELERATION, "3000")
+    refused = page.locator("#push-problem")
+    expect(refused).to_contain_text("Too long for this controller", timeout=30_000)
+    page.get_by_role("tab", name="0").click()
+    expect(page.locator(".axis-tab.refused .axis-number")).to_have_text("1")
+    refused.get_by_role("button", name="Raise the acceleration").click()
+    expect(page.locator("#push-preview")).to_contain_text("A push would change", timeout=30_000)
+    expect(refused).to_be_empty()
+    expect(page.locator(".axis-tab[aria-selected=true] .axis-number")).to_have_text("1")
+    expect(page.locator(".axis-tab.refused")).to_have_count(0)
+    page.keyboard.press("Control+z")
+    expect(refused).to_contain_text("Too long for this controller", timeout=30_000)

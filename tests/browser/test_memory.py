@@ -1,9 +1,10 @@
 """What the browser keeps."""
 
+import pytest
 from playwright.sync_api import expect
 
 from browser.conftest import Watch
-from browser.stepramp_page import REFUSED_VALUE, SLEW_SPEED, StepRampPage
+from browser.stepramp_page import REFUSED_VALUE, SLEW_SPEED, StepRampPage, until
 
 
 def test_the_design_outlives_two_reloads(stepramp: StepRampPage) -> None:
@@ -28,21 +29,36 @@ def test_a_wrong_value_is_kept_and_told_again(stepramp: StepRampPage, watch: Wat
     stepramp.wait_for_plots()
 
 
-def test_a_stored_document_that_makes_no_sense_is_set_aside(stepramp: StepRampPage) -> None:
-    for text in ("{not json", '{"schema": "stepramp/9"}'):
-        stepramp.page.evaluate("(text) => localStorage.setItem('stepramp.work', text)", text)
-        stepramp.reload()
-        expect(stepramp.page.locator(".design-name")).to_have_value("Lead-screw stage")
-        assert stepramp.page.evaluate("localStorage.getItem('stepramp.work.unreadable')") == text
+def test_a_stored_document_that_makes_no_sense_is_left_alone(stepramp: StepRampPage) -> None:
+    stepramp.edit_and_wait(SLEW_SPEED, "1234")
+    stepramp.keep(machine={"schema": "stepramp/9"})
+    stepramp.reload()
+    expect(stepramp.field(SLEW_SPEED)).to_have_value("1,000")
+    assert "stepramp/9" in stepramp.page.evaluate("JSON.stringify(localStorage)")
 
 
 def test_a_stored_document_with_unknown_parts_is_told_and_can_be_left(stepramp: StepRampPage, watch: Watch) -> None:
     watch.expected.append(REFUSED_VALUE)
-    script = """() => { const state = JSON.parse(localStorage.getItem('stepramp.work')); state.axes[0].extra = 1;
-        localStorage.setItem('stepramp.work', JSON.stringify(state)); }"""
-    stepramp.page.evaluate(script)
+    machine = stepramp.kept()["machine"]
+    machine["axes"][0]["extra"] = 1
+    stepramp.keep(machine=machine)
     stepramp.page.reload()
     expect(stepramp.page.locator(".summary-messages")).to_contain_text("extra")
     stepramp.choose_example("Gauge")
     stepramp.wait_for_plots()
     expect(stepramp.page.locator(".summary-messages")).to_be_hidden()
+
+
+def test_how_the_plots_are_looked_at_outlives_a_reload(stepramp: StepRampPage) -> None:
+    page = stepramp.page
+    page.locator('#axis-choice [data-value="time"]').click()
+    page.locator("#show-acceleration").click()
+    page.locator(".figure").hover(position={"x": 300, "y": 200})
+    page.mouse.wheel(0, -400)
+    until(lambda: [view["zoom"] is not None for view in stepramp.kept()["views"].values()] == [True])
+    [before] = [*stepramp.kept()["views"].values()]
+    stepramp.reload()
+    expect(page.locator('#axis-choice [data-value="time"]')).to_have_attribute("aria-pressed", "true")
+    expect(page.locator("#show-acceleration")).to_have_attribute("aria-pressed", "true")
+    until(lambda: stepramp.x_axis()["range"] == pytest.approx(before["zoom"]))
+    assert before["against"] == "time"

@@ -1,6 +1,5 @@
 """The parameters: numbers, sliders, keys and wheel, units, presets, and what each field says of itself."""
 
-import json
 from collections.abc import Callable
 from typing import Any
 
@@ -9,7 +8,7 @@ from playwright.sync_api import Locator, Page, expect
 
 from browser.conftest import Watch
 from browser.server import Server
-from browser.stepramp_page import ACCELERATION, REFUSED_VALUE, SLEW_SPEED, StepRampPage, until
+from browser.stepramp_page import ACCELERATION, KEPT, REFUSED_VALUE, SLEW_SPEED, StepRampPage, until
 from stepramp.design import AxisScale, Method, Move, RampParameters, Timer
 from stepramp.shapes import SHAPES
 
@@ -34,7 +33,7 @@ def units(stepramp: StepRampPage, length: str, time: str = "s") -> None:
 
 def kept_design(page: Page) -> dict[str, Any]:
     """Return the design in hand as the browser keeps it."""
-    state = json.loads(page.evaluate("localStorage.getItem('stepramp.work')"))
+    state = page.evaluate(KEPT)["machine"]
     return state["axes"][state["active"]]
 
 
@@ -220,11 +219,11 @@ def test_what_is_refused_is_told_in_the_unit_shown(stepramp: StepRampPage, modul
         "Slew speed is 40,000 mm/s (2,000,000 steps/s); allowed: a number from 0.00002 to 20,000 mm/s."
     )
     units(stepramp, "steps")
-    expect(message).to_have_text("Slew speed is 2000000; allowed: a number from 0.001 to 1,000,000 steps/s.")
+    expect(message).to_have_text("Slew speed is 2,000,000; allowed: a number from 0.001 to 1,000,000 steps/s.")
     stepramp.field(SLEW_SPEED).fill("1000")
     units(stepramp, "mm")
     stepramp.field(BASE_SPEED).fill("40")
-    expect(stepramp.message(BASE_SPEED)).to_contain_text("allowed: a number from 0 to the slew speed, 20 mm/s.")
+    expect(stepramp.message(BASE_SPEED)).to_contain_text("allowed: a number from 0 to 20 mm/s, the slew speed.")
 
 
 def test_the_units_outlive_a_reload_and_millimetres_need_an_axis_that_has_them(stepramp: StepRampPage) -> None:

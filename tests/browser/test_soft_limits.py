@@ -134,7 +134,7 @@ def test_the_line_with_the_soft_limits_has_room_above_it(pushed: StepRampPage) -
 @pytest.mark.parametrize(
     ("lowest", "highest", "field", "words"),
     [
-        ("10", "5", "highest", "Highest is 5; allowed: at least the lowest, 10 steps."),
+        ("10", "5", "highest", "Highest is 5; allowed: at least 10 steps, the lowest."),
         ("low", "5", "lowest", "Lowest is 'low'; allowed: a whole number from"),
         ("1.5", "", "lowest", "Lowest is 1.5; allowed: a whole number from"),
     ],

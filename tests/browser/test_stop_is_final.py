@@ -12,7 +12,7 @@ import pytest
 from playwright.sync_api import APIResponse, BrowserContext, Page, Request, Route, expect
 
 from browser.conftest import Watch, new_page
-from browser.stepramp_page import StepRampPage, until
+from browser.stepramp_page import FOLDER, StepRampPage, until
 
 FAR = "1000000"
 MOTIONS = ("move", "run", "line", "there_and_back", "zero")
@@ -90,8 +90,9 @@ class Line:
 
 @pytest.fixture(scope="module")
 def pushed(module_page: StepRampPage, module_watch: Watch) -> Iterator[StepRampPage]:
-    """Return the page in control of a device of two axes."""
+    """Return the page in control of a device of two axes, which turn: only such are zeroed as gauges."""
     module_watch.expected.append(EXPECTED)
+    module_page.page.get_by_label("Travel unit").select_option("deg")
     module_page.page.get_by_role("button", name="Add an axis").click()
     module_page.connect()
     module_page.push()
@@ -202,19 +203,21 @@ def test_a_look_at_the_trace_that_a_stop_refuses_is_taken_again(pushed: StepRamp
 
 MUTE = """() => { const send = WebSocket.prototype.send; window.unmute = () => { WebSocket.prototype.send = send; };
     WebSocket.prototype.send = function (text) { if (!/"do":"(stop|halt)"/.test(text)) send.call(this, text); }; }"""
-"""Lets no stop out over WebSockets."""
+"""Lets no stop out over WebSockets, and doesn't say so."""
+BREAK = MUTE.replace("send.call(this, text); }", "send.call(this, text); else throw new Error('broken'); }")
+"""Has every stop over WebSockets fail at once."""
 
 
 def test_a_stop_that_fails_revives_nothing(pushed: StepRampPage, line: Line) -> None:
     page = pushed.page
     before = device_of(pushed)["position_steps"]
-    page.evaluate(MUTE)
+    page.evaluate(BREAK)
     page.route("**/api/v1/devices/stop", lambda route: route.abort())
     with line.holding("trace", is_answered=True):
         ask_to_move(pushed, "by")
         line.wait()
         page.keyboard.press("Escape")
-        expect(page.locator(".summary-messages")).to_contain_text("STOP did not get through")
+        expect(page.locator("#stop-failure")).to_contain_text("Not delivered")
         line.release()
         check_at_rest(pushed, "#move")
     assert line.motions == []
@@ -327,7 +330,7 @@ def test_a_stop_as_a_request_waits_for_no_other_of_its_page(
     page = pushed.page
     begin_far(pushed)
     page.evaluate(MUTE)
-    connect = "(port) => import('/api.js').then(({api}) => api.connect(port)).catch(() => null)"
+    connect = f"(port) => import({FOLDER} + 'server/api.js').then(({{api}}) => api.connect(port)).catch(() => null)"
     with requests_under_way([page], connect, 2 * CONNECTIONS):
         until(lambda: len(pushed.devices()) == 2)
         stop_and_wait(page, pushed)

@@ -48,7 +48,7 @@ def test_a_remark_is_marked_at_its_row_and_told_where_it_is_selected(start: Step
 
 def test_a_target_is_changed_in_flight_without_moving_anything(start: StepRampPage) -> None:
     start.choose_example("Gauge")
-    start.page.locator(".table-foot").get_by_role("button", name="Play").click()
+    start.page.locator(".table-foot").get_by_role("button", name="Simulate").click()
     start.page.locator("#play-first").fill("800")
     start.page.locator("#play-after").fill("300")
     start.page.locator("#play-second").fill("100")

@@ -13,26 +13,26 @@ def test_places_and_indices_are_each_other_s_inverse(modules: Page) -> None:
         "timer": {"frequency_hz": 2e6},
         "method": {"rounding": "nearest"},
     }
-    for axis, factor in (("step", 1), ("position", -0.02), ("time", 1000)):
-        scale = {"axis": axis, "factor": factor}
+    for against, factor in (("step", 1), ("position", -0.02), ("time", 1000)):
+        scale = {"against": against, "factor": factor}
         for row, (index, delay) in enumerate(ROWS):
-            x = call(modules, "table_rows.js", "rowX", design, ROWS, row, scale)
-            assert call(modules, "table_rows.js", "indexAtX", design, ROWS, row, delay, scale, x) == pytest.approx(
-                index
-            )
+            x = call(modules, "plotting/table_rows.js", "rowX", design, ROWS, row, scale)
+            assert call(
+                modules, "plotting/table_rows.js", "indexAtX", design, ROWS, row, delay, scale, x
+            ) == pytest.approx(index)
 
 
 def test_a_row_is_moved_within_its_neighbours_and_what_the_server_takes(modules: Page) -> None:
     rows = [[3, 8284], ["x", 5], [7, 4783]]
 
     def moved(row: int, index: float, delay: float) -> list[int]:
-        return call(modules, "table_rows.js", "movedRow", rows, row, {"index": index, "delay": delay})[row]
+        return call(modules, "plotting/table_rows.js", "movedRow", rows, row, {"index": index, "delay": delay})[row]
 
     assert moved(0, 99, 0.2) == [6, 1]
     assert moved(0, -5, 8000.4) == [0, 8000]
     assert moved(2, 1, 1e12) == [4, 2**32 - 1]
     assert moved(2, 1e9, 5) == [10_000_000, 5]
-    added = call(modules, "table_rows.js", "withRowAt", rows, {"index": 5.2, "delay": 6000})
+    added = call(modules, "plotting/table_rows.js", "withRowAt", rows, {"index": 5.2, "delay": 6000})
     assert (added["rows"], added["row"]) == ([[3, 8284], ["x", 5], [5, 6000], [7, 4783]], 2)
-    same = call(modules, "table_rows.js", "withRowAt", rows, {"index": 7, "delay": 6000})
+    same = call(modules, "plotting/table_rows.js", "withRowAt", rows, {"index": 7, "delay": 6000})
     assert (same["rows"], same["row"]) == (rows, 2)
