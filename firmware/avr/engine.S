@@ -18,7 +18,7 @@
 /* ---- memory ---- */
 
 	.section .bss
-	.global axis_players, engine_end_masks, engine_pulse_masks, engine_extra_width, engine_listens
+	.global axis_players, engine_end_masks, engine_pulse_masks, engine_extra_width
 axis_players:
 	.zero MOST_AXES * AXIS_PLAYER_BYTES
 engine_end_masks:                            /* what ends the pulse of an axis: step_mask, or 0 when each edge is a step */
@@ -26,8 +26,6 @@ engine_end_masks:                            /* what ends the pulse of an axis: 
 engine_pulse_masks:                          /* what of an axis' step_mask ends its pulses: all ones, or 0 */
 	.zero MOST_AXES
 engine_extra_width:                          /* of pulses, when WIDE is set [8 cycles], not 0 */
-	.zero 1
-engine_listens:                              /* 1: the serial port's interrupts may come while a pulse is lengthened */
 	.zero 1
 
 /* The offsets in queues are low bytes of addresses, so these are aligned to 256 bytes. The linker puts them to the begin
@@ -284,8 +282,8 @@ park:
 	brne 1b
 .endm
 
-/* Waits for engine_extra_width times 8 cycles, 21 more with its call, when r24 has a pin whose pulse is to end. When that is
- * long the serial port's interrupts may come meanwhile: wide pulses don't make it deaf. Then it is 35 more. Uses r25; the
+/* Waits for engine_extra_width times 8 cycles, 19 more with its call, when r24 has a pin whose pulse is to end. When that is
+ * long the serial port's interrupts may come meanwhile: wide pulses don't make it deaf. Then it is 33 more. Uses r25; the
  * flags stay. */
 	.global lengthen_pulse
 lengthen_pulse:
@@ -293,8 +291,7 @@ lengthen_pulse:
 	in   r26, SREG
 	tst  r24
 	breq 4f
-	lds  r25, engine_listens
-	sbrc r25, 0
+	sbic GPIOR0, LISTENS
 	rjmp 5f
 	lds  r25, engine_extra_width
 	WAIT_UNITS

@@ -9,6 +9,7 @@
 #include <util/atomic.h>
 
 #include "gauge.h"
+#include "pins.h"
 #include "step_interrupt.h"
 
 _Static_assert(sizeof(struct axis_player) == AXIS_PLAYER_BYTES, "known to engine.S");
@@ -68,16 +69,16 @@ void engine_begin(void)
 
 void engine_set_line(bool line)
 {
-    if (IS_SET(GAUGE_OUTPUTS)) {
+    if (GAUGE_OUTPUTS) {
         return;
     }
-    GPIOR0 = (uint8_t)((GPIOR0 & _BV(WIDE)) | (line ? _BV(OTHER_MODE) : 0));
+    GPIOR0 = (uint8_t)((GPIOR0 & (_BV(WIDE) | _BV(LISTENS))) | (line ? _BV(OTHER_MODE) : 0));
     engine_park(0xFF);
 }
 
 static inline bool is_line(void)
 {
-    return IS_SET(OTHER_MODE) && !IS_SET(GAUGE_OUTPUTS);
+    return IS_SET(OTHER_MODE) && !GAUGE_OUTPUTS;
 }
 
 /* ---- the two channels ----
@@ -149,7 +150,7 @@ uint8_t engine_running(void)
         enabled = TIMSK1;
         flags = GPIOR0;
     }
-    if ((flags & _BV(GAUGE_OUTPUTS)) != 0) {
+    if (GAUGE_OUTPUTS) {
         return gauges_running();
     }
     if ((flags & _BV(OTHER_MODE)) != 0) {
@@ -237,7 +238,7 @@ void engine_start(uint8_t axes, uint16_t setup_ticks)
             prepare(player, setup_ticks);
         }
     }
-    if (IS_SET(GAUGE_OUTPUTS)) {
+    if (GAUGE_OUTPUTS) {
         gauges_start(starting, start_delay_ticks);
     } else if (starting != 0) {
         start_axes(starting);
@@ -280,7 +281,7 @@ static bool halt_in_channel(uint8_t channel, uint8_t axes)
 
 void engine_halt(uint8_t axes)
 {
-    if (IS_SET(GAUGE_OUTPUTS)) {
+    if (GAUGE_OUTPUTS) {
         gauges_halt(axes);
         return;
     }

@@ -10,14 +10,14 @@
 #include "step_interrupt.h"
 
 /* What the engine's own pulses have, counted in the code [cycles]: 41 of a line and of the only axis of a channel. */
-enum { OWN_PULSE_CYCLES = 41, WIDTH_CALL_CYCLES = 21, LISTENING_CALL_CYCLES = 35, WIDTH_UNIT_CYCLES = 8 };
+enum { OWN_PULSE_CYCLES = 41, WIDTH_CALL_CYCLES = 19, LISTENING_CALL_CYCLES = 33, WIDTH_UNIT_CYCLES = 8 };
 enum { CYCLES_PER_US = F_CPU / 1000000 };
 
 /* The serial port can wait for 8 us; longer waits have room for its interrupts. */
 enum { LEAST_LISTENING_CYCLES = 8 * CYCLES_PER_US };
 
 /* In engine.S and line.S */
-extern uint8_t engine_end_masks[MOST_AXES], engine_pulse_masks[MOST_AXES], engine_extra_width, engine_listens, line_pulse_pins;
+extern uint8_t engine_end_masks[MOST_AXES], engine_pulse_masks[MOST_AXES], engine_extra_width, line_pulse_pins;
 
 static uint8_t both_edges; /* as configured; a bit for each axis */
 static uint8_t step_inverted;
@@ -69,12 +69,12 @@ static void configure_axis(uint8_t axis, const struct settings *settings)
 static void configure_width(uint8_t width_us)
 {
     int16_t wait = (int16_t)(width_us * CYCLES_PER_US - OWN_PULSE_CYCLES);
-    GPIOR0 &= (uint8_t)~_BV(WIDE);
-    engine_listens = wait >= LEAST_LISTENING_CYCLES;
+    GPIOR0 = 0;
     if (wait > 0) {
-        wait = (int16_t)(wait - (engine_listens ? LISTENING_CALL_CYCLES : WIDTH_CALL_CYCLES));
+        bool listens = wait >= LEAST_LISTENING_CYCLES;
+        wait = (int16_t)(wait - (listens ? LISTENING_CALL_CYCLES : WIDTH_CALL_CYCLES));
         engine_extra_width = wait > 0 ? (uint8_t)((wait + WIDTH_UNIT_CYCLES - 1) / WIDTH_UNIT_CYCLES) : 1;
-        GPIOR0 |= _BV(WIDE);
+        GPIOR0 = listens ? _BV(WIDE) | _BV(LISTENS) : _BV(WIDE);
     }
 }
 
@@ -105,12 +105,11 @@ void engine_configure(const struct settings *settings)
     engine_park(0xFF);
     if (settings->outputs == OUTPUTS_GAUGES) {
         enable_pin_drive(ENABLE_NOT_DRIVEN);
-        GPIOR0 = _BV(GAUGE_OUTPUTS) | _BV(OTHER_MODE);
+        GPIOR0 = _BV(OTHER_MODE);
         both_edges = 0;
         gauges_configure();
         return;
     }
-    GPIOR0 = 0;
     release_gauge_pins();
     line_pulse_pins = 0;
     for (uint8_t axis = 0; axis < MOST_AXES; axis++) {
@@ -126,7 +125,7 @@ void engine_configure(const struct settings *settings)
 void port_enable(bool on)
 {
     enabled = on ? ON : OFF;
-    if ((GPIOR0 & _BV(GAUGE_OUTPUTS)) == 0) {
+    if (!GAUGE_OUTPUTS) {
         drive_enable_pin();
     }
 }

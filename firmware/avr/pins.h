@@ -17,4 +17,7 @@
 #define GAUGE_PINS_D 0xFC
 #define GAUGE_PINS_B 0x3F
 
+/* Only gauges have D9: as long as it is an output, the pins are coils, and compare B serves all axes. */
+#define GAUGE_OUTPUTS ((DDRB & 1 << 1) != 0)
+
 #endif

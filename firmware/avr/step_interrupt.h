@@ -10,13 +10,13 @@
 #define STEPRAMP_STEP_INTERRUPT_H
 
 /* Bits of GPIOR0: a test is one instruction, and so is setting one. engine.c counts on the places of the next four. */
-#define OTHER_MODE 0     /* compare A plays the line, or compare B the gauges */
+#define OTHER_MODE 0     /* compare A plays the line, or compare B the gauges: GAUGE_OUTPUTS of pins.h tells */
 #define A_SECOND 1       /* channel A's next event is axis 2's */
 #define B_SECOND 2       /* channel B's next event is axis 3's */
 #define A_SHARED 3       /* both axes 0 and 2 run */
 #define B_SHARED 4       /* both axes 1 and 3 run */
 #define WIDE 5           /* pulses are to be lengthened */
-#define GAUGE_OUTPUTS 7  /* the pins are coils: compare B serves all axes */
+#define LISTENS 7        /* the serial port's interrupts may come while a pulse is lengthened */
 #define LINE_FOLLOWED 6  /* on a line: an axis follows, in the present segment */
 #define LINE_TWO A_SECOND   /* on a line: there is a second follower */
 #define LINE_THREE A_SHARED /* and a third */

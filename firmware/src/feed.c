@@ -249,11 +249,10 @@ static void retire(struct feed *feed)
     lane->retired = lane_next(offset);
 }
 
-/* Other things can be done first. */
-static bool can_wait(const struct feed *feed)
+/* Other things can be done first, as steps are queued for `least` [64 us]. */
+static bool can_wait(const struct feed *feed, uint8_t least)
 {
-    return feed->stage != FEED_PLAYING || time_ahead(feed, port_time()) >= WAITING_TIME ||
-           !lane_has_room(lane_of(feed->index));
+    return feed->stage != FEED_PLAYING || time_ahead(feed, port_time()) >= least || !lane_has_room(lane_of(feed->index));
 }
 
 /* Retires what has been played: one segment when a stop waits, and not so many that nothing is queued meanwhile. That loaded
@@ -369,7 +368,7 @@ static void parked(struct feed *feed)
  * something first. On a line, one axis queues for all, and is soon asked again. */
 static bool gives_way(const struct feed *feed)
 {
-    return (line_is_on() || can_wait(feed)) && port_skip_to_stop();
+    return can_wait(feed, line_is_on() ? HURRY_TIME : WAITING_TIME) && port_skip_to_stop();
 }
 
 bool feed_poll(struct feed *feed)
@@ -386,7 +385,7 @@ bool feed_poll(struct feed *feed)
     }
     bool has_time = true;
     for (uint8_t left = SEGMENTS_AT_ONCE; left != 0 && !gives_way(feed) && fill(feed); left--) {
-        has_time = can_wait(feed);
+        has_time = can_wait(feed, WAITING_TIME);
         if (has_time && left < SEGMENTS_AT_ONCE) {
             break;
         }
