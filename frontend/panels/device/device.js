@@ -2,7 +2,7 @@
 // The device: which one, what it does, and in sections what can be done with it.
 
 import { chooseAxis, chooseFamily, choosePort, chooseSection, refused as refuse, setTracing } from '../../app/commands/device.js';
-import { axesOffered, deviceAxisOf, deviceOf, portChoicesOf, portOf, situationOf } from '../../app/selectors.js';
+import { axesOffered, deviceAxisOf, deviceOf, portChoicesOf, portOf, situationOf } from '../../app/devices.js';
 import { whenChanged, whenever } from '../../app/state.js';
 import { memory } from '../../documents/memory.js';
 import { closeButton, element, icon, messageLine, picker, segmented, showText } from '../../ui/dom.js';
