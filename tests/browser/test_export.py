@@ -171,7 +171,7 @@ def test_escape_closes_it_after_a_stop_too(dialog: ExportDialog) -> None:
     expect(dialog.element).to_be_hidden()
 
 
-def test_a_saved_report_opens_without_a_server(
+def test_a_saved_page_of_plots_opens_without_a_server(
     dialog: ExportDialog, browser: Browser, server: Server, tmp_path: Path
 ) -> None:
     dialog.choose("html")
