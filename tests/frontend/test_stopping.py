@@ -318,6 +318,23 @@ def test_what_was_lost_in_mid_move_is_told_until_it_is_back(modules: Modules) ->
     assert words == ["", IS_OWED, IS_OWED, "", "", IS_OWED, IS_OWED, "", IS_OWED]
 
 
+def test_another_servers_device_of_the_same_id_is_not_the_lost_one(modules: Modules) -> None:
+    script = """async (happens) => { const {createOutOfReach} = await import('/devices/out_of_reach.js');
+        const out = createOutOfReach();
+        return happens.map(([way, devices]) => { out[way](devices);
+            return [out.words(devices, () => false), out.isUndelivered(devices, () => true)]; }); }"""
+    [moving], [lost], [connecting] = devices("moving"), devices("lost"), devices("connecting")
+    other = connecting | {"port": "port 9"}
+    tells, nothing = [MAY_MOVE, True], ["", False]
+    # One server knows it by its id wherever it is found again.
+    assert modules.evaluate(script, [["follow", [moving]], ["follow", [other]]]) == [nothing, tells]
+    # After the end of a server a device of its id may be any: only at the same port it is taken for the same.
+    for last in (moving, lost):
+        before = [["follow", [moving]], ["follow", [last]], ["leave", [last]]]
+        assert modules.evaluate(script, [*before, ["follow", [other]]])[-1] == nothing
+        assert modules.evaluate(script, [*before, ["follow", [connecting]], ["follow", [other]]])[-2:] == [tells, tells]
+
+
 def test_a_page_that_comes_later_sees_that_a_lost_one_had_not_arrived(modules: Modules) -> None:
     [lost] = devices("lost")
     on_the_way = [lost | {"axes": [{"position_steps": 40, "target_steps": 900}]}]
