@@ -86,15 +86,15 @@ export function createDevice(root, dispatch, act) {
   /** @type {Record<SectionName, Section>} */
   const sections = {
     push: createPushSection({
+      ...act,
       push(present, mode) {
         const situation = state && situationOf(state);
         if (state && situation) act.push(present, situation.toPush, deviceAxisOf(state), mode);
       },
-      store: act.store,
     }, dispatch),
-    move: createMoveSection(act.go),
+    move: createMoveSection(act),
     jog: createJogSection(act.jog, { ...act, refuse: (rejections) => dispatch(refuse, rejections) }),
-    trace: createTraceSection((wanted) => dispatch(setTracing, wanted), () => withDevice(act.saveTrace)),
+    trace: createTraceSection((wanted) => dispatch(setTracing, wanted), act),
   };
   const tabs = segmented('Work with the device', SECTIONS, (name) => dispatch(chooseSection, name));
   tabs.element.classList.add('fill', 'grow');
