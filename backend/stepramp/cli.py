@@ -36,7 +36,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     level_help = f"how much is told of what goes on, up to each byte: {levels} (default: warning)"
     parser.add_argument("--log-level", default="warning", help=level_help)
     commands = parser.add_subparsers(dest="command", title="instead of the server")
-    exporting = commands.add_parser("export", help="write a design in a format, as C code or as a report")
+    exporting = commands.add_parser("export", help="write a design in a format, as C code or as a page of plots")
     exporting.add_argument("format", help="c_table, c_newton, csv, html …; a wrong one lists them all")
     exporting.add_argument("design", help="file with a design document, - for standard input")
     exporting.add_argument("file", help="file to write, - for standard output")

@@ -1,4 +1,4 @@
-"""Plotly figures of moves, for notebooks and reports."""
+"""Plotly figures of moves, for notebooks and pages."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING

@@ -59,7 +59,7 @@ import { STEPS_AND_SECONDS } from '../model/units.js';
  * @property {Record<string, import('../model/types.js').SoftLimits[]>} softLimits  last set, by port */
 
 /** What a push would change, or why there can be none, and of what that was said.
- * @typedef {{question: import('./selectors.js').PreviewQuestion, preview: import('../model/types.js').Preview | null,
+ * @typedef {{question: import('./devices.js').PreviewQuestion, preview: import('../model/types.js').Preview | null,
  *   rejections: Rejection[]}} Preview */
 /** Designs that were pushed, and the ids of the axes they are of; from which axis of the device on.
  * @typedef {{designs: Design[], ids: number[], toAxis: number}} Pushed */

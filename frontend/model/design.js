@@ -1,6 +1,7 @@
 // @ts-check
 // The design document: reading and changing its fields. A change gives a new document.
 
+import { areEqual } from './equal.js';
 import { METHODS, methodOf, REFERENCE } from './methods.js';
 import { formatEntry } from './numbers.js';
 
@@ -52,6 +53,13 @@ export function withTable(design, rows, unit) {
 export function withTablePlayed(design) {
   const player = METHODS.find((method) => method.plays_table);
   return player === undefined ? design : withMethod(design, player.name);
+}
+
+/** Whether designs are the same ramps: all but their names.
+ * @param {Design[]} one @param {Design[]} other */
+export function areSameRamps(one, other) {
+  const nameless = (/** @type {Design[]} */ designs) => designs.map((design) => ({ ...design, name: '' }));
+  return one === other || areEqual(nameless(one), nameless(other));
 }
 
 /** The methods to ask the server about: the design's own in any case, and of the shown ones those that are possible.

@@ -119,6 +119,24 @@ def test_refusals_are_shown_and_what_is_right_again_is_exported(dialog: ExportDi
     expect(dialog.download).to_be_enabled()
 
 
+def test_a_preview_that_is_not_shown_any_more_is_let_go_of(dialog: ExportDialog) -> None:
+    """The browser keeps a picture for as long as it has an address."""
+    kept = "() => [...globalThis.kept]"
+    dialog.page.evaluate("""() => { const kept = globalThis.kept = new Set();
+        const {createObjectURL, revokeObjectURL} = URL;
+        URL.createObjectURL = (file) => { const url = createObjectURL.call(URL, file); kept.add(url); return url; };
+        URL.revokeObjectURL = (url) => { kept.delete(url); revokeObjectURL.call(URL, url); }; }""")
+    for name in PICTURES:
+        dialog.choose(name)
+        assert dialog.page.evaluate(kept) == [dialog.preview.locator("img").get_attribute("src")]
+    dialog.choose("csv")
+    assert dialog.page.evaluate(kept) == []
+    dialog.choose("svg")
+    dialog.page.keyboard.press("Escape")
+    expect(dialog.element).to_be_hidden()
+    until(lambda: dialog.page.evaluate(kept) == [])
+
+
 def test_it_works_by_keyboard_alone(stepramp: StepRampPage) -> None:
     page = stepramp.page
     page.locator("#head-export").focus()
@@ -171,7 +189,7 @@ def test_escape_closes_it_after_a_stop_too(dialog: ExportDialog) -> None:
     expect(dialog.element).to_be_hidden()
 
 
-def test_a_saved_report_opens_without_a_server(
+def test_a_saved_page_of_plots_opens_without_a_server(
     dialog: ExportDialog, browser: Browser, server: Server, tmp_path: Path
 ) -> None:
     dialog.choose("html")

@@ -1,4 +1,4 @@
-"""CSV, JSON, the report and the pictures."""
+"""CSV, JSON, the page of plots to zoom and the pictures."""
 
 import csv
 import io
@@ -62,7 +62,7 @@ class Elements(HTMLParser):
             self.text += data
 
 
-def test_the_report_says_the_numbers_and_warnings_and_loads_nothing() -> None:
+def test_the_page_of_plots_says_the_numbers_and_warnings_and_loads_nothing() -> None:
     asked = design(name=NASTY, timer__counter_bits=14)
     page = Elements(export(asked, "html", Options(methods=("newton", "table"))).content.decode())
     assert not [attributes for _, attributes in page.tags if "src" in attributes or "href" in attributes]

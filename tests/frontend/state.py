@@ -31,7 +31,7 @@ def after(modules: Modules, steps: list[list[object]], look: str) -> object:
     """Return what is seen of the state after commands, each with its arguments."""
     script = f"""async ([design, steps]) => {{ {STATE}
         const {{COMMANDS}} = await import('/app/commands/commands.js');
-        const selectors = await import('/app/selectors.js');
+        const selectors = {{...await import('/app/selectors.js'), ...await import('/app/devices.js')}};
         const end = steps.reduce((now, [name, ...args]) => {{ const [noun, verb] = name.split('.');
             return frozen(COMMANDS[noun][verb](now, ...args)); }}, state);
         return ({look})(end, selectors); }}"""

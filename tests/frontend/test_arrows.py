@@ -68,3 +68,48 @@ def test_what_is_listed_is_listed_once(names: list[str], lists: set[str]) -> Non
         if name in re.sub(r"values: \{[^}]*\}", "", re.sub(r"/\*\*.*?\*/", "", module.read_text(), flags=re.DOTALL))
     }
     assert found == lists
+
+
+PANELS = sorted(folder.name for folder in (FRONTEND / "panels").iterdir())
+MOST_FILES = 3
+"""That a new panel, or a new action of devices, has to touch; of the panel's own folder none counts."""
+
+
+def naming(pattern: str, *endings: str) -> set[str]:
+    """Return the files of the page in which something is named."""
+    files = (path for ending in endings for path in FRONTEND.rglob(f"*.{ending}"))
+    return {str(path.relative_to(FRONTEND)) for path in files if re.search(pattern, path.read_text())}
+
+
+@pytest.mark.parametrize("panel", PANELS)
+def test_a_panel_is_named_by_the_page_and_by_main_alone(panel: str) -> None:
+    named = naming(rf"panels/{panel}/", "js", "html", "css")
+    assert {path for path in named if not path.startswith(f"panels/{panel}/")} == {"index.html", "app/main.js"}
+
+
+@pytest.mark.parametrize(("panel", "has_area"), [("offer", False), ("axes", False), ("tabs", True), ("status", True)])
+def test_a_panel_is_added_in_two_files_or_with_an_area_of_its_own_in_three(panel: str, has_area: bool) -> None:
+    """Small panels, which have no more than the page has to have of any: folder, element, and area."""
+    own = naming(rf"panels/{panel}/|id=\"{panel}\"|part\('{panel}'\)", "js", "html")
+    own |= {path for path in naming(rf"grid-area: {panel};", "css") if path.startswith("ui/")}
+    outside = {path for path in own if not path.startswith(f"panels/{panel}/")}
+    assert outside == {"index.html", "app/main.js", *(["ui/layout.css"] if has_area else [])}
+    assert len(outside) <= MOST_FILES
+
+
+@pytest.mark.parametrize(
+    ("names", "section"),
+    [
+        ("saveTrace|traceFile", "trace_section.js"),
+        ("useSettings", "settings_dialog.js"),
+        ("disconnect", "device.js"),
+        # What goes by one of the calls that are there already needs none of its own.
+        ("setPosition", "jog_section.js"),
+        ("takeOver", "device.js"),
+    ],
+)
+def test_what_devices_do_is_in_three_files(names: str, section: str) -> None:
+    """Its call, its action, its button."""
+    named = naming(rf"\b(?:{names})\b", "js")
+    assert named | {"server/api.js"} == {"server/api.js", "app/effects/device_actions.js", f"panels/device/{section}"}
+    assert len(named) <= MOST_FILES

@@ -4,7 +4,7 @@ import pytest
 
 from designs import document
 from frontend.modules import Modules
-from frontend.state import DEVICE, MACHINE, OTHER, STATE, VIEW, after
+from frontend.state import MACHINE, OTHER, STATE, VIEW, after
 
 
 def test_a_remedy_is_one_step_of_the_axis_that_was_refused(modules: Modules) -> None:
@@ -20,21 +20,6 @@ def test_a_remedy_is_one_step_of_the_axis_that_was_refused(modules: Modules) -> 
     undone = after(modules, [mend, ["work.undo"]], seen)
     assert isinstance(undone, list)
     assert undone[1:] == [1, True, [before, before]]
-
-
-def test_an_axis_that_is_refused_is_marked_while_another_is_in_hand(modules: Modules) -> None:
-    refused = [{"field": "name", "value": 1, "allowed": "a text", "message": "no"}]
-    script = """(state, {refusedAxesOf}) => refusedAxesOf(state)"""
-    asked = f"""async ([design, refused]) => {{ {STATE}
-        const {{curvesRefused, curvesCame}} = await import('/app/commands/answers.js');
-        const {{choose, setName}} = await import('/app/commands/work.js');
-        const see = {script};
-        const selectors = await import('/app/selectors.js');
-        const wrong = curvesRefused(state, refused, state.history.present.axes[0], 5);
-        const away = choose(wrong, 7);
-        const mended = setName(choose(away, 5), 'Another');
-        return [state, wrong, away, mended, curvesCame(away, {{}}, 5)].map((one) => see(one, selectors)); }}"""
-    assert modules.evaluate(asked, [document(), refused]) == [[], [5], [5], [], []]
 
 
 def test_turns_of_the_wheel_minutes_apart_are_taken_back_one_by_one(modules: Modules) -> None:
@@ -80,19 +65,6 @@ def test_a_table_goes_to_the_axis_that_it_was_made_for(modules: Modules) -> None
     assert after(modules, [["work.removeAxis", 7], put], look) == [own]
 
 
-def test_what_a_person_chose_stays_while_less_can_be_chosen(modules: Modules) -> None:
-    axis = {"state": "ready"}
-    two = {**DEVICE, "axes": [axis, axis]}
-    one = {**DEVICE, "axes": [axis], "most_axes": 1}
-    look = "(state, {deviceAxisOf, portOf}) => [deviceAxisOf(state), state.devices.axis, portOf(state)]"
-    chosen = [["device.heard", [two], {}], ["device.chooseAxis", 1]]
-    assert after(modules, chosen, look) == [1, 1, "sim://"]
-    assert after(modules, [*chosen, ["device.heard", [one], {}]], look) == [0, 1, "sim://"]
-    assert after(modules, [*chosen, ["device.heard", [one], {}], ["device.heard", [two], {}]], look) == [1, 1, "sim://"]
-    moved = {**two, "port": "/dev/other"}
-    assert after(modules, [*chosen, ["device.heard", [moved], {}]], look) == [1, 1, "/dev/other"]
-
-
 MEASURED = ["device.showMeasured", {"of": {"axis": None, "design": None}, "move": {"step": [1, 2]}}]
 
 
@@ -112,8 +84,8 @@ def test_an_axis_has_no_answers_of_another(modules: Modules) -> None:
         const {{curvesCame, curvesMissed, curvesRefused}} = await import('/app/commands/answers.js');
         const {{heard, previewCame}} = await import('/app/commands/device.js');
         const {{choose}} = await import('/app/commands/work.js');
-        const {{curvesOf, isDesignValid, messagesOf, previewQuestionOf, shownCurvesOf, situationOf, stalenessOf}} =
-            await import('/app/selectors.js');
+        const {{previewQuestionOf, situationOf}} = await import('/app/devices.js');
+        const {{curvesOf, isDesignValid, messagesOf, shownCurvesOf, stalenessOf}} = await import('/app/selectors.js');
         const device = {{id: '1', port: 'sim://', name: 'S', state: 'ready', axes: [], most_axes: 4, stops: 0}};
         const summary = {{warnings: [{{field: 'ramp.slew_speed_steps_per_s', message: 'slow'}}]}};
         const curves = {{design, profiles: {{[design.method.name]: summary}}, errors: {{}}, failures: {{}}}};
@@ -255,56 +227,6 @@ def test_a_trace_of_another_ramp_is_told_apart(modules: Modules) -> None:
     assert not after(modules, [measured(None)], look)
     changed = [measured(document()), ["work.setValue", "ramp.slew_speed_steps_per_s", 700, "", 1]]
     assert not after(modules, changed, look)
-
-
-def test_a_move_is_of_the_axis_that_was_pushed_there_last(modules: Modules) -> None:
-    pushed = ["device.pushed", "1", {"designs": [document(), OTHER], "ids": [5, 7], "toAxis": 1}]
-    look = "(state, {moveOf}) => [0, 1, 2].map((axis) => moveOf(state, '1', axis).axis)"
-    assert after(modules, [pushed], look) == [None, 5, 7]
-    assert after(modules, [pushed, ["device.pushed", "1", None]], look) == [None, None, None]
-
-
-def test_of_a_device_that_is_not_told_any_more_nothing_is_known(modules: Modules) -> None:
-    known = [
-        ["device.heard", [DEVICE, {**DEVICE, "id": "2"}], {}],
-        *(["device.pushed", name, {"designs": [document()], "ids": [5], "toAxis": 0}] for name in "12"),
-        *(["device.traceCame", name, {"step": [1]}] for name in "12"),
-        ["device.previewCame", {"question": {"id": "1", "axis": 0, "designs": []}, "preview": None, "rejections": []}],
-    ]
-    look = """({devices: {pushed, traces, preview}}) =>
-        [Object.keys(pushed), Object.keys(traces), preview?.question.id ?? null]"""
-    assert after(modules, known, look) == [["1", "2"], ["1", "2"], "1"]
-    assert after(modules, [*known, ["device.heard", [{**DEVICE, "id": "2"}], {}]], look) == [["2"], ["2"], None]
-
-
-def test_a_value_that_is_refused_is_no_change_since_the_push(modules: Modules) -> None:
-    look = "(state, {situationOf}) => situationOf(state).isChanged"
-    pushed = ["device.pushed", "1", {"designs": [document(), document()], "ids": [5, 7], "toAxis": 0}]
-    known = [["device.heard", [DEVICE], {}], pushed]
-    changed = [*known, ["work.setValue", "ramp.slew_speed_steps_per_s", 700, "", 1]]
-    assert after(modules, changed, look)
-    rejection = {"field": "ramp.slew_speed_steps_per_s", "value": 700, "allowed": "less", "message": "no"}
-    assert not after(modules, [*changed, ["answers.curvesRefused", [rejection], document(), 5]], look)
-
-
-def test_a_running_move_lies_over_the_plots_of_its_own_axis_and_a_jog_over_none(modules: Modules) -> None:
-    look = (
-        "(state, {samplesOf, runningMoveOf}) => [samplesOf(state)?.length ?? null, runningMoveOf(state)?.done ?? null]"
-    )
-    axis = {"axis": 0, "state": "moving", "position_steps": 30, "target_steps": 90, "speed_steps_per_s": 5}
-    moving = [{**DEVICE, "state": "moving", "axes": [axis]}]
-
-    def heard(length: int | None) -> list[object]:
-        samples = {"time_s": [0, 1], "position": [0, 30], "speed": [0, 5], "length": length}
-        return ["device.heard", moving, {"1 0": {"samples": samples, "restingPlace": 0}}]
-
-    def pushed(axis_id: int) -> list[object]:
-        return ["device.pushed", "1", {"designs": [document()], "ids": [axis_id], "toAxis": 0}]
-
-    assert after(modules, [heard(90)], look) == [90, 30], "nobody knows which axis' it is"
-    assert after(modules, [heard(90), pushed(5)], look) == [90, 30]
-    assert after(modules, [heard(90), pushed(7)], look) == [None, None]
-    assert after(modules, [heard(None), pushed(5)], look) == [None, 30]
 
 
 def test_a_file_that_can_not_be_read_leaves_the_capture_before_it(modules: Modules) -> None:

@@ -13,7 +13,7 @@ from stepramp.exports.c_table import table_header
 from stepramp.exports.listing import csv, document
 from stepramp.exports.names import identifier_of
 from stepramp.exports.picture import picture_of
-from stepramp.exports.report import report
+from stepramp.exports.zoomable_page import zoomable_page
 from stepramp.methods import REFERENCE
 from stepramp.numerics.numbers import Arithmetic
 from stepramp.ramp.error_curves import ErrorCurves, judged_against, reference_intervals
@@ -27,7 +27,7 @@ class Options:
     name: str | None = None
     """Begin of the names in C and of the file's name; None: made of the design's name."""
     methods: tuple[MethodName, ...] = ()
-    """Methods that reports and pictures compare the design's own with."""
+    """Methods that pages and pictures compare the design's own with."""
     arithmetic: Arithmetic | None = None
     """Of the C code of a formula; None: the design's own for its own method, else the one usual for the formula."""
     segment_bound_ticks: int = 0
@@ -90,7 +90,9 @@ _FORMATS: dict[str, _Format] = {
     ),
     "csv": _Format(".csv", f"text/csv; {TEXT}", lambda design, *_: csv(design)),
     "json": _Format(".json", "application/json", lambda design, *_: document(design)),
-    "html": _Format(".html", f"text/html; {TEXT}", lambda design, _, options: report(design, _moves(design, options))),
+    "html": _Format(
+        ".html", f"text/html; {TEXT}", lambda design, _, options: zoomable_page(design, _moves(design, options))
+    ),
     "svg": _Format(".svg", "image/svg+xml", lambda design, _, options: picture_of(_moves(design, options), "svg")),
     "png": _Format(".png", "image/png", lambda design, _, options: picture_of(_moves(design, options), "png")),
 }

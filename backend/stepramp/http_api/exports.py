@@ -19,7 +19,7 @@ FILE["application/json"] = {"schema": {"type": "object", "description": "The des
 @router.post("/export/{format}", response_class=Response, responses={200: {"description": "The file", "content": FILE}})
 @LONG_PLANNING.serves
 def export_design(format: FormatName, request: ExportPayload) -> Response:
-    """Export a design: a C header of its table, its segments or a formula, a list of steps, a report or a picture."""
+    """Export a design: C of its table, segments or a formula, a list of steps, a page of plots to zoom or a picture."""
     options = Options(request.name, tuple(request.methods), request.arithmetic, request.segment_bound_ticks)
     made = export(request.design, format, options)
     headers = {"content-disposition": f'attachment; filename="{made.file_name}"'}

@@ -4,28 +4,23 @@ Code calls code of other modules and takes constants from them; what is kept of 
 would go on with what the others were before.
 """
 
-import hashlib
 from pathlib import Path
 
 import numpy as np
 from numba import config, njit
 from numpy.typing import NDArray
 
+from stepramp.numerics.code_folder import code_folder, use
+
 PACKAGE = Path(__file__).parents[1]
-SOURCES = ("numerics", "shapes", "methods", "ramp", "capture")
-"""Folders of all that is compiled, and of what it calls and takes its constants from."""
 
+# What somebody names by NUMBA_CACHE_DIR may be others' too: nothing is removed there.
+OWN = PACKAGE / "__pycache__"
 
-def cache_folder(package: Path, parent: Path) -> Path:
-    """Return where machine code made of these sources is kept: their names, sizes and times are in its name."""
-    digest = hashlib.sha256()
-    for source in sorted(path for folder in SOURCES for path in (package / folder).rglob("*.py")):
-        about = source.stat()
-        digest.update(f"{source.relative_to(package)} {about.st_size} {about.st_mtime_ns}\n".encode())
-    return parent / f"stepramp-{digest.hexdigest()[:12]}"
-
-
-config.CACHE_DIR = str(cache_folder(PACKAGE, Path(config.CACHE_DIR or PACKAGE / "__pycache__")))  # type: ignore[attr-defined]
+_folder = code_folder(PACKAGE, Path(config.CACHE_DIR or OWN))  # type: ignore[attr-defined]
+if _folder.parent == OWN:
+    use(_folder)
+config.CACHE_DIR = str(_folder)  # type: ignore[attr-defined]
 
 compiled = njit(cache=True, nogil=True)
 """Decorator: compiles once and keeps the result. Other threads go on meanwhile: a long loop keeps no STOP waiting."""

@@ -2,7 +2,7 @@
 // What the server tells of the devices, and what is chosen among them. Nothing here asks anything of a device.
 
 import { areEqual } from '../../model/equal.js';
-import { deviceOf } from '../selectors.js';
+import { deviceOf } from '../devices.js';
 
 /** @typedef {import('../../model/types.js').Design} Design */
 /** @typedef {import('../../model/types.js').Device} Device */

@@ -7,7 +7,7 @@ import { memory } from '../../documents/memory.js';
 import { pushText } from '../../model/messages.js';
 import { answered, asks, limitsKept, portsCame, previewCame, pushed, refused, showMeasured } from '../commands/device.js';
 import { announce, tell } from '../commands/told.js';
-import { idsToPush, moveOf, previewQuestionOf } from '../selectors.js';
+import { idsToPush, moveOf, previewQuestionOf } from '../devices.js';
 import { pushOf } from './previews.js';
 
 /** @typedef {import('../../model/types.js').Design} Design */

@@ -3,13 +3,14 @@
 
 import { api, UNPROCESSABLE } from '../../server/api.js';
 import { previewCame } from '../commands/device.js';
-import { areSameQuestions, deviceOf, isDesignValid, machineOf, previewQuestionOf } from '../selectors.js';
+import { areSameQuestions, deviceOf, previewQuestionOf } from '../devices.js';
+import { isDesignValid, machineOf } from '../selectors.js';
 import { whenChanged, whenever } from '../state.js';
 import { createQuestion } from './question.js';
 
 /** @typedef {import('../../model/types.js').Design} Design */
 /** @typedef {import('../../model/types.js').Pushed} Pushed */
-/** @typedef {import('../selectors.js').PreviewQuestion} PreviewQuestion */
+/** @typedef {import('../devices.js').PreviewQuestion} PreviewQuestion */
 
 /** A design that is still being changed is not asked about. */
 const STANDS_MS = 250;

@@ -36,6 +36,12 @@ export function createStopping({ state, dispatch, subscribe }, endMotions, hearS
       },
     ),
   );
+  subscribe(
+    whenChanged(
+      (present) => [present.devices.link],
+      (link) => link === 'gone' && outOfReach.leave(devices()),
+    ),
+  );
   return {
     stop() {
       const pressed = stop.press();

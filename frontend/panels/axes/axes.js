@@ -3,7 +3,8 @@
 
 import { showAll } from '../../app/commands/view.js';
 import { addAxis, choose, removeAxis, setTogether } from '../../app/commands/work.js';
-import { areAxesShown, machineOf, refusedAxesOf } from '../../app/selectors.js';
+import { refusedAxesOf } from '../../app/devices.js';
+import { areAxesShown, machineOf } from '../../app/selectors.js';
 import { whenChanged } from '../../app/state.js';
 import { element, icon, segmented } from '../../ui/dom.js';
 import { MOST_AXES } from '../../model/workbench.js';

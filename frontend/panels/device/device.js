@@ -2,7 +2,7 @@
 // The device: which one, what it does, and in sections what can be done with it.
 
 import { chooseAxis, chooseFamily, choosePort, chooseSection, refused as refuse, setTracing } from '../../app/commands/device.js';
-import { axesOffered, deviceAxisOf, deviceOf, portChoicesOf, portOf, situationOf } from '../../app/selectors.js';
+import { axesOffered, deviceAxisOf, deviceOf, portChoicesOf, portOf, situationOf } from '../../app/devices.js';
 import { whenChanged, whenever } from '../../app/state.js';
 import { memory } from '../../documents/memory.js';
 import { closeButton, element, icon, messageLine, picker, segmented, showText } from '../../ui/dom.js';
@@ -86,15 +86,15 @@ export function createDevice(root, dispatch, act) {
   /** @type {Record<SectionName, Section>} */
   const sections = {
     push: createPushSection({
+      ...act,
       push(present, mode) {
         const situation = state && situationOf(state);
         if (state && situation) act.push(present, situation.toPush, deviceAxisOf(state), mode);
       },
-      store: act.store,
     }, dispatch),
-    move: createMoveSection(act.go),
+    move: createMoveSection(act),
     jog: createJogSection(act.jog, { ...act, refuse: (rejections) => dispatch(refuse, rejections) }),
-    trace: createTraceSection((wanted) => dispatch(setTracing, wanted), () => withDevice(act.saveTrace)),
+    trace: createTraceSection((wanted) => dispatch(setTracing, wanted), act),
   };
   const tabs = segmented('Work with the device', SECTIONS, (name) => dispatch(chooseSection, name));
   tabs.element.classList.add('fill', 'grow');

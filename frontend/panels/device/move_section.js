@@ -20,8 +20,8 @@ const MOST_AXES = 4;
 const NOTHING = /(?!)/;
 const BUTTONS = { by: 'Move', to: 'Move', back: 'Start', line: 'Move' };
 
-/** @param {(device: Device, axis: number, what: 'move' | 'line' | 'there_and_back', body: unknown) => void} go */
-export function createMoveSection(go) {
+/** @param {{go: (device: Device, axis: number, what: 'move' | 'line' | 'there_and_back', body: unknown) => void}} act */
+export function createMoveSection({ go }) {
   /** @type {Kind} */
   let kind = 'by';
   /** @type {Context | null} */

@@ -5,10 +5,13 @@ import { element } from '../../ui/dom.js';
 import { formatFigures, formatFixed } from '../../model/numbers.js';
 import { can } from './section.js';
 
+/** @typedef {import('../../model/types.js').Device} Device */
 /** @typedef {import('./section.js').Context} Context */
 
-/** @param {(wanted: boolean) => void} onTrace @param {() => void} onSave */
-export function createTraceSection(onTrace, onSave) {
+/** @param {(wanted: boolean) => void} onTrace @param {{saveTrace: (device: Device) => void}} act */
+export function createTraceSection(onTrace, act) {
+  /** @type {Device | null} */
+  let device = null;
   const box = element('input', { type: 'checkbox', id: 'trace', onchange: () => onTrace(box.checked) });
   const figures = element('dl', { className: 'trace-figures', id: 'trace-figures' });
   const note = element('p', { className: 'reason', id: 'trace-note' });
@@ -18,7 +21,7 @@ export function createTraceSection(onTrace, onSave) {
     type: 'button',
     textContent: 'Save as CSV',
     title: 'When each step was made, as logic analysers save it: it can be opened here, too',
-    onclick: onSave,
+    onclick: () => device && act.saveTrace(device),
   });
 
   /** @param {import('../../model/types.js').Trace} trace */
@@ -47,6 +50,7 @@ export function createTraceSection(onTrace, onSave) {
     ),
     /** @param {Context} context */
     show({ known, situation }) {
+      device = known;
       box.disabled = !can(known, 'trace');
       box.checked = situation.isTracing && !box.disabled;
       const { trace } = situation;

@@ -4,6 +4,7 @@
 import { removeCapture, showCapture } from '../../app/commands/capture.js';
 import { look as lookOtherwise, read as tellReading, selectRow, switchMethod, wantPoints, zoomTo } from '../../app/commands/view.js';
 import { pin, setTable, unpin } from '../../app/commands/work.js';
+import { runningMoveOf, samplesOf } from '../../app/devices.js';
 import {
   areAxesShown,
   axisMovesOf,
@@ -13,8 +14,6 @@ import {
   isSliding,
   measuredOf,
   pinnedOf,
-  runningMoveOf,
-  samplesOf,
   shownCaptureOf,
   shownCurvesOf,
   stalenessOf,

@@ -1,4 +1,4 @@
-"""A design as one HTML file that opens offline: its numbers, warnings and plots."""
+"""A design as one HTML page that opens offline: its numbers, warnings, and plots to zoom."""
 
 from collections.abc import Iterable, Sequence
 from html import escape
@@ -17,14 +17,14 @@ METHOD_COLUMNS = (
 )  # fmt: skip
 
 
-def report(design: Design, moves: Sequence[ErrorCurves]) -> str:
-    """Return the report of a design; moves: by its own method first, then by those that it is compared with."""
+def zoomable_page(design: Design, moves: Sequence[ErrorCurves]) -> str:
+    """Return the page of a design; moves: by its own method first, then by those that it is compared with."""
     # Plotly loads slowly; figure.py waits with it too.
     figure = figure_of(moves)
     plots = figure.to_html(
         full_html=False, include_plotlyjs=True, div_id="plots", config={"displaylogo": False, "responsive": True}
     )
-    template = Template((files("stepramp.exports") / "templates" / "report.html").read_text(encoding="utf-8"))
+    template = Template((files("stepramp.exports") / "templates" / "zoomable_page.html").read_text(encoding="utf-8"))
     return template.substitute(
         title=escape(design.name or "Ramp"),
         version=__version__,

@@ -1,0 +1,259 @@
+// @ts-check
+// What follows from the state of devices: the one in view, what a push of it would send, and what of them moves.
+
+import { isEndless } from '../devices/traces.js';
+import { areSameRamps } from '../model/design.js';
+import { areEqual } from '../model/equal.js';
+import { pushRefusals } from '../model/messages.js';
+import { PAGE } from '../server/api.js';
+import { axisOf, curvesOf, isDesignValid, machineOf, stalenessOf } from './selectors.js';
+import { remembering } from './state.js';
+
+/** @typedef {import('../model/types.js').Design} Design */
+/** @typedef {import('../model/types.js').Device} Device */
+/** @typedef {import('./state.js').State} State */
+
+/** The ports that can be chosen, with those of devices that are not listed any more.
+ * @param {State} state @returns {[string, string][]} */
+export function portChoicesOf({ devices: { ports, list } }) {
+  const gone = list.filter((one) => !ports.some((known) => known.port === one.port));
+  return [
+    ...ports.map((known) => /** @type {[string, string]} */ ([known.port, known.name])),
+    ...gone.map((one) => /** @type {[string, string]} */ ([one.port, `${one.name} (${one.port})`])),
+  ];
+}
+
+/** The port in view. Until a person chooses, a device that is connected already comes first: a reload finds it again.
+ * @param {State} state */
+export function portOf(state) {
+  const { list, port, id } = state.devices;
+  const followed = list.find((one) => one.id === id);
+  if (followed) return followed.port;
+  const choices = portChoicesOf(state);
+  if (port !== null && choices.some(([value]) => value === port)) return port;
+  return list[0]?.port ?? choices[0]?.[0] ?? '';
+}
+
+/** The device in view; null: none is connected there.
+ * @param {State} state @returns {Device | null} */
+export function deviceOf(state) {
+  const { list, id } = state.devices;
+  const port = portOf(state);
+  return list.find((one) => one.id === id) ?? list.find((one) => one.port === port) ?? null;
+}
+
+/** How many axes of the device can be chosen: while a single design is pushed, one more than there are, as the next axis
+ * may be given a ramp.
+ * @param {State} state */
+export function axesOffered(state) {
+  const device = deviceOf(state);
+  const count = device === null || device.state === 'lost' ? 0 : device.axes.length;
+  const isGiving =
+    state.devices.section === 'push' &&
+    designsToPush(state).length === 1 &&
+    device?.ramp &&
+    count > 0 &&
+    count < (device.most_axes ?? 0);
+  return Math.max(1, isGiving ? count + 1 : count);
+}
+
+/** The axis of the device that is worked with.
+ * @param {State} state */
+export const deviceAxisOf = (state) => (state.devices.axis < axesOffered(state) ? state.devices.axis : 0);
+
+/** The designs that a push sends: of more than the device can have axes only the one in hand.
+ * @param {State} state @returns {Design[]} */
+export function designsToPush(state) {
+  const machine = machineOf(state);
+  const most = deviceOf(state)?.most_axes ?? Infinity;
+  return machine === null ? [] : toPush(machine.axes, machine.active, most);
+}
+
+const toPush = remembering(
+  (/** @type {Design[]} */ axes, /** @type {number} */ active, /** @type {number} */ most) =>
+    axes.length > most ? [axes[active]] : axes,
+);
+
+/** What decides what a push would change.
+ * ids: of the axes whose designs they are.
+ * @typedef {{id: string, state: unknown[], axis: number, designs: Design[], ids: number[]}} PreviewQuestion */
+
+/** What is to be asked of the device about a push; null: nothing can be now.
+ * @param {State} state @returns {PreviewQuestion | null} */
+export const previewQuestionOf = (state) => (isDesignValid(state) ? pushQuestionOf(state) : null);
+
+/** The same whether the design in hand is sound or not.
+ * @param {State} state @returns {PreviewQuestion | null} */
+function pushQuestionOf(state) {
+  const device = deviceOf(state);
+  if (state.devices.link !== 'there' || device?.state !== 'ready') return null;
+  const { id, ramp, on_trial, timer_hz, in_control } = device;
+  const designs = designsToPush(state);
+  return { id, state: [ramp, on_trial, timer_hz, in_control], axis: deviceAxisOf(state), designs, ids: idsToPush(state) };
+}
+
+/** The ids of the axes whose designs a push sends.
+ * @param {State} state @returns {number[]} */
+export function idsToPush(state) {
+  const machine = machineOf(state);
+  if (machine === null) return [];
+  return designsToPush(state).length === machine.ids.length ? machine.ids : [machine.ids[machine.active]];
+}
+
+/** @type {import('../model/types.js').PushRefusal[]} */
+const NO_REFUSALS = [];
+
+/** Why a push is refused, each with the axis of the page that is to blame. */
+const refusals = remembering((/** @type {import('./state.js').Preview} */ { question, rejections }) =>
+  pushRefusals(rejections).map(({ axis, ...refusal }) => ({ ...refusal, axis: axis === null ? null : question.ids[axis] })),
+);
+
+/** The axes that are refused, be it by themselves or by the device, by their ids.
+ * @param {State} state @returns {number[]} */
+export const refusedAxesOf = (state) =>
+  refusedAxes(machineOf(state), state.answers.refused, situationOf(state)?.refusals ?? NO_REFUSALS);
+
+const refusedAxes = remembering(
+  (
+    /** @type {import('../model/workbench.js').Machine | null} */ machine,
+    /** @type {Record<number, Design>} */ refused,
+    /** @type {import('../model/types.js').PushRefusal[]} */ ofPush,
+  ) => (machine?.ids ?? []).filter((id, at) => refused[id] === machine?.axes[at] || ofPush.some(({ axis }) => axis === id)),
+);
+
+/** @param {PreviewQuestion} one @param {PreviewQuestion} other */
+export function areSameQuestions(one, other) {
+  return (
+    one.id === other.id &&
+    one.axis === other.axis &&
+    areEqual([one.state, one.ids], [other.state, other.ids]) &&
+    areSameRamps(one.designs, other.designs)
+  );
+}
+
+/** What decides which of the device's buttons can be used; null until there is a design.
+ * @param {State} state */
+export const situationOf = (state) => {
+  const machine = machineOf(state);
+  return machine && situation(state.devices, machine, state.units, isDesignValid(state), stalenessOf(state), state);
+};
+
+/** @param {import('./state.js').Devices} devices @param {import('../model/workbench.js').Machine} machine
+ * @param {import('../model/units.js').Units} units @param {boolean} isValid
+ * @param {import('../model/types.js').Staleness} staleness @param {State} state
+ * @returns {import('../model/types.js').Situation} */
+function makeSituation(devices, machine, units, isValid, staleness, state) {
+  const isAwaited = staleness === 'awaited';
+  const device = deviceOf(state);
+  const pushing = designsToPush(state);
+  const last = device ? devices.pushed[device.id]?.designs : undefined;
+  // What is known of these designs stays in view while an answer is awaited.
+  const question = isValid || isAwaited ? pushQuestionOf(state) : null;
+  const { preview } = devices;
+  const would = question && preview && areSameQuestions(preview.question, question) ? preview : null;
+  return {
+    isDesignValid: isValid,
+    isAwaited,
+    designs: machine.axes,
+    ids: machine.ids,
+    active: machine.active,
+    units,
+    toPush: pushing,
+    link: devices.link,
+    age: device ? (devices.ages[device.id] ?? null) : null,
+    isBusy: devices.asking !== null,
+    isPushing: devices.asking === 'push',
+    // What is refused is no change yet.
+    isChanged: last !== undefined && staleness !== 'refused' && !areSameRamps(last, pushing),
+    isOthers: device !== null && device.in_control !== null && device.in_control !== PAGE,
+    isTracing: devices.isTracing,
+    preview: would?.preview ?? null,
+    refusals: would ? refusals(would) : NO_REFUSALS,
+    lastPushed: last ?? null,
+    trace: device ? (devices.traces[device.id] ?? null) : null,
+  };
+}
+
+/** Anew only when one of the first five is another: the rest of the state has no say in it.
+ * @type {typeof makeSituation} */
+const situation = (() => {
+  /** @type {{of: unknown[], made: import('../model/types.js').Situation} | null} */
+  let last = null;
+  return (devices, machine, units, isValid, staleness, state) => {
+    const of = [devices, machine, units, isValid, staleness];
+    if (last === null || of.some((one, index) => one !== last?.of[index])) {
+      last = { of, made: makeSituation(devices, machine, units, isValid, staleness, state) };
+    }
+    return last.made;
+  };
+})();
+
+/** The device that the head of the page tells of: what moves, be it the one in view or another.
+ * @param {State} state */
+export function toldDeviceOf(state) {
+  return state.devices.list.find(({ state: does }) => does === 'moving' || does === 'stopping') ?? deviceOf(state);
+}
+
+/** How old what is known of that device is [whole s]; null: it is new.
+ * @param {State} state */
+export function toldAgeOf(state) {
+  const device = toldDeviceOf(state);
+  return device && (state.devices.ages[device.id] ?? null);
+}
+
+/** What a move of a device's axis is of.
+ * @param {State} state @param {string} id of the device @param {number} axis of it @returns {import('./state.js').MoveOf} */
+export function moveOf(state, id, axis) {
+  const last = state.devices.pushed[id];
+  const design = last?.designs[axis - last.toAxis] ?? null;
+  return { axis: design && last.ids[axis - last.toAxis], design };
+}
+
+/** @typedef {{done: number, remaining: number, speed: number, isOld: boolean}} RunningMove  in steps since its start and to
+ *   its end; isOld: it was so when it was last heard of */
+
+/** Whether what the axis that is worked with does belongs over the plots: not when it was given another axis' ramp.
+ * @param {State} state @param {string} id of the device */
+function isOfAxisInHand(state, id) {
+  const { axis } = moveOf(state, id, deviceAxisOf(state));
+  return axis === null || axis === axisOf(state);
+}
+
+/** The move that runs, counted from its start and its end; null when nothing runs.
+ * @param {State} state @returns {RunningMove | null} */
+export function runningMoveOf(state) {
+  const device = toldDeviceOf(state);
+  if (device !== null && !isOfAxisInHand(state, device.id)) return null;
+  const axis = deviceAxisOf(state);
+  const one = device?.axes[axis];
+  if (!device || !one || (one.state !== 'moving' && one.state !== 'stopping')) return null;
+  const isOld = state.devices.link !== 'there' || toldAgeOf(state) !== null;
+  const start = state.devices.runs[runKey(device.id, axis)]?.restingPlace;
+  return runningMove(one, start, Math.abs(Number(curvesOf(state)?.design.move.steps ?? 0)), isOld);
+}
+
+const runningMove = remembering(
+  (
+    /** @type {import('../model/types.js').AxisState} */ one,
+    /** @type {number | undefined} */ start,
+    /** @type {number} */ planned,
+    /** @type {boolean} */ isOld,
+  ) => {
+    const remaining = isEndless(one) ? Infinity : Math.abs(one.target_steps - one.position_steps);
+    const done = start === undefined ? Math.max(0, planned - remaining) : Math.abs(one.position_steps - start);
+    return { done, remaining, speed: one.speed_steps_per_s, isOld };
+  },
+);
+
+/** What is known of the running or last move of the axis that is worked with; null also of what had no end to go to, as
+ * a jog: no plan is like it.
+ * @param {State} state */
+export function samplesOf(state) {
+  const device = toldDeviceOf(state);
+  if (device === null || !isOfAxisInHand(state, device.id)) return null;
+  const samples = state.devices.runs[runKey(device.id, deviceAxisOf(state))]?.samples ?? null;
+  return samples?.length === null ? null : samples;
+}
+
+/** @param {string} id @param {number} axis */
+const runKey = (id, axis) => `${id} ${axis}`;
