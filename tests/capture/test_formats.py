@@ -328,6 +328,12 @@ def test_what_sigrok_writes(output: str, rate_hz: int) -> None:
         assert max(map(abs, apart)) <= recording.tick_s / 2
 
 
+def test_a_session_of_too_many_parts(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sigrok_session, "MOST_FILES", 2)
+    with pytest.raises(Rejected, match=r"^The file is a \.sr file of 3 parts; allowed: up to 2: capture less time\."):
+        read_file(zipped(SR))
+
+
 def test_without_sigrok_cli(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(shutil, "which", lambda _: None)
     with pytest.raises(

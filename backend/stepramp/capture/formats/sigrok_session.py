@@ -50,7 +50,9 @@ def _look_into(content: bytes) -> None:
             if "meta.json" in parts and "metadata" not in parts:
                 allowed = "its digital data as CSV: in Logic 2, File, Export Data"
                 raise refused_file("a capture of Saleae Logic 2 (.sal)", allowed)
-            if len(parts) > MOST_FILES or sum(parts.values()) > MOST_UNPACKED_BYTES:
+            if len(parts) > MOST_FILES:
+                raise refused_file(f"a .sr file of {len(parts):,} parts", f"up to {MOST_FILES:,}: capture less time")
+            if sum(parts.values()) > MOST_UNPACKED_BYTES:
                 size = f"a .sr file that has {sum(parts.values()):,} bytes when it is unpacked"
                 raise refused_file(size, f"up to {MOST_UNPACKED_BYTES:,} bytes: capture less time, or more slowly")
             missing = [each for each in ("version", "metadata") if each not in parts]
