@@ -173,6 +173,7 @@
 /** A captured move laid over the planned one.
  * @typedef {object} Deviation
  * @property {number} planned_steps
+ * @property {number} planned_duration_s         from the first planned step to the last
  * @property {number} matched_steps
  * @property {{largest_us: number, largest_at_step: number, mean_us: number, rms_us: number, clock_ppm: number}} figures
  * @property {MarkedSteps} missing               planned steps that were not made

@@ -2,7 +2,7 @@
 // A captured move over the axis of the plots: its steps where the plan has them, and marks where something is wrong.
 
 import { activeProfile, along, interpolate, measuredOver, unitsOf } from './curves.js';
-import { formatFigures } from '../model/numbers.js';
+import { formatFigures, formatFixed } from '../model/numbers.js';
 import { shownValue } from '../model/units.js';
 
 /** @typedef {import('../model/types.js').Answer} Answer */
@@ -15,13 +15,23 @@ import { shownValue } from '../model/units.js';
 /** @typedef {import('./frame.js').Measured & {isStale: boolean, marks: Record<MarkName, Marks>}} CapturedCurve */
 
 const NOISE_US = 0.001;
-/** The signs of what is marked, as Plotly calls them and as they are written.
- * @type {Record<MarkName, {symbol: string, sign: string, word: string}>} */
+/** More of them are marked in the plots. */
+const MOST_NAMED = 5;
+/** The signs of what is marked, as Plotly calls them and as they are written; and among which steps those are counted.
+ * @type {Record<MarkName, {symbol: string, sign: string, word: string, among: string}>} */
 export const MARKS = {
-  missing: { symbol: 'x-thin-open', sign: '×', word: 'missing' },
-  extra: { symbol: 'cross-thin-open', sign: '+', word: 'extra' },
-  short: { symbol: 'triangle-down', sign: '▼', word: 'too short' },
+  missing: { symbol: 'x-thin-open', sign: '×', word: 'missing', among: 'planned' },
+  extra: { symbol: 'cross-thin-open', sign: '+', word: 'extra', among: 'measured' },
+  short: { symbol: 'triangle-down', sign: '▼', word: 'too short', among: 'measured' },
 };
+
+/** Which steps are marked: the first few by their numbers, among the planned or the measured ones.
+ * @param {MarkName} mark @param {MarkedSteps} marked */
+export function markedStepsText(mark, { count, step }) {
+  const named = step.slice(0, MOST_NAMED).map((one) => formatFixed(one));
+  const more = count > named.length ? ' …' : '';
+  return `${MARKS[mark].among} step${count === 1 ? '' : 's'} ${named.join(', ')}${more}`;
+}
 
 /** How much later than planned, in words. No analyser tells parts of a nanosecond: that is the noise of arithmetic.
  * @param {number} us */

@@ -56,19 +56,20 @@ def test_a_dropped_capture_is_laid_over_the_plots_and_follows_the_design(
     changes = [*pulses([*long, planned[249] + 400], 5), *pulses([planned[40], planned[41]], 1), (1000, 1, 1)]
     drop_file(page, "try 1.csv", saleae_csv(changes, NAMES))
     expect(figure(page, "Steps")).to_have_text("500; planned 500")
-    expect(figure(page, "Missing")).to_have_text("1: step 101")
-    expect(figure(page, "Extra")).to_have_text("1: step 250")
+    expect(figure(page, "Missing")).to_have_text("1: planned step 101")
+    expect(figure(page, "Extra")).to_have_text("1: measured step 250")
+    expect(figure(page, "From first to last")).to_have_text(re.compile(r"^([\d.]+ s); planned \1$"))
     expect(page.locator("#capture-step")).to_have_value("Step")
     expect(page.locator("#capture-direction")).to_have_value("Dir")
 
     shortest = page.locator("#capture-shortest")
     shortest.fill("2")
     shortest.press("Enter")
-    expect(figure(page, "Too short")).to_have_text("2: steps 41, 42")
+    expect(figure(page, "Too short")).to_have_text("2: measured steps 41, 42")
     shortest.fill("short")
     shortest.press("Enter")
     expect(page.locator("#capture-shortest-message")).to_contain_text("Shortest pulse is 'short'; allowed: ")
-    expect(figure(page, "Too short")).to_have_text("2: steps 41, 42")
+    expect(figure(page, "Too short")).to_have_text("2: measured steps 41, 42")
     shortest.fill("")
     shortest.press("Enter")
     expect(figure(page, "Too short")).to_have_count(0)
@@ -80,7 +81,9 @@ def test_a_dropped_capture_is_laid_over_the_plots_and_follows_the_design(
     page.keyboard.press("Escape")
     chip = page.locator("#capture-chip")
     expect(chip).to_contain_text("× 1")
-    expect(chip).to_have_attribute("title", "What a logic analyser measured: 1 missing, 1 extra")
+    expect(chip).to_have_attribute(
+        "title", "What a logic analyser measured: 1 missing (planned step 101), 1 extra (measured step 250)"
+    )
     page.locator('#third-choice [data-value="deviation"]').click()
     until(lambda: "capture-deviation" in stepramp.curves())
     curves = stepramp.curves()
@@ -114,7 +117,10 @@ def test_files_are_taken_for_what_they_are(stepramp: StepRampPage, module_watch:
     expect(page.locator("#paste-dialog")).to_be_visible()
     page.keyboard.press("Escape")
     drop_file(page, "broken.csv", "Time [s],Step\n0.1,0\n0.05,1\n0.2,0\n")
-    expect(page.locator("#capture-problems")).to_contain_text("times that never go back")
+    expect(page.locator("#capture-problems")).to_contain_text(
+        "Line 3 of the file has the time '0.05'; allowed: at least"
+    )
+    expect(page.locator("#capture-close")).to_have_text("Close")
     # As PulseView saves it: written by sigrok-cli itself, opened by the button that opens designs.
     made = pulses([each // 10 for each in planned_us(stepramp)], 2)
     session = tmp_path / "measured.sr"
@@ -143,5 +149,5 @@ def test_a_trace_is_saved_and_opened_as_a_capture(stepramp: StepRampPage, tmp_pa
     page.locator("#open-capture").click()
     choose(page, "#capture-open", saved)
     expect(figure(page, "Steps")).to_have_text("500; planned 500")
-    expect(figure(page, "Largest deviation")).to_contain_text("0 µs, at step")
+    expect(figure(page, "Largest deviation")).to_contain_text("0 µs, at measured step")
     expect(figure(page, "Missing")).to_have_text("none")

@@ -22,6 +22,7 @@ ELEMENTS = """
             addEventListener(name, act) { heard[name] = act; },
             append(...more) { this.children.push(...more); }, replaceChildren(...more) { this.children = more; },
             setAttribute(name, value) { this[name] = value; }, getAttribute(name) { return this[name] ?? null; },
+            removeAttribute(name) { delete this[name]; },
             querySelectorAll: () => [], querySelector: () => made('input'), focus() {}, select() {},
             show() { this.open = true; }, close() { this.open = false; heard.close?.(); }};
         return new Proxy(plain, {has: () => true}); };
@@ -144,6 +145,79 @@ def test_where_rows_come_from_is_forgotten_with_them(modules: Modules) -> None:
         return [...tables.map((one) => origins.staleWish({...steeper, table: one})), origins.staleWish(typed)]
             .map((wish) => wish !== null); }"""
     assert modules.evaluate(script, document()) == [True, True, False, False]
+
+
+CAPTURE = """
+    const {createCapture} = await import('/panels/capture/capture.js');
+    const {createStore, FIRST_STATE} = await import('/app/state.js');
+    const {COMMANDS: {work, capture}} = await import('/app/commands/commands.js');
+    const store = createStore(FIRST_STATE, (error) => { throw error; });
+    const panel = createCapture(store.dispatch, {openCaptureFile() {}, cancel() {}});
+    store.subscribe(panel.show);
+    store.dispatch(work.begin, {axes: [design], together: 'independent', ids: [0], active: 0, kept: null});
+    const open = (name) => store.dispatch(capture.openCapture, {name, size: 10});
+    const moves = [{move: 1, steps: 3, begin_s: 2, duration_s: 0.5, direction_level: 1},
+        {move: 2, steps: 3, begin_s: 9, duration_s: 0.5, direction_level: 0},
+        {move: 3, steps: 3, begin_s: 12, duration_s: 0.5, direction_level: null}];
+    const deviation = {planned_steps: 4, planned_duration_s: 0.75, matched_steps: 2, planned_step: [], deviation_us: [],
+        figures: {largest_us: 7, largest_at_step: 2, mean_us: 1, rms_us: 2, clock_ppm: 0},
+        missing: {count: 1, step: [4], time_s: [0.7]}, extra: {count: 7, step: [1, 2, 3, 4, 5, 6, 7], time_s: []}};
+    const answer = (changes) => ({format: 'vcd', channels: [{name: 'Step', edges: 6}], step_channel: 'Step',
+        direction_channel: null, edge: 'rising', sample_rate_hz: null, duration_s: 20, longest_wait_us: 20000,
+        remarks: [], move_count: 3, moves, move: {...moves[0], step: [], time_s: [], interval_us: [],
+        speed_steps_per_s: [], short_pulses: {count: 2, step: [1, 3], time_s: []}, deviation, ...changes}});
+    const figure = (name) => { const [list] = byId('capture-figures').children;
+        return list.children[list.children.findIndex((one) => one.textContent.includes(name)) + 1].textContent; };
+    const came = (changes) => store.dispatch(capture.captureCame, answer(changes), '');
+"""
+
+
+def test_a_captured_move_is_told_in_what_can_be_compared_with_the_plan(modules: Modules) -> None:
+    lasts, alone, numbered, moves = run(
+        modules,
+        f"""{CAPTURE} open('a.vcd'); came({{}});
+        const lasts = figure('From first to last');
+        const numbered = ['Missing', 'Extra', 'Too short', 'Largest deviation'].map(figure);
+        came({{deviation: null}});
+        return [lasts, figure('From first to last'), numbered,
+            byId('capture-move').children.map(({{textContent}}) => textContent).slice(1)];""",
+    )
+    assert (lasts, alone) == ("0.50000 s; planned 0.75000 s", "0.50000 s")
+    assert numbered == [
+        "1: planned step 4",
+        "7: measured steps 1, 2, 3, 4, 5 …",
+        "2: measured steps 1, 3",
+        "7.00 µs, at measured step 2",
+    ]
+    assert [each.split(", ")[1:] for each in moves] == [["direction high"], ["direction low"], []]
+
+
+def test_the_capture_dialog_offers_the_plots_only_where_they_show_something(modules: Modules) -> None:
+    refused = "Line 4 of the file has the time '1'; allowed: at least that of the row before."
+    seen = run(
+        modules,
+        f"""{CAPTURE}
+        const look = () => [byId('capture-close').textContent, byId('capture-kept').hidden,
+            textOf(byId('capture-problems')).trim()];
+        const refused = (field, message) => store.dispatch(capture.captureRefused,
+            [{{field, value: 'what stood there', allowed: 'something else', message}}]);
+        open('broken.csv'); const seen = [look()];
+        refused('file', {refused!r}); seen.push(look());
+        open('whole.csv'); came({{}}); seen.push(look());
+        refused('edge', 'no'); seen.push(look());
+        store.dispatch(capture.captureCame, {{...answer({{}}), move: null}}, ''); seen.push(look());
+        open('broken.csv'); refused('file', 'no'); seen.push(look());
+        return [seen, byId('capture-kept').textContent];""",
+    )
+    looks, kept = seen
+    assert looks[0][:2] == ["Close", True]
+    assert looks[1][:2] == ["Close", True]
+    assert looks[1][2].endswith(refused)
+    assert looks[2] == ["Show the plots", False, ""]
+    assert looks[3][:2] == ["Show the plots", False], "what was found before stays"
+    assert looks[4][:2] == ["Close", True], "no step"
+    assert looks[5][:2] == ["Close", True]
+    assert "keep this one over a reload" in kept
 
 
 def test_a_fault_of_the_page_stays_until_it_is_closed(modules: Modules) -> None:

@@ -65,6 +65,11 @@ def test_a_move_next_to_its_design(client: TestClient) -> None:
     move = answer_of(client, content, design=document(), shortest_pulse_us=5.5, max_points="null")["move"]
     deviation = move["deviation"]
     assert (deviation["planned_steps"], deviation["matched_steps"]) == (2000, 1999)
+    # The last wait is in neither: no capture shows where it ends.
+    assert (move["duration_s"], deviation["planned_duration_s"]) == (
+        pytest.approx((INSTANTS[-1] - INSTANTS[0]) / 1e6),
+        pytest.approx(profile_of(design()).intervals_ticks[:-1].sum() / 2e6),
+    )
     assert (deviation["missing"]["count"], deviation["missing"]["step"]) == (1, [701])
     assert (deviation["extra"]["count"], deviation["extra"]["step"]) == (1, [901])
     assert deviation["planned_step"][899:902] == [901, 0, 902]
@@ -131,7 +136,10 @@ def test_plain_numbers_are_taken(client: TestClient) -> None:
 
 def test_refused_files(client: TestClient) -> None:
     assert refusal(ask(client, b""))["field"] == "file"
-    assert "line 202: 1,?" in refusal(ask(client, b"Time [s],A\n" + b"0,1\n" * 200 + b"1,?\n"))["message"]
+    assert (
+        "Line 202 of the file has the level '?'; allowed: 0, 1"
+        in refusal(ask(client, b"Time [s],A\n" + b"0,1\n" * 200 + b"1,?\n"))["message"]
+    )
     design_text = client.post("/api/v1/capture", content=PLAYED, params={"design": "{"}, headers=TYPE)
     assert refusal(design_text)["field"] == "design"
     twice = client.post("/api/v1/capture", content=PLAYED, params={"design": '{"own": 1, "own": 2}'}, headers=TYPE)

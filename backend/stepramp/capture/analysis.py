@@ -82,7 +82,9 @@ def analysed(recording: Recording, wanted: Wanted, profile: Profile | None) -> A
     moves = moves_of(steps, min(LATEST_TICKS, math.floor(pause_s / recording.tick_s)))
     if not moves.first.size:
         if wanted.move_number is not None:
-            raise Rejected([Rejection("move_number", wanted.move_number, "none: the step channel has no such edge")])
+            raise Rejected(
+                [Rejection("move_number", wanted.move_number, "none, since the step channel has no such edge")]
+            )
         return Analysis(recording, choice, pause_s, steps, moves, None, None)
     number = _number(wanted.move_number, moves, profile)
     move = _measured(recording, steps, moves, number, wanted.shortest_pulse_us)

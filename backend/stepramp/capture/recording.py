@@ -90,8 +90,14 @@ def _count(codes, counts):  # type: ignore[no-untyped-def]  # compiled
 
 
 def refused_file(what: str, allowed: str) -> Rejected:
-    """Return the rejection of a file: what it has, and what is allowed."""
-    return Rejected([Rejection("file", what, allowed)])
+    """Return the rejection of a file: what it is, and what is allowed."""
+    return Rejected([Rejection("file", what, allowed, reason=f"The file is {what}; allowed: {allowed}.")])
+
+
+def refused_line(number: int, what: str, allowed: str) -> Rejected:
+    """Return the rejection of a file for one of its lines, counted from 1: what that has, and what is allowed there."""
+    reason = f"Line {number:,} of the file has {what}; allowed: {allowed}."
+    return Rejected([Rejection("file", f"line {number:,}: {what}", allowed, reason=reason)])
 
 
 def distinct(names: Sequence[str]) -> tuple[str, ...]:

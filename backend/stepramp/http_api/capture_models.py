@@ -111,8 +111,12 @@ class CapturedMoveAnswer(Answer):
     move: int = Field(description="Its number, counted from 1")
     steps: int = Field(description="How many steps it has [steps]")
     begin_s: float = Field(description="Instant of its first step in the file [s]")
-    duration_s: float = Field(description="From its first step to its last [s]")
-    direction_level: Literal[0, 1] | None = Field(description="Level of the direction channel; null without one")
+    duration_s: float = Field(
+        description="From its first step to its last; a profile's duration_s also has the wait after that [s]"
+    )
+    direction_level: Literal[0, 1] | None = Field(
+        description="Level of the direction channel, 0 low, 1 high; null without one"
+    )
 
 
 class MarkedStepsAnswer(Answer):
@@ -124,7 +128,7 @@ class MarkedStepsAnswer(Answer):
 
 
 class ShortPulsesAnswer(MarkedStepsAnswer):
-    """Steps whose pulses are too short."""
+    """Measured steps whose pulses are too short."""
 
     pulse_us: Numbers = Field(description="How long their pulses are [µs]")
 
@@ -146,11 +150,14 @@ class DeviationAnswer(Answer):
     """A measured move laid over the planned one."""
 
     planned_steps: int = Field(description="Length of the planned move [steps]")
+    planned_duration_s: float = Field(description="From the planned move's first step to its last, as duration_s [s]")
     matched_steps: int = Field(description="How many measured steps are planned ones [steps]")
     shift_s: float = Field(description="What was added to the time since the move's first step to align it [s]")
     figures: DeviationFiguresAnswer
-    missing: MarkedStepsAnswer = Field(description="Planned steps that were not made")
-    extra: MarkedStepsAnswer = Field(description="Measured steps that were not planned")
+    missing: MarkedStepsAnswer = Field(description="Planned steps that were not made, by their numbers in the plan")
+    extra: MarkedStepsAnswer = Field(
+        description="Measured steps that were not planned, by their numbers in the capture's move"
+    )
     planned_step: WholeNumbers = Field(description="Of each listed step, which planned one it is; 0: none [steps]")
     deviation_us: NumbersOrNull = Field(description="How much later than planned it was made; null: not planned [µs]")
 
@@ -291,6 +298,7 @@ def _deviation(deviation: Deviation, time_s: NDArray[np.float64], kept: NDArray[
     extra, missing = deviation.extra[:MOST_LISTED], deviation.missing[:MOST_LISTED]
     return DeviationAnswer(
         planned_steps=deviation.planned_s.size,
+        planned_duration_s=float(deviation.planned_s[-1] - deviation.planned_s[0]),
         matched_steps=time_s.size - deviation.extra.size,
         shift_s=deviation.shift_s,
         figures=_figures(deviation.figures),

@@ -2,7 +2,7 @@
 // The dialog of measured steps: the file that a logic analyser wrote, what is taken of it, and what it says of the ramp.
 
 import { removeCapture, showCapture, wishCapture } from '../../app/commands/capture.js';
-import { isCaptureStale } from '../../app/selectors.js';
+import { isCaptureStale, shownCaptureOf } from '../../app/selectors.js';
 import { whenChanged } from '../../app/state.js';
 import { formatBytes } from '../../documents/exports.js';
 import { formatFixed } from '../../model/numbers.js';
@@ -29,6 +29,11 @@ export function createCapture(dispatch, act) {
       'where sigrok-cli is installed. Open a file, or drop it on the page.',
   });
   const file = element('p', { className: 'capture-file', id: 'capture-file' });
+  const kept = element('p', {
+    className: 'muted',
+    id: 'capture-kept',
+    textContent: 'Captures are large: the page doesn’t keep this one over a reload. Open its file again then.',
+  });
   const bar = element('progress', { max: 1, 'aria-label': 'Sending the file' });
   const doing = element('span');
   const cancel = element('button', {
@@ -51,12 +56,13 @@ export function createCapture(dispatch, act) {
     textContent: 'Remove capture',
     onclick: () => dispatch(removeCapture),
   });
-  const close = element('button', { className: 'button primary', type: 'button', textContent: 'Show the plots', onclick: () => dialog.close() });
+  const close = element('button', { className: 'button primary', id: 'capture-close', type: 'button', onclick: () => dialog.close() });
   const foot = dialogFoot(null, remove, open, close);
   const dialog = createDialog(
     { id: 'capture-dialog', title: 'Measured steps' },
     about,
     file,
+    kept,
     progress,
     problems,
     fields.element,
@@ -95,12 +101,14 @@ export function createCapture(dispatch, act) {
     return answer?.remarks.join(' ') ?? '';
   }
 
-  /** @param {Capture | null} capture @param {boolean} isStale */
-  function show(capture, isStale) {
+  /** @param {Capture | null} capture @param {boolean} isStale @param {boolean} isShown whether the plots show it */
+  function show(capture, isStale, isShown) {
     const answer = capture?.answer ?? null;
     about.hidden = capture !== null;
     for (const part of [file, remove, close]) part.hidden = capture === null;
     open.textContent = capture === null ? 'Open a file …' : 'Open another file …';
+    kept.hidden = !isShown;
+    close.textContent = isShown ? 'Show the plots' : 'Close';
     fields.element.hidden = figures.element.hidden = answer === null;
     progress.hidden = note.hidden = true;
     if (capture === null) {
@@ -117,7 +125,10 @@ export function createCapture(dispatch, act) {
   }
 
   const shows = [
-    whenChanged((/** @type {import('../../app/state.js').State} */ state) => [state.capture, isCaptureStale(state)], show),
+    whenChanged(
+      (/** @type {import('../../app/state.js').State} */ state) => [state.capture, isCaptureStale(state), shownCaptureOf(state) !== null],
+      show,
+    ),
     whenChanged(
       ({ isCaptureOpen, capture }) => [isCaptureOpen, capture?.file ?? null],
       (isOpen, present) => {

@@ -84,17 +84,15 @@ export function createCaptureFields(onWish) {
         showMessage(marked, problem, found ? { text: refusalText(found, label), isWarning: false } : undefined);
       }
       const others = refused.filter(({ field }) => answer === null || !fields.some(({ name }) => name === field));
-      return others.map((one) => (one.field === 'file' && one.allowed !== null ? fileText(one) : one.message));
+      return others.map(({ message }) => message);
     },
   };
 }
 
-/** @param {import('../../model/types.js').Rejection} rejection */
-const fileText = ({ value, allowed }) => `The file can’t be read: it is ${value}. It takes ${allowed}.`;
-
 /** @param {import('../../model/types.js').CapturedMove} move */
 function moveText({ move, steps, begin_s, direction_level }) {
-  const direction = direction_level === null ? '' : `, direction ${direction_level}`;
+  // Which way that is, only the wiring knows.
+  const direction = direction_level === null ? '' : `, direction ${direction_level ? 'high' : 'low'}`;
   return `${formatFixed(move)}: ${formatFixed(steps)} steps at ${formatFigures(begin_s)} s${direction}`;
 }
 

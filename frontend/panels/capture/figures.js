@@ -2,14 +2,11 @@
 // What a captured move says in figures, and which of its steps something is wrong with.
 
 import { formatFigures, formatFixed } from '../../model/numbers.js';
-import { deviationText, MARKS } from '../../plotting/captured.js';
+import { deviationText, markedStepsText, MARKS } from '../../plotting/captured.js';
 import { element } from '../../ui/dom.js';
 
 /** @typedef {import('../../model/types.js').Captured} Captured */
 /** @typedef {import('../../model/types.js').MarkedSteps} MarkedSteps */
-
-/** More of them are marked in the plots. */
-const MOST_NAMED = 5;
 
 export function createCaptureFigures() {
   const list = element('dl', { className: 'trace-figures' });
@@ -35,13 +32,15 @@ function rowsOf({ move, move_count }) {
   const { deviation, short_pulses: short } = move;
   /** @type {[string, string, string][]} */
   const rows = [
-    ['Move', `${formatFixed(move.move)} of ${formatFixed(move_count)}, ${formatFigures(move.duration_s, 5)} s`, ''],
-    ['Steps', deviation ? `${formatFixed(move.steps)}; planned ${formatFixed(deviation.planned_steps)}` : formatFixed(move.steps), ''],
+    ['Move', `${formatFixed(move.move)} of ${formatFixed(move_count)}`, ''],
+    ['Steps', nextTo(formatFixed(move.steps), deviation && formatFixed(deviation.planned_steps)), ''],
+    // A plan's duration goes on to the end of the last wait, which no capture shows.
+    ['From first to last', nextTo(secondsText(move.duration_s), deviation && secondsText(deviation.planned_duration_s)), ''],
   ];
   if (deviation) {
     const { largest_us, largest_at_step, mean_us, rms_us, clock_ppm } = deviation.figures;
     rows.push(
-      ['Largest deviation', `${deviationText(largest_us)}${deviationText(largest_us) === '0 µs' ? '' : `, at step ${formatFixed(largest_at_step)}`}`, ''],
+      ['Largest deviation', `${deviationText(largest_us)}${deviationText(largest_us) === '0 µs' ? '' : `, at measured step ${formatFixed(largest_at_step)}`}`, ''],
       ['Mean, root mean square', `${deviationText(mean_us)}, ${deviationText(rms_us)}`, ''],
       ['Clock', clockText(clock_ppm), ''],
       marked('missing', deviation.missing),
@@ -52,12 +51,17 @@ function rowsOf({ move, move_count }) {
   return rows;
 }
 
+/** @param {number} duration_s */
+const secondsText = (duration_s) => `${formatFigures(duration_s, 5)} s`;
+
+/** @param {string} measured @param {string | null} planned */
+const nextTo = (measured, planned) => (planned === null ? measured : `${measured}; planned ${planned}`);
+
 /** @param {keyof typeof MARKS} mark @param {MarkedSteps} steps @returns {[string, string, string]} */
-function marked(mark, { count, step }) {
+function marked(mark, steps) {
   const { sign, word } = MARKS[mark];
-  const named = step.slice(0, MOST_NAMED).map((one) => formatFixed(one));
-  const more = count > named.length ? ' …' : '';
-  const text = count === 0 ? 'none' : `${formatFixed(count)}: step${count === 1 ? '' : 's'} ${named.join(', ')}${more}`;
+  const { count } = steps;
+  const text = count === 0 ? 'none' : `${formatFixed(count)}: ${markedStepsText(mark, steps)}`;
   return [`${sign} ${word.charAt(0).toUpperCase()}${word.slice(1)}`, text, count === 0 ? '' : mark];
 }
 

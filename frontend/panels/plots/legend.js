@@ -2,7 +2,7 @@
 // The legend: one switch a method, with its largest error, and what was measured.
 
 import { element, icon, showText } from '../../ui/dom.js';
-import { deviationText, MARKS } from '../../plotting/captured.js';
+import { deviationText, markedStepsText, MARKS } from '../../plotting/captured.js';
 import { METHODS, REFERENCE } from '../../model/methods.js';
 import { formatFixed, formatSignedPercent } from '../../model/numbers.js';
 import { lineSwatch, methodSwatch } from '../../ui/swatch.js';
@@ -104,10 +104,13 @@ export function createLegend(onSwitch, { onOpen, onRemove }) {
 function captureTexts({ move, isStale }) {
   if (isStale) return ['…', 'held against an earlier design'];
   const { deviation, short_pulses: short } = move;
-  const counts = { missing: deviation?.missing.count ?? 0, extra: deviation?.extra.count ?? 0, short: short?.count ?? 0 };
-  const wrong = Object.entries(counts).flatMap(([mark, count]) => {
-    const { sign, word } = MARKS[/** @type {keyof typeof MARKS} */ (mark)];
-    return count === 0 ? [] : [{ text: `${sign} ${formatFixed(count)}`, words: `${formatFixed(count)} ${word}` }];
+  const all = { missing: deviation?.missing, extra: deviation?.extra, short };
+  const wrong = Object.entries(all).flatMap(([name, steps]) => {
+    const mark = /** @type {keyof typeof MARKS} */ (name);
+    const { sign, word } = MARKS[mark];
+    if (!steps?.count) return [];
+    const count = formatFixed(steps.count);
+    return [{ text: `${sign} ${count}`, words: `${count} ${word} (${markedStepsText(mark, steps)})` }];
   });
   if (wrong.length > 0) return [wrong.map(({ text }) => text).join('  '), wrong.map(({ words }) => words).join(', ')];
   const largest = deviation ? deviationText(deviation.figures.largest_us) : '';

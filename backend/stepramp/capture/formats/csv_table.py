@@ -9,14 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepramp.capture.formats import csv_rows
-from stepramp.capture.formats.text import as_array, line_at
+from stepramp.capture.formats.text import as_array, line_from, line_number
 from stepramp.capture.recording import (
     LATEST_TICKS,
     MOST_CHANNELS,
     UNKNOWN,
     EdgeList,
     refused_file,
+    refused_line,
 )
+from stepramp.errors import shown
 
 COMMENTS = (";", "META ")
 """How lines begin that stand before the rows: sigrok-cli also writes what it was told of its input."""
@@ -40,9 +42,14 @@ class Head:
     rows: tuple[tuple[str, ...], ...]
     """The first rows."""
 
+    @property
+    def width(self) -> int:
+        """How many columns there are."""
+        return len(self.rows[0]) if self.rows else len(self.titles)
+
     def level_columns(self, begin: int) -> list[int]:
         """Return the columns from `begin` on that hold levels in all of the first rows."""
-        columns = range(begin, len(self.rows[0]) if self.rows else len(self.titles))
+        columns = range(begin, self.width)
         return [each for each in columns if all(row[each] in _LEVELS for row in self.rows if each < len(row))]
 
 
@@ -98,9 +105,8 @@ def rows_of(
     Raises Rejected for a row that is none, or too early, and for too many channels or edges.
     """
     if not 1 <= len(levels) <= MOST_CHANNELS:
-        raise refused_file(f"a CSV file of {len(levels)} columns of 0 and 1", f"1 to {MOST_CHANNELS} of them")
-    width = len(head.rows[0]) if head.rows else len(head.titles)
-    channels = np.full(width - has_time, -1, np.int16)
+        _refuse_columns(head, len(levels), has_time)
+    channels = np.full(head.width - has_time, -1, np.int16)
     channels[np.array(levels) - has_time] = np.arange(len(levels))
     state = np.zeros(csv_rows.STATE, np.int64)
     state[csv_rows.POSITION], state[csv_rows.STEP_TICKS] = head.rows_begin, step_ticks
@@ -111,7 +117,7 @@ def rows_of(
     edges.fill(lambda: int(csv_rows.read_rows(data, state, known, first, edges.ticks, edges.codes, *layout)))
     problem = int(state[csv_rows.PROBLEM])
     if problem not in (csv_rows.FINE, csv_rows.CUT_OFF):
-        _refuse_row(content, problem, int(state[csv_rows.POSITION]), LATEST_TICKS // ticks_per_s)
+        _refuse_row(content, head, levels, problem, int(state[csv_rows.POSITION]), LATEST_TICKS // ticks_per_s)
     return Rows(
         first,
         edges.all_ticks(),
@@ -125,15 +131,33 @@ def rows_of(
     )
 
 
-def _refuse_row(content: bytes, problem: int, position: int, latest_s: int) -> NoReturn:
-    allowed = {
-        csv_rows.BAD_TIME: "a time as a number, such as 0.000125, before the levels of a row",
-        csv_rows.BAD_LEVEL: "levels of 0 and 1, or X where one is unknown",
-        csv_rows.BAD_COLUMNS: "as many columns in each row as in the first",
-        csv_rows.BACKWARDS: "times that never go back: at least that of the row before",
-        csv_rows.LATE: f"times from -{latest_s:,} to {latest_s:,} s",
+def _refuse_columns(head: Head, count: int, has_time: bool) -> NoReturn:
+    """Refuse a file of too many columns of levels, or of none: then tell of a row that has something else in them."""
+    what = f"a CSV file with {count} columns of levels"
+    if not count:
+        odd = (row for row in head.rows if any(each not in _LEVELS for each in row[has_time:]))
+        what = f"a CSV file without a column of levels: it has {shown(head.delimiter.join(next(odd, head.titles)))}"
+    raise refused_file(what, f"1 to {MOST_CHANNELS} such columns, of 0 and 1, or X where a level is unknown")
+
+
+def _refuse_row(
+    content: bytes, head: Head, levels: Sequence[int], problem: int, position: int, latest_s: int
+) -> NoReturn:
+    line = line_from(content, position)
+    fields = _fields(line, head.delimiter)
+    level = next((fields[each] for each in levels if each < len(fields) and fields[each] not in _LEVELS), line)
+    time = f"the time {shown(fields[0])}"
+    what, allowed = {
+        csv_rows.BAD_TIME: (time, "a number, such as 0.000125"),
+        csv_rows.BAD_LEVEL: (f"the level {shown(level)}", "0, 1, or X where it is unknown"),
+        csv_rows.BAD_COLUMNS: (
+            f"{line.count(head.delimiter) + 1} columns",
+            f"{head.width}, as the first row has",
+        ),
+        csv_rows.BACKWARDS: (time, "at least that of the row before, since times never go back"),
+        csv_rows.LATE: (time, f"from -{latest_s:,} to {latest_s:,} s"),
     }[problem]
-    raise refused_file(line_at(content, position), allowed)
+    raise refused_line(line_number(content, position), what, allowed)
 
 
 def _delimiter(line: str) -> str:

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from stepramp.capture.formats.csv_table import Head, head_of, rows_of
 from stepramp.capture.recording import CUT, Recording, distinct, refused_file, unknown_remark
+from stepramp.errors import shown
 
 PLACES = 12
 """Instants are kept in picoseconds."""
@@ -47,7 +48,7 @@ def read_saleae_csv(content: bytes) -> Recording:
     head = head_of(content)
     if head.rows and _DATE.match(head.rows[0][0]):
         raise refused_file(
-            f"a CSV file whose times are dates: {head.rows[0][0]}",
+            f"a CSV file whose times are dates, such as {shown(head.rows[0][0])}",
             "times in seconds: export again from Logic 2 without ISO 8601 timestamps",
         )
     match = _TIME.fullmatch(head.titles[0])

@@ -27,7 +27,8 @@ def read_sigrok_csv(content: bytes) -> Recording:
     head = head_of(content)
     if head.titles[:1] == ("samples",):
         raise refused_file(
-            "a CSV file of sigrok whose times count samples that were left out", "export as .sr first, and that as CSV"
+            "a CSV file of sigrok that counts samples in place of times, and leaves some out",
+            "one with times or with all samples: export as .sr first, and that as CSV",
         )
     rate = _sample_rate(head)
     has_time = _has_time(head)
@@ -40,13 +41,16 @@ def read_sigrok_csv(content: bytes) -> Recording:
     rows = rows_of(content, head, levels, has_time, 0, unit or 1, step)
     if has_time and rate and (step == 0 or rows.uneven):
         raise refused_file(
-            f"a samplerate of {float(rate):,.10g} Hz, but times that don't fit it",
-            "times and samplerate as sigrok wrote them: nothing of the file changed",
+            f"a CSV file of sigrok whose times don't fit its samplerate of {float(rate):,.10g} Hz",
+            "times and samplerate as sigrok wrote them, neither of them changed",
         )
     if has_time and rate is None:
         tick_s = Fraction(1, unit or 1)
     elif rate is None:
-        raise refused_file("a CSV file of sigrok without times or samplerate", "export with its header, or with times")
+        raise refused_file(
+            "a CSV file of sigrok without times or samplerate",
+            "one with times, or with its header, which has the samplerate",
+        )
     else:
         tick_s = 1 / rate
     by_step = step or 1
@@ -81,7 +85,9 @@ def _has_time(head: Head) -> bool:
 def _unit_at(rate: Fraction | None) -> int:
     """Return how many of the unit are a second that sigrok takes for times when it doesn't name it."""
     if rate is None:
-        raise refused_file("a CSV file of sigrok with times of an unknown unit", "export with its header")
+        raise refused_file(
+            "a CSV file of sigrok with times of an unknown unit", "one with its header, which has the samplerate"
+        )
     return 1000 if rate <= 1000 else 10**6 if rate <= 10**6 else 10**9
 
 

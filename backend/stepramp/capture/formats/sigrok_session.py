@@ -32,8 +32,8 @@ def read_sigrok_session(content: bytes) -> Recording:
     program = shutil.which(PROGRAM)
     if program is None:
         raise refused_file(
-            "a session of sigrok (.sr)",
-            "such files where sigrok-cli is installed, which it isn't here: install it, or export as CSV or VCD",
+            "a session of sigrok (.sr), which takes sigrok-cli to read, and that isn't installed here",
+            "the same exported as CSV or VCD, or as it is once sigrok-cli is installed",
         )
     with tempfile.TemporaryDirectory(prefix="stepramp-") as folder:
         source = Path(folder) / "capture.sr"
@@ -50,14 +50,21 @@ def _look_into(content: bytes) -> None:
             if "meta.json" in parts and "metadata" not in parts:
                 allowed = "its digital data as CSV: in Logic 2, File, Export Data"
                 raise refused_file("a capture of Saleae Logic 2 (.sal)", allowed)
-            if len(parts) > MOST_FILES or sum(parts.values()) > MOST_UNPACKED_BYTES:
-                size = f"a .sr file of {sum(parts.values()):,} bytes, unpacked"
+            if len(parts) > MOST_FILES:
+                raise refused_file(f"a .sr file of {len(parts):,} parts", f"up to {MOST_FILES:,}: capture less time")
+            if sum(parts.values()) > MOST_UNPACKED_BYTES:
+                size = f"a .sr file that has {sum(parts.values()):,} bytes when it is unpacked"
                 raise refused_file(size, f"up to {MOST_UNPACKED_BYTES:,} bytes: capture less time, or more slowly")
             missing = [each for each in ("version", "metadata") if each not in parts]
             if missing:
-                raise refused_file(f"a zip file without {missing[0]}", whole)
+                raise refused_file(
+                    f"a zip file without {missing[0]!r}, which .sr files have in them",
+                    f"{whole}, or what else is packed so, unpacked",
+                )
             if parts["metadata"] > _PIECE_BYTES:
-                raise refused_file(f"a .sr file with metadata of {parts['metadata']:,} bytes", whole)
+                raise refused_file(
+                    f"a .sr file whose metadata has {parts['metadata']:,} bytes", f"up to {_PIECE_BYTES:,} bytes"
+                )
             metadata = archive.read("metadata").decode("utf-8", "replace")
     except (zipfile.BadZipFile, NotImplementedError, RuntimeError, EOFError, OSError) as error:
         raise refused_file(f"a broken zip file ({error})", whole) from None
@@ -74,7 +81,7 @@ def _look_for_samples(metadata: str, parts: set[str], whole: str) -> None:
         return
     missing = next(number for number in range(1, len(numbers) + 2) if number not in numbers)
     if not numbers or missing <= max(numbers):
-        raise refused_file(f"a .sr file without {name}-{missing}", whole)
+        raise refused_file(f"a .sr file that lacks its part {f'{name}-{missing}'!r}", whole)
 
 
 def _as_vcd(program: str, source: Path) -> bytes:
@@ -99,7 +106,10 @@ def _as_vcd(program: str, source: Path) -> bytes:
             while piece := running.stdout.read(_PIECE_BYTES):
                 written.append(piece)
                 if len(written) * _PIECE_BYTES > MOST_VCD_BYTES:
-                    raise refused_file("a .sr file with too many edges", f"up to {MOST_VCD_BYTES:,} bytes as VCD")
+                    raise refused_file(
+                        f"a .sr file of more than {MOST_VCD_BYTES:,} bytes as VCD",
+                        "up to as many: capture fewer channels, or less time",
+                    )
         finally:
             late.cancel()
             running.kill()
@@ -109,7 +119,12 @@ def _as_vcd(program: str, source: Path) -> bytes:
         said.seek(0)
         complaint = said.read(200).decode("utf-8", "replace").replace(str(source), "the file").strip()
     if was_late.is_set():
-        raise refused_file(f"a .sr file that sigrok-cli reads for over {LONGEST_S:.0f} s", "a shorter capture")
+        raise refused_file(
+            f"a .sr file that takes sigrok-cli more than {LONGEST_S:.0f} s to read", "up to as many: capture less time"
+        )
     if complaint or not written:
-        raise refused_file(f"a .sr file that sigrok-cli can't read ({complaint or 'it says nothing'})", "another one")
+        raise refused_file(
+            f"a .sr file that sigrok-cli can't read ({complaint or 'it says nothing'})",
+            "one that it can read, or the same exported as CSV or VCD",
+        )
     return b"".join(written)

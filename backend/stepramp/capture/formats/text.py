@@ -5,11 +5,10 @@ import codecs
 import numpy as np
 from numpy.typing import NDArray
 
-from stepramp.capture.recording import refused_file
-
 PIECE_BYTES = 2**20
 """So much is decoded at a time: meanwhile no other thread of this process goes on."""
-LONGEST_SHOWN = 60
+LONGEST_LINE_BYTES = 2**16
+"""So much is looked at of a line that is told of."""
 
 _ENCODINGS = ((codecs.BOM_UTF8, "utf-8"), (codecs.BOM_UTF16_LE, "utf-16-le"), (codecs.BOM_UTF16_BE, "utf-16-be"))
 
@@ -40,16 +39,13 @@ def as_array(content: bytes) -> NDArray[np.uint8]:
     return np.frombuffer(content, np.uint8)
 
 
-def line_at(content: bytes, position: int) -> str:
-    """Return the line of a text that begins at a position, with its number, as it stands in a message."""
+def line_number(content: bytes, position: int) -> int:
+    """Return which line of a text a position is in, counted from 1."""
     before = np.frombuffer(content, np.uint8, position)
-    newlines = int(np.count_nonzero(before == ord("\n"))) or int(np.count_nonzero(before == ord("\r")))
-    text = content[position : position + 4 * LONGEST_SHOWN].decode("utf-8", "replace")
-    line = (text.splitlines() or [""])[0][:LONGEST_SHOWN]
-    return f"line {newlines + 1:,}: {line}"
+    return 1 + (int(np.count_nonzero(before == ord("\n"))) or int(np.count_nonzero(before == ord("\r"))))
 
 
-def refuse_bytes(content: bytes) -> None:
-    """Raise Rejected for what is no text at all."""
-    if 0 in content[:4096]:
-        raise refused_file("a binary file of no known kind", "a CSV file of Saleae Logic 2 or sigrok, VCD, or .sr")
+def line_from(content: bytes, position: int) -> str:
+    """Return a line of a text from a position on."""
+    lines = content[position : position + LONGEST_LINE_BYTES].splitlines()
+    return lines[0].decode("utf-8", "replace") if lines else ""

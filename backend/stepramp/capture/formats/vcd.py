@@ -8,7 +8,7 @@ from typing import NoReturn
 import numpy as np
 
 from stepramp.capture.formats import vcd_changes
-from stepramp.capture.formats.text import as_array, line_at
+from stepramp.capture.formats.text import LONGEST_LINE_BYTES, as_array, line_number
 from stepramp.capture.recording import (
     CUT,
     LATEST_TICKS,
@@ -19,8 +19,10 @@ from stepramp.capture.recording import (
     Recording,
     distinct,
     refused_file,
+    refused_line,
     unknown_remark,
 )
+from stepramp.errors import shown
 
 _SECTION = re.compile(rb"\$(\w+)\s(.*?)\s?\$end(?=\s|$)", re.DOTALL)
 _HEAD_ENDS = re.compile(rb"\$enddefinitions\s+\$end")
@@ -55,7 +57,9 @@ def read_vcd(content: bytes, format_name: FormatName = "vcd") -> Recording:
     """
     head = _HEAD_ENDS.search(content, 0, LONGEST_HEAD_BYTES)
     if head is None:
-        raise refused_file("a VCD file that ends within its declarations", "a whole one, with $enddefinitions")
+        raise refused_file(
+            "a VCD file that ends within its declarations", "a whole one, with $enddefinitions $end behind them"
+        )
     sections = _SECTION.findall(content[: head.end()])
     declared = _declared(sections)
     keys = sorted((vcd_changes.key_of(name), channel) for name, channel in declared.channel_of.items())
@@ -69,7 +73,7 @@ def read_vcd(content: bytes, format_name: FormatName = "vcd") -> Recording:
     edges.fill(lambda: int(read(data, state, levels, first, edges.ticks, edges.codes, key, channels)))
     problem = int(state[vcd_changes.PROBLEM])
     if problem not in (vcd_changes.FINE, vcd_changes.CUT_OFF):
-        _refuse_word(content, problem, int(state[vcd_changes.POSITION]))
+        _refuse_word(content, problem, int(state[vcd_changes.POSITION]), int(state[vcd_changes.TICKS]))
     others = ("Vectors and numbers are left out: only wires of one bit are read.",) if declared.has_others else ()
     return Recording(
         format=format_name,
@@ -92,7 +96,8 @@ def _tick_s(sections: list[tuple[bytes, bytes]]) -> Fraction:
     given = next((body for kind, body in sections if kind == b"timescale"), b"").decode("ascii", "replace").strip()
     match = _TIMESCALE.fullmatch(given)
     if match is None or not int(match[1]):
-        raise refused_file(f"a timescale of {given!r}", "a whole number and s, ms, us, ns, ps or fs, such as 100 ns")
+        what = f"a VCD file with the timescale {shown(given)}" if given else "a VCD file without a timescale"
+        raise refused_file(what, "one with a whole number of s, ms, us, ns, ps or fs, such as $timescale 100 ns $end")
     return Fraction(int(match[1]), 10 ** _UNITS[match[2]])
 
 
@@ -103,10 +108,12 @@ def _declared(sections: list[tuple[bytes, bytes]]) -> _Declared:
     for body in [body for kind, body in sections if kind == b"var"][:MOST_DECLARED]:
         words = body.split(None, 3)
         if len(words) < 4:
-            raise refused_file(f"$var {body.decode('utf-8', 'replace')}", "$var, a type, a width, a code and a name")
+            what = f"a VCD file with the declaration {shown('$var ' + body.decode('utf-8', 'replace'))}"
+            raise refused_file(what, "a type, a width, a code and a name behind each $var")
         kind, width, code, name = words
         if len(code) > vcd_changes.MOST_LETTERS:
-            raise refused_file(f"a code of {len(code)} letters", f"codes of up to {vcd_changes.MOST_LETTERS} letters")
+            what = f"a VCD file with the code {shown(code.decode('utf-8', 'replace'))} for a wire"
+            raise refused_file(what, f"codes of up to {vcd_changes.MOST_LETTERS} letters")
         if code in channel_of:
             continue
         if width != b"1" or kind.decode("ascii", "replace") not in _SINGLE:
@@ -116,17 +123,18 @@ def _declared(sections: list[tuple[bytes, bytes]]) -> _Declared:
         channel_of[code] = len(names)
         names.append(name.decode("utf-8", "replace"))
     if not 1 <= len(names) <= MOST_CHANNELS:
-        raise refused_file(f"a VCD file of {len(names):,} wires of one bit", f"1 to {MOST_CHANNELS} of them")
+        what = f"a VCD file with {len(names):,} wires of one bit" if names else "a VCD file without a wire of one bit"
+        raise refused_file(what, f"1 to {MOST_CHANNELS} such wires")
     return _Declared(names, channel_of, has_others)
 
 
-def _refuse_word(content: bytes, problem: int, position: int) -> NoReturn:
-    allowed = {
-        vcd_changes.BAD_WORD: "a time as #125, or a level of 0, 1, x or z",
-        vcd_changes.BAD_TIME: "a time as # and a whole number",
-        vcd_changes.BACKWARDS: "times that never go back: at least the one before",
-        vcd_changes.UNDECLARED: "codes of wires that were declared",
-        vcd_changes.LATE: f"times of at most {LATEST_TICKS:,} ticks",
+def _refuse_word(content: bytes, problem: int, position: int, before_ticks: int) -> NoReturn:
+    word = shown(content[position : position + LONGEST_LINE_BYTES].split(None, 1)[0].decode("utf-8", "replace"))
+    what, allowed = {
+        vcd_changes.BAD_WORD: (word, "a time such as #125, or a level, 0, 1, x or z, before the code of a wire"),
+        vcd_changes.BAD_TIME: (f"the time {word}", "# and a whole number"),
+        vcd_changes.BACKWARDS: (f"the time {word}", f"at least #{before_ticks}, since times never go back"),
+        vcd_changes.UNDECLARED: (word, "codes that a $var has declared"),
+        vcd_changes.LATE: (f"the time {word}", f"at most {LATEST_TICKS:,} ticks"),
     }[problem]
-    begin = max(content.rfind(b"\n", 0, position), content.rfind(b"\r", 0, position)) + 1
-    raise refused_file(line_at(content, begin), allowed)
+    raise refused_line(line_number(content, position), what, allowed)
