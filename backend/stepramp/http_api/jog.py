@@ -6,8 +6,8 @@ from functools import partial
 from fastapi import APIRouter, WebSocket
 
 from stepramp.devices.device import Device
-from stepramp.devices.leases import Lease
-from stepramp.errors import Rejected, Rejection, StepRampError
+from stepramp.devices.leases import JOG_S, Lease
+from stepramp.errors import Refused, Rejected, Rejection, StepRampError
 from stepramp.http_api.device_registry import Registry
 from stepramp.http_api.jog_models import JogPayload
 from stepramp.http_api.lanes import ACTING
@@ -15,6 +15,7 @@ from stepramp.http_api.request_numbers import arrived_at
 from stepramp.http_api.sockets import accept, parsed, received, served, tell_error
 
 ALLOWED = 'a JSON object such as {"do": "hold"}'
+RAN_OUT = f"The jog ended: it was not told to go on for {JOG_S:g} s, and the axis slowed down. Begin it again."
 LONGEST_MESSAGE = 1024
 """Longer ones are refused unread: whoever is held up by them can't renew a lease."""
 
@@ -68,8 +69,10 @@ class _Held:
             task = asyncio.create_task(self._begin(self._lease, request, request_number))
             self._beginning.add(task)
             task.add_done_callback(self._beginning.discard)
-        elif request.do == "hold" and self._lease is not None:
-            self._lease.renew()
+        elif request.do == "hold" and self._lease is not None and not self._lease.renew():
+            # Nobody has let go of it: who holds it has to know why the axis slows down.
+            self._lease = None
+            await tell_error(self._socket, Refused(RAN_OUT))
         elif request.do == "end":
             self.let_go()
 
