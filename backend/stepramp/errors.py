@@ -77,6 +77,8 @@ class Rejection:
     remedies: tuple[Remedy, ...] = ()
     reason: str = ""
     """Why, as a sentence without the field, where more than the value is wrong."""
+    is_null: bool = False
+    """Whether None was given as the value; otherwise None says that there is none."""
 
     @classmethod
     def outside(cls, field: str, value: object, limits: Limits) -> Self:
@@ -94,7 +96,9 @@ class Rejection:
     @property
     def message(self) -> str:
         """The rejection as one sentence."""
-        return self.reason or f"{self.field} is {shown(self.value)}; allowed: {self.allowed}."
+        return (
+            self.reason or f"{self.field} is {'null' if self.is_null else shown(self.value)}; allowed: {self.allowed}."
+        )
 
 
 class Rejected(StepRampError, ValueError):
@@ -168,7 +172,7 @@ def _brief(value: object, depth: int) -> object:
     if isinstance(value, int):
         return value if abs(value) < 2**63 else _cut(hex(value) if value.bit_length() > 14_000 else str(value))
     if isinstance(value, float):
-        return value if math.isfinite(value) else str(value)
+        return value if math.isfinite(value) else _cut(str(value))
     if isinstance(value, list | tuple):
         few = depth > 0 and len(value) <= MOST_TOLD
         return [_brief(each, depth - 1) for each in value] if few else _in_words(value)

@@ -1,10 +1,12 @@
 """JSON from outside: refused where it could be read in two ways, or could not be told back."""
 
 import json
+import math
 import re
 import sys
 from collections import Counter
 from collections.abc import Iterator
+from typing import Self
 
 from stepramp.errors import Rejected, Rejection
 from stepramp.validation import path_in_words
@@ -13,9 +15,25 @@ ONCE = "one value, given once"
 WHOLE_TEXT = "text without halves of surrogate pairs"
 
 _ESCAPED_SURROGATE = re.compile(r"\\u[dD][89a-fA-F]")
+_LARGE_NUMBER = re.compile(r"[eE]\+?\d{3}|\d{200}")
+"""What each number has that is too large for a double: a look for it costs less than a call for each number."""
 _SURROGATE = re.compile("[\ud800-\udfff]")
 
 Place = tuple[str | int, ...]
+
+
+class _NotFinite(float):
+    """A number too large for a double, or a word that is none, which is told as it was written."""
+
+    _written: str
+
+    def __new__(cls, written: str) -> Self:
+        number = super().__new__(cls, written)
+        number._written = written
+        return number
+
+    def __str__(self) -> str:
+        return self._written
 
 
 class _Repeating(dict[str, object]):
@@ -43,7 +61,12 @@ def parsed_json(text: str) -> object:
         return repeating
 
     try:
-        content: object = json.loads(text, object_pairs_hook=named)
+        content: object = json.loads(
+            text,
+            object_pairs_hook=named,
+            parse_float=_number if _LARGE_NUMBER.search(text) else None,
+            parse_constant=_NotFinite,
+        )
     except RecursionError:
         raise ValueError("It is nested too deeply.") from None
     except json.JSONDecodeError:
@@ -57,6 +80,11 @@ def parsed_json(text: str) -> object:
         place, value = half
         raise Rejected([Rejection(path_in_words(place), value, WHOLE_TEXT)])
     return content
+
+
+def _number(written: str) -> float:
+    number = float(written)
+    return number if math.isfinite(number) else _NotFinite(written)
 
 
 def _repeated(content: object) -> Iterator[tuple[Place, list[object]]]:

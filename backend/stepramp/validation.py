@@ -40,17 +40,31 @@ class Document(BaseModel):
 
     @model_validator(mode="before")
     @classmethod
-    def _few_unknown_fields(cls, document: object) -> object:
-        """Leave out unknown fields beyond those that are told: an error for each of 100,000 takes a second."""
-        if not isinstance(document, dict) or len(document) <= len(cls.model_fields) + MOST_TOLD:
+    def _unknown_fields(cls, document: object) -> object:
+        """Have unknown fields say which ones there are; count the many: an error for each of 100,000 takes a second."""
+        if not isinstance(document, dict):
             return document
-        known = {field.alias or name for name, field in cls.model_fields.items()}
-        unknown = [name for name in document if name not in known]
-        told = {name: each for name, each in document.items() if name in known}
-        told |= {name: document[name] for name in unknown[:MOST_TOLD]}
+        fields = {field.alias or name: field for name, field in cls.model_fields.items()}
+        unknown = [name for name in document if name not in fields]
+        if not unknown:
+            return document
+        known = ", ".join(
+            f"{name} (missing)" if field.is_required() and name not in document else name
+            for name, field in fields.items()
+        )
+        told = {name: each for name, each in document.items() if name in fields}
+        told |= {name: _Unknown(document[name], known) for name in unknown[:MOST_TOLD]}
         if len(unknown) > MOST_TOLD:
             told[unknown[MOST_TOLD]] = _Untold(len(unknown) - MOST_TOLD)
         return told
+
+
+@dataclass(frozen=True)
+class _Unknown:
+    """Stands for the value of an unknown field; known: which fields there are, and which of them are missing."""
+
+    value: object
+    known: str
 
 
 @dataclass(frozen=True)
@@ -188,7 +202,12 @@ def _whole(value: object) -> object:
 
 
 def rejected(errors: Sequence[ErrorDetails], skip: int = 0) -> Rejected:
-    """Return pydantic's errors as one Rejected; the first `skip` parts of each location are left out."""
+    """Return pydantic's errors as one Rejected; the first `skip` parts of each location are left out.
+
+    A field that is missing where there is an unknown one is told with that: it may be meant by it.
+    """
+    with_unknown = {error["loc"][:-1] for error in errors if isinstance(error["input"], _Unknown)}
+    errors = [error for error in errors if error["type"] != "missing" or error["loc"][:-1] not in with_unknown]
     untold = (error["input"] for error in errors[MOST_TOLD:])
     more = sum(each.count if isinstance(each, _Untold) else 1 for each in untold)
     return Rejected([_rejection(error, skip) for error in errors[:MOST_TOLD]], more)
@@ -198,6 +217,7 @@ def _rejection(error: ErrorDetails, skip: int) -> Rejection:
     context = error.get("ctx", {})
     path = list(error["loc"][skip:])
     value = context.get("value", error["input"])
+    is_null = value is None and "value" not in context and error["type"] != "missing"
     if "field" in context:
         path.append(str(context["field"]))
     match error["type"]:
@@ -212,12 +232,12 @@ def _rejection(error: ErrorDetails, skip: int) -> Rejection:
         case "missing":
             value, allowed = None, "a value; this field is required"
         case "extra_forbidden":
-            allowed = "nothing; there is no such field"
+            value, allowed = value.value, f"nothing; there is no such field, only {value.known}"
         case "model_type" | "dict_type" | "model_attributes_type":
             allowed = "an object with named fields"
         case _:
             allowed = error["msg"]
-    return Rejection(path_in_words(path), value, allowed, context.get("limits"))
+    return Rejection(path_in_words(path), value, allowed, context.get("limits"), is_null=is_null)
 
 
 def path_in_words(path: Iterable[int | str]) -> str:

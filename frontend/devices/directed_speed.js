@@ -1,15 +1,30 @@
 // @ts-check
 // A speed and the button that says which way: the speed itself has no sign.
 
+import { limitsInUnit } from '../model/limits_text.js';
+
 /** @typedef {import('../model/types.js').Rejection} Rejection */
 
-/** @param {unknown} speed [steps/s], or the text that is none, of which the server says what is wrong with it
+const FIELD = 'speed_steps_per_s';
+const NOTE = 'the slew speed of the axis\u2019 ramp, but not 0: the buttons say which way';
+const ALLOWED = `a number from 0 to ${NOTE}`;
+
+/** @param {unknown} speed [steps/s], or the text that is none
  * @param {1 | -1} direction @returns {{speed: unknown, rejections: Rejection[]}} the speed with its sign */
 export function directedSpeed(speed, direction) {
-  if (typeof speed !== 'number') return { speed, rejections: [] };
-  if (speed >= 0) return { speed: speed * direction, rejections: [] };
-  const limits = { lowest: 0, highest: null, is_whole: false, note: ': the buttons say which way' };
-  const allowed = `at least 0 steps/s${limits.note}`;
-  const field = 'speed_steps_per_s';
-  return { speed, rejections: [{ field, value: speed, allowed, message: `${field} is ${speed}; allowed: ${allowed}.`, limits, unit: 'steps/s' }] };
+  if (typeof speed === 'number' && speed > 0) return { speed: speed * direction, rejections: [] };
+  return { speed, rejections: [{ field: FIELD, value: speed, allowed: ALLOWED, message: `${FIELD} is ${speed}; allowed: ${ALLOWED}.` }] };
+}
+
+/** What the server says of a speed with its sign, said of the speed without: it can be as fast either way.
+ * @param {Rejection} rejection @returns {Rejection} */
+export function ofUndirected(rejection) {
+  const { value, limits } = rejection;
+  // What was refused here is told as it was typed.
+  if (typeof value !== 'number' || rejection.allowed === ALLOWED) return rejection;
+  const speed = Math.abs(value);
+  const isTooFast = limits && limits.highest !== null && limits.lowest === -limits.highest && speed > limits.highest;
+  if (!isTooFast) return { ...rejection, value: speed };
+  const ahead = { ...limits, lowest: 0, note: `, ${NOTE}` };
+  return { ...rejection, value: speed, allowed: limitsInUnit(ahead, 'steps/s', 1), limits: ahead };
 }

@@ -5,6 +5,7 @@
 import { LONGEST_NAME, MOST_ROWS, SHAPES } from '../model/design.js';
 import { METHODS } from '../model/methods.js';
 import { MOST_AXES } from '../model/workbench.js';
+import { repeatedField } from './repeated.js';
 
 /** @typedef {import('../model/types.js').Design} Design */
 /** @typedef {import('../model/workbench.js').Work} Work */
@@ -114,11 +115,17 @@ function parse(source) {
   if (source.length > LONGEST_TEXT) {
     throw new Unreadable(`This is not a StepRamp design: it is longer than ${inWords(LONGEST_TEXT)} characters.`);
   }
+  const text = source.replace(/^\ufeff/, '');
+  /** @type {unknown} */
+  let document;
   try {
-    return JSON.parse(source.replace(/^\ufeff/, ''));
+    document = JSON.parse(text);
   } catch {
     throw new Unreadable('This is not a StepRamp design: it is not JSON, or not all of it.');
   }
+  const field = repeatedField(text);
+  if (field !== null) throw new Unreadable(`The design can\u2019t be read: ${shorten(field)} is given more than once; allowed: once.`);
+  return document;
 }
 
 /** @param {unknown} document @returns {Work} */

@@ -213,7 +213,8 @@
  * @property {number} speed_steps_per_s
  * @property {number} steps_made
  * @property {number | null} lowest_steps   soft limit; null: none
- * @property {number | null} highest_steps */
+ * @property {number | null} highest_steps
+ * @property {boolean} is_beyond_limits     whether it is where they let nothing send it */
 
 /** What is asked for: numbers, or the text that is none; null for no limit.
  * @typedef {{axis: number, lowest_steps: Entry | null, highest_steps: Entry | null}} SoftLimits */

@@ -362,8 +362,12 @@ def test_what_is_refused_stands_at_its_field_in_its_unit(pushed: StepRampPage, w
 
     # 400 steps make one turn of 8 mm, and the ramp goes up to 1,000 steps/s.
     speed = refused("#jog-speed", "21", "#run-ahead")
-    assert speed.startswith("Speed is 21 mm/s (1,050 steps/s); allowed: a number from -20 to 20 mm/s, the slew speed")
-    assert refused("#jog-speed", "abc", "#run-back").startswith("Speed is 'abc'; allowed: a number from -20,000 to")
+    assert speed.startswith("Speed is 21 mm/s (1,050 steps/s); allowed: a number from 0 to 20 mm/s, the slew speed")
+    for text, told in (("0", "0"), ("-5", "-5"), ("abc", "'abc'")):
+        assert refused("#jog-speed", text, "#run-back").startswith(f"Speed is {told}")
+        expect(page.locator("#jog-speed-message")).to_contain_text(
+            "from 0 to the slew speed of the axis’ ramp, but not 0"
+        )
     assert "42,949,600 mm" in refused("#set-position", "x", "#set-position-button")
     # Only what turns is a gauge: here 8° a turn of 400 steps, of which 65,535 are the most.
     expect(page.locator("#zero")).to_be_hidden()

@@ -70,6 +70,16 @@ def test_soft_limits_are_set_shown_and_kept_to(pushed: StepRampPage) -> None:
     expect(page.locator("#live-limits")).to_have_text("Soft limits: up to 20,000 steps")
 
 
+def test_limits_that_leave_out_the_present_position_say_what_that_means(pushed: StepRampPage) -> None:
+    beyond = pushed.page.locator("#beyond-limits")
+    expect(beyond).to_be_hidden()
+    set_limits(pushed, "100", "2000")
+    expect(beyond).to_contain_text("beyond its soft limits: only moves that end within them")
+    pushed.move("150")
+    expect(beyond).to_be_hidden()
+    assert device_of(pushed)["target_steps"] == 150
+
+
 def test_soft_limits_in_the_units_of_the_page(pushed: StepRampPage) -> None:
     page = pushed.page
     page.locator('[aria-label="Unit of length"] [data-value="mm"]').click()

@@ -14,6 +14,7 @@ from frontend.modules import Modules
 from stepramp import design as rules
 from stepramp.design import Design
 from stepramp.errors import Rejected
+from stepramp.json_text import parsed_json
 from stepramp.methods import METHODS
 
 LONGEST_LINK = 100_000
@@ -223,6 +224,31 @@ def test_what_a_browser_kept_with_an_unknown_shape_is_not_shown_again(modules: M
     kept = [modules.call("model/design.js", "isDesign", document(ramp__shape=shape)) for shape in shapes]
     assert kept == [True, False, False, False]
     assert modules.call("model/design.js", "isDesign", document())
+
+
+@pytest.mark.parametrize(
+    ("text", "field"),
+    [
+        ('{"schema": "stepramp/1", "name": "a", "name": "b"}', "name"),
+        ('{"schema": "stepramp/1", "move": {"steps": 5, "steps": 5}}', "move.steps"),
+        ('{"axes": [{}, {"a": ["x", {"\\u0062" : 1, "b": 2}]}]}', "axes.1.a.1.b"),
+        ('{"a": {"name": 1}, "b": [{"name": 2}, {"name": 3}], "n\\"{": [], "n\\"{": 1}', 'n"{'),
+    ],
+)
+def test_a_field_that_is_given_twice_is_told(modules: Modules, text: str, field: str) -> None:
+    """Which of its values is meant, nobody knows; the server says the same."""
+    assert problem(modules, text) == f"The design can’t be read: {field} is given more than once; allowed: once."
+    with pytest.raises(Rejected) as rejected:
+        parsed_json(text)
+    assert rejected.value.rejections[0].field == field
+
+
+def test_a_field_is_looked_for_in_whole_texts_only(modules: Modules) -> None:
+    """What looks like a field within a text is none, and texts may be long and full of escapes."""
+    name = '"name": "name", {"name": [' * 3
+    machine = machine_with([document(name=name), document(name=name)])
+    assert modules.call("documents/documents.js", "readDocument", json.dumps(machine))["problem"] is None
+    assert "name is" in problem(modules, json.dumps(document(name='"\n' * 200_000)))
 
 
 def test_a_number_too_large_for_any_machine_is_told(modules: Modules) -> None:

@@ -189,13 +189,36 @@ def test_what_a_device_refuses_in_words_or_in_another_unit_is_told_in_the_server
 def test_a_speed_has_no_sign_where_buttons_say_which_way(modules: Modules) -> None:
     script = """async (speeds) => { const {directedSpeed} = await import('/devices/directed_speed.js');
         return speeds.map(([speed, direction]) => directedSpeed(speed, direction)); }"""
-    ahead, back, none, text, signed = modules.evaluate(script, [[500, 1], [500, -1], [0, 1], ["fast", -1], [-500, -1]])
-    assert [one["speed"] for one in (ahead, back, none, text)] == [500, -500, 0, "fast"]
-    assert [one["rejections"] for one in (ahead, back, none, text)] == [[]] * 4
-    [rejection] = signed["rejections"]
-    assert (rejection["field"], rejection["value"]) == ("speed_steps_per_s", -500)
-    assert rejection["allowed"] == "at least 0 steps/s: the buttons say which way"
-    assert (rejection["limits"]["lowest"], rejection["unit"]) == (0, "steps/s")
+    ahead, back, *refused = modules.evaluate(script, [[500, 1], [500, -1], [0, 1], ["fast", -1], ["", 1], [-500, -1]])
+    assert (ahead, back) == ({"speed": 500, "rejections": []}, {"speed": -500, "rejections": []})
+    for one, value in zip(refused, (0, "fast", "", -500), strict=True):
+        [rejection] = one["rejections"]
+        assert (rejection["field"], rejection["value"]) == ("speed_steps_per_s", value)
+        assert rejection["allowed"] == (
+            "a number from 0 to the slew speed of the axis’ ramp, but not 0: the buttons say which way"
+        )
+
+
+def test_what_the_server_says_of_a_speed_with_its_sign_is_told_of_the_speed_without(modules: Modules) -> None:
+    script = """async ([rejection, length]) => {
+        const {ofUndirected} = await import('/devices/directed_speed.js');
+        const {inShownUnit} = await import('/panels/device/refusal.js');
+        const design = {axis: {full_steps_per_rev: 200, microsteps: 2, travel_per_rev: 8, travel_unit: 'mm'}};
+        return inShownUnit(ofUndirected(rejection), 'Speed', 'speed', {length, time: 's'}, design); }"""
+    limits = limited(-1000, 1000, ", the slew speed, and 0 or at least 0.03 steps/s either way", is_whole=False)
+    fast = {"field": "speed_steps_per_s", "value": -1050, "allowed": "-1,000 to 1,000", "message": "", "limits": limits}
+    assert modules.evaluate(script, [fast | {"unit": "steps/s"}, "mm"]) == (
+        "Speed is 21 mm/s (1,050 steps/s); allowed: a number from 0 to 20 mm/s, the slew speed of the axis’ ramp, "
+        "but not 0: the buttons say which way."
+    )
+    assert modules.evaluate(script, [fast | {"unit": "steps/s"}, "steps"]).replace(",", "") == (
+        "Speed is 1050; allowed: a number from 0 to 1000 steps/s the slew speed of the axis’ ramp but not 0: "
+        "the buttons say which way."
+    )
+    near = {"field": "speed_steps_per_s", "value": -300, "allowed": "a speed at which it can rest", "message": ""}
+    assert modules.evaluate(script, [near, "steps"]) == "Speed is 300; allowed: a speed at which it can rest."
+    directed = """async () => (await import('/devices/directed_speed.js')).directedSpeed(-300, -1).rejections[0]"""
+    assert modules.evaluate(script, [modules.evaluate(directed), "steps"]).startswith("Speed is -300; ")
 
 
 def test_why_a_push_is_refused_and_of_which_design(modules: Modules) -> None:

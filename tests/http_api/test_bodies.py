@@ -236,7 +236,18 @@ def test_bodies_of_another_type_are_refused(client: TestClient, route: str, kind
     assert error["message"].endswith("allowed: application/json.")
 
 
-@pytest.mark.parametrize("kind", ["application/json", "Application/JSON; charset=utf-8", "application/json ;x"])
+@pytest.mark.parametrize("charset", ["latin-1", "UTF-16", '"iso-8859-1"', "utf-8; charset=latin-1", ""])
+def test_json_in_other_charsets_is_refused(client: TestClient, charset: str) -> None:
+    kind = f"application/json; charset={charset}"
+    response = client.post(PROFILE, content=json.dumps({"design": document()}), headers={"content-type": kind})
+    [error] = errors_of(response, 415)
+    allowed = "application/json with charset utf-8 or us-ascii, or without one"
+    assert error["message"] == f"The Content-Type header is {kind!r}; allowed: {allowed}."
+
+
+@pytest.mark.parametrize("kind", ["application/json", "Application/JSON; charset=utf-8", "application/json ;x",
+                                  'application/json;version=1; Charset="UTF-8"', "application/json;charset=US-ASCII",
+                                  "application/json; charset=utf8"])  # fmt: skip
 def test_json_is_known_however_it_is_written(client: TestClient, kind: str) -> None:
     body = json.dumps({"design": document(), "max_points": 10}).encode()
     assert client.post(PROFILE, content=body, headers={"content-type": kind}).status_code == 200

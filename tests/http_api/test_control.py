@@ -118,6 +118,23 @@ def test_a_jog_runs_while_it_is_held_and_ends_by_itself_when_it_isnt(client: Tes
     assert (axes[0]["position_steps"], axes[1]["position_steps"] < -200) == (0, True)
 
 
+def test_who_holds_a_jog_that_ran_out_is_told(client: TestClient, route: str) -> None:
+    with jogging(client, route) as socket:
+        run(socket, client, route)
+        until(lambda: client.get(route).json()["state"] == "ready")
+        socket.send_json({"do": "hold"})
+        told = [error["message"] for error in socket.receive_json()["errors"]]
+        while "It was let go before it began." in told:  # By a busy machine; then it was asked again.
+            told = [error["message"] for error in socket.receive_json()["errors"]]
+        assert told == ["The jog ended: it was not told to go on for 0.4 s, and the axis slowed down. Begin it again."]
+        # It is told once, and not of a jog that was let go.
+        socket.send_json({"do": "hold"})
+        socket.send_json({"do": "end"})
+        socket.send_json({"do": "hold"})
+        socket.send_json({"do": "fly"})
+        assert socket.receive_json()["errors"][0]["field"] == "do"
+
+
 @pytest.mark.parametrize("way", ["end", "close", "wrong"])
 def test_a_jog_is_let_go(client: TestClient, route: str, way: str) -> None:
     with jogging(client, route) as socket:

@@ -23,7 +23,7 @@ DEVICE_FIELDS = {
 }  # fmt: skip
 AXIS_FIELDS = {
     "axis", "state", "position_steps", "target_steps", "speed_steps_per_s", "steps_made", "lowest_steps",
-    "highest_steps",
+    "highest_steps", "is_beyond_limits",
 }  # fmt: skip
 _numbers = itertools.count()
 

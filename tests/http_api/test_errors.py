@@ -45,13 +45,32 @@ def test_a_rejection_names_field_value_and_what_is_allowed(
     assert error["field"] in error["message"]
 
 
-@pytest.mark.parametrize("literal", ["NaN", "Infinity", "-Infinity", "1e400"])
-def test_numbers_that_are_none_are_refused(client: TestClient, literal: str) -> None:
+@pytest.mark.parametrize("literal", ["NaN", "Infinity", "-Infinity", "1e400", "-2.5E+0400", "9" * 190 + ".5e120"])
+def test_numbers_that_are_none_are_refused_as_they_were_written(client: TestClient, literal: str) -> None:
     text = json.dumps({"design": document(ramp__slew_speed_steps_per_s=12345.5)}).replace("12345.5", literal)
     response = client.post("/api/v1/profile", content=text, headers={"content-type": "application/json"})
     [error] = errors_of(response, 422)
     assert error["field"] == "design.ramp.slew_speed_steps_per_s"
     assert "to 1,000,000 steps/s" in error["allowed"]
+    assert error["value"] == literal
+    assert f"design.ramp.slew_speed_steps_per_s is {literal[:70]}" in error["message"]
+
+
+def test_a_number_of_many_figures_that_is_too_large_is_told_in_short(client: TestClient) -> None:
+    text = json.dumps({"design": document(move__steps=12345)}).replace("12345", "7" * 1000 + ".0")
+    response = client.post("/api/v1/profile", content=text, headers={"content-type": "application/json"})
+    [error] = errors_of(response, 422)
+    assert error["value"] == "7" * 200 + "… (1,002 characters)"
+
+
+def test_null_is_told_as_null_and_what_is_not_there_as_missing(client: TestClient) -> None:
+    def refused(text: str) -> list[str]:
+        response = client.post("/api/v1/errors", content=text, headers={"content-type": "application/json"})
+        return [error["message"] for error in errors_of(response, 422) if error["value"] is None]
+
+    assert refused("null") == ["document is null; allowed: an object with named fields."]
+    assert refused('{"design": null, "methods": []}') == ["design is null; allowed: an object with named fields."]
+    assert refused('{"methods": []}') == ["design is missing; allowed: a value; this field is required."]
 
 
 def test_rejections_that_the_numerics_make_have_the_same_path(client: TestClient) -> None:
@@ -70,7 +89,28 @@ def test_bodies_that_are_no_request_are_refused(client: TestClient, route: str, 
 
 def test_unknown_fields_of_a_request_are_refused(client: TestClient) -> None:
     [error] = errors_of(client.post("/api/v1/profile", json={"design": document(), "points": 5}), 422)
-    assert (error["field"], error["allowed"]) == ("points", "nothing; there is no such field")
+    assert (error["field"], error["value"]) == ("points", 5)
+    assert error["allowed"] == "nothing; there is no such field, only design, max_points"
+
+
+def test_a_field_under_another_name_is_one_mistake(client: TestClient) -> None:
+    """Nothing is said of the field that is missing but beside the name that was given instead of it."""
+    [line] = errors_of(client.post("/api/v1/devices/1/line", json={"axes": [{"axis": 0, "steps": 5}]}), 422)
+    assert line["message"] == (
+        "axes.0.steps is 5; allowed: nothing; there is no such field, only axis, by_steps (missing)."
+    )
+    body = {"designs": [document()], "spacing": 3, "axes": {}}
+    spacing, axes = errors_of(client.post("/api/v1/schedule", json=body), 422)
+    assert (spacing["field"], axes["field"]) == ("spacing", "axes")
+    assert "mode (missing)" in spacing["allowed"]
+
+
+def test_what_is_missing_elsewhere_is_told_for_itself(client: TestClient) -> None:
+    body = {"design": document(timer={}), "points": 5}
+    assert {error["field"] for error in errors_of(client.post("/api/v1/profile", json=body), 422)} == {
+        "design.timer.frequency_hz",
+        "points",
+    }
 
 
 @pytest.mark.parametrize("points", [0, 9, 10**9, "many", 12.5, True])

@@ -193,7 +193,7 @@ def test_a_long_table_goes_on_on_further_pages(client: TestClient) -> None:
         ("html", {"pinned": document(move__steps=0)}, "pinned.move.steps", "but not 0"),
         ("html", {"design": document(move__steps=10_000_000), "methods": ["exact", "ideal", "midpoint", "newton",
          "tuned"]}, "methods", "at most 4 methods"),
-        ("html", {"colour": "red"}, "colour", "nothing; there is no such field"),
+        ("html", {"colour": "red"}, "colour", "nothing; there is no such field, only"),
     ],
 )  # fmt: skip
 def test_what_can_t_be_reported_is_refused_by_field_value_and_what_is_allowed(

@@ -181,3 +181,15 @@ class Gone:
 def test_sending_to_who_has_gone_tells_so(error: Exception) -> None:
     with pytest.raises(WebSocketDisconnect):
         run(sockets.send(Gone(error), "x"))
+
+
+def test_a_page_that_is_named_twice_is_refused(client: TestClient, jog: str) -> None:
+    """Which of them is meant, nobody knows."""
+    for path in (jog, EVENTS):
+        with opened(client, f"{path}?page=one&page=other") as socket:
+            [error] = socket.receive_json()["errors"]
+            assert (error["field"], error["value"]) == ("page", ["one", "other"])
+            assert error["allowed"] == "one value, given once"
+            with pytest.raises(WebSocketDisconnect) as closed:
+                socket.receive_json()
+            assert closed.value.code == 1008

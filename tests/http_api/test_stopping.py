@@ -395,6 +395,19 @@ def test_soft_limits(client: TestClient, route: str) -> None:
     client.post(f"{route}/halt")
 
 
+def test_an_axis_beyond_its_soft_limits_says_so_until_it_is_back(client: TestClient, route: str) -> None:
+    """Limits may be set wherever an axis is; what leads back to within them, and that only, moves it."""
+    client.post(f"{route}/position", json={"position_steps": 500})
+    assert not client.get(route).json()["axes"][0]["is_beyond_limits"]
+    axis, other = limits(client, route, lowest_steps=0, highest_steps=400).json()["axes"]
+    assert (axis["is_beyond_limits"], other["is_beyond_limits"]) == (True, False)
+    assert error_of(client.post(f"{route}/move", json={"by_steps": -50}), 422)["field"] == "by_steps"
+    assert error_of(client.post(f"{route}/run", json={"speed_steps_per_s": 50}), 422)["field"] == "speed_steps_per_s"
+    assert client.post(f"{route}/move", json={"by_steps": -100}).status_code == 200
+    until(lambda: client.get(route).json()["state"] == "ready")
+    assert not client.get(route).json()["axes"][0]["is_beyond_limits"]
+
+
 def test_a_run_comes_to_rest_within_soft_limits(client: TestClient, route: str) -> None:
     limits(client, route, highest_steps=1500)
     client.post(f"{route}/run", json={"speed_steps_per_s": 900, "for_s": 600})

@@ -41,6 +41,11 @@ class AxisView:
     """Soft limits; None for none."""
     highest_steps: int | None = None
 
+    @property
+    def is_beyond_limits(self) -> bool:
+        """Whether it is where its soft limits let nothing send it: they may be set wherever it is."""
+        return not Span(self.lowest_steps, self.highest_steps).contains(self.position_steps)
+
     def limited(self, span: Span) -> "AxisView":
         """Return the axis with soft limits."""
         return replace(self, lowest_steps=span.lowest_steps, highest_steps=span.highest_steps)

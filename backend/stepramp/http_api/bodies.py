@@ -32,6 +32,8 @@ MOST_FILE_BYTES = 2**28
 MOST_TAKEN_BYTES = 2**30
 """So much of a file that is too large is taken before it is refused [bytes]."""
 JSON_TYPE = "application/json"
+JSON_CHARSETS = {"utf-8", "utf8", "us-ascii"}
+"""What JSON may say that it is in: it is read as UTF-8, of which US-ASCII is a part."""
 FILE_TYPE = "application/octet-stream"
 LARGE_BYTES = 16_384
 """What is larger is parsed and validated in a thread [bytes]."""
@@ -46,7 +48,7 @@ OF_FILES: dict[int | str, dict[str, Any]] = {
 OF_BODIES: dict[int | str, dict[str, Any]] = {
     400: {"model": ErrorList, "description": "The body ended early"},
     413: {"model": ErrorList, "description": f"The body is larger than {MOST_BYTES:,} bytes"},
-    415: {"model": ErrorList, "description": "The body is not application/json"},
+    415: {"model": ErrorList, "description": "The body is not application/json in UTF-8"},
 }
 """What is answered to a body that is not even looked at."""
 
@@ -208,9 +210,14 @@ def _document_of(endpoint: Callable[..., Any]) -> type[Document] | None:
 
 def _refuse_other_types(request: Request, allowed: str) -> None:
     given = request.headers.get("content-type")
-    kind = (given or "").partition(";")[0].strip().lower()
-    if kind != allowed:
+    kind, *parameters = (given or "").lower().split(";")
+    if kind.strip() != allowed:
         raise HTTPException(415, f"The Content-Type header is {shown(given)}; allowed: {allowed}.")
+    named = [each.partition("=") for each in parameters]
+    charsets = {value.strip(' "') for name, _, value in named if name.strip() == "charset"}
+    if allowed == JSON_TYPE and not charsets <= JSON_CHARSETS:
+        words = f"{allowed} with charset utf-8 or us-ascii, or without one"
+        raise HTTPException(415, f"The Content-Type header is {shown(given)}; allowed: {words}.")
 
 
 def _content(body: bytes) -> object:

@@ -196,6 +196,10 @@ class AxisAnswer(Answer):
     steps_made: int = Field(description="Steps since it last set out from rest [steps]")
     lowest_steps: int | None = Field(description="Soft limit: the lowest position; null for none [steps]")
     highest_steps: int | None = Field(description="Soft limit: the highest position; null for none [steps]")
+    is_beyond_limits: bool = Field(
+        description="Whether it is beyond its soft limits: then only moves that end within them, and runs towards "
+        "them, are taken"
+    )
 
 
 class DeviceAnswer(Answer):

@@ -6,17 +6,16 @@ from functools import partial
 from fastapi import APIRouter, WebSocket
 
 from stepramp.devices.device import Device
-from stepramp.devices.leases import Lease
-from stepramp.errors import Rejected, Rejection, StepRampError
+from stepramp.devices.leases import JOG_S, Lease
+from stepramp.errors import Refused, Rejected, Rejection, StepRampError
 from stepramp.http_api.device_registry import Registry
-from stepramp.http_api.errors import ErrorList, error_items
 from stepramp.http_api.jog_models import JogPayload
-from stepramp.http_api.json_response import json_bytes
 from stepramp.http_api.lanes import ACTING
 from stepramp.http_api.request_numbers import arrived_at
-from stepramp.http_api.sockets import accept, parsed, received, send, served
+from stepramp.http_api.sockets import accept, parsed, received, served, tell_error
 
 ALLOWED = 'a JSON object such as {"do": "hold"}'
+RAN_OUT = f"The jog ended: it was not told to go on for {JOG_S:g} s, and the axis slowed down. Begin it again."
 LONGEST_MESSAGE = 1024
 """Longer ones are refused unread: whoever is held up by them can't renew a lease."""
 
@@ -32,22 +31,12 @@ async def jog(socket: WebSocket, device_id: str, devices: Registry, page: str | 
     """
     async with served(socket):
         await accept(socket)
-        try:
-            device = devices.acting(device_id, page)
-        except StepRampError as error:
-            await _tell(socket, error)
-            await socket.close(1008)
-            return
-        held = _Held(socket, device, page)
+        held = _Held(socket, devices.acting(device_id, page), page)
         try:
             while True:
                 await held.take(await received(socket))
         finally:
             held.let_go()
-
-
-async def _tell(socket: WebSocket, error: StepRampError) -> None:
-    await send(socket, json_bytes(ErrorList(errors=error_items(error))).decode())
 
 
 class _Held:
@@ -70,7 +59,7 @@ class _Held:
             request = JogPayload.checked(parsed(message, ALLOWED))
         except Rejected as error:
             self.let_go()
-            await _tell(self._socket, error)
+            await tell_error(self._socket, error)
             return
         if request.do == "run":
             if self._lease is not None:
@@ -80,8 +69,10 @@ class _Held:
             task = asyncio.create_task(self._begin(self._lease, request, request_number))
             self._beginning.add(task)
             task.add_done_callback(self._beginning.discard)
-        elif request.do == "hold" and self._lease is not None:
-            self._lease.renew()
+        elif request.do == "hold" and self._lease is not None and not self._lease.renew():
+            # Nobody has let go of it: who holds it has to know why the axis slows down.
+            self._lease = None
+            await tell_error(self._socket, Refused(RAN_OUT))
         elif request.do == "end":
             self.let_go()
 
@@ -99,4 +90,4 @@ class _Held:
                     partial(self._device.run, [request.command], lease, request_number), self._device.view.id
                 )
             except StepRampError as error:
-                await _tell(self._socket, error)
+                await tell_error(self._socket, error)

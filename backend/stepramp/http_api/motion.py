@@ -96,6 +96,9 @@ def zero(request: ZeroPayload, device: Acting, request_number: RequestNumber) ->
 def limit(request: SoftLimitsPayload, device: Acting) -> DeviceAnswer:
     """Keep axes within positions from now on; null takes a limit away. Nothing moves.
 
+    An axis may be beyond them: `is_beyond_limits` says so, and it is taken by moves that end within them, and by runs
+    towards them, only.
+
     The server keeps them until it ends, also when the device is disconnected and connected again, for its port, or its
     USB serial number: what leads beyond is refused, and a run slows down in time. Controllers know nothing of them, so
     that a run slows down as far before a limit as it goes in half a second; a move reaches it to the step.

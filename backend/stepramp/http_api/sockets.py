@@ -7,10 +7,15 @@ from contextlib import asynccontextmanager, suppress
 from starlette.types import Message
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from stepramp.errors import Rejected, Rejection
+from stepramp.errors import Rejected, Rejection, StepRampError
 from stepramp.http_api.answered import AT_LAST
+from stepramp.http_api.bodies import refuse_repeated
+from stepramp.http_api.errors import ErrorList, error_items
+from stepramp.http_api.json_response import json_bytes
 from stepramp.json_text import parsed_json
 
+REFUSED = 1008
+"""What a socket is closed with that isn't served, after it was told why."""
 MISTAKE = 1011
 """What a socket is closed with after a mistake of ours."""
 
@@ -19,9 +24,17 @@ log = logging.getLogger(__name__)
 
 @asynccontextmanager
 async def served(socket: WebSocket) -> AsyncIterator[None]:
-    """Serve a socket until the other end has gone; after a mistake of ours, log it and close with 1011."""
+    """Serve a socket until the other end has gone.
+
+    What is refused is told as an object with `errors`, and the socket is closed with 1008; a mistake of ours is logged,
+    and it is closed with 1011.
+    """
     try:
-        yield
+        try:
+            yield
+        except StepRampError as error:
+            await tell_error(socket, error)
+            await socket.close(REFUSED)
     except WebSocketDisconnect:
         log.debug("The other end of %s has gone.", socket.url.path)
     except Exception:
@@ -31,12 +44,17 @@ async def served(socket: WebSocket) -> AsyncIterator[None]:
 
 
 async def accept(socket: WebSocket) -> None:
-    """Accept a socket; WebSocketDisconnect when the other end has gone before."""
+    """Accept a socket.
+
+    Raises WebSocketDisconnect when the other end has gone before, Rejected when its parameter is given more than once.
+    """
     try:
         await socket.accept()
     except OSError as error:
         # So the server calls it. Of a socket that is accepted Starlette says it in its own way.
         raise WebSocketDisconnect(1006, str(error)) from error
+    # Only now: of a socket that isn't accepted a browser shows no refusal.
+    refuse_repeated(socket.query_params, ["page"])
 
 
 async def received(socket: WebSocket) -> str | bytes:
@@ -46,6 +64,11 @@ async def received(socket: WebSocket) -> str | bytes:
         raise WebSocketDisconnect(message.get("code", 1005), message.get("reason"))
     text: str | None = message.get("text")
     return message["bytes"] if text is None else text
+
+
+async def tell_error(socket: WebSocket, error: StepRampError) -> None:
+    """Send what was refused, as routes answer it."""
+    await send(socket, json_bytes(ErrorList(errors=error_items(error))).decode())
 
 
 async def send(socket: WebSocket, text: str) -> None:

@@ -1,7 +1,7 @@
 // @ts-check
 // Jogging while a button is held, running at a speed, and saying where an axis is.
 
-import { directedSpeed } from '../../devices/directed_speed.js';
+import { directedSpeed, ofUndirected } from '../../devices/directed_speed.js';
 import { element, icon } from '../../ui/dom.js';
 import { memory } from '../../documents/memory.js';
 import { shownValue } from '../../model/units.js';
@@ -58,7 +58,7 @@ export function createJogSection(jog, handlers) {
     if (context?.device) act(context.device, context.axis);
   }
 
-  /** Do something at the speed of the field with the sign of a direction; a sign in the field is refused.
+  /** Do something at the speed of the field with the sign of a direction.
    * @param {1 | -1} direction @param {(device: Device, axis: number, speed: unknown) => void} act */
   function withSpeed(direction, act) {
     const { speed: directed, rejections } = directedSpeed(speed.value(), direction);
@@ -170,7 +170,7 @@ export function createJogSection(jog, handlers) {
           path: /(^|\.)speed_steps_per_s$/,
           input: speed.input,
           problem: speedProblem,
-          text: (one) => speed.refusal(one, 'Speed'),
+          text: (one) => speed.refusal(ofUndirected(one), 'Speed'),
         },
         { path: /^for_s$/, input: seconds.input, problem: secondsProblem, text: (one) => refusalText(one, 'The time') },
         {

@@ -21,10 +21,18 @@ export function createLive() {
       isWarning: true,
     }),
   );
+  const beyond = element(
+    'div',
+    { id: 'beyond-limits', role: 'status' },
+    messageLine({
+      text: 'It is beyond its soft limits: only moves that end within them, and runs towards them, are taken.',
+      isWarning: true,
+    }),
+  );
   const old = element('div', { id: 'old-state' });
   const readouts = element('div', { className: 'live' }, position.element, speed.element);
   return {
-    element: element('div', { className: 'live-box' }, readouts, old, limits, unknown),
+    element: element('div', { className: 'live-box' }, readouts, old, limits, beyond, unknown),
     /** @param {Context} context */
     show({ known: device, axis, design, situation }) {
       const state = device?.axes[axis] ?? null;
@@ -54,6 +62,7 @@ export function createLive() {
       if (limits.textContent !== text) limits.textContent = text;
       limits.hidden = text === '';
       unknown.hidden = !isUnknown;
+      beyond.hidden = isUnknown || !state?.is_beyond_limits;
     },
   };
 }
