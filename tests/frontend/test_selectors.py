@@ -93,6 +93,26 @@ def test_what_a_person_chose_stays_while_less_can_be_chosen(modules: Modules) ->
     assert after(modules, [*chosen, ["device.heard", [moved], {}]], look) == [1, 1, "/dev/other"]
 
 
+@pytest.mark.parametrize(
+    ("steps", "played"),
+    [
+        ([], 0),
+        ([["device.chooseAxis", 1]], 1),
+        # What was pushed there is known better: axis 1 of the device plays the design of the first tab.
+        ([["device.chooseAxis", 1], ["device.pushed", "1", {"designs": [OTHER], "ids": [5], "toAxis": 1}]], 0),
+        ([["device.chooseAxis", 1], ["work.choose", 7], ["work.removeAxis", 7]], None),
+        ([["device.pushed", "1", {"designs": [OTHER], "ids": [99], "toAxis": 0}]], None),
+        ([["device.heard", [{**DEVICE, "state": "lost"}], {}]], None),
+    ],
+)
+def test_which_design_the_chosen_axis_of_a_device_plays(
+    modules: Modules, steps: list[list[object]], played: int | None
+) -> None:
+    two = {**DEVICE, "axes": [{"state": "ready"}, {"state": "ready"}]}
+    known: list[list[object]] = [["device.heard", [two], {}], *steps]
+    assert after(modules, known, "(state, {playedOf}) => playedOf(state)") == played
+
+
 MEASURED = ["device.showMeasured", {"of": {"axis": None, "design": None}, "move": {"step": [1, 2]}}]
 
 
