@@ -79,6 +79,32 @@ def test_a_phone_scrolls_nothing_sideways_while_there_are_no_curves_yet(
     page.close()
 
 
+def test_plots_that_are_long_in_coming_say_so(context: BrowserContext, server: Server, watch: Watch) -> None:
+    page = new_page(context, watch)
+    held: list[Route] = []
+    page.route("**/api/v1/curves", lambda route: held.append(route))  # noqa: PLW0108  # Playwright wants a function
+    page.goto(server.url)
+    note = page.get_by_text("Computing…")
+    expect(note).to_be_visible()
+    for route in held:
+        route.continue_()
+    StepRampPage(page, server.url).wait_for_plots()
+    expect(note).to_be_hidden()
+    page.close()
+
+
+def test_a_phone_goes_back_from_the_table_to_what_it_showed_before(open_page: Callable[..., StepRampPage]) -> None:
+    stepramp = open_page((390, 844))
+    page = stepramp.page
+    titles = page.locator(".plot-title:visible b")
+    stepramp.show_panel("table")
+    expect(titles.first).to_have_text("Delay per step")
+    stepramp.show_panel("device")
+    expect(titles.first).to_have_text("Velocity")
+    expect(page.locator('#plot-choice [data-value="velocity"]')).to_have_attribute("aria-pressed", "true")
+    until(lambda: stepramp.x_axis()["type"] == "linear")
+
+
 def test_a_phone_shows_one_plot_at_a_time(open_page: Callable[..., StepRampPage]) -> None:
     stepramp = open_page((390, 844))
     for name in ("delay", "error", "velocity"):

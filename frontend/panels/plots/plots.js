@@ -435,7 +435,7 @@ export function createPlots(root, dispatch) {
         root.classList.toggle('stale', staleness !== null && !(isAwaited && areAllShown));
         root.classList.toggle('awaited', isAwaited);
         root.classList.toggle('blank', isEmpty && !areAllShown);
-        overlay.showStale(isAwaited ? null : staleness, !isEmpty);
+        overlay.showStale(staleness, !isEmpty || areAllShown);
       },
     ),
   ];
