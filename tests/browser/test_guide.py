@@ -83,6 +83,9 @@ def test_from_the_motor_to_the_settings_of_grbl(first_visit: StepRampPage, watch
 
 def test_it_is_shown_once_and_opened_from_the_menu(first_visit: StepRampPage, tmp_path: Path) -> None:
     page, guide = first_visit.page, first_visit.page.locator("#guide")
+    page.set_viewport_size({"width": 320, "height": 568})
+    expect(guide.locator("#guide-motors")).to_be_in_viewport(ratio=1)
+    until(lambda: page.evaluate("() => document.querySelector('.figure').layout.height") > 120)
     page.set_viewport_size({"width": 320, "height": 640})
     guide.locator("#guide-skip").click()
     page.reload()
