@@ -33,7 +33,11 @@ def test_from_the_motor_to_the_settings_of_grbl(first_visit: StepRampPage, watch
     expect(heading).to_have_text("1 of 4: Your motor")
     expect(page.locator("#device")).to_be_hidden()
     guide.locator("#guide-motors").select_option("NEMA 17 · GT2 belt, 20 teeth")
+    # 1,000 steps/s at 2 microsteps are 128,000 at 256: more than one each 20 us.
+    guide.get_by_label("Microsteps").fill("256")
+    expect(guide.locator("#guide-refused")).to_contain_text("the limits are refused")
     guide.get_by_label("Microsteps").fill("16")
+    expect(guide.locator("#guide-refused")).to_be_empty()
     seen.inspect("motor")
     following.click()
     expect(heading).to_be_focused()
