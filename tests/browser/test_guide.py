@@ -35,7 +35,7 @@ def test_from_the_motor_to_the_settings_of_grbl(first_visit: StepRampPage, watch
     guide.locator("#guide-motors").select_option("NEMA 17 · GT2 belt, 20 teeth")
     # 1,000 steps/s at 2 microsteps are 128,000 at 256: more than one each 20 us.
     guide.get_by_label("Microsteps").fill("256")
-    expect(guide.locator("#guide-refused")).to_contain_text("the limits are refused")
+    expect(guide.locator("#guide-refused")).to_contain_text("use a slew speed of at most 50,000 steps/s")
     guide.get_by_label("Microsteps").fill("16")
     expect(guide.locator("#guide-refused")).to_be_empty()
     seen.inspect("motor")

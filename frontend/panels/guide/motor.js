@@ -13,7 +13,9 @@ import { createGuideNumber } from './number.js';
 
 const TRAVEL = 'axis.travel_per_rev';
 const OWN = 'Another one';
-/** The motor is to turn as before, and may need more steps a second for it than there can be. */
+/** The motor is to turn as before, and may need more steps a second for it than there can be: refused, or too fast for the
+ * controller. */
+const SHORTEST_DELAY = 'timer.shortest_interval_us';
 const REFUSED = { text: 'With these steps the limits are refused: the next step says what is allowed.', isWarning: false };
 /** How the way of a turn is asked for.
  * @type {Record<Drive, Partial<import('./number.js').Manner> & {hint: string} | null>} */
@@ -71,8 +73,9 @@ export function createMotorStep(dispatch) {
       about.textContent = preset?.help ?? '';
       steps.show(design, state.units, fields);
       microsteps.show(design, state.units, fields);
-      const areLimitsRefused = [...fields].some(([path, { isWarning }]) => path.startsWith('ramp.') && !isWarning);
-      if (areLimitsRefused !== refused.hasChildNodes()) refused.replaceChildren(...(areLimitsRefused ? [messageLine(REFUSED)] : []));
+      const areRefused = [...fields].some(([path, { isWarning }]) => path.startsWith('ramp.') && !isWarning);
+      const message = areRefused ? REFUSED : fields.get(SHORTEST_DELAY);
+      if (refused.textContent !== (message?.text ?? '')) refused.replaceChildren(...(message ? [messageLine(message)] : []));
       const drive = driveOf(design, state.guide.drive);
       drives.press(drive);
       for (const { drive: of, told, number } of travels) {
