@@ -61,6 +61,19 @@ export function axesOffered(state) {
  * @param {State} state */
 export const deviceAxisOf = (state) => (state.devices.axis < axesOffered(state) ? state.devices.axis : 0);
 
+/** The place among the page's axes of the design that the chosen axis of the device plays, as far as the page knows: the one
+ * that was pushed there last, or else the one that a push of all gives it; null: nobody knows.
+ * @param {State} state @returns {number | null} */
+export function playedOf(state) {
+  const [machine, device] = [machineOf(state), deviceOf(state)];
+  if (machine === null || device === null || device.state === 'lost') return null;
+  const axis = deviceAxisOf(state);
+  const given = moveOf(state, device.id, axis).axis;
+  const arePushedTogether = machine.axes.length > 1 && designsToPush(state).length === machine.axes.length;
+  const place = given === null ? (arePushedTogether ? axis : -1) : machine.ids.indexOf(given);
+  return machine.axes[place] === undefined ? null : place;
+}
+
 /** The designs that a push sends: of more than the device can have axes only the one in hand.
  * @param {State} state @returns {Design[]} */
 export function designsToPush(state) {

@@ -95,19 +95,21 @@ export const chosenViewOf = ({ history, views }) =>
 /** How the axis in hand is looked at.
  * @param {State} state @returns {View} */
 export function viewOf(state) {
-  const { history, areAllShown, allZoom } = state;
+  const { history, areAllShown, allZoom, tableView } = state;
   const view = chosenViewOf(state);
   const isMeasured = measuredOf(state) !== null || shownCaptureOf(state) !== null;
-  return shownView(view, isMeasured, areAllShown && (history?.present.axes.length ?? 0) > 1, allZoom);
+  return shownView(view, tableView, isMeasured, areAllShown && (history?.present.axes.length ?? 0) > 1, allZoom);
 }
 
 const shownView = remembering(
   (
-    /** @type {View} */ view,
+    /** @type {View} */ chosen,
+    /** @type {import('./state.js').TableView | null} */ tableView,
     /** @type {boolean} */ isMeasured,
     /** @type {boolean} */ areAll,
     /** @type {[number, number] | null} */ allZoom,
   ) => {
+    const view = { ...chosen, ...tableView };
     // There is no deviation without a measured move.
     const third = view.third === 'deviation' && !isMeasured ? /** @type {const} */ ('error') : view.third;
     return { ...view, third, zoom: areAll ? allZoom : view.zoom };

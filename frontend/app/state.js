@@ -15,6 +15,7 @@ import { STEPS_AND_SECONDS } from '../model/units.js';
 /** @typedef {'light' | 'dark'} Theme */
 /** @typedef {'parameters' | 'table' | 'device'} Tab */
 /** @typedef {'push' | 'move' | 'jog' | 'trace'} SectionName */
+/** @typedef {Pick<View, 'against' | 'part' | 'only' | 'zoom'>} TableView */
 
 /** @typedef {import('../model/types.js').View} View */
 
@@ -107,6 +108,7 @@ import { STEPS_AND_SECONDS } from '../model/units.js';
  * @property {boolean} areAllShown             whether the plots show all axes
  * @property {[number, number] | null} allZoom into the plots of all axes
  * @property {Tab} tab                         where there is room for one side panel
+ * @property {TableView | null} tableView      in the place of the chosen view for as long as the tab of the table is shown
  * @property {import('../plotting/curves.js').Reading | null} reading  what the cursor reads
  * @property {number} row                      that is selected in the table; -1: none
  * @property {number} opened                   grows with each document that takes the place of what was in hand
@@ -145,6 +147,7 @@ export const FIRST_STATE = {
   areAllShown: false,
   allZoom: null,
   tab: 'parameters',
+  tableView: null,
   reading: null,
   row: -1,
   opened: 0,

@@ -3,6 +3,7 @@
 // any other.
 
 import { valueAt, withMethod, withValue } from './design.js';
+import { tidy } from './numbers.js';
 import { PRESETS, withPreset } from './presets.js';
 
 /** @typedef {import('./types.js').Design} Design */
@@ -96,6 +97,32 @@ export function withDrive(design, drive, said) {
   return drive === driveOf(design, said) ? design : { ...design, axis: { ...design.axis, travel_unit, travel_per_rev } };
 }
 
+/** The numbers that are told in steps. */
+const IN_STEPS = [
+  'ramp.base_speed_steps_per_s',
+  'ramp.slew_speed_steps_per_s',
+  'ramp.acceleration_steps_per_s2',
+  'ramp.deceleration_steps_per_s2',
+  'move.steps',
+];
+
+/** How many steps one turn of the motor takes; NaN while the design has no such numbers.
+ * @param {Design} design */
+const stepsPerTurn = ({ axis }) => Number(axis.full_steps_per_rev) * Number(axis.microsteps);
+
+/** The design with the motor turning as it did before its steps became smaller or larger: as fast, and as far.
+ * @param {Design} design @param {Design} before @returns {Design} */
+export function withTurnsKept(design, before) {
+  const [steps, stepsBefore] = [stepsPerTurn(design), stepsPerTurn(before)];
+  if (!(steps > 0 && stepsBefore > 0)) return design;
+  return IN_STEPS.reduce((kept, path) => {
+    const entry = valueAt(before, path);
+    if (typeof entry !== 'number') return kept;
+    const scaled = steps === stepsBefore ? entry : tidy((entry * steps) / stepsBefore);
+    return withValue(kept, path, path === 'move.steps' ? Math.round(scaled) : scaled);
+  }, design);
+}
+
 /** The design as it is played: with the method that shows it, and where an Uno plays it, by one of an Uno's clocks.
  * @param {Design} design @param {Player} player @returns {Design} */
 export function withPlayer(design, player) {
@@ -139,6 +166,6 @@ export function withLongMove(design) {
 /** Turns a minute that a speed is; NaN while the axis has no such numbers.
  * @param {Design} design @param {string} path of the speed */
 export function turnsPerMinute(design, path) {
-  const stepsPerRev = Number(design.axis.full_steps_per_rev) * Number(design.axis.microsteps);
-  return stepsPerRev > 0 ? (Number(valueAt(design, path)) / stepsPerRev) * 60 : NaN;
+  const steps = stepsPerTurn(design);
+  return steps > 0 ? (Number(valueAt(design, path)) / steps) * 60 : NaN;
 }

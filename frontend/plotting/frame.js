@@ -2,7 +2,7 @@
 // Where everything of the figure lies: the ranges of its axes and its place in pixels. Nothing of the page, no Plotly.
 
 import { activeProfile, entriesOf, interpolate } from './curves.js';
-import { PLOTS } from './plots.js';
+import { onePlot, PLOTS, plotsThere } from './plots.js';
 
 /** @typedef {import('../model/types.js').Answer} Answer */
 /** @typedef {import('../model/types.js').MethodName} MethodName */
@@ -142,8 +142,7 @@ export function frameOf(scene) {
 
 /** @param {Scene} scene @returns {PlotName[]} */
 function visiblePlots({ compact, only, axes }) {
-  const names = PLOTS.filter((plot) => !axes || plot.ofAxis !== null).map(({ name }) => name);
-  return compact ? [names.includes(only) ? only : names[0]] : names;
+  return compact ? [onePlot(only, !!axes)] : plotsThere(!!axes).map(({ name }) => name);
 }
 
 /** @param {PlotName} name */

@@ -65,6 +65,17 @@ export const PLOTS = [
   },
 ];
 
+/** The plots that there are: of the error only one axis' methods have some.
+ * @param {boolean} areAxesShown */
+export const plotsThere = (areAxesShown) => PLOTS.filter((plot) => !areAxesShown || plot.ofAxis !== null);
+
+/** The one plot where there is room for one: the chosen one, if it is there.
+ * @param {string} chosen @param {boolean} areAxesShown @returns {string} */
+export function onePlot(chosen, areAxesShown) {
+  const there = plotsThere(areAxesShown);
+  return (there.find(({ name }) => name === chosen) ?? there[0]).name;
+}
+
 /** @param {number} value */
 export function formatReading(value) {
   if (!Number.isFinite(value) || value === 0) return value === 0 ? '0' : '–';

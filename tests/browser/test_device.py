@@ -240,7 +240,18 @@ def test_several_axes(stepramp: StepRampPage) -> None:
     expect(page.locator("#push")).to_have_text(re.compile("^Push 2 ramps by "))
     stepramp.push()
     assert len(device_of(stepramp)["axes"]) == 2
+    # The second of the tabs is in hand; whichever is, it is the panel that says which axis its buttons move.
+    other = page.locator("#other-design")
+    expect(other).to_have_text(
+        "Axis 0 plays the design of tab 0, Lead-screw stage. The one in hand is tab 1, Lead-screw stage."
+    )
     page.locator("#device-axis").select_option("1")
+    expect(other).to_be_hidden()
+    page.get_by_role("tablist", name="Axes").get_by_role("tab").nth(0).click()
+    expect(other).to_contain_text("Axis 1 plays the design of tab 1")
+    stepramp.edit_and_wait(ACCELERATION, "2000")
+    stepramp.push()
+    expect(other).to_contain_text("Axis 1 plays the design of tab 1")
     stepramp.move("30")
     until(lambda: device_of(stepramp)["axes"][1]["position_steps"] == 30)
     expect(stepramp.position).to_have_text("30")

@@ -33,7 +33,11 @@ def test_from_the_motor_to_the_settings_of_grbl(first_visit: StepRampPage, watch
     expect(heading).to_have_text("1 of 4: Your motor")
     expect(page.locator("#device")).to_be_hidden()
     guide.locator("#guide-motors").select_option("NEMA 17 · GT2 belt, 20 teeth")
+    # 1,000 steps/s at 2 microsteps are 128,000 at 256: more than one each 20 us.
+    guide.get_by_label("Microsteps").fill("256")
+    expect(guide.locator("#guide-refused")).to_contain_text("use a slew speed of at most 50,000 steps/s")
     guide.get_by_label("Microsteps").fill("16")
+    expect(guide.locator("#guide-refused")).to_be_empty()
     seen.inspect("motor")
     following.click()
     expect(heading).to_be_focused()
@@ -83,6 +87,9 @@ def test_from_the_motor_to_the_settings_of_grbl(first_visit: StepRampPage, watch
 
 def test_it_is_shown_once_and_opened_from_the_menu(first_visit: StepRampPage, tmp_path: Path) -> None:
     page, guide = first_visit.page, first_visit.page.locator("#guide")
+    page.set_viewport_size({"width": 320, "height": 568})
+    expect(guide.locator("#guide-motors")).to_be_in_viewport(ratio=1)
+    until(lambda: page.evaluate("() => document.querySelector('.figure').layout.height") > 120)
     page.set_viewport_size({"width": 320, "height": 640})
     guide.locator("#guide-skip").click()
     page.reload()

@@ -1,8 +1,12 @@
 """Layouts, themes and reach by keyboard."""
 
+import base64
+import io
 from collections.abc import Callable
 
+import pytest
 from playwright.sync_api import BrowserContext, Route, expect
+from pypdf import PdfReader
 
 from browser.conftest import Watch, new_page
 from browser.server import Server
@@ -79,12 +83,85 @@ def test_a_phone_scrolls_nothing_sideways_while_there_are_no_curves_yet(
     page.close()
 
 
+def test_plots_that_are_long_in_coming_say_so(context: BrowserContext, server: Server, watch: Watch) -> None:
+    page = new_page(context, watch)
+    held: list[Route] = []
+    page.route("**/api/v1/curves", lambda route: held.append(route))  # noqa: PLW0108  # Playwright wants a function
+    page.goto(server.url)
+    note = page.get_by_text("Computing…")
+    expect(note).to_be_visible()
+    for route in held:
+        route.continue_()
+    StepRampPage(page, server.url).wait_for_plots()
+    expect(note).to_be_hidden()
+    page.close()
+
+
+def test_a_phone_goes_back_from_the_table_to_what_it_showed_before(open_page: Callable[..., StepRampPage]) -> None:
+    stepramp = open_page((390, 844))
+    page = stepramp.page
+    titles = page.locator(".plot-title:visible b")
+    stepramp.show_panel("table")
+    expect(titles.first).to_have_text("Delay per step")
+    stepramp.show_panel("device")
+    expect(titles.first).to_have_text("Velocity")
+    expect(page.locator('#plot-choice [data-value="velocity"]')).to_have_attribute("aria-pressed", "true")
+    until(lambda: stepramp.x_axis()["type"] == "linear")
+
+
 def test_a_phone_shows_one_plot_at_a_time(open_page: Callable[..., StepRampPage]) -> None:
     stepramp = open_page((390, 844))
     for name in ("delay", "error", "velocity"):
         stepramp.page.locator(f'#plot-choice [data-value="{name}"]').click()
         until(lambda one=name: {key.split("-")[1] for key in stepramp.curves()} == {one})
         expect(stepramp.page.locator(".plot-title:visible")).to_have_count(1)
+
+
+# How many light stretches there are from above to below, in each column of a picture.
+LIGHT_RUNS = """async (picture) => {
+    const bytes = Uint8Array.from(atob(picture), (one) => one.charCodeAt(0));
+    const bitmap = await createImageBitmap(new Blob([bytes]));
+    const {width, height} = bitmap;
+    const drawing = new OffscreenCanvas(width, height).getContext('2d');
+    drawing.drawImage(bitmap, 0, 0);
+    const {data} = drawing.getImageData(0, 0, width, height);
+    const isLight = (x, y) => y >= 0 && Math.max(...data.slice(4 * (y * width + x), 4 * (y * width + x) + 3)) > 96;
+    return Array.from({length: width}, (_, x) =>
+        Array.from({length: height}, (_, y) => isLight(x, y) && !isLight(x, y - 1)).filter(Boolean).length);
+}"""
+
+
+def test_in_forced_colours_no_slider_touches_the_box_of_a_number(open_page: Callable[..., StepRampPage]) -> None:
+    stepramp = open_page((844, 390))
+    page = stepramp.page
+    page.emulate_media(forced_colors="active")
+    field = ".parameter[data-path='timer.{}'] .field"
+    above = page.locator(field.format("frequency_hz")).bounding_box()
+    below = page.locator(field.format("counter_bits")).bounding_box()
+    assert above
+    assert below
+    top = above["y"] + above["height"] - 2
+    # The edges of the boxes within their corners, and all that is between them: 2 MHz is under the box.
+    clip = {"x": above["x"] + 8, "y": top, "width": above["width"] - 16, "height": below["y"] + 2 - top}
+    picture = page.screenshot(clip=clip)
+    runs = page.evaluate(LIGHT_RUNS, base64.b64encode(picture).decode())
+    assert min(runs) >= 3, "the edge of a box, the slider, the edge of the next box"
+
+
+@pytest.mark.parametrize("size", [(1440, 900), (390, 844)])
+def test_printed_plots_are_as_wide_as_the_paper(open_page: Callable[..., StepRampPage], size: tuple[int, int]) -> None:
+    page = open_page(size).page
+    layout = "(({width, yaxis3}) => [width, yaxis3.domain[1] - yaxis3.domain[0]])"
+    drawn = f"{layout}(document.querySelector('.figure').layout)"
+    page.evaluate(f"() => addEventListener('beforeprint', () => {{ window.printed = {drawn}; }})")
+    before = page.evaluate(f"() => {drawn}")
+    printed = PdfReader(io.BytesIO(page.pdf(prefer_css_page_size=True)))
+    margins_pt = 2 * 12 / 25.4 * 72
+    paper_px = (float(printed.pages[0].mediabox.width) - margins_pt) * 96 / 72
+    figure_px, error_plot = page.evaluate("() => window.printed")
+    assert 0.98 < figure_px / paper_px <= 1
+    assert error_plot > 0.1, "there is room for all three plots, whatever the window has"
+    until(lambda: page.evaluate(f"() => {drawn}") == before)
 
 
 def test_the_theme_follows_the_system_until_it_is_switched(open_page: Callable[..., StepRampPage]) -> None:

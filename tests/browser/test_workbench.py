@@ -133,6 +133,32 @@ def test_axes_in_narrow_windows(open_page: Callable[..., StepRampPage], size: tu
     until(lambda: stepramp.page.evaluate(script))
 
 
+@pytest.mark.parametrize("size", [(1440, 900), (390, 844)])
+def test_with_all_axes_the_pressed_buttons_say_what_is_drawn(
+    open_page: Callable[..., StepRampPage], size: tuple[int, int]
+) -> None:
+    stepramp = open_page(size)
+    page = stepramp.page
+    is_phone = size[0] < 500
+    for name, value in (("plot", "error"),) if is_phone else (("axis", "position"), ("view", "up")):
+        choice(stepramp, name, value).click()
+    page.locator("#add-axis").click()
+    choice(stepramp, "axes", "all").click()
+    until(lambda: stepramp.x_axis()["title"].startswith("time"))
+    if is_phone:
+        expect(page.get_by_label("Horizontal axis").locator("visible=true")).to_have_value("time")
+        expect(page.locator(".plot-title:visible b").first).to_have_text("Velocity")
+        expect(choice(stepramp, "plot", "velocity")).to_have_attribute("aria-pressed", "true")
+        expect(choice(stepramp, "plot", "error")).to_be_disabled()
+    else:
+        expect(choice(stepramp, "axis", "time")).to_have_attribute("aria-pressed", "true")
+        expect(choice(stepramp, "axis", "position")).to_have_attribute("aria-pressed", "false")
+        expect(choice(stepramp, "view", "whole")).to_have_attribute("aria-pressed", "true")
+    choice(stepramp, "axes", "one").click()
+    pressed = ("plot", "error") if is_phone else ("axis", "position")
+    expect(choice(stepramp, *pressed)).to_have_attribute("aria-pressed", "true")
+
+
 def test_all_axes_say_what_is_wrong_with_one_and_what_slows_a_line(stepramp: StepRampPage, watch: Watch) -> None:
     watch.expected.append(REFUSED_VALUE)
     page = stepramp.page

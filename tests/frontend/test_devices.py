@@ -1,5 +1,7 @@
 """What follows from the page's state of devices after some commands."""
 
+import pytest
+
 from designs import document
 from frontend.modules import Modules
 from frontend.state import DEVICE, OTHER, STATE, after
@@ -81,3 +83,23 @@ def test_a_running_move_lies_over_the_plots_of_its_own_axis_and_a_jog_over_none(
     assert after(modules, [heard(90), pushed(5)], look) == [90, 30]
     assert after(modules, [heard(90), pushed(7)], look) == [None, None]
     assert after(modules, [heard(None), pushed(5)], look) == [None, 30]
+
+
+@pytest.mark.parametrize(
+    ("steps", "played"),
+    [
+        ([], 0),
+        ([["device.chooseAxis", 1]], 1),
+        # What was pushed there is known better: axis 1 of the device plays the design of the first tab.
+        ([["device.chooseAxis", 1], ["device.pushed", "1", {"designs": [OTHER], "ids": [5], "toAxis": 1}]], 0),
+        ([["device.chooseAxis", 1], ["work.choose", 7], ["work.removeAxis", 7]], None),
+        ([["device.pushed", "1", {"designs": [OTHER], "ids": [99], "toAxis": 0}]], None),
+        ([["device.heard", [{**DEVICE, "state": "lost"}], {}]], None),
+    ],
+)
+def test_which_design_the_chosen_axis_of_a_device_plays(
+    modules: Modules, steps: list[list[object]], played: int | None
+) -> None:
+    two = {**DEVICE, "axes": [{"state": "ready"}, {"state": "ready"}]}
+    known: list[list[object]] = [["device.heard", [two], {}], *steps]
+    assert after(modules, known, "(state, {playedOf}) => playedOf(state)") == played

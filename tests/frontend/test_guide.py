@@ -47,10 +47,37 @@ def test_each_step_of_the_guide_is_undone_as_one(modules: Modules) -> None:
     end = made(modules, *typed)
     assert (end["past"], end["design"]["axis"]["microsteps"], end["design"]["axis"]["travel_per_rev"]) == (2, 32, 2)
     once = made(modules, *typed, ["work.undo"])["design"]
-    assert (once["ramp"], once["axis"]["microsteps"]) == (first["ramp"], 32)
+    # The motor goes on turning as before: twice the steps.
+    assert once["ramp"] == {**first["ramp"], "slew_speed_steps_per_s": 2000, "acceleration_steps_per_s2": 10_000}
+    assert once["axis"]["microsteps"] == 32
     assert made(modules, *typed, ["work.undo"], ["work.undo"])["design"] == first
     # What comes after the guide is a change by itself.
     assert made(modules, *typed, ["guide.closeGuide"], ["guide.answer", "move.steps", 7])["past"] == 3
+
+
+def limits_of(design: Any) -> list[float | str | None]:
+    return [*(value for name, value in design["ramp"].items() if name != "shape"), design["move"]["steps"]]
+
+
+def test_the_motor_turns_as_before_when_its_steps_become_others(modules: Modules) -> None:
+    def set_to(microsteps: object) -> list[object]:
+        return ["guide.answer", "axis.microsteps", microsteps]
+
+    speeds = {"base_speed_steps_per_s": 100, "slew_speed_steps_per_s": 1000, "acceleration_steps_per_s2": 5000}
+    design = document(axis=SCREW, ramp={**speeds, "deceleration_steps_per_s2": 8000}, move__steps=-2000)
+    assert limits_of(design) == [100, 1000, 5000, 8000, -2000]
+    # From 16 microsteps, digit by digit, with what is no number in between.
+    typed = [set_to(value) for value in (1, "", 3, 32)]
+    assert limits_of(made(modules, *typed, design=design)["design"]) == [200, 2000, 10_000, 16_000, -4000]
+    assert made(modules, *typed, set_to(16), design=design)["design"] == design
+    # 400 full steps of 8 microsteps are 3,200 a turn, too.
+    finer = {"name": "0.9", "help": "", "values": {"full_steps_per_rev": 400, "microsteps": 8, "travel_unit": "mm"}}
+    assert limits_of(made(modules, set_to(4), ["guide.setMotor", finer], design=design)["design"]) == limits_of(design)
+    # What is typed of the limits meanwhile is kept as well.
+    faster: list[object] = ["work.setValue", "ramp.slew_speed_steps_per_s", 1600, "type"]
+    assert limits_of(made(modules, set_to(8), faster, set_to(16), design=design)["design"])[1] == 3200
+    refused = {**design, "ramp": {**design["ramp"], "slew_speed_steps_per_s": "fast"}}
+    assert limits_of(made(modules, set_to(32), design=refused)["design"])[1:3] == ["fast", 10_000]
 
 
 def test_nothing_is_changed_by_skipping(modules: Modules) -> None:

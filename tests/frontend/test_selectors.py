@@ -78,6 +78,37 @@ def test_a_choice_that_can_not_be_shown_now_counts_again_whatever_else_is_looked
     assert after(modules, [*hidden, MEASURED], look) == "deviation"
 
 
+TABLE_TAB: list[object] = ["view.chooseTab", "table", True]
+DEVICE_TAB: list[object] = ["view.chooseTab", "device", True]
+
+
+@pytest.mark.parametrize(
+    ("meanwhile", "seen"),
+    [
+        ([], ["time", "up", "velocity", [2, 5]]),
+        ([["view.zoomTo", [1, 3]], ["view.wantPoints", [1, 9]]], ["time", "up", "velocity", [2, 5]]),
+        ([["work.choose", 7], ["work.choose", 5]], ["time", "up", "velocity", [2, 5]]),
+        # Who looks otherwise meanwhile has chosen what is seen then.
+        ([["view.look", {"only": "error"}]], ["step", "start", "error", None]),
+        ([["view.look", {"against": "position"}]], ["position", "start", "delay", None]),
+    ],
+)
+def test_after_the_table_the_plots_show_what_they_showed_before(
+    modules: Modules, meanwhile: list[list[object]], seen: list[object]
+) -> None:
+    look = """(state, {viewOf}) => (({against, part, only, zoom}) => [against, part, only, zoom])(viewOf(state))"""
+    before: list[list[object]] = [["view.look", VIEW], ["view.zoomTo", [2, 5]], TABLE_TAB]
+    assert after(modules, before, look) == ["step", "start", "delay", None]
+    assert after(modules, [*before, *meanwhile, DEVICE_TAB], look) == seen
+
+
+def test_a_document_that_is_opened_at_the_table_is_looked_at_as_the_one_before(modules: Modules) -> None:
+    look = "(state, {viewOf}) => [viewOf(state).against, viewOf(state).part, viewOf(state).only]"
+    opened: list[list[object]] = [["view.look", VIEW], TABLE_TAB, ["work.open", {"axes": [OTHER], "together": "line"}]]
+    assert after(modules, opened, look) == ["step", "start", "delay"]
+    assert after(modules, [*opened, DEVICE_TAB], look) == ["time", "up", "velocity"]
+
+
 def test_an_axis_has_no_answers_of_another(modules: Modules) -> None:
     refused = [{"field": "move.steps", "value": 1, "allowed": "more", "message": "no"}]
     script = f"""async ([design, refused]) => {{ {STATE}

@@ -3,12 +3,12 @@
 
 import { areEqual } from '../../model/equal.js';
 import { withValue } from '../../model/design.js';
-import { DRIVES, driveOf, withCarefulLimits, withDrive, withLongMove, withPlayer } from '../../model/guide.js';
+import { DRIVES, driveOf, withCarefulLimits, withDrive, withLongMove, withPlayer, withTurnsKept } from '../../model/guide.js';
 import { withPreset } from '../../model/presets.js';
 import { STEPS_AND_SECONDS } from '../../model/units.js';
 import { GUIDE_GESTURE, gestureEnded } from '../../model/workbench.js';
 import { editedInHand } from '../editing.js';
-import { designOf, isOwnWork } from '../selectors.js';
+import { axisOf, designOf, isOwnWork } from '../selectors.js';
 
 /** @typedef {import('../../model/types.js').Design} Design */
 /** @typedef {import('../../model/guide.js').Guide} Guide */
@@ -29,6 +29,22 @@ function answered(state, change) {
   return editedInHand(state, made, GUIDE_GESTURE + state.guide.step);
 }
 
+/** The same about the motor. What it turned when this step of the guide began it goes on turning, whatever its steps became
+ * meanwhile, digit by digit.
+ * @param {State} state @param {(design: Design) => Design} change @returns {State} */
+function answeredOfMotor(state, change) {
+  const before = designBefore(state);
+  return answered(state, (design) => (before === null ? change(design) : withTurnsKept(change(design), before)));
+}
+
+/** The design in hand as it was when the present step of the guide began to change it.
+ * @param {State} state @returns {Design | null} */
+function designBefore(state) {
+  const [axis, last] = [axisOf(state), state.history?.past.at(-1)];
+  const isUnderWay = state.history?.gesture === GUIDE_GESTURE + state.guide.step;
+  return (isUnderWay && last?.axes[last.ids.indexOf(axis ?? NaN)]) || designOf(state);
+}
+
 /** @param {State} state @returns {State} */
 const settled = (state) => (state.history === null ? state : { ...state, history: gestureEnded(state.history) });
 
@@ -44,9 +60,12 @@ export const closeGuide = (state) => (state.guide.isOpen ? guiding(settled(state
 /** @param {State} state @param {import('../../model/guide.js').GuideStep} step @returns {State} */
 export const goToStep = (state, step) => (state.guide.step === step ? state : guiding(settled(state), { step }));
 
+const OF_MOTOR = ['axis.full_steps_per_rev', 'axis.microsteps'];
+
 /** A number was typed.
  * @param {State} state @param {string} path @param {unknown} value @returns {State} */
-export const answer = (state, path, value) => answered(state, (design) => withValue(design, path, value));
+export const answer = (state, path, value) =>
+  (OF_MOTOR.includes(path) ? answeredOfMotor : answered)(state, (design) => withValue(design, path, value));
 
 /** What the motor drives; all is then shown in its units.
  * @param {State} state @param {import('../../model/guide.js').Drive} drive @returns {State} */
@@ -67,7 +86,7 @@ export function takeDrive(state) {
  * @param {State} state @param {import('../../model/presets.js').Preset} preset @returns {State} */
 export function setMotor(state, preset) {
   const drive = preset.values.travel_unit === 'mm' ? 'linear' : 'dial';
-  const next = answered(state, (design) => withPreset(design, 'axis', preset));
+  const next = answeredOfMotor(state, (design) => withPreset(design, 'axis', preset));
   return guiding({ ...next, units: DRIVES[drive].units }, { drive });
 }
 

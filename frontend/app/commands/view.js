@@ -18,13 +18,16 @@ function looked(state, wanted) {
  * @param {State} state @param {Partial<Omit<View, 'zoom' | 'range'>>} wanted @returns {State} */
 export function look(state, wanted) {
   const isElsewhere = 'against' in wanted || 'part' in wanted;
-  return looked(state, isElsewhere ? { ...wanted, zoom: null } : wanted);
+  // Who chooses while the table has its view goes on from that one, and keeps it.
+  const chosen = { ...state.tableView, ...wanted };
+  return looked({ ...state, tableView: null }, isElsewhere ? { ...chosen, zoom: null } : chosen);
 }
 
 /** @param {State} state @param {[number, number] | null} zoom null: all @returns {State} */
 export function zoomTo(state, zoom) {
   if (viewOf(state).zoom === zoom) return state;
-  return areAxesShown(state) ? { ...state, allZoom: zoom } : looked(state, { zoom });
+  if (areAxesShown(state)) return { ...state, allZoom: zoom };
+  return state.tableView ? { ...state, tableView: { ...state.tableView, zoom } } : looked(state, { zoom });
 }
 
 /** Finer points are wanted for a part of the move.
@@ -54,12 +57,14 @@ export function setUnits(state, units) {
 /** @param {State} state @param {import('../state.js').Theme} theme @returns {State} */
 export const setTheme = (state, theme) => (state.theme === theme ? state : { ...state, theme });
 
-/** The guide gives way to the panel. Where one plot at a time has room, the tab of the table shows the plot with its rows.
+/** @type {import('../state.js').TableView} */
+const ROWS_IN_SIGHT = { only: 'delay', against: 'step', part: 'start', zoom: null };
+
+/** The guide gives way to the panel. Where one plot at a time has room, the tab of the table shows the plot with its rows,
+ * and every other tab what was shown before.
  * @param {State} state @param {import('../state.js').Tab} tab @param {boolean} isNarrow @returns {State} */
 export function chooseTab(state, tab, isNarrow) {
-  const next = { ...closeGuide(state), tab };
-  if (tab !== 'table' || !isNarrow) return next;
-  return looked(next, { only: 'delay', against: 'step', part: 'start', zoom: null });
+  return { ...closeGuide(state), tab, tableView: tab === 'table' && isNarrow ? ROWS_IN_SIGHT : null };
 }
 
 /** @param {State} state @param {import('../../plotting/curves.js').Reading | null} reading @returns {State} */

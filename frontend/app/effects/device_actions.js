@@ -72,7 +72,8 @@ export function createDeviceActions({ state, dispatch }, gestures, traced, previ
         const ids = idsToPush(state());
         const report = await refusedAsPreview(api.push(device.id, { ...pushOf(designs, toAxis), mode }, gestures.begin(device)));
         if (report === null) return;
-        dispatch(pushed, device.id, { designs, ids, toAxis });
+        // Several go to the axes from the first on, whichever is chosen.
+        dispatch(pushed, device.id, { designs, ids, toAxis: designs.length === 1 ? toAxis : 0 });
         dispatch(
           announce,
           report.verified

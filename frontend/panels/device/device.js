@@ -2,7 +2,8 @@
 // The device: which one, what it does, and in sections what can be done with it.
 
 import { chooseAxis, chooseFamily, choosePort, chooseSection, refused as refuse, setTracing } from '../../app/commands/device.js';
-import { axesOffered, deviceAxisOf, deviceOf, portChoicesOf, portOf, situationOf } from '../../app/devices.js';
+import { axesOffered, deviceAxisOf, deviceOf, playedOf, portChoicesOf, portOf, situationOf } from '../../app/devices.js';
+import { machineOf } from '../../app/selectors.js';
 import { whenChanged, whenever } from '../../app/state.js';
 import { memory } from '../../documents/memory.js';
 import { closeButton, element, icon, messageLine, picker, segmented, showText } from '../../ui/dom.js';
@@ -83,6 +84,7 @@ export function createDevice(root, dispatch, act) {
   const live = createLive();
   const axisChoice = picker('Axis of the device', (value) => dispatch(chooseAxis, Number(value)));
   axisChoice.select.id = 'device-axis';
+  const otherDesign = element('p', { className: 'reason', id: 'other-design', role: 'status' });
   /** @type {Record<SectionName, Section>} */
   const sections = {
     push: createPushSection({
@@ -118,6 +120,7 @@ export function createDevice(root, dispatch, act) {
       limitsOffer,
       live.element,
       element('div', { className: 'line' }, tabs.element, axisChoice.element),
+      otherDesign,
       ...SECTIONS.map(([name]) => sections[name].element),
     ),
   );
@@ -203,6 +206,8 @@ export function createDevice(root, dispatch, act) {
       Array.from({ length: offered }, (_, index) => [String(index), `Axis ${index}`]),
       String(deviceAxisOf(now)),
     );
+    showText(otherDesign, offered < 2 ? '' : otherDesignText(now));
+    otherDesign.hidden = otherDesign.textContent === '';
   }
 
   /** @param {State} shown @param {Situation} now */
@@ -287,6 +292,16 @@ export function createDevice(root, dispatch, act) {
       for (const show of shows) show(now);
     },
   };
+}
+
+/** That what is designed is not what the chosen axis plays; '' where it is. The choice doesn't follow the tabs: looking at
+ * another design must not change which motor a button moves.
+ * @param {State} state */
+function otherDesignText(state) {
+  const [machine, played] = [machineOf(state), playedOf(state)];
+  if (machine === null || played === null || played === machine.active) return '';
+  const tab = (/** @type {number} */ place) => `tab ${place}, ${machine.axes[place].name || 'unnamed'}`;
+  return `Axis ${deviceAxisOf(state)} plays the design of ${tab(played)}. The one in hand is ${tab(machine.active)}.`;
 }
 
 /** The families that a controller at the port in view may be of.

@@ -5,7 +5,7 @@ import { answer, setDrive, setMotor } from '../../app/commands/guide.js';
 import { designOf, messagesOf } from '../../app/selectors.js';
 import { DRIVES, driveOf } from '../../model/guide.js';
 import { PRESETS, presetOf } from '../../model/presets.js';
-import { element, picker } from '../../ui/dom.js';
+import { element, messageLine, picker } from '../../ui/dom.js';
 import { createChoices } from './choices.js';
 import { createGuideNumber } from './number.js';
 
@@ -13,6 +13,9 @@ import { createGuideNumber } from './number.js';
 
 const TRAVEL = 'axis.travel_per_rev';
 const OWN = 'Another one';
+/** The motor is to turn as before, and may need more steps a second for it than there can be: refused, or too fast for the
+ * controller. */
+const REFUSED = { text: 'With these steps the limits are refused: the next step says what is allowed.', isWarning: false };
 /** How the way of a turn is asked for.
  * @type {Record<Drive, Partial<import('./number.js').Manner> & {hint: string} | null>} */
 const TRAVELS = {
@@ -32,7 +35,8 @@ export function createMotorStep(dispatch) {
   motors.select.id = 'guide-motors';
   const about = element('p', { className: 'guide-hint' });
   const steps = createGuideNumber('axis.full_steps_per_rev', 'On its label or data sheet: 1.8° is 200, 0.9° is 400.', onAnswer);
-  const microsteps = createGuideNumber('axis.microsteps', 'As the driver’s jumpers are set: 1, 2, 4, 8, 16 …', onAnswer);
+  const microsteps = createGuideNumber('axis.microsteps', 'As the driver’s jumpers are set: 1, 2, 4, 8, 16 … The motor goes on turning as fast and as far.', onAnswer);
+  const refused = element('div', { id: 'guide-refused', role: 'status' });
   const drives = createChoices(
     'guide-drive',
     'What does it drive?',
@@ -53,6 +57,7 @@ export function createMotorStep(dispatch) {
       about,
       steps.element,
       microsteps.element,
+      refused,
       drives.element,
       ...travels.map(({ number }) => number.element),
     ),
@@ -67,6 +72,9 @@ export function createMotorStep(dispatch) {
       about.textContent = preset?.help ?? '';
       steps.show(design, state.units, fields);
       microsteps.show(design, state.units, fields);
+      const areRefused = [...fields].some(([path, { isWarning }]) => path.startsWith('ramp.') && !isWarning);
+      const message = areRefused ? REFUSED : [...fields].find(([path]) => path.startsWith('timer.'))?.[1];
+      if (refused.textContent !== (message?.text ?? '')) refused.replaceChildren(...(message ? [messageLine(message)] : []));
       const drive = driveOf(design, state.guide.drive);
       drives.press(drive);
       for (const { drive: of, told, number } of travels) {

@@ -55,6 +55,7 @@ export function createOverlay(tools) {
     icon('warning'),
     element('span', {}, reason, remedy),
   );
+  const awaited = element('p', { className: 'awaited-note', role: 'status', hidden: true, textContent: 'Computing…' });
   let shownPhases = '';
   drawing.append(run, cursor, dot);
 
@@ -112,7 +113,7 @@ export function createOverlay(tools) {
   }
 
   return {
-    elements: [...titles.map((title) => title.element), phases, drawing, tooltip, note],
+    elements: [...titles.map((title) => title.element), phases, drawing, tooltip, note, awaited],
     place,
     clear,
     /** @param {Frame} frame @param {Reading} at @param {MethodName} active @param {ReadonlySet<MethodName>} shown
@@ -162,9 +163,11 @@ export function createOverlay(tools) {
       dot.setAttribute('cx', String(x));
       dot.setAttribute('cy', String(yPixel(velocity, Math.max(low, Math.min(at.speed, high)))));
     },
-    /** @param {import('../../app/state.js').Answers['staleness']} staleness @param {boolean} areDrawn whether there are curves */
+    /** @param {import('../../model/types.js').Staleness} staleness @param {boolean} areDrawn whether there are curves */
     showStale(staleness, areDrawn) {
-      note.hidden = staleness === null;
+      const isAwaited = staleness === 'awaited';
+      awaited.hidden = !isAwaited || areDrawn;
+      note.hidden = staleness === null || isAwaited;
       note.classList.toggle('alone', !areDrawn);
       remedy.classList.toggle('not-short', areDrawn);
       const words = staleness === 'unanswered' ? 'Earlier values' : 'Last valid values';

@@ -60,6 +60,9 @@ const SETTLED_AFTER_MS = 150;
 // Finer points are asked for when fewer than one in so many of those that were asked for is in view.
 const COARSEST_SHARE = 4;
 
+// An A4 page across within the margins of print.css is 273 mm × 186 mm [px]; legend and figures have their room on it, too.
+const PAPER = { width: 1031, height: 500 };
+
 /** @type {(names: MethodName[]) => ReadonlySet<MethodName>} */
 const setOf = remembering((names) => new Set(names));
 
@@ -89,6 +92,7 @@ export function createPlots(root, dispatch) {
   let awaitedFrame = 0;
   /** The room for the plots [px]; none: they can't be seen. */
   let size = { width: 0, height: 0 };
+  let isPrinting = false;
   let settling = 0;
   /** The frame whose ranges stay while a point is dragged.
    * @type {Frame | null} */
@@ -163,6 +167,12 @@ export function createPlots(root, dispatch) {
     redraw();
   }).observe(scope);
   ONE_PLOT.addEventListener('change', redraw);
+  // Paper has another width than the window. It is laid out as soon as this is over: no frame comes before.
+  for (const name of ['beforeprint', 'afterprint'])
+    addEventListener(name, () => {
+      isPrinting = name === 'beforeprint';
+      draw();
+    });
   painter.load().then((isThere) => {
     if (isThere) redraw();
     else
@@ -227,8 +237,8 @@ export function createPlots(root, dispatch) {
       answer,
       curves,
       shown,
-      size,
-      compact: ONE_PLOT.matches,
+      size: isPrinting ? PAPER : size,
+      compact: ONE_PLOT.matches && !isPrinting,
       ...look,
       ...holding,
       ...firmly,
@@ -434,7 +444,7 @@ export function createPlots(root, dispatch) {
         root.classList.toggle('stale', staleness !== null && !(isAwaited && areAllShown));
         root.classList.toggle('awaited', isAwaited);
         root.classList.toggle('blank', isEmpty && !areAllShown);
-        overlay.showStale(isAwaited ? null : staleness, !isEmpty);
+        overlay.showStale(staleness, !isEmpty || areAllShown);
       },
     ),
   ];

@@ -2,7 +2,7 @@
 // The bar over the plots: what they are drawn against, which part of the move, what is pinned to compare with, and on a
 // phone which plot.
 
-import { PLOTS } from '../../plotting/plots.js';
+import { onePlot, PLOTS, plotsThere } from '../../plotting/plots.js';
 import { element, icon, picker, segmented } from '../../ui/dom.js';
 
 /** @typedef {import('../../plotting/curves.js').PlotAxis} PlotAxis */
@@ -22,6 +22,9 @@ const VIEWS = [
   ['up', 'Up'],
   ['down', 'Down'],
 ];
+/** How all axes are drawn, whatever was chosen for one.
+ * @type {[PlotAxis, ViewName]} */
+const ALL_AXES = ['time', 'whole'];
 /** @type {[PlotName, string][]} */
 const PLOT_CHOICES = PLOTS.map(({ name, label }) => [name, label]);
 
@@ -58,15 +61,18 @@ export function createViewBar({ onPlotAxis, onView, onPlot, onPin, onUnpin, onCa
       element('span', { className: 'keeping' }, capture, unpin, pin),
     ),
     /** @param {{against: PlotAxis, view: ViewName, only: PlotName, areAxesShown: boolean}} present */
-    show(present) {
-      plotAxis.press(present.against);
-      view.press(present.view);
-      plot.press(present.only);
-      plotAxisPicker.offer(AXES, present.against);
-      viewPicker.offer(VIEWS, present.view);
-      // All axes have only their time in common.
+    show({ against, view: part, only, areAxesShown }) {
+      // All axes have only their time in common, and all of it is drawn.
+      const [drawnAgainst, drawnPart] = areAxesShown ? ALL_AXES : [against, part];
+      plotAxis.press(drawnAgainst);
+      view.press(drawnPart);
+      plot.press(onePlot(only, areAxesShown));
+      plotAxisPicker.offer(AXES, drawnAgainst);
+      viewPicker.offer(VIEWS, drawnPart);
       for (const choice of [...plotAxis.element.children, ...view.element.children, plotAxisPicker.select, viewPicker.select])
-        /** @type {HTMLButtonElement} */ (choice).disabled = present.areAxesShown;
+        /** @type {HTMLButtonElement} */ (choice).disabled = areAxesShown;
+      const there = plotsThere(areAxesShown).map(({ name }) => name);
+      for (const choice of plot.element.querySelectorAll('button')) choice.disabled = !there.includes(choice.dataset.value ?? '');
     },
     /** @param {boolean} isPinned */
     showPinned(isPinned) {
