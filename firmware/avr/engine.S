@@ -68,7 +68,7 @@ engine_extra_width:                          /* of pulses, when WIDE is set [8 c
 /* ---- loading a segment ---- */
 
 /* A function: ends the pulse and loads the axis' next segment. Sets the T flag when there is none: then the axis is
- * parked. 77 cycles with its call. Uses r24 to r27. */
+ * parked. 76 cycles with its call. Uses r24 to r27. */
 .macro LOAD_FUNCTION axis, pins
 load_\axis:
 	lds  r26, TCNT1L                     /* always so long after the edge: what is traced */
@@ -92,8 +92,11 @@ load_\axis:
 	sts  engine_end_masks + \axis, r24
 	ld   r24, Z+
 	out  \pins, r24                      /* the direction turns */
+.if \axis & 1                           /* around, within a half of 256 bytes */
+	ori  r30, QUEUE_BYTES
+.else
 	andi r30, QUEUE_BYTES - 1
-	ori  r30, lo8(QUEUE(\axis))
+.endif
 	sts  PLAYER(\axis, TAIL), r30
 	clt
 	pop  r31
