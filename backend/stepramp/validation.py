@@ -42,7 +42,7 @@ class Document(BaseModel):
     @classmethod
     def _unknown_fields(cls, document: object) -> object:
         """Have unknown fields say which ones there are; count the many: an error for each of 100,000 takes a second."""
-        if not isinstance(document, dict):
+        if not isinstance(document, dict) or cls.model_config.get("extra") != "forbid":
             return document
         fields = {field.alias or name: field for name, field in cls.model_fields.items()}
         unknown = [name for name in document if name not in fields]

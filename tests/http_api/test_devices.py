@@ -239,20 +239,23 @@ def test_settings(client: TestClient, device: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("body", "field"),
+    ("body", "field", "value"),
     [
-        ({"pulse_width_us": 101}, "pulse_width_us"),
-        ({"outputs": "relays"}, "outputs"),
-        ({"step_inverted": [4]}, "step_inverted.0"),
-        ({"step_inverted": None}, "step_inverted"),
-        ({"enable_level": True}, "enable_level"),
-        ({"pulse": 1}, "pulse"),
-        ({"name": 1}, "name"),
+        ({"pulse_width_us": 101}, "pulse_width_us", 101),
+        ({"pulse_width_us": 101, "enable_lead_ms": 1}, "pulse_width_us", 101),
+        ({"outputs": "relays"}, "outputs", "relays"),
+        ({"step_inverted": [4]}, "step_inverted.0", 4),
+        ({"step_inverted": None}, "step_inverted", None),
+        ({"enable_level": True}, "enable_level", True),
+        ({"pulse": 1}, "pulse", 1),
+        ({"name": 1}, "name", 1),
     ],
 )
-def test_settings_that_cant_be(client: TestClient, device: str, body: dict[str, Any], field: str) -> None:
+def test_settings_that_cant_be(
+    client: TestClient, device: str, body: dict[str, Any], field: str, value: object
+) -> None:
     error = error_of(client.put(f"{device}/settings", json=body), 422)
-    assert error["field"] == field
+    assert (error["field"], error["value"]) == (field, value)
     assert error["allowed"]
 
 
