@@ -1,10 +1,11 @@
 """Frames: COBS(message ‖ CRC-16) and a zero byte, as in docs/serial_protocol.md.
 
-COBS is Cheshire and Baker, "Consistent Overhead Byte Stuffing", 1999. Frames here are far shorter than the 254 bytes
-after which COBS would need a second kind of block.
+COBS is Cheshire and Baker, "Consistent Overhead Byte Stuffing", 1999.
 """
 
 import binascii
+
+from cobs import cobs  # type: ignore[import-untyped]
 
 LONGEST_FRAME = 60
 """Length of the longest frame, its zero included [bytes]."""
@@ -25,24 +26,17 @@ def encode_frame(message: bytes) -> bytes:
     if len(message) > LONGEST_MESSAGE:
         raise ValueError(f"A message of {len(message)} bytes; allowed: at most {LONGEST_MESSAGE}.")
     checked = message + crc16(message).to_bytes(2, "little")
-    # Each block says where the next zero would stand, and leaves it out.
-    return b"".join(bytes([len(block) + 1]) + block for block in checked.split(b"\0")) + b"\0"
+    return bytes(cobs.encode(checked)) + b"\0"
 
 
 def decode_frame(frame: bytes) -> bytes | None:
     """Return the message of a frame, given without its zero; None for what isn't a frame."""
     if not 0 < len(frame) < LONGEST_FRAME:
         return None
-    blocks = []
-    at = 0
-    while at < len(frame):
-        length = frame[at]
-        block = frame[at + 1 : at + length]
-        if len(block) != length - 1 or 0 in block:
-            return None
-        blocks.append(block)
-        at += length
-    checked = b"\0".join(blocks)
+    try:
+        checked = bytes(cobs.decode(frame))
+    except cobs.DecodeError:
+        return None
     message, crc = checked[:-2], checked[-2:]
     return message if len(crc) == 2 and crc16(message) == int.from_bytes(crc, "little") else None
 
