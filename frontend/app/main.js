@@ -61,7 +61,6 @@ saveByItself(store, tab.id);
 
 const gestures = createGestures();
 const jog = createJog(gestures, (rejections) => dispatch(refused, rejections));
-/** @type {Set<string>} */
 /** @type {Map<string, import('./state.js').MoveOf>} */
 const traced = new Map();
 
