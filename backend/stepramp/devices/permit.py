@@ -13,7 +13,7 @@ class LetGo(Refused):
     """The lease that it was to run on has run out, or was ended, before it had set out."""
 
     def __init__(self) -> None:
-        super().__init__("It was let go before it began.")
+        super().__init__("It was let go, or not told to go on in time, before it began.")
 
 
 class Permit:
