@@ -133,13 +133,16 @@ def _refuse_runaway(design: Design, ramp: RealRamp) -> None:
 def _rounded(design: Design, real: RealRamp) -> Ramp:
     """Return the ramp in whole ticks. Raises Rejected when an interval comes to 0 ticks."""
     ramp = rounded(real, design.method.rounding)
-    _refuse_less_than_a_tick(design, ramp.up, np.array([ramp.slew]), ramp.down)
+    if ramp.slew < 1:
+        raise Rejected(_less_than_a_tick(design))
+    _refuse_less_than_a_tick(design, ramp.up, ramp.down)
     return ramp
 
 
 def _refuse_less_than_a_tick(design: Design, *lists: NDArray[Any]) -> None:
-    if any(intervals.size and intervals.min() < 1 for intervals in lists):
-        raise Rejected(_less_than_a_tick(design))
+    for intervals in lists:
+        if intervals.size and intervals.min() < 1:
+            raise Rejected(_less_than_a_tick(design))
 
 
 def _less_than_a_tick(design: Design) -> list[Rejection]:

@@ -115,7 +115,7 @@ def _short_move(design: Design, plan: Plan) -> list[TimerWarning]:
 def _no_ramp(design: Design, plan: Plan) -> list[TimerWarning]:
     """Warn of a side that has no step, by (16): one would be more than leads from the base to the slew speed."""
     base, slew = design.ramp.base_speed_steps_per_s, design.ramp.slew_speed_steps_per_s
-    if design.method.plays_table or base == slew:
+    if (plan.ramp.up.size and plan.ramp.down.size) or design.method.plays_table or base == slew:
         return []
     warnings = []
     for field, slope, side in zip(SIDES, slopes_of(design), (plan.ramp.up, plan.ramp.down), strict=True):

@@ -15,7 +15,9 @@ def slopes_of(design: Design) -> tuple[Slope, Slope]:
     """Return the ramp up and the ramp down of a design's ramp."""
     ramp, shape = design.ramp, SHAPES[design.ramp.shape.name]
     speeds = design.timer.frequency_hz, ramp.base_speed_steps_per_s, ramp.slew_speed_steps_per_s
-    return shape(*speeds, ramp.acceleration_steps_per_s2), shape(*speeds, ramp.slowdown_steps_per_s2)
+    up = shape(*speeds, ramp.acceleration_steps_per_s2)
+    is_mirrored = ramp.slowdown_steps_per_s2 == ramp.acceleration_steps_per_s2
+    return up, up if is_mirrored else shape(*speeds, ramp.slowdown_steps_per_s2)
 
 
 def constant_slopes_of(design: Design) -> tuple[ConstantAcceleration, ConstantAcceleration] | None:
