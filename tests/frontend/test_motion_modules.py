@@ -74,7 +74,8 @@ def test_what_moved_when_the_server_ended_is_told_until_it_says_itself_what_it_d
     script = """async (happens) => { const {createEnded} = await import('/devices/ended.js');
         const ended = createEnded(({port}) => port !== 'virtual');
         return happens.map(([way, devices]) => { ended[way](devices); return ended.words(); }); }"""
-    board = {"id": "1", "name": "Board", "port": "/dev/ttyACM0", "state": "moving", "axes": [{}]}
+    here = {"position_steps": 7, "target_steps": 7}
+    board = {"id": "1", "name": "Board", "port": "/dev/ttyACM0", "state": "moving", "axes": [here]}
     words = (
         "Board (/dev/ttyACM0) was moving when the server ended, and may still move: stop it once it is connected "
         "again, or cut the motor’s power."
@@ -83,8 +84,12 @@ def test_what_moved_when_the_server_ended_is_told_until_it_says_itself_what_it_d
     happens = [["leave", [board]], ["follow", []], ["follow", connecting], ["leave", connecting], ["follow", [board]]]
     assert modules.evaluate(script, happens) == [words, words, words, words, ""]
     # The simulated one ended with its server, and what was at rest stays there.
-    others = [board | {"port": "virtual"}, board | {"state": "ready"}]
+    others = [board | {"port": "virtual"}, board | {"state": "ready"}, board | {"state": "lost"}]
     assert modules.evaluate(script, [["leave", others]]) == [""]
+    # What was lost on its way is no less on its way when the server ends too.
+    on_its_way = board | {"state": "lost", "axes": [here, here | {"target_steps": 900}]}
+    lost = words.replace("the server ended", "it was lost")
+    assert modules.evaluate(script, [["leave", [on_its_way]], ["follow", [on_its_way | {"axes": []}]]]) == [lost, lost]
 
 
 def test_soft_limits_are_remembered_by_port_and_axis(modules: Modules) -> None:
