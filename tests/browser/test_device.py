@@ -94,15 +94,24 @@ def test_there_and_back(pushed: StepRampPage) -> None:
     page.locator("#move-times").fill("2")
     page.locator("#move-pause").fill("0.1")
     page.locator("#move").click()
-    expect(page.locator("#move-shuttle")).to_contain_text("of 2 done")
+    expect(page.locator("#live-shuttle")).to_contain_text("of 2 done")
     until(lambda: device_of(pushed)["target_steps"] == 60)
     until(lambda: device_of(pushed)["shuttle"] is None)
     expect(pushed.position).to_have_text("0")
     page.locator("#move-pause").fill("30")
     page.locator("#move").click()
     expect(pushed.position).to_have_text("60")
+    # It moves again by itself: nothing on the page says that it is ready.
+    for pill in (page.locator("#device-pill"), pushed.state):
+        expect(pill).to_contain_text("pausing")
+    for section in ("push", "jog", "trace"):
+        pushed.device_section(section)
+        expect(page.locator("#live-shuttle")).to_contain_text(
+            "It sets out again by itself, 30 s after it came to rest."
+        )
     page.keyboard.press("Escape")
-    expect(page.locator("#move-shuttle")).to_be_hidden()
+    expect(page.locator("#live-shuttle")).to_be_hidden()
+    expect(pushed.state).to_have_text("ready")
     assert device_of(pushed)["position_steps"] == 60, "a stop ends it in a pause, too"
 
 
