@@ -400,7 +400,14 @@ def test_what_is_refused_stands_at_its_field_in_its_unit(pushed: StepRampPage, w
     page.locator('.panel.device [data-value="back"]').click()
     assert refused("#move-times", "0", "#move").startswith("Times is 0; allowed: a whole number from 1 to 10,000")
     page.locator("#move-times").fill("1")
+    expect(page.locator("#move-times-message")).to_have_count(0)
     assert refused("#move-pause", "-1", "#move").startswith("The pause is -1; allowed: a number from 0 to 3,600 s")
+    # It was said of what stood there, not of what stands there now, nor of what is typed elsewhere.
+    page.locator("#move-times").fill("2")
+    expect(page.locator("#move-pause")).to_have_attribute("aria-invalid", "true")
+    page.locator("#move-pause").fill("1")
+    expect(page.locator("#move-pause-message")).to_have_count(0)
+    expect(page.locator("#move-pause")).to_have_attribute("aria-invalid", "false")
 
 
 def test_a_line_that_is_refused_says_for_which_axis(stepramp: StepRampPage, watch: Watch) -> None:

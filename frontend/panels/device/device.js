@@ -14,6 +14,7 @@ import { limitsText } from './limits.js';
 import { createLive } from './live.js';
 import { createMoveSection } from './move_section.js';
 import { createPushSection } from './push_section.js';
+import { withoutThatOf } from './refusal.js';
 import { createSettingsDialog } from './settings_dialog.js';
 import { createTraceSection } from './trace_section.js';
 
@@ -125,6 +126,12 @@ export function createDevice(root, dispatch, act) {
       ...SECTIONS.map(([name]) => sections[name].element),
     ),
   );
+
+  root.addEventListener('input', ({ target }) => {
+    const told = state?.devices.rejections ?? [];
+    const left = withoutThatOf(target, told);
+    if (left !== told) dispatch(refuse, left);
+  });
 
   const device = () => state && deviceOf(state);
 
