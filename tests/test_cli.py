@@ -85,8 +85,17 @@ def test_a_design_is_exported_to_a_file(tmp_path: Path) -> None:
     ("words", "message"),
     [
         (["pdf", "design.json", "-"], "format is 'pdf'; allowed: c_table, c_table_progmem"),
-        (["csv", "absent.json", "-"], "design is 'absent.json'; allowed: a file with a design document"),
-        (["csv", "text.json", "-"], "design is 'text.json'; allowed: a file with a design document"),
+        (["csv", "absent.json", "-"], "design is 'absent.json'; allowed: a file with a design document (No such"),
+        (
+            ["csv", "text.json", "-"],
+            "design is 'text.json'; allowed: a file with a design document (it is no JSON: line 1",
+        ),
+        (
+            ["csv", "wide.json", "-"],
+            "design is 'wide.json'; allowed: a file with a design document (it is no text in UTF",
+        ),
+        (["csv", "empty.json", "-"], "design is 'empty.json'; allowed: a file with a design document (it is empty)."),
+        (["csv", "design.json", "."], "file is '.'; allowed: a file that can be written (Is a directory)."),
         (["csv", "twice.json", "-"], "name is ['A', 'B']; allowed: one value, given once."),
         (["csv", "wrong.json", "-"], "timer.frequency_hz is 0; allowed: a number from 1,000"),
         (["csv", "design.json", "absent/steps.csv"], "file is 'absent/steps.csv'; allowed: a file that can be written"),
@@ -98,6 +107,8 @@ def test_what_can_t_be_exported_is_told(
     monkeypatch.chdir(tmp_path)
     Path("design.json").write_text(json.dumps(document()))
     Path("text.json").write_text("not JSON")
+    Path("wide.json").write_text("{}", encoding="utf-16")
+    Path("empty.json").write_text("\n")
     Path("twice.json").write_text('{"name": "A", "name": "B"}')
     Path("wrong.json").write_text(json.dumps(document(timer__frequency_hz=0)))
     assert main(["export", *words]) == 2

@@ -2,6 +2,7 @@
 
 import argparse
 import gc
+import json
 import logging
 import os
 import socket
@@ -73,7 +74,7 @@ def export_design(format_name: str, source: str, target: str) -> None:
     except (OSError, ValueError) as error:
         if isinstance(error, Rejected):
             raise
-        raise Rejected([Rejection("design", source, f"a file with a design document ({error})")]) from None
+        raise Rejected([Rejection("design", source, f"a file with a design document ({_why(error)})")]) from None
     made = export(design, format_name, Options())
     try:
         if target == "-":
@@ -81,7 +82,16 @@ def export_design(format_name: str, source: str, target: str) -> None:
         else:
             Path(target).write_bytes(made.content)
     except OSError as error:
-        raise Rejected([Rejection("file", target, f"a file that can be written ({error})")]) from None
+        raise Rejected([Rejection("file", target, f"a file that can be written ({_why(error)})")]) from None
+
+
+def _why(error: OSError | ValueError) -> str:
+    """Return why a file can't be read or written, in words without the program's own."""
+    if isinstance(error, UnicodeDecodeError):
+        return "it is no text in UTF-8"
+    if isinstance(error, json.JSONDecodeError):
+        return f"it is no JSON: line {error.lineno:,}, column {error.colno:,}" if error.doc.strip() else "it is empty"
+    return (error.strerror if isinstance(error, OSError) else None) or str(error)
 
 
 def port_number(text: str) -> int:

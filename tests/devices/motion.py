@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 
 from stepramp.controllers.contract import AxisCommand
 from stepramp.devices.device import Device
@@ -17,7 +18,11 @@ def by_steps(*steps: int) -> list[AxisCommand]:
 
 
 def wait_for(device: Device, state: DeviceState) -> None:
+    wait_until(lambda: device.view.state is state, device)
+
+
+def wait_until(condition: Callable[[], bool], device: Device) -> None:
     deadline = time.monotonic() + PATIENCE_S
-    while device.view.state is not state:
+    while not condition():
         assert time.monotonic() < deadline, f"still {device.view}"
         time.sleep(0.005)

@@ -12,7 +12,7 @@ from controllers.usb_board import Cable, UsbBoard
 from designs import design
 from devices.bench import push, worker_of
 from devices.boards import UnpluggedAt
-from devices.motion import LONG_MOVE, PATIENCE_S, by_steps, wait_for
+from devices.motion import LONG_MOVE, by_steps, wait_for, wait_until
 from stepramp.controllers.contract import AxisCommand
 from stepramp.controllers.stepramp.messages.motion import MoveByRequest
 from stepramp.controllers.stepramp.messages.ramps import CommitRequest, DataRequest
@@ -76,7 +76,6 @@ def test_unplugging(devices: Devices, port: str, unplug: Callable[[UsbBoard, Dev
         wait_for(device, DeviceState.LOST)
     assert device.view.message is not None
     assert board.port in device.view.message
-    assert device.view.speed_steps_per_s == 0
     for refused in (lambda: device.push([design()]), lambda: device.move_by(by_steps(1)), device.stop, device.halt):
         with pytest.raises(DeviceLost):
             refused()
@@ -106,9 +105,12 @@ def test_what_was_unplugged_is_connected_again_by_itself_and_nothing_moves(devic
     device = devices.connect(str(cable.port))
     device.push([design()])
     device.move_by(by_steps(LONG_MOVE))
-    time.sleep(0.3)
+    wait_until(lambda: device.view.speed_steps_per_s > 0, device)
     cable.unplug()
     wait_for(device, DeviceState.LOST)
+    # Nobody has seen it come to rest.
+    assert device.view.speed_steps_per_s > 0
+    assert device.view.axes[0].speed_steps_per_s == device.view.speed_steps_per_s
     assert "Axis 0 was moving, last heard of at" in (device.view.message or "")
     assert device.view.unknown_positions == (0,)
     cable.plug_in()
@@ -133,10 +135,7 @@ def test_what_runs_for_nobody_once_it_is_connected_again_slows_down(
     cable.plug_in(is_reset=False)
     devices.connect(str(cable.port))
     assert device.view.axes[0].state is DeviceState.STOPPING
-    deadline = time.monotonic() + PATIENCE_S
-    while device.view.axes[0].state is not DeviceState.READY:
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
+    wait_until(lambda: device.view.axes[0].state is DeviceState.READY, device)
     # A move has an end of its own: it goes on to it.
     assert device.view.axes[1].state is DeviceState.MOVING
     assert device.view.axes[1].target_steps == LONG_MOVE

@@ -118,7 +118,7 @@ class Motions:
 
 
 def _told(commands: Sequence[AxisCommand]) -> str:
-    return ", ".join(f"{each.value:g} (axis {each.axis})" for each in commands)
+    return ", ".join(f"{each.value:.15g} (axis {each.axis})" for each in commands)
 
 
 def _axes_of(commands: Sequence[AxisCommand]) -> list[int]:

@@ -38,7 +38,7 @@ class ToAndFro:
             refuse_there_and_back(self._view.now, leg)
             controller.move_by([leg])
 
-        what = f"go there and back by {leg.value:g} (axis {leg.axis})"
+        what = f"go there and back by {leg.value:.15g} (axis {leg.axis})"
         self._setting_out.begin(
             what, [shuttle.axis], begin, shuttle.request_number, then=lambda: self._show_leg(shuttle)
         )

@@ -157,13 +157,12 @@ class DeviceView:
         return replace(self, unknown_positions=tuple(axis for axis in self.unknown_positions if axis not in axes))
 
     def lost(self, message: str) -> "DeviceView":
-        """Return the device as it is once its controller is no longer there."""
-        axes = tuple(replace(axis, state=DeviceState.LOST, speed_steps_per_s=0.0) for axis in self.axes)
+        """Return the device as it is once its controller is no longer there: what it said last stays, and its age."""
+        axes = tuple(replace(axis, state=DeviceState.LOST) for axis in self.axes)
         return replace(
             self,
             state=DeviceState.LOST,
             message=" ".join((message, *self._midst())),
-            speed_steps_per_s=0.0,
             axes=axes,
             unknown_positions=tuple(sorted({*self.unknown_positions, *(axis.axis for axis in self.axes)})),
             progress=None,

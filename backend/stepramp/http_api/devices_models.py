@@ -192,7 +192,10 @@ class AxisAnswer(Answer):
         description="Where it will come to rest; its position as long as it runs at a speed, and right after a stop "
         "until the controller has said where [steps]"
     )
-    speed_steps_per_s: float = Field(description="How fast it moves, without sign [steps/s]")
+    speed_steps_per_s: float = Field(
+        description="How fast it moves, without sign; of what is lost, how fast it did when it was last heard of "
+        "[steps/s]"
+    )
     steps_made: int = Field(description="Steps since it last set out from rest [steps]")
     lowest_steps: int | None = Field(description="Soft limit: the lowest position; null for none [steps]")
     highest_steps: int | None = Field(description="Soft limit: the highest position; null for none [steps]")
@@ -219,9 +222,15 @@ class DeviceAnswer(Answer):
         "connected again when it comes back"
     )
     message: str | None = Field(description="Why it is lost, or what keeps its motors from being moved")
-    position_steps: int = Field(description="Where the motor of axis 0 is [steps]")
+    position_steps: int = Field(
+        description="Where the motor of axis 0 is; of what is lost, where it was when it was last heard of, which is "
+        "age_s ago; 0 while age_s is null [steps]"
+    )
     target_steps: int = Field(description="Where axis 0 will come to rest, as in axes [steps]")
-    speed_steps_per_s: float = Field(description="How fast axis 0 moves, without sign [steps/s]")
+    speed_steps_per_s: float = Field(
+        description="How fast axis 0 moves, without sign; of what is lost, how fast it did when it was last heard of "
+        "[steps/s]"
+    )
     axes: list[AxisAnswer] = Field(description="All axes that have a ramp; axis 0 in any case, once connected")
     most_axes: int | None = Field(
         description="How many axes it can have; a push to one beyond is refused. null until it is connected"

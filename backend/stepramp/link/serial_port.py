@@ -73,6 +73,7 @@ class SerialPort:
         self.name = port
         self._before_write = before_write
         self._is_tty = "://" not in port
+        self._is_far_away = port.startswith(("socket://", "rfc2217://"))
         with self._failure_told():
             self._serial = serial.serial_for_url(port, do_not_open=True, timeout=_READ_SLICE_S)
             self._serial.baudrate = baud_rate
@@ -86,7 +87,7 @@ class SerialPort:
         """Send bytes; DeviceLost when the port is gone or takes no more for a second."""
         self._before_write()
         _log_bytes(self.name, "sent", data)
-        with self._loss_told("is gone"):
+        with self._loss_told():
             self._serial.write(data)
 
     def read(self, timeout_s: float) -> bytes:
@@ -95,7 +96,7 @@ class SerialPort:
         Raises DeviceLost when the port is gone.
         """
         deadline = monotonic() + timeout_s
-        with self._loss_told("is gone"):
+        with self._loss_told():
             while True:
                 data: bytes = self._serial.read(max(1, self._serial.in_waiting))
                 if data or monotonic() >= deadline:
@@ -104,7 +105,7 @@ class SerialPort:
 
     def pending(self) -> bytes:
         """Return what has come in by now, without waiting; DeviceLost when the port is gone."""
-        with self._loss_told("is gone"):
+        with self._loss_told():
             waiting = self._serial.in_waiting
             data: bytes = self._serial.read(waiting) if waiting else b""
             _log_bytes(self.name, "received", data)
@@ -112,9 +113,9 @@ class SerialPort:
 
     def close(self) -> None:
         """Close the port; never raises, since it may be gone already."""
-        with contextlib.suppress(DeviceLost), self._loss_told("is gone"):
+        with contextlib.suppress(DeviceLost), self._loss_told():
             self._hold_alone(False)
-        with contextlib.suppress(DeviceLost), self._loss_told("is gone"):
+        with contextlib.suppress(DeviceLost), self._loss_told():
             self._serial.close()
 
     def _hold_alone(self, alone: bool) -> None:
@@ -135,11 +136,15 @@ class SerialPort:
             raise Rejected([Rejection("port", self.name, f"a port that can be opened ({error})")]) from error
 
     @contextlib.contextmanager
-    def _loss_told(self, what: str) -> Iterator[None]:
+    def _loss_told(self) -> Iterator[None]:
         try:
             yield
+        except serial.SerialTimeoutException as error:
+            raise DeviceLost(f"Port {self.name} takes nothing more: what is there doesn't read.") from error
         except (*_PORT_ERRORS, serial.SerialException) as error:
-            raise DeviceLost(f"Port {self.name} {what}: {_reason(error)}.") from error
+            _logger.info("%s: %s", self.name, error)
+            why = "the connection has ended." if self._is_far_away else "was it unplugged?"
+            raise DeviceLost(f"Port {self.name} is gone: {why}") from error
 
 
 def _log_bytes(port: str, direction: str, data: bytes) -> None:
