@@ -157,14 +157,17 @@ CAPTURE = """
 
 
 def test_a_captured_move_is_told_in_what_can_be_compared_with_the_plan(modules: Modules) -> None:
-    lasts, alone, numbered, moves = run(
+    lasts, alone, numbered, moves, ones = run(
         modules,
         f"""{CAPTURE} open('a.vcd'); came({{}});
         const lasts = figure('From first to last');
         const numbered = ['Missing', 'Extra', 'Too short', 'Largest deviation'].map(figure);
         came({{deviation: null}});
         return [lasts, figure('From first to last'), numbered,
-            byId('capture-move').children.map(({{textContent}}) => textContent).slice(1)];""",
+            byId('capture-move').children.map(({{textContent}}) => textContent).slice(1),
+            (store.dispatch(capture.captureCame, {{...answer({{}}), moves: [{{...moves[0], steps: 1}}],
+                channels: [{{name: 'Step', edges: 1}}]}}, ''),
+                ['capture-move', 'capture-step'].map((id) => byId(id).children.at(-1).textContent))];""",
     )
     assert (lasts, alone) == ("0.50000 s; planned 0.75000 s", "0.50000 s")
     assert numbered == [
@@ -173,6 +176,7 @@ def test_a_captured_move_is_told_in_what_can_be_compared_with_the_plan(modules: 
         "2: measured steps 1, 3",
         "7.00 µs, at measured step 2",
     ]
+    assert ones == ["1: 1 step at 2.000 s, direction high", "Step (1 edge)"]
     assert [each.split(", ")[1:] for each in moves] == [["direction high"], ["direction low"], []]
 
 
@@ -201,7 +205,7 @@ def test_the_capture_dialog_offers_the_plots_only_where_they_show_something(modu
     assert looks[3][:2] == ["Show the plots", False], "what was found before stays"
     assert looks[4][:2] == ["Close", True], "no step"
     assert looks[5][:2] == ["Close", True]
-    assert "keep this one over a reload" in kept
+    assert kept == "The page keeps no capture over a reload: open its file again then.", "true of any file"
 
 
 def test_a_fault_of_the_page_stays_until_it_is_closed(modules: Modules) -> None:

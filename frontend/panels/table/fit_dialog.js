@@ -7,7 +7,7 @@ import { copyText } from '../../ui/clipboard.js';
 import { createDialog, dialogFoot } from '../../ui/dialog.js';
 import { element, messageLine, segmented } from '../../ui/dom.js';
 import { methodOf, REFERENCE } from '../../model/methods.js';
-import { formatEntry, formatFigures, parseEntry, pointHint } from '../../model/numbers.js';
+import { counted, formatEntry, formatFigures, parseEntry, pointHint } from '../../model/numbers.js';
 import { createFitChart } from './fit_chart.js';
 import { fitKey, problemOf, rowsPreview } from './fits.js';
 import { createPurpose } from './purpose.js';
@@ -228,7 +228,7 @@ export function createFitDialog(ask, onRows) {
     copy.hidden = !use.hidden;
     purpose.element.hidden = use.hidden;
     copy.textContent = 'Copy as C';
-    use.textContent = shown === null ? 'Use the rows' : `Use ${shown.rows} row${shown.rows === 1 ? '' : 's'}`;
+    use.textContent = shown === null ? 'Use the rows' : `Use ${counted(shown.rows, 'row')}`;
     if (shown === null) {
       result.replaceChildren(messageLine({ text: problem, isWarning: false }));
       preview.replaceChildren();
@@ -239,7 +239,7 @@ export function createFitDialog(ask, onRows) {
       element(
         'p',
         {},
-        figure(`${shown.rows} row${shown.rows === 1 ? '' : 's'}`),
+        figure(counted(shown.rows, 'row')),
         ` · ${formatEntry(shown.bytes)} bytes · largest error `,
         figure(`± ${formatFigures(shown.largest_relative_error * 100, 3)} %`),
       ),

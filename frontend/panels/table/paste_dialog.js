@@ -6,7 +6,7 @@ import { TABLE_FILES } from '../../documents/kinds.js';
 import { readTables } from '../../documents/table_text.js';
 import { createDialog, dialogFoot } from '../../ui/dialog.js';
 import { element, messageLine } from '../../ui/dom.js';
-import { formatEntry } from '../../model/numbers.js';
+import { counted, formatEntry } from '../../model/numbers.js';
 import { previewTable } from './preview_table.js';
 import { createPurpose } from './purpose.js';
 
@@ -95,7 +95,7 @@ export function createPasteDialog(onRows, chooseFile) {
   /** @param {Table} table @param {number} index */
   function choiceOf({ name, line, rows, problem }, index) {
     const ends = [rows?.[0], rows?.at(-1)].map((row) => row?.map(formatEntry).join(', '));
-    const about = rows === null ? problem : `${counted(rows.length)}, from {${ends[0]}} to {${ends[1]}}`;
+    const about = rows === null ? problem : `${counted(rows.length, 'row')}, from {${ends[0]}} to {${ends[1]}}`;
     const radio = element('input', {
       type: 'radio',
       name: 'paste-table-choice',
@@ -114,7 +114,7 @@ export function createPasteDialog(onRows, chooseFile) {
     const { rows, unit = ownUnit, problem } = tables[chosen];
     if (rows === null) return showProblem(problem);
     use.disabled = false;
-    use.textContent = `Use ${counted(rows.length)}`;
+    use.textContent = `Use ${counted(rows.length, 'row')}`;
     const lines = rows.map((row, index) => [index + 1, ...row].map(formatEntry));
     shown.replaceChildren(previewTable(['#', 'to index', `delay, ${UNIT_WORDS[unit]}`], lines));
   }
@@ -150,9 +150,4 @@ export function createPasteDialog(onRows, chooseFile) {
     axis: purpose.axis,
     close: dialog.close,
   };
-}
-
-/** @param {number} count */
-function counted(count) {
-  return `${formatEntry(count)} row${count === 1 ? '' : 's'}`;
 }

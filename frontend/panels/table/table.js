@@ -11,12 +11,13 @@ import { readTables } from '../../documents/table_text.js';
 import { copyText } from '../../ui/clipboard.js';
 import { conversionProblem, convertedRows, rowAfter, rowSpeed } from '../../model/design.js';
 import { methodOf } from '../../model/methods.js';
+import { counted } from '../../model/numbers.js';
 import { idsOf, tablesOf } from '../../model/workbench.js';
 import { element, icon, messageLine, picker } from '../../ui/dom.js';
 import { createChecks } from './checks.js';
 import { createFitDialog } from './fit_dialog.js';
 import { fitKey } from './fits.js';
-import { counted, createFoot } from './foot.js';
+import { createFoot } from './foot.js';
 import { createGrid } from './grid.js';
 import { createOrigins } from './origins.js';
 import { createPasteDialog } from './paste_dialog.js';
@@ -166,8 +167,7 @@ export function createTable(root, dispatch, ask) {
     }
     const { rows: converted, rounded } = convertedRows(rows(), wanted, Number(design?.timer.frequency_hz));
     unit = wanted;
-    const delays = `${rounded} delay${rounded === 1 ? '' : 's'}`;
-    tell(rounded > 0 ? `${delays} rounded to whole ${new Map(UNITS).get(wanted)}` : '', converted);
+    tell(rounded > 0 ? `${counted(rounded, 'delay')} rounded to whole ${new Map(UNITS).get(wanted)}` : '', converted);
     edit(converted);
   }
 
@@ -178,7 +178,7 @@ export function createTable(root, dispatch, ask) {
     replaced.keep(purpose.axis, { rows: table?.rows ?? [], unit: table?.interval_unit ?? takenUnit });
     if (purpose.axis === axis) {
       unit = takenUnit;
-      tell(`${counted(taken.length)} ${how}${purpose.asMethod ? ', now the method' : ''}`, taken);
+      tell(`${counted(taken.length, 'row')} ${how}${purpose.asMethod ? ', now the method' : ''}`, taken);
       dispatch(selectRow, -1);
     }
     dispatch(setTable, taken, takenUnit, undefined, purpose.axis, purpose.asMethod);
