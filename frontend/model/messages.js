@@ -68,6 +68,7 @@ export function refusalText({ message, value, reason, ...rejection }, label, wor
 /** @param {unknown} value */
 function valueText(value) {
   if (value === null) return 'missing';
+  if (value === '') return 'empty';
   if (typeof value === 'number') return formatEntry(value);
   const text = typeof value === 'string' ? `'${value}'` : JSON.stringify(value);
   return text.length <= LONGEST_VALUE ? text : `${text.slice(0, LONGEST_VALUE - 1)}…`;

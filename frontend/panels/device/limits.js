@@ -3,6 +3,7 @@
 
 import { element, showMessage } from '../../ui/dom.js';
 import { formatEntry } from '../../model/numbers.js';
+import { beyond, DEVICE_TAKES, refusalOf } from '../../model/taken.js';
 import { shownValue, unitWord } from '../../model/units.js';
 import { quantityField } from './quantity.js';
 
@@ -82,6 +83,9 @@ export function createLimitFields() {
       asked = changed.map(({ axis }) => axis);
       return changed;
     },
+    /** What the server would refuse of changed ones.
+     * @param {SoftLimits[]} changed */
+    refusals: (changed) => changed.flatMap((one, index) => refusalsOf(one, `axes.${index}.`)),
     /** Show what is wrong with a field at it.
      * @param {Rejection[]} rejections @returns {Rejection[]} those of no field here */
     reject(rejections) {
@@ -100,4 +104,14 @@ export function createLimitFields() {
       return rejections.filter(({ field }) => !/^axes\.\d\.(lowest|highest)_steps$/.test(field ?? ''));
     },
   };
+}
+
+/** @param {SoftLimits} limits @param {string} place of their fields @returns {Rejection[]} */
+function refusalsOf({ lowest_steps: lowest, highest_steps: highest }, place) {
+  const refused = Object.entries({ lowest_steps: lowest, highest_steps: highest }).flatMap(
+    ([name, steps]) => (steps === null ? null : refusalOf(`${place}${name}`, steps, DEVICE_TAKES[name])) ?? [],
+  );
+  if (refused.length > 0 || lowest === null || highest === null || highest >= lowest) return refused;
+  const behind = { lowest: Number(lowest), highest: null, is_whole: true, note: ', the lowest' };
+  return [beyond(`${place}highest_steps`, highest, behind, 'steps')];
 }
