@@ -3,12 +3,17 @@
 Plain objects stand in for elements.
 """
 
+import json
 from typing import Any
 
 import pytest
 
 from designs import document
 from frontend.modules import Modules
+from stepramp.errors import Rejected
+from stepramp.http_api.errors import error_items
+from stepramp.http_api.json_response import json_bytes
+from stepramp.http_api.tables_models import FitPayload
 
 # `textOf(element)` is all its text; `find(element, wanted)` the first within it that `wanted` is true of.
 # `pass()` ends what waits, as time does; `settled()` lets all promises go on.
@@ -266,3 +271,52 @@ def test_a_remedy_is_told_in_the_units_that_are_shown(
     listed = [{"field": f"{part}.{name}", "value": value} for name, value in changes.items()]
     remedy = {"text": "the server's words", "changes": listed}
     assert modules.call("panels/device/remedy_words.js", "remedyWords", remedy, design, units) == words
+
+
+@pytest.mark.parametrize(
+    ("wish", "typed", "told"),
+    [
+        ("rows", "", "Rows is empty; allowed: a whole number from 1 to 1,000 rows."),
+        ("rows", "x", "Rows is 'x'; allowed: a whole number from 1 to 1,000 rows."),
+        ("rows", "1e400", "Rows is '1e400'; allowed: a whole number from 1 to 1,000 rows."),
+        ("rows", "-1", "Rows is -1; allowed: a whole number from 1 to 1,000 rows."),
+        ("rows", "1e300", "Rows is 1e+300; allowed: a whole number from 1 to 1,000 rows."),
+        ("bytes", "3", "Bytes is 3; allowed: a whole number from 4 to 6,000 bytes."),
+        (
+            "largest_relative_error",
+            "2,5",
+            "Error is '2,5'; allowed: a number from 0.0001 to 100 %. A point is expected for the comma: 2.5.",
+        ),
+        ("largest_relative_error", "101", "Error is 101 %; allowed: a number from 0.0001 to 100 %."),
+    ],
+)
+def test_a_wish_is_refused_by_its_field_s_name_and_in_its_unit(
+    modules: Modules, wish: str, typed: str, told: str
+) -> None:
+    dialog = """const {createFitDialog} = await import('/panels/table/fit_dialog.js');
+        const {Refusal} = await import('/server/api.js');
+        const asked = []; let answer = gone;
+        const dialog = createFitDialog({fitTable: async (_, wish) => { asked.push(wish); return answer(); },
+            fitCurve: () => gone()}, () => {});
+        dialog.open(design, 3);
+        find(byId('fit-dialog'), (one) => one['data-value'] === WISH || one.dataset?.value === WISH).onclick();
+        const input = find(byId('fit-dialog'), ({id}) => id === 'fit-wish');
+        const type = async (text) => { input.value = text; input.oninput(); await settled(); };
+    """.replace("WISH", repr(wish))
+    [asked] = run(modules, f"{dialog} await type({typed!r}); return asked.slice(-1);")
+    with pytest.raises(Rejected) as caught:
+        FitPayload.checked({"design": document(), **asked})
+    errors = [json.loads(json_bytes(item)) for item in error_items(caught.value)]
+    seen = run(
+        modules,
+        f"""{dialog} answer = () => {{ throw new Refusal(422, {json.dumps(errors)}); }};
+        await type({typed!r}); return [textOf(byId('fit-result')).trim(), input['aria-invalid']];""",
+    )
+    assert seen == [told, "true"]
+
+
+def test_what_refuses_a_fit_besides_its_wish_is_called_as_the_page_calls_it(modules: Modules) -> None:
+    error = {"field": "design.move.steps", "value": 0, "allowed": "another one", "message": "design.move.steps is 0"}
+    wish = {"name": "rows", "label": "Rows", "unit": "rows", "factor": 1}
+    told = modules.call("panels/table/fits.js", "problemOf", {"rejections": [error]}, wish, 8)
+    assert told == "Distance is 0; allowed: another one."
