@@ -24,7 +24,7 @@ ELEMENTS = """
     const made = (tag) => { const heard = {};
         const plain = {tag, children: [], dataset: {}, value: '', textContent: '', hidden: false, options: [],
             open: false, classList: {toggle() {}, add() {}, remove() {}},
-            addEventListener(name, act) { heard[name] = act; },
+            addEventListener(name, act) { heard[name] = act; }, emit(name, event) { heard[name]?.(event); },
             append(...more) { this.children.push(...more); }, replaceChildren(...more) { this.children = more; },
             setAttribute(name, value) { this[name] = value; }, getAttribute(name) { return this[name] ?? null; },
             removeAttribute(name) { delete this[name]; },

@@ -30,7 +30,8 @@ DIALOG = """
     api.settings = asked;
     const whole = byId('settings-dialog');
     const within = (one, id) => find(one, (each) => each.id === id);
-    const type = (id, text) => { const field = within(whole, id); field.value = text; field.oninput?.(); };
+    const type = (id, text) => { const field = within(whole, id); field.value = text; field.oninput?.();
+        whole.emit('input', {target: field}); };
     const form = find(whole, ({tag}) => tag === 'form');
     const use = async () => { form.onsubmit({preventDefault() {}}); await settled(); };
     const said = (id) => { const [field, words] = [within(whole, id), within(whole, `${id}-message`)];
@@ -148,6 +149,18 @@ def test_what_only_the_server_refuses_stands_at_its_field_too(modules: Modules) 
     )
     held = "Enable hold is -5; allowed: a whole number from 0 to 65,534 ms, or empty: they stay on."
     assert said == [WIDTH.format(900), held, ""]
+
+
+def test_a_refusal_goes_when_what_it_was_said_of_is_typed_over(modules: Modules) -> None:
+    said = run(
+        modules,
+        f"""{DIALOG} const fields = ['limit-0-lowest', 'setting-pulse_width_us', 'setting-enable_lead_ms'];
+        for (const id of fields) type(id, '-0.5'); await use();
+        const look = () => fields.map((id) => said(id) !== ''), seen = [look()];
+        for (const id of fields) {{ type(id, '7'); seen.push(look()); }}
+        return seen;""",
+    )
+    assert said == [[True] * 3, [False, True, True], [False, False, True], [False] * 3]
 
 
 @pytest.mark.parametrize(

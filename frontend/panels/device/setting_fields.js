@@ -1,12 +1,13 @@
 // @ts-check
 // How the controller drives its pins, as fields: what they hold, what is changed, and what is refused of it at its field.
 
-import { element, icon, showMessage } from '../../ui/dom.js';
+import { element, icon } from '../../ui/dom.js';
 import { selectOnFocus } from '../../ui/select_on_focus.js';
 import { limitsInUnit } from '../../model/limits_text.js';
 import { refusalText } from '../../model/messages.js';
 import { formatEntry, parseEntry } from '../../model/numbers.js';
 import { DEVICE_TAKES, refusalOf } from '../../model/taken.js';
+import { showAtPlaces } from './refusal.js';
 
 /** @typedef {import('../../model/types.js').Rejection} Rejection */
 /** @typedef {import('../../model/types.js').Settings} Settings */
@@ -59,16 +60,18 @@ export function createSettingFields() {
   return {
     elements: controls.map((control) => control.element),
     first: controls[0].first,
-    /** @param {Settings | null} settings null: not known */
+    /** @param {Settings} settings */
     show(settings) {
       for (const control of controls) {
-        control.reject([]);
-        if (settings === null) continue;
         control.element.hidden = !(control.name in settings);
         control.show(settings[control.name]);
       }
       // As its fields say it: they know no order of axes, and no other spelling of a number.
-      before = settings && wanted(settings);
+      before = wanted(settings);
+    },
+    /** They are not known, until they are shown. */
+    forget() {
+      before = null;
     },
     /** All settings, once one is wanted otherwise; null: none is. */
     changed() {
@@ -87,8 +90,7 @@ export function createSettingFields() {
     /** Show what is wrong with a field at it.
      * @param {Rejection[]} rejections @returns {Rejection[]} those of no field here */
     reject(rejections) {
-      const shown = controls.map((control) => control.reject(rejections));
-      return rejections.filter((one) => !shown.includes(one));
+      return showAtPlaces(rejections, controls.flatMap(({ place }) => place ?? []));
     },
   };
 }
@@ -104,7 +106,7 @@ function controlOf(setting) {
     value: made.value,
     show: made.show,
     refusal: made.refusal,
-    reject: made.reject,
+    place: made.place,
     first: () => /** @type {HTMLElement | null} */ (made.element.querySelector('input, select')),
     element: element(
       'div',
@@ -112,15 +114,14 @@ function controlOf(setting) {
       element('label', { htmlFor: id, textContent: setting.label }),
       made.element,
       element('p', { className: 'reason', id: hint, textContent: setting.explained }),
-      made.problem,
+      made.place?.problem,
     ),
   };
 }
 
 /** What is chosen of what there is can't be refused.
- * @type {{refusal: (value: unknown) => Rejection | null, reject: (rejections: Rejection[]) => Rejection | undefined,
- *   problem: HTMLElement | null}} */
-const NEVER_REFUSED = { refusal: () => null, reject: () => undefined, problem: null };
+ * @type {{refusal: (value: unknown) => Rejection | null, place: import('./refusal.js').Place | null}} */
+const NEVER_REFUSED = { refusal: () => null, place: null };
 
 /** @param {string} id @param {string} hint @param {[string, string][]} choices */
 function choice(id, hint, choices) {
@@ -174,21 +175,20 @@ function number(id, hint, { name, label, unit, nullable }) {
     autocomplete: 'off',
     placeholder: nullable ?? '',
     'aria-describedby': hint,
+    'data-explained-by': hint,
   });
   selectOnFocus(input);
-  const problem = element('div', { className: 'problem' });
+  /** @type {import('./refusal.js').Place} */
+  const place = {
+    path: new RegExp(`^${name}$`),
+    input,
+    problem: element('div', { className: 'problem' }),
+    text: (one) => refusalText(one, label, { allowed: one.limits && limitsInUnit({ ...one.limits, note }, one.unit ?? unit, 1) }),
+  };
   return {
-    problem,
+    place,
     /** @param {unknown} value @returns {Rejection | null} */
     refusal: (value) => (nullable && value === null ? null : refusalOf(name, value, DEVICE_TAKES[name], note)),
-    /** @param {Rejection[]} rejections @returns {Rejection | undefined} that of this field */
-    reject(rejections) {
-      const found = rejections.find(({ field }) => field === name);
-      const allowed = found?.limits && limitsInUnit({ ...found.limits, note }, found.unit ?? unit, 1);
-      showMessage(input, problem, found && { text: refusalText(found, label, { allowed }), isWarning: false });
-      input.setAttribute('aria-describedby', found ? `${id}-message ${hint}` : hint);
-      return found;
-    },
     element: /** @type {HTMLElement} */ (
       element('span', { className: 'field' }, input, element('span', { className: 'unit', textContent: unit }))
     ),

@@ -6,6 +6,7 @@ import { api, isNo, Refusal } from '../../server/api.js';
 import { createDialog, dialogFoot } from '../../ui/dialog.js';
 import { element, messageLine } from '../../ui/dom.js';
 import { createLimitFields } from './limits.js';
+import { withoutThatOf } from './refusal.js';
 import { createSettingFields } from './setting_fields.js';
 
 /** @typedef {import('../../model/types.js').Device} Device */
@@ -18,6 +19,10 @@ import { createSettingFields } from './setting_fields.js';
 export function createSettingsDialog({ limit, useSettings }) {
   /** @type {Device | null} */
   let device = null;
+  /** What is wrong with what is wanted, and what came of its parts.
+   * @type {Rejection[]} */
+  let refused = [];
+  let outcome = '';
   const limits = createLimitFields();
   const settings = createSettingFields();
   const problem = element('div', { className: 'problem', role: 'alert' });
@@ -46,18 +51,25 @@ export function createSettingsDialog({ limit, useSettings }) {
     ),
   );
 
+  dialog.element.addEventListener('input', ({ target }) => {
+    const left = withoutThatOf(target, refused);
+    if (left !== refused) reject(left, outcome);
+  });
+
   /** @param {string[]} texts */
   function showProblems(texts) {
     problem.replaceChildren(...texts.map((text) => messageLine({ text, isWarning: false })));
   }
 
   /** Each rejection at its field, those of none below, where it is also said what came of the parts.
-   * @param {Rejection[]} rejections @param {string} outcome '' where there is nothing to say of it */
-  function reject(rejections, outcome) {
+   * @param {Rejection[]} rejections @param {string} [came] */
+  function reject(rejections, came = '') {
+    [refused, outcome] = [rejections, came];
     const others = settings.reject(limits.reject(rejections));
-    showProblems([...others.map(({ message }) => message), ...(outcome === '' ? [] : [outcome])]);
-    /** @type {HTMLElement | null} */ (dialog.element.querySelector('[aria-invalid="true"]'))?.focus();
+    showProblems([...others.map(({ message }) => message), ...(came === '' ? [] : [came])]);
   }
+
+  const focusRefused = () => /** @type {HTMLElement | null} */ (dialog.element.querySelector('[aria-invalid="true"]'))?.focus();
 
   /** Nothing is sent while anything is refused; of the rest what is changed, and no more.
    * @param {SubmitEvent} event */
@@ -65,9 +77,8 @@ export function createSettingsDialog({ limit, useSettings }) {
     event.preventDefault();
     if (device === null) return;
     const [to, changed, axes] = [device, settings.changed(), limits.changed()];
-    const refused = [...(changed ? settings.refusals(changed) : []), ...limits.refusals(axes)];
-    reject(refused, '');
-    if (refused.length > 0) return;
+    reject([...(changed ? settings.refusals(changed) : []), ...limits.refusals(axes)]);
+    if (refused.length > 0) return focusRefused();
     /** @type {Part[]} */
     const parts = [];
     if (changed) parts.push({ name: 'settings of the pins', send: () => useSettings(to, changed).then(() => settings.taken(changed)) });
@@ -82,7 +93,8 @@ export function createSettingsDialog({ limit, useSettings }) {
         await part.send();
       } catch (error) {
         const rejections = error instanceof Refusal ? error.rejections : [failure(error)];
-        return reject(rejections, parts.length > 1 ? outcomeOf(parts, index, isNo(error)) : '');
+        reject(rejections, parts.length > 1 ? outcomeOf(parts, index, isNo(error)) : '');
+        return focusRefused();
       }
     }
     dialog.close();
@@ -104,9 +116,9 @@ export function createSettingsDialog({ limit, useSettings }) {
     /** @param {Device} present @param {import('../../model/types.js').Situation} situation */
     async open(present, situation) {
       device = present;
-      settings.show(null);
-      showProblems([]);
+      settings.forget();
       limits.show(present, situation);
+      reject([]);
       // Of settings that are not known nothing can be used: their fields come with them.
       pins.hidden = true;
       if (present.capabilities.includes('settings')) await showSettings(present);
