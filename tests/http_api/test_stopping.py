@@ -76,6 +76,32 @@ def test_what_knows_of_fewer_stops_moves_nothing(client: TestClient, route: str)
     assert client.post(f"{route}/move", json={"by_steps": 1}, headers=newest).status_code == 200
 
 
+def test_what_an_earlier_server_told_moves_nothing(client: TestClient, route: str) -> None:
+    """Nor what no server told: it would outlive every stop."""
+    told = client.get(route).json()["stops"]
+    earlier = 100_000_000_000_000  # Microseconds since 1970 in 1973: before any server was started.
+    assert earlier < told < 2**53
+    late = client.post(f"{route}/move", json={"by_steps": 10}, headers={STOPS: str(earlier)})
+    assert "A stop came first" in error_of(late, 409)["message"]
+    with TestClient(create_app(), base_url="http://127.0.0.1:8000") as later:
+        port = f"sim://stopping-{next(_numbers)}"
+        protocol_sim.register(port, VirtualController())
+        later_route = f"{DEVICES}/{later.post(DEVICES, json={'port': port}).json()['id']}"
+        later.post(f"{later_route}/push", json={"design": document()})
+        late = later.post(f"{later_route}/move", json={"by_steps": 10}, headers={STOPS: str(told)})
+        assert "A stop came first" in error_of(late, 409)["message"]
+        assert later.get(later_route).json()["position_steps"] == 0
+    for untold in (told + 3_600_000_000, 10**17):
+        refused = client.post(f"{route}/move", json={"by_steps": 10}, headers={STOPS: str(untold)})
+        error = error_of(refused, 422)
+        assert (error["field"], error["value"]) == (STOPS, untold)
+        with client.websocket_connect(f"{route}/jog", headers=LOCAL) as socket:
+            socket.send_json({"do": "run", "speed_steps_per_s": 400, "stops": min(untold, 2**53)})
+            [error] = socket.receive_json()["errors"]
+            assert error["field"] == "stops"
+    assert client.get(route).json()["position_steps"] == 0
+
+
 def test_every_stop_counts(client: TestClient, route: str) -> None:
     counts = [client.get(route).json()["stops"]]
     for stop in (f"{route}/stop", f"{route}/halt", f"{DEVICES}/stop"):

@@ -8,9 +8,12 @@ yet.
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
-from itertools import count
+from time import time_ns
 
 from stepramp.errors import Refused
+
+NS_PER_NUMBER = 1000
+"""No server gives so many numbers that the next to start would begin among them; a JavaScript number holds them."""
 
 
 class Overtaken(Refused):
@@ -18,16 +21,26 @@ class Overtaken(Refused):
 
 
 class Order:
-    """Numbers that grow, for all devices together: a greater one came later. For any thread."""
+    """Numbers that grow, for all devices together: a greater one came later. For any thread.
+
+    They begin with the time: what a server that was started earlier told is from before them all.
+    """
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._numbers = count(1)
+        self._last = time_ns() // NS_PER_NUMBER
 
     def next(self) -> int:
         """Return the number of the present moment."""
         with self._lock:
-            return next(self._numbers)
+            self._last += 1
+            return self._last
+
+    @property
+    def last(self) -> int:
+        """The last number that was given: none that was told is greater."""
+        with self._lock:
+            return self._last
 
 
 class Stops:

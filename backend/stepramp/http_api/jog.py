@@ -7,11 +7,12 @@ from fastapi import APIRouter, WebSocket
 
 from stepramp.devices.device import Device
 from stepramp.devices.leases import JOG_S, Lease
+from stepramp.devices.stops import Order
 from stepramp.errors import Refused, Rejected, Rejection, StepRampError
 from stepramp.http_api.device_registry import Registry
 from stepramp.http_api.jog_models import JogPayload
 from stepramp.http_api.lanes import ACTING
-from stepramp.http_api.request_numbers import arrived_at
+from stepramp.http_api.request_numbers import arrived_at, as_known
 from stepramp.http_api.sockets import accept, parsed, received, served, tell_error
 
 ALLOWED = 'a JSON object such as {"do": "hold"}'
@@ -31,7 +32,7 @@ async def jog(socket: WebSocket, device_id: str, devices: Registry, page: str | 
     """
     async with served(socket):
         await accept(socket)
-        held = _Held(socket, devices.acting(device_id, page), page)
+        held = _Held(socket, devices.acting(device_id, page), devices.order, page)
         try:
             while True:
                 await held.take(await received(socket))
@@ -42,9 +43,10 @@ async def jog(socket: WebSocket, device_id: str, devices: Registry, page: str | 
 class _Held:
     """What one socket holds: nothing, or the lease of a jog."""
 
-    def __init__(self, socket: WebSocket, device: Device, page: str | None) -> None:
+    def __init__(self, socket: WebSocket, device: Device, order: Order, page: str | None) -> None:
         self._socket = socket
         self._device = device
+        self._order = order
         self._page = page
         # A stop ends a jog for good: messages that were on their way, or a finger that still presses, begin nothing.
         self._opened = arrived_at(socket)
@@ -57,6 +59,7 @@ class _Held:
             if len(message) > LONGEST_MESSAGE:
                 raise Rejected([Rejection("message", message, f"{ALLOWED}, of up to {LONGEST_MESSAGE:,} characters")])
             request = JogPayload.checked(parsed(message, ALLOWED))
+            request_number = self._asked_at(request)
         except Rejected as error:
             self.let_go()
             await tell_error(self._socket, error)
@@ -65,7 +68,6 @@ class _Held:
             if self._lease is not None:
                 self._lease.end()
             self._lease = Lease({request.axis: request.speed_steps_per_s}, page=self._page)
-            request_number = self._opened if request.stops is None else min(self._opened, request.stops)
             task = asyncio.create_task(self._begin(self._lease, request, request_number))
             self._beginning.add(task)
             task.add_done_callback(self._beginning.discard)
@@ -75,6 +77,9 @@ class _Held:
             await tell_error(self._socket, Refused(RAN_OUT))
         elif request.do == "end":
             self.let_go()
+
+    def _asked_at(self, request: JogPayload) -> int:
+        return self._opened if request.stops is None else as_known(self._opened, request.stops, self._order, "stops")
 
     def let_go(self) -> None:
         """Slow down what runs."""

@@ -12,8 +12,10 @@ from starlette.requests import HTTPConnection
 from starlette.types import ASGIApp, Receive, Scope, Send
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
+from stepramp.devices.stops import Order
 from stepramp.errors import Rejected, Rejection
 from stepramp.http_api.connections import Connection, Connections, readable
+from stepramp.http_api.device_registry import Registry
 
 STOPS_HEADER = "X-StepRamp-Stops"
 MOST_DIGITS = 18
@@ -81,6 +83,7 @@ class RequestNumbering:
 
 async def latest_known_number(
     connection: HTTPConnection,
+    devices: Registry,
     stops: Annotated[
         str | None,
         Header(
@@ -94,11 +97,20 @@ async def latest_known_number(
 
     Raises Rejected when the header says something else.
     """
+    arrived = arrived_at(connection)
     if stops is None:
-        return arrived_at(connection)
+        return arrived
     if not (stops.isascii() and stops.isdigit() and len(stops) <= MOST_DIGITS):
         raise Rejected([Rejection(STOPS_HEADER, stops, "a whole number: the `stops` that the device last told")])
-    return min(arrived_at(connection), int(stops))
+    return as_known(arrived, int(stops), devices.order, STOPS_HEADER)
+
+
+def as_known(arrived: int, stops: int, order: Order, field: str) -> int:
+    """Return when something was asked for by who knew of these stops then. Raises Rejected for what was never told."""
+    if stops > order.last:
+        allowed = "the `stops` that the device last told: this server has not come so far"
+        raise Rejected([Rejection(field, stops, allowed)])
+    return min(arrived, stops)
 
 
 def arrived_at(connection: HTTPConnection) -> int:
