@@ -94,8 +94,8 @@ AFTER = ": more than the ramp index of the row before"
         ([[1, 1]] * 1001, "table.rows", "a list of 1 to 1,000 rows of two whole numbers"),
         ([[10, 500], [10, 400]], "table.rows.1.0", f"a whole number from 11 to 10,000,000 steps{AFTER}"),
         ([[10, 500], [5, 400]], "table.rows.1.0", f"a whole number from 11 to 10,000,000 steps{AFTER}"),
-        ([[10, 500], [20, 0]], "table.rows.1.1", "a whole number from 1 to 4,294,967,295 µs or ticks"),
-        ([[10, 500.5]], "table.rows.0.1", "a whole number from 1 to 4,294,967,295 µs or ticks"),
+        ([[10, 500], [20, 0]], "table.rows.1.1", "a whole number from 1 to 4,294,967,295 µs"),
+        ([[10, 500.5]], "table.rows.0.1", "a whole number from 1 to 4,294,967,295 µs"),
         ([[-1, 500]], "table.rows.0.0", "a whole number from 0 to 10,000,000 steps"),
         ([[10]], "table.rows.0", "a list of two whole numbers, the last ramp index [steps] and the delay"),
         ([[10, 500, 1]], "table.rows.0", "a list of two whole numbers, the last ramp index [steps] and the delay"),
@@ -105,6 +105,33 @@ AFTER = ": more than the ramp index of the row before"
 )
 def test_a_table_is_refused_by_row(rows: object, field: str, allowed: str) -> None:
     assert [(each[0], each[2]) for each in refused(document(table__rows=rows))] == [(field, allowed)]
+
+
+@pytest.mark.parametrize(
+    ("changed", "field", "allowed"),
+    [
+        ({"table": {"rows": [[10, 0]], "interval_unit": "ticks"}}, "table.rows.0.1", "from 1 to 4,294,967,295 ticks"),
+        ({"table": {"rows": [[10, 0]]}}, "table.rows.0.1", "from 1 to 4,294,967,295 µs"),
+        ({"axis__travel_per_rev": 0}, "axis.travel_per_rev", "from 0.001 to 1,000,000 mm"),
+        ({"axis": {"travel_per_rev": 0}}, "axis.travel_per_rev", "from 0.001 to 1,000,000 degrees"),
+    ],
+)
+def test_a_number_is_refused_in_the_unit_that_the_document_names(
+    changed: dict[str, object], field: str, allowed: str
+) -> None:
+    with pytest.raises(Rejected) as caught:
+        design(**changed)
+    [rejection] = caught.value.rejections
+    assert rejection.field == field
+    assert rejection.allowed.endswith(f" number {allowed}")
+    assert rejection.limits
+    assert rejection.limits.unit == allowed.rsplit(maxsplit=1)[-1]
+
+
+def test_where_no_unit_can_be_told_all_that_it_may_be_are() -> None:
+    found = refused(document(table__rows=[[10, 0]], table__interval_unit="s"))
+    assert found[0][2] == "a whole number from 1 to 4,294,967,295 µs or ticks"
+    assert found[1][0] == "table.interval_unit"
 
 
 def test_unknown_fields_are_refused_everywhere() -> None:

@@ -14,7 +14,7 @@ from stepramp.methods.common.method import RampMethod, TunedFor
 from stepramp.numerics.numbers import Arithmetic
 from stepramp.shapes import SHAPES, USUAL_SHAPE
 from stepramp.units import DEGREES_PER_REV, LengthUnit
-from stepramp.validation import Document, ListOf, OneOf, Text, Within, refuse
+from stepramp.validation import Document, ListOf, NamesUnits, OneOf, Text, UnitNamedBy, Within, refuse
 
 MOST_STEPS = 10_000_000
 """Longest move and longest ramp [steps]."""
@@ -38,7 +38,11 @@ Speed = Annotated[float, Within(SLOWEST_STEPS_PER_S, 1_000_000, "steps/s")]
 Acceleration = Annotated[float, Within(LEAST_ACCELERATION, 1_000_000_000, "steps/s²")]
 
 
-class AxisScale(Document):
+TRAVEL_UNIT = UnitNamedBy("travel_unit", {"mm": "mm", "deg": "degrees"})
+DELAY_UNIT = UnitNamedBy("interval_unit", {"us": "µs", "ticks": "ticks"})
+
+
+class AxisScale(NamesUnits):
     """What one turn of the motor means. Only shown units depend on it."""
 
     full_steps_per_rev: Annotated[int, Within(1, 100_000, "full steps")] = Field(
@@ -47,7 +51,7 @@ class AxisScale(Document):
     microsteps: Annotated[int, Within(1, 1024, "per step")] = Field(
         1, description="Pulses of the driver for one full step [steps per full step]"
     )
-    travel_per_rev: Annotated[float, Within(0.001, 1_000_000)] = Field(
+    travel_per_rev: Annotated[float, Within(0.001, 1_000_000, TRAVEL_UNIT)] = Field(
         360.0, description="Distance that the axis covers in one turn of the motor [travel_unit]"
     )
     travel_unit: Literal["mm", "deg"] = Field("deg", description="Unit of the axis' travel")
@@ -162,11 +166,11 @@ class Method(Document):
 
 
 Index = Annotated[int, Within(0, MOST_STEPS, "steps")]
-Delay = Annotated[int, Within(1, 2**32 - 1, "µs or ticks")]
+Delay = Annotated[int, Within(1, 2**32 - 1, DELAY_UNIT)]
 Row = Annotated[tuple[Index, Delay], ListOf("two whole numbers, the last ramp index [steps] and the delay", length=2)]
 
 
-class Table(Document):
+class Table(NamesUnits):
     """A lookup table as gauge libraries use it."""
 
     rows: Annotated[list[Row], ListOf("rows of two whole numbers", most=MOST_TABLE_ROWS, least=1)] = Field(

@@ -1,7 +1,7 @@
 """What may stand in a document: ranges and choices that say so themselves when a value is refused."""
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any, NoReturn, Self
 
 from pydantic import (
@@ -9,12 +9,13 @@ from pydantic import (
     ConfigDict,
     GetCoreSchemaHandler,
     GetJsonSchemaHandler,
+    ModelWrapValidatorHandler,
     ValidationError,
     ValidatorFunctionWrapHandler,
     model_validator,
 )
 from pydantic.json_schema import JsonSchemaValue
-from pydantic_core import CoreSchema, ErrorDetails, PydanticCustomError, core_schema
+from pydantic_core import CoreSchema, ErrorDetails, InitErrorDetails, PydanticCustomError, core_schema
 
 from stepramp.errors import MOST_TOLD, Limits, Rejected, Rejection, escaped
 
@@ -57,6 +58,46 @@ class Document(BaseModel):
         if len(unknown) > MOST_TOLD:
             told[unknown[MOST_TOLD]] = _Untold(len(unknown) - MOST_TOLD)
         return told
+
+
+class UnitNamedBy(str):
+    """A unit that another field of the document names; as a text, all that it may be."""
+
+    __slots__ = ("field", "units")
+    field: str
+    units: Mapping[str, str]
+
+    def __new__(cls, field: str, units: Mapping[str, str]) -> Self:
+        """Return the unit that a field names. units: what each of the field's values stands for."""
+        unit = super().__new__(cls, " or ".join(units.values()))
+        unit.field, unit.units = field, units
+        return unit
+
+
+class NamesUnits(Document):
+    """A document that says itself which unit some of its numbers are in: so does what is refused of them."""
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _in_their_units(cls, document: object, validate: ModelWrapValidatorHandler[Self]) -> Self:
+        try:
+            return validate(document)
+        except ValidationError as error:
+            told = [cls._told(each, document) for each in error.errors(include_url=False)]
+            raise ValidationError.from_exception_data(error.title, told) from None
+
+    @classmethod
+    def _told(cls, error: ErrorDetails, document: object) -> InitErrorDetails:
+        context = error.get("ctx", {})
+        if error["type"] != "refused":
+            return InitErrorDetails(type=error["type"], loc=error["loc"], input=error["input"], ctx=context)
+        limits = context.get("limits")
+        if limits is not None and isinstance(limits.unit, UnitNamedBy) and isinstance(document, dict):
+            named = document.get(limits.unit.field, cls.model_fields[limits.unit.field].default)
+            limits = replace(limits, unit=limits.unit.units.get(str(named), str(limits.unit)))
+            context = context | {"limits": limits, "allowed": limits.words}
+        refusal = PydanticCustomError("refused", "allowed: {allowed}", context)
+        return InitErrorDetails(type=refusal, loc=error["loc"], input=error["input"])
 
 
 @dataclass(frozen=True)
@@ -123,6 +164,8 @@ class Within(_Allowance):
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
         """Return what pydantic says of the number, and its unit for who shows it."""
         described = handler(schema)
+        if isinstance(self.unit, UnitNamedBy):
+            return {**described, "x-unit-named-by": self.unit.field}
         return {**described, "x-unit": self.unit} if self.unit else described
 
 

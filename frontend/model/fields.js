@@ -2,8 +2,7 @@
 // The table of parameters: what each is called, the reach of its slider, its formula and what it does. What it takes, and in
 // which unit, the server says.
 
-// @ts-expect-error  No file, but a module that the server makes of its design document.
-import served from '../assets/design_fields.js';
+import { DESIGN_TAKES } from './taken.js';
 
 /** What a hand sets: the reach of a slider, and what one step of it, of the wheel or of an arrow key is.
  * A logarithmic one, whose reach spans decades, steps by about 1 % and is set to some significant figures (0: to whole
@@ -22,10 +21,6 @@ import served from '../assets/design_fields.js';
  * @property {Slider} slider
  * @property {string} formula    numbers of its formulas; empty: none
  * @property {string} help */
-
-/** What the server takes, by path.
- * @type {Record<string, Pick<Field, 'limits' | 'unit' | 'isWhole'>>} */
-const TAKEN = served;
 
 /** All but what the server says.
  * @type {{title: string, fields: Omit<Field, 'limits' | 'unit' | 'isWhole'>[]}[]} */
@@ -148,7 +143,7 @@ const DESCRIBED = [
 /** @type {{title: string, fields: Field[]}[]} */
 export const GROUPS = DESCRIBED.map(({ title, fields }) => ({
   title,
-  fields: fields.map((field) => ({ ...field, ...TAKEN[field.path] })),
+  fields: fields.map((field) => ({ ...field, ...DESIGN_TAKES[field.path] })),
 }));
 
 /** Explanations of what is no number.

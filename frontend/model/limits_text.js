@@ -11,7 +11,8 @@ const FIGURES = 6;
 export function limitsInUnit({ lowest, highest, is_whole, note }, unit, factor) {
   const low = lowest === null ? null : formatEntry(roundedTo(lowest * factor, factor, Math.ceil));
   const high = highest === null ? null : formatEntry(roundedTo(highest * factor, factor, Math.floor));
-  const kind = is_whole ? 'whole steps' : 'a number';
+  // What is whole in another unit are steps.
+  const kind = !is_whole ? 'a number' : factor === 1 ? 'a whole number' : 'whole steps';
   const ends =
     low !== null && high !== null ? `${kind} from ${low} to ${high}` : low !== null ? `at least ${low}` : `at most ${high}`;
   return `${ends} ${unit}${note}`;

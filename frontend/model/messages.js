@@ -65,9 +65,16 @@ export function refusalText({ message, value, reason, ...rejection }, label, wor
     : `${label} is ${words.given ?? valueText(value)}; allowed: ${allowed}.${pointHint(value)}`;
 }
 
+/** What a number of the table is called in a sentence about it.
+ * @param {number} index of the row, from 0 @param {number | null} column null: the whole row */
+export function rowLabel(index, column) {
+  return `Row ${index + 1}${column === null ? '' : column === 0 ? ', last index,' : ', delay,'}`;
+}
+
 /** @param {unknown} value */
 function valueText(value) {
   if (value === null) return 'missing';
+  if (value === '') return 'empty';
   if (typeof value === 'number') return formatEntry(value);
   const text = typeof value === 'string' ? `'${value}'` : JSON.stringify(value);
   return text.length <= LONGEST_VALUE ? text : `${text.slice(0, LONGEST_VALUE - 1)}…`;
@@ -122,8 +129,7 @@ function place(sorted, { field, message }, refused) {
   const label = LABELS.get(path);
   if (row) {
     const [index, column] = [Number(row[1]), row[2] === undefined ? null : Number(row[2])];
-    const called = `Row ${index + 1}${column === null ? '' : column === 0 ? ', last index,' : ', delay,'}`;
-    if (!sorted.rows.has(index)) sorted.rows.set(index, { column, text: textWith(called), isWarning });
+    if (!sorted.rows.has(index)) sorted.rows.set(index, { column, text: textWith(rowLabel(index, column)), isWarning });
   } else if (label !== undefined) {
     const text = textWith(label);
     if (!sorted.fields.has(path)) sorted.fields.set(path, { text, isWarning, refused });

@@ -69,6 +69,12 @@ export function formatFigures(value, figures = 4) {
   return formatFixed(value, Math.min(6, Math.max(0, figures - 1 - magnitude)));
 }
 
+/** So many of something, such as "1 row" and "2 rows".
+ * @param {number} count @param {string} one what one of them is called; several have an s */
+export function counted(count, one) {
+  return `${formatFixed(count)} ${one}${count === 1 ? '' : 's'}`;
+}
+
 /** Write a fraction as a signed percentage: 0.061 as "+6.1".
  * @param {number} fraction */
 export function formatSignedPercent(fraction) {

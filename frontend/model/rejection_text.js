@@ -19,8 +19,8 @@ export function inShownUnit(message, units, design, field) {
   return inUnit(message, field, unitOf(units, design, field), factorOf(units, design, field));
 }
 
-/** The message in a unit of which a field's own has so many.
- * @param {Message} message @param {Pick<Field, 'label' | 'unit'>} field @param {string} unit @param {number} factor
+/** The message in a unit of which the one that it is refused in has so many.
+ * @param {Message} message @param {Pick<Field, 'label'>} field @param {string} unit @param {number} factor
  * @returns {Message} */
 export function inUnit(message, field, unit, factor) {
   const { refused } = message;
@@ -28,7 +28,7 @@ export function inUnit(message, field, unit, factor) {
   const { value } = refused;
   const given =
     typeof value === 'number'
-      ? `${shownEntry(value, factor)} ${unit} (${formatEntry(value)} ${field.unit})`
+      ? `${shownEntry(value, factor)} ${unit} (${formatEntry(value)} ${refused.unit})`
       : undefined;
   const allowed = limitsInUnit(refused.limits, unit, factor);
   return { ...message, text: refusalText(refused, field.label, { given, allowed }) };

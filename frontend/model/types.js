@@ -94,7 +94,7 @@
 /** @typedef {{title: string, description: string, design: Design}} Example */
 
 /** What a fitted table is to keep to: one of rows, bytes and largest_relative_error (a fraction).
- * @typedef {{rows?: number, bytes?: number, largest_relative_error?: number, row_kind: 'constant' | 'linear',
+ * @typedef {{rows?: Entry, bytes?: Entry, largest_relative_error?: Entry, row_kind: 'constant' | 'linear',
  *   interval_unit: string, fit_to: FitTo}} FitWish */
 
 /** What a table is fitted to: all steps that play a ramp index, or step k speeding up at index k.

@@ -302,7 +302,7 @@ async function stop(wanted, path) {
 
 /** Whether the server understood, and will not do it however it is asked.
  * @param {unknown} error */
-const isNo = (error) => error instanceof Refusal && error.status < SERVER_ERROR;
+export const isNo = (error) => error instanceof Refusal && error.status < SERVER_ERROR;
 
 /** @param {string} id */
 function device(id) {

@@ -143,7 +143,8 @@ export function closeButton(label, onclick) {
   return element('button', attributes, icon('remove'));
 }
 
-/** Mark a control as wrong and tie its message to it; without a message the mark goes.
+/** Mark a control as wrong and tie its message to it; without a message the mark goes. What explains it in any case, the
+ * element that its data-explained-by names, stays tied to it.
  * @param {HTMLElement} control @param {HTMLElement} box where the message is shown
  * @param {Message | undefined} message */
 export function showMessage(control, box, message) {
@@ -152,7 +153,8 @@ export function showMessage(control, box, message) {
   // Nothing new: this is asked of every field whenever a slider moves.
   if (control.getAttribute('aria-invalid') === isInvalid && box.textContent === (message?.text ?? '')) return;
   control.setAttribute('aria-invalid', isInvalid);
-  if (message) control.setAttribute('aria-describedby', id);
-  else control.removeAttribute('aria-describedby');
+  const tied = [message ? id : null, control.getAttribute('data-explained-by')].filter((one) => one !== null).join(' ');
+  if (tied === '') control.removeAttribute('aria-describedby');
+  else control.setAttribute('aria-describedby', tied);
   if (box.textContent !== (message?.text ?? '')) box.replaceChildren(...(message ? [messageLine(message, id)] : []));
 }

@@ -276,6 +276,10 @@ def test_a_smaller_memory_takes_a_coarser_ramp_with_the_least_bound() -> None:
     assert "To fit the controller's memory" in report.warnings[0]
     small = planned(design(), hello=limits(largest_image_bytes=80))
     assert len(small.image.encode()) <= 80
+    # With one segment less than the exact ramp takes, an interval moves by a tick: half a microsecond at 2 MHz.
+    least = planned(design(), hello=limits(most_segments=exact.image.sent_segments - 1))
+    [warning] = least.report(least.image.encode(), 1, kept=True).warnings
+    assert warning.endswith(" were changed by up to 1 tick: at most 0.5 µs from the design.")
 
 
 def test_a_ramp_that_no_bound_makes_fit_is_refused() -> None:

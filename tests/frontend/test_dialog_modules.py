@@ -3,12 +3,17 @@
 Plain objects stand in for elements.
 """
 
+import json
 from typing import Any
 
 import pytest
 
 from designs import document
 from frontend.modules import Modules
+from stepramp.errors import Rejected
+from stepramp.http_api.errors import error_items
+from stepramp.http_api.json_response import json_bytes
+from stepramp.http_api.tables_models import FitPayload
 
 # `textOf(element)` is all its text; `find(element, wanted)` the first within it that `wanted` is true of.
 # `pass()` ends what waits, as time does; `settled()` lets all promises go on.
@@ -19,7 +24,7 @@ ELEMENTS = """
     const made = (tag) => { const heard = {};
         const plain = {tag, children: [], dataset: {}, value: '', textContent: '', hidden: false, options: [],
             open: false, classList: {toggle() {}, add() {}, remove() {}},
-            addEventListener(name, act) { heard[name] = act; },
+            addEventListener(name, act) { heard[name] = act; }, emit(name, event) { heard[name]?.(event); },
             append(...more) { this.children.push(...more); }, replaceChildren(...more) { this.children = more; },
             setAttribute(name, value) { this[name] = value; }, getAttribute(name) { return this[name] ?? null; },
             removeAttribute(name) { delete this[name]; },
@@ -157,14 +162,17 @@ CAPTURE = """
 
 
 def test_a_captured_move_is_told_in_what_can_be_compared_with_the_plan(modules: Modules) -> None:
-    lasts, alone, numbered, moves = run(
+    lasts, alone, numbered, moves, ones = run(
         modules,
         f"""{CAPTURE} open('a.vcd'); came({{}});
         const lasts = figure('From first to last');
         const numbered = ['Missing', 'Extra', 'Too short', 'Largest deviation'].map(figure);
         came({{deviation: null}});
         return [lasts, figure('From first to last'), numbered,
-            byId('capture-move').children.map(({{textContent}}) => textContent).slice(1)];""",
+            byId('capture-move').children.map(({{textContent}}) => textContent).slice(1),
+            (store.dispatch(capture.captureCame, {{...answer({{}}), moves: [{{...moves[0], steps: 1}}],
+                channels: [{{name: 'Step', edges: 1}}]}}, ''),
+                ['capture-move', 'capture-step'].map((id) => byId(id).children.at(-1).textContent))];""",
     )
     assert (lasts, alone) == ("0.50000 s; planned 0.75000 s", "0.50000 s")
     assert numbered == [
@@ -173,6 +181,7 @@ def test_a_captured_move_is_told_in_what_can_be_compared_with_the_plan(modules: 
         "2: measured steps 1, 3",
         "7.00 µs, at measured step 2",
     ]
+    assert ones == ["1: 1 step at 2.000 s, direction high", "Step (1 edge)"]
     assert [each.split(", ")[1:] for each in moves] == [["direction high"], ["direction low"], []]
 
 
@@ -201,7 +210,7 @@ def test_the_capture_dialog_offers_the_plots_only_where_they_show_something(modu
     assert looks[3][:2] == ["Show the plots", False], "what was found before stays"
     assert looks[4][:2] == ["Close", True], "no step"
     assert looks[5][:2] == ["Close", True]
-    assert "keep this one over a reload" in kept
+    assert kept == "The page keeps no capture over a reload: open its file again then.", "true of any file"
 
 
 def test_a_fault_of_the_page_stays_until_it_is_closed(modules: Modules) -> None:
@@ -262,3 +271,52 @@ def test_a_remedy_is_told_in_the_units_that_are_shown(
     listed = [{"field": f"{part}.{name}", "value": value} for name, value in changes.items()]
     remedy = {"text": "the server's words", "changes": listed}
     assert modules.call("panels/device/remedy_words.js", "remedyWords", remedy, design, units) == words
+
+
+@pytest.mark.parametrize(
+    ("wish", "typed", "told"),
+    [
+        ("rows", "", "Rows is empty; allowed: a whole number from 1 to 1,000 rows."),
+        ("rows", "x", "Rows is 'x'; allowed: a whole number from 1 to 1,000 rows."),
+        ("rows", "1e400", "Rows is '1e400'; allowed: a whole number from 1 to 1,000 rows."),
+        ("rows", "-1", "Rows is -1; allowed: a whole number from 1 to 1,000 rows."),
+        ("rows", "1e300", "Rows is 1e+300; allowed: a whole number from 1 to 1,000 rows."),
+        ("bytes", "3", "Bytes is 3; allowed: a whole number from 4 to 6,000 bytes."),
+        (
+            "largest_relative_error",
+            "2,5",
+            "Error is '2,5'; allowed: a number from 0.0001 to 100 %. A point is expected for the comma: 2.5.",
+        ),
+        ("largest_relative_error", "101", "Error is 101 %; allowed: a number from 0.0001 to 100 %."),
+    ],
+)
+def test_a_wish_is_refused_by_its_field_s_name_and_in_its_unit(
+    modules: Modules, wish: str, typed: str, told: str
+) -> None:
+    dialog = """const {createFitDialog} = await import('/panels/table/fit_dialog.js');
+        const {Refusal} = await import('/server/api.js');
+        const asked = []; let answer = gone;
+        const dialog = createFitDialog({fitTable: async (_, wish) => { asked.push(wish); return answer(); },
+            fitCurve: () => gone()}, () => {});
+        dialog.open(design, 3);
+        find(byId('fit-dialog'), (one) => one['data-value'] === WISH || one.dataset?.value === WISH).onclick();
+        const input = find(byId('fit-dialog'), ({id}) => id === 'fit-wish');
+        const type = async (text) => { input.value = text; input.oninput(); await settled(); };
+    """.replace("WISH", repr(wish))
+    [asked] = run(modules, f"{dialog} await type({typed!r}); return asked.slice(-1);")
+    with pytest.raises(Rejected) as caught:
+        FitPayload.checked({"design": document(), **asked})
+    errors = [json.loads(json_bytes(item)) for item in error_items(caught.value)]
+    seen = run(
+        modules,
+        f"""{dialog} answer = () => {{ throw new Refusal(422, {json.dumps(errors)}); }};
+        await type({typed!r}); return [textOf(byId('fit-result')).trim(), input['aria-invalid']];""",
+    )
+    assert seen == [told, "true"]
+
+
+def test_what_refuses_a_fit_besides_its_wish_is_called_as_the_page_calls_it(modules: Modules) -> None:
+    error = {"field": "design.move.steps", "value": 0, "allowed": "another one", "message": "design.move.steps is 0"}
+    wish = {"name": "rows", "label": "Rows", "unit": "rows", "factor": 1}
+    told = modules.call("panels/table/fits.js", "problemOf", {"rejections": [error]}, wish, 8)
+    assert told == "Distance is 0; allowed: another one."

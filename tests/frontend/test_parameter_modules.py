@@ -138,7 +138,22 @@ def test_the_limits_and_units_are_those_of_the_server(modules: Modules) -> None:
             except Rejected as refused:
                 assert not is_taken, (path, value)
                 assert refused.rejections[0].limits
-                assert refused.rejections[0].limits.unit == unit
+                # The unit of the travel, the design says itself.
+                assert refused.rejections[0].limits.unit == ("mm" if name == "travel_per_rev" else unit)
+
+
+def test_what_the_guide_asks_otherwise_is_refused_with_both_units(modules: Modules) -> None:
+    """A wheel of 0 mm across: what is asked for is its diameter, what is stored the way of a turn, pi times as long."""
+    with pytest.raises(Rejected) as caught:
+        Design.checked(document(axis__travel_per_rev=0))
+    [rejection] = caught.value.rejections
+    assert rejection.limits
+    refused = {"field": rejection.field, "value": 0, "allowed": rejection.allowed, "message": rejection.message}
+    refused |= {"limits": vars(rejection.limits), "unit": rejection.limits.unit}
+    message = {"text": "", "isWarning": False, "refused": refused}
+    told = modules.call("model/rejection_text.js", "inUnit", message, {"label": "Diameter"}, "mm", 1 / math.pi)
+    # 0.001 / pi, rounded up, and 1,000,000 / pi, rounded down.
+    assert told["text"] == "Diameter is 0 mm (0 mm); allowed: a number from 0.00031831 to 318,309 mm."
 
 
 def test_a_slider_gives_back_what_it_shows(modules: Modules) -> None:

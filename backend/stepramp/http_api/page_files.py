@@ -12,8 +12,8 @@ from starlette.responses import Response
 from starlette.staticfiles import StaticFiles
 from starlette.types import Scope
 
-from stepramp.http_api.design_fields import number_fields
 from stepramp.http_api.methods_models import MethodsAnswer
+from stepramp.http_api.number_fields import design_fields, device_fields
 
 ASKED_EACH_TIME = "no-cache"
 KEPT = "max-age=31536000, immutable"
@@ -25,7 +25,8 @@ LINKS = re.compile(r'((?:href|src)=")(?!assets/plotly|#)')
 WRITTEN: dict[Path, Callable[[], str]] = {
     # What GET /api/v1/methods answers, for the page to import: it has no list of its own.
     Path("assets/methods.js"): lambda: MethodsAnswer.of_all().model_dump_json(),
-    Path("assets/design_fields.js"): lambda: json.dumps(number_fields()),
+    Path("assets/design_fields.js"): lambda: json.dumps(design_fields()),
+    Path("assets/device_fields.js"): lambda: json.dumps(device_fields()),
 }
 """Modules that are no files, and the value that each exports."""
 

@@ -12,7 +12,7 @@ from stepramp.ramp.table_check import MICROSECONDS, DelayUnit, RowChange, RowFin
 from stepramp.ramp.table_fit import BYTES_PER_ROW, FittedTable, Floor
 from stepramp.ramp.table_fit_linear import BYTES_PER_LINEAR_ROW
 from stepramp.ramp.table_play import TableMoves
-from stepramp.validation import Document, ListOf, Within, refuse
+from stepramp.validation import Document, ListOf, NamesUnits, Within, refuse
 
 MOST_TARGETS = 10_000
 MOST_CURVE_ROWS = 64
@@ -65,7 +65,7 @@ class PlayPayload(Document):
         return self
 
 
-class CheckPayload(Document):
+class CheckPayload(NamesUnits):
     """A table to be checked; its rows may be in any order."""
 
     rows: Annotated[list[Row], ListOf("rows of two whole numbers", most=MOST_TABLE_ROWS, least=1)] = Field(

@@ -32,7 +32,7 @@ export function createCapture(dispatch, act) {
   const kept = element('p', {
     className: 'muted',
     id: 'capture-kept',
-    textContent: 'Captures are large: the page doesn’t keep this one over a reload. Open its file again then.',
+    textContent: 'The page keeps no capture over a reload: open its file again then.',
   });
   const bar = element('progress', { max: 1, 'aria-label': 'Sending the file' });
   const doing = element('span');

@@ -2,7 +2,7 @@
 // What is taken of a captured file: channels, edge, move, alignment, and what is too short or too long.
 
 import { refusalText } from '../../model/messages.js';
-import { formatEntry, formatFigures, formatFixed, parseEntry } from '../../model/numbers.js';
+import { counted, formatEntry, formatFigures, formatFixed, parseEntry } from '../../model/numbers.js';
 import { element, picker, segmented, showMessage } from '../../ui/dom.js';
 
 /** @typedef {import('../../model/types.js').CaptureWish} CaptureWish */
@@ -53,7 +53,7 @@ export function createCaptureFields(onWish) {
 
   /** @param {Captured} answer @param {CaptureWish} wish */
   function offer(answer, wish) {
-    const channels = answer.channels.map(({ name, edges }) => /** @type {[string, string]} */ ([name, `${name} (${formatFixed(edges)} edges)`]));
+    const channels = answer.channels.map(({ name, edges }) => /** @type {[string, string]} */ ([name, `${name} (${counted(edges, 'edge')})`]));
     step.offer(channels, wish.step_channel ?? answer.step_channel);
     direction.offer([['', 'none'], ...channels], wish.direction_channel ?? answer.direction_channel ?? '');
     edge.press(wish.edge ?? answer.edge);
@@ -93,7 +93,7 @@ export function createCaptureFields(onWish) {
 function moveText({ move, steps, begin_s, direction_level }) {
   // Which way that is, only the wiring knows.
   const direction = direction_level === null ? '' : `, direction ${direction_level ? 'high' : 'low'}`;
-  return `${formatFixed(move)}: ${formatFixed(steps)} steps at ${formatFigures(begin_s)} s${direction}`;
+  return `${formatFixed(move)}: ${counted(steps, 'step')} at ${formatFigures(begin_s)} s${direction}`;
 }
 
 /** A field for microseconds that may be empty.

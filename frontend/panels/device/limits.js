@@ -1,10 +1,12 @@
 // @ts-check
 // Soft limits: how far an axis may go, in words, and the fields that say so.
 
-import { element, showMessage } from '../../ui/dom.js';
+import { element } from '../../ui/dom.js';
 import { formatEntry } from '../../model/numbers.js';
+import { beyond, DEVICE_TAKES, refusalOf } from '../../model/taken.js';
 import { shownValue, unitWord } from '../../model/units.js';
 import { quantityField } from './quantity.js';
+import { showAtPlaces } from './refusal.js';
 
 /** @typedef {import('../../model/types.js').Design} Design */
 /** @typedef {import('../../model/types.js').Device} Device */
@@ -44,12 +46,12 @@ export function createLimitFields() {
       const toWhole = side === 'lowest' ? Math.ceil : Math.floor;
       const field = quantityField({ id: `limit-${axis}-${side}`, label, quantity: 'length', start: '', toWhole });
       field.input.placeholder = 'none';
-      return { side, field };
+      return { side, field, problem: element('div', { className: 'problem' }) };
     });
-    const problem = element('div', { className: 'problem' });
     const name = element('span', { textContent: `Axis ${axis}` });
     const parts = fields.flatMap(({ side, field }) => [element('span', { textContent: side }), field.element]);
-    return { fields, problem, element: element('div', { className: 'limit-axis' }, name, ...parts, problem) };
+    const problems = fields.map(({ problem }) => problem);
+    return { fields, element: element('div', { className: 'limit-axis' }, name, ...parts, ...problems) };
   });
 
   /** @returns {SoftLimits[]} */
@@ -73,7 +75,6 @@ export function createLimitFields() {
         }
       });
       before = entries().map((one) => JSON.stringify(one));
-      this.reject([]);
     },
     /** Those that a person changed: what others set in the meantime stays.
      * @returns {SoftLimits[]} */
@@ -82,22 +83,31 @@ export function createLimitFields() {
       asked = changed.map(({ axis }) => axis);
       return changed;
     },
+    /** What the server would refuse of changed ones.
+     * @param {SoftLimits[]} changed */
+    refusals: (changed) => changed.flatMap((one, index) => refusalsOf(one, `axes.${index}.`)),
     /** Show what is wrong with a field at it.
      * @param {Rejection[]} rejections @returns {Rejection[]} those of no field here */
     reject(rejections) {
-      rows.forEach(({ fields, problem }, axis) => {
-        problem.replaceChildren();
-        for (const { side, field } of fields) {
-          const box = element('div');
-          const path = `axes.${asked.indexOf(axis)}.${side}_steps`;
-          const found = rejections.find((one) => one.field === path);
-          const label = side === 'lowest' ? 'Lowest' : 'Highest';
-          const text = (found && field.refusal(found, label)) ?? '';
-          showMessage(field.input, box, found && { text, isWarning: false });
-          if (found) problem.append(box);
-        }
-      });
-      return rejections.filter(({ field }) => !/^axes\.\d\.(lowest|highest)_steps$/.test(field ?? ''));
+      const places = rows.flatMap(({ fields }, axis) =>
+        fields.map(({ side, field, problem }) => ({
+          path: new RegExp(`^axes\\.${asked.indexOf(axis)}\\.${side}_steps$`),
+          input: field.input,
+          problem,
+          text: (/** @type {Rejection} */ one) => field.refusal(one, side === 'lowest' ? 'Lowest' : 'Highest'),
+        })),
+      );
+      return showAtPlaces(rejections, places);
     },
   };
+}
+
+/** @param {SoftLimits} limits @param {string} place of their fields @returns {Rejection[]} */
+function refusalsOf({ lowest_steps: lowest, highest_steps: highest }, place) {
+  const refused = Object.entries({ lowest_steps: lowest, highest_steps: highest }).flatMap(
+    ([name, steps]) => (steps === null ? null : refusalOf(`${place}${name}`, steps, DEVICE_TAKES[name])) ?? [],
+  );
+  if (refused.length > 0 || lowest === null || highest === null || highest >= lowest) return refused;
+  const behind = { lowest: Number(lowest), highest: null, is_whole: true, note: ', the lowest' };
+  return [beyond(`${place}highest_steps`, highest, behind, 'steps')];
 }

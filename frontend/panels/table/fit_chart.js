@@ -2,7 +2,7 @@
 // The largest error against the number of rows, from which a size is chosen: by pointer, or by keys as on a slider.
 
 import { svgElement } from '../../ui/dom.js';
-import { formatFigures } from '../../model/numbers.js';
+import { counted, formatFigures } from '../../model/numbers.js';
 import { chartText, gridLine } from './chart.js';
 
 /** @typedef {import('../../model/types.js').FitCurve} FitCurve */
@@ -126,7 +126,7 @@ export function createFitChart(onChoose) {
       drawing.setAttribute('aria-valuemax', String(curve?.rows.at(-1) ?? 1));
       drawing.setAttribute('aria-valuenow', String(rows));
       const error = chosen < 0 ? '' : `, ${formatFigures((curve?.largest_relative_error[chosen] ?? 0) * 100, 3)} %`;
-      drawing.setAttribute('aria-valuetext', `${rows} row${rows === 1 ? '' : 's'}${error}`);
+      drawing.setAttribute('aria-valuetext', `${counted(rows, 'row')}${error}`);
       draw();
     },
   };

@@ -7,7 +7,7 @@ import { copyText } from '../../ui/clipboard.js';
 import { createDialog, dialogFoot } from '../../ui/dialog.js';
 import { element, messageLine, segmented } from '../../ui/dom.js';
 import { methodOf, REFERENCE } from '../../model/methods.js';
-import { formatEntry, formatFigures, parseEntry, pointHint } from '../../model/numbers.js';
+import { counted, formatEntry, formatFigures, parseEntry } from '../../model/numbers.js';
 import { createFitChart } from './fit_chart.js';
 import { fitKey, problemOf, rowsPreview } from './fits.js';
 import { createPurpose } from './purpose.js';
@@ -16,17 +16,17 @@ import { createPurpose } from './purpose.js';
 /** @typedef {import('../../model/types.js').Entry} Entry */
 /** @typedef {import('../../model/types.js').FitCurve} FitCurve */
 /** @typedef {import('../../model/types.js').FittedTable} FittedTable */
-/** @typedef {'rows' | 'largest_relative_error' | 'bytes'} WishName */
+/** @typedef {import('./fits.js').Wish['name']} WishName */
 /** @typedef {'constant' | 'linear'} Kind */
 /** @typedef {import('../../model/types.js').FitTo} FitTo */
 /** Rows with what they were fitted to, and by what wish.
  * @typedef {{rows: [number, number][], unit: string, design: Design, wish: import('../../model/types.js').FitWish}} Fit */
 
-/** @type {{name: WishName, label: string, unit: string}[]} */
+/** @type {import('./fits.js').Wish[]} */
 const WISHES = [
-  { name: 'rows', label: 'Rows', unit: 'rows' },
-  { name: 'largest_relative_error', label: 'Error', unit: '%' },
-  { name: 'bytes', label: 'Bytes', unit: 'bytes' },
+  { name: 'rows', label: 'Rows', unit: 'rows', factor: 1 },
+  { name: 'largest_relative_error', label: 'Error', unit: '%', factor: 100 },
+  { name: 'bytes', label: 'Bytes', unit: 'bytes', factor: 1 },
 ];
 /** @type {Record<FitTo, string>} */
 const PLAYER_NOTES = {
@@ -161,9 +161,11 @@ export function createFitDialog(ask, onRows) {
     fetchCurve();
   }
 
+  const chosenWish = () => /** @type {import('./fits.js').Wish} */ (WISHES.find(({ name }) => name === wish));
+
   /** Show what is wished for, and ask for it. */
   function fit() {
-    const { label, unit } = /** @type {typeof WISHES[0]} */ (WISHES.find(({ name }) => name === wish));
+    const { label, unit } = chosenWish();
     wishes.press(wish);
     kinds.press(kind);
     players.press(fitTo);
@@ -184,7 +186,7 @@ export function createFitDialog(ask, onRows) {
       show(answer);
       usable = answer.table && { rows: answer.table.rows, unit, design: to, wish: requested };
     },
-    refuse: (refusal) => show(null, problemOf(refusal)),
+    refuse: (refusal) => show(null, problemOf(refusal, chosenWish(), wanted[wish])),
     miss: () => show(null, NOBODY_ANSWERS),
     isOnlyNewest: true,
   });
@@ -192,12 +194,8 @@ export function createFitDialog(ask, onRows) {
   function fitNewest() {
     const value = wanted[wish];
     if (design === null || !dialog.isOpen()) return;
-    if (typeof value !== 'number') {
-      fitting.cancel();
-      show(null, value === '' ? 'Nothing is wished for.' : `“${value}” is not a number.${pointHint(value)}`);
-      return;
-    }
-    const [size, unit] = [wish === 'largest_relative_error' ? value / 100 : value, intervalUnit()];
+    // What is no number goes as it is: the server says what is allowed, as of any other field.
+    const [size, unit] = [typeof value === 'number' ? value / chosenWish().factor : value, intervalUnit()];
     fitting.want({ to: design, unit, requested: { [wish]: size, row_kind: kind, interval_unit: unit, fit_to: fitTo } });
   }
 
@@ -228,7 +226,7 @@ export function createFitDialog(ask, onRows) {
     copy.hidden = !use.hidden;
     purpose.element.hidden = use.hidden;
     copy.textContent = 'Copy as C';
-    use.textContent = shown === null ? 'Use the rows' : `Use ${shown.rows} row${shown.rows === 1 ? '' : 's'}`;
+    use.textContent = shown === null ? 'Use the rows' : `Use ${counted(shown.rows, 'row')}`;
     if (shown === null) {
       result.replaceChildren(messageLine({ text: problem, isWarning: false }));
       preview.replaceChildren();
@@ -239,7 +237,7 @@ export function createFitDialog(ask, onRows) {
       element(
         'p',
         {},
-        figure(`${shown.rows} row${shown.rows === 1 ? '' : 's'}`),
+        figure(counted(shown.rows, 'row')),
         ` · ${formatEntry(shown.bytes)} bytes · largest error `,
         figure(`± ${formatFigures(shown.largest_relative_error * 100, 3)} %`),
       ),

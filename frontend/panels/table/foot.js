@@ -2,6 +2,7 @@
 // The foot of the table: how large it is and what can be done with it and, in a line of its own, what was done last.
 
 import { element, icon } from '../../ui/dom.js';
+import { counted } from '../../model/numbers.js';
 
 const BYTES_PER_ROW = 4;
 
@@ -31,7 +32,7 @@ export function createFoot({ simulate, copyC, copyCsv, refit, putBack }) {
       size.textContent =
         rows === 0
           ? 'No rows: add one, fit them, or paste a table.'
-          : `${counted(rows)} · ${(rows * BYTES_PER_ROW).toLocaleString('en-US')} bytes`;
+          : `${counted(rows, 'row')} · ${(rows * BYTES_PER_ROW).toLocaleString('en-US')} bytes`;
       for (const one of buttons) one.hidden = rows === 0;
       // Read aloud when it is another.
       if (told.textContent !== note) told.textContent = told.title = note;
@@ -41,11 +42,6 @@ export function createFoot({ simulate, copyC, copyCsv, refit, putBack }) {
       noteLine.hidden = note === '' && fitAgain.hidden && back.hidden;
     },
   };
-}
-
-/** @param {number} count */
-export function counted(count) {
-  return `${count.toLocaleString('en-US')} row${count === 1 ? '' : 's'}`;
 }
 
 /** @param {string} text @param {string} title @param {() => void} onclick @param {...Node} before */

@@ -6,7 +6,8 @@ import { TABLE_FILES } from '../../documents/kinds.js';
 import { readTables } from '../../documents/table_text.js';
 import { createDialog, dialogFoot } from '../../ui/dialog.js';
 import { element, messageLine } from '../../ui/dom.js';
-import { formatEntry } from '../../model/numbers.js';
+import { counted, formatEntry } from '../../model/numbers.js';
+import { DELAY_UNITS, roundedRows, rowProblems } from '../../model/table_rows.js';
 import { previewTable } from './preview_table.js';
 import { createPurpose } from './purpose.js';
 
@@ -15,10 +16,12 @@ import { createPurpose } from './purpose.js';
 /** @typedef {import('./purpose.js').Purpose} Purpose */
 
 const EXAMPLE = 'unsigned short accelTable[][2] = {\n  { 10, 5000 },\n  { 30, 1500 }\n};';
-const UNIT_WORDS = /** @type {Record<string, string>} */ ({ us: 'µs', ticks: 'ticks' });
+/** So many refused numbers are told one by one. */
+const MOST_TOLD = 5;
 
 /**
- * @param {(rows: [number, number][], unit: string, purpose: Purpose) => void} onRows
+ * @param {(rows: [number, number][], unit: string, purpose: Purpose, rounded: number) => void} onRows
+ *   rounded: how many of the delays are, as it was asked for
  * @param {(onText: (text: string) => void, onProblem: (problem: string) => void) => void} chooseFile
  */
 export function createPasteDialog(onRows, chooseFile) {
@@ -39,6 +42,9 @@ export function createPasteDialog(onRows, chooseFile) {
   });
   const choice = element('div', { className: 'table-choice', role: 'radiogroup', 'aria-label': 'Table', hidden: true });
   const shown = element('div', { className: 'preview', id: 'paste-preview', 'aria-live': 'polite' });
+  const round = element('input', { type: 'checkbox', id: 'paste-round', onchange: () => showChosen() });
+  const roundWords = element('span');
+  const rounding = element('label', { className: 'as-method', htmlFor: round.id, hidden: true }, round, roundWords);
   const purpose = createPurpose('paste');
   const use = element('button', { className: 'button primary', type: 'submit', textContent: 'Use the rows' });
   const file = element('button', {
@@ -58,6 +64,7 @@ export function createPasteDialog(onRows, chooseFile) {
     text,
     choice,
     shown,
+    rounding,
     purpose.element,
     dialogFoot(() => dialog.close(), file, use),
   );
@@ -95,7 +102,7 @@ export function createPasteDialog(onRows, chooseFile) {
   /** @param {Table} table @param {number} index */
   function choiceOf({ name, line, rows, problem }, index) {
     const ends = [rows?.[0], rows?.at(-1)].map((row) => row?.map(formatEntry).join(', '));
-    const about = rows === null ? problem : `${counted(rows.length)}, from {${ends[0]}} to {${ends[1]}}`;
+    const about = rows === null ? problem : `${counted(rows.length, 'row')}, from {${ends[0]}} to {${ends[1]}}`;
     const radio = element('input', {
       type: 'radio',
       name: 'paste-table-choice',
@@ -113,14 +120,24 @@ export function createPasteDialog(onRows, chooseFile) {
   function showChosen() {
     const { rows, unit = ownUnit, problem } = tables[chosen];
     if (rows === null) return showProblem(problem);
-    use.disabled = false;
-    use.textContent = `Use ${counted(rows.length)}`;
-    const lines = rows.map((row, index) => [index + 1, ...row].map(formatEntry));
-    shown.replaceChildren(previewTable(['#', 'to index', `delay, ${UNIT_WORDS[unit]}`], lines));
+    const { rounded } = roundedRows(rows);
+    rounding.hidden = rounded === 0;
+    roundWords.textContent = `Round ${counted(rounded, 'delay')} to whole ${DELAY_UNITS[unit]}`;
+    const meant = meantRows(rows);
+    const problems = rowProblems(meant, unit);
+    use.disabled = problems.length > 0;
+    use.textContent = `Use ${counted(rows.length, 'row')}`;
+    const lines = meant.map((row, index) => [index + 1, ...row].map(formatEntry));
+    const heads = ['#', 'to index', `delay, ${DELAY_UNITS[unit]}`];
+    shown.replaceChildren(...refused(problems), previewTable(heads, lines));
   }
 
+  /** The rows as they would be used: nothing is rounded unasked.
+   * @param {[number, number][]} rows */
+  const meantRows = (rows) => (round.checked ? roundedRows(rows).rows : rows);
+
   function showNone() {
-    use.disabled = true;
+    use.disabled = rounding.hidden = true;
     use.textContent = 'Use the rows';
   }
 
@@ -134,14 +151,14 @@ export function createPasteDialog(onRows, chooseFile) {
   function submitted(event) {
     const [table, meant] = [tables[chosen], purpose.purpose()];
     if (use.disabled || !table?.rows || meant === null) event.preventDefault();
-    else onRows(table.rows, table.unit ?? ownUnit, meant);
+    else onRows(meantRows(table.rows), table.unit ?? ownUnit, meant, round.checked ? roundedRows(table.rows).rounded : 0);
   }
 
   return {
     /** @param {Design} design @param {number} axis @param {string} unit of the delays where the text names none
      * @param {string} [given] text to begin with */
     open(design, axis, unit, given = '') {
-      [ownUnit, chosen] = [unit, 0];
+      [ownUnit, chosen, round.checked] = [unit, 0, false];
       purpose.open(design, axis);
       put(given);
       dialog.open(given === '' || use.disabled ? text : use);
@@ -152,7 +169,10 @@ export function createPasteDialog(onRows, chooseFile) {
   };
 }
 
-/** @param {number} count */
-function counted(count) {
-  return `${formatEntry(count)} row${count === 1 ? '' : 's'}`;
+/** What the table would refuse, the first of it in full.
+ * @param {string[]} problems */
+function refused(problems) {
+  const more = problems.length - MOST_TOLD;
+  const told = [...problems.slice(0, MOST_TOLD), ...(more > 0 ? [`${counted(more, 'more number')} can’t be used.`] : [])];
+  return told.map((text) => messageLine({ text, isWarning: false }));
 }

@@ -11,12 +11,14 @@ import { readTables } from '../../documents/table_text.js';
 import { copyText } from '../../ui/clipboard.js';
 import { conversionProblem, convertedRows, rowAfter, rowSpeed } from '../../model/design.js';
 import { methodOf } from '../../model/methods.js';
+import { counted } from '../../model/numbers.js';
+import { DELAY_UNITS, rowProblems } from '../../model/table_rows.js';
 import { idsOf, tablesOf } from '../../model/workbench.js';
 import { element, icon, messageLine, picker } from '../../ui/dom.js';
 import { createChecks } from './checks.js';
 import { createFitDialog } from './fit_dialog.js';
 import { fitKey } from './fits.js';
-import { counted, createFoot } from './foot.js';
+import { createFoot } from './foot.js';
 import { createGrid } from './grid.js';
 import { createOrigins } from './origins.js';
 import { createPasteDialog } from './paste_dialog.js';
@@ -27,12 +29,6 @@ import { createReplaced } from './replaced.js';
 /** @typedef {import('../../model/types.js').Entry} Entry */
 /** @typedef {import('../../model/design.js').Rows} Rows */
 /** @typedef {import('../../model/messages.js').Messages} Messages */
-
-/** @type {[string, string][]} */
-const UNITS = [
-  ['us', 'µs'],
-  ['ticks', 'ticks'],
-];
 
 /** Whose table it becomes, and whether it becomes the method as well.
  * @typedef {import('./purpose.js').Purpose} Purpose */
@@ -69,7 +65,10 @@ export function createTable(root, dispatch, ask) {
 
   const grid = createGrid({ onTyped: typed, onRemove: remove, onInsert: insert, onSelect: (row) => dispatch(selectRow, row) });
   const dialog = createPasteDialog(
-    (rows, pastedUnit, purpose) => replace(rows, pastedUnit, 'pasted', purpose),
+    (rows, pastedUnit, purpose, rounded) => {
+      const how = rounded > 0 ? `, ${counted(rounded, 'delay')} rounded to whole ${DELAY_UNITS[pastedUnit]}` : '';
+      replace(rows, pastedUnit, `pasted${how}`, purpose);
+    },
     openTableFile,
   );
   const fitDialog = createFitDialog(ask, useFit);
@@ -166,8 +165,7 @@ export function createTable(root, dispatch, ask) {
     }
     const { rows: converted, rounded } = convertedRows(rows(), wanted, Number(design?.timer.frequency_hz));
     unit = wanted;
-    const delays = `${rounded} delay${rounded === 1 ? '' : 's'}`;
-    tell(rounded > 0 ? `${delays} rounded to whole ${new Map(UNITS).get(wanted)}` : '', converted);
+    tell(rounded > 0 ? `${counted(rounded, 'delay')} rounded to whole ${DELAY_UNITS[wanted]}` : '', converted);
     edit(converted);
   }
 
@@ -178,7 +176,7 @@ export function createTable(root, dispatch, ask) {
     replaced.keep(purpose.axis, { rows: table?.rows ?? [], unit: table?.interval_unit ?? takenUnit });
     if (purpose.axis === axis) {
       unit = takenUnit;
-      tell(`${counted(taken.length)} ${how}${purpose.asMethod ? ', now the method' : ''}`, taken);
+      tell(`${counted(taken.length, 'row')} ${how}${purpose.asMethod ? ', now the method' : ''}`, taken);
       dispatch(selectRow, -1);
     }
     dispatch(setTable, taken, takenUnit, undefined, purpose.axis, purpose.asMethod);
@@ -234,7 +232,7 @@ export function createTable(root, dispatch, ask) {
   }
 
   /** A table pasted anywhere in the panel takes the place of the rows; a lone number stays an ordinary paste. Where there
-   * is something to choose, it is shown first.
+   * is something to choose or to refuse, it is shown first.
    * @param {ClipboardEvent} event */
   function pasted(event) {
     const text = event.clipboardData?.getData('text/plain') ?? '';
@@ -244,7 +242,8 @@ export function createTable(root, dispatch, ask) {
     const { tables } = readTables(text);
     const [table] = tables ?? [];
     const isMethod = design !== null && methodOf(design.method.name).plays_table;
-    if (!isMethod || tables?.length !== 1 || !table.rows) openText(text);
+    const isUsable = table?.rows && rowProblems(table.rows, table.unit ?? unit).length === 0;
+    if (!isMethod || tables?.length !== 1 || !isUsable) openText(text);
     else replace(table.rows, table.unit ?? unit, 'pasted', { axis, asMethod: false });
   }
 
@@ -271,7 +270,7 @@ export function createTable(root, dispatch, ask) {
   /** @param {Design} shown */
   function showRows(shown) {
     unit = shown.table?.interval_unit ?? unit;
-    units.offer(UNITS, unit);
+    units.offer(Object.entries(DELAY_UNITS), unit);
     if (noted !== JSON.stringify([rows(), unit])) note = '';
     problem = '';
     showGeneral();

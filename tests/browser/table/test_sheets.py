@@ -38,3 +38,17 @@ def test_what_is_said_of_the_rows_goes_with_them(start: StepRampPage) -> None:
     start.page.keyboard.press("Control+z")
     assert rows_of(start) == ROWS
     expect(foot.get_by_role("button", name="before back")).to_have_count(0)
+
+
+def test_fractions_pasted_into_the_table_that_is_played_are_shown_first(start: StepRampPage) -> None:
+    page = start.page
+    page.locator("#method").select_option("table")
+    start.paste_into_table("3;8284,5\n100;1115,25")
+    dialog = page.locator("#paste-dialog")
+    expect(dialog.locator("#paste-preview .message")).to_have_count(2)
+    expect(dialog.get_by_role("button", name="Use 2 rows")).to_be_disabled()
+    assert rows_of(start) == ROWS
+    dialog.get_by_label("Round 2 delays to whole µs").check()
+    dialog.get_by_role("button", name="Use 2 rows").click()
+    assert rows_of(start) == [[3, 8285], [100, 1115]]
+    expect(page.locator(".table-foot")).to_contain_text("2 rows pasted, 2 delays rounded to whole µs")

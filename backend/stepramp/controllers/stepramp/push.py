@@ -192,7 +192,7 @@ class PushPlan:
             if bound:
                 which = "" if len(self.pushed) == 1 else f" of axis {each.axis}"
                 yield (
-                    f"To fit the controller's memory, intervals{which} were changed by up to {bound:,} ticks: "
+                    f"To fit the controller's memory, intervals{which} were changed by up to {_ticks(bound)}: "
                     f"at most {self._deviation_us(each):,.3g} µs from the design."
                 )
         if not self.keeps_pace:
@@ -362,13 +362,17 @@ def _rejection(pushed: PushedDesign, change: SmallestChange, limits: PushLimits,
         f"a ramp of at most {limits.most_segments:,} segments, all ramps together of at most "
         f"{limits.largest_image_bytes:,} bytes, with this controller"
     )
-    changed = f", even with intervals changed by up to {change.bound_ticks:,} ticks" if change.bound_ticks else ""
+    changed = f", even with intervals changed by up to {_ticks(change.bound_ticks)}" if change.bound_ticks else ""
     reason = f"Too long for this controller: {taken}{changed}."
     if design.method.plays_table:
         rows = f"{len(design.table.rows) if design.table else 0} rows"
         return Rejection(f"{path}table.rows", rows, allowed, reason=reason)
     rate = design.ramp.acceleration_steps_per_s2
     return Rejection(f"{path}ramp.acceleration_steps_per_s2", rate, allowed, reason=reason)
+
+
+def _ticks(count: int) -> str:
+    return f"{count:,} tick{'' if count == 1 else 's'}"
 
 
 def _coarsest_bound(slew: float, timer_hz: int) -> int:
