@@ -29,6 +29,8 @@ DATA_BYTES = 48
 LARGEST_IMAGE = 440
 SLOW_HZ, FAST_HZ = 2_000_000, 16_000_000
 HOLD_FOR_EVER = 65535
+PATIENCE_S = 10.0
+"""How long an answer is waited for: a machine that does much else may hold the simulator up for more than a second."""
 
 
 def crc16(data: bytes) -> int:
@@ -256,7 +258,7 @@ class Client:
 
     def __init__(self, port: str, session: int = 0x1234) -> None:
         self.notices: list[bytes] = []
-        self._port = serial.Serial(port, 115200, timeout=1.0)
+        self._port = serial.Serial(port, 115200, timeout=PATIENCE_S)
         self._session = session
         self._tag = 0
 
@@ -308,7 +310,7 @@ class Client:
             self._port.write(b"\0")
             self.send(HELLO, b"\x02")
             if self._port.read_until(b"\0").endswith(b"\0"):
-                self._port.timeout = 1.0
+                self._port.timeout = PATIENCE_S
                 return self._hello_behind_late_answers()
         raise AssertionError("no answer to 20 hellos")
 

@@ -17,6 +17,7 @@ from firmware.protocol import (
     IN_MOTION,
     LINE,
     MOVE_BY,
+    PATIENCE_S,
     REPORT_NOTICE,
     STATUS,
     Client,
@@ -180,7 +181,7 @@ class BusyClient(Client):
             while self._answered != self._tag:
                 self.take(SILENCE_S)
             if self._last_tag == asked:
-                self._port.timeout = 1.0
+                self._port.timeout = PATIENCE_S
                 return
         raise AssertionError("no answer after a flood")
 
