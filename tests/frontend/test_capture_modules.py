@@ -212,6 +212,19 @@ def test_what_is_not_wanted_any_more_ends_and_is_not_heard(modules: Modules) -> 
     assert [one[2] for one in run(modules, [*READY, ["remove"]])["sent"]] == [True]
 
 
+def test_what_is_found_in_a_file_is_not_taken_for_another_one_that_is_opened_while_the_design_is_refused(
+    modules: Modules,
+) -> None:
+    other = [*READY, ["wrong"], ["open", "two.csv"]]
+    for ends in ([], [["late", 0]], [["refuse", "file"]], [["gone"]]):
+        ran = run(modules, [*other, *ends])
+        assert ([one[2] for one in ran["sent"]], ran["last"]) == ([True], ["asked", 0, None, True])
+    ran = run(modules, [*other, ["late", 0], ["design", SLOWER], ["wait"], ["answer", 2]])
+    assert ([one[0] for one in ran["sent"]], ran["last"]) == (["one.csv", "two.csv"], ["answered", 0, 2, False])
+    # Of the file in hand it still counts, for the last design that was sound.
+    assert run(modules, [*READY, ["wrong"], ["answer", 1]])["last"] == ["answered", 0, 1, True]
+
+
 def test_what_was_found_stays_while_the_server_cannot_answer_and_it_is_asked_again(modules: Modules) -> None:
     gone = [*ANSWERED, ["design", SLOWER], ["wait"], ["gone"]]
     ran = run(modules, gone)

@@ -24,6 +24,9 @@ const STANDS_MS = 300;
 /** @param {Pick<import('../state.js').Store, 'dispatch' | 'subscribe'>} store @param {typeof api.capture} [send] */
 export function askForCapture({ dispatch, subscribe }, send = api.capture) {
   let sending = new AbortController();
+  /** The file that is in hand.
+   * @type {File | undefined} */
+  let inHand;
   const question = createQuestion({
     ask: ({ file, wish, design }) => {
       const { signal } = sending;
@@ -46,8 +49,9 @@ export function askForCapture({ dispatch, subscribe }, send = api.capture) {
     whenChanged(
       (state) => [state.capture?.file, state.capture?.wish, state.capture && comparedDesignOf(state)],
       (file, wish, design) => {
-        // Until the design is sound again, what was found for the last sound one stays.
-        if (file !== undefined && design === null) return;
+        // Until the design is sound again, what is found for the last sound one counts, but not for another file.
+        if (file === inHand && design === null) return;
+        inHand = file;
         end();
         if (file === undefined || wish === undefined || design === null) return;
         dispatch(captureAsked);
