@@ -57,3 +57,43 @@ def test_what_ran_without_an_end_has_none_when_it_was_slowed_down_either(modules
         const move = [tell(4, 'moving', 30, 70), tell(5, 'ready', 70, 70)];
         return [jog, move].map((lengths) => lengths.map((length) => length ?? null)); }"""
     assert modules.evaluate(script) == [[None] * 4, [50, 50]]
+
+
+# A page that traces moves of a device with what it may know of one: the move is answered as the test says, after
+# what happens meanwhile.
+MOVED = """async ([answer, meanwhile]) => {
+    const {FIRST_STATE, createStore} = await import('/app/state.js');
+    const {COMMANDS} = await import('/app/commands/commands.js');
+    const {createDeviceActions} = await import('/app/effects/device_actions.js');
+    const {api, Ended, Refusal, ServerGone} = await import('/server/api.js');
+    const {createGestures} = await import('/server/gestures.js');
+    const real = {...api};
+    const store = createStore(FIRST_STATE, (error) => { throw error; });
+    store.dispatch(COMMANDS.device.setTracing, true);
+    const [traced, newer] = [new Map(), {axis: 9, design: null}];
+    const failures = {refused: new Refusal(409, [{message: 'no'}]), ended: new Ended('no'), gone: new ServerGone('no')};
+    api.traceMoves = async () => {};
+    api.move = async () => {
+        if (meanwhile) traced.set('1', newer);
+        if (answer !== 'done') throw failures[answer];
+    };
+    const device = {id: '1', state: 'ready', stops: 0, capabilities: ['trace']};
+    await createDeviceActions(store, createGestures(), traced, {outdate: () => {}}).go(device, 0, 'move', {});
+    Object.assign(api, real);
+    return traced.has('1') && (traced.get('1') === newer ? 'newer' : 'this'); }"""
+
+
+@pytest.mark.parametrize(
+    ("answer", "meanwhile", "awaited"),
+    [
+        ("done", False, "this"),
+        ("refused", False, False),
+        ("ended", False, False),
+        ("gone", False, False),
+        ("refused", True, "newer"),
+    ],
+)
+def test_a_move_that_was_not_begun_is_not_awaited_as_a_traced_one(
+    modules: Modules, answer: str, meanwhile: bool, awaited: object
+) -> None:
+    assert modules.evaluate(MOVED, [answer, meanwhile]) == awaited

@@ -94,12 +94,20 @@ export function createDeviceActions({ state, dispatch }, gestures, traced, previ
     go(device, axis, what, body) {
       const gesture = gestures.begin(device);
       return request(what, async () => {
-        if (state().devices.isTracing && device.capabilities.includes('trace') && device.state === 'ready') {
+        const isTraced = state().devices.isTracing && device.capabilities.includes('trace') && device.state === 'ready';
+        const of = isTraced ? moveOf(state(), device.id, axis) : null;
+        if (of) {
           await api.traceMoves(device.id, axis, gesture);
-          traced.set(device.id, moveOf(state(), device.id, axis));
+          traced.set(device.id, of);
         }
         const before = state().devices.measured;
-        await api.move(device.id, what, body, gesture);
+        try {
+          await api.move(device.id, what, body, gesture);
+        } catch (error) {
+          // What moves next is not of this, be it a jog.
+          if (traced.get(device.id) === of) traced.delete(device.id);
+          throw error;
+        }
         // What was refused has moved nothing, and what moved but a few steps may have been measured already.
         if (state().devices.measured === before) dispatch(showMeasured, null);
       });
