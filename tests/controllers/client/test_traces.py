@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from controllers.client.script import IDLE, Connect, said, stored
 from stepramp.controllers.contract import AxisCommand
 from stepramp.controllers.stepramp.messages.body import DoneReply
 from stepramp.controllers.stepramp.messages.motion import MoveByRequest, RunRequest, StopRequest, TargetsReply
-from stepramp.controllers.stepramp.messages.status import StatusRequest
+from stepramp.controllers.stepramp.messages.reply import Refusal, ReplyStatus
+from stepramp.controllers.stepramp.messages.status import AxisState, StatusRequest
 from stepramp.controllers.stepramp.messages.trace import TraceNotice, TraceReply, TraceRequest
-from stepramp.errors import Rejected
+from stepramp.errors import Refused, Rejected
 
 
 def test_a_trace_is_collected_with_the_plan_of_the_move(connect: Connect) -> None:
@@ -54,3 +57,41 @@ def test_no_trace_of_an_axis_that_is_not_there(connect: Connect) -> None:
     with pytest.raises(Rejected) as caught:
         connect(stored()).trace_moves(2, 0)
     assert caught.value.rejections[0].field == "traced_axis"
+
+
+def test_the_last_trace_is_kept_until_another_move_is_taken(connect: Connect) -> None:
+    script = stored().then(TraceRequest(0, 0), TraceReply(1))
+    script.then(StatusRequest(0), IDLE).then(StatusRequest(0), IDLE)
+    script.then(MoveByRequest(1, (-2,)), TargetsReply((-2,)))
+    script.then(TraceRequest(0, 0), TraceReply(1)).then(StatusRequest(0), IDLE)
+    script.then(MoveByRequest(1, (9,)), Refusal(ReplyStatus.WRITING, 0))
+    script.then(StatusRequest(0), IDLE).then(MoveByRequest(1, (3,)), TargetsReply((3,)))
+    controller = connect(script)
+    controller.trace_moves(0, 0)
+    controller.move_by([AxisCommand(0, -2, "by_steps")])
+    script.unasked = said(TraceNotice(0, 1, 1, (7, 4007)))
+    controller.listen()
+    controller.trace_moves(0, 0)
+    with pytest.raises(Refused):
+        controller.move_by([AxisCommand(0, 9, "by_steps")])
+    assert controller.trace is not None
+    assert controller.trace().step.tolist() == [1, 2]
+    controller.move_by([AxisCommand(0, 3, "by_steps")])
+    assert controller.trace().step.tolist() == []
+    script.unasked = said(TraceNotice(0x80, 1, 1, (5, 4005, 8005)))
+    controller.listen()
+    assert controller.trace().step.tolist() == [1, 2, 3]
+
+
+def test_a_move_that_is_not_traced_has_not_the_trace_of_the_last_one(connect: Connect) -> None:
+    moving = replace(IDLE, axis_state=AxisState.MOVING)
+    script = stored().then(TraceRequest(0, 0), TraceReply(1))
+    script.then(StatusRequest(0), IDLE).then(StatusRequest(0), IDLE)
+    script.then(MoveByRequest(1, (-2,)), TargetsReply((-2,)))
+    script.then(TraceRequest(0, 0), TraceReply(1)).then(StatusRequest(0), moving)
+    script.then(MoveByRequest(1, (9,)), TargetsReply((9,)))
+    controller = connect(script)
+    for steps in (-2, 9):
+        controller.trace_moves(0, 0)
+        controller.move_by([AxisCommand(0, steps, "by_steps")])
+    assert controller.trace is None

@@ -26,6 +26,9 @@ class Tracing:
         self._conversation = conversation
         self._give_way = give_way
         self._collector: TraceCollector | None = None
+        """Of the last move."""
+        self._armed: TraceCollector | None = None
+        """Of the next one. The last trace is kept until there is one: what is asked for may be refused."""
         self._sets_out = False
 
     @property
@@ -38,7 +41,7 @@ class Tracing:
         request = TraceRequest(TRACE_OFF if axis is None else axis, every_steps)
         every = self._conversation.ask(request, TraceReply).every_steps
         if axis is not None:
-            self._collector = TraceCollector(axis, every)
+            self._armed = TraceCollector(axis, every)
         return every
 
     def take(self, notice: TraceNotice) -> None:
@@ -52,7 +55,7 @@ class Tracing:
         hear: lets what the controller has said unasked be taken; what it tells of the move before is waited for.
         """
         self._sets_out = False
-        collector = self._collector
+        collector = self._armed
         if collector is None or collector.axis not in axes:
             return {}
         status = self._conversation.ask(StatusRequest(collector.axis), StatusReply)
@@ -94,8 +97,8 @@ class Tracing:
             )
 
     def _setting_out(self, commanded: Mapping[int, int]) -> TraceCollector | None:
-        """Return the collector if the axis that it traces has set out from rest."""
-        collector = self._collector
+        """Let the armed collector be that of the last move, and return it if its axis has set out from rest."""
+        collector = self._collector = self._armed
         if collector is None or not self._sets_out or not commanded.get(collector.axis):
             return None
         return collector
