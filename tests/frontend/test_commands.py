@@ -37,7 +37,7 @@ ARGUMENTS: dict[str, list[object]] = {
     "device.linked": ["gone"],
     "device.portsCame": [{"ports": [{"port": "sim://", "name": "Simulated"}], "families": []}],
     "device.previewCame": [{"question": {"id": "1", "axis": 0, "designs": []}, "preview": None, "rejections": []}],
-    "device.pushed": ["1", {"designs": [document()], "ids": [0], "toAxis": 0}],
+    "device.pushed": ["1", {"designs": [document()], "ids": [0], "toAxis": 0, "crc": None}],
     "device.refused": [[{"field": None, "value": None, "allowed": None, "message": "no"}]],
     "device.setTracing": [False],
     "device.showMeasured": [{"of": {"axis": 0, "design": None}, "move": {"step": [1, 2]}}],

@@ -36,7 +36,7 @@ def test_what_a_person_chose_stays_while_less_can_be_chosen(modules: Modules) ->
 
 
 def test_a_move_is_of_the_axis_that_was_pushed_there_last(modules: Modules) -> None:
-    pushed = ["device.pushed", "1", {"designs": [document(), OTHER], "ids": [5, 7], "toAxis": 1}]
+    pushed = ["device.pushed", "1", {"designs": [document(), OTHER], "ids": [5, 7], "toAxis": 1, "crc": None}]
     look = "(state, {moveOf}) => [0, 1, 2].map((axis) => moveOf(state, '1', axis).axis)"
     assert after(modules, [pushed], look) == [None, 5, 7]
     assert after(modules, [pushed, ["device.pushed", "1", None]], look) == [None, None, None]
@@ -45,7 +45,7 @@ def test_a_move_is_of_the_axis_that_was_pushed_there_last(modules: Modules) -> N
 def test_of_a_device_that_is_not_told_any_more_nothing_is_known(modules: Modules) -> None:
     known = [
         ["device.heard", [DEVICE, {**DEVICE, "id": "2"}], {}],
-        *(["device.pushed", name, {"designs": [document()], "ids": [5], "toAxis": 0}] for name in "12"),
+        *(["device.pushed", name, {"designs": [document()], "ids": [5], "toAxis": 0, "crc": None}] for name in "12"),
         *(["device.traceCame", name, {"step": [1]}] for name in "12"),
         ["device.previewCame", {"question": {"id": "1", "axis": 0, "designs": []}, "preview": None, "rejections": []}],
     ]
@@ -55,9 +55,74 @@ def test_of_a_device_that_is_not_told_any_more_nothing_is_known(modules: Modules
     assert after(modules, [*known, ["device.heard", [{**DEVICE, "id": "2"}], {}]], look) == [["2"], ["2"], None]
 
 
+def had(crc: int | None, state: str = "ready") -> list[object]:
+    ramp = None if crc is None else {"sequence": 3, "crc": crc}
+    return ["device.heard", [{**DEVICE, "state": state, "ramp": ramp}], {}]
+
+
+PUSHED: list[object] = ["device.pushed", "1", {"designs": [document()], "ids": [5], "toAxis": 0, "crc": 17}]
+
+
+@pytest.mark.parametrize(
+    ("steps", "is_known"),
+    [
+        ([had(9), PUSHED], True),
+        # What is told of the time before the push may come after its answer.
+        ([had(9), PUSHED, had(9), had(9, "writing"), had(17)], True),
+        ([had(9), PUSHED, had(17), had(17)], True),
+        ([had(17), PUSHED, had(17)], True),
+        # Another page has pushed, be it before or after this page heard of its own push.
+        ([had(9), PUSHED, had(17), had(9)], False),
+        ([had(9), had(17), PUSHED, had(8)], False),
+        # The board was reset, and had no ramp stored, or another one.
+        ([had(9), PUSHED, had(17), had(17, "lost"), had(None, "connecting"), had(17)], True),
+        ([had(9), PUSHED, had(17), had(17, "lost"), had(None)], False),
+        ([had(9), PUSHED, had(17), had(17, "lost"), had(9)], False),
+        ([had(9), PUSHED, had(17), had(9), PUSHED], True),
+    ],
+)
+def test_what_was_pushed_is_known_as_long_as_the_device_has_it(
+    modules: Modules, steps: list[list[object]], is_known: bool
+) -> None:
+    look = """(state, {moveOf, situationOf}) =>
+        [moveOf(state, '1', 0).design !== null, situationOf(state).lastPushed !== null]"""
+    assert after(modules, steps, look) == [is_known, is_known]
+
+
+PUSH = """async ([design, items]) => {
+    const {FIRST_STATE, createStore} = await import('/app/state.js');
+    const {COMMANDS} = await import('/app/commands/commands.js');
+    const {createDeviceActions} = await import('/app/effects/device_actions.js');
+    const {api} = await import('/server/api.js');
+    const {createGestures} = await import('/server/gestures.js');
+    const real = api.push;
+    const store = createStore(FIRST_STATE, (error) => { throw error; });
+    store.dispatch(COMMANDS.work.begin, {axes: [design], together: 'independent', ids: [5], active: 0, kept: null});
+    api.push = async () => ({items, verified: true});
+    const actions = createDeviceActions(store, createGestures(), new Map(), {outdate: () => {}});
+    await actions.push({id: '1', stops: 0}, [design], 2, 'try');
+    api.push = real;
+    return store.state().devices.pushed['1']; }"""
+
+
+@pytest.mark.parametrize("crc", [17, None])
+def test_what_was_pushed_is_remembered_with_the_checksum_of_the_ramps(modules: Modules, crc: int | None) -> None:
+    items = [{"name": "Slew speed", "unit": "steps/s", "sent": 4}]
+    if crc is not None:
+        items.append({"name": "Ramp image", "unit": "CRC-16", "sent": crc})
+    known = {"designs": [document()], "ids": [5], "toAxis": 2, "crc": crc, "isTold": False}
+    assert modules.evaluate(PUSH, [document(), items]) == known
+
+
+def test_a_ramp_without_a_checksum_is_taken_to_be_the_pushed_one(modules: Modules) -> None:
+    pushed = ["device.pushed", "1", {"designs": [document()], "ids": [5], "toAxis": 0, "crc": None}]
+    look = "(state, {moveOf}) => moveOf(state, '1', 0).axis"
+    assert after(modules, [pushed, had(9), had(8)], look) == 5
+
+
 def test_a_value_that_is_refused_is_no_change_since_the_push(modules: Modules) -> None:
     look = "(state, {situationOf}) => situationOf(state).isChanged"
-    pushed = ["device.pushed", "1", {"designs": [document(), document()], "ids": [5, 7], "toAxis": 0}]
+    pushed = ["device.pushed", "1", {"designs": [document(), document()], "ids": [5, 7], "toAxis": 0, "crc": None}]
     known = [["device.heard", [DEVICE], {}], pushed]
     changed = [*known, ["work.setValue", "ramp.slew_speed_steps_per_s", 700, "", 1]]
     assert after(modules, changed, look)
@@ -77,7 +142,7 @@ def test_a_running_move_lies_over_the_plots_of_its_own_axis_and_a_jog_over_none(
         return ["device.heard", moving, {"1 0": {"samples": samples, "restingPlace": 0}}]
 
     def pushed(axis_id: int) -> list[object]:
-        return ["device.pushed", "1", {"designs": [document()], "ids": [axis_id], "toAxis": 0}]
+        return ["device.pushed", "1", {"designs": [document()], "ids": [axis_id], "toAxis": 0, "crc": None}]
 
     assert after(modules, [heard(90)], look) == [90, 30], "nobody knows which axis' it is"
     assert after(modules, [heard(90), pushed(5)], look) == [90, 30]
@@ -91,9 +156,15 @@ def test_a_running_move_lies_over_the_plots_of_its_own_axis_and_a_jog_over_none(
         ([], 0),
         ([["device.chooseAxis", 1]], 1),
         # What was pushed there is known better: axis 1 of the device plays the design of the first tab.
-        ([["device.chooseAxis", 1], ["device.pushed", "1", {"designs": [OTHER], "ids": [5], "toAxis": 1}]], 0),
+        (
+            [
+                ["device.chooseAxis", 1],
+                ["device.pushed", "1", {"designs": [OTHER], "ids": [5], "toAxis": 1, "crc": None}],
+            ],
+            0,
+        ),
         ([["device.chooseAxis", 1], ["work.choose", 7], ["work.removeAxis", 7]], None),
-        ([["device.pushed", "1", {"designs": [OTHER], "ids": [99], "toAxis": 0}]], None),
+        ([["device.pushed", "1", {"designs": [OTHER], "ids": [99], "toAxis": 0, "crc": None}]], None),
         ([["device.heard", [{**DEVICE, "state": "lost"}], {}]], None),
     ],
 )

@@ -7,6 +7,7 @@ import { deviceOf } from '../devices.js';
 /** @typedef {import('../../model/types.js').Design} Design */
 /** @typedef {import('../../model/types.js').Device} Device */
 /** @typedef {import('../state.js').Devices} Devices */
+/** @typedef {import('../state.js').Pushed} Pushed */
 /** @typedef {import('../state.js').State} State */
 
 /** @param {State} state @param {Partial<Devices>} known @returns {State} */
@@ -29,7 +30,7 @@ export function heard(state, list, runs) {
   const known = {
     list,
     runs,
-    pushed: onlyOf(told, pushed),
+    pushed: stillThere(list, onlyOf(told, pushed)),
     traces: onlyOf(told, traces),
     preview: preview !== null && told.has(preview.question.id) ? preview : null,
   };
@@ -43,6 +44,27 @@ function onlyOf(ids, known) {
   const entries = Object.entries(known);
   const told = entries.filter(([id]) => ids.has(id));
   return told.length === entries.length ? known : Object.fromEntries(told);
+}
+
+/** What was pushed and not replaced since; the same object when nothing is new of it.
+ * @param {Device[]} list @param {Record<string, Pushed>} pushed @returns {Record<string, Pushed>} */
+function stillThere(list, pushed) {
+  const before = Object.entries(pushed);
+  const now = before.map(([id, what]) => /** @type {const} */ ([id, asTold(what, list.find((one) => one.id === id))]));
+  if (now.every(([, what], index) => what === before[index][1])) return pushed;
+  return Object.fromEntries(now.flatMap(([id, what]) => (what === null ? [] : [[id, what]])));
+}
+
+// While these last, what is told of a device's ramp may be from before.
+const UNSETTLED = ['connecting', 'writing', 'lost'];
+
+/** What was pushed as it stands after what is told of the device; null: it has another ramp since. What was told before
+ * the push may come after its answer: another ramp counts only once this one was told.
+ * @param {Pushed} what @param {Device | undefined} device @returns {Pushed | null} */
+function asTold(what, device) {
+  if (what.crc === null || device === undefined || UNSETTLED.includes(device.state)) return what;
+  if (device.ramp?.crc !== what.crc) return what.isTold ? null : what;
+  return what.isTold ? what : { ...what, isTold: true };
 }
 
 /** @param {State} state @param {import('../../model/types.js').Link} link @returns {State} */
@@ -76,11 +98,13 @@ export function refused(state, rejections) {
   return rejections.length === 0 && state.devices.rejections.length === 0 ? state : knowing(state, { rejections });
 }
 
-/** @param {State} state @param {string} id of the device @param {import('../state.js').Pushed | null} what null: it has
- * others @returns {State} */
+/** @param {State} state @param {string} id of the device @param {Omit<Pushed, 'isTold'> | null} what  null: it has others
+ * @returns {State} */
 export function pushed(state, id, what) {
   const { [id]: _, ...others } = state.devices.pushed;
-  return knowing(state, { pushed: what === null ? others : { ...others, [id]: what } });
+  if (what === null) return knowing(state, { pushed: others });
+  const all = { ...others, [id]: { ...what, isTold: false } };
+  return knowing(state, { pushed: stillThere(state.devices.list, all) });
 }
 
 /** @param {State} state @param {boolean} isTracing whether moves are measured @returns {State} */

@@ -73,7 +73,8 @@ export function createDeviceActions({ state, dispatch }, gestures, traced, previ
         const report = await refusedAsPreview(api.push(device.id, { ...pushOf(designs, toAxis), mode }, gestures.begin(device)));
         if (report === null) return;
         // Several go to the axes from the first on, whichever is chosen.
-        dispatch(pushed, device.id, { designs, ids, toAxis: designs.length === 1 ? toAxis : 0 });
+        const crc = report.items.find(({ unit }) => unit === 'CRC-16')?.sent ?? null;
+        dispatch(pushed, device.id, { designs, ids, toAxis: designs.length === 1 ? toAxis : 0, crc });
         dispatch(
           announce,
           report.verified
