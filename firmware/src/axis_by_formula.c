@@ -19,23 +19,23 @@ static uint8_t batch_size(uint32_t interval, bool goes_up)
 /* ---- giving what has been computed ---- */
 
 /* Those of the batch that are evenly apart go as one piece: at high speeds most of them. */
-static void give_from_batch(struct axis *axis, const struct piece_limits *limits, struct piece *piece)
+static void give_from_batch(struct axis *axis, struct piece *piece)
 {
     const int16_t *adds = axis->adds + (axis->batch_size - axis->batch_left);
     uint8_t count = 1;
     while (count < axis->batch_left && adds[count - 1] == adds[0]) {
         count++;
     }
-    int16_t add = count > 1 ? adds[0] : 0;
-    count = (uint8_t)steps_that_fit(limits, axis->next, add, count);
+    fit_steps(piece, axis->next, count > 1 ? adds[0] : 0, count);
+    give_steps(axis, piece);
+    count = (uint8_t)piece->count;
     axis->batch_left = (uint8_t)(axis->batch_left - count);
-    give_steps(axis, (struct piece){PIECE_STEPS, count, axis->next, add}, piece);
     if (axis->batch_left != 0) {
         axis->next = axis->interval + (uint32_t)(int32_t)adds[count - 1];
     }
 }
 
-static void go_level(struct axis *axis, const struct piece_limits *limits, uint32_t left, struct piece *piece)
+static void go_level(struct axis *axis, uint32_t left, struct piece *piece)
 {
     uint32_t steps_down = formula_steps_down(&axis->formula);
     bool may_rise = axis->is_slewing || axis->interval > axis->level;
@@ -44,18 +44,17 @@ static void go_level(struct axis *axis, const struct piece_limits *limits, uint3
     } else if (may_rise && !formula_slews(&axis->formula)) {
         axis->phase = PHASE_UP;
     } else {
-        left -= steps_down;
-        uint16_t count = steps_that_fit(limits, axis->level, 0, left < UINT16_MAX ? (uint16_t)left : UINT16_MAX);
-        give_steps(axis, (struct piece){PIECE_STEPS, count, axis->level, 0}, piece);
+        fit_steps(piece, axis->level, 0, left - steps_down);
+        give_steps(axis, piece);
     }
 }
 
-void axis_next_by_formula(struct axis *axis, const struct piece_limits *limits, struct piece *piece)
+void axis_next_by_formula(struct axis *axis, struct piece *piece)
 {
     if (axis->batch_left != 0) {
-        give_from_batch(axis, limits, piece);
+        give_from_batch(axis, piece);
     } else if (axis->phase == PHASE_LEVEL) {
-        go_level(axis, limits, steps_left(axis), piece);
+        go_level(axis, steps_left(axis), piece);
     }
 }
 

@@ -8,7 +8,7 @@
 
 /* A long interval is waited for in parts: the first has what is left of it, 13,616 ticks or more, the others are equal.
  * So many of them go as one segment, 4 or 8 ms: else slow axes would need more segments than fast ones. */
-enum { PART_TICKS = 16384, FAST_PARTS = 4, SLOW_PARTS = 1 };
+enum { PART_BITS = 14, PART_TICKS = 1 << PART_BITS, FAST_PARTS = 4, SLOW_PARTS = 1 };
 
 /* The silence after the last interval of a move [ticks]: in it the engine finds the queue empty, or the direction may
  * be changed. */
@@ -17,8 +17,8 @@ enum { CLOSING_TICKS = 400 };
 /* Segments queued, or looked at ahead of need, in one round of the main loop, at most: other axes want theirs too. */
 enum { SEGMENTS_AT_ONCE = 4 };
 
-/* Ticks of 64 us, as powers of 2. */
-enum { FAST_BITS = 10, SLOW_BITS = 7 };
+/* Ticks of 64 us, and of a slow tick, as powers of 2. */
+enum { FAST_BITS = 10, SLOW_TICK_BITS = 3 };
 
 /* The longest piece of several steps [ticks]: some 4 ms. So none of their intervals is a long one. */
 enum { FAST_PIECE_TICKS = 2u * LONGEST_WAIT_TICKS, SLOW_PIECE_TICKS = 8000 };
@@ -65,50 +65,46 @@ static uint32_t length_of(uint16_t interval, int16_t add, uint16_t count)
     return length;
 }
 
-/* Moves the end of the queue on. */
+/* Moves the end of the queue on. One segment is less than 2^24 fast ticks. */
 static void extend(struct feed *feed, uint32_t ticks)
 {
+    if (!feed_clock.is_fast) {
+        ticks <<= SLOW_TICK_BITS;
+    }
     ticks += feed->end_ticks;
-    feed->end_time = (uint16_t)(feed->end_time + (feed_clock.is_fast ? ticks >> FAST_BITS : ticks >> SLOW_BITS));
-    feed->end_ticks = (uint16_t)ticks & ((1u << (feed_clock.is_fast ? FAST_BITS : SLOW_BITS)) - 1u);
+    feed->end_time = (uint16_t)(feed->end_time + ((uint16_t)(ticks >> 8) >> (FAST_BITS - 8)));
+    feed->end_ticks = (uint16_t)ticks & ((1u << FAST_BITS) - 1u);
 }
 
+/* Of a long interval the first part; the rest becomes parts_left. */
 static void queue_up(struct feed *feed, const struct piece *piece, uint8_t turns)
 {
-    bool is_step = piece->kind == PIECE_STEPS;
     uint16_t interval = (uint16_t)piece->interval;
-    extend(feed, length_of(interval, piece->add, piece->count));
-    lane_put(feed->index, interval, piece->add, (uint16_t)(piece->count - 1u), is_step, turns);
-}
-
-static void queue_silence(struct feed *feed, uint16_t ticks, uint8_t turns)
-{
-    struct piece silence = {PIECE_NONE, 1, ticks, 0};
-    queue_up(feed, &silence, turns);
-}
-
-/* The first part of an interval; the rest becomes wait_left. */
-static uint16_t first_part(struct feed *feed, uint32_t interval)
-{
-    if (interval <= LONGEST_WAIT_TICKS) {
-        return (uint16_t)interval;
+    if (piece->interval > LONGEST_WAIT_TICKS) {
+        uint32_t rest = piece->interval - (LONGEST_WAIT_TICKS - PART_TICKS);
+        feed->parts_left = (uint16_t)(rest << (16 - PART_BITS) >> 16);
+        interval = (uint16_t)(interval - (feed->parts_left << PART_BITS));
     }
-    feed->wait_left = (interval - (LONGEST_WAIT_TICKS - PART_TICKS)) & ~(uint32_t)(PART_TICKS - 1);
-    return (uint16_t)(interval - feed->wait_left);
+    extend(feed, length_of(interval, piece->add, piece->count));
+    lane_put(feed->index, interval, piece->add, (uint16_t)(piece->count - 1u), piece->kind == PIECE_STEPS, turns);
+}
+
+static void queue_silence(struct feed *feed, uint32_t ticks, uint16_t count, uint8_t turns)
+{
+    struct piece silence = {.kind = PIECE_NONE, .count = count, .interval = ticks};
+    queue_up(feed, &silence, turns);
 }
 
 static void queue_wait(struct feed *feed)
 {
     uint8_t most = feed_clock.is_fast ? FAST_PARTS : SLOW_PARTS;
-    uint32_t parts = feed->wait_left / PART_TICKS;
-    struct piece wait = {PIECE_NONE, parts < most ? (uint16_t)parts : most, PART_TICKS, 0};
-    feed->wait_left -= (uint32_t)wait.count * PART_TICKS;
-    queue_up(feed, &wait, 0);
+    uint16_t parts = feed->parts_left < most ? feed->parts_left : most;
+    feed->parts_left = (uint16_t)(feed->parts_left - parts);
+    queue_silence(feed, PART_TICKS, parts, 0);
 }
 
-static void queue_steps(struct feed *feed, struct piece *piece)
+static void queue_steps(struct feed *feed, const struct piece *piece)
 {
-    piece->interval = first_part(feed, piece->interval);
     queue_up(feed, piece, 0);
     feed->has_pulses = true;
     if (feed->is_traced) {
@@ -126,14 +122,14 @@ static void queue_turn(struct feed *feed)
     feed->pin_backward = feed->axis.backward;
     feed->turns_too = 0;
     feed->turns_next = false;
-    queue_silence(feed, first_part(feed, feed_clock.setup_ticks), turns);
+    queue_silence(feed, feed_clock.setup_ticks, 1, turns);
 }
 
 /* Ends what has been queued of a move. */
 static void queue_closing(struct feed *feed)
 {
     feed->has_pulses = false;
-    queue_silence(feed, CLOSING_TICKS, 0);
+    queue_silence(feed, CLOSING_TICKS, 1, 0);
 }
 
 /* Time for which steps are queued [64 us]. */
@@ -160,13 +156,14 @@ static uint16_t most_steps(const struct feed *feed)
 /* Returns false when the move has been queued to its end. */
 static bool queue_next_piece(struct feed *feed, uint16_t ahead)
 {
-    struct piece_limits limits = {feed_clock.is_fast ? FAST_PIECE_TICKS : SLOW_PIECE_TICKS, most_steps(feed),
-                                  feed->stage == FEED_PLAYING && ahead < HURRY_TIME};
     struct piece piece;
-    if (limits.steps == 0) { /* a line ends where it was meant to */
+    piece.most_ticks = feed_clock.is_fast ? FAST_PIECE_TICKS : SLOW_PIECE_TICKS;
+    piece.most_steps = most_steps(feed);
+    piece.in_a_hurry = feed->stage == FEED_PLAYING && ahead < HURRY_TIME;
+    if (piece.most_steps == 0) { /* a line ends where it was meant to */
         axis_halt(&feed->axis, feed->axis.position);
     }
-    axis_next(&feed->axis, &limits, &piece);
+    axis_next(&feed->axis, &piece);
     if (piece.kind == PIECE_STEPS) {
         queue_steps(feed, &piece);
     } else if (piece.kind != PIECE_NONE) {
@@ -193,7 +190,7 @@ static bool fill(struct feed *feed)
         feed->has_got_ahead = true;
         return axis_look_ahead(&feed->axis);
     }
-    if (feed->wait_left != 0) {
+    if (feed->parts_left != 0) {
         queue_wait(feed);
     } else if (feed->turns_next) {
         if (feed->stage == FEED_PLAYING) {
@@ -207,11 +204,6 @@ static bool fill(struct feed *feed)
 }
 
 /* ---- what has been played ---- */
-
-static int32_t moved(int32_t position, bool backward, uint16_t steps)
-{
-    return (int32_t)((uint32_t)position + (backward ? 0u - (uint32_t)steps : steps));
-}
 
 /* The time of a segment's last event is that of loading the next. */
 static void trace_played(const struct feed *feed, uint16_t steps, uint8_t next)
@@ -230,7 +222,7 @@ static void trace_played(const struct feed *feed, uint16_t steps, uint8_t next)
 static void count(struct feed_progress *progress, const struct loaded *segment, uint16_t steps)
 {
     progress->backward = progress->backward != segment->turns;
-    progress->position = moved(progress->position, progress->backward, steps);
+    move_position(&progress->position, progress->backward, steps);
     progress->steps_made += steps;
 }
 
@@ -323,7 +315,7 @@ void feed_halted(struct feed *feed)
     feed->played = feed_progress(feed);
     feed->pin_backward = feed->played.backward;
     feed->stage = FEED_IDLE;
-    feed->wait_left = 0;
+    feed->parts_left = 0;
     feed->turns_next = false;
     feed->has_pulses = false;
     axis_halt(&feed->axis, feed->played.position);
@@ -333,7 +325,7 @@ void feed_halted(struct feed *feed)
 /* Nothing is left to do, and nothing queued. */
 static bool is_done(const struct feed *feed)
 {
-    return axis_is_at_rest(&feed->axis) && feed->wait_left == 0 && !feed->turns_next && lane_ahead(lane_of(feed->index)) == 0;
+    return axis_is_at_rest(&feed->axis) && feed->parts_left == 0 && !feed->turns_next && lane_ahead(lane_of(feed->index)) == 0;
 }
 
 static void become_idle(struct feed *feed)

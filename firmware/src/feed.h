@@ -23,9 +23,9 @@ struct feed_progress {
 /* Belongs to the main loop. */
 struct feed {
     struct feed_progress played; /* all that has left the queue */
-    uint32_t wait_left;          /* [ticks] of a long interval, still to be queued as silent segments */
-    uint16_t end_time;  /* [64 us] when the queue will be empty; before the start, its length */
-    uint16_t end_ticks; /* and so many ticks */
+    uint16_t parts_left; /* of a long interval, still to be queued as silent segments */
+    uint16_t end_time;   /* [64 us] when the queue will be empty; before the start, its length */
+    uint16_t end_ticks;  /* and so many fast ticks */
     uint8_t index;      /* of the axis */
     uint8_t bit;        /* of the axis */
     uint8_t seen_empty; /* the engine's `empty` when last looked at */

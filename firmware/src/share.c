@@ -89,16 +89,19 @@ uint8_t share_check(const struct feed *feeds, const struct feed *end_of_feeds, c
     bool are_gauges = machine_settings->outputs == OUTPUTS_GAUGES;
     uint8_t count = 0;
     uint16_t sum = 0;
+    const uint32_t *interval_of = requested;
     for (const struct feed *feed = feeds; feed != end_of_feeds; feed++) {
-        count = (uint8_t)(count + (requested[feed->index] != 0 || feed_is_moving(feed)));
+        if (*interval_of++ != 0 || feed_is_moving(feed)) {
+            count++;
+        }
     }
-    for (const struct feed *feed = feeds; feed != end_of_feeds; feed++) {
+    for (const struct feed *feed = feeds; feed != end_of_feeds; feed++, requested++) {
         if (port_skip_to_stop()) {
             *detail = 0;
             return STATUS_OUT_OF_ORDER;
         }
-        if (requested[feed->index] != 0 || feed_is_moving(feed)) {
-            uint32_t interval = shortest_interval(feed, requested[feed->index]);
+        if (*requested != 0 || feed_is_moving(feed)) {
+            uint32_t interval = shortest_interval(feed, *requested);
             uint16_t share = share_of_axis(feed, interval, count);
             sum = are_gauges ? (share > sum ? share : sum) : (uint16_t)(sum + share);
         }
