@@ -2,7 +2,7 @@
 #ifndef STEPRAMP_IN_FLASH_H
 #define STEPRAMP_IN_FLASH_H
 
-#ifdef __FLASH
+#if defined(__FLASH) && !defined(__STRICT_ANSI__)
 #define IN_FLASH __flash
 #else
 #define IN_FLASH

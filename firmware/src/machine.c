@@ -28,7 +28,9 @@ enum { MOST_YIELDS = 4 };
 static const uint8_t *image;
 const struct settings *machine_settings;
 static struct feed feeds[MOST_AXES];
-static struct feed *end_of_feeds = feeds; /* after those of the image's axes */
+static uint8_t axis_count; /* of the image */
+static uint8_t next_axis;  /* whose turn it is */
+static bool is_short;      /* of what is queued for one of the axes before it */
 static bool is_enabled;
 static uint16_t polled_ms;      /* when the main loop came round last */
 static uint16_t enabled_for_ms; /* for so long the motors have been enabled, */
@@ -70,7 +72,7 @@ static uint8_t check_mask(uint8_t mask, uint16_t *detail)
         return STATUS_NO_RAMP;
     }
     *detail = mask;
-    bool is_known = mask != 0 && mask >> machine_axes() == 0;
+    bool is_known = mask != 0 && mask >> axis_count == 0;
     bool has_pins = machine_settings->outputs != OUTPUTS_GAUGES || mask >> MOST_GAUGES == 0;
     return is_known && has_pins ? STATUS_OK : STATUS_OUT_OF_RANGE;
 }
@@ -120,7 +122,8 @@ static uint8_t order(uint8_t mask, const int32_t values[MOST_AXES], bool is_run,
     }
     const int32_t *value = values;
     uint32_t *interval_of = requested;
-    for (struct feed *feed = feeds; feed != end_of_feeds; feed++, value++) {
+    struct feed *feed = feeds;
+    for (uint8_t left = axis_count; left != 0; left--, feed++, value++) {
         uint32_t interval = (mask & feed->bit) != 0 ? requested_interval(feed, *value, is_run) : 0;
         *interval_of++ = interval;
         if (interval != 0 && (interval < slew_interval_of(feed) || interval > LONGEST_INTERVAL_TICKS)) {
@@ -128,7 +131,7 @@ static uint8_t order(uint8_t mask, const int32_t values[MOST_AXES], bool is_run,
             return STATUS_OUT_OF_RANGE;
         }
     }
-    status = share_check(feeds, end_of_feeds, requested, detail);
+    status = share_check(feeds, axis_count, requested, detail);
     if (status != STATUS_OK) {
         return status;
     }
@@ -215,7 +218,8 @@ static void begin_line(const struct line_plan *plan, const struct image_ramp *ra
 {
     struct feed *leader = plan->leader;
     const uint32_t *length = plan->lengths;
-    for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
+    struct feed *feed = feeds;
+    for (uint8_t left = axis_count; left != 0; left--, feed++) {
         bool backward = (plan->backward & feed->bit) != 0;
         if (*length++ != 0 && feed != leader && feed->pin_backward != backward) {
             feed->pin_backward = backward;
@@ -239,7 +243,7 @@ uint8_t machine_line(uint8_t mask, uint8_t ramp_axis, const int32_t steps[MOST_A
     if (status != STATUS_OK) {
         return status;
     }
-    if (ramp_axis >= machine_axes() || machine_settings->outputs == OUTPUTS_GAUGES) {
+    if (ramp_axis >= axis_count || machine_settings->outputs == OUTPUTS_GAUGES) {
         *detail = ramp_axis;
         return STATUS_OUT_OF_RANGE;
     }
@@ -301,7 +305,8 @@ static uint32_t follower_steps(const struct feed *feed, const struct line_progre
 /* The line has come to rest: its axes are axes of their own again. Only the leader's had another's ramp. */
 static void end_line(const struct line_progress *progress)
 {
-    for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
+    struct feed *feed = feeds;
+    for (uint8_t left = axis_count; left != 0; left--, feed++) {
         move_position(&feed->played.position, feed->pin_backward, follower_steps(feed, progress));
         axis_halt(&feed->axis, feed->played.position);
     }
@@ -375,7 +380,7 @@ void machine_begin(void)
  * those of a fast one. */
 static uint16_t latest_turn_us(void)
 {
-    uint8_t others = (uint8_t)(machine_axes() - 1);
+    uint8_t others = (uint8_t)(axis_count - 1);
     return (uint16_t)(STEP_US + 3 * others * (STEP_US + machine_settings->pulse_width_us));
 }
 
@@ -383,25 +388,26 @@ void machine_use(const uint8_t *new_image, const struct settings *settings)
 {
     image = new_image;
     machine_settings = settings;
-    end_of_feeds = feeds + (image == NULL ? 0 : ramp_image_axes(image));
+    axis_count = image == NULL ? 0 : ramp_image_axes(image);
     make_pins_ready();
     if (image != NULL) {
         bool is_fast = ramp_image_is_fast(image);
         engine_set_clock(is_fast);
         feed_clock.is_fast = is_fast;
         feed_clock.setup_ticks = (uint32_t)(machine_settings->direction_setup_us + latest_turn_us()) * ticks_a_us();
-        for_each((uint8_t)((1u << machine_axes()) - 1), begin_axis);
+        for_each((uint8_t)((1u << axis_count) - 1), begin_axis);
     }
 }
 
 uint8_t machine_axes(void)
 {
-    return (uint8_t)(end_of_feeds - feeds);
+    return axis_count;
 }
 
 bool machine_is_moving(void)
 {
-    for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
+    struct feed *feed = feeds;
+    for (uint8_t left = axis_count; left != 0; left--, feed++) {
         if (feed_is_moving(feed)) {
             return true;
         }
@@ -476,7 +482,8 @@ bool machine_is_enabled(void)
 static uint8_t axes_to_start(void)
 {
     uint8_t mask = 0;
-    for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
+    struct feed *feed = feeds;
+    for (uint8_t left = axis_count; left != 0; left--, feed++) {
         if (feed->stage == FEED_WAITING) {
             if (!feed_is_ready(feed)) {
                 return 0;
@@ -569,27 +576,27 @@ static void go_on_together(void)
  * must leave the time to move. */
 bool machine_poll(void)
 {
-    static struct feed *next = feeds;
-    static bool has_time = true; /* as far as the axes have had their turn */
     feed_clock.now = port_time();
-    while (next < end_of_feeds) {
-        struct feed *feed = next++;
+    while (next_axis < axis_count) {
+        struct feed *feed = &feeds[next_axis++];
         if (!feed_is_moving(feed)) {
             continue;
         }
         axis_compute(&feed->axis);
-        has_time = feed_poll(feed) && has_time;
+        if (!feed_poll(feed)) {
+            is_short = true;
+        }
         if (port_skip_to_stop()) {
             return false;
         }
-        if (has_time && yields != 0 && port_has_received()) {
+        if (!is_short && yields != 0 && port_has_received()) {
             yields--;
             return false;
         }
     }
-    bool had_time = has_time;
-    has_time = true;
-    next = feeds;
+    bool had_time = !is_short;
+    is_short = false;
+    next_axis = 0;
     if (!port_has_received()) {
         yields = MOST_YIELDS;
     }

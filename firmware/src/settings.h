@@ -35,7 +35,10 @@ struct settings {
 /* What holds as long as nothing is stored. */
 static inline struct settings settings_default(void)
 {
-    struct settings settings = {OUTPUTS_STEP_AND_DIRECTION, 0, 0, 0, 0, 0, 30, 1, HOLD_FOR_EVER};
+    struct settings settings = {OUTPUTS_STEP_AND_DIRECTION}; /* and 0 in what is not named here */
+    settings.direction_setup_us = 30;
+    settings.enable_lead_ms = 1;
+    settings.enable_hold_ms = HOLD_FOR_EVER;
     return settings;
 }
 

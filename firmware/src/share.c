@@ -83,26 +83,24 @@ static uint16_t share_of_axis(const struct feed *feed, uint32_t interval, uint8_
 
 /* Gauges are slow: each has its limit, whatever the others do. A stop that has come in makes an end of it: the
  * divisions take long. */
-uint8_t share_check(const struct feed *feeds, const struct feed *end_of_feeds, const uint32_t requested[MOST_AXES],
-                    uint16_t *detail)
+uint8_t share_check(const struct feed *feeds, uint8_t axes, const uint32_t requested[MOST_AXES], uint16_t *detail)
 {
     bool are_gauges = machine_settings->outputs == OUTPUTS_GAUGES;
     uint8_t count = 0;
     uint16_t sum = 0;
-    const uint32_t *interval_of = requested;
-    for (const struct feed *feed = feeds; feed != end_of_feeds; feed++) {
-        if (*interval_of++ != 0 || feed_is_moving(feed)) {
+    for (uint8_t i = 0; i < axes; i++) {
+        if (requested[i] != 0 || feed_is_moving(&feeds[i])) {
             count++;
         }
     }
-    for (const struct feed *feed = feeds; feed != end_of_feeds; feed++, requested++) {
+    for (; axes != 0; axes--, feeds++, requested++) {
         if (port_skip_to_stop()) {
             *detail = 0;
             return STATUS_OUT_OF_ORDER;
         }
-        if (*requested != 0 || feed_is_moving(feed)) {
-            uint32_t interval = shortest_interval(feed, *requested);
-            uint16_t share = share_of_axis(feed, interval, count);
+        if (*requested != 0 || feed_is_moving(feeds)) {
+            uint32_t interval = shortest_interval(feeds, *requested);
+            uint16_t share = share_of_axis(feeds, interval, count);
             sum = are_gauges ? (share > sum ? share : sum) : (uint16_t)(sum + share);
         }
     }
