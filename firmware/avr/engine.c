@@ -9,6 +9,7 @@
 #include <util/atomic.h>
 
 #include "gauge.h"
+#include "out_of_line.h"
 #include "pins.h"
 #include "step_interrupt.h"
 
@@ -180,7 +181,7 @@ struct engine_progress engine_progress(uint8_t axis)
 /* ---- start ---- */
 
 /* A parked axis plays one silent event, which loads its first segment. */
-static void __attribute__((noinline)) prepare(struct axis_player *player, uint16_t setup_ticks)
+static void OUT_OF_LINE prepare(struct axis_player *player, uint16_t setup_ticks)
 {
     player->interval = setup_ticks;
     player->add = 0;
@@ -190,7 +191,7 @@ static void __attribute__((noinline)) prepare(struct axis_player *player, uint16
 }
 
 /* The same of a parked line. */
-static void __attribute__((noinline)) prepare_line(uint16_t setup_ticks)
+static void OUT_OF_LINE prepare_line(uint16_t setup_ticks)
 {
     line_player.interval = setup_ticks;
     line_player.add = 0;

@@ -3,6 +3,7 @@
 #include "engine.h"
 #include "lane.h"
 #include "line.h"
+#include "out_of_line.h"
 #include "port.h"
 #include "trace.h"
 
@@ -66,7 +67,7 @@ static uint32_t length_of(uint16_t interval, int16_t add, uint16_t count)
 }
 
 /* Moves the end of the queue on. One segment is less than 2^24 fast ticks. */
-static void extend(struct feed *feed, uint32_t ticks)
+static OUT_OF_LINE void extend(struct feed *feed, uint32_t ticks)
 {
     if (!feed_clock.is_fast) {
         ticks <<= SLOW_TICK_BITS;
@@ -133,7 +134,7 @@ static void queue_closing(struct feed *feed)
 }
 
 /* Time for which steps are queued [64 us]. */
-static uint16_t time_ahead(const struct feed *feed, uint16_t now)
+static OUT_OF_LINE uint16_t time_ahead(const struct feed *feed, uint16_t now)
 {
     uint16_t ahead = feed->end_time;
     if (feed->stage == FEED_PLAYING) {

@@ -1,5 +1,7 @@
 #include "line.h"
 
+#include "out_of_line.h"
+
 /* Steps of the leader in a piece, but for the last: as many as the engine counts to. */
 static const uint16_t STEPS_OF_A_PIECE = 1u << 15;
 
@@ -105,7 +107,7 @@ void line_fill_in(volatile struct line_segment *segment, bool is_step)
 }
 
 /* Steps of a follower with the first `done` of the leader's in a piece in which they make `delta` and `total`. */
-static uint16_t steps_in_piece(uint16_t done, uint16_t delta, uint16_t total)
+static OUT_OF_LINE uint16_t steps_in_piece(uint16_t done, uint16_t delta, uint16_t total)
 {
     if (total == 0) {
         return 0;

@@ -6,6 +6,7 @@
 #include "feed.h"
 #include "limits.h"
 #include "line.h"
+#include "out_of_line.h"
 #include "port.h"
 #include "ramp_image.h"
 #include "share.h"
@@ -77,7 +78,7 @@ static uint8_t check_mask(uint8_t mask, uint16_t *detail)
     return is_known && has_pins ? STATUS_OK : STATUS_OUT_OF_RANGE;
 }
 
-static uint32_t without_sign(int32_t number)
+static OUT_OF_LINE uint32_t without_sign(int32_t number)
 {
     return number < 0 ? 0u - (uint32_t)number : (uint32_t)number;
 }
@@ -421,7 +422,7 @@ bool machine_is_on_a_line(void)
 }
 
 /* The steps that the leader of a line will have made when it comes to rest: its target lies ahead all along. */
-static uint32_t steps_of_leader(void)
+static OUT_OF_LINE uint32_t steps_of_leader(void)
 {
     const struct feed *leader = &feeds[line.leader];
     uint32_t distance = (uint32_t)leader->axis.target - (uint32_t)leader->played.position;
@@ -494,7 +495,7 @@ static uint8_t axes_to_start(void)
     return mask;
 }
 
-static void add_time(uint16_t *time, uint16_t passed)
+static OUT_OF_LINE void add_time(uint16_t *time, uint16_t passed)
 {
     *time = passed > UINT16_MAX - *time ? UINT16_MAX : (uint16_t)(*time + passed);
 }

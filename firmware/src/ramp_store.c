@@ -6,6 +6,7 @@
 #include "frame.h"
 #include "machine.h"
 #include "message.h"
+#include "out_of_line.h"
 #include "slots.h"
 
 /* The image in RAM, and its settings, are slot_content; its length is slot_image_length. */
@@ -20,7 +21,7 @@ static uint8_t flags;     /* FLAG_WRITE_FAILED; FLAG_ON_TRIAL of the settings on
 static uint16_t received; /* [bytes] of the image: those behind are free */
 static uint16_t crc;      /* of the image in RAM, or announced for it */
 
-static bool is_playable(void)
+static OUT_OF_LINE bool is_playable(void)
 {
     return content >= ON_TRIAL;
 }

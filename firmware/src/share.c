@@ -6,6 +6,7 @@
 #include "limits.h"
 #include "machine.h"
 #include "message.h"
+#include "out_of_line.h"
 #include "port.h"
 
 enum { SHARE_BITS = 12 };
@@ -47,7 +48,7 @@ static uint16_t shortest_on_a_line(uint8_t count)
                        : SHORTEST_INTERVAL_LINE_4_TICKS;
 }
 
-static uint8_t share_status(uint16_t share, uint16_t *detail)
+static OUT_OF_LINE uint8_t share_status(uint16_t share, uint16_t *detail)
 {
     if (share <= 1u << SHARE_BITS) {
         return STATUS_OK;

@@ -4,6 +4,7 @@
 
 #include "frame.h"
 #include "message.h"
+#include "out_of_line.h"
 #include "port.h"
 #include "ramp_image.h"
 
@@ -154,7 +155,7 @@ static uint16_t content_length(void)
     return SETTINGS_BYTES + slot_image_length;
 }
 
-static void begin_stage(uint8_t next)
+static OUT_OF_LINE void begin_stage(uint8_t next)
 {
     stage = next;
     left = next == WRITE_CONTENT ? content_length() : next == WRITE_HEADER ? SLOT_HEADER_BYTES : 1;
