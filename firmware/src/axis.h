@@ -110,6 +110,9 @@ static inline bool axis_is_by_formula(const struct axis *axis)
 /* Moves a position by some steps, past the last one to the first. */
 void move_position(int32_t *position, bool backward, uint32_t steps);
 
+/* The same of steps with a sign. Returns false when that is where the range has been left. */
+bool add_steps(int32_t *position, int32_t steps);
+
 /* It stays where it is: axis_next would give PIECE_REST. */
 static inline bool axis_is_at_rest(const struct axis *axis)
 {

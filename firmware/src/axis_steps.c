@@ -49,6 +49,13 @@ void move_position(int32_t *position, bool backward, uint32_t steps)
     *position = (int32_t)((uint32_t)*position + steps);
 }
 
+bool add_steps(int32_t *position, int32_t steps)
+{
+    int32_t from = *position;
+    *position = (int32_t)((uint32_t)from + (uint32_t)steps);
+    return steps < 0 ? *position < from : *position >= from;
+}
+
 void give_steps(struct axis *axis, struct piece *piece)
 {
     piece->kind = PIECE_STEPS;

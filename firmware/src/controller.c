@@ -5,6 +5,7 @@
 #include "limits.h"
 #include "machine.h"
 #include "message.h"
+#include "out_of_line.h"
 #include "port.h"
 #include "ramp_store.h"
 #include "reply.h"
@@ -214,12 +215,11 @@ static uint8_t make_targets(uint8_t axes, int32_t values[MOST_AXES])
         if ((axes & 1) == 0) {
             continue;
         }
-        int32_t from = machine_target(i);
-        int32_t target = (int32_t)((uint32_t)from + (uint32_t)values[i]);
-        if ((values[i] >= 0) != (target >= from)) {
+        int32_t steps = values[i];
+        values[i] = machine_target(i);
+        if (!add_steps(&values[i], steps)) {
             return i;
         }
-        values[i] = target;
     }
     return MOST_AXES;
 }
@@ -433,7 +433,7 @@ static void answer_known(uint8_t kind, uint16_t its_session, const uint8_t *body
     }
 }
 
-static bool is_of_session(const uint8_t *message)
+static OUT_OF_LINE bool is_of_session(const uint8_t *message)
 {
     return session != NO_SESSION && read_u16(message + SESSION_AT) == session;
 }

@@ -198,14 +198,15 @@ static uint8_t plan_line(struct line_plan *plan, uint8_t mask, const int32_t *st
         if ((mask & 1) == 0 || *steps == 0) {
             continue;
         }
-        bool backward = *steps < 0;
-        int32_t from = feed->played.position, target = (int32_t)((uint32_t)from + (uint32_t)*steps);
-        if (backward != (target < from)) {
+        int32_t target = feed->played.position;
+        if (!add_steps(&target, *steps)) {
             return feed->index;
         }
         *length = without_sign(*steps);
         plan->count++;
-        plan->backward |= backward ? feed->bit : 0;
+        if (*steps < 0) {
+            plan->backward |= feed->bit;
+        }
         if (*length > plan->longest) {
             plan->longest = *length;
             plan->leader = feed;

@@ -35,7 +35,8 @@ struct settings {
 /* What holds as long as nothing is stored. */
 static inline struct settings settings_default(void)
 {
-    struct settings settings = {OUTPUTS_STEP_AND_DIRECTION}; /* and 0 in what is not named here */
+    struct settings settings;
+    memset(&settings, 0, sizeof settings);
     settings.direction_setup_us = 30;
     settings.enable_lead_ms = 1;
     settings.enable_hold_ms = HOLD_FOR_EVER;
