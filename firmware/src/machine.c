@@ -43,15 +43,10 @@ static uint8_t ticks_a_us(void)
     return feed_clock.is_fast ? FAST_CLOCK_HZ / 1000000u : SLOW_CLOCK_HZ / 1000000u;
 }
 
-static struct image_ramp ramp_of(const struct feed *feed)
-{
-    return ramp_image_ramp(image, feed->index);
-}
-
 /* [ticks] */
-static uint32_t slew_interval_of(const struct feed *feed)
+static OUT_OF_LINE uint32_t slew_interval_of(const struct feed *feed)
 {
-    return ramp_of(feed).slew_interval;
+    return ramp_image_slew_interval(image, feed->index);
 }
 
 /* Does something with each axis of a mask. */
@@ -280,7 +275,7 @@ static void make_pins_ready(void)
 /* Begins with an axis at rest where it is, with its own ramp. */
 static void begin_axis(struct feed *feed)
 {
-    struct image_ramp ramp = ramp_of(feed);
+    struct image_ramp ramp = ramp_image_ramp(image, feed->index);
     axis_begin(&feed->axis, &ramp);
     axis_halt(&feed->axis, feed->played.position);
 }

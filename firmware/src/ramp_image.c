@@ -210,3 +210,8 @@ struct image_ramp ramp_image_ramp(const uint8_t *image, uint8_t axis)
     }
     return ramp;
 }
+
+uint32_t ramp_image_slew_interval(const uint8_t *image, uint8_t axis)
+{
+    return ramp_image_ramp(image, axis).slew_interval;
+}

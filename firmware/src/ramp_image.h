@@ -55,8 +55,9 @@ static inline bool ramp_image_is_fast(const uint8_t *image)
     return (image[RAMP_IMAGE_CLOCK_AT] & RAMP_IMAGE_FAST_CLOCK) != 0;
 }
 
-/* The ramp of an axis. */
+/* The ramp of an axis, and only its slew interval [ticks]. */
 struct image_ramp ramp_image_ramp(const uint8_t *image, uint8_t axis);
+uint32_t ramp_image_slew_interval(const uint8_t *image, uint8_t axis);
 
 #ifdef __cplusplus
 }

@@ -103,7 +103,7 @@ uint16_t ramp_store_trace_every(uint8_t axis)
     }
     bool is_fast = ramp_image_is_fast(slot_content.image);
     uint16_t ticks_a_value = is_fast ? FAST_CLOCK_HZ / TRACE_VALUES_A_SECOND : SLOW_CLOCK_HZ / TRACE_VALUES_A_SECOND;
-    uint32_t slew_interval = ramp_image_ramp(slot_content.image, axis).slew_interval;
+    uint32_t slew_interval = ramp_image_slew_interval(slot_content.image, axis);
     if (slew_interval >= ticks_a_value) {
         return 1;
     }
