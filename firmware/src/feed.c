@@ -148,8 +148,9 @@ static uint16_t most_steps(const struct feed *feed)
 {
     bool has_time = !feed->has_got_ahead || time_ahead(feed, port_time()) >= TRACING_TIME;
     uint16_t most = feed->is_traced && has_time ? trace_to_queue : UINT16_MAX;
-    if (line_is_on() && line_most_steps() < most) {
-        most = line_most_steps();
+    if (line_is_on()) {
+        uint16_t line_most = line_most_steps();
+        most = line_most < most ? line_most : most;
     }
     return most;
 }
@@ -215,7 +216,9 @@ static void trace_played(const struct feed *feed, uint16_t steps, uint8_t next)
     bool is_traced = steps == trace_to_play;
     trace_to_play = trace_left(feed, trace_to_play, steps);
     if (is_traced && next != lane_of(feed->index)->tail) {
-        trace_value(feed->index, feed->played.steps_made, lane_loaded(feed->index, next).time);
+        struct loaded segment;
+        lane_loaded(feed->index, next, &segment);
+        trace_value(feed->index, feed->played.steps_made, segment.time);
     }
 }
 
@@ -232,14 +235,17 @@ static void retire(struct feed *feed)
 {
     struct lane *lane = lane_of(feed->index);
     uint8_t offset = lane->retired;
-    struct loaded segment = lane_loaded(feed->index, offset);
+    struct loaded segment;
+    lane_loaded(feed->index, offset, &segment);
     count(&feed->played, &segment, segment.steps);
-    feed->has_stepped = feed->has_stepped || segment.steps != 0;
-    if (line_is_on()) {
-        line_retire(&line_queue[offset / LINE_SEGMENT_BYTES], segment.steps);
+    if (segment.steps != 0) {
+        feed->has_stepped = true;
     }
-    trace_played(feed, segment.steps, lane_next(offset));
+    if (line_is_on()) {
+        line_retire(line_segment(offset), segment.steps);
+    }
     lane->retired = lane_next(offset);
+    trace_played(feed, segment.steps, lane->retired);
 }
 
 /* Other things can be done first, as steps are queued for `least` [64 us]. */
@@ -292,7 +298,9 @@ bool feed_is_ready(const struct feed *feed)
 
 uint16_t feed_next_interval(const struct feed *feed)
 {
-    return lane_loaded(feed->index, lane_of(feed->index)->tail).time;
+    struct loaded segment;
+    lane_loaded(feed->index, lane_of(feed->index)->tail, &segment);
+    return segment.time;
 }
 
 void feed_started(struct feed *feed, uint16_t start_ticks)
@@ -305,15 +313,22 @@ void feed_started(struct feed *feed, uint16_t start_ticks)
     feed->stage = FEED_PLAYING;
 }
 
+static uint32_t steps_made_now(const struct feed *feed)
+{
+    struct feed_progress progress;
+    feed_progress(feed, &progress);
+    return progress.steps_made;
+}
+
 bool feed_has_stepped(const struct feed *feed)
 {
     return feed->stage == FEED_PLAYING &&
-           (feed->has_stepped || feed_progress(feed).steps_made != feed->played.steps_made);
+           (feed->has_stepped || steps_made_now(feed) != feed->played.steps_made);
 }
 
 void feed_halted(struct feed *feed)
 {
-    feed->played = feed_progress(feed);
+    feed_progress(feed, &feed->played);
     feed->pin_backward = feed->played.backward;
     feed->stage = FEED_IDLE;
     feed->parts_left = 0;
@@ -348,8 +363,14 @@ static void parked(struct feed *feed)
         return;
     }
     /* The end of the move may have been queued since. */
-    feed->has_run_dry = feed->has_pulses || (lane_ahead(lane) != 0 && lane_loaded(feed->index, lane->tail).steps != 0);
-    if (feed->has_run_dry && starved != UINT8_MAX) {
+    bool has_run_dry = feed->has_pulses;
+    if (lane_ahead(lane) != 0) {
+        struct loaded segment;
+        lane_loaded(feed->index, lane->tail, &segment);
+        has_run_dry = has_run_dry || segment.steps != 0;
+    }
+    feed->has_run_dry = has_run_dry;
+    if (has_run_dry && starved != UINT8_MAX) {
         starved++;
     }
     feed->stage = FEED_WAITING;
@@ -400,26 +421,26 @@ static uint16_t steps_played(const struct feed *feed, const struct loaded *segme
     return is_playing && segment->steps != 0 ? (uint16_t)(segment->steps - 1u - now->count_less_1) : segment->steps;
 }
 
-struct feed_progress feed_progress(const struct feed *feed)
+void feed_progress(const struct feed *feed, struct feed_progress *progress)
 {
-    struct feed_progress progress = feed->played;
     struct engine_progress now = engine_progress(feed->index);
     uint8_t offset = lane_of(feed->index)->retired;
     if (feed->stage != FEED_PLAYING) {
         now.tail = offset;
     }
+    *progress = feed->played;
     line_in_progress = line.played;
     while (offset != now.tail) {
-        struct loaded segment = lane_loaded(feed->index, offset);
+        struct loaded segment;
+        lane_loaded(feed->index, offset, &segment);
         uint8_t next = lane_next(offset);
         uint16_t steps = steps_played(feed, &segment, next, &now);
-        count(&progress, &segment, steps);
+        count(progress, &segment, steps);
         if (line_is_on()) {
-            line_play(&line_in_progress, &line_queue[offset / LINE_SEGMENT_BYTES], steps);
+            line_play(&line_in_progress, line_segment(offset), steps);
         }
         offset = next;
     }
-    return progress;
 }
 
 uint32_t feed_interval(const struct feed *feed)

@@ -83,8 +83,8 @@ void feed_started(struct feed *feed, uint16_t start_ticks);
 /* The engine has halted its queue, whose segments are still as they were: what hasn't been played is forgotten. */
 void feed_halted(struct feed *feed);
 
-/* How far the motor has come now. When it leads a line, `line_in_progress` is the line then. */
-struct feed_progress feed_progress(const struct feed *feed);
+/* How far the motor has come now, also told in place of what has been played. When it leads a line, `line_in_progress` is the line then. */
+void feed_progress(const struct feed *feed, struct feed_progress *progress);
 
 /* [ticks] the interval that is passing; 0 at rest, before the first step and after the last. */
 uint32_t feed_interval(const struct feed *feed);

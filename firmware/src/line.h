@@ -60,6 +60,12 @@ static inline uint8_t line_axes(void)
     return (uint8_t)((line.axes | line.axes >> 4) & 0x0F);
 }
 
+/* At this offset in the line's queue [bytes]. */
+static inline struct line_segment *line_segment(uint8_t offset)
+{
+    return (struct line_segment *)((uint8_t *)line_queue + offset);
+}
+
 /* Begins a line of the axes that make steps; the leader makes at least one. */
 void line_begin(uint8_t leader, const uint32_t steps[MOST_AXES]);
 

@@ -431,7 +431,8 @@ struct axis_report machine_report(uint8_t index)
     uint8_t follower = follower_index(feed);
     bool follows = follower != MOST_FOLLOWERS;
     const struct feed *leader = follows ? &feeds[line.leader] : feed;
-    struct feed_progress progress = feed_progress(leader);
+    struct feed_progress progress;
+    feed_progress(leader, &progress);
     struct axis_report report = {AXIS_IDLE, progress.position, 0, progress.steps_made};
     if (follows || feed_is_moving(feed)) {
         report.state = leader->axis.stopping ? AXIS_STOPPING : AXIS_MOVING;
@@ -460,7 +461,12 @@ int32_t machine_target(uint8_t index)
         move_position(&target, feed->pin_backward, line_steps_with(follower, steps_of_leader()));
         return target;
     }
-    return feed_is_moving(feed) && !feed->axis.runs ? feed->axis.target : feed_progress(feed).position;
+    if (feed_is_moving(feed) && !feed->axis.runs) {
+        return feed->axis.target;
+    }
+    struct feed_progress progress;
+    feed_progress(feed, &progress);
+    return progress.position;
 }
 
 uint8_t machine_starved(void)
