@@ -328,6 +328,11 @@ static void set_out(struct axis *axis)
     axis->phase = PHASE_UP;
 }
 
+bool axis_is_at_rest(const struct axis *axis)
+{
+    return axis->phase == PHASE_REST && !axis->runs && axis->target == axis->position;
+}
+
 void axis_next(struct axis *axis, struct piece *piece)
 {
     piece->kind = PIECE_NONE;

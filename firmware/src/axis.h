@@ -114,10 +114,7 @@ void move_position(int32_t *position, bool backward, uint32_t steps);
 bool add_steps(int32_t *position, int32_t steps);
 
 /* It stays where it is: axis_next would give PIECE_REST. */
-static inline bool axis_is_at_rest(const struct axis *axis)
-{
-    return axis->phase == PHASE_REST && !axis->runs && axis->target == axis->position;
-}
+bool axis_is_at_rest(const struct axis *axis);
 
 #ifdef __cplusplus
 }

@@ -445,17 +445,17 @@ void feed_progress(const struct feed *feed, struct feed_progress *progress)
 
 uint32_t feed_interval(const struct feed *feed)
 {
-    const volatile uint16_t *present = line_is_on() ? &line_player.interval : &axis_players[feed->index].interval;
     if (feed->stage == FEED_IDLE || feed->axis.interval > LONGEST_WAIT_TICKS) {
         return feed->axis.interval;
     }
+    const struct axis_player *player = &axis_players[feed->index];
+    const volatile uint16_t *present = line_is_on() ? &line_player.interval : &player->interval;
     uint16_t interval;
     do {
         interval = *present;
     } while (interval != *present); /* an event came in between the two bytes */
     /* Of silences, only the parts of a long interval are one. */
-    bool is_silence = !line_is_on() && axis_players[feed->index].step_mask == 0 && interval != PART_TICKS;
-    return is_silence ? 0 : interval;
+    return !line_is_on() && player->step_mask == 0 && interval != PART_TICKS ? 0 : interval;
 }
 
 uint32_t feed_step_interval(const struct feed *feed)
