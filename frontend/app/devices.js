@@ -201,10 +201,12 @@ const situation = (() => {
   };
 })();
 
-/** The device that the head of the page tells of: what moves, be it the one in view or another.
+/** The device that the head of the page tells of: what moves, or will by itself, be it the one in view or another.
  * @param {State} state */
 export function toldDeviceOf(state) {
-  return state.devices.list.find(({ state: does }) => does === 'moving' || does === 'stopping') ?? deviceOf(state);
+  const { list } = state.devices;
+  const moving = list.find(({ state: does }) => does === 'moving' || does === 'stopping');
+  return moving ?? list.find(({ shuttle }) => shuttle) ?? deviceOf(state);
 }
 
 /** How old what is known of that device is [whole s]; null: it is new.

@@ -6,8 +6,9 @@ import { limitsInUnit } from '../model/limits_text.js';
 /** @typedef {import('../model/types.js').Rejection} Rejection */
 
 const FIELD = 'speed_steps_per_s';
-const NOTE = 'the slew speed of the axis\u2019 ramp, but not 0: the buttons say which way';
-const ALLOWED = `a number from 0 to ${NOTE}`;
+const WHICH_WAY = 'but not 0: the buttons say which way';
+const SLEW = 'the slew speed of the axis\u2019 ramp';
+const ALLOWED = `a number from 0 to ${SLEW}, ${WHICH_WAY}`;
 
 /** @param {unknown} speed [steps/s], or the text that is none
  * @param {1 | -1} direction @returns {{speed: unknown, rejections: Rejection[]}} the speed with its sign */
@@ -23,8 +24,12 @@ export function ofUndirected(rejection) {
   // What was refused here is told as it was typed.
   if (typeof value !== 'number' || rejection.allowed === ALLOWED) return rejection;
   const speed = Math.abs(value);
-  const isTooFast = limits && limits.highest !== null && limits.lowest === -limits.highest && speed > limits.highest;
-  if (!isTooFast) return { ...rejection, value: speed };
-  const ahead = { ...limits, lowest: 0, note: `, ${NOTE}` };
+  if (!limits || limits.highest === null) return { ...rejection, value: speed };
+  const isTooFast = limits.lowest === -limits.highest && speed > limits.highest;
+  const isTooSlow = limits.lowest !== null && limits.lowest > 0 && speed < limits.lowest;
+  if (!isTooFast && !isTooSlow) return { ...rejection, value: speed };
+  // What is beyond every ramp is told before the axis\u2019 own is looked at.
+  const why = limits.note ? `, ${SLEW}` : '';
+  const ahead = isTooSlow ? { ...limits, note: ': the buttons say which way' } : { ...limits, lowest: 0, note: `${why}, ${WHICH_WAY}` };
   return { ...rejection, value: speed, allowed: limitsInUnit(ahead, 'steps/s', 1), limits: ahead };
 }

@@ -1,8 +1,8 @@
 // @ts-check
-// Devices that moved when the server was last heard of, and of which the server that is back knows nothing: it is another
-// one, and a board with a supply of its own may go on.
+// Devices that moved when the server was last heard of, or were lost on their way, and of which the server that is back
+// knows nothing: it is another one, and a board with a supply of its own may go on.
 
-import { isMoving } from './out_of_reach.js';
+import { isMoving, mayMove } from './out_of_reach.js';
 
 /** @typedef {import('../model/types.js').Device} Device */
 
@@ -15,7 +15,7 @@ export function createEnded(outlives) {
     /** The server is gone.
      * @param {Device[]} devices as last heard of */
     leave(devices) {
-      const moving = devices.filter((device) => isMoving(device) && outlives(device));
+      const moving = devices.filter((device) => mayMove(device) && outlives(device));
       left = [...left.filter((one) => !moving.some(({ port }) => port === one.port)), ...moving];
     },
     /** Take note of what the server tells, once it is back: what a device says of itself counts.
@@ -26,7 +26,10 @@ export function createEnded(outlives) {
     /** What has to be known of those that may still move. */
     words: () =>
       left
-        .map(({ name, port }) => `${name} (${port}) was moving when the server ended, and may still move: stop it once it is connected again, or cut the motor’s power.`)
+        .map((device) => {
+          const then = isMoving(device) ? 'the server ended' : 'it was lost';
+          return `${device.name} (${device.port}) was moving when ${then}, and may still move: stop it once it is connected again, or cut the motor’s power.`;
+        })
         .join(' '),
   };
 }

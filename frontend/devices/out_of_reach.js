@@ -7,6 +7,11 @@
 export const isMoving = (device) => device.state === 'moving' || device.state === 'stopping';
 /** @param {Device} device */
 export const isOutOfReach = (device) => device.state === 'lost' || device.state === 'connecting';
+/** Whether the device moves, or had not arrived when it was last heard of.
+ * @param {Device} device */
+export const mayMove = (device) =>
+  isMoving(device) ||
+  (isOutOfReach(device) && device.axes.some((axis) => axis.target_steps !== axis.position_steps));
 
 /** Follows which devices moved when they were last heard of. */
 export function createOutOfReach() {
@@ -28,8 +33,7 @@ export function createOutOfReach() {
     follow(devices) {
       for (const device of devices) {
         // A page that was not there when it was lost sees that it had not arrived.
-        const isOnTheWay = device.axes.some((axis) => axis.target_steps !== axis.position_steps);
-        if (isMoving(device) || (device.state === 'lost' && isOnTheWay)) moving.set(device.id, null);
+        if (mayMove(device)) moving.set(device.id, null);
         else if (!isOutOfReach(device)) moving.delete(device.id);
       }
       for (const id of moving.keys()) {

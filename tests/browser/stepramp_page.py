@@ -14,10 +14,9 @@ from playwright.sync_api import Locator, Page, expect
 SLEW_SPEED = "ramp.slew_speed_steps_per_s"
 ACCELERATION = "ramp.acceleration_steps_per_s2"
 REFUSED_VALUE = r"status of 422"
-# What the page asks by itself may be on its way when the cable is pulled.
-PREVIEW_LOST = r"status of 502.*/push/preview$"
 """The browser itself reports every refused request as an error; tests of wrong values expect it."""
-
+LOST = r"status of 502.*/devices/"
+"""What the page asks by itself, a preview or a trace, may be on its way when the cable is pulled."""
 
 # Where the page has its modules from: they are loaded once.
 FOLDER = "document.querySelector('script[type=module]').src.replace('app/main.js', '')"

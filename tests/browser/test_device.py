@@ -94,15 +94,24 @@ def test_there_and_back(pushed: StepRampPage) -> None:
     page.locator("#move-times").fill("2")
     page.locator("#move-pause").fill("0.1")
     page.locator("#move").click()
-    expect(page.locator("#move-shuttle")).to_contain_text("of 2 done")
+    expect(page.locator("#live-shuttle")).to_contain_text("of 2 done")
     until(lambda: device_of(pushed)["target_steps"] == 60)
     until(lambda: device_of(pushed)["shuttle"] is None)
     expect(pushed.position).to_have_text("0")
     page.locator("#move-pause").fill("30")
     page.locator("#move").click()
     expect(pushed.position).to_have_text("60")
+    # It moves again by itself: nothing on the page says that it is ready.
+    for pill in (page.locator("#device-pill"), pushed.state):
+        expect(pill).to_contain_text("pausing")
+    for section in ("push", "jog", "trace"):
+        pushed.device_section(section)
+        expect(page.locator("#live-shuttle")).to_contain_text(
+            "It sets out again by itself, 30 s after it came to rest."
+        )
     page.keyboard.press("Escape")
-    expect(page.locator("#move-shuttle")).to_be_hidden()
+    expect(page.locator("#live-shuttle")).to_be_hidden()
+    expect(pushed.state).to_have_text("ready")
     assert device_of(pushed)["position_steps"] == 60, "a stop ends it in a pause, too"
 
 
@@ -391,7 +400,14 @@ def test_what_is_refused_stands_at_its_field_in_its_unit(pushed: StepRampPage, w
     page.locator('.panel.device [data-value="back"]').click()
     assert refused("#move-times", "0", "#move").startswith("Times is 0; allowed: a whole number from 1 to 10,000")
     page.locator("#move-times").fill("1")
+    expect(page.locator("#move-times-message")).to_have_count(0)
     assert refused("#move-pause", "-1", "#move").startswith("The pause is -1; allowed: a number from 0 to 3,600 s")
+    # It was said of what stood there, not of what stands there now, nor of what is typed elsewhere.
+    page.locator("#move-times").fill("2")
+    expect(page.locator("#move-pause")).to_have_attribute("aria-invalid", "true")
+    page.locator("#move-pause").fill("1")
+    expect(page.locator("#move-pause-message")).to_have_count(0)
+    expect(page.locator("#move-pause")).to_have_attribute("aria-invalid", "false")
 
 
 def test_a_line_that_is_refused_says_for_which_axis(stepramp: StepRampPage, watch: Watch) -> None:

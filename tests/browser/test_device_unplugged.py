@@ -14,18 +14,17 @@ from playwright.sync_api import Browser, expect
 
 from browser.conftest import Watch
 from browser.server import Server
-from browser.stepramp_page import ACCELERATION, PREVIEW_LOST, SLEW_SPEED, StepRampPage, until
+from browser.stepramp_page import ACCELERATION, LOST, SLEW_SPEED, StepRampPage, until
 from controllers.usb_board import Cable
 from stepramp.controllers.stepramp.messages.ramps import DataRequest
 
-LOST = r"status of 502"
 GONE = r"ERR_CONNECTION|WebSocket connection|ERR_INCOMPLETE"
 FAR = 1_000_000
 
 
 @pytest.fixture
 def cable(tmp_path: Path, watch: Watch) -> Iterator[Cable]:
-    watch.expected.append(PREVIEW_LOST)
+    watch.expected.append(LOST)
     made = Cable(tmp_path / "ttyACM7")
     made.plug_in()
     yield made
@@ -74,8 +73,7 @@ def jog_until(page: StepRampPage, device: str, speed_steps_per_s: float) -> None
     raise AssertionError(f"no jog came to {speed_steps_per_s} steps/s")
 
 
-def test_unplugged_in_the_middle_of_a_push(plugged: StepRampPage, cable: Cable, watch: Watch) -> None:
-    watch.expected.append(LOST)
+def test_unplugged_in_the_middle_of_a_push(plugged: StepRampPage, cable: Cable) -> None:
     page = plugged.page
     plugged.push()
     plugged.edit_and_wait(SLEW_SPEED, "500")
@@ -158,9 +156,8 @@ def test_unplugged_while_jogging_and_plugged_in_while_still_held(plugged: StepRa
     plugged.page.mouse.up()
 
 
-def test_a_stop_owes_the_lost_one_while_another_slows_down(plugged: StepRampPage, cable: Cable, watch: Watch) -> None:
+def test_a_stop_owes_the_lost_one_while_another_slows_down(plugged: StepRampPage, cable: Cable) -> None:
     """Whatever slows down by itself, a press stops all, and what is out of reach is told whichever device is chosen."""
-    watch.expected.append(LOST)
     page = plugged.page
     board = device_of(plugged)["id"]
 

@@ -9,7 +9,7 @@ import pytest
 from playwright.sync_api import Page, Route, expect
 
 from browser.conftest import Watch
-from browser.stepramp_page import ACCELERATION, PREVIEW_LOST, REFUSED_VALUE, SLEW_SPEED, StepRampPage, until
+from browser.stepramp_page import ACCELERATION, LOST, REFUSED_VALUE, SLEW_SPEED, StepRampPage, until
 from controllers.tic.emulator import TicOnACable
 
 SIZES = [(1440, 900), (1024, 768), (390, 844)]
@@ -17,7 +17,7 @@ SIZES = [(1440, 900), (1024, 768), (390, 844)]
 
 @pytest.fixture
 def cable(watch: Watch) -> Iterator[TicOnACable]:
-    watch.expected.append(PREVIEW_LOST)
+    watch.expected.append(LOST)
     with TicOnACable() as made:
         yield made
 

@@ -101,7 +101,13 @@ def test_speeds_slower_than_the_slowest_are_refused(controller: StepRampControll
         controller.run([AxisCommand(0, speed, "speed_steps_per_s")])
     [rejection] = caught.value.rejections
     assert (rejection.field, rejection.value) == ("speed_steps_per_s", speed)
-    assert rejection.allowed.endswith("and 0 or at least 0.00745058 steps/s either way")
+    # The longest interval is some ticks less than 2^31, and what is told is rounded to what is possible.
+    limits = rejection.limits
+    assert limits is not None
+    assert limits.lowest == pytest.approx(16_000_000 / (2**31 - 1), rel=1e-8)
+    assert limits.lowest >= 16_000_000 / (2**31 - 1)
+    assert rejection.allowed.startswith("a number from 0.00745058")
+    assert rejection.allowed.endswith(" steps/s either way, or 0")
 
 
 @contextmanager

@@ -53,15 +53,17 @@ class UsbBoard(PseudoTerminal):
 
 
 class Cable:
-    """A port whose name stays while boards come and go: the same controller, reset each time it is plugged in."""
+    """A port whose name stays while boards come and go: the same controller, reset when it is plugged in, or not."""
 
     def __init__(self, port: Path) -> None:
         self.port = port
         self.controller = VirtualController()
         self.board: UsbBoard | None = None
 
-    def plug_in(self) -> UsbBoard:
-        self.controller.opened()
+    def plug_in(self, *, is_reset: bool = True) -> UsbBoard:
+        """Plug the board in; one with a supply of its own may not be reset by that."""
+        if is_reset:
+            self.controller.opened()
         self.board = UsbBoard(self.controller)
         self.board.__enter__()
         self.port.symlink_to(self.board.port)

@@ -12,13 +12,14 @@ from controllers.usb_board import Cable, UsbBoard
 from designs import design
 from devices.bench import push, worker_of
 from devices.boards import UnpluggedAt
-from devices.motion import LONG_MOVE, by_steps, wait_for
+from devices.motion import LONG_MOVE, PATIENCE_S, by_steps, wait_for
 from stepramp.controllers.contract import AxisCommand
 from stepramp.controllers.stepramp.messages.motion import MoveByRequest
 from stepramp.controllers.stepramp.messages.ramps import CommitRequest, DataRequest
 from stepramp.controllers.stepramp.messages.status import StatusRequest
 from stepramp.controllers.virtual.controller import VirtualController
 from stepramp.devices.device import Device
+from stepramp.devices.leases import Lease
 from stepramp.devices.registry import Devices
 from stepramp.devices.view import DeviceState
 from stepramp.devices.writing import SendPush
@@ -116,6 +117,46 @@ def test_what_was_unplugged_is_connected_again_by_itself_and_nothing_moves(devic
     assert (view.id, view.position_steps, view.target_steps, view.unknown_positions) == ("1", 0, 0, (0,))
     device.set_position([AxisCommand(0, 77, "position_steps")])
     assert (device.view.position_steps, device.view.unknown_positions) == (77, ())
+
+
+@pytest.mark.parametrize("lasts_s", [0.4, 600.0])
+def test_what_runs_for_nobody_once_it_is_connected_again_slows_down(
+    devices: Devices, cable: Cable, lasts_s: float
+) -> None:
+    """A board with a supply of its own runs on, and would for as long as we ask it what it does."""
+    device = devices.connect(str(cable.port))
+    device.push([design(), design()])
+    device.run([AxisCommand(0, 400.0, "speed_steps_per_s")], Lease({0: 400.0}, lasts_s))
+    device.move_by([AxisCommand(1, LONG_MOVE, "by_steps")])
+    cable.unplug()
+    wait_for(device, DeviceState.LOST)
+    cable.plug_in(is_reset=False)
+    devices.connect(str(cable.port))
+    assert device.view.axes[0].state is DeviceState.STOPPING
+    deadline = time.monotonic() + PATIENCE_S
+    while device.view.axes[0].state is not DeviceState.READY:
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+    # A move has an end of its own: it goes on to it.
+    assert device.view.axes[1].state is DeviceState.MOVING
+    assert device.view.axes[1].target_steps == LONG_MOVE
+    device.stop()
+
+
+def test_a_run_that_another_server_left_behind_slows_down(cable: Cable) -> None:
+    first = Devices()
+    device = first.connect(str(cable.port))
+    device.push([design()])
+    device.run([AxisCommand(0, -400.0, "speed_steps_per_s")], Lease({0: -400.0}, 600.0))
+    # It was killed: it stops nothing any more.
+    cable.unplug()
+    wait_for(device, DeviceState.LOST)
+    first.close()
+    cable.plug_in(is_reset=False)
+    second = Devices()
+    found = second.connect(str(cable.port))
+    wait_for(found, DeviceState.READY)
+    second.close()
 
 
 def test_what_was_let_go_of_is_not_connected_again(devices: Devices, cable: Cable) -> None:

@@ -222,6 +222,17 @@ def test_what_was_found_stays_while_the_server_cannot_answer_and_it_is_asked_aga
     assert ran["last"] == ["refused", 0, 1, True]
 
 
+def test_a_file_that_is_removed_gives_its_place_back_when_nothing_was_found_in_it(modules: Modules) -> None:
+    other = [*ANSWERED, ["open", "two.csv"], ["wait"]]
+    for ends in ([["refuse", "file"]], [["gone"]], []):
+        steps = [*other, *ends, ["remove"]]
+        # What was found before is there at once, and asked for anew: the design may be another by now.
+        assert run(modules, steps)["last"] == ["asked", 0, 1, True]
+        assert run(modules, [*steps, ["wait"], ["answer", 1]])["last"] == ["answered", 0, 1, False]
+        assert run(modules, [*steps, ["remove"]])["last"] is None
+    assert run(modules, [*other, ["answer", 2], ["remove"]])["last"] is None
+
+
 def test_another_try_keeps_what_is_not_of_the_file(modules: Modules) -> None:
     wishes = [["wish", {"shortest_pulse_us": 2, "alignment": "best_fit"}], ["wish", {"edge": "both", "move_number": 3}]]
     ran = run(modules, [*READY, *wishes, ["open", "two.csv"], ["wait"]])

@@ -131,22 +131,6 @@ def test_an_export_is_asked_for_again_and_follows_the_design(modules: Modules) -
     assert asked == [document()["name"], document()["name"], "Other"]
 
 
-def test_where_rows_come_from_is_forgotten_with_them(modules: Modules) -> None:
-    script = """async (design) => { const {createOrigins} = await import('/panels/table/origins.js');
-        const {tablesOf} = await import('/model/workbench.js');
-        const table = (delay) => ({rows: [[1, delay]], interval_unit: 'us'});
-        const origins = createOrigins();
-        const tables = [1, 2, 3].map(table);
-        for (const one of tables) origins.note(one, design, null);
-        const machine = (one) => ({axes: [{...design, table: one}, {...design, table: null}]});
-        origins.prune(tablesOf({past: [machine(tables[0])], present: machine(tables[1]), future: []}));
-        const steeper = {...design, ramp: {...design.ramp, acceleration_steps_per_s2: 77}};
-        const typed = {...steeper, ramp: {...steeper.ramp, slew_speed_steps_per_s: 'fast'}, table: tables[0]};
-        return [...tables.map((one) => origins.staleWish({...steeper, table: one})), origins.staleWish(typed)]
-            .map((wish) => wish !== null); }"""
-    assert modules.evaluate(script, document()) == [True, True, False, False]
-
-
 CAPTURE = """
     const {createCapture} = await import('/panels/capture/capture.js');
     const {createStore, FIRST_STATE} = await import('/app/state.js');

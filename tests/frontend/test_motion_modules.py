@@ -74,7 +74,8 @@ def test_what_moved_when_the_server_ended_is_told_until_it_says_itself_what_it_d
     script = """async (happens) => { const {createEnded} = await import('/devices/ended.js');
         const ended = createEnded(({port}) => port !== 'virtual');
         return happens.map(([way, devices]) => { ended[way](devices); return ended.words(); }); }"""
-    board = {"id": "1", "name": "Board", "port": "/dev/ttyACM0", "state": "moving", "axes": [{}]}
+    here = {"position_steps": 7, "target_steps": 7}
+    board = {"id": "1", "name": "Board", "port": "/dev/ttyACM0", "state": "moving", "axes": [here]}
     words = (
         "Board (/dev/ttyACM0) was moving when the server ended, and may still move: stop it once it is connected "
         "again, or cut the motor’s power."
@@ -83,8 +84,12 @@ def test_what_moved_when_the_server_ended_is_told_until_it_says_itself_what_it_d
     happens = [["leave", [board]], ["follow", []], ["follow", connecting], ["leave", connecting], ["follow", [board]]]
     assert modules.evaluate(script, happens) == [words, words, words, words, ""]
     # The simulated one ended with its server, and what was at rest stays there.
-    others = [board | {"port": "virtual"}, board | {"state": "ready"}]
+    others = [board | {"port": "virtual"}, board | {"state": "ready"}, board | {"state": "lost"}]
     assert modules.evaluate(script, [["leave", others]]) == [""]
+    # What was lost on its way is no less on its way when the server ends too.
+    on_its_way = board | {"state": "lost", "axes": [here, here | {"target_steps": 900}]}
+    lost = words.replace("the server ended", "it was lost")
+    assert modules.evaluate(script, [["leave", [on_its_way]], ["follow", [on_its_way | {"axes": []}]]]) == [lost, lost]
 
 
 def test_soft_limits_are_remembered_by_port_and_axis(modules: Modules) -> None:
@@ -215,6 +220,15 @@ def test_what_the_server_says_of_a_speed_with_its_sign_is_told_of_the_speed_with
         "Speed is 1050; allowed: a number from 0 to 1000 steps/s the slew speed of the axis’ ramp but not 0: "
         "the buttons say which way."
     )
+    # What is beyond every ramp says nothing of this one's.
+    beyond = fast | {"value": 1e7, "unit": "steps/s", "limits": limited(-1_000_000, 1_000_000, "", is_whole=False)}
+    assert modules.evaluate(script, [beyond, "steps"]).replace(",", "") == (
+        "Speed is 10000000; allowed: a number from 0 to 1000000 steps/s but not 0: the buttons say which way."
+    )
+    slow = fast | {"value": -0.01, "unit": "steps/s", "limits": limited(0.03, 1000, " either way", is_whole=False)}
+    assert modules.evaluate(script, [slow, "mm"]) == (
+        "Speed is 0.0002 mm/s (0.01 steps/s); allowed: a number from 0.0006 to 20 mm/s: the buttons say which way."
+    )
     near = {"field": "speed_steps_per_s", "value": -300, "allowed": "a speed at which it can rest", "message": ""}
     assert modules.evaluate(script, [near, "steps"]) == "Speed is 300; allowed: a speed at which it can rest."
     directed = """async () => (await import('/devices/directed_speed.js')).directedSpeed(-300, -1).rejections[0]"""
@@ -275,3 +289,20 @@ def test_a_server_of_which_nothing_is_heard_for_eight_ticks_is_silent_until_it_t
 def test_a_server_that_is_gone_is_not_called_silent(modules: Modules) -> None:
     happens = [("open", 1), ("close", 1), ("tick", 20), ("open", 1), ("tick", 7), ("tick", 1), ("close", 1)]
     assert modules.evaluate(SILENCE, happens) == ["there", "gone", "gone", "there", "there", "silent", "gone"]
+
+
+def test_what_pauses_at_an_end_of_its_way_is_not_ready(modules: Modules) -> None:
+    script = """async (devices) => { const {shownState, shuttleText} = await import('/devices/state_words.js');
+        return devices.map((device) => [shownState(device), shuttleText(device)]); }"""
+    shuttle = {"axis": 0, "by_steps": 60, "times": 3, "times_done": 1, "pause_s": 8.5}
+    rests, moves = {"state": "ready", "shuttle": None}, {"state": "moving", "shuttle": shuttle}
+    assert modules.evaluate(script, [None, rests, moves, moves | {"state": "ready"}]) == [
+        ["none", ""],
+        ["ready", ""],
+        ["moving", "There and back: 1 of 3 done. STOP ends it, also in a pause."],
+        [
+            "pausing",
+            "There and back: 1 of 3 done. It sets out again by itself, 8.5 s after it came to rest. "
+            "STOP ends it, also in a pause.",
+        ],
+    ]

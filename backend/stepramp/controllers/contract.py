@@ -45,9 +45,15 @@ class AxisStatus:
     activity: Activity
     position_steps: int
     target_steps: int
+    """Where it will come to rest; its position as long as it runs at a speed."""
     speed_steps_per_s: float
     steps_made: int
     """Since it last set out from rest."""
+
+    @property
+    def runs(self) -> bool:
+        """Whether it runs at a speed, with no place where it would come to rest."""
+        return self.activity is Activity.MOVING and self.target_steps == self.position_steps
 
 
 @dataclass(frozen=True)

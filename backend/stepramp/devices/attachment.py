@@ -163,6 +163,7 @@ class Attachment:
             )
         )
         self._watch.show(status)
+        self._runs.end_those_of_nobody(status)
         version = controller.firmware_version
         self._view.log("connected%s", "" if version is None else f", firmware {version}")
 

@@ -2,6 +2,7 @@
 
 from contextlib import suppress
 
+from stepramp.controllers.contract import ControllerStatus
 from stepramp.devices.contact import Contact
 from stepramp.devices.leases import Lease, Leases
 from stepramp.devices.limit_checks import too_near
@@ -37,6 +38,16 @@ class Runs:
             with suppress(StepRampError):
                 worker.call_urgently(self.let_end, overtakes=False)
         worker.give_way(pause_s)
+
+    def end_those_of_nobody(self, status: ControllerStatus) -> None:
+        """Slow down what is found running when a controller is connected: who asked for it is gone.
+
+        It runs on because we ask the controller what it does, and nobody would end it.
+        """
+        axes = [axis.axis for axis in status.axes if axis.runs]
+        if axes:
+            self._stopping.slow_down(axes)
+            self._view.log("axes %s ran for nobody: slowed down", axes)
 
     def let_end(self) -> None:
         """Slow down what may run no longer."""

@@ -14,9 +14,7 @@ def exact_intervals(slope: Slope, number: Number) -> NDArray[np.floating]:
     With constant acceleration p_i = F / sqrt(v0² + 2 a i): what the recurrence (9) comes to, by (5) and (7), without
     its rounding errors. Computed in numbers of the given type, in this order of operations.
     """
-    speeds = slope.speeds(1, slope.steps, number)
-    np.divide(number(slope.timer_hz), speeds, out=speeds)
-    return speeds
+    return slope.intervals(1, slope.steps, number)
 
 
 METHOD = RampMethod(

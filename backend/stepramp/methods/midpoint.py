@@ -16,9 +16,7 @@ def midpoint_intervals(slope: Slope, number: Number) -> NDArray[np.floating]:
     With constant acceleration p_i = F / sqrt(v0² + 2 a (i - 1/2)). The steps are those whose centre lies before the end
     of the slope: one more than slope.steps when its length is half a step or more over.
     """
-    speeds = slope.speeds(0.5, math.ceil(slope.length - 0.5), number)
-    np.divide(number(slope.timer_hz), speeds, out=speeds)
-    return speeds
+    return slope.intervals(0.5, math.ceil(slope.length - 0.5), number)
 
 
 METHOD = RampMethod(

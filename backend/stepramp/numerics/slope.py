@@ -43,6 +43,12 @@ class Slope(ABC):
     def durations(self, number: Number) -> NDArray[np.floating]:
         """Return the time that each whole step takes, slowest first [ticks], shape (steps,); in such numbers."""
 
+    def intervals(self, first: float, count: int, number: Number) -> NDArray[np.floating]:
+        """Return F / v at the speeds v of `speeds` [ticks], shape (count,); a shape that has them sooner says so."""
+        speeds = self.speeds(first, count, number)
+        np.divide(number(self.timer_hz), speeds, out=speeds)
+        return speeds
+
     @property
     def steps(self) -> int:
         """Whole steps of the slope: the next one runs at slew speed [steps]."""

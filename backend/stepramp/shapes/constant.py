@@ -41,8 +41,13 @@ class ConstantAcceleration(Slope):
     def speeds(self, first: float, count: int, number: Number) -> NDArray[np.floating]:
         """Return sqrt(v0² + 2 a S) for S = first, first + 1 …, by (5) [steps/s], shape (count,)."""
         out = np.empty(count, number)
-        base, twice = number(self.base_speed), number(2) * number(self.acceleration)
-        _speeds(base * base, twice, number(first), number(1), out)
+        _speeds(*self._squares(number), number(first), number(1), out)
+        return out
+
+    def intervals(self, first: float, count: int, number: Number) -> NDArray[np.floating]:
+        """Return F / sqrt(v0² + 2 a S) for S = first, first + 1 …, by (5) and (7) [ticks], shape (count,)."""
+        out = np.empty(count, number)
+        _intervals(number(self.timer_hz), *self._squares(number), number(first), number(1), out)
         return out
 
     def durations(self, number: Number) -> NDArray[np.floating]:
@@ -54,12 +59,25 @@ class ConstantAcceleration(Slope):
         durations: NDArray[np.floating] = number(2) * number(self.timer_hz) / (speeds[1:] + speeds[:-1])
         return durations
 
+    def _squares(self, number: Number) -> tuple[np.floating, np.floating]:
+        """Return v0² and 2 a, of which the squares of the speeds are made [steps²/s², steps/s²]."""
+        base = number(self.base_speed)
+        return base * base, number(2) * number(self.acceleration)
+
 
 @compiled
 def _speeds(base_squared, twice, step, one, out):  # type: ignore[no-untyped-def]  # compiled
     # Counted in the numbers of the result; all steps of a move have exact numbers in float32 too.
     for i in range(out.size):
         out[i] = np.sqrt(base_squared + twice * step)
+        step = step + one
+
+
+@compiled
+def _intervals(timer_hz, base_squared, twice, step, one, out):  # type: ignore[no-untyped-def]  # compiled
+    # In one pass: a long ramp goes through the memory once.
+    for i in range(out.size):
+        out[i] = timer_hz / np.sqrt(base_squared + twice * step)
         step = step + one
 
 

@@ -80,5 +80,9 @@ export const captureMissed = (state) => knowing(state, { stage: 'unanswered' });
 export const captureCancelled = (state) =>
   state.capture?.answer ? knowing(state, { stage: 'cancelled' }) : { ...state, capture: state.capture?.before ?? null };
 
-/** @param {State} state @returns {State} */
-export const removeCapture = (state) => ({ ...state, capture: null });
+/** A file in which nothing was found takes nothing of the one before along.
+ * @param {State} state @returns {State} */
+export const removeCapture = (state) => ({
+  ...state,
+  capture: state.capture?.answer ? null : (state.capture?.before ?? null),
+});

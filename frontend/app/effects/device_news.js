@@ -4,6 +4,7 @@
 
 import { api, Refusal, watchDevices } from '../../server/api.js';
 import { createEnded } from '../../devices/ended.js';
+import { shownState } from '../../devices/state_words.js';
 import { createFollower, measuredFrom, untilComplete } from '../../devices/traces.js';
 import { heard, linked, refused, showMeasured, traceCame } from '../commands/device.js';
 import { announce, urge } from '../commands/told.js';
@@ -37,7 +38,7 @@ export function createDeviceNews({ state, dispatch }, gestures, traced, { endJog
       const before = known.find((one) => one.id === device.id);
       follower.follow(device);
       if (before?.state === device.state) continue;
-      dispatch(announce, `${device.name}: ${device.state}${device.state === 'lost' ? '' : ` at ${device.position_steps} steps`}`);
+      dispatch(announce, `${device.name}: ${shownState(device)}${device.state === 'lost' ? '' : ` at ${device.position_steps} steps`}`);
       // What was being traced before a loss, or by a server that has ended, is not told any more.
       if (before === undefined || device.state === 'lost') traced.delete(device.id);
       const move = traced.get(device.id);

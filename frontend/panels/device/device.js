@@ -5,6 +5,7 @@ import { chooseAxis, chooseFamily, choosePort, chooseSection, refused as refuse,
 import { axesOffered, deviceAxisOf, deviceOf, playedOf, portChoicesOf, portOf, situationOf } from '../../app/devices.js';
 import { machineOf } from '../../app/selectors.js';
 import { whenChanged, whenever } from '../../app/state.js';
+import { shownState } from '../../devices/state_words.js';
 import { memory } from '../../documents/memory.js';
 import { closeButton, element, icon, messageLine, picker, segmented, showText } from '../../ui/dom.js';
 import { pushText } from '../../model/messages.js';
@@ -13,6 +14,7 @@ import { limitsText } from './limits.js';
 import { createLive } from './live.js';
 import { createMoveSection } from './move_section.js';
 import { createPushSection } from './push_section.js';
+import { withoutThatOf } from './refusal.js';
 import { createSettingsDialog } from './settings_dialog.js';
 import { createTraceSection } from './trace_section.js';
 
@@ -125,6 +127,12 @@ export function createDevice(root, dispatch, act) {
     ),
   );
 
+  root.addEventListener('input', ({ target }) => {
+    const told = state?.devices.rejections ?? [];
+    const left = withoutThatOf(target, told);
+    if (left !== told) dispatch(refuse, left);
+  });
+
   const device = () => state && deviceOf(state);
 
   /** @param {(device: Device) => void} ask */
@@ -215,7 +223,7 @@ export function createDevice(root, dispatch, act) {
     const present = deviceOf(shown);
     const isConnected = present !== null && present.state !== 'lost';
     const isMoving = present?.state === 'moving' || present?.state === 'stopping';
-    const state = present?.state ?? 'none';
+    const state = shownState(present);
     const isLive = now.link === 'there';
     const isNew = (isLive && now.age === null) || state === 'lost';
     pill.dataset.state = isNew ? state : 'old';

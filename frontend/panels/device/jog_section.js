@@ -38,8 +38,6 @@ export function createJogSection(jog, handlers) {
   const [speedProblem, secondsProblem, placeProblem, dialProblem] = Array.from({ length: 4 }, () =>
     element('div', { className: 'problem' }),
   );
-  // What was refused was said of another speed.
-  speed.element.addEventListener('input', () => handlers.refuse([]));
   const place = quantityField({ id: 'set-position', label: 'Current position', quantity: 'length', start: 0 });
   const dial = quantityField({ id: 'zero-steps', label: 'Whole range', quantity: 'length', start: WHOLE_DIAL_STEPS });
   const back = holdButton(-1, 'left');

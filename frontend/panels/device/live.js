@@ -2,7 +2,8 @@
 // Where an axis is and how fast it moves.
 
 import { agoText } from '../../devices/ages.js';
-import { element, messageLine } from '../../ui/dom.js';
+import { shuttleText } from '../../devices/state_words.js';
+import { element, messageLine, showText } from '../../ui/dom.js';
 import { formatFigures, formatFixed } from '../../model/numbers.js';
 import { shownValue, unitsFor, unitWord } from '../../model/units.js';
 import { limitsText } from './limits.js';
@@ -30,9 +31,10 @@ export function createLive() {
     }),
   );
   const old = element('div', { id: 'old-state' });
+  const shuttle = element('p', { className: 'reason', id: 'live-shuttle', role: 'status' });
   const readouts = element('div', { className: 'live' }, position.element, speed.element);
   return {
-    element: element('div', { className: 'live-box' }, readouts, old, limits, beyond, unknown),
+    element: element('div', { className: 'live-box' }, readouts, old, shuttle, limits, beyond, unknown),
     /** @param {Context} context */
     show({ known: device, axis, design, situation }) {
       const state = device?.axes[axis] ?? null;
@@ -43,6 +45,8 @@ export function createLive() {
       const when = situation.age === null ? 'a moment ago' : agoText(situation.age);
       const oldText = isOld ? `Nothing is heard of it: this is how it was ${when}.` : '';
       if (old.textContent !== oldText) old.replaceChildren(messageLine({ text: oldText, isWarning: true }));
+      showText(shuttle, isLost ? '' : shuttleText(device));
+      shuttle.hidden = shuttle.textContent === '';
       const { units } = situation;
       const isInSteps = unitsFor(units, design).length === 'steps';
       const length = (/** @type {number} */ steps) =>

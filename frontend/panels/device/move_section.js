@@ -73,7 +73,6 @@ export function createMoveSection({ go }) {
   const problem = element('div', { className: 'problem' });
   const timesProblem = element('div', { className: 'problem' });
   const pauseProblem = element('div', { className: 'problem' });
-  const under = element('p', { className: 'reason', id: 'move-shuttle', role: 'status' });
   const form = element(
     'form',
     { className: 'section', onsubmit: submitted, oninput: showSteps },
@@ -85,7 +84,6 @@ export function createMoveSection({ go }) {
     element('div', { className: 'line' }, distance.element, move),
     problem,
     inSteps,
-    under,
     reason,
   );
 
@@ -139,11 +137,6 @@ export function createMoveSection({ go }) {
     distance.element.hidden = shown === 'line';
     // The plots may show another axis than the one that is chosen here.
     showText(move, count > 1 && shown !== 'line' ? `${BUTTONS[shown]} axis ${present.axis}` : BUTTONS[shown]);
-    const shuttle = device?.shuttle ?? null;
-    under.textContent = shuttle
-      ? `There and back: ${shuttle.times_done} of ${shuttle.times} done. Stop ends it, also in a pause.`
-      : '';
-    under.hidden = shuttle === null;
     const noRamp = device && !device.ramp ? 'Push a ramp first.' : '';
     able([move], reason, inTheWay || notAtRest || noRamp, situation.isBusy);
     showSteps();

@@ -23,12 +23,26 @@ import { showMessage } from '../../ui/dom.js';
 const SERVER_UNITS = { length: 'steps', speed: 'steps/s' };
 const MOST_FIGURES = 7;
 
+/** What each field shows.
+ * @type {WeakMap<EventTarget, Rejection>} */
+const rejectionsAt = new WeakMap();
+
+/** What a field that is typed in was refused for: that was said of what stood there before.
+ * @param {EventTarget | null} input @param {Rejection[]} rejections @returns {Rejection[]} the others; the same list
+ *   when none is of that field */
+export function withoutThatOf(input, rejections) {
+  const settled = input && rejectionsAt.get(input);
+  return settled && rejections.includes(settled) ? rejections.filter((one) => one !== settled) : rejections;
+}
+
 /** Show rejections at their fields, and nothing at the others.
  * @param {Rejection[]} rejections @param {Place[]} places @returns {Rejection[]} those of no field here */
 export function showAtPlaces(rejections, places) {
   const shown = places.map(({ path, input, problem, text }) => {
     const found = rejections.find(({ field }) => path.test(field ?? ''));
     showMessage(input, problem, found && { text: text(found), isWarning: false });
+    if (found) rejectionsAt.set(input, found);
+    else rejectionsAt.delete(input);
     return found;
   });
   return rejections.filter((one) => !shown.includes(one));

@@ -10,6 +10,7 @@ import { designOf, messagesOf } from '../../app/selectors.js';
 import { whenChanged } from '../../app/state.js';
 import { element, icon, showText, svgElement } from '../../ui/dom.js';
 import { agoText } from '../../devices/ages.js';
+import { shownState } from '../../devices/state_words.js';
 import { createLinkDialog } from './link_dialog.js';
 import { createMenu } from './menu.js';
 import { createNotice } from './notice.js';
@@ -212,9 +213,10 @@ function createDevice(onStop) {
    * @param {boolean} isLinked whether the server tells of it @param {number | null} age of what it told; null: it is new */
   function show(device, isHaltNext, fate, isLinked, age) {
     const isLive = isLinked && age === null;
-    pill.dataset.state = isLive || device?.state === 'lost' ? (device?.state ?? 'none') : 'old';
+    const state = shownState(device);
+    pill.dataset.state = isLive || state === 'lost' ? state : 'old';
     who.textContent = device ? `${device.name} ·` : '';
-    word.textContent = device ? (isLive || device.state === 'lost' ? device.state : `was ${device.state}`) : 'no device';
+    word.textContent = device ? (isLive || state === 'lost' ? state : `was ${state}`) : 'no device';
     ago.textContent = device && age !== null ? `· ${agoText(age)}` : '';
     showText(stopText, isHaltNext ? 'HALT' : 'STOP');
     const explained = isHaltNext ? 'Halt at once without slowing down (Escape)' : 'Stop every motor (Escape)';

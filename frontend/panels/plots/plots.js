@@ -37,10 +37,10 @@ import { figureOf } from '../../plotting/figure.js';
 import { stepsIn, xPixel, xValue, zoomedAbout } from '../../plotting/frame.js';
 import { METHODS, REFERENCE } from '../../model/methods.js';
 import { ONE_PLOT } from '../../ui/layouts.js';
-import { token } from '../../ui/theme.js';
 import { shownValue } from '../../model/units.js';
 import { watchGestures } from './gestures.js';
 import { createLegend } from './legend.js';
+import { readLook } from './look.js';
 import { createOverlay } from './overlay.js';
 import { createPainter } from './painter.js';
 import { createPoints } from './points.js';
@@ -472,28 +472,6 @@ export function createPlots(root, dispatch) {
       }
       for (const show of shows) show(now);
     },
-  };
-}
-
-/** Colours, dashes and font of the present theme.
- * @returns {Pick<Scene, 'colours' | 'dashes' | 'font'>} */
-function readLook() {
-  const named = ['pinned', 'measured', 'capture', 'capture-missing', 'capture-extra', 'capture-short', 'axis-0', 'axis-1', 'axis-2', 'axis-3'];
-  const parts = ['method', 'arithmetic', 'rounding', 'compression'].map((name) => `part-${name}`);
-  const colours = Object.fromEntries([
-    ...METHODS.map(({ name }) => [name, token(`--method-${name}`)]),
-    ...[...named, ...parts].map((name) => [name, token(`--${name}`)]),
-  ]);
-  return {
-    colours: {
-      ...colours,
-      grid: token('--grid'),
-      plot: token('--plot'),
-      tick: token('--text-3'),
-      phase: token('--phase-ramp'),
-    },
-    dashes: Object.fromEntries(METHODS.map(({ name }) => [name, token(`--dash-${name}`) || 'solid'])),
-    font: token('--font'),
   };
 }
 

@@ -10,6 +10,9 @@ export function createOrigins() {
   /** By the rows and their unit.
    * @type {Map<string, Origin>} */
   const origins = new Map();
+  /** The axes that were shown already: the rows of others come with their design.
+   * @type {Set<number>} */
+  const seen = new Set();
   /** A slider under the hand asks of the same rows many times a second.
    * @type {WeakMap<object, string>} */
   const keys = new WeakMap();
@@ -22,17 +25,24 @@ export function createOrigins() {
   }
 
   return {
-    /** The rows of a design were fitted to its ramp, or came with it.
-     * @param {NonNullable<Design['table']>} table @param {Design} design @param {FitWish | null} wish */
-    note(table, design, wish) {
-      const key = keyOf(table);
-      if (wish !== null || !origins.has(key)) origins.set(key, { ramp: rampOf(design), wish });
+    /** The rows of a table were fitted to the ramp of a design.
+     * @param {NonNullable<Design['table']>} table @param {Design} design @param {FitWish} wish */
+    fitted(table, design, wish) {
+      origins.set(keyOf(table), { ramp: rampOf(design), wish });
     },
-    /** Forget all but those of these tables.
-     * @param {Design['table'][]} tables */
-    prune(tables) {
+    /** An axis is shown: for the first time, its rows came with its design.
+     * @param {Design} design @param {number} axis its id */
+    shown(design, axis) {
+      const { table } = design;
+      if (table && !seen.has(axis) && !origins.has(keyOf(table))) origins.set(keyOf(table), { ramp: rampOf(design), wish: null });
+      seen.add(axis);
+    },
+    /** Forget all but those of these tables, and of these axes.
+     * @param {Design['table'][]} tables @param {Set<number>} axes their ids */
+    prune(tables, axes) {
       const present = new Set(tables.map((table) => table && keyOf(table)));
       for (const key of origins.keys()) if (!present.has(key)) origins.delete(key);
+      for (const axis of seen) if (!axes.has(axis)) seen.delete(axis);
     },
     /** The wish for rows that suit the ramp again; null: they suit it, or are a person's own.
      * @param {Design} design @returns {{wish: FitWish, isFit: boolean} | null} */

@@ -21,6 +21,7 @@ import { createGrid } from './grid.js';
 import { createOrigins } from './origins.js';
 import { createPasteDialog } from './paste_dialog.js';
 import { createPlayDialog } from './play_dialog.js';
+import { createReplaced } from './replaced.js';
 
 /** @typedef {import('../../model/types.js').Design} Design */
 /** @typedef {import('../../model/types.js').Entry} Entry */
@@ -52,9 +53,7 @@ export function createTable(root, dispatch, ask) {
   /** @type {import('../../model/workbench.js').History | null} */
   let history = null;
   let unit = 'us';
-  /** By axis, the rows that others took the place of.
-   * @type {Map<number, {rows: Rows, unit: string}>} */
-  const replaced = new Map();
+  const replaced = createReplaced();
   let note = '';
   /** The rows and unit that the note is about. */
   let noted = '';
@@ -66,9 +65,6 @@ export function createTable(root, dispatch, ask) {
   /** What is wrong with rows.
    * @type {Messages['rows']} */
   let rejected = new Map();
-  /** The axes that were shown already: the rows of others come with their design.
-   * @type {Set<number>} */
-  const known = new Set();
   const origins = createOrigins();
 
   const grid = createGrid({ onTyped: typed, onRemove: remove, onInsert: insert, onSelect: (row) => dispatch(selectRow, row) });
@@ -179,7 +175,7 @@ export function createTable(root, dispatch, ask) {
    * @param {Rows} taken @param {string} takenUnit @param {string} how @param {Purpose} purpose */
   function replace(taken, takenUnit, how, purpose) {
     const table = machine?.axes[machine.ids.indexOf(purpose.axis)]?.table;
-    replaced.set(purpose.axis, { rows: table?.rows ?? [], unit: table?.interval_unit ?? takenUnit });
+    replaced.keep(purpose.axis, { rows: table?.rows ?? [], unit: table?.interval_unit ?? takenUnit });
     if (purpose.axis === axis) {
       unit = takenUnit;
       tell(`${counted(taken.length)} ${how}${purpose.asMethod ? ', now the method' : ''}`, taken);
@@ -191,8 +187,8 @@ export function createTable(root, dispatch, ask) {
   /** @param {import('./fit_dialog.js').Fit} fit @param {Purpose} purpose */
   function useFit({ rows: fitted, unit: fittedUnit, design: of, wish }, purpose) {
     // Each fit notes its rows: those that can't come back are forgotten.
-    if (history) origins.prune(tablesOf(history));
-    origins.note({ rows: fitted, interval_unit: fittedUnit }, of, wish);
+    if (history) origins.prune(tablesOf(history), idsOf(history));
+    origins.fitted({ rows: fitted, interval_unit: fittedUnit }, of, wish);
     replace(fitted, fittedUnit, 'fitted', purpose);
   }
 
@@ -230,10 +226,9 @@ export function createTable(root, dispatch, ask) {
   }
 
   function putBack() {
-    const before = replaced.get(axis);
+    const before = replaced.take(axis);
     if (before === undefined) return;
     unit = before.unit;
-    replaced.delete(axis);
     note = '';
     edit(before.rows);
   }
@@ -264,8 +259,7 @@ export function createTable(root, dispatch, ask) {
     checks.check(shown, of);
     // Rows that are shown already stay: sliders of the ramp don't touch them.
     const isKnown = shown.table === design?.table && shown.timer === design.timer && of === axis;
-    if (shown.table && !known.has(of)) origins.note(shown.table, shown, null);
-    known.add(of);
+    origins.shown(shown, of);
     [design, axis] = [shown, of];
     dialog.showAxis(of);
     fitDialog.show(shown, of);
@@ -281,8 +275,7 @@ export function createTable(root, dispatch, ask) {
     if (noted !== JSON.stringify([rows(), unit])) note = '';
     problem = '';
     showGeneral();
-    // Undone: there is nothing to put back any more.
-    if (JSON.stringify(replaced.get(axis)) === JSON.stringify({ rows: rows(), unit })) replaced.delete(axis);
+    replaced.shown(axis, { rows: rows(), unit });
     grid.show(rows(), unit, (interval) => rowSpeed(shown, interval, unit));
   }
 
@@ -293,7 +286,7 @@ export function createTable(root, dispatch, ask) {
       rows: rows().length,
       note: [note, change].filter((text) => text !== '').join(' · '),
       canRefit: stale !== null,
-      replaced: replaced.get(axis)?.rows.length ?? 0,
+      replaced: replaced.count(axis),
     });
   }
 
@@ -326,14 +319,13 @@ export function createTable(root, dispatch, ask) {
    * @param {import('../../app/state.js').State} state */
   function forget(state) {
     const ids = state.history === null ? new Set() : idsOf(state.history);
-    for (const id of replaced.keys()) if (!ids.has(id)) replaced.delete(id);
-    for (const id of known) if (!ids.has(id)) known.delete(id);
-    if (state.history) origins.prune(tablesOf(state.history));
+    replaced.prune(ids);
+    if (state.history) origins.prune(tablesOf(state.history), ids);
   }
 
   const shows = [
     whenever(({ opened }) => [opened], forget),
-    whenChanged((state) => [state.history], (known) => (history = known)),
+    whenChanged((state) => [state.history], (now) => (history = now)),
     whenChanged((state) => [machineOf(state)], showMachine),
     whenChanged((state) => [designOf(state), axisOf(state)], showDesign),
     whenChanged((state) => [messagesOf(state)], showMessages),

@@ -5,6 +5,7 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from fractions import Fraction
 
 from stepramp.controllers.contract import AxisCommand, values_of
+from stepramp.controllers.speed_ranges import too_fast_for, too_slow_for
 from stepramp.controllers.stepramp.messages.reply import Refusal, ReplyStatus
 from stepramp.controllers.stepramp.messages.session import HelloReply
 from stepramp.controllers.stepramp.playback import playback_of
@@ -12,7 +13,6 @@ from stepramp.controllers.stepramp.ramp_image import RampImage
 from stepramp.controllers.stepramp.settings import MOST_GAUGES, StepRampSettings
 from stepramp.controllers.stepramp.speed_limits import Pace, SpeedLimits, interval_ticks
 from stepramp.errors import Limits, Refused, Rejected, Rejection
-from stepramp.numerics.limit_text import highest
 from stepramp.ramp.playback.trajectory import Playback
 from stepramp.units import speed_from_interval
 
@@ -74,18 +74,16 @@ class MotionChecks:
         """Return the intervals of speeds by axes [ticks]; Rejected when an axis' ramp doesn't lead to one."""
         self.known_axes(speeds)
         for each in speeds:
+            if each.value == 0:
+                continue
             slew = self.playbacks[each.axis].slew_interval
+            slowest, fastest = (speed_from_interval(ticks, self._timer_hz) for ticks in (self._longest_ticks, slew))
             # Of a speed that is slower by far, the interval may be beyond all numbers.
-            too_slow = abs(each.value) * (self._longest_ticks + 1) < self._timer_hz
-            if each.value and (
-                too_slow or not slew <= abs(interval_ticks(each.value, self._timer_hz)) <= self._longest_ticks
-            ):
-                slowest, fastest = (speed_from_interval(ticks, self._timer_hz) for ticks in (self._longest_ticks, slew))
-                note = f", the slew speed of the axis' ramp, and 0 or at least {slowest:,.6g} steps/s either way"
-                most = highest(fastest, figures=10)
-                allowed = f"from {-fastest:,.10g} to {fastest:,.10g} steps/s{note}"
-                limits = Limits(-most, most, "steps/s", note=note)
-                raise Rejected([Rejection(each.field, each.value, allowed, limits)])
+            is_beyond_slow = abs(each.value) * (self._longest_ticks + 1) < self._timer_hz
+            if is_beyond_slow or abs(interval_ticks(each.value, self._timer_hz)) > self._longest_ticks:
+                raise Rejected([too_slow_for(each, slowest, fastest)])
+            if abs(interval_ticks(each.value, self._timer_hz)) < slew:
+                raise Rejected([too_fast_for(each, slowest, fastest, "the slew speed of the axis' ramp")])
         return {axis: interval_ticks(speed, self._timer_hz) for axis, speed in values_of(speeds).items()}
 
     def run_no_more(self, axes: Iterable[int]) -> None:

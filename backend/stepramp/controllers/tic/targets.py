@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 
 from stepramp.controllers.contract import AxisCommand
+from stepramp.controllers.speed_ranges import too_fast_for, too_slow_for
 from stepramp.controllers.tic.ramp import LEAST_SPEED, TicRamp, speed_units, steps_per_s
 from stepramp.errors import Limits, Rejected, Rejection
-from stepramp.numerics.limit_text import highest
 
 ONE_AXIS = "0: a Tic has one axis"
 LOWEST, HIGHEST = -(2**31), 2**31 - 1
@@ -47,13 +47,11 @@ def _refuse_beyond_32_bits(asked: AxisCommand, position: int, limits: Limits) ->
 def velocity_of(asked: AxisCommand, ramp: TicRamp) -> int:
     """Return a speed in the Tic's units; Rejected when the ramp in use doesn't lead to it."""
     units = speed_units(asked.value)
-    if abs(units) > ramp.max_speed or (asked.value and abs(units) < LEAST_SPEED):
-        fastest = steps_per_s(ramp.max_speed)
-        slowest = f"{steps_per_s(LEAST_SPEED):g} steps/s"
-        note = f", the full speed of the ramp in use, and 0 or at least {slowest} either way"
-        allowed = f"from {-fastest:,.10g} to {fastest:,.10g} steps/s{note}"
-        most = highest(fastest, figures=10)
-        raise Rejected([Rejection(asked.field, asked.value, allowed, Limits(-most, most, "steps/s", note=note))])
+    fastest, slowest = steps_per_s(ramp.max_speed), steps_per_s(LEAST_SPEED)
+    if asked.value and abs(units) < LEAST_SPEED:
+        raise Rejected([too_slow_for(asked, slowest, fastest)])
+    if abs(units) > ramp.max_speed:
+        raise Rejected([too_fast_for(asked, slowest, fastest, "the full speed of the ramp in use")])
     return units
 
 

@@ -1,0 +1,93 @@
+"""Where rows of tables come from, and those that others took the place of; without a page."""
+
+from designs import document
+from frontend.modules import Modules
+
+
+def test_rows_that_came_with_a_design_are_of_its_ramp_until_they_can_not_come_back(modules: Modules) -> None:
+    script = """async ([design, other]) => {
+        const {createOrigins} = await import('/panels/table/origins.js');
+        const origins = createOrigins();
+        const isKnown = () => origins.staleWish(other) !== null;
+        const seen = [isKnown()];
+        origins.shown(design, 7);
+        seen.push(isKnown());
+        origins.prune([null, design.table], new Set([7]));
+        seen.push(isKnown());
+        origins.prune([null], new Set([7]));
+        return [...seen, isKnown()]; }"""
+    changed = document(ramp__acceleration_steps_per_s2=1234)
+    assert modules.evaluate(script, [document(), changed]) == [False, True, True, False]
+
+
+def test_where_rows_come_from_is_forgotten_with_them(modules: Modules) -> None:
+    script = """async (design) => { const {createOrigins} = await import('/panels/table/origins.js');
+        const {tablesOf} = await import('/model/workbench.js');
+        const table = (delay) => ({rows: [[1, delay]], interval_unit: 'us'});
+        const origins = createOrigins();
+        const tables = [1, 2, 3].map(table);
+        for (const [axis, one] of tables.entries()) origins.shown({...design, table: one}, axis);
+        const machine = (one) => ({axes: [{...design, table: one}, {...design, table: null}]});
+        const history = {past: [machine(tables[0])], present: machine(tables[1]), future: []};
+        origins.prune(tablesOf(history), new Set([0, 1, 2]));
+        const steeper = {...design, ramp: {...design.ramp, acceleration_steps_per_s2: 77}};
+        const typed = {...steeper, ramp: {...steeper.ramp, slew_speed_steps_per_s: 'fast'}, table: tables[0]};
+        return [...tables.map((one) => origins.staleWish({...steeper, table: one})), origins.staleWish(typed)]
+            .map((wish) => wish !== null); }"""
+    assert modules.evaluate(script, document()) == [True, True, False, False]
+
+
+def test_rows_that_a_person_gave_an_axis_later_are_of_no_ramp(modules: Modules) -> None:
+    script = """async ([first, typed, other]) => {
+        const {createOrigins} = await import('/panels/table/origins.js');
+        const origins = createOrigins();
+        const isKnown = () => origins.staleWish(other) !== null;
+        origins.shown(first, 7);
+        origins.shown(typed, 7);
+        const seen = [isKnown()];
+        // The axis was removed for good: what comes with another of its id came with a design.
+        origins.prune([], new Set());
+        origins.shown(typed, 7);
+        return [...seen, isKnown()]; }"""
+    typed = document(table__rows=[[20, 3000]])
+    changed = document(table__rows=[[20, 3000]], ramp__acceleration_steps_per_s2=1234)
+    assert modules.evaluate(script, [document(), typed, changed]) == [False, True]
+
+
+def test_a_fit_anew_is_wished_for_as_the_one_before(modules: Modules) -> None:
+    script = """async ([design, other, wish]) => {
+        const {createOrigins} = await import('/panels/table/origins.js');
+        const origins = createOrigins();
+        origins.fitted(design.table, design, wish);
+        return [origins.staleWish(design), origins.staleWish(other)]; }"""
+    wish = {"rows": 9, "row_kind": "linear", "fit_to": "ramp", "interval_unit": "us"}
+    changed = document(ramp__acceleration_steps_per_s2=1234)
+    assert modules.evaluate(script, [document(), changed, wish]) == [None, {"wish": wish, "isFit": True}]
+
+
+def test_rows_that_others_took_the_place_of_can_be_put_back_once(modules: Modules) -> None:
+    script = """async ([before]) => {
+        const {createReplaced} = await import('/panels/table/replaced.js');
+        const replaced = createReplaced();
+        replaced.keep(3, before);
+        const counts = [replaced.count(3), replaced.count(4)];
+        replaced.shown(3, {rows: [[1, 1]], unit: 'us'});
+        counts.push(replaced.count(3));
+        const taken = replaced.take(3);
+        return [counts, taken, replaced.count(3), replaced.take(3) ?? null]; }"""
+    before = {"rows": [[10, 5000], [20, 4000]], "unit": "us"}
+    assert modules.evaluate(script, [before]) == [[2, 0, 2], before, 0, None]
+
+
+def test_nothing_is_put_back_once_it_is_back_or_its_axis_is_gone(modules: Modules) -> None:
+    script = """async ([before]) => {
+        const {createReplaced} = await import('/panels/table/replaced.js');
+        const replaced = createReplaced();
+        for (const axis of [1, 2, 3]) replaced.keep(axis, before);
+        // Undone on axis 1; the same rows in another unit on axis 2 are others; axis 3 can't come back.
+        replaced.shown(1, {...before});
+        replaced.shown(2, {...before, unit: 'ticks'});
+        replaced.prune(new Set([1, 2]));
+        return [1, 2, 3].map(replaced.count); }"""
+    before = {"rows": [[10, 5000]], "unit": "us"}
+    assert modules.evaluate(script, [before]) == [0, 1, 0]
