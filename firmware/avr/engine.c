@@ -9,6 +9,7 @@
 #include <util/atomic.h>
 
 #include "gauge.h"
+#include "out_of_line.h"
 #include "pins.h"
 #include "step_interrupt.h"
 
@@ -162,8 +163,12 @@ uint8_t engine_running(void)
 struct engine_progress engine_progress(uint8_t axis)
 {
     struct engine_progress progress;
-    const volatile uint8_t *tail = is_line() ? &line_player.tail : &axis_players[axis].tail;
-    const volatile uint16_t *count_less_1 = is_line() ? &line_player.count_less_1 : &axis_players[axis].count_less_1;
+    const volatile uint8_t *tail = &line_player.tail;
+    const volatile uint16_t *count_less_1 = &line_player.count_less_1;
+    if (!is_line()) {
+        tail = &axis_players[axis].tail;
+        count_less_1 = &axis_players[axis].count_less_1;
+    }
     ATOMIC_BLOCK(ATOMIC_RESTORESTATE)
     {
         progress.count_less_1 = *count_less_1;
@@ -176,13 +181,23 @@ struct engine_progress engine_progress(uint8_t axis)
 /* ---- start ---- */
 
 /* A parked axis plays one silent event, which loads its first segment. */
-static void __attribute__((noinline)) prepare(struct axis_player *player, uint16_t setup_ticks)
+static void OUT_OF_LINE prepare(struct axis_player *player, uint16_t setup_ticks)
 {
     player->interval = setup_ticks;
     player->add = 0;
     player->count_less_1 = 0;
     player->step_mask = 0;
     engine_end_masks[player - axis_players] = 0;
+}
+
+/* The same of a parked line. */
+static void OUT_OF_LINE prepare_line(uint16_t setup_ticks)
+{
+    line_player.interval = setup_ticks;
+    line_player.add = 0;
+    line_player.count_less_1 = 0;
+    line_player.leader_pins = 0;
+    line_player.pins = 0;
 }
 
 /* In engine.S */
@@ -209,11 +224,7 @@ static void start_line(uint16_t setup_ticks)
     if (TIMSK1 != 0 || line_player.head == line_player.tail) {
         return;
     }
-    line_player.interval = setup_ticks;
-    line_player.add = 0;
-    line_player.count_less_1 = 0;
-    line_player.leader_pins = 0;
-    line_player.pins = 0;
+    prepare_line(setup_ticks);
     ATOMIC_BLOCK(ATOMIC_RESTORESTATE)
     {
         OCR1A = TCNT1 + start_delay_ticks;
@@ -247,19 +258,15 @@ void engine_start(uint8_t axes, uint16_t setup_ticks)
 
 /* ---- halt ---- */
 
-/* Takes one of two running axes away. Returns false when the other one's event is too near to exchange the two now. */
-static inline bool leave_alone(uint8_t channel, bool second_stays)
+/* The other axis of the channel is the next one from now on. Returns false when its event is too near for that. */
+static bool exchange_next(uint8_t channel, uint16_t due)
 {
-    if (((GPIOR0 & second_flag(channel)) != 0) != second_stays) {
-        uint16_t due = players_of(channel)[second_stays ? 2 : 0].due;
-        if ((int16_t)(due - TCNT1) < EXCHANGE_TICKS) {
-            return false;
-        }
-        *compare_of(channel) = due;
-        TIFR1 = enable_flag(channel); /* the event that doesn't come any more may have been waiting */
-        GPIOR0 ^= second_flag(channel);
+    if ((int16_t)(due - TCNT1) < EXCHANGE_TICKS) {
+        return false;
     }
-    GPIOR0 &= (uint8_t)~shared_flag(channel);
+    *compare_of(channel) = due;
+    TIFR1 = enable_flag(channel); /* the event that doesn't come any more may have been waiting */
+    GPIOR0 ^= second_flag(channel);
     return true;
 }
 
@@ -271,10 +278,14 @@ static bool halt_in_channel(uint8_t channel, uint8_t axes)
     if (staying == running) {
         return true;
     }
-    if (staying != 0) {
-        return leave_alone(channel, staying != channel);
+    if (staying == 0) {
+        TIMSK1 &= (uint8_t)~enable_flag(channel);
+    } else {
+        uint8_t next = (GPIOR0 & second_flag(channel)) != 0 ? second_axis(channel) : channel;
+        if (next != staying && !exchange_next(channel, players_of(channel)[staying == channel ? 0 : 2].due)) {
+            return false;
+        }
     }
-    TIMSK1 &= (uint8_t)~enable_flag(channel);
     GPIOR0 &= (uint8_t)~shared_flag(channel);
     return true;
 }
@@ -303,9 +314,8 @@ void engine_park(uint8_t axes)
 {
     if (is_line()) {
         if (TIMSK1 == 0) {
+            prepare_line(LONGEST_WAIT_TICKS);
             line_player.head = line_player.retired = line_player.tail;
-            line_player.count_less_1 = 0;
-            line_player.pins = line_player.leader_pins = 0;
         }
         return;
     }

@@ -47,39 +47,40 @@ void gauges_configure(void)
     DDRB |= GAUGE_PINS_B;
 }
 
-static void play_gauge(uint8_t gauge, uint16_t now)
+/* Returns false when it is parked from now on. */
+static bool play_gauge(uint8_t gauge, uint8_t bit, uint16_t now)
 {
     uint8_t result = play_event(&axis_players[gauge], queues[gauge], now);
     if ((result & EVENT_STEP) != 0) {
-        uint8_t change = (backward & _BV(gauge)) != 0 ? STATES - 1 : 1;
-        states[gauge] = (uint8_t)((states[gauge] + change) % STATES);
+        uint8_t state = (uint8_t)(states[gauge] + ((backward & bit) != 0 ? STATES - 1 : 1));
+        states[gauge] = (uint8_t)(state < STATES ? state : state - STATES);
     }
     if ((result & EVENT_TURN) != 0) {
-        backward ^= (uint8_t)_BV(gauge);
+        backward ^= bit;
     }
-    if ((result & EVENT_PARKED) != 0) {
-        running &= (uint8_t)~_BV(gauge);
-    }
+    return (result & EVENT_PARKED) == 0;
 }
 
 /* Plays what is due, and sets the compare register to what comes next. Returns false when that is past already. */
 static bool play_due_gauges(void)
 {
     uint16_t now = TCNT1;
-    uint16_t wait = LONGEST_WAIT_TICKS;
-    for (uint8_t gauge = 0; gauge < GAUGES; gauge++) {
-        if ((running & _BV(gauge)) != 0 && (int16_t)(axis_players[gauge].due - now) <= 0) {
-            play_gauge(gauge, now);
+    int16_t wait = LONGEST_WAIT_TICKS;
+    uint8_t bit = 1;
+    for (uint8_t gauge = 0; gauge < GAUGES; gauge++, bit = (uint8_t)(bit << 1)) {
+        const struct axis_player *player = &axis_players[gauge];
+        if ((running & bit) != 0 && (int16_t)(player->due - now) <= 0 && !play_gauge(gauge, bit, now)) {
+            running &= (uint8_t)~bit;
         }
-        uint16_t until = (uint16_t)(axis_players[gauge].due - now);
-        if ((running & _BV(gauge)) != 0 && ((int16_t)until <= 0 || until < wait)) {
-            wait = (int16_t)until <= 0 ? 0 : until;
+        int16_t until = (int16_t)(player->due - now);
+        if ((running & bit) != 0 && until < wait) {
+            wait = until;
         }
     }
     write_coils();
-    OCR1B = (uint16_t)(now + wait);
+    OCR1B = (uint16_t)(now + (uint16_t)wait);
     TIFR1 = _BV(OCF1B);
-    return (int16_t)((uint16_t)(now + wait) - TCNT1) > 0;
+    return (int16_t)((uint16_t)(now + (uint16_t)wait) - TCNT1) > 0;
 }
 
 /* The step interrupt jumps here; the name pleases the compiler. */
@@ -88,7 +89,6 @@ ISR(__vector_gauges)
     while (running != 0 && !play_due_gauges()) {
     }
     if (running == 0) {
-        write_coils();
         TIMSK1 = 0;
     }
 }
@@ -96,21 +96,26 @@ ISR(__vector_gauges)
 void gauges_start(uint8_t axes, uint16_t delay_ticks)
 {
     axes &= _BV(GAUGES) - 1;
+    if (axes == 0) {
+        return;
+    }
     ATOMIC_BLOCK(ATOMIC_RESTORESTATE)
     {
         uint16_t start = (uint16_t)(TCNT1 + delay_ticks);
-        for (uint8_t gauge = 0; gauge < GAUGES; gauge++) {
-            if ((axes & _BV(gauge)) != 0) {
-                axis_players[gauge].due = start;
+        struct axis_player *player = axis_players;
+        for (uint8_t left = axes; left != 0; left >>= 1, player++) {
+            if ((left & 1) != 0) {
+                player->due = start;
             }
         }
-        bool is_first = running == 0 || (int16_t)(start - OCR1B) < 0;
-        if (axes != 0 && is_first) {
+        if (running == 0 || (int16_t)(start - OCR1B) < 0) {
             OCR1B = start;
-            TIFR1 = running == 0 ? _BV(OCF1B) : 0;
+        }
+        if (running == 0) {
+            TIFR1 = _BV(OCF1B);
         }
         running |= axes;
-        TIMSK1 = running != 0 ? _BV(OCIE1B) : 0;
+        TIMSK1 = _BV(OCIE1B);
     }
 }
 

@@ -39,31 +39,31 @@ static uint8_t line_pin(uint8_t axis)
     return axis == 3 ? _BV(LINE_AXIS_3_BIT) : engine_step_mask(axis);
 }
 
-/* A pin gets its level before it becomes an output. */
-static void set_pin(uint8_t axis, uint8_t mask, bool high)
+/* A pin gets its level, high unless that is 0, before it becomes an output. */
+static void set_pin(uint8_t axis, uint8_t mask, uint8_t level)
 {
     ATOMIC_BLOCK(ATOMIC_RESTORESTATE)
     {
-        volatile uint8_t *port = axis == 3 ? &PORTB : &PORTD;
-        volatile uint8_t *data_direction = axis == 3 ? &DDRB : &DDRD;
-        *port = (uint8_t)((*port & ~mask) | (high ? mask : 0));
+        volatile uint8_t *port = axis == 3 ? &PORTB : &PORTD, *data_direction = port - (&PORTB - &DDRB);
+        *port = (uint8_t)((*port & ~mask) | (level != 0 ? mask : 0));
         *data_direction |= mask;
     }
 }
 
 /* Where each edge is a step, an edge less is a step less: such a pin keeps its level as long as it is one. */
-static void configure_axis(uint8_t axis, const struct settings *settings)
+static void configure_axis(uint8_t axis, uint8_t bit, const struct settings *settings)
 {
-    uint8_t bit = (uint8_t)(1 << axis);
-    bool has_edges = (settings->both_edges & bit) != 0;
-    bool keeps_level = has_edges && (both_edges & bit) != 0 && ((settings->step_inverted ^ step_inverted) & bit) == 0;
-    if (!keeps_level) {
-        set_pin(axis, engine_step_mask(axis), (settings->step_inverted & bit) != 0);
+    uint8_t edges = settings->both_edges & bit, level = settings->step_inverted & bit;
+    if ((edges & both_edges) == 0 || ((step_inverted & bit) != level)) {
+        set_pin(axis, engine_step_mask(axis), level);
     }
-    set_pin(axis, engine_turn_mask(axis), (settings->direction_inverted & bit) == 0);
+    set_pin(axis, engine_turn_mask(axis), (uint8_t)~settings->direction_inverted & bit);
     engine_end_masks[axis] = 0;
-    engine_pulse_masks[axis] = has_edges ? 0 : 0xFF;
-    line_pulse_pins |= has_edges ? 0 : line_pin(axis);
+    engine_pulse_masks[axis] = 0;
+    if (edges == 0) {
+        engine_pulse_masks[axis] = 0xFF;
+        line_pulse_pins |= line_pin(axis);
+    }
 }
 
 static void configure_width(uint8_t width_us)
@@ -112,8 +112,9 @@ void engine_configure(const struct settings *settings)
     }
     release_gauge_pins();
     line_pulse_pins = 0;
-    for (uint8_t axis = 0; axis < MOST_AXES; axis++) {
-        configure_axis(axis, settings);
+    uint8_t bit = 1;
+    for (uint8_t axis = 0; axis < MOST_AXES; axis++, bit = (uint8_t)(bit << 1)) {
+        configure_axis(axis, bit, settings);
     }
     both_edges = settings->both_edges;
     step_inverted = settings->step_inverted;

@@ -95,6 +95,6 @@ void port_send(const uint8_t *frame)
 
 void port_cut_frame(void)
 {
-    static const uint8_t end = 0;
+    static uint8_t end; /* 0 */
     ATOMIC_BLOCK(ATOMIC_RESTORESTATE) { serial_next = &end; }
 }

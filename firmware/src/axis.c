@@ -35,6 +35,14 @@ void axis_begin(struct axis *axis, const struct image_ramp *ramp)
     }
 }
 
+/* It comes to this interval [ticks]. */
+static void reach(struct axis *axis, uint32_t interval)
+{
+    if (interval < axis->shortest) {
+        axis->shortest = interval;
+    }
+}
+
 /* ---- the ramp down ---- */
 
 /* Goes on looking for the ramp down from the present speed, over one segment. Returns true when it is found. */
@@ -44,20 +52,20 @@ static bool ramp_down_is_found(struct axis *axis)
 }
 
 /* Holds the present speed for a part of a piece, at most `most` steps. Returns false when there are none. */
-static bool hold(struct axis *axis, const struct piece_limits *limits, uint32_t most, struct piece *piece)
+static bool hold(struct axis *axis, uint32_t most, struct piece *piece)
 {
     if (axis->interval == 0 || most == 0) {
         return false;
     }
-    uint16_t count = steps_that_fit(limits, axis->interval, 0, most < limits->steps ? (uint16_t)most : limits->steps);
-    count = count > HOLD_DIVISOR ? count / HOLD_DIVISOR : 1;
-    give_steps(axis, (struct piece){PIECE_STEPS, count, axis->interval, 0}, piece);
+    fit_steps(piece, axis->interval, 0, most);
+    piece->count = piece->count > HOLD_DIVISOR ? piece->count / HOLD_DIVISOR : 1;
+    give_steps(axis, piece);
     return true;
 }
 
 /* Looks for the ramp down from the present speed. When it isn't found soon: gives nothing yet, or in a hurry some more
  * of the present speed, as long as there is room for that, and then looks on. Returns true when it is found. */
-static bool find_ramp_down(struct axis *axis, const struct piece_limits *limits, struct piece *piece)
+static bool find_ramp_down(struct axis *axis, struct piece *piece)
 {
     uint8_t segments = SOUGHT_AT_ONCE;
     while (!ramp_down_is_found(axis)) {
@@ -66,7 +74,7 @@ static bool find_ramp_down(struct axis *axis, const struct piece_limits *limits,
             continue;
         }
         uint32_t left = steps_left(axis), steps_down = cursor_steps(&axis->down);
-        if (!limits->in_a_hurry || hold(axis, limits, left > steps_down ? left - steps_down : 0, piece)) {
+        if (!piece->in_a_hurry || hold(axis, left > steps_down ? left - steps_down : 0, piece)) {
             return false;
         }
     }
@@ -76,9 +84,9 @@ static bool find_ramp_down(struct axis *axis, const struct piece_limits *limits,
 /* Turns to the ramp down: so that it ends at the target, or, when that is too close, the shortest. Intervals that are
  * not longer than the present one may be part of it: they fill what is left between the last interval of the ramp up and
  * the next, which would be one too many. */
-static void turn_down(struct axis *axis, const struct piece_limits *limits, struct piece *piece)
+static void turn_down(struct axis *axis, struct piece *piece)
 {
-    if (!find_ramp_down(axis, limits, piece)) {
+    if (!find_ramp_down(axis, piece)) {
         return;
     }
     uint32_t left = steps_left(axis);
@@ -177,11 +185,11 @@ static uint16_t steps_up(const struct axis *axis, uint32_t left)
     return count < left ? count : (uint16_t)left;
 }
 
-static void go_up(struct axis *axis, const struct piece_limits *limits, struct piece *piece)
+static void go_up(struct axis *axis, struct piece *piece)
 {
     uint32_t left = steps_left(axis);
     if (left == 0) {
-        turn_down(axis, limits, piece);
+        turn_down(axis, piece);
         return;
     }
     uint16_t count = steps_up(axis, left);
@@ -189,73 +197,52 @@ static void go_up(struct axis *axis, const struct piece_limits *limits, struct p
         axis->phase = PHASE_LEVEL;
         return;
     }
-    uint32_t interval = cursor_interval(&axis->up, axis->up.taken);
-    count = steps_that_fit(limits, interval, axis->up.add, count);
-    if (left - count < axis->down_steps) {
-        if (!find_ramp_down(axis, limits, piece)) {
+    struct ramp_cursor *up = &axis->up;
+    fit_steps(piece, cursor_interval(up, up->taken), up->add, count);
+    if (left - piece->count < axis->down_steps) {
+        if (!find_ramp_down(axis, piece)) {
             return;
         }
-        count = most_that_leave_room(axis, left, count);
+        piece->count = most_that_leave_room(axis, left, piece->count);
     }
-    if (count == 0) {
-        turn_down(axis, limits, piece);
+    if (piece->count == 0) {
+        turn_down(axis, piece);
         return;
     }
-    axis->shortest = shortest_after(axis, count);
-    struct ramp_cursor *up = &axis->up;
-    give_steps(axis, (struct piece){PIECE_STEPS, count, interval, up->add}, piece);
-    cursor_forward(up, &axis->up_list, count);
+    axis->shortest = shortest_after(axis, piece->count);
+    give_steps(axis, piece);
+    cursor_forward(up, &axis->up_list, piece->count);
 }
 
 /* ---- level ---- */
 
-/* Looks for the ramp down from the commanded speed, as find_ramp_down does; its steps are then known. */
-static bool know_steps_down(struct axis *axis, const struct piece_limits *limits, uint32_t *steps, struct piece *piece)
+static void go_level(struct axis *axis, struct piece *piece)
 {
-    if (axis->is_slewing) {
-        *steps = axis->down_steps;
-        return true;
-    }
-    if (axis->level < axis->shortest) {
-        axis->shortest = axis->level;
-    }
-    bool found = find_ramp_down(axis, limits, piece);
-    *steps = cursor_steps(&axis->down);
-    return found;
-}
-
-/* No more than `left` steps at the commanded speed. */
-static void give_level(struct axis *axis, const struct piece_limits *limits, uint32_t left, struct piece *piece)
-{
-    uint16_t count = steps_that_fit(limits, axis->level, 0, left < UINT16_MAX ? (uint16_t)left : UINT16_MAX);
-    if (axis->level < axis->shortest) {
-        axis->shortest = axis->level;
-    }
-    give_steps(axis, (struct piece){PIECE_STEPS, count, axis->level, 0}, piece);
-}
-
-static void go_level(struct axis *axis, const struct piece_limits *limits, struct piece *piece)
-{
-    uint32_t left = steps_left(axis), steps_down;
-    if (left > axis->down_steps && axis->is_slewing && cursor_is_at_end(&axis->up)) {
-        give_level(axis, limits, left - axis->down_steps, piece); /* most often, and soon decided */
-        return;
-    }
-    if (left == 0) {
-        turn_down(axis, limits, piece);
-    } else if (steps_up(axis, left) != 0) {
-        axis->phase = PHASE_UP;
-    } else if (is_too_fast(axis)) {
-        if (find_ramp_down(axis, limits, piece)) {
-            axis->phase = PHASE_DOWN;
+    uint32_t left = steps_left(axis), steps_down = axis->down_steps;
+    if (left <= steps_down || !axis->is_slewing || !cursor_is_at_end(&axis->up)) { /* else it is soon decided */
+        if (left != 0 && steps_up(axis, left) != 0) {
+            axis->phase = PHASE_UP;
+            return;
         }
-    } else if (know_steps_down(axis, limits, &steps_down, piece)) {
+        if (left != 0 && !axis->is_slewing) {
+            reach(axis, axis->level);
+            if (!find_ramp_down(axis, piece)) {
+                return;
+            }
+            if (is_too_fast(axis)) {
+                axis->phase = PHASE_DOWN;
+                return;
+            }
+            steps_down = cursor_steps(&axis->down);
+        }
         if (left <= steps_down) {
-            turn_down(axis, limits, piece);
-        } else {
-            give_level(axis, limits, left - steps_down, piece);
+            turn_down(axis, piece);
+            return;
         }
     }
+    reach(axis, axis->level);
+    fit_steps(piece, axis->level, 0, left - steps_down);
+    give_steps(axis, piece);
 }
 
 /* ---- down ---- */
@@ -268,7 +255,7 @@ static bool ramp_up_is_found(struct axis *axis, uint32_t interval)
 }
 
 /* Leaves the ramp down for a speed to go on with; what there is more of than the ramp down has is `room` [steps]. */
-static void turn_up(struct axis *axis, const struct piece_limits *limits, uint32_t room, struct piece *piece)
+static void turn_up(struct axis *axis, uint32_t room, struct piece *piece)
 {
     if (axis->interval == 0) { /* no step has been given yet: it sets out anew */
         axis->phase = PHASE_REST;
@@ -276,8 +263,8 @@ static void turn_up(struct axis *axis, const struct piece_limits *limits, uint32
     }
     uint32_t interval = is_too_fast(axis) ? axis->level : axis->interval;
     if (!ramp_up_is_found(axis, interval)) {
-        if (limits->in_a_hurry) {
-            hold(axis, limits, room, piece);
+        if (piece->in_a_hurry) {
+            hold(axis, room, piece);
         }
         return;
     }
@@ -288,7 +275,7 @@ static void turn_up(struct axis *axis, const struct piece_limits *limits, uint32
     axis->phase = PHASE_LEVEL;
 }
 
-static void go_down(struct axis *axis, const struct piece_limits *limits, struct piece *piece)
+static void go_down(struct axis *axis, struct piece *piece)
 {
     struct ramp_cursor *down = &axis->down;
     cursor_face_back(down);
@@ -297,7 +284,7 @@ static void go_down(struct axis *axis, const struct piece_limits *limits, struct
     if (left > steps_down) {
         count = is_too_fast(axis) ? cursor_count_not_longer_back(down, axis->level) : 0;
         if (count == 0) {
-            turn_up(axis, limits, left - steps_down, piece);
+            turn_up(axis, left - steps_down, piece);
             return;
         }
     }
@@ -307,24 +294,24 @@ static void go_down(struct axis *axis, const struct piece_limits *limits, struct
     }
     uint32_t interval = cursor_interval(down, (uint16_t)(down->taken - 1));
     int16_t add = (int16_t)(0u - (uint16_t)down->add);
-    count = steps_that_fit(limits, interval, add, count);
-    down->taken = (uint16_t)(down->taken - count);
-    give_steps(axis, (struct piece){PIECE_STEPS, count, interval, add}, piece);
+    fit_steps(piece, interval, add, count);
+    down->taken = (uint16_t)(down->taken - piece->count);
+    give_steps(axis, piece);
 }
 
 /* ---- all of it ---- */
 
-static void go_on(struct axis *axis, const struct piece_limits *limits, struct piece *piece)
+static void go_on(struct axis *axis, struct piece *piece)
 {
     switch (axis->phase) {
     case PHASE_UP:
-        go_up(axis, limits, piece);
+        go_up(axis, piece);
         break;
     case PHASE_LEVEL:
-        go_level(axis, limits, piece);
+        go_level(axis, piece);
         break;
     default:
-        go_down(axis, limits, piece);
+        go_down(axis, piece);
     }
 }
 
@@ -341,14 +328,19 @@ static void set_out(struct axis *axis)
     axis->phase = PHASE_UP;
 }
 
-void axis_next(struct axis *axis, const struct piece_limits *limits, struct piece *piece)
+bool axis_is_at_rest(const struct axis *axis)
+{
+    return axis->phase == PHASE_REST && !axis->runs && axis->target == axis->position;
+}
+
+void axis_next(struct axis *axis, struct piece *piece)
 {
     piece->kind = PIECE_NONE;
     if (axis->phase != PHASE_REST) {
         if (axis_is_by_formula(axis)) {
-            axis_next_by_formula(axis, limits, piece);
+            axis_next_by_formula(axis, piece);
         } else {
-            go_on(axis, limits, piece);
+            go_on(axis, piece);
         }
         return;
     }
@@ -419,8 +411,8 @@ void axis_stop(struct axis *axis)
     axis->stopping = true;
     axis->runs = false;
     turn_to_rest(axis);
-    uint32_t steps = steps_to_rest(axis);
-    axis->target = (int32_t)((uint32_t)axis->position + (axis->backward ? 0u - steps : steps));
+    axis->target = axis->position;
+    move_position(&axis->target, axis->backward, steps_to_rest(axis));
 }
 
 void axis_halt(struct axis *axis, int32_t position)

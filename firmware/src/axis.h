@@ -64,24 +64,22 @@ enum piece_kind {
 };
 
 struct piece {
+    /* what may be given */
+    uint16_t most_ticks; /* a single interval may be longer */
+    uint16_t most_steps; /* at least 1 */
+    bool in_a_hurry;     /* it is needed at once: the speed is held rather than nothing given */
+    /* what is given */
     uint8_t kind;      /* enum piece_kind */
     uint16_t count;    /* [steps] */
     uint32_t interval; /* [ticks] the first */
     int16_t add;       /* [ticks] each next one is so much longer */
 };
 
-/* How long a piece may be. */
-struct piece_limits {
-    uint16_t ticks; /* a single interval may be longer */
-    uint16_t steps; /* at least 1 */
-    bool in_a_hurry; /* a piece is needed at once: the speed is held rather than nothing given */
-};
-
 /* At rest at position 0. */
 void axis_begin(struct axis *axis, const struct image_ramp *ramp);
 
 /* What comes next. Takes a short time: where more is to be looked for, it gives PIECE_NONE. */
-void axis_next(struct axis *axis, const struct piece_limits *limits, struct piece *piece);
+void axis_next(struct axis *axis, struct piece *piece);
 
 /* To be called in each round of the main loop, from a place where the stack is not deep: computes what axis_next will
  * give, when the ramp is one by formula. */
@@ -109,11 +107,14 @@ static inline bool axis_is_by_formula(const struct axis *axis)
     return HAS_FORMULAS && axis->is_by_formula;
 }
 
+/* Moves a position by some steps, past the last one to the first. */
+void move_position(int32_t *position, bool backward, uint32_t steps);
+
+/* The same of steps with a sign. Returns false when that is where the range has been left. */
+bool add_steps(int32_t *position, int32_t steps);
+
 /* It stays where it is: axis_next would give PIECE_REST. */
-static inline bool axis_is_at_rest(const struct axis *axis)
-{
-    return axis->phase == PHASE_REST && !axis->runs && axis->target == axis->position;
-}
+bool axis_is_at_rest(const struct axis *axis);
 
 #ifdef __cplusplus
 }

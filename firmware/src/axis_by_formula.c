@@ -19,23 +19,23 @@ static uint8_t batch_size(uint32_t interval, bool goes_up)
 /* ---- giving what has been computed ---- */
 
 /* Those of the batch that are evenly apart go as one piece: at high speeds most of them. */
-static void give_from_batch(struct axis *axis, const struct piece_limits *limits, struct piece *piece)
+static void give_from_batch(struct axis *axis, struct piece *piece)
 {
     const int16_t *adds = axis->adds + (axis->batch_size - axis->batch_left);
     uint8_t count = 1;
     while (count < axis->batch_left && adds[count - 1] == adds[0]) {
         count++;
     }
-    int16_t add = count > 1 ? adds[0] : 0;
-    count = (uint8_t)steps_that_fit(limits, axis->next, add, count);
+    fit_steps(piece, axis->next, count > 1 ? adds[0] : 0, count);
+    give_steps(axis, piece);
+    count = (uint8_t)piece->count;
     axis->batch_left = (uint8_t)(axis->batch_left - count);
-    give_steps(axis, (struct piece){PIECE_STEPS, count, axis->next, add}, piece);
     if (axis->batch_left != 0) {
         axis->next = axis->interval + (uint32_t)(int32_t)adds[count - 1];
     }
 }
 
-static void go_level(struct axis *axis, const struct piece_limits *limits, uint32_t left, struct piece *piece)
+static void go_level(struct axis *axis, uint32_t left, struct piece *piece)
 {
     uint32_t steps_down = formula_steps_down(&axis->formula);
     bool may_rise = axis->is_slewing || axis->interval > axis->level;
@@ -44,18 +44,17 @@ static void go_level(struct axis *axis, const struct piece_limits *limits, uint3
     } else if (may_rise && !formula_slews(&axis->formula)) {
         axis->phase = PHASE_UP;
     } else {
-        left -= steps_down;
-        uint16_t count = steps_that_fit(limits, axis->level, 0, left < UINT16_MAX ? (uint16_t)left : UINT16_MAX);
-        give_steps(axis, (struct piece){PIECE_STEPS, count, axis->level, 0}, piece);
+        fit_steps(piece, axis->level, 0, left - steps_down);
+        give_steps(axis, piece);
     }
 }
 
-void axis_next_by_formula(struct axis *axis, const struct piece_limits *limits, struct piece *piece)
+void axis_next_by_formula(struct axis *axis, struct piece *piece)
 {
     if (axis->batch_left != 0) {
-        give_from_batch(axis, limits, piece);
+        give_from_batch(axis, piece);
     } else if (axis->phase == PHASE_LEVEL) {
-        go_level(axis, limits, steps_left(axis), piece);
+        go_level(axis, steps_left(axis), piece);
     }
 }
 
@@ -94,28 +93,45 @@ static uint8_t count_to_level(const struct axis *axis, const uint32_t *intervals
     return goes_up || count == size ? count : (uint8_t)(count + 1);
 }
 
+/* Computes a batch along the ramp up or down: up to the commanded speed, when it is to be `limited` by that. Returns false
+ * when the ramp allows none; when only the speed doesn't, it is at that. */
+static bool compute_batch(struct axis *axis, uint32_t left, bool goes_up, bool limited)
+{
+    struct formula_state before = axis->formula;
+    uint32_t intervals[FORMULA_BATCH];
+    uint8_t most = batch_size(axis->interval, goes_up), size;
+    for (;;) {
+        size = goes_up ? formula_up(&axis->formula, axis->constants, intervals, most, left)
+                       : formula_down(&axis->formula, axis->constants, intervals, most);
+        uint8_t count = limited ? count_to_level(axis, intervals, size, goes_up) : size;
+        if (count == size) {
+            break;
+        }
+        axis->formula = before;
+        most = count;
+        if (most == 0) {
+            return true;
+        }
+    }
+    if (size != 0) {
+        keep_batch(axis, intervals, size);
+    }
+    return size != 0;
+}
+
 /* Goes up, as long as that isn't faster than commanded and there is room: or else stays at this speed, or turns. */
 static void compute_up(struct axis *axis, uint32_t left)
 {
-    struct formula_state after = axis->formula;
-    uint32_t intervals[FORMULA_BATCH];
-    uint8_t size = formula_up(&after, axis->constants, intervals, batch_size(axis->interval, true), left);
-    uint8_t slow = axis->is_slewing ? size : count_to_level(axis, intervals, size, true);
     uint32_t steps_down = formula_steps_down(&axis->formula);
     if (formula_slews(&axis->formula)) {
         axis->phase = PHASE_LEVEL;
     } else if (steps_down != 0 && is_too_fast(axis)) {
         axis->phase = PHASE_DOWN;
-    } else if (size != 0 && slow == 0) {
-        axis->phase = PHASE_LEVEL;
-        keep_level(axis, axis->level, left - steps_down);
-    } else if (size != 0) {
-        if (slow != size) {
-            after = axis->formula;
-            formula_up(&after, axis->constants, intervals, slow, left);
+    } else if (compute_batch(axis, left, true, !axis->is_slewing)) {
+        if (axis->batch_left == 0) {
+            axis->phase = PHASE_LEVEL;
+            keep_level(axis, axis->level, left - steps_down);
         }
-        axis->formula = after;
-        keep_batch(axis, intervals, slow);
     } else if (left <= steps_down) {
         axis->phase = PHASE_DOWN;
     } else {
@@ -127,7 +143,6 @@ static void compute_up(struct axis *axis, uint32_t left)
 
 static void compute_down(struct axis *axis, uint32_t left)
 {
-    uint32_t intervals[FORMULA_BATCH];
     uint32_t steps_down = formula_steps_down(&axis->formula);
     bool goes_on = left > steps_down;
     if (steps_down == 0 && !goes_on) {
@@ -135,17 +150,7 @@ static void compute_down(struct axis *axis, uint32_t left)
     } else if (goes_on && (!is_too_fast(axis) || steps_down == 0)) {
         axis->phase = PHASE_UP;
     } else {
-        struct formula_state after = axis->formula;
-        uint8_t size = formula_down(&after, axis->constants, intervals, batch_size(axis->interval, false));
-        uint8_t fast = goes_on ? count_to_level(axis, intervals, size, false) : size;
-        if (fast != size) {
-            after = axis->formula;
-            formula_down(&after, axis->constants, intervals, fast);
-        }
-        axis->formula = after;
-        if (fast != 0) {
-            keep_batch(axis, intervals, fast);
-        }
+        compute_batch(axis, left, false, goes_on);
     }
 }
 

@@ -9,7 +9,7 @@ extern "C" {
 #endif
 
 /* As axis_next, of an axis that isn't at rest. What has to be computed for it comes from axis_compute. */
-void axis_next_by_formula(struct axis *axis, const struct piece_limits *limits, struct piece *piece);
+void axis_next_by_formula(struct axis *axis, struct piece *piece);
 
 #ifdef __cplusplus
 }

@@ -28,26 +28,40 @@ static uint16_t fit(uint16_t ticks, uint32_t longest, uint16_t count)
     return ticks / (uint16_t)longest;
 }
 
-uint16_t steps_that_fit(const struct piece_limits *limits, uint32_t interval, int16_t add, uint16_t count)
+void fit_steps(struct piece *piece, uint32_t interval, int16_t add, uint32_t count)
 {
-    if (count > limits->steps) {
-        count = limits->steps;
+    uint16_t most = count < piece->most_steps ? (uint16_t)count : piece->most_steps;
+    most = fit(piece->most_ticks, interval, most);
+    if (add > 0 && most > 1) {
+        uint32_t last = interval + (uint32_t)((uint32_t)add * (uint16_t)(most - 1));
+        most = fit(piece->most_ticks, last, most);
     }
-    count = fit(limits->ticks, interval, count);
-    if (add > 0 && count > 1) {
-        uint32_t last = interval + (uint32_t)((uint32_t)add * (uint16_t)(count - 1));
-        count = fit(limits->ticks, last, count);
-    }
-    return count;
+    piece->count = most;
+    piece->interval = interval;
+    piece->add = add;
 }
 
-void give_steps(struct axis *axis, struct piece given, struct piece *piece)
+void move_position(int32_t *position, bool backward, uint32_t steps)
 {
-    axis->interval = given.interval;
-    if (given.add != 0) {
-        axis->interval += (uint32_t)((int32_t)given.add * (int32_t)(given.count - 1));
+    if (backward) {
+        steps = 0u - steps;
     }
-    uint32_t steps = given.count;
-    axis->position = (int32_t)((uint32_t)axis->position + (axis->backward ? 0u - steps : steps));
-    *piece = given;
+    *position = (int32_t)((uint32_t)*position + steps);
+}
+
+bool add_steps(int32_t *position, int32_t steps)
+{
+    int32_t from = *position;
+    *position = (int32_t)((uint32_t)from + (uint32_t)steps);
+    return steps < 0 ? *position < from : *position >= from;
+}
+
+void give_steps(struct axis *axis, struct piece *piece)
+{
+    piece->kind = PIECE_STEPS;
+    axis->interval = piece->interval;
+    if (piece->add != 0) {
+        axis->interval += (uint32_t)((int32_t)piece->add * (int32_t)(piece->count - 1));
+    }
+    move_position(&axis->position, axis->backward, piece->count);
 }

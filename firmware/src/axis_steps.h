@@ -14,12 +14,12 @@ uint32_t steps_left(const struct axis *axis);
 /* The commanded speed has become lower than the present one. */
 bool is_too_fast(const struct axis *axis);
 
-/* How many of `count` intervals, the first `interval` long, each next one longer by `add`, a piece may hold: at least
- * one. */
-uint16_t steps_that_fit(const struct piece_limits *limits, uint32_t interval, int16_t add, uint16_t count);
+/* Puts into a piece as many of `count` intervals, the first `interval` long, each next one longer by `add`, as it may have:
+ * at least one. */
+void fit_steps(struct piece *piece, uint32_t interval, int16_t add, uint32_t count);
 
-/* Gives a piece, and moves the axis along it. */
-void give_steps(struct axis *axis, struct piece given, struct piece *piece);
+/* Gives the steps that have been put into a piece, and moves the axis along them. */
+void give_steps(struct axis *axis, struct piece *piece);
 
 #ifdef __cplusplus
 }

@@ -1,9 +1,11 @@
 #include "controller.h"
 
 #include "feed.h"
+#include "in_flash.h"
 #include "limits.h"
 #include "machine.h"
 #include "message.h"
+#include "out_of_line.h"
 #include "port.h"
 #include "ramp_store.h"
 #include "reply.h"
@@ -38,22 +40,36 @@ static void reply_ramp_in_use(void)
     reply_u16(ramp_store_crc());
 }
 
-/* Two numbers, or four, in one: that takes less room than to reply one after the other. */
-#define TWO_U16(first, second) ((first) | (uint32_t)(second) << 16)
-#define TWO_U8(first, second) ((uint16_t)((first) | (second) << 8))
+/* Little-endian bytes of a number. */
+#define BYTES_U16(number) (number) & 0xFF, (number) >> 8
+#define BYTES_U32(number) BYTES_U16((number) & 0xFFFF), BYTES_U16((number) >> 16)
+
+static const IN_FLASH uint8_t limits[] = {
+    PROTOCOL_VERSION,
+    FIRMWARE_MAJOR,
+    FIRMWARE_MINOR,
+    FIRMWARE_PATCH,
+    BYTES_U32(FAST_CLOCK_HZ),
+    BYTES_U32(SLOW_CLOCK_HZ),
+    BYTES_U16(SHORTEST_INTERVAL_1_AXIS_TICKS),
+    BYTES_U16(SHORTEST_INTERVAL_2_AXES_TICKS),
+    BYTES_U16(SHORTEST_INTERVAL_3_AXES_TICKS),
+    BYTES_U16(SHORTEST_INTERVAL_4_AXES_TICKS),
+    BYTES_U16(SHORTEST_INTERVAL_LINE_2_TICKS),
+    BYTES_U16(SHORTEST_INTERVAL_LINE_3_TICKS),
+    BYTES_U16(SHORTEST_INTERVAL_LINE_4_TICKS),
+    BYTES_U32(LONGEST_INTERVAL_TICKS),
+    BYTES_U16(SHORTEST_FORMULA_INTERVAL_TICKS),
+    BYTES_U16(LARGEST_IMAGE_BYTES),
+    MOST_SEGMENTS,
+    AXES,
+};
 
 static void reply_limits(void)
 {
-    reply_u32(TWO_U16(TWO_U8(PROTOCOL_VERSION, FIRMWARE_MAJOR), TWO_U8(FIRMWARE_MINOR, FIRMWARE_PATCH)));
-    reply_u32(FAST_CLOCK_HZ);
-    reply_u32(SLOW_CLOCK_HZ);
-    reply_u32(TWO_U16(SHORTEST_INTERVAL_1_AXIS_TICKS, SHORTEST_INTERVAL_2_AXES_TICKS));
-    reply_u32(TWO_U16(SHORTEST_INTERVAL_3_AXES_TICKS, SHORTEST_INTERVAL_4_AXES_TICKS));
-    reply_u32(TWO_U16(SHORTEST_INTERVAL_LINE_2_TICKS, SHORTEST_INTERVAL_LINE_3_TICKS));
-    reply_u16(SHORTEST_INTERVAL_LINE_4_TICKS);
-    reply_u32(LONGEST_INTERVAL_TICKS);
-    reply_u32(TWO_U16(SHORTEST_FORMULA_INTERVAL_TICKS, LARGEST_IMAGE_BYTES));
-    reply_u16(TWO_U8(MOST_SEGMENTS, AXES));
+    for (uint8_t i = 0; i < sizeof limits; i++) {
+        reply_u8(limits[i]);
+    }
 }
 
 /* A client that begins anew gets no notices that another one has asked for. */
@@ -196,12 +212,14 @@ static uint8_t make_targets(uint8_t axes, int32_t values[MOST_AXES])
         if (gave_way) {
             return i;
         }
-        int32_t from = machine_target(i);
-        int32_t target = (int32_t)((uint32_t)from + (uint32_t)values[i]);
-        if ((axes & 1) != 0 && (values[i] >= 0) != (target >= from)) {
+        if ((axes & 1) == 0) {
+            continue;
+        }
+        int32_t steps = values[i];
+        values[i] = machine_target(i);
+        if (!add_steps(&values[i], steps)) {
             return i;
         }
-        values[i] = target;
     }
     return MOST_AXES;
 }
@@ -286,65 +304,64 @@ static void answer_stop_or_halt(uint8_t kind, const uint8_t *body, uint8_t lengt
 
 /* ---- dispatch ---- */
 
-enum { UNKNOWN_KIND = 0xFF };
+/* What is to be known of a kind of request: who may ask, and when. Those that would disturb a move or a write wait for its
+ * end; but what may come in flight changes what a motor does while it moves. */
+enum { FROM_ANYONE = 0x10, DISTURBS = 0x20, IN_FLIGHT = 0x40 };
 
-static uint8_t bytes_of_values(uint8_t mask)
+/* And how long its body is [bytes]. With VALUES a value for each axis of the mask that it begins with comes to that. */
+enum { BODY_BITS = 0x0F, VALUES = 0x80 };
+#define BODY(bytes) ((bytes) + 1) /* not 0, as an unknown request is */
+
+static const IN_FLASH uint8_t known_requests[] = {
+    [KIND_HELLO] = BODY(1) | FROM_ANYONE,
+    [KIND_STATUS] = BODY(1),
+    [KIND_REPORT] = BODY(1),
+    [KIND_TRACE] = BODY(3),
+    [KIND_BEGIN] = BODY(4) | DISTURBS,
+    [KIND_DATA] = BODY(0) | DISTURBS, /* see length_is_good */
+    [KIND_END] = BODY(0) | DISTURBS,
+    [KIND_COMMIT] = BODY(0) | DISTURBS,
+    [KIND_READ] = BODY(4),
+    [KIND_TRY] = BODY(0) | DISTURBS,
+    [KIND_ROLL_BACK] = BODY(0) | DISTURBS,
+    [KIND_READ_SETTINGS] = BODY(0),
+    [KIND_WRITE_SETTINGS] = BODY(SETTINGS_BYTES) | DISTURBS,
+    [KIND_MOVE_BY] = BODY(1) | VALUES | DISTURBS | IN_FLIGHT,
+    [KIND_MOVE_TO] = BODY(1) | VALUES | DISTURBS | IN_FLIGHT,
+    [KIND_RUN] = BODY(1) | VALUES | DISTURBS | IN_FLIGHT,
+    [KIND_LINE] = BODY(2) | VALUES | DISTURBS,
+    [KIND_SET_POSITION] = BODY(1) | VALUES | DISTURBS,
+    [KIND_ZERO] = BODY(3) | DISTURBS,
+    [KIND_STOP] = BODY(0) | FROM_ANYONE, /* see length_is_good */
+    [KIND_HALT] = BODY(0) | FROM_ANYONE,
+};
+
+static bool length_is_good(uint8_t kind, uint8_t known, const uint8_t *body, uint8_t length)
 {
-    uint8_t bytes = 0;
-    for (; mask != 0; mask &= (uint8_t)(mask - 1)) {
-        bytes += VALUE_BYTES;
+    if (kind == KIND_DATA) {
+        length = (uint8_t)(length - 3);
+        return length < MOST_DATA_BYTES;
     }
-    return bytes;
+    if (is_urgent(kind)) {
+        return length <= 1;
+    }
+    length = BODY(length);
+    if ((known & VALUES) != 0) {
+        for (uint8_t mask = body[0]; mask != 0; mask &= (uint8_t)(mask - 1)) {
+            length = (uint8_t)(length - VALUE_BYTES);
+        }
+    }
+    known &= BODY_BITS;
+    return length == known;
 }
 
-/* How long the body of a request must be, when it has this `length`; or UNKNOWN_KIND. */
-static uint8_t expected_length(uint8_t kind, const uint8_t *body, uint8_t length)
+/* Refuses what would disturb a move or a write. Returns false when it has refused. */
+static bool is_free_for(uint8_t known)
 {
-    switch (kind) {
-    case KIND_HELLO:
-    case KIND_STATUS:
-    case KIND_REPORT:
-        return 1;
-    case KIND_TRACE:
-    case KIND_ZERO:
-        return 3;
-    case KIND_BEGIN:
-    case KIND_READ:
-        return 4;
-    case KIND_DATA:
-        return length < 3 ? 3 : length > 2 + MOST_DATA_BYTES ? 2 + MOST_DATA_BYTES : length;
-    case KIND_END:
-    case KIND_COMMIT:
-    case KIND_TRY:
-    case KIND_ROLL_BACK:
-    case KIND_READ_SETTINGS:
-        return 0;
-    case KIND_WRITE_SETTINGS:
-        return SETTINGS_BYTES;
-    case KIND_MOVE_BY:
-    case KIND_MOVE_TO:
-    case KIND_RUN:
-    case KIND_SET_POSITION:
-        return (uint8_t)(1 + bytes_of_values(body[0]));
-    case KIND_LINE:
-        return (uint8_t)(2 + bytes_of_values(body[0]));
-    case KIND_STOP:
-    case KIND_HALT:
-        return length != 0;
-    default:
-        return UNKNOWN_KIND;
-    }
-}
-
-/* Refuses what would disturb a move or a write. Returns false when it has refused. What may come in flight changes what
- * a motor does while it moves; all others of their sort wait for its rest. */
-static bool is_free_for(uint8_t kind)
-{
-    bool may_come_in_flight = kind >= KIND_MOVE_BY && kind <= KIND_RUN;
-    if (kind < KIND_BEGIN || kind == KIND_READ || kind == KIND_READ_SETTINGS || kind >= KIND_STOP) {
+    if ((known & DISTURBS) == 0) {
         return true;
     }
-    if (may_come_in_flight ? machine_is_on_a_line() : machine_is_moving()) {
+    if ((known & IN_FLIGHT) != 0 ? machine_is_on_a_line() : machine_is_moving()) {
         reply_refusal(STATUS_MOVING, 0);
         return false;
     }
@@ -416,7 +433,7 @@ static void answer_known(uint8_t kind, uint16_t its_session, const uint8_t *body
     }
 }
 
-static bool is_of_session(const uint8_t *message)
+static OUT_OF_LINE bool is_of_session(const uint8_t *message)
 {
     return session != NO_SESSION && read_u16(message + SESSION_AT) == session;
 }
@@ -426,18 +443,18 @@ static void answer(const uint8_t *message, uint8_t length)
 {
     uint8_t kind = message[KIND_AT];
     const uint8_t *body = message + MESSAGE_HEADER_BYTES;
-    uint8_t expected = expected_length(kind, body, length);
+    uint8_t known = kind < sizeof known_requests ? known_requests[kind] : 0;
     answered_kind = kind;
     answered_tag = message[TAG_AT];
     reply_begin(message);
-    if (kind != KIND_HELLO && !is_urgent(kind) && !is_of_session(message)) {
+    if ((known & FROM_ANYONE) == 0 && !is_of_session(message)) {
         answered_kind = KIND_HELLO;
         reply_refusal(STATUS_STALE_SESSION, 0);
-    } else if (expected == UNKNOWN_KIND) {
+    } else if (known == 0) {
         reply_refusal(STATUS_UNKNOWN_KIND, kind);
-    } else if (expected != length) {
+    } else if (!length_is_good(kind, known, body, length)) {
         reply_refusal(STATUS_BAD_LENGTH, length);
-    } else if (is_free_for(kind)) {
+    } else if (is_free_for(known)) {
         answer_known(kind, read_u16(message + SESSION_AT), body, length);
     }
 }

@@ -3,12 +3,13 @@
 #include "engine.h"
 #include "lane.h"
 #include "line.h"
+#include "out_of_line.h"
 #include "port.h"
 #include "trace.h"
 
 /* A long interval is waited for in parts: the first has what is left of it, 13,616 ticks or more, the others are equal.
  * So many of them go as one segment, 4 or 8 ms: else slow axes would need more segments than fast ones. */
-enum { PART_TICKS = 16384, FAST_PARTS = 4, SLOW_PARTS = 1 };
+enum { PART_BITS = 14, PART_TICKS = 1 << PART_BITS, FAST_PARTS = 4, SLOW_PARTS = 1 };
 
 /* The silence after the last interval of a move [ticks]: in it the engine finds the queue empty, or the direction may
  * be changed. */
@@ -17,8 +18,8 @@ enum { CLOSING_TICKS = 400 };
 /* Segments queued, or looked at ahead of need, in one round of the main loop, at most: other axes want theirs too. */
 enum { SEGMENTS_AT_ONCE = 4 };
 
-/* Ticks of 64 us, as powers of 2. */
-enum { FAST_BITS = 10, SLOW_BITS = 7 };
+/* Ticks of 64 us, and of a slow tick, as powers of 2. */
+enum { FAST_BITS = 10, SLOW_TICK_BITS = 3 };
 
 /* The longest piece of several steps [ticks]: some 4 ms. So none of their intervals is a long one. */
 enum { FAST_PIECE_TICKS = 2u * LONGEST_WAIT_TICKS, SLOW_PIECE_TICKS = 8000 };
@@ -65,50 +66,46 @@ static uint32_t length_of(uint16_t interval, int16_t add, uint16_t count)
     return length;
 }
 
-/* Moves the end of the queue on. */
-static void extend(struct feed *feed, uint32_t ticks)
+/* Moves the end of the queue on. One segment is less than 2^24 fast ticks. */
+static OUT_OF_LINE void extend(struct feed *feed, uint32_t ticks)
 {
+    if (!feed_clock.is_fast) {
+        ticks <<= SLOW_TICK_BITS;
+    }
     ticks += feed->end_ticks;
-    feed->end_time = (uint16_t)(feed->end_time + (feed_clock.is_fast ? ticks >> FAST_BITS : ticks >> SLOW_BITS));
-    feed->end_ticks = (uint16_t)ticks & ((1u << (feed_clock.is_fast ? FAST_BITS : SLOW_BITS)) - 1u);
+    feed->end_time = (uint16_t)(feed->end_time + ((uint16_t)(ticks >> 8) >> (FAST_BITS - 8)));
+    feed->end_ticks = (uint16_t)ticks & ((1u << FAST_BITS) - 1u);
 }
 
+/* Of a long interval the first part; the rest becomes parts_left. */
 static void queue_up(struct feed *feed, const struct piece *piece, uint8_t turns)
 {
-    bool is_step = piece->kind == PIECE_STEPS;
     uint16_t interval = (uint16_t)piece->interval;
-    extend(feed, length_of(interval, piece->add, piece->count));
-    lane_put(feed->index, interval, piece->add, (uint16_t)(piece->count - 1u), is_step, turns);
-}
-
-static void queue_silence(struct feed *feed, uint16_t ticks, uint8_t turns)
-{
-    struct piece silence = {PIECE_NONE, 1, ticks, 0};
-    queue_up(feed, &silence, turns);
-}
-
-/* The first part of an interval; the rest becomes wait_left. */
-static uint16_t first_part(struct feed *feed, uint32_t interval)
-{
-    if (interval <= LONGEST_WAIT_TICKS) {
-        return (uint16_t)interval;
+    if (piece->interval > LONGEST_WAIT_TICKS) {
+        uint32_t rest = piece->interval - (LONGEST_WAIT_TICKS - PART_TICKS);
+        feed->parts_left = (uint16_t)(rest << (16 - PART_BITS) >> 16);
+        interval = (uint16_t)(interval - (feed->parts_left << PART_BITS));
     }
-    feed->wait_left = (interval - (LONGEST_WAIT_TICKS - PART_TICKS)) & ~(uint32_t)(PART_TICKS - 1);
-    return (uint16_t)(interval - feed->wait_left);
+    extend(feed, length_of(interval, piece->add, piece->count));
+    lane_put(feed->index, interval, piece->add, (uint16_t)(piece->count - 1u), piece->kind == PIECE_STEPS, turns);
+}
+
+static void queue_silence(struct feed *feed, uint32_t ticks, uint16_t count, uint8_t turns)
+{
+    struct piece silence = {.kind = PIECE_NONE, .count = count, .interval = ticks};
+    queue_up(feed, &silence, turns);
 }
 
 static void queue_wait(struct feed *feed)
 {
     uint8_t most = feed_clock.is_fast ? FAST_PARTS : SLOW_PARTS;
-    uint32_t parts = feed->wait_left / PART_TICKS;
-    struct piece wait = {PIECE_NONE, parts < most ? (uint16_t)parts : most, PART_TICKS, 0};
-    feed->wait_left -= (uint32_t)wait.count * PART_TICKS;
-    queue_up(feed, &wait, 0);
+    uint16_t parts = feed->parts_left < most ? feed->parts_left : most;
+    feed->parts_left = (uint16_t)(feed->parts_left - parts);
+    queue_silence(feed, PART_TICKS, parts, 0);
 }
 
-static void queue_steps(struct feed *feed, struct piece *piece)
+static void queue_steps(struct feed *feed, const struct piece *piece)
 {
-    piece->interval = first_part(feed, piece->interval);
     queue_up(feed, piece, 0);
     feed->has_pulses = true;
     if (feed->is_traced) {
@@ -126,18 +123,18 @@ static void queue_turn(struct feed *feed)
     feed->pin_backward = feed->axis.backward;
     feed->turns_too = 0;
     feed->turns_next = false;
-    queue_silence(feed, first_part(feed, feed_clock.setup_ticks), turns);
+    queue_silence(feed, feed_clock.setup_ticks, 1, turns);
 }
 
 /* Ends what has been queued of a move. */
 static void queue_closing(struct feed *feed)
 {
     feed->has_pulses = false;
-    queue_silence(feed, CLOSING_TICKS, 0);
+    queue_silence(feed, CLOSING_TICKS, 1, 0);
 }
 
 /* Time for which steps are queued [64 us]. */
-static uint16_t time_ahead(const struct feed *feed, uint16_t now)
+static OUT_OF_LINE uint16_t time_ahead(const struct feed *feed, uint16_t now)
 {
     uint16_t ahead = feed->end_time;
     if (feed->stage == FEED_PLAYING) {
@@ -151,8 +148,9 @@ static uint16_t most_steps(const struct feed *feed)
 {
     bool has_time = !feed->has_got_ahead || time_ahead(feed, port_time()) >= TRACING_TIME;
     uint16_t most = feed->is_traced && has_time ? trace_to_queue : UINT16_MAX;
-    if (line_is_on() && line_most_steps() < most) {
-        most = line_most_steps();
+    if (line_is_on()) {
+        uint16_t line_most = line_most_steps();
+        most = line_most < most ? line_most : most;
     }
     return most;
 }
@@ -160,13 +158,14 @@ static uint16_t most_steps(const struct feed *feed)
 /* Returns false when the move has been queued to its end. */
 static bool queue_next_piece(struct feed *feed, uint16_t ahead)
 {
-    struct piece_limits limits = {feed_clock.is_fast ? FAST_PIECE_TICKS : SLOW_PIECE_TICKS, most_steps(feed),
-                                  feed->stage == FEED_PLAYING && ahead < HURRY_TIME};
     struct piece piece;
-    if (limits.steps == 0) { /* a line ends where it was meant to */
+    piece.most_ticks = feed_clock.is_fast ? FAST_PIECE_TICKS : SLOW_PIECE_TICKS;
+    piece.most_steps = most_steps(feed);
+    piece.in_a_hurry = feed->stage == FEED_PLAYING && ahead < HURRY_TIME;
+    if (piece.most_steps == 0) { /* a line ends where it was meant to */
         axis_halt(&feed->axis, feed->axis.position);
     }
-    axis_next(&feed->axis, &limits, &piece);
+    axis_next(&feed->axis, &piece);
     if (piece.kind == PIECE_STEPS) {
         queue_steps(feed, &piece);
     } else if (piece.kind != PIECE_NONE) {
@@ -193,7 +192,7 @@ static bool fill(struct feed *feed)
         feed->has_got_ahead = true;
         return axis_look_ahead(&feed->axis);
     }
-    if (feed->wait_left != 0) {
+    if (feed->parts_left != 0) {
         queue_wait(feed);
     } else if (feed->turns_next) {
         if (feed->stage == FEED_PLAYING) {
@@ -208,11 +207,6 @@ static bool fill(struct feed *feed)
 
 /* ---- what has been played ---- */
 
-static int32_t moved(int32_t position, bool backward, uint16_t steps)
-{
-    return (int32_t)((uint32_t)position + (backward ? 0u - (uint32_t)steps : steps));
-}
-
 /* The time of a segment's last event is that of loading the next. */
 static void trace_played(const struct feed *feed, uint16_t steps, uint8_t next)
 {
@@ -222,7 +216,9 @@ static void trace_played(const struct feed *feed, uint16_t steps, uint8_t next)
     bool is_traced = steps == trace_to_play;
     trace_to_play = trace_left(feed, trace_to_play, steps);
     if (is_traced && next != lane_of(feed->index)->tail) {
-        trace_value(feed->index, feed->played.steps_made, lane_loaded(feed->index, next).time);
+        struct loaded segment;
+        lane_loaded(feed->index, next, &segment);
+        trace_value(feed->index, feed->played.steps_made, segment.time);
     }
 }
 
@@ -230,7 +226,7 @@ static void trace_played(const struct feed *feed, uint16_t steps, uint8_t next)
 static void count(struct feed_progress *progress, const struct loaded *segment, uint16_t steps)
 {
     progress->backward = progress->backward != segment->turns;
-    progress->position = moved(progress->position, progress->backward, steps);
+    move_position(&progress->position, progress->backward, steps);
     progress->steps_made += steps;
 }
 
@@ -239,14 +235,17 @@ static void retire(struct feed *feed)
 {
     struct lane *lane = lane_of(feed->index);
     uint8_t offset = lane->retired;
-    struct loaded segment = lane_loaded(feed->index, offset);
+    struct loaded segment;
+    lane_loaded(feed->index, offset, &segment);
     count(&feed->played, &segment, segment.steps);
-    feed->has_stepped = feed->has_stepped || segment.steps != 0;
-    if (line_is_on()) {
-        line_retire(&line_queue[offset / LINE_SEGMENT_BYTES], segment.steps);
+    if (segment.steps != 0) {
+        feed->has_stepped = true;
     }
-    trace_played(feed, segment.steps, lane_next(offset));
+    if (line_is_on()) {
+        line_retire(line_segment(offset), segment.steps);
+    }
     lane->retired = lane_next(offset);
+    trace_played(feed, segment.steps, lane->retired);
 }
 
 /* Other things can be done first, as steps are queued for `least` [64 us]. */
@@ -299,7 +298,9 @@ bool feed_is_ready(const struct feed *feed)
 
 uint16_t feed_next_interval(const struct feed *feed)
 {
-    return lane_loaded(feed->index, lane_of(feed->index)->tail).time;
+    struct loaded segment;
+    lane_loaded(feed->index, lane_of(feed->index)->tail, &segment);
+    return segment.time;
 }
 
 void feed_started(struct feed *feed, uint16_t start_ticks)
@@ -312,18 +313,25 @@ void feed_started(struct feed *feed, uint16_t start_ticks)
     feed->stage = FEED_PLAYING;
 }
 
+static uint32_t steps_made_now(const struct feed *feed)
+{
+    struct feed_progress progress;
+    feed_progress(feed, &progress);
+    return progress.steps_made;
+}
+
 bool feed_has_stepped(const struct feed *feed)
 {
     return feed->stage == FEED_PLAYING &&
-           (feed->has_stepped || feed_progress(feed).steps_made != feed->played.steps_made);
+           (feed->has_stepped || steps_made_now(feed) != feed->played.steps_made);
 }
 
 void feed_halted(struct feed *feed)
 {
-    feed->played = feed_progress(feed);
+    feed_progress(feed, &feed->played);
     feed->pin_backward = feed->played.backward;
     feed->stage = FEED_IDLE;
-    feed->wait_left = 0;
+    feed->parts_left = 0;
     feed->turns_next = false;
     feed->has_pulses = false;
     axis_halt(&feed->axis, feed->played.position);
@@ -333,7 +341,7 @@ void feed_halted(struct feed *feed)
 /* Nothing is left to do, and nothing queued. */
 static bool is_done(const struct feed *feed)
 {
-    return axis_is_at_rest(&feed->axis) && feed->wait_left == 0 && !feed->turns_next && lane_ahead(lane_of(feed->index)) == 0;
+    return axis_is_at_rest(&feed->axis) && feed->parts_left == 0 && !feed->turns_next && lane_ahead(lane_of(feed->index)) == 0;
 }
 
 static void become_idle(struct feed *feed)
@@ -355,8 +363,14 @@ static void parked(struct feed *feed)
         return;
     }
     /* The end of the move may have been queued since. */
-    feed->has_run_dry = feed->has_pulses || (lane_ahead(lane) != 0 && lane_loaded(feed->index, lane->tail).steps != 0);
-    if (feed->has_run_dry && starved != UINT8_MAX) {
+    bool has_run_dry = feed->has_pulses;
+    if (lane_ahead(lane) != 0) {
+        struct loaded segment;
+        lane_loaded(feed->index, lane->tail, &segment);
+        has_run_dry = has_run_dry || segment.steps != 0;
+    }
+    feed->has_run_dry = has_run_dry;
+    if (has_run_dry && starved != UINT8_MAX) {
         starved++;
     }
     feed->stage = FEED_WAITING;
@@ -407,41 +421,41 @@ static uint16_t steps_played(const struct feed *feed, const struct loaded *segme
     return is_playing && segment->steps != 0 ? (uint16_t)(segment->steps - 1u - now->count_less_1) : segment->steps;
 }
 
-struct feed_progress feed_progress(const struct feed *feed)
+void feed_progress(const struct feed *feed, struct feed_progress *progress)
 {
-    struct feed_progress progress = feed->played;
     struct engine_progress now = engine_progress(feed->index);
     uint8_t offset = lane_of(feed->index)->retired;
     if (feed->stage != FEED_PLAYING) {
         now.tail = offset;
     }
+    *progress = feed->played;
     line_in_progress = line.played;
     while (offset != now.tail) {
-        struct loaded segment = lane_loaded(feed->index, offset);
+        struct loaded segment;
+        lane_loaded(feed->index, offset, &segment);
         uint8_t next = lane_next(offset);
         uint16_t steps = steps_played(feed, &segment, next, &now);
-        count(&progress, &segment, steps);
+        count(progress, &segment, steps);
         if (line_is_on()) {
-            line_play(&line_in_progress, &line_queue[offset / LINE_SEGMENT_BYTES], steps);
+            line_play(&line_in_progress, line_segment(offset), steps);
         }
         offset = next;
     }
-    return progress;
 }
 
 uint32_t feed_interval(const struct feed *feed)
 {
-    const volatile uint16_t *present = line_is_on() ? &line_player.interval : &axis_players[feed->index].interval;
     if (feed->stage == FEED_IDLE || feed->axis.interval > LONGEST_WAIT_TICKS) {
         return feed->axis.interval;
     }
+    const struct axis_player *player = &axis_players[feed->index];
+    const volatile uint16_t *present = line_is_on() ? &line_player.interval : &player->interval;
     uint16_t interval;
     do {
         interval = *present;
     } while (interval != *present); /* an event came in between the two bytes */
     /* Of silences, only the parts of a long interval are one. */
-    bool is_silence = !line_is_on() && axis_players[feed->index].step_mask == 0 && interval != PART_TICKS;
-    return is_silence ? 0 : interval;
+    return !line_is_on() && player->step_mask == 0 && interval != PART_TICKS ? 0 : interval;
 }
 
 uint32_t feed_step_interval(const struct feed *feed)

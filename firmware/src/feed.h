@@ -23,9 +23,9 @@ struct feed_progress {
 /* Belongs to the main loop. */
 struct feed {
     struct feed_progress played; /* all that has left the queue */
-    uint32_t wait_left;          /* [ticks] of a long interval, still to be queued as silent segments */
-    uint16_t end_time;  /* [64 us] when the queue will be empty; before the start, its length */
-    uint16_t end_ticks; /* and so many ticks */
+    uint16_t parts_left; /* of a long interval, still to be queued as silent segments */
+    uint16_t end_time;   /* [64 us] when the queue will be empty; before the start, its length */
+    uint16_t end_ticks;  /* and so many fast ticks */
     uint8_t index;      /* of the axis */
     uint8_t bit;        /* of the axis */
     uint8_t seen_empty; /* the engine's `empty` when last looked at */
@@ -83,8 +83,8 @@ void feed_started(struct feed *feed, uint16_t start_ticks);
 /* The engine has halted its queue, whose segments are still as they were: what hasn't been played is forgotten. */
 void feed_halted(struct feed *feed);
 
-/* How far the motor has come now. When it leads a line, `line_in_progress` is the line then. */
-struct feed_progress feed_progress(const struct feed *feed);
+/* How far the motor has come now, also told in place of what has been played. When it leads a line, `line_in_progress` is the line then. */
+void feed_progress(const struct feed *feed, struct feed_progress *progress);
 
 /* [ticks] the interval that is passing; 0 at rest, before the first step and after the last. */
 uint32_t feed_interval(const struct feed *feed);

@@ -15,19 +15,10 @@ struct segment_head {
     uint16_t count_less_1;
 };
 
-static struct queued_segment *in_queue(uint8_t axis, uint8_t offset)
-{
-    return &queues[axis][(offset & (QUEUE_BYTES - 1)) / QUEUED_SEGMENT_BYTES];
-}
-
-static struct line_segment *in_line(uint8_t offset)
-{
-    return &line_queue[offset / LINE_SEGMENT_BYTES];
-}
-
 static volatile struct segment_head *head_of(uint8_t axis, uint8_t offset)
 {
-    return (volatile struct segment_head *)(line_is_on() ? (void *)in_line(offset) : (void *)in_queue(axis, offset));
+    uint8_t *segment = (uint8_t *)queues[axis] + (offset & (QUEUE_BYTES - 1));
+    return (volatile struct segment_head *)(line_is_on() ? (uint8_t *)line_segment(offset) : segment);
 }
 
 /* Places are written through volatile pointers: before the head is moved past them. */
@@ -40,23 +31,34 @@ void lane_put(uint8_t axis, uint16_t interval, int16_t add, uint16_t count_less_
     head->add = add;
     head->count_less_1 = count_less_1;
     if (line_is_on()) {
-        volatile struct line_segment *segment = in_line(offset);
+        volatile struct line_segment *segment = (volatile struct line_segment *)head;
         line_fill_in(segment, is_step);
         segment->turn_axes = turns;
     } else {
-        volatile struct queued_segment *segment = in_queue(axis, offset);
+        volatile struct queued_segment *segment = (volatile struct queued_segment *)head;
         segment->step_mask = is_step ? engine_step_mask(axis) : 0;
         segment->turn_mask = turns != 0 ? engine_turn_mask(axis) : 0;
     }
     lane->head = lane_next(offset);
 }
 
-struct loaded lane_loaded(uint8_t axis, uint8_t offset)
+void lane_loaded(uint8_t axis, uint8_t offset, struct loaded *loaded)
 {
     const volatile struct segment_head *head = head_of(axis, offset);
-    bool on = line_is_on();
-    uint8_t steps = on ? in_line(offset)->axes : in_queue(axis, offset)->step_mask;
-    uint8_t turns = on ? in_line(offset)->turn_axes >> axis & 1 : in_queue(axis, offset)->turn_mask;
-    struct loaded loaded = {head->interval, steps != 0 ? (uint16_t)(head->count_less_1 + 1u) : 0, turns != 0};
-    return loaded;
+    uint8_t steps, turns;
+    if (line_is_on()) {
+        const volatile struct line_segment *segment = (const volatile struct line_segment *)head;
+        steps = segment->axes;
+        turns = (uint8_t)(segment->turn_axes >> axis) & 1;
+    } else {
+        const volatile struct queued_segment *segment = (const volatile struct queued_segment *)head;
+        steps = segment->step_mask;
+        turns = segment->turn_mask;
+    }
+    loaded->time = head->interval;
+    loaded->steps = 0;
+    if (steps != 0) {
+        loaded->steps = (uint16_t)(head->count_less_1 + 1u);
+    }
+    loaded->turns = turns != 0;
 }

@@ -53,7 +53,7 @@ struct loaded {
     uint16_t steps; /* 0: silent */
     bool turns;
 };
-struct loaded lane_loaded(uint8_t axis, uint8_t offset);
+void lane_loaded(uint8_t axis, uint8_t offset, struct loaded *loaded);
 
 #ifdef __cplusplus
 }

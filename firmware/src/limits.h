@@ -40,7 +40,8 @@
 #define SHORTEST_INTERVAL_LINE_4_TICKS 177u
 #endif
 #define SHORTEST_LINE_INTERVALS_TICKS                                                                                  \
-    {SHORTEST_INTERVAL_LINE_2_TICKS, SHORTEST_INTERVAL_LINE_3_TICKS, SHORTEST_INTERVAL_LINE_4_TICKS}
+    {SHORTEST_INTERVAL_1_AXIS_TICKS, SHORTEST_INTERVAL_LINE_2_TICKS, SHORTEST_INTERVAL_LINE_3_TICKS,                   \
+     SHORTEST_INTERVAL_LINE_4_TICKS}
 
 /* Ramps that are computed while they are played. Without, none of them is good. */
 #ifndef HAS_FORMULAS

@@ -1,5 +1,7 @@
 #include "line.h"
 
+#include "out_of_line.h"
+
 /* Steps of the leader in a piece, but for the last: as many as the engine counts to. */
 static const uint16_t STEPS_OF_A_PIECE = 1u << 15;
 
@@ -13,32 +15,35 @@ void line_begin(uint8_t leader, const uint32_t steps[MOST_AXES])
     line.leader = leader;
     line.total = steps[leader];
     line.left = line.total;
-    uint8_t followers = 0;
-    for (uint8_t axis = 0; axis < MOST_AXES; axis++) {
-        if (axis != leader && steps[axis] != 0) {
-            followers |= (uint8_t)(1u << axis);
-            line.followers[line.follower_count] = axis;
-            line.steps[line.follower_count] = steps[axis];
-            line.rest[line.follower_count] = line.total / 2;
+    struct follower *follower = line.followers;
+    uint8_t bit = 1;
+    for (uint8_t axis = 0; axis < MOST_AXES; axis++, steps++, bit = (uint8_t)(bit << 1)) {
+        if (axis == leader) {
+            line.axes |= LINE_AXES(bit, 0);
+        } else if (*steps != 0) {
+            line.axes |= LINE_AXES(0, bit);
             line.follower_count++;
+            *follower++ = (struct follower){axis, *steps, line.total / 2};
         }
     }
-    line.axes = LINE_AXES(1u << leader, followers);
 }
 
 /* The steps that a follower makes with some of the leader's: steps * leader_steps / total, and what remains of that is added
  * to `rest`, which makes one step more when it comes to a whole one. Bit by bit, since the product has up to 62 bits: the
  * leader's steps are the topmost `bits` bits. */
-static uint32_t share_of(uint8_t follower, uint32_t leader_steps, uint8_t bits, uint32_t *rest)
+static uint32_t share_of(const struct follower *follower, uint32_t leader_steps, uint8_t bits, uint32_t *rest)
 {
     uint32_t over = 0, steps = 0;
-    for (uint8_t halves = 2 * bits; halves != 0; halves--) { /* of a bit: first all is doubled, then what it is worth added */
-        if ((halves & 1) == 0) {
+    uint8_t halves = 2 * bits; /* of a bit: first all is doubled, then what it is worth added; and at the end the rest */
+    for (;;) {
+        if (halves == 0) {
+            over += *rest;
+        } else if ((halves & 1) == 0) {
             steps <<= 1;
             over <<= 1;
         } else {
             if ((leader_steps & 1ul << 31) != 0) {
-                over += line.steps[follower];
+                over += follower->steps;
             }
             leader_steps <<= 1;
         }
@@ -46,13 +51,11 @@ static uint32_t share_of(uint8_t follower, uint32_t leader_steps, uint8_t bits, 
             over -= line.total;
             steps++;
         }
+        if (halves-- == 0) {
+            *rest = over;
+            return steps;
+        }
     }
-    *rest += over;
-    if (*rest >= line.total) {
-        *rest -= line.total;
-        steps++;
-    }
-    return steps;
 }
 
 /* The leader's steps in a piece that begins with so many left. */
@@ -61,7 +64,7 @@ static uint16_t piece_of(uint32_t left)
     return left < STEPS_OF_A_PIECE ? (uint16_t)left : STEPS_OF_A_PIECE;
 }
 
-static uint16_t share_of_piece(uint8_t follower, uint16_t leader_steps, uint32_t *rest)
+static uint16_t share_of_piece(const struct follower *follower, uint16_t leader_steps, uint32_t *rest)
 {
     return (uint16_t)share_of(follower, (uint32_t)leader_steps << 16, 16, rest);
 }
@@ -72,8 +75,9 @@ static void begin_piece(void)
     line.queued.total = piece_of(line.left);
     line.queued.done = 0;
     line.left -= line.queued.total;
-    for (uint8_t i = 0; i < line.follower_count; i++) {
-        line.queued.delta[i] = share_of_piece(i, line.queued.total, &line.rest[i]);
+    struct follower *follower = line.followers;
+    for (uint8_t i = 0; i < line.follower_count; i++, follower++) {
+        line.queued.delta[i] = share_of_piece(follower, line.queued.total, &follower->rest);
     }
 }
 
@@ -103,7 +107,7 @@ void line_fill_in(volatile struct line_segment *segment, bool is_step)
 }
 
 /* Steps of a follower with the first `done` of the leader's in a piece in which they make `delta` and `total`. */
-static uint16_t steps_in_piece(uint16_t done, uint16_t delta, uint16_t total)
+static OUT_OF_LINE uint16_t steps_in_piece(uint16_t done, uint16_t delta, uint16_t total)
 {
     if (total == 0) {
         return 0;
@@ -118,10 +122,11 @@ uint32_t line_steps_of(const struct line_progress *progress, uint8_t follower)
     return progress->made[follower] + steps_in_piece(piece->done, piece->delta[follower], piece->total);
 }
 
-uint32_t line_steps_with(uint8_t follower, uint32_t leader_steps)
+uint32_t line_steps_with(uint8_t index, uint32_t leader_steps)
 {
+    const struct follower *follower = &line.followers[index];
     if (leader_steps == line.total) { /* most often, and sooner known */
-        return line.steps[follower];
+        return follower->steps;
     }
     uint32_t begin = leader_steps - leader_steps % STEPS_OF_A_PIECE;
     uint16_t total = piece_of(line.total - begin);

@@ -25,18 +25,23 @@ struct line_progress {
     uint32_t made[MOST_FOLLOWERS]; /* steps of the followers in the pieces before */
 };
 
+/* An axis whose steps come with the leader's. */
+struct follower {
+    uint8_t axis;   /* ascending */
+    uint32_t steps; /* in all of the line */
+    uint32_t rest;  /* of the leader's in all, by which a step more is due: of what has been laid out */
+};
+
 struct line {
     bool is_on;
     uint8_t leader;
-    uint8_t followers[MOST_FOLLOWERS]; /* axes, ascending */
     uint8_t follower_count;
-    uint8_t axes;                      /* for LINE_AXES */
-    uint32_t left;                     /* steps of the leader that are in no piece yet */
-    uint32_t total;                    /* steps of the leader */
-    uint32_t steps[MOST_FOLLOWERS];
-    uint32_t rest[MOST_FOLLOWERS];     /* of `total`, by which their steps are due a step more: of what has been laid out */
+    uint8_t axes;                /* for LINE_AXES */
+    uint32_t left;               /* steps of the leader that are in no piece yet */
+    uint32_t total;              /* steps of the leader */
+    struct follower followers[MOST_FOLLOWERS];
     struct line_piece queued;
-    struct line_progress played;       /* and retired */
+    struct line_progress played; /* and retired */
 };
 
 extern struct line line;
@@ -53,6 +58,12 @@ static inline bool line_is_on(void)
 static inline uint8_t line_axes(void)
 {
     return (uint8_t)((line.axes | line.axes >> 4) & 0x0F);
+}
+
+/* At this offset in the line's queue [bytes]. */
+static inline struct line_segment *line_segment(uint8_t offset)
+{
+    return (struct line_segment *)((uint8_t *)line_queue + offset);
 }
 
 /* Begins a line of the axes that make steps; the leader makes at least one. */

@@ -6,6 +6,7 @@
 #include "feed.h"
 #include "limits.h"
 #include "line.h"
+#include "out_of_line.h"
 #include "port.h"
 #include "ramp_image.h"
 #include "share.h"
@@ -17,6 +18,8 @@
 
 enum { MOST_GAUGES = 3 };
 
+enum { ALL_AXES = (1 << MOST_AXES) - 1 };
+
 /* What a step takes of the processor without its pulse, and when a segment begins with it [us]. */
 enum { STEP_US = 10 };
 
@@ -26,7 +29,9 @@ enum { MOST_YIELDS = 4 };
 static const uint8_t *image;
 const struct settings *machine_settings;
 static struct feed feeds[MOST_AXES];
-static struct feed *end_of_feeds = feeds; /* after those of the image's axes */
+static uint8_t axis_count; /* of the image */
+static uint8_t next_axis;  /* whose turn it is */
+static bool is_short;      /* of what is queued for one of the axes before it */
 static bool is_enabled;
 static uint16_t polled_ms;      /* when the main loop came round last */
 static uint16_t enabled_for_ms; /* for so long the motors have been enabled, */
@@ -35,24 +40,23 @@ static uint8_t yields; /* so often what has been received may still come first, 
 
 static uint8_t ticks_a_us(void)
 {
-    return ramp_image_is_fast(image) ? FAST_CLOCK_HZ / 1000000u : SLOW_CLOCK_HZ / 1000000u;
-}
-
-static struct image_ramp ramp_of(const struct feed *feed)
-{
-    return ramp_image_ramp(image, feed->index);
+    return feed_clock.is_fast ? FAST_CLOCK_HZ / 1000000u : SLOW_CLOCK_HZ / 1000000u;
 }
 
 /* [ticks] */
-static uint32_t slew_interval_of(const struct feed *feed)
+static OUT_OF_LINE uint32_t slew_interval_of(const struct feed *feed)
 {
-    return ramp_of(feed).slew_interval;
+    return ramp_image_slew_interval(image, feed->index);
 }
 
-/* `position` and some steps in the direction of an axis. */
-static int32_t moved(int32_t position, bool backward, uint32_t steps)
+/* Does something with each axis of a mask. */
+static void for_each(uint8_t mask, void (*act)(struct feed *feed))
 {
-    return (int32_t)((uint32_t)position + (backward ? 0u - steps : steps));
+    for (struct feed *feed = feeds; mask != 0; feed++, mask >>= 1) {
+        if ((mask & 1) != 0) {
+            act(feed);
+        }
+    }
 }
 
 /* ---- requests ---- */
@@ -64,12 +68,12 @@ static uint8_t check_mask(uint8_t mask, uint16_t *detail)
         return STATUS_NO_RAMP;
     }
     *detail = mask;
-    bool is_known = mask != 0 && mask >> machine_axes() == 0;
+    bool is_known = mask != 0 && mask >> axis_count == 0;
     bool has_pins = machine_settings->outputs != OUTPUTS_GAUGES || mask >> MOST_GAUGES == 0;
     return is_known && has_pins ? STATUS_OK : STATUS_OUT_OF_RANGE;
 }
 
-static uint32_t without_sign(int32_t number)
+static OUT_OF_LINE uint32_t without_sign(int32_t number)
 {
     return number < 0 ? 0u - (uint32_t)number : (uint32_t)number;
 }
@@ -112,21 +116,28 @@ static uint8_t order(uint8_t mask, const int32_t values[MOST_AXES], bool is_run,
     if (status != STATUS_OK) {
         return status;
     }
-    for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
-        uint32_t interval = (mask & feed->bit) != 0 ? requested_interval(feed, values[feed->index], is_run) : 0;
-        requested[feed->index] = interval;
+    const int32_t *value = values;
+    uint32_t *interval_of = requested;
+    struct feed *feed = feeds;
+    for (uint8_t left = axis_count; left != 0; left--, feed++, value++) {
+        uint32_t interval = (mask & feed->bit) != 0 ? requested_interval(feed, *value, is_run) : 0;
+        *interval_of++ = interval;
         if (interval != 0 && (interval < slew_interval_of(feed) || interval > LONGEST_INTERVAL_TICKS)) {
             *detail = feed->index;
             return STATUS_OUT_OF_RANGE;
         }
     }
-    status = share_check(feeds, end_of_feeds, requested, detail);
-    for (struct feed *feed = feeds; status == STATUS_OK && feed != end_of_feeds; feed++) {
-        if ((mask & feed->bit) != 0) {
-            begin_order(feed, requested[feed->index], values[feed->index], is_run);
+    status = share_check(feeds, axis_count, requested, detail);
+    if (status != STATUS_OK) {
+        return status;
+    }
+    interval_of = requested;
+    for (struct feed *feed = feeds; mask != 0; feed++, mask >>= 1, interval_of++, values++) {
+        if ((mask & 1) != 0) {
+            begin_order(feed, *interval_of, *values, is_run);
         }
     }
-    return status;
+    return STATUS_OK;
 }
 
 uint8_t machine_move_to(uint8_t mask, const int32_t targets[MOST_AXES], uint16_t *detail)
@@ -141,10 +152,10 @@ uint8_t machine_run(uint8_t mask, const int32_t intervals[MOST_AXES], uint16_t *
 
 void machine_set_position(uint8_t mask, const int32_t positions[MOST_AXES])
 {
-    for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
-        if ((mask & feed->bit) != 0) {
-            feed->played.position = positions[feed->index];
-            axis_halt(&feed->axis, positions[feed->index]);
+    for (struct feed *feed = feeds; mask != 0; feed++, mask >>= 1, positions++) {
+        if ((mask & 1) != 0) {
+            feed->played.position = *positions;
+            axis_halt(&feed->axis, *positions);
         }
     }
 }
@@ -153,8 +164,8 @@ uint8_t machine_zero(uint8_t mask, uint16_t steps, uint16_t *detail)
 {
     const int32_t zeros[MOST_AXES] = {0};
     uint8_t status = machine_move_to(mask, zeros, detail);
-    for (struct feed *feed = feeds; status == STATUS_OK && feed != end_of_feeds; feed++) {
-        if ((mask & feed->bit) != 0) {
+    for (struct feed *feed = feeds; status == STATUS_OK && mask != 0; feed++, mask >>= 1) {
+        if ((mask & 1) != 0) {
             feed->played.position = steps;
             feed->axis.position = steps; /* it has not set out yet */
         }
@@ -164,72 +175,107 @@ uint8_t machine_zero(uint8_t mask, uint16_t steps, uint16_t *detail)
 
 /* ---- lines ---- */
 
-/* Lays out a line for the axis with most steps to lead, with this ramp. */
-static void begin_line(const struct image_ramp *ramp, const int32_t steps[MOST_AXES], const uint32_t lengths[MOST_AXES])
+/* The axes that are asked to make a straight line. */
+struct line_plan {
+    uint32_t lengths[MOST_AXES]; /* [steps] */
+    uint8_t count;               /* of those that make steps */
+    uint8_t backward;            /* a bit each */
+    struct feed *leader;         /* with most steps */
+    uint32_t longest;            /* [steps] of the leader */
+};
+
+/* Plans a line. Returns the index of an axis that would leave the range, or MOST_AXES. */
+static uint8_t plan_line(struct line_plan *plan, uint8_t mask, const int32_t *steps)
 {
-    struct feed *leader = feeds;
-    for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
-        leader = lengths[feed->index] > lengths[leader->index] ? feed : leader;
+    *plan = (struct line_plan){.leader = feeds};
+    uint32_t *length = plan->lengths;
+    for (struct feed *feed = feeds; mask != 0; feed++, mask >>= 1, steps++, length++) {
+        if ((mask & 1) == 0 || *steps == 0) {
+            continue;
+        }
+        int32_t target = feed->played.position;
+        if (!add_steps(&target, *steps)) {
+            return feed->index;
+        }
+        *length = without_sign(*steps);
+        plan->count++;
+        if (*steps < 0) {
+            plan->backward |= feed->bit;
+        }
+        if (*length > plan->longest) {
+            plan->longest = *length;
+            plan->leader = feed;
+        }
     }
-    for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
-        bool backward = steps[feed->index] < 0;
-        if (feed != leader && lengths[feed->index] != 0 && feed->pin_backward != backward) {
+    return MOST_AXES;
+}
+
+/* Lays out a line for its leader, with this ramp. */
+static void begin_line(const struct line_plan *plan, const struct image_ramp *ramp)
+{
+    struct feed *leader = plan->leader;
+    const uint32_t *length = plan->lengths;
+    struct feed *feed = feeds;
+    for (uint8_t left = axis_count; left != 0; left--, feed++) {
+        bool backward = (plan->backward & feed->bit) != 0;
+        if (*length++ != 0 && feed != leader && feed->pin_backward != backward) {
             feed->pin_backward = backward;
             leader->turns_too |= feed->bit;
         }
     }
-    int32_t position = leader->played.position;
+    int32_t target = leader->played.position;
     engine_set_line(true);
-    line_begin(leader->index, lengths);
+    line_begin(leader->index, plan->lengths);
     axis_begin(&leader->axis, ramp);
-    axis_halt(&leader->axis, position);
-    axis_move_to(&leader->axis, ramp->slew_interval, moved(position, false, (uint32_t)steps[leader->index]));
+    axis_halt(&leader->axis, target);
+    move_position(&target, (plan->backward & leader->bit) != 0, plan->longest);
+    axis_move_to(&leader->axis, ramp->slew_interval, target);
     feed_set_out(leader);
 }
 
 uint8_t machine_line(uint8_t mask, uint8_t ramp_axis, const int32_t steps[MOST_AXES], uint16_t *detail)
 {
-    uint32_t lengths[MOST_AXES] = {0};
-    uint8_t count = 0, status = check_mask(mask, detail);
-    if (status == STATUS_OK && (ramp_axis >= machine_axes() || machine_settings->outputs == OUTPUTS_GAUGES)) {
+    struct line_plan plan;
+    uint8_t status = check_mask(mask, detail);
+    if (status != STATUS_OK) {
+        return status;
+    }
+    if (ramp_axis >= axis_count || machine_settings->outputs == OUTPUTS_GAUGES) {
         *detail = ramp_axis;
         return STATUS_OUT_OF_RANGE;
     }
-    for (struct feed *feed = feeds; status == STATUS_OK && feed != end_of_feeds; feed++) {
-        int32_t by = (mask & feed->bit) != 0 ? steps[feed->index] : 0, from = feed->played.position;
-        int32_t target = moved(from, false, (uint32_t)by);
-        lengths[feed->index] = without_sign(by);
-        count = (uint8_t)(count + (by != 0));
-        if (by < 0 ? target > from : target < from) {
-            *detail = feed->index;
-            return STATUS_OUT_OF_RANGE;
-        }
+    *detail = plan_line(&plan, mask, steps);
+    if (*detail != MOST_AXES) {
+        return STATUS_OUT_OF_RANGE;
     }
-    if (status == STATUS_OK && count != 0) {
+    if (plan.count != 0) {
         struct image_ramp ramp = ramp_image_ramp(image, ramp_axis);
-        status = share_check_line(ramp.slew_interval, count, detail);
+        status = share_check_line(ramp.slew_interval, plan.count, detail);
         if (status == STATUS_OK) {
-            begin_line(&ramp, steps, lengths);
+            begin_line(&plan, &ramp);
         }
     }
     return status;
+}
+
+static void point_forward(struct feed *feed)
+{
+    feed->pin_backward = false;
+    feed->played.backward = false;
+    feed->turns_too = 0;
 }
 
 /* At rest: all directions forward, whatever was queued of turns. */
 static void make_pins_ready(void)
 {
     engine_configure(machine_settings);
-    for (struct feed *feed = feeds; feed != feeds + MOST_AXES; feed++) {
-        feed->pin_backward = false;
-        feed->played.backward = false;
-        feed->turns_too = 0;
-    }
+    for_each(ALL_AXES, point_forward);
 }
 
 /* Begins with an axis at rest where it is, with its own ramp. */
 static void begin_axis(struct feed *feed)
 {
-    struct image_ramp ramp = ramp_of(feed);
+    struct image_ramp ramp = ramp_image_ramp(image, feed->index);
     axis_begin(&feed->axis, &ramp);
     axis_halt(&feed->axis, feed->played.position);
 }
@@ -237,8 +283,9 @@ static void begin_axis(struct feed *feed)
 /* The index of an axis among the followers of a line; MOST_FOLLOWERS: it is none. */
 static uint8_t follower_index(const struct feed *feed)
 {
-    for (uint8_t k = 0; line_is_on() && k < line.follower_count; k++) {
-        if (line.followers[k] == feed->index) {
+    const struct follower *follower = line.followers;
+    for (uint8_t k = 0; line_is_on() && k < line.follower_count; k++, follower++) {
+        if (follower->axis == feed->index) {
             return k;
         }
     }
@@ -255,8 +302,9 @@ static uint32_t follower_steps(const struct feed *feed, const struct line_progre
 /* The line has come to rest: its axes are axes of their own again. Only the leader's had another's ramp. */
 static void end_line(const struct line_progress *progress)
 {
-    for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
-        feed->played.position = moved(feed->played.position, feed->pin_backward, follower_steps(feed, progress));
+    struct feed *feed = feeds;
+    for (uint8_t left = axis_count; left != 0; left--, feed++) {
+        move_position(&feed->played.position, feed->pin_backward, follower_steps(feed, progress));
         axis_halt(&feed->axis, feed->played.position);
     }
     line.is_on = false;
@@ -276,23 +324,28 @@ static uint8_t axes_meant(uint8_t mask)
     return (mask & line_axes()) != 0 ? feeds[line.leader].bit : 0;
 }
 
+static void stop_moving(struct feed *feed)
+{
+    if (feed_is_moving(feed)) {
+        stop(feed);
+    }
+}
+
+static void stop_run(struct feed *feed)
+{
+    if (feed->axis.runs) {
+        stop(feed);
+    }
+}
+
 void machine_stop(uint8_t mask)
 {
-    mask = axes_meant(mask);
-    for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
-        if (feed_is_moving(feed) && (mask & feed->bit) != 0) {
-            stop(feed);
-        }
-    }
+    for_each(axes_meant(mask), stop_moving);
 }
 
 void machine_stop_runs(void)
 {
-    for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
-        if (feed->axis.runs) {
-            stop(feed);
-        }
-    }
+    for_each(ALL_AXES, stop_run);
 }
 
 void machine_halt(uint8_t mask)
@@ -302,11 +355,7 @@ void machine_halt(uint8_t mask)
         return;
     }
     engine_halt(mask);
-    for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
-        if ((mask & feed->bit) != 0) {
-            feed_halted(feed);
-        }
-    }
+    for_each(mask, feed_halted);
     if (line_is_on()) {
         end_line(&line_in_progress);
     }
@@ -328,7 +377,7 @@ void machine_begin(void)
  * those of a fast one. */
 static uint16_t latest_turn_us(void)
 {
-    uint8_t others = (uint8_t)(machine_axes() - 1);
+    uint8_t others = (uint8_t)(axis_count - 1);
     return (uint16_t)(STEP_US + 3 * others * (STEP_US + machine_settings->pulse_width_us));
 }
 
@@ -336,27 +385,26 @@ void machine_use(const uint8_t *new_image, const struct settings *settings)
 {
     image = new_image;
     machine_settings = settings;
-    end_of_feeds = feeds + (image == NULL ? 0 : ramp_image_axes(image));
+    axis_count = image == NULL ? 0 : ramp_image_axes(image);
     make_pins_ready();
     if (image != NULL) {
         bool is_fast = ramp_image_is_fast(image);
         engine_set_clock(is_fast);
         feed_clock.is_fast = is_fast;
         feed_clock.setup_ticks = (uint32_t)(machine_settings->direction_setup_us + latest_turn_us()) * ticks_a_us();
-        for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
-            begin_axis(feed);
-        }
+        for_each((uint8_t)((1u << axis_count) - 1), begin_axis);
     }
 }
 
 uint8_t machine_axes(void)
 {
-    return (uint8_t)(end_of_feeds - feeds);
+    return axis_count;
 }
 
 bool machine_is_moving(void)
 {
-    for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
+    struct feed *feed = feeds;
+    for (uint8_t left = axis_count; left != 0; left--, feed++) {
         if (feed_is_moving(feed)) {
             return true;
         }
@@ -370,33 +418,30 @@ bool machine_is_on_a_line(void)
 }
 
 /* The steps that the leader of a line will have made when it comes to rest: its target lies ahead all along. */
-static uint32_t steps_of_leader(void)
+static OUT_OF_LINE uint32_t steps_of_leader(void)
 {
     const struct feed *leader = &feeds[line.leader];
     uint32_t distance = (uint32_t)leader->axis.target - (uint32_t)leader->played.position;
     return leader->played.steps_made + without_sign((int32_t)distance);
 }
 
-static struct axis_report report_follower(const struct feed *feed, uint8_t follower)
-{
-    feed_progress(&feeds[line.leader]);
-    uint32_t steps_made = line_steps_of(&line_in_progress, follower);
-    int32_t position = moved(feed->played.position, feed->pin_backward, steps_made);
-    uint8_t state = feeds[line.leader].axis.stopping ? AXIS_STOPPING : AXIS_MOVING;
-    return (struct axis_report){state, position, 0, steps_made};
-}
-
 struct axis_report machine_report(uint8_t index)
 {
     const struct feed *feed = &feeds[index];
     uint8_t follower = follower_index(feed);
-    if (follower != MOST_FOLLOWERS) {
-        return report_follower(feed, follower);
-    }
-    struct feed_progress progress = feed_progress(feed);
+    bool follows = follower != MOST_FOLLOWERS;
+    const struct feed *leader = follows ? &feeds[line.leader] : feed;
+    struct feed_progress progress;
+    feed_progress(leader, &progress);
     struct axis_report report = {AXIS_IDLE, progress.position, 0, progress.steps_made};
-    if (feed_is_moving(feed)) {
-        report.state = feed->axis.stopping ? AXIS_STOPPING : AXIS_MOVING;
+    if (follows || feed_is_moving(feed)) {
+        report.state = leader->axis.stopping ? AXIS_STOPPING : AXIS_MOVING;
+    }
+    if (follows) {
+        report.steps_made = line_steps_of(&line_in_progress, follower);
+        report.position = feed->played.position;
+        move_position(&report.position, feed->pin_backward, report.steps_made);
+    } else if (feed_is_moving(feed)) {
         report.interval = feed_interval(feed);
     }
     return report;
@@ -412,9 +457,16 @@ int32_t machine_target(uint8_t index)
     const struct feed *feed = &feeds[index];
     uint8_t follower = follower_index(feed);
     if (follower != MOST_FOLLOWERS) {
-        return moved(feed->played.position, feed->pin_backward, line_steps_with(follower, steps_of_leader()));
+        int32_t target = feed->played.position;
+        move_position(&target, feed->pin_backward, line_steps_with(follower, steps_of_leader()));
+        return target;
     }
-    return feed_is_moving(feed) && !feed->axis.runs ? feed->axis.target : machine_report(index).position;
+    if (feed_is_moving(feed) && !feed->axis.runs) {
+        return feed->axis.target;
+    }
+    struct feed_progress progress;
+    feed_progress(feed, &progress);
+    return progress.position;
 }
 
 uint8_t machine_starved(void)
@@ -433,7 +485,8 @@ bool machine_is_enabled(void)
 static uint8_t axes_to_start(void)
 {
     uint8_t mask = 0;
-    for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
+    struct feed *feed = feeds;
+    for (uint8_t left = axis_count; left != 0; left--, feed++) {
         if (feed->stage == FEED_WAITING) {
             if (!feed_is_ready(feed)) {
                 return 0;
@@ -444,9 +497,9 @@ static uint8_t axes_to_start(void)
     return mask;
 }
 
-static uint16_t longer(uint16_t time, uint16_t passed)
+static OUT_OF_LINE void add_time(uint16_t *time, uint16_t passed)
 {
-    return passed > UINT16_MAX - time ? UINT16_MAX : (uint16_t)(time + passed);
+    *time = passed > UINT16_MAX - *time ? UINT16_MAX : (uint16_t)(*time + passed);
 }
 
 /* Counts the milliseconds that have passed. */
@@ -454,8 +507,11 @@ static void pass_time(uint16_t now_ms)
 {
     uint16_t passed = (uint16_t)(now_ms - polled_ms);
     polled_ms = now_ms;
-    enabled_for_ms = longer(enabled_for_ms, passed);
-    at_rest_for_ms = machine_is_moving() ? 0 : longer(at_rest_for_ms, passed);
+    add_time(&enabled_for_ms, passed);
+    add_time(&at_rest_for_ms, passed);
+    if (machine_is_moving()) {
+        at_rest_for_ms = 0;
+    }
 }
 
 /* Enables the motors. Returns true when they have had time to hold. */
@@ -484,10 +540,10 @@ static void let_go(void)
 static uint16_t start_ticks(uint8_t mask)
 {
     uint16_t ticks = (uint16_t)(START_US * ticks_a_us());
-    for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
-        uint16_t interval = feed_next_interval(feed);
-        if ((mask & feed->bit) != 0 && feed->has_run_dry && interval > ticks) {
-            ticks = interval;
+    for (struct feed *feed = feeds; mask != 0; feed++, mask >>= 1) {
+        if ((mask & 1) != 0 && feed->has_run_dry) {
+            uint16_t interval = feed_next_interval(feed);
+            ticks = interval > ticks ? interval : ticks;
         }
     }
     return ticks;
@@ -498,8 +554,8 @@ static void start(uint8_t mask)
     uint16_t ticks = start_ticks(mask);
     feed_clock.now = port_time();
     engine_start(mask, ticks);
-    for (struct feed *feed = feeds; feed != end_of_feeds; feed++) {
-        if ((mask & feed->bit) != 0) {
+    for (struct feed *feed = feeds; mask != 0; feed++, mask >>= 1) {
+        if ((mask & 1) != 0) {
             feed_started(feed, ticks);
         }
     }
@@ -523,27 +579,27 @@ static void go_on_together(void)
  * must leave the time to move. */
 bool machine_poll(void)
 {
-    static struct feed *next = feeds;
-    static bool has_time = true; /* as far as the axes have had their turn */
     feed_clock.now = port_time();
-    while (next < end_of_feeds) {
-        struct feed *feed = next++;
+    while (next_axis < axis_count) {
+        struct feed *feed = &feeds[next_axis++];
         if (!feed_is_moving(feed)) {
             continue;
         }
         axis_compute(&feed->axis);
-        has_time = feed_poll(feed) && has_time;
+        if (!feed_poll(feed)) {
+            is_short = true;
+        }
         if (port_skip_to_stop()) {
             return false;
         }
-        if (has_time && yields != 0 && port_has_received()) {
+        if (!is_short && yields != 0 && port_has_received()) {
             yields--;
             return false;
         }
     }
-    bool had_time = has_time;
-    has_time = true;
-    next = feeds;
+    bool had_time = !is_short;
+    is_short = false;
+    next_axis = 0;
     if (!port_has_received()) {
         yields = MOST_YIELDS;
     }

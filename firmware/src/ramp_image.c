@@ -4,10 +4,10 @@
 #include "limits.h"
 #include "message.h"
 
-enum { FORMAT = 2, FAST_CLOCK = 1, DOWN_IS_UP = 1 };
+enum { FORMAT = 2, DOWN_IS_UP = 1 };
 
 /* Offsets: of the image's header, of a ramp's, and of what a ramp of segments begins with. */
-enum { AXES_AT = RAMP_IMAGE_AXES_AT, RAMPS_AT = 3, HEADER_BYTES = 4 };
+enum { AXES_AT = RAMP_IMAGE_AXES_AT, RAMPS_AT = RAMP_IMAGE_RAMPS_AT, HEADER_BYTES = 4 };
 enum { RAMP_LENGTH_AT = 1, RAMP_HEADER_BYTES = 3 };
 enum { FLAGS_AT = 0, UP_AT = 1, DOWN_AT = 2, SLEW_AT = 3, UP_BYTES_AT = 7, LISTS_AT = 9 };
 
@@ -145,7 +145,7 @@ static bool header_is_good(const uint8_t *image, uint16_t length)
 {
     /* Less 1, none of a number is the largest of all. */
     uint8_t axes_less_1 = (uint8_t)(image[AXES_AT] - 1), ramps_less_1 = (uint8_t)(image[RAMPS_AT] - 1);
-    return image[0] == FORMAT && image[1] <= FAST_CLOCK && axes_less_1 < AXES && ramps_less_1 <= axes_less_1 &&
+    return image[0] == FORMAT && image[RAMP_IMAGE_CLOCK_AT] <= RAMP_IMAGE_FAST_CLOCK && axes_less_1 < AXES && ramps_less_1 <= axes_less_1 &&
            length > (uint16_t)(HEADER_BYTES + axes_less_1) && assignment_is_good(image);
 }
 
@@ -181,21 +181,6 @@ struct image_check ramp_image_check(const uint8_t *image, uint16_t length)
     return check;
 }
 
-uint8_t ramp_image_axes(const uint8_t *image)
-{
-    return image[RAMP_IMAGE_AXES_AT];
-}
-
-uint8_t ramp_image_ramps(const uint8_t *image)
-{
-    return image[RAMPS_AT];
-}
-
-bool ramp_image_is_fast(const uint8_t *image)
-{
-    return (image[1] & FAST_CLOCK) != 0;
-}
-
 /* The lists of a ramp of segments, of `length` bytes. */
 static void find_lists(struct image_ramp *ramp, const uint8_t *body, uint16_t length)
 {
@@ -224,4 +209,9 @@ struct image_ramp ramp_image_ramp(const uint8_t *image, uint8_t axis)
         ramp.slew_interval = formula_slew_interval(body);
     }
     return ramp;
+}
+
+uint32_t ramp_image_slew_interval(const uint8_t *image, uint8_t axis)
+{
+    return ramp_image_ramp(image, axis).slew_interval;
 }

@@ -36,17 +36,28 @@ struct image_ramp {
     const uint8_t *formula;  /* its constants; means nothing of a ramp of segments, as the lists do of a formula */
 };
 
-/* Where an image says how many axes it has. */
-enum { RAMP_IMAGE_AXES_AT = 2 };
+/* Where an image says which clock it is for, and how many axes and ramps it has. */
+enum { RAMP_IMAGE_CLOCK_AT = 1, RAMP_IMAGE_AXES_AT = 2, RAMP_IMAGE_RAMPS_AT = 3, RAMP_IMAGE_FAST_CLOCK = 1 };
 
-uint8_t ramp_image_axes(const uint8_t *image);
-uint8_t ramp_image_ramps(const uint8_t *image);
+static inline uint8_t ramp_image_axes(const uint8_t *image)
+{
+    return image[RAMP_IMAGE_AXES_AT];
+}
+
+static inline uint8_t ramp_image_ramps(const uint8_t *image)
+{
+    return image[RAMP_IMAGE_RAMPS_AT];
+}
 
 /* Its ticks are those of the fast clock. */
-bool ramp_image_is_fast(const uint8_t *image);
+static inline bool ramp_image_is_fast(const uint8_t *image)
+{
+    return (image[RAMP_IMAGE_CLOCK_AT] & RAMP_IMAGE_FAST_CLOCK) != 0;
+}
 
-/* The ramp of an axis. */
+/* The ramp of an axis, and only its slew interval [ticks]. */
 struct image_ramp ramp_image_ramp(const uint8_t *image, uint8_t axis);
+uint32_t ramp_image_slew_interval(const uint8_t *image, uint8_t axis);
 
 #ifdef __cplusplus
 }

@@ -6,6 +6,7 @@
 #include "frame.h"
 #include "machine.h"
 #include "message.h"
+#include "out_of_line.h"
 #include "slots.h"
 
 /* The image in RAM, and its settings, are slot_content; its length is slot_image_length. */
@@ -20,7 +21,7 @@ static uint8_t flags;     /* FLAG_WRITE_FAILED; FLAG_ON_TRIAL of the settings on
 static uint16_t received; /* [bytes] of the image: those behind are free */
 static uint16_t crc;      /* of the image in RAM, or announced for it */
 
-static bool is_playable(void)
+static OUT_OF_LINE bool is_playable(void)
 {
     return content >= ON_TRIAL;
 }
@@ -102,7 +103,7 @@ uint16_t ramp_store_trace_every(uint8_t axis)
     }
     bool is_fast = ramp_image_is_fast(slot_content.image);
     uint16_t ticks_a_value = is_fast ? FAST_CLOCK_HZ / TRACE_VALUES_A_SECOND : SLOW_CLOCK_HZ / TRACE_VALUES_A_SECOND;
-    uint32_t slew_interval = ramp_image_ramp(slot_content.image, axis).slew_interval;
+    uint32_t slew_interval = ramp_image_slew_interval(slot_content.image, axis);
     if (slew_interval >= ticks_a_value) {
         return 1;
     }

@@ -68,7 +68,7 @@ bool report_poll(uint16_t session, uint16_t now_ms)
     if (rate_hz == 0 || notice_is_going_out() || late_ms > INT16_MAX) {
         return false;
     }
-    uint16_t period_ms = (uint16_t)(MS_A_SECOND / rate_hz);
+    uint16_t period_ms = (uint16_t)MS_A_SECOND / rate_hz;
     /* A report that comes too late for the next one takes its place: reports never queue up. */
     due_ms = late_ms < period_ms ? (uint16_t)(due_ms + period_ms) : (uint16_t)(now_ms + period_ms);
     begin(session, now_ms);

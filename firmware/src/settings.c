@@ -6,7 +6,7 @@ enum { LONGEST_PULSE_US = 100, SHORTEST_SETUP_US = 20, LONGEST_SETUP_US = 15000,
 /* Where the settings lie when packed. */
 enum offset { OUTPUTS = 0, BOTH_EDGES = 1, ENABLE_FLAGS = 4, PULSE_WIDTH = 5, DIRECTION_SETUP = 6, ENABLE_LEAD = 8 };
 
-/* The largest value of each setting that is one byte. No table: an AVR would copy it into its RAM. */
+/* The largest value of each setting that is one byte; in less room than a table. */
 static uint8_t largest(uint8_t offset)
 {
     return offset == OUTPUTS        ? OUTPUTS_GAUGES

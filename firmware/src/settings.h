@@ -35,7 +35,11 @@ struct settings {
 /* What holds as long as nothing is stored. */
 static inline struct settings settings_default(void)
 {
-    struct settings settings = {OUTPUTS_STEP_AND_DIRECTION, 0, 0, 0, 0, 0, 30, 1, HOLD_FOR_EVER};
+    struct settings settings;
+    memset(&settings, 0, sizeof settings);
+    settings.direction_setup_us = 30;
+    settings.enable_lead_ms = 1;
+    settings.enable_hold_ms = HOLD_FOR_EVER;
     return settings;
 }
 
@@ -47,9 +51,11 @@ uint8_t settings_check(const uint8_t bytes[SETTINGS_BYTES]);
 static inline void settings_pack(const struct settings *settings, uint8_t bytes[SETTINGS_BYTES])
 {
     memcpy(bytes, settings, SETTINGS_BYTES);
-    write_u16(bytes + offsetof(struct settings, direction_setup_us), settings->direction_setup_us);
-    write_u16(bytes + offsetof(struct settings, enable_lead_ms), settings->enable_lead_ms);
-    write_u16(bytes + offsetof(struct settings, enable_hold_ms), settings->enable_hold_ms);
+    if (!IS_LITTLE_ENDIAN) {
+        write_u16(bytes + offsetof(struct settings, direction_setup_us), settings->direction_setup_us);
+        write_u16(bytes + offsetof(struct settings, enable_lead_ms), settings->enable_lead_ms);
+        write_u16(bytes + offsetof(struct settings, enable_hold_ms), settings->enable_hold_ms);
+    }
 }
 
 static inline struct settings settings_unpack(const uint8_t bytes[SETTINGS_BYTES])

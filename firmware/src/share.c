@@ -3,9 +3,11 @@
 #include <stdbool.h>
 
 #include "axis.h"
+#include "in_flash.h"
 #include "limits.h"
 #include "machine.h"
 #include "message.h"
+#include "out_of_line.h"
 #include "port.h"
 
 enum { SHARE_BITS = 12 };
@@ -30,24 +32,11 @@ static uint16_t share_of(uint32_t interval, uint16_t cycles, uint8_t pulses, uin
     return share > UINT16_MAX / MOST_AXES ? UINT16_MAX / MOST_AXES : (uint16_t)share;
 }
 
-/* Not tables: an AVR would copy them into its RAM. */
-static uint16_t shortest_together(uint8_t count)
-{
-    return count < 2   ? SHORTEST_INTERVAL_1_AXIS_TICKS
-           : count < 3 ? SHORTEST_INTERVAL_2_AXES_TICKS
-           : count < 4 ? SHORTEST_INTERVAL_3_AXES_TICKS
-                       : SHORTEST_INTERVAL_4_AXES_TICKS;
-}
+/* Of 1, 2, 3, 4 axes: alone, and on a line. */
+static const IN_FLASH uint16_t shortest_together[MOST_AXES] = SHORTEST_INTERVALS_TICKS;
+static const IN_FLASH uint16_t shortest_on_a_line[MOST_AXES] = SHORTEST_LINE_INTERVALS_TICKS;
 
-static uint16_t shortest_on_a_line(uint8_t count)
-{
-    return count < 2   ? SHORTEST_INTERVAL_1_AXIS_TICKS
-           : count < 3 ? SHORTEST_INTERVAL_LINE_2_TICKS
-           : count < 4 ? SHORTEST_INTERVAL_LINE_3_TICKS
-                       : SHORTEST_INTERVAL_LINE_4_TICKS;
-}
-
-static uint8_t share_status(uint16_t share, uint16_t *detail)
+static OUT_OF_LINE uint8_t share_status(uint16_t share, uint16_t *detail)
 {
     if (share <= 1u << SHARE_BITS) {
         return STATUS_OK;
@@ -78,28 +67,29 @@ static uint16_t share_of_axis(const struct feed *feed, uint32_t interval, uint8_
         return share_of(interval, SHORTEST_GAUGE_INTERVAL_TICKS, 0, 1);
     }
     return axis_is_by_formula(&feed->axis) ? share_of(interval, SHORTEST_FORMULA_INTERVAL_TICKS, 1, 1)
-                                           : share_of(interval, shortest_together(count), count, count);
+                                           : share_of(interval, shortest_together[count - 1], count, count);
 }
 
 /* Gauges are slow: each has its limit, whatever the others do. A stop that has come in makes an end of it: the
  * divisions take long. */
-uint8_t share_check(const struct feed *feeds, const struct feed *end_of_feeds, const uint32_t requested[MOST_AXES],
-                    uint16_t *detail)
+uint8_t share_check(const struct feed *feeds, uint8_t axes, const uint32_t requested[MOST_AXES], uint16_t *detail)
 {
     bool are_gauges = machine_settings->outputs == OUTPUTS_GAUGES;
     uint8_t count = 0;
     uint16_t sum = 0;
-    for (const struct feed *feed = feeds; feed != end_of_feeds; feed++) {
-        count = (uint8_t)(count + (requested[feed->index] != 0 || feed_is_moving(feed)));
+    for (uint8_t i = 0; i < axes; i++) {
+        if (requested[i] != 0 || feed_is_moving(&feeds[i])) {
+            count++;
+        }
     }
-    for (const struct feed *feed = feeds; feed != end_of_feeds; feed++) {
+    for (; axes != 0; axes--, feeds++, requested++) {
         if (port_skip_to_stop()) {
             *detail = 0;
             return STATUS_OUT_OF_ORDER;
         }
-        if (requested[feed->index] != 0 || feed_is_moving(feed)) {
-            uint32_t interval = shortest_interval(feed, requested[feed->index]);
-            uint16_t share = share_of_axis(feed, interval, count);
+        if (*requested != 0 || feed_is_moving(feeds)) {
+            uint32_t interval = shortest_interval(feeds, *requested);
+            uint16_t share = share_of_axis(feeds, interval, count);
             sum = are_gauges ? (share > sum ? share : sum) : (uint16_t)(sum + share);
         }
     }
@@ -108,5 +98,5 @@ uint8_t share_check(const struct feed *feeds, const struct feed *end_of_feeds, c
 
 uint8_t share_check_line(uint32_t interval, uint8_t count, uint16_t *detail)
 {
-    return share_status(share_of(interval, shortest_on_a_line(count), 1, 1), detail);
+    return share_status(share_of(interval, shortest_on_a_line[count - 1], 1, 1), detail);
 }

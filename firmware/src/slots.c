@@ -4,6 +4,7 @@
 
 #include "frame.h"
 #include "message.h"
+#include "out_of_line.h"
 #include "port.h"
 #include "ramp_image.h"
 
@@ -37,14 +38,20 @@ static uint16_t address_of(uint8_t slot, uint16_t offset)
     return slot == 0 ? offset : (uint16_t)(SLOT_BYTES + offset);
 }
 
+/* Reads so many bytes of a slot, from this offset on. */
+static OUT_OF_LINE void read_bytes(uint8_t slot, uint16_t offset, uint8_t *bytes, uint16_t count)
+{
+    for (uint16_t address = address_of(slot, offset); count != 0; count--) {
+        *bytes++ = port_eeprom_read(address++);
+    }
+}
+
 /* ---- headers ---- */
 
 /* Reads a slot's header. Returns false when it is none. */
 static bool read_header(uint8_t slot, uint8_t header[SLOT_HEADER_BYTES])
 {
-    for (uint8_t i = 0; i < SLOT_HEADER_BYTES; i++) {
-        header[i] = port_eeprom_read(address_of(slot, i));
-    }
+    read_bytes(slot, 0, header, SLOT_HEADER_BYTES);
     return header[AT_MAGIC] == MAGIC && header[AT_FORMAT] == SLOT_FORMAT;
 }
 
@@ -86,9 +93,7 @@ static bool load(uint8_t slot)
     if (length <= SETTINGS_BYTES || length > SETTINGS_BYTES + LARGEST_IMAGE_BYTES) {
         return false;
     }
-    for (uint16_t i = 0; i < length; i++) {
-        content_bytes()[i] = port_eeprom_read(address_of(slot, SLOT_HEADER_BYTES + i));
-    }
+    read_bytes(slot, SLOT_HEADER_BYTES, content_bytes(), length);
     slot_image_length = (uint16_t)(length - SETTINGS_BYTES);
     return crc16(content_bytes(), length) == read_u16(header + AT_CRC) &&
            settings_check(content_bytes()) == SETTINGS_BYTES &&
@@ -154,7 +159,7 @@ static uint16_t content_length(void)
     return SETTINGS_BYTES + slot_image_length;
 }
 
-static void begin_stage(uint8_t next)
+static OUT_OF_LINE void begin_stage(uint8_t next)
 {
     stage = next;
     left = next == WRITE_CONTENT ? content_length() : next == WRITE_HEADER ? SLOT_HEADER_BYTES : 1;

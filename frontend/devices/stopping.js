@@ -86,6 +86,8 @@ export function createStop({ devices, endMotions, hearStops }, tell) {
       }
       unanswered = unanswered.filter((press) => press.fate === 'under way' || !areAtRest(press.meantFor, told));
     },
+    /** The server is gone: what is told next may be another's, which knows of no stop before. */
+    leave: () => pressedAt.clear(),
     async press() {
       const act = isHaltNext() ? halt : slowDown;
       for (const device of devices()) if (!pressedAt.has(device.id)) pressedAt.set(device.id, device);
@@ -118,12 +120,12 @@ export function createStop({ devices, endMotions, hearStops }, tell) {
   };
 }
 
-/** Whether what is told now is the device that was known: another server's may have the same id.
+/** Whether what is told now is the device that was known, at the port where it was.
  * @param {Device} known @param {Device} told */
-const isSame = (known, { id, port, stops }) => known.id === id && known.port === port && known.stops <= stops;
+const isSame = (known, { id, port }) => known.id === id && known.port === port;
 
-/** Whether all that was known says itself that it rests: what is at the same port, also by another server, which counts
- * anew. While nothing was known, nothing can say so.
+/** Whether all that was known says itself that it rests: what is at the same port, also by another server. While nothing
+ * was known, nothing can say so.
  * @param {Device[]} known @param {Device[]} told */
 const areAtRest = (known, told) =>
   known.length > 0 && known.every(({ port }) => told.some((device) => device.port === port && rests(device)));

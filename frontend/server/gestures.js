@@ -26,7 +26,7 @@ export function createGestures() {
     hear(devices) {
       for (const device of devices) stops.set(device.id, Math.max(device.stops, stops.get(device.id) ?? 0));
     },
-    /** Another server counts anew. */
+    /** Another server knows of other stops. */
     forget: () => stops.clear(),
   };
 }

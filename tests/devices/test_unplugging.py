@@ -158,6 +158,46 @@ def test_a_run_that_another_server_left_behind_slows_down(cable: Cable) -> None:
     second.close()
 
 
+def test_a_zero_says_where_an_axis_is_once_it_has_arrived(devices: Devices, cable: Cable) -> None:
+    device = devices.connect(str(cable.port))
+    device.push([design()])
+    cable.unplug()
+    wait_for(device, DeviceState.LOST)
+    cable.plug_in()
+    devices.connect(str(cable.port))
+    assert device.view.unknown_positions == (0,)
+    device.zero([0], 900)
+    assert device.view.unknown_positions == (0,), "on its way it may be anywhere"
+    device.stop()
+    wait_for(device, DeviceState.READY)
+    assert device.view.position_steps != 0
+    assert device.view.unknown_positions == (0,), "it didn't get to the gauge's stop"
+    device.zero([0], 40)
+    device.move_by(by_steps(3))
+    wait_for(device, DeviceState.READY)
+    assert device.view.unknown_positions == (0,), "it was sent elsewhere on its way"
+    device.zero([0], 40)
+    wait_until(lambda: device.view.unknown_positions == (), device)
+    assert (device.view.state, device.view.position_steps) == (DeviceState.READY, 0)
+
+
+def test_what_was_last_heard_of_outlives_an_attempt_that_fails(devices: Devices, cable: Cable) -> None:
+    device = devices.connect(str(cable.port))
+    device.push([design()])
+    device.move_by(by_steps(LONG_MOVE))
+    cable.unplug()
+    wait_for(device, DeviceState.LOST)
+    lost = device.view
+    cable.plug_in(is_reset=False).mute()
+    with pytest.raises(DeviceLost):
+        devices.connect(str(cable.port))
+    view = device.view
+    assert view.state is DeviceState.LOST
+    assert "Axis 0 was moving, last heard of at" in (view.message or "")
+    assert (view.axes, view.heard_s, view.unknown_positions) == (lost.axes, lost.heard_s, (0,))
+    assert view.target_steps == LONG_MOVE
+
+
 def test_what_was_let_go_of_is_not_connected_again(devices: Devices, cable: Cable) -> None:
     device = devices.connect(str(cable.port))
     cable.unplug()

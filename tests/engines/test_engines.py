@@ -43,8 +43,9 @@ def test_a_point_of_the_table_is_dragged_over_the_plot(page: EnginePage) -> None
     before = page.table_rows()
     x, y = page.place(POINT)
     page.hold((x, y), (x, y - 60))
-    until(lambda: page.table_rows() != before)
-    assert page.place(POINT) == pytest.approx((x, y - 60), abs=1)
+    # It comes in several moves, and a busy browser shows those on the way, too.
+    until(lambda: page.place(POINT) == pytest.approx((x, y - 60), abs=1))
+    assert page.table_rows() != before
     page.let_go()
     after = page.table_rows()
     assert after[:3] + after[4:] == before[:3] + before[4:]

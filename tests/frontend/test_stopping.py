@@ -114,13 +114,33 @@ def stopped_then(*told: list[dict[str, object]]) -> list[dict[str, object]]:
         ([devices("ready", "ready", stops=9), devices("stopping", "ready", stops=9)], "STOP"),
         # What is told was told before the press.
         ([devices("ready", "ready"), devices("stopping", "ready", stops=9)], "HALT"),
-        # Another server counts anew.
+        # Another server knows of other stops.
         ([[], devices("stopping", stops=12)], "STOP"),
     ],
 )
 def test_what_the_next_press_does(modules: Modules, told: list[list[dict[str, object]]], button: str) -> None:
     asked, _ = modules.evaluate(STOP, stopped_then(*told))
     assert asked[-1] == button
+
+
+def test_what_another_server_tells_of_was_stopped_by_nobody(modules: Modules) -> None:
+    """Its numbers are greater, and what it tells of may have the same id at the same port."""
+    script = """async ([known, answered, later]) => { const {api} = await import('/server/api.js');
+        const {createStop} = await import('/devices/stopping.js');
+        const own = {...api};
+        Object.assign(api, {stopAll: async () => ({devices: answered})});
+        let present = known;
+        const stop = createStop({devices: () => present, endMotions() {}, hearStops() {}}, () => {});
+        await stop.press();
+        present = answered; stop.follow(present);
+        const seen = [stop.isStopped(present[0])];
+        stop.leave();
+        present = later; stop.follow(present);
+        seen.push(stop.isStopped(present[0]), stop.isHaltNext());
+        Object.assign(api, own);
+        return seen; }"""
+    told = [devices("moving"), devices("lost", stops=9), devices("stopping", stops=5_000_000)]
+    assert modules.evaluate(script, told) == [True, False, False]
 
 
 def test_what_is_pressed_for_again_before_it_is_known_to_be_stopped_is_stopped_again(modules: Modules) -> None:

@@ -117,6 +117,7 @@ class Attachment:
 
     def _connect(self, port: str) -> None:
         name = port_name(port)
+        before = self._view.now
         self._view.change(lambda view: view.anew(port, name))
         worker = Worker(port, self.poll, self._ended)
         self._contact.begin(worker)
@@ -127,7 +128,7 @@ class Attachment:
         except Exception as error:
             worker.close()
             reason = str(error)
-            self._view.change(lambda view: view.lost(reason))
+            self._view.change(lambda view: before.still_lost(reason, view))
             raise
         self._known = known_port(port)
 

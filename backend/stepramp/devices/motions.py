@@ -90,7 +90,7 @@ class Motions:
             able.zero(axes, steps)
 
         what = f"zero from {steps} steps on: axes {sorted(axes)}"
-        self._setting_out.begin(what, axes, begin, request_number, then=lambda: self._know_positions(axes))
+        self._setting_out.begin(what, axes, begin, request_number, then=lambda: self._zero(axes))
 
     def set_position(self, positions: Sequence[AxisCommand]) -> None:
         """Call the places where axes are these positions [steps]. Nothing moves."""
@@ -112,6 +112,11 @@ class Motions:
             self._view.change(lambda view: view.limited(spans))
 
         self._contact.ask(limit)
+
+    def _zero(self, axes: Collection[int]) -> None:
+        # Looked at once more: a short way may be over already.
+        self._view.change(lambda view: view.with_zeroing(axes))
+        self._watch.refresh()
 
     def _know_positions(self, axes: Collection[int]) -> None:
         self._view.change(lambda view: view.with_known_positions(axes))

@@ -46,7 +46,7 @@ class Runs:
         """
         axes = [axis.axis for axis in status.axes if axis.runs]
         if axes:
-            self._stopping.slow_down(axes)
+            self._stopping.take_back(axes)
             self._view.log("axes %s ran for nobody: slowed down", axes)
 
     def let_end(self) -> None:

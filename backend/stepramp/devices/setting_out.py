@@ -1,7 +1,6 @@
 """Setting out: how anything that moves a motor begins, and what ends by that."""
 
 from collections.abc import Callable, Collection
-from dataclasses import replace
 from time import monotonic
 
 from stepramp.controllers.contract import Controller
@@ -90,7 +89,7 @@ class SettingOut:
             self._leases.drop(axes)
             if lease is not None:
                 self._leases.take(lease, begun_s)
-            self._view.change(lambda view: replace(view, shuttle=None))
+            self._view.change(lambda view: view.without_errand(axes))
             self._watch.refresh()
         then()
 

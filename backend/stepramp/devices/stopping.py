@@ -104,7 +104,7 @@ class Stopping:
         self._stop(axes, self._contact.controller.stop)
 
     def take_back(self, axes: Collection[int]) -> None:
-        """Stop axes that may have set out, though whoever asked for that is told that they haven't."""
+        """Stop axes that move though nobody wants them to: until it is granted, that stop is owed."""
         self._stop(axes, self._contact.controller.stop, self._owed.owe(self._owes_at))
 
     def _halt(self, axes: Collection[int] | None, send: Send, owed: int) -> None:
@@ -127,6 +127,6 @@ class Stopping:
                 self._view.log("stop granted")
             self._leases.drop(axes)
             self._watch.is_view_old = self._view.now.state in UNDER_WAY
-            self._view.change(lambda view: replace(view.stopping(axes), shuttle=None))
+            self._view.change(lambda view: view.stopping(axes).without_errand(axes))
             if self._permit.is_unseen:
                 self._watch.refresh()

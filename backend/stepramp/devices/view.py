@@ -71,6 +71,8 @@ class DeviceView:
     state: DeviceState = DeviceState.CONNECTING
     message: str | None = None
     """Why the device is lost, or what keeps its motors from being moved."""
+    midst: tuple[str, ...] = ()
+    """What was going on when it was lost, for somebody who wonders what has come of it."""
     position_steps: int = 0
     target_steps: int = 0
     speed_steps_per_s: float = 0.0
@@ -94,6 +96,8 @@ class DeviceView:
     """An axis goes there and back."""
     unknown_positions: tuple[int, ...] = ()
     """Axes that may be elsewhere than they count, since the device was lost."""
+    zeroing: tuple[int, ...] = ()
+    """Axes on their way to the stop of a gauge, which says where they are once they have come there."""
     in_control: str | None = None
     """The page that is in control of the device."""
     stops: int = 0
@@ -111,6 +115,8 @@ class DeviceView:
     def with_status(self, status: ControllerStatus) -> "DeviceView":
         """Return the device as its controller now says it is."""
         first = status.axes[0]
+        resting = {axis.axis: axis.position_steps for axis in status.axes if axis.activity is Activity.READY}
+        arrived = [axis for axis in self.zeroing if resting.get(axis) == 0]
         return replace(
             self,
             state=STATES[status.activity],
@@ -123,7 +129,18 @@ class DeviceView:
             motors_on=status.motors_on,
             starved=status.starved,
             message=status.trouble,
-        )
+            midst=(),
+            zeroing=tuple(axis for axis in self.zeroing if axis not in resting),
+        ).with_known_positions(arrived)
+
+    def with_zeroing(self, axes: Collection[int]) -> "DeviceView":
+        """Return the device once axes have set out to the stop of a gauge."""
+        return replace(self, zeroing=(*self.zeroing, *axes))
+
+    def without_errand(self, axes: Collection[int] | None) -> "DeviceView":
+        """Return the device once axes, or all, go somewhere else than they were on their way to by themselves."""
+        zeroing = () if axes is None else tuple(axis for axis in self.zeroing if axis not in axes)
+        return replace(self, shuttle=None, zeroing=zeroing)
 
     def anew(self, port: str, name: str) -> "DeviceView":
         """Return the device as it is while it is connected again: what is known of it stays, what it said doesn't."""
@@ -159,14 +176,28 @@ class DeviceView:
     def lost(self, message: str) -> "DeviceView":
         """Return the device as it is once its controller is no longer there: what it said last stays, and its age."""
         axes = tuple(replace(axis, state=DeviceState.LOST) for axis in self.axes)
+        midst = tuple(self._midst()) or self.midst
         return replace(
             self,
             state=DeviceState.LOST,
-            message=" ".join((message, *self._midst())),
+            message=" ".join((message, *midst)),
+            midst=midst,
             axes=axes,
             unknown_positions=tuple(sorted({*self.unknown_positions, *(axis.axis for axis in self.axes)})),
             progress=None,
             shuttle=None,
+        )
+
+    def still_lost(self, message: str, now: "DeviceView") -> "DeviceView":
+        """Return the device as it was before an attempt to connect it failed; what it doesn't say itself is of now."""
+        return replace(
+            self.lost(message),
+            port=now.port,
+            name=now.name,
+            unknown_positions=now.unknown_positions,
+            in_control=now.in_control,
+            stops=now.stops,
+            soft_limits=now.soft_limits,
         )
 
     def let_go(self) -> "DeviceView":

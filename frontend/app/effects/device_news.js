@@ -37,7 +37,7 @@ export function createDeviceNews({ state, dispatch }, gestures, traced, { endJog
     for (const device of told) {
       const before = known.find((one) => one.id === device.id);
       follower.follow(device);
-      if (before?.state === device.state) continue;
+      if (before && shownState(before) === shownState(device)) continue;
       dispatch(announce, `${device.name}: ${shownState(device)}${device.state === 'lost' ? '' : ` at ${device.position_steps} steps`}`);
       // What was being traced before a loss, or by a server that has ended, is not told any more.
       if (before === undefined || device.state === 'lost') traced.delete(device.id);

@@ -39,7 +39,12 @@ export function createStopping({ state, dispatch, subscribe }, endMotions, hearS
   subscribe(
     whenChanged(
       (present) => [present.devices.link],
-      (link) => link === 'gone' && outOfReach.leave(devices()),
+      (link) => {
+        if (link !== 'gone') return;
+        outOfReach.leave(devices());
+        stop.leave();
+        tell();
+      },
     ),
   );
   return {

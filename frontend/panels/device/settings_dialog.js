@@ -12,7 +12,7 @@ import { createSettingFields } from './setting_fields.js';
 /** @typedef {import('../../model/types.js').Device} Device */
 /** @typedef {import('../../model/types.js').Rejection} Rejection */
 /** A part of what is wanted.
- * @typedef {{name: string, send: () => Promise<void>}} Part */
+ * @typedef {{name: string, send: () => Promise<void>, taken?: () => void}} Part   taken: called once it is */
 
 /** @param {{limit: (device: Device, axes: import('../../model/types.js').SoftLimits[]) => Promise<void>,
  *   useSettings: (device: Device, settings: unknown) => Promise<void>}} handlers */
@@ -23,6 +23,9 @@ export function createSettingsDialog({ limit, useSettings }) {
    * @type {Rejection[]} */
   let refused = [];
   let outcome = '';
+  /** How often it was opened: what was sent before then is of another showing. */
+  let opened = 0;
+  let isSending = false;
   const limits = createLimitFields();
   const settings = createSettingFields();
   const problem = element('div', { className: 'problem', role: 'alert' });
@@ -75,29 +78,36 @@ export function createSettingsDialog({ limit, useSettings }) {
    * @param {SubmitEvent} event */
   async function submitted(event) {
     event.preventDefault();
-    if (device === null) return;
+    if (device === null || isSending) return;
     const [to, changed, axes] = [device, settings.changed(), limits.changed()];
     reject([...(changed ? settings.refusals(changed) : []), ...limits.refusals(axes)]);
     if (refused.length > 0) return focusRefused();
     /** @type {Part[]} */
     const parts = [];
-    if (changed) parts.push({ name: 'settings of the pins', send: () => useSettings(to, changed).then(() => settings.taken(changed)) });
+    if (changed) parts.push({ name: 'settings of the pins', send: () => useSettings(to, changed), taken: () => settings.taken(changed) });
     if (axes.length > 0) parts.push({ name: 'soft limits', send: () => limit(to, axes) });
     await send(parts);
   }
 
-  /** @param {Part[]} parts one after the other, until one isn't taken */
+  /** What comes of it is of the dialog that was shown then: it may be another device's by now, or closed.
+   * @param {Part[]} parts one after the other, until one isn't taken */
   async function send(parts) {
+    const then = opened;
     for (const [index, part] of parts.entries()) {
+      isSending = true;
       try {
         await part.send();
+        if (then === opened) part.taken?.();
       } catch (error) {
+        if (then !== opened) return;
         const rejections = error instanceof Refusal ? error.rejections : [failure(error)];
         reject(rejections, parts.length > 1 ? outcomeOf(parts, index, isNo(error)) : '');
         return focusRefused();
+      } finally {
+        if (then === opened) isSending = false;
       }
     }
-    dialog.close();
+    if (then === opened) dialog.close();
   }
 
   /** @param {Device} present */
@@ -115,6 +125,8 @@ export function createSettingsDialog({ limit, useSettings }) {
   return {
     /** @param {Device} present @param {import('../../model/types.js').Situation} situation */
     async open(present, situation) {
+      opened += 1;
+      isSending = false;
       device = present;
       settings.forget();
       limits.show(present, situation);
