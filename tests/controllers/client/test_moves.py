@@ -112,11 +112,16 @@ def test_the_axis_whose_target_is_too_far_is_named(connect: Connect) -> None:
     assert caught.value.rejections[0].field == "axes.1.by_steps"
 
 
-@pytest.mark.parametrize("speed", [2010.0, -2100.0, 0.005])
+@pytest.mark.parametrize("speed", [2010.0, -2100.0])
 def test_speeds_that_the_ramp_does_not_lead_to(connect: Connect, speed: float) -> None:
     with pytest.raises(Rejected, match=r"from -2,000 to 2,000 steps/s, the slew speed") as caught:
         connect(stored()).run([AxisCommand(0, speed, "speed_steps_per_s")])
     assert caught.value.rejections[0].field == "speed_steps_per_s"
+
+
+def test_a_speed_that_takes_longer_than_the_longest_interval(connect: Connect) -> None:
+    with pytest.raises(Rejected, match=r"allowed: a number from 0.0074505\d+ to 2,000 steps/s either way, or 0"):
+        connect(stored()).run([AxisCommand(0, 0.005, "speed_steps_per_s")])
 
 
 def test_what_gauges_can_not_do(controller: StepRampController) -> None:
