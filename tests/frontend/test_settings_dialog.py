@@ -182,3 +182,23 @@ def test_what_is_refused_beforehand_is_what_the_server_refuses(
 def served(item: ErrorItem) -> dict[str, Any]:
     found: dict[str, Any] = json.loads(json_bytes(item))
     return found
+
+
+@pytest.mark.parametrize("ends", ["done()", "done(Promise.reject(new Refusal(409, [{field: null, message: 'no'}])))"])
+def test_what_comes_of_it_is_of_the_dialog_that_was_shown_then(modules: Modules, ends: str) -> None:
+    """It may be closed meanwhile, and opened for another device."""
+    is_open, below, sent = run(
+        modules,
+        f"""{DIALOG} let done; answers.settings = () => new Promise((resolve) => {{ done = resolve; }});
+        type('setting-pulse_width_us', '3'); await use(); await use();
+        whole.close();
+        await dialog.open({{...device, id: 'b', capabilities: []}},
+            {{designs: [design], active: 0, units: {{length: 'steps', time: 's'}}}});
+        type('limit-0-lowest', '-7');
+        {ends}; await settled();
+        const seen = [whole.open, below()];
+        await use();
+        return [...seen, sent];""",
+    )
+    assert (is_open, below) == (True, "")
+    assert [what for what, _ in sent] == ["settings", "limits"], "the first once, and then what the other one wants"
