@@ -3,15 +3,35 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Callable
 from contextlib import suppress
 
 import pytest
 
 from devices.motion import PATIENCE_S
 from stepramp.devices import control
+from stepramp.devices.device import Device
 from stepramp.devices.registry import Devices
 from stepramp.devices.view import DeviceView
 from stepramp.errors import Refused
+
+
+@pytest.mark.parametrize("take", [Devices.acting, Devices.take_over], ids=["acting", "taking over"])
+def test_a_page_that_goes_while_it_takes_control_has_none(
+    devices: Devices, port: str, monkeypatch: pytest.MonkeyPatch, take: Callable[[Devices, str, str], Device]
+) -> None:
+    device = devices.connect(port)
+    present = devices.present("gone")
+    present.__enter__()
+    taken = Device.take_control
+
+    def take_late(device: Device, page: str, *, over: bool = False) -> None:
+        present.__exit__(None, None, None)
+        taken(device, page, over=over)
+
+    monkeypatch.setattr(Device, "take_control", take_late)
+    assert take(devices, device.view.id, "gone") is device
+    assert device.view.in_control is None
 
 
 def test_only_one_of_two_pages_wins_control(devices: Devices, port: str, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -73,7 +73,7 @@ class Devices:
         """
         device = self.get(device_id)
         if page is not None and self._pages.is_there(page):
-            device.take_control(page)
+            self._put_in_control(device, page)
         elif page is not None:
             device.refuse_others(page)
         return device
@@ -83,8 +83,14 @@ class Devices:
         device = self.get(device_id)
         if not self._pages.is_there(page):
             raise Refused("Only a page that listens to the devices' events can be in control of one.")
-        device.take_control(page, over=True)
+        self._put_in_control(device, page, over=True)
         return device
+
+    def _put_in_control(self, device: Device, page: str, *, over: bool = False) -> None:
+        device.take_control(page, over=over)
+        # It may have gone just before: what it had was then taken from it too early.
+        if not self._pages.is_there(page):
+            device.leave_control(page)
 
     def present(self, page: str | None) -> AbstractContextManager[None]:
         """Note that a page is there and listens; once it is gone, it is in control of nothing."""
