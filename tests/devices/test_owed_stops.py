@@ -19,11 +19,14 @@ from stepramp.controllers.stepramp.messages.session import HelloRequest
 from stepramp.controllers.stepramp.messages.settings import ReadSettingsRequest
 from stepramp.controllers.stepramp.messages.status import StatusRequest
 from stepramp.controllers.virtual.controller import VirtualController
+from stepramp.devices import attachment, registry
 from stepramp.devices.owed_stops import OwedStops
 from stepramp.devices.registry import Devices
 from stepramp.devices.stops import Order
 from stepramp.devices.view import DeviceState
 from stepramp.errors import DeviceLost, Refused, StepRampError
+from stepramp.link import protocol_sim
+from stepramp.link.ports import Port
 
 
 def test_a_stop_that_finds_no_connection_is_owed(clock: Clock, plug_in: Callable) -> None:
@@ -86,21 +89,77 @@ def test_a_stop_that_finds_the_connection_gone_is_owed(
     devices.close()
 
 
+@pytest.mark.parametrize("is_forgotten", [False, True])
+def test_a_stop_is_owed_to_a_board_that_comes_back_at_another_port(
+    clock: Clock, plug_in: Callable, monkeypatch: pytest.MonkeyPatch, is_forgotten: bool
+) -> None:
+    """Its serial number tells it, whether the device that was lost is still listed or not."""
+    plugged_in: dict[str, str] = {}
+
+    def known(port: str) -> Port:
+        return Port(port, port, usb=(0x2341, 0x0043, plugged_in[port]))
+
+    for module in (registry, attachment):
+        monkeypatch.setattr(module, "known_port", known)
+    board, other = OwnSupply(clock), OwnSupply(clock)
+    for each in (board, other):
+        VirtualController.opened(each.controller)
+    first, second = plug_in(board), plug_in(board)
+    plugged_in |= {first: "A1", second: "A1"}
+    devices = Devices()
+    device = devices.connect(first)
+    push(device, clock)
+    device.move_by([by(50_000)])
+    clock.now_s += 0.1
+    board.is_plugged_in = False
+    with pytest.raises(DeviceLost):
+        device.trace_moves(0, 1)
+    with pytest.raises(DeviceLost):
+        device.stop()
+    if is_forgotten:
+        devices.disconnect(device.view.id)
+    # What comes to the old port in its place is stopped, too, and takes nothing of what is owed to the board.
+    plugged_in[first] = "B2"
+    protocol_sim.register(first, other)
+    devices.connect(first)
+    assert [kind for kind in other.seen if kind in STOPS] == [StopRequest.KIND]
+    board.is_plugged_in = True
+    board.seen.clear()
+    found = devices.connect(second)
+    assert [kind for kind in board.seen if kind in MOTIONS | STOPS] == [StopRequest.KIND]
+    assert found.view.state is DeviceState.STOPPING
+    devices.close()
+
+
 def test_a_stop_that_was_granted_is_owed_no_more() -> None:
     """One of all axes does what one before it was to do; one of a single axis does not, nor what came after it."""
+    owed, a, b = OwedStops(Order()), Port("A", "A"), Port("B", "B")
+    first, second, third = (owed.owe(a) for _ in range(3))
+    elsewhere = owed.owe(b)
+    owed.settle(a, second, of_all_axes=False)
+    assert owed.newest(a) == third
+    owed.settle(a, third, of_all_axes=False)
+    assert owed.newest(a) == first
+    last = [owed.owe(a), owed.owe(a)]
+    owed.settle(a, last[0], of_all_axes=True)
+    assert owed.newest(a) == last[1]
+    owed.settle(a, last[1], of_all_axes=True)
+    assert owed.newest(a) is None
+    assert owed.newest(b) == elsewhere
+
+
+def test_what_a_board_is_owed_is_settled_by_itself_only() -> None:
+    """At whichever port it is stopped; of what is plugged in where it was, only that is known to have been stopped."""
     owed = OwedStops(Order())
-    first, second, third = (owed.owe("A") for _ in range(3))
-    elsewhere = owed.owe("B")
-    owed.settle("A", second, of_all_axes=False)
-    assert owed.newest("A") == third
-    owed.settle("A", third, of_all_axes=False)
-    assert owed.newest("A") == first
-    last = [owed.owe("A"), owed.owe("A")]
-    owed.settle("A", last[0], of_all_axes=True)
-    assert owed.newest("A") == last[1]
-    owed.settle("A", last[1], of_all_axes=True)
-    assert owed.newest("A") is None
-    assert owed.newest("B") == elsewhere
+    number = owed.owe(Port("p", "p", usb=(1, 2, "A")))
+    for other in (Port("p", "p"), Port("p", "p", usb=(1, 2, "B")), Port("p", "p", usb=(1, 2, None))):
+        again = owed.owe(Port("p", "p"))
+        assert owed.newest(other) == again
+        owed.settle(other, again, of_all_axes=True)
+        assert owed.newest(other) is None
+        assert owed.newest(Port("q", "q", usb=(1, 2, "A"))) == number
+    owed.settle(Port("q", "q", usb=(1, 2, "A")), number, of_all_axes=True)
+    assert owed.newest(Port("p", "p", usb=(1, 2, "A"))) is None
 
 
 def test_a_stop_that_is_owed_outlives_a_connect_that_fails(

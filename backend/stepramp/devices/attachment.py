@@ -130,7 +130,6 @@ class Attachment:
             reason = str(error)
             self._view.change(lambda view: before.still_lost(reason, view))
             raise
-        self._known = known_port(port)
 
     def _close(self) -> None:
         if (worker := self._contact.worker) is not None:
@@ -151,9 +150,12 @@ class Attachment:
         port = self._view.now.port
         self._connection = self._family.open(port, self._permit.check)
         self._location = location_of(port)
+        # Only now that the port is held nothing else can come to be plugged in there.
+        known = known_port(port)
         controller = self._family.make(self._connection, self._runs.give_way, self._writing.note_progress)
-        controller.connect(lambda: self._stopping.greet(controller))
+        controller.connect(lambda: self._stopping.greet(controller, known))
         status = controller.status()
+        self._known = known
         self._view.change(
             lambda view: replace(
                 view,

@@ -62,7 +62,7 @@ class Device:
         live, leases, permit = LiveView(view, changed), Leases(), Permit(stops)
         contact = Contact(live, family)
         watch = Watch(live, contact)
-        stopping = Stopping(live, contact, watch, leases, stops, permit, owed, known.port)
+        stopping = Stopping(live, contact, watch, leases, stops, permit, owed, known)
         setting_out = SettingOut(live, contact, watch, leases, permit, stopping, order)
         control = Control(live)
         runs = Runs(live, contact, leases, stopping)

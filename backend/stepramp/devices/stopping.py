@@ -15,6 +15,7 @@ from stepramp.devices.stops import Stops
 from stepramp.devices.view import UNDER_WAY
 from stepramp.devices.watch import Watch
 from stepramp.errors import StepRampError
+from stepramp.link.ports import Port
 
 LAST_STOP_S = 1.5
 """How long the end of the program waits for a stop to be granted [s]."""
@@ -26,8 +27,8 @@ Send = Callable[[Collection[int] | None], None]
 class Stopping:
     """The stops of one device, until they are granted.
 
-    stops: its stops. permit: which motion may set out. owed: stops that no controller has granted yet; owes_at: the
-    port that they are owed at. It may be found at another port later, and yet owes what it owed.
+    stops: its stops. permit: which motion may set out. owed: stops that no controller has granted yet. known: the port,
+    and what was plugged in there when it was last seen.
     """
 
     def __init__(
@@ -39,7 +40,7 @@ class Stopping:
         stops: Stops,
         permit: Permit,
         owed: OwedStops,
-        owes_at: str,
+        known: Port,
     ) -> None:
         self._view = view
         self._contact = contact
@@ -48,7 +49,7 @@ class Stopping:
         self._stops = stops
         self._permit = permit
         self._owed = owed
-        self._owes_at = owes_at
+        self._known = known
 
     @contextmanager
     def being_stopped(self) -> Iterator[None]:
@@ -85,17 +86,21 @@ class Stopping:
 
     def _owe(self, what: str, axes: Collection[int] | None) -> int:
         self._view.log("%s of %s asked for", what, "all axes" if axes is None else f"axes {sorted(axes)}")
-        owed = self._owed.owe(self._owes_at)
+        owed = self._owed.owe(self._known)
         self._stops.note()
         self.show()
         return owed
 
     # From here on: in the thread of the port.
 
-    def greet(self, controller: Controller) -> None:
-        """Let stops come to the controller from here on, and first of all tell it that which is owed."""
+    def greet(self, controller: Controller, known: Port) -> None:
+        """Let stops come to the controller from here on, and first of all tell it that which is owed.
+
+        known: its port, and what is plugged in there now.
+        """
+        self._known = known
         self._contact.greet(controller)
-        owed = self._owed.newest(self._owes_at)
+        owed = self._owed.newest(self._known)
         if owed is not None:
             self._stop(None, controller.stop, owed)
 
@@ -105,7 +110,7 @@ class Stopping:
 
     def take_back(self, axes: Collection[int]) -> None:
         """Stop axes that move though nobody wants them to: until it is granted, that stop is owed."""
-        self._stop(axes, self._contact.controller.stop, self._owed.owe(self._owes_at))
+        self._stop(axes, self._contact.controller.stop, self._owed.owe(self._known))
 
     def _halt(self, axes: Collection[int] | None, send: Send, owed: int) -> None:
         """Halt axes, and look where that was."""
@@ -123,7 +128,7 @@ class Stopping:
         with self._permit.set_aside():
             send(axes)
             if owed is not None:
-                self._owed.settle(self._owes_at, owed, of_all_axes=axes is None)
+                self._owed.settle(self._known, owed, of_all_axes=axes is None)
                 self._view.log("stop granted")
             self._leases.drop(axes)
             self._watch.is_view_old = self._view.now.state in UNDER_WAY
