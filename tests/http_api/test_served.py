@@ -60,7 +60,7 @@ def chunks(count: int) -> Iterator[bytes]:
 
 
 def unknown_fields() -> bytes:
-    wrong = {"design": document()} | {f"f{number}": 0 for number in range(160_000)}
+    wrong = {"design": document()} | {f"{number:045}": 0 for number in range(38_000)}
     body = json.dumps(wrong, separators=(",", ":")).encode()
     assert MOST_BYTES * 0.9 < len(body) < MOST_BYTES
     return body
