@@ -23,6 +23,13 @@ DEVICES = "/api/v1/devices"
 LOCAL = {"host": "127.0.0.1:8000"}
 PATIENCE_S = 15.0
 STOPS = "X-StepRamp-Stops"
+MOTIONS: list[tuple[str, dict[str, object]]] = [
+    ("move", {"by_steps": 10}),
+    ("run", {"speed_steps_per_s": 100}),
+    ("line", {"axes": [{"axis": 0, "by_steps": 10}]}),
+    ("there_and_back", {"by_steps": 10}),
+    ("zero", {"steps": 10}),
+]
 _numbers = itertools.count()
 
 
@@ -62,18 +69,24 @@ def test_what_knows_of_fewer_stops_moves_nothing(client: TestClient, route: str)
     assert client.post(f"{route}/move", json={"by_steps": 1}, headers=known).status_code == 200
     stopped = client.post(f"{route}/stop").json()["stops"]
     assert stopped > int(known[STOPS])
-    for what, body in [
-        ("move", {"by_steps": 10}),
-        ("run", {"speed_steps_per_s": 100}),
-        ("line", {"axes": [{"axis": 0, "by_steps": 10}]}),
-        ("there_and_back", {"by_steps": 10}),
-        ("zero", {"steps": 10}),
-    ]:
+    for what, body in MOTIONS:
         late = client.post(f"{route}/{what}", json=body, headers=known)
         assert "A stop came first" in error_of(late, 409)["message"], what
     until(lambda: client.get(route).json()["state"] == "ready")
     newest = {STOPS: str(client.get(route).json()["stops"])}
     assert client.post(f"{route}/move", json={"by_steps": 1}, headers=newest).status_code == 200
+
+
+@pytest.mark.parametrize("header", [STOPS, "X-StepRamp-Page"])
+def test_a_header_that_is_given_twice_moves_nothing(client: TestClient, route: str, header: str) -> None:
+    """Which of them is meant, nobody knows."""
+    told = str(client.get(route).json()["stops"])
+    for what, body in MOTIONS:
+        twice = client.post(f"{route}/{what}", json=body, headers=[(header, told), (header, told)])
+        error = error_of(twice, 422)
+        assert (error["field"], error["allowed"]) == (header, "one value, given once"), what
+        assert error["value"] == [told, told]
+    assert client.get(route).json()["state"] == "ready"
 
 
 def test_what_an_earlier_server_told_moves_nothing(client: TestClient, route: str) -> None:
@@ -91,7 +104,8 @@ def test_what_an_earlier_server_told_moves_nothing(client: TestClient, route: st
         late = later.post(f"{later_route}/move", json={"by_steps": 10}, headers={STOPS: str(told)})
         assert "A stop came first" in error_of(late, 409)["message"]
         assert later.get(later_route).json()["position_steps"] == 0
-    for untold in (told + 3_600_000_000, 10**17):
+    # Requests are numbered, too: their numbers are none that anybody was told.
+    for untold in (told + 1, told + 2, told + 3_600_000_000, 10**17):
         refused = client.post(f"{route}/move", json={"by_steps": 10}, headers={STOPS: str(untold)})
         error = error_of(refused, 422)
         assert (error["field"], error["value"]) == (STOPS, untold)

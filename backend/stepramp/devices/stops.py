@@ -29,6 +29,7 @@ class Order:
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._last = time_ns() // NS_PER_NUMBER
+        self._last_stop = self._last
 
     def next(self) -> int:
         """Return the number of the present moment."""
@@ -36,11 +37,18 @@ class Order:
             self._last += 1
             return self._last
 
-    @property
-    def last(self) -> int:
-        """The last number that was given: none that was told is greater."""
+    def stop(self) -> int:
+        """Return the number of the present moment, at which something is stopped."""
         with self._lock:
+            self._last += 1
+            self._last_stop = self._last
             return self._last
+
+    @property
+    def last_stop(self) -> int:
+        """The number of the last stop: no device has told a greater one."""
+        with self._lock:
+            return self._last_stop
 
 
 class Stops:
@@ -54,7 +62,7 @@ class Stops:
         self._of_all = of_all
         self._lock = threading.Lock()
         # A stop of all that came before there was this device holds for it, too.
-        self._last = order.next()
+        self._last = order.stop()
         self._unanswered = 0
 
     @property
@@ -67,26 +75,26 @@ class Stops:
     def note(self) -> None:
         """Note a stop: what was asked before now moves nothing."""
         with self._lock:
-            self._last = self._order.next()
+            self._last = self._order.stop()
 
     @contextmanager
     def unanswered(self) -> Iterator[None]:
         """Let nothing move while a stop is being answered, nor afterwards what was asked until then."""
         with self._lock:
             self._unanswered += 1
-            self._last = self._order.next()
+            self._last = self._order.stop()
         try:
             yield
         finally:
             with self._lock:
                 self._unanswered -= 1
-                self._last = self._order.next()
+                self._last = self._order.stop()
 
     def end(self) -> None:
         """Let nothing move any more, whenever it is asked for."""
         with self._lock:
             self._unanswered += 1
-            self._last = self._order.next()
+            self._last = self._order.stop()
 
     def have_overtaken(self, request_number: int) -> bool:
         """Tell whether a stop came after what was asked then, or is still to be answered."""

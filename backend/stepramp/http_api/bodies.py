@@ -11,7 +11,7 @@ from typing import Any, get_args, get_origin
 
 from fastapi import Request
 from fastapi.routing import APIRoute
-from starlette.datastructures import QueryParams
+from starlette.datastructures import Headers, QueryParams
 from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect
 from starlette.responses import Response
@@ -137,8 +137,8 @@ class FileRoute(JsonRoute):
     room = Room(2 * MOST_FILE_BYTES)
 
 
-def refuse_repeated(given: QueryParams, names: Iterable[str]) -> None:
-    """Raise Rejected for parameters of these names that are given more than once."""
+def refuse_repeated(given: QueryParams | Headers, names: Iterable[str]) -> None:
+    """Raise Rejected for parameters or headers of these names that are given more than once."""
     repeated = [Rejection(name, values, ONCE) for name in names if len(values := given.getlist(name)) > 1]
     if repeated:
         raise Rejected(repeated)

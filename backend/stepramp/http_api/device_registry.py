@@ -7,6 +7,7 @@ from starlette.requests import HTTPConnection
 
 from stepramp.devices.device import Device
 from stepramp.devices.registry import Devices
+from stepramp.http_api.bodies import refuse_repeated
 
 
 async def registry(connection: HTTPConnection) -> Devices:
@@ -16,17 +17,29 @@ async def registry(connection: HTTPConnection) -> Devices:
 
 
 Registry = Annotated[Devices, Depends(registry)]
-Page = Annotated[
-    str | None,
-    Header(
-        alias="X-StepRamp-Page",
-        description="Which page asks, if one does: the `page` that its WebSocket of events was opened with. While "
-        "another page is in control of the device, it is refused with 409; programs leave it out",
-    ),
-]
+PAGE_HEADER = "X-StepRamp-Page"
 
 
-async def acting(device_id: str, devices: Registry, page: Page = None) -> Device:
+async def asking_page(
+    connection: HTTPConnection,
+    page: Annotated[
+        str | None,
+        Header(
+            alias=PAGE_HEADER,
+            description="Which page asks, if one does: the `page` that its WebSocket of events was opened with. While "
+            "another page is in control of the device, it is refused with 409; programs leave it out",
+        ),
+    ] = None,
+) -> str | None:
+    """Return which page asks, None for a program. Raises Rejected when two are named."""
+    refuse_repeated(connection.headers, [PAGE_HEADER])
+    return page
+
+
+Page = Annotated[str | None, Depends(asking_page)]
+
+
+async def acting(device_id: str, devices: Registry, page: Page) -> Device:
     """Return a device for somebody who acts on it; Refused for a page while another one is in control."""
     return devices.acting(device_id, page)
 

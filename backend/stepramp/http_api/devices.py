@@ -63,7 +63,7 @@ async def all_devices(devices: Registry) -> DevicesAnswer:
 
 @router.post("/devices")
 @CONNECTING.serves
-def connect(request: ConnectPayload, devices: Registry, page: Page = None) -> DeviceAnswer:
+def connect(request: ConnectPayload, devices: Registry, page: Page) -> DeviceAnswer:
     """Connect to a port, which takes up to 6 s, and return its device. Nothing moves.
 
     A device that was lost is connected again by itself, as one of the family that it was connected as.
@@ -89,7 +89,7 @@ def disconnect(device: Acting, devices: Registry) -> DisconnectedAnswer:
 
 
 @router.post("/devices/{device_id}/control")
-async def take_over(device_id: str, devices: Registry, page: Page = None) -> DeviceAnswer:
+async def take_over(device_id: str, devices: Registry, page: Page) -> DeviceAnswer:
     """Put the page that asks in control, whichever was before. Nothing moves or stops by that but another's jog."""
     if page is None:
         raise Refused("Only a page can be in control: say which in the header X-StepRamp-Page.")

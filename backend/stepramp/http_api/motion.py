@@ -42,9 +42,7 @@ def move(request: MovePayload, device: Acting, request_number: RequestNumber) ->
 
 @router.post("/devices/{device_id}/there_and_back")
 @ACTING.serves
-def there_and_back(
-    request: ShuttlePayload, device: Acting, request_number: RequestNumber, page: Page = None
-) -> DeviceAnswer:
+def there_and_back(request: ShuttlePayload, device: Acting, request_number: RequestNumber, page: Page) -> DeviceAnswer:
     """Begin to go there and back, so many times, from rest. Whatever else is asked of axes ends it, as does a stop.
 
     What a page has begun ends with it, as a run does.
@@ -55,7 +53,7 @@ def there_and_back(
 
 @router.post("/devices/{device_id}/run")
 @ACTING.serves
-def run(request: RunPayload, device: Acting, request_number: RequestNumber, page: Page = None) -> DeviceAnswer:
+def run(request: RunPayload, device: Acting, request_number: RequestNumber, page: Page) -> DeviceAnswer:
     """Run at speeds for so long, also from the midst of a move; asked again in time, it goes on. Then it slows down.
 
     So a program that is gone leaves no motor running, nor does a page: what it runs ends with it. To run only as long

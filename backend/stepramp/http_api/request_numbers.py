@@ -14,6 +14,7 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from stepramp.devices.stops import Order
 from stepramp.errors import Rejected, Rejection
+from stepramp.http_api.bodies import refuse_repeated
 from stepramp.http_api.connections import Connection, Connections, readable
 from stepramp.http_api.device_registry import Registry
 
@@ -97,6 +98,7 @@ async def latest_known_number(
 
     Raises Rejected when the header says something else.
     """
+    refuse_repeated(connection.headers, [STOPS_HEADER])
     arrived = arrived_at(connection)
     if stops is None:
         return arrived
@@ -107,7 +109,7 @@ async def latest_known_number(
 
 def as_known(arrived: int, stops: int, order: Order, field: str) -> int:
     """Return when something was asked for by who knew of these stops then. Raises Rejected for what was never told."""
-    if stops > order.last:
+    if stops > order.last_stop:
         allowed = "the `stops` that the device last told: this server has not come so far"
         raise Rejected([Rejection(field, stops, allowed)])
     return min(arrived, stops)
