@@ -136,10 +136,9 @@ def test_a_halt_is_for_one_device(client: TestClient, device_id: str, events: An
     [
         ("stop", "a JSON object such as"),
         ('{"do": "fly"}', "stop, halt"),
-        ('{"do": "halt"}', "the id of the device that is to halt"),
-        ('{"do": "stop", "device": "1"}', "a stop over this WebSocket is for all devices"),
         ('{"do": "halt", "device": "99"}', "There is no device '99'."),
-        ('{"do": "halt", "device": 7}', "device is 7; allowed: a text"),
+        ('[["do", "stop"]]', "an object with named fields"),
+        ('{"say": {"do": "stop"}}', "there is no such field"),
     ],
 )
 def test_what_is_no_stop_is_refused_and_the_socket_goes_on(
@@ -150,6 +149,41 @@ def test_what_is_no_stop_is_refused_and_the_socket_goes_on(
     moving_fast(client, device_id)
     events.send_json({"do": "stop"})
     assert answer(events)["devices"][0]["state"] == "stopping"
+
+
+@pytest.mark.parametrize(
+    ("message", "words"),
+    [
+        ('{"do": "stop", "device": "1"}', "a stop over this WebSocket is for all devices"),
+        ('{"do": "stop", "device": 1}', "device is 1; allowed: a text"),
+        ('{"do": "stop", "x": 1, "number": "7"}', "there is no such field"),
+        ('{"do": "stop", "do": "halt"}', "one value, given once"),
+        ('{"do": "halt", "device": "1", "do": "stop"}', "one value, given once"),
+        ('{"do": "halt"}', "the id of the device that is to halt"),
+        ('{"do": "halt", "device": 7}', "device is 7; allowed: a text"),
+    ],
+)
+def test_a_stop_is_obeyed_whatever_else_its_message_says(
+    client: TestClient, device_id: str, events: Any, message: str, words: str
+) -> None:
+    """What can't be used of it is told with what was done."""
+    moving_fast(client, device_id)
+    events.send_text(message)
+    told = answer(events)
+    assert told["did"] == {"do": "stop", "device": None, "number": None}
+    assert any(words in each["message"] for each in told["errors"])
+    assert [each["state"] for each in told["devices"]] == ["stopping"]
+
+
+def test_a_halt_is_obeyed_whatever_else_its_message_says(client: TestClient, device_id: str, events: Any) -> None:
+    other = connected(client)
+    moving_fast(client, device_id, other)
+    events.send_json({"do": "halt", "device": device_id, "x": 1})
+    told = answer(events)
+    assert told["did"] == {"do": "halt", "device": device_id, "number": None}
+    assert "there is no such field" in told["errors"][0]["message"]
+    assert {each["id"]: each["state"] for each in told["devices"]} == {device_id: "ready", other: "moving"}
+    client.post(f"{DEVICES}/stop")
 
 
 def test_a_jog_that_was_decided_before_a_stop_does_not_begin(client: TestClient, device_id: str) -> None:

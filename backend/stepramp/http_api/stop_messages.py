@@ -12,15 +12,13 @@ from contextlib import ExitStack
 
 from stepramp.devices.registry import Devices
 from stepramp.errors import Rejected, Rejection, StepRampError
-from stepramp.http_api.errors import error_items
+from stepramp.http_api.errors import ErrorItem, error_items
 from stepramp.http_api.json_response import json_bytes
 from stepramp.http_api.sockets import parsed
 from stepramp.http_api.stopping import halt_whole, stop_every
-from stepramp.http_api.stopping_models import StopMessage, StopMessageAnswer
+from stepramp.http_api.stopping_models import LONGEST_MESSAGE, StopMessage, StopMessageAnswer, meant_by
 
 ALLOWED = 'a JSON object such as {"do": "stop"}'
-LONGEST_MESSAGE = 1000
-"""Far more than any message needs [characters]."""
 MOST_AT_A_TIME = 16
 """So many messages of a socket are seen to at a time, the next ones wait. So many answers wait to be sent."""
 
@@ -81,15 +79,20 @@ class PendingAnswers:
 async def answered(text: str | bytes, devices: Devices) -> PendingAnswer:
     """Stop or halt as a message asks, and return what makes the answer.
 
-    Its `did` says what was done, its `errors` why it wasn't.
+    Its `did` says what was done, its `errors` why it wasn't, or what of the message can't be used. A stop is obeyed
+    whatever else the message says.
     """
+    odd: list[ErrorItem] | None = None
     try:
         if len(text) > LONGEST_MESSAGE:
             raise Rejected([Rejection("message", text, f"{ALLOWED}, of up to {LONGEST_MESSAGE:,} characters")])
         message = StopMessage.checked(parsed(text, ALLOWED))
-    except StepRampError as error:
-        refused = _text(StopMessageAnswer(errors=error_items(error)))
-        return PendingAnswer(lambda: refused)
+    except Rejected as error:
+        odd, meant = error_items(error), meant_by(text)
+        if meant is None:
+            refused = _text(StopMessageAnswer(errors=odd))
+            return PendingAnswer(lambda: refused)
+        message = meant
     with ExitStack() as stopping:
         try:
             if message.device is None:
@@ -100,12 +103,12 @@ async def answered(text: str | bytes, devices: Devices) -> PendingAnswer:
                 stopping.enter_context(device.being_stopped())
                 await halt_whole(device)
         except StepRampError as error:
-            failed = _text(StopMessageAnswer(did=message, errors=error_items(error)))
+            failed = _text(StopMessageAnswer(did=message, errors=[*(odd or ()), *error_items(error)]))
             return PendingAnswer(lambda: failed, stopping.pop_all())
         until_then = stopping.pop_all()
 
     def done() -> str:
-        return _text(StopMessageAnswer(did=message, devices=devices.views()))
+        return _text(StopMessageAnswer(did=message, devices=devices.views(), errors=odd))
 
     return PendingAnswer(done, until_then)
 

@@ -1,5 +1,6 @@
 """What the routes that stop, and the messages that do, take and answer."""
 
+import json
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
@@ -10,6 +11,9 @@ from stepramp.http_api.devices_models import DeviceAnswer
 from stepramp.http_api.errors import ErrorItem
 from stepramp.http_api.motion_models import refuse_own_axes
 from stepramp.validation import Document, Within, refuse
+
+LONGEST_MESSAGE = 1000
+"""Far more than any message needs [characters]."""
 
 
 class AxesPayload(Document):
@@ -42,6 +46,31 @@ class StopMessage(Document):
         return self
 
 
+class _Pairs(list[tuple[str, object]]):
+    """All that an object gives, also what it gives more than once."""
+
+
+def meant_by(text: str | bytes) -> StopMessage | None:
+    """Return what a message that isn't right asks for all the same: no stop may fail for form's sake.
+
+    All devices stop when it says stop, whatever else it says, or halt of none that it names. None: it says neither, or
+    is longer than any that may be looked at.
+    """
+    if isinstance(text, bytes) or len(text) > LONGEST_MESSAGE:
+        return None
+    try:
+        given = json.loads(text, object_pairs_hook=_Pairs)
+    except (ValueError, RecursionError):
+        return None
+    if not isinstance(given, _Pairs):
+        return None
+    asked = [value for name, value in given if name == "do"]
+    named = [value for name, value in given if name == "device"]
+    if "stop" not in asked and "halt" in asked and len(named) == 1 and isinstance(named[0], str):
+        return StopMessage(do="halt", device=named[0])
+    return StopMessage(do="stop") if "stop" in asked or "halt" in asked else None
+
+
 class StoppedAnswer(Answer):
     """A message that was understood, as it was understood."""
 
@@ -54,5 +83,7 @@ class StopMessageAnswer(Answer):
     """What a message to stop is answered."""
 
     did: StoppedAnswer | None = Field(None, description="What was asked for; left out when that was not understood")
-    errors: list[ErrorItem] | None = Field(None, description="Why it wasn't done; left out when it was")
+    errors: list[ErrorItem] | None = Field(
+        None, description="Why it wasn't done, or what can't be used of the message; else left out"
+    )
     devices: list[DeviceAnswer] | None = Field(None, description="All devices; left out when it wasn't done")
