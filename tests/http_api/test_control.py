@@ -171,6 +171,8 @@ def test_a_stop_ends_a_jog_that_is_still_held(client: TestClient, route: str) ->
     [
         ({"do": "run", "speed_steps_per_s": 5_000}, "speed_steps_per_s"),
         ({"do": "run", "axis": 3, "speed_steps_per_s": 100}, "axis"),
+        ({"do": "run"}, "speed_steps_per_s"),
+        ({"do": "run", "speed_steps_per_s": None}, "speed_steps_per_s"),
         ({"do": "fly"}, "do"),
         ({"do": "hold", "for": 3}, "for"),
         ([], None),

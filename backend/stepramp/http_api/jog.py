@@ -67,7 +67,7 @@ class _Held:
         if request.do == "run":
             if self._lease is not None:
                 self._lease.end()
-            self._lease = Lease({request.axis: request.speed_steps_per_s}, page=self._page)
+            self._lease = Lease({request.axis: request.command.value}, page=self._page)
             task = asyncio.create_task(self._begin(self._lease, request, request_number))
             self._beginning.add(task)
             task.add_done_callback(self._beginning.discard)
