@@ -196,12 +196,20 @@ def test_taking_over_ends_the_jog_of_the_other_page(client: TestClient, route: s
             with client.websocket_connect(f"{route}/jog?page=two", headers=LOCAL) as refused:
                 assert "Another page" in refused.receive_json()["errors"][0]["message"]
             assert client.post(f"{route}/control", headers={PAGE: "two"}).status_code == 200
+            socket.send_json({"do": "hold"})
+            [error] = socket.receive_json()["errors"]
+            assert error["message"] == (
+                "The jog ended: its page is no longer in control of the device, and the axis slowed down."
+            )
 
             def at_rest() -> bool:
                 socket.send_json({"do": "hold"})
                 return bool(client.get(route).json()["state"] == "ready")
 
             until(at_rest)
+            # It is told once.
+            socket.send_json({"do": "fly"})
+            assert [each["field"] for each in socket.receive_json()["errors"]] == ["do"]
 
 
 def test_what_a_push_would_change(client: TestClient, route: str) -> None:

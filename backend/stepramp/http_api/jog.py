@@ -17,6 +17,7 @@ from stepramp.http_api.sockets import accept, parsed, received, served, tell_err
 
 ALLOWED = 'a JSON object such as {"do": "hold"}'
 RAN_OUT = f"The jog ended: it was not told to go on for {JOG_S:g} s, and the axis slowed down. Begin it again."
+TAKEN = "The jog ended: its page is no longer in control of the device, and the axis slowed down."
 LONGEST_MESSAGE = 1024
 """Longer ones are refused unread: whoever is held up by them can't renew a lease."""
 
@@ -71,15 +72,20 @@ class _Held:
             task = asyncio.create_task(self._begin(self._lease, request, request_number))
             self._beginning.add(task)
             task.add_done_callback(self._beginning.discard)
-        elif request.do == "hold" and self._lease is not None and not self._lease.renew():
-            # Nobody has let go of it: who holds it has to know why the axis slows down.
-            self._lease = None
-            await tell_error(self._socket, Refused(RAN_OUT))
+        elif request.do == "hold" and self._lease is not None:
+            await self._hold(self._lease)
         elif request.do == "end":
             self.let_go()
 
     def _asked_at(self, request: JogPayload) -> int:
         return self._opened if request.stops is None else as_known(self._opened, request.stops, self._order, "stops")
+
+    async def _hold(self, lease: Lease) -> None:
+        """Have an axis go on. When it can't, nobody has let go of it: who holds it has to know why it slows down."""
+        why = RAN_OUT if not lease.renew() else None if lease.holds_with(self._device.view.in_control) else TAKEN
+        if why is not None:
+            self.let_go()
+            await tell_error(self._socket, Refused(why))
 
     def let_go(self) -> None:
         """Slow down what runs."""
