@@ -6,13 +6,14 @@ from concurrent.futures import Future
 
 import pytest
 
-from devices.bench import Bench, by, run
+from devices.bench import MOTIONS, STOPS, Bench, by, run
 from devices.motion import PATIENCE_S
 from stepramp.controllers.contract import AxisCommand
 from stepramp.controllers.stepramp.messages.motion import MoveByRequest, RunRequest, StopRequest
 from stepramp.controllers.stepramp.messages.ramps import CommitRequest
 from stepramp.controllers.stepramp.settings import StepRampSettings
 from stepramp.devices.leases import Lease
+from stepramp.devices.shuttle import Shuttle
 from stepramp.devices.view import DeviceState
 from stepramp.errors import Refused
 
@@ -104,3 +105,28 @@ def test_a_stop_while_it_is_looked_what_the_controller_has_loses_no_device(bench
     for place in range(20):
         stop_while_looking_again(bench, place)
     assert bench.device.settings().pulse_width_us == 24
+
+
+@pytest.mark.parametrize("way", ["move", "there and back"])
+def test_what_is_told_as_failed_after_it_was_granted_is_stopped(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch, way: str
+) -> None:
+    """Whoever asked hears of a mistake and expects no motion: the look at what has set out goes wrong once."""
+    bench.reset()
+    look, failed = bench.watch.refresh, []
+
+    def refresh() -> None:
+        if MoveByRequest.KIND in bench.witness.seen and not failed:
+            failed.append(1)
+            raise ZeroDivisionError
+        look()
+
+    monkeypatch.setattr(bench.watch, "refresh", refresh)
+    shuttle, leg = Shuttle(0, 50_000, 3, 0.0, None), by(50_000)
+    with pytest.raises(ZeroDivisionError):
+        bench.device.move_by([leg]) if way == "move" else bench.device.go_there_and_back(shuttle, leg)
+    motions = [kind for kind in bench.witness.seen if kind in MOTIONS | STOPS]
+    assert motions == [MoveByRequest.KIND, StopRequest.KIND]
+    bench.settle()
+    assert bench.device.view.position_steps < 50_000
+    assert bench.device.view.shuttle is None

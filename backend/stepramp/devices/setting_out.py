@@ -1,6 +1,7 @@
 """Setting out: how anything that moves a motor begins, and what ends by that."""
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterator
+from contextlib import contextmanager
 from time import monotonic
 
 from stepramp.controllers.contract import Controller
@@ -12,7 +13,7 @@ from stepramp.devices.stopping import Stopping
 from stepramp.devices.stops import Order
 from stepramp.devices.view import UNDER_WAY
 from stepramp.devices.watch import Watch
-from stepramp.errors import StepRampError
+from stepramp.errors import DeviceLost, StepRampError
 
 
 def _nothing() -> None:
@@ -86,18 +87,32 @@ class SettingOut:
         begun_s = monotonic()
         with self._permit.setting_out():
             job()
-            self._leases.drop(axes)
-            if lease is not None:
-                self._leases.take(lease, begun_s)
-            self._view.change(lambda view: view.without_errand(axes))
-            self._watch.refresh()
-        then()
+            with self._taken_back_on_failure(axes):
+                self._leases.drop(axes)
+                if lease is not None:
+                    self._leases.take(lease, begun_s)
+                self._view.change(lambda view: view.without_errand(axes))
+                self._watch.refresh()
+        with self._taken_back_on_failure(axes):
+            then()
 
     def again(self, axes: Collection[int], request_number: int, begin: Callable[[], None]) -> None:
         """Set axes in motion that go on by themselves, for what was asked then."""
         with self._permit.setting_out():
             self.permitted(axes, request_number, begin)
-            self._watch.refresh()
+            with self._taken_back_on_failure(axes):
+                self._watch.refresh()
+
+    @contextmanager
+    def _taken_back_on_failure(self, axes: Collection[int]) -> Iterator[None]:
+        """Stop axes that have set out when what follows fails: whoever asked is told that, and expects no motion."""
+        try:
+            yield
+        except DeviceLost:
+            raise
+        except Exception:
+            self._stopping.take_back(axes)
+            raise
 
     def permitted(
         self, axes: Collection[int], request_number: int, begin: Callable[[], None], lease: Lease | None = None
