@@ -22,6 +22,8 @@ LOOPBACK = "127.0.0.1"
 FIRST_PORT = 8000
 PORTS_TRIED = 100
 LOG_LEVELS = ("critical", "error", "warning", "info", "debug")
+MOST_BYTES = 2_000_000
+"""Size of the largest file with a design, as of the largest body with one [bytes]."""
 SWITCH_S = 0.0005
 """After so long a thread that computes in Python lets another go on [s]. A stop wakes several, one after the other."""
 
@@ -69,12 +71,13 @@ def export_design(format_name: str, source: str, target: str) -> None:
     if format_name not in FORMAT_NAMES:
         raise Rejected([Rejection("format", format_name, ", ".join(FORMAT_NAMES))])
     try:
-        text = sys.stdin.read() if source == "-" else Path(source).read_text(encoding="utf-8")
-        design = Design.checked(parsed_json(text))
+        design = Design.checked(parsed_json(_text_of(source)))
     except (OSError, ValueError) as error:
         if isinstance(error, Rejected):
             raise
         raise Rejected([Rejection("design", source, f"a file with a design document ({_why(error)})")]) from None
+    if "-" not in (source, target) and Path(target).exists() and Path(source).samefile(target):
+        raise Rejected([Rejection("file", target, "another file than that of the design")])
     made = export(design, format_name, Options())
     try:
         if target == "-":
@@ -85,10 +88,19 @@ def export_design(format_name: str, source: str, target: str) -> None:
         raise Rejected([Rejection("file", target, f"a file that can be written ({_why(error)})")]) from None
 
 
+def _text_of(source: str) -> str:
+    """Return the text of a file that may be a design; ValueError when it is none, or larger than any."""
+    with sys.stdin.buffer if source == "-" else Path(source).open("rb") as file:
+        content = file.read(MOST_BYTES + 1)
+    if len(content) > MOST_BYTES:
+        raise ValueError(f"it is larger than {MOST_BYTES:,} bytes")
+    return content.decode(json.detect_encoding(content))
+
+
 def _why(error: OSError | ValueError) -> str:
     """Return why a file can't be read or written, in words without the program's own."""
     if isinstance(error, UnicodeDecodeError):
-        return "it is no text in UTF-8"
+        return "it is no text in UTF-8 or UTF-16"
     if isinstance(error, json.JSONDecodeError):
         return f"it is no JSON: line {error.lineno:,}, column {error.colno:,}" if error.doc.strip() else "it is empty"
     return (error.strerror if isinstance(error, OSError) else None) or str(error)
@@ -142,7 +154,7 @@ def serve(listener: socket.socket, *, open_page: bool) -> None:
     """Serve the page and the API until interrupted."""
     # numba and FastAPI load slowly: not for --help
     from stepramp.http_api.app import create_app  # noqa: PLC0415
-    from stepramp.http_api.bodies import MOST_BYTES  # noqa: PLC0415
+    from stepramp.http_api.bodies import MOST_BYTES as MOST_BODY_BYTES  # noqa: PLC0415
     from stepramp.http_api.connections import MOST_NEW, allow_descriptors  # noqa: PLC0415
     from stepramp.http_api.request_numbers import numbering  # noqa: PLC0415
     from stepramp.http_api.server import GRACE_S, Server  # noqa: PLC0415
@@ -156,7 +168,7 @@ def serve(listener: socket.socket, *, open_page: bool) -> None:
         http=numbering(app.state.devices.order.next, app.state.connections),
         ws="websockets-sansio",
         ws_per_message_deflate=False,
-        ws_max_size=MOST_BYTES,
+        ws_max_size=MOST_BODY_BYTES,
         backlog=MOST_NEW,
         timeout_graceful_shutdown=GRACE_S,
     )
