@@ -333,6 +333,8 @@ def test_a_port_that_isnt_there(client: TestClient) -> None:
         ({"port": 5}, "port"),
         ({"port": "spy://x"}, "port"),
         ({"port": ""}, "port"),
+        ({"port": "."}, "port"),
+        ({"port": "/dev"}, "port"),
         ({"port": "a\0b"}, "port"),
         ({"port": "x" * 201}, "port"),
         ({"port": "socket://bad"}, "port"),

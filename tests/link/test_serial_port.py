@@ -122,7 +122,7 @@ def test_no_such_port_and_no_port_at_all(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("not a terminal")
     with pytest.raises(DeviceLost, match="file is no serial port"):
         SerialPort(str(tmp_path / "file"))
-    with pytest.raises(DeviceLost, match="can't be opened: Is a directory"):
+    with pytest.raises(Rejected, match="allowed: the name of a serial port"):
         SerialPort(str(tmp_path))
 
 

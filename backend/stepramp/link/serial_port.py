@@ -167,12 +167,16 @@ def _number(error: Exception) -> int:
 
 def _check_name(port: str) -> None:
     """Reject what is neither a name that a port could have nor an address of ADDRESSES."""
-    if not (_is_address(port) if "://" in port else port.strip() and port.isprintable()):
+    if not (_is_address(port) if "://" in port else _may_be_a_name(port)):
         allowed = (
             "the name of a serial port, sim://, or the address of one on the network, as socket://host:port or "
             "rfc2217://host:port, the port from 1 to 65,535"
         )
         raise Rejected([Rejection("port", port, allowed)])
+
+
+def _may_be_a_name(port: str) -> bool:
+    return bool(port.strip()) and port.isprintable() and not os.path.isdir(port)
 
 
 def _is_address(port: str) -> bool:
