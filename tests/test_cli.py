@@ -129,7 +129,7 @@ def test_a_design_is_not_overwritten_by_what_is_made_of_it(
         ),
         (["csv", "empty.json", "-"], "design is 'empty.json'; allowed: a file with a design document (it is empty)."),
         (["csv", "design.json", "."], "file is '.'; allowed: a file that can be written (Is a directory)."),
-        (["csv", "twice.json", "-"], "name is ['A', 'B']; allowed: one value, given once."),
+        (["csv", "twice.json", "-"], 'name is ["A", "B"]; allowed: one value, given once.'),
         (["csv", "wrong.json", "-"], "timer.frequency_hz is 0; allowed: a number from 1,000"),
         (["csv", "design.json", "absent/steps.csv"], "file is 'absent/steps.csv'; allowed: a file that can be written"),
     ],

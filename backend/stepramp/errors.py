@@ -9,6 +9,7 @@ StepRampError
 └── DeviceLost          the device doesn't answer, or its port is gone
 """
 
+import json
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -140,9 +141,12 @@ class DeviceLost(StepRampError):
 
 
 def shown(value: object) -> str:
-    """Return a value as it stands in a message: short, on one line."""
+    """Return a value as it stands in a message: short, on one line; all but texts as in JSON."""
     told = brief(value)
-    text = "missing" if value is None else repr(told) if isinstance(value, str) else str(told)
+    if isinstance(told, bool | list | dict):
+        text = json.dumps(told, ensure_ascii=False)
+    else:
+        text = "missing" if value is None else repr(told) if isinstance(value, str) else str(told)
     text = " ".join(text.split())
     return text if len(text) <= 80 else text[:77] + "…"
 

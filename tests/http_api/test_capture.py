@@ -109,7 +109,7 @@ def test_best_fit_and_thinning(client: TestClient) -> None:
         ({"longest_wait_us": "9" * 5000}, "longest_wait_us", "allowed: a number from 1 to"),
         ({"max_points": "1_000"}, "max_points", "is '1_000'; allowed: a whole number from 10"),
         ({"move_number": "\u0661"}, "move_number", "is '\u0661'; allowed: a whole number"),
-        ({"edge": ["rising", "falling"]}, "edge", "is ['rising', 'falling']; allowed: one value, given once."),
+        ({"edge": ["rising", "falling"]}, "edge", 'is ["rising", "falling"]; allowed: one value, given once.'),
         ({"longest_wait_us": 0}, "longest_wait_us", "allowed: a number from 1 to"),
         ({"max_points": 1}, "max_points", "allowed: a whole number from 10"),
         ({"move_number": 2}, "move_number", "a whole number from 1 to 1"),

@@ -73,6 +73,21 @@ def test_null_is_told_as_null_and_what_is_not_there_as_missing(client: TestClien
     assert refused('{"methods": []}') == ["design is missing; allowed: a value; this field is required."]
 
 
+@pytest.mark.parametrize(
+    ("value", "told"),
+    [
+        (True, "true"),
+        ([False, None, "ü", 2.5], '[false, null, "ü", 2.5]'),
+        ({"a": None, "b": {"c": [True]}}, '{"a": null, "b": {"c": [true]}}'),
+        ("true", "'true'"),
+    ],
+)
+def test_values_are_told_as_json_tells_them(client: TestClient, value: object, told: str) -> None:
+    response = client.post("/api/v1/profile", json={"design": document(), "max_points": value})
+    [error] = errors_of(response, 422)
+    assert error["message"].startswith(f"max_points is {told}; allowed: ")
+
+
 def test_rejections_that_the_numerics_make_have_the_same_path(client: TestClient) -> None:
     response = client.post("/api/v1/profile", json={"design": document(ramp__acceleration_steps_per_s2=0.01)})
     [error] = errors_of(response, 422)

@@ -210,4 +210,4 @@ def test_a_format_that_is_given_twice_is_refused(client: TestClient) -> None:
     answer = client.post("/api/v1/report", params={"format": ["html", "pdf"]}, json={"design": document()})
     [error] = answer.json()["errors"]
     assert (answer.status_code, error["field"]) == (422, "format")
-    assert error["message"] == "format is ['html', 'pdf']; allowed: one value, given once."
+    assert error["message"] == 'format is ["html", "pdf"]; allowed: one value, given once.'
