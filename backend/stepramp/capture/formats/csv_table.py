@@ -41,6 +41,8 @@ class Head:
     rows_begin: int
     rows: tuple[tuple[str, ...], ...]
     """The first rows."""
+    row_lines: tuple[int, ...] = ()
+    """Which lines of the file these are, counted from 1."""
 
     @property
     def width(self) -> int:
@@ -51,6 +53,19 @@ class Head:
         """Return the columns from `begin` on that hold levels in all of the first rows."""
         columns = range(begin, self.width)
         return [each for each in columns if all(row[each] in _LEVELS for row in self.rows if each < len(row))]
+
+    def left_out_remark(self, begin: int) -> tuple[str, ...]:
+        """Return what to say of the columns from `begin` on that hold something else than levels, and where."""
+        odd = [(each, self._first_odd(each)) for each in range(begin, self.width)]
+        told = [f"{self._title(column)} ({shown(where[1])} in line {where[0]:,})" for column, where in odd if where]
+        return (f"Left out, since they hold no levels: {', '.join(told)}.",) if told else ()
+
+    def _first_odd(self, column: int) -> tuple[int, str] | None:
+        fields = ((line, row[column]) for line, row in zip(self.row_lines, self.rows, strict=True) if column < len(row))
+        return next(((line, field) for line, field in fields if field not in _LEVELS), None)
+
+    def _title(self, column: int) -> str:
+        return self.titles[column] if column < len(self.titles) else f"column {column + 1}"
 
 
 @dataclass(frozen=True)
@@ -83,8 +98,11 @@ def head_of(content: bytes) -> Head:
     if lines and not _is_row(lines[0], delimiter):
         titles = lines.pop(0)
         place = _after_line(content, place)
-    rows = tuple(_fields(line, delimiter) for line in lines[:LOOKED_AT_ROWS] if line.strip())
-    return Head(tuple(comments), _fields(titles, delimiter) if titles else (), delimiter, place, rows)
+    first_line = 1 + len(comments) + bool(titles)
+    numbered = [(number, line) for number, line in enumerate(lines[:LOOKED_AT_ROWS], first_line) if line.strip()]
+    rows = tuple(_fields(line, delimiter) for _, line in numbered)
+    row_lines = tuple(number for number, _ in numbered)
+    return Head(tuple(comments), _fields(titles, delimiter) if titles else (), delimiter, place, rows, row_lines)
 
 
 def rows_of(

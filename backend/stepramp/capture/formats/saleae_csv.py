@@ -54,9 +54,7 @@ def read_saleae_csv(content: bytes) -> Recording:
     match = _TIME.fullmatch(head.titles[0])
     unit = (match[1] or "s").casefold() if match else "s"
     levels = head.level_columns(1)
-    others = [head.titles[each] for each in range(1, len(head.titles)) if each not in levels]
     rows = rows_of(content, head, levels, True, PLACES - _UNIT_PLACES[unit], 10**PLACES)
-    left_out = (f"Left out, since they hold no levels: {', '.join(others)}.",) if others else ()
     return Recording(
         format="saleae_csv",
         channels=distinct([head.titles[each] if each < len(head.titles) else "" for each in levels]),
@@ -66,5 +64,5 @@ def read_saleae_csv(content: bytes) -> Recording:
         begin_ticks=rows.first_ticks,
         end_ticks=rows.last_ticks,
         tick_s=Fraction(1, 10**PLACES),
-        remarks=left_out + unknown_remark(rows.unknown_levels) + ((CUT,) if rows.is_cut_off else ()),
+        remarks=head.left_out_remark(1) + unknown_remark(rows.unknown_levels) + ((CUT,) if rows.is_cut_off else ()),
     )

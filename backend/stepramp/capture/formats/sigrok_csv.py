@@ -36,6 +36,7 @@ def read_sigrok_csv(content: bytes) -> Recording:
     if has_time and unit is None:
         unit = _unit_at(rate)
     levels = _level_columns(head, has_time)
+    left_out = () if "logic" in head.titles else head.left_out_remark(int(has_time))
     # sigrok counts whole units from sample to sample, 41 ns at 24 MHz: its times run ahead of its own samples.
     step = int(unit / rate) if unit and rate else 0
     rows = rows_of(content, head, levels, has_time, 0, unit or 1, step)
@@ -64,7 +65,7 @@ def read_sigrok_csv(content: bytes) -> Recording:
         end_ticks=rows.last_ticks // by_step,
         tick_s=tick_s,
         sample_rate_hz=rate,
-        remarks=unknown_remark(rows.unknown_levels) + ((CUT,) if rows.is_cut_off else ()),
+        remarks=left_out + unknown_remark(rows.unknown_levels) + ((CUT,) if rows.is_cut_off else ()),
     )
 
 
