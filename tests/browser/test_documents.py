@@ -123,7 +123,7 @@ def test_a_machine_of_four_axes_comes_and_goes_as_one_file(stepramp: StepRampPag
 
 
 WRONG_FILES = [
-    (b'{"schema": "stepramp/2", "shape": "s-curve"}', "newer StepRamp"),
+    (b'{"schema": "stepramp/3", "shape": "s-curve"}', "newer StepRamp"),
     (b"not a design at all", "it is not JSON"),
     (json.dumps(SHARED).encode()[:-20], "it is not JSON"),
     (b"\x89PNG\r\n\x1a\n\x00\xff", "This is no text"),
