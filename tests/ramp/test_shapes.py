@@ -25,6 +25,9 @@ SHAPES: dict[str, dict[str, Any]] = {
 }
 
 
+TOLD = {"s_curve": "S-curve, jerk 50000 steps/s^3", "cosine": "Cosine", "drawn": "Drawn, 3 points"}
+
+
 def shaped(name: str, method: str = "exact", **changes: Any) -> Design:
     return Design.checked(shaped_document(name, method, **changes))
 
@@ -159,7 +162,10 @@ def test_files_hold_every_shape(name: str) -> None:
     asked = shaped(name)
     rows = export(asked, "csv", Options()).content.decode().splitlines()[1:]
     assert [int(row.split(",")[1]) for row in rows] == list(plan_of(asked).intervals)
-    assert "static const" in export(asked, "c_segments", Options()).content.decode()
+    header = export(asked, "c_segments", Options()).content.decode()
+    assert f"steps/s^2;\n * {TOLD[name]}.\n" in header
+    assert header.isascii()
+    assert TOLD[name].split(",")[0] in export(asked, "html", Options()).content.decode()
     with pytest.raises(Rejected, match=rf"ramp\.shape\.name is '{name}'; allowed: constant, in code that computes"):
         export(asked, "c_newton", Options())
 
