@@ -4,7 +4,7 @@
 import { areEqual } from './equal.js';
 import { METHODS, methodOf, REFERENCE } from './methods.js';
 import { formatEntry } from './numbers.js';
-import { isShape } from './shapes.js';
+import { isShape, shapeOf } from './shapes.js';
 
 /** @typedef {import('./types.js').Design} Design */
 /** @typedef {import('./types.js').Entry} Entry */
@@ -63,7 +63,9 @@ export function areSameRamps(one, other) {
 /** The methods to ask the server about: the design's own in any case, and of the shown ones those that are possible.
  * @param {Design} design @param {ReadonlySet<MethodName>} shown */
 export function methodsToCompute(design, shown) {
-  const isPossible = (/** @type {MethodName} */ name) => !methodOf(name).plays_table || design.table !== null;
+  const { methods } = shapeOf(design);
+  const isPossible = (/** @type {MethodName} */ name) =>
+    methods.includes(name) && (!methodOf(name).plays_table || design.table !== null);
   return METHODS.map((method) => method.name).filter(
     (name) => name === design.method.name || (shown.has(name) && isPossible(name)),
   );

@@ -62,3 +62,16 @@ def test_a_short_move_is_planned_by_itself_or_cut_out_of_the_long_ramp(stepramp:
     expect(page.locator(".choice:has(#short-moves) .message")).to_have_count(0)
     stepramp.field(SLEW_SPEED).fill("200")
     expect(page.locator('[data-path="move.steps"] .message')).to_have_count(0)
+
+
+def test_methods_for_constant_acceleration_only_say_so_and_are_not_asked_for(stepramp: StepRampPage) -> None:
+    page = stepramp.page
+    chip = page.locator('.chip[data-method="first_order"]')
+    until(lambda: "first_order-error" in stepramp.curves())
+    page.locator("#shape").select_option("cosine")
+    expect(chip).to_contain_text("constant a")
+    expect(chip).to_have_attribute("title", "1st order is for constant acceleration only: this ramp’s shape is Cosine")
+    until(lambda: "first_order-error" not in stepramp.curves())
+    assert "newton-error" in stepramp.curves()
+    page.locator("#shape").select_option("constant")
+    until(lambda: "first_order-error" in stepramp.curves())

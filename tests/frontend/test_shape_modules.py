@@ -89,3 +89,10 @@ def test_a_refusal_of_a_point_is_told_at_the_points(modules: Modules) -> None:
         "Point 3, part, is 'x'; allowed: a number from 0.001 to 1.",
         "Point 1, speed, is 'x'; allowed: a number from 0.001 to 1.",
     ]
+
+
+def test_only_methods_of_the_shape_are_computed_and_exported(modules: Modules) -> None:
+    ask = """async ([design, shown]) => (await import('/model/design.js')).methodsToCompute(design, new Set(shown))"""
+    shown = ["exact", "first_order", "newton", "table"]
+    assert modules.evaluate(ask, [shaped(modules, "cosine"), shown]) == ["exact", "newton", "table"]
+    assert modules.evaluate(ask, [document(), shown]) == shown
