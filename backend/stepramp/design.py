@@ -1,9 +1,11 @@
 """Design: the document that everything starts from.
 
 A design describes an axis, the timer that steps it, a ramp, the method that computes the ramp, a lookup table and a
-move. It is one JSON document (`"schema": "stepramp/1"`) and is validated on every way in.
+move. It is one JSON document (`"schema": "stepramp/2"`) and is validated on every way in.
 """
 
+import math
+from itertools import pairwise
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
@@ -12,6 +14,7 @@ from stepramp.errors import Limits, Rejected, Rejection
 from stepramp.methods import METHODS, REFERENCE
 from stepramp.methods.common.method import RampMethod, TunedFor
 from stepramp.numerics.numbers import Arithmetic
+from stepramp.numerics.slope import ShapeParameters
 from stepramp.shapes import SHAPES, USUAL_SHAPE
 from stepramp.units import DEGREES_PER_REV, LengthUnit
 from stepramp.validation import Document, ListOf, NamesUnits, OneOf, Text, UnitNamedBy, Within, refuse
@@ -27,6 +30,7 @@ MOST_NAMES = 20
 MethodName = Annotated[str, OneOf(METHODS)]
 ShapeName = Annotated[str, OneOf(SHAPES)]
 Rounding = Literal["nearest", "floor", "carry"]
+Schema = Literal["stepramp/1", "stepramp/2"]
 
 SLOWEST_STEPS_PER_S = 0.001
 """Slower speeds than this are none, except 0: their intervals are beyond all numbers [steps/s]."""
@@ -34,12 +38,25 @@ SLOWEST_STEPS_PER_S = 0.001
 LEAST_ACCELERATION = 0.001
 """[steps/s²]"""
 
+LEAST_JERK = 0.001
+"""[steps/s³]"""
+
+MOST_DRAWN_POINTS = 200
+FIELDS_OF_PARAMETERS = {"jerk": ("jerk_steps_per_s3", "deceleration_jerk_steps_per_s3"), "points": ("points",)}
+"""By what a shape takes, the fields of a design's shape that say it; the first one is needed."""
+PARAMETERS_IN_WORDS = {"jerk": "a jerk [steps/s³]", "points": "a list of points"}
+
 Speed = Annotated[float, Within(SLOWEST_STEPS_PER_S, 1_000_000, "steps/s")]
 Acceleration = Annotated[float, Within(LEAST_ACCELERATION, 1_000_000_000, "steps/s²")]
 
 
 TRAVEL_UNIT = UnitNamedBy("travel_unit", {"mm": "mm", "deg": "degrees"})
 DELAY_UNIT = UnitNamedBy("interval_unit", {"us": "µs", "ticks": "ticks"})
+
+
+def is_none(value: object) -> bool:
+    """Tell what is left out of documents."""
+    return value is None
 
 
 class AxisScale(NamesUnits):
@@ -78,10 +95,63 @@ class Timer(Document):
     )
 
 
+Jerk = Annotated[float, Within(LEAST_JERK, 1e15, "steps/s³")]
+DrawnSpeed = Annotated[float, Within(0, 1_000_000, "steps/s")]
+DrawnPart = Annotated[float, Within(0.001, 1, "of the acceleration")]
+DrawnPoint = Annotated[
+    tuple[DrawnSpeed, DrawnPart],
+    ListOf("two numbers, the speed [steps/s] and the part of the acceleration that holds there", length=2),
+]
+
+
 class RampShape(Document):
     """How speed grows along a ramp, whose accelerations are the largest along it."""
 
-    name: ShapeName = Field(USUAL_SHAPE, description="constant: the acceleration stays the same")
+    name: ShapeName = Field(
+        USUAL_SHAPE, description=". ".join(f"{name}: {shape.summary}" for name, shape in SHAPES.items())
+    )
+    jerk_steps_per_s3: Jerk | None = Field(
+        None,
+        description="j, of s_curve: the fastest that the acceleration grows and falls on the ramp up [steps/s³]",
+        exclude_if=is_none,
+    )
+    deceleration_jerk_steps_per_s3: Jerk | None = Field(
+        None,
+        description="The same on the ramp down, of s_curve [steps/s³]; null: the same as on the ramp up",
+        exclude_if=is_none,
+    )
+    points: Annotated[list[DrawnPoint], ListOf("points", most=MOST_DRAWN_POINTS, least=2)] | None = Field(
+        None,
+        description="Of drawn: [speed [steps/s], part of the acceleration that holds there], with increasing speeds; "
+        "monotone cubic in between, level outside",
+        exclude_if=is_none,
+    )
+
+    @model_validator(mode="after")
+    def _own_fields(self) -> Self:
+        takes = SHAPES[self.name].takes
+        for parameter, (needed, *others) in FIELDS_OF_PARAMETERS.items():
+            for field in (needed, *others):
+                if parameter not in takes and getattr(self, field) is not None:
+                    owners = " or ".join(repr(name) for name, shape in SHAPES.items() if parameter in shape.takes)
+                    refuse(field, getattr(self, field), f"none with ramp.shape.name '{self.name}', it is of {owners}")
+            if parameter in takes and getattr(self, needed) is None:
+                refuse(needed, None, f"{PARAMETERS_IN_WORDS[parameter]}, since ramp.shape.name is '{self.name}'")
+        return self
+
+    @model_validator(mode="after")
+    def _increasing(self) -> Self:
+        for number, ((before, _), (speed, _)) in enumerate(pairwise(self.points or ()), start=1):
+            if speed <= before:
+                refuse(f"points.{number}.0", speed, f"more than {before:,.15g} steps/s, the speed of the point before")
+        return self
+
+    def parameters(self, *, is_down: bool) -> ShapeParameters:
+        """Return what the shape has of its own on the ramp up or down."""
+        jerk = self.jerk_steps_per_s3
+        if is_down and self.deceleration_jerk_steps_per_s3 is not None:
+            jerk = self.deceleration_jerk_steps_per_s3
+        return ShapeParameters(math.inf if jerk is None else jerk, tuple(self.points or ()))
 
 
 class RampParameters(Document):
@@ -194,12 +264,23 @@ class Table(NamesUnits):
 
 NOT_ZERO = ", but not 0"
 
+MovePlan = Literal["this_move", "any_move"]
+USUAL_PLAN: MovePlan = "this_move"
+"""Left out of documents, as the usual shape is."""
+
 
 class Move(Document):
     """The move that the design is shown with."""
 
     steps: Annotated[int, Within(-MOST_STEPS, MOST_STEPS, "steps", NOT_ZERO)] = Field(
         description="Length of the move, negative for backwards [steps]", json_schema_extra={"not": {"const": 0}}
+    )
+    plan: MovePlan = Field(
+        USUAL_PLAN,
+        description="this_move: a move too short for the slew speed is planned to a lower peak, within acceleration "
+        "and jerk. any_move: the ramp leads to the slew speed whatever the move, and shorter moves take its slowest "
+        "intervals, as a controller plays them",
+        exclude_if=lambda plan: plan == USUAL_PLAN,
     )
 
     @model_validator(mode="after")
@@ -210,9 +291,9 @@ class Move(Document):
 
 
 class Design(Document):
-    """The design document, version 1."""
+    """The design document, version 2; one of version 1 has the usual shape and plan."""
 
-    schema_: Literal["stepramp/1"] = Field(alias="schema", description="Name and version of the document's format")
+    schema_: Schema = Field(alias="schema", description="Name and version of the document's format")
     name: Annotated[str, Text(100)] = Field("", description="What people call it")
     axis: AxisScale = AxisScale()
     timer: Timer
@@ -220,6 +301,14 @@ class Design(Document):
     method: Method = Method()
     table: Table | None = None
     move: Move
+
+    @model_validator(mode="after")
+    def _fields_of_the_version(self) -> Self:
+        newer = {"ramp.shape": self.ramp.shape != RampShape(), "move.plan": self.move.plan != USUAL_PLAN}
+        if self.schema_ == "stepramp/1" and any(newer.values()):
+            named = " and ".join(field for field, is_there in newer.items() if is_there)
+            refuse("schema", self.schema_, f"stepramp/2 for a design with {named}")
+        return self
 
     @model_validator(mode="after")
     def _table_for_table(self) -> Self:

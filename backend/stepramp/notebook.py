@@ -2,14 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, ValidationError
 
 from stepramp import design as document
-from stepramp.design import MethodName
+from stepramp.design import MethodName, Schema
 from stepramp.figure import figure_of
 from stepramp.methods import REFERENCE
 from stepramp.ramp.error_curves import ErrorCurves, error_curves
@@ -38,9 +38,7 @@ class Design(document.Design):
     stepramp.errors.Rejected: timer.frequency_hz is 0; allowed: a number from 1,000 to 1,000,000,000 Hz.
     """
 
-    schema_: Literal["stepramp/1"] = Field(
-        "stepramp/1", alias="schema", description="Name and version of the document's format"
-    )
+    schema_: Schema = Field("stepramp/2", alias="schema", description="Name and version of the document's format")
 
     def __init__(self, **parts: object) -> None:
         try:

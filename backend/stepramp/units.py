@@ -23,17 +23,17 @@ def speed_from_interval(ticks: float, frequency_hz: float) -> float:
 
 LengthUnit = Literal["steps", "rev", "deg", "mm"]
 TimeUnit = Literal["s", "min"]
-Quantity = Literal["length", "speed", "acceleration"]
+Quantity = Literal["length", "speed", "acceleration", "jerk"]
 
 DEGREES_PER_REV = 360
 SECONDS_PER_TIME_UNIT: dict[TimeUnit, int] = {"s": 1, "min": 60}
 LENGTH_WORDS: dict[LengthUnit, str] = {"steps": "steps", "rev": "rev", "deg": "°", "mm": "mm"}
-TIME_POWERS: dict[Quantity, int] = {"length": 0, "speed": 1, "acceleration": 2}
+TIME_POWERS: dict[Quantity, int] = {"length": 0, "speed": 1, "acceleration": 2, "jerk": 3}
 
 
 @dataclass(frozen=True)
 class ShownUnits:
-    """The units that lengths, speeds and accelerations of one axis are shown in."""
+    """The units that lengths, speeds, accelerations and jerks of one axis are shown in."""
 
     length: LengthUnit
     time: TimeUnit
@@ -50,5 +50,5 @@ class ShownUnits:
         >>> ShownUnits("mm", "s", 0.02).word("acceleration")
         'mm/s²'
         """
-        power = ("", f"/{self.time}", f"/{self.time}²")[TIME_POWERS[quantity]]
+        power = ("", f"/{self.time}", f"/{self.time}²", f"/{self.time}³")[TIME_POWERS[quantity]]
         return LENGTH_WORDS[self.length] + power

@@ -179,7 +179,7 @@ class OneOf:
         return core_schema.literal_schema(self.words)
 
 
-@dataclass
+@dataclass(eq=False)
 class ListOf(_Allowance):
     """A list of things described in words, of a given length, or of `least` to `most` of them.
 

@@ -2,8 +2,9 @@
 // Designs as text: what is saved in files and carried by links. A text is read whole or not at all, and then it is said
 // why. Values are for the server to judge: what stands in a number field may be any number, or text that was typed there.
 
-import { LONGEST_NAME, MOST_ROWS, SHAPES } from '../model/design.js';
+import { LONGEST_NAME, MOST_ROWS } from '../model/design.js';
 import { METHODS } from '../model/methods.js';
+import { MOST_POINTS, SHAPES } from '../model/shapes.js';
 import { MOST_AXES } from '../model/workbench.js';
 import { repeatedField } from './repeated.js';
 
@@ -16,7 +17,8 @@ import { repeatedField } from './repeated.js';
 
 /** No text longer than this is read: the longest sensible one, four axes of 1,000 rows, has a quarter of it [characters]. */
 export const LONGEST_TEXT = 1_000_000;
-const DESIGN = 'stepramp/1';
+/** The versions of a design, the newest last: the first has neither shapes nor plans. */
+const DESIGNS = ['stepramp/1', 'stepramp/2'];
 const MACHINE = 'stepramp-machine/1';
 const TOGETHER = ['independent', 'line'];
 const SHORT = 60;
@@ -59,8 +61,25 @@ function oneOf(...words) {
 
 /** @param {unknown} value @returns {string | null} */
 function shapeRefusal(value) {
-  const allowed = SHAPES.map((name) => JSON.stringify({ name }));
-  return allowed.includes(JSON.stringify(value)) ? null : allowed.join(', ');
+  const { name, ...own } = /** @type {Record<string, unknown>} */ (isObject(value) ? value : {});
+  const shape = SHAPES.find((one) => one.name === name);
+  if (shape === undefined) return `an object whose name is ${SHAPES.map((one) => one.name).join(', ')}`;
+  const isKnown = Object.entries(own).every(([field, value]) => {
+    const holds = field === 'points' ? arePoints(value) : openEntry.refusal(value) === null;
+    return shape.fields.includes(field) && holds;
+  });
+  return isKnown ? null : `with the name ${shape.name}: ${shape.fields.map((field) => CONTENTS[field] ?? `${field}, a number`).join('; ') || 'nothing besides'}`;
+}
+
+/** What else than a number a field of a shape holds.
+ * @type {Record<string, string>} */
+const CONTENTS = { points: `points, a list of up to ${MOST_POINTS} pairs of numbers` };
+
+/** @param {unknown} value */
+function arePoints(value) {
+  const isPair = (/** @type {unknown} */ point) =>
+    Array.isArray(point) && point.length === 2 && point.every((one) => entry().refusal(one) === null);
+  return Array.isArray(value) && value.length <= MOST_POINTS && value.every(isPair);
 }
 
 /** The parts of a design and what stands in for what is left out: the same as where the server reads one.
@@ -86,7 +105,7 @@ const PARTS = {
     rounding: oneOf('nearest', 'floor', 'carry'),
     tuned_for: oneOf('largest_error', 'time'),
   },
-  move: { steps: entry() },
+  move: { steps: entry(), plan: { refusal: oneOf('this_move', 'any_move').refusal, mayStayOut: true } },
 };
 const MAY_BE_LEFT_OUT = ['axis', 'method'];
 
@@ -152,7 +171,7 @@ function readDesign(document, place) {
     return [name, readPart(given, rules, place + name)];
   });
   return /** @type {Design} */ ({
-    schema: DESIGN,
+    schema: document.schema,
     name: check(name, document.name, `${place}name`),
     ...Object.fromEntries(parts),
     table: readTable(document.table ?? null, `${place}table`),
@@ -161,16 +180,16 @@ function readDesign(document, place) {
 
 /** @param {unknown} schema @param {string} place */
 function refuseSchema(schema, place) {
-  if (schema === DESIGN) return;
+  if (DESIGNS.some((known) => known === schema)) return;
   const version = typeof schema === 'string' && /^stepramp(-[\w-]+)?\/\d/.test(schema);
   if (version) {
     throw new Unreadable(
-      `This was made by another, probably newer StepRamp: its format is ${shown(schema)}, this one reads ${DESIGN} and ` +
+      `This was made by another, probably newer StepRamp: its format is ${shown(schema)}, this one reads ${DESIGNS.join(', ')} and ` +
         `${MACHINE}. Open it with a newer StepRamp.`,
     );
   }
   if (schema === undefined) throw new Unreadable(`This is not a StepRamp design: its field ${place}schema is missing.`);
-  throw new Unreadable(`This is not a StepRamp design: ${place}schema is ${shown(schema)}; allowed: "${DESIGN}".`);
+  throw new Unreadable(`This is not a StepRamp design: ${place}schema is ${shown(schema)}; allowed: ${DESIGNS.map((known) => `"${known}"`).join(', ')}.`);
 }
 
 /** @param {unknown} part @param {Record<string, Rule>} rules @param {string} path */

@@ -4,6 +4,7 @@
 import { areEqual } from './equal.js';
 import { METHODS, methodOf, REFERENCE } from './methods.js';
 import { formatEntry } from './numbers.js';
+import { isShape, shapeOf } from './shapes.js';
 
 /** @typedef {import('./types.js').Design} Design */
 /** @typedef {import('./types.js').Entry} Entry */
@@ -13,9 +14,6 @@ import { formatEntry } from './numbers.js';
 /** What the server takes at most. A longer table is never shown: its rows alone would stop the page for good. */
 export const MOST_ROWS = 1000;
 export const LONGEST_NAME = 100;
-
-/** What shapes of ramps there are, by their names. */
-export const SHAPES = ['constant'];
 
 /** @param {Design} design @param {string} path such as "ramp.slew_speed_steps_per_s" @returns {any} */
 export function valueAt(design, path) {
@@ -65,7 +63,9 @@ export function areSameRamps(one, other) {
 /** The methods to ask the server about: the design's own in any case, and of the shown ones those that are possible.
  * @param {Design} design @param {ReadonlySet<MethodName>} shown */
 export function methodsToCompute(design, shown) {
-  const isPossible = (/** @type {MethodName} */ name) => !methodOf(name).plays_table || design.table !== null;
+  const { methods } = shapeOf(design);
+  const isPossible = (/** @type {MethodName} */ name) =>
+    methods.includes(name) && (!methodOf(name).plays_table || design.table !== null);
   return METHODS.map((method) => method.name).filter(
     (name) => name === design.method.name || (shown.has(name) && isPossible(name)),
   );
@@ -127,7 +127,7 @@ export function isDesign(document) {
     typeof document.name === 'string' &&
     ['axis', 'timer', 'ramp', 'method', 'move'].every((part) => isObject(document[part])) &&
     METHODS.some((method) => method.name === document.method.name) &&
-    (document.ramp.shape === undefined || SHAPES.includes(document.ramp.shape?.name)) &&
+    (document.ramp.shape === undefined || isShape(document.ramp.shape)) &&
     (document.table === null ||
       (isObject(document.table) &&
         Array.isArray(document.table.rows) &&

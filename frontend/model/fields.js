@@ -122,6 +122,24 @@ const DESCRIBED = [
         formula: '4, 16',
         help: 'Loss of speed each second. It follows the acceleration until it is set; emptied, it follows again.',
       },
+      {
+        path: 'ramp.shape.jerk_steps_per_s3',
+        label: 'Jerk',
+        symbol: 'j',
+        quantity: 'jerk',
+        slider: { from: 100, to: 1e9, scale: 'log', figures: 3 },
+        formula: '',
+        help: 'How fast the acceleration comes and goes. The ramp takes Δv / a + a / j; where that is too short for a, less of a.',
+      },
+      {
+        path: 'ramp.shape.deceleration_jerk_steps_per_s3',
+        label: 'Jerk down',
+        symbol: 'j',
+        quantity: 'jerk',
+        slider: { from: 100, to: 1e9, scale: 'log', figures: 3 },
+        formula: '',
+        help: 'The same for the ramp down. It follows the jerk until it is set; emptied, it follows again.',
+      },
     ],
   },
   {
@@ -149,6 +167,16 @@ export const GROUPS = DESCRIBED.map(({ title, fields }) => ({
 /** Explanations of what is no number.
  * @type {Record<string, {label: string, formula: string, help: string}>} */
 export const CHOICES = {
+  'move.plan': {
+    label: 'Short moves',
+    formula: '',
+    help: 'A move too short for the slew speed: planned by itself to a lower peak, soft all along; or cut out of the long ramp, as a controller plays moves of other lengths, with a jolt at its peak.',
+  },
+  'ramp.shape.points': {
+    label: 'Drawn acceleration',
+    formula: '',
+    help: 'A point a line: a speed in steps/s, and which part of the acceleration holds there, from 0.001 to 1. Smooth in between, level outside. Two columns of a spreadsheet can be pasted.',
+  },
   'method.arithmetic': {
     label: 'Arithmetic',
     formula: '',

@@ -24,6 +24,9 @@ const CHOICE_LABELS = {
   'method.rounding': 'Rounding',
   'method.tuned_for': 'Tuned for',
   'axis.travel_unit': 'Travel unit',
+  'ramp.shape.name': 'Shape',
+  'ramp.shape.points': 'Drawn acceleration',
+  'move.plan': 'Short moves',
   table: 'Lookup table',
 };
 const LABELS = new Map([
@@ -39,6 +42,7 @@ const OF_AXIS = /^(?:designs|axes)\.(\d+)\.(.*)$/;
 const OF_DESIGN = /^(?:axes\.(\d+)|design)\.(.*)$/;
 // A cut list or object is told in words by the server already.
 const LONGEST_VALUE = 80;
+const POINT = /^ramp\.shape\.points\.(\d+)(?:\.([01]))?$/;
 const ROW = /^table\.rows\.(\d+)(?:\.([01]))?$/;
 
 /**
@@ -69,6 +73,12 @@ export function refusalText({ message, value, reason, ...rejection }, label, wor
  * @param {number} index of the row, from 0 @param {number | null} column null: the whole row */
 export function rowLabel(index, column) {
   return `Row ${index + 1}${column === null ? '' : column === 0 ? ', last index,' : ', delay,'}`;
+}
+
+/** What a point of a drawn acceleration, or one of its numbers, is called.
+ * @param {RegExpExecArray} point */
+function pointLabel([, index, column]) {
+  return `Point ${Number(index) + 1}${column === undefined ? '' : column === '0' ? ', speed,' : ', part,'}`;
 }
 
 /** @param {unknown} value */
@@ -125,8 +135,9 @@ function place(sorted, { field, message }, refused) {
   const whole = (field ?? '').replace(/^design\./, '');
   const row = ROW.exec(whole);
   // The table has one place for all that is not about one row.
-  const path = /^table\b/.test(whole) ? 'table' : whole;
-  const label = LABELS.get(path);
+  const point = POINT.exec(whole);
+  const path = /^table\b/.test(whole) ? 'table' : point ? 'ramp.shape.points' : whole;
+  const label = point ? pointLabel(point) : LABELS.get(path);
   if (row) {
     const [index, column] = [Number(row[1]), row[2] === undefined ? null : Number(row[2])];
     if (!sorted.rows.has(index)) sorted.rows.set(index, { column, text: textWith(rowLabel(index, column)), isWarning });

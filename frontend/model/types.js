@@ -26,10 +26,11 @@
  * @property {{full_steps_per_rev: Entry, microsteps: Entry, travel_per_rev: Entry, travel_unit: string}} axis
  * @property {{frequency_hz: Entry, counter_bits: Entry, shortest_interval_us: Entry}} timer
  * @property {{base_speed_steps_per_s: Entry, slew_speed_steps_per_s: Entry, acceleration_steps_per_s2: Entry,
- *   deceleration_steps_per_s2: Entry | null, shape?: {name: string}}} ramp
+ *   deceleration_steps_per_s2: Entry | null, shape?: {name: string, jerk_steps_per_s3?: Entry,
+ *   deceleration_jerk_steps_per_s3?: Entry | null, points?: [Entry, Entry][]}}} ramp
  * @property {{name: MethodName, arithmetic: string, rounding: string, tuned_for?: string}} method
  * @property {{rows: [Entry, Entry][], interval_unit: string} | null} table
- * @property {{steps: Entry}} move */
+ * @property {{steps: Entry, plan?: string}} move */
 
 /** @typedef {{name: 'accelerate' | 'slew' | 'decelerate', first_step: number, last_step: number}} Phase */
 

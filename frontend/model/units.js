@@ -4,7 +4,7 @@
 /** @typedef {import('./types.js').Design} Design */
 /** @typedef {'steps' | 'rev' | 'deg' | 'mm'} LengthUnit */
 /** @typedef {{length: LengthUnit, time: 's' | 'min'}} Units */
-/** @typedef {'length' | 'speed' | 'acceleration'} Quantity */
+/** @typedef {'length' | 'speed' | 'acceleration' | 'jerk'} Quantity */
 
 const DEGREES_PER_REV = 360;
 const SECONDS_PER_MIN = 60;
@@ -33,8 +33,8 @@ const LENGTHS = [
 ];
 
 /** The time's power in each quantity. */
-const TIME_POWER = { length: 0, speed: 1, acceleration: 2 };
-const POWERS = ['', '', '²'];
+const TIME_POWER = { length: 0, speed: 1, acceleration: 2, jerk: 3 };
+const POWERS = ['', '', '²', '³'];
 
 /** The units of length that an axis can be shown in: millimetres only where its travel is known in them.
  * @param {Design} design @returns {[LengthUnit, string][]} */

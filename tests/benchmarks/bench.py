@@ -26,11 +26,13 @@ from stepramp.http_api.app import create_app
 from stepramp.methods import compromise, first_order, second_order
 from stepramp.methods.common.taylor import taylor_up
 from stepramp.methods.exact import exact_intervals
+from stepramp.numerics.slope import ShapeParameters
 from stepramp.ramp.error_curves import error_curves, relative_errors
 from stepramp.ramp.plan import ramp_of
 from stepramp.ramp.profile import profile_of
 from stepramp.ramp.segments import compress
 from stepramp.shapes.constant import ConstantAcceleration as Slope
+from stepramp.shapes.s_curve import SCurve
 
 STEPS = (1_000, 100_000, 10_000_000)
 METHODS = ("exact", "first_order", "table")
@@ -83,6 +85,24 @@ def compared(slope: Slope) -> list[object]:
         intervals = taylor_up(slope, coefficient, np.float64)
         results += [intervals, relative_errors(intervals, exact)]
     return results
+
+
+def s_curves_against_c() -> None:
+    """Print the time of the intervals of an S-curve without a level phase, next to that of the same loop in C."""
+    print("| steps of the S-curve | StepRamp ms | C ms | ratio |\n|---:|---:|---:|---:|")
+    with tempfile.TemporaryDirectory() as folder:
+        program = Path(folder) / "s_curve"
+        source = Path(__file__).with_name("s_curve.c")
+        subprocess.run(["gcc", "-O2", "-o", str(program), str(source), "-lm"], check=True)
+        for steps in STEPS:
+            jerk = 1e6
+            speed = (jerk**0.5 * (steps + 0.5)) ** (2 / 3)
+            slope = SCurve(1e6, 0, speed, 1e9, ShapeParameters(jerk=jerk))
+            ours = milliseconds(lambda slope=slope: exact_intervals(slope, np.float64))
+            words = [program, "1e6", repr(speed), repr(jerk), str(steps)]
+            in_c = float(subprocess.run(words, check=True, capture_output=True, text=True).stdout)
+            print(f"| {slope.steps:,} | {ours:.3f} | {in_c:.3f} | {ours / in_c:.2f} |", flush=True)
+    print()
 
 
 def numerics() -> None:
@@ -154,6 +174,7 @@ def firmware() -> None:
 
 if __name__ == "__main__":
     against_c()
+    s_curves_against_c()
     numerics()
     segments()
     requests()

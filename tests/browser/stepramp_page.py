@@ -65,6 +65,11 @@ class StepRampPage:
         """Return what the tab keeps: its machine, and how that is looked at."""
         return self.page.evaluate(KEPT)
 
+    def design(self) -> dict[str, Any]:
+        """Return the design in hand as the browser keeps it."""
+        machine = self.kept()["machine"]
+        return machine["axes"][machine["active"]]
+
     def keep(self, **changes: object) -> None:
         """Let the tab find something else kept when it is loaded again."""
         write = f"localStorage.setItem({RECORD}, JSON.stringify(record))"

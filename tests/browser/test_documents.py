@@ -123,7 +123,7 @@ def test_a_machine_of_four_axes_comes_and_goes_as_one_file(stepramp: StepRampPag
 
 
 WRONG_FILES = [
-    (b'{"schema": "stepramp/2", "shape": "s-curve"}', "newer StepRamp"),
+    (b'{"schema": "stepramp/3", "shape": "s-curve"}', "newer StepRamp"),
     (b"not a design at all", "it is not JSON"),
     (json.dumps(SHARED).encode()[:-20], "it is not JSON"),
     (b"\x89PNG\r\n\x1a\n\x00\xff", "This is no text"),
@@ -250,7 +250,7 @@ def test_a_link_opened_in_the_open_page_can_be_undone(stepramp: StepRampPage) ->
 @pytest.mark.parametrize(
     ("fragment", "words"),
     [
-        (link('{"schema": "stepramp/2"}'), "newer StepRamp"),
+        (link('{"schema": "stepramp/3"}'), "newer StepRamp"),
         (link("nonsense"), "it is not JSON"),
         (link(json.dumps(SHARED))[:-30], "This link is damaged"),
         # Node takes what follows the end of the deflated part; browsers, whose users it matters to, don't.
@@ -273,7 +273,7 @@ def test_a_wrong_link_at_the_start_leaves_what_was_kept(open_page: Callable[...,
     stepramp = open_page()
     stepramp.edit_and_wait(SLEW_SPEED, "777")
     stepramp.page.goto("about:blank")
-    stepramp.page.goto(stepramp.url + link('{"schema": "stepramp/2"}'))
+    stepramp.page.goto(stepramp.url + link('{"schema": "stepramp/3"}'))
     stepramp.wait_for_plots()
     expect(stepramp.field(SLEW_SPEED)).to_have_value("777")
     expect(stepramp.page.locator(".summary-messages")).to_contain_text("newer StepRamp")

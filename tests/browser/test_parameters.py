@@ -8,9 +8,8 @@ from playwright.sync_api import Locator, Page, expect
 
 from browser.conftest import Watch
 from browser.server import Server
-from browser.stepramp_page import ACCELERATION, KEPT, REFUSED_VALUE, SLEW_SPEED, StepRampPage, until
-from stepramp.design import AxisScale, Method, Move, RampParameters, Timer
-from stepramp.shapes import SHAPES
+from browser.stepramp_page import ACCELERATION, REFUSED_VALUE, SLEW_SPEED, StepRampPage, until
+from stepramp.design import AxisScale, Method, Move, RampParameters, RampShape, Timer
 
 BASE_SPEED = "ramp.base_speed_steps_per_s"
 DECELERATION = "ramp.deceleration_steps_per_s2"
@@ -31,15 +30,9 @@ def units(stepramp: StepRampPage, length: str, time: str = "s") -> None:
     stepramp.page.locator(f'#time-unit [data-value="{time}"]').click()
 
 
-def kept_design(page: Page) -> dict[str, Any]:
-    """Return the design in hand as the browser keeps it."""
-    state = page.evaluate(KEPT)["machine"]
-    return state["axes"][state["active"]]
-
-
 def kept(stepramp: StepRampPage, path: str) -> Any:
     part, name = path.split(".")
-    return kept_design(stepramp.page)[part][name]
+    return stepramp.design()[part][name]
 
 
 def unit_of(stepramp: StepRampPage, path: str) -> Locator:
@@ -150,7 +143,7 @@ def test_a_panel_that_scrolls_keeps_its_wheel(open_page: Callable[..., StepRampP
 
 
 def test_all_quantities_are_shown_in_the_unit_chosen_and_the_design_stays(stepramp: StepRampPage) -> None:
-    before = kept_design(stepramp.page)
+    before = stepramp.design()
     # 400 steps are a turn of 8 mm: 1,000 steps/s, 5,000 steps/s², 500 steps.
     for length, time, values in [
         ("mm", "s", ("20", "mm/s", "100", "mm/s²", "10", "mm")),
@@ -168,7 +161,7 @@ def test_all_quantities_are_shown_in_the_unit_chosen_and_the_design_stays(stepra
         assert tuple(shown) == values
         expect(stepramp.field(DECELERATION)).to_have_attribute("placeholder", values[2])
         expect(stepramp.slider(SLEW_SPEED)).to_have_attribute("aria-valuetext", f"{values[0]} {values[1]}")
-        assert kept_design(stepramp.page) == before
+        assert stepramp.design() == before
 
 
 def test_what_is_typed_in_another_unit_is_kept_and_shown_as_typed(stepramp: StepRampPage) -> None:
@@ -244,18 +237,18 @@ def test_the_units_outlive_a_reload_and_millimetres_need_an_axis_that_has_them(s
 
 def test_a_preset_sets_its_fields_and_says_so_and_undo_takes_it_back(stepramp: StepRampPage) -> None:
     page = stepramp.page
-    before = kept_design(page)
+    before = stepramp.design()
     presets, info = page.locator("#axis-presets"), page.locator("#parameter-info")
     expect(presets).to_have_value("NEMA 17 · T8 screw, 8 mm")
     presets.select_option("NEMA 17 · GT2 belt, 20 teeth")
     expect(stepramp.field("axis.travel_per_rev")).to_have_value("40")
     expect(info).to_contain_text("Set: steps a turn 200 full steps, travel a turn 40 mm.")
     expect(page.locator("#announcements")).to_have_text("NEMA 17 · GT2 belt, 20 teeth: set")
-    after = kept_design(page)
+    after = stepramp.design()
     assert after["axis"] == before["axis"] | {"travel_per_rev": 40}
     assert {name for name in before if before[name] != after[name]} == {"axis"}
     page.keyboard.press("Control+z")
-    assert kept_design(page) == before
+    assert stepramp.design() == before
     expect(presets).to_have_value("NEMA 17 · T8 screw, 8 mm")
 
 
@@ -263,7 +256,7 @@ def test_a_timer_preset_leaves_the_shortest_delay_alone(stepramp: StepRampPage) 
     page = stepramp.page
     expect(page.locator("#timer-presets")).to_have_value("Uno, Nano, Mega · 2 MHz")
     page.locator("#timer-presets").select_option("Pico · PIO, 125 MHz")
-    assert kept_design(page)["timer"] == {
+    assert stepramp.design()["timer"] == {
         "frequency_hz": 125_000_000,
         "counter_bits": 32,
         "shortest_interval_us": 20,
@@ -293,12 +286,13 @@ def test_every_field_of_a_design_can_be_edited(stepramp: StepRampPage) -> None:
     """Each has a control on the page: a number, a choice, the name, or the table with its unit."""
     parts = {"axis": AxisScale, "timer": Timer, "ramp": RampParameters, "method": Method, "move": Move}
     paths = {f"{part}.{name}" for part, model in parts.items() for name in model.model_fields}
-    if len(SHAPES) == 1:
-        paths.remove("ramp.shape")  # There is nothing to choose from.
+    shape = RampShape.model_fields.keys() - {"name"}
+    paths |= {f"ramp.shape.{name}" for name in shape}
     numbers = stepramp.page.evaluate(
         "() => [...document.querySelectorAll('.parameter')].map((one) => one.dataset.path)"
     )
     choices = {"method.name": "#method", "method.arithmetic": "#arithmetic", "method.rounding": "#rounding"}
+    choices |= {"ramp.shape": "#shape", "ramp.shape.points": "#drawn-points", "move.plan": "#short-moves"}
     choices |= {"method.tuned_for": "#tuned-for", "axis.travel_unit": '[aria-label="Travel unit"]'}
     assert paths == set(numbers) | set(choices)
     for selector in choices.values():
@@ -312,12 +306,15 @@ def test_every_field_explains_itself(stepramp: StepRampPage) -> None:
     page = stepramp.page
     info = page.locator("#parameter-info")
     page.locator("#method").select_option("tuned")
-    said = set()
-    for row in page.locator(".parameter, .choice, .units, .group-head:has(select)").all():
-        row.hover()
-        said.add(info.inner_text())
-    assert len(said) == page.locator(".parameter, .choice, .units, .group-head:has(select)").count()
-    for text in said:
+    explained = ".parameter, .choice, .units, .group-head:has(select), .drawn-points"
+    said = dict[str, str]()
+    for shape in ("drawn", "s_curve"):
+        page.locator("#shape").select_option(shape)
+        for row in page.locator(explained).filter(visible=True).all():
+            row.hover()
+            said[row.evaluate("(row) => row.dataset.path ?? row.textContent")] = info.inner_text()
+    assert len(set(said.values())) == page.locator(explained).count()
+    for text in said.values():
         assert len(text.split()) > 8, text
     for field in page.locator(".parameter input.number").all():
         assert field.get_attribute("aria-description")

@@ -1,4 +1,7 @@
-"""The three examples, pushed through the HTTP API and a serial port to the real firmware, judged by its pin edges."""
+"""The three examples and ramps of other shapes, pushed to the real firmware and judged by its pin edges.
+
+They go through the HTTP API and a serial port.
+"""
 
 import time
 from collections.abc import Iterator
@@ -49,21 +52,50 @@ def direction_at(edges: np.ndarray, cycle: int) -> int:
     return int(before["value"][-1]) if before.size else 0
 
 
-def moves_of(example: dict[str, Any]) -> list[int]:
+def both_ways(design: dict[str, Any]) -> list[int]:
     """Return moves that reach slew speed, one each way, and short ones that don't."""
-    steps = example["design"]["move"]["steps"]
+    steps = design["move"]["steps"]
     return [steps, -steps, 61, -2, 1]
 
 
-@pytest.mark.parametrize("example", all_examples(), ids=lambda example: example["title"])
+def stage(shape: dict[str, Any], **move: Any) -> dict[str, Any]:
+    """Return the design of a stage whose ramp has a shape."""
+    ramp = {"slew_speed_steps_per_s": 4000, "acceleration_steps_per_s2": 20_000, "deceleration_steps_per_s2": 30_000}
+    return {
+        "schema": "stepramp/2",
+        "timer": {"frequency_hz": 2_000_000},
+        "ramp": {**ramp, "shape": shape},
+        "move": move,
+    }
+
+
+S_CURVE = {"name": "s_curve", "jerk_steps_per_s3": 200_000, "deceleration_jerk_steps_per_s3": 500_000}
+DRAWN = {"name": "drawn", "points": [[0, 0.6], [1000, 1], [4000, 0.2]]}
+SHAPED = {
+    "S-curve, short moves cut out of it": stage(S_CURVE, steps=2500, plan="any_move"),
+    "cosine, short moves cut out of it": stage({"name": "cosine"}, steps=2500, plan="any_move"),
+    "drawn": stage(DRAWN, steps=4000),
+}
+PLAYED = [
+    *((each["title"], each["design"], both_ways(each["design"])) for each in all_examples()),
+    *((title, design, both_ways(design)) for title, design in SHAPED.items()),
+    ("S-curve planned for a short move", stage(S_CURVE, steps=300), [300, -300]),
+]
+
+
+@pytest.mark.parametrize(("title", "design", "moves"), PLAYED, ids=[title for title, *_ in PLAYED])
 def test_every_edge_of_a_move_comes_when_the_profile_says(
-    server: ServerProcess, controller: SimulatedController, example: dict[str, Any], record_property: Any
+    server: ServerProcess,
+    controller: SimulatedController,
+    title: str,
+    design: dict[str, Any],
+    moves: list[int],
+    record_property: Any,
 ) -> None:
-    design = example["design"]
     device = server.ask("POST", "devices", {"port": controller.port})["id"]
     pushed = server.ask("POST", f"devices/{device}/push", {"design": design})
     assert pushed["verified"]
-    moves, position = moves_of(example), 0
+    position = 0
     for steps in moves:
         server.ask("POST", f"devices/{device}/move", {"by_steps": steps})
         position += steps
@@ -78,10 +110,10 @@ def test_every_edge_of_a_move_comes_when_the_profile_says(
     for steps in moves:
         made, pulses = pulses[: abs(steps)], pulses[abs(steps) :]
         assert {direction_at(edges, cycle) for cycle in made} == {int(steps > 0)}
-        plan = server.ask("POST", "profile", {"design": {**design, "move": {"steps": steps}}})
+        plan = server.ask("POST", "profile", {"design": {**design, "move": {**design["move"], "steps": steps}}})
         predicted = np.array(plan["intervals_ticks"][:-1]) / design["timer"]["frequency_hz"]
         deviation = np.abs(np.diff(made) / CYCLES_PER_S - predicted)
         largest = max(largest, float(deviation.max(initial=0)))
     record_property("largest_deviation_us", largest * 1e6)
-    print(f"\n{example['title']}: the largest deviation of an interval is {largest * 1e6:.3f} µs")
+    print(f"\n{title}: the largest deviation of an interval is {largest * 1e6:.3f} µs")
     assert largest <= TOLERANCE_S

@@ -28,9 +28,17 @@ def designs() -> st.SearchStrategy[dict[str, Any]]:
     )
     rows = st.lists(st.lists(entries, min_size=2, max_size=2), max_size=30)
     words = st.sampled_from
+    shapes = st.one_of(
+        st.sampled_from([{"name": "constant"}, {"name": "cosine"}]),
+        st.fixed_dictionaries(
+            {"name": st.just("s_curve"), "jerk_steps_per_s3": entries},
+            optional={"deceleration_jerk_steps_per_s3": st.none() | entries},
+        ),
+        st.fixed_dictionaries({"name": st.just("drawn"), "points": rows}),
+    )
     return st.fixed_dictionaries(
         {
-            "schema": st.just("stepramp/1"),
+            "schema": words(["stepramp/1", "stepramp/2"]),
             "name": st.text(max_size=100),
             "axis": st.fixed_dictionaries(
                 {
@@ -44,7 +52,7 @@ def designs() -> st.SearchStrategy[dict[str, Any]]:
                     **dict.fromkeys(rules.RampParameters.model_fields.keys() - {"shape"}, entries),
                     "deceleration_steps_per_s2": st.none() | entries,
                 },
-                optional={"shape": st.just({"name": "constant"})},
+                optional={"shape": shapes},
             ),
             "method": st.fixed_dictionaries(
                 {
@@ -55,7 +63,7 @@ def designs() -> st.SearchStrategy[dict[str, Any]]:
                 }
             ),
             "table": st.none() | st.fixed_dictionaries({"rows": rows, "interval_unit": words(["us", "ticks"])}),
-            "move": st.fixed_dictionaries({"steps": entries}),
+            "move": st.fixed_dictionaries({"steps": entries}, optional={"plan": words(["this_move", "any_move"])}),
         }
     )
 
@@ -132,7 +140,7 @@ def test_what_a_design_leaves_out_is_what_the_server_takes_for_it(modules: Modul
     assert reading["document"]["axes"] == [Design.checked(least).model_dump(mode="json", by_alias=True)]
 
 
-@pytest.mark.parametrize("schema", ["stepramp/2", "stepramp/1.1", "stepramp/17-beta", "stepramp-machine/2"])
+@pytest.mark.parametrize("schema", ["stepramp/3", "stepramp/1.1", "stepramp/17-beta", "stepramp-machine/2"])
 @pytest.mark.parametrize("rest", [{}, {"shape": {"kind": "s-curve"}}, {"axes": [document()]}])
 def test_a_newer_format_is_told(modules: Modules, schema: str, rest: dict[str, Any]) -> None:
     text = json.dumps({"schema": schema, **rest})
@@ -143,7 +151,7 @@ def test_a_newer_format_is_told(modules: Modules, schema: str, rest: dict[str, A
 
 
 def test_a_newer_axis_of_a_machine_is_told(modules: Modules) -> None:
-    axes = [document(), document(schema="stepramp/2")]
+    axes = [document(), document(schema="stepramp/3")]
     said = problem(modules, json.dumps({"schema": "stepramp-machine/1", "together": "line", "axes": axes}))
     assert "newer StepRamp" in said
 
@@ -162,7 +170,7 @@ def machine_with(axes: object, together: object = "line", **others: object) -> d
         ("[1, 2]", "not a StepRamp design"),
         ("17", "not a StepRamp design"),
         ("{}", "schema is missing"),
-        ('{"schema": "other/1"}', 'schema is "other/1"; allowed: "stepramp/1"'),
+        ('{"schema": "other/1"}', 'schema is "other/1"; allowed: "stepramp/1", "stepramp/2"'),
         ('{"schema": 1}', "schema is 1;"),
         (" " * LONGEST_TEXT + "{}", "longer than 1,000,000 characters"),
         ("[" * 500_000, "not JSON"),
@@ -194,10 +202,20 @@ def test_nonsense_is_told(modules: Modules, text: str, words: str) -> None:
         (document(axis__travel_unit="inch"), 'axis.travel_unit is "inch"; allowed: deg, mm'),
         (document(method__name="__proto__"), 'method.name is "__proto__"; allowed: exact, ideal'),
         (document(method__arithmetic="float16"), 'method.arithmetic is "float16"'),
-        (document(ramp__shape={"name": "sine"}), 'ramp.shape is {"name":"sine"}; allowed: {"name":"constant"}.'),
-        (document(ramp__shape={"name": 5}), 'ramp.shape is {"name":5}; allowed: {"name":"constant"}.'),
-        (document(ramp__shape={}), 'ramp.shape is {}; allowed: {"name":"constant"}.'),
-        (document(ramp__shape=None), 'ramp.shape is null; allowed: {"name":"constant"}.'),
+        (
+            document(ramp__shape={"name": "sine"}),
+            'ramp.shape is {"name":"sine"}; allowed: an object whose name is constant, ',
+        ),
+        (document(ramp__shape={"name": 5}), 'ramp.shape is {"name":5}; allowed: an object whose name is constant, '),
+        (document(ramp__shape={}), "ramp.shape is {}; allowed: an object whose name is constant, s_curve, "),
+        (document(ramp__shape=None), "ramp.shape is null; allowed: an object whose name is constant, "),
+        (document(ramp__shape={"name": "drawn", "points": [[1, 2], [3]]}), "points, a list of up to 200 pairs of numb"),
+        (
+            document(ramp__shape={"name": "drawn", "points": [[1, 2]] * 201}),
+            "points, a list of up to 200 pairs of numb",
+        ),
+        (document(ramp__shape={"name": "s_curve", "jerk_steps_per_s3": []}), "jerk_steps_per_s3, a number; decelerat"),
+        (document(move__plan="none"), 'move.plan is "none"; allowed: this_move, any_move'),
         (document(ramp__shape={"name": "constant", "jerk": 1}), 'ramp.shape is {"name":"constant","jerk":1}; allowed'),
         (document(method__rounding="up"), 'method.rounding is "up"'),
         (document(method__tuned_for="fun"), 'method.tuned_for is "fun"'),

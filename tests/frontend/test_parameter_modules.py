@@ -119,19 +119,24 @@ def test_steps_up_and_down_always_move_and_stay_allowed(modules: Modules) -> Non
     moves()
 
 
+S_CURVE = {"name": "s_curve", "jerk_steps_per_s3": 1000}
+
+
 def test_the_limits_and_units_are_those_of_the_server(modules: Modules) -> None:
     """Both ends are taken, and what lies beyond them is refused in the same unit."""
     script = """async () => (await import('/model/fields.js')).GROUPS.flatMap((group) => group.fields)
         .map(({path, limits, isWhole, unit}) => [path, limits, isWhole, unit])"""
     fields = modules.evaluate(script)
-    assert len(fields) == 11
+    assert len(fields) == 13
     for path, (least, most), is_whole, unit in fields:
-        part, name = path.split(".")
+        *parts, name = path.split(".")
+        part = "__".join(parts)
         # No other value than this one may be what is refused.
-        rest = {"ramp": {"base_speed_steps_per_s": 0, "slew_speed_steps_per_s": 1_000_000}}.get(part, {})
+        rest = {"ramp": {"base_speed_steps_per_s": 0, "slew_speed_steps_per_s": 1_000_000}, "ramp__shape": S_CURVE}
         for value, is_taken in ((least, True), (most, True), (least - 1, False), (most + 1, False)):
-            changed = document()
-            changed[part] |= rest | {name: int(value) if is_whole else float(value)}
+            changed = document(schema="stepramp/2")
+            place = changed["ramp"].setdefault("shape", {}) if part == "ramp__shape" else changed[part]
+            place |= rest.get(part, {}) | {name: int(value) if is_whole else float(value)}
             try:
                 Design.checked(changed)
                 assert is_taken, (path, value)
@@ -381,7 +386,7 @@ def test_each_number_of_a_design_is_a_parameter_with_the_servers_limits(modules:
     script = """async () => (await import('/model/fields.js')).GROUPS.flatMap(({fields}) => fields)
         .map(({path, limits, isWhole}) => [path, [limits, isWhole]])"""
     found = dict(modules.evaluate(script))
-    assert len(found) == 11
+    assert len(found) == 13
     for path, (limits, is_whole) in found.items():
         below, above = (errors_of(path, limit + step) for limit, step in zip(limits, (-1, 1), strict=True))
         assert (below, above) == ([path], [path]), "refused beyond"
@@ -391,7 +396,10 @@ def test_each_number_of_a_design_is_a_parameter_with_the_servers_limits(modules:
 
 def errors_of(path: str, value: float) -> list[str]:
     """Return the fields that the design document refuses when one of them has a value."""
-    changes = {"ramp__slew_speed_steps_per_s": 1_000_000, path.replace(".", "__"): value}
+    changes: dict[str, object] = {"ramp__slew_speed_steps_per_s": 1_000_000, "schema": "stepramp/2"}
+    if path.startswith("ramp.shape"):
+        changes["ramp__shape"] = dict(S_CURVE)
+    changes[path.replace(".", "__")] = value
     try:
         Design.checked(document(**changes))
     except Rejected as error:

@@ -144,7 +144,7 @@ def test_wrong_methods_are_refused(client: TestClient, methods: object, field: s
 METHODS = "exact, ideal, midpoint, first_order, second_order, compromise, tuned, newton, austin, table"
 WORDS = {
     "profile": {"design.method.rounding": "nearest, floor, carry", "design.axis.travel_unit": "mm, deg"},
-    "schedule": {"mode": "independent, line", "designs.0.schema": "stepramp/1"},
+    "schedule": {"mode": "independent, line", "designs.0.schema": "stepramp/1, stepramp/2"},
     "curves": {"parts": "true or false", "acceleration": "true or false", "methods.1": METHODS, "reference": METHODS},
     "export/csv": {"arithmetic": "float64, float32, fixed"},
     "devices/1/push": {"mode": "keep, try"},

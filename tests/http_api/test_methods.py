@@ -45,3 +45,17 @@ def test_the_page_imports_what_the_api_answers(client: TestClient) -> None:
 def test_they_are_those_that_a_design_may_have(client: TestClient) -> None:
     schema = client.get("/api/v1/openapi.json").json()["components"]["schemas"]["Method"]
     assert schema["properties"]["name"]["enum"] == NAMES
+
+
+def test_the_shapes_are_served_with_their_fields_and_methods(client: TestClient) -> None:
+    answer = client.get("/api/v1/shapes").json()
+    assert answer["usual"] == "constant"
+    by_name = {each["name"]: each for each in answer["shapes"]}
+    assert list(by_name) == ["constant", "s_curve", "cosine", "drawn"]
+    assert by_name["s_curve"]["label"] == "S-curve"
+    assert by_name["s_curve"]["fields"] == ["jerk_steps_per_s3", "deceleration_jerk_steps_per_s3"]
+    assert by_name["drawn"]["methods"] == ["exact", "ideal", "midpoint", "newton", "table"]
+    assert by_name["constant"]["methods"] == [each["name"] for each in client.get("/api/v1/methods").json()["methods"]]
+    assert [each["begins_alike"] for each in answer["shapes"]] == [True, False, False, True]
+    page = client.get("/assets/shapes.js")
+    assert json.loads(page.text.removeprefix("export default ").removesuffix(";\n")) == answer

@@ -280,3 +280,29 @@ def test_a_follower_that_has_no_ramp_of_its_own_is_refused_beside_a_table() -> N
     with pytest.raises(Rejected) as caught:
         line_profile([table, design(ramp__acceleration_steps_per_s2=0.01, move__steps=5)], 0)
     assert caught.value.rejections[0].field == "designs.1.ramp.acceleration_steps_per_s2"
+
+
+def with_jerk(design_: Design, jerk: float, down: float | None = None) -> Design:
+    shape = {"name": "s_curve", "jerk_steps_per_s3": jerk, "deceleration_jerk_steps_per_s3": down}
+    ramp = design_.ramp.model_dump() | {"shape": shape}
+    return Design.checked(design_.model_dump(by_alias=True) | {"schema": "stepramp/2", "ramp": ramp})
+
+
+def test_the_leaders_shape_holds_with_the_least_jerk_that_an_axis_allows() -> None:
+    leader = with_jerk(axis_design(0, 1000, 5000, None, 2000), 50_000)
+    follower = with_jerk(axis_design(0, 1000, 5000, None, -500), 10_000, down=5_000)
+    profile, limits = line_profile([leader, follower], 0)
+    # Four steps of the leader for one of the follower: 40,000 up and 20,000 down.
+    alone = profile_of(with_jerk(axis_design(0, 1000, 5000, None, 2000), 40_000, down=20_000))
+    assert np.array_equal(profile.intervals_ticks, alone.intervals_ticks)
+    assert [limit.field for limit in limits] == [
+        "designs.1.ramp.shape.jerk_steps_per_s3", "designs.1.ramp.shape.deceleration_jerk_steps_per_s3",
+    ]  # fmt: skip
+    assert "jerk of 10,000 steps/s³: along the line" in limits[0].message
+    # An axis without a limit of jerk allows any; one with such a limit follows a leader of another shape.
+    plain = axis_design(0, 1000, 5000, None, 500)
+    assert line_profile([leader, plain], 0)[1] == ()
+    alone = profile_of(axis_design(0, 1000, 5000, None, 2000))
+    led, none = line_profile([axis_design(0, 1000, 5000, None, 2000), follower], 0)
+    assert none == ()
+    assert np.array_equal(led.intervals_ticks, alone.intervals_ticks)

@@ -79,7 +79,8 @@ print(json.dumps({
     "svg": post("export/svg", methods=["exact"]).text,
     "shapes": schemas["RampShape"]["properties"]["name"]["enum"],
     "shaped": client.post("/api/v1/profile", json={
-        "design": {**design, "method": {"name": "ideal"}, "ramp": {**design["ramp"], "shape": {"name": "at_once"}}}
+        "design": {**design, "schema": "stepramp/2", "method": {"name": "ideal"},
+                   "ramp": {**design["ramp"], "shape": {"name": "at_once"}}}
     }).json(),
     "refused": client.post("/api/v1/profile", json={"design": {**design, "method": {"name": "none"}}}).json(),
 }))
@@ -130,5 +131,5 @@ def test_it_is_planned_drawn_and_exported(answers: Any) -> None:
 
 
 def test_a_ramp_may_have_the_new_shape(answers: Any) -> None:
-    assert answers["shapes"] == ["at_once", "constant"]
+    assert answers["shapes"] == ["constant", "s_curve", "cosine", "drawn", "at_once"]
     assert answers["shaped"]["intervals_ticks"] == [8000] + [2000] * 498 + [8000]

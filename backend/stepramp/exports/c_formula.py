@@ -5,6 +5,7 @@ from string import Template
 import numpy as np
 
 from stepramp.design import Design, MethodName
+from stepramp.errors import Rejected, Rejection
 from stepramp.exports.c_text import filled, heading, number, ramp_values, ticks_types
 from stepramp.methods import METHODS
 from stepramp.methods.common.fixed_point import RAMP_INDEX_BITS, Format, Scaled
@@ -23,15 +24,15 @@ def formula_header(design: Design, method: MethodName, name: str, arithmetic: Ar
     """Return a C header that computes the design's ramp by a method that has code, for moves of any length.
 
     arithmetic: None for the design's own, when the method is its own, else for the one usual for the method.
-    Raises Rejected as plan_of does.
+    Raises Rejected as plan_of does, and when the ramp's shape isn't constant acceleration.
     """
     code = CODES[method]
     design = design.with_method(method, arithmetic)
-    plan = plan_of(design)
     slopes = constant_slopes_of(design)
-    # A method that holds for another shape has no code yet, and no plan along this one.
-    assert slopes is not None
-    up, down = slopes
+    if slopes is None:
+        allowed = "constant, in code that computes the ramp; intervals and segments are of any shape"
+        raise Rejected([Rejection("ramp.shape.name", design.ramp.shape.name, allowed)])
+    plan, (up, down) = plan_of(design), slopes
     is_fixed = design.method.arithmetic == "fixed"
     values = heading(design, name, method) | ramp_values(design) | ticks_types(_longest(plan))
     values |= {"formula": code.title, "arithmetic": design.method.arithmetic, "checks": _checks(design)}

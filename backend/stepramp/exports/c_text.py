@@ -5,8 +5,9 @@ from string import Template
 
 import numpy as np
 
-from stepramp.design import Design
+from stepramp.design import Design, RampShape
 from stepramp.exports.names import comment_text
+from stepramp.exports.shape_text import shape_text
 from stepramp.version import __version__
 
 
@@ -35,10 +36,16 @@ def ramp_values(design: Design) -> dict[str, str]:
         "slew_speed": f"{ramp.slew_speed_steps_per_s:g}",
         "acceleration": f"{ramp.acceleration_steps_per_s2:g}",
         "deceleration": f"{ramp.slowdown_steps_per_s2:g}",
+        # As before shapes, where there is nothing to tell.
+        "shape": "" if ramp.shape == RampShape() else ";\n * " + shape_text(ramp.shape, design.move, _c_jerk),
         "rounding": {"nearest": "to the nearest tick", "floor": "down", "carry": "down, the remainder carried on"}[
             design.method.rounding
         ],
     }
+
+
+def _c_jerk(jerk: float) -> str:
+    return f"{jerk:g} steps/s^3"
 
 
 def number(value: np.floating) -> str:

@@ -6,6 +6,7 @@ from importlib.resources import files
 from string import Template
 
 from stepramp.design import Design
+from stepramp.exports.shape_text import shape_text
 from stepramp.figure import figure_of
 from stepramp.ramp.error_curves import ErrorCurves
 from stepramp.units import us_from_ticks
@@ -44,6 +45,7 @@ def _parameters(design: Design) -> list[tuple[str, str]]:
         ("slew speed v", f"{ramp.slew_speed_steps_per_s:,.10g} steps/s"),
         ("acceleration a", f"{ramp.acceleration_steps_per_s2:,.10g} steps/s²"),
         ("deceleration d", f"{ramp.slowdown_steps_per_s2:,.10g} steps/s²"),
+        ("shape", shape_text(ramp.shape, design.move, lambda jerk: f"{jerk:,.10g} steps/s³")),
         ("timer F", f"{timer.frequency_hz:,.10g} Hz, {timer.counter_bits} bits"),
         ("shortest interval", f"{timer.shortest_interval_us:,.10g} µs"),
         ("method", f"{method.name} in {method.arithmetic}, rounding {method.rounding}"),

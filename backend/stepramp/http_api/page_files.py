@@ -14,6 +14,7 @@ from starlette.types import Scope
 
 from stepramp.http_api.methods_models import MethodsAnswer
 from stepramp.http_api.number_fields import design_fields, device_fields
+from stepramp.http_api.shapes_models import ShapesAnswer
 
 ASKED_EACH_TIME = "no-cache"
 KEPT = "max-age=31536000, immutable"
@@ -23,8 +24,9 @@ LINKS = re.compile(r'((?:href|src)=")(?!assets/plotly|#)')
 """Before the addresses of the page's own files in its first page."""
 
 WRITTEN: dict[Path, Callable[[], str]] = {
-    # What GET /api/v1/methods answers, for the page to import: it has no list of its own.
+    # What GET /api/v1/methods and /shapes answer, for the page to import: it has no lists of its own.
     Path("assets/methods.js"): lambda: MethodsAnswer.of_all().model_dump_json(),
+    Path("assets/shapes.js"): lambda: ShapesAnswer.of_all().model_dump_json(),
     Path("assets/design_fields.js"): lambda: json.dumps(design_fields()),
     Path("assets/device_fields.js"): lambda: json.dumps(device_fields()),
 }

@@ -1,9 +1,12 @@
 """newton: w = v² is kept by addition, and the interval corrected by one Newton step for p² w = F².
 
-It holds for constant acceleration only. Every operation is done in the type of the arguments, left to right, and none
-is fused with another: in float32 the results are those of a C program that computes in `float`. The integers are those
-of fixed_point: the recurrence works on k x², k being the ramp index v² / 2 a, which grows by exactly 1 a step.
+With constant acceleration w grows by 2 a a step, with another shape by 2 a(k): what the ramp gains on step k. Every
+operation is done in the type of the arguments, left to right, and none is fused with another: in float32 the results
+are those of a C program that computes in `float`. The integers, for constant acceleration only, are those of
+fixed_point: the recurrence works on k x², k being the ramp index v² / 2 a, which grows by exactly 1 a step.
 """
+
+import math
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,33 +33,52 @@ from stepramp.methods.common.method import (
 )
 from stepramp.numerics.compiled import compiled
 from stepramp.numerics.numbers import Number
+from stepramp.numerics.slope import Slope
 from stepramp.shapes.constant import ConstantAcceleration
 
 
-def newton_up(slope: ConstantAcceleration, number: Number) -> NDArray[np.floating]:
+def newton_up(slope: Slope, number: Number) -> NDArray[np.floating]:
     """Return the intervals of an acceleration by Newton's method, first interval first [ticks], shape (slope.steps,).
 
     w = v² grows by 2 a a step, and p is corrected by one Newton step for p² w = F²: p = p + p (1 - w k p p) / 2 with
     k = 1 / F². p1, the first w and k are rounded once to numbers of the given type.
     """
     out = np.empty(slope.steps, number)
-    if out.size:
+    if out.size and isinstance(slope, ConstantAcceleration):
         first = slope.base_speed**2 + 2 * slope.acceleration
         out[0] = number(slope.initial_interval)
         _newton(out[0], _newton_constants(slope, first, 1, number), out[1:])
+    elif out.size:
+        squares = np.square(slope.speeds(1, slope.steps, np.float64), dtype=np.float64)
+        out[0] = number(slope.timer_hz / math.sqrt(squares[0]))
+        _along(slope, out[0], squares, out[1:])
     return out
 
 
-def newton_down(slope: ConstantAcceleration, number: Number) -> NDArray[np.floating]:
+def newton_down(slope: Slope, number: Number) -> NDArray[np.floating]:
     """Return the intervals of a deceleration by Newton's method, last interval first [ticks], shape (slope.steps,).
 
     As newton_up from pS on, w shrinking by 2 d a step down to v0² + 2 d in the last one.
     """
     out = np.empty(slope.steps, number)
-    if out.size:
+    if out.size and isinstance(slope, ConstantAcceleration):
         before_first = slope.base_speed**2 + 2 * slope.acceleration * (slope.steps + 1)
         _newton(number(slope.slew_interval), _newton_constants(slope, before_first, -1, number), out)
+    elif out.size:
+        squares = np.append(slope.speeds(1, slope.steps, np.float64), slope.slew_speed)[::-1] ** 2
+        _along(slope, number(slope.slew_interval), squares, out)
     return out[::-1]
+
+
+def _along(slope: Slope, interval: np.floating, squares: NDArray[np.float64], out: NDArray[np.floating]) -> None:
+    """Fill out with the intervals after the first, w growing by what the squares do: 2 a(k) at step k.
+
+    The first square and what they grow by, which a program has in a table, are rounded once to numbers of the type.
+    squares: of the speeds, the interval's own first [steps²/s²], shape (steps + 1,).
+    """
+    number = out.dtype.type
+    constants = number(1 / slope.timer_hz**2), number(1), number(0.5)
+    _newton_along(interval, number(squares[0]), np.diff(squares).astype(number), constants, out)
 
 
 def fixed_newton_up(slope: ConstantAcceleration) -> FixedIntervals:
@@ -87,6 +109,15 @@ def fixed_newton_down(slope: ConstantAcceleration) -> FixedIntervals:
 
 def _newton_constants(slope: ConstantAcceleration, w: float, sign: int, number: Number) -> tuple[np.floating, ...]:
     return number(w), number(sign * 2 * slope.acceleration), number(1 / slope.timer_hz**2), number(1), number(0.5)
+
+
+@compiled
+def _newton_along(interval, w, gains, constants, out):  # type: ignore[no-untyped-def]  # compiled
+    k, one, half = constants
+    for i in range(out.size):
+        w = w + gains[i]
+        interval = interval + interval * (one - w * k * interval * interval) * half
+        out[i] = interval
 
 
 @compiled
@@ -223,7 +254,6 @@ METHOD = RampMethod(
     style=Style("#0f8a6d", "#2be0a0", dash=(16, 4), file_dash=(12, 3)),
     arithmetics=STEP_BY_STEP,
     sides=step_by_step(newton_up, newton_down, fixed_newton_up, fixed_newton_down),
-    shape=ConstantAcceleration,
     code=Code(
         title="p = p + p (1 - w p^2 / F^2) / 2, w = v^2 growing by 2 a a step (newton)",
         label="Newton",

@@ -6,6 +6,7 @@ from the straight line, and it pulses only together with the leader. Steps of a 
 floor(k n_l / n) intervals of the leader apart: less than one interval short of what is even.
 """
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -25,8 +26,16 @@ QUANTITIES = {
     "slew_speed_steps_per_s": ("slew speed", "steps/s"),
     "acceleration_steps_per_s2": ("acceleration", "steps/s²"),
     "deceleration_steps_per_s2": ("deceleration", "steps/s²"),
+    "shape.jerk_steps_per_s3": ("jerk", "steps/s³"),
+    "shape.deceleration_jerk_steps_per_s3": ("jerk of the deceleration", "steps/s³"),
 }
 """What an axis limits a line in: its ramp's fields, their names and their units."""
+OPEN = {
+    "deceleration_steps_per_s2": "acceleration_steps_per_s2",
+    "shape.deceleration_jerk_steps_per_s3": "shape.jerk_steps_per_s3",
+}
+"""What may be left open: it is then the other."""
+SHAPE = "shape."
 
 Allowance = dict[str, float]
 """The most that an axis does in its own ramp, by the fields of QUANTITIES."""
@@ -64,9 +73,10 @@ def steps_together(leader_steps: int, steps: int) -> NDArray[np.int64]:
 def line_profile(designs: Sequence[Design], leader: int) -> tuple[Profile, tuple[Limit, ...]]:
     """Return the leader's profile along the line, and what makes it slower than the leader's own move.
 
-    A leader whose method computes its ramp is given the base speed, slew speed, acceleration and deceleration that
-    every axis allows: each the least of all axes, n_l / n times an axis' own. An axis with a lookup table allows its
-    top speed and the steepest constant acceleration from rest that is nowhere faster than the table.
+    A leader whose method computes its ramp is given the base speed, slew speed, acceleration, deceleration and, where
+    its shape limits it, the jerk that every axis allows: each the least of all axes, n_l / n times an axis' own. The
+    leader's shape holds for all: an axis whose shape has no limit of jerk allows any. An axis with a lookup table
+    allows its top speed and the steepest constant acceleration from rest that is nowhere faster than the table.
 
     A leader with a lookup table plays it with all delays made longer by one factor: the least with which no follower
     is faster than it is at the same one of its own steps when it moves alone.
@@ -119,20 +129,32 @@ def _slowed(designs: Sequence[Design], leader: int, allowances: Sequence[Allowan
         for design, allowance in zip(designs, allowances, strict=True)
     ]
     least = {name: min(each[name] for each in allowed) for name in QUANTITIES}
+    if designs[leader].ramp.shape.jerk_steps_per_s3 is None:
+        least = {name: each for name, each in least.items() if not name.startswith(SHAPE)}
     limiting = {
         name: next(axis for axis, each in enumerate(allowed) if each[name] == low)
         for name, low in least.items()
         if low < allowed[leader][name]
     }
-    ramp = designs[leader].ramp.model_copy(update=least)
+    of_shape = {name.removeprefix(SHAPE): each for name, each in least.items() if name.startswith(SHAPE)}
+    of_ramp = {name: each for name, each in least.items() if not name.startswith(SHAPE)}
+    shape = designs[leader].ramp.shape.model_copy(update=of_shape)
+    ramp = designs[leader].ramp.model_copy(update=of_ramp | {"shape": shape})
     return designs[leader].model_copy(update={"ramp": ramp}), limiting
 
 
 def _allowance(design: Design) -> Allowance:
     if design.method.plays_table:
         return _table_allowance(design)
-    own = {name: getattr(design.ramp, name) for name in QUANTITIES}
-    return own | {"deceleration_steps_per_s2": design.ramp.slowdown_steps_per_s2}
+    own = {name: _given(design, name) for name in QUANTITIES}
+    held = {name: own[OPEN[name]] if each is None and name in OPEN else each for name, each in own.items()}
+    return {name: math.inf if each is None else each for name, each in held.items()}
+
+
+def _given(design: Design, quantity: str) -> float | None:
+    ramp = design.ramp.shape if quantity.startswith(SHAPE) else design.ramp
+    given: float | None = getattr(ramp, quantity.removeprefix(SHAPE))
+    return given
 
 
 def _table_allowance(design: Design) -> Allowance:
@@ -144,7 +166,7 @@ def _table_allowance(design: Design) -> Allowance:
         return float((speeds**2 / (2 * np.arange(1, speeds.size + 1))).min())
 
     accelerations = (steepest(np.asarray(side)) for side in (ramp.up, ramp.down))
-    return dict(zip(QUANTITIES, (0.0, timer_hz / ramp.slew, *accelerations), strict=True))
+    return dict(zip(QUANTITIES, (0.0, timer_hz / ramp.slew, *accelerations, math.inf, math.inf), strict=True))
 
 
 def _stretched(designs: Sequence[Design], leader: int) -> tuple[Design, tuple[Limit, ...]]:
@@ -206,10 +228,8 @@ def _field_of(design: Design, quantity: str) -> tuple[str, object]:
     """Return the field of a design where what it allows can be changed, and what stands there."""
     if design.method.plays_table:
         return "table.rows", design.table and design.table.rows
-    given = getattr(design.ramp, quantity)
-    # Only a deceleration may be left open: it is then the acceleration.
-    name = "acceleration_steps_per_s2" if given is None else quantity
-    return f"ramp.{name}", getattr(design.ramp, name)
+    name = OPEN.get(quantity, quantity) if _given(design, quantity) is None else quantity
+    return f"ramp.{name}", _given(design, name)
 
 
 def _where_it_is_limited(

@@ -18,7 +18,7 @@ from stepramp.numerics.numbers import NUMBERS
 from stepramp.numerics.ramp import Ramp, RealRamp
 from stepramp.numerics.slope import Slope
 from stepramp.ramp.move import play, split
-from stepramp.ramp.slopes import playable_slopes_of, slopes_of
+from stepramp.ramp.slopes import constant_slopes_of, playable_slopes_of, slopes_of
 from stepramp.ramp.timer import carried, rounded
 from stepramp.units import ticks_from_us, us_from_ticks
 
@@ -108,14 +108,16 @@ def tuning_report(design: Design) -> TuningReport | None:
 
 
 def _slopes_for_the_method(design: Design) -> tuple[Slope, Slope]:
-    """Return both slopes. Raises Rejected when the design's method holds for ramps of another shape only."""
-    slopes, shape = playable_slopes_of(design), design.method.numerics.shape
-    if shape is None or all(isinstance(slope, shape) for slope in slopes):
-        return slopes
-    others = ", ".join(name for name, method in METHODS.items() if method.shape is None)
-    raise Rejected(
-        [Rejection("method.name", design.method.name, f"{others} with ramp.shape.name '{design.ramp.shape.name}'")]
-    )
+    """Return both slopes. Raises Rejected when the design's method or its arithmetic is for another shape only."""
+    slopes, method = playable_slopes_of(design), design.method
+    shaped = f"with ramp.shape.name '{design.ramp.shape.name}'"
+    if method.numerics.shape is not None and not all(isinstance(slope, method.numerics.shape) for slope in slopes):
+        others = ", ".join(name for name, each in METHODS.items() if each.shape is None)
+        raise Rejected([Rejection("method.name", method.name, f"{others} {shaped}")])
+    if method.arithmetic == "fixed" and constant_slopes_of(design) is None:
+        others = ", ".join(each for each in method.numerics.arithmetics if each != "fixed")
+        raise Rejected([Rejection("method.arithmetic", method.arithmetic, f"{others} {shaped}")])
+    return slopes
 
 
 def _refuse_runaway(design: Design, ramp: RealRamp) -> None:

@@ -12,7 +12,7 @@ from stepramp.errors import Rejected, Rejection
 from stepramp.numerics.compiled import counted
 from stepramp.numerics.limit_text import at_least, at_most
 from stepramp.ramp.plan import Plan, plan_of
-from stepramp.ramp.slopes import SIDES, slopes_of
+from stepramp.ramp.slopes import SIDES, full_slopes_of, peak_of
 from stepramp.ramp.timer_limits import SlewResolution, TimerWarning, slew_resolution, timer_warnings
 from stepramp.units import speed_from_interval
 
@@ -104,23 +104,51 @@ def _phases(plan: Plan) -> tuple[Phase, ...]:
 
 
 def _short_move(design: Design, plan: Plan) -> list[TimerWarning]:
-    needed = plan.ramp.up.size + plan.ramp.down.size
-    if plan.steps >= needed:
+    is_lowered = peak_of(design) is not None
+    needed = sum(slope.steps for slope in full_slopes_of(design)) if is_lowered else _steps_of_sides(plan)
+    if plan.steps >= needed and not is_lowered:
         return []
     peak = speed_from_interval(float(plan.intervals.min()), design.timer.frequency_hz)
     message = f"Too short to reach full speed, which takes {needed:,} steps: the move peaks at {peak:,.0f} steps/s."
-    return [TimerWarning("move.steps", message)]
+    return [TimerWarning("move.steps", message), *_kink(design, plan)]
+
+
+def _kink(design: Design, plan: Plan) -> list[TimerWarning]:
+    """Warn of a short move along a ramp that is not meant to be cut: there its acceleration jumps, by (6)."""
+    is_meant = all(slope.begins_alike for slope in full_slopes_of(design))
+    if design.move.plan == "this_move" or design.method.plays_table or is_meant:
+        return []
+    n_up, n_down = plan.sides
+    before, after = (_steepness(side, design) for side in (plan.real.up[:n_up], plan.real.down[:n_down]))
+    message = (
+        f"This move is cut out of a longer ramp: at its peak the acceleration jumps from {before:,.6g} to "
+        f"{-after:,.6g} steps/s². Planned by itself (this_move) it keeps to the ramp's jerk."
+    )
+    return [TimerWarning("move.plan", message)]
+
+
+def _steepness(side: NDArray[np.floating], design: Design) -> float:
+    """Return the acceleration at the fast end of a part of a side, slowest interval first [steps/s²], by (6)."""
+    speeds = design.timer.frequency_hz / side[-2:].astype(np.float64)
+    squares = np.concatenate(([design.ramp.base_speed_steps_per_s], speeds))[-2:] ** 2
+    return float(squares[-1] - squares[0]) / 2
+
+
+def _steps_of_sides(plan: Plan) -> int:
+    return plan.ramp.up.size + plan.ramp.down.size
 
 
 def _no_ramp(design: Design, plan: Plan) -> list[TimerWarning]:
     """Warn of a side that has no step, by (16): one would be more than leads from the base to the slew speed."""
-    base, slew = design.ramp.base_speed_steps_per_s, design.ramp.slew_speed_steps_per_s
-    if (plan.ramp.up.size and plan.ramp.down.size) or design.method.plays_table or base == slew:
+    base, slew, slopes = design.ramp.base_speed_steps_per_s, design.ramp.slew_speed_steps_per_s, full_slopes_of(design)
+    is_lowered = peak_of(design) is not None
+    sizes = [slope.steps for slope in slopes] if is_lowered else [plan.ramp.up.size, plan.ramp.down.size]
+    if all(sizes) or design.method.plays_table or base == slew:
         return []
     warnings = []
-    for field, slope, side in zip(SIDES, slopes_of(design), (plan.ramp.up, plan.ramp.down), strict=True):
+    for field, slope, size in zip(SIDES, slopes, sizes, strict=True):
         rate = getattr(design.ramp, field)
-        if rate is None or side.size:
+        if rate is None or size:
             continue
         most, reached = slope.acceleration_over(1), float(slope.speeds(1, 1, np.float64)[0])
         slower = f"{at_most(most)} steps/s², or " if most >= LEAST_ACCELERATION else ""

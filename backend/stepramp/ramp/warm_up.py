@@ -11,18 +11,19 @@ from stepramp.ramp.segments import compress
 
 TURN_S = 0.02
 
+OTHER_SHAPES: tuple[dict[str, object], ...] = (
+    {"name": "s_curve", "jerk_steps_per_s3": 10_000},
+    {"name": "cosine"},
+    {"name": "drawn", "points": [[0, 1], [200, 0.5]]},
+)
+
 
 def warm_up() -> None:
-    """Run each method once in each of its arithmetics, the usual ones first, and the compression, on a small ramp."""
-    small = Design.checked(
-        {
-            "schema": "stepramp/1",
-            "timer": {"frequency_hz": 1_000_000},
-            "ramp": {"slew_speed_steps_per_s": 200, "acceleration_steps_per_s2": 1000},
-            "table": {"rows": [[10, 5000]]},
-            "move": {"steps": 100},
-        }
-    )
+    """Run each method once in each of its arithmetics, the usual ones first, and the compression, on a small ramp.
+
+    Then the shapes besides the usual one.
+    """
+    small = _small({})
     usual = [(name, method.arithmetics[0]) for name, method in METHODS.items()]
     rest = [(name, arithmetic) for name, method in METHODS.items() for arithmetic in method.arithmetics[1:]]
     for name, arithmetic in usual + rest:
@@ -31,3 +32,21 @@ def warm_up() -> None:
         # One thing is compiled at a time: what a request needs goes before the next of these.
         time.sleep(TURN_S)
     compress(np.array([2, 1]), 1)
+    for shape in OTHER_SHAPES:
+        for name, arithmetic in usual + rest:
+            if METHODS[name].shape is None and arithmetic != "fixed":
+                _ = error_curves(_small({"shape": shape}).with_method(name, arithmetic), name, REFERENCE)
+                time.sleep(TURN_S)
+
+
+def _small(ramp: dict[str, object]) -> Design:
+    """Return a design of a small ramp, with fields of its ramp that are its own."""
+    return Design.checked(
+        {
+            "schema": "stepramp/2",
+            "timer": {"frequency_hz": 1_000_000},
+            "ramp": {"slew_speed_steps_per_s": 200, "acceleration_steps_per_s2": 1000} | ramp,
+            "table": {"rows": [[10, 5000]]},
+            "move": {"steps": 100},
+        }
+    )

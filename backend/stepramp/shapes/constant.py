@@ -19,6 +19,14 @@ from stepramp.numerics.slope import Slope
 class ConstantAcceleration(Slope):
     """One side of a ramp at a constant acceleration."""
 
+    rank = 10
+    label = "Constant"
+    summary = "the acceleration stays the same"
+    help = (
+        "Speed grows evenly over time. The quickest ramp for a given acceleration, with a jolt at its "
+        "begin and its end."
+    )
+
     @property
     def length(self) -> float:
         """S = (v² - v0²) / (2 a), formulas (4) and (16) [steps, not whole]."""

@@ -4,6 +4,7 @@
 import { MOST_ROWS, withMethod, withTable, withTablePlayed, withValue } from '../../model/design.js';
 import { methodOf } from '../../model/methods.js';
 import { withPreset } from '../../model/presets.js';
+import { withPlan, withShape } from '../../model/shapes.js';
 import {
   gestureEnded,
   GUIDE_GESTURE,
@@ -62,6 +63,12 @@ export const setName = (state, name) => editedInHand(state, (design) => ({ ...de
 
 /** @param {State} state @param {MethodName} name @returns {State} */
 export const setMethod = (state, name) => editedInHand(state, (design) => withMethod(design, methodOf(name).name));
+
+/** @param {State} state @param {string} name @returns {State} */
+export const setShape = (state, name) => editedInHand(state, (design) => withShape(design, name));
+
+/** @param {State} state @param {string} plan for moves too short for the slew speed @returns {State} */
+export const setPlan = (state, plan) => editedInHand(state, (design) => withPlan(design, plan));
 
 /** @param {State} state @param {import('../../model/presets.js').Part} part
  * @param {import('../../model/presets.js').Preset} preset @returns {State} */

@@ -18,9 +18,10 @@ import { watchWheel } from './wheel.js';
 /** @typedef {{onEdit: (path: string, value: unknown, gesture?: string) => void,
  *   onSlid: () => void}} Handlers  onSlid: a slider was let go */
 
-// The one parameter that may be left open: it then follows another.
+// The parameters that may be left open: each then follows another.
 const FOLLOWERS = /** @type {Record<string, string>} */ ({
   'ramp.deceleration_steps_per_s2': 'ramp.acceleration_steps_per_s2',
+  'ramp.shape.deceleration_jerk_steps_per_s3': 'ramp.shape.jerk_steps_per_s3',
 });
 const TRAVEL = 'axis.travel_per_rev';
 /** @type {Record<string, [1 | -1, Stride | null]>} */
@@ -98,14 +99,20 @@ export function createNumber(field, { onEdit, onSlid }) {
 
   function toggleFollow() {
     if (shown === null || leader === undefined) return;
-    onEdit(path, valueAt(shown.design, path) === null ? valueAt(shown.design, leader) : null);
+    onEdit(path, ownOf(shown.design) === null ? valueAt(shown.design, leader) : null);
   }
 
   /** The value that holds, its own or the one it follows.
    * @returns {Entry} */
   function current() {
     if (shown === null) return 0;
-    return valueAt(shown.design, path) ?? (leader === undefined ? '' : valueAt(shown.design, leader));
+    return ownOf(shown.design) ?? (leader === undefined ? '' : valueAt(shown.design, leader));
+  }
+
+  /** What the design has here; null where it is left open, or left out.
+   * @param {Design} design @returns {Entry | null} */
+  function ownOf(design) {
+    return valueAt(design, path) ?? null;
   }
 
   /** A move is of whole steps: what a typed length becomes.
@@ -119,7 +126,7 @@ export function createNumber(field, { onEdit, onSlid }) {
   function showText() {
     if (shown === null) return;
     const { design, factor } = shown;
-    const own = valueAt(design, path);
+    const own = ownOf(design);
     const isOpen = own === null && leader !== undefined;
     const isAsTyped = typed !== null && typed.entry === own && typed.factor === factor;
     if (!isAsTyped) note.textContent = '';
@@ -129,7 +136,7 @@ export function createNumber(field, { onEdit, onSlid }) {
     if (isHere && (isOpen ? input.value.trim() === '' : readEntry(field, input.value, factor).entry === own)) return;
     const isKept = isAsTyped && typed !== null && note.textContent === '';
     const value = isKept ? readEntry({ ...field, isWhole: false }, typed?.text ?? '', 1).entry : null;
-    input.value = isOpen ? '' : value === null ? shownEntry(own, factor) : formatEntry(value);
+    input.value = isOpen || own === null ? '' : value === null ? shownEntry(own, factor) : formatEntry(value);
   }
 
   function showSlider() {
@@ -159,7 +166,7 @@ export function createNumber(field, { onEdit, onSlid }) {
       const now = JSON.stringify([valueAt(design, path), current(), shown.factor, unitText()]);
       // A slider under the hand changes one number of many, many times a second.
       if (now === before && !hasFocus()) return;
-      const isOpen = leader !== undefined && valueAt(design, path) === null;
+      const isOpen = leader !== undefined && ownOf(design) === null;
       parts.row.classList.toggle('follows', isOpen);
       parts.follow?.setAttribute('aria-pressed', String(isOpen));
       parts.showUnit(unitText());
@@ -206,7 +213,7 @@ function buildRow(field, canFollow, onTravelUnit) {
   const travelUnit = field.path === TRAVEL ? picker('Travel unit', onTravelUnit) : null;
   travelUnit?.element.classList.add('quiet');
   const unit = element('span', { className: 'unit' });
-  const follow = canFollow ? followButton(field.label) : null;
+  const follow = canFollow ? followButton(field) : null;
   const box = element('div', { className: 'messages' });
   const note = element('p', { className: 'note', role: 'status' });
   const symbol = field.symbol !== '' && element('i', { textContent: field.symbol });
@@ -241,15 +248,15 @@ function buildRow(field, canFollow, onTravelUnit) {
   };
 }
 
-/** @param {string} label */
-function followButton(label) {
+/** @param {import('../../model/fields.js').Field} field */
+function followButton({ label, quantity }) {
   return element(
     'button',
     {
       className: 'follow',
       type: 'button',
-      'aria-label': `${label} follows the acceleration`,
-      title: 'Follow the acceleration',
+      'aria-label': `${label} follows the ${quantity}`,
+      title: `Follow the ${quantity}`,
     },
     icon('link'),
   );

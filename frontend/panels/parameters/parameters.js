@@ -4,15 +4,18 @@
 
 import { tell } from '../../app/commands/told.js';
 import { setUnits } from '../../app/commands/view.js';
-import { endGesture, setMethod, setPreset, setValue } from '../../app/commands/work.js';
+import { endGesture, setMethod, setPlan, setPreset, setShape, setValue } from '../../app/commands/work.js';
 import { designOf, messagesOf } from '../../app/selectors.js';
 import { whenChanged, whenever } from '../../app/state.js';
 import { element } from '../../ui/dom.js';
 import { GROUPS } from '../../model/fields.js';
+import { hasField, shapeOf } from '../../model/shapes.js';
+import { createChoice } from './choice.js';
 import { createInfo } from './info.js';
 import { createMethod } from './method.js';
 import { createNumber } from './number.js';
 import { createPresetPicker } from './preset_picker.js';
+import { createShape } from './shape.js';
 import { createUnitsChoice } from './units_choice.js';
 
 /** @typedef {import('../../model/types.js').Design} Design */
@@ -24,13 +27,20 @@ const WELCOME = {
   help: 'Point at a parameter to read what it is and what it does to the ramp. Arrow keys step it: Shift coarse, Alt fine.',
 };
 
+/** @type {[string, string][]} */
+const PLANS = [
+  ['this_move', 'by themselves'],
+  ['any_move', 'cut out'],
+];
+
 /** @param {HTMLElement} root @param {import('../../app/state.js').Dispatch} dispatch */
 export function createParameters(root, dispatch) {
-  /** @type {import('./number.js').Handlers & Parameters<typeof createMethod>[0]} */
+  /** @type {import('./number.js').Handlers & Parameters<typeof createMethod>[0] & Parameters<typeof createShape>[0]} */
   const handlers = {
     onEdit: (path, value, gesture) => dispatch(setValue, path, value, gesture, performance.now()),
     onSlid: () => dispatch(endGesture),
     onMethod: (name) => dispatch(setMethod, name),
+    onShape: (name) => dispatch(setShape, name),
   };
   /** @type {Parameters<typeof createPresetPicker>[2]} */
   const onPreset = (part, preset) => {
@@ -41,6 +51,9 @@ export function createParameters(root, dispatch) {
   const choice = createUnitsChoice((units) => dispatch(setUnits, units), info);
   const numbers = GROUPS.flatMap((group) => group.fields).map((field) => createNumber(field, handlers));
   const method = createMethod(handlers, info);
+  const shape = createShape(handlers, info);
+  const plan = createChoice('move.plan', PLANS, (_, value) => dispatch(setPlan, String(value)));
+  info.explain(plan.element, () => plan.explanation, plan.name);
   const pickers = [
     createPresetPicker('axis', 'Axis', onPreset, info),
     createPresetPicker('timer', 'Timer', onPreset, info),
@@ -50,8 +63,12 @@ export function createParameters(root, dispatch) {
       'section',
       { className: 'group', 'aria-label': group.title },
       pickers[index]?.element ??
+        (group.title === 'Ramp' ? shape.head : null) ??
         element('div', { className: 'group-head' }, element('h2', { textContent: group.title })),
+      group.title === 'Ramp' && shape.nameBox,
       ...numbers.filter((number) => group.fields.includes(number.field)).map((number) => number.element),
+      group.title === 'Ramp' && shape.points,
+      group.title === 'Move' && plan.element,
     ),
   );
   root.replaceChildren(
@@ -65,7 +82,13 @@ export function createParameters(root, dispatch) {
   function show(design, units) {
     if (design === null) return;
     choice.show(units, design);
-    for (const number of numbers) number.show(design, units);
+    for (const number of numbers) {
+      number.element.hidden = !hasField(design, number.field.path);
+      if (!number.element.hidden) number.show(design, units);
+    }
+    shape.show(design);
+    plan.show(design);
+    plan.element.hidden = shapeOf(design).begins_alike;
     for (const picker of pickers) picker.show(design);
     method.show(design);
   }
@@ -75,6 +98,8 @@ export function createParameters(root, dispatch) {
     const { fields } = messagesOf(state);
     for (const number of numbers) number.showMessage(fields);
     method.showMessage(fields);
+    shape.showMessage(fields);
+    plan.showMessage(fields);
   }
 
   const shows = [

@@ -1,6 +1,7 @@
 // @ts-check
 // The legend: one switch a method, with its largest error, and what was measured.
 
+import { shapeOf } from '../../model/shapes.js';
 import { element, icon, showText } from '../../ui/dom.js';
 import { deviationText, markedStepsText, MARKS } from '../../plotting/captured.js';
 import { METHODS, REFERENCE } from '../../model/methods.js';
@@ -75,6 +76,8 @@ export function createLegend(onSwitch, { onOpen, onRemove }) {
       for (const { name, label, playsTable, chip, figure } of chips) {
         const largest = answer?.errors[name]?.largest_relative_error;
         const failure = answer?.failures[name];
+        const shape = answer && shapeOf(answer.design);
+        const isForOthers = shape !== null && !shape.methods.includes(name);
         const isEmpty = answer !== null && playsTable && answer.design.table === null;
         chip.setAttribute('aria-pressed', String(shown.has(name)));
         chip.dataset.active = String(name === active);
@@ -83,13 +86,16 @@ export function createLegend(onSwitch, { onOpen, onRemove }) {
             ? 'reference'
             : isEmpty
               ? 'no rows'
-              : failure
-                ? 'fails'
-                : largest
-                  ? `${formatSignedPercent(largest.value)} %`
-                  : '';
+              : isForOthers
+                ? 'constant a'
+                : failure
+                  ? 'fails'
+                  : largest
+                    ? `${formatSignedPercent(largest.value)} %`
+                    : '';
         const title =
           failure ??
+          (isForOthers ? `${label} is for constant acceleration only: this ramp’s shape is ${shape.label}` : null) ??
           `${shown.has(name) ? 'Hide' : 'Show'} ${label}${largest ? `; largest error at step ${largest.step}` : ''}`;
         // While a slider moves this comes many times a second: what stays the same is left alone.
         if (figure.textContent !== text) figure.textContent = text;

@@ -13,6 +13,7 @@ from stepramp.errors import Rejected, Rejection
 from stepramp.exports.matplotlib_turn import style_of
 from stepramp.exports.printed.checks import Check, checks_of
 from stepramp.exports.printed.numbers import plain, signed
+from stepramp.exports.shape_text import shape_text
 from stepramp.methods import METHODS, REFERENCE
 from stepramp.ramp.drawing import Drawing
 from stepramp.ramp.error_curves import ErrorCurves
@@ -180,6 +181,7 @@ def _parameters(design: Design, units: ShownUnits) -> list[tuple[str, str]]:
         ("slew speed", _shown(ramp.slew_speed_steps_per_s, units, "speed")),
         ("acceleration", _shown(ramp.acceleration_steps_per_s2, units, "acceleration")),
         ("deceleration", _shown(ramp.slowdown_steps_per_s2, units, "acceleration")),
+        ("shape", shape_text(ramp.shape, design.move, lambda jerk: _shown(jerk, units, "jerk"))),
         ("move", _shown(design.move.steps, units, "length")),
         ("timer", f"{plain(timer.frequency_hz, 10)} Hz, {timer.counter_bits} bits"),
         ("shortest interval", f"{plain(timer.shortest_interval_us)} µs"),

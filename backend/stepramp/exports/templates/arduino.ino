@@ -11,7 +11,7 @@
  * and analogWrite() on pins 9 and 10 don't go with it.
  *
  * Method $method in $arithmetic, rounded: $rounding. F $timer_hz Hz, v0 $base_speed, v $slew_speed steps/s,
- * a $acceleration, d $deceleration steps/s^2. Steps are the pulses of the driver, microsteps if it makes such.
+ * a $acceleration, d $deceleration steps/s^2$shape. Steps are the pulses of the driver, microsteps if it makes such.
  * Fastest $fastest steps/s, slowest $slowest steps/s. No interval is more than $bound from what StepRamp plans.
  *
  * The Arduino IDE wants this file in a folder of its name: $name/$name.ino. */

@@ -9,7 +9,7 @@
  * START_PIN and ground.
  *
  * Method $method in $arithmetic, rounded: $rounding. F $timer_hz Hz, v0 $base_speed, v $slew_speed steps/s,
- * a $acceleration, d $deceleration steps/s^2. Steps are the pulses of the driver, microsteps if it makes such.
+ * a $acceleration, d $deceleration steps/s^2$shape. Steps are the pulses of the driver, microsteps if it makes such.
  * Fastest $fastest steps/s, slowest $slowest steps/s. No interval of the ramp is more than $bound from what StepRamp
  * plans; the library plays it by polling, so that a pulse may come some tenths of a millisecond late. To the tick is the
  * sketch without the library.

@@ -1,7 +1,7 @@
 /* $title
  *
  * Method $method in $arithmetic, rounded: $rounding. F $timer_hz Hz, v0 $base_speed, v $slew_speed steps/s,
- * a $acceleration, d $deceleration steps/s^2. No interval is more than $bound from what is planned.
+ * a $acceleration, d $deceleration steps/s^2$shape. No interval is more than $bound from what is planned.
  * A ramp image, for sketches with the StepRamp library:
  *
  *     StepRamp.setStepper(0, 2, 5);                      step and direction pin of axis 0

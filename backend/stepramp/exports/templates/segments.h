@@ -1,7 +1,7 @@
 /* $title
  *
  * Method $method in $arithmetic, rounded: $rounding. F $timer_hz Hz, v0 $base_speed, v $slew_speed steps/s,
- * a $acceleration, d $deceleration steps/s^2.
+ * a $acceleration, d $deceleration steps/s^2$shape.
  * A segment is `count` intervals in ticks of F, the first `interval` long, each next one `add` longer. Both lists begin
  * at the slow end: ${name}_up with the first interval of a move, ${name}_down with the last. No interval is more than
  * $bound from what is planned.

@@ -1,0 +1,98 @@
+"""The page's shapes of ramps: what a shape begins with, drawn points as text, and where refusals of them are told."""
+
+from typing import Any
+
+import pytest
+
+from designs import design, document
+from frontend.modules import Modules
+from stepramp.design import Design
+
+
+def shaped(modules: Modules, name: str, **changes: object) -> dict[str, Any]:
+    made: dict[str, Any] = modules.call("model/shapes.js", "withShape", document(**changes), name)
+    return made
+
+
+def test_an_s_curve_begins_with_an_onset_of_a_fifth_of_its_ramp(modules: Modules) -> None:
+    made = shaped(modules, "s_curve", ramp__base_speed_steps_per_s=200)
+    checked = Design.checked(made)
+    # T = Δ/a + a/j with Δ = 800 and a = 5000: an onset a/j of T/5 is Δ/4a.
+    assert checked.ramp.shape.jerk_steps_per_s3 == pytest.approx(5000 / (800 / 5000 / 4))
+    assert (made["schema"], made["ramp"]["shape"]["name"]) == ("stepramp/2", "s_curve")
+
+
+@pytest.mark.parametrize("name", ["s_curve", "cosine", "drawn"])
+def test_each_shape_begins_with_numbers_that_the_server_takes(modules: Modules, name: str) -> None:
+    for slew in (0.01, 333.333, 1_000_000):
+        Design.checked(shaped(modules, name, ramp__slew_speed_steps_per_s=slew))
+    # With text where numbers belong it still begins with some.
+    assert shaped(modules, name, ramp__slew_speed_steps_per_s="fast")["ramp"]["shape"]["name"] == name
+
+
+def test_the_usual_shape_is_none_and_the_rest_of_a_design_stays(modules: Modules) -> None:
+    made = shaped(modules, "s_curve")
+    back = modules.call("model/shapes.js", "withShape", made, "constant")
+    assert back == document() | {"schema": "stepramp/2"}
+    assert modules.call("model/shapes.js", "withShape", made, "s_curve") == made
+    planned = modules.call("model/shapes.js", "withPlan", document(), "any_move")
+    assert Design.checked(planned) == design(schema="stepramp/2", move__plan="any_move")
+
+
+def test_a_design_has_the_fields_of_its_own_shape(modules: Modules) -> None:
+    paths = ["ramp.shape.jerk_steps_per_s3", "ramp.shape.points", "ramp.acceleration_steps_per_s2", "move.steps"]
+    has = {
+        name: [modules.call("model/shapes.js", "hasField", shaped(modules, name), path) for path in paths]
+        for name in ("constant", "s_curve", "cosine", "drawn")
+    }
+    assert has == {
+        "constant": [False, False, True, True],
+        "s_curve": [True, False, True, True],
+        "cosine": [False, False, True, True],
+        "drawn": [False, True, True, True],
+    }
+
+
+@pytest.mark.parametrize(
+    ("text", "points"),
+    [
+        ("0 1\n500 0.5", [[0, 1], [500, 0.5]]),
+        ("0,1\r\n500,0.5\r\n", [[0, 1], [500, 0.5]]),
+        ("0\t1\n500\t.5", [[0, 1], [500, 0.5]]),
+        ("0; 1\n500; 0.5", [[0, 1], [500, 0.5]]),
+        ("0, 1\n\n1,500 0.5", [[0, 1], [1500, 0.5]]),
+        ("500 x\n7", [[500, "x"], [7, ""]]),
+        ("1 2 3", [[1, "2 3"]]),
+        ("", []),
+    ],
+)
+def test_points_are_read_as_they_are_written_and_pasted(modules: Modules, text: str, points: list[Any]) -> None:
+    assert modules.call("model/drawn_points.js", "pointsOf", text) == points
+
+
+def test_points_are_written_so_that_they_are_read_again(modules: Modules) -> None:
+    points = [[0, 1], [1234.5, 0.001], [1_000_000, 0.25]]
+    text = modules.call("model/drawn_points.js", "pointsText", points)
+    assert modules.call("model/drawn_points.js", "pointsOf", text) == points
+
+
+def test_a_refusal_of_a_point_is_told_at_the_points(modules: Modules) -> None:
+    refused = {
+        "field": "design.ramp.shape.points.2.1",
+        "value": "x",
+        "allowed": "a number from 0.001 to 1",
+        "message": "",
+    }
+    at_a_speed = refused | {"field": "ramp.shape.points.0.0"}
+    told = [modules.call("model/messages.js", "textOf", [each]) for each in (refused, at_a_speed)]
+    assert told == [
+        "Point 3, part, is 'x'; allowed: a number from 0.001 to 1.",
+        "Point 1, speed, is 'x'; allowed: a number from 0.001 to 1.",
+    ]
+
+
+def test_only_methods_of_the_shape_are_computed_and_exported(modules: Modules) -> None:
+    ask = """async ([design, shown]) => (await import('/model/design.js')).methodsToCompute(design, new Set(shown))"""
+    shown = ["exact", "first_order", "newton", "table"]
+    assert modules.evaluate(ask, [shaped(modules, "cosine"), shown]) == ["exact", "newton", "table"]
+    assert modules.evaluate(ask, [document(), shown]) == shown
