@@ -145,7 +145,7 @@
 /** @typedef {{stage: 'planning' | 'sending' | 'checking' | 'storing' | 'reading_back', bytes_done: number,
  *   bytes_total: number}} Progress */
 
-/** @typedef {{traced_axis: number, every_steps: number, timer_hz: number, complete: boolean, changed: boolean,
+/** @typedef {{traced_axis: number, number: number, every_steps: number, timer_hz: number, complete: boolean, changed: boolean,
  *   step: number[], planned_ticks: number[], measured_ticks: number[], deviation_us: number[]}} Trace */
 
 /** A finished move as it was made.

@@ -253,7 +253,8 @@ export const api = {
   useSettings: (id, settings) => request('PUT', `${device(id)}/settings`, settings),
 
   /** Have the moves of an axis traced that begin from now on.
-   * @param {string} id @param {number} axis @param {Gesture} gesture */
+   * @param {string} id @param {number} axis @param {Gesture} gesture
+   * @returns {Promise<{next_number: number}>} what the trace of the next one is called */
   traceMoves: (id, axis, gesture) => request('PUT', `${device(id)}/trace`, { traced_axis: axis }, { gesture }),
 
   /** @param {string} id @returns {Promise<import('../model/types.js').Trace>} */

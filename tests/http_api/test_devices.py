@@ -262,12 +262,12 @@ def test_settings_that_cant_be(
 def test_a_trace(client: TestClient, four_axes: str) -> None:
     assert "No move has been traced" in error_of(client.get(f"{four_axes}/trace"), 409)["message"]
     armed = client.put(f"{four_axes}/trace", json={"traced_axis": 2, "every_steps": 3}).json()
-    assert armed == {"traced_axis": 2, "every_steps": 3}
+    assert armed == {"traced_axis": 2, "every_steps": 3, "next_number": 1}
     client.post(f"{four_axes}/move", json={"axes": [{"axis": 2, "by_steps": -100}]})
     wait_for(client, four_axes, "ready")
     trace = client.get(f"{four_axes}/trace").json()
     assert (trace["traced_axis"], trace["complete"], trace["changed"], trace["timer_hz"]) == (2, True, False, 2_000_000)
-    assert trace["step"] == list(range(1, 101, 3))
+    assert (trace["number"], trace["step"]) == (1, list(range(1, 101, 3)))
     planned = client.post("/api/v1/profile", json={"design": document(move__steps=100)}).json()
     instants = [0, *itertools.accumulate(planned["intervals_ticks"])]
     assert trace["planned_ticks"] == trace["measured_ticks"] == instants[0:100:3]

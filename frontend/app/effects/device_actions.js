@@ -24,7 +24,7 @@ export function rejectionsOf(error) {
 /**
  * @param {import('../state.js').Store} store
  * @param {import('../../server/gestures.js').Gestures} gestures
- * @param {Map<string, import('../state.js').MoveOf>} traced  by device, what its present move is of if this page traces it
+ * @param {Map<string, import('../state.js').TracedMove>} traced  by device, its present move if this page traces it
  * @param {{outdate: () => void}} previews
  */
 export function createDeviceActions({ state, dispatch }, gestures, traced, previews) {
@@ -56,6 +56,18 @@ export function createDeviceActions({ state, dispatch }, gestures, traced, previ
       dispatch(announce, pushText(error.rejections));
       return null;
     }
+  }
+
+  /** Have the next move traced.
+   * @param {Device} device @param {number} axis @param {string} what @param {unknown} body
+   * @param {import('../../server/gestures.js').Gesture} gesture */
+  async function traceNext(device, axis, what, body, gesture) {
+    const of = moveOf(state(), device.id, axis);
+    const { next_number: first } = await api.traceMoves(device.id, axis, gesture);
+    const legs = what === 'there_and_back' ? 2 * Number(/** @type {{times: unknown}} */ (body).times) : 1;
+    const move = { of, first, last: first + legs - 1 };
+    traced.set(device.id, move);
+    return move;
   }
 
   return {
@@ -96,17 +108,13 @@ export function createDeviceActions({ state, dispatch }, gestures, traced, previ
       const gesture = gestures.begin(device);
       return request(what, async () => {
         const isTraced = state().devices.isTracing && device.capabilities.includes('trace') && device.state === 'ready';
-        const of = isTraced ? moveOf(state(), device.id, axis) : null;
-        if (of) {
-          await api.traceMoves(device.id, axis, gesture);
-          traced.set(device.id, of);
-        }
+        const move = isTraced ? await traceNext(device, axis, what, body, gesture) : null;
         const before = state().devices.measured;
         try {
           await api.move(device.id, what, body, gesture);
         } catch (error) {
           // What moves next is not of this, be it a jog.
-          if (traced.get(device.id) === of) traced.delete(device.id);
+          if (traced.get(device.id) === move) traced.delete(device.id);
           throw error;
         }
         // What was refused has moved nothing, and what moved but a few steps may have been measured already.
