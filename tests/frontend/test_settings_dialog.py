@@ -19,14 +19,16 @@ from stepramp.validation import Document
 DIALOG = """
     const {createSettingsDialog} = await import('/panels/device/settings_dialog.js');
     const {api, Refusal} = await import('/server/api.js');
-    const sent = [], answers = {};
+    const sent = [], answers = {}, told = [];
     const taking = (what) => async (_, wanted) => { sent.push([what, wanted]); await answers[what]?.(); };
-    const dialog = createSettingsDialog({limit: taking('limits'), useSettings: taking('settings')});
+    const dialog = createSettingsDialog({limit: taking('limits'), useSettings: taking('settings'),
+        tell: (text) => told.push(text)});
     const asked = api.settings;
     api.settings = async () => ({outputs: 'gauges', both_edges: [], step_inverted: [], direction_inverted: [],
         enable_level: 'low', pulse_width_us: 0, direction_setup_us: 30, enable_lead_ms: 1, enable_hold_ms: null});
-    const device = {id: 'a', capabilities: ['settings'], axes: [{axis: 0, lowest_steps: null, highest_steps: null}]};
-    await dialog.open(device, {designs: [design], active: 0, units: {length: 'steps', time: 's'}});
+    const device = {id: 'a', name: 'board', port: 'A', capabilities: ['settings'], axes: [{axis: 0, lowest_steps: null, highest_steps: null}]};
+    const situation = {designs: [design], active: 0, units: {length: 'steps', time: 's'}};
+    await dialog.open(device, situation);
     api.settings = asked;
     const whole = byId('settings-dialog');
     const within = (one, id) => find(one, (each) => each.id === id);
@@ -202,3 +204,47 @@ def test_what_comes_of_it_is_of_the_dialog_that_was_shown_then(modules: Modules,
     )
     assert (is_open, below) == (True, "")
     assert [what for what, _ in sent] == ["settings", "limits"], "the first once, and then what the other one wants"
+
+
+CLOSED = "The settings of board were closed, and what was not used yet is not: {}."
+
+
+@pytest.mark.parametrize(
+    ("told", "link", "why"),
+    [
+        ("[device]", "there", ""),
+        ("[{...device, state: 'lost'}]", "there", ""),
+        ("[device]", "silent", ""),
+        ("[{...device, id: 'b'}]", "there", "it is not connected any more"),
+        # Another server counts its devices from the first again.
+        ("[{...device, port: 'B'}]", "there", "it was at A, and what has its number now is at B"),
+        ("[device]", "gone", "the server is gone"),
+    ],
+)
+def test_it_is_closed_when_its_device_may_be_another(modules: Modules, told: str, link: str, why: str) -> None:
+    is_open, words, sent = run(
+        modules,
+        f"""{DIALOG} type('{HIGHEST}', '5'); dialog.follow({told}, '{link}');
+        const seen = [whole.open, told]; await use(); return [...seen, sent];""",
+    )
+    assert is_open == (why == "")
+    assert words == ([CLOSED.format(why)] if why else [])
+    assert [what for what, _ in sent] == ([] if why else ["limits"])
+
+
+def test_it_says_whose_settings_they_are(modules: Modules) -> None:
+    names = run(
+        modules,
+        f"""{DIALOG} const title = () => textOf(find(whole, ({{tag}}) => tag === 'h2')), first = title();
+        await dialog.open({{...device, id: 'b', name: 'other', capabilities: []}}, situation);
+        return [first, title()];""",
+    )
+    assert names == ["Settings of board", "Settings of other"]
+
+
+def test_what_is_typed_stays_when_it_is_asked_for_again(modules: Modules) -> None:
+    sent = run(
+        modules,
+        f"""{DIALOG} type('{HIGHEST}', '5'); await dialog.open({{...device}}, situation); await use(); return sent;""",
+    )
+    assert [what for what, _ in sent] == ["limits"]
