@@ -224,7 +224,7 @@ export const api = {
   disconnect: (id) => request('DELETE', device(id)),
 
   /** @param {string} id @param {import('../model/types.js').Pushed} wanted @param {Gesture} gesture a STOP ends it
-   * @returns {Promise<import('../model/types.js').Push>} */
+   * @returns {Promise<import('../model/types.js').Push & {heard_s: number}>} */
   push: (id, wanted, gesture) => request('POST', `${device(id)}/push`, wanted, { withinMs: PUSH_WITHIN_MS, gesture }),
 
   /** What a push would change; nothing is sent.

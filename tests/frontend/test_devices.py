@@ -55,30 +55,41 @@ def test_of_a_device_that_is_not_told_any_more_nothing_is_known(modules: Modules
     assert after(modules, [*known, ["device.heard", [{**DEVICE, "id": "2"}], {}]], look) == [["2"], ["2"], None]
 
 
-def had(crc: int | None, state: str = "ready") -> list[object]:
+def had(crc: int | None, state: str = "ready", heard_s: float = 30) -> list[object]:
     ramp = None if crc is None else {"sequence": 3, "crc": crc}
-    return ["device.heard", [{**DEVICE, "state": state, "ramp": ramp}], {}]
+    return ["device.heard", [{**DEVICE, "state": state, "ramp": ramp, "heard_s": heard_s}], {}]
 
 
-PUSHED: list[object] = ["device.pushed", "1", {"designs": [document()], "ids": [5], "toAxis": 0, "crc": 17}]
+PUSHED: list[object] = [
+    "device.pushed",
+    "1",
+    {"designs": [document()], "ids": [5], "toAxis": 0, "crc": 17, "heard_s": 20},
+]
+
+
+BEFORE = had(9, heard_s=10)
 
 
 @pytest.mark.parametrize(
     ("steps", "is_known"),
     [
-        ([had(9), PUSHED], True),
+        ([BEFORE, PUSHED], True),
         # What is told of the time before the push may come after its answer.
-        ([had(9), PUSHED, had(9), had(9, "writing"), had(17)], True),
-        ([had(9), PUSHED, had(17), had(17)], True),
+        ([BEFORE, PUSHED, BEFORE, had(9, "writing"), had(17)], True),
+        # Another page has pushed before this page heard of its own push, or the board has lost it.
+        ([BEFORE, PUSHED, BEFORE, had(9)], False),
+        ([BEFORE, PUSHED, had(8)], False),
+        ([BEFORE, PUSHED, had(None)], False),
+        ([BEFORE, PUSHED, had(17), had(17)], True),
         ([had(17), PUSHED, had(17)], True),
-        # Another page has pushed, be it before or after this page heard of its own push.
-        ([had(9), PUSHED, had(17), had(9)], False),
-        ([had(9), had(17), PUSHED, had(8)], False),
+        # Another page has pushed since.
+        ([BEFORE, PUSHED, had(17), had(9)], False),
+        ([BEFORE, had(17), PUSHED, had(8)], False),
         # The board was reset, and had no ramp stored, or another one.
-        ([had(9), PUSHED, had(17), had(17, "lost"), had(None, "connecting"), had(17)], True),
-        ([had(9), PUSHED, had(17), had(17, "lost"), had(None)], False),
-        ([had(9), PUSHED, had(17), had(17, "lost"), had(9)], False),
-        ([had(9), PUSHED, had(17), had(9), PUSHED], True),
+        ([BEFORE, PUSHED, had(17), had(17, "lost"), had(None, "connecting"), had(17)], True),
+        ([BEFORE, PUSHED, had(17), had(17, "lost"), had(None)], False),
+        ([BEFORE, PUSHED, had(17), had(17, "lost"), had(9)], False),
+        ([BEFORE, PUSHED, had(17), BEFORE, PUSHED], True),
     ],
 )
 def test_what_was_pushed_is_known_as_long_as_the_device_has_it(
@@ -98,7 +109,7 @@ PUSH = """async ([design, items]) => {
     const real = api.push;
     const store = createStore(FIRST_STATE, (error) => { throw error; });
     store.dispatch(COMMANDS.work.begin, {axes: [design], together: 'independent', ids: [5], active: 0, kept: null});
-    api.push = async () => ({items, verified: true});
+    api.push = async () => ({items, verified: true, heard_s: 20});
     const actions = createDeviceActions(store, createGestures(), new Map(), {outdate: () => {}});
     await actions.push({id: '1', stops: 0}, [design], 2, 'try');
     api.push = real;
@@ -110,7 +121,7 @@ def test_what_was_pushed_is_remembered_with_the_checksum_of_the_ramps(modules: M
     items = [{"name": "Slew speed", "unit": "steps/s", "sent": 4}]
     if crc is not None:
         items.append({"name": "Ramp image", "unit": "CRC-16", "sent": crc})
-    known = {"designs": [document()], "ids": [5], "toAxis": 2, "crc": crc, "isTold": False}
+    known = {"designs": [document()], "ids": [5], "toAxis": 2, "crc": crc, "heard_s": 20}
     assert modules.evaluate(PUSH, [document(), items]) == known
 
 

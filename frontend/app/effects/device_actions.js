@@ -86,7 +86,7 @@ export function createDeviceActions({ state, dispatch }, gestures, traced, previ
         if (report === null) return;
         // Several go to the axes from the first on, whichever is chosen.
         const crc = report.items.find(({ unit }) => unit === 'CRC-16')?.sent ?? null;
-        dispatch(pushed, device.id, { designs, ids, toAxis: designs.length === 1 ? toAxis : 0, crc });
+        dispatch(pushed, device.id, { designs, ids, toAxis: designs.length === 1 ? toAxis : 0, crc, heard_s: report.heard_s });
         dispatch(
           announce,
           report.verified
