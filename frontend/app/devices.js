@@ -234,15 +234,15 @@ function isOfAxisInHand(state, id) {
   return axis === null || axis === axisOf(state);
 }
 
-/** The move that runs, counted from its start and its end; null when nothing runs.
+/** The move of the axis that is worked with, counted from its start and its end; null when it rests.
  * @param {State} state @returns {RunningMove | null} */
 export function runningMoveOf(state) {
-  const device = toldDeviceOf(state);
+  const device = deviceOf(state);
   if (device !== null && !isOfAxisInHand(state, device.id)) return null;
   const axis = deviceAxisOf(state);
   const one = device?.axes[axis];
   if (!device || !one || (one.state !== 'moving' && one.state !== 'stopping')) return null;
-  const isOld = state.devices.link !== 'there' || toldAgeOf(state) !== null;
+  const isOld = state.devices.link !== 'there' || (state.devices.ages[device.id] ?? null) !== null;
   const start = state.devices.runs[runKey(device.id, axis)]?.restingPlace;
   return runningMove(one, start, Math.abs(Number(curvesOf(state)?.design.move.steps ?? 0)), isOld);
 }
@@ -264,7 +264,7 @@ const runningMove = remembering(
  * a jog: no plan is like it.
  * @param {State} state */
 export function samplesOf(state) {
-  const device = toldDeviceOf(state);
+  const device = deviceOf(state);
   if (device === null || !isOfAxisInHand(state, device.id)) return null;
   const samples = state.devices.runs[runKey(device.id, deviceAxisOf(state))]?.samples ?? null;
   return samples?.length === null ? null : samples;

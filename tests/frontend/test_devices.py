@@ -161,6 +161,22 @@ def test_a_running_move_lies_over_the_plots_of_its_own_axis_and_a_jog_over_none(
     assert after(modules, [heard(None), pushed(5)], look) == [None, 30]
 
 
+def test_what_lies_over_the_plots_is_of_the_device_in_view(modules: Modules) -> None:
+    """Another one that moves meanwhile may have more axes, or fewer, and other ramps."""
+    look = (
+        "(state, {samplesOf, runningMoveOf}) => [samplesOf(state)?.length ?? null, runningMoveOf(state)?.done ?? null]"
+    )
+    axis = {"axis": 0, "position_steps": 30, "target_steps": 90, "speed_steps_per_s": 5}
+    both = [
+        {**DEVICE, "axes": [{**axis, "state": "ready"}]},
+        {**DEVICE, "id": "2", "port": "other", "state": "moving", "axes": [{**axis, "state": "moving"}]},
+    ]
+    samples = {"time_s": [0, 1], "position": [0, 30], "speed": [0, 5], "length": 90}
+    heard = ["device.heard", both, {"2 0": {"samples": samples, "restingPlace": 0}}]
+    assert after(modules, [heard, ["device.choosePort", "sim://"]], look) == [None, None]
+    assert after(modules, [heard, ["device.choosePort", "other"]], look) == [90, 30]
+
+
 @pytest.mark.parametrize(
     ("steps", "played"),
     [

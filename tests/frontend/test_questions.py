@@ -110,7 +110,8 @@ def test_a_remark_is_of_the_rows_that_were_asked_about(
         const checks = createChecks(() => new Promise((resolve) => { answer ??= resolve; }),
             () => seen.push([...checks.found().keys()]));
         const check = (rows) => checks.check({...design, table: {rows, interval_unit: 'us'}}, 5);
-        const heard = async () => { answer({findings: [{row: 1, reason: 'too quick', wrong: true}]}); await settled(); };
+        const findings = [{row: 1, reason: 'too quick', wrong: true}];
+        const heard = async () => { answer({findings}); await settled(); };
         check([[5, 900], [9, 20], [20, 300]]); ask();
         if (isAnswered) await heard();
         check(then);

@@ -26,7 +26,8 @@ DIALOG = """
     const asked = api.settings;
     api.settings = async () => ({outputs: 'gauges', both_edges: [], step_inverted: [], direction_inverted: [],
         enable_level: 'low', pulse_width_us: 0, direction_setup_us: 30, enable_lead_ms: 1, enable_hold_ms: null});
-    const device = {id: 'a', name: 'board', port: 'A', capabilities: ['settings'], axes: [{axis: 0, lowest_steps: null, highest_steps: null}]};
+    const device = {id: 'a', name: 'board', port: 'A', capabilities: ['settings'],
+        axes: [{axis: 0, lowest_steps: null, highest_steps: null}]};
     const situation = {designs: [design], active: 0, units: {length: 'steps', time: 's'}};
     await dialog.open(device, situation);
     api.settings = asked;
