@@ -166,6 +166,26 @@ def test_a_refusal_goes_when_what_it_was_said_of_is_typed_over(modules: Modules)
     assert said == [[True] * 3, [False, True, True], [False, False, True], [False] * 3]
 
 
+def test_that_the_highest_is_behind_the_lowest_goes_when_the_lowest_is_typed_over(modules: Modules) -> None:
+    behind = {"axis": 0, "lowest_steps": 10, "highest_steps": 5}
+    with pytest.raises(Rejected) as caught:
+        AxisLimits.checked(behind)
+    [told] = [served(each) | {"field": "axes.0.highest_steps"} for each in error_items(caught.value)]
+    by_page, by_server, by_itself = run(
+        modules,
+        f"""{DIALOG} const seen = [], look = () => said('{HIGHEST}') !== '';
+        type('limit-0-lowest', '10'); type('{HIGHEST}', '5'); await use();
+        seen.push([look()]); type('limit-0-lowest', '3'); seen[0].push(look());
+        answers.limits = () => {{ throw new Refusal(422, [{json.dumps(told)}]); }}; await use();
+        seen.push([look()]); type('limit-0-lowest', '2'); seen[1].push(look());
+        type('{HIGHEST}', '1.5'); await use();
+        seen.push([look()]); type('limit-0-lowest', '1'); seen[2].push(look());
+        return seen;""",
+    )
+    assert (by_page, by_server) == ([True, False], [True, False])
+    assert by_itself == [True, True], "what it is refused for itself stays"
+
+
 @pytest.mark.parametrize(
     ("model", "field", "value"),
     [(StepRampSettings, "pulse_width_us", value) for value in (-1, 101, 3.5, "3,5", "")]

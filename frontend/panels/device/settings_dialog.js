@@ -56,7 +56,7 @@ export function createSettingsDialog({ limit, useSettings, tell }) {
   );
 
   dialog.element.addEventListener('input', ({ target }) => {
-    const left = withoutThatOf(target, refused);
+    const left = limits.withoutThatFor(target, withoutThatOf(target, refused));
     if (left !== refused) reject(left, outcome);
   });
 
