@@ -267,6 +267,7 @@
  * @property {number | null} age       of what is known of the device [whole s]; null: it is new
  * @property {boolean} isDesignValid
  * @property {boolean} isAwaited        whether it is valid is not known yet
+ * @property {string} nameProblem       what is wrong with its name, which is far from the push; empty: nothing
  * @property {boolean} isBusy          something is being asked of a device
  * @property {boolean} isPushing
  * @property {boolean} isChanged       the design is another than the one last pushed

@@ -1,10 +1,16 @@
 """What follows from the page's state of devices after some commands."""
 
+import json
+
 import pytest
 
 from designs import document
 from frontend.modules import Modules
 from frontend.state import DEVICE, OTHER, STATE, after
+from stepramp.design import Design
+from stepramp.errors import Rejected
+from stepramp.http_api.errors import error_items
+from stepramp.http_api.json_response import json_bytes
 
 
 def test_an_axis_that_is_refused_is_marked_while_another_is_in_hand(modules: Modules) -> None:
@@ -201,3 +207,19 @@ def test_which_design_the_chosen_axis_of_a_device_plays(
     two = {**DEVICE, "axes": [{"state": "ready"}, {"state": "ready"}]}
     known: list[list[object]] = [["device.heard", [two], {}], *steps]
     assert after(modules, known, "(state, {playedOf}) => playedOf(state)") == played
+
+
+def test_a_push_tells_of_a_name_that_keeps_it_back(modules: Modules) -> None:
+    with pytest.raises(Rejected) as caught:
+        Design.checked(document(name="x" * 101))
+    [refused] = [json.loads(json_bytes(each)) for each in error_items(caught.value)]
+    other = {"field": "timer.counter_bits", "value": 7, "allowed": "8", "message": "no"}
+    look = "(state, {situationOf}) => situationOf(state).nameProblem"
+    assert after(modules, [], look) == ""
+    for rejections, told in [
+        ([refused], "The name has 101 characters; allowed: at most 100."),
+        ([other, refused], "The name has 101 characters; allowed: at most 100."),
+        ([other], ""),
+    ]:
+        steps: list[list[object]] = [["answers.curvesRefused", rejections, document(), 5]]
+        assert after(modules, steps, look) == told

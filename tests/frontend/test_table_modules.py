@@ -132,8 +132,9 @@ def test_copied_is_said_of_the_rows_that_were(modules: Modules) -> None:
 
 
 def test_what_refuses_a_fit_is_said_in_the_words_of_the_page(modules: Modules) -> None:
-    script = """ask.fitTable = async () => { throw new Refusal(422, [
-            {field: 'design.ramp.slew_speed_steps_per_s', value: 0, allowed: 'more than 0', message: 'its own words'}]); };
+    script = """const refused = {field: 'design.ramp.slew_speed_steps_per_s', value: 0, allowed: 'more than 0',
+            message: 'its own words'};
+        ask.fitTable = async () => { throw new Refusal(422, [refused]); };
         store.dispatch(COMMANDS.work.setValue, 'ramp.acceleration_steps_per_s2', 77, '', 1);
         press('Refit'); await settled();
         return textOf(root);"""
