@@ -6,7 +6,7 @@ import { areSameRamps } from '../model/design.js';
 import { areEqual } from '../model/equal.js';
 import { nameText, pushRefusals } from '../model/messages.js';
 import { PAGE } from '../server/api.js';
-import { axisOf, curvesOf, isDesignValid, machineOf, messagesOf, stalenessOf } from './selectors.js';
+import { axisOf, isDesignValid, machineOf, messagesOf, stalenessOf } from './selectors.js';
 import { remembering } from './state.js';
 
 /** @typedef {import('../model/types.js').Design} Design */
@@ -249,18 +249,17 @@ export function runningMoveOf(state) {
   if (!device || !one || (one.state !== 'moving' && one.state !== 'stopping')) return null;
   const isOld = state.devices.link !== 'there' || (state.devices.ages[device.id] ?? null) !== null;
   const start = state.devices.runs[runKey(device.id, axis)]?.restingPlace;
-  return runningMove(one, start, Math.abs(Number(curvesOf(state)?.design.move.steps ?? 0)), isOld);
+  return runningMove(one, start, isOld);
 }
 
 const runningMove = remembering(
   (
     /** @type {import('../model/types.js').AxisState} */ one,
     /** @type {number | undefined} */ start,
-    /** @type {number} */ planned,
     /** @type {boolean} */ isOld,
   ) => {
     const remaining = isEndless(one) ? Infinity : Math.abs(one.target_steps - one.position_steps);
-    const done = start === undefined ? Math.max(0, planned - remaining) : Math.abs(one.position_steps - start);
+    const done = start === undefined ? one.steps_made : Math.abs(one.position_steps - start);
     return { done, remaining, speed: one.speed_steps_per_s, isOld };
   },
 );

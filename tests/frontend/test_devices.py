@@ -223,3 +223,10 @@ def test_a_push_tells_of_a_name_that_keeps_it_back(modules: Modules) -> None:
     ]:
         steps: list[list[object]] = [["answers.curvesRefused", rejections, document(), 5]]
         assert after(modules, steps, look) == told
+
+
+def test_how_far_a_move_has_come_is_told_to_a_page_that_did_not_see_its_start(modules: Modules) -> None:
+    axis = {"axis": 0, "state": "moving", "position_steps": 22_117, "target_steps": 50_000, "speed_steps_per_s": 1000}
+    moving = [{**DEVICE, "state": "moving", "axes": [{**axis, "steps_made": 4117}]}]
+    look = "(state, {runningMoveOf}) => [runningMoveOf(state).done, runningMoveOf(state).remaining]"
+    assert after(modules, [["device.heard", moving, {}]], look) == [4117, 27_883]

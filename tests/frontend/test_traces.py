@@ -159,3 +159,14 @@ def test_of_there_and_back_each_leg_has_a_number(modules: Modules) -> None:
     script = script.replace("return traced.has", "return [traced.get('1').first, traced.get('1').last]; traced.has")
     assert modules.evaluate(script, ["done", False, "there_and_back"]) == [3, 10]
     assert modules.evaluate(script, ["done", False, "move"]) == [3, 3]
+
+
+def test_what_set_out_before_the_page_began_to_listen_has_no_line(modules: Modules) -> None:
+    script = """async () => {
+        const follower = (await import('/devices/traces.js')).createFollower();
+        const tell = (heard_s, state, position_steps) => {
+            const axis = {axis: 0, state, position_steps, target_steps: 900, speed_steps_per_s: 9};
+            follower.follow({id: '1', heard_s, axes: [axis]});
+            return follower.samples('1', 0)?.position ?? null; };
+        return [tell(0, 'moving', 500), tell(1, 'moving', 510), tell(2, 'ready', 900), tell(3, 'moving', 910)]; }"""
+    assert modules.evaluate(script) == [None, None, None, [10]]
