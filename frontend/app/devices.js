@@ -4,9 +4,9 @@
 import { isEndless } from '../devices/traces.js';
 import { areSameRamps } from '../model/design.js';
 import { areEqual } from '../model/equal.js';
-import { pushRefusals } from '../model/messages.js';
+import { nameText, pushRefusals } from '../model/messages.js';
 import { PAGE } from '../server/api.js';
-import { axisOf, curvesOf, isDesignValid, machineOf, stalenessOf } from './selectors.js';
+import { axisOf, isDesignValid, machineOf, messagesOf, stalenessOf } from './selectors.js';
 import { remembering } from './state.js';
 
 /** @typedef {import('../model/types.js').Design} Design */
@@ -148,14 +148,18 @@ export function areSameQuestions(one, other) {
  * @param {State} state */
 export const situationOf = (state) => {
   const machine = machineOf(state);
-  return machine && situation(state.devices, machine, state.units, isDesignValid(state), stalenessOf(state), state);
+  return machine && situation(state.devices, machine, state.units, isDesignValid(state), stalenessOf(state), nameProblemOf(state), state);
 };
+
+/** What is wrong with the name of the design in hand; empty: nothing.
+ * @param {State} state */
+const nameProblemOf = (state) => nameText(messagesOf(state).fields.get('name'));
 
 /** @param {import('./state.js').Devices} devices @param {import('../model/workbench.js').Machine} machine
  * @param {import('../model/units.js').Units} units @param {boolean} isValid
- * @param {import('../model/types.js').Staleness} staleness @param {State} state
- * @returns {import('../model/types.js').Situation} */
-function makeSituation(devices, machine, units, isValid, staleness, state) {
+ * @param {import('../model/types.js').Staleness} staleness @param {string} nameProblem
+ * @param {State} state @returns {import('../model/types.js').Situation} */
+function makeSituation(devices, machine, units, isValid, staleness, nameProblem, state) {
   const isAwaited = staleness === 'awaited';
   const device = deviceOf(state);
   const pushing = designsToPush(state);
@@ -167,6 +171,7 @@ function makeSituation(devices, machine, units, isValid, staleness, state) {
   return {
     isDesignValid: isValid,
     isAwaited,
+    nameProblem,
     designs: machine.axes,
     ids: machine.ids,
     active: machine.active,
@@ -187,15 +192,15 @@ function makeSituation(devices, machine, units, isValid, staleness, state) {
   };
 }
 
-/** Anew only when one of the first five is another: the rest of the state has no say in it.
+/** Anew only when one of the others is another: the rest of the state has no say in it.
  * @type {typeof makeSituation} */
 const situation = (() => {
   /** @type {{of: unknown[], made: import('../model/types.js').Situation} | null} */
   let last = null;
-  return (devices, machine, units, isValid, staleness, state) => {
-    const of = [devices, machine, units, isValid, staleness];
+  return (devices, machine, units, isValid, staleness, nameProblem, state) => {
+    const of = [devices, machine, units, isValid, staleness, nameProblem];
     if (last === null || of.some((one, index) => one !== last?.of[index])) {
-      last = { of, made: makeSituation(devices, machine, units, isValid, staleness, state) };
+      last = { of, made: makeSituation(devices, machine, units, isValid, staleness, nameProblem, state) };
     }
     return last.made;
   };
@@ -234,28 +239,27 @@ function isOfAxisInHand(state, id) {
   return axis === null || axis === axisOf(state);
 }
 
-/** The move that runs, counted from its start and its end; null when nothing runs.
+/** The move of the axis that is worked with, counted from its start and its end; null when it rests.
  * @param {State} state @returns {RunningMove | null} */
 export function runningMoveOf(state) {
-  const device = toldDeviceOf(state);
+  const device = deviceOf(state);
   if (device !== null && !isOfAxisInHand(state, device.id)) return null;
   const axis = deviceAxisOf(state);
   const one = device?.axes[axis];
   if (!device || !one || (one.state !== 'moving' && one.state !== 'stopping')) return null;
-  const isOld = state.devices.link !== 'there' || toldAgeOf(state) !== null;
+  const isOld = state.devices.link !== 'there' || (state.devices.ages[device.id] ?? null) !== null;
   const start = state.devices.runs[runKey(device.id, axis)]?.restingPlace;
-  return runningMove(one, start, Math.abs(Number(curvesOf(state)?.design.move.steps ?? 0)), isOld);
+  return runningMove(one, start, isOld);
 }
 
 const runningMove = remembering(
   (
     /** @type {import('../model/types.js').AxisState} */ one,
     /** @type {number | undefined} */ start,
-    /** @type {number} */ planned,
     /** @type {boolean} */ isOld,
   ) => {
     const remaining = isEndless(one) ? Infinity : Math.abs(one.target_steps - one.position_steps);
-    const done = start === undefined ? Math.max(0, planned - remaining) : Math.abs(one.position_steps - start);
+    const done = start === undefined ? one.steps_made : Math.abs(one.position_steps - start);
     return { done, remaining, speed: one.speed_steps_per_s, isOld };
   },
 );
@@ -264,7 +268,7 @@ const runningMove = remembering(
  * a jog: no plan is like it.
  * @param {State} state */
 export function samplesOf(state) {
-  const device = toldDeviceOf(state);
+  const device = deviceOf(state);
   if (device === null || !isOfAxisInHand(state, device.id)) return null;
   const samples = state.devices.runs[runKey(device.id, deviceAxisOf(state))]?.samples ?? null;
   return samples?.length === null ? null : samples;

@@ -61,7 +61,7 @@ saveByItself(store, tab.id);
 
 const gestures = createGestures();
 const jog = createJog(gestures, (rejections) => dispatch(refused, rejections));
-/** @type {Map<string, import('./state.js').MoveOf>} */
+/** @type {Map<string, import('./state.js').TracedMove>} */
 const traced = new Map();
 
 /** End what is on its way to set motors moving: nothing more of it is sent. */

@@ -63,10 +63,12 @@ import { STEPS_AND_SECONDS } from '../model/units.js';
  * @typedef {{question: import('./devices.js').PreviewQuestion, preview: import('../model/types.js').Preview | null,
  *   rejections: Rejection[]}} Preview */
 /** Designs that were pushed, and the ids of the axes they are of; from which axis of the device on.
- * crc: of the ramps that the device has then; null: it is not known. isTold: the device was heard to have them.
- * @typedef {{designs: Design[], ids: number[], toAxis: number, crc: number | null, isTold: boolean}} Pushed */
+ * crc: of the ramps that the device has then; null: it is not known. heard_s: when the device was heard to have them.
+ * @typedef {{designs: Design[], ids: number[], toAxis: number, crc: number | null, heard_s: number}} Pushed */
 /** The axis of the page that a move was of, and the design that it was to follow; null: nobody knows.
  * @typedef {{axis: number | null, design: Design | null}} MoveOf */
+/** A move whose trace is awaited: what it is of, and by which numbers the server calls the motions that it consists of.
+ * @typedef {{of: MoveOf, first: number, last: number}} TracedMove */
 /** @typedef {{of: MoveOf, move: import('../model/types.js').Measured}} MeasuredMove */
 /** What is known of the moves of axes, by device and axis.
  * @typedef {Record<string, {samples: import('../model/types.js').Samples | null, restingPlace: number | undefined}>} Runs */

@@ -130,8 +130,9 @@ const isSame = (known, { id, port }) => known.id === id && known.port === port;
 const areAtRest = (known, told) =>
   known.length > 0 && known.every(({ port }) => told.some((device) => device.port === port && rests(device)));
 
-/** @param {Device} device */
-const rests = ({ state }) => state === 'ready' || state === 'writing';
+/** Whether nothing of it moves, nor will by itself: what goes there and back only pauses.
+ * @param {Device} device */
+const rests = ({ state, shuttle }) => !shuttle && (state === 'ready' || state === 'writing');
 
 /** What has come of a stop. Of what is out of reach nobody knows whether it moves.
  * @param {Device[]} stopped */

@@ -66,8 +66,9 @@ export function createFollower() {
     const isMoving = axis.state === 'moving' || axis.state === 'stopping';
     const before = runs.get(key);
     let run = before;
-    if (isMoving && !before?.isMoving) {
-      const fromSteps = resting.get(key) ?? axis.position_steps;
+    const fromSteps = resting.get(key);
+    // Of what moves already when the page begins to listen, or hears of it again, it has not seen the start.
+    if (isMoving && !before?.isMoving && fromSteps !== undefined) {
       run = { samples: { time_s: [], position: [], speed: [], length: null }, fromSteps, fromSeconds: device.heard_s, isMoving };
       runs.set(key, run);
     }

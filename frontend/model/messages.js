@@ -69,6 +69,15 @@ export function refusalText({ message, value, reason, ...rejection }, label, wor
     : `${label} is ${words.given ?? valueText(value)}; allowed: ${allowed}.${pointHint(value)}`;
 }
 
+/** What is wrong with a design's name: how long it is says more than what it begins with.
+ * @param {Message | undefined} problem @returns {string} empty: nothing */
+export function nameText(problem) {
+  const { refused } = problem ?? {};
+  const most = refused?.limits?.highest;
+  const length = [...String(refused?.value ?? '')].length;
+  return most ? `The name has ${length} characters; allowed: at most ${most}.` : (problem?.text ?? '');
+}
+
 /** What a number of the table is called in a sentence about it.
  * @param {number} index of the row, from 0 @param {number | null} column null: the whole row */
 export function rowLabel(index, column) {

@@ -146,7 +146,7 @@
 /** @typedef {{stage: 'planning' | 'sending' | 'checking' | 'storing' | 'reading_back', bytes_done: number,
  *   bytes_total: number}} Progress */
 
-/** @typedef {{traced_axis: number, every_steps: number, timer_hz: number, complete: boolean, changed: boolean,
+/** @typedef {{traced_axis: number, number: number, every_steps: number, timer_hz: number, complete: boolean, changed: boolean,
  *   step: number[], planned_ticks: number[], measured_ticks: number[], deviation_us: number[]}} Trace */
 
 /** A finished move as it was made.
@@ -268,6 +268,7 @@
  * @property {number | null} age       of what is known of the device [whole s]; null: it is new
  * @property {boolean} isDesignValid
  * @property {boolean} isAwaited        whether it is valid is not known yet
+ * @property {string} nameProblem       what is wrong with its name, which is far from the push; empty: nothing
  * @property {boolean} isBusy          something is being asked of a device
  * @property {boolean} isPushing
  * @property {boolean} isChanged       the design is another than the one last pushed

@@ -224,7 +224,7 @@ export const api = {
   disconnect: (id) => request('DELETE', device(id)),
 
   /** @param {string} id @param {import('../model/types.js').Pushed} wanted @param {Gesture} gesture a STOP ends it
-   * @returns {Promise<import('../model/types.js').Push>} */
+   * @returns {Promise<import('../model/types.js').Push & {heard_s: number}>} */
   push: (id, wanted, gesture) => request('POST', `${device(id)}/push`, wanted, { withinMs: PUSH_WITHIN_MS, gesture }),
 
   /** What a push would change; nothing is sent.
@@ -253,7 +253,8 @@ export const api = {
   useSettings: (id, settings) => request('PUT', `${device(id)}/settings`, settings),
 
   /** Have the moves of an axis traced that begin from now on.
-   * @param {string} id @param {number} axis @param {Gesture} gesture */
+   * @param {string} id @param {number} axis @param {Gesture} gesture
+   * @returns {Promise<{next_number: number}>} what the trace of the next one is called */
   traceMoves: (id, axis, gesture) => request('PUT', `${device(id)}/trace`, { traced_axis: axis }, { gesture }),
 
   /** @param {string} id @returns {Promise<import('../model/types.js').Trace>} */

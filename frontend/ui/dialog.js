@@ -43,6 +43,10 @@ export function createDialog({ id, title, onSubmit }, ...content) {
       if (first instanceof HTMLInputElement && first.type === 'text') first.select();
     },
     close,
+    /** @param {string} text */
+    entitle(text) {
+      heading.textContent = text;
+    },
     isOpen: () => dialog.open,
   };
 }

@@ -40,7 +40,7 @@ def test_no_values() -> None:
 def test_a_trace_of_a_whole_move() -> None:
     collector = TraceCollector(1, 2)
     assert collector.trace() is None
-    collector.begin(lambda: plan(7), HZ)
+    collector.begin(lambda: plan(7), HZ, 1)
     instants = np.array([0, 160_000, 260_000, 380_000 - 10_000])
     told = (instants + np.array([0, 5, -3, 10]) + 12_345) % 2**16
     collector.take(TraceNotice(1, 2, 1, tuple(told[:3].tolist())))
@@ -59,7 +59,7 @@ def test_a_trace_of_a_whole_move() -> None:
 
 def test_values_that_the_port_could_not_carry_are_left_out() -> None:
     collector = TraceCollector(0, 1)
-    collector.begin(lambda: plan(7), HZ)
+    collector.begin(lambda: plan(7), HZ, 1)
     collector.take(TraceNotice(0, 1, 1, (100,)))
     collector.take(TraceNotice(TRACE_LAST, 1, 6, ((100 + 310_000) % 2**16, (100 + 380_000) % 2**16)))
     trace = collector.trace()()
@@ -71,7 +71,7 @@ def test_values_that_the_port_could_not_carry_are_left_out() -> None:
 def test_what_is_not_of_this_move_is_left_out() -> None:
     collector = TraceCollector(0, 1)
     collector.take(TraceNotice(0, 1, 1, (5,)))
-    collector.begin(lambda: plan(3), HZ)
+    collector.begin(lambda: plan(3), HZ, 1)
     collector.take(TraceNotice(2, 1, 1, (5,)))
     collector.take(TraceNotice(TRACE_LAST, 1, 1, (7,)))
     collector.take(TraceNotice(0, 1, 1, (9,)))
@@ -84,14 +84,14 @@ def test_a_trace_that_never_ends_is_kept_so_far(monkeypatch: pytest.MonkeyPatch)
     """A run may last for days: what doesn't fit is left out, and what came before stays."""
     monkeypatch.setattr(trace_module, "MOST_STEPS", 5)
     collector = TraceCollector(0, 1)
-    collector.begin(lambda: plan(1000), HZ)
+    collector.begin(lambda: plan(1000), HZ, 1)
     for first in range(1, 990, 3):
         collector.take(TraceNotice(0, 1, first, (0, 0, 0)))
     collector.take(TraceNotice(TRACE_LAST, 1, 1000, (0,)))
     trace = collector.trace()()
     assert (trace.complete, trace.changed, trace.step.tolist()) == (False, False, [1, 2, 3])
     assert not collector.is_under_way
-    collector.begin(lambda: plan(2), HZ)
+    collector.begin(lambda: plan(2), HZ, 1)
     collector.take(TraceNotice(TRACE_LAST, 1, 1, (0, 0)))
     assert (collector.trace()().complete, collector.trace()().step.tolist()) == (True, [1, 2])
 
@@ -99,7 +99,7 @@ def test_a_trace_that_never_ends_is_kept_so_far(monkeypatch: pytest.MonkeyPatch)
 def test_a_trace_ends_where_the_move_was_changed() -> None:
     collector = TraceCollector(0, 1)
     collector.change()
-    collector.begin(lambda: plan(7), HZ)
+    collector.begin(lambda: plan(7), HZ, 1)
     collector.take(TraceNotice(0, 1, 1, (0,)))
     collector.change()
     collector.take(TraceNotice(TRACE_LAST, 1, 2, (1, 2)))
@@ -114,7 +114,7 @@ def test_the_trace_of_a_follower_begins_with_its_first_step() -> None:
     # Steps 1 and 2 of 2 come with the leader's ceil(7 / 4) = 2nd and ceil(21 / 4) = 6th.
     assert followed.instants(np.array([1, 2])).tolist() == [90_000, 310_000]
     collector = TraceCollector(0, 1)
-    collector.begin(lambda: followed, HZ)
+    collector.begin(lambda: followed, HZ, 1)
     collector.take(TraceNotice(TRACE_LAST, 1, 1, (7, (7 + 220_000) % 2**16)))
     trace = collector.trace()()
     assert trace is not None

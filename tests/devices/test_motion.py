@@ -95,7 +95,7 @@ def test_a_trace(devices: Devices, port: str) -> None:
     device.push([design(), design()])
     with pytest.raises(Refused, match="No move has been traced"):
         device.trace()
-    assert device.trace_moves(1, 0) == 1
+    assert device.trace_moves(1, 0).every_steps == 1
     device.move_by(by_steps(50, -120))
     wait_for(device, DeviceState.READY)
     trace = device.trace()

@@ -1,10 +1,16 @@
 """What follows from the page's state of devices after some commands."""
 
+import json
+
 import pytest
 
 from designs import document
 from frontend.modules import Modules
 from frontend.state import DEVICE, OTHER, STATE, after
+from stepramp.design import Design
+from stepramp.errors import Rejected
+from stepramp.http_api.errors import error_items
+from stepramp.http_api.json_response import json_bytes
 
 
 def test_an_axis_that_is_refused_is_marked_while_another_is_in_hand(modules: Modules) -> None:
@@ -55,30 +61,41 @@ def test_of_a_device_that_is_not_told_any_more_nothing_is_known(modules: Modules
     assert after(modules, [*known, ["device.heard", [{**DEVICE, "id": "2"}], {}]], look) == [["2"], ["2"], None]
 
 
-def had(crc: int | None, state: str = "ready") -> list[object]:
+def had(crc: int | None, state: str = "ready", heard_s: float = 30) -> list[object]:
     ramp = None if crc is None else {"sequence": 3, "crc": crc}
-    return ["device.heard", [{**DEVICE, "state": state, "ramp": ramp}], {}]
+    return ["device.heard", [{**DEVICE, "state": state, "ramp": ramp, "heard_s": heard_s}], {}]
 
 
-PUSHED: list[object] = ["device.pushed", "1", {"designs": [document()], "ids": [5], "toAxis": 0, "crc": 17}]
+PUSHED: list[object] = [
+    "device.pushed",
+    "1",
+    {"designs": [document()], "ids": [5], "toAxis": 0, "crc": 17, "heard_s": 20},
+]
+
+
+BEFORE = had(9, heard_s=10)
 
 
 @pytest.mark.parametrize(
     ("steps", "is_known"),
     [
-        ([had(9), PUSHED], True),
+        ([BEFORE, PUSHED], True),
         # What is told of the time before the push may come after its answer.
-        ([had(9), PUSHED, had(9), had(9, "writing"), had(17)], True),
-        ([had(9), PUSHED, had(17), had(17)], True),
+        ([BEFORE, PUSHED, BEFORE, had(9, "writing"), had(17)], True),
+        # Another page has pushed before this page heard of its own push, or the board has lost it.
+        ([BEFORE, PUSHED, BEFORE, had(9)], False),
+        ([BEFORE, PUSHED, had(8)], False),
+        ([BEFORE, PUSHED, had(None)], False),
+        ([BEFORE, PUSHED, had(17), had(17)], True),
         ([had(17), PUSHED, had(17)], True),
-        # Another page has pushed, be it before or after this page heard of its own push.
-        ([had(9), PUSHED, had(17), had(9)], False),
-        ([had(9), had(17), PUSHED, had(8)], False),
+        # Another page has pushed since.
+        ([BEFORE, PUSHED, had(17), had(9)], False),
+        ([BEFORE, had(17), PUSHED, had(8)], False),
         # The board was reset, and had no ramp stored, or another one.
-        ([had(9), PUSHED, had(17), had(17, "lost"), had(None, "connecting"), had(17)], True),
-        ([had(9), PUSHED, had(17), had(17, "lost"), had(None)], False),
-        ([had(9), PUSHED, had(17), had(17, "lost"), had(9)], False),
-        ([had(9), PUSHED, had(17), had(9), PUSHED], True),
+        ([BEFORE, PUSHED, had(17), had(17, "lost"), had(None, "connecting"), had(17)], True),
+        ([BEFORE, PUSHED, had(17), had(17, "lost"), had(None)], False),
+        ([BEFORE, PUSHED, had(17), had(17, "lost"), had(9)], False),
+        ([BEFORE, PUSHED, had(17), BEFORE, PUSHED], True),
     ],
 )
 def test_what_was_pushed_is_known_as_long_as_the_device_has_it(
@@ -98,7 +115,7 @@ PUSH = """async ([design, items]) => {
     const real = api.push;
     const store = createStore(FIRST_STATE, (error) => { throw error; });
     store.dispatch(COMMANDS.work.begin, {axes: [design], together: 'independent', ids: [5], active: 0, kept: null});
-    api.push = async () => ({items, verified: true});
+    api.push = async () => ({items, verified: true, heard_s: 20});
     const actions = createDeviceActions(store, createGestures(), new Map(), {outdate: () => {}});
     await actions.push({id: '1', stops: 0}, [design], 2, 'try');
     api.push = real;
@@ -110,7 +127,7 @@ def test_what_was_pushed_is_remembered_with_the_checksum_of_the_ramps(modules: M
     items = [{"name": "Slew speed", "unit": "steps/s", "sent": 4}]
     if crc is not None:
         items.append({"name": "Ramp image", "unit": "CRC-16", "sent": crc})
-    known = {"designs": [document()], "ids": [5], "toAxis": 2, "crc": crc, "isTold": False}
+    known = {"designs": [document()], "ids": [5], "toAxis": 2, "crc": crc, "heard_s": 20}
     assert modules.evaluate(PUSH, [document(), items]) == known
 
 
@@ -150,6 +167,22 @@ def test_a_running_move_lies_over_the_plots_of_its_own_axis_and_a_jog_over_none(
     assert after(modules, [heard(None), pushed(5)], look) == [None, 30]
 
 
+def test_what_lies_over_the_plots_is_of_the_device_in_view(modules: Modules) -> None:
+    """Another one that moves meanwhile may have more axes, or fewer, and other ramps."""
+    look = (
+        "(state, {samplesOf, runningMoveOf}) => [samplesOf(state)?.length ?? null, runningMoveOf(state)?.done ?? null]"
+    )
+    axis = {"axis": 0, "position_steps": 30, "target_steps": 90, "speed_steps_per_s": 5}
+    both = [
+        {**DEVICE, "axes": [{**axis, "state": "ready"}]},
+        {**DEVICE, "id": "2", "port": "other", "state": "moving", "axes": [{**axis, "state": "moving"}]},
+    ]
+    samples = {"time_s": [0, 1], "position": [0, 30], "speed": [0, 5], "length": 90}
+    heard = ["device.heard", both, {"2 0": {"samples": samples, "restingPlace": 0}}]
+    assert after(modules, [heard, ["device.choosePort", "sim://"]], look) == [None, None]
+    assert after(modules, [heard, ["device.choosePort", "other"]], look) == [90, 30]
+
+
 @pytest.mark.parametrize(
     ("steps", "played"),
     [
@@ -174,3 +207,26 @@ def test_which_design_the_chosen_axis_of_a_device_plays(
     two = {**DEVICE, "axes": [{"state": "ready"}, {"state": "ready"}]}
     known: list[list[object]] = [["device.heard", [two], {}], *steps]
     assert after(modules, known, "(state, {playedOf}) => playedOf(state)") == played
+
+
+def test_a_push_tells_of_a_name_that_keeps_it_back(modules: Modules) -> None:
+    with pytest.raises(Rejected) as caught:
+        Design.checked(document(name="x" * 101))
+    [refused] = [json.loads(json_bytes(each)) for each in error_items(caught.value)]
+    other = {"field": "timer.counter_bits", "value": 7, "allowed": "8", "message": "no"}
+    look = "(state, {situationOf}) => situationOf(state).nameProblem"
+    assert after(modules, [], look) == ""
+    for rejections, told in [
+        ([refused], "The name has 101 characters; allowed: at most 100."),
+        ([other, refused], "The name has 101 characters; allowed: at most 100."),
+        ([other], ""),
+    ]:
+        steps: list[list[object]] = [["answers.curvesRefused", rejections, document(), 5]]
+        assert after(modules, steps, look) == told
+
+
+def test_how_far_a_move_has_come_is_told_to_a_page_that_did_not_see_its_start(modules: Modules) -> None:
+    axis = {"axis": 0, "state": "moving", "position_steps": 22_117, "target_steps": 50_000, "speed_steps_per_s": 1000}
+    moving = [{**DEVICE, "state": "moving", "axes": [{**axis, "steps_made": 4117}]}]
+    look = "(state, {runningMoveOf}) => [runningMoveOf(state).done, runningMoveOf(state).remaining]"
+    assert after(modules, [["device.heard", moving, {}]], look) == [4117, 27_883]

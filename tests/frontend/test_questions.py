@@ -72,17 +72,72 @@ def test_rows_are_checked_again_when_nobody_answered_and_remarks_are_of_one_axis
         let calls = 0, hear = () => {};
         const checks = createChecks(async () => {
             if ((calls += 1) === 1) throw new ServerGone('gone');
-            return {findings: [{row: 1, reason: 'too slow', wrong: true}]};
+            return {findings: [{row: 0, reason: 'too slow', wrong: true}]};
         }, () => { seen.push([...checks.found()].map(([row, {text}]) => [row, text])); hear(); });
         const tabled = (rows) => ({...design, table: {rows, interval_unit: 'us'}});
         checks.check(tabled([[5, 900]]), 5);
         await new Promise((done) => { hear = () => seen.at(-1).length > 0 && done(); });
         checks.check(tabled([[5, 900]]), 7);
         checks.check(tabled([[7, 800]]), 8);
-        const last = seen.at(-1);
+        const remarked = seen.find((rows) => rows.length > 0), last = seen.at(-1);
         checks.check({...design, table: null}, 8);
-        return [calls, seen[1], last]; }"""
-    assert modules.evaluate(script, document()) == [2, [[1, "Too slow"]], []]
+        return [calls, remarked, last]; }"""
+    assert modules.evaluate(script, document()) == [2, [[0, "Too slow"]], []]
+
+
+@pytest.mark.parametrize(
+    ("then", "remarked"),
+    [
+        ([[5, 900], [9, 20], [20, 300]], [1]),
+        # A row was deleted, typed over or put in before.
+        ([[9, 20], [20, 300]], []),
+        ([[5, 900], [9, 30], [20, 300]], []),
+        ([[2, 990], [5, 900], [9, 20], [20, 300]], []),
+        ([[5, 900], [9, 20], [30, 300]], [1]),
+    ],
+)
+@pytest.mark.parametrize("is_answered", [False, True])
+def test_a_remark_is_of_the_rows_that_were_asked_about(
+    modules: Modules, then: list[list[int]], remarked: list[int], is_answered: bool
+) -> None:
+    script = """async ([design, then, isAnswered]) => {
+        const {createChecks} = await import('/panels/table/checks.js');
+        const real = {setTimeout, clearTimeout}, seen = [];
+        let answer, ask;
+        globalThis.setTimeout = (act) => { ask = act; return 0; };
+        globalThis.clearTimeout = () => {};
+        const settled = async () => { for (let turn = 0; turn < 20; turn += 1) await null; };
+        const checks = createChecks(() => new Promise((resolve) => { answer ??= resolve; }),
+            () => seen.push([...checks.found().keys()]));
+        const check = (rows) => checks.check({...design, table: {rows, interval_unit: 'us'}}, 5);
+        const findings = [{row: 1, reason: 'too quick', wrong: true}];
+        const heard = async () => { answer({findings}); await settled(); };
+        check([[5, 900], [9, 20], [20, 300]]); ask();
+        if (isAnswered) await heard();
+        check(then);
+        if (!isAnswered) await heard();
+        Object.assign(globalThis, real);
+        return seen.at(-1); }"""
+    assert modules.evaluate(script, [document(), then, is_answered]) == remarked
+
+
+def test_remarks_go_while_nobody_answers(modules: Modules) -> None:
+    script = """async (design) => { const {createChecks} = await import('/panels/table/checks.js');
+        const {ServerGone} = await import('/server/api.js');
+        const real = {setTimeout, clearTimeout};
+        let ask, calls = 0;
+        globalThis.setTimeout = (act) => { ask = act; return 0; };
+        globalThis.clearTimeout = () => {};
+        const settled = async () => { for (let turn = 0; turn < 20; turn += 1) await null; };
+        const checks = createChecks(async () => { if ((calls += 1) === 2) throw new ServerGone('gone');
+            return {findings: [{row: 0, reason: 'too quick', wrong: true}]}; }, () => {});
+        const check = (delay) => checks.check({...design, table: {rows: [[5, 900], [9, delay]],
+            interval_unit: 'us'}}, 5);
+        const seen = [];
+        for (const delay of [20, 30]) { check(delay); ask(); await settled(); seen.push(checks.found().size); }
+        Object.assign(globalThis, real);
+        return seen; }"""
+    assert modules.evaluate(script, document()) == [1, 0]
 
 
 def test_an_answer_is_not_heard_while_a_newer_question_waits(modules: Modules) -> None:

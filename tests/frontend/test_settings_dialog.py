@@ -19,14 +19,17 @@ from stepramp.validation import Document
 DIALOG = """
     const {createSettingsDialog} = await import('/panels/device/settings_dialog.js');
     const {api, Refusal} = await import('/server/api.js');
-    const sent = [], answers = {};
+    const sent = [], answers = {}, told = [];
     const taking = (what) => async (_, wanted) => { sent.push([what, wanted]); await answers[what]?.(); };
-    const dialog = createSettingsDialog({limit: taking('limits'), useSettings: taking('settings')});
+    const dialog = createSettingsDialog({limit: taking('limits'), useSettings: taking('settings'),
+        tell: (text) => told.push(text)});
     const asked = api.settings;
     api.settings = async () => ({outputs: 'gauges', both_edges: [], step_inverted: [], direction_inverted: [],
         enable_level: 'low', pulse_width_us: 0, direction_setup_us: 30, enable_lead_ms: 1, enable_hold_ms: null});
-    const device = {id: 'a', capabilities: ['settings'], axes: [{axis: 0, lowest_steps: null, highest_steps: null}]};
-    await dialog.open(device, {designs: [design], active: 0, units: {length: 'steps', time: 's'}});
+    const device = {id: 'a', name: 'board', port: 'A', capabilities: ['settings'],
+        axes: [{axis: 0, lowest_steps: null, highest_steps: null}]};
+    const situation = {designs: [design], active: 0, units: {length: 'steps', time: 's'}};
+    await dialog.open(device, situation);
     api.settings = asked;
     const whole = byId('settings-dialog');
     const within = (one, id) => find(one, (each) => each.id === id);
@@ -163,6 +166,26 @@ def test_a_refusal_goes_when_what_it_was_said_of_is_typed_over(modules: Modules)
     assert said == [[True] * 3, [False, True, True], [False, False, True], [False] * 3]
 
 
+def test_that_the_highest_is_behind_the_lowest_goes_when_the_lowest_is_typed_over(modules: Modules) -> None:
+    behind = {"axis": 0, "lowest_steps": 10, "highest_steps": 5}
+    with pytest.raises(Rejected) as caught:
+        AxisLimits.checked(behind)
+    [told] = [served(each) | {"field": "axes.0.highest_steps"} for each in error_items(caught.value)]
+    by_page, by_server, by_itself = run(
+        modules,
+        f"""{DIALOG} const seen = [], look = () => said('{HIGHEST}') !== '';
+        type('limit-0-lowest', '10'); type('{HIGHEST}', '5'); await use();
+        seen.push([look()]); type('limit-0-lowest', '3'); seen[0].push(look());
+        answers.limits = () => {{ throw new Refusal(422, [{json.dumps(told)}]); }}; await use();
+        seen.push([look()]); type('limit-0-lowest', '2'); seen[1].push(look());
+        type('{HIGHEST}', '1.5'); await use();
+        seen.push([look()]); type('limit-0-lowest', '1'); seen[2].push(look());
+        return seen;""",
+    )
+    assert (by_page, by_server) == ([True, False], [True, False])
+    assert by_itself == [True, True], "what it is refused for itself stays"
+
+
 @pytest.mark.parametrize(
     ("model", "field", "value"),
     [(StepRampSettings, "pulse_width_us", value) for value in (-1, 101, 3.5, "3,5", "")]
@@ -202,3 +225,47 @@ def test_what_comes_of_it_is_of_the_dialog_that_was_shown_then(modules: Modules,
     )
     assert (is_open, below) == (True, "")
     assert [what for what, _ in sent] == ["settings", "limits"], "the first once, and then what the other one wants"
+
+
+CLOSED = "The settings of board were closed, and what was not used yet is not: {}."
+
+
+@pytest.mark.parametrize(
+    ("told", "link", "why"),
+    [
+        ("[device]", "there", ""),
+        ("[{...device, state: 'lost'}]", "there", ""),
+        ("[device]", "silent", ""),
+        ("[{...device, id: 'b'}]", "there", "it is not connected any more"),
+        # Another server counts its devices from the first again.
+        ("[{...device, port: 'B'}]", "there", "it was at A, and what has its number now is at B"),
+        ("[device]", "gone", "the server is gone"),
+    ],
+)
+def test_it_is_closed_when_its_device_may_be_another(modules: Modules, told: str, link: str, why: str) -> None:
+    is_open, words, sent = run(
+        modules,
+        f"""{DIALOG} type('{HIGHEST}', '5'); dialog.follow({told}, '{link}');
+        const seen = [whole.open, told]; await use(); return [...seen, sent];""",
+    )
+    assert is_open == (why == "")
+    assert words == ([CLOSED.format(why)] if why else [])
+    assert [what for what, _ in sent] == ([] if why else ["limits"])
+
+
+def test_it_says_whose_settings_they_are(modules: Modules) -> None:
+    names = run(
+        modules,
+        f"""{DIALOG} const title = () => textOf(find(whole, ({{tag}}) => tag === 'h2')), first = title();
+        await dialog.open({{...device, id: 'b', name: 'other', capabilities: []}}, situation);
+        return [first, title()];""",
+    )
+    assert names == ["Settings of board", "Settings of other"]
+
+
+def test_what_is_typed_stays_when_it_is_asked_for_again(modules: Modules) -> None:
+    sent = run(
+        modules,
+        f"""{DIALOG} type('{HIGHEST}', '5'); await dialog.open({{...device}}, situation); await use(); return sent;""",
+    )
+    assert [what for what, _ in sent] == ["limits"]

@@ -254,6 +254,8 @@ LISTS = {
     "none": [],
     "moving": [{"id": "1", "port": "A", "name": "board", "state": "moving", "stops": 7, "axes": []}],
     "resting": [{"id": "1", "port": "A", "name": "board", "state": "ready", "stops": 7, "axes": []}],
+    # At an end of its way there and back: it sets out again by itself.
+    "pausing": [{"id": "1", "port": "A", "name": "board", "state": "ready", "stops": 7, "axes": [], "shuttle": {}}],
     # Of another server, which gives its first device the same id.
     "elsewhere": [{"id": "1", "port": "B", "name": "other", "state": "ready", "stops": 9, "axes": []}],
     "recounting": [{"id": "2", "port": "A", "name": "other", "state": "ready", "stops": 3, "axes": []}],
@@ -264,7 +266,8 @@ def fate_by_the_rules(first: str, happened: list[str]) -> str:
     """Return what has become of STOP, by what is written of it.
 
     An answer holds for its press and those before it. What is late, hopeless or fails is told, until all that the press
-    was meant for says after that that it rests: what is at the same port, where there was one.
+    was meant for says after that that it rests: what is at the same port, where there was one. What goes there and back
+    rests only once that is over.
     """
     worst = "answered"
     for number in ("1", "2"):
@@ -284,7 +287,7 @@ def fate_by_the_rules(first: str, happened: list[str]) -> str:
                 known = one
             elif one in LISTS and fate != "answered" and LISTS[known] and LISTS[one]:
                 [was], [now] = LISTS[known], LISTS[one]
-                if was["port"] == now["port"] and now["state"] == "ready":
+                if was["port"] == now["port"] and now["state"] == "ready" and "shuttle" not in now:
                     is_settled, fate = True, "answered"
         worst = max(worst, fate, key=["answered", "waiting", "undelivered"].index)
     return worst
@@ -292,7 +295,7 @@ def fate_by_the_rules(first: str, happened: list[str]) -> str:
 
 @pytest.mark.parametrize("first", ["none", "moving"])
 @pytest.mark.parametrize("ends", [("grant", "grant"), ("grant", "fail"), ("fail", "grant"), ("fail", "fail")])
-@pytest.mark.parametrize("told", [["none", "moving"], ["resting", "none"], ["elsewhere"], ["recounting"]])
+@pytest.mark.parametrize("told", [["none", "moving"], ["resting", "none"], ["pausing"], ["elsewhere"], ["recounting"]])
 def test_what_has_become_of_stop_in_any_order_of_what_happens(
     modules: Modules, first: str, ends: tuple[str, str], told: list[str]
 ) -> None:

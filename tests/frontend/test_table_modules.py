@@ -2,6 +2,7 @@
 
 from designs import document
 from frontend.modules import Modules
+from frontend.test_dialog_modules import run
 
 
 def test_rows_that_came_with_a_design_are_of_its_ramp_until_they_can_not_come_back(modules: Modules) -> None:
@@ -91,3 +92,52 @@ def test_nothing_is_put_back_once_it_is_back_or_its_axis_is_gone(modules: Module
         return [1, 2, 3].map(replaced.count); }"""
     before = {"rows": [[10, 5000]], "unit": "us"}
     assert modules.evaluate(script, [before]) == [0, 1, 0]
+
+
+# The panel with rows that a fit made: `press(text)` presses a button, `edit(rows)` puts other rows in their place.
+TABLE = """
+    const {createTable} = await import('/panels/table/table.js');
+    const {FIRST_STATE, createStore} = await import('/app/state.js');
+    const {COMMANDS} = await import('/app/commands/commands.js');
+    const {Refusal} = await import('/server/api.js');
+    const store = createStore(FIRST_STATE, (error) => { throw error; });
+    const root = made('section'), ask = {checkTable: () => new Promise(() => {})};
+    const table = createTable(root, store.dispatch, ask);
+    store.subscribe(table.show);
+    const fitted = {...design, table: {rows: [[5, 900], [9, 700]], interval_unit: 'us'}};
+    store.dispatch(COMMANDS.work.begin, {axes: [fitted], together: 'independent', ids: [5], active: 0, kept: null});
+    const press = (text) => find(root, (one) => one.tag === 'button' && textOf(one).trim() === text).onclick();
+    const edit = (rows) => store.dispatch(COMMANDS.work.setTable, rows, 'us', undefined, 5);
+"""
+
+
+def test_copied_is_said_of_the_rows_that_were(modules: Modules) -> None:
+    script = """const before = Object.getOwnPropertyDescriptor(globalThis, 'navigator');
+        let done;
+        globalThis.ClipboardItem = class {};
+        Object.defineProperty(globalThis, 'navigator', {configurable: true, value: {clipboard: {
+            write: () => new Promise((resolve) => { done = resolve; })}}});
+        const isTold = () => textOf(root).includes('copied as C');
+        const seen = [];
+        for (const rows of [null, [[5, 900], [9, 600]]]) {
+            press('C'); await settled();
+            if (rows) edit(rows);
+            done(); await settled();
+            seen.push(isTold());
+        }
+        if (before) Object.defineProperty(globalThis, 'navigator', before);
+        delete globalThis.ClipboardItem;
+        return seen;"""
+    assert run(modules, TABLE + script) == [True, False]
+
+
+def test_what_refuses_a_fit_is_said_in_the_words_of_the_page(modules: Modules) -> None:
+    script = """const refused = {field: 'design.ramp.slew_speed_steps_per_s', value: 0, allowed: 'more than 0',
+            message: 'its own words'};
+        ask.fitTable = async () => { throw new Refusal(422, [refused]); };
+        store.dispatch(COMMANDS.work.setValue, 'ramp.acceleration_steps_per_s2', 77, '', 1);
+        press('Refit'); await settled();
+        return textOf(root);"""
+    told = run(modules, TABLE + script)
+    assert "The rows were not fitted. Slew speed is 0; allowed: more than 0." in told
+    assert "its own words" not in told

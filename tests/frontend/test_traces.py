@@ -70,9 +70,9 @@ MOVED = """async ([answer, meanwhile]) => {
     const real = {...api};
     const store = createStore(FIRST_STATE, (error) => { throw error; });
     store.dispatch(COMMANDS.device.setTracing, true);
-    const [traced, newer] = [new Map(), {axis: 9, design: null}];
+    const [traced, newer] = [new Map(), {of: {axis: 9, design: null}, first: 4, last: 4}];
     const failures = {refused: new Refusal(409, [{message: 'no'}]), ended: new Ended('no'), gone: new ServerGone('no')};
-    api.traceMoves = async () => {};
+    api.traceMoves = async () => ({next_number: 3});
     api.move = async () => {
         if (meanwhile) traced.set('1', newer);
         if (answer !== 'done') throw failures[answer];
@@ -97,3 +97,76 @@ def test_a_move_that_was_not_begun_is_not_awaited_as_a_traced_one(
     modules: Modules, answer: str, meanwhile: bool, awaited: object
 ) -> None:
     assert modules.evaluate(MOVED, [answer, meanwhile]) == awaited
+
+
+# A page that hears of a device whose motions `first` to `last` it has traced: it is told of its states, and looks at
+# traces with these numbers, one after the other. Returns whose trace it has shown, and of how many steps.
+HEARD = """async ([first, last, states, numbers]) => {
+    const {FIRST_STATE, createStore} = await import('/app/state.js');
+    const {createDeviceNews} = await import('/app/effects/device_news.js');
+    const {createGestures} = await import('/server/gestures.js');
+    const {api} = await import('/server/api.js');
+    const real = {WebSocket: globalThis.WebSocket, setTimeout: globalThis.setTimeout,
+        document: globalThis.document};
+    globalThis.document = {baseURI: 'http://127.0.0.1/', addEventListener() {}};
+    let socket, looks = 0;
+    globalThis.WebSocket = class { static OPEN = 1; readyState = 1; constructor() { socket = this; } };
+    const own = api.trace;
+    api.trace = async () => { const number = numbers[Math.min(looks++, numbers.length - 1)];
+        return {number, timer_hz: 1e6, step: [1, number], measured_ticks: [0, 9], deviation_us: [0, 0],
+            complete: looks >= numbers.length, changed: false}; };
+    globalThis.setTimeout = (act) => { queueMicrotask(act); return 0; };
+    const store = createStore(FIRST_STATE, (error) => { throw error; });
+    const of = {axis: 7, design: null};
+    const traced = new Map();
+    createDeviceNews(store, createGestures(), traced, {endJog() {}, endMotions() {}}).watch();
+    const tell = (state) => socket.onmessage({data: JSON.stringify({devices: [
+        {id: '1', port: 'p', name: 'b', state, stops: 5, heard_s: 1, age_s: 0, position_steps: 0, target_steps: 0,
+         capabilities: ['trace'], axes: [], shuttle: null, ramp: null}]})});
+    tell('ready');
+    traced.set('1', {of, first, last});
+    for (const state of states) tell(state);
+    for (let turn = 0; turn < 200; turn += 1) await null;
+    api.trace = own;
+    Object.assign(globalThis, real);
+    const {measured} = store.state().devices;
+    return measured && [measured.of.axis, measured.move.step[1]]; }"""
+
+
+@pytest.mark.parametrize(
+    ("motions", "states", "numbers", "shown"),
+    [
+        ((3, 3), ["moving", "ready"], [3], [7, 3]),
+        # So short that nobody saw it: what is seen is the jog after it.
+        ((3, 3), ["ready", "moving", "ready"], [4], None),
+        # The trace before is still there, then its own comes.
+        ((3, 3), ["moving", "ready"], [2, 3], [7, 3]),
+        # Before all of it has come something else moves.
+        ((3, 3), ["moving", "ready"], [3, 4], None),
+        # One leg of there and back, and not half of the next.
+        ((3, 6), ["moving", "ready"], [5], [7, 5]),
+        ((3, 6), ["moving", "ready"], [5, 6], None),
+    ],
+)
+def test_only_the_trace_of_the_move_that_was_asked_for_is_shown_as_its_own(
+    modules: Modules, motions: tuple[int, int], states: list[str], numbers: list[int], shown: list[int] | None
+) -> None:
+    assert modules.evaluate(HEARD, [*motions, states, numbers]) == shown
+
+
+def test_of_there_and_back_each_leg_has_a_number(modules: Modules) -> None:
+    script = MOVED.replace("'move', {}", "what, {times: 4}").replace("[answer, meanwhile]", "[answer, meanwhile, what]")
+    script = script.replace("return traced.has", "return [traced.get('1').first, traced.get('1').last]; traced.has")
+    assert modules.evaluate(script, ["done", False, "there_and_back"]) == [3, 10]
+    assert modules.evaluate(script, ["done", False, "move"]) == [3, 3]
+
+
+def test_what_set_out_before_the_page_began_to_listen_has_no_line(modules: Modules) -> None:
+    script = """async () => {
+        const follower = (await import('/devices/traces.js')).createFollower();
+        const tell = (heard_s, state, position_steps) => {
+            const axis = {axis: 0, state, position_steps, target_steps: 900, speed_steps_per_s: 9};
+            follower.follow({id: '1', heard_s, axes: [axis]});
+            return follower.samples('1', 0)?.position ?? null; };
+        return [tell(0, 'moving', 500), tell(1, 'moving', 510), tell(2, 'ready', 900), tell(3, 'moving', 910)]; }"""
+    assert modules.evaluate(script) == [None, None, None, [10]]

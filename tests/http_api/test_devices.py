@@ -99,15 +99,17 @@ def test_the_virtual_controller_of_the_list_can_be_connected(client: TestClient)
 
 
 def test_pushing(client: TestClient, port: str) -> None:
-    client.post(DEVICES, json={"port": port})
+    before = client.post(DEVICES, json={"port": port}).json()
     push = client.post(f"{DEVICES}/1/push", json={"design": document()}).json()
+    assert push["heard_s"] > before["heard_s"], "what was told before says nothing of these ramps"
     assert push["verified"] is True
     figures = {"requested": 1000.0, "sent": 1000.0, "read_back": 1000.0}
     assert {"name": "Slew interval", "unit": "µs", "axis": 0, **figures} in push["items"]
     assert (push["largest_deviation_us"], push["sequence"], push["warnings"]) == (0.0, 1, [])
     assert push["kept"] is True
     device = client.get(f"{DEVICES}/1").json()
-    assert device["pushed"] == push
+    assert device["pushed"].items() < push.items()
+    assert device["heard_s"] >= push["heard_s"]
     assert device["ramp"]["sequence"] == 1
 
 
@@ -262,12 +264,12 @@ def test_settings_that_cant_be(
 def test_a_trace(client: TestClient, four_axes: str) -> None:
     assert "No move has been traced" in error_of(client.get(f"{four_axes}/trace"), 409)["message"]
     armed = client.put(f"{four_axes}/trace", json={"traced_axis": 2, "every_steps": 3}).json()
-    assert armed == {"traced_axis": 2, "every_steps": 3}
+    assert armed == {"traced_axis": 2, "every_steps": 3, "next_number": 1}
     client.post(f"{four_axes}/move", json={"axes": [{"axis": 2, "by_steps": -100}]})
     wait_for(client, four_axes, "ready")
     trace = client.get(f"{four_axes}/trace").json()
     assert (trace["traced_axis"], trace["complete"], trace["changed"], trace["timer_hz"]) == (2, True, False, 2_000_000)
-    assert trace["step"] == list(range(1, 101, 3))
+    assert (trace["number"], trace["step"]) == (1, list(range(1, 101, 3)))
     planned = client.post("/api/v1/profile", json={"design": document(move__steps=100)}).json()
     instants = [0, *itertools.accumulate(planned["intervals_ticks"])]
     assert trace["planned_ticks"] == trace["measured_ticks"] == instants[0:100:3]

@@ -4,7 +4,7 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from typing import Literal, Protocol, TypeVar, runtime_checkable
 
-from stepramp.controllers.contract import AxisCommand, Controller, Trace
+from stepramp.controllers.contract import AxisCommand, Controller, NextTrace, Trace
 from stepramp.errors import Refused
 from stepramp.validation import Document
 
@@ -55,8 +55,8 @@ class TracesMoves(Protocol):
     def trace(self) -> Callable[[], Trace] | None:
         """What works out the trace of the last move that was traced, in any thread; None before there was one."""
 
-    def trace_moves(self, axis: int | None, every_steps: int) -> int:
-        """Trace every so many-th step of each move of an axis from now on, and return that number; None: no more.
+    def trace_moves(self, axis: int | None, every_steps: int) -> NextTrace:
+        """Trace every so many-th step of each move of an axis from now on, and return of which; None: no more.
 
         every_steps: at least; it becomes so many that the port can carry them.
         """

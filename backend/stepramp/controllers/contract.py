@@ -150,10 +150,21 @@ class PushPreview:
 
 
 @dataclass(frozen=True)
+class NextTrace:
+    """What will be traced next."""
+
+    every_steps: int
+    number: int
+    """Of the next motion that the axis is told; a controller counts them as long as it is connected."""
+
+
+@dataclass(frozen=True)
 class Trace:
     """The instants of every k-th step of a move. Arrays of shape (n,)."""
 
     axis: int
+    number: int
+    """Of the motion; see NextTrace."""
     every_steps: int
     timer_hz: int
     complete: bool

@@ -6,7 +6,7 @@ from contextlib import AbstractContextManager
 from dataclasses import replace
 
 from stepramp.controllers.capabilities import HasSettings, refusal
-from stepramp.controllers.contract import AxisCommand, PushMode, PushPreview, PushReport, Trace
+from stepramp.controllers.contract import AxisCommand, NextTrace, PushMode, PushPreview, PushReport, Trace
 from stepramp.controllers.families import Family
 from stepramp.design import Design
 from stepramp.devices.attachment import Attachment
@@ -223,7 +223,7 @@ class Device:
         """Call the places where axes are so many steps and move them to 0; see ZeroesGauges."""
         self._motions.zero(axes, steps, request_number)
 
-    def trace_moves(self, axis: int | None, every_steps: int) -> int:
+    def trace_moves(self, axis: int | None, every_steps: int) -> NextTrace:
         """Trace every so many-th step of each move of an axis from now on; see TracesMoves."""
         return self._traces.of_moves(axis, every_steps)
 

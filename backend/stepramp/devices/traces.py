@@ -5,7 +5,7 @@ from collections.abc import Callable
 from stepramp.capture.channels import EACH_EDGE
 from stepramp.capture.formats.saleae_csv import csv_of_steps
 from stepramp.controllers.capabilities import TracesMoves
-from stepramp.controllers.contract import Trace
+from stepramp.controllers.contract import NextTrace, Trace
 from stepramp.devices.contact import Contact
 from stepramp.devices.watch import Watch
 from stepramp.errors import Refused
@@ -18,7 +18,7 @@ class Traces:
         self._contact = contact
         self._watch = watch
 
-    def of_moves(self, axis: int | None, every_steps: int) -> int:
+    def of_moves(self, axis: int | None, every_steps: int) -> NextTrace:
         """Trace every so many-th step of each move of an axis from now on; see TracesMoves."""
         return self._contact.ask_one_who(TracesMoves, lambda controller: controller.trace_moves(axis, every_steps))
 

@@ -18,8 +18,8 @@ from stepramp.http_api.devices_models import (
     DisconnectedAnswer,
     PortsAnswer,
     PreviewAnswer,
-    PushAnswer,
     PushDesigns,
+    PushedAnswer,
     PushPayload,
 )
 from stepramp.http_api.errors import ErrorList
@@ -98,9 +98,10 @@ async def take_over(device_id: str, devices: Registry, page: Page) -> DeviceAnsw
 
 @router.post("/devices/{device_id}/push")
 @PUSHING.serves
-def push(request: PushPayload, device: Acting) -> PushAnswer:
+def push(request: PushPayload, device: Acting) -> PushedAnswer:
     """Have the controller use designs' ramps, stored or on trial, and read them back; refused while a motor moves."""
-    return PushAnswer.model_validate(device.push(request.designs, request.first_axis, request.mode, PLANNING.wait_for))
+    report = device.push(request.designs, request.first_axis, request.mode, PLANNING.wait_for)
+    return PushedAnswer.of(report, device.view.heard_s)
 
 
 @router.post("/devices/{device_id}/push/preview")

@@ -6,7 +6,7 @@ from pydantic import Field, model_validator
 
 from stepramp.controllers.axes import MOST_AXES
 from stepramp.controllers.capabilities import CapabilityName
-from stepramp.controllers.contract import FigureUnit
+from stepramp.controllers.contract import FigureUnit, PushReport
 from stepramp.controllers.families import FAMILIES, USUAL_FAMILY
 from stepramp.controllers.progress import PushStage
 from stepramp.design import Design
@@ -134,6 +134,20 @@ class PushAnswer(Answer):
     )
     kept: bool = Field(description="Whether they are stored; otherwise on trial")
     warnings: list[str] = Field(description="What works, but not as the designs say")
+
+
+class PushedAnswer(PushAnswer):
+    """What came of a push that was just asked for."""
+
+    heard_s: float = Field(
+        description="When the controller has last said what it does since, as a device's heard_s: what it is heard to "
+        "have later replaces these ramps [s]"
+    )
+
+    @classmethod
+    def of(cls, report: PushReport, heard_s: float) -> Self:
+        """Return a report as an answer."""
+        return cls(**dict(PushAnswer.model_validate(report)), heard_s=heard_s)
 
 
 class PreviewItemAnswer(Answer):

@@ -111,8 +111,10 @@ def limit(request: SoftLimitsPayload, device: Acting) -> DeviceAnswer:
 @ACTING.serves
 def trace_moves(request: TracePayload, device: Acting) -> TracingAnswer:
     """Trace the moves of an axis that begin from now on: when each step, or every so many-th, was made."""
-    every = device.trace_moves(request.traced_axis, request.every_steps)
-    return TracingAnswer(traced_axis=request.traced_axis, every_steps=every)
+    following = device.trace_moves(request.traced_axis, request.every_steps)
+    return TracingAnswer(
+        traced_axis=request.traced_axis, every_steps=following.every_steps, next_number=following.number
+    )
 
 
 @router.get("/devices/{device_id}/trace")

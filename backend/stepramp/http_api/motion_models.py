@@ -253,12 +253,17 @@ class TracingAnswer(Answer):
 
     traced_axis: int | None = Field(description="Axis whose moves are traced from now on; null: none")
     every_steps: int = Field(description="Of so many steps one is traced [steps]")
+    next_number: int = Field(
+        description="The number of the next motion that the axis is told; each one after it, as each leg there and "
+        "back, has the next number, until the device is lost or disconnected"
+    )
 
 
 class TraceAnswer(Answer):
     """When the steps of the last traced move were made, by the controller's own timer."""
 
     traced_axis: int = Field(description="Axis that moved")
+    number: int = Field(description="Which motion it was, as next_number told it when it was asked to be traced")
     every_steps: int = Field(description="Of so many steps one was traced [steps]")
     timer_hz: int = Field(description="Ticks a second of the controller's timer [Hz]")
     complete: bool = Field(description="Whether the move has ended and all of its trace is here")
@@ -276,6 +281,7 @@ class TraceAnswer(Answer):
         """Return a trace as an answer."""
         return cls(
             traced_axis=trace.axis,
+            number=trace.number,
             every_steps=trace.every_steps,
             timer_hz=trace.timer_hz,
             complete=trace.complete,

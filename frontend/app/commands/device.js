@@ -58,13 +58,12 @@ function stillThere(list, pushed) {
 // While these last, what is told of a device's ramp may be from before.
 const UNSETTLED = ['connecting', 'writing', 'lost'];
 
-/** What was pushed as it stands after what is told of the device; null: it has another ramp since. What was told before
- * the push may come after its answer: another ramp counts only once this one was told.
+/** What was pushed as it stands after what is told of the device; null: it has another ramp since. What was heard before
+ * the push may come after its answer.
  * @param {Pushed} what @param {Device | undefined} device @returns {Pushed | null} */
 function asTold(what, device) {
   if (what.crc === null || device === undefined || UNSETTLED.includes(device.state)) return what;
-  if (device.ramp?.crc !== what.crc) return what.isTold ? null : what;
-  return what.isTold ? what : { ...what, isTold: true };
+  return device.ramp?.crc === what.crc || device.heard_s <= what.heard_s ? what : null;
 }
 
 /** @param {State} state @param {import('../../model/types.js').Link} link @returns {State} */
@@ -98,12 +97,12 @@ export function refused(state, rejections) {
   return rejections.length === 0 && state.devices.rejections.length === 0 ? state : knowing(state, { rejections });
 }
 
-/** @param {State} state @param {string} id of the device @param {Omit<Pushed, 'isTold'> | null} what  null: it has others
+/** @param {State} state @param {string} id of the device @param {Pushed | null} what  null: it has others
  * @returns {State} */
 export function pushed(state, id, what) {
   const { [id]: _, ...others } = state.devices.pushed;
   if (what === null) return knowing(state, { pushed: others });
-  const all = { ...others, [id]: { ...what, isTold: false } };
+  const all = { ...others, [id]: what };
   return knowing(state, { pushed: stillThere(state.devices.list, all) });
 }
 

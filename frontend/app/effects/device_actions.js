@@ -24,7 +24,7 @@ export function rejectionsOf(error) {
 /**
  * @param {import('../state.js').Store} store
  * @param {import('../../server/gestures.js').Gestures} gestures
- * @param {Map<string, import('../state.js').MoveOf>} traced  by device, what its present move is of if this page traces it
+ * @param {Map<string, import('../state.js').TracedMove>} traced  by device, its present move if this page traces it
  * @param {{outdate: () => void}} previews
  */
 export function createDeviceActions({ state, dispatch }, gestures, traced, previews) {
@@ -58,6 +58,18 @@ export function createDeviceActions({ state, dispatch }, gestures, traced, previ
     }
   }
 
+  /** Have the next move traced.
+   * @param {Device} device @param {number} axis @param {string} what @param {unknown} body
+   * @param {import('../../server/gestures.js').Gesture} gesture */
+  async function traceNext(device, axis, what, body, gesture) {
+    const of = moveOf(state(), device.id, axis);
+    const { next_number: first } = await api.traceMoves(device.id, axis, gesture);
+    const legs = what === 'there_and_back' ? 2 * Number(/** @type {{times: unknown}} */ (body).times) : 1;
+    const move = { of, first, last: first + legs - 1 };
+    traced.set(device.id, move);
+    return move;
+  }
+
   return {
     refreshPorts: () => request('ports', async () => dispatch(portsCame, await api.ports())),
     /** @param {string} port @param {string} family the name of that of the controller there */
@@ -74,7 +86,7 @@ export function createDeviceActions({ state, dispatch }, gestures, traced, previ
         if (report === null) return;
         // Several go to the axes from the first on, whichever is chosen.
         const crc = report.items.find(({ unit }) => unit === 'CRC-16')?.sent ?? null;
-        dispatch(pushed, device.id, { designs, ids, toAxis: designs.length === 1 ? toAxis : 0, crc });
+        dispatch(pushed, device.id, { designs, ids, toAxis: designs.length === 1 ? toAxis : 0, crc, heard_s: report.heard_s });
         dispatch(
           announce,
           report.verified
@@ -96,17 +108,13 @@ export function createDeviceActions({ state, dispatch }, gestures, traced, previ
       const gesture = gestures.begin(device);
       return request(what, async () => {
         const isTraced = state().devices.isTracing && device.capabilities.includes('trace') && device.state === 'ready';
-        const of = isTraced ? moveOf(state(), device.id, axis) : null;
-        if (of) {
-          await api.traceMoves(device.id, axis, gesture);
-          traced.set(device.id, of);
-        }
+        const move = isTraced ? await traceNext(device, axis, what, body, gesture) : null;
         const before = state().devices.measured;
         try {
           await api.move(device.id, what, body, gesture);
         } catch (error) {
           // What moves next is not of this, be it a jog.
-          if (traced.get(device.id) === of) traced.delete(device.id);
+          if (traced.get(device.id) === move) traced.delete(device.id);
           throw error;
         }
         // What was refused has moved nothing, and what moved but a few steps may have been measured already.

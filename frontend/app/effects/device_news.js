@@ -18,7 +18,7 @@ const CONFLICT = 409;
 /**
  * @param {import('../state.js').Store} store
  * @param {import('../../server/gestures.js').Gestures} gestures
- * @param {Map<string, import('../state.js').MoveOf>} traced  by device, what its present move is of if this page traces it
+ * @param {Map<string, import('../state.js').TracedMove>} traced  by device, its present move if this page traces it
  * @param {{endJog: () => void, endMotions: () => void}} handlers
  */
 export function createDeviceNews({ state, dispatch }, gestures, traced, { endJog, endMotions }) {
@@ -31,7 +31,7 @@ export function createDeviceNews({ state, dispatch }, gestures, traced, { endJog
   function update(told) {
     gestures.hear(told);
     const known = state().devices.list;
-    /** @type {[string, import('../state.js').MoveOf][]} */
+    /** @type {[string, import('../state.js').TracedMove][]} */
     const measured = [];
     follower.forgetOthers(told);
     for (const device of told) {
@@ -72,13 +72,22 @@ export function createDeviceNews({ state, dispatch }, gestures, traced, { endJog
     }
   }
 
-  /** Once the next traced move was asked for, or the device has gone, what comes is not of this one.
-   * @param {string} id @param {import('../state.js').MoveOf} of */
-  async function readTrace(id, of) {
-    const isOver = () => traced.has(id) || !state().devices.list.some((one) => one.id === id);
+  /** Of there and back a single leg is read. Once the next traced move was asked for, another motion is traced, or the
+   * device has gone, what comes is not of this one.
+   * @param {string} id @param {import('../state.js').TracedMove} move */
+  async function readTrace(id, { of, first, last }) {
+    let isPast = false;
+    const isOver = () => isPast || traced.has(id) || !state().devices.list.some((one) => one.id === id);
+    async function look() {
+      const trace = await traceNow(id);
+      if (trace === null || trace.number < first) return null;
+      isPast = trace.number > last;
+      if (!isPast) first = last = trace.number;
+      return trace;
+    }
     let trace = null;
     try {
-      trace = await untilComplete(() => traceNow(id), (known) => dispatch(traceCame, id, known), isOver);
+      trace = await untilComplete(look, (known) => dispatch(traceCame, id, known), isOver);
     } catch (error) {
       if (!isOver()) dispatch(refused, rejectionsOf(error));
     }

@@ -2,6 +2,7 @@
 // The device: which one, what it does, and in sections what can be done with it.
 
 import { chooseAxis, chooseFamily, choosePort, chooseSection, refused as refuse, setTracing } from '../../app/commands/device.js';
+import { tell } from '../../app/commands/told.js';
 import { axesOffered, deviceAxisOf, deviceOf, playedOf, portChoicesOf, portOf, situationOf } from '../../app/devices.js';
 import { machineOf } from '../../app/selectors.js';
 import { whenChanged, whenever } from '../../app/state.js';
@@ -49,7 +50,7 @@ export function createDevice(root, dispatch, act) {
   let refused = '';
 
   const pill = element('span', { className: 'pill', role: 'status' });
-  const settings = createSettingsDialog(act);
+  const settings = createSettingsDialog({ ...act, tell: (text) => dispatch(tell, text, true) });
   const gear = iconButton('settings', 'Device settings: how it drives its pins, and soft limits', 'gear', () => {
     const [present, situation] = [device(), state && situationOf(state)];
     if (present && situation) settings.open(present, situation);
@@ -281,6 +282,7 @@ export function createDevice(root, dispatch, act) {
   }
 
   const shows = [
+    whenChanged(({ devices }) => [devices.list, devices.link], settings.follow),
     whenChanged(({ devices }) => [devices.rejections], showRejections),
     whenever(
       (now) => [now.devices, situationOf(now)],

@@ -120,7 +120,7 @@ export function createPushSection(handlers, dispatch) {
     show({ device: present, known, situation, inTheWay, notAtRest }) {
       device = present;
       const blocked = inTheWay || notAtRest;
-      const isInvalid = situation.isDesignValid || situation.isAwaited ? '' : 'Correct the design first.';
+      const isInvalid = situation.isDesignValid || situation.isAwaited ? '' : ['Correct the design first.', situation.nameProblem].filter(Boolean).join(' ');
       const isRefused = situation.refusals.length > 0;
       able([push, trial], reason, blocked || isInvalid, situation.isBusy || situation.isAwaited || isRefused);
       for (const other of [keep, rollBack, restore]) other.disabled = blocked !== '' || situation.isBusy;

@@ -14,9 +14,10 @@ import { createSettingFields } from './setting_fields.js';
 /** A part of what is wanted.
  * @typedef {{name: string, send: () => Promise<void>, taken?: () => void}} Part   taken: called once it is */
 
-/** @param {{limit: (device: Device, axes: import('../../model/types.js').SoftLimits[]) => Promise<void>,
- *   useSettings: (device: Device, settings: unknown) => Promise<void>}} handlers */
-export function createSettingsDialog({ limit, useSettings }) {
+/** tell: says what nothing else shows.
+ * @param {{limit: (device: Device, axes: import('../../model/types.js').SoftLimits[]) => Promise<void>,
+ *   useSettings: (device: Device, settings: unknown) => Promise<void>, tell: (text: string) => void}} handlers */
+export function createSettingsDialog({ limit, useSettings, tell }) {
   /** @type {Device | null} */
   let device = null;
   /** What is wrong with what is wanted, and what came of its parts.
@@ -37,7 +38,7 @@ export function createSettingsDialog({ limit, useSettings }) {
     ...settings.elements,
   );
   const dialog = createDialog(
-    { id: 'settings-dialog', title: 'Device settings', onSubmit: submitted },
+    { id: 'settings-dialog', title: 'Settings', onSubmit: submitted },
     pins,
     element('h3', { textContent: 'Soft limits' }),
     element('p', {
@@ -55,7 +56,7 @@ export function createSettingsDialog({ limit, useSettings }) {
   );
 
   dialog.element.addEventListener('input', ({ target }) => {
-    const left = withoutThatOf(target, refused);
+    const left = limits.withoutThatFor(target, withoutThatOf(target, refused));
     if (left !== refused) reject(left, outcome);
   });
 
@@ -122,9 +123,14 @@ export function createSettingsDialog({ limit, useSettings }) {
     }
   }
 
+  const firstField = () => (pins.hidden ? limits.element.querySelector('input') : settings.first());
+
   return {
-    /** @param {Device} present @param {import('../../model/types.js').Situation} situation */
+    /** What is typed for a device stays while it is asked for again.
+     * @param {Device} present @param {import('../../model/types.js').Situation} situation */
     async open(present, situation) {
+      if (dialog.isOpen() && present.id === device?.id) return dialog.open(firstField());
+      dialog.entitle(`Settings of ${present.name}`);
       opened += 1;
       isSending = false;
       device = present;
@@ -135,9 +141,28 @@ export function createSettingsDialog({ limit, useSettings }) {
       pins.hidden = true;
       if (present.capabilities.includes('settings')) await showSettings(present);
       if (present !== device) return;
-      dialog.open(pins.hidden ? limits.element.querySelector('input') : settings.first());
+      dialog.open(firstField());
+    },
+    /** Close it when its device can't be told from another any more: what was typed is for none but that.
+     * @param {Device[]} told @param {import('../../model/types.js').Link} link */
+    follow(told, link) {
+      const gone = device && whyGone(device, told, link);
+      if (!device || !gone) return;
+      if (dialog.isOpen()) tell(`The settings of ${device.name} were closed, and what was not used yet is not: ${gone}.`);
+      opened += 1;
+      device = null;
+      dialog.close();
     },
   };
+}
+
+/** Why what is told is of no such device any more; empty: it is. Another server gives its numbers anew.
+ * @param {Device} device @param {Device[]} told @param {import('../../model/types.js').Link} link */
+function whyGone({ id, port }, told, link) {
+  const now = told.find((one) => one.id === id);
+  if (link === 'gone') return 'the server is gone';
+  if (!now) return 'it is not connected any more';
+  return now.port === port ? '' : `it was at ${port}, and what has its number now is at ${now.port}`;
 }
 
 /** @param {unknown} error @returns {Rejection} */

@@ -9,6 +9,7 @@ import { toldAgeOf, toldDeviceOf } from '../../app/devices.js';
 import { designOf, messagesOf } from '../../app/selectors.js';
 import { whenChanged } from '../../app/state.js';
 import { element, icon, showText, svgElement } from '../../ui/dom.js';
+import { nameText } from '../../model/messages.js';
 import { agoText } from '../../devices/ages.js';
 import { shownState } from '../../devices/state_words.js';
 import { createLinkDialog } from './link_dialog.js';
@@ -123,10 +124,7 @@ export function createHeader(root, dispatch, act) {
   /** @param {import('../../model/messages.js').Message | undefined} problem */
   function showNameProblem(problem) {
     nameProblem.hidden = problem === undefined;
-    const { refused } = problem ?? {};
-    const most = refused?.limits?.highest;
-    const length = [...String(refused?.value ?? '')].length;
-    showText(nameProblem, most ? `The name has ${length} characters; allowed: at most ${most}.` : (problem?.text ?? ''));
+    showText(nameProblem, nameText(problem));
     name.setAttribute('aria-invalid', String(problem !== undefined));
     if (problem) name.setAttribute('aria-describedby', nameProblem.id);
     else name.removeAttribute('aria-describedby');

@@ -2,42 +2,51 @@
 // What a gauge library would meet in the rows: asked of the server once they have changed, and again while nobody answers.
 
 import { createQuestion } from '../../app/effects/question.js';
+import { areEqual } from '../../model/equal.js';
 
 /** @typedef {import('../../model/types.js').Design} Design */
 /** @typedef {import('../../model/messages.js').RowMessage} RowMessage */
 /** @typedef {import('../../model/types.js').Entry} Entry */
 /** @typedef {{row: number, reason: string, wrong: boolean}} Finding */
+/** Rows that can be checked, and what they are checked for.
+ * @typedef {{rows: [Entry, Entry][], interval_unit: string, frequency_hz: number, slew_interval_us: number | null}} Table */
+/** What was found, by row of the table that was asked about.
+ * @typedef {{of: Table, messages: Map<number, RowMessage>}} Found */
 
 // A slider under the hand changes what is checked many times a second, and the curves come first.
 const QUIET_FOR_MS = 150;
 
 /**
- * @param {(table: object) => Promise<{findings: Finding[]}>} checkTable
+ * @param {(table: Table) => Promise<{findings: Finding[]}>} checkTable
  * @param {() => void} onFound
  */
 export function createChecks(checkTable, onFound) {
-  /** @type {Map<number, RowMessage>} */
-  let found = new Map();
-  let asked = '';
+  /** null: nothing is known.
+   * @type {Found | null} */
+  let found = null;
+  /** @type {Table | null} */
+  let present = null;
   /** @type {number | null} */
   let axis = null;
   const question = createQuestion({
     ask: checkTable,
-    take: ({ findings }) => show(messagesOf(findings)),
+    take: ({ findings }, of) => show({ of, messages: messagesOf(findings) }),
     // What is wrong with the design itself is said elsewhere.
-    refuse: () => show(new Map()),
+    refuse: () => show(null),
+    miss: () => show(null),
     afterMs: QUIET_FOR_MS,
   });
 
-  /** @param {Map<number, RowMessage>} messages */
-  function show(messages) {
-    found = messages;
+  /** @param {Found | null} known */
+  function show(known) {
+    found = known;
     onFound();
   }
 
   return {
-    /** By row. */
-    found: () => found,
+    /** By row: of those that are where they were when they were asked about.
+     * @returns {Map<number, RowMessage>} */
+    found: () => new Map([...(found?.messages ?? [])].filter(([row]) => found && present && areSameAt(row, found.of, present))),
     /** The server is back. */
     again: question.again,
     /** @param {Design} design @param {number} of the axis that it is of */
@@ -45,16 +54,23 @@ export function createChecks(checkTable, onFound) {
       const wanted = tableToCheck(design);
       const isAnother = of !== axis;
       axis = of;
-      if (JSON.stringify(wanted) === asked) return;
-      asked = JSON.stringify(wanted);
+      if (areEqual(wanted, present)) return;
+      present = wanted;
       if (isAnother || wanted === null) {
         question.cancel();
-        show(new Map());
+        found = null;
       }
+      onFound();
       if (wanted !== null) question.want(wanted);
     },
   };
 }
+
+/** Whether a row is the same in both tables, and what it comes after.
+ * @param {number} row @param {Table} one @param {Table} other */
+const areSameAt = (row, one, other) =>
+  one.interval_unit === other.interval_unit &&
+  [row - 1, row].every((at) => areEqual(one.rows[at] ?? null, other.rows[at] ?? null));
 
 /** @param {Finding[]} findings @returns {Map<number, RowMessage>} by row */
 function messagesOf(findings) {
@@ -67,7 +83,7 @@ function messagesOf(findings) {
   return found;
 }
 
-/** @param {Design} design @returns {object | null} null: there are no rows, or some that can't be checked */
+/** @param {Design} design @returns {Table | null} null: there are no rows, or some that can't be checked */
 function tableToCheck({ table, timer, ramp }) {
   const isWhole = (/** @type {[Entry, Entry]} */ [index, delay]) =>
     Number.isInteger(index) && Number.isInteger(delay) && Number(index) >= 0 && Number(delay) >= 1;

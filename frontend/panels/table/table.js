@@ -8,8 +8,10 @@ import { whenChanged, whenever } from '../../app/state.js';
 import { tableAsC, tableAsCsv } from '../../documents/c_table.js';
 import { openTableFile } from '../../documents/files.js';
 import { readTables } from '../../documents/table_text.js';
+import { Refusal } from '../../server/api.js';
 import { copyText } from '../../ui/clipboard.js';
 import { conversionProblem, convertedRows, rowAfter, rowSpeed } from '../../model/design.js';
+import { textOf } from '../../model/messages.js';
 import { methodOf } from '../../model/methods.js';
 import { counted } from '../../model/numbers.js';
 import { DELAY_UNITS, rowProblems } from '../../model/table_rows.js';
@@ -211,14 +213,17 @@ export function createTable(root, dispatch, ask) {
     } catch (error) {
       if (!(error instanceof Error)) throw error;
       if (at !== axis || !isAsAsked(of, at)) return;
-      problem = `The rows were not fitted. ${error.message}`;
+      problem = `The rows were not fitted. ${error instanceof Refusal ? textOf(error.rejections) : error.message}`;
       showGeneral();
     }
   }
 
   /** @param {(rows: Rows, unit: string) => string} written @param {string} name */
   async function copy(written, name) {
+    const copied = JSON.stringify([rows(), unit]);
     const isCopied = await copyText(written(rows(), unit));
+    // Of rows that came meanwhile it says nothing.
+    if (JSON.stringify([rows(), unit]) !== copied) return;
     tell(isCopied ? `copied as ${name}` : 'the browser does not let the page copy', rows());
     showFoot();
   }

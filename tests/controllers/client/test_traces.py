@@ -22,7 +22,7 @@ def test_a_trace_is_collected_with_the_plan_of_the_move(connect: Connect) -> Non
     script.then(MoveByRequest(1, (-5,)), TargetsReply((-5,)))
     controller = connect(script)
     assert controller.trace is None
-    assert controller.trace_moves(0, 2) == 2
+    assert controller.trace_moves(0, 2).every_steps == 2
     controller.move_by([AxisCommand(0, -5, "by_steps")])
     # The slowest five of 4000, 2828 … up and 4000, 3900 … down: 4000 up, then 3700, 3800, 3900, 4000 down.
     script.unasked = said(TraceNotice(0, 2, 1, (60_000, (60_000 + 7700) % 65_536))) + said(
@@ -91,7 +91,22 @@ def test_a_move_that_is_not_traced_has_not_the_trace_of_the_last_one(connect: Co
     script.then(TraceRequest(0, 0), TraceReply(1)).then(StatusRequest(0), moving)
     script.then(MoveByRequest(1, (9,)), TargetsReply((9,)))
     controller = connect(script)
-    for steps in (-2, 9):
-        controller.trace_moves(0, 0)
+    for steps, number in ((-2, 1), (9, 2)):
+        assert controller.trace_moves(0, 0).number == number, "also what is not traced counts"
         controller.move_by([AxisCommand(0, steps, "by_steps")])
     assert controller.trace is None
+
+
+def test_each_motion_has_its_own_number(connect: Connect) -> None:
+    """So that a motion after the one that was to be traced is not taken for it."""
+    script = stored().then(TraceRequest(0, 0), TraceReply(1)).then(StatusRequest(0), IDLE)
+    for steps in (-2, 9):
+        script.then(StatusRequest(0), IDLE).then(MoveByRequest(1, (steps,)), TargetsReply((steps,)))
+    controller = connect(script)
+    assert controller.trace_moves(0, 0).number == 1
+    for steps, number in ((-2, 1), (9, 2)):
+        controller.move_by([AxisCommand(0, steps, "by_steps")])
+        script.unasked = said(TraceNotice(0x80, 1, 1, (7,)))
+        controller.listen()
+        assert controller.trace is not None
+        assert controller.trace().number == number

@@ -45,7 +45,7 @@ def test_the_client_traces_a_move_against_its_plan(port: str) -> None:
     controller, serial_port = controller_at(port)
     design = Design.checked(document())
     controller.prepare_push([design])()
-    every = controller.trace_moves(0, 0)
+    every = controller.trace_moves(0, 0).every_steps
     controller.move_by([AxisCommand(0, 300, "by_steps")])
     deadline = time.monotonic() + 10
     while (work_out := controller.trace) is None or not (trace := work_out()).complete:

@@ -18,6 +18,7 @@ from stepramp.controllers.contract import (
     AxisCommand,
     Controller,
     ControllerStatus,
+    NextTrace,
     PushMode,
     PushPreview,
     PushReport,
@@ -267,7 +268,7 @@ class StepRampController(
         """Return how many steps an axis takes to slow down from a speed [steps/s]."""
         return self._checks.playbacks[axis].steps_from(interval_ticks(speed_steps_per_s, self.timer_hz))
 
-    def trace_moves(self, axis: int | None, every_steps: int) -> int:
+    def trace_moves(self, axis: int | None, every_steps: int) -> NextTrace:
         """Trace every so many-th step of each move of an axis from now on; see Controller."""
         if axis is not None:
             self._checks.known_axes([AxisCommand(axis, 0, "traced_axis")])

@@ -43,7 +43,7 @@ class TraceCollector:
         self.axis = axis
         self.every_steps = every_steps
         self._move: Callable[[], TracedMove] | None = None
-        self._timer_hz = 0
+        self._timer_hz = self._number = 0
         self._has_ended = self._changed = self._is_full = False
         self._steps: list[int] = []
         self._values: list[int] = []
@@ -53,12 +53,12 @@ class TraceCollector:
         """Whether the end of a move is still to be told."""
         return self._move is not None and not self._has_ended
 
-    def begin(self, move: Callable[[], TracedMove], timer_hz: int) -> None:
-        """Begin with a move that sets out from rest.
+    def begin(self, move: Callable[[], TracedMove], timer_hz: int, number: int) -> None:
+        """Begin with a move that sets out from rest, and has this number.
 
-        plan: works the plan out, which takes a while: it is called only when the trace is looked at.
+        move: works the plan out, which takes a while: it is called only when the trace is looked at.
         """
-        self._move, self._timer_hz = cache(move), timer_hz
+        self._move, self._timer_hz, self._number = cache(move), timer_hz, number
         self._has_ended = self._changed = self._is_full = False
         self._steps, self._values = [], []
 
@@ -82,7 +82,7 @@ class TraceCollector:
         if self._move is None:
             return None
         complete = self._has_ended and not self._is_full
-        known = (self.axis, self.every_steps, self._timer_hz, complete, self._changed)
+        known = (self.axis, self._number, self.every_steps, self._timer_hz, complete, self._changed)
         return partial(_trace, self._move, self._steps.copy(), self._values.copy(), *known)
 
 
@@ -91,6 +91,7 @@ def _trace(
     steps: Sequence[int],
     values: Sequence[int],
     axis: int,
+    number: int,
     every_steps: int,
     timer_hz: int,
     complete: bool,
@@ -102,7 +103,7 @@ def _trace(
         # A follower's first step may come after the leader's first: the trace begins with its own.
         planned = planned - move.instants(np.array([1]))[0]
     measured = extended(np.array(values, np.int64), planned)
-    return Trace(axis, every_steps, timer_hz, complete, changed, step, planned, measured)
+    return Trace(axis, number, every_steps, timer_hz, complete, changed, step, planned, measured)
 
 
 def extended(values: NDArray[np.int64], planned: NDArray[np.int64]) -> NDArray[np.int64]:
