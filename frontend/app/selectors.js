@@ -203,7 +203,12 @@ export const isDesignValid = (state) => stalenessOf(state) === null && curvesOf(
  * @param {State} state */
 export function messagesOf(state) {
   const staleness = stalenessOf(state);
-  return sorted(staleness === 'awaited' ? NO_REJECTIONS : state.answers.rejections, staleness === null ? curvesOf(state) : null);
+  const axis = axisOf(state);
+  return sorted(
+    staleness === 'awaited' ? NO_REJECTIONS : state.answers.rejections,
+    staleness === null ? curvesOf(state) : null,
+    axis === null ? undefined : state.answers.refused[axis],
+  );
 }
 
 /** @type {import('../model/types.js').Rejection[]} */
@@ -213,7 +218,8 @@ const sorted = remembering(
   (
     /** @type {import('../model/types.js').Rejection[]} */ rejections,
     /** @type {import('../model/types.js').Answer | null} */ curves,
-  ) => sortMessages(rejections, curves ? activeProfile(curves).warnings : []),
+    /** @type {import('../model/types.js').Design | undefined} */ refused,
+  ) => sortMessages(rejections, curves ? activeProfile(curves).warnings : [], refused),
 );
 
 /** What is wrong with all axes is told unless it is told of the one in hand.

@@ -8,8 +8,9 @@ import { formatEntry, pointHint } from './numbers.js';
 /** Something that works, but not as the design says; or what makes an axis slower along a line, which says whose it is.
  * @typedef {{field: string | null, message: string, axis?: number}} Remark */
 /** What was refused, when something was, is kept to be told in other units, and to be mended.
- * about: what it can be closed by, when it can.
- * @typedef {{text: string, isWarning: boolean, refused?: Rejection, about?: string}} Message */
+ * about: what it can be closed by, when it can; design: which it is said of, whose units need not be those of the one in hand.
+ * @typedef {{text: string, isWarning: boolean, refused?: Rejection, about?: string,
+ *   design?: import('./types.js').Design}} Message */
 /** A remark is worth a look, and no more: it is told in full where the row is selected.
  * @typedef {{column: number | null, isRemark?: boolean} & Message} RowMessage */
 
@@ -49,12 +50,13 @@ const ROW = /^table\.rows\.(\d+)(?:\.([01]))?$/;
  * Sort messages by the place that shows them. Errors come before warnings: the first at a place is kept.
  * @param {Rejection[]} errors
  * @param {Remark[]} warnings
+ * @param {import('./types.js').Design} [design] that was refused
  * @returns {Messages}
  */
-export function sortMessages(errors, warnings) {
+export function sortMessages(errors, warnings, design) {
   /** @type {Messages} */
   const sorted = { fields: new Map(), rows: new Map(), others: [] };
-  for (const error of errors) place(sorted, error, error);
+  for (const error of errors) place(sorted, error, error, design);
   for (const warning of warnings) place(sorted, warning);
   return sorted;
 }
@@ -137,8 +139,9 @@ export function axesMessages(list, isWarning) {
   });
 }
 
-/** @param {Messages} sorted @param {Remark} remark @param {Rejection} [refused] the same, when it is one */
-function place(sorted, { field, message }, refused) {
+/** @param {Messages} sorted @param {Remark} remark @param {Rejection} [refused] the same, when it is one
+ * @param {import('./types.js').Design} [design] that it is said of */
+function place(sorted, { field, message }, refused, design) {
   const isWarning = refused === undefined;
   const textWith = (/** @type {string} */ label) => (refused ? refusalText(refused, label) : message);
   const whole = (field ?? '').replace(/^design\./, '');
@@ -152,7 +155,7 @@ function place(sorted, { field, message }, refused) {
     if (!sorted.rows.has(index)) sorted.rows.set(index, { column, text: textWith(rowLabel(index, column)), isWarning });
   } else if (label !== undefined) {
     const text = textWith(label);
-    if (!sorted.fields.has(path)) sorted.fields.set(path, { text, isWarning, refused });
+    if (!sorted.fields.has(path)) sorted.fields.set(path, { text, isWarning, refused, design });
   } else {
     sorted.others.push({ text: message, isWarning });
   }

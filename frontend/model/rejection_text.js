@@ -11,12 +11,13 @@ import { factorOf, shownEntry, unitOf } from './shown_entry.js';
 /** @typedef {import('./messages.js').Message} Message */
 /** @typedef {import('./units.js').Units} Units */
 
-/** The message in the unit that is shown. A warning stays as it is: it says itself which units its numbers are in.
+/** The message in the unit that is shown, by the design that it is said of; else by the one given. A warning stays as it is: it says itself which units its numbers are in.
  * @param {Message | undefined} message @param {Units} units @param {Design} design @param {Field} field
  * @returns {Message | undefined} */
 export function inShownUnit(message, units, design, field) {
   if (message?.refused?.unit !== field.unit) return message;
-  return inUnit(message, field, unitOf(units, design, field), factorOf(units, design, field));
+  const of = message.design ?? design;
+  return inUnit(message, field, unitOf(units, of, field), factorOf(units, of, field));
 }
 
 /** The message in a unit of which the one that it is refused in has so many.

@@ -194,12 +194,14 @@ function nearest(values, x) {
   return Math.abs(values[low] - x) <= Math.abs(values[high] - x) ? low : high;
 }
 
-/** The step of the plotted move that a move of any length is at: its ramps count from its own ends.
+/** The step of the plotted move that a move of any length is at: its ramps count from its own ends. NaN: the plotted move is
+ * too short to have such a step.
  * @param {Profile} profile @param {number} done steps since the move began @param {number} remaining steps */
 export function plottedStep(profile, done, remaining) {
   const { steps, accelerate_steps, decelerate_steps } = profile.summary;
   if (done + remaining === steps || done <= accelerate_steps) return Math.min(done, steps);
   if (remaining <= decelerate_steps) return Math.max(steps - remaining, accelerate_steps);
+  if (steps <= accelerate_steps + decelerate_steps && done + remaining > steps) return NaN;
   const slew = Math.max(1, done + remaining - accelerate_steps - decelerate_steps);
   const share = (done - accelerate_steps) / slew;
   return Math.round(accelerate_steps + share * Math.max(0, steps - accelerate_steps - decelerate_steps));
@@ -240,11 +242,12 @@ export function axesReadingAt(axes, x) {
  * @param {Answer} answer @param {PlotAxis} against @param {MeasuredMove} move @returns {import('./frame.js').Measured} */
 export function measuredOver(answer, against, move) {
   const perStep = shownValue(unitsOf(answer), answer.design, 'speed', 1);
+  const { x, broken } = placed(answer, against, plotted(answer, move.step, move.length), move.time_s);
   return {
-    x: along(answer, against, plotted(answer, move.step, move.length), move.time_s),
-    velocity: move.speed_steps_per_s.map((speed) => speed * perStep),
-    delay: move.delay_us,
-    deviation: move.deviation_us,
+    x,
+    velocity: broken(move.speed_steps_per_s.map((speed) => speed * perStep)),
+    delay: broken(move.delay_us),
+    deviation: broken(move.deviation_us),
   };
 }
 
@@ -253,10 +256,8 @@ export function measuredOver(answer, against, move) {
  * @param {import('../model/types.js').Samples} samples since its start [s, steps, steps/s] */
 export function liveOver(answer, against, { time_s, position, speed, length }) {
   const perStep = shownValue(unitsOf(answer), answer.design, 'speed', 1);
-  return {
-    x: along(answer, against, plotted(answer, position.map(Math.abs), length), time_s),
-    velocity: speed.map((each) => Math.abs(each) * perStep),
-  };
+  const { x, broken } = placed(answer, against, plotted(answer, position.map(Math.abs), length), time_s);
+  return { x, velocity: broken(speed.map((each) => Math.abs(each) * perStep)) };
 }
 
 /** Steps of a move of another length at the steps of the plotted one that they stand for.
@@ -265,6 +266,15 @@ function plotted(answer, steps, length) {
   if (length === null) return steps;
   const profile = activeProfile(answer);
   return steps.map((step) => plottedStep(profile, step, Math.max(0, length - step)));
+}
+
+/** Places on the axis, which never go back, and what breaks a line where the plotted move has no place for it.
+ * @param {Answer} answer @param {PlotAxis} against @param {number[]} steps @param {number[]} times */
+function placed(answer, against, steps, times) {
+  const found = along(answer, against, steps, times);
+  let last = 0;
+  const x = found.map((place) => (last = Number.isNaN(place) ? last : place));
+  return { x, broken: (/** @type {number[]} */ values) => values.map((value, i) => (Number.isNaN(found[i]) ? NaN : value)) };
 }
 
 /** Steps and times as places on the axis.

@@ -1,7 +1,11 @@
 """The page's modules that know no page: numbers, figures, curves."""
 
+import json
+import math
+
 import pytest
 
+from designs import document
 from frontend.modules import Modules
 
 
@@ -171,6 +175,26 @@ def test_the_start_is_logarithmic_over_steps_and_near_over_time(modules: Modules
     over_time = modules.evaluate(SCENE, {"view": "start", "against": "time"})["layout"]["xaxis"]
     assert over_time["type"] == "linear"
     assert over_time["range"][1] < 10
+
+
+def test_a_move_longer_than_a_plan_without_a_middle_is_placed_at_its_ends_only(modules: Modules) -> None:
+    summary = {"steps": 500, "accelerate_steps": 250, "slew_steps": 0, "decelerate_steps": 250}
+    asked = [(0, 20_000), (250, 19_750), (251, 19_749), (19_749, 251), (19_750, 250), (20_000, 0), (300, 200)]
+    steps = [modules.call("plotting/curves.js", "plottedStep", {"summary": summary}, *each) for each in asked]
+    assert [None if math.isnan(step) else step for step in steps] == [0, 250, None, None, 250, 500, 300]
+
+
+def test_a_line_of_such_a_move_is_broken_where_the_plan_has_no_place(modules: Modules) -> None:
+    script = """async (samples) => {
+        const { liveOver } = await import('/plotting/curves.js');
+        const summary = {steps: 500, accelerate_steps: 250, slew_steps: 0, decelerate_steps: 250};
+        const design = DESIGN;
+        const answer = {design, profiles: {exact: {summary}}, errors: {}, failures: {}};
+        return liveOver(answer, 'step', samples); }""".replace("DESIGN", json.dumps(document(move__steps=500)))
+    samples = {"time_s": [0, 1, 2, 3], "position": [0, 100, 10_000, 19_900], "speed": [1, 2, 3, 4], "length": 20_000}
+    live = modules.evaluate(script, samples)
+    assert live["x"] == [0, 100, 100, 400]
+    assert [None if math.isnan(each) else each for each in live["velocity"]] == [1, 2, None, 4]
 
 
 def test_a_move_of_another_length_is_placed_by_its_ramps(modules: Modules) -> None:

@@ -147,6 +147,26 @@ def test_the_limits_and_units_are_those_of_the_server(modules: Modules) -> None:
                 assert refused.rejections[0].limits.unit == ("mm" if name == "travel_per_rev" else unit)
 
 
+def test_a_refusal_is_told_in_the_units_of_the_design_that_was_refused(modules: Modules) -> None:
+    """Not of the one in hand, of which nothing is answered yet."""
+    script = """async ([refused, inHand, units]) => {
+        const { sortMessages } = await import('/model/messages.js');
+        const { inShownUnit } = await import('/model/rejection_text.js');
+        const { GROUPS } = await import('/model/fields.js');
+        const field = GROUPS.flatMap(({fields}) => fields).find(({path}) => path === 'ramp.slew_speed_steps_per_s');
+        const limits = {lowest: 0.001, highest: 1000000, unit: 'steps/s'};
+        const rejection = {field: field.path, value: 5000000, allowed: '', message: '', limits, unit: 'steps/s'};
+        const message = sortMessages([rejection], [], refused).fields.get(field.path);
+        return inShownUnit(message, units, inHand, field).text; }"""
+    asked, units = document(axis__microsteps=4), {"length": "mm", "time": "s"}
+    in_hand = document(axis__microsteps=1)
+    told = modules.evaluate(script, [asked, in_hand, units])
+    # 8 mm a turn of 200 full steps: 0.01 mm a step of the design that was refused, 0.04 of the one in hand.
+    assert told.startswith(
+        "Slew speed is 50,000 mm/s (5,000,000 steps/s); allowed: a number from 0.00001 to 10,000 mm/s"
+    )
+
+
 def test_what_the_guide_asks_otherwise_is_refused_with_both_units(modules: Modules) -> None:
     """A wheel of 0 mm across: what is asked for is its diameter, what is stored the way of a turn, pi times as long."""
     with pytest.raises(Rejected) as caught:

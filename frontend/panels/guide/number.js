@@ -50,7 +50,8 @@ export function createGuideNumber(path, hint, onAnswer, ending = '') {
       const isHere = document.activeElement === input && readEntry(field, input.value, manner.factor).entry === value;
       if (!isHere) input.value = shownEntry(value, manner.factor);
       const message = messages.get(path);
-      showMessage(input, box, message && inUnit(message, { label: manner.label }, manner.unit, manner.factor));
+      const factor = told.factor ?? factorOf(units, message?.design ?? design, field);
+      showMessage(input, box, message && inUnit(message, { label: manner.label }, manner.unit, factor));
     },
   };
 }

@@ -40,6 +40,17 @@ export function createLegend(onSwitch, { onOpen, onRemove }) {
     element('span', { textContent: 'Capture' }),
     captureFigure,
   );
+  let told = { isOfAnother: false, isLonger: false };
+  function tellTrace() {
+    const { isOfAnother, isLonger } = told;
+    showText(traceFigure, isLonger ? 'longer than planned' : isOfAnother ? 'of another ramp' : '');
+    const words = 'What the controller measured of the last move';
+    trace.title = isLonger
+      ? 'The move that runs is longer than the plotted one, which has no place for its middle'
+      : isOfAnother
+        ? `${words}. It is not known to have followed the ramp that is plotted: the design has changed since, or was pushed before.`
+        : words;
+  }
   const removal = { className: 'chip', id: 'remove-capture', type: 'button', title: 'Remove the capture', 'aria-label': 'Remove the capture' };
   const capture = element(
     'span',
@@ -59,9 +70,14 @@ export function createLegend(onSwitch, { onOpen, onRemove }) {
      * @param {boolean} isOfAnother whether it is not known to be of the ramp that is plotted */
     showTrace(isTraced, isOfAnother) {
       trace.hidden = !isTraced;
-      showText(traceFigure, isOfAnother ? 'of another ramp' : '');
-      const told = 'What the controller measured of the last move';
-      trace.title = isOfAnother ? `${told}. It is not known to have followed the ramp that is plotted: the design has changed since, or was pushed before.` : told;
+      told = { ...told, isOfAnother };
+      tellTrace();
+    },
+    /** @param {boolean} isLonger whether a move runs that is longer than the plotted one, and faster than that ever gets */
+    showLonger(isLonger) {
+      if (isLonger === told.isLonger) return;
+      told = { ...told, isLonger };
+      tellTrace();
     },
     /** @param {import('../../plotting/captured.js').ShownCapture | null} shown */
     showCapture(shown) {

@@ -384,6 +384,7 @@ export function createPlots(root, dispatch) {
     const curve = curves[answer.design.method.name];
     const move = runningMoveOf(state);
     if (!move || !curve || areAll()) {
+      legend.showLonger(false);
       overlay.showMove(frame, null, null);
       return;
     }
@@ -391,7 +392,9 @@ export function createPlots(root, dispatch) {
     const live = samples && liveOver(answer, against(), samples);
     const step = Math.max(1, plottedStep(activeProfile(answer), move.done, move.remaining));
     const speed = shownValue(state.units, answer.design, 'speed', move.speed);
-    overlay.showMove(frame, { x: interpolate(curve.step, curve.x, step), speed, isOld: move.isOld }, live);
+    const place = Number.isNaN(step) ? null : { x: interpolate(curve.step, curve.x, step), speed, isOld: move.isOld };
+    legend.showLonger(place === null);
+    overlay.showMove(frame, place, live);
   }
 
   // ---- what is shown ----
