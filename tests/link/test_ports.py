@@ -76,6 +76,22 @@ def test_a_board_without_a_serial_number_is_known_by_its_port_and_kind(monkeypat
     assert find_again(lost) is None
 
 
+def test_a_link_to_a_port_is_known_as_what_is_plugged_in_there(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """What is owed to a board, or known of it, holds by whichever of its names it is connected."""
+    port, link = tmp_path / "ttyACM0", tmp_path / "by-id"
+    port.touch()
+    link.symlink_to(port)
+    attached = [found(str(port), usb=UNO, serial_number="A1")]
+    monkeypatch.setattr(list_ports, "comports", lambda: attached)
+    known = known_port(str(link))
+    assert (known.port, known.identity) == (str(link), known_port(str(port)).identity)
+    attached[:] = [found(str(port), usb=(0x1A86, 0x7523))]
+    without_serial = known_port(str(link))
+    assert find_again(without_serial) == str(link)
+    attached[:] = []
+    assert find_again(without_serial) is None
+
+
 def test_what_else_can_come_back(tmp_path: Path) -> None:
     path = tmp_path / "pty"
     assert find_again(known_port(str(path))) is None

@@ -1,7 +1,7 @@
 """The serial ports of this machine, with names that people know."""
 
 import os
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePath
 
 from serial.tools import list_ports
@@ -70,9 +70,13 @@ def port_name(port: str) -> str:
 
 
 def known_port(port: str) -> Port:
-    """Return what is known of a port, so that it can be found again once it has been unplugged."""
-    listed = {each.port: each for each in list_serial_ports() if not each.virtual}
-    return listed.get(port, Port(port, port_name(port)))
+    """Return what is known of a port, so that it can be found again once it has been unplugged.
+
+    A link to it is the same port, and called as it was asked for.
+    """
+    listed = {location_of(each.port): each for each in list_serial_ports() if not each.virtual}
+    found = listed.get(location_of(port))
+    return Port(port, port_name(port)) if found is None else replace(found, port=port)
 
 
 def location_of(port: str) -> str:
@@ -93,7 +97,7 @@ def find_again(lost: Port) -> str | None:
     alike = [each.port for each in list_serial_ports() if each.usb == lost.usb]
     if lost.usb[2] is not None:
         return alike[0] if alike else None
-    return lost.port if lost.port in alike else None
+    return lost.port if location_of(lost.port) in map(location_of, alike) else None
 
 
 def _usb_of(info: ListPortInfo) -> tuple[int, int, str | None] | None:
