@@ -9,12 +9,13 @@ from hypothesis import strategies as st
 
 from designs import design
 from stepramp.controllers.stepramp.messages.status import AxisState
-from stepramp.controllers.virtual.motion import InstantsOf, VirtualMotor
+from stepramp.controllers.virtual.motor_state import state_of
 from stepramp.numerics.ramp import Ramp
 from stepramp.ramp.move import play
 from stepramp.ramp.on_chip import on_chip_ramp
 from stepramp.ramp.playback.formula import FormulaPlayback
 from stepramp.ramp.playback.lists import ListPlayback
+from stepramp.ramp.playback.motor import InstantsOf, Motor
 from stepramp.ramp.playback.trajectory import pulse_instants
 
 SETUP_TICKS = 7
@@ -134,7 +135,7 @@ ORDERS = st.one_of(
 @settings(max_examples=400)
 def test_orders_in_flight(ramp: Ramp, orders: list[tuple[int, tuple[str, int]]]) -> None:
     pulses, stepped = Pulses(), SteppedMotor(ramp)
-    motor = VirtualMotor(ListPlayback(ramp), SETUP_TICKS, watch=pulses)
+    motor = Motor(ListPlayback(ramp), SETUP_TICKS, watch=pulses)
     expected: list[tuple[int, int]] = []
     now = 0
     for wait, (what, value) in orders:
@@ -165,13 +166,13 @@ def test_orders_in_flight(ramp: Ramp, orders: list[tuple[int, tuple[str, int]]])
     expected += stepped.play(now + 10_000)
     assert pulses.instants == [instant for instant, _ in expected]
     assert motor.position == stepped.position == motor.target == target
-    assert motor.state is AxisState.IDLE
+    assert state_of(motor) is AxisState.IDLE
     assert pulses.told[:2] in ([], ["out", "rest"])
 
 
 @given(RAMPS, st.integers(-60, 60), st.lists(st.integers(0, 100), max_size=20))
 def test_a_motor_is_where_its_pulses_have_brought_it(ramp: Ramp, steps: int, waits: list[int]) -> None:
-    motor, stepped = VirtualMotor(ListPlayback(ramp), SETUP_TICKS), SteppedMotor(ramp)
+    motor, stepped = Motor(ListPlayback(ramp), SETUP_TICKS), SteppedMotor(ramp)
     motor.move_to(steps, 0)
     stepped.target = steps
     for now in np.cumsum([0, *waits]).tolist():
@@ -183,7 +184,7 @@ def test_a_motor_is_where_its_pulses_have_brought_it(ramp: Ramp, steps: int, wai
 
 
 def test_a_move_of_two_thousand_million_steps_takes_no_memory() -> None:
-    motor = VirtualMotor(ListPlayback(Ramp(np.array([9, 5]), 2, np.array([9, 5]))), SETUP_TICKS)
+    motor = Motor(ListPlayback(Ramp(np.array([9, 5]), 2, np.array([9, 5]))), SETUP_TICKS)
     motor.move_to(2**31 - 1, 0)
     motor.settle(14 + 2 * 10**9)
     assert motor.position == 2 + 10**9 + 1
@@ -191,7 +192,7 @@ def test_a_move_of_two_thousand_million_steps_takes_no_memory() -> None:
 
 @pytest.mark.parametrize("direction", [1, -1])
 def test_a_halted_motor_counts_each_pulse(direction: int) -> None:
-    motor = VirtualMotor(ListPlayback(Ramp(np.array([10]), 5, np.array([10]))), SETUP_TICKS, position=100)
+    motor = Motor(ListPlayback(Ramp(np.array([10]), 5, np.array([10]))), SETUP_TICKS, position=100)
     motor.move_to(100 + 4 * direction, 0)
     motor.settle(10)
     assert (motor.position, motor.target, motor.interval) == (100 + 2 * direction, 100 + 4 * direction, 5)
@@ -205,7 +206,7 @@ def test_a_halted_motor_counts_each_pulse(direction: int) -> None:
 @pytest.mark.parametrize("direction", [1, -1])
 def test_a_run_goes_on_past_the_last_position(direction: int) -> None:
     last = FAR if direction > 0 else -FAR - 1
-    motor = VirtualMotor(ListPlayback(Ramp(np.array([10, 8]), 5, np.array([10, 8]))), SETUP_TICKS, last)
+    motor = Motor(ListPlayback(Ramp(np.array([10, 8]), 5, np.array([10, 8]))), SETUP_TICKS, last)
     motor.run(5, direction, 0)
     motor.settle(17)
     assert (motor.position, motor.interval) == (last + direction * (2 - 2**32), 8)
@@ -219,12 +220,12 @@ def test_a_run_goes_on_past_the_last_position(direction: int) -> None:
 
 
 def test_a_run_tells_its_position_as_target_and_a_stop_where_it_ends() -> None:
-    motor = VirtualMotor(ListPlayback(Ramp(np.array([10, 8]), 5, np.array([10, 8]))), SETUP_TICKS)
+    motor = Motor(ListPlayback(Ramp(np.array([10, 8]), 5, np.array([10, 8]))), SETUP_TICKS)
     motor.run(5, 1, 0)
     motor.settle(100)
     assert motor.target == motor.position
     motor.stop()
-    assert (motor.state, motor.target) == (AxisState.STOPPING, motor.position + 2)
+    assert (state_of(motor), motor.target) == (AxisState.STOPPING, motor.position + 2)
 
 
 @pytest.mark.parametrize("method", ["first_order", "compromise", "newton"])
@@ -249,7 +250,7 @@ class TestByFormula:
     ) -> None:
         playback = self.playback(method, deceleration)
         pulses = Pulses()
-        motor = VirtualMotor(playback, SETUP_TICKS, watch=pulses)
+        motor = Motor(playback, SETUP_TICKS, watch=pulses)
         motor.move_to(400, 0)
         motor.settle(at_ticks)
         motor.move_to(target, at_ticks)
@@ -258,7 +259,7 @@ class TestByFormula:
         assert np.diff(pulses.instants).min() >= playback.slew_interval
 
     def test_a_run_keeps_to_its_speed(self, method: str, deceleration: float | None) -> None:
-        motor = VirtualMotor(self.playback(method, deceleration), SETUP_TICKS)
+        motor = Motor(self.playback(method, deceleration), SETUP_TICKS)
         for interval, until in ((5000, 10**6), (2000, 2 * 10**6), (9000, 3 * 10**6), (3000, 4 * 10**6)):
             motor.run(interval, 1, until - 10**6)
             motor.settle(until)

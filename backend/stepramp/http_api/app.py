@@ -13,7 +13,19 @@ from starlette.types import Receive, Scope, Send
 from stepramp.capture.warm_up import warm_up_captures
 from stepramp.controllers.families import FAMILIES, Family
 from stepramp.devices.registry import Devices
-from stepramp.http_api import capture, curves, devices, exports, methods, pages, planning, report, schedule, tables
+from stepramp.http_api import (
+    capture,
+    curves,
+    devices,
+    exports,
+    methods,
+    pages,
+    planning,
+    report,
+    retarget,
+    schedule,
+    tables,
+)
 from stepramp.http_api.answered import Answered
 from stepramp.http_api.connections import Connections
 from stepramp.http_api.door import Door
@@ -94,6 +106,7 @@ def create_app(families: Mapping[str, Family] = FAMILIES) -> FastAPI:
     app.state.connections = Connections()
     app.include_router(planning.router, prefix="/api/v1")
     app.include_router(methods.router, prefix="/api/v1")
+    app.include_router(retarget.router, prefix="/api/v1")
     app.include_router(curves.router, prefix="/api/v1")
     app.include_router(schedule.router, prefix="/api/v1")
     app.include_router(tables.router, prefix="/api/v1")

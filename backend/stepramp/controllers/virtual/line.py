@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepramp.controllers.stepramp.messages.status import AxisState
-from stepramp.controllers.virtual.motion import InstantsOf, PulseListener, VirtualMotor
+from stepramp.controllers.virtual.motor_state import state_of
+from stepramp.ramp.playback.motor import InstantsOf, Motor, PulseListener
 from stepramp.ramp.playback.trajectory import Playback
 
 
@@ -23,7 +24,7 @@ class VirtualLine:
 
     def __init__(
         self,
-        motors: Mapping[int, VirtualMotor],
+        motors: Mapping[int, Motor],
         steps: Mapping[int, int],
         playback: Playback,
         watches: Mapping[int, PulseListener],
@@ -32,7 +33,7 @@ class VirtualLine:
         self._starts = {axis: motor.position for axis, motor in motors.items()}
         self._leader_steps = max(map(abs, steps.values()))
         watched = [_Followed(watches[axis], self._leader_steps, abs(steps[axis])) for axis in watches]
-        self._leader = VirtualMotor(playback, 0, watch=_Together(watched))
+        self._leader = Motor(playback, 0, watch=_Together(watched))
 
     def begin(self, ready: int) -> None:
         """Set out at an instant."""
@@ -56,7 +57,7 @@ class VirtualLine:
 
     def state(self, axis: int) -> AxisState:
         """Return what an axis is doing."""
-        return self._leader.state if self._steps.get(axis) else AxisState.IDLE
+        return state_of(self._leader) if self._steps.get(axis) else AxisState.IDLE
 
     def target(self, axis: int) -> int:
         """Return where an axis that goes along will come to rest [steps]."""

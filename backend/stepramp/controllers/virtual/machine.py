@@ -12,8 +12,9 @@ from stepramp.controllers.stepramp.ramp_image import RampImage
 from stepramp.controllers.stepramp.settings import MOST_GAUGES, StepRampSettings
 from stepramp.controllers.stepramp.speed_limits import Pace, SpeedLimits
 from stepramp.controllers.virtual.line import VirtualLine
-from stepramp.controllers.virtual.motion import VirtualMotor
+from stepramp.controllers.virtual.motor_state import state_of
 from stepramp.controllers.virtual.streams import TraceRecorder
+from stepramp.ramp.playback.motor import Motor
 from stepramp.ramp.playback.trajectory import Playback
 from stepramp.units import ticks_from_us
 
@@ -34,7 +35,7 @@ class VirtualMachine:
         self._timer_hz = hello.slow_clock_hz
         self._positions = [0] * MOST_AXES
         self._playbacks: list[Playback] = []
-        self._motors: list[VirtualMotor] = []
+        self._motors: list[Motor] = []
         self._line: VirtualLine | None = None
         self._enabled_s: float | None = None
         """Since when the motors are switched on; None: they are not."""
@@ -100,7 +101,7 @@ class VirtualMachine:
 
     def state(self, axis: int) -> AxisState:
         """Return what an axis is doing."""
-        return self._line.state(axis) if self._line else self._asked(axis, lambda motor: motor.state, AxisState.IDLE)
+        return self._line.state(axis) if self._line else self._asked(axis, state_of, AxisState.IDLE)
 
     def position(self, axis: int) -> int:
         """Return where an axis is [steps]."""
@@ -217,10 +218,10 @@ class VirtualMachine:
         for motor in self._motors:
             motor.settle(now)
 
-    def _motor(self, axis: int) -> VirtualMotor:
+    def _motor(self, axis: int) -> Motor:
         setup_ticks = round(ticks_from_us(self._settings.direction_setup_us, self._timer_hz))
         watch = self.trace if self.trace is not None and self.trace.axis == axis else None
-        return VirtualMotor(self._playbacks[axis], setup_ticks, self._positions[axis], watch)
+        return Motor(self._playbacks[axis], setup_ticks, self._positions[axis], watch)
 
     def _ready(self) -> int:
         """Return from when on motors can set out: they are given time to hold [ticks]."""
@@ -240,7 +241,7 @@ class VirtualMachine:
     def _now(self) -> int:
         return int(self._clock() * self._timer_hz)
 
-    def _asked(self, axis: int, what: Callable[[VirtualMotor], T], without: T) -> T:
+    def _asked(self, axis: int, what: Callable[[Motor], T], without: T) -> T:
         return what(self._motors[axis]) if axis < self.axes else without
 
     def _too_fast(self, shortest: Mapping[int, int]) -> Refusal | None:

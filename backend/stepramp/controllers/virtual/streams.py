@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepramp.controllers.stepramp.messages.trace import MOST_TRACE_VALUES, TRACE_LAST, TraceNotice
-from stepramp.controllers.virtual.motion import InstantsOf
+from stepramp.ramp.playback.motor import InstantsOf
 
 WRAP = 1 << 16
 """The timer counts up to this and begins again [ticks]."""

@@ -1,4 +1,4 @@
-"""The virtual controller's motors: each where its trajectory has brought it, by a clock of ticks."""
+"""A motor that plays its ramp: where it has come to by a clock of ticks, whatever it is told meanwhile."""
 
 from collections.abc import Callable
 from typing import Protocol
@@ -6,7 +6,6 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from stepramp.controllers.stepramp.messages.status import AxisState
 from stepramp.ramp.playback.trajectory import Playback, Trajectory
 
 ENDLESS_STEPS = 2**48
@@ -28,7 +27,7 @@ class PulseListener(Protocol):
         """Notice that the motor has come to rest."""
 
 
-class VirtualMotor:
+class Motor:
     """A motor that is where the last call of `settle` found it. All instants are ticks of the step timer.
 
     setup_ticks: from a change of direction to the next pulse.
@@ -60,11 +59,14 @@ class VirtualMotor:
         """Since it last set out from rest."""
 
     @property
-    def state(self) -> AxisState:
-        """What it is doing."""
-        if not self.moving:
-            return AxisState.IDLE
-        return AxisState.STOPPING if self.stopping else AxisState.MOVING
+    def due_ticks(self) -> int:
+        """When the present interval ends: then comes the next pulse, or rest."""
+        return self._due
+
+    @property
+    def direction(self) -> int:
+        """1 forwards, -1 backwards; of the last pulse, or of the next one."""
+        return self._direction
 
     @property
     def interval(self) -> int:

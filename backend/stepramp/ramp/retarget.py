@@ -1,0 +1,158 @@
+"""Targets and speeds that change in flight: the steps that a controller plays of a design's ramp, to the tick.
+
+What a motor does of what it is told is `playback.motor`, by which the virtual controller moves and the real firmware is
+judged.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepramp.design import MOST_STEPS, Design
+from stepramp.errors import Limits, Rejected, Rejection
+from stepramp.numerics.limit_text import highest
+from stepramp.ramp.on_chip import design_refusal, on_chip_ramp
+from stepramp.ramp.plan import ramp_of
+from stepramp.ramp.playback.formula import FormulaPlayback
+from stepramp.ramp.playback.lists import ListPlayback
+from stepramp.ramp.playback.motor import InstantsOf, Motor
+from stepramp.ramp.playback.trajectory import Playback
+from stepramp.ramp.slopes import slopes_of
+from stepramp.units import speed_from_interval, ticks_from_us
+
+MOST_LOOKED_THROUGH = 1_000_000_000
+"""Commands times steps of the ramp."""
+END = 2**62
+"""Later than anything ends [ticks]."""
+
+
+@dataclass(frozen=True)
+class Command:
+    """What a motor is told at an instant: a target, or a speed."""
+
+    at_s: float
+    target_steps: int | None = None
+    speed_steps_per_s: float | None = None
+    """Negative: backwards; 0: slow down to rest."""
+
+
+@dataclass(frozen=True)
+class PlayedSteps:
+    """What a motor does: its steps in order of time, and where it came to rest."""
+
+    at_ticks: NDArray[np.int64]
+    """Instant of each pulse, shape (steps,)."""
+    position_steps: NDArray[np.int64]
+    """After each pulse, shape (steps,)."""
+    direction: NDArray[np.int64]
+    """1 forwards, -1 backwards, shape (steps,)."""
+    rest_at_ticks: NDArray[np.int64]
+    """When it came to rest: the end of the last pulse's interval, shape (rests,)."""
+    rest_position_steps: NDArray[np.int64]
+    """Where, shape (rests,)."""
+
+
+def played_towards(design: Design, commands: Sequence[Command], direction_setup_us: float) -> PlayedSteps:
+    """Return the steps that commands make of a design's ramp, from rest at position 0.
+
+    Pulses that are due at the instant of a command are made first. A target that is too close, or behind, is passed:
+    the motor slows down, turns and comes back, as it does before it goes the other way.
+
+    commands: by their instants, not falling. direction_setup_us: from a change of direction to the next pulse [µs].
+    Raises Rejected as ramp_of does, for a speed that the ramp doesn't lead to, for a last command after which the motor
+    would never rest, and beyond 10,000,000 steps.
+    """
+    _refuse_endless(commands)
+    _refuse_many(design, commands)
+    playback, timer_hz = _playback_of(design), design.timer.frequency_hz
+    motor = Motor(playback, round(ticks_from_us(direction_setup_us, timer_hz)))
+    recorder = motor.watch = _Recorder(motor, len(commands))
+    for index, command in enumerate(commands):
+        at = round(command.at_s * timer_hz)
+        motor.settle(at)
+        if command.target_steps is not None:
+            motor.move_to(command.target_steps, at)
+        elif command.speed_steps_per_s:
+            interval = _interval(playback, command.speed_steps_per_s, timer_hz, index)
+            motor.run(interval, 1 if command.speed_steps_per_s > 0 else -1, at)
+        else:
+            motor.stop()
+    motor.settle(END)
+    return recorder.steps()
+
+
+def _playback_of(design: Design) -> Playback:
+    """Return how a controller plays the design's ramp: computed by itself where it can, else from its intervals."""
+    return FormulaPlayback(on_chip_ramp(design)) if design_refusal(design) is None else ListPlayback(ramp_of(design))
+
+
+def _refuse_endless(commands: Sequence[Command]) -> None:
+    last = len(commands) - 1
+    if commands[last].speed_steps_per_s:
+        allowed = "0 in the last command, or a target: at a speed it would never rest"
+        raise Rejected([Rejection(f"commands.{last}.speed_steps_per_s", commands[last].speed_steps_per_s, allowed)])
+
+
+def _refuse_many(design: Design, commands: Sequence[Command]) -> None:
+    """Refuse what would take minutes: with each command the ramp that is left is looked through."""
+    steps = max(1, *(slope.steps for slope in slopes_of(design)))
+    if len(commands) * steps > MOST_LOOKED_THROUGH:
+        limits = Limits(1, max(1, MOST_LOOKED_THROUGH // steps), "commands", is_whole=True, note=" for so long a ramp")
+        raise Rejected([Rejection.outside("commands", len(commands), limits)])
+
+
+def _interval(playback: Playback, speed_steps_per_s: float, timer_hz: float, index: int) -> int:
+    """Return the interval of a speed [ticks]. Raises Rejected when the ramp doesn't lead to it."""
+    interval = round(timer_hz / abs(speed_steps_per_s))
+    if interval < playback.slew_interval:
+        fastest = highest(speed_from_interval(playback.slew_interval, timer_hz))
+        limits = Limits(-fastest, fastest, "steps/s", note=", the slew speed of the ramp")
+        raise Rejected([Rejection.outside(f"commands.{index}.speed_steps_per_s", speed_steps_per_s, limits)])
+    return interval
+
+
+class _Recorder:
+    """Notices what a motor does. See motor.PulseListener."""
+
+    def __init__(self, motor: Motor, commands: int) -> None:
+        self._motor, self._commands = motor, commands
+        self._made = 0
+        self._at: list[NDArray[np.int64]] = []
+        self._positions: list[NDArray[np.int64]] = []
+        self._directions: list[NDArray[np.int64]] = []
+        self._rests: list[tuple[int, int]] = []
+
+    def set_out(self) -> None:
+        """Notice that the motor sets out from rest."""
+
+    def pulses(self, first: int, count: int, instants_of: InstantsOf) -> None:
+        """Notice pulses; raises Rejected beyond 10,000,000."""
+        self._made += count
+        if self._made > MOST_STEPS:
+            allowed = f"moves of at most {MOST_STEPS:,} steps in all"
+            raise Rejected([Rejection("commands", f"{self._commands} commands", allowed)])
+        here, direction = self._motor.position, self._motor.direction
+        self._at.append(instants_of(np.arange(first, first + count)))
+        self._positions.append(here - direction * np.arange(count - 1, -1, -1))
+        self._directions.append(np.full(count, direction))
+
+    def at_rest(self) -> None:
+        """Notice that the motor has come to rest."""
+        self._rests.append((self._motor.due_ticks, self._motor.position))
+
+    def steps(self) -> PlayedSteps:
+        """Return what was noticed."""
+        rests = np.array(self._rests, np.int64).reshape(-1, 2)
+        return PlayedSteps(
+            at_ticks=_joined(self._at),
+            position_steps=_joined(self._positions),
+            direction=_joined(self._directions),
+            rest_at_ticks=rests[:, 0],
+            rest_position_steps=rests[:, 1],
+        )
+
+
+def _joined(parts: list[NDArray[np.int64]]) -> NDArray[np.int64]:
+    return np.concatenate([np.empty(0, np.int64), *parts])

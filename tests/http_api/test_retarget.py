@@ -1,0 +1,43 @@
+from typing import Any
+
+import pytest
+from starlette.testclient import TestClient
+
+from designs import document
+
+
+def ask(client: TestClient, commands: list[dict[str, Any]], **more: Any) -> Any:
+    return client.post("/api/v1/retarget", json={"design": document(), "commands": commands, **more})
+
+
+def test_the_steps_of_targets_that_change_in_flight(client: TestClient) -> None:
+    answer = ask(client, [{"at_s": 0, "target_steps": 50}, {"at_s": 0.05, "speed_steps_per_s": 0}]).json()
+    assert answer["timer_hz"] == 2_000_000
+    plan = client.post("/api/v1/profile", json={"design": document(move__steps=50)}).json()["intervals_ticks"]
+    # Up to the instant of the second command it is the move of 50 steps; then it slows down.
+    before = sum(at <= 100_000 for at in answer["at_ticks"])
+    assert answer["at_ticks"][:before] == [sum(plan[:step]) for step in range(before)]
+    assert answer["position_steps"] == list(range(1, len(answer["at_ticks"]) + 1))
+    [rest] = answer["rests"]
+    assert rest["position_steps"] == len(answer["at_ticks"]) < 50
+    assert rest["at_s"] > answer["at_ticks"][-1] / 2_000_000
+
+
+@pytest.mark.parametrize(
+    ("commands", "field", "allowed"),
+    [
+        ([], "commands", "a list of 1 to 10,000 commands"),
+        ([{"at_s": 0}], "commands.0.target_steps", "a target or speed_steps_per_s, one of them"),
+        ([{"at_s": 0, "target_steps": 1, "speed_steps_per_s": 0}], "commands.0.target_steps", "a target or speed_ste"),
+        ([{"at_s": -1, "target_steps": 1}], "commands.0.at_s", "a number from 0 to 1,000,000 s"),
+        ([{"at_s": 1, "target_steps": 1}, {"at_s": 0.5, "target_steps": 2}], "commands.1.at_s", "at least 1 s, when"),
+        ([{"at_s": 0, "target_steps": 1e9}], "commands.0.target_steps", "a whole number from -10,000,000 to"),
+        ([{"at_s": 0, "speed_steps_per_s": 10}], "commands.0.speed_steps_per_s", "0 in the last command, or a target"),
+    ],
+)
+def test_what_is_wrong_is_named(client: TestClient, commands: list[Any], field: str, allowed: str) -> None:
+    answer = ask(client, commands)
+    assert answer.status_code == 422
+    [error] = answer.json()["errors"]
+    assert error["field"] == field
+    assert allowed in error["allowed"]
