@@ -24,6 +24,7 @@ from stepramp.http_api import (
     report,
     retarget,
     schedule,
+    shapes,
     tables,
 )
 from stepramp.http_api.answered import Answered
@@ -106,6 +107,7 @@ def create_app(families: Mapping[str, Family] = FAMILIES) -> FastAPI:
     app.state.connections = Connections()
     app.include_router(planning.router, prefix="/api/v1")
     app.include_router(methods.router, prefix="/api/v1")
+    app.include_router(shapes.router, prefix="/api/v1")
     app.include_router(retarget.router, prefix="/api/v1")
     app.include_router(curves.router, prefix="/api/v1")
     app.include_router(schedule.router, prefix="/api/v1")

@@ -4,7 +4,6 @@ from fastapi import APIRouter
 
 from stepramp.http_api.bodies import JsonRoute
 from stepramp.http_api.methods_models import MethodsAnswer
-from stepramp.http_api.shapes_models import ShapesAnswer
 
 router = APIRouter(tags=["planning"], route_class=JsonRoute)
 
@@ -13,9 +12,3 @@ router = APIRouter(tags=["planning"], route_class=JsonRoute)
 async def methods() -> MethodsAnswer:
     """Return the methods that a ramp can be computed by."""
     return MethodsAnswer.of_all()
-
-
-@router.get("/shapes")
-async def shapes() -> ShapesAnswer:
-    """List the shapes of ramps, what each is good for, and which fields and methods it has."""
-    return ShapesAnswer.of_all()
