@@ -32,6 +32,11 @@ def test_the_steps_of_targets_that_change_in_flight(client: TestClient) -> None:
         ([{"at_s": -1, "target_steps": 1}], "commands.0.at_s", "a number from 0 to 1,000,000 s"),
         ([{"at_s": 1, "target_steps": 1}, {"at_s": 0.5, "target_steps": 2}], "commands.1.at_s", "at least 1 s, when"),
         ([{"at_s": 0, "target_steps": 1e9}], "commands.0.target_steps", "a whole number from -10,000,000 to"),
+        (
+            [{"at_s": 0, "speed_steps_per_s": 1e-300}],
+            "commands.0.speed_steps_per_s",
+            "0, or from 0.001 to 1,000,000 st",
+        ),
         ([{"at_s": 0, "speed_steps_per_s": 10}], "commands.0.speed_steps_per_s", "0 in the last command, or a target"),
     ],
 )

@@ -150,6 +150,14 @@ def test_the_kink_of_a_move_cut_out_of_a_longer_ramp_is_told() -> None:
     assert list(plan_of(constant).intervals) == list(plan_of(shaped("constant", move__steps=100)).intervals)
 
 
+@pytest.mark.parametrize("name", ["s_curve", "cosine"])
+def test_a_ramp_of_less_than_a_step_says_so(name: str) -> None:
+    tiny = shaped(name, ramp__slew_speed_steps_per_s=3, ramp__acceleration_steps_per_s2=100)
+    [warning] = [each for each in profile_of(tiny).warnings if each.field == "ramp.acceleration_steps_per_s2"]
+    assert warning.message.startswith("At 100 steps/s² the whole ramp would take less than one step: there is no ramp.")
+    assert "slew speed of" not in warning.message
+
+
 @pytest.mark.parametrize("name", ["s_curve", "cosine", "drawn"])
 def test_a_table_is_fitted_to_every_shape(name: str) -> None:
     fitted = ramp_delays(shaped(name), "us", "ramp_index")

@@ -4,7 +4,7 @@ from typing import Annotated, Self
 
 from pydantic import FailFast, Field, model_validator
 
-from stepramp.design import MOST_STEPS, Design
+from stepramp.design import MOST_STEPS, SLOWEST_STEPS_PER_S, Design
 from stepramp.errors import Limits
 from stepramp.http_api.answer import Answer, WholeNumbers
 from stepramp.ramp.retarget import Command, PlayedSteps
@@ -28,13 +28,19 @@ class CommandPayload(Document):
     def _one_of_them(self) -> Self:
         if (self.target_steps is None) == (self.speed_steps_per_s is None):
             refuse("target_steps", self.target_steps, "a target or speed_steps_per_s, one of them")
+        if self.speed_steps_per_s and abs(self.speed_steps_per_s) < SLOWEST_STEPS_PER_S:
+            allowed = f"0, or from {SLOWEST_STEPS_PER_S:g} to 1,000,000 steps/s either way"
+            refuse("speed_steps_per_s", self.speed_steps_per_s, allowed)
         return self
 
 
 class RetargetPayload(Document):
     """A ramp, and what a motor that plays it is told one after another."""
 
-    design: Design = Field(description="Whose ramp is played; its move doesn't matter but for move.plan")
+    design: Design = Field(
+        description="Whose ramp is played: the one that a push of the design sends, which has the peak of the move "
+        "where that is too short for the slew speed and move.plan is this_move"
+    )
     commands: Annotated[list[CommandPayload], FailFast(), ListOf("commands", most=MOST_COMMANDS, least=1)] = Field(
         description="In order of time; after the last one the motor comes to rest"
     )

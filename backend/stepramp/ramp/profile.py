@@ -16,6 +16,8 @@ from stepramp.ramp.slopes import SIDES, full_slopes_of, peak_of
 from stepramp.ramp.timer_limits import SlewResolution, TimerWarning, slew_resolution, timer_warnings
 from stepramp.units import speed_from_interval
 
+_LESS_THAN_A_STEP = "the whole ramp would take less than one step"
+
 MOST_TICKS = 2**62
 """Longest move [ticks]: its instants fit in 64 bits."""
 
@@ -151,10 +153,13 @@ def _no_ramp(design: Design, plan: Plan) -> list[TimerWarning]:
         if rate is None or size:
             continue
         most, reached = slope.acceleration_over(1), float(slope.speeds(1, 1, np.float64)[0])
-        slower = f"{at_most(most)} steps/s², or " if most >= LEAST_ACCELERATION else ""
-        message = (
-            f"At {rate:,.6g} steps/s² a single step would reach {reached:,.6g} steps/s, above the slew speed: there is "
-            f"no ramp. Use {slower}a slew speed of {at_least(reached)} steps/s."
+        is_above = reached > slew
+        told = (
+            f"a single step would reach {reached:,.6g} steps/s, above the slew speed" if is_above else _LESS_THAN_A_STEP
         )
+        ways = [f"{at_most(most)} steps/s²"] if most >= LEAST_ACCELERATION else []
+        ways += [f"a slew speed of {at_least(reached)} steps/s"] if is_above else []
+        advice = f" Use {', or '.join(ways)}." if ways else ""
+        message = f"At {rate:,.6g} steps/s² {told}: there is no ramp.{advice}"
         warnings.append(TimerWarning(f"ramp.{field}", message))
     return warnings
