@@ -38,7 +38,7 @@ const MOST_CLOSED_LENGTH = 2_000_000;
 const VIEW_WORDS = {
   against: ['step', 'time', 'position'],
   part: ['whole', 'start', 'up', 'down'],
-  third: ['error', 'parts', 'deviation'],
+  third: ['error', 'parts', 'deviation', 'acceleration', 'jerk'],
 };
 
 export const records = {

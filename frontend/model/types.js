@@ -42,7 +42,8 @@
  * @property {number[]} speed_steps_per_s
  * @property {Phase[]} phases
  * @property {{steps: number, duration_s: number, peak_speed_steps_per_s: number, accelerate_steps: number,
- *   slew_steps: number, decelerate_steps: number}} summary
+ *   slew_steps: number, decelerate_steps: number, ramp_steps: number, ramp_speed_steps_per_s: number,
+ *   is_lowered: boolean}} summary
  * @property {{field: string | null, message: string}[]} warnings */
 
 /** One method's errors against the reference.
@@ -51,6 +52,7 @@
  * @property {number[]} step
  * @property {number[]} relative_error
  * @property {number[]} [implied_acceleration_steps_per_s2]  when it was asked for
+ * @property {{acceleration_steps_per_s2: number[], jerk_steps_per_s3: number[]}} [motion]  as planned, when it was asked for
  * @property {Record<ErrorPart, number[]>} [parts]            when they were asked for [ticks]
  * @property {{value: number, step: number}} largest_relative_error
  * @property {{value: number, step: number}} peak_acceleration_steps_per_s2       as it is played, in whole ticks
@@ -251,7 +253,7 @@
  * @property {'step' | 'time' | 'position'} against
  * @property {'whole' | 'start' | 'up' | 'down'} part
  * @property {string} only   the one plot where there is room for one
- * @property {'error' | 'parts' | 'deviation'} third
+ * @property {'error' | 'parts' | 'deviation' | 'acceleration' | 'jerk'} third
  * @property {boolean} acceleration
  * @property {[number, number] | null} zoom   in units of the horizontal axis
  * @property {[number, number] | null} range  first and last step that finer points are wanted for; null: the whole move */

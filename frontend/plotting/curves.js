@@ -20,7 +20,8 @@ import { shownValue, STEPS_AND_SECONDS, unitWord } from '../model/units.js';
  * @property {number[]} time_s
  * @property {{step: number[], x: number[], percent: number[]}} error  against the reference
  * @property {number[] | null} acceleration                implied, in the unit chosen, at each step of the error
- * @property {Record<ErrorPart, number[]> | null} parts     of the error, in per cent of the reference's interval */
+ * @property {Record<ErrorPart, number[]> | null} parts     of the error, in per cent of the reference's interval
+ * @property {{acceleration: number[], jerk: number[]} | null} motion  as planned, in the unit chosen */
 
 /** @typedef {object} MethodReading
  * @property {MethodName} method
@@ -29,6 +30,8 @@ import { shownValue, STEPS_AND_SECONDS, unitWord } from '../model/units.js';
  * @property {number} speed      [steps/s]
  * @property {number} shownSpeed in the unit chosen
  * @property {number} percent    error against the reference; NaN: not known
+ * @property {number} acceleration  as planned, in the unit chosen; NaN: not known
+ * @property {number} jerk       the same
  * @property {boolean} isExact   the step was computed, or lies on a plateau; false: between two computed ones */
 /** @typedef {{step: number, time_s: number, x: number, methods: MethodReading[]}} Reading */
 
@@ -112,13 +115,14 @@ export function curveOf(answer, method, against) {
 }
 
 /** @param {Answer} answer @param {MethodName} method @param {number[]} x of each step of the method's profile
- * @returns {Pick<Curve, 'error' | 'acceleration' | 'parts'>} */
+ * @returns {Pick<Curve, 'error' | 'acceleration' | 'parts' | 'motion'>} */
 function errorsOf(answer, method, x) {
   const errors = answer.errors[method];
-  if (!errors) return { error: { step: [], x: [], percent: [] }, acceleration: null, parts: null };
-  const { step, relative_error, implied_acceleration_steps_per_s2, parts } = errors;
+  if (!errors) return { error: { step: [], x: [], percent: [] }, acceleration: null, parts: null, motion: null };
+  const { step, relative_error, implied_acceleration_steps_per_s2, parts, motion } = errors;
   const { intervals_ticks } = /** @type {Profile} */ (answer.profiles[method]);
   const perStep = shownValue(unitsOf(answer), answer.design, 'acceleration', 1);
+  const jerkUnit = shownValue(unitsOf(answer), answer.design, 'jerk', 1);
   const inPercent = (/** @type {number[]} */ ticks) =>
     ticks.map((part, i) => ((part * (1 + relative_error[i])) / intervals_ticks[i]) * 100);
   return {
@@ -134,6 +138,12 @@ function errorsOf(answer, method, x) {
           arithmetic: inPercent(parts.arithmetic),
           rounding: inPercent(parts.rounding),
           compression: inPercent(parts.compression),
+        }
+      : null,
+    motion: motion
+      ? {
+          acceleration: motion.acceleration_steps_per_s2.map((value) => value * perStep),
+          jerk: motion.jerk_steps_per_s3.map((value) => value * jerkUnit),
         }
       : null,
   };
@@ -162,6 +172,8 @@ export function readingAt(curves, lead, x) {
       speed: interpolate(other.step, other.speed, step),
       shownSpeed: interpolate(other.step, other.shownSpeed, step),
       percent: other.error.step.length === 0 ? NaN : interpolate(other.error.step, other.error.percent, step),
+      acceleration: other.motion ? interpolate(other.step, other.motion.acceleration, step) : NaN,
+      jerk: other.motion ? interpolate(other.step, other.motion.jerk, step) : NaN,
       isExact: other.step[at] === step || other.ticks[at] === other.ticks[at - 1],
     };
   });

@@ -4,7 +4,7 @@
 import { axisScale } from './curves.js';
 import { frameOf, xPixel } from './frame.js';
 import { linesOf } from './lines.js';
-import { PLOTS } from './plots.js';
+import { isOfMotion, PLOTS } from './plots.js';
 
 /** @typedef {import('./frame.js').Frame} Frame */
 /** @typedef {import('./frame.js').PlotFrame} PlotFrame */
@@ -131,7 +131,9 @@ function yAxis({ size, compact, third = 'error' }, frame, name, common) {
   const domain = plot.isVisible ? [Math.max(0, bottom), Math.min(1, bottom + plot.height / inner)] : COLLAPSED;
   const numbers =
     name === 'error'
-      ? { nticks: 8, ticksuffix: third === 'deviation' ? '' : ' %', tickformat: '~g' }
+      ? isOfMotion(third)
+        ? { nticks: 6, tickformat: '~s' }
+        : { nticks: 8, ticksuffix: third === 'deviation' ? '' : ' %', tickformat: '~g' }
       : plot.range.isLog
         ? { tickvals: logTicks(plot.range), tickformat: compact ? '~s' : ',~f' }
         : { nticks: 6, tickformat: ',~f' };

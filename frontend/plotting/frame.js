@@ -2,7 +2,7 @@
 // Where everything of the figure lies: the ranges of its axes and its place in pixels. Nothing of the page, no Plotly.
 
 import { activeProfile, entriesOf, interpolate } from './curves.js';
-import { onePlot, PLOTS, plotsThere } from './plots.js';
+import { isOfMotion, onePlot, PLOTS, plotsShowing, plotsThere } from './plots.js';
 
 /** @typedef {import('../model/types.js').Answer} Answer */
 /** @typedef {import('../model/types.js').MethodName} MethodName */
@@ -11,8 +11,8 @@ import { onePlot, PLOTS, plotsThere } from './plots.js';
 /** @typedef {string} PlotName  of one of PLOTS */
 /** @typedef {'whole' | 'start' | 'up' | 'down'} ViewName */
 /** What the lowest plot shows: the errors of all methods, the parts of the chosen one's, or how far a measured move lies
- * from its plan.
- * @typedef {'error' | 'parts' | 'deviation'} Third */
+ * from its plan, or what is planned of acceleration and jerk.
+ * @typedef {import('../model/types.js').View['third']} Third */
 /** @typedef {{[name: string]: string}} Colours  of methods by name, "pinned", "measured", "axis-0" …, "part-method" …, and
  *   "grid", "plot", "tick", "phase" */
 /** @typedef {{x: number[], velocity: number[], delay: number[], deviation: number[]}} Measured  over the axis */
@@ -67,6 +67,8 @@ const LEAST_FILLED = 0.4;
 const ROOM_TO_GROW = 0.5;
 // A logarithmic axis of less than this has hardly a number to write at it.
 const LEAST_LOG_RATIO = 4;
+// Of motion, what goes beyond the chosen method's by so much is cut off.
+const MOST_BESIDE = 1.5;
 
 /** @param {Range} range @param {number} value share of the range, 0 at its low end */
 function shareOf({ low, high, isLog }, value) {
@@ -145,16 +147,16 @@ function visiblePlots({ compact, only, axes }) {
   return compact ? [onePlot(only, !!axes)] : plotsThere(!!axes).map(({ name }) => name);
 }
 
-/** @param {PlotName} name */
-export function plotOf(name) {
-  return PLOTS.find((plot) => plot.name === name) ?? PLOTS[0];
+/** @param {PlotName} name @param {Third} [third] */
+function plotOf(name, third) {
+  return plotsShowing(third).find((plot) => plot.name === name) ?? PLOTS[0];
 }
 
 /** @param {Scene} scene @param {PlotName} name @param {Range} range */
 function headingOf({ answer, third }, name, range) {
   if (name === 'error' && third === 'deviation') return { title: 'Deviation from the plan', unit: 'µs' };
   if (name === 'error' && third === 'parts') return { title: 'Parts of the error', unit: '%' };
-  const { title, unit } = plotOf(name);
+  const { title, unit } = plotOf(name, third);
   return { title, unit: `${unit(answer)}${range.isLog ? ', logarithmic' : ''}` };
 }
 
@@ -214,11 +216,25 @@ function fullRange({ curves, against, view, axes, pinned, captured }, phases) {
 function yRanges(scene, x) {
   const span = scene.zoom ? x : null;
   const acceleration = scene.acceleration && !scene.axes ? activeCurve(scene).acceleration : null;
-  const ranges = PLOTS.map(({ name, scale }) => [name, scaled(scale, extremes(listsOf(scene, name), span), span === null)]);
+  const ranges = PLOTS.map(({ name, scale }) => {
+    const ends = extremes(listsOf(scene, name), span);
+    const shown = name === 'error' && isOfMotion(scene.third ?? 'error') ? aboutActive(scene, ends, span) : ends;
+    return [name, scaled(scale, shown, span === null)];
+  });
   return {
     ranges: Object.fromEntries(ranges),
     acceleration: acceleration && linear(extremes([[activeCurve(scene).x, acceleration]], span), true),
   };
+}
+
+/** Ends that show the chosen method's motion well: a table leaps at each row, and would make a line of all that is smooth.
+ * @param {Scene} scene @param {[number, number]} ends of all that is drawn @param {Range | null} span
+ * @returns {[number, number]} */
+function aboutActive(scene, [low, high], span) {
+  const { x, y } = plotOf('error', scene.third).curve(activeCurve(scene));
+  const own = extremes([[x, y]], span);
+  const most = MOST_BESIDE * Math.max(Math.abs(own[0]), Math.abs(own[1]));
+  return most > 0 ? [Math.max(low, Math.min(own[0], -most)), Math.min(high, Math.max(own[1], most))] : [low, high];
 }
 
 /** @param {import('./plots.js').Plot['scale']} scale @param {[number, number]} ends @param {boolean} isWhole @returns {Range} */
@@ -237,7 +253,7 @@ export function activeCurve({ answer, curves }) {
  * @param {Scene} scene @param {PlotName} name @returns {[number[], number[]][]} */
 function listsOf(scene, name) {
   const { curves, shown: names, axes, pinned, third } = scene;
-  const { curve, measured: ofMeasured, ofAxis } = plotOf(name);
+  const { curve, measured: ofMeasured, ofAxis } = plotOf(name, third);
   if (axes) return ofAxis === null ? [] : axes.map((one) => [one.x, ofAxis(one)]);
   const drawn = entriesOf(curves).filter(([method]) => names.has(method));
   const all = [...(drawn.length > 0 ? drawn.map(([, curve]) => curve) : [activeCurve(scene)]), ...(pinned ? [pinned] : [])];

@@ -4,7 +4,7 @@
 
 import { MARKS } from './captured.js';
 import { activeCurve, stepsIn, xPixel } from './frame.js';
-import { PLOTS } from './plots.js';
+import { isOfMotion, PLOTS, plotsShowing } from './plots.js';
 import { METHODS, methodOf, REFERENCE } from '../model/methods.js';
 
 /** @typedef {import('../model/types.js').MethodName} MethodName */
@@ -153,17 +153,18 @@ function capturedLines(captured, third, colours) {
  * @param {string} name @param {Curve | undefined} curve @param {Look} look @param {Shape} shape @param {boolean} isShown
  * @param {import('./frame.js').Third} third @returns {Line[]} */
 function inAllPlots(name, curve, look, shape, isShown, third) {
-  return PLOTS.map(({ name: plot, curve: drawnOf }) => {
+  return plotsShowing(third).map(({ name: plot, curve: drawnOf }) => {
     const drawn = curve && drawnOf(curve);
+    const isPlanned = plot === 'error' && isOfMotion(third);
     return {
-      uid: `${name}-${plot}`,
+      uid: `${name}-${isPlanned ? third : plot}`,
       name,
       plot,
       x: drawn?.x ?? [],
       y: drawn?.y ?? [],
-      shape: plot === 'error' && shape === 'vh' ? 'linear' : shape,
+      shape: plot === 'error' && (shape === 'vh' || isPlanned) ? 'linear' : shape,
       ...look,
-      isVisible: curve !== undefined && isShown && (plot !== 'error' || third === 'error'),
+      isVisible: curve !== undefined && isShown && (plot !== 'error' || third === 'error' || isPlanned),
     };
   });
 }

@@ -65,6 +65,34 @@ export const PLOTS = [
   },
 ];
 
+/** What the lowest plot shows of every method in place of its errors.
+ * @type {Partial<Record<import('./frame.js').Third, Pick<Plot, 'title' | 'unit' | 'curve' | 'read' | 'readingText'>>>} */
+const MOTION = {
+  acceleration: {
+    title: 'Planned acceleration',
+    unit: (answer) => unitWord(unitsOf(answer), answer.design, 'acceleration'),
+    curve: ({ x, motion }) => ({ x: motion ? x : [], y: motion?.acceleration ?? [] }),
+    read: (at) => at.acceleration,
+    readingText: formatReading,
+  },
+  jerk: {
+    title: 'Planned jerk',
+    unit: (answer) => unitWord(unitsOf(answer), answer.design, 'jerk'),
+    curve: ({ x, motion }) => ({ x: motion ? x : [], y: motion?.jerk ?? [] }),
+    read: (at) => at.jerk,
+    readingText: formatReading,
+  },
+};
+
+/** Whether the lowest plot shows what is planned, before its delays are rounded.
+ * @param {import('./frame.js').Third} third */
+export const isOfMotion = (third) => third in MOTION;
+
+/** The plots with what the lowest one shows.
+ * @param {import('./frame.js').Third} [third] @returns {Plot[]} */
+export const plotsShowing = (third = 'error') =>
+  PLOTS.map((plot) => (plot.name === 'error' ? { ...plot, ...MOTION[third] } : plot));
+
 /** The plots that there are: of the error only one axis' methods have some.
  * @param {boolean} areAxesShown */
 export const plotsThere = (areAxesShown) => PLOTS.filter((plot) => !areAxesShown || plot.ofAxis !== null);

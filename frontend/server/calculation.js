@@ -14,10 +14,11 @@ import { REFERENCE } from '../model/methods.js';
  * @property {[number, number] | null} range  first and last step of the part that is looked at; null: the whole move
  * @property {boolean} acceleration           the acceleration that is implied by the delays
  * @property {boolean} parts                  where the error comes from
+ * @property {boolean} motion                 the planned acceleration and jerk
  * @property {boolean} isMoving               a slider moves: quick is better than fine */
 
 /** @type {Details} */
-export const NO_DETAILS = { range: null, acceleration: false, parts: false, isMoving: false };
+export const NO_DETAILS = { range: null, acceleration: false, parts: false, motion: false, isMoving: false };
 
 // As many points as a wide screen has pixels: more can't be seen.
 const MAX_POINTS = 2000;
@@ -46,6 +47,7 @@ export async function calculate(design, methods, details = NO_DETAILS, ended = u
     ...(range && { first_step: range[0], last_step: range[1] }),
     acceleration: details.acceleration,
     parts: details.parts,
+    motion: details.motion,
     segment_bound_ticks: details.parts ? SEGMENT_BOUND_TICKS : null,
   };
   const drawn = await ask(wanted, ended);

@@ -1,5 +1,6 @@
 """The choice of a ramp's shape on the page: its own parameters, what is drawn, short moves, what is refused."""
 
+import pytest
 from playwright.sync_api import expect
 
 from browser.conftest import Watch
@@ -75,3 +76,52 @@ def test_methods_for_constant_acceleration_only_say_so_and_are_not_asked_for(ste
     assert "newton-error" in stepramp.curves()
     page.locator("#shape").select_option("constant")
     until(lambda: "first_order-error" in stepramp.curves())
+
+
+def test_acceleration_and_jerk_are_plotted_as_planned_over_every_axis(stepramp: StepRampPage) -> None:
+    """In step with closed forms: to 1,000 steps/s at 5,000 steps/s² with 100,000 steps/s³ the onset takes 50 ms."""
+    page = stepramp.page
+    page.locator("#shape").select_option("s_curve")
+    page.locator('#third-choice [data-value="jerk"]').click()
+    until(lambda: "exact-jerk" in stepramp.curves())
+    expect(page.locator(".plot-title", has_text="Planned jerk")).to_contain_text("steps/s³")
+    for against in ("step", "time", "position"):
+        page.locator(f'#axis-choice [data-value="{against}"]').click()
+        page.wait_for_timeout(300)
+        jerk = stepramp.curves()["exact-jerk"]
+        assert min(jerk) == pytest.approx(-100_000, rel=0.01)
+        assert sum(abs(each + 100_000) < 2000 for each in jerk) > 90, "the ramp's end and the begin of the other one"
+    page.locator('#third-choice [data-value="acceleration"]').click()
+    until(lambda: "exact-acceleration" in stepramp.curves())
+    acceleration = stepramp.curves()["exact-acceleration"]
+    assert (max(acceleration), min(acceleration)) == pytest.approx((5000, -5000), rel=1e-3)
+    page.locator('.units [data-value="mm"]').click()
+    until(lambda: max(stepramp.curves()["exact-acceleration"]) == pytest.approx(100, rel=1e-3))
+    # What a table asks for at each of its rows would make a line of the curve that is looked at.
+    assert stepramp.page.evaluate("() => document.querySelector('.figure').layout.yaxis3.range[1]") < 250
+
+
+def test_ramps_of_different_shapes_are_compared_in_words(stepramp: StepRampPage) -> None:
+    """Of T = Δ/a + a/j both ramps together take 2 (0.2 + 0.05) s, where constant acceleration takes 0.4 s."""
+    page = stepramp.page
+    page.locator("#keep").click()
+    expect(page.locator(".comparison")).to_have_text(
+        "Against the pinned design: same peak acceleration: as long, the same jerk."
+    )
+    page.locator("#shape").select_option("s_curve")
+    expect(page.locator(".comparison")).to_contain_text("same peak acceleration: 2 % longer, 2.3 % of the jerk")
+    page.locator("#forget").click()
+    expect(page.locator(".comparison")).to_be_hidden()
+
+
+def test_the_page_says_what_the_controller_makes_of_other_lengths(stepramp: StepRampPage) -> None:
+    page, note = stepramp.page, stepramp.page.locator(".choice:has(#short-moves) .choice-note")
+    expect(note).to_be_hidden()
+    page.locator("#shape").select_option("s_curve")
+    # T = 0.25 s at 500 steps/s in the middle are 125 steps a side.
+    expect(note).to_contain_text("the whole ramp of 250 steps. Shorter moves the controller cuts out of it")
+    stepramp.field("move.steps").fill("100")
+    # 50 = (v / a + a / j) v / 2 is v² + 250 v - 500,000 = 0.
+    expect(note).to_contain_text("made for this move, up to 593 steps/s. Pushed, it is the ramp of every move")
+    page.locator('#short-moves [data-value="any_move"]').click()
+    expect(note).to_contain_text("cuts out of a ramp of 250 steps for this move")

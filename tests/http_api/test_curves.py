@@ -77,6 +77,21 @@ def test_a_part_of_a_long_move_gets_the_points(client: TestClient) -> None:
     assert len(steps) < 700
 
 
+def test_the_planned_acceleration_and_jerk_come_when_asked_for(client: TestClient) -> None:
+    """Of the planned motion no tick is seen: with a coarse timer the implied acceleration leaps, this one does not."""
+    changes = {"method__name": "exact", "timer__frequency_hz": 100_000, "ramp__base_speed_steps_per_s": 0}
+    [drawn] = curves(client, ["exact"], {"motion": True, "acceleration": True}, **changes)["methods"]
+    ramp = document()["ramp"]
+    ends = drawn["phases"][0]["last_step"]
+    at = [i for i, step in enumerate(drawn["step"]) if step <= ends]
+    planned = np.array(drawn["motion"]["acceleration_steps_per_s2"])[at]
+    assert planned == pytest.approx(ramp["acceleration_steps_per_s2"], rel=1e-6)
+    assert np.ptp(np.array(drawn["implied_acceleration_steps_per_s2"])[at]) > 0.001 * ramp["acceleration_steps_per_s2"]
+    assert len(drawn["motion"]["jerk_steps_per_s3"]) == len(drawn["step"])
+    [plain] = curves(client, ["exact"])["methods"]
+    assert "motion" not in plain
+
+
 def test_parts_and_implied_acceleration_come_when_asked_for(client: TestClient) -> None:
     more = {"acceleration": True, "parts": True, "segment_bound_ticks": 2, "max_points": 100_000}
     changes = {"method__name": "second_order", "move__steps": 300}

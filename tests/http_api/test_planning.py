@@ -32,6 +32,9 @@ def test_a_profile_has_every_step_when_no_number_of_points_is_given(client: Test
         "accelerate_steps": 100,
         "slew_steps": 300,
         "decelerate_steps": 100,
+        "ramp_steps": 200,
+        "ramp_speed_steps_per_s": 1000,
+        "is_lowered": False,
     }
     assert answer["warnings"] == []
 

@@ -16,11 +16,13 @@ def test_each_method_is_planned_once_also_when_the_parts_of_its_error_are_wanted
     planned = []
 
     def counted(*arguments: object) -> Plan:
-        planned.append(arguments)
+        # A server that another test has begun may be warming up beside this.
+        if getattr(arguments[0], "name", "") == asked.name:
+            planned.append(arguments)
         return plan_of(*arguments)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(profile, "plan_of", counted)
     asked = design(move__steps=500)
+    monkeypatch.setattr(profile, "plan_of", counted)
     drawn = Drawing(asked, ("newton", "compromise"), "exact", 2000, with_parts=True, segment_bound_ticks=2)
     found = dict(drawn.methods())
     assert len(planned) == 2

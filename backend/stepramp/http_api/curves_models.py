@@ -24,6 +24,7 @@ from stepramp.http_api.planning_models import (
 from stepramp.methods import REFERENCE
 from stepramp.ramp.drawing import Drawing, Drawn
 from stepramp.ramp.error_curves import Parts
+from stepramp.ramp.motion import Motion
 from stepramp.validation import Document, ListOf, Within
 
 StepOfMove = Annotated[int, Within(1, MOST_STEPS, "steps", ", or null")] | None
@@ -48,6 +49,7 @@ class CurvesPayload(Document):
     last_step: StepOfMove = Field(None, description="Last step of that part; null: the move's last [steps]")
     acceleration: StrictBool = Field(False, description="Whether the implied acceleration is wanted")
     parts: StrictBool = Field(False, description="Whether the parts of the error are wanted")
+    motion: StrictBool = Field(False, description="Whether the planned acceleration and jerk are wanted")
     segment_bound_ticks: Annotated[int, Within(0, 10_000, "ticks", ", or null for no segments")] | None = Field(
         None,
         description="Bound of the segments whose part of the error is given among the parts [ticks]; null: no segments",
@@ -65,6 +67,7 @@ class CurvesPayload(Document):
             span=None if self.first_step is self.last_step is None else span,
             with_acceleration=self.acceleration,
             with_parts=self.parts,
+            with_motion=self.motion,
             segment_bound_ticks=self.segment_bound_ticks,
         )
 
@@ -83,6 +86,18 @@ class PartsAnswer(Answer):
         return cls(**{name: _short(part[kept]) for name, part in vars(parts).items()})
 
 
+class MotionAnswer(Answer):
+    """What the intervals ask of a motor before they are rounded to ticks."""
+
+    acceleration_steps_per_s2: Numbers = Field(description="(v_i² - v_(i-1)²) / 2 along each step [steps/s²]")
+    jerk_steps_per_s3: Numbers = Field(description="(a_(i+1) - a_i) v_i from each step to the next [steps/s³]")
+
+    @classmethod
+    def of(cls, motion: Motion, kept: NDArray[np.int64]) -> Self:
+        """Return acceleration and jerk at the kept steps."""
+        return cls(**{name: _short(curve[kept]) for name, curve in vars(motion).items()})
+
+
 class MethodCurvesAnswer(ErrorFiguresAnswer):
     """One method's move, thinned. A run of equal intervals has its two ends; between two steps, lines are straight."""
 
@@ -95,6 +110,7 @@ class MethodCurvesAnswer(ErrorFiguresAnswer):
         None, description="(v_i² - v_(i-1)²) / 2; left out unless asked for [steps/s²]"
     )
     parts: PartsAnswer | None = Field(None, description="Left out unless asked for")
+    motion: MotionAnswer | None = Field(None, description="Left out unless asked for")
     phases: list[PhaseAnswer] = Field(description="Stretches of the move that have steps, in order of time")
     summary: SummaryAnswer
     warnings: list[WarningAnswer]
@@ -108,6 +124,8 @@ class MethodCurvesAnswer(ErrorFiguresAnswer):
             asked_for["implied_acceleration_steps_per_s2"] = _short(judged.implied_acceleration_steps_per_s2[kept])
         if drawn.parts is not None:
             asked_for["parts"] = PartsAnswer.of(drawn.parts, kept)
+        if drawn.motion is not None:
+            asked_for["motion"] = MotionAnswer.of(drawn.motion, kept)
         return cls(
             method=method,
             step=kept + 1,

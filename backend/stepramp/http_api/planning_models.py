@@ -16,6 +16,7 @@ from stepramp.methods.common.method import TuningReport
 from stepramp.ramp.error_curves import ErrorCurves
 from stepramp.ramp.profile import Profile
 from stepramp.ramp.thinning import kept_steps
+from stepramp.units import speed_from_interval
 from stepramp.validation import Document, ListOf, Within, refuse
 
 CurveName = Literal[
@@ -100,6 +101,9 @@ class SummaryAnswer(Answer):
     accelerate_steps: int = Field(description="Steps of the acceleration [steps]")
     slew_steps: int = Field(description="Steps at slew speed [steps]")
     decelerate_steps: int = Field(description="Steps of the deceleration [steps]")
+    ramp_steps: int = Field(description="Both sides of the pushed ramp; shorter moves are cut out of it [steps]")
+    ramp_speed_steps_per_s: float = Field(description="Speed between the two sides of that ramp [steps/s]")
+    is_lowered: bool = Field(description="Whether the ramp is made for this move, too short for the slew speed")
 
     @classmethod
     def of(cls, profile: Profile) -> Self:
@@ -111,6 +115,9 @@ class SummaryAnswer(Answer):
             accelerate_steps=profile.steps_of("accelerate"),
             slew_steps=profile.steps_of("slew"),
             decelerate_steps=profile.steps_of("decelerate"),
+            ramp_steps=profile.plan.ramp_steps,
+            ramp_speed_steps_per_s=speed_from_interval(profile.plan.ramp.slew, profile.timer_hz),
+            is_lowered=profile.is_lowered,
         )
 
 

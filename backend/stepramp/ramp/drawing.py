@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from stepramp.design import Design, MethodName
 from stepramp.errors import Rejected, Rejection
 from stepramp.ramp.error_curves import ErrorCurves, Parts, judged_against, reference_intervals
+from stepramp.ramp.motion import Motion, motion_of
 from stepramp.ramp.thinning import kept_steps_of_all
 
 
@@ -21,6 +22,8 @@ class Drawn:
     """Steps, counted from 0 and increasing, shape (M,)."""
     parts: Parts | None
     """Where the errors come from, when that is wanted."""
+    motion: Motion | None
+    """Acceleration and jerk as planned, when they are wanted."""
 
     @property
     def start_ticks(self) -> NDArray[np.int64]:
@@ -42,6 +45,7 @@ class Drawing:
     """First and last step of the part that is looked at, counted from 1."""
     with_acceleration: bool = False
     with_parts: bool = False
+    with_motion: bool = False
     segment_bound_ticks: int | None = None
     """Bound of the segments whose part in the error is wanted; everything else is as it is planned."""
 
@@ -68,7 +72,14 @@ class Drawing:
             curves.append(judged.implied_acceleration_steps_per_s2)
         if parts is not None:
             curves += vars(parts).values()
-        return Drawn(judged, kept_steps_of_all(curves, judged.profile.phases, self.most_points, self.span), parts)
+        motion = self._motion(judged) if self.with_motion else None
+        if motion is not None:
+            curves += vars(motion).values()
+        kept = kept_steps_of_all(curves, judged.profile.phases, self.most_points, self.span)
+        return Drawn(judged, kept, parts, motion)
+
+    def _motion(self, planned: ErrorCurves) -> Motion:
+        return motion_of(planned.precise_ticks, planned.timer_hz, planned.base_speed_steps_per_s)
 
     def _parts(self, planned: ErrorCurves) -> Parts:
         bound = self.segment_bound_ticks

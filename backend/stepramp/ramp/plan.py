@@ -39,6 +39,11 @@ class Plan:
     carries: bool
     """Whether remainders are carried through the whole move."""
 
+    @property
+    def ramp_steps(self) -> int:
+        """Steps of both sides of the whole ramp [steps]."""
+        return int(self.ramp.up.size + self.ramp.down.size)
+
     @cached_property
     def sides(self) -> tuple[int, int]:
         """How many intervals of the up and of the down list the move takes."""

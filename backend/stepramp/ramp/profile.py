@@ -50,6 +50,8 @@ class Profile:
     warnings: tuple[TimerWarning, ...]
     plan: Plan
     """The ramp that the move is played from."""
+    is_lowered: bool
+    """Whether that ramp is made for this move, which is too short for the slew speed."""
 
     @cached_property
     def time_s(self) -> NDArray[np.float64]:
@@ -96,6 +98,7 @@ def profile_of(design: Design) -> Profile:
         warnings=(*_short_move(design, plan), *timer_warnings(design, intervals, slew_ticks), *_no_ramp(design, plan)),
         slew_resolution=slew_resolution(slew_ticks, timer_hz),
         plan=plan,
+        is_lowered=peak_of(design) is not None,
     )
 
 
@@ -107,7 +110,7 @@ def _phases(plan: Plan) -> tuple[Phase, ...]:
 
 def _short_move(design: Design, plan: Plan) -> list[TimerWarning]:
     is_lowered = peak_of(design) is not None
-    needed = sum(slope.steps for slope in full_slopes_of(design)) if is_lowered else _steps_of_sides(plan)
+    needed = sum(slope.steps for slope in full_slopes_of(design)) if is_lowered else plan.ramp_steps
     if plan.steps >= needed and not is_lowered:
         return []
     peak = speed_from_interval(float(plan.intervals.min()), design.timer.frequency_hz)
@@ -134,10 +137,6 @@ def _steepness(side: NDArray[np.floating], design: Design) -> float:
     speeds = design.timer.frequency_hz / side[-2:].astype(np.float64)
     squares = np.concatenate(([design.ramp.base_speed_steps_per_s], speeds))[-2:] ** 2
     return float(squares[-1] - squares[0]) / 2
-
-
-def _steps_of_sides(plan: Plan) -> int:
-    return plan.ramp.up.size + plan.ramp.down.size
 
 
 def _no_ramp(design: Design, plan: Plan) -> list[TimerWarning]:

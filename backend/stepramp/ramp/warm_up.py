@@ -7,6 +7,7 @@ import numpy as np
 from stepramp.design import Design
 from stepramp.methods import METHODS, REFERENCE
 from stepramp.ramp.error_curves import error_curves
+from stepramp.ramp.motion import motion_of
 from stepramp.ramp.segments import compress
 
 TURN_S = 0.02
@@ -32,6 +33,7 @@ def warm_up() -> None:
         # One thing is compiled at a time: what a request needs goes before the next of these.
         time.sleep(TURN_S)
     compress(np.array([2, 1]), 1)
+    motion_of(np.array([2.0, 1.0]), 1.0, 0.0)
     for shape in OTHER_SHAPES:
         for name, arithmetic in usual + rest:
             if METHODS[name].shape is None and arithmetic != "fixed":

@@ -17,7 +17,8 @@ const MAX_POINTS = 1500;
 /** @param {Pick<import('../state.js').Store, 'dispatch' | 'subscribe'>} store */
 export function askForBeside({ dispatch, subscribe }) {
   const pinned = createQuestion({
-    ask: (/** @type {Design} */ design, ended) => calculate(design, [design.method.name], NO_DETAILS, ended),
+    ask: (/** @type {Design} */ design, ended) => 
+      calculate(design, [design.method.name], { ...NO_DETAILS, motion: true }, ended),
     take: (curves, design) => dispatch(pinnedCame, design, curves),
     refuse: (_, design) => dispatch(pinnedCame, design, null),
   });

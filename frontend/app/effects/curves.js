@@ -4,7 +4,8 @@
 import { methodsToCompute } from '../../model/design.js';
 import { calculate } from '../../server/calculation.js';
 import { curvesCame, curvesMissed, curvesRefused } from '../commands/answers.js';
-import { axisOf, designOf, isSliding, viewOf } from '../selectors.js';
+import { isOfMotion } from '../../plotting/plots.js';
+import { axisOf, designOf, isSliding, pinnedOf, viewOf } from '../selectors.js';
 import { whenChanged } from '../state.js';
 import { createQuestion } from './question.js';
 
@@ -30,14 +31,17 @@ export function askForCurves({ dispatch, subscribe }, ask = calculate) {
         const design = designOf(state);
         // As a text: methods that are shown in another order, or can't be computed, ask nothing anew.
         const methods = design === null ? '' : methodsToCompute(design, new Set(state.shown)).join(' ');
-        return [axisOf(state), design, methods, range, acceleration, third === 'parts', isSliding(state)];
+        // The pinned design is compared by it in words, too.
+        const motion = isOfMotion(third) || pinnedOf(state) !== null;
+        return [axisOf(state), design, methods, range, acceleration, third === 'parts', motion, isSliding(state)];
       },
-      (axis, design, methods, range, acceleration, parts, isMoving) => {
+      (axis, design, methods, range, acceleration, parts, motion, isMoving) => {
         if (axis === null || design === null) return;
         // What is on its way is of another axis.
         if (axis !== present) question.cancel();
         present = axis;
-        question.want({ axis, design, methods: methods.split(' '), details: { range, acceleration, parts, isMoving } });
+        const details = { range, acceleration, parts, motion, isMoving };
+        question.want({ axis, design, methods: methods.split(' '), details });
       },
     ),
   );

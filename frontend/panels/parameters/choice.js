@@ -2,7 +2,7 @@
 // One choice of a few words, with its message beneath.
 
 import { valueAt } from '../../model/design.js';
-import { element, segmented, showMessage } from '../../ui/dom.js';
+import { element, segmented, showMessage, showText } from '../../ui/dom.js';
 import { CHOICES } from '../../model/fields.js';
 
 /** @typedef {import('../../model/types.js').Design} Design */
@@ -20,16 +20,23 @@ export function createChoice(path, values, onEdit) {
   control.element.setAttribute('aria-description', help);
   const name = element('span', { textContent: label });
   const box = element('div', { className: 'messages' });
+  const note = element('p', { className: 'muted choice-note', hidden: true });
   return {
     explanation: CHOICES[path],
     name,
-    element: element('div', { className: 'choice' }, name, control.element, box),
+    element: element('div', { className: 'choice' }, name, control.element, box, note),
     /** @param {Design} design @param {string[]} [offered] */
     show(design, offered) {
       for (const button of control.element.querySelectorAll('button')) {
         button.hidden = offered !== undefined && !offered.includes(button.dataset.value ?? '');
       }
       control.press(valueAt(design, path) ?? values[0][0]);
+    },
+    /** What comes of the choice; empty: nothing to say.
+     * @param {string} text */
+    showNote(text) {
+      note.hidden = text === '';
+      showText(note, text);
     },
     /** @param {import('../../model/messages.js').Messages['fields']} messages */
     showMessage: (messages) => showMessage(control.element, box, messages.get(path)),

@@ -5,11 +5,13 @@
 import { tell } from '../../app/commands/told.js';
 import { setUnits } from '../../app/commands/view.js';
 import { endGesture, setMethod, setPlan, setPreset, setShape, setValue } from '../../app/commands/work.js';
-import { designOf, messagesOf } from '../../app/selectors.js';
+import { designOf, messagesOf, shownCurvesOf } from '../../app/selectors.js';
 import { whenChanged, whenever } from '../../app/state.js';
 import { element } from '../../ui/dom.js';
 import { GROUPS } from '../../model/fields.js';
 import { hasField, shapeOf } from '../../model/shapes.js';
+import { shortMovesText } from '../../model/short_moves.js';
+import { activeProfile } from '../../plotting/curves.js';
 import { createChoice } from './choice.js';
 import { createInfo } from './info.js';
 import { createMethod } from './method.js';
@@ -102,8 +104,14 @@ export function createParameters(root, dispatch) {
     plan.showMessage(fields);
   }
 
+  /** @param {import('../../model/types.js').Answer | null} curves @param {Units} units */
+  function showOtherLengths(curves, units) {
+    plan.showNote(curves === null ? '' : shortMovesText(curves.design, activeProfile(curves).summary, units));
+  }
+
   const shows = [
     whenChanged((state) => [designOf(state), state.units], show),
+    whenChanged((state) => [shownCurvesOf(state), state.units], showOtherLengths),
     // They are told in the units and with the values that are shown.
     whenever((state) => [messagesOf(state), designOf(state), state.units], showMessages),
   ];

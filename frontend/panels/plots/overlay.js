@@ -4,7 +4,7 @@
 import { element, icon, svgElement } from '../../ui/dom.js';
 import { xPixel, yPixel } from '../../plotting/frame.js';
 import { drawingOrder, FEWEST_JOINED, PARTS } from '../../plotting/lines.js';
-import { formatReading, PLOTS } from '../../plotting/plots.js';
+import { formatReading, isOfMotion, PLOTS, plotsShowing } from '../../plotting/plots.js';
 import { methodOf } from '../../model/methods.js';
 import { formatFigures, formatFixed } from '../../model/numbers.js';
 import { lineSwatch, methodSwatch } from '../../ui/swatch.js';
@@ -124,7 +124,7 @@ export function createOverlay(tools) {
       drawCursor(frame, x);
       const visible = at.methods.filter((one) => shown.has(one.method));
       const drawn = drawingOrder(active).flatMap((name) => visible.filter((one) => one.method === name));
-      const plots = PLOTS.filter(({ name }) => name !== 'error' || third === 'error');
+      const plots = plotsShowing(third).filter(({ name }) => name !== 'error' || third === 'error' || isOfMotion(third));
       for (const { name, read } of plots)
         for (const one of drawn) drawDot(frame, name, x, read(one), `var(--method-${one.method})`);
       const own = at.methods.find((one) => one.method === active);

@@ -6,7 +6,8 @@ import { urge } from '../../app/commands/told.js';
 import { pinnedOf, shownCurvesOf, stalenessOf, summaryMessagesOf } from '../../app/selectors.js';
 import { whenChanged } from '../../app/state.js';
 import { activeProfile, unitsOf } from '../../plotting/curves.js';
-import { closeButton, element, messageLine } from '../../ui/dom.js';
+import { closeButton, element, messageLine, showText } from '../../ui/dom.js';
+import { comparisonWords } from '../../model/comparison_words.js';
 import { methodOf, REFERENCE } from '../../model/methods.js';
 import { formatFigures, formatFixed, formatSignedPercent } from '../../model/numbers.js';
 import { methodSwatch } from '../../ui/swatch.js';
@@ -66,7 +67,8 @@ const FIGURES = [
 export function createSummary(root, dispatch) {
   const messages = element('div', { className: 'summary-messages', role: 'status' });
   const figures = element('dl', { className: 'figures' });
-  root.replaceChildren(messages, figures);
+  const comparison = element('p', { className: 'comparison', hidden: true });
+  root.replaceChildren(messages, figures, comparison);
   let drawn = '';
 
   const name = createStat('method', 'Method');
@@ -104,6 +106,9 @@ export function createSummary(root, dispatch) {
       beneath.textContent = before ? `${figureOf(before).value} ${figureOf(before).unit}`.trim() : '';
     }
     figures.classList.toggle('compared', before !== null);
+    const words = before ? comparedWords(present, before) : '';
+    comparison.hidden = words === '';
+    showText(comparison, words);
   }
 
   /** @param {import('../../model/messages.js').Message} message */
@@ -149,6 +154,24 @@ function createStat(key, title) {
   const heading = element('dt', { textContent: title });
   const box = element('div', { className: `stat ${key}`, 'data-figure': key }, heading, value, more, pinned);
   return { element: box, value, more, pinned };
+}
+
+/** How the design in hand moves against the pinned one; empty while it is not known.
+ * @param {Answer} answer @param {Answer} pinned */
+function comparedWords(answer, pinned) {
+  const [now, before] = [motionOf(answer), motionOf(pinned)];
+  return now && before ? `Against the pinned design: ${comparisonWords(now, before)}.` : '';
+}
+
+/** @param {Answer} answer */
+function motionOf(answer) {
+  const motion = answer.errors[answer.design.method.name]?.motion;
+  const largest = (/** @type {number[]} */ values) => values.reduce((most, value) => Math.max(most, Math.abs(value)), 0);
+  return motion && {
+    duration: activeProfile(answer).summary.duration_s,
+    acceleration: largest(motion.acceleration_steps_per_s2),
+    jerk: largest(motion.jerk_steps_per_s3),
+  };
 }
 
 /** @param {Answer} answer @returns {Figure} */
