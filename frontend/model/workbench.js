@@ -46,13 +46,14 @@ function changed(history, next, gesture = '', at_ms = 0) {
   const isPaused = gesture.startsWith(STEP_GESTURE) && at_ms - history.at_ms > STEPS_END_AFTER_MS;
   const goesOn = gesture !== '' && gesture === history.gesture && !isPaused && past.length > 0;
   const before = goesOn ? past : [...past, present].slice(-MOST_STEPS_BACK);
-  const last = before[before.length - 1];
-  // A gesture that ends where it began, as a drag that is given up, was none.
-  if (goesOn && areEqual(next, last)) {
-    return { ...history, past: before.slice(0, -1), present: last, future: [], gesture: '', at_ms };
-  }
-  return { ...history, past: before, present: next, future: [], gesture, at_ms };
+  const after = { ...history, past: before, present: next, future: [], gesture, at_ms };
+  // A slider on its way passes where it began, and goes on; any other gesture that comes back is over.
+  return goesOn && !gesture.startsWith(SLIDE_GESTURE) && isBack(after) ? gestureEnded(after) : after;
 }
+
+/** Whether what is in hand is what it was before the last change.
+ * @param {History} history */
+const isBack = ({ past, present }) => past.length > 0 && areEqual(present, past[past.length - 1]);
 
 /** The design of an axis becomes another. Changes in a row that are one gesture are undone as one.
  * @param {History} history @param {number} id @param {Design} design
@@ -66,10 +67,14 @@ export function withDesign(history, id, design, gesture, at_ms) {
   return changed(history, { ...present, axes: present.axes.with(index, design) }, gesture, at_ms);
 }
 
-/** A gesture has ended: the next change is undone by itself, whatever it is.
+/** A gesture has ended: the next change is undone by itself, whatever it is. One that ended where it began, as a drag that
+ * is given up, was none.
  * @param {History} history @returns {History} */
 export function gestureEnded(history) {
-  return history.gesture === '' ? history : { ...history, gesture: '' };
+  if (history.gesture === '') return history;
+  const { past } = history;
+  const kept = isBack(history) ? { past: past.slice(0, -1), present: past[past.length - 1] } : {};
+  return { ...history, ...kept, gesture: '' };
 }
 
 /** All axes at once, as other ones: a file, a link, an example. Those of another tab bring their ids.

@@ -73,6 +73,33 @@ def test_requests_do_not_pile_up_while_a_slider_is_dragged(open_page: Callable[.
     assert total["socket"] > 5
 
 
+def test_a_slider_on_its_way_over_where_it_was_taken_up_asks_for_every_point_when_it_is_let_go(
+    stepramp: StepRampPage,
+) -> None:
+    stepramp.field("move.steps").fill("5000")
+    until(lambda: "5,000 steps" in stepramp.figure_text("duration"))
+    page, box = stepramp.page, stepramp.slider(SLEW_SPEED).bounding_box()
+    assert box
+    begin, away, y = box["x"] + box["width"] * 0.5, box["x"] + box["width"] * 0.55, box["y"] + box["height"] / 2
+    page.mouse.click(begin, y)
+    first = stepramp.field(SLEW_SPEED).input_value()
+    until(lambda: f"of {first} asked for" in stepramp.figure_text("peak"))
+    page.wait_for_timeout(300)
+    asked: list[str] = []
+    page.on("request", lambda request: request.url.endswith("/curves") and asked.append(request.url))
+    page.mouse.move(begin, y)
+    page.mouse.down()
+    for _ in range(2):
+        page.mouse.move(away, y, steps=4)
+        expect(stepramp.field(SLEW_SPEED)).not_to_have_value(first)
+        page.mouse.move(begin, y, steps=4)
+        expect(stepramp.field(SLEW_SPEED)).to_have_value(first)
+        page.wait_for_timeout(100)
+    assert asked == [], "a slider that is held asks over its socket, for fewer points"
+    with page.expect_request("**/api/v1/curves"):
+        page.mouse.up()
+
+
 def test_the_views_show_their_part_of_the_move(stepramp: StepRampPage) -> None:
     view(stepramp, "start")
     until(lambda: stepramp.x_axis()["type"] == "log")

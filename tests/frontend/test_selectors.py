@@ -32,13 +32,16 @@ def test_turns_of_the_wheel_minutes_apart_are_taken_back_one_by_one(modules: Mod
     assert after(modules, [*turned, ["work.undo"], ["work.undo"]], look) == before
 
 
-def test_a_slider_that_comes_back_to_its_first_value_slides_no_more(modules: Modules) -> None:
+def test_a_slider_that_comes_back_to_its_first_value_slides_on_until_it_is_let_go(modules: Modules) -> None:
     path, gesture = "move.steps", "slide:move.steps"
     first = document()["move"]["steps"]
     away = [["work.endGesture"], ["work.setValue", path, 1234, gesture]]
+    back = [*away, ["work.setValue", path, first, gesture]]
     look = "(state, {isSliding}) => [isSliding(state), state.history.past.length]"
     assert after(modules, away, look) == [True, 2]
-    assert after(modules, [*away, ["work.setValue", path, first, gesture]], look) == [False, 1]
+    assert after(modules, back, look) == [True, 2]
+    assert after(modules, [*back, ["work.endGesture"]], look) == [False, 1], "it was no change"
+    assert after(modules, [*back, ["work.setValue", path, 1235, gesture], ["work.endGesture"]], look) == [False, 2]
     assert after(modules, [*away, ["work.endGesture"]], look) == [False, 2]
 
 

@@ -49,6 +49,10 @@ export function createNumber(field, { onEdit, onSlid }) {
   input.addEventListener('keydown', (event) => pressed(event, STEP_KEYS, step));
   slider.addEventListener('input', slide);
   slider.addEventListener('change', onSlid);
+  // One that comes back to where it was taken up tells no change.
+  slider.addEventListener('pointerdown', () => {
+    for (const name of ['pointerup', 'pointercancel']) addEventListener(name, onSlid, { capture: true, once: true });
+  });
   slider.addEventListener('keydown', (event) => pressed(event, SLIDER_KEYS, stepSlider));
   parts.follow?.addEventListener('click', toggleFollow);
   const hasFocus = () => document.activeElement === input || document.activeElement === slider;
