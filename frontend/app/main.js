@@ -8,6 +8,7 @@ import { createAxes } from '../panels/axes/axes.js';
 import { createCapture } from '../panels/capture/capture.js';
 import { createDevice } from '../panels/device/device.js';
 import { createExport } from '../panels/export/export.js';
+import { createFlight } from '../panels/flight/flight.js';
 import { createGuide } from '../panels/guide/guide.js';
 import { createHeader } from '../panels/header/header.js';
 import { createOffer } from '../panels/offer/offer.js';
@@ -82,13 +83,14 @@ const theme = createTheme(store);
 // ---- panels ----
 
 const exporting = createExport(store);
+const flight = createFlight(api.playInFlight);
 const panels = [
   createHeader(part('header'), dispatch, { ...keys, ...documents, ...theme, stop, openExport: exporting.open }),
   createTabs(part('tabs'), dispatch),
   createGuide(part('guide'), dispatch, { openExport: exporting.open, saveFile: documents.saveFile }),
   createOffer(part('offer'), dispatch, documents),
   createAxes(part('axes'), dispatch),
-  createParameters(part('parameters'), dispatch),
+  createParameters(part('parameters'), dispatch, { openFlight: flight.open }),
   createSummary(part('summary'), dispatch),
   createPlots(part('figure'), dispatch),
   createTable(part('table'), dispatch, api),
@@ -97,6 +99,7 @@ const panels = [
   createStatus(part('status')),
   createAnnouncements(part('announcements')),
   exporting,
+  flight,
 ];
 for (const panel of panels) subscribe(panel.show);
 

@@ -75,6 +75,22 @@ export function counted(count, one) {
   return `${formatFixed(count)} ${one}${count === 1 ? '' : 's'}`;
 }
 
+/** Round values evenly apart, the first not above and the last not below a span that they divide into so many parts at
+ * most, or two more.
+ * @param {number} from @param {number} to @param {number} most
+ * @returns {{at: number, text: string}[]} */
+export function roundParts(from, to, most) {
+  const least = (to - from) / most;
+  const power = 10 ** Math.floor(Math.log10(least));
+  const apart = tidy(([1, 2, 5].find((part) => tidy(part * power) >= tidy(least)) ?? 10) * power);
+  const digits = Math.max(0, -Math.floor(Math.log10(apart)));
+  const [first, last] = [Math.floor(tidy(from / apart)), Math.ceil(tidy(to / apart))];
+  return Array.from({ length: last - first + 1 }, (_, part) => {
+    const at = tidy((first + part) * apart);
+    return { at, text: formatFixed(at, digits) };
+  });
+}
+
 /** Write a fraction as a signed percentage: 0.061 as "+6.1".
  * @param {number} fraction */
 export function formatSignedPercent(fraction) {

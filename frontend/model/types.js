@@ -117,6 +117,16 @@
 
 /** @typedef {{steps: {at_us: number[], position: number[]}, stops: {at_us: number, position: number}[]}} PlayedTable */
 
+/** What a motor does that is told something in flight: as many of its steps as were asked for, and all turns.
+ * @typedef {object} InFlight
+ * @property {number} timer_hz
+ * @property {number[]} at_ticks
+ * @property {number[]} interval_ticks        to the next pulse, or to rest
+ * @property {number[]} position_steps
+ * @property {(1 | -1)[]} direction
+ * @property {{at_s: number, position_steps: number}[]} rests
+ * @property {number[]} told_position_steps   where it was, by command */
+
 /** @typedef {{rows: number[], bytes: number[], largest_relative_error: number[], floor: Floor}} FitCurve */
 
 /** @typedef {{port: string, name: string, virtual: boolean, families: string[]}} Port  families: that one there may be of */

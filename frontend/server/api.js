@@ -15,6 +15,7 @@ import { isReadable, upload } from './upload.js';
 const ANSWER_WITHIN_MS = 15_000;
 const PUSH_WITHIN_MS = 90_000;
 const EXPORT_WITHIN_MS = 60_000;
+const PLAY_WITHIN_MS = 60_000;
 const CAPTURE_WITHIN_MS = 600_000;
 /** A stop that is not answered so soon is said over the socket of events, too. */
 const STOP_WITHIN_MS = 100;
@@ -204,6 +205,11 @@ export const api = {
 
   /** @param {object} play table, range_steps and targets @returns {Promise<import('../model/types.js').PlayedTable>} */
   playTable: (play) => request('POST', 'table/play', play),
+
+  /** Play a design's ramp to what is told in flight.
+   * @param {object} play design, commands and max_points @param {AbortSignal} ended
+   * @returns {Promise<import('../model/types.js').InFlight>} */
+  playInFlight: (play, ended) => request('POST', 'retarget', play, { withinMs: PLAY_WITHIN_MS, ended }),
 
   /** Read what a logic analyser captured. What is null is left to the server.
    * @param {File} file @param {import('../model/types.js').CaptureWish & {design: string}} wanted

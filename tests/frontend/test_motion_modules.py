@@ -175,7 +175,7 @@ def test_a_refusal_of_a_device_in_the_unit_that_is_shown(
 
 
 REFUSAL = """async ([rejection, quantity, length]) => {
-    const {inShownUnit} = await import('/panels/device/refusal.js');
+    const {inShownUnit} = await import('/ui/refusal.js');
     const design = {axis: {full_steps_per_rev: 200, microsteps: 2, travel_per_rev: 8, travel_unit: 'mm'}};
     return inShownUnit(rejection, 'Steps', quantity, {length, time: 's'}, design); }"""
 
@@ -207,7 +207,7 @@ def test_a_speed_has_no_sign_where_buttons_say_which_way(modules: Modules) -> No
 def test_what_the_server_says_of_a_speed_with_its_sign_is_told_of_the_speed_without(modules: Modules) -> None:
     script = """async ([rejection, length]) => {
         const {ofUndirected} = await import('/devices/directed_speed.js');
-        const {inShownUnit} = await import('/panels/device/refusal.js');
+        const {inShownUnit} = await import('/ui/refusal.js');
         const design = {axis: {full_steps_per_rev: 200, microsteps: 2, travel_per_rev: 8, travel_unit: 'mm'}};
         return inShownUnit(ofUndirected(rejection), 'Speed', 'speed', {length, time: 's'}, design); }"""
     limits = limited(-1000, 1000, ", the slew speed, and 0 or at least 0.03 steps/s either way", is_whole=False)

@@ -1,5 +1,6 @@
 from typing import Any
 
+import numpy as np
 import pytest
 from starlette.testclient import TestClient
 
@@ -21,6 +22,28 @@ def test_the_steps_of_targets_that_change_in_flight(client: TestClient) -> None:
     [rest] = answer["rests"]
     assert rest["position_steps"] == len(answer["at_ticks"]) < 50
     assert rest["at_s"] > answer["at_ticks"][-1] / 2_000_000
+    assert answer["interval_ticks"][:-1] == np.diff(answer["at_ticks"]).tolist()
+    assert answer["interval_ticks"][-1] == round(rest["at_s"] * 2_000_000) - answer["at_ticks"][-1]
+    assert answer["told_position_steps"] == [0, before]
+
+
+def test_as_many_points_as_are_wanted_with_every_turn(client: TestClient) -> None:
+    there_and_back = [{"at_s": at_s, "target_steps": 20_000 * (at_s % 2)} for at_s in range(30)]
+    commands = [*there_and_back, {"at_s": 100, "target_steps": 50_000}, {"at_s": 200, "target_steps": 0}]
+    whole, thinned = ask(client, commands).json(), ask(client, commands, max_points=100).json()
+    step = {at: place for place, at in enumerate(whole["at_ticks"])}
+    kept = [step[at] for at in thinned["at_ticks"]]
+    turns = np.flatnonzero(np.diff(whole["direction"]))
+    assert len(turns) == 28 + 1  # of the 28 commands after the one that sets out, and on the way home
+    assert {*turns.tolist(), *(turns + 1).tolist()} <= set(kept)
+    assert 100 <= len(kept) < 250
+    assert len(step) > 100_000
+    assert max(thinned["position_steps"]) == max(whole["position_steps"])
+    for name in ("interval_ticks", "position_steps", "direction"):
+        assert thinned[name] == [whole[name][place] for place in kept]
+    # At rest from one command to the next: that is no interval.
+    assert max(whole["interval_ticks"]) < 2_000_000
+    assert (thinned["rests"], thinned["told_position_steps"]) == (whole["rests"], whole["told_position_steps"])
 
 
 @pytest.mark.parametrize(

@@ -18,6 +18,6 @@ async def retarget(request: RetargetPayload) -> Planned[RetargetAnswer]:
 
     def answer() -> RetargetAnswer:
         played = played_towards(design, request.told, request.direction_setup_us)
-        return RetargetAnswer.of(played, design.timer.frequency_hz)
+        return RetargetAnswer.of(played, design.timer.frequency_hz, request.max_points)
 
     return Planned(LONG_PLANNING, answer)

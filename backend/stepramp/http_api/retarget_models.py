@@ -7,6 +7,7 @@ from pydantic import FailFast, Field, model_validator
 from stepramp.design import MOST_STEPS, SLOWEST_STEPS_PER_S, Design
 from stepramp.errors import Limits
 from stepramp.http_api.answer import Answer, WholeNumbers
+from stepramp.http_api.planning_models import MostPoints
 from stepramp.ramp.retarget import Command, PlayedSteps
 from stepramp.validation import Document, ListOf, Within, refuse
 
@@ -47,6 +48,7 @@ class RetargetPayload(Document):
     direction_setup_us: Annotated[float, Within(0, 1_000_000, "µs")] = Field(
         5.0, description="From a change of direction to the next pulse [µs]"
     )
+    max_points: MostPoints = None
 
     @model_validator(mode="after")
     def _in_order(self) -> Self:
@@ -71,22 +73,27 @@ class RestAnswer(Answer):
 
 
 class RetargetAnswer(Answer):
-    """The steps that are played, one value a step in each list."""
+    """The steps that are played, one value a step in each list, or the steps that max_points leaves, and all turns."""
 
     timer_hz: float = Field(description="Ticks a second [Hz]")
     at_ticks: WholeNumbers = Field(description="Instant of the pulse [ticks]")
+    interval_ticks: WholeNumbers = Field(description="From the pulse to the next one, or to rest [ticks]")
     position_steps: WholeNumbers = Field(description="Position after the pulse [steps]")
     direction: WholeNumbers = Field(description="1 forwards, -1 backwards")
     rests: list[RestAnswer]
+    told_position_steps: WholeNumbers = Field(description="Where the motor was at the instant of each command [steps]")
 
     @classmethod
-    def of(cls, played: PlayedSteps, timer_hz: float) -> Self:
+    def of(cls, played: PlayedSteps, timer_hz: float, most_points: int | None) -> Self:
         """Return what was played as an answer."""
+        shown = slice(None) if most_points is None else played.kept(most_points)
         rests = zip((played.rest_at_ticks / timer_hz).tolist(), played.rest_position_steps.tolist(), strict=True)
         return cls(
             timer_hz=timer_hz,
-            at_ticks=played.at_ticks,
-            position_steps=played.position_steps,
-            direction=played.direction,
+            at_ticks=played.at_ticks[shown],
+            interval_ticks=played.interval_ticks[shown],
+            position_steps=played.position_steps[shown],
+            direction=played.direction[shown],
             rests=[RestAnswer(at_s=at_s, position_steps=position) for at_s, position in rests],
+            told_position_steps=played.told_position_steps,
         )

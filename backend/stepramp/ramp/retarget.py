@@ -19,7 +19,9 @@ from stepramp.ramp.playback.formula import FormulaPlayback
 from stepramp.ramp.playback.lists import ListPlayback
 from stepramp.ramp.playback.motor import InstantsOf, Motor
 from stepramp.ramp.playback.trajectory import Playback
+from stepramp.ramp.profile import Phase
 from stepramp.ramp.slopes import slopes_of
+from stepramp.ramp.thinning import kept_steps_of_all
 from stepramp.units import speed_from_interval, ticks_from_us
 
 MOST_LOOKED_THROUGH = 1_000_000_000
@@ -52,6 +54,24 @@ class PlayedSteps:
     """When it came to rest: the end of the last pulse's interval, shape (rests,)."""
     rest_position_steps: NDArray[np.int64]
     """Where, shape (rests,)."""
+    told_position_steps: NDArray[np.int64]
+    """Where it was at the instant of each command, shape (commands,)."""
+
+    @property
+    def interval_ticks(self) -> NDArray[np.int64]:
+        """From each pulse to the next, or to rest where that comes before it, shape (steps,)."""
+        ends = np.append(self.at_ticks[1:], END)
+        # After as many pulses as had been made by then; a rest without any is none of theirs.
+        last = np.searchsorted(self.at_ticks, self.rest_at_ticks) - 1
+        ends[last[last >= 0]] = self.rest_at_ticks[last >= 0]
+        return ends - self.at_ticks
+
+    def kept(self, most: int) -> NDArray[np.int64]:
+        """Return the places of about `most` pulses that carry the shapes of position and speed, with all turns."""
+        steps = self.at_ticks.size
+        kept = kept_steps_of_all([self.position_steps, self.interval_ticks], (Phase("slew", 1, steps),), most)
+        turns = np.flatnonzero(np.diff(self.direction))
+        return np.union1d(kept, np.union1d(turns, turns + 1))
 
 
 def played_towards(design: Design, commands: Sequence[Command], direction_setup_us: float) -> PlayedSteps:
@@ -72,6 +92,7 @@ def played_towards(design: Design, commands: Sequence[Command], direction_setup_
     for index, command in enumerate(commands):
         at = round(command.at_s * timer_hz)
         motor.settle(at)
+        recorder.told()
         if command.target_steps is not None:
             motor.move_to(command.target_steps, at)
         elif command.speed_steps_per_s:
@@ -123,6 +144,11 @@ class _Recorder:
         self._positions: list[NDArray[np.int64]] = []
         self._directions: list[NDArray[np.int64]] = []
         self._rests: list[tuple[int, int]] = []
+        self._told: list[int] = []
+
+    def told(self) -> None:
+        """Notice that the motor is told something."""
+        self._told.append(self._motor.position)
 
     def set_out(self) -> None:
         """Notice that the motor sets out from rest."""
@@ -151,6 +177,7 @@ class _Recorder:
             direction=_joined(self._directions),
             rest_at_ticks=rests[:, 0],
             rest_position_steps=rests[:, 1],
+            told_position_steps=np.array(self._told, np.int64),
         )
 
 

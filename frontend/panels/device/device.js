@@ -15,7 +15,7 @@ import { limitsText } from './limits.js';
 import { createLive } from './live.js';
 import { createMoveSection } from './move_section.js';
 import { createPushSection } from './push_section.js';
-import { withoutThatOf } from './refusal.js';
+import { withoutThatOf } from '../../ui/refusal.js';
 import { createSettingsDialog } from './settings_dialog.js';
 import { createTraceSection } from './trace_section.js';
 

@@ -6,9 +6,9 @@ import { element, icon } from '../../ui/dom.js';
 import { memory } from '../../documents/memory.js';
 import { shownValue } from '../../model/units.js';
 import { refusalText } from '../../model/messages.js';
-import { plainField } from './plain_field.js';
-import { quantityField } from './quantity.js';
-import { showAtPlaces } from './refusal.js';
+import { plainField } from '../../ui/plain_field.js';
+import { quantityField } from '../../ui/quantity_field.js';
+import { showAtPlaces } from '../../ui/refusal.js';
 import { able, can } from './section.js';
 
 /** @typedef {import('../../model/types.js').Device} Device */

@@ -5,8 +5,8 @@ import { element } from '../../ui/dom.js';
 import { formatEntry } from '../../model/numbers.js';
 import { beyond, DEVICE_TAKES, refusalOf } from '../../model/taken.js';
 import { shownValue, unitWord } from '../../model/units.js';
-import { quantityField } from './quantity.js';
-import { showAtPlaces } from './refusal.js';
+import { quantityField } from '../../ui/quantity_field.js';
+import { showAtPlaces } from '../../ui/refusal.js';
 
 /** @typedef {import('../../model/types.js').Design} Design */
 /** @typedef {import('../../model/types.js').Device} Device */

@@ -7,7 +7,7 @@ import { limitsInUnit } from '../../model/limits_text.js';
 import { refusalText } from '../../model/messages.js';
 import { formatEntry, parseEntry } from '../../model/numbers.js';
 import { DEVICE_TAKES, refusalOf } from '../../model/taken.js';
-import { showAtPlaces } from './refusal.js';
+import { showAtPlaces } from '../../ui/refusal.js';
 
 /** @typedef {import('../../model/types.js').Rejection} Rejection */
 /** @typedef {import('../../model/types.js').Settings} Settings */
@@ -120,7 +120,7 @@ function controlOf(setting) {
 }
 
 /** What is chosen of what there is can't be refused.
- * @type {{refusal: (value: unknown) => Rejection | null, place: import('./refusal.js').Place | null}} */
+ * @type {{refusal: (value: unknown) => Rejection | null, place: import('../../ui/refusal.js').Place | null}} */
 const NEVER_REFUSED = { refusal: () => null, place: null };
 
 /** @param {string} id @param {string} hint @param {[string, string][]} choices */
@@ -178,7 +178,7 @@ function number(id, hint, { name, label, unit, nullable }) {
     'data-explained-by': hint,
   });
   selectOnFocus(input);
-  /** @type {import('./refusal.js').Place} */
+  /** @type {import('../../ui/refusal.js').Place} */
   const place = {
     path: new RegExp(`^${name}$`),
     input,

@@ -6,7 +6,7 @@ import { api, isNo, Refusal } from '../../server/api.js';
 import { createDialog, dialogFoot } from '../../ui/dialog.js';
 import { element, messageLine } from '../../ui/dom.js';
 import { createLimitFields } from './limits.js';
-import { withoutThatOf } from './refusal.js';
+import { withoutThatOf } from '../../ui/refusal.js';
 import { createSettingFields } from './setting_fields.js';
 
 /** @typedef {import('../../model/types.js').Device} Device */

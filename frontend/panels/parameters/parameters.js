@@ -35,8 +35,9 @@ const PLANS = [
   ['any_move', 'cut out'],
 ];
 
-/** @param {HTMLElement} root @param {import('../../app/state.js').Dispatch} dispatch */
-export function createParameters(root, dispatch) {
+/** @param {HTMLElement} root @param {import('../../app/state.js').Dispatch} dispatch
+ * @param {{openFlight: () => void}} act */
+export function createParameters(root, dispatch, { openFlight }) {
   /** @type {import('./number.js').Handlers & Parameters<typeof createMethod>[0] & Parameters<typeof createShape>[0]} */
   const handlers = {
     onEdit: (path, value, gesture) => dispatch(setValue, path, value, gesture, performance.now()),
@@ -60,13 +61,21 @@ export function createParameters(root, dispatch) {
     createPresetPicker('axis', 'Axis', onPreset, info),
     createPresetPicker('timer', 'Timer', onPreset, info),
   ];
+  const inFlight = element('button', {
+    className: 'button quiet small',
+    id: 'open-flight',
+    type: 'button',
+    title: 'What the motor does when its target or speed changes while it moves. Computed only; no device moves.',
+    textContent: 'In flight',
+    onclick: openFlight,
+  });
   const groups = GROUPS.map((group, index) =>
     element(
       'section',
       { className: 'group', 'aria-label': group.title },
       pickers[index]?.element ??
         (group.title === 'Ramp' ? shape.head : null) ??
-        element('div', { className: 'group-head' }, element('h2', { textContent: group.title })),
+        element('div', { className: 'group-head' }, element('h2', { textContent: group.title }), group.title === 'Move' && inFlight),
       group.title === 'Ramp' && shape.nameBox,
       ...numbers.filter((number) => group.fields.includes(number.field)).map((number) => number.element),
       group.title === 'Ramp' && shape.points,

@@ -3,7 +3,7 @@
 
 import { svgElement } from '../../ui/dom.js';
 import { counted, formatFigures } from '../../model/numbers.js';
-import { chartText, gridLine } from './chart.js';
+import { chartText, gridLine } from '../../ui/chart.js';
 
 /** @typedef {import('../../model/types.js').FitCurve} FitCurve */
 
@@ -31,7 +31,7 @@ export function createFitChart(onChoose) {
   /** Index of the size that is chosen, in the curve; -1: none of them. */
   let chosen = -1;
   const drawing = svgElement('svg', {
-    class: 'fit-chart',
+    class: 'small-chart',
     viewBox: `0 0 ${WIDTH} ${HEIGHT}`,
     tabindex: 0,
     role: 'slider',

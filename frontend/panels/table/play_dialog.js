@@ -100,8 +100,8 @@ export function createPlayDialog(playTable) {
 
   /** @param {PlayedTable | null} played @param {string} problem @param {Target[]} [targets] */
   function show(played, problem, targets = []) {
-    chart.show(played, targets);
     if (played === null) {
+      chart.show(null, targets);
       result.replaceChildren(messageLine({ text: problem, isWarning: false }));
       return;
     }
@@ -112,7 +112,7 @@ export function createPlayDialog(playTable) {
     const back = position.findIndex((step, at) => at > 0 && step < position[at - 1]);
     const turn = back < 0 ? '' : `It turns at step ${formatEntry(position[back - 1])}. `;
     const text = told.length === 0 ? 'It has nowhere to go.' : `${turn}At rest ${told.join(', then ')}.`;
-    chart.element.setAttribute('aria-label', `Position over time. ${text}`);
+    chart.show(played, targets, text);
     result.replaceChildren(element('p', { textContent: text }));
   }
 

@@ -18,14 +18,14 @@ def open_fit(page: Page, wish: str = "8") -> Locator:
     dialog.locator('[data-value="rows"]').click()
     dialog.locator("#fit-wish").fill(wish)
     rows = "1 row" if wish == "1" else f"{wish} rows"
-    expect(dialog.locator(".fit-chart")).to_have_attribute("aria-valuetext", re.compile(f"^{rows}, .* %"))
+    expect(dialog.locator(".small-chart")).to_have_attribute("aria-valuetext", re.compile(f"^{rows}, .* %"))
     return dialog
 
 
 def test_a_table_is_fitted_shown_and_only_then_used(start: StepRampPage) -> None:
     page = start.page
     dialog = open_fit(page, "1")
-    expect(dialog.locator(".fit-chart .dot")).to_have_count(32)
+    expect(dialog.locator(".small-chart .dot")).to_have_count(32)
     # One row for delays from 10,000 µs (1 / sqrt(2 a)) to 1,000: off by 9/11, at 2 · 10,000 · 1,000 / 11,000.
     expect(dialog.locator("#fit-result")).to_contain_text("1 row · 4 bytes · largest error ± 81.8 %")
     expect(dialog.locator(".preview td").nth(2)).to_have_text("1,818")
@@ -52,7 +52,7 @@ def test_a_fit_is_to_what_is_played_and_tells_what_no_rows_can_mend(
     # Index 2 plays the first interval up and the third from the end: (sqrt(3) - 1) / (sqrt(3) + 1) of them.
     expect(dialog.locator("#fit-result")).to_contain_text("16 rows · 64 bytes · largest error ± 26.8 %")
     expect(dialog.locator("#fit-result")).to_contain_text("No number of rows does better than ± 26.8 %: at index 2")
-    expect(dialog.locator(".fit-chart .floor")).to_have_count(1)
+    expect(dialog.locator(".small-chart .floor")).to_have_count(1)
     dialog.locator('[data-value="largest_relative_error"]').click()
     dialog.locator("#fit-wish").fill("20")
     expect(dialog.locator("#fit-result")).to_contain_text("Error is 20 %; allowed: at least 26.8 %, the best")
@@ -72,7 +72,7 @@ def test_a_fit_is_to_what_is_played_and_tells_what_no_rows_can_mend(
 
 def test_a_size_is_chosen_on_the_curve(start: StepRampPage) -> None:
     page = start.page
-    chart = open_fit(page).locator(".fit-chart")
+    chart = open_fit(page).locator(".small-chart")
     # The chart is drawn anew with each answer: a dot taken away meanwhile has no place.
     until(lambda: chart.locator(".dot").nth(11).bounding_box())
     box = chart.locator(".dot").nth(11).bounding_box()

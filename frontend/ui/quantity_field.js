@@ -1,16 +1,16 @@
 // @ts-check
 // A field for a length or a speed in the unit that is chosen; what is asked for is in steps and seconds.
 
-import { element } from '../../ui/dom.js';
-import { selectOnFocus } from '../../ui/select_on_focus.js';
-import { refusalText } from '../../model/messages.js';
-import { formatEntry, formatFixed, parseEntry } from '../../model/numbers.js';
-import { shownValue, storedValue, unitsFor, unitWord } from '../../model/units.js';
+import { element } from './dom.js';
+import { selectOnFocus } from './select_on_focus.js';
+import { refusalText } from '../model/messages.js';
+import { formatEntry, formatFixed, parseEntry } from '../model/numbers.js';
+import { shownValue, storedValue, unitsFor, unitWord } from '../model/units.js';
 import { inShownUnit } from './refusal.js';
 
-/** @typedef {import('../../model/types.js').Design} Design */
-/** @typedef {import('../../model/types.js').Entry} Entry */
-/** @typedef {import('../../model/units.js').Units} Units */
+/** @typedef {import('../model/types.js').Design} Design */
+/** @typedef {import('../model/types.js').Entry} Entry */
+/** @typedef {import('../model/units.js').Units} Units */
 
 const MOST_FIGURES = 7;
 /** What is beyond them comes of the conversion: 0.14 mm at 0.02 mm a step are 7 steps, not 7.000000000000001. */
@@ -76,7 +76,7 @@ export function quantityField({ id, label, quantity, start, toWhole = Math.round
       write();
     },
     /** What the server says is wrong with it.
-     * @param {import('../../model/types.js').Rejection} rejection @param {string} label */
+     * @param {import('../model/types.js').Rejection} rejection @param {string} label */
     refusal: (rejection, label) =>
       shown ? inShownUnit(rejection, label, quantity, shown.units, shown.design) : refusalText(rejection, label),
     /** What the motor does, where that isn't what the field says; '' where it is. */

@@ -1,16 +1,16 @@
 // @ts-check
-// What the server refuses of a device, at the field that it is about, in the page's words and the unit that is shown.
+// What the server refuses, at the field that it is about, in the page's words and the unit that is shown.
 
-import { limitsInUnit } from '../../model/limits_text.js';
-import { refusalText } from '../../model/messages.js';
-import { formatEntry } from '../../model/numbers.js';
-import { shownValue, unitWord } from '../../model/units.js';
-import { showMessage } from '../../ui/dom.js';
+import { limitsInUnit } from '../model/limits_text.js';
+import { refusalText } from '../model/messages.js';
+import { formatEntry } from '../model/numbers.js';
+import { shownValue, unitWord } from '../model/units.js';
+import { showMessage } from './dom.js';
 
-/** @typedef {import('../../model/types.js').Design} Design */
-/** @typedef {import('../../model/types.js').Rejection} Rejection */
-/** @typedef {import('../../model/units.js').Quantity} Quantity */
-/** @typedef {import('../../model/units.js').Units} Units */
+/** @typedef {import('../model/types.js').Design} Design */
+/** @typedef {import('../model/types.js').Rejection} Rejection */
+/** @typedef {import('../model/units.js').Quantity} Quantity */
+/** @typedef {import('../model/units.js').Units} Units */
 
 /** A field, and which rejections are about it.
  * @typedef {object} Place

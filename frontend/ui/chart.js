@@ -1,7 +1,7 @@
 // @ts-check
-// What the small charts of the table's dialogs are made of.
+// What the small charts of dialogs are made of.
 
-import { svgElement } from '../../ui/dom.js';
+import { svgElement } from './dom.js';
 
 /** @param {string} text @param {number} x @param {number} y @param {'start' | 'middle' | 'end'} anchor */
 export function chartText(text, x, y, anchor) {

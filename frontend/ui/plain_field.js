@@ -1,9 +1,9 @@
 // @ts-check
 // A field for a number in a unit that is always the same.
 
-import { element } from '../../ui/dom.js';
-import { selectOnFocus } from '../../ui/select_on_focus.js';
-import { formatEntry, parseEntry } from '../../model/numbers.js';
+import { element } from './dom.js';
+import { selectOnFocus } from './select_on_focus.js';
+import { formatEntry, parseEntry } from '../model/numbers.js';
 
 /** @param {{id: string, label: string, unit: string, value: string, onChange?: (text: string) => void}} what */
 export function plainField({ id, label, unit, value, onChange }) {
