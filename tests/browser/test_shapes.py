@@ -125,3 +125,61 @@ def test_the_page_says_what_the_controller_makes_of_other_lengths(stepramp: Step
     expect(note).to_contain_text("made for this move, up to 593 steps/s. Pushed, it is the ramp of every move")
     page.locator('#short-moves [data-value="any_move"]').click()
     expect(note).to_contain_text("cuts out of a ramp of 250 steps for this move")
+
+
+POINTS = [[0, 1], [500, 1], [1000, 0.5]]
+
+
+def test_drawn_points_are_dragged_nudged_added_and_removed_in_their_plot(stepramp: StepRampPage, watch: Watch) -> None:
+    page = stepramp.page
+    watch.expected.append(REFUSED_VALUE)
+    page.locator("#shape").select_option("drawn")
+    chart, handles = page.locator(".drawn-chart"), page.locator(".drawn-chart .point")
+    expect(handles).to_have_count(3)
+    chart.scroll_into_view_if_needed()
+
+    def points() -> list[list[float]]:
+        found: list[list[float]] = stepramp.design()["ramp"]["shape"]["points"]
+        return found
+
+    def middle(index: int) -> tuple[float, float]:
+        box = handles.nth(index).locator(".hit").bounding_box()
+        assert box
+        assert box["width"] >= 24, "a finger finds it"
+        return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+    (x0, _), (x1, y1), (x2, y2) = (middle(index) for index in range(3))
+    per_step, per_part = (x2 - x0) / 1000, (y2 - y1) / 0.5
+    page.mouse.move(x1 + 3, y1 + 2)
+    page.mouse.down()
+    page.mouse.move(x1 + 3 + 100 * per_step, y1 + 2 + 0.25 * per_part, steps=6)
+    page.mouse.up()
+    until(lambda: points()[1] == [pytest.approx(600, abs=3), pytest.approx(0.75, abs=0.01)])
+    assert (points()[0], points()[2]) == (POINTS[0], POINTS[2])
+    page.keyboard.press("Control+z")
+    until(lambda: points() == POINTS)
+    # Escape puts it back; no further than its neighbours and the least part it goes.
+    page.mouse.move(x1, y1)
+    page.mouse.down()
+    page.mouse.move(x2 + 40, y2 + 400, steps=4)
+    until(lambda: points()[1] == [pytest.approx(999), 0.001])
+    page.keyboard.press("Escape")
+    page.mouse.up()
+    until(lambda: points() == POINTS)
+    handles.nth(2).focus()
+    page.keyboard.press("ArrowUp")
+    page.keyboard.press("Shift+ArrowLeft")
+    until(lambda: points()[2] == [900, 0.51])
+    expect(page.locator("#drawn-points")).to_have_value("0  1\n500  1\n900  0.51")
+    page.mouse.dblclick((x0 + x1) / 2, y1 + 0.4 * per_part)
+    until(lambda: len(points()) == 4)
+    assert points()[1] == [pytest.approx(250, abs=5), pytest.approx(0.6, abs=0.02)]
+    page.keyboard.press("Delete")
+    until(lambda: len(points()) == 3)
+    page.keyboard.press("Delete")
+    page.keyboard.press("Delete")
+    until(lambda: len(points()) == 2)
+    # A text that is refused has no plot, and is named as it was.
+    stepramp.field(SLEW_SPEED).focus()
+    page.locator("#drawn-points").fill("0 1\n400 0.8\nfast 0.2")
+    expect(chart).to_be_hidden()

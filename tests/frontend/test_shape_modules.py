@@ -2,11 +2,14 @@
 
 from typing import Any
 
+import numpy as np
 import pytest
 
 from designs import design, document
 from frontend.modules import Modules
 from stepramp.design import Design
+from stepramp.numerics.slope import ShapeParameters
+from stepramp.shapes.drawn import Drawn
 
 
 def shaped(modules: Modules, name: str, **changes: object) -> dict[str, Any]:
@@ -96,3 +99,42 @@ def test_only_methods_of_the_shape_are_computed_and_exported(modules: Modules) -
     shown = ["exact", "first_order", "newton", "table"]
     assert modules.evaluate(ask, [shaped(modules, "cosine"), shown]) == ["exact", "newton", "table"]
     assert modules.evaluate(ask, [document(), shown]) == shown
+
+
+TWO, THREE = [[0, 1], [1000, 0.5]], [[0, 1], [500, 1], [1000, 0.5]]
+
+
+def test_the_curve_through_drawn_points_is_the_servers(modules: Modules) -> None:
+    """The server's curve is held against an independent one in tests/ramp; the page's is to be the same."""
+    for points in (
+        [[0, 1], [500, 1], [1000, 0.5]],
+        [[10, 0.2], [90, 0.9]],
+        [[0, 0.3], [1, 1], [300, 0.4], [320, 0.9], [900, 0.1]],
+    ):
+        slope = Drawn(1e6, 0, 1200, 1.0, ShapeParameters(points=tuple((x, y) for x, y in points)))
+        speeds = np.linspace(0, 1200, 301)
+        script = """async ([points, speeds]) => {
+            const {monotoneCubic} = await import('/model/monotone_cubic.js');
+            return speeds.map(monotoneCubic(points));
+        }"""
+        drawn = modules.evaluate(script, [points, speeds.tolist()])
+        assert drawn == pytest.approx(slope.accelerations(speeds).tolist(), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("function", "arguments", "expected"),
+    [
+        ("movedPoint", (THREE, 1, [700.06, 0.12345]), [[0, 1], [700.1, 0.123], [1000, 0.5]]),
+        ("movedPoint", (THREE, 1, [2000, 7]), [[0, 1], [999, 1], [1000, 0.5]]),
+        ("movedPoint", ([[0, 1], [1000, 0.5]], 0, [-5, -5]), [[0, 0.001], [1000, 0.5]]),
+        ("withoutPoint", ([[0, 1], [1000, 0.5]], 0), None),
+        ("drawablePoints", ([[0, 1], [0, 0.5]],), None),
+        ("drawablePoints", ([[0, 1], ["fast", 0.5]],), None),
+        ("withPointAt", (TWO, [400, 0.7], 200), {"points": [[0, 1], [400, 0.7], [1000, 0.5]], "index": 1}),
+        ("withPointAt", (TWO, [400, 0.7], 2), {"points": TWO, "index": -1}),
+    ],
+)  # fmt: skip
+def test_drawn_points_stay_between_their_neighbours_and_within_what_is_taken(
+    modules: Modules, function: str, arguments: tuple[object, ...], expected: object
+) -> None:
+    assert modules.call("model/drawn_points.js", function, *arguments) == expected

@@ -97,7 +97,7 @@ export function createParameters(root, dispatch, { openFlight }) {
       number.element.hidden = !hasField(design, number.field.path);
       if (!number.element.hidden) number.show(design, units);
     }
-    shape.show(design);
+    shape.show(design, units);
     plan.show(design);
     plan.element.hidden = shapeOf(design).begins_alike;
     for (const picker of pickers) picker.show(design);

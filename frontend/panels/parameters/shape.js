@@ -5,16 +5,18 @@ import { CHOICES } from '../../model/fields.js';
 import { SHAPES, hasField, shapeOf } from '../../model/shapes.js';
 import { element, picker, showMessage } from '../../ui/dom.js';
 import { pointsOf, pointsText } from '../../model/drawn_points.js';
+import { createDrawnChart } from './drawn_chart.js';
 
 /** @typedef {import('../../model/types.js').Design} Design */
 
 const POINTS = 'ramp.shape.points';
 
 /**
- * @param {{onEdit: (path: string, value: unknown, gesture?: string) => void, onShape: (name: string) => void}} handlers
+ * @param {{onEdit: (path: string, value: unknown, gesture?: string) => void, onShape: (name: string) => void,
+ *   onSlid: () => void}} handlers
  * @param {ReturnType<typeof import('./info.js').createInfo>} info
  */
-export function createShape({ onEdit, onShape }, info) {
+export function createShape({ onEdit, onShape, onSlid }, info) {
   const name = picker('Shape', onShape);
   name.element.classList.add('quiet');
   name.select.id = 'shape';
@@ -33,7 +35,8 @@ export function createShape({ onEdit, onShape }, info) {
   });
   const box = element('div', { className: 'messages' });
   const caption = element('span', { textContent: label });
-  const points = element('div', { className: 'drawn-points' }, caption, text, box);
+  const chart = createDrawnChart({ onPoints: (drawn, gesture) => onEdit(POINTS, drawn, gesture), onEnd: onSlid });
+  const points = element('div', { className: 'drawn-points' }, caption, chart.element, text, box);
   info.explain(
     head,
     () => ({ label: 'Shape', formula: '', help: SHAPES.find((one) => one.name === name.select.value)?.help ?? '' }),
@@ -45,13 +48,14 @@ export function createShape({ onEdit, onShape }, info) {
     head,
     nameBox,
     points,
-    /** @param {Design} design */
-    show(design) {
+    /** @param {Design} design @param {import('../../model/units.js').Units} units */
+    show(design, units) {
       name.offer(
         SHAPES.map((shape) => [shape.name, shape.label]),
         shapeOf(design).name,
       );
       points.hidden = !hasField(design, POINTS);
+      if (!points.hidden) chart.show(design, units);
       const shown = design.ramp.shape?.points ?? [];
       // What is being typed stays as it is typed.
       if (JSON.stringify(pointsOf(text.value)) !== JSON.stringify(shown)) text.value = pointsText(shown);

@@ -3,6 +3,7 @@
 // An svg over the figure and beside it, never in it: Plotly may redraw whenever it likes.
 
 import { axisScale, interpolate } from '../../plotting/curves.js';
+import { createDoublePress, createDragging } from '../../ui/dragging.js';
 import { svgElement } from '../../ui/dom.js';
 import { xPixel, xValue, yPixel, yValue } from '../../plotting/frame.js';
 import { formatEntry } from '../../model/numbers.js';
@@ -29,14 +30,9 @@ import {
 
 /** @typedef {object} Drag
  * @property {number} row
- * @property {SVGElement} handle
- * @property {number} pointerId
- * @property {Pixels} grip    from the pointer to the point: in pixels, as values would drift on a logarithmic axis
  * @property {Pixels} from    where the point was
  * @property {Rows} before    the rows as they were */
 
-const DOUBLE_CLICK_MS = 400;
-const DOUBLE_CLICK_PX = { mouse: 6, pen: 12, touch: 24 };
 // Beyond the plot's edges by a point's half, so that points on an edge are whole.
 const BLEED = 12;
 const LABEL_GAP = 10;
@@ -56,14 +52,9 @@ export function createPoints({ onRows, onSelect, onDrag = () => {}, isOn = () =>
   let selected = -1;
   /** @type {Drag | null} */
   let drag = null;
-  /** The newest move not yet followed.
-   * @type {PointerEvent | null} */
-  let pending = null;
-  let awaitedFrame = 0;
   let gestures = 0;
   /** The rows that the drag has reported, to tell them from others. */
   let reported = '';
-  let lastPress = { at: -Infinity, x: 0, y: 0 };
   /** The element that is listened to for double clicks: what the points were put over.
    * @type {Element | null} */
   let ground = null;
@@ -76,6 +67,8 @@ export function createPoints({ onRows, onSelect, onDrag = () => {}, isOn = () =>
   const drawing = svgElement('svg', { class: 'points', role: 'group', 'aria-label': 'Rows of the lookup table' });
   clip.append(label);
   drawing.append(clip);
+  const isSecondPress = createDoublePress();
+  const dragging = createDragging(drawing, { width: () => drawing.clientWidth, onMove: follow, onEnd: ended });
 
   /** @returns {Rows} */
   const rows = () => design?.table?.rows ?? [];
@@ -197,14 +190,6 @@ export function createPoints({ onRows, onSelect, onDrag = () => {}, isOn = () =>
     onSelect(row);
   }
 
-  /** Where a pointer is in the figure, also when the page is scaled.
-   * @param {PointerEvent} event @returns {Pixels} */
-  function pixelsOf(event) {
-    const box = drawing.getBoundingClientRect();
-    const zoom = box.width / drawing.clientWidth || 1;
-    return { x: (event.clientX - box.left) / zoom, y: (event.clientY - box.top) / zoom };
-  }
-
   /** The row whose point is nearest: where several lie close together, the uppermost need not be the one meant.
    * @param {Pixels} at */
   function nearestRow(at) {
@@ -220,37 +205,19 @@ export function createPoints({ onRows, onSelect, onDrag = () => {}, isOn = () =>
     if (event.button !== 0 || drag || !scene) return;
     event.preventDefault();
     event.stopPropagation();
-    const at = pixelsOf(event);
-    const row = nearestRow(at);
-    const handle = handles[row];
+    const row = nearestRow(dragging.placeOf(event));
     const from = withinPlot(placeOf(row));
-    handle.focus({ preventScroll: true });
-    handle.setPointerCapture(event.pointerId);
     gestures += 1;
-    const grip = { x: from.x - at.x, y: from.y - at.y };
-    drag = { row, handle, pointerId: event.pointerId, grip, from, before: rows() };
-    for (const [name, listener] of dragListeners) handle.addEventListener(name, listener);
-    addEventListener('keydown', escaped);
+    dragging.begin(event, handles[row], from);
+    drag = { row, from, before: rows() };
     onDrag(true);
     choose(row);
   }
 
-  /** @param {PointerEvent} event */
-  function moved(event) {
-    event.stopPropagation();
-    pending = event;
-    // The newest wins, once a frame.
-    if (awaitedFrame === 0) awaitedFrame = requestAnimationFrame(follow);
-  }
-
-  function follow() {
-    awaitedFrame = 0;
-    const event = pending;
-    pending = null;
-    if (!drag || !event || !scene) return;
-    const at = pixelsOf(event);
-    const wanted = withinPlot({ x: at.x + drag.grip.x, y: at.y + drag.grip.y });
-    report(movedRow(rows(), drag.row, placeFrom(drag, wanted, event.shiftKey)));
+  /** @param {Pixels} place @param {boolean} isHeldToOne */
+  function follow(place, isHeldToOne) {
+    if (!drag || !scene) return;
+    report(movedRow(rows(), drag.row, placeFrom(drag, withinPlot(place), isHeldToOne)));
   }
 
   /** What a place in the figure means for a row; with Shift what was moved less stays as it was.
@@ -276,36 +243,16 @@ export function createPoints({ onRows, onSelect, onDrag = () => {}, isOn = () =>
     onRows(changed, `point:${gestures}`);
   }
 
-  /** @param {'stays' | 'restored' | 'left'} how the row stays where it was dragged to, goes back, or is no more ours */
-  function finish(how) {
+  /** @param {import('../../ui/dragging.js').DragEnd} how */
+  function ended(how) {
     if (!drag) return;
-    cancelAnimationFrame(awaitedFrame);
-    // The last move must not be lost.
-    if (how === 'stays') follow();
-    const { handle, before, pointerId } = drag;
-    [drag, pending, awaitedFrame] = [null, null, 0];
-    for (const [name, listener] of dragListeners) handle.removeEventListener(name, listener);
-    removeEventListener('keydown', escaped);
-    if (handle.hasPointerCapture(pointerId)) handle.releasePointerCapture(pointerId);
+    const { before } = drag;
+    drag = null;
     if (how === 'restored') report(before);
     gestures += 1;
     onDrag(false);
     draw();
   }
-
-  /** Escape puts the row back, and stops the motor like everywhere: it is not kept from the page.
-   * @param {KeyboardEvent} event */
-  function escaped(event) {
-    if (event.key === 'Escape') finish('restored');
-  }
-
-  /** @type {[string, (event: any) => void][]} */
-  const dragListeners = [
-    ['pointermove', moved],
-    ['pointerup', () => finish('stays')],
-    ['pointercancel', () => finish('restored')],
-    ['lostpointercapture', () => finish('stays')],
-  ];
 
   /** @param {KeyboardEvent} event @param {number} row */
   function typed(event, row) {
@@ -334,14 +281,10 @@ export function createPoints({ onRows, onSelect, onDrag = () => {}, isOn = () =>
    * @param {Event} event */
   function pressedOnGround(event) {
     const press = /** @type {PointerEvent} */ (event);
-    const reach = DOUBLE_CLICK_PX[/** @type {keyof typeof DOUBLE_CLICK_PX} */ (press.pointerType)] ?? 6;
-    const isSecond =
-      press.timeStamp - lastPress.at < DOUBLE_CLICK_MS &&
-      Math.hypot(press.clientX - lastPress.x, press.clientY - lastPress.y) < reach;
-    lastPress = { at: isSecond ? -Infinity : press.timeStamp, x: press.clientX, y: press.clientY };
+    const isSecond = isSecondPress(press);
     const isOnPoint = press.target instanceof Element && press.target.closest('.point') !== null;
     if (!isSecond || isOnPoint || press.button !== 0 || !isShown()) return;
-    const at = pixelsOf(press);
+    const at = dragging.placeOf(press);
     const inside = withinPlot(at);
     if (inside.x !== at.x || inside.y !== at.y) return;
     press.preventDefault();
@@ -387,7 +330,7 @@ export function createPoints({ onRows, onSelect, onDrag = () => {}, isOn = () =>
       design = shown;
       const after = JSON.stringify(rows());
       // Rows that change otherwise in mid drag, as by undo, are not dragged on.
-      if (drag && after !== before && after !== reported) finish('left');
+      if (drag && after !== before && after !== reported) dragging.finish('left');
       draw();
     },
   };
