@@ -180,4 +180,4 @@ export function createDrawnChart({ onPoints, onEnd }) {
 }
 
 /** @param {number} value */
-const figures = (value) => (Math.abs(value) < 100 ? formatFigures(value, 2) : formatFixed(value));
+const figures = (value) => (value === 0 || Math.abs(value) >= 100 ? formatFixed(value) : formatFigures(value, 2));
