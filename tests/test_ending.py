@@ -15,6 +15,7 @@ from designs import document
 from server_process import PATIENCE_S, ServerProcess
 from stepramp.controllers.stepramp.messages.motion import MoveByRequest, RunRequest, StopRequest
 from stepramp.controllers.stepramp.messages.status import AxisState
+from stepramp.controllers.virtual.motor_state import state_of
 
 LONG_MOVE = 1_000_000
 
@@ -64,7 +65,7 @@ def test_a_signal_stops_the_motor_first_whatever_is_unfinished(
         until(lambda: StopRequest.KIND in board.requests)
         errors = server.ended()
     assert (server.process.returncode, "Traceback" in errors) == (0, False), errors
-    assert board.controller._machine._motors[0].state is not AxisState.MOVING
+    assert state_of(board.controller._machine._motors[0]) is not AxisState.MOVING
     assert board.requests.count(MoveByRequest.KIND) == 1
 
 
@@ -85,4 +86,4 @@ def test_a_server_that_is_killed_leaves_no_run(server: ServerProcess, board: Usb
     server.ask("POST", "devices/1/run", {"speed_steps_per_s": 100, "for_s": 3600})
     assert RunRequest.KIND in board.requests
     server.process.kill()
-    until(lambda: board.controller._machine._motors[0].state is not AxisState.MOVING)
+    until(lambda: state_of(board.controller._machine._motors[0]) is not AxisState.MOVING)

@@ -13,6 +13,7 @@ from designs import design
 from devices.motion import LONG_MOVE, PATIENCE_S, by_steps, wait_for
 from stepramp.controllers.stepramp.messages.status import AxisState
 from stepramp.controllers.virtual.controller import VirtualController
+from stepramp.controllers.virtual.motor_state import state_of
 from stepramp.devices.registry import Devices
 from stepramp.devices.view import DeviceState
 from stepramp.errors import Refused
@@ -74,7 +75,7 @@ def test_the_end_of_the_program_stops_what_moves(plug_in: Callable) -> None:
     device.push([design()])
     device.move_by(by_steps(LONG_MOVE))
     devices.close()
-    assert virtual._machine._motors[0].state is not AxisState.MOVING
+    assert state_of(virtual._machine._motors[0]) is not AxisState.MOVING
     assert virtual._machine._motors[0].position < LONG_MOVE
     assert devices.views() == []
     assert device.view.state is DeviceState.LOST

@@ -131,5 +131,5 @@ def test_every_edge_comes_when_the_prediction_says(
     assert agreeing(made, prediction) == made.size
     straight = np.diff(prediction.direction) == 0
     largest = np.abs(made - np.diff(prediction.at_ticks) / HZ)[straight].max()
-    record_property("largest_deviation_us", largest * 1e6)
+    record_property("largest_deviation_us", float(largest) * 1e6)
     print(f"\n{shape['name']}: the largest deviation of an interval is {largest * 1e6:.3f} µs")
