@@ -165,6 +165,11 @@ class BusyClient(Client):
                 self._answered = self._last_tag = message[3]
                 self.statuses.append(Status.unpack(message[5:]))
 
+    def read_frame(self) -> bytes:
+        """Return the next frame, with the beginning of it that `take` may have been left with."""
+        rest, self._rest = self._rest, b""
+        return rest + super().read_frame()
+
     def forget(self) -> None:
         """Drop what has been answered."""
         while self._port.in_waiting:
