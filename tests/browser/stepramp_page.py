@@ -159,8 +159,17 @@ class StepRampPage:
         expect(self.state).to_have_text("ready", timeout=10_000)
 
     def device_section(self, name: str) -> None:
-        """Show a section of the device panel: push, move, jog, trace."""
-        self.page.locator(f'#device-sections [data-value="{name}"]').click()
+        """Show a section of the device panel: push, move, jog, trace.
+
+        What a push tells may still be growing above it, so that the pointer goes down on it and up beside it.
+        """
+        tab = self.page.locator(f'#device-sections [data-value="{name}"]')
+
+        def is_shown() -> bool:
+            tab.click()
+            return tab.get_attribute("aria-pressed") == "true"
+
+        until(is_shown)
 
     def push(self) -> None:
         self.device_section("push")
