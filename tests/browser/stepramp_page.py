@@ -161,7 +161,7 @@ class StepRampPage:
     def device_section(self, name: str) -> None:
         """Show a section of the device panel: push, move, jog, trace.
 
-        What a push tells may still be growing above it, so that the pointer goes down on it and up beside it.
+        The tabs move where the height of what is shown changes, after a push too: a press may miss them.
         """
         tab = self.page.locator(f'#device-sections [data-value="{name}"]')
 
