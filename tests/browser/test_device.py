@@ -52,6 +52,28 @@ def test_what_differs_is_shown_before_it_is_pushed(pushed: StepRampPage) -> None
     assert device_of(pushed)["ramp"]["sequence"] == stored + 1
 
 
+@pytest.mark.parametrize("height", [900, 720])
+def test_the_tabs_stay_under_the_pointer(stepramp: StepRampPage, height: int) -> None:
+    page = stepramp.page
+    page.set_viewport_size({"width": 1440, "height": height})
+    stepramp.connect()
+    tabs, places = page.locator("#device-sections"), []
+
+    def look(name: str) -> None:
+        stepramp.device_section(name)
+        box = tabs.bounding_box()
+        places.append((name, box and box["y"]))
+
+    for name in ("push", "move", "jog", "trace"):
+        look(name)
+    stepramp.push()
+    for name in ("push", "jog", "push", "move", "trace"):
+        look(name)
+    stepramp.move("20")
+    look("push")
+    assert {place for _, place in places} == {places[0][1]}, places
+
+
 def test_a_push_shows_how_far_it_has_come(stepramp: StepRampPage) -> None:
     stepramp.connect()
     script = """() => { window.seen = []; const box = document.querySelector('#push-progress');

@@ -1,7 +1,7 @@
 // @ts-check
 // The foot of the table: how large it is and what can be done with it and, in a line of its own, what was done last.
 
-import { element, icon } from '../../ui/dom.js';
+import { element, icon, showText } from '../../ui/dom.js';
 import { counted } from '../../model/numbers.js';
 
 const BYTES_PER_ROW = 4;
@@ -29,16 +29,14 @@ export function createFoot({ simulate, copyC, copyCsv, refit, putBack }) {
     /** @param {{rows: number, note: string, canRefit: boolean, replaced: number}} shown
      *   replaced: how many rows can be put back; 0: none */
     show({ rows, note, canRefit, replaced }) {
-      size.textContent =
-        rows === 0
-          ? 'No rows: add one, fit them, or paste a table.'
-          : `${counted(rows, 'row')} · ${(rows * BYTES_PER_ROW).toLocaleString('en-US')} bytes`;
+      const bytes = (rows * BYTES_PER_ROW).toLocaleString('en-US');
+      showText(size, rows === 0 ? 'No rows: add one, fit them, or paste a table.' : `${counted(rows, 'row')} · ${bytes} bytes`);
       for (const one of buttons) one.hidden = rows === 0;
       // Read aloud when it is another.
       if (told.textContent !== note) told.textContent = told.title = note;
       fitAgain.hidden = !canRefit;
       back.hidden = replaced === 0;
-      back.textContent = `Put the ${replaced} before back`;
+      showText(back, `Put the ${replaced} before back`);
       noteLine.hidden = note === '' && fitAgain.hidden && back.hidden;
     },
   };

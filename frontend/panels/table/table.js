@@ -308,8 +308,10 @@ export function createTable(root, dispatch, ask) {
   function showMessages({ fields, rows: rowMessages }) {
     whole = fields.get('table');
     showGeneral();
+    // While a slider moves that is so many times a second.
+    const areNoneStill = rejected.size === 0 && rowMessages.size === 0;
     rejected = rowMessages;
-    showRowMessages();
+    if (!areNoneStill) showRowMessages();
   }
 
   /** @param {import('../../model/workbench.js').Machine | null} shown */
