@@ -92,7 +92,7 @@ def test_the_page_needs_nothing_from_elsewhere_and_runs_nothing(answer: Any, pag
     assert not page.all_of("script")
     assert not [name for _, attributes in page.tags for name in attributes if name.startswith("on") or name == "href"]
     assert all((each["src"] or "").startswith("data:image/svg+xml;base64,") for each in page.all_of("img"))
-    assert len(page.pictures()) == 3
+    assert len(page.pictures()) == 4, "the jerk of constant acceleration is none to be shown"
     for picture in page.pictures():
         assert "script" not in re.sub("<!--.*?-->", "", picture)
         # Names of what the file is written in are no addresses.
@@ -107,10 +107,34 @@ def test_the_page_can_be_read_without_seeing_it(page: Page) -> None:
     assert all(each.get("scope") in ("col", "row") for each in page.all_of("th"))
     assert "" not in [cell for row in page.rows for cell in row]
     # 2 MHz / sqrt(2 · 5000) = 20,000 ticks and 100 steps/s, 120 mm/min; 75 steps up, to sqrt(2 · 5000 · 75) steps/s.
-    speed, delay, error = (each["alt"] or "" for each in page.all_of("img"))
+    speed, delay, error, acceleration = (each["alt"] or "" for each in page.all_of("img"))
     assert speed.startswith("velocity, mm/min, over 150 steps: Exact from 120 to 1,040")
     assert "Exact from 1,150 to 10,000" in delay
     assert "1st order" in error
+    assert acceleration.startswith("acceleration as planned, mm/min²")
+    assert "1st order" not in acceleration, "what another method makes of it, its error tells"
+
+
+def test_acceleration_and_jerk_of_a_shape_are_drawn(client: TestClient) -> None:
+    """A step is 0.02 mm: 5,000 steps/s² are 100 mm/s², and 100,000 steps/s³ are 2,000 mm/s³."""
+    shaped = {**document(), "schema": "stepramp/2"}
+    shaped["ramp"] = {**shaped["ramp"], "shape": {"name": "s_curve", "jerk_steps_per_s3": 100_000}}
+    asked = {"design": shaped, "pinned": document(name="Before"), "units": {"length": "mm", "time": "s"}}
+    *_, acceleration, jerk = (each["alt"] or "" for each in page_of(reported(client, "html", **asked)).all_of("img"))
+    assert "Exact from -100 to 100" in acceleration.replace("−", "-")
+    assert "pinned: Before, Exact from -100 to 100" in acceleration.replace("−", "-")
+    assert "pinned" not in jerk, "that of constant acceleration has no bounds"
+    found = re.fullmatch(
+        r"jerk as planned, mm/s³, over 2,000 steps: Exact from -([\d,]+) to ([\d,]+)\.", jerk.replace("−", "-")
+    )
+    assert found is not None, jerk
+    least, most = (float(each.replace(",", "")) for each in found.groups())
+    assert least == pytest.approx(2000, rel=0.02)
+    # The steps next to rest are long: from one to the other there is more than the limit.
+    assert 2000 * 0.98 < most < 2000 * 1.25
+    _, text = pdf_of(reported(client, "pdf", **asked))
+    assert "acceleration as planned, mm/s²" in text
+    assert "jerk as planned, mm/s³" in text
 
 
 def test_it_says_all_in_the_units_chosen_with_the_pinned_design_beside_it(page: Page) -> None:
@@ -130,7 +154,7 @@ def test_methods_are_called_and_drawn_as_on_the_page(client: TestClient, page: P
     told = {each["name"]: each for each in client.get("/api/v1/methods").json()["methods"]}
     for method in ("exact", "first_order", "newton"):
         assert len(page.row(told[method]["label"])) == 7
-        assert all(told[method]["style"]["light"] in picture for picture in page.pictures())
+        assert all(told[method]["style"]["light"] in picture for picture in page.pictures()[:3])
     body = {"design": ASKED["design"], "methods": ["first_order"]}
     worst = client.post("/api/v1/errors", json=body).json()["methods"][0]["largest_relative_error"]
     assert page.row("1st order")[1:3] == [f"{100 * worst['value']:.3g} %", f"{worst['step']:,}"]

@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stepramp.design import Design, MethodName
+from stepramp.design import Design, MethodName, RampShape
 from stepramp.errors import Rejected, Rejection
 from stepramp.exports.matplotlib_turn import style_of
 from stepramp.exports.printed.checks import Check, checks_of
 from stepramp.exports.printed.numbers import plain, signed
 from stepramp.exports.shape_text import shape_text
 from stepramp.methods import METHODS, REFERENCE
-from stepramp.ramp.drawing import Drawing
+from stepramp.ramp.drawing import Drawing, Drawn
 from stepramp.ramp.error_curves import ErrorCurves
 from stepramp.units import LengthUnit, ShownUnits, TimeUnit, us_from_ticks
 from stepramp.version import __version__
@@ -57,6 +57,9 @@ class Line:
     """In the chosen unit."""
     delay_us: NDArray[np.float64]
     error_percent: NDArray[np.float64]
+    acceleration: NDArray[np.float64] | None
+    """As planned, in the chosen unit; None where it isn't shown."""
+    jerk: NDArray[np.float64] | None
 
 
 @dataclass(frozen=True)
@@ -72,7 +75,7 @@ class Report:
     methods: Table
     lookup_table: Table | None
     lines: tuple[Line, ...]
-    speed_unit: str
+    units: ShownUnits
 
     @property
     def tables(self) -> tuple[Table, ...]:
@@ -91,15 +94,15 @@ def report_of(asked: Asked, made_on: date) -> Report:
     figures: list[tuple[str, ...]] = []
     own: ErrorCurves | None = None
     methods = tuple(dict.fromkeys((asked.design.method.name, *asked.methods)))
-    for method, drawn in Drawing(asked.design, methods, REFERENCE, MOST_POINTS).methods():
+    for method, drawn in _drawing(asked.design, methods).methods():
         label = METHODS[method].label
         if isinstance(drawn, Rejected):
             if own is None:
                 raise drawn
             figures.append((label, *[""] * 6, f"fails: {drawn}"))
             continue
+        lines.append(_line(label, style_of(method), drawn, units, asked.design.ramp.shape if own is None else None))
         own = own or drawn.judged
-        lines.append(_line(label, style_of(method), drawn.judged, drawn.kept, units))
         figures.append((label, *_figures(drawn.judged, units)))
     assert own is not None
     if asked.pinned is not None:
@@ -115,7 +118,7 @@ def report_of(asked: Asked, made_on: date) -> Report:
         methods=Table("Methods against exact", _figures_head(), tuple(figures)),
         lookup_table=_lookup_table(asked.design),
         lines=tuple(lines),
-        speed_unit=units.word("speed"),
+        units=units,
     )
 
 
@@ -131,13 +134,13 @@ def _pinned(design: Design, asked: Asked) -> tuple[Line, tuple[str, ...]]:
     """Return the line and the figures of the pinned design by its own method, against its own exact ramp."""
     try:
         units = _units_of(design, asked)
-        [(_, drawn)] = Drawing(design, (design.method.name,), REFERENCE, MOST_POINTS).methods()
+        [(_, drawn)] = _drawing(design, (design.method.name,)).methods()
         if isinstance(drawn, Rejected):
             raise drawn
     except Rejected as rejected:
         raise _of_pinned(rejected) from None
     label = f"pinned: {design.name or 'Ramp'}, {METHODS[design.method.name].label}"
-    line = _line(label, PINNED_STYLE, drawn.judged, drawn.kept, units)
+    line = _line(label, PINNED_STYLE, drawn, units, design.ramp.shape)
     return line, (label, *_figures(drawn.judged, units))
 
 
@@ -149,8 +152,16 @@ def _of_pinned(rejected: Rejected) -> Rejected:
     )
 
 
-def _line(label: str, style: dict[str, Any], judged: ErrorCurves, kept: NDArray[np.int64], units: ShownUnits) -> Line:
+def _drawing(design: Design, methods: tuple[MethodName, ...]) -> Drawing:
+    return Drawing(design, methods, REFERENCE, MOST_POINTS, with_motion=True)
+
+
+def _line(label: str, style: dict[str, Any], drawn: Drawn, units: ShownUnits, shape: RampShape | None) -> Line:
+    """Return a line; shape: that of a design by whose own method it is, of which alone the motion is shown."""
+    judged, kept = drawn.judged, drawn.kept
     intervals = judged.played_ticks[kept]
+    motion = drawn.motion if shape is not None else None
+    # Where the acceleration is constant the jerk has no bounds at both ends, and is nothing in between.
     return Line(
         label=label,
         style=style,
@@ -158,6 +169,8 @@ def _line(label: str, style: dict[str, Any], judged: ErrorCurves, kept: NDArray[
         speed=units.factor("speed") * judged.timer_hz / intervals,
         delay_us=np.asarray(us_from_ticks(1, judged.timer_hz) * intervals),
         error_percent=100 * judged.relative_error[kept],
+        acceleration=units.factor("acceleration") * motion.acceleration_steps_per_s2[kept] if motion else None,
+        jerk=units.factor("jerk") * motion.jerk_steps_per_s3[kept] if motion and shape != RampShape() else None,
     )
 
 

@@ -8,7 +8,7 @@ from html import escape
 from stepramp.exports.c_text import filled
 from stepramp.exports.matplotlib_turn import matplotlib_turn
 from stepramp.exports.printed.content import Report, Table
-from stepramp.exports.printed.plots import PLOTS, Plot, described, draw
+from stepramp.exports.printed.plots import Plot, described, draw, plots_of
 
 INCHES = (9.0, 3.4)
 
@@ -33,7 +33,7 @@ def page(report: Report) -> bytes:
 
 def _plots(report: Report) -> Iterator[str]:
     with matplotlib_turn():
-        for plot in PLOTS:
+        for plot in plots_of(report):
             # As a picture of its own: names within one can't be mistaken for those of another.
             data = base64.b64encode(_drawn(plot, report)).decode()
             yield (

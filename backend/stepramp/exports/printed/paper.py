@@ -7,7 +7,7 @@ from typing import Any
 
 from stepramp.exports.matplotlib_turn import matplotlib_turn
 from stepramp.exports.printed.content import Report, Table
-from stepramp.exports.printed.plots import PLOTS, draw, printable
+from stepramp.exports.printed.plots import draw, plots_of, printable
 
 WIDTH_IN, HEIGHT_IN = 8.27, 11.69
 MARGIN_IN = 0.7
@@ -57,8 +57,9 @@ def _plots(report: Report) -> Any:
     from matplotlib.layout_engine import ConstrainedLayoutEngine  # noqa: PLC0415
 
     figure = Figure(figsize=(WIDTH_IN, HEIGHT_IN), layout=ConstrainedLayoutEngine(rect=(0.06, 0.05, 0.88, 0.84)))
-    all_axes = figure.subplots(len(PLOTS), 1, sharex=True)
-    for axes, plot in zip(all_axes, PLOTS, strict=True):
+    plots = plots_of(report)
+    all_axes = figure.subplots(len(plots), 1, sharex=True)
+    for axes, plot in zip(all_axes, plots, strict=True):
         draw(axes, plot, report)
     all_axes[-1].set_xlabel("step", fontsize=9)
     entries = all_axes[0].get_legend_handles_labels()

@@ -22,26 +22,44 @@ class Plot:
 
     name: str
     title: Callable[[Report], str]
-    curve: Callable[[Line], NDArray[np.float64]]
+    curve: Callable[[Line], NDArray[np.float64] | None]
+    """None: of this line it isn't shown."""
     is_logarithmic: bool = False
+
+    def curves(self, report: Report) -> list[tuple[Line, NDArray[np.float64]]]:
+        """Return the lines that are shown in it, with what is shown of them."""
+        curves = [(line, self.curve(line)) for line in report.lines]
+        return [(line, curve) for line, curve in curves if curve is not None]
 
 
 PLOTS = (
-    Plot("velocity", lambda report: f"velocity, {report.speed_unit}", lambda line: line.speed),
+    Plot("velocity", lambda report: f"velocity, {report.units.word('speed')}", lambda line: line.speed),
     Plot("delay", lambda _: "delay of a step, µs", lambda line: line.delay_us, is_logarithmic=True),
     Plot("error", lambda _: "error of the delay against exact, %", lambda line: line.error_percent),
+    Plot(
+        "acceleration",
+        lambda report: f"acceleration as planned, {report.units.word('acceleration')}",
+        lambda line: line.acceleration,
+    ),
+    Plot("jerk", lambda report: f"jerk as planned, {report.units.word('jerk')}", lambda line: line.jerk),
 )
+
+
+def plots_of(report: Report) -> list[Plot]:
+    """Return the plots that have anything to show."""
+    return [plot for plot in PLOTS if plot.curves(report)]
 
 
 def draw(axes: Any, plot: Plot, report: Report) -> None:
     """Draw one plot of a report."""
     from matplotlib.ticker import FuncFormatter  # noqa: PLC0415  # loads slowly
 
-    for line in report.lines:
-        axes.plot(line.step, plot.curve(line), label=_legend_text(line.label), **line.style)
+    curves = plot.curves(report)
+    for line, curve in curves:
+        axes.plot(line.step, curve, label=_legend_text(line.label), **line.style)
     axes.set_title(plot.title(report), loc="left", fontsize=10)
     if plot.is_logarithmic:
-        _scale_logarithmically(axes, np.concatenate([plot.curve(line) for line in report.lines]))
+        _scale_logarithmically(axes, np.concatenate([curve for _, curve in curves]))
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_formatter(FuncFormatter(lambda value, _: plain(value)))
     axes.margins(x=0.01)
@@ -61,8 +79,7 @@ def _scale_logarithmically(axes: Any, values: NDArray[np.float64]) -> None:
 def described(plot: Plot, report: Report) -> str:
     """Return in words what a plot shows: for those who don't see it."""
     parts = []
-    for line in report.lines:
-        curve = plot.curve(line)
+    for line, curve in plot.curves(report):
         parts.append(f"{line.label} from {plain(float(curve.min()), 3)} to {plain(float(curve.max()), 3)}")
     return f"{plot.title(report)}, over {report.lines[0].step[-1]:,} steps: {'; '.join(parts)}."
 
