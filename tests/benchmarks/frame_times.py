@@ -7,6 +7,7 @@ import argparse
 import os
 import statistics
 import sys
+from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,8 @@ from browser.server import CHROMIUM, CHROMIUM_ARGUMENTS, Server
 from browser.stepramp_page import ACCELERATION, SLEW_SPEED, StepRampPage
 
 FOUR_METHODS = {"exact", "first_order", "second_order", "newton"}
+FOR_ALL_SHAPES = {"exact", "ideal", "midpoint", "newton"}
+SHAPES = ("constant", "s_curve", "cosine", "drawn")
 MOVES = {10_000: ("2000", "450"), 1_000_000: ("10000", "500")}
 """By steps of the move: slew speed and acceleration, as they are typed."""
 WARM_UP, EVENTS = 30, 200
@@ -92,6 +95,12 @@ def frame_times(edits: int = EDITS) -> None:
             for words, is_paced in (("one after another", False), ("one a frame", True)):
                 measure(page, WARM_UP, is_paced)
                 print(f"| {steps:,} | {words} {row(measure(page, EVENTS, is_paced))}", flush=True)
+        print("\n| 10,000 steps, one after another | ms: median | 95 % | largest | script ms: median |")
+        print("|---|---:|---:|---:|---:|")
+        for shape in SHAPES:
+            prepare(stepramp, 10_000, FOR_ALL_SHAPES, shape)
+            measure(page, WARM_UP, False)
+            print(f"| {shape} {row(measure(page, EVENTS, False))}", flush=True)
         prepare(stepramp, 10_000)
         page.evaluate(EDIT, [SLEW_SPEED, 500])
         before = left_behind(page)
@@ -103,15 +112,18 @@ def frame_times(edits: int = EDITS) -> None:
         browser.close()
 
 
-def prepare(stepramp: StepRampPage, steps: int) -> None:
+def prepare(
+    stepramp: StepRampPage, steps: int, methods: Collection[str] = FOUR_METHODS, shape: str = "constant"
+) -> None:
     """Show a move of so many steps with four methods."""
+    stepramp.page.locator("#shape").select_option(shape)
     speed, acceleration = MOVES[steps]
     for path, text in (("timer.frequency_hz", "16000000"), ("timer.counter_bits", "32"), (SLEW_SPEED, speed),
                        (ACCELERATION, acceleration), ("move.steps", str(steps))):  # fmt: skip
         stepramp.field(path).fill(text)
     for chip in stepramp.page.locator(".chip").all():
         is_on = chip.get_attribute("aria-pressed") == "true"
-        if is_on != (chip.get_attribute("data-method") in FOUR_METHODS):
+        if is_on != (chip.get_attribute("data-method") in methods):
             chip.click()
     stepramp.page.wait_for_timeout(1500)
 
