@@ -62,10 +62,10 @@ class Cosine(Slope):
         return out
 
     def _constants(self, number: Number) -> tuple[np.floating, ...]:
-        """Return what the compiled loops work with, in such numbers; last, how close a root has to come."""
+        """Return what the compiled loops work with, in such numbers; last, how small a change has to be."""
         gain, scale = self.slew_speed - self.base_speed, self.duration_s / math.pi
         middle = scale * (self.base_speed * math.pi / 2 + gain * (math.pi / 2 - 1) / 2)
-        exact = (self.length, middle, math.pi, 1, 7 / 48, 1 / 2, 1 / 6, 2 * np.finfo(number).eps)
+        exact = (self.length, middle, math.pi, 1, 7 / 48, 1 / 2, 1 / 6, np.sqrt(np.finfo(number).eps))
         return tuple(number(each) for each in (self.base_speed, gain, scale, *exact))
 
 
@@ -109,6 +109,7 @@ def _angle(constants, place, before):  # type: ignore[no-untyped-def]  # compile
 
     In the first half the place is convex over the angle: from a start that is too late Newton's method comes down to
     the root. The second half is searched from its end, where the same holds backwards: from too early it comes up.
+    After a change by c the root is within c²/θ, since |v'/v| is at most 2/θ: what is left is less than can be written.
     """
     base, gain, scale, length, middle, pi, one, most, half, _, close = constants
     turn = one + one

@@ -35,19 +35,30 @@ class Drawn(BySpeed):
 
     def accelerations(self, speeds: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the acceleration at each speed [steps/s²], shape of speeds."""
-        (at, parts), slopes = self._points, self._slopes
-        within = np.clip(speeds, at[0], at[-1])
-        piece = np.clip(np.searchsorted(at, within, side="right") - 1, 0, at.size - 2)
-        width, rise = np.diff(at)[piece], np.diff(parts)[piece]
-        place = (within - at[piece]) / width
-        bend = (1 - place) * (width * slopes[piece] - rise) - place * (width * slopes[piece + 1] - rise)
-        drawn: NDArray[np.float64] = self.acceleration * (parts[piece] + place * (rise + (1 - place) * bend))
+        (at, _), pieces = self._points, self._pieces
+        within = np.minimum(np.maximum(speeds, at[0]), at[-1])
+        start, width, part, rise, first_bend, last_bend = pieces[:, np.searchsorted(at[1:-1], within, side="right")]
+        place = (within - start) / width
+        left = 1 - place
+        drawn: NDArray[np.float64] = part + place * (rise + left * (left * first_bend - place * last_bend))
+        drawn *= self.acceleration
         return drawn
 
     @cached_property
     def _points(self) -> NDArray[np.float64]:
         """Speeds and parts of the acceleration, shape (2, points)."""
         return np.array(self.parameters.points, float).T
+
+    @cached_property
+    def _pieces(self) -> NDArray[np.float64]:
+        """What there is between two points, shape (6, points - 1).
+
+        Its first speed, how wide it is, the part of the acceleration there, how far that rises, and by how much the
+        slope at either end is more than even.
+        """
+        (at, parts), slopes = self._points, self._slopes
+        widths, rises = np.diff(at), np.diff(parts)
+        return np.array([at[:-1], widths, parts[:-1], rises, widths * slopes[:-1] - rises, widths * slopes[1:] - rises])
 
     @cached_property
     def _slopes(self) -> NDArray[np.float64]:

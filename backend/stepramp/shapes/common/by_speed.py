@@ -99,14 +99,19 @@ class BySpeed(Slope):
         """s0 [steps]."""
         return float(self.base_speed**2 / (2 * self.accelerations(np.array([self.base_speed]))[0]))
 
-    def _cells(self, number: Number) -> Cells:
+    @cached_property
+    def _precise_cells(self) -> Cells:
         x, accelerations = np.sqrt(self._places + self._offset), self.accelerations(self._at)
         slopes = np.full(x.size, math.sqrt(2 * accelerations[0]))
         np.divide(2 * x * accelerations, self._at, out=slopes, where=self._at > 0)
-        x = x.astype(number)
+        return Cells(x, self._at, slopes)
+
+    def _cells(self, number: Number) -> Cells:
+        precise = self._precise_cells
+        x: NDArray[np.floating] = precise.x.astype(number)
         # Cells so narrow that their ends are one number are none.
         wide = np.insert(np.diff(x) > 0, 0, True)
-        return Cells(x[wide], self._at[wide].astype(number), slopes[wide].astype(number))
+        return Cells(x[wide], precise.speeds[wide].astype(number), precise.slopes[wide].astype(number))
 
 
 @compiled
