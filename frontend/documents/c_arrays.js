@@ -2,6 +2,7 @@
 // Arrays of two numbers a row in C and C++: a bare initialiser, its declaration, or a whole file with whatever else stands
 // in it.
 
+import { counted } from '../model/numbers.js';
 import { namesIn, numberOf } from './c_numbers.js';
 import { refuseTooMany, rowOf, withoutEmptyEnd } from './table_row.js';
 import { shortened, Unreadable } from './unreadable.js';
@@ -119,7 +120,7 @@ function holdsPairs({ sizes, body }) {
 function reading({ name, line, body, about, missing }, names) {
   try {
     if (missing > 0)
-      throw new Unreadable(`${missing} closing brace(s) “}” missing: what “${name}” holds has no end.`);
+      throw new Unreadable(`${missingBraces(missing, 'closing', '}')}: what “${name}” holds has no end.`);
     return { name, line, about, rows: rowsIn(body, names), problem: null };
   } catch (error) {
     if (!(error instanceof Unreadable)) throw error;
@@ -131,17 +132,21 @@ function reading({ name, line, body, about, missing }, names) {
  * @param {string} code @param {string} text the same with its comments @param {Names} names @returns {ReadArray} */
 function bareArray(code, text, names) {
   const read = reading({ name: '', line: 1, sizes: [], body: code.replace(/;\s*$/, ''), about: text, missing: 0 }, names);
-  if (read.rows === null && /[;#]/.test(code.trim().replace(/;$/, ''))) {
+  if (read.rows === null && /[;#]|\)\s*\{/.test(code.trim().replace(/;$/, ''))) {
     throw new Unreadable('There is no array with rows of two numbers here, such as name[][2] = { { 10, 5000 }, … }.');
   }
   return read;
 }
 
+/** @param {number} count @param {'opening' | 'closing'} kind @param {string} sign */
+const missingBraces = (count, kind, sign) =>
+  `${counted(count, `${kind} brace`)} “${sign}” ${count === 1 ? 'is' : 'are'} missing`;
+
 /** @param {string} body what stands between the braces of an initialiser @param {Names} names */
 function rowsIn(body, names) {
   const missing = [...body].reduce((open, sign) => open + Number(sign === '{') - Number(sign === '}'), 0);
-  if (missing > 0) throw new Unreadable(`${missing} closing brace(s) “}” missing.`);
-  if (missing < 0) throw new Unreadable(`${-missing} opening brace(s) “{” missing.`);
+  if (missing > 0) throw new Unreadable(`${missingBraces(missing, 'closing', '}')}.`);
+  if (missing < 0) throw new Unreadable(`${missingBraces(-missing, 'opening', '{')}.`);
   const condition = /^[ \t]*#.*$/m.exec(body);
   if (condition)
     throw new Unreadable(`“${shortened(condition[0])}” stands between the rows: which of them hold, it decides.`);

@@ -113,7 +113,7 @@ def test_rows_of_a_type_of_rows_are_found_where_no_array_says_two(modules: Modul
         ("int t[][2] = { {1, 5 / 0} };", "divides by 0"),
         ("int t[][2] = { {1, (5} };", "“(5” is not a number"),
         ("2026-01-02, 5", "Row 1: “2026-01-02” is not a number"),
-        ("\x00\x01\x02{", "1 closing brace(s)"),
+        ("\x00\x01\x02{", "1 closing brace “}” is missing"),
     ],
 )
 def test_sources_without_a_table_are_explained(modules: Modules, text: str, words: str) -> None:
@@ -198,8 +198,9 @@ def test_tables_that_are_understood(modules: Modules, text: str, rows: list[list
         ("{10, 5000}, {30, fast}", "Row 2: “fast” is not a number"),
         ("{10, }, {30, 1500}", "Row 1"),
         ("{010, 5000}, {30, 1500}", "octal"),
-        ("{10, 5000", "1 closing brace(s)"),
-        ("10, 5000}", "1 opening brace(s)"),
+        ("{{10, 5000", "2 closing braces “}” are missing"),
+        ("int main(){", "no array with rows of two numbers"),
+        ("10, 5000}", "1 opening brace “{” is missing"),
         ("{{{10, 5000}}, {30, 1500}}", "nested deeper"),
         ("{10, 5000} + {30, 1500}", "stands between the rows"),
         ("{10, 1e999}, {30, 1}", "too large"),

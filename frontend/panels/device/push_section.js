@@ -7,7 +7,7 @@ import { figureHead, formatFigure, sizeText, tableHead, unseen } from './figures
 import { mend } from '../../app/commands/work.js';
 import { createPushReport } from './push_report.js';
 import { createRefusals } from './push_refusals.js';
-import { pushedWords, ratherLong } from './push_words.js';
+import { pushedParts, ratherLong } from './push_words.js';
 import { able, can } from './section.js';
 
 /** @typedef {import('../../model/types.js').Device} Device */
@@ -32,7 +32,9 @@ export function createPushSection(handlers, dispatch) {
   let device = null;
   const report = createPushReport();
   const push = button('push', 'button primary grow', () => device && handlers.push(device, device.capabilities.includes('keep') ? 'keep' : 'try'));
-  push.append(icon('send'), element('span'));
+  // Where there is no room for both, the name of the design is cut, and the method is read.
+  const [what, by] = [element('span'), element('span', { className: 'by' })];
+  push.append(icon('send'), element('span', { className: 'words' }, what, by));
   push.setAttribute('aria-describedby', 'push-reason');
   const trial = button('try', 'button', () => device && handlers.push(device, 'try'));
   trial.textContent = 'Try';
@@ -130,8 +132,9 @@ export function createPushSection(handlers, dispatch) {
       keep.hidden = !present?.ramp || !can(known, 'keep');
       rollBack.hidden = !can(known, 'try');
       trial.hidden = !can(known, 'keep') || !can(known, 'try');
-      const label = /** @type {HTMLElement} */ (push.lastElementChild);
-      showText(label, situation.isPushing ? 'Pushing…' : `Push ${pushedWords(situation.toPush)}`);
+      const [design, methods] = pushedParts(situation.toPush);
+      showText(what, situation.isPushing ? 'Pushing…' : `Push ${design}`);
+      showText(by, situation.isPushing ? '' : ` ${methods}`);
       const now = present?.progress ?? null;
       progress.hidden = now === null;
       if (now) showProgress(now);

@@ -8,13 +8,17 @@ import { methodOf } from '../../model/methods.js';
 /** From when on a wait is explained. */
 const LONG_MS = 2_000;
 
-/** Such as "\u2018Gauge\u2019 by table"; of several their number, and each method once.
- * @param {Design[]} designs */
-export function pushedWords(designs) {
+/** Such as "\u2018Gauge\u2019" and "by table"; of several their number, and each method once.
+ * @param {Design[]} designs @returns {[string, string]} */
+export function pushedParts(designs) {
   const methods = [...new Set(designs.map(({ method }) => wordOf(methodOf(method.name))))].join(', ');
   const what = designs.length === 1 ? `\u2018${designs[0].name || 'unnamed'}\u2019` : `${designs.length} ramps`;
-  return `${what} by ${methods}`;
+  return [what, `by ${methods}`];
 }
+
+/** The same in one.
+ * @param {Design[]} designs */
+export const pushedWords = (designs) => pushedParts(designs).join(' ');
 
 /** @param {import('../../model/types.js').RampMethod} method */
 const wordOf = (method) => (method.plays_table ? 'table' : method.label);

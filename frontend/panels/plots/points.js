@@ -157,7 +157,7 @@ export function createPoints({ onRows, onSelect, onDrag = () => {}, isOn = () =>
     const [index, delay] = rows()[row];
     const unit = design?.table?.interval_unit === 'ticks' ? 'ticks' : 'µs';
     const step = typeof index === 'number' ? ` (step ${formatEntry(index - 1)})` : '';
-    return `to index ${formatEntry(index)}${step}, ${formatEntry(delay)} ${unit}`;
+    return `last index ${formatEntry(index)}${step}, ${formatEntry(delay)} ${unit}`;
   }
 
   /** @param {number} row */

@@ -22,7 +22,7 @@ export function fitKey({ ramp, timer, method, move, table }) {
 
 /** @param {FittedTable} fitted @param {string} unit */
 export function rowsPreview({ table, linear_rows, relative_errors }, unit) {
-  const heads = ['#', 'to index', `delay, ${unit}`, ...(linear_rows ? ['each step'] : []), 'error'];
+  const heads = ['#', 'last index', `delay, ${unit}`, ...(linear_rows ? ['each step'] : []), 'error'];
   const rows = (table?.rows ?? linear_rows ?? []).map((row, index) => [
     ...[index + 1, ...row].map(formatEntry),
     `${relative_errors[index] === 0 ? 0 : formatFigures(relative_errors[index] * 100, 3)} %`,

@@ -165,7 +165,7 @@ export function createGrid({ onTyped, onRemove, onInsert, onSelect }) {
 
 /** @param {HTMLElement} body @param {HTMLElement} delayHead */
 function gridOf(body, delayHead) {
-  const indexHead = element('abbr', { textContent: 'to index', title: INDEX_HELP });
+  const indexHead = element('abbr', { textContent: 'last index', title: INDEX_HELP });
   const names = ['#', indexHead, delayHead, 'steps/s', element('span', { className: 'unseen', textContent: 'delete' })];
   const head = element('tr', {}, ...names.map((name) => element('th', { scope: 'col' }, name)));
   const table = element('table', { 'aria-label': 'Rows of the lookup table' }, element('thead', {}, head), body);

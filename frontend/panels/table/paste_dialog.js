@@ -128,7 +128,7 @@ export function createPasteDialog(onRows, chooseFile) {
     use.disabled = problems.length > 0;
     use.textContent = `Use ${counted(rows.length, 'row')}`;
     const lines = meant.map((row, index) => [index + 1, ...row].map(formatEntry));
-    const heads = ['#', 'to index', `delay, ${DELAY_UNITS[unit]}`];
+    const heads = ['#', 'last index', `delay, ${DELAY_UNITS[unit]}`];
     shown.replaceChildren(...refused(problems), previewTable(heads, lines));
   }
 

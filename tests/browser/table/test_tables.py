@@ -54,7 +54,7 @@ def test_a_dropped_source_lets_choose_a_table_that_becomes_the_method_in_one_ste
         with page.expect_file_chooser() as chooser:
             dialog.get_by_role("button", name="Open a file").click()
         chooser.value.set_files({"name": name, "mimeType": "text/plain", "buffer": content})
-        words = "No array here has rows of two numbers" if name == "empty.h" else "to index"
+        words = "No array here has rows of two numbers" if name == "empty.h" else "last index"
         expect(dialog.locator("#paste-preview")).to_contain_text(words)
     dialog.get_by_role("button", name="Cancel").click()
     assert rows_of(start) == ROWS
