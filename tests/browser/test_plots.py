@@ -311,12 +311,11 @@ def test_hundreds_of_edits_leave_nothing_behind(stepramp: StepRampPage) -> None:
         return heap["usedSize"] / 2**20, dom["nodes"], dom["jsEventListeners"]
 
     page.evaluate(SLIDE, [ACCELERATION, 100])
-    heap, nodes, listeners = left()
+    before = left()
     page.evaluate(SLIDE, [ACCELERATION, 400])
-    heap_after, nodes_after, listeners_after = left()
-    assert heap_after < heap + 3, "MiB"
-    assert nodes_after < nodes + 200
-    assert listeners_after < listeners + 20
+    most = [number + more for number, more in zip(before, (3, 200, 20), strict=True)]
+    # The last curves may still be on their way; what is left behind stays.
+    until(lambda: all(now < allowed for now, allowed in zip(left(), most, strict=True)))
 
 
 def test_fingers_zoom_pan_and_show_all(stepramp: StepRampPage) -> None:
