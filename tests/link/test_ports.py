@@ -5,6 +5,7 @@ from serial.tools import list_ports
 from serial.tools.list_ports_common import ListPortInfo
 
 from stepramp.link.ports import Port, find_again, known_port, list_serial_ports, location_of, port_name
+from stepramp.link.remote_ports import RemotePorts
 
 
 def found(
@@ -106,5 +107,25 @@ def test_all_names_of_a_port_have_one_place(tmp_path: Path) -> None:
     port.touch()
     link.symlink_to(port)
     assert {location_of(str(name)) for name in (port, link, tmp_path / ".." / tmp_path.name / "by-id")} == {str(port)}
-    for no_file in ("socket://127.0.0.1:3000", "sim://a/../b", "\0"):
+    for no_file in ("sim://a/../b", "socket://bad/../x", "\0"):
         assert location_of(no_file) == no_file
+
+
+def test_all_addresses_of_a_host_and_number_are_one_place() -> None:
+    alike = ("socket://[::1]:2217", "rfc2217://[::1]:2217", "rfc2217://[0:0:0:0:0:0:0:1]:02217")
+    assert {location_of(each) for each in alike} == {"[::1]:2217"}
+    assert {known_port(each).identity for each in alike} == {"[::1]:2217"}
+    assert location_of("rfc2217://Printer.local:2217") == "printer.local:2217"
+
+
+def test_ports_of_other_machines_are_listed_each_way_before_the_virtual_one() -> None:
+    listed = list_serial_ports(RemotePorts.named(["printer.local:2217"]))
+    assert [each.port for each in listed[-4:]] == [
+        "rfc2217://printer.local:2217",
+        "socket://printer.local:2217",
+        "moonraker://printer.local:2217",
+        "sim://",
+    ]
+    assert listed[-4].name == "printer.local:2217 on the network, RFC 2217"
+    assert listed[-3].name == "printer.local:2217 on the network, bytes only"
+    assert listed[-2].name == "printer.local:2217 on the network, Klipper's Moonraker"

@@ -2,7 +2,6 @@ import errno
 import fcntl
 import os
 import re
-import socket
 import threading
 import time
 from collections.abc import Callable
@@ -108,11 +107,20 @@ def test_a_port_is_held_alone_and_can_be_opened_again(cable: Any) -> None:
     SerialPort(cable.port).close()
 
 
-def test_a_port_that_takes_nothing_is_lost(cable: Any) -> None:
-    port = SerialPort(cable.port)
+def test_a_port_that_takes_nothing_is_lost_and_what_waits_goes_no_further(cable: Any) -> None:
+    """Closing would wait for it, and a motion among it would set out later."""
+    sent = []
+    port = SerialPort(cable.port, lambda: sent.append(1000))
     with pytest.raises(DeviceLost, match="takes nothing more: what is there doesn't read"):
         write_for_ever(port)
     port.close()
+    again = SerialPort(cable.port)
+    os.set_blocking(cable.far_end, False)
+    # That is what the far end's own line has taken already.
+    assert len(os.read(cable.far_end, 4096)) < 4096 < sum(sent)
+    with pytest.raises(BlockingIOError):
+        os.read(cable.far_end, 4096)
+    again.close()
 
 
 def test_no_such_port_and_no_port_at_all(tmp_path: Path) -> None:
@@ -171,24 +179,3 @@ def test_other_addresses_are_refused(port: str) -> None:
     with pytest.raises(Rejected) as caught:
         SerialPort(port)
     assert caught.value.rejections[0].field == "port"
-
-
-def test_a_port_on_the_network() -> None:
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        port = SerialPort(f"socket://127.0.0.1:{server.getsockname()[1]}")
-        far_end, _ = server.accept()
-        with far_end:
-            port.write(b"out")
-            assert far_end.recv(100) == b"out"
-            far_end.sendall(b"in")
-            assert received(port, 2) == b"in"
-        with pytest.raises(DeviceLost):
-            read_for_ever(port)
-        port.close()
-
-
-def test_nobody_listens_on_the_network() -> None:
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        number = server.getsockname()[1]
-    with pytest.raises(DeviceLost):
-        SerialPort(f"socket://127.0.0.1:{number}")

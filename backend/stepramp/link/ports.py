@@ -1,6 +1,7 @@
-"""The serial ports of this machine, with names that people know."""
+"""The serial ports that can be opened, with names that people know."""
 
 import os
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePath
 
@@ -8,6 +9,7 @@ from serial.tools import list_ports
 from serial.tools.list_ports_common import ListPortInfo
 
 from stepramp.link.protocol_sim import VIRTUAL_PORT, registered
+from stepramp.link.remote_ports import RemotePort
 
 BOARDS = {
     (0x2341, 0x0043): "Arduino Uno",
@@ -47,15 +49,21 @@ class Port:
 
     @property
     def identity(self) -> object:
-        """What tells what is plugged in apart: its USB serial number where it has one, else the port's name."""
+        """What tells what is plugged in apart: its USB serial number where it has one, else the port's name or host."""
+        if (remote := RemotePort.of(self.port)) is not None:
+            return str(remote.host)
         return self.port if self.usb is None or self.usb[2] is None else self.usb
 
 
-def list_serial_ports() -> list[Port]:
-    """Return the ports of this machine in order of their names, the virtual one last."""
+_TRAVELS = {"rfc2217": "RFC 2217", "socket": "bytes only", "moonraker": "Klipper's Moonraker"}
+
+
+def list_serial_ports(remote: Iterable[RemotePort] = ()) -> list[Port]:
+    """Return the ports of this machine in order of their names, then those of other machines, the virtual one last."""
     found = sorted(list_ports.comports(), key=lambda info: info.device)
     real = [Port(info.device, _board_name(info), usb=_usb_of(info)) for info in found if _is_attached(info)]
-    return [*real, Port(VIRTUAL_PORT, "Virtual (nothing attached)", virtual=True)]
+    far_away = [Port(str(each), f"{each.host} on the network, {_TRAVELS[each.scheme]}") for each in remote]
+    return [*real, *far_away, Port(VIRTUAL_PORT, "Virtual (nothing attached)", virtual=True)]
 
 
 def port_name(port: str) -> str:
@@ -80,7 +88,9 @@ def known_port(port: str) -> Port:
 
 
 def location_of(port: str) -> str:
-    """Return what all names of a port have in common: links lead to one file, addresses to none."""
+    """Return what all names of a port have in common: links lead to one file, addresses to a host or to none."""
+    if (remote := RemotePort.of(port)) is not None:
+        return str(remote.host)
     return os.path.realpath(port) if port.isprintable() and "://" not in port else port
 
 

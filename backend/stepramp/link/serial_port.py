@@ -11,11 +11,13 @@ import os
 import sys
 from collections.abc import Callable, Iterator
 from time import monotonic
-from urllib.parse import urlsplit
 
 import serial
 
 from stepramp.errors import DeviceLost, Rejected, Rejection
+from stepramp.link.protocol_sim import VIRTUAL_PORT
+from stepramp.link.remote_line import RemoteLine
+from stepramp.link.remote_ports import RemotePorts
 
 _logger = logging.getLogger(__name__)
 
@@ -29,14 +31,9 @@ else:
 
 USUAL_BAUD_RATE = 115_200
 WRITE_TIMEOUT_S = 1.0
+NO_REMOTE_PORTS = RemotePorts()
 _READ_SLICE_S = 0.02
 """pyserial's own timeout: changing it costs two system calls, so it stays, and longer waits are made of slices."""
-
-ADDRESSES = ("sim://", "socket://", "rfc2217://")
-"""The only addresses let through: pyserial also knows some that write files (spy://) or search (hwgrep://)."""
-
-OPTIONS = ("ign_set_control", "poll_modem", "timeout", "logging")
-"""What may follow the question mark of an address with rfc2217://."""
 
 _IN_USE = "Port {name} is in use by another program: end that first."
 _NONE = "There is no port {name}: is it plugged in?"
@@ -62,25 +59,35 @@ class SerialPort:
     """An open port. Not for two threads at once."""
 
     def __init__(
-        self, port: str, before_write: Callable[[], None] = lambda: None, baud_rate: int = USUAL_BAUD_RATE
+        self,
+        port: str,
+        before_write: Callable[[], None] = lambda: None,
+        remote_ports: RemotePorts = NO_REMOTE_PORTS,
+        baud_rate: int = USUAL_BAUD_RATE,
     ) -> None:
-        """Open a device such as /dev/ttyACM0, or an address of ADDRESSES.
+        """Open a device such as /dev/ttyACM0, the virtual one at sim://, or a port of another machine.
 
         before_write: called at the last instant before bytes go out; what it raises keeps them from going.
+        remote_ports: which ports of other machines may be opened.
         Raises Rejected for what can't be a port, DeviceLost when it can't be opened, each reason in its own words.
         """
-        _check_name(port)
         self.name = port
         self._before_write = before_write
         self._is_tty = "://" not in port
-        self._is_far_away = port.startswith(("socket://", "rfc2217://"))
+        self._is_far_away = not self._is_tty and not port.startswith(VIRTUAL_PORT)
+        _check_name(port)
+        self._serial: serial.Serial | RemoteLine
+        if self._is_far_away:
+            remote = remote_ports.allowed(port)
+            self._serial = RemoteLine(remote, remote_ports, baud_rate, _READ_SLICE_S, WRITE_TIMEOUT_S)
+            return
         with self._failure_told():
-            self._serial = serial.serial_for_url(port, do_not_open=True, timeout=_READ_SLICE_S)
-            self._serial.baudrate = baud_rate
+            self._serial = opened = serial.serial_for_url(port, do_not_open=True, timeout=_READ_SLICE_S)
+            opened.baudrate = baud_rate
             if self._is_tty:
-                self._serial.exclusive = True
-                self._serial.write_timeout = WRITE_TIMEOUT_S
-            self._serial.open()
+                opened.exclusive = True
+                opened.write_timeout = WRITE_TIMEOUT_S
+            opened.open()
             self._hold_alone(True)
 
     def write(self, data: bytes) -> None:
@@ -88,7 +95,11 @@ class SerialPort:
         self._before_write()
         _log_bytes(self.name, "sent", data)
         with self._loss_told():
-            self._serial.write(data)
+            try:
+                self._serial.write(data)
+            except serial.SerialTimeoutException:
+                self._drop_unsent()
+                raise
 
     def read(self, timeout_s: float) -> bytes:
         """Return what has come in, at once if there is something, or b"" when nothing came in time [s].
@@ -118,9 +129,14 @@ class SerialPort:
         with contextlib.suppress(DeviceLost), self._loss_told():
             self._serial.close()
 
+    def _drop_unsent(self) -> None:
+        """Drop what waits to be sent: closing would wait for that, and a motion among it must not set out later."""
+        if isinstance(self._serial, serial.Serial):
+            self._serial.reset_output_buffer()
+
     def _hold_alone(self, alone: bool) -> None:
         """Keep programs out that don't heed pyserial's flock; undone before closing, else it may outlast us."""
-        if self._is_tty and sys.platform != "win32":
+        if self._is_tty and isinstance(self._serial, serial.Serial) and sys.platform != "win32":
             fcntl.ioctl(self._serial.fileno(), termios.TIOCEXCL if alone else termios.TIOCNXCL)
 
     @contextlib.contextmanager
@@ -166,30 +182,10 @@ def _number(error: Exception) -> int:
 
 
 def _check_name(port: str) -> None:
-    """Reject what is neither a name that a port could have nor an address of ADDRESSES."""
-    if not (_is_address(port) if "://" in port else _may_be_a_name(port)):
-        allowed = (
-            "the name of a serial port, sim://, or the address of one on the network, as socket://host:port or "
-            "rfc2217://host:port, the port from 1 to 65,535"
-        )
+    """Reject what is no name that a port could have.
+
+    pyserial also knows addresses that write files (spy://) or search (hwgrep://): they never get there.
+    """
+    if not port.strip() or not port.isprintable() or ("://" not in port and os.path.isdir(port)):
+        allowed = "the name of a serial port, sim://, or the address of one on the network, as rfc2217://host:port"
         raise Rejected([Rejection("port", port, allowed)])
-
-
-def _may_be_a_name(port: str) -> bool:
-    return bool(port.strip()) and port.isprintable() and not os.path.isdir(port)
-
-
-def _is_address(port: str) -> bool:
-    if not port.startswith(ADDRESSES) or not port.isprintable():
-        return False
-    if port.startswith("sim://"):
-        return True
-    try:
-        parts = urlsplit(port)
-        is_host = bool(parts.hostname) and bool(parts.port) and parts.username is None and parts.netloc.isascii()
-        (parts.hostname or "").encode("idna")
-    except ValueError:
-        return False
-    options = [each.partition("=")[0] for each in parts.query.split("&") if each]
-    has_options = parts.scheme == "rfc2217" and all(each in OPTIONS for each in options)
-    return is_host and parts.path in ("", "/") and not parts.fragment and (has_options or not options)
