@@ -10,19 +10,23 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from stepramp.errors import Limits, Rejected, Rejection
+from stepramp.drive_train import Drive, Load, Motor, drive_train_of
+from stepramp.errors import Change, Choices, Limits, Rejected, Rejection, Told
 from stepramp.methods import METHODS, REFERENCE
 from stepramp.methods.common.method import RampMethod, TunedFor
+from stepramp.numerics.drive_train import DriveTrain
 from stepramp.numerics.numbers import Arithmetic
 from stepramp.numerics.slope import ShapeParameters
 from stepramp.shapes import SHAPES, USUAL_SHAPE
 from stepramp.units import DEGREES_PER_REV, LengthUnit
-from stepramp.validation import Document, ListOf, NamesUnits, OneOf, Text, UnitNamedBy, Within, refuse
+from stepramp.validation import Document, ListOf, NamesUnits, OneOf, Text, UnitNamedBy, Within, is_none, refuse
 
 MOST_STEPS = 10_000_000
 """Longest move and longest ramp [steps]."""
 
 MOST_TABLE_ROWS = 1000
+
+MOST_MICROSTEPS = 1024
 
 MOST_NAMES = 20
 """Longest list of methods, or of curves; naming one twice is harmless."""
@@ -38,40 +42,51 @@ SLOWEST_STEPS_PER_S = 0.001
 LEAST_ACCELERATION = 0.001
 """[steps/s²]"""
 
+MOST_ACCELERATION = 1e9
+"""[steps/s²]"""
+
 LEAST_JERK = 0.001
 """[steps/s³]"""
 
 MOST_DRAWN_POINTS = 200
-FIELDS_OF_PARAMETERS = {"jerk": ("jerk_steps_per_s3", "deceleration_jerk_steps_per_s3"), "points": ("points",)}
+FIELDS_OF_PARAMETERS = {
+    "jerk": ("jerk_steps_per_s3", "deceleration_jerk_steps_per_s3"),
+    "points": ("points",),
+    "margin": ("margin",),
+}
 """By what a shape takes, the fields of a design's shape that say it; the first one is needed."""
-PARAMETERS_IN_WORDS = {"jerk": "a jerk [steps/s³]", "points": "a list of points"}
+PARAMETERS_IN_WORDS = {
+    "jerk": "a jerk [steps/s³]",
+    "points": "a list of points",
+    "margin": "the part of the motor's torque that is used, such as 0.6",
+}
 
 Speed = Annotated[float, Within(SLOWEST_STEPS_PER_S, 1_000_000, "steps/s")]
-Acceleration = Annotated[float, Within(LEAST_ACCELERATION, 1_000_000_000, "steps/s²")]
+Acceleration = Annotated[float, Within(LEAST_ACCELERATION, MOST_ACCELERATION, "steps/s²")]
 
 
 TRAVEL_UNIT = UnitNamedBy("travel_unit", {"mm": "mm", "deg": "degrees"})
 DELAY_UNIT = UnitNamedBy("interval_unit", {"us": "µs", "ticks": "ticks"})
 
 
-def is_none(value: object) -> bool:
-    """Tell what is left out of documents."""
-    return value is None
-
-
 class AxisScale(NamesUnits):
-    """What one turn of the motor means. Only shown units depend on it."""
+    """What one turn of the motor means: for shown units, and for the motor's model where there is a motor."""
 
     full_steps_per_rev: Annotated[int, Within(1, 100_000, "full steps")] = Field(
         200, description="Full steps of one turn of the motor [full steps]"
     )
-    microsteps: Annotated[int, Within(1, 1024, "per step")] = Field(
+    microsteps: Annotated[int, Within(1, MOST_MICROSTEPS, "per step")] = Field(
         1, description="Pulses of the driver for one full step [steps per full step]"
     )
     travel_per_rev: Annotated[float, Within(0.001, 1_000_000, TRAVEL_UNIT)] = Field(
         360.0, description="Distance that the axis covers in one turn of the motor [travel_unit]"
     )
     travel_unit: Literal["mm", "deg"] = Field("deg", description="Unit of the axis' travel")
+
+    @property
+    def steps_per_rev(self) -> int:
+        """Pulses of the driver for one turn of the motor [steps]."""
+        return self.full_steps_per_rev * self.microsteps
 
     def length_of_step(self, unit: LengthUnit) -> float | None:
         """Return how long a step is [unit]; None in millimetres when the axis' travel isn't known in them."""
@@ -80,7 +95,7 @@ class AxisScale(NamesUnits):
         lengths_of_turn: dict[LengthUnit, float] = {"rev": 1.0, "deg": DEGREES_PER_REV}
         lengths_of_turn[self.travel_unit] = self.travel_per_rev
         length_of_turn = lengths_of_turn.get(unit)
-        return None if length_of_turn is None else length_of_turn / (self.full_steps_per_rev * self.microsteps)
+        return None if length_of_turn is None else length_of_turn / self.steps_per_rev
 
 
 class Timer(Document):
@@ -127,6 +142,12 @@ class RampShape(Document):
         exclude_if=is_none,
     )
 
+    margin: Annotated[float, Within(0.05, 1)] | None = Field(
+        None,
+        description="m, of torque: how much of the motor's pull-out torque is used; 0.6 keeps the usual reserve",
+        exclude_if=is_none,
+    )
+
     @model_validator(mode="after")
     def _own_fields(self) -> Self:
         takes = SHAPES[self.name].takes
@@ -136,14 +157,17 @@ class RampShape(Document):
                     owners = " or ".join(repr(name) for name, shape in SHAPES.items() if parameter in shape.takes)
                     refuse(field, getattr(self, field), f"none with ramp.shape.name '{self.name}', it is of {owners}")
             if parameter in takes and getattr(self, needed) is None:
-                refuse(needed, None, f"{PARAMETERS_IN_WORDS[parameter]}, since ramp.shape.name is '{self.name}'")
+                what = PARAMETERS_IN_WORDS[parameter]
+                refuse(needed, None, Choices.needed(what, "ramp.shape.name", self.name))
         return self
 
     @model_validator(mode="after")
     def _increasing(self) -> Self:
         for number, ((before, _), (speed, _)) in enumerate(pairwise(self.points or ()), start=1):
             if speed <= before:
-                refuse(f"points.{number}.0", speed, f"more than {before:,.15g} steps/s, the speed of the point before")
+                least = Told.of(before, "steps/s", figures=15)
+                allowed = f"more than {least}, the speed of the point before"
+                refuse(f"points.{number}.0", speed, allowed, told=(least,))
         return self
 
     def parameters(self, *, is_down: bool) -> ShapeParameters:
@@ -151,7 +175,11 @@ class RampShape(Document):
         jerk = self.jerk_steps_per_s3
         if is_down and self.deceleration_jerk_steps_per_s3 is not None:
             jerk = self.deceleration_jerk_steps_per_s3
-        return ShapeParameters(math.inf if jerk is None else jerk, tuple(self.points or ()))
+        return ShapeParameters(
+            jerk=math.inf if jerk is None else jerk,
+            points=tuple(self.points or ()),
+            margin=1.0 if self.margin is None else self.margin,
+        )
 
 
 class RampParameters(Document):
@@ -221,7 +249,7 @@ class Method(Document):
     def _arithmetic_of_the_method(self) -> Self:
         possible = self.numerics.arithmetics
         if self.arithmetic not in possible:
-            refuse("arithmetic", self.arithmetic, f"{', '.join(possible)} with method.name '{self.name}'")
+            refuse("arithmetic", self.arithmetic, Choices(tuple(possible), Change("method.name", self.name)))
         return self
 
     @property
@@ -301,10 +329,19 @@ class Design(Document):
     method: Method = Method()
     table: Table | None = None
     move: Move
+    motor: Motor | None = Field(None, description="The motor; null: nothing is known of it", exclude_if=is_none)
+    drive: Drive | None = Field(
+        None, description="What drives the motor; null: 24 V and its rated current, as rms", exclude_if=is_none
+    )
+    load: Load | None = Field(None, description="What the motor moves; null: itself alone", exclude_if=is_none)
 
     @model_validator(mode="after")
     def _fields_of_the_version(self) -> Self:
-        newer = {"ramp.shape": self.ramp.shape != RampShape(), "move.plan": self.move.plan != USUAL_PLAN}
+        newer = {
+            "ramp.shape": self.ramp.shape != RampShape(),
+            "move.plan": self.move.plan != USUAL_PLAN,
+            **{name: getattr(self, name) is not None for name in ("motor", "drive", "load")},
+        }
         if self.schema_ == "stepramp/1" and any(newer.values()):
             named = " and ".join(field for field, is_there in newer.items() if is_there)
             refuse("schema", self.schema_, f"stepramp/2 for a design with {named}")
@@ -313,17 +350,45 @@ class Design(Document):
     @model_validator(mode="after")
     def _table_for_table(self) -> Self:
         if self.method.plays_table and self.table is None:
-            refuse("table", None, f"a table, since method.name is '{self.method.name}'")
+            refuse("table", None, Choices.needed("a table", "method.name", self.method.name))
         return self
+
+    @model_validator(mode="after")
+    def _motor_for_torque(self) -> Self:
+        if "margin" in SHAPES[self.ramp.shape.name].takes and self.motor is None:
+            refuse("motor", None, Choices.needed("a motor", "ramp.shape.name", self.ramp.shape.name))
+        return self
+
+    @model_validator(mode="after")
+    def _measured_within_reason(self) -> Self:
+        if self.motor is not None and self.motor.stalled is not None:
+            self._drive_train(self.motor)
+        return self
+
+    @property
+    def drive_train(self) -> DriveTrain | None:
+        """The motor with its drive and its load; None while nothing is known of the motor."""
+        if self.motor is None:
+            return None
+        return self._drive_train(self.motor)
+
+    def _drive_train(self, motor: Motor) -> DriveTrain:
+        return drive_train_of(motor, self.drive, self.load, self.axis.steps_per_rev, self.axis.full_steps_per_rev)
 
     def with_method(self, name: MethodName, arithmetic: Arithmetic | None = None) -> Self:
         """Return the design with another method; with the arithmetic usual for it unless one is given.
 
-        The design's own method keeps its arithmetic. Raises Rejected when there is no lookup table for one that
-        plays it.
+        The design's own method keeps its arithmetic. Raises Rejected for what is no method, for an arithmetic that it
+        isn't computed in, and when there is no lookup table for one that plays it.
         """
+        if name not in tuple(METHODS):
+            raise Rejected([Rejection("method.name", name, ", ".join(METHODS))])
         if METHODS[name].sides is None and self.table is None:
             raise Rejected([Rejection("table", None, f"a table, since the method is '{name}'")])
         own = self.method.arithmetic if name == self.method.name else METHODS[name].arithmetics[0]
-        changes = {"name": name, "arithmetic": arithmetic or own}
-        return self.model_copy(update={"method": self.method.model_copy(update=changes)})
+        changes = {"name": name, "arithmetic": own if arithmetic is None else arithmetic}
+        try:
+            method = Method.checked(self.method.model_dump() | changes)
+        except Rejected as rejected:
+            raise Rejected([each.within("method.") for each in rejected.rejections]) from None
+        return self.model_copy(update={"method": method})

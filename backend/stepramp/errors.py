@@ -13,7 +13,7 @@ import json
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Self
+from typing import Literal, Self
 
 MOST_TOLD = 20
 """So many rejections are told one by one, and so many items of a value that is told back."""
@@ -51,12 +51,59 @@ class Limits:
         return f"{ends} {self.unit}".rstrip() + self.note
 
 
+StepUnit = Literal["steps", "steps/s", "steps/s²", "steps/s³"]
+
+
+@dataclass(frozen=True)
+class Told:
+    """A quantity as it stands in a message, and as data: whoever shows other units puts it there in them."""
+
+    text: str
+    """With its unit, where that follows at once."""
+    value: float
+    unit: StepUnit
+    rounding: Literal["nearest", "down", "up"] = "nearest"
+    """To which side it is rounded: a limit so that what is told is allowed."""
+    axis: int | None = None
+    """The axis that it is of, counted from 0, where that is not the one that the message is about."""
+
+    @classmethod
+    def of(cls, value: float, unit: StepUnit, figures: int = 6) -> Self:
+        """Return a quantity told with so many figures."""
+        return cls(f"{value:,.{figures}g} {unit}", value, unit)
+
+    def __str__(self) -> str:
+        return self.text
+
+
 @dataclass(frozen=True)
 class Change:
     """A value that would be accepted in place of another."""
 
     field: str
     value: object
+
+
+@dataclass(frozen=True)
+class Choices:
+    """What is allowed while another field has its value: some names, or something that is needed."""
+
+    names: tuple[str, ...]
+    """Of a need the one thing, in words."""
+    because: Change
+    """The other field and its value."""
+    is_need: bool = False
+
+    @classmethod
+    def needed(cls, what: str, field: str, value: str) -> Self:
+        """Return that something has to be there, since a field has its value."""
+        return cls((what,), Change(field, value), is_need=True)
+
+    @property
+    def words(self) -> str:
+        """What is allowed."""
+        names, field, value = ", ".join(self.names), self.because.field, self.because.value
+        return f"{names}, since {field} is '{value}'" if self.is_need else f"{names} with {field} '{value}'"
 
 
 @dataclass(frozen=True)
@@ -80,11 +127,20 @@ class Rejection:
     """Why, as a sentence without the field, where more than the value is wrong."""
     is_null: bool = False
     """Whether None was given as the value; otherwise None says that there is none."""
+    told: tuple[Told, ...] = ()
+    """The quantities of the reason, or else of what is allowed, in their order."""
+    choices: Choices | None = None
+    """What is allowed, where that is names."""
 
     @classmethod
     def outside(cls, field: str, value: object, limits: Limits) -> Self:
         """Return the rejection of a number outside of limits."""
         return cls(field, value, limits.words, limits)
+
+    @classmethod
+    def of_choices(cls, field: str, value: object, choices: Choices) -> Self:
+        """Return the rejection of a name that is not among those that another field's value leaves."""
+        return cls(field, value, choices.words, choices=choices)
 
     def within(self, place: str) -> Self:
         """Return the same with the paths of its fields below a place, such as "axes.0."."""
@@ -92,7 +148,10 @@ class Rejection:
             replace(each, changes=tuple(Change(place + change.field, change.value) for change in each.changes))
             for each in self.remedies
         )
-        return replace(self, field=place + self.field, remedies=remedies)
+        choices = self.choices and replace(
+            self.choices, because=replace(self.choices.because, field=place + self.choices.because.field)
+        )
+        return replace(self, field=place + self.field, remedies=remedies, choices=choices)
 
     @property
     def message(self) -> str:

@@ -17,7 +17,7 @@ from pydantic import (
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, ErrorDetails, InitErrorDetails, PydanticCustomError, core_schema
 
-from stepramp.errors import MOST_TOLD, Limits, Rejected, Rejection, escaped
+from stepramp.errors import MOST_TOLD, Choices, Limits, Rejected, Rejection, Told, escaped
 
 LONGEST_NAME = 100
 """Length of the longest field name that is told whole [characters]."""
@@ -115,11 +115,20 @@ class _Untold:
     count: int
 
 
-def refuse(field: str, value: object, allowed: str | Limits) -> NoReturn:
-    """Refuse a value from within a validator; field is its path below the model that is validated."""
+def is_none(value: object) -> bool:
+    """Tell what is left out of documents, of fields that not all of them have."""
+    return value is None
+
+
+def refuse(field: str, value: object, allowed: str | Limits | Choices, told: tuple[Told, ...] = ()) -> NoReturn:
+    """Refuse a value from within a validator; field is its path below the model that is validated.
+
+    told: see Rejection.
+    """
     limits = allowed if isinstance(allowed, Limits) else None
-    words = allowed.words if isinstance(allowed, Limits) else allowed
-    context = {"field": field, "value": value, "allowed": words, "limits": limits}
+    words = allowed if isinstance(allowed, str) else allowed.words
+    choices = allowed if isinstance(allowed, Choices) else None
+    context = {"field": field, "value": value, "allowed": words, "limits": limits, "choices": choices, "told": told}
     raise PydanticCustomError("refused", "allowed: {allowed}", context)
 
 
@@ -169,6 +178,16 @@ class Within(_Allowance):
         return {**described, "x-unit": self.unit} if self.unit else described
 
 
+class AnyNumber(_Allowance):
+    """A number whose limits another field says: but for NaN and infinities, which are none."""
+
+    allowed = "a number"
+    limits = None
+
+    def __get_pydantic_core_schema__(self, source: type, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return self._guard(core_schema.float_schema(strict=True, allow_inf_nan=False))
+
+
 class OneOf:
     """One of some words; for a str whose words no Literal can say, since they are registered by being there."""
 
@@ -216,7 +235,11 @@ class ListOf(_Allowance):
         if not isinstance(value, list | tuple) or self.length not in (None, len(value)):
             raise PydanticCustomError("refused", "allowed: {allowed}", context)
         if len(value) < self.least or (self.most is not None and len(value) > self.most):
-            raise PydanticCustomError("refused", "allowed: {allowed}", context | {"value": f"{len(value):,} items"})
+            raise PydanticCustomError(
+                "refused",
+                "allowed: {allowed}",
+                context | {"value": f"{len(value):,} item{'' if len(value) == 1 else 's'}"},
+            )
         return value
 
 
@@ -280,7 +303,8 @@ def _rejection(error: ErrorDetails, skip: int) -> Rejection:
             allowed = "an object with named fields"
         case _:
             allowed = error["msg"]
-    return Rejection(path_in_words(path), value, allowed, context.get("limits"), is_null=is_null)
+    limits, choices, told = context.get("limits"), context.get("choices"), context.get("told", ())
+    return Rejection(path_in_words(path), value, allowed, limits, is_null=is_null, choices=choices, told=told)
 
 
 def path_in_words(path: Iterable[int | str]) -> str:

@@ -140,10 +140,10 @@ def test_each_quantity_is_the_least_that_an_axis_allows() -> None:
     ]
     assert limits[0].message == (
         "Y (axis 1) allows a slew speed of 200 steps/s: "
-        "along the line that of X (axis 0) is 400 instead of 1,000 steps/s."
+        "along the line that of X (axis 0) is 400 steps/s instead of 1,000 steps/s."
     )
     assert "(axis 2) allows a deceleration of 1,000 steps/s²" in limits[2].message
-    assert "is 3,000 instead of 5,000 steps/s²" in limits[2].message
+    assert "is 3,000 steps/s² instead of 5,000 steps/s²" in limits[2].message
 
 
 @given(st.lists(computed, min_size=2, max_size=4))

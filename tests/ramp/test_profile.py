@@ -40,6 +40,36 @@ def test_a_short_move_with_two_accelerations_peaks_where_both_speeds_are_equal()
     assert [profile.steps_of(name) for name in ("accelerate", "slew", "decelerate")] == [40, 0, 10]
 
 
+COSINE = {"schema": "stepramp/2", "method__name": "exact", "ramp__shape": {"name": "cosine"}}
+
+
+def test_a_move_too_short_for_full_speed_is_told_a_length_that_would_do() -> None:
+    # Both sides are pi v² / 4 a = 157.08 steps long, 314.16 together.
+    [warning] = profile_of(design(**COSINE, move__steps=314)).warnings
+    assert "which takes 315 steps" in warning.message
+    assert profile_of(design(**COSINE, move__steps=315)).warnings == ()
+
+
+@pytest.mark.parametrize("points", [[[0, 1], [990, 1], [1000, 0.001]], [[0, 0.001], [1000, 1]]])
+def test_of_a_ramp_of_less_than_a_step_no_speed_beyond_it_is_told(points: list[list[float]]) -> None:
+    drawn = {"name": "drawn", "points": points}
+    given = design(schema="stepramp/2", method__name="exact", ramp__shape=drawn, ramp__acceleration_steps_per_s2=1e9)
+    messages = [warning.message for warning in profile_of(given).warnings if "there is no ramp" in warning.message]
+    assert all("the whole ramp would take less than one step" in message for message in messages)
+    assert messages
+
+
+def test_what_is_too_gentle_for_want_of_a_deceleration_is_the_acceleration() -> None:
+    shape = {"name": "s_curve", "jerk_steps_per_s3": 1e9, "deceleration_jerk_steps_per_s3": 10_500}
+    long = design(
+        schema="stepramp/2", method__name="exact", ramp__shape=shape, ramp__slew_speed_steps_per_s=1e6,
+        ramp__acceleration_steps_per_s2=66_667, move={"steps": 100, "plan": "any_move"},
+    )  # fmt: skip
+    with pytest.raises(Rejected) as caught:
+        profile_of(long)
+    assert [each.field for each in caught.value.rejections] == ["ramp.acceleration_steps_per_s2"]
+
+
 def test_a_negative_move_is_the_same_backwards() -> None:
     forward, back = profile_of(design(move__steps=70)), profile_of(design(move__steps=-70))
     np.testing.assert_array_equal(forward.intervals_ticks, back.intervals_ticks)

@@ -131,5 +131,5 @@ def test_it_is_planned_drawn_and_exported(answers: Any) -> None:
 
 
 def test_a_ramp_may_have_the_new_shape(answers: Any) -> None:
-    assert answers["shapes"] == ["constant", "s_curve", "cosine", "drawn", "at_once"]
+    assert answers["shapes"] == ["constant", "s_curve", "cosine", "drawn", "torque", "at_once"]
     assert answers["shaped"]["intervals_ticks"] == [8000] + [2000] * 498 + [8000]

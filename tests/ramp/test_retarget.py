@@ -126,6 +126,32 @@ def test_what_is_never_done_is_refused(commands: list[Command], field: str, allo
     assert allowed in rejection.allowed
 
 
+def test_the_slew_speed_itself_is_no_higher_than_the_slew_speed() -> None:
+    # 62.5 ticks: halves are rounded up, for a command as for the ramp.
+    fast = design(timer__frequency_hz=1e6, ramp__slew_speed_steps_per_s=16_000, move__steps=90_000)
+    played = played_towards(fast, [at_speed(0, 16_000), at_speed(4, 0)], 5)
+    assert played.interval_ticks.min() == 63
+
+
+def test_the_peak_of_a_move_that_is_planned_by_itself_is_called_so() -> None:
+    short = shaped({"name": "cosine"}, move__steps=100)
+    with pytest.raises(Rejected, match="the peak speed of the ramp that is made for a move of 100 steps"):
+        played_towards(short, [at_speed(0, 500), at_speed(1, 0)], 5)
+
+
+def test_a_long_table_takes_as_few_commands_as_a_long_ramp() -> None:
+    table = design(method__name="table", table__rows=[[10_000_000, 1000]], move__steps=5)
+    with pytest.raises(Rejected, match=r"commands is 101; allowed: a whole number from 1 to 100 commands"):
+        played_towards(table, [to(each, 5) for each in range(101)], 5)
+
+
+@pytest.mark.parametrize("commands", [1, 2])
+def test_a_ramp_that_cannot_be_made_says_so_itself(commands: int) -> None:
+    endless = design(ramp__acceleration_steps_per_s2=0.001, ramp__slew_speed_steps_per_s=30_000, move__steps=5)
+    with pytest.raises(Rejected, match=r"ramp.acceleration_steps_per_s2 is 0\.001; allowed: at least 45 steps/s²"):
+        played_towards(endless, [to(each, 5) for each in range(commands)], 5)
+
+
 def test_too_many_commands_for_a_long_ramp_are_refused() -> None:
     long = design(ramp__acceleration_steps_per_s2=0.1, move__steps=5)
     with pytest.raises(Rejected, match=r"commands is 1000; allowed: .* to 200 commands for so long a ramp"):

@@ -217,3 +217,35 @@ def test_what_is_wrong_with_a_design_is_refused_at_its_place() -> None:
         schedule_of([design(), design(ramp__acceleration_steps_per_s2=0.01)], "independent")
     [rejection] = caught.value.rejections
     assert (rejection.field, rejection.value) == ("designs.1.ramp.acceleration_steps_per_s2", 0.01)
+
+
+def shaped(steps: int, shape: dict[str, object] | None = None, **changes: object) -> Design:
+    newer = {} if shape is None else {"schema": "stepramp/2", "method__name": "exact", "ramp__shape": shape}
+    return design(name=f"of {steps}", move__steps=steps, **newer, **changes)
+
+
+S_CURVE = {"name": "s_curve", "jerk_steps_per_s3": 50_000.0}
+SOFT, HARD = ({"name": "drawn", "points": [[0, part], [900, 0.5]]} for part in (0.4, 1.0))
+TABLE = {"method__name": "table", "table__rows": [[10, 5000], [300, 600]]}
+
+
+@pytest.mark.parametrize(
+    ("leader", "follower", "told"),
+    [
+        (shaped(900), shaped(300, S_CURVE), "S-curve, does not hold: of 900 (axis 0) leads and has the shape Constant"),
+        (shaped(900, SOFT), shaped(300, HARD), "Drawn, does not hold: of 900 (axis 0) leads and has the shape Drawn"),
+        (shaped(900, **TABLE), shaped(300, HARD), "Drawn, does not hold: of 900 (axis 0) leads and plays its table."),
+        (shaped(900, S_CURVE), shaped(300, S_CURVE), ""),
+        (shaped(900, SOFT), shaped(300, SOFT), ""),
+        (shaped(900, S_CURVE), shaped(300), ""),
+    ],
+)
+def test_a_follower_whose_shape_does_not_hold_along_the_line_is_told(
+    leader: Design, follower: Design, told: str
+) -> None:
+    warnings = [each for each in schedule_of([leader, follower], "line").warnings if each.field.endswith("shape.name")]
+    assert len(warnings) == bool(told)
+    for warning in warnings:
+        assert warning.field == "designs.1.ramp.shape.name"
+        assert warning.message.startswith("Along the line the shape of of 300 (axis 1), ")
+        assert told in warning.message

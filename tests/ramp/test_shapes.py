@@ -83,6 +83,22 @@ def test_no_ramp_exceeds_its_speed_its_acceleration_or_its_jerk(asked: Design) -
             assert np.all(growth <= slope.parameters.jerk * (1 + 1e-6) + noise)
 
 
+@given(moves, st.sampled_from([1e6, 16e6]))
+def test_rounding_to_ticks_adds_no_more_than_half_a_tick_does(asked: Design, timer_hz: float) -> None:
+    """Of a delay of c ticks: 1 in 2c to the speed, and that twice, of its square, to the acceleration."""
+    assume(all(slope.length < 1e5 for slope in slopes_of(asked)))
+    ramp = asked.ramp
+    timer = asked.timer.model_copy(update={"frequency_hz": timer_hz, "min_delay_us": 1.0})
+    ticks = plan_of(asked.model_copy(update={"timer": timer})).intervals
+    speeds, part = timer_hz / ticks, 1 / (2 * ticks)
+    assert np.all(speeds <= ramp.slew_speed_steps_per_s * (1 + part) * (1 + 1e-12))
+    # Each square is within this of that of the plan: 1 / (1 ± part)² of it.
+    off = speeds**2 * (1 / (1 - part) ** 2 - 1)
+    implied, rounding = np.diff(speeds**2) / 2, (off[1:] + off[:-1]) / 2
+    assert np.all(implied <= ramp.acceleration_steps_per_s2 * (1 + 1e-9) + rounding)
+    assert np.all(-implied <= ramp.slowdown_steps_per_s2 * (1 + 1e-9) + rounding)
+
+
 @given(moves)
 def test_a_symmetric_ramp_comes_down_as_it_goes_up(asked: Design) -> None:
     same = asked.model_copy(update={"ramp": asked.ramp.model_copy(update={"deceleration_steps_per_s2": None})})
@@ -143,7 +159,7 @@ def test_the_kink_of_a_move_cut_out_of_a_longer_ramp_is_told() -> None:
     [_, kink] = profile_of(cut).warnings
     assert kink.field == "move.plan"
     # The ramp of 150 steps to 1000 steps/s at 5000 steps/s² and 50,000 steps/s³: level from step 8.3 on.
-    assert "jumps from 5,000 to -5,000 steps/s²" in kink.message
+    assert "jumps from 5,000 steps/s² to -5,000 steps/s²" in kink.message
     for smooth in (shaped("s_curve", move__steps=100), shaped("drawn", move={"steps": 100, "plan": "any_move"})):
         assert all(warning.field != "move.plan" for warning in profile_of(smooth).warnings)
     constant = shaped("constant", move={"steps": 100, "plan": "any_move"})
@@ -218,7 +234,7 @@ WRONG = [
      "more than 0 steps/s, the speed of the point before"),
     ({"name": "drawn", "points": [[0, 1], [5, 1.5]]}, "ramp.shape.points.1.1",
      "a number from 0.001 to 1 of the acceleration"),
-    ({"name": "trapezoid"}, "ramp.shape.name", "constant, s_curve, cosine, drawn"),
+    ({"name": "trapezoid"}, "ramp.shape.name", "constant, s_curve, cosine, drawn, torque"),
 ]  # fmt: skip
 
 
@@ -240,3 +256,29 @@ def test_documents_of_version_1_stay_as_they_are_and_have_nothing_newer() -> Non
         design(move__plan="any_move")
     kept = shaped("drawn", move={"steps": 5, "plan": "any_move"})
     assert Design.checked(kept.model_dump(mode="json", by_alias=True)) == kept
+
+
+@pytest.mark.parametrize("name", ["s_curve", "cosine"])
+@pytest.mark.parametrize("acceleration", [600.0, 1000.0, 2000.0, 4000.0, 5000.0, 7000.0])
+def test_short_moves_by_themselves_lose_no_step_to_rounding(name: str, acceleration: float) -> None:
+    """Sides that are whole to the last bits: of two steps each takes one, and none is quicker than from rest."""
+    first = profile_of(shaped(name, "ideal", ramp__acceleration_steps_per_s2=acceleration, move__steps=20_000))
+    for steps in (2, 4, 6, 20):
+        short = profile_of(shaped(name, "ideal", ramp__acceleration_steps_per_s2=acceleration, move__steps=steps))
+        assert short.plan.sides == (steps // 2, steps // 2)
+        assert short.intervals_ticks[0] >= first.intervals_ticks[0] - 1
+
+
+def test_newton_is_no_faster_than_the_ramp_it_follows() -> None:
+    shape = {"name": "s_curve", "jerk_steps_per_s3": 4e8}
+    ramp = {"base_speed_steps_per_s": 400.0, "slew_speed_steps_per_s": 3000.0, "acceleration_steps_per_s2": 1e6}
+    given = design(schema="stepramp/2", method__name="newton", ramp=ramp | {"shape": shape}, move__steps=1000)
+    assert profile_of(given).intervals_ticks.min() == round(2e6 / 3000)
+
+
+def test_a_method_that_comes_beyond_the_slew_speed_is_warned_of() -> None:
+    # From rest the second interval of newton is half of the first: sqrt(2 a) = 63.2, so 126.5 steps/s.
+    given = design(method__name="newton", ramp__slew_speed_steps_per_s=120.0, ramp__acceleration_steps_per_s2=2000.0)
+    [message] = [each.message for each in profile_of(given).warnings if each.field == "method.name"]
+    assert "Step 2 runs at 126.491 steps/s, beyond the ramp's highest speed of 120 steps/s" in message
+    assert not [each for each in profile_of(given.with_method("exact")).warnings if each.field == "method.name"]

@@ -33,7 +33,11 @@ def test_a_coarse_slew_speed_names_its_neighbours() -> None:
     [warning] = profile_of(fast).warnings
     assert warning.field == "timer.frequency_hz"
     assert "One tick is 3.0 % of the slew interval" in warning.message
-    assert "29,412 and 30,303 steps/s" in warning.message
+    assert "29,412 steps/s and 30,303 steps/s" in warning.message
+    assert [(each.value, each.unit) for each in warning.told] == [
+        (pytest.approx(29_411.76, abs=0.01), "steps/s"),
+        (pytest.approx(30_303.03, abs=0.01), "steps/s"),
+    ]
     assert "at least 3,000,000 Hz" in warning.message
 
 

@@ -4,9 +4,6 @@ A stop needs none of them: see door.
 """
 
 import asyncio
-import os
-import sys
-import threading
 from collections.abc import Callable, Coroutine, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
@@ -16,12 +13,13 @@ from weakref import WeakValueDictionary
 
 from stepramp.design import Design
 from stepramp.devices.device import Device
+from stepramp.executors.priority import be_nicer
+from stepramp.executors.threads import CORES
 from stepramp.ramp.plan import computed_steps
 
 T = TypeVar("T")
 P = ParamSpec("P")
 
-CORES = max(2, os.cpu_count() or 1)
 A_DEVICE = 3
 """So many threads of a lane one device has at most. Its answers come over one line, one after the other."""
 NICER = 5
@@ -30,12 +28,6 @@ MOST_QUICK_STEPS = 5_000_000
 """More steps, of all methods or axes together, take long to compute [steps]."""
 MOST_QUICK_POINTS = 200_000
 """Answers of more points take long to send [points]."""
-
-
-def _yield_to_others() -> None:
-    """Let the system prefer the threads that wait for clients and controllers to this one, which computes."""
-    if sys.platform == "linux":  # Elsewhere priorities are those of processes.
-        os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), os.getpriority(os.PRIO_PROCESS, 0) + NICER)
 
 
 class Lane:
@@ -47,7 +39,7 @@ class Lane:
 
     def __init__(self, name: str, threads: int, *, computes: bool = False) -> None:
         self._pool = ThreadPoolExecutor(
-            threads, thread_name_prefix=name, initializer=_yield_to_others if computes else None
+            threads, thread_name_prefix=name, initializer=partial(be_nicer, NICER if computes else 0)
         )
         # Each lives as long as somebody uses it or waits for it.
         self._of_devices: WeakValueDictionary[object, asyncio.Semaphore] = WeakValueDictionary()
@@ -87,7 +79,7 @@ LONG_PLANNING = Lane("long planning", CORES, computes=True)
 """Computing of millions of steps, and what makes files. A turn lasts until the answer is sent, so that no more of those
 are in memory than there are threads."""
 CONNECTING = Lane("connecting", 8)
-"""Connecting, which takes up to 6 s."""
+"""Connecting, which takes up to 5 s."""
 CHECKING = Lane("checking", 1, computes=True)
 """Parsing and validating of large bodies: one at a time, since other threads hardly get on meanwhile."""
 CAPTURING = Lane("capturing", 1, computes=True)

@@ -73,11 +73,12 @@ def newton_down(slope: Slope, number: Number) -> NDArray[np.floating]:
 def _along(slope: Slope, interval: np.floating, squares: NDArray[np.float64], out: NDArray[np.floating]) -> None:
     """Fill out with the intervals after the first, w growing by what the squares do: 2 a(k) at step k.
 
-    The first square and what they grow by, which a program has in a table, are rounded once to numbers of the type.
+    The first square and what they grow by, which a program has in a table, are rounded once to numbers of the type. An
+    interval that would be shorter than pS (18) is pS.
     squares: of the speeds, the interval's own first [steps²/s²], shape (steps + 1,).
     """
     number = out.dtype.type
-    constants = number(1 / slope.timer_hz**2), number(1), number(0.5)
+    constants = number(1 / slope.timer_hz**2), number(1), number(0.5), number(slope.slew_interval)
     _newton_along(interval, number(squares[0]), np.diff(squares).astype(number), constants, out)
 
 
@@ -113,10 +114,12 @@ def _newton_constants(slope: ConstantAcceleration, w: float, sign: int, number: 
 
 @compiled
 def _newton_along(interval, w, gains, constants, out):  # type: ignore[no-untyped-def]  # compiled
-    k, one, half = constants
+    k, one, half, shortest = constants
     for i in range(out.size):
         w = w + gains[i]
         interval = interval + interval * (one - w * k * interval * interval) * half
+        # Where the speed grows by several times within a step one correction goes far beyond it.
+        interval = max(interval, shortest)
         out[i] = interval
 
 

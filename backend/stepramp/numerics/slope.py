@@ -8,6 +8,7 @@ from typing import ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from stepramp.numerics.drive_train import DriveTrain
 from stepramp.numerics.numbers import Number
 
 
@@ -19,6 +20,10 @@ class ShapeParameters:
     """j: the fastest that the acceleration changes [steps/s³]."""
     points: tuple[tuple[float, float], ...] = ()
     """Speeds, increasing [steps/s], and which part of the acceleration holds there."""
+    drive_train: DriveTrain | None = None
+    """The motor with its drive and its load."""
+    margin: float = 1.0
+    """m: how much of the motor's torque is used."""
 
 
 NO_PARAMETERS = ShapeParameters()

@@ -9,19 +9,19 @@ floor(k n_l / n) intervals of the leader apart: less than one interval short of 
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stepramp.design import Design, Table
-from stepramp.errors import Rejected, Rejection
+from stepramp.errors import Rejected, Rejection, StepUnit, Told
 from stepramp.ramp.move import play
 from stepramp.ramp.plan import real_ramp
 from stepramp.ramp.profile import Profile, profile_of
 from stepramp.units import ticks_from_us
 
-QUANTITIES = {
+QUANTITIES: dict[str, tuple[str, StepUnit]] = {
     "base_speed_steps_per_s": ("base speed", "steps/s"),
     "slew_speed_steps_per_s": ("slew speed", "steps/s"),
     "acceleration_steps_per_s2": ("acceleration", "steps/s²"),
@@ -50,6 +50,8 @@ class Limit:
     axis: int
     """The axis that limits, counted from 0."""
     message: str
+    told: tuple[Told, ...] = ()
+    """The quantities of the message, in their order."""
 
 
 def leader_of(designs: Sequence[Design]) -> int:
@@ -217,11 +219,14 @@ def _limit(designs: Sequence[Design], leader: int, allowances: Sequence[Allowanc
     own, led = allowances[axis][quantity], allowances[leader][quantity]
     name, unit = QUANTITIES[quantity]
     line = own * steps_of(designs[leader]) / steps_of(designs[axis])
-    message = (
-        f"{called(designs, axis)} allows a {name} of {own:,.6g} {unit}: "
-        f"along the line that of {called(designs, leader)} is {line:,.6g} instead of {led:,.6g} {unit}."
+    allowed, played, wanted = told = tuple(
+        replace(Told.of(value, unit), axis=of) for value, of in ((own, axis), (line, leader), (led, leader))
     )
-    return Limit(f"designs.{axis}.{_field_of(designs[axis], quantity)[0]}", axis, message)
+    message = (
+        f"{called(designs, axis)} allows a {name} of {allowed}: "
+        f"along the line that of {called(designs, leader)} is {played} instead of {wanted}."
+    )
+    return Limit(f"designs.{axis}.{_field_of(designs[axis], quantity)[0]}", axis, message, told)
 
 
 def _field_of(design: Design, quantity: str) -> tuple[str, object]:

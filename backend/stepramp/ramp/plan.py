@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepramp.design import MOST_STEPS, Design
-from stepramp.errors import Limits, Rejected, Rejection
+from stepramp.errors import Change, Choices, Limits, Rejected, Rejection
 from stepramp.methods import METHODS
 from stepramp.methods.common.method import TuningReport
 from stepramp.methods.table import table_ramp
@@ -103,7 +103,14 @@ def ramp_of(design: Design) -> Ramp:
 
 def computed_steps(design: Design) -> int:
     """Return how many steps are computed for a design: its move's, or its ramp's when that is longer."""
-    return int(min(max(abs(design.move.steps), *(slope.length for slope in slopes_of(design))), MOST_STEPS))
+    return int(min(max(abs(design.move.steps), longest_side(design)), MOST_STEPS))
+
+
+def longest_side(design: Design) -> float:
+    """Return how long the longer side of a design's ramp is [steps, not whole]: of a table its last ramp index."""
+    if design.method.plays_table and design.table is not None:
+        return design.table.rows[-1][0]
+    return max(slope.length for slope in slopes_of(design))
 
 
 def tuning_report(design: Design) -> TuningReport | None:
@@ -115,13 +122,13 @@ def tuning_report(design: Design) -> TuningReport | None:
 def _slopes_for_the_method(design: Design) -> tuple[Slope, Slope]:
     """Return both slopes. Raises Rejected when the design's method or its arithmetic is for another shape only."""
     slopes, method = playable_slopes_of(design), design.method
-    shaped = f"with ramp.shape.name '{design.ramp.shape.name}'"
+    shaped = Change("ramp.shape.name", design.ramp.shape.name)
     if method.numerics.shape is not None and not all(isinstance(slope, method.numerics.shape) for slope in slopes):
-        others = ", ".join(name for name, each in METHODS.items() if each.shape is None)
-        raise Rejected([Rejection("method.name", method.name, f"{others} {shaped}")])
+        others = tuple(name for name, each in METHODS.items() if each.shape is None)
+        raise Rejected([Rejection.of_choices("method.name", method.name, Choices(others, shaped))])
     if method.arithmetic == "fixed" and constant_slopes_of(design) is None:
-        others = ", ".join(each for each in method.numerics.arithmetics if each != "fixed")
-        raise Rejected([Rejection("method.arithmetic", method.arithmetic, f"{others} {shaped}")])
+        exact = tuple(each for each in method.numerics.arithmetics if each != "fixed")
+        raise Rejected([Rejection.of_choices("method.arithmetic", method.arithmetic, Choices(exact, shaped))])
     return slopes
 
 
@@ -182,7 +189,8 @@ def _short_rows(design: Design) -> list[Rejection]:
 def _table(design: Design) -> RealRamp:
     table = design.table
     if table is None:
-        raise Rejected([Rejection("table", None, f"a table, since method.name is '{design.method.name}'")])
+        needed = Choices.needed("a table", "method.name", design.method.name)
+        raise Rejected([Rejection.of_choices("table", None, needed)])
     rows = np.array(table.rows, dtype=np.int64)
     delays = rows[:, 1].astype(np.float64)
     if table.interval_unit == "us":

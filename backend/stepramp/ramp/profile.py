@@ -8,15 +8,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepramp.design import LEAST_ACCELERATION, Design
-from stepramp.errors import Rejected, Rejection
+from stepramp.errors import Rejected, Rejection, Told
+from stepramp.methods import METHODS, REFERENCE
 from stepramp.numerics.compiled import counted
-from stepramp.numerics.limit_text import at_least, at_most
+from stepramp.numerics.limit_text import told_highest, told_lowest
+from stepramp.ramp.motor_contradictions import motor_contradictions
 from stepramp.ramp.plan import Plan, plan_of
 from stepramp.ramp.slopes import SIDES, full_slopes_of, peak_of
 from stepramp.ramp.timer_limits import SlewResolution, TimerWarning, slew_resolution, timer_warnings
+from stepramp.shapes.constant import ConstantAcceleration
 from stepramp.units import speed_from_interval
 
 _LESS_THAN_A_STEP = "the whole ramp would take less than one step"
+
+BEYOND_SLEW = 0.01
+"""Less than this part beyond the slew speed is no matter."""
 
 MOST_TICKS = 2**62
 """Longest move [ticks]: its instants fit in 64 bits."""
@@ -95,7 +101,13 @@ def profile_of(design: Design) -> Profile:
         direction=int(math.copysign(1, design.move.steps)),
         duration_s=int(intervals.sum()) / timer_hz,
         phases=_phases(plan),
-        warnings=(*_short_move(design, plan), *timer_warnings(design, intervals, slew_ticks), *_no_ramp(design, plan)),
+        warnings=(
+            *_short_move(design, plan),
+            *timer_warnings(design, intervals, slew_ticks),
+            *_no_ramp(design, plan),
+            *_beyond_slew(design, plan),
+            *motor_contradictions(design),
+        ),
         slew_resolution=slew_resolution(slew_ticks, timer_hz),
         plan=plan,
         is_lowered=peak_of(design) is not None,
@@ -110,12 +122,13 @@ def _phases(plan: Plan) -> tuple[Phase, ...]:
 
 def _short_move(design: Design, plan: Plan) -> list[TimerWarning]:
     is_lowered = peak_of(design) is not None
-    needed = sum(slope.steps for slope in full_slopes_of(design)) if is_lowered else plan.ramp_steps
+    needed = math.ceil(sum(slope.length for slope in full_slopes_of(design))) if is_lowered else plan.ramp_steps
     if plan.steps >= needed and not is_lowered:
         return []
-    peak = speed_from_interval(float(plan.intervals.min()), design.timer.frequency_hz)
-    message = f"Too short to reach full speed, which takes {needed:,} steps: the move peaks at {peak:,.0f} steps/s."
-    return [TimerWarning("move.steps", message), *_kink(design, plan)]
+    speed = speed_from_interval(float(plan.intervals.min()), design.timer.frequency_hz)
+    way, peak = Told(f"{needed:,} steps", needed, "steps", "up"), Told(f"{speed:,.0f} steps/s", speed, "steps/s")
+    message = f"Too short to reach full speed, which takes {way}: the move peaks at {peak}."
+    return [TimerWarning("move.steps", message, (way, peak)), *_kink(design, plan)]
 
 
 def _kink(design: Design, plan: Plan) -> list[TimerWarning]:
@@ -124,12 +137,13 @@ def _kink(design: Design, plan: Plan) -> list[TimerWarning]:
     if design.move.plan == "this_move" or design.method.plays_table or is_meant:
         return []
     n_up, n_down = plan.sides
-    before, after = (_steepness(side, design) for side in (plan.real.up[:n_up], plan.real.down[:n_down]))
+    rising, falling = (_steepness(side, design) for side in (plan.real.up[:n_up], plan.real.down[:n_down]))
+    before, after = (Told.of(each, "steps/s²") for each in (rising, 0.0 - falling))
     message = (
-        f"This move is cut out of a longer ramp: at its peak the acceleration jumps from {before:,.6g} to "
-        f"{-after:,.6g} steps/s². Planned by itself (this_move) it keeps to the ramp's jerk."
+        f"This move is cut out of a longer ramp: at its peak the acceleration jumps from {before} to {after}. "
+        "Planned by itself it keeps to the ramp's jerk."
     )
-    return [TimerWarning("move.plan", message)]
+    return [TimerWarning("move.plan", message, (before, after))]
 
 
 def _steepness(side: NDArray[np.floating], design: Design) -> float:
@@ -137,6 +151,21 @@ def _steepness(side: NDArray[np.floating], design: Design) -> float:
     speeds = design.timer.frequency_hz / side[-2:].astype(np.float64)
     squares = np.concatenate(([design.ramp.base_speed_steps_per_s], speeds))[-2:] ** 2
     return float(squares[-1] - squares[0]) / 2
+
+
+def _beyond_slew(design: Design, plan: Plan) -> list[TimerWarning]:
+    """Warn of a method whose error leads beyond the slew speed, by more than rounding does."""
+    fastest, slew = float(plan.real_intervals.min()), plan.real.slew
+    if design.method.plays_table or fastest >= (1 - BEYOND_SLEW) * slew:
+        return []
+    step = int(plan.real_intervals.argmin()) + 1
+    speeds = (speed_from_interval(each, design.timer.frequency_hz) for each in (fastest, slew))
+    speed, allowed = (Told.of(each, "steps/s") for each in speeds)
+    message = (
+        f"Step {step:,} runs at {speed}, beyond the ramp's highest speed of {allowed}: "
+        f"there the method's own error is that large. {METHODS[REFERENCE].label} keeps to it."
+    )
+    return [TimerWarning("method.name", message, (speed, allowed))]
 
 
 def _no_ramp(design: Design, plan: Plan) -> list[TimerWarning]:
@@ -151,14 +180,17 @@ def _no_ramp(design: Design, plan: Plan) -> list[TimerWarning]:
         rate = getattr(design.ramp, field)
         if rate is None or size:
             continue
-        most, reached = slope.acceleration_over(1), float(slope.speeds(1, 1, np.float64)[0])
+        most = slope.acceleration_over(1)
+        # How a ramp goes on beyond its slew speed only constant acceleration says.
+        goes_on = isinstance(slope, ConstantAcceleration)
+        reached = float(slope.speeds(1, 1, np.float64)[0]) if goes_on else slew
         is_above = reached > slew
-        told = (
-            f"a single step would reach {reached:,.6g} steps/s, above the slew speed" if is_above else _LESS_THAN_A_STEP
-        )
-        ways = [f"{at_most(most)} steps/s²"] if most >= LEAST_ACCELERATION else []
-        ways += [f"a slew speed of {at_least(reached)} steps/s"] if is_above else []
+        own, speed = Told.of(rate, "steps/s²"), Told.of(reached, "steps/s")
+        gentler, faster = told_highest(most, "steps/s²"), told_lowest(reached, "steps/s")
+        why = f"a single step would reach {speed}, above the slew speed" if is_above else _LESS_THAN_A_STEP
+        ways = [f"at most {gentler}"] if most >= LEAST_ACCELERATION else []
+        ways += [f"a slew speed of at least {faster}"] if is_above else []
         advice = f" Use {', or '.join(ways)}." if ways else ""
-        message = f"At {rate:,.6g} steps/s² {told}: there is no ramp.{advice}"
-        warnings.append(TimerWarning(f"ramp.{field}", message))
+        told = [own] + [speed] * is_above + [gentler] * (most >= LEAST_ACCELERATION) + [faster] * is_above
+        warnings.append(TimerWarning(f"ramp.{field}", f"At {own} {why}: there is no ramp.{advice}", tuple(told)))
     return warnings

@@ -14,18 +14,20 @@ from stepramp.design import MOST_STEPS, Design
 from stepramp.errors import Limits, Rejected, Rejection
 from stepramp.numerics.limit_text import highest
 from stepramp.ramp.on_chip import design_refusal, on_chip_ramp
-from stepramp.ramp.plan import ramp_of
+from stepramp.ramp.plan import longest_side, ramp_of
 from stepramp.ramp.playback.formula import FormulaPlayback
 from stepramp.ramp.playback.lists import ListPlayback
 from stepramp.ramp.playback.motor import InstantsOf, Motor
 from stepramp.ramp.playback.trajectory import Playback
 from stepramp.ramp.profile import Phase
-from stepramp.ramp.slopes import slopes_of
+from stepramp.ramp.slopes import peak_of
 from stepramp.ramp.thinning import kept_steps_of_all
-from stepramp.units import speed_from_interval, ticks_from_us
+from stepramp.units import interval_from_speed, speed_from_interval, ticks_from_us
 
 MOST_LOOKED_THROUGH = 1_000_000_000
 """Commands times steps of the ramp."""
+COST_OF_A_FORMULA = 4
+"""So many times as long takes a step of a ramp that the controller computes."""
 END = 2**62
 """Later than anything ends [ticks]."""
 
@@ -85,8 +87,9 @@ def played_towards(design: Design, commands: Sequence[Command], direction_setup_
     would never rest, and beyond 10,000,000 steps.
     """
     _refuse_endless(commands)
-    _refuse_many(design, commands)
+    # A ramp that can't be made says so itself, however few commands it has.
     playback, timer_hz = _playback_of(design), design.timer.frequency_hz
+    _refuse_many(design, commands)
     motor = Motor(playback, round(ticks_from_us(direction_setup_us, timer_hz)))
     recorder = motor.watch = _Recorder(motor, len(commands))
     for index, command in enumerate(commands):
@@ -96,7 +99,7 @@ def played_towards(design: Design, commands: Sequence[Command], direction_setup_
         if command.target_steps is not None:
             motor.move_to(command.target_steps, at)
         elif command.speed_steps_per_s:
-            interval = _interval(playback, command.speed_steps_per_s, timer_hz, index)
+            interval = _interval(design, playback, command.speed_steps_per_s, index)
             motor.run(interval, 1 if command.speed_steps_per_s > 0 else -1, at)
         else:
             motor.stop()
@@ -118,18 +121,22 @@ def _refuse_endless(commands: Sequence[Command]) -> None:
 
 def _refuse_many(design: Design, commands: Sequence[Command]) -> None:
     """Refuse what would take minutes: with each command the ramp that is left is looked through."""
-    steps = max(1, *(slope.steps for slope in slopes_of(design)))
-    if len(commands) * steps > MOST_LOOKED_THROUGH:
-        limits = Limits(1, max(1, MOST_LOOKED_THROUGH // steps), "commands", is_whole=True, note=" for so long a ramp")
+    cost = COST_OF_A_FORMULA if design_refusal(design) is None else 1
+    most = MOST_LOOKED_THROUGH // (cost * max(1, int(longest_side(design))))
+    if len(commands) > most:
+        limits = Limits(1, most, "commands", is_whole=True, note=" for so long a ramp")
         raise Rejected([Rejection.outside("commands", len(commands), limits)])
 
 
-def _interval(playback: Playback, speed_steps_per_s: float, timer_hz: float, index: int) -> int:
+def _interval(design: Design, playback: Playback, speed_steps_per_s: float, index: int) -> int:
     """Return the interval of a speed [ticks]. Raises Rejected when the ramp doesn't lead to it."""
-    interval = round(timer_hz / abs(speed_steps_per_s))
+    timer_hz = design.timer.frequency_hz
+    interval = interval_from_speed(abs(speed_steps_per_s), timer_hz)
     if interval < playback.slew_interval:
         fastest = highest(speed_from_interval(playback.slew_interval, timer_hz))
-        limits = Limits(-fastest, fastest, "steps/s", note=", the slew speed of the ramp")
+        is_lowered = peak_of(design) is not None
+        peak = f"peak speed of the ramp that is made for a move of {abs(design.move.steps):,} steps"
+        limits = Limits(-fastest, fastest, "steps/s", note=f", the {peak if is_lowered else 'slew speed of the ramp'}")
         raise Rejected([Rejection.outside(f"commands.{index}.speed_steps_per_s", speed_steps_per_s, limits)])
     return interval
 

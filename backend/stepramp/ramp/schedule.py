@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 from stepramp.design import Design
 from stepramp.errors import Rejected, Rejection
 from stepramp.numerics.compiled import compiled, counted
-from stepramp.numerics.limit_text import at_most
+from stepramp.numerics.limit_text import told_highest
 from stepramp.ramp.line import Limit, called, fields_of, leader_of, line_profile, steps_of, steps_together
 from stepramp.ramp.profile import Profile, profile_of
 from stepramp.ramp.thinning import kept_steps
 from stepramp.ramp.timer_limits import TimerWarning
+from stepramp.shapes import SHAPES, USUAL_SHAPE
 from stepramp.units import MICROSECONDS_PER_SECOND, speed_from_interval, ticks_from_us, us_from_ticks
 
 Mode = Literal["independent", "line"]
@@ -177,6 +178,7 @@ def _line(designs: Sequence[Design]) -> Schedule:
     warnings = _warnings(leader, pace)
     for number, axis in enumerate(axes):
         if number != leader:
+            warnings += _other_shape(designs, leader, number)
             warnings += _bunched(designs, leader, number, axis)
     return Schedule(axes, leader, limits, tuple(warnings))
 
@@ -194,10 +196,22 @@ def _axis(design: Design, pace: Profile) -> ScheduledAxis:
 
 
 def _warnings(axis: int, profile: Profile) -> list[TimerWarning]:
-    return [
-        TimerWarning(warning.field and f"designs.{axis}.{warning.field}", warning.message)
-        for warning in profile.warnings
-    ]
+    return [replace(warning, field=warning.field and f"designs.{axis}.{warning.field}") for warning in profile.warnings]
+
+
+def _other_shape(designs: Sequence[Design], leader: int, number: int) -> list[TimerWarning]:
+    """Warn of a follower that was given a shape of its own: the leader's holds for all."""
+    led, own = designs[leader], designs[number]
+    is_its_own = own.ramp.shape.name != USUAL_SHAPE and not own.method.plays_table
+    is_the_leaders = led.ramp.shape.name == own.ramp.shape.name and led.ramp.shape.points == own.ramp.shape.points
+    if not is_its_own or (is_the_leaders and not led.method.plays_table):
+        return []
+    leads = "plays its table" if led.method.plays_table else f"has the shape {SHAPES[led.ramp.shape.name].label}"
+    message = (
+        f"Along the line the shape of {called(designs, number)}, {SHAPES[own.ramp.shape.name].label}, does not hold: "
+        f"{called(designs, leader)} leads and {leads}{'' if led.method.plays_table else ', which holds for all'}."
+    )
+    return [TimerWarning(f"designs.{number}.ramp.shape.name", message)]
 
 
 def _bunched(designs: Sequence[Design], leader: int, number: int, axis: ScheduledAxis) -> list[TimerWarning]:
@@ -209,13 +223,13 @@ def _bunched(designs: Sequence[Design], leader: int, number: int, axis: Schedule
     if not gaps.size or gaps.min() >= least:
         return []
     n_l, n = axis.pace.time_s.size, axis.steps
-    fastest = speed_from_interval(least, timer_hz) * (n_l // n) * n / n_l
+    fastest = told_highest(speed_from_interval(least, timer_hz) * (n_l // n) * n / n_l, "steps/s")
     message = (
         f"Along the line, steps of {called(designs, number)} come as close as "
         f"{us_from_ticks(int(gaps.min()), timer_hz):,.6g} µs, less than the {timer.shortest_interval_us:g} µs that the "
-        f"controller needs: use a slew speed of {at_most(fastest)} steps/s."
+        f"controller needs: use a slew speed of at most {fastest}."
     )
-    return [TimerWarning(f"designs.{number}.timer.shortest_interval_us", message)]
+    return [TimerWarning(f"designs.{number}.timer.shortest_interval_us", message, (fastest,))]
 
 
 @compiled

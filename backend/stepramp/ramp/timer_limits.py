@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepramp.design import Design, Timer
-from stepramp.numerics.limit_text import at_least, at_most
+from stepramp.errors import Told
+from stepramp.numerics.limit_text import at_least, at_most, told_highest
 from stepramp.units import speed_from_interval, ticks_from_us, us_from_ticks
 
 COARSE = 0.01
@@ -20,6 +21,8 @@ class TimerWarning:
 
     field: str | None
     message: str
+    told: tuple[Told, ...] = ()
+    """The quantities of the message, in their order."""
 
 
 @dataclass(frozen=True)
@@ -75,12 +78,13 @@ def _shorter_than_shortest(shortest: int, timer: Timer) -> TimerWarning | None:
     least = ticks_from_us(timer.shortest_interval_us, timer.frequency_hz)
     if shortest >= least:
         return None
-    fastest = speed_from_interval(math.ceil(least), timer.frequency_hz)
+    fastest = told_highest(speed_from_interval(math.ceil(least), timer.frequency_hz), "steps/s")
     return TimerWarning(
         "timer.shortest_interval_us",
         f"The shortest interval, {us_from_ticks(shortest, timer.frequency_hz):,.2f} µs, is less than the "
         f"{timer.shortest_interval_us:,g} µs that the controller needs: "
-        f"use a slew speed of {at_most(fastest)} steps/s.",
+        f"use a slew speed of at most {fastest}.",
+        (fastest,),
     )
 
 
@@ -92,11 +96,12 @@ def _coarse_slew(slew_interval_ticks: float, timer: Timer) -> TimerWarning | Non
     finer = timer.frequency_hz * resolution.relative / COARSE
     advice = f"a timer of {at_least(finer)} Hz has a resolution of {100 * COARSE:g} %."
     if below == above:
+        told: tuple[Told, ...] = ()
         text = f"Speeds near the slew speed are {100 * resolution.relative:.1f} % apart; {advice}"
     else:
-        speeds = f"{below:,.0f}" + (f" and {above:,.0f}" if above else "")
+        told = tuple(Told(f"{speed:,.0f} steps/s", speed, "steps/s") for speed in (below, above) if speed)
         text = (
-            f"One tick is {100 * resolution.relative:.1f} % of the slew interval: the nearest speeds are {speeds} "
-            f"steps/s. Use one of them; {advice}"
+            f"One tick is {100 * resolution.relative:.1f} % of the slew interval: the nearest speeds are "
+            f"{' and '.join(map(str, told))}. Use one of them; {advice}"
         )
-    return TimerWarning("timer.frequency_hz", text)
+    return TimerWarning("timer.frequency_hz", text, told)

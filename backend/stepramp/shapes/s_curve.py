@@ -128,24 +128,35 @@ def _durations(constants, timer_hz, out):  # type: ignore[no-untyped-def]  # com
         else:
             left = _time_left(constants, length - place, left)
             time, speed, phase = whole - left, slew - half * jerk * left * left, 2
-        if phase != phase_before:
-            duration = time - time_before
-        elif phase == 1:
+        # A difference of long times has few digits: it is corrected along the step itself.
+        if phase == phase_before == 1:
             duration = two / (speed_before + speed)
         else:
-            # A difference of long times has few digits: the acceleration along one step is as good as even.
-            growth = jerk if phase == 0 else -jerk
-            acceleration = jerk * time_before if phase == 0 else jerk * (whole - time_before)
-            duration = _one_step(constants, speed_before, acceleration, growth, time - time_before)
+            acceleration = (
+                peak if phase_before == 1 else jerk * (time_before if phase_before == 0 else whole - time_before)
+            )
+            duration = _one_step(constants, time_before, speed_before, acceleration, time - time_before)
         out[i] = timer_hz * duration
 
 
 @compiled
-def _one_step(constants, speed, acceleration, growth, duration):  # type: ignore[no-untyped-def]  # compiled
-    """Return the root of v t + a t²/2 + j t³/6 = 1, one Newton step from a time that is close to it."""
+def _one_step(constants, time, speed, acceleration, duration):  # type: ignore[no-untyped-def]  # compiled
+    """Return the root of v t + a t²/2 + j t³/6 = 1, one Newton step from a duration that is close to it.
+
+    The step begins at a time with a speed and an acceleration, and may lead through all phases: where one ends need not
+    be known closely, as speed and acceleration go on there.
+    """
+    jerk, onset, whole = constants[3:6]
     one, _, half, sixth, _ = constants[10:]
-    covered = duration * (speed + duration * (half * acceleration + sixth * growth * duration))
-    return duration - (covered - one) / (speed + duration * (acceleration + half * growth * duration))
+    nothing = one - one
+    growing = min(max(onset - time, nothing), duration)
+    level = min(max(whole - onset - max(time, onset), nothing), duration - growing)
+    covered = nothing
+    for part, growth in ((growing, jerk), (level, nothing), (duration - growing - level, -jerk)):
+        covered += part * (speed + part * (half * acceleration + sixth * growth * part))
+        speed += part * (acceleration + half * growth * part)
+        acceleration += growth * part
+    return duration - (covered - one) / speed
 
 
 @compiled

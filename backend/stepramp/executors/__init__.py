@@ -1,0 +1,1 @@
+"""Who computes many things at once: the cores of this machine, or a cluster."""
