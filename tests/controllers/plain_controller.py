@@ -18,12 +18,14 @@ from stepramp.controllers.families import Family
 from stepramp.controllers.progress import Tell
 from stepramp.design import Design
 from stepramp.link.connection import Connection
+from stepramp.link.remote_ports import RemotePorts
+from stepramp.link.serial_port import NO_REMOTE_PORTS
 
 
 class NoWire:
     """A connection over which nothing goes."""
 
-    def __init__(self, name: str, _: Callable[[], None]) -> None:
+    def __init__(self, name: str, _: Callable[[], None], __: RemotePorts = NO_REMOTE_PORTS) -> None:
         self.name = name
 
     def write(self, data: bytes) -> None:

@@ -27,6 +27,9 @@ class PseudoTerminal:
         """Take what was sent, and return what comes back."""
         raise NotImplementedError
 
+    def opened(self) -> None:
+        """Notice that somebody has opened the near end."""
+
     def unplug(self) -> None:
         self._unplugged.set()
         self._thread.join()
@@ -39,6 +42,7 @@ class PseudoTerminal:
         self.unplug()
 
     def _serve(self) -> None:
+        is_open = False
         while not self._unplugged.is_set():
             data = b""
             if select.select([self._far_end], [], [], 0.005)[0]:
@@ -46,9 +50,13 @@ class PseudoTerminal:
                     data = os.read(self._far_end, 4096)
                 except OSError:
                     # Nobody has the port open: what Linux says of a pseudo-terminal until somebody does. Nobody hears.
+                    is_open = False
                     self.exchange(b"")
                     self._unplugged.wait(0.01)
                     continue
+            if not is_open:
+                is_open = True
+                self.opened()
             if said := self.exchange(data):
                 os.write(self._far_end, said)
         os.close(self._far_end)

@@ -37,6 +37,22 @@ def rejected(*designs: Design, hello: HelloReply = HELLO, settings: StepRampSett
     return caught.value.rejections[0]
 
 
+@pytest.mark.parametrize("lengths", [(2000, 40), (40, 2000), (40, 41)])
+def test_axes_whose_ramps_differ_by_the_peak_of_their_moves_have_each_their_own(lengths: tuple[int, int]) -> None:
+    shape = {"name": "s_curve", "jerk_steps_per_s3": 200_000.0}
+    both = [
+        design(
+            schema="stepramp/2", method__name="exact", ramp__shape=shape, ramp__slew_speed_steps_per_s=2000.0,
+            ramp__acceleration_steps_per_s2=8000.0, move__steps=steps,
+        )
+        for steps in lengths
+    ]  # fmt: skip
+    pushed = plan_push(both, limits(), StepRampSettings())
+    for axis, own in enumerate(both):
+        sent, planned = unpacked(pushed.image.axes[axis]), ramp_of(own)
+        assert (sent.up.size, sent.slew) == (planned.up.size, planned.slew)
+
+
 def test_a_ramp_that_fits_is_sent_as_it_is() -> None:
     plan = planned(design())
     ramp, sent = ramp_of(design()), unpacked(plan.image.axes[0])

@@ -1,5 +1,6 @@
 """What is proposed for a ramp that is too long for a controller: applied to the design, it fits."""
 
+import json
 from typing import Any
 
 import pytest
@@ -51,6 +52,26 @@ def test_each_remedy_by_itself_makes_the_design_fit(changes: dict[str, Any]) -> 
         [rejection] = rejections(document(**changes))
         body = changed({"axes": [document(**changes)]}, rejection.remedies[number])
         plan_push([Design.checked(body["axes"][0])], SMALL, StepRampSettings())
+
+
+@pytest.mark.parametrize("own", [{}, {"deceleration_jerk_steps_per_s3": 1500.0}])
+def test_of_an_s_curve_its_jerk_may_be_raised_too(own: dict[str, float]) -> None:
+    # Two sides that differ take twice the segments.
+    hello = limits(most_segments=10 * (1 + len(own)))
+    shape = {"name": "s_curve", "jerk_steps_per_s3": 2000.0} | own
+    long = document(schema="stepramp/2", method__name="exact", ramp__acceleration_steps_per_s2=2e4, ramp__shape=shape)
+    [rejection] = rejections(long, hello=hello)
+    fields = ["acceleration_steps_per_s2", *(f"shape.{name}" for name in ("jerk_steps_per_s3", *own))]
+    steeper, sharper, slower = rejection.remedies[:3]
+    assert [change.field for change in steeper.changes] == [f"axes.0.ramp.{field}" for field in fields]
+    assert [change.field for change in sharper.changes] == [f"axes.0.ramp.{field}" for field in fields[1:]]
+    assert slower.text.startswith("lower the slew speed to ")
+    # The form of the ramp stays: twice the acceleration in half the time has four times the jerk.
+    factor = steeper.changes[0].value / 2e4
+    assert steeper.changes[1].value / 2000 == pytest.approx(factor**2, rel=0.02)
+    for remedy in rejection.remedies:
+        body = changed({"axes": [json.loads(json.dumps(long))]}, remedy)
+        plan_push([Design.checked(body["axes"][0])], hello, StepRampSettings())
 
 
 def test_the_numbers_are_close_to_the_least_change() -> None:

@@ -75,6 +75,20 @@ class OwnSupply(Witness):
         return super().exchange(sent)
 
 
+class HeldUp(OwnSupply):
+    """What is sent to it waits on the way while that is held up, and gets there afterwards."""
+
+    is_held_up = False
+    _waiting = b""
+
+    def exchange(self, sent: bytes) -> bytes:
+        sent, self._waiting = self._waiting + sent, b""
+        if self.is_held_up:
+            self._waiting = sent
+            return b""
+        return super().exchange(sent)
+
+
 class UnpluggedAt(OwnSupply):
     """Its cable comes out just when it is told something of a kind."""
 

@@ -21,6 +21,7 @@ from stepramp.devices.view import DeviceState
 from stepramp.errors import DeviceLost, Refused, Rejected
 
 BY = [AxisCommand(0, 5, "by_steps")]
+AT_SERIAL_PORTS = [name for name in FAMILIES if name != "klipper"]
 ALL = ("keep", "try", "restore", "settings", "trace", "line", "zero")
 
 
@@ -85,6 +86,9 @@ def test_what_keeps_a_motor_from_moving_is_told_until_it_is_over(plain: Device, 
         (lambda device: device.trace_moves(0, 1), "trace moves"),
         (lambda device: device.line(BY), "move axes along a straight line"),
         (lambda device: device.zero([0], 5), "zero gauges"),
+        (Device.backups, "be backed up"),
+        (Device.back_up, "be backed up"),
+        (lambda device: device.present_designs(design()), "tell settings that designs can be made of"),
     ],
 )
 def test_what_only_others_can_do_is_refused_in_plain_words(
@@ -99,14 +103,18 @@ def test_what_only_others_can_do_is_refused_in_plain_words(
 def test_a_controller_of_ours_can_do_all(devices: Devices, plug_in: Callable) -> None:
     view = devices.connect(plug_in(VirtualController())).view
     assert (view.family, view.capabilities) == ("stepramp", ALL)
-    assert tuple(each.name for each in CAPABILITIES) == ALL
+    assert tuple(each.name for each in CAPABILITIES) == (*ALL, "backup", "import")
 
 
 def test_there_is_no_such_family(devices: Devices) -> None:
     with pytest.raises(Rejected) as caught:
         devices.connect("at a plain wire", "tick")
     [rejection] = caught.value.rejections
-    assert (rejection.field, rejection.value, rejection.allowed) == ("family", "tick", ", ".join([*FAMILIES, "plain"]))
+    assert (rejection.field, rejection.value, rejection.allowed) == (
+        "family",
+        "tick",
+        ", ".join([*AT_SERIAL_PORTS, "plain"]),
+    )
     assert devices.views() == []
 
 

@@ -11,10 +11,10 @@ import pytest
 
 from controllers.conftest import Clock
 from devices.bench import MOTIONS, STOPS, Bench, by, push, worker_of
-from devices.boards import OwnSupply, UnpluggedAt
+from devices.boards import HeldUp, OwnSupply, UnpluggedAt
 from devices.motion import PATIENCE_S
 from stepramp.controllers.stepramp import conversation
-from stepramp.controllers.stepramp.messages.motion import HaltRequest, StopRequest
+from stepramp.controllers.stepramp.messages.motion import HaltRequest, MoveByRequest, StopRequest
 from stepramp.controllers.stepramp.messages.session import HelloRequest
 from stepramp.controllers.stepramp.messages.settings import ReadSettingsRequest
 from stepramp.controllers.stepramp.messages.status import StatusRequest
@@ -57,6 +57,28 @@ def test_a_stop_that_finds_no_connection_is_owed(clock: Clock, plug_in: Callable
     board.seen.clear()
     devices.connect(device.view.port)
     assert not STOPS & set(board.seen)
+    devices.close()
+
+
+def test_a_motion_that_waits_on_the_way_and_was_told_as_failed_is_stopped(
+    clock: Clock, plug_in: Callable, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A network or a machine in between may hang, and hand over later what it was given."""
+    monkeypatch.setattr(conversation, "REPLY_TIMEOUT_S", 0.003)
+    board = HeldUp(clock)
+    VirtualController.opened(board.controller)
+    devices = Devices()
+    device = devices.connect(plug_in(board))
+    push(device, clock)
+    board.is_held_up = True
+    with pytest.raises(DeviceLost):
+        device.move_by([by(5000)])
+    board.is_held_up = False
+    board.seen.clear()
+    devices.connect(device.view.port)
+    told = [kind for kind in board.seen if kind in MOTIONS | STOPS]
+    assert set(told[:-1]) == {MoveByRequest.KIND}
+    assert told[-1] == StopRequest.KIND
     devices.close()
 
 

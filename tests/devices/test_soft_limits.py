@@ -79,6 +79,36 @@ def test_a_run_keeps_to_soft_limits_while_answers_are_lost(bench: Bench, monkeyp
     assert min(reached) > 1500 - 900 * (0.5 + WAITED_FOR_S)
 
 
+def test_a_refused_run_names_the_fastest_that_is_not_refused(bench: Bench) -> None:
+    """At 300 of 400 steps 100 are left, which 0.5 s and slowing down along a ramp take at less than 200 steps/s."""
+    bench.reset()
+    bench.device.set_position([AxisCommand(0, 300, "position_steps")])
+    bench.device.limit({0: Span(None, 400)})
+
+    def run(speed_steps_per_s: float) -> None:
+        command = AxisCommand(0, speed_steps_per_s, "axes.0.speed_steps_per_s")
+        bench.device.run([command], Lease({0: speed_steps_per_s}, 1e6))
+
+    with pytest.raises(Rejected) as caught:
+        run(900.0)
+    [rejection] = caught.value.rejections
+    fastest, end = rejection.told
+    assert 100 < fastest.value < 200
+    assert rejection.message == (
+        f"axes.0.speed_steps_per_s is 900.0; allowed: at most {fastest.value} steps/s that way, as axis 0 has to come "
+        "to rest within its soft limits, any position to 400 steps."
+    )
+    assert (end.value, end.unit) == (400, "steps")
+    with pytest.raises(Rejected, match=f"at most {fastest.value} steps/s that way"):
+        run(fastest.value + 1)
+    run(fastest.value)
+    bench.reset()
+    bench.device.set_position([AxisCommand(0, 400, "position_steps")])
+    with pytest.raises(Rejected, match="allowed: no speed that way, as axis 0"):
+        run(900.0)
+    bench.device.limit({0: FREE})
+
+
 def test_an_axis_that_was_heard_of_long_ago_rested_until_it_set_out(
     bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -1,9 +1,12 @@
 """Axes as requests and settings name them, whatever the controller."""
 
+from collections.abc import Sequence
 from typing import Annotated
 
 from pydantic import AfterValidator
 
+from stepramp.controllers.contract import AxisCommand
+from stepramp.errors import Rejected, Rejection
 from stepramp.validation import ListOf, ListOrNull, Within
 
 MOST_AXES = 4
@@ -23,3 +26,13 @@ AxisNumbers = Annotated[AxisNumbersAsGiven, AfterValidator(_in_order)]
 AxisNumbersOrNull = Annotated[
     tuple[AxisNumber, ...] | None, ListOrNull(_AXES, most=MOST_NAMED), AfterValidator(_in_order)
 ]
+
+
+def refuse_axes(asked: Sequence[AxisCommand], axes: int) -> None:
+    """Reject axes that aren't there, and those that are named twice."""
+    named = [each.axis for each in asked]
+    for number, each in enumerate(asked):
+        if each.axis >= axes or each.axis in named[:number]:
+            beside = each.field.rpartition(".")[0] + ".axis" if "." in each.field else "axis"
+            allowed = "each axis once" if each.axis < axes else f"an axis of this controller: 0 to {axes - 1}"
+            raise Rejected([Rejection(each.field if each.field == "axes" else beside, each.axis, allowed)])

@@ -82,7 +82,26 @@ class ZeroesGauges(Protocol):
         """Call the places where axes are so many steps and move them to 0, as gauges find their stop."""
 
 
-CapabilityName = Literal["keep", "try", "restore", "settings", "trace", "line", "zero"]
+@runtime_checkable
+class TellsSettings(Protocol):
+    """A controller whose settings can be read as text, which its family makes designs of."""
+
+    def backup(self) -> str:
+        """Ask for everything that can be read, as lines of text; Refused when it can't be read now."""
+
+
+@runtime_checkable
+class BacksUp(TellsSettings, Protocol):
+    """A controller whose settings can be written again from that text, too."""
+
+    def use_backup(self, text: str) -> tuple[str, ...]:
+        """Write what a backup says, one setting at a time, and read it back; return what couldn't be, as sentences.
+
+        Rejected when the text is no backup of such a controller, Refused when it can't be written now.
+        """
+
+
+CapabilityName = Literal["keep", "try", "restore", "settings", "trace", "line", "zero", "backup", "import"]
 
 
 @dataclass(frozen=True)
@@ -105,6 +124,8 @@ CAPABILITIES = (
     Capability("trace", TracesMoves, "trace moves"),
     Capability("line", DrawsLines, "move axes along a straight line"),
     Capability("zero", ZeroesGauges, "zero gauges"),
+    Capability("backup", BacksUp, "be backed up"),
+    Capability("import", TellsSettings, "tell settings that designs can be made of"),
 )
 
 

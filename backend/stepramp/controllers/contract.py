@@ -49,6 +49,8 @@ class AxisStatus:
     speed_steps_per_s: float
     steps_made: int
     """Since it last set out from rest."""
+    steps_per_mm: float | None = None
+    """What the controller itself is set to; None for one that counts in steps only."""
 
     @property
     def runs(self) -> bool:
@@ -78,6 +80,19 @@ FigureUnit = Literal["", "steps", "steps/s", "steps/s²", "µs", "Hz", "CRC-16"]
 
 
 @dataclass(frozen=True)
+class OwnTerms:
+    """A figure of a push as the controller itself has it, such as $120 [mm/s²]."""
+
+    term: str
+    """What the controller calls it."""
+    unit: str
+    sent: float | None
+    """What is sent, or was; None for nothing."""
+    on_device: float | None
+    """What it has, after a push as it was read back; None for nothing, or nothing that makes sense."""
+
+
+@dataclass(frozen=True)
 class PushItem:
     """One figure of a push on its way [unit]: asked for by the design, sent, and read back from the controller."""
 
@@ -89,6 +104,8 @@ class PushItem:
     """None: what was read back makes no sense."""
     axis: int | None
     """Whose it is; None: all axes'."""
+    own: OwnTerms | None = None
+    """The same in the controller's own terms; None where those are the same."""
 
 
 @dataclass(frozen=True)
@@ -97,7 +114,7 @@ class PushReport:
 
     items: tuple[PushItem, ...]
     verified: bool
-    """What was read back is what was sent, byte for byte."""
+    """What was read back is what was sent, as exactly as the controller tells it."""
     segments: int | None
     """None for a controller that takes no segments."""
     bytes: int
@@ -105,7 +122,7 @@ class PushReport:
     largest_deviation_us: float | None
     """Largest difference between an interval of a design's ramp and the controller's [µs].
 
-    None: not known, since the controller works out the intervals itself.
+    None: the controller works out the intervals itself. What is known of that own_ramp.py tells, of the design's move.
     """
     sequence: int | None
     """How often the controller has stored ramps so far; None for one that never does."""
@@ -126,6 +143,8 @@ class PreviewItem:
     """None: it would have none any more."""
     axis: int | None
     """Whose it is; None: all axes'."""
+    own: OwnTerms | None = None
+    """As in PushItem."""
 
     @property
     def differs(self) -> bool:

@@ -20,19 +20,22 @@ from stepramp.devices.writing import Writing
 from stepramp.errors import DeviceLost, Refused, StepRampError
 from stepramp.link.connection import Connection
 from stepramp.link.ports import Port, find_again, known_port, location_of, port_name
+from stepramp.link.remote_ports import RemotePorts
 from stepramp.link.worker import Worker
 
 
 class Attachment:
     """Connects a device to its port, and sees to what goes on while it is connected. For any thread.
 
-    known: the port. family: how it is opened, and of what kind the controller there is.
+    known: the port. family: how it is opened, and of what kind the controller there is. remote_ports: those of other
+    machines that may be opened.
     """
 
     def __init__(
         self,
         known: Port,
         family: Family,
+        remote_ports: RemotePorts,
         view: LiveView,
         contact: Contact,
         watch: Watch,
@@ -45,6 +48,7 @@ class Attachment:
     ) -> None:
         self._known = known
         self._family = family
+        self._remote_ports = remote_ports
         self._view = view
         self._contact = contact
         self._watch = watch
@@ -148,7 +152,7 @@ class Attachment:
 
     def _open(self) -> None:
         port = self._view.now.port
-        self._connection = self._family.open(port, self._permit.check)
+        self._connection = self._family.open(port, self._permit.check, self._remote_ports)
         self._location = location_of(port)
         # Only now that the port is held nothing else can come to be plugged in there.
         known = known_port(port)

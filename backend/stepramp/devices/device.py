@@ -4,12 +4,15 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from concurrent.futures import Future
 from contextlib import AbstractContextManager
 from dataclasses import replace
+from pathlib import Path
 
-from stepramp.controllers.capabilities import HasSettings, refusal
+from stepramp.controllers.capabilities import HasSettings, TellsSettings, refusal
 from stepramp.controllers.contract import AxisCommand, NextTrace, PushMode, PushPreview, PushReport, Trace
 from stepramp.controllers.families import Family
+from stepramp.controllers.read_axis import ReadAxis
 from stepramp.design import Design
 from stepramp.devices.attachment import Attachment
+from stepramp.devices.backups import Backup, Backups, Source
 from stepramp.devices.contact import Contact
 from stepramp.devices.control import Control
 from stepramp.devices.leases import Lease, Leases
@@ -28,16 +31,19 @@ from stepramp.devices.traces import Traces
 from stepramp.devices.view import DeviceView
 from stepramp.devices.watch import Watch
 from stepramp.devices.writing import PlanPush, SendPush, Writing
+from stepramp.errors import Rejected, Rejection
 from stepramp.link.ports import Port
+from stepramp.link.remote_ports import RemotePorts
 from stepramp.validation import Document
 
 
 class Device:
     """One controller at one port. Its worker owns the port; all calls here may come from any thread.
 
-    known: its port. family: of the controller there. order: of all that is asked and stopped. stops_of_all: stops that
-    are for each device. owed: stops that no controller has granted yet. changed: called from any thread after each
-    change of the view. before: what was known of what is plugged in there when it was last let go of.
+    known: its port. family: of the controller there. remote_ports: those of other machines that may be opened. order:
+    of all that is asked and stopped. stops_of_all: stops that are for each device. owed: stops that no controller has
+    granted yet. changed: called from any thread after each change of the view. data: the folder of what outlasts the
+    program. before: what was known of what is plugged in there when it was last let go of.
 
     What sets motors moving takes `request_number`: when it was asked for, in that order; None: now. It is refused when
     a stop came after that. What the controller can't do, since it hasn't got the capability, is Refused in plain words.
@@ -48,10 +54,12 @@ class Device:
         device_id: str,
         known: Port,
         family: Family,
+        remote_ports: RemotePorts,
         order: Order,
         stops_of_all: Stops,
         owed: OwedStops,
         changed: Callable[[], None],
+        data: Path,
         before: DeviceView | None = None,
     ) -> None:
         self._family = family
@@ -67,12 +75,12 @@ class Device:
         control = Control(live)
         runs = Runs(live, contact, leases, stopping)
         to_and_fro = ToAndFro(live, contact, watch, control, setting_out, stops)
-        writing = Writing(live, contact, watch, leases)
+        writing = Writing(live, contact, watch, leases, Backups(data, family.name, known), family.play_own)
         self._live, self._control, self._stopping, self._runs = live, control, stopping, runs
         self._to_and_fro, self._writing, self._traces = to_and_fro, writing, Traces(contact, watch)
         self._motions = Motions(live, contact, watch, leases, control, setting_out)
         self._attachment = Attachment(
-            known, family, live, contact, watch, leases, permit, stopping, runs, to_and_fro, writing
+            known, family, remote_ports, live, contact, watch, leases, permit, stopping, runs, to_and_fro, writing
         )
 
     @property
@@ -163,6 +171,38 @@ class Device:
     def restore(self) -> None:
         """Make the ramps and settings that were stored before the stored ones; see RestoresRamps."""
         self._writing.restore()
+
+    def backups(self) -> list[Backup]:
+        """Return what was saved of it before it was written to, the newest first; see BacksUp."""
+        return self._writing.backups()
+
+    def saved_text(self, name: str) -> str:
+        """Return a backup; NotFound when there is none of that name."""
+        return self._writing.saved_text(name)
+
+    def back_up(self) -> None:
+        """Save what the device has now; see BacksUp."""
+        self._writing.back_up()
+
+    def restore_backup(self, name: str) -> tuple[str, ...]:
+        """Write what a backup says, and return what couldn't be, as sentences; see BacksUp."""
+        return self._writing.restore_backup(name)
+
+    def restore_from(self, source: Source, name: str, text: str) -> tuple[str, ...]:
+        """Write a backup of any device of the same family; Rejected for that of another one. As restore_backup."""
+        if source.family != self._family.name:
+            of = f"a source of the family {self._family.name}, as the device is"
+            raise Rejected([Rejection("source", source.name, of)])
+        return self._writing.restore_text(text, name)
+
+    def present_designs(self, base: Design) -> list[ReadAxis]:
+        """Return what the controller has now as designs, one for each axis; Refused when its family can't be read.
+
+        base: what holds where a controller says nothing.
+        """
+        if self._family.read_settings is None:
+            raise refusal(TellsSettings, self.view.name, self._family.title)
+        return self._family.read_settings(self._writing.present_text(), base)
 
     @property
     def settings_model(self) -> type[Document]:

@@ -1,5 +1,7 @@
 """What soft limits forbid a device, as it was last heard of."""
 
+import math
+from bisect import bisect_left
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from time import monotonic
@@ -49,7 +51,8 @@ def refuse_outward(view: DeviceView, speeds: Sequence[AxisCommand], steps_to_res
         if each.axis in limited and _is_near(view, limited[each.axis], each.value, steps_to_rest, since_s=0.0)
     ]
     if near:
-        raise Rejected([out_of_limits(each, view.soft_limits[each.axis]) for each in near])
+        fastest = {each.axis: _fastest(view, limited[each.axis], each.value, steps_to_rest) for each in near}
+        raise Rejected([out_of_limits(each, view.soft_limits[each.axis], fastest[each.axis]) for each in near])
 
 
 def refuse_running(view: DeviceView, running: Collection[int], steps: Sequence[AxisCommand]) -> None:
@@ -91,6 +94,15 @@ def _refuse_unknown(view: DeviceView, axes: Iterable[int]) -> None:
             f"{which} may be elsewhere than counted, since the device was lost or disconnected, so soft limits can't "
             "be kept: set the position, or take the limits away."
         )
+
+
+def _fastest(view: DeviceView, axis: AxisView, speed_steps_per_s: float, steps_to_rest: StepsToRest) -> int:
+    """Return the fastest whole speed the same way with which an axis is kept within its soft limits; 0: none."""
+
+    def is_near(slower: int) -> bool:
+        return _is_near(view, axis, math.copysign(slower, speed_steps_per_s), steps_to_rest, since_s=0.0)
+
+    return bisect_left(range(1, math.ceil(abs(speed_steps_per_s))), True, key=is_near)
 
 
 def _is_near(

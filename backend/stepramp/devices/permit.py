@@ -23,7 +23,8 @@ class Permit:
         self._stops = stops
         self._request_number: int | None = None
         self._lease: Lease | None = None
-        self._has_sent = False
+        self.has_sent = False
+        """Bytes of what was let through last have gone out."""
         self.is_unseen = False
         """Something may have set out, and it has not been looked since."""
 
@@ -33,12 +34,12 @@ class Permit:
             self._stops.refuse_overtaken(self._request_number)
             if self._lease is not None and not self._lease.holds:
                 raise LetGo
-            self._has_sent = True
+            self.has_sent = True
 
     @contextmanager
     def given(self, request_number: int, lease: Lease | None = None) -> Iterator[None]:
         """Let that be sent which was asked for then, and runs on this lease, if on any."""
-        self._request_number, self._lease, self._has_sent = request_number, lease, False
+        self._request_number, self._lease, self.has_sent = request_number, lease, False
         try:
             # Refused here too: what the controller is asked first, as its state, may not have to be sent.
             self._stops.refuse_overtaken(request_number)
@@ -67,4 +68,4 @@ class Permit:
     def may_have_set_out(self, error: Exception) -> bool:
         """Tell whether what failed may be carried out all the same: the controller has not surely said no, or gone."""
         says_no = isinstance(error, StepRampError) and not isinstance(error, (Overtaken, LetGo, AnswerUnknown))
-        return self._has_sent and not says_no
+        return self.has_sent and not says_no

@@ -5,8 +5,10 @@ import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
+from pathlib import Path
 
 from stepramp.controllers.families import FAMILIES, USUAL_FAMILY, Family, offer_virtual_controller
+from stepramp.devices.backups import Archive, data_folder
 from stepramp.devices.device import Device
 from stepramp.devices.owed_stops import OwedStops
 from stepramp.devices.pages import Pages
@@ -14,7 +16,9 @@ from stepramp.devices.reconnect import Returning
 from stepramp.devices.stops import Order, Stops
 from stepramp.devices.view import DeviceState, DeviceView
 from stepramp.errors import NotFound, Refused, Rejected, Rejection, StepRampError, shown
-from stepramp.link.ports import known_port, location_of
+from stepramp.link.ports import Port, known_port, list_serial_ports, location_of
+from stepramp.link.remote_ports import RemotePorts
+from stepramp.link.serial_port import NO_REMOTE_PORTS
 
 _logger = logging.getLogger(__name__)
 
@@ -27,13 +31,23 @@ class Devices:
     Each has a worker of its own, so that one that is lost does not keep the others waiting.
     """
 
-    def __init__(self, families: Mapping[str, Family] = FAMILIES) -> None:
+    def __init__(
+        self,
+        families: Mapping[str, Family] = FAMILIES,
+        remote_ports: RemotePorts = NO_REMOTE_PORTS,
+        data: Path | None = None,
+    ) -> None:
         """Begin with no device; the virtual controller is there to be connected.
 
-        families: of controllers that may be connected, by their names.
+        families: of controllers that may be connected, by their names. remote_ports: those of other machines that may.
+        data: the folder of what outlasts the program; None: the user's own.
         """
         offer_virtual_controller()
         self.families = families
+        self._remote_ports = remote_ports
+        self._data = data or data_folder()
+        self.archive = Archive(self._data)
+        """What was saved of any device, connected or not."""
         self.order = Order()
         """Of all that is asked of devices, and of their stops."""
         self._stops = Stops(self.order)
@@ -95,6 +109,10 @@ class Devices:
     def present(self, page: str | None) -> AbstractContextManager[None]:
         """Note that a page is there and listens; once it is gone, it is in control of nothing."""
         return nullcontext() if page is None else self._pages.present(page)
+
+    def ports(self) -> list[Port]:
+        """Return the ports that can be connected to: of this machine, of others, the virtual one last."""
+        return list_serial_ports(self._remote_ports)
 
     def families_at(self, port: str) -> list[str]:
         """Return the names of the families that a controller at a port may be of."""
@@ -218,7 +236,18 @@ class Devices:
             self._last_id += 1
             device_id = str(self._last_id)
             before = self._let_go.get(known.identity)
-            device = Device(device_id, known, family, self.order, self._stops, self._owed, self._tell, before)
+            device = Device(
+                device_id,
+                known,
+                family,
+                self._remote_ports,
+                self.order,
+                self._stops,
+                self._owed,
+                self._tell,
+                self._data,
+                before,
+            )
             self._devices[device_id] = device
         self._tell()
         return device, True

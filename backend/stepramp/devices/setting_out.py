@@ -109,6 +109,7 @@ class SettingOut:
         try:
             yield
         except DeviceLost:
+            self._stopping.owe_what_may_have_set_out()
             raise
         except Exception:
             self._stopping.take_back(axes)
@@ -121,6 +122,11 @@ class SettingOut:
         try:
             with self._permit.given(request_number, lease):
                 begin()
+        except DeviceLost:
+            # It may wait on the way, in a machine that hangs or a network, and set out once that goes on.
+            if self._permit.has_sent:
+                self._stopping.owe_what_may_have_set_out()
+            raise
         except Exception as error:
             if self._permit.may_have_set_out(error):
                 # A stop of other axes doesn't end it: what is refused must not move.

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from stepramp.controllers.contract import AxisCommand
 from stepramp.design import MOST_STEPS
-from stepramp.errors import Limits, Rejected, Rejection
+from stepramp.errors import Limits, Rejected, Rejection, Told
 
 REACTION_S = 0.5
 """What may pass until a run that comes near a limit is slowed down [s]: while a request isn't answered it is looked
@@ -75,10 +75,20 @@ def refuse_beyond(
         raise Rejected(rejections)
 
 
-def out_of_limits(command: AxisCommand, span: Span) -> Rejection:
-    """Return the rejection of a speed that leads out of soft limits, or too near to them to stop in time."""
-    allowed = f"a speed at which axis {command.axis} can still come to rest within its soft limits, {span.words}"
-    return Rejection(command.field, command.value, allowed)
+def out_of_limits(command: AxisCommand, span: Span, fastest_steps_per_s: int) -> Rejection:
+    """Return the rejection of a speed that leads out of soft limits, or too near to them to stop in time.
+
+    fastest_steps_per_s: the fastest that way with which it would stop in time; 0: none.
+    """
+    fastest = Told(f"{fastest_steps_per_s:,} steps/s", fastest_steps_per_s, "steps/s", "down")
+    low, high = (
+        None if end is None else Told(f"{end:,} steps", end, "steps") for end in (span.lowest_steps, span.highest_steps)
+    )
+    ends = f"{low or 'any position'} to {high or 'any position'}"
+    speed = f"at most {fastest} that way" if fastest_steps_per_s else "no speed that way"
+    allowed = f"{speed}, as axis {command.axis} has to come to rest within its soft limits, {ends}"
+    told = ([fastest] if fastest_steps_per_s else []) + [end for end in (low, high) if end is not None]
+    return Rejection(command.field, command.value, allowed, told=tuple(told))
 
 
 def comes_too_near(span: Span, position_steps: float, velocity_steps_per_s: float, steps_to_rest: int) -> bool:

@@ -112,6 +112,10 @@ class Stopping:
         """Stop axes that move though nobody wants them to: until it is granted, that stop is owed."""
         self._stop(axes, self._contact.controller.stop, self._owed.owe(self._known))
 
+    def owe_what_may_have_set_out(self) -> None:
+        """Stop what nobody answers for as soon as it does: whoever asked for a motion was told that it failed."""
+        self._owed.owe(self._known)
+
     def _halt(self, axes: Collection[int] | None, send: Send, owed: int) -> None:
         """Halt axes, and look where that was."""
         self._stop(axes, send, owed)

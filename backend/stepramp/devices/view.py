@@ -37,6 +37,8 @@ class AxisView:
     target_steps: int
     speed_steps_per_s: float
     steps_made: int
+    steps_per_mm: float | None = None
+    """As the controller itself is set; None for one that counts in steps only."""
     lowest_steps: int | None = None
     """Soft limits; None for none."""
     highest_steps: int | None = None
@@ -90,6 +92,8 @@ class DeviceView:
     starved: int | None = None
     pushed: PushReport | None = None
     """The last push over this connection."""
+    backup: str | None = None
+    """The name of the last backup that was saved over this connection, or that before it was lost."""
     progress: Progress | None = None
     """How far the push has come that is under way."""
     shuttle: Shuttle | None = None
@@ -153,6 +157,7 @@ class DeviceView:
             in_control=self.in_control,
             stops=self.stops,
             soft_limits=self.soft_limits,
+            backup=self.backup,
         )
 
     def limited(self, spans: Mapping[int, Span]) -> "DeviceView":
@@ -210,7 +215,10 @@ class DeviceView:
 
     def _midst(self) -> Iterator[str]:
         """Yield what was going on, for somebody who wonders what has come of it."""
-        if self.state is DeviceState.WRITING:
+        if self.state is DeviceState.WRITING and "backup" in self.capabilities:
+            saved = f" What it had is saved as {self.backup}: restore that." if self.backup else ""
+            yield f"It was being given settings, one by one: some may be new, some old, or its defaults.{saved}"
+        elif self.state is DeviceState.WRITING:
             yield "It was being given ramps or settings: it has the old ones or the new ones whole, never a mixture."
         for axis in self.axes:
             if axis.state in UNDER_WAY:
@@ -225,6 +233,7 @@ def _axis_view(status: AxisStatus, span: Span) -> AxisView:
         target_steps=status.target_steps,
         speed_steps_per_s=status.speed_steps_per_s,
         steps_made=status.steps_made,
+        steps_per_mm=status.steps_per_mm,
         lowest_steps=span.lowest_steps,
         highest_steps=span.highest_steps,
     )

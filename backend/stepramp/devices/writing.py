@@ -4,10 +4,19 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TypeVar
 
-from stepramp.controllers.capabilities import HasSettings, RestoresRamps, StoresRamps, TriesRamps
-from stepramp.controllers.contract import PushMode, PushPreview, PushReport
+from stepramp.controllers.capabilities import (
+    BacksUp,
+    HasSettings,
+    RestoresRamps,
+    StoresRamps,
+    TellsSettings,
+    TriesRamps,
+)
+from stepramp.controllers.contract import Controller, PushMode, PushPreview, PushReport
+from stepramp.controllers.own_ramp import Deviation, PlayOwn
 from stepramp.controllers.progress import Progress, PushStage
 from stepramp.design import Design
+from stepramp.devices.backups import Backup, Backups
 from stepramp.devices.contact import Contact
 from stepramp.devices.leases import Leases
 from stepramp.devices.live_view import LiveView
@@ -17,6 +26,7 @@ from stepramp.errors import Refused
 from stepramp.validation import Document
 
 C = TypeVar("C")
+Told = TypeVar("Told", PushReport, PushPreview)
 SendPush = Callable[[], PushReport]
 PlanPush = Callable[[], SendPush]
 
@@ -24,15 +34,23 @@ PlanPush = Callable[[], SendPush]
 class Writing:
     """Gives a controller ramps and settings, at rest. From any thread; see Device for what each call does."""
 
-    def __init__(self, view: LiveView, contact: Contact, watch: Watch, leases: Leases) -> None:
+    def __init__(
+        self, view: LiveView, contact: Contact, watch: Watch, leases: Leases, backups: Backups, play_own: PlayOwn | None
+    ) -> None:
+        """play_own: what controllers of its family play that work the intervals out themselves, if that is known."""
         self._view = view
         self._contact = contact
         self._watch = watch
         self._leases = leases
+        self._backups = backups
+        self._play_own = play_own
+        self._saved: Controller | None = None
+        """The controller of the last connection over which a backup was saved."""
 
     def preview_push(self, designs: Sequence[Design], first_axis: int | None) -> PushPreview:
         """Return what a push would change, without the port."""
-        return self._contact.ready()[0].preview_push(designs, first_axis)
+        preview = self._contact.ready()[0].preview_push(designs, first_axis)
+        return _with(self._deviation(designs, first_axis), preview)
 
     def push(
         self,
@@ -49,7 +67,7 @@ class Writing:
         stops = self._view.now.stops
         self._show(Progress(PushStage.PLANNING, 0, 0))
         try:
-            send = planned(lambda: controller.prepare_push(designs, first_axis, mode))
+            send = planned(lambda: self._prepared(controller, designs, first_axis, mode))
             if self._view.now.stops != stops:
                 raise Refused("A stop came before anything was sent: the controller has the ramps that it had.")
             if self._contact.ready() != connection:
@@ -57,6 +75,22 @@ class Writing:
             return worker.call(lambda: self._push(send))
         finally:
             self._show(None)
+
+    def _prepared(
+        self, controller: Controller, designs: Sequence[Design], first_axis: int | None, mode: PushMode
+    ) -> SendPush:
+        """Work out what a push sends, and how far what is played is off."""
+        send = controller.prepare_push(designs, first_axis, mode)
+        deviation = self._deviation(designs, first_axis)
+        return lambda: _with(deviation, send())
+
+    def _deviation(self, designs: Sequence[Design], first_axis: int | None) -> Deviation | None:
+        """Return how far a controller's own ramps are off; None where it plays what it is sent, or nobody knows."""
+        if self._play_own is None:
+            return None
+        scales = {axis.axis: axis.steps_per_mm for axis in self._view.now.axes}
+        first = first_axis or 0
+        return Deviation.of(designs, [scales.get(first + place) for place in range(len(designs))], self._play_own)
 
     def keep(self) -> None:
         """Store the ramps and settings in use."""
@@ -78,6 +112,35 @@ class Writing:
     def use_settings(self, settings: Document) -> None:
         """Use other settings until a roll back or a reset."""
         self._write(HasSettings, lambda controller: controller.use_settings(settings))
+
+    def backups(self) -> list[Backup]:
+        """Return the backups of the device, the newest first; Refused when it can't be backed up."""
+        self._contact.capable(self._contact.ready()[0], BacksUp)
+        return self._backups.all()
+
+    def saved_text(self, name: str) -> str:
+        """Return a backup; NotFound when there is none of that name."""
+        return self._backups.read(name)
+
+    def present_text(self) -> str:
+        """Ask for everything that a backup says."""
+        text: str = self._contact.ask_one_who(TellsSettings, lambda controller: controller.backup())
+        return text
+
+    def back_up(self) -> None:
+        """Save what the device has now."""
+        self._contact.ask_one_who(BacksUp, lambda able: self._while_writing(lambda: self._save(able)))
+
+    def restore_backup(self, name: str) -> tuple[str, ...]:
+        """Write what a backup says, and return what couldn't be, as sentences."""
+        return self.restore_text(self._backups.read(name), name)
+
+    def restore_text(self, text: str, name: str) -> tuple[str, ...]:
+        """Write what a text says that is the backup of this name; as restore_backup."""
+        remarks: list[str] = []
+        self._write(BacksUp, lambda controller: remarks.extend(controller.use_backup(text)))
+        self._view.log("backup %s written", name)
+        return tuple(remarks)
 
     def _write(self, kind: type[C], job: Callable[[C], None]) -> None:
         self._contact.ask_one_who(kind, lambda able: self._while_writing(lambda: job(able)))
@@ -102,11 +165,32 @@ class Writing:
         self._watch.is_writing = True
         self._view.change(lambda view: replace(view, state=DeviceState.WRITING, shuttle=None))
         try:
+            self._save_first()
             job()
         finally:
             self._watch.is_writing = False
             self._show(None)
             self._watch.refresh()
 
+    def _save_first(self) -> None:
+        """Save what the controller has, before it is written to for the first time over this connection."""
+        controller = self._contact.controller
+        if isinstance(controller, BacksUp) and controller is not self._saved:
+            self._save(controller)
+            self._saved = controller
+
+    def _save(self, controller: BacksUp) -> None:
+        name = self._backups.save(controller.backup())
+        self._view.change(lambda view: replace(view, backup=name))
+        self._view.log("backup %s saved", name)
+
     def _show(self, progress: Progress | None) -> None:
         self._view.change(lambda view: replace(view, progress=progress))
+
+
+def _with(deviation: Deviation | None, told: Told) -> Told:
+    """Return what is told of a push, with how far the controller's own ramps are off."""
+    if deviation is None:
+        return told
+    why_not: tuple[str, ...] = () if deviation.why_not is None else (deviation.why_not,)
+    return replace(told, largest_deviation_us=deviation.largest_us, warnings=(*told.warnings, *why_not))

@@ -8,7 +8,7 @@ from fastapi import APIRouter, WebSocket
 
 from stepramp.devices.registry import Devices
 from stepramp.errors import Refused
-from stepramp.http_api import jog, motion, settings, stopping
+from stepramp.http_api import backups, jog, motion, settings, stopping
 from stepramp.http_api.bodies import JsonRoute
 from stepramp.http_api.device_registry import Acting, Page, Registry
 from stepramp.http_api.devices_models import (
@@ -27,7 +27,6 @@ from stepramp.http_api.lanes import ACTING, CONNECTING, PLANNING, PUSHING
 from stepramp.http_api.news import News
 from stepramp.http_api.sockets import accept, received, send, send_at_last, served
 from stepramp.http_api.stop_messages import MOST_AT_A_TIME, PendingAnswer, PendingAnswers, answered
-from stepramp.link.ports import list_serial_ports
 
 UNREAD_S = 1.0
 """So long a stop whose answer isn't read counts as unanswered, and lets nothing move [s]."""
@@ -45,13 +44,17 @@ router.include_router(stopping.router)
 router.include_router(motion.router)
 router.include_router(jog.router)
 router.include_router(settings.router)
+router.include_router(backups.router)
 
 
 @router.get("/ports")
 @ACTING.serves
 def ports(devices: Registry) -> PortsAnswer:
-    """Return the ports of this machine, the virtual one last, and the families that a controller there may be of."""
-    found = [{**vars(each), "families": devices.families_at(each.port)} for each in list_serial_ports()]
+    """Return the ports of this machine, those of others that may be reached, the virtual one last, and all families.
+
+    Of other machines it lists those that the server was started with, by `--allow-remote-port host:port`.
+    """
+    found = [{**vars(each), "families": devices.families_at(each.port)} for each in devices.ports()]
     return PortsAnswer.model_validate({"ports": found, "families": list(devices.families.values())})
 
 
@@ -64,7 +67,7 @@ async def all_devices(devices: Registry) -> DevicesAnswer:
 @router.post("/devices")
 @CONNECTING.serves
 def connect(request: ConnectPayload, devices: Registry, page: Page) -> DeviceAnswer:
-    """Connect to a port, which takes up to 6 s, and return its device. Nothing moves.
+    """Connect to a port, which takes up to 5 s, and return its device. Nothing moves.
 
     A device that was lost is connected again by itself, as one of the family that it was connected as.
     """

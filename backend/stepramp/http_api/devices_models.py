@@ -19,7 +19,9 @@ class ConnectPayload(Document):
     """A port to connect to."""
 
     port: Annotated[str, Text(200)] = Field(
-        description="Name of a serial port, or an address: sim://, socket://…, rfc2217://…"
+        description="Name of a serial port, or an address: sim://, or rfc2217://host:port, socket://host:port and "
+        "moonraker://host:port (Klipper) of a host that was named when the server was started, by --allow-remote-port "
+        "host:port. No other is ever reached"
     )
     family: Annotated[str, Text(100)] = Field(
         USUAL_FAMILY,
@@ -83,12 +85,18 @@ class FamilyAnswer(Answer):
 
     name: str = Field(description="What requests call it")
     title: str = Field(description="What people call it")
+    cannot: list[str] = Field(description="What its controllers can't take of a design, or do, as sentences")
+    plays_own: bool = Field(
+        description="Whether its controllers work the intervals out themselves, and it is known how: "
+        "`POST /families/{name}/ramp` tells them"
+    )
+    reads_settings: bool = Field(description="Whether `POST /import` knows the text that they tell their settings as")
 
 
 class PortsAnswer(Answer):
     """What can be connected to."""
 
-    ports: list[PortAnswer] = Field(description="The ports of this machine, the virtual one last")
+    ports: list[PortAnswer] = Field(description="The ports of this machine, then those of others, the virtual one last")
     families: list[FamilyAnswer] = Field(description="The families that a controller at a port may be of")
 
 
@@ -102,6 +110,18 @@ class RampAnswer(Answer):
     crc: int | None = Field(description="CRC-16 of their image; null for a controller without an image of them")
 
 
+class OwnTermsAnswer(Answer):
+    """A figure as the controller itself has it."""
+
+    term: str = Field(description="What the controller calls it, such as $120")
+    unit: str = Field(description="Its own unit")
+    sent: float | None = Field(description="What is sent, or was; null for nothing")
+    on_device: float | None = Field(
+        description="What it has, after a push as it was read back; null for nothing, or nothing that makes sense"
+    )
+
+
+OWN = "The same in the controller's own terms; null where those are the same"
 UNIT = "Unit of the figures; CRC-16 for a checksum, nothing for a mere number"
 
 
@@ -114,20 +134,23 @@ class PushItemAnswer(Answer):
     sent: float = Field(description="What was sent")
     read_back: float | None = Field(description="What the controller has; null when that makes no sense")
     axis: int | None = Field(description="Axis whose figure it is; null: all axes'")
+    own: OwnTermsAnswer | None = Field(description=OWN)
 
 
 class PushAnswer(Answer):
     """What came of a push."""
 
     items: list[PushItemAnswer]
-    verified: bool = Field(description="Whether what was read back is what was sent, byte for byte")
+    verified: bool = Field(
+        description="Whether what was read back is what was sent, as exactly as the controller tells it"
+    )
     segments: int | None = Field(
         description="Segments of all ramps that the controller now has; null for one that takes no segments"
     )
     bytes: int = Field(description="Length of their image [bytes]")
     largest_deviation_us: float | None = Field(
-        description="Largest difference between an interval of a design's ramp and the controller's [µs]; null: not "
-        "known, since the controller works out the intervals itself"
+        description="Largest difference between an interval of a design's ramp and the controller's [µs], of the "
+        "design's move where the controller works out the intervals itself; null: not known, or a warning says why"
     )
     sequence: int | None = Field(
         description="How often the controller has stored ramps so far; null for one that never does"
@@ -159,6 +182,7 @@ class PreviewItemAnswer(Answer):
     to_send: float | None = Field(description="What it would have; null for nothing")
     differs: bool = Field(description="Whether the push would change it")
     axis: int | None = Field(description="Axis whose figure it is; null: all axes'")
+    own: OwnTermsAnswer | None = Field(description=OWN)
 
 
 class PreviewAnswer(Answer):
@@ -211,6 +235,9 @@ class AxisAnswer(Answer):
         "[steps/s]"
     )
     steps_made: int = Field(description="Steps since it last set out from rest [steps]")
+    steps_per_mm: float | None = Field(
+        description="As the controller itself is set; null for one that counts in steps only [steps/mm]"
+    )
     lowest_steps: int | None = Field(description="Soft limit: the lowest position; null for none [steps]")
     highest_steps: int | None = Field(description="Soft limit: the highest position; null for none [steps]")
     is_beyond_limits: bool = Field(
@@ -229,7 +256,8 @@ class DeviceAnswer(Answer):
     capabilities: list[CapabilityName] = Field(
         description="What it can do besides what all controllers can; none until it is connected. keep: store pushed "
         "ramps. try: use them without that, and roll back. restore: bring back those before. settings; trace; line; "
-        "zero: as the requests of that name. What it can't do is refused with 409"
+        "zero: as the requests of that name. backup: its settings are saved before they are written to. "
+        "What it can't do is refused with 409"
     )
     state: DeviceState = Field(
         description="moving: one of its axes moves; stopping: all that move slow down. lost: no longer there; it is "
@@ -268,6 +296,9 @@ class DeviceAnswer(Answer):
         "for a controller that doesn't count that"
     )
     pushed: PushAnswer | None = Field(description="The last push over this connection; null for none")
+    backup: str | None = Field(
+        description="The name of the last backup that was saved of it since it was connected first; null for none"
+    )
     progress: ProgressAnswer | None = Field(description="How far the push has come that is under way; null for none")
     shuttle: ShuttleAnswer | None = Field(description="What goes there and back; null for nothing")
     unknown_positions: list[int] = Field(

@@ -4,8 +4,9 @@ from collections.abc import Iterator
 
 import pytest
 
+from controllers.bench import PlugIn
 from controllers.conftest import Clock
-from controllers.tic.bench import Bench, PlugIn
+from controllers.tic.bench import Bench
 from controllers.tic.emulator import TicEmulator
 from designs import design
 from stepramp.controllers.tic import conversation

@@ -55,6 +55,7 @@ class TicEmulator:
         self.soft_error_response = DECELERATE_TO_HOLD
         self.soft_error_position = 0
         self.stored_ramp = [0, 2_000_000, 0, 40_000]
+        self.step_mode = 0
         self.low_vin = self.driver_fault = self.kill_switch = self.err_line_high = False
         self.forward_limit = self.reverse_limit = False
         self.homing_speed_towards = self.homing_speed_away = 1_000_000
@@ -84,6 +85,8 @@ class TicEmulator:
         self.planning, self._target_position, self._target_velocity = OFF, 0, 0
         self.position, self._speed, self._direction, self._wait_s = 0, 0.0, 1, 0.0
         self.steps = 0
+        self.waits: list[int] = []
+        """Of every step that it set out for [ticks of 3 MHz]."""
         self._evaluate()
 
     def has_been_up(self, time_s: float) -> None:
@@ -249,6 +252,7 @@ class TicEmulator:
         struct.pack_into("<Bii", memory, 0x09, self.planning, self._target_position, self._target_velocity)
         struct.pack_into("<4Iii", memory, 0x12, *self._ramp, self.position, self.velocity)
         struct.pack_into("<I", memory, 0x35, round((self._now_s - self._up_since_s) * 1000) % 2**32)
+        memory[0x49] = self.step_mode
         struct.pack_into("<B", memory, 0x4C, self._input[0])
         struct.pack_into("<i", memory, 0x51, self._input[1])
         return bytes(memory)
@@ -359,7 +363,7 @@ class TicEmulator:
             self.position += self._direction
             self.steps += 1
             self._speed = self._next_speed()
-            self._wait_s = 1 / self._speed if self._speed else 0.0
+            self._wait_s = self._step_wait_s()
 
     def _set_out(self) -> bool:
         ahead = self._target_position - self.position if self.planning == TO_POSITION else self._target_velocity
@@ -368,8 +372,15 @@ class TicEmulator:
         self._direction = 1 if ahead > 0 else -1
         starting, _, _, acceleration = self._in_steps()
         self._speed = min(max(starting, math.sqrt(2 * acceleration)), self._top_speed())
-        self._wait_s = 1 / self._speed if self._speed else 0.0
+        self._wait_s = self._step_wait_s()
         return self._speed > 0
+
+    def _step_wait_s(self) -> float:
+        """Return how long the step lasts that begins: whole ticks of its timer, rounded down."""
+        if not self._speed:
+            return 0.0
+        self.waits.append(int(30_000_000_000 // round(self._speed * 10_000)))
+        return self.waits[-1] / 3e6
 
     def _in_steps(self) -> tuple[float, float, float, float]:
         starting, fastest, deceleration, acceleration = self._ramp

@@ -6,15 +6,20 @@ from collections.abc import Callable
 
 import pytest
 
-from controllers.tic.bench import Bench, at, by, to
+from controllers.bench import at, by, to
+from controllers.slow_line import SlowLine
+from controllers.tic.bench import Bench
 from controllers.tic.damage import flipping, losing
-from controllers.tic.emulator import READ, VELOCITY
-from controllers.tic.line import ANSWER_S, SlowLine
+from controllers.tic.emulator import READ, VELOCITY, TicEmulator
 from designs import design
 from stepramp.controllers.tic import conversation
 from stepramp.controllers.tic.controller import TicController
 from stepramp.controllers.tic.variables import TARGET_VELOCITY, UP_TIME
 from stepramp.errors import DeviceLost, Refused
+from stepramp.link import hearing
+
+ANSWER_S = 0.2
+TRAVEL_S = 0.01
 
 DAMAGED = "is its serial line disturbed"
 
@@ -99,10 +104,10 @@ def test_an_answer_that_comes_late_is_not_taken_for_the_next_one(
     monkeypatch: pytest.MonkeyPatch, late_s: float
 ) -> None:
     """Those of target velocity and up time are of the same length."""
-    line = SlowLine()
-    line.tic.has_been_up(60)
+    line = SlowLine(TicEmulator, TRAVEL_S)
+    line.board.has_been_up(60)
     monkeypatch.setattr(conversation, "ANSWER_S", ANSWER_S)
-    monkeypatch.setattr(conversation, "monotonic", lambda: line.now_s)
+    monkeypatch.setattr(hearing, "monotonic", lambda: line.now_s)
     talk = conversation.Conversation(line, lambda _: None)
     talk.begin()
     line.answers_after_s = iter([late_s])

@@ -6,7 +6,8 @@ from collections.abc import Callable
 
 import pytest
 
-from controllers.tic.bench import POLL_S, TARGET_FAR_AWAY, Bench, PlugIn, by
+from controllers.bench import POLL_S, PlugIn, by
+from controllers.tic.bench import TARGET_FAR_AWAY, Bench
 from controllers.tic.emulator import SOFT_ERROR
 from designs import design
 from stepramp.controllers.contract import Activity

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from controllers.tic.bench import POLL_S, TARGET_FAR_AWAY, Bench, at, by, to
+from controllers.bench import POLL_S, at, by, to
+from controllers.tic.bench import TARGET_FAR_AWAY, Bench
 from controllers.tic.emulator import DEENERGIZE, HALT_AND_HOLD, NORMAL, STARTING_UP, VELOCITY
 from stepramp.controllers.contract import AxisCommand
 from stepramp.controllers.tic.controller import TicController

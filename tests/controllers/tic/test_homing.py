@@ -6,7 +6,8 @@ from collections.abc import Callable
 
 import pytest
 
-from controllers.tic.bench import Bench, at, by, to
+from controllers.bench import at, by, to
+from controllers.tic.bench import Bench
 from controllers.tic.emulator import HALTED, POSITION, VELOCITY, TicEmulator
 from designs import design
 from stepramp.controllers.contract import Activity

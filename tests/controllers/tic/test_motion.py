@@ -6,7 +6,8 @@ from collections.abc import Callable
 
 import pytest
 
-from controllers.tic.bench import POLL_S, Bench, at, by, only_rejection, to
+from controllers.bench import POLL_S, at, by, only_rejection, to
+from controllers.tic.bench import Bench
 from controllers.tic.emulator import NORMAL, SOFT_ERROR, VELOCITY
 from stepramp.controllers.contract import Activity, AxisCommand
 from stepramp.controllers.tic.controller import TicController

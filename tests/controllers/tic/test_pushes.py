@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from controllers.tic.bench import Bench, by, only_rejection, to
+from controllers.bench import by, only_rejection, to
+from controllers.tic.bench import Bench
 from controllers.tic.emulator import TicEmulator
 from designs import design
 from stepramp.controllers.tic.controller import TicController
@@ -13,7 +14,8 @@ from stepramp.errors import Refused
 
 def test_a_push_is_sent_read_back_and_told(bench: Bench) -> None:
     bench.controller.connect()
-    asked = design(ramp__base_speed_steps_per_s=12.34567, ramp__deceleration_steps_per_s2=2500.125)
+    figures_asked = {"base_speed_steps_per_s": 12.34567, "deceleration_steps_per_s2": 2500.125}
+    asked = design(axis__microsteps=1, **{f"ramp__{name}": value for name, value in figures_asked.items()})
     preview = bench.controller.preview_push([asked], 0)
     assert bench.told() == []
     report = bench.controller.prepare_push([asked], 0, "try")()
@@ -27,8 +29,19 @@ def test_a_push_is_sent_read_back_and_told(bench: Bench) -> None:
     ]
     assert (report.verified, report.kept, report.bytes, report.segments) == (True, False, 24, None)
     assert (report.largest_deviation_us, report.sequence) == (None, None)
-    assert "the method Exact and" in report.warnings[0]
-    assert "switched off" in report.warnings[1]
+    assert [(item.own.term, item.own.unit, item.own.sent, item.own.on_device) for item in report.items if item.own] == [
+        ("Starting speed", "steps/10,000 s", 123_456, 123_456),
+        ("Max speed", "steps/10,000 s", 10_000_000, 10_000_000),
+        ("Max acceleration", "steps/100 s²", 500_000, 500_000),
+        ("Max deceleration", "steps/100 s²", 250_012, 250_012),
+    ]
+    assert report.warnings == (
+        "The method Exact is not kept: a Tic works its intervals out itself.",
+        "Base speed 12.34567 steps/s is rounded down to 12.3456 steps/s.",
+        "Deceleration 2,500.125 steps/s² is rounded down to 2,500.12 steps/s².",
+        "The Tic forgets these figures when it is reset or switched off.",
+    )
+    assert preview.warnings == report.warnings
     # What a Tic has when it is new.
     assert [(item.on_device, item.to_send) for item in preview.items] == [
         (0, 12.3456), (200, 1000), (400, 5000), (400, 2500.12)
@@ -41,7 +54,28 @@ def test_a_push_is_sent_read_back_and_told(bench: Bench) -> None:
 
 def test_a_table_is_lost_and_that_is_said(controller: TicController) -> None:
     preview = controller.preview_push([design(method__name="table")], 0)
-    assert "the lookup table" in preview.warnings[0]
+    assert preview.warnings[0] == "The lookup table is not kept: a Tic works its intervals out itself."
+
+
+def test_a_speed_that_its_timer_makes_faster_is_named(controller: TicController) -> None:
+    """The guide's own example: at 491,803,279 of its units steps are 60 ticks apart, 1.66 % too fast."""
+    warnings = controller.preview_push([design(ramp__slew_speed_steps_per_s=49_180.3279)], 0).warnings
+    assert (
+        "Slew speed 49,180.3279 steps/s comes out as 50,000 steps/s: a Tic takes 60 whole thirds of a µs for a step, "
+        "rounded down." in warnings
+    )
+    assert not any("comes out as" in each for each in controller.preview_push([design()], 0).warnings)
+
+
+@pytest.mark.parametrize(("step_mode", "microsteps"), [(0, 1), (5, 32), (6, 2), (9, 256)])
+def test_another_step_mode_is_told(bench: Bench, step_mode: int, microsteps: int) -> None:
+    bench.tic.step_mode = step_mode
+    bench.controller.connect()
+    told = f"The design has 16 steps a full step, the Tic {microsteps} (its step mode): its steps are sent as"
+    warnings = bench.controller.preview_push([design(axis__microsteps=16)], 0).warnings
+    assert any(each.startswith(told) for each in warnings)
+    warnings = bench.controller.preview_push([design(axis__microsteps=microsteps)], 0).warnings
+    assert not any("step mode" in each for each in warnings)
 
 
 def test_rolling_back_brings_the_ramp_of_the_settings(bench: Bench, controller: TicController) -> None:

@@ -8,7 +8,8 @@ from itertools import count
 
 import pytest
 
-from controllers.tic.bench import Bench, at, to
+from controllers.bench import at, to
+from controllers.tic.bench import Bench
 from controllers.tic.damage import losing
 from controllers.tic.emulator import GO_TO_POSITION, HALTED, SOFT_ERROR, VELOCITY
 from stepramp.controllers.contract import Activity, AnswerUnknown, AxisCommand

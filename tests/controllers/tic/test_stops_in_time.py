@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from contextlib import suppress
 
 import pytest
 
+from controllers.slow_line import SlowLine, Urgent
 from controllers.tic.emulator import HALTED, VELOCITY, TicEmulator
-from controllers.tic.line import ANSWER_S, SlowLine
 from stepramp.controllers.contract import AxisCommand
 from stepramp.controllers.tic import conversation
 from stepramp.controllers.tic.controller import TicController
 from stepramp.controllers.tic.conversation import Conversation
 from stepramp.controllers.tic.variables import TARGET_VELOCITY, UP_TIME
 from stepramp.errors import DeviceLost
+from stepramp.link import hearing
 
+ANSWER_S = 0.2
+TRAVEL_S = 0.01
 AT_ONCE_S = 0.06
 LOST_AFTER_S = 1.3
 """So long a Tic that answers no more is at least asked again [s]."""
@@ -24,32 +26,12 @@ MOST_INACCURATE_MS = 5
 STOPS = (b"\xe3\0\0\0\0\0", b"\x89")
 
 
-class Urgent:
-    """Does something once when a moment has come and somebody gives way."""
-
-    def __init__(self, line: SlowLine) -> None:
-        self._line = line
-        self._at_s: float | None = None
-        self._act: Callable[[], None] = lambda: None
-
-    def come(self, after_s: float, act: Callable[[], None]) -> float:
-        """Return when it is, so long after now [s]."""
-        self._at_s, self._act = self._line.now_s + after_s, act
-        return self._at_s
-
-    def give_way(self, pause_s: float) -> None:
-        self._line.now_s += pause_s
-        if self._at_s is not None and self._line.now_s >= self._at_s:
-            self._at_s = None
-            self._act()
-
-
 @pytest.fixture
 def line(monkeypatch: pytest.MonkeyPatch) -> SlowLine:
-    line = SlowLine()
-    line.tic.has_been_up(60)
+    line = SlowLine(TicEmulator, TRAVEL_S)
+    line.board.has_been_up(60)
     monkeypatch.setattr(conversation, "ANSWER_S", ANSWER_S)
-    monkeypatch.setattr(conversation, "monotonic", lambda: line.now_s)
+    monkeypatch.setattr(hearing, "monotonic", lambda: line.now_s)
     return line
 
 
@@ -101,8 +83,8 @@ def until_a_stop_is_sent(line: SlowLine, urgent: Urgent, controller: TicControll
 def rests_without_a_target(line: SlowLine) -> None:
     line.now_s += 3
     line.write(b"")
-    assert line.tic.velocity == 0
-    assert line.tic.told in ((VELOCITY, 0), (HALTED, 0))
+    assert line.board.velocity == 0
+    assert line.board.told in ((VELOCITY, 0), (HALTED, 0))
 
 
 @pytest.mark.parametrize("late_s", [0.0, 0.1, 0.195, 0.2, 0.25, 0.3, 0.38])
@@ -143,7 +125,7 @@ def test_a_tic_is_not_lost_though_each_of_its_answers_is_dropped_for_a_stop(line
 
 def test_the_line_of_these_tests(line: SlowLine) -> None:
     """A Tic on it goes on with its time."""
-    assert isinstance(line.tic, TicEmulator)
+    assert isinstance(line.board, TicEmulator)
     line.now_s += 5
     line.write(bytes([0xA1, 0x35, 4]))
     assert int.from_bytes(line.read(1.0), "little") == pytest.approx(65_000, abs=MOST_INACCURATE_MS)

@@ -18,8 +18,9 @@ from stepramp.errors import DeviceLost, Rejection
 from stepramp.link.connection import Connection
 
 HELLO_INTERVAL_S = 0.25
-MOST_HELLOS = 20
-"""Many boards reset when their port is opened, and are deaf for up to 2 s; others take longer."""
+MOST_HELLOS = 16
+"""Many boards reset when their port is opened, and are deaf for up to 2 s; others take longer. With what a port that
+never falls silent is listened to before, it is over within 5 s."""
 GARBAGE_S = 0.05
 MOST_GARBAGE_S = 0.5
 """A controller may still be telling an earlier client what it does; the hello ends that."""

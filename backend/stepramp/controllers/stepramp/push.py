@@ -26,6 +26,7 @@ from stepramp.numerics.ramp import Ramp
 from stepramp.ramp.plan import ramp_of
 from stepramp.ramp.playback.trajectory import Playback
 from stepramp.ramp.segments import compress_sides
+from stepramp.ramp.slopes import peak_of
 from stepramp.units import ticks_from_us, us_from_ticks
 
 COARSEST_BOUND = 0.01
@@ -278,8 +279,8 @@ def _ramp(design: Design, path: str) -> Ramp:
 
 
 def _key(design: Design) -> str:
-    """Return what makes two designs' ramps the same."""
-    return design.model_dump_json(include={"timer", "ramp", "method", "table"})
+    """Return what makes two designs' ramps the same: of the move only the peak that it lowers the ramp to."""
+    return f"{peak_of(design)} {design.model_dump_json(exclude={'schema_', 'name', 'move'})}"
 
 
 def _check_axes(count: int, hello: HelloReply, first_axis: int | None, present: RampImage | None) -> None:

@@ -7,6 +7,7 @@ made, and by the time that they take together.
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from typing import Any
 
 from stepramp.controllers.stepramp.messages.session import HelloReply
 from stepramp.controllers.stepramp.push import PushPlan, TooLong, plan_push
@@ -53,8 +54,8 @@ def _with_remedies(
 ) -> Iterator[Rejection]:
     """Yield the rejections of ramps that are too long, with what would be accepted instead."""
     steps = sum(one.ramp.up.size + one.ramp.down.size for one in error.pushed)
-    # For each ramp two numbers are looked for.
-    each_s = SEARCH_S / (2 * len(error.pushed)) if steps <= MOST_STEPS_TO_SEARCH else 0.0
+    # For each ramp three numbers are looked for at most.
+    each_s = SEARCH_S / (3 * len(error.pushed)) if steps <= MOST_STEPS_TO_SEARCH else 0.0
     for rejection, one in zip(error.rejections, error.pushed, strict=False):
 
         def fits(design: Design, axis: int = one.axis, path: str = one.path) -> bool:
@@ -88,6 +89,8 @@ def _remedies(design: Design, fits: Fits, search_s: float) -> Iterator[Remedy]:
     """Yield what makes a design's ramp fit."""
     if not design.method.plays_table:
         yield from _least(design, _steeper, fits, search_s)
+        if design.ramp.shape.jerk_steps_per_s3 is not None:
+            yield from _least(design, _sharper, fits, search_s)
         yield from _least(design, _slower, fits, search_s)
     yield from _computed(design, fits)
 
@@ -117,14 +120,41 @@ def _least(design: Design, by: Callable[[Design, float], Remedy], fits: Fits, se
 
 
 def _steeper(design: Design, factor: float) -> Remedy:
-    acceleration = lowest(design.ramp.acceleration_steps_per_s2 * factor, FIGURES)
-    changes = [Change("ramp.acceleration_steps_per_s2", acceleration)]
-    text = f"raise the acceleration to {acceleration:,.15g} steps/s²"
-    if design.ramp.deceleration_steps_per_s2 is not None:
-        deceleration = lowest(design.ramp.deceleration_steps_per_s2 * factor, FIGURES)
-        changes.append(Change("ramp.deceleration_steps_per_s2", deceleration))
-        text += f" and the deceleration to {deceleration:,.15g} steps/s²"
-    return Remedy(text, tuple(changes))
+    """Raise the jerk with the square of the acceleration: the ramp keeps its form, over a shorter time."""
+    return _raised(design, {"acceleration": factor, "deceleration": factor, "jerk": factor**2, "jerk down": factor**2})
+
+
+def _sharper(design: Design, factor: float) -> Remedy:
+    return _raised(design, {"jerk": factor, "jerk down": factor})
+
+
+RAISED = {
+    "acceleration": ("ramp.acceleration_steps_per_s2", "steps/s²"),
+    "deceleration": ("ramp.deceleration_steps_per_s2", "steps/s²"),
+    "jerk": ("ramp.shape.jerk_steps_per_s3", "steps/s³"),
+    "jerk down": ("ramp.shape.deceleration_jerk_steps_per_s3", "steps/s³"),
+}
+"""Field and unit of what can be raised, as it is called."""
+
+
+def _raised(design: Design, factors: dict[str, float]) -> Remedy:
+    """Return the remedy that raises so many times what the design has of these."""
+    changes, ways = [], []
+    for word, factor in factors.items():
+        field, unit = RAISED[word]
+        if (present := _value_at(design, field)) is None:
+            continue
+        value = lowest(present * factor, FIGURES)
+        changes.append(Change(field, value))
+        ways.append(f"the {word} to {value:,.15g} {unit}")
+    return Remedy(f"raise {' and '.join(ways)}", tuple(changes))
+
+
+def _value_at(design: Design, field: str) -> float | None:
+    value: Any = design
+    for part in field.split("."):
+        value = getattr(value, part)
+    return None if value is None else float(value)
 
 
 def _slower(design: Design, factor: float) -> Remedy:
@@ -147,8 +177,11 @@ def _fits_changed(design: Design, changes: Changes, fits: Fits) -> bool:
     """Tell whether changes make a design that fits; those that make none don't."""
     document = design.model_dump(by_alias=True)
     for change in changes:
-        part, name = change.field.split(".")
-        document[part][name] = change.value
+        *parts, name = change.field.split(".")
+        part: Any = document
+        for each in parts:
+            part = part[each]
+        part[name] = change.value
     try:
         return fits(Design.checked(document))
     except Rejected:

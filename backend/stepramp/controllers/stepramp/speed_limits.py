@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from stepramp.controllers.stepramp.messages.session import HelloReply
 from stepramp.controllers.stepramp.settings import StepRampSettings
-from stepramp.units import MICROSECONDS_PER_SECOND
+from stepramp.units import MICROSECONDS_PER_SECOND, interval_from_speed
 
 SHORTEST_GAUGE_INTERVAL = 3200
 """Of an axis with gauge outputs [fast ticks]."""
@@ -127,4 +127,6 @@ def _counted(pace: Pace, part: Fraction) -> Fraction:
 
 def interval_ticks(speed_steps_per_s: float, timer_hz: int) -> int:
     """Return the interval of a speed in whole ticks, with its sign; 0 for no speed."""
-    return round(timer_hz / speed_steps_per_s) if speed_steps_per_s else 0
+    if not speed_steps_per_s:
+        return 0
+    return int(math.copysign(interval_from_speed(abs(speed_steps_per_s), timer_hz), speed_steps_per_s))

@@ -7,7 +7,7 @@ targets are absolute.
 from collections.abc import Callable, Collection, Sequence
 from time import sleep
 
-from stepramp.controllers.capabilities import TriesRamps, ZeroesGauges
+from stepramp.controllers.capabilities import TellsSettings, TriesRamps, ZeroesGauges
 from stepramp.controllers.contract import (
     Activity,
     AxisCommand,
@@ -26,6 +26,7 @@ from stepramp.controllers.tic.memory import Memory
 from stepramp.controllers.tic.push import PushPlan
 from stepramp.controllers.tic.ramp import steps_per_s
 from stepramp.controllers.tic.ramp_in_use import RampInUse
+from stepramp.controllers.tic.read_settings import settings_of
 from stepramp.controllers.tic.setting_out import SettingOut
 from stepramp.controllers.tic.stopping import Stopping
 from stepramp.controllers.tic.targets import of_the_axis, target_of, velocity_of, within_32_bits
@@ -39,7 +40,7 @@ SERIAL_CONTROL = 0
 """The control mode in which a Tic obeys its serial port."""
 
 
-class TicController(Controller, TriesRamps, ZeroesGauges):
+class TicController(Controller, TriesRamps, ZeroesGauges, TellsSettings):
     """A client of a Tic's serial protocol; see Controller for what its calls do."""
 
     def __init__(
@@ -118,7 +119,7 @@ class TicController(Controller, TriesRamps, ZeroesGauges):
         mode: PushMode = "keep",  # noqa: ARG002  # what isn't stored is always tried
     ) -> Callable[[], PushReport]:
         """Work out the four figures of the ramp, and return the call that sends them; see Controller."""
-        plan = PushPlan.of(designs, first_axis)
+        plan = PushPlan.of(designs, first_axis, self._ramp_in_use.microsteps)
 
         def push() -> PushReport:
             self._refuse_moving()
@@ -130,7 +131,8 @@ class TicController(Controller, TriesRamps, ZeroesGauges):
 
     def preview_push(self, designs: Sequence[Design], first_axis: int | None = None) -> PushPreview:
         """Work out what a push would change; see Controller."""
-        return PushPlan.of(designs, first_axis).preview(self._ramp_in_use.ramp)
+        plan = PushPlan.of(designs, first_axis, self._ramp_in_use.microsteps)
+        return plan.preview(self._ramp_in_use.ramp)
 
     def roll_back(self) -> None:
         """Use the ramp of the Tic's settings again; Refused when no other is in use."""
@@ -139,6 +141,11 @@ class TicController(Controller, TriesRamps, ZeroesGauges):
             raise Refused("Nothing is on trial: the ramp of the Tic's settings is in use.")
         self._refuse_moving()
         self._ramp_in_use.use(self._ramp_in_use.stored_ramp)
+
+    def backup(self) -> str:
+        """Ask for the ramp and the step mode in use, as lines of a Tic's settings file."""
+        self._ramp_in_use.look()
+        return "\n".join(settings_of(self._ramp_in_use.ramp, self._ramp_in_use.microsteps)) + "\n"
 
     def move_by(self, steps: Sequence[AxisCommand]) -> None:
         """Begin to move by so many steps from the target; Refused while the motor runs at a speed, or slows down."""

@@ -1,21 +1,17 @@
 """A conversation with a Tic: commands, which it doesn't answer, and blocks of its memory, which it is asked for."""
 
 from collections.abc import Callable
-from time import monotonic
 
 from stepramp.controllers.tic.variables import GENERAL, SERIAL_OPTIONS, Block, General, SerialOption
 from stepramp.controllers.tic.wire import crc7, read
 from stepramp.errors import DeviceLost, Refused
 from stepramp.link.connection import Connection
+from stepramp.link.hearing import Hearing
 
 ANSWER_S = 0.2
 """So long an answer is waited for [s]: 15 bytes take 17 ms at 9600 baud, and a USB adapter may keep them 16 ms."""
-GIVE_WAY_S = 0.05
-"""So long a more urgent call waits for what comes in at most [s]; an answer is mostly there by then."""
 MOST_REPEATS = 3
 """So often what a disturbed line has swallowed or damaged is said again."""
-MOST_LATE = 10
-"""So many pieces of late answers, or of noise, are waited for."""
 MOST_GREETINGS = 3
 
 
@@ -29,12 +25,9 @@ class Conversation:
     def __init__(self, port: Connection, give_way: Callable[[float], None]) -> None:
         self._port = port
         self._give_way = give_way
+        self._hearing = Hearing(port, give_way)
         self._commands_have_crc = False
         self._answers_have_crc = False
-        self._asked = 0
-        """How many questions there were."""
-        self._answer_due_s = 0.0
-        """Until when the last one is usually answered, by the monotonic clock [s]."""
         self._is_settled = True
         """Nothing comes in any more that answers an earlier question."""
 
@@ -50,7 +43,7 @@ class Conversation:
             self._commands_have_crc = with_crc
             self._ask_for(GENERAL)
             # One byte more than without a CRC, so that one that follows is seen.
-            answer = self._hear(GENERAL.length + 1, ANSWER_S)
+            answer = self._hearing.hear(GENERAL.length + 1, ANSWER_S)
             self._answers_have_crc = len(answer) > GENERAL.length
             if _is_of_a_tic(self._whole(answer, GENERAL)):
                 self._is_settled = True
@@ -91,53 +84,27 @@ class Conversation:
         while True:
             is_doubtful = not self._is_settled
             if is_doubtful:
-                self._await_silence()
+                self._hearing.await_silence(ANSWER_S)
             self._port.pending()  # Noise.
             self._ask_for(block)
-            asked = self._asked
-            data = self._whole(self._hear(block.length + self._answers_have_crc, ANSWER_S), block)
-            if self._asked == asked:
+            asked = self._hearing.asked
+            data = self._whole(self._hearing.hear(block.length + self._answers_have_crc, ANSWER_S), block)
+            if self._hearing.asked == asked:
                 break
         if data is not None:
             # Answers don't say to what: one that was given up mustn't be taken for that to the next question.
             if is_doubtful:
-                self._await_silence()
+                self._hearing.await_silence(ANSWER_S)
             self._is_settled = True
         return data
 
     def _ask_for(self, block: Block) -> None:
-        self._asked += 1
-        self._answer_due_s = monotonic() + ANSWER_S
+        self._hearing.note_question(ANSWER_S)
         self._is_settled = False
         self.send(read(block.command, block.offset, block.length))
 
     def _checked(self, command: bytes) -> bytes:
         return command + bytes([crc7(command)]) if self._commands_have_crc else command
-
-    def _hear(self, most: int, time_s: float) -> bytes:
-        """Return what comes in until there are so many bytes, time is up [s], or something more urgent has asked."""
-        heard, asked, now_s = b"", self._asked, monotonic()
-        deadline_s, give_way_s = now_s + time_s, now_s + GIVE_WAY_S
-        while len(heard) < most and self._asked == asked and now_s < deadline_s:
-            heard += self._port.read(min(deadline_s, give_way_s) - now_s)
-            now_s = monotonic()
-            if now_s >= give_way_s and len(heard) < most:
-                self._give_way(0.0)
-                now_s = monotonic()
-                give_way_s = now_s + GIVE_WAY_S
-        return heard
-
-    def _await_silence(self) -> None:
-        """Drop what comes in until nothing does, or it never ends."""
-        wait_s = max(0.0, self._answer_due_s - monotonic()) + ANSWER_S
-        for _ in range(MOST_LATE):
-            asked = self._asked
-            heard = self._hear(1, wait_s)
-            # Also when pieces come so fast that nothing else gives way.
-            self._give_way(0.0)
-            if not heard and self._asked == asked:
-                return
-            wait_s = ANSWER_S
 
     def _whole(self, answer: bytes, block: Block) -> bytes | None:
         """Return the data of an answer; None when it is too short, too long, or not what its CRC says."""

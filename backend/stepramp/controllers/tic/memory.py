@@ -1,6 +1,6 @@
 """What a Tic says of itself when it is asked: its variables and settings, read until they make sense."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from typing import TypeVar
 
@@ -12,8 +12,10 @@ from stepramp.controllers.tic.variables import (
     GENERAL,
     INPUT,
     LAST_OF_ERRORS,
+    MICROSTEPS,
     MOTION,
     RAMP,
+    STEP_MODE,
     STORED_RAMP,
     TARGET_VELOCITY,
     UP_TIME,
@@ -44,6 +46,10 @@ class Memory:
     def command_timeout_ms(self) -> int:
         """Return how long the Tic waits for a command until it stops; 0: for ever [ms]."""
         return self._conversation.read(COMMAND_TIMEOUT)[0]
+
+    def microsteps(self) -> int:
+        """Return how many steps the Tic makes of a full step, by the step mode in use."""
+        return self._sensible(lambda: _known(MICROSTEPS, self._conversation.read(STEP_MODE)[0]))
 
     def ramp(self) -> TicRamp:
         """Return the ramp in use."""
@@ -105,3 +111,10 @@ class Memory:
             with suppress(ValueError):
                 return read()
         raise DeviceLost(f"The Tic at {self._port_name} gives answers without sense.")
+
+
+def _known(known: Mapping[int, int], value: int) -> int:
+    """Return what a value means; ValueError when no Tic says so."""
+    if value not in known:
+        raise ValueError("a value that is reserved")
+    return known[value]

@@ -3,19 +3,26 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from stepramp.controllers.contract import FigureUnit, PreviewItem, PushItem, PushPreview, PushReport
-from stepramp.controllers.tic.ramp import TicRamp, figures_of
+from stepramp.controllers.contract import FigureUnit, OwnTerms, PreviewItem, PushItem, PushPreview, PushReport
+from stepramp.controllers.tic.ramp import (
+    ACCELERATION_UNIT,
+    SPEED_UNIT,
+    TicRamp,
+    figures_of,
+    other_steps,
+    tic_losses,
+)
 from stepramp.design import Design
 from stepramp.errors import Rejected, Rejection
-from stepramp.methods import METHODS
 
-FIGURES: tuple[tuple[str, FigureUnit], ...] = (
-    ("Starting speed", "steps/s"),
-    ("Full speed", "steps/s"),
-    ("Acceleration", "steps/s²"),
-    ("Deceleration", "steps/s²"),
+FIGURES: tuple[tuple[str, FigureUnit, str, str], ...] = (
+    ("Starting speed", "steps/s", "Starting speed", SPEED_UNIT),
+    ("Full speed", "steps/s", "Max speed", SPEED_UNIT),
+    ("Acceleration", "steps/s²", "Max acceleration", ACCELERATION_UNIT),
+    ("Deceleration", "steps/s²", "Max deceleration", ACCELERATION_UNIT),
 )
-"""Names and units of what TicRamp.figures has."""
+"""Of what TicRamp.figures has: name and unit, and both as the Tic has them."""
+VOLATILE = "The Tic forgets these figures when it is reset or switched off."
 
 
 @dataclass(frozen=True)
@@ -24,15 +31,17 @@ class PushPlan:
 
     design: Design
     ramp: TicRamp
+    microsteps: int
+    """What the Tic makes of a full step."""
 
     @classmethod
-    def of(cls, designs: Sequence[Design], first_axis: int | None) -> "PushPlan":
+    def of(cls, designs: Sequence[Design], first_axis: int | None, microsteps: int) -> "PushPlan":
         """Return the plan for the only axis; Rejected for others, and for what a Tic can't do."""
         if len(designs) != 1:
             raise Rejected([Rejection("axes", f"{len(designs)} designs", "a list of 1 design: a Tic has one axis")])
         if first_axis not in (None, 0):
             raise Rejected([Rejection("to_axis", first_axis, "0: a Tic has one axis")])
-        return cls(designs[0], TicRamp.of(designs[0], "axes.0." if first_axis is None else ""))
+        return cls(designs[0], TicRamp.of(designs[0], "axes.0." if first_axis is None else ""), microsteps)
 
     @property
     def bytes(self) -> int:
@@ -41,9 +50,8 @@ class PushPlan:
 
     def report(self, read_back: TicRamp) -> PushReport:
         """Return what came of the push."""
-        rows = zip(FIGURES, figures_of(self.design), self.ramp.figures, read_back.figures, strict=True)
         return PushReport(
-            items=tuple(PushItem(name, unit, requested, sent, back, 0) for (name, unit), requested, sent, back in rows),
+            items=tuple(self._items(read_back)),
             verified=read_back == self.ramp,
             segments=None,
             bytes=self.bytes,
@@ -55,9 +63,11 @@ class PushPlan:
 
     def preview(self, present: TicRamp) -> PushPreview:
         """Return what the push would change of the ramp in use."""
-        rows = zip(FIGURES, present.figures, self.ramp.figures, strict=True)
         return PushPreview(
-            items=tuple(PreviewItem(name, unit, there, sent, 0) for (name, unit), there, sent in rows),
+            items=tuple(
+                PreviewItem(each.name, each.unit, each.read_back, each.sent, each.axis, each.own)
+                for each in self._items(present)
+            ),
             same=present == self.ramp,
             segments=None,
             bytes=self.bytes,
@@ -65,12 +75,14 @@ class PushPlan:
             warnings=tuple(self._losses()),
         )
 
+    def _items(self, present: TicRamp) -> Iterator[PushItem]:
+        own = zip(self.ramp.units, present.units, strict=True)
+        rows = zip(FIGURES, figures_of(self.design), self.ramp.figures, present.figures, own, strict=True)
+        for (name, unit, term, own_unit), asked, sent, there, in_units in rows:
+            yield PushItem(name, unit, asked, sent, there, 0, OwnTerms(term, own_unit, *in_units))
+
     def _losses(self) -> Iterator[str]:
         """Yield what works, but not as the design says."""
-        method = self.design.method.name
-        lost = "the lookup table" if method == "table" else f"the method {METHODS[method].label}"
-        yield (
-            f"A Tic computes its own ramp, of constant acceleration, from these four figures: {lost} and the "
-            "intervals that it gives are not played."
-        )
-        yield "The Tic forgets these figures when it is reset or switched off."
+        yield from tic_losses(self.design)
+        yield from other_steps(self.design, self.microsteps)
+        yield VOLATILE

@@ -3,11 +3,15 @@
 import binascii
 import math
 import struct
+from collections.abc import Iterator
 from dataclasses import dataclass
 from decimal import Decimal
 
+from stepramp.controllers.constant_rates import with_constant_rates
+from stepramp.controllers.given_numbers import typed
+from stepramp.controllers.losses import losses, rounding
 from stepramp.controllers.tic.wire import Write, write
-from stepramp.design import Design
+from stepramp.design import Design, RampParameters
 from stepramp.errors import Limits, Rejected, Rejection
 
 SPEED_SCALE = 10_000
@@ -18,6 +22,24 @@ LEAST_SPEED, MOST_SPEED = 7, 500_000_000
 """[Tic's units]; slower ones are none."""
 LEAST_ACCELERATION, MOST_ACCELERATION = 100, 2**31 - 1
 """[Tic's units]"""
+TIMER_HZ = 3_000_000
+"""Its timer ticks so often; it takes whole ticks for a step, rounded down."""
+LEAST_TOLD_FASTER = 1e-3
+"""By so much faster than asked, relatively, it is worth a sentence."""
+SPEED_UNIT, ACCELERATION_UNIT = "steps/10,000 s", "steps/100 s²"
+"""What a Tic counts speeds and accelerations in."""
+
+RATES = ("Acceleration", "Deceleration")
+
+CANNOT = (
+    "Methods, lookup tables and timers: a Tic works its intervals out itself.",
+    "Shapes other than constant acceleration, and any limit of jerk.",
+    "Storing a ramp: a Tic takes settings to keep over its USB port only, and forgets what it is sent here when it is "
+    "reset or switched off.",
+    "Speeds near 50,000 steps/s as asked: it takes whole thirds of a µs for a step, up to 1.66 % too fast.",
+    "Tracing moves, and moving more than one motor.",
+)
+"""What no Tic takes of a design, or does."""
 
 
 @dataclass(frozen=True)
@@ -48,8 +70,8 @@ class TicRamp:
 
         path: what a rejection puts before the design's fields. Raises Rejected for what a Tic can't do.
         """
-        _check(design, path)
-        ramp = design.ramp
+        ramp = with_constant_rates(design, path).ramp
+        _check(ramp, path)
         return cls(
             starting_speed=speed_units(ramp.base_speed_steps_per_s),
             max_speed=speed_units(ramp.slew_speed_steps_per_s),
@@ -66,6 +88,11 @@ class TicRamp:
             write(Write.MAX_ACCELERATION, self.max_acceleration),
             write(Write.MAX_DECELERATION, self.max_deceleration),
         )
+
+    @property
+    def units(self) -> tuple[int, int, int, int]:
+        """The limits in the Tic's units, in the order of figures_of."""
+        return self.starting_speed, self.max_speed, self.max_acceleration, self.max_deceleration
 
     @property
     def crc(self) -> int:
@@ -90,14 +117,44 @@ class TicRamp:
 
 
 def figures_of(design: Design) -> tuple[float, float, float, float]:
-    """Return base and slew speed [steps/s], acceleration and deceleration [steps/s²] that a design asks for."""
-    ramp = design.ramp
+    """Return base and slew speed [steps/s], acceleration and deceleration [steps/s²] that a design gives."""
+    ramp = with_constant_rates(design).ramp
     return (
         ramp.base_speed_steps_per_s,
         ramp.slew_speed_steps_per_s,
         ramp.acceleration_steps_per_s2,
         ramp.slowdown_steps_per_s2,
     )
+
+
+def ticks_of(speed_units: int) -> int:
+    """Return how many ticks of TIMER_HZ a Tic waits for a step at a speed in its units, above LEAST_SPEED."""
+    return TIMER_HZ * SPEED_SCALE // speed_units
+
+
+def tic_losses(design: Design) -> Iterator[str]:
+    """Yield what of a design a Tic doesn't keep. Raises Rejected for what it can't take."""
+    ramp = TicRamp.of(design)
+    yield from losses(design, "a Tic", has_base_speed=True, has_deceleration=True)
+    labels = (("Base speed", "steps/s"), ("Slew speed", "steps/s"), *((each, "steps/s²") for each in RATES))
+    for (label, unit), asked, kept in zip(labels, figures_of(design), ramp.figures, strict=True):
+        if label != RATES[1] or design.ramp.deceleration_steps_per_s2 is not None:
+            yield from rounding(label, unit, typed(asked), typed(kept))
+    ticks = ticks_of(max(LEAST_SPEED, ramp.max_speed))
+    if TIMER_HZ / ticks > steps_per_s(ramp.max_speed) * (1 + LEAST_TOLD_FASTER):
+        yield (
+            f"Slew speed {design.ramp.slew_speed_steps_per_s:,.10g} steps/s comes out as {TIMER_HZ / ticks:,.7g} "
+            f"steps/s: a Tic takes {ticks} whole thirds of a µs for a step, rounded down."
+        )
+
+
+def other_steps(design: Design, microsteps: int) -> Iterator[str]:
+    """Yield that a Tic is set to other microsteps, for each full step, than a design has."""
+    if design.axis.microsteps != microsteps:
+        yield (
+            f"The design has {design.axis.microsteps:,} steps a full step, the Tic {microsteps:,} (its step mode): "
+            "its steps are sent as microsteps of the Tic."
+        )
 
 
 def speed_units(steps_per_s: float) -> int:
@@ -119,9 +176,8 @@ def _scaled(value: float, scale: int) -> int:
     return int(Decimal(str(value)) * scale)
 
 
-def _check(design: Design, path: str) -> None:
+def _check(ramp: RampParameters, path: str) -> None:
     """Reject speeds and accelerations beyond a Tic."""
-    ramp = design.ramp
     speeds = {"base_speed_steps_per_s": ramp.base_speed_steps_per_s}
     speeds["slew_speed_steps_per_s"] = ramp.slew_speed_steps_per_s
     rates = {"acceleration_steps_per_s2": ramp.acceleration_steps_per_s2}

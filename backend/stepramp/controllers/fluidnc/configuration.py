@@ -1,0 +1,88 @@
+"""FluidNC's configuration, as its `$CD` tells it and its file has it: items in sections, by indentation.
+
+It is no YAML, though it looks like that: a value is all that stands behind its colon, and `8E1` is no number. So it is
+read here as FluidNC reads it.
+"""
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from stepramp.controllers.grbl.settings import REPORTS_INCHES, STAYS_ON, AxisSettings
+
+LETTERS = "xyzabc"
+ITEMS = ("steps_per_mm", "max_rate_mm_per_min", "acceleration_mm_per_sec2")
+"""Of an axis: those that make its ramp."""
+MOST = 100_000.0
+"""No item of these is more: FluidNC puts what is beyond to that."""
+AT_START, AT_UNLOCKING = ("startup_line0", "startup_line1", "after_reset"), ("after_unlock",)
+"""Macros that are carried out by themselves."""
+HARMLESS = re.compile(r"(?:G(?:17|18|19|20|21|54|55|56|57|58|59|90|91|93|94)|&|\s)*", re.IGNORECASE)
+"""Macros by which nothing moves or turns."""
+_ITEM = re.compile(r"(?P<blanks> *)(?P<name>[^\s:#\[$;][^:#]*?)\s*:(?:\s+(?P<value>.*?))?\s*")
+_DEFAULTS = {"steps_per_mm": "80", "max_rate_mm_per_min": "1000", "acceleration_mm_per_sec2": "25"}
+"""What FluidNC takes for an item that isn't there."""
+
+
+@dataclass(frozen=True)
+class Configuration:
+    """The items of a configuration, by their paths, such as axes/x/steps_per_mm, in lower case."""
+
+    items: Mapping[str, str]
+    sections: frozenset[str]
+
+    @classmethod
+    def of(cls, lines: Iterable[str]) -> "Configuration":
+        """Return what lines tell; those that tell no item are left out."""
+        items: dict[str, str] = {}
+        above: list[tuple[int, str]] = []
+        for line in lines:
+            found = _ITEM.fullmatch(line)
+            if found is None:
+                continue
+            indent = len(found["blanks"])
+            while above and above[-1][0] >= indent:
+                above.pop()
+            path = "/".join([*(name for _, name in above), found["name"].strip().lower()])
+            items[path] = (found["value"] or "").strip().strip("'\"")
+            above.append((indent, path.rpartition("/")[2]))
+        return cls(items, frozenset(path.rpartition("/")[0] for path in items))
+
+    @property
+    def axes(self) -> list[str]:
+        """The letters of the axes that it has, from the first one on without a gap."""
+        found = []
+        for letter in LETTERS:
+            if f"axes/{letter}" not in self.sections:
+                break
+            found.append(letter)
+        return found
+
+    def axis(self, axis: int) -> AxisSettings | None:
+        """Return what is kept of an axis; None when it isn't there, or makes no sense."""
+        if axis >= len(self.axes):
+            return None
+        told = (self.items.get(f"axes/{LETTERS[axis]}/{item}", "").partition("#")[0] for item in ITEMS)
+        texts = (text or _DEFAULTS[item] for text, item in zip(told, ITEMS, strict=True))
+        try:
+            values = [float(text) for text in texts]
+        except ValueError:
+            return None
+        if not all(0 < value <= MOST for value in values):
+            return None
+        return AxisSettings(*map(np.float32, values))
+
+    def number(self, number: int) -> float:
+        """Return what grbl has as a setting of this number; 0 for others than are asked for."""
+        if number == REPORTS_INCHES:
+            return float(self.items.get("report_inches", "").lower() == "true")
+        if number == STAYS_ON:
+            text = self.items.get("stepping/idle_ms", "")
+            return float(text) if text.isascii() and text.isdigit() else 0.0
+        return 0.0
+
+    def carries_out(self, macros: Iterable[str]) -> bool:
+        """Whether one of some macros may move something."""
+        return not all(HARMLESS.fullmatch(self.items.get(f"macros/{name}", "")) for name in macros)

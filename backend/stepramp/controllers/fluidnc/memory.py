@@ -1,0 +1,96 @@
+"""What a FluidNC keeps: items in use, which a reset forgets, and the file that it has them from.
+
+The file is read, and never written: `$CD=…` rewrites it whole, without its comments, and what some versions write they
+can't read again (`NO PIN`, in 4.0.1). So whatever happens, a reset brings back what was there before.
+"""
+
+import re
+from collections.abc import Mapping
+from contextlib import suppress
+
+from stepramp.controllers.fluidnc.configuration import AT_START, AT_UNLOCKING, Configuration
+from stepramp.controllers.grbl.conversation import Answered, Conversation
+from stepramp.controllers.grbl.dialect import DEAF_ALARMS, LONGEST_LINE, State
+from stepramp.errors import Refused
+
+LISTING_S = 5.0
+"""So long a listing of all may take [s]: 8 KB at 115200 baud take 0.7 s."""
+_PLAIN = re.compile(r"[A-Za-z0-9_./-]+")
+"""A name of a file that has no byte in it which would be obeyed at once."""
+DUMP, FILE_NAME, SHOW = "$CD", "$Config/Filename", "$LocalFS/Show"
+
+
+class Memory:
+    """The memory of a FluidNC as it was last read."""
+
+    def __init__(self, conversation: Conversation) -> None:
+        self._conversation = conversation
+        self.settings = Configuration({}, frozenset())
+        """As in use."""
+        self.stored = self.settings
+        """As its file has it; as it was found, where the file can't be read."""
+
+    @property
+    def may_reset(self) -> bool:
+        """Whether nothing sets out when the controller starts anew: it carries macros out then."""
+        return bool(self.settings.items) and not self.settings.carries_out(AT_START)
+
+    @property
+    def may_unlock(self) -> bool:
+        """Whether nothing sets out when it is unlocked: it carries a macro out then."""
+        return not self.settings.carries_out(AT_UNLOCKING)
+
+    def learn(self) -> None:
+        """Read what is in use, and what the file has."""
+        self.learn_in_use()
+        self.stored = self.settings
+        with suppress(Answered):
+            file = Configuration.of(self._file())
+            if file.axis(0) is not None:
+                self.stored = file
+
+    def learn_in_use(self) -> None:
+        """Read what is in use."""
+        self.settings = Configuration.of(self._conversation.ask(DUMP, LISTING_S))
+
+    def everything(self) -> str:
+        """Return all that can be read, as it was told."""
+        said = []
+        for listing in ("$I", DUMP, "$#"):
+            said += [f"# {listing}", *_commented(listing, self._conversation.ask(listing, LISTING_S))]
+        with suppress(Answered):
+            said += [f"# {SHOW}", *(f"# {line}" for line in self._file())]
+        return "\n".join(said) + "\n"
+
+    def refuse_unready(self) -> None:
+        """Refused where an item wouldn't be taken, or may not be: only at rest, and not after a hit limit switch."""
+        report = self._conversation.look()
+        if report.state is State.ALARM and self._conversation.alarm in DEAF_ALARMS:
+            raise Refused("The controller is in alarm since a limit was hit: reset it at the machine first.")
+        if report.state not in (State.IDLE, State.ALARM):
+            raise Refused(f"The controller takes settings only at rest, and its state is {report.state.value!r}.")
+
+    def use(self, wanted: Mapping[str, str]) -> None:
+        """Set items, one at a time; one that is refused is set back, since it may be in use all the same.
+
+        Raises Answered when one is refused.
+        """
+        for path, value in wanted.items():
+            try:
+                self._conversation.ask(f"$/{path}={value}")
+            except Answered:
+                with suppress(Answered, ValueError):
+                    self._conversation.ask(f"$/{path}={float(self.settings.items.get(path, ''))}")
+                raise
+
+    def _file(self) -> list[str]:
+        """Read the file of the configuration; Answered when it can't be."""
+        told = self._conversation.ask(FILE_NAME)
+        name = next((line.partition("=")[2].strip() for line in told if "=" in line), "")
+        line = f"{SHOW}=/{name.removeprefix('/')}"
+        return self._conversation.ask(line, LISTING_S) if _PLAIN.fullmatch(name) and len(line) <= LONGEST_LINE else []
+
+
+def _commented(listing: str, lines: list[str]) -> list[str]:
+    """Return what is told as comments, but for the configuration itself."""
+    return lines if listing == DUMP else [f"# {line}" for line in lines]

@@ -1,0 +1,72 @@
+"""Designs of FluidNC's configuration: its file, or what `$CD` tells."""
+
+from fractions import Fraction
+
+from stepramp.controllers.fluidnc.configuration import LETTERS, Configuration
+from stepramp.controllers.given_numbers import no_less
+from stepramp.controllers.grbl.numbers import exact
+from stepramp.controllers.grbl.settings import AxisSettings, speed_of
+from stepramp.controllers.read_axis import ReadAxis
+from stepramp.design import Design
+from stepramp.errors import Rejected, Rejection
+
+MOST_AXES_READ = 4
+
+
+def read_settings(text: str, base: Design) -> list[ReadAxis]:
+    """Return a design for each axis of a configuration; [] for a text that is none.
+
+    base: what holds where it says nothing, as motor, timer and method. A push of such a design changes nothing.
+    Raises Rejected for a configuration that no design can have.
+    """
+    configuration = Configuration.of(text.splitlines())
+    if not configuration.axes:
+        return []
+    found = [(axis, configuration.axis(axis)) for axis in range(min(MOST_AXES_READ, len(configuration.axes)))]
+    bad = [LETTERS[axis] for axis, settings in found if settings is None]
+    if bad:
+        raise Rejected([Rejection("text", f"axis {bad[0]}", "axes with numbers above 0")])
+    return [_axis(axis, settings, configuration, base) for axis, settings in found if settings is not None]
+
+
+def _axis(axis: int, settings: AxisSettings, configuration: Configuration, base: Design) -> ReadAxis:
+    letter, per_mm = LETTERS[axis], exact(settings.steps_per_mm)
+    microsteps = _microsteps(configuration, letter) or base.axis.microsteps
+    document = base.model_dump(mode="json", by_alias=True)
+    document["name"] = f"FluidNC axis {letter.upper()}"
+    travel = Fraction(base.axis.full_steps_per_rev * microsteps) / per_mm
+    document["axis"] |= {
+        "microsteps": microsteps,
+        "travel_per_rev": float(f"{float(travel):.12g}"),
+        "travel_unit": "mm",
+    }
+    document["ramp"] = {
+        "base_speed_steps_per_s": 0,
+        "slew_speed_steps_per_s": no_less(speed_of(settings.most_rate, settings.steps_per_mm)),
+        "acceleration_steps_per_s2": no_less(exact(settings.acceleration) * per_mm),
+        "deceleration_steps_per_s2": None,
+    }
+    try:
+        design = Design.checked(document)
+    except Rejected as error:
+        raise Rejected(
+            [
+                Rejection("text", each.value, f"items of axis {letter} that a design can have: {each.message}")
+                for each in error.rejections
+            ]
+        ) from error
+    return ReadAxis(letter.upper(), design, tuple(_remarks(design, float(per_mm))))
+
+
+def _microsteps(configuration: Configuration, letter: str) -> int | None:
+    """Return the microsteps of an axis' first motor; None where its driver isn't told them."""
+    begin, end = f"axes/{letter}/motor0/", "/microsteps"
+    texts = [text for path, text in configuration.items.items() if path.startswith(begin) and path.endswith(end)]
+    return int(texts[0]) if texts and texts[0].isascii() and texts[0].isdigit() and int(texts[0]) > 0 else None
+
+
+def _remarks(design: Design, per_mm: float) -> list[str]:
+    return [
+        f"Full steps are not told: {design.axis.full_steps_per_rev:,} times {design.axis.microsteps:,} steps a turn, "
+        f"{design.axis.travel_per_rev:,.10g} mm, are {per_mm:,.7g} steps/mm."
+    ]

@@ -1,0 +1,141 @@
+"""A grbl at a serial port: axes that move along one line, with ramps that grbl works out from two settings each.
+
+It answers each line, and is asked how it fares. What it keeps is written only by a push, and by what restores a backup.
+"""
+
+from collections.abc import Callable, Sequence
+from time import sleep
+
+from stepramp.controllers.capabilities import BacksUp, StoresRamps
+from stepramp.controllers.contract import (
+    PushMode,
+    PushPreview,
+    PushReport,
+)
+from stepramp.controllers.grbl.backup import NOT_WRITTEN, Backup
+from stepramp.controllers.grbl.conversation import Answered, Conversation
+from stepramp.controllers.grbl.dialect import State
+from stepramp.controllers.grbl.identity import Identity
+from stepramp.controllers.grbl.machine import GrblMachine
+from stepramp.controllers.grbl.memory import Memory
+from stepramp.controllers.grbl.motion import SLOWEST_STEPS_PER_S
+from stepramp.controllers.grbl.push import PushPlan
+from stepramp.controllers.progress import Progress, PushStage, Tell
+from stepramp.design import Design
+from stepramp.errors import Refused
+from stepramp.link.connection import Connection
+
+UNPROVEN = (
+    "That it is stored isn't proven: a reset would have carried out the controller's start-up lines ($N), which may "
+    "move something."
+)
+RESTORE = "The settings are not those that were sent. Restore a backup of this device, or push again."
+
+
+class GrblController(GrblMachine, StoresRamps, BacksUp):
+    """A client of grbl 1.1 and grblHAL; see Controller for what its calls do."""
+
+    def __init__(
+        self, port: Connection, give_way: Callable[[float], None] = sleep, tell: Tell = lambda _: None
+    ) -> None:
+        """Talk over an open port.
+
+        give_way: called in the midst of a long exchange with how long there is time for other calls [s].
+        tell: called with how far a push has come.
+        """
+        conversation = Conversation(port, give_way)
+        self._memory = Memory(conversation)
+        super().__init__(conversation, self._memory, give_way, "grbl")
+        self._tell = tell
+        self._identity: Identity | None = None
+
+    @property
+    def firmware_version(self) -> str | None:
+        """Such as 1.1h."""
+        return None if self._identity is None else self._identity.version
+
+    def connect(self, greeted: Callable[[], None] = lambda: None) -> None:
+        """Wait until a grbl is there, and learn what it keeps. It is told nothing but questions.
+
+        Raises Refused when something else is there, or what is there moves.
+        """
+        self._conversation.begin()
+        if (banner := self._conversation.banner) is not None:
+            Identity.refuse_other(banner.version, banner.rest, self._conversation.name)
+        greeted()
+        report = self._conversation.look()
+        if report.state not in (State.IDLE, State.ALARM):
+            raise Refused(
+                f"The controller at {self._conversation.name} tells what it keeps only at rest, and its state is "
+                f"{report.state.value!r}: connect it again then."
+            )
+        self._identity = Identity.of(self._said_of_itself(), self._conversation.name)
+        self._memory.learn()
+        report = self._moves.look()
+        self._places.learn(self._memory.settings, report)
+        if not self._places.axes:
+            raise Refused(f"The controller at {self._conversation.name} tells no settings of axes that make sense.")
+        self._moves.rest_at(report)
+        self._moves.slowest_steps_per_s = 0.0 if self._identity.is_hal else SLOWEST_STEPS_PER_S
+
+    def prepare_push(
+        self,
+        designs: Sequence[Design],
+        first_axis: int | None = None,
+        mode: PushMode = "keep",  # noqa: ARG002  # what grbl takes it keeps
+    ) -> Callable[[], PushReport]:
+        """Work out the settings of the axes, and return the call that sends them; see Controller."""
+        plan = PushPlan.of(designs, first_axis, self._places.axes)
+
+        def push() -> PushReport:
+            self._memory.refuse_unready()
+            self._tell(Progress(PushStage.SENDING, 0, plan.bytes))
+            self._memory.write(plan.lines)
+            remarks = self._read_back()
+            verified = not self._memory.differing(plan.wanted)
+            return plan.report(self._memory.settings, remarks if verified else (*remarks, RESTORE), verified=verified)
+
+        return push
+
+    def preview_push(self, designs: Sequence[Design], first_axis: int | None = None) -> PushPreview:
+        """Work out what a push would change; see Controller."""
+        return PushPlan.of(designs, first_axis, self._places.axes).preview(self._memory.settings)
+
+    def keep(self) -> None:
+        """Refused: nothing is ever on trial."""
+        raise Refused("Nothing is on trial: grbl stores each setting at once.")
+
+    def backup(self) -> str:
+        """Ask for settings, offsets, start-up lines and version, as lines."""
+        self._memory.refuse_unready()
+        return self._memory.everything()
+
+    def use_backup(self, text: str) -> tuple[str, ...]:
+        """Write what differs of a backup, one setting at a time, and read it back after a reset; see BacksUp."""
+        backup = Backup.of(text)
+        self._memory.refuse_unready()
+        present = Backup.of(self._memory.everything())
+        self._memory.write(backup.lines(present))
+        remarks = self._read_back()
+        left = self._memory.differing(backup.settings.values)
+        unlike = [f"${number} is not as in the backup." for number in left]
+        return (*unlike, *remarks, NOT_WRITTEN)
+
+    def _said_of_itself(self) -> list[str]:
+        """Return the answer to $I; asked twice where the beginning of a line was still there from somebody before."""
+        try:
+            return self._conversation.ask("$I")
+        except Answered:
+            return self._conversation.ask("$I")
+
+    def _read_back(self) -> tuple[str, ...]:
+        """Read what was written, after a reset if nothing sets out by that; return what there is to say."""
+        self._tell(Progress(PushStage.READING_BACK, 0, 0))
+        self._memory.learn()
+        is_proven = self._memory.start_anew()
+        if is_proven:
+            self._memory.learn()
+        report = self._moves.look()
+        self._places.learn(self._memory.settings, report)
+        self._moves.rest_at(report)
+        return () if is_proven else (UNPROVEN,)

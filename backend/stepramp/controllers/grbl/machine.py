@@ -1,0 +1,160 @@
+"""A machine that is spoken to as grbl is: axes that move along one line, jogs, and stops as bytes in between.
+
+It answers each line, and is asked how it fares. What it keeps, and how that is written, is its family's.
+"""
+
+import binascii
+from collections.abc import Callable, Collection, Sequence
+from typing import Protocol
+
+from stepramp.controllers.axes import refuse_axes
+from stepramp.controllers.capabilities import DrawsLines
+from stepramp.controllers.contract import (
+    UNDER_WAY,
+    Activity,
+    AxisCommand,
+    Controller,
+    ControllerStatus,
+    StoredRamp,
+)
+from stepramp.controllers.grbl.conversation import Conversation
+from stepramp.controllers.grbl.dialect import DEAF_ALARMS, State
+from stepramp.controllers.grbl.moves import Moves
+from stepramp.controllers.grbl.places import Places
+from stepramp.controllers.grbl.settings import STAYS_ON, Known
+from stepramp.controllers.grbl.stopping import Stopping
+from stepramp.errors import Refused
+
+ALWAYS_ON = 255
+"""Of $1: the motors keep their current."""
+
+
+class Remembers(Protocol):
+    """What is known of what a machine keeps."""
+
+    @property
+    def settings(self) -> Known:
+        """As they were last read."""
+
+    @property
+    def may_reset(self) -> bool:
+        """Whether nothing sets out when it starts anew."""
+
+    @property
+    def may_unlock(self) -> bool:
+        """Whether nothing sets out when it is unlocked."""
+
+
+class GrblMachine(Controller, DrawsLines):
+    """A client of such a machine; see Controller for what its calls do."""
+
+    def __init__(
+        self, conversation: Conversation, memory: Remembers, give_way: Callable[[float], None], called: str
+    ) -> None:
+        """Talk in a conversation. called: what people call its firmware."""
+        self._conversation = conversation
+        self._remembers = memory
+        self._called = called
+        self._places = Places()
+        self._stopping = Stopping(conversation, lambda: memory.may_reset)
+        self._moves = Moves(conversation, self._places, self._stopping, give_way, called)
+
+    @property
+    def clocks_hz(self) -> tuple[int, ...]:
+        """None: its own timer is its own affair."""
+        return ()
+
+    @property
+    def timer_hz(self) -> int | None:
+        """None, as said."""
+        return None
+
+    @property
+    def most_axes(self) -> int:
+        """As many as it tells positions of."""
+        return len(self._places.axes)
+
+    def disconnect(self) -> None:
+        """Leave the controller alone: a run ends by itself, since it isn't told to go on any more."""
+
+    def status(self) -> ControllerStatus:
+        """Ask what the controller is doing, and have axes that run go on."""
+        while True:
+            stops = self._stopping.count
+            report = self._moves.look()
+            self._stopping.note(report)
+            self._moves.go_on(report)
+            # What was seen before a stop in the midst doesn't go with what was seen after it.
+            if self._stopping.count == stops:
+                break
+        axes = self._moves.axes(report)
+        activities = {axis.activity for axis in axes}
+        activity = next((each for each in UNDER_WAY if each in activities), Activity.READY)
+        return ControllerStatus(
+            activity=activity,
+            axes=axes,
+            ramp=StoredRamp(sequence=None, crc=self._crc),
+            on_trial=False,
+            motors_on=activity is not Activity.READY or self._remembers.settings.number(STAYS_ON) >= ALWAYS_ON,
+            trouble=None if report.state is State.RUN else self._moves.inability(report),
+        )
+
+    def listen(self) -> ControllerStatus | None:
+        """Return None: it says nothing of its motion unasked."""
+        return None
+
+    def line(self, steps: Sequence[AxisCommand], ramp_axis: int | None = None) -> None:
+        """Begin to move axes along a straight line; Refused with an axis whose ramp is to be played."""
+        if ramp_axis is not None:
+            raise Refused(f"{self._called} plays no single axis' ramp along a line: it keeps to the limits of all.")
+        self._moves.by(steps)
+
+    def move_by(self, steps: Sequence[AxisCommand]) -> None:
+        """Begin to move by so many steps from the target; axes that are told together go along a line."""
+        self._moves.by(steps)
+
+    def move_to(self, positions: Sequence[AxisCommand]) -> None:
+        """Begin to move to positions [steps]; axes that are told together go along a line."""
+        self._moves.to(positions)
+
+    def run(self, speeds: Sequence[AxisCommand]) -> None:
+        """Run at speeds, negative for backwards [steps/s]; it has to be asked how it fares, else it comes to rest."""
+        self._moves.run(speeds)
+
+    def set_position(self, positions: Sequence[AxisCommand]) -> None:
+        """Call the places where axes rest positions [steps]; one that is locked is unlocked. It isn't told of it."""
+        refuse_axes(positions, len(self._places.axes))
+        report = self._moves.look()
+        if report.is_under_way:
+            raise Refused("The motor moves: stop it first.")
+        if report.state is State.ALARM:
+            if self._conversation.alarm in DEAF_ALARMS:
+                raise Refused(self._moves.inability(report) or "")
+            if not self._remembers.may_unlock:
+                raise Refused(
+                    "The controller is locked, and carries something out when it is unlocked, which may move: "
+                    "unlock it at the machine."
+                )
+            self._conversation.ask("$X")
+            self._stopping.was_halted = False
+            report = self._moves.look()
+        self._places.call({each.axis: int(each.value) for each in positions}, self._places.counted(report))
+        self._moves.rest_at(report)
+
+    def stop(self, axes: Collection[int] | None = None) -> None:  # noqa: ARG002  # one plan, whichever is named
+        """Begin to slow down: all axes, since they move by one plan."""
+        self._stopping.stop()
+
+    def halt(self, axes: Collection[int] | None = None) -> None:  # noqa: ARG002  # as stop
+        """Make no further step; where a controller is that moved isn't known then."""
+        self._stopping.halt()
+
+    def steps_to_rest(self, axis: int, speed_steps_per_s: float) -> int:
+        """Return how many steps slowing down from a speed [steps/s] takes."""
+        return self._moves.steps_to_rest(axis, speed_steps_per_s)
+
+    @property
+    def _crc(self) -> int:
+        """Tells the ramps of all axes apart."""
+        scales = [f"{each.steps_per_mm}/{each.most_rate}/{each.acceleration}" for each in self._places.axes]
+        return binascii.crc_hqx(",".join(scales).encode(), 0xFFFF)

@@ -1,0 +1,84 @@
+"""What a grbl keeps: its settings and start-up lines, read, written one at a time, and proven to outlast a reset."""
+
+import re
+from collections.abc import Iterable, Mapping
+
+from stepramp.controllers.grbl.conversation import Conversation
+from stepramp.controllers.grbl.dialect import DEAF_ALARMS, State
+from stepramp.controllers.grbl.numbers import is_same, read
+from stepramp.controllers.grbl.settings import Settings
+from stepramp.errors import Refused
+
+LISTINGS = ("$I", "$$", "$#", "$N")
+HARMLESS = re.compile(r"(?:G(?:17|18|19|20|21|54|55|56|57|58|59|90|91|93|94))*", re.IGNORECASE)
+"""Start-up lines by which nothing moves or turns."""
+
+
+class Memory:
+    """The memory of a grbl as it was last read."""
+
+    def __init__(self, conversation: Conversation) -> None:
+        self._conversation = conversation
+        self.settings = Settings({})
+        self._startup: list[str] | None = None
+
+    @property
+    def may_reset(self) -> bool:
+        """Whether nothing sets out when the controller starts anew: it carries its start-up lines out then."""
+        if self._startup is None:
+            return False
+        return all(HARMLESS.fullmatch(_block_of(line).replace(" ", "")) for line in self._startup)
+
+    @property
+    def may_unlock(self) -> bool:
+        """True: nothing is carried out when a grbl is unlocked."""
+        return True
+
+    def learn(self) -> None:
+        """Read the settings and the start-up lines."""
+        self.settings = Settings.of(self._conversation.ask("$$"))
+        self._startup = self._conversation.ask("$N")
+
+    def everything(self) -> str:
+        """Return all that can be read, as it was told."""
+        said = [line for listing in LISTINGS for line in (f"; {listing}", *self._conversation.ask(listing))]
+        return "\n".join(said) + "\n"
+
+    def refuse_unready(self) -> None:
+        """Refused where a setting wouldn't be taken, or may not be: only at rest, and not after a hit limit switch."""
+        report = self._conversation.look()
+        if report.state is State.ALARM and self._conversation.alarm in DEAF_ALARMS:
+            raise Refused("The controller is in alarm since a limit was hit: reset it at the machine first.")
+        if report.state not in (State.IDLE, State.ALARM):
+            raise Refused(f"The controller takes settings only at rest, and its state is {report.state.value!r}.")
+
+    def write(self, lines: Iterable[str]) -> None:
+        """Write settings, one at a time: while it writes, it loses what is sent; Answered when one is refused."""
+        for line in lines:
+            self._conversation.ask(line)
+
+    def start_anew(self) -> bool:
+        """Start the controller anew, so that what it tells next is what it has stored; return whether that was done."""
+        report = self._conversation.look()
+        if not self.may_reset or report.state not in (State.IDLE, State.ALARM):
+            return False
+        self._conversation.reset()
+        return True
+
+    def differing(self, wanted: Mapping[int, str]) -> list[int]:
+        """Return the numbers of settings that are others than wanted, as they were last read."""
+        return [number for number, value in wanted.items() if not _is_same(self.settings.values.get(number), value)]
+
+
+def _is_same(told: str | None, wanted: str) -> bool:
+    if told is None:
+        return False
+    try:
+        return is_same(read(told), read(wanted))
+    except ValueError:
+        return told == wanted
+
+
+def _block_of(line: str) -> str:
+    """Return what a start-up line, listed as $N0=G54, carries out."""
+    return line.partition("=")[2] if line.startswith("$N") else ""

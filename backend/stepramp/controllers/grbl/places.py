@@ -1,0 +1,79 @@
+"""Where the axes of a grbl are: its millimetres as steps, and positions that count from where people say."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from stepramp.controllers.axes import MOST_AXES
+from stepramp.controllers.grbl.dialect import Report
+from stepramp.controllers.grbl.numbers import exact
+from stepramp.controllers.grbl.settings import MM_PER_INCH, REPORTS_INCHES, AxisSettings, Known
+
+MM_TOLD = 0.001
+INCHES_TOLD = 0.0001
+
+
+class Places:
+    """Positions [steps], of the controller as it counts itself, and as they are called here."""
+
+    def __init__(self) -> None:
+        self.axes: tuple[AxisSettings, ...] = ()
+        self._offsets: list[int] = []
+        self._known: dict[int, int] = {}
+        """Where axes were sent to, as the controller counts: what it tells is coarser."""
+        self._work_offset: tuple[float, ...] | None = None
+        self.mm_per_unit, self._told_mm = 1.0, MM_TOLD
+
+    def learn(self, settings: Known, report: Report) -> None:
+        """Take the scales that a controller has."""
+        found = (settings.axis(axis) for axis in range(min(MOST_AXES, len(report.position))))
+        self.axes = tuple(each for each in found if each is not None)
+        self._offsets = [*self._offsets, *[0] * len(self.axes)][: len(self.axes)]
+        inches = bool(settings.number(REPORTS_INCHES))
+        self.mm_per_unit = MM_PER_INCH if inches else 1.0
+        self._told_mm = INCHES_TOLD * MM_PER_INCH if inches else MM_TOLD
+
+    def note(self, report: Report) -> bool:
+        """Note the offset of the workpiece, and return whether positions can be told from a report."""
+        if report.offset is not None:
+            self._work_offset = report.offset
+        return not report.is_of_work or self._work_offset is not None
+
+    def counted(self, report: Report) -> list[int]:
+        """Return where the axes are as the controller counts [steps]."""
+        added = self._work_offset if report.is_of_work and self._work_offset is not None else (0.0,) * len(self.axes)
+        lengths = (
+            (told + offset) * self.mm_per_unit
+            for told, offset in zip(report.position[: len(self.axes)], added[: len(self.axes)], strict=True)
+        )
+        return [self._step_at(axis, length) for axis, length in enumerate(lengths)]
+
+    def called(self, counted: Sequence[int]) -> list[int]:
+        """Return what places are called here [steps]."""
+        return [place + offset for place, offset in zip(counted, self._offsets, strict=True)]
+
+    def counted_of(self, axis: int, called: int) -> int:
+        """Return a position as the controller counts it [steps]."""
+        return called - self._offsets[axis]
+
+    def call(self, positions: Mapping[int, int], counted: Sequence[int]) -> None:
+        """Call places something else from now on [steps]."""
+        for axis, position in positions.items():
+            self._offsets[axis] = position - counted[axis]
+
+    def aim(self, targets: Mapping[int, int]) -> None:
+        """Note where axes are sent to, as the controller counts [steps]."""
+        self._known |= targets
+
+    def forget(self) -> None:
+        """Know no more of the axes than they tell: they were stopped on their way."""
+        self._known.clear()
+
+    def _step_at(self, axis: int, length_mm: float) -> int:
+        per_mm = float(exact(self.axes[axis].steps_per_mm))
+        known = self._known.get(axis)
+        # Half of the last place that is told, and what float32 makes of the length.
+        slack_mm = self._told_mm / 2 + 4 * float(np.spacing(np.float32(length_mm)))
+        if known is not None and abs(known / per_mm - length_mm) <= slack_mm:
+            return known
+        return round(length_mm * per_mm)

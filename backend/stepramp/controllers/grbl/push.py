@@ -1,0 +1,135 @@
+"""Pushing designs to a grbl: which settings are sent, what came of it, and what of the designs is lost."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stepramp.controllers.contract import OwnTerms, PreviewItem, PushItem, PushPreview, PushReport
+from stepramp.controllers.grbl.numbers import is_same
+from stepramp.controllers.grbl.ramp import GrblRamp, grbl_losses
+from stepramp.controllers.grbl.settings import ACCELERATION, MOST_RATE, AxisSettings, Settings
+from stepramp.controllers.losses import slower
+from stepramp.design import Design
+from stepramp.errors import Rejected, Rejection
+
+SPEED, ACCELERATIONS = "Full speed", "Acceleration"
+
+
+@dataclass(frozen=True)
+class PushPlan:
+    """What will be sent for designs, by axes."""
+
+    designs: dict[int, Design]
+    ramps: dict[int, GrblRamp]
+
+    @classmethod
+    def of(cls, designs: Sequence[Design], first_axis: int | None, scales: Sequence[AxisSettings]) -> "PushPlan":
+        """Return the plan; Rejected for axes that aren't there, and for what grbl can't take."""
+        if first_axis is not None and first_axis >= len(scales):
+            raise Rejected([Rejection("to_axis", first_axis, f"an axis of this controller: 0 to {len(scales) - 1}")])
+        if len(designs) > len(scales):
+            raise Rejected([Rejection("axes", f"{len(designs)} designs", f"up to {len(scales)} designs")])
+        first = first_axis or 0
+        by_axis = {first + number: design for number, design in enumerate(designs)}
+        paths = {axis: "" if first_axis is not None else f"axes.{axis}." for axis in by_axis}
+        return cls(
+            by_axis,
+            {axis: GrblRamp.of(each, scales[axis].steps_per_mm, paths[axis]) for axis, each in by_axis.items()},
+        )
+
+    @property
+    def wanted(self) -> dict[int, str]:
+        """The settings, by number, as they are sent: the acceleration first, since a higher rate needs it."""
+        values: dict[int, str] = {}
+        for axis, ramp in self.ramps.items():
+            values[ACCELERATION + axis] = ramp.acceleration_text
+            values[MOST_RATE + axis] = ramp.rate_text
+        return values
+
+    @property
+    def lines(self) -> list[str]:
+        """What is sent, a line each."""
+        return [f"${number}={value}" for number, value in self.wanted.items()]
+
+    @property
+    def bytes(self) -> int:
+        """Length of the lines [bytes]."""
+        return sum(len(line) + 1 for line in self.lines)
+
+    def report(self, read_back: Settings, remarks: Sequence[str], *, verified: bool) -> PushReport:
+        """Return what came of the push. remarks: what else there is to say."""
+        return PushReport(
+            items=tuple(self._items(read_back)),
+            verified=verified,
+            segments=None,
+            bytes=self.bytes,
+            largest_deviation_us=None,
+            sequence=None,
+            kept=True,
+            warnings=(*self._losses(), *remarks),
+        )
+
+    def preview(self, present: Settings) -> PushPreview:
+        """Return what the push would change of the settings as they were last read."""
+        items = tuple(
+            PreviewItem(each.name, each.unit, each.read_back, each.sent, each.axis, each.own)
+            for each in self._items(present)
+        )
+        return PushPreview(
+            items=items,
+            same=not any(item.differs for item in items),
+            segments=None,
+            bytes=self.bytes,
+            largest_deviation_us=None,
+            warnings=tuple(self._losses()),
+        )
+
+    def _items(self, present: Settings) -> Iterator[PushItem]:
+        for axis, ramp in self.ramps.items():
+            asked, there = self.designs[axis].ramp, present.axis(axis)
+            # What is told the same is shown as the same, whatever the last place of a float32.
+            rate = ramp.rate if there is None or is_same(there.most_rate, ramp.rate) else there.most_rate
+            gain = ramp.acceleration
+            if there is not None and not is_same(there.acceleration, gain):
+                gain = there.acceleration
+            known = AxisSettings(ramp.steps_per_mm, rate, gain)
+            yield PushItem(
+                SPEED,
+                "steps/s",
+                asked.slew_speed_steps_per_s,
+                ramp.speed_steps_per_s,
+                None if there is None else known.speed_steps_per_s,
+                axis,
+                OwnTerms(
+                    f"${MOST_RATE + axis}",
+                    "mm/min",
+                    _told(ramp.rate),
+                    None if there is None else _told(there.most_rate),
+                ),
+            )
+            yield PushItem(
+                ACCELERATIONS,
+                "steps/s²",
+                float(slower(self.designs[axis])),
+                ramp.acceleration_steps_per_s2,
+                None if there is None else known.acceleration_steps_per_s2,
+                axis,
+                OwnTerms(
+                    f"${ACCELERATION + axis}",
+                    "mm/s²",
+                    _told(ramp.acceleration),
+                    None if there is None else _told(there.acceleration),
+                ),
+            )
+
+    def _losses(self) -> Iterator[str]:
+        several = len(self.designs) > 1
+        for axis, design in self.designs.items():
+            for loss in grbl_losses(design):
+                yield f"Axis {axis}: {loss}" if several else loss
+
+
+def _told(value: np.float32) -> float:
+    """Return a number with as many decimals as grbl tells."""
+    return round(float(value), 3)

@@ -1,0 +1,94 @@
+"""The settings of a grbl, as it lists them after `$$`: a number each."""
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Protocol
+
+import numpy as np
+
+from stepramp.controllers.grbl.numbers import exact, read
+from stepramp.units import SECONDS_PER_MINUTE
+
+STEPS_PER_MM, MOST_RATE, ACCELERATION, TRAVEL = 100, 110, 120, 130
+"""Numbers of the settings of the first axis; the next axis has the next numbers."""
+REPORTS_INCHES, SOFT_LIMITS, HOMING, STAYS_ON = 13, 20, 22, 1
+LETTERS = "XYZABCUVW"
+MM_PER_INCH = 25.4
+
+_SETTING = re.compile(r"[$](?P<number>\d{1,4})=(?P<value>[^ (]*)(?: *[(].*[)])?")
+
+
+@dataclass(frozen=True)
+class AxisSettings:
+    """What a grbl keeps of one axis, as it has read it."""
+
+    steps_per_mm: np.float32
+    most_rate: np.float32
+    """[mm/min]"""
+    acceleration: np.float32
+    """[mm/s²]"""
+
+    @property
+    def speed_steps_per_s(self) -> float:
+        """Its highest speed [steps/s]."""
+        return float(speed_of(self.most_rate, self.steps_per_mm))
+
+    @property
+    def acceleration_steps_per_s2(self) -> float:
+        """How it gains speed, and loses it [steps/s²]."""
+        return float(acceleration_of(self.acceleration, self.steps_per_mm))
+
+
+class Known(Protocol):
+    """What is known of how a controller is set, whatever tells it."""
+
+    def axis(self, axis: int) -> AxisSettings | None:
+        """Return what is kept of an axis; None when it isn't there, or makes no sense."""
+
+    def number(self, number: int) -> float:
+        """Return what grbl has as a setting of this number; 0 where it isn't there, or is none."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """All of a listing, by number, as texts."""
+
+    values: Mapping[int, str]
+
+    @classmethod
+    def of(cls, lines: Iterable[str]) -> "Settings":
+        """Return the settings that lines tell; other lines are left out."""
+        found = (_SETTING.fullmatch(line.strip()) for line in lines)
+        return cls({int(each["number"]): each["value"] for each in found if each is not None})
+
+    def axis(self, axis: int) -> AxisSettings | None:
+        """Return what is kept of an axis; None when it isn't there, or makes no sense."""
+        try:
+            values = [read(self.values[first + axis]) for first in (STEPS_PER_MM, MOST_RATE, ACCELERATION)]
+        except (KeyError, ValueError):
+            return None
+        return AxisSettings(*values) if all(each > 0 and np.isfinite(each) for each in values) else None
+
+    def number(self, number: int) -> float:
+        """Return a setting as a number; 0 where it isn't there, or is none."""
+        try:
+            return float(read(self.values[number]))
+        except (KeyError, ValueError):
+            return 0.0
+
+
+def speed_of(rate: np.float32, steps_per_mm: np.float32) -> Fraction:
+    """Return a rate [mm/min] in steps/s, exactly."""
+    return exact(rate) * exact(steps_per_mm) / SECONDS_PER_MINUTE
+
+
+def rate_of(speed_steps_per_s: Fraction, steps_per_mm: np.float32) -> Fraction:
+    """Return a speed [steps/s] in mm/min, exactly."""
+    return speed_steps_per_s * SECONDS_PER_MINUTE / exact(steps_per_mm)
+
+
+def acceleration_of(acceleration: np.float32, steps_per_mm: np.float32) -> Fraction:
+    """Return an acceleration [mm/s²] in steps/s², exactly."""
+    return exact(acceleration) * exact(steps_per_mm)

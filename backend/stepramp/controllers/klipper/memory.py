@@ -1,0 +1,270 @@
+"""What a Klipper keeps: limits in use, which a restart forgets, and the files of its configuration.
+
+Nothing is written but options of the section [printer]. `SAVE_CONFIG` would not do: it writes values that Klipper has
+calibrated itself, never these, and restarts it whatever goes on.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
+from datetime import UTC, datetime
+from fractions import Fraction
+
+from stepramp.controllers.klipper.backup import Backup
+from stepramp.controllers.klipper.configuration import Configuration, Place, Sections, same_sections, with_option
+from stepramp.controllers.klipper.conversation import Answered, Conversation
+from stepramp.controllers.klipper.files import Files
+from stepramp.controllers.klipper.machine import PRINTER, Limits, Machine, Senseless
+from stepramp.controllers.klipper.seen import READY, Seen
+from stepramp.errors import Refused
+
+AT_RUN_TIME = {"max_accel": "ACCEL", "max_velocity": "VELOCITY"}
+"""What SET_VELOCITY_LIMIT calls the options that it sets."""
+OTHERS = {"MINIMUM_CRUISE_RATIO": "minimum_cruise_ratio", "SQUARE_CORNER_VELOCITY": "square_corner_velocity"}
+"""What it sets besides, as toolhead tells it: saved, and never changed but by a restore."""
+CAPPED = {"max_z_velocity": "max_velocity", "max_z_accel": "max_accel"}
+"""Options that Klipper doesn't start with where they are above another one."""
+RESTART_S = 30.0
+"""So long Klipper may take to start anew [s]."""
+
+
+class Memory:
+    """The memory of a Klipper as it was last read."""
+
+    def __init__(self, conversation: Conversation) -> None:
+        self._conversation = conversation
+        self._files = Files(conversation)
+        self._loaded: Sections = {}
+        """What it has read when it started."""
+        self._expected: Sections = {}
+        """The same with what was written since over this connection: what its files should say."""
+        self._machine: Machine | None = None
+        self._stored: Limits | None = None
+        self._has_unsaved = False
+        self.version: str | None = None
+        self.trouble: str | None = None
+        """What it says while it isn't ready; None while it is."""
+
+    @property
+    def machine(self) -> Machine:
+        """Its axes, known once learnt; Refused where nothing that makes sense is told of them."""
+        if self._machine is None:
+            raise Refused(f"Klipper isn't ready: {self.trouble}")
+        return self._machine
+
+    @property
+    def knows_axes(self) -> bool:
+        """Whether axes are known; what isn't ready may tell of none."""
+        return self._machine is not None
+
+    @property
+    def stored(self) -> Limits:
+        """The limits that its configuration has; Refused as machine."""
+        if self._stored is None:
+            raise Refused(f"Klipper isn't ready: {self.trouble}")
+        return self._stored
+
+    @property
+    def awaits_start(self) -> bool:
+        """Whether limits of z are stored that hold only once Klipper has started anew."""
+        loaded, stored = self.machine.limits, self.stored
+        return (loaded.z_velocity, loaded.z_accel) != (stored.z_velocity, stored.z_accel)
+
+    def learn(self) -> None:
+        """Read the configuration that it has loaded, or, where it has none, that in its files.
+
+        Raises Refused for one that makes no sense, unless Klipper isn't ready: then a backup may be written again.
+        """
+        info = self._conversation.ask("printer.info")
+        told = info if isinstance(info, dict) else {}
+        self.version = str(told.get("software_version", "")) or None
+        self.trouble = None if told.get("state") == READY else str(told.get("state_message") or told.get("state"))
+        self._files.learn(str(told.get("config_file", "")))
+        query = {"objects": {"configfile": ["config", "save_config_pending"]}}
+        answer = self._conversation.ask("printer.objects.query", query)
+        status = answer.get("status") if isinstance(answer, dict) else None
+        known = status.get("configfile") if isinstance(status, dict) else None
+        loaded = known.get("config") if isinstance(known, dict) else None
+        self._has_unsaved = isinstance(known, dict) and known.get("save_config_pending") is True
+        try:
+            self._loaded = self._expected = _sections(loaded) or self._files.configuration()[0].sections
+            self._machine = Machine.of(self._loaded)
+        except (Senseless, Refused) as error:
+            self._machine = self._stored = None
+            if self.trouble is None:
+                raise Refused(
+                    f"Klipper at {self._conversation.name} has axes that can't be used here: {error}."
+                ) from error
+        else:
+            self._stored = self._machine.limits
+
+    def in_use(self, seen: Seen) -> Limits:
+        """Return the limits in use: those of z are as loaded."""
+        toolhead = seen.toolhead
+        return replace(
+            self.machine.limits, velocity=Fraction(toolhead.max_velocity), accel=Fraction(toolhead.max_accel)
+        )
+
+    def use(self, options: Mapping[str, str]) -> Limits:
+        """Set limits at run time, one at a time, and return those in use then; Answered when one is refused."""
+        for name, value in options.items():
+            if name in AT_RUN_TIME:
+                self._conversation.script(f"SET_VELOCITY_LIMIT {AT_RUN_TIME[name]}={value}")
+        return self.in_use(self._conversation.look())
+
+    def store(self, options: Mapping[str, str]) -> Iterator[str]:
+        """Write options to the configuration, read it again, and yield what there is to say.
+
+        Raises Refused when it can't be written, or isn't what was sent.
+        """
+        configuration, files = self._files.configuration()
+        sections = configuration.sections
+        places = {name: _place(configuration, name) for name in options}
+        self._refuse_other(sections, options)
+        lowered = dict(_capped(sections, options))
+        wanted = {**options, **lowered}
+        places |= {name: _place(configuration, name) for name in lowered}
+        changed = dict(files)
+        # From the last line up: an option that is new moves those below it.
+        for name in sorted(wanted, key=lambda name: -_line(places[name])):
+            path = places[name].path
+            changed[path] = with_option(changed[path], places[name], name, wanted[name])
+        if Configuration(changed, self._files.main).sections != _with(sections, wanted):
+            raise Refused("The configuration can't be written to: its options would not be what is to be sent.")
+        yield from self._write(files, changed)
+        self._expected = _with(self._expected, wanted)
+        self._stored = Limits.of(self._expected)
+        for name, value in lowered.items():
+            yield f"{name} is lowered to {value} with {CAPPED[name]}: Klipper doesn't start with more."
+
+    def start_anew(self, seen: Seen) -> Iterator[str]:
+        """Have Klipper read its configuration, where that costs nothing, and yield what there is to say.
+
+        A restart switches motors off and forgets where they are. Raises Refused when it doesn't start.
+        """
+        reason = self._reason_to_leave(seen)
+        if reason is not None:
+            yield f"Klipper was not restarted, so that it starts with this is known of its file only: {reason}."
+            return
+        try:
+            self._conversation.ask("printer.restart")
+        except Answered:
+            yield "Klipper refuses to be restarted: that it starts with this is known of its file only."
+            return
+        state = self._conversation.await_ready(RESTART_S)
+        self._conversation.restarts = 0
+        self.learn()
+        if state != READY:
+            raise Refused(f"Klipper doesn't start: {self.trouble} Restore a backup of this device.")
+        self._conversation.subscribe()
+
+    def everything(self, seen: Seen | None) -> str:
+        """Return its configuration's files and the limits in use as text; seen: None for one that isn't ready."""
+        limits: dict[str, float] = {}
+        if seen is not None:
+            told = seen.toolhead
+            limits = {word: getattr(told, name) for name, word in AT_RUN_TIME.items()}
+            limits |= {word: getattr(told, name) for word, name in OTHERS.items() if getattr(told, name) is not None}
+        return Backup(self._files.main, limits, self._files.texts()).text
+
+    def restore(self, backup: Backup, seen: Seen | None) -> Iterator[str]:
+        """Write what differs of a backup, and yield what there is to say; seen: as before."""
+        present = {path: self._present(path) for path in backup.files}
+        wanted = {path: text for path, text in backup.files.items() if present[path] != text}
+        if wanted:
+            kept = {path: text for path, text in present.items() if text is not None}
+            yield from self._write(kept, {**kept, **wanted})
+        if seen is not None:
+            for word, value in backup.limits.items():
+                self._conversation.script(f"SET_VELOCITY_LIMIT {word}={value!r}")
+        if wanted:
+            self._expected = self._files.configuration()[0].sections
+            self._stored = Limits.of(self._expected)
+
+    def _present(self, path: str) -> str | None:
+        try:
+            return self._files.read(path)
+        except Refused:
+            return None
+
+    def _write(self, before: Mapping[str, str], wanted: Mapping[str, str]) -> Iterator[str]:
+        """Write the files that differ, each of them copied first beside it on the printer."""
+        stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
+        for path, text in wanted.items():
+            if text == before.get(path):
+                continue
+            if path in before:
+                beside = f"{path.removesuffix('.cfg')}-stepramp-{stamp}.cfg"
+                self._files.copy(path, beside)
+                yield f"{path} as it was is {beside} on the printer."
+            self._files.write(path, text)
+
+    def _refuse_other(self, sections: Sections, options: Iterable[str]) -> None:
+        """Refuse to change options that somebody else has changed since Klipper started."""
+        for name in options:
+            there, expected = (each.get(PRINTER, {}).get(name) for each in (sections, self._expected))
+            if there != expected:
+                raise Refused(
+                    f"Klipper goes by {name} {expected}, and its file has {there}: somebody has changed it since it "
+                    "started. Say RESTART first."
+                )
+
+    def _reason_to_leave(self, seen: Seen) -> str | None:
+        """Return why Klipper is not to be restarted, as the end of a sentence; None when it may be."""
+        if seen.is_printing or seen.is_busy:
+            return "it is busy"
+        if seen.has_current:
+            return "a restart switches the motors off, and they have current"
+        if self._has_unsaved:
+            return "it has calibrations that nobody has saved yet (SAVE_CONFIG)"
+        for name, options in self._loaded.items():
+            if name.startswith("delayed_gcode") and _number(options.get("initial_duration", "0")) != 0:
+                return f"with [{name}] it carries something out when it starts"
+        if not same_sections(self._files.configuration()[0].sections, self._expected):
+            return "its files have been changed since it started, by somebody else"
+        return None
+
+
+def stored_differs(stored: Limits, in_use: Limits) -> bool:
+    """Whether limits are in use that a restart would forget."""
+    return (stored.velocity, stored.accel) != (in_use.velocity, in_use.accel)
+
+
+def _capped(sections: Sections, options: Mapping[str, str]) -> Iterator[tuple[str, str]]:
+    """Yield what has to be lowered with options, so that Klipper starts."""
+    for name, by in CAPPED.items():
+        there = sections.get(PRINTER, {}).get(name)
+        if by in options and name not in options and there is not None and _number(there) > float(options[by]):
+            yield name, options[by]
+
+
+def _place(configuration: Configuration, name: str) -> Place:
+    place = configuration.place(PRINTER, name)
+    if place is None:
+        raise Refused("The configuration has no section [printer] that could be written to.")
+    return place
+
+
+def _line(place: Place) -> int:
+    return place.header if place.line is None else place.line
+
+
+def _with(sections: Sections, options: Mapping[str, str]) -> dict[str, dict[str, str]]:
+    return {name: {**each, **(options if name == PRINTER else {})} for name, each in sections.items()}
+
+
+def _sections(told: object) -> dict[str, dict[str, str]]:
+    """Return a configuration as it is told; nothing for what is none."""
+    if not isinstance(told, dict):
+        return {}
+    return {
+        str(name): {str(option): str(value) for option, value in options.items()}
+        for name, options in told.items()
+        if isinstance(options, dict)
+    }
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        return float("inf")

@@ -1,0 +1,41 @@
+"""Where the axes of a Klipper are: its millimetres as steps, and positions that count from where people say."""
+
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+
+from stepramp.controllers.klipper.memory import Memory
+from stepramp.controllers.klipper.seen import Seen
+
+
+class Places:
+    """Positions [steps], as Klipper counts from where it was homed, and as they are called here."""
+
+    def __init__(self, memory: Memory) -> None:
+        self._memory = memory
+        self._offsets: dict[int, int] = {}
+
+    @property
+    def scales(self) -> tuple[Fraction, ...]:
+        """Steps per mm, by axis."""
+        return tuple(stepper.steps_per_mm for stepper in self._memory.machine.steppers)
+
+    def told(self, seen: Seen) -> list[float]:
+        """Return where the axes were told to go [mm]: at rest, where they are."""
+        return seen.toolhead.position[: len(self.scales)]
+
+    def counted(self, position: Sequence[float]) -> list[int]:
+        """Return places [mm] as Klipper counts them [steps]."""
+        return [round(length * float(scale)) for length, scale in zip(position, self.scales, strict=False)]
+
+    def called(self, counted: Sequence[int]) -> list[int]:
+        """Return what places are called here [steps]."""
+        return [place + self._offsets.get(axis, 0) for axis, place in enumerate(counted)]
+
+    def counted_of(self, axis: int, called: int) -> int:
+        """Return a position as Klipper counts it [steps]."""
+        return called - self._offsets.get(axis, 0)
+
+    def call(self, positions: Mapping[int, int], counted: Sequence[int]) -> None:
+        """Call places something else from now on [steps]."""
+        for axis, position in positions.items():
+            self._offsets[axis] = position - counted[axis]

@@ -1,0 +1,80 @@
+"""A backup of a Marlin: the commands that it lists, and those of them that can be written again."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from stepramp.controllers.given_numbers import as_float32
+from stepramp.controllers.marlin.settings import ACCELERATION, DECIMALS, SPEED, STEPS_PER_MM, Settings
+from stepramp.errors import Rejected, Rejection
+
+ALLOWED = "a backup of a Marlin: the lines that it tells after M503"
+WRITABLE = frozenset(
+    f"M{number}"
+    for number in (
+        *(92, 145, 200, 201, 203, 204, 205, 206, 207, 208, 209, 217, 218, 281, 301, 304, 309, 412, 413, 414, 420, 421),
+        *(425, 569, 593, 603, 665, 666, 851, 852, 871, 900, 906, 907, 913, 914, 919),
+    )
+)
+"""Commands that set something, by which nothing moves."""
+ABOVE_ZERO = (STEPS_PER_MM, ACCELERATION, SPEED)
+MODES = frozenset({"G20", "G21", "M149"})
+"""How it tells numbers, not what it keeps."""
+
+
+@dataclass(frozen=True)
+class Backup:
+    """What a text tells."""
+
+    settings: Settings
+
+    @classmethod
+    def of(cls, text: str) -> "Backup":
+        """Return it; Rejected for a text that tells no axes, or a setting with which none could be moved."""
+        lines = text.splitlines()
+        settings = Settings.of(lines)
+        if not settings.axes():
+            told = {code for code, _ in settings.commands}
+            bad = _zeros(settings) if told >= set(ABOVE_ZERO) else []
+            raise Rejected(bad or [Rejection("text", f"{len(lines)} lines", ALLOWED)])
+        if bad := _zeros(settings):
+            raise Rejected(bad)
+        if settings.is_in_inches:
+            raise Rejected([Rejection("text", "G20", "a backup in mm (G21)")])
+        return cls(settings)
+
+    def lines(self, present: "Backup") -> list[str]:
+        """Return the lines that make what is present what was backed up: only what differs."""
+        return [f"{code} {words}" for code, words in self._differing(present) if code in WRITABLE]
+
+    def left(self, present: "Backup") -> Iterator[str]:
+        """Yield what is not as in the backup, as sentences."""
+        for code, words in self._differing(present):
+            able = "is not as in the backup" if code in WRITABLE else "can't be written again"
+            yield f"{code} {words} {able}."
+
+    def _differing(self, present: "Backup") -> Iterator[tuple[str, str]]:
+        there = {_meaning(*each) for each in present.settings.commands}
+        for each in self.settings.commands:
+            if _meaning(*each) not in there and each[0] not in MODES:
+                yield each
+
+
+def _meaning(code: str, words: str) -> tuple[str, ...]:
+    """Return what a command sets, however many decimals are written."""
+    return (code, *(f"{word[0]}{float(word[1:] or 0):.{DECIMALS}f}" for word in words.split()))
+
+
+def _zeros(settings: Settings) -> list[Rejection]:
+    return [
+        Rejection(f"{code} {letter}", value, "a number above 0: the axis couldn't be moved without")
+        for code in ABOVE_ZERO
+        for letter, value in settings.words(code).items()
+        if letter in "XYZE" and not _is_positive(value)
+    ]
+
+
+def _is_positive(value: str) -> bool:
+    try:
+        return as_float32(value) > 0
+    except (ValueError, OverflowError):
+        return False

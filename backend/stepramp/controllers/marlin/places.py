@@ -1,0 +1,89 @@
+"""Where the axes of a Marlin are: its steps, its millimetres, and positions that count from where people say."""
+
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+
+import numpy as np
+
+from stepramp.controllers.marlin.dialect import Place
+from stepramp.controllers.marlin.settings import EXTRUDER, AxisSettings
+
+TOLD_MM = 0.01
+LENGTHS_DIFFER_MM = 1.5 * TOLD_MM
+WAY_DECIMALS = 5
+
+
+class Places:
+    """Positions [steps], of the controller as it counts itself, and as they are called here."""
+
+    def __init__(self) -> None:
+        self.axes: tuple[AxisSettings, ...] = ()
+        self._offsets: list[int] = []
+        self._known: dict[int, int] = {}
+        """Where axes were sent to: of the extruder it tells hundredths of mm only."""
+        self._lengths: dict[int, np.float32] = {}
+        """Where it takes axes to be [mm], from where it counts its steps: it adds up the ways that it is told."""
+        self._shifts: dict[int, float] = {}
+        """By how much what it tells differs from that [mm]: G92, and offsets of its own."""
+
+    def learn(self, axes: tuple[AxisSettings, ...]) -> None:
+        """Take the scales that a controller has."""
+        if tuple(each.steps_per_mm for each in axes) != tuple(each.steps_per_mm for each in self.axes):
+            self._known, self._lengths = {}, {}
+        self.axes = axes
+        self._offsets = [*self._offsets, *[0] * len(axes)][: len(axes)]
+
+    def counted(self, place: Place) -> list[int]:
+        """Return where the axes are as the controller counts [steps]."""
+        return [self._step_at(axis, place) for axis in range(len(self.axes))]
+
+    def note_rest(self, place: Place, counted: Sequence[int]) -> None:
+        """Note where axes rest, and what it takes them to be: it may have been told something else by somebody else."""
+        for axis, scale in enumerate(self.axes):
+            told = place.lengths.get(scale.letter, 0.0)
+            length = self._lengths.get(axis)
+            if length is not None and abs(float(length) + self._shifts.get(axis, 0.0) - told) > LENGTHS_DIFFER_MM:
+                del self._lengths[axis]
+                length = None
+            if length is None:
+                self._shifts[axis] = told - counted[axis] / float(scale.steps_per_mm)
+
+    def called(self, counted: Sequence[int]) -> list[int]:
+        """Return what places are called here [steps]."""
+        return [place + offset for place, offset in zip(counted, self._offsets, strict=True)]
+
+    def counted_of(self, axis: int, called: int) -> int:
+        """Return a position as the controller counts it [steps]."""
+        return called - self._offsets[axis]
+
+    def call(self, positions: Mapping[int, int], counted: Sequence[int]) -> None:
+        """Call places something else from now on [steps]."""
+        for axis, position in positions.items():
+            self._offsets[axis] = position - counted[axis]
+
+    def way(self, axis: int, target: int, counted: int) -> str:
+        """Return the number of mm that leads to a place [steps] from where the controller takes an axis to be."""
+        per_mm = self.axes[axis].steps_per_mm
+        length = self._lengths.get(axis, np.float32(Fraction(counted) / per_mm))
+        return f"{float(Fraction(target) / per_mm) - float(length):.{WAY_DECIMALS}f}"
+
+    def went(self, axis: int, target: int, counted: int, way: str) -> None:
+        """Note that an axis was sent to a place [steps], from where it was, by so many mm."""
+        length = self._lengths.get(axis, np.float32(Fraction(counted) / self.axes[axis].steps_per_mm))
+        self._lengths[axis] = np.float32(length + np.float32(way))
+        self._known[axis] = target
+
+    def forget(self) -> None:
+        """Take axes to be where they are told to be: a quick stop has the controller do so, too."""
+        self._known.clear()
+        self._lengths.clear()
+
+    def _step_at(self, axis: int, place: Place) -> int:
+        letter = self.axes[axis].letter
+        if letter in place.counts:
+            return place.counts[letter]
+        told, per_mm = place.lengths.get(letter, 0.0), float(self.axes[axis].steps_per_mm)
+        known = self._known.get(axis)
+        if letter == EXTRUDER and known is not None and abs(known / per_mm - told) <= TOLD_MM:
+            return known
+        return round(told * per_mm)

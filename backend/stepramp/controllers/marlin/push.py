@@ -1,0 +1,183 @@
+"""Pushing designs to a Marlin: which settings are sent, what came of it, and what of the designs is lost."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+from stepramp.controllers.contract import FigureUnit, OwnTerms, PreviewItem, PushItem, PushPreview, PushReport
+from stepramp.controllers.losses import slower
+from stepramp.controllers.marlin.memory import Figure
+from stepramp.controllers.marlin.ramp import marlin_ramp
+from stepramp.controllers.marlin.settings import (
+    ACCELERATION,
+    ACCELERATIONS,
+    EXTRUDER,
+    JERK,
+    SPEED,
+    AxisSettings,
+    Settings,
+    is_same,
+    shared_by,
+)
+from stepramp.controllers.per_mm import PerMm
+from stepramp.design import Design
+from stepramp.errors import Rejected, Rejection
+
+FULL_SPEED, GAIN, SHARED_GAIN = "Full speed", "Acceleration", "Acceleration, for all axes"
+NAMES = {SPEED: FULL_SPEED, ACCELERATION: GAIN, ACCELERATIONS: SHARED_GAIN}
+VOLATILE = "The controller forgets these settings when it is reset or switched off."
+RESTORE = "The settings are not those that were sent. Restore a backup of this device, or push again."
+
+
+@dataclass(frozen=True)
+class Setting:
+    """A setting that is sent. kept: as the controller reads it [mm/s, mm/s²]."""
+
+    axis: int
+    figure: Figure
+    text: str
+    kept: Fraction
+
+    @property
+    def line(self) -> str:
+        """What is sent."""
+        code, letter = self.figure
+        return f"{code} {letter}{self.text}"
+
+
+@dataclass(frozen=True)
+class PushPlan:
+    """What will be sent for designs, by axes."""
+
+    designs: dict[int, Design]
+    ramps: dict[int, PerMm]
+    scales: Sequence[AxisSettings]
+    settings: tuple[Setting, ...]
+
+    @classmethod
+    def of(
+        cls, designs: Sequence[Design], first_axis: int | None, scales: Sequence[AxisSettings], present: Settings
+    ) -> "PushPlan":
+        """Return the plan; Rejected for axes that aren't there, and for what Marlin can't take."""
+        if first_axis is not None and first_axis >= len(scales):
+            raise Rejected([Rejection("to_axis", first_axis, f"an axis of this controller: 0 to {len(scales) - 1}")])
+        if len(designs) > len(scales):
+            raise Rejected([Rejection("axes", f"{len(designs)} designs", f"up to {len(scales)} designs")])
+        by_axis = {(first_axis or 0) + number: design for number, design in enumerate(designs)}
+        ramps = {
+            axis: marlin_ramp(
+                design, "" if first_axis is not None else f"axes.{axis}.", Fraction(scales[axis].steps_per_mm)
+            )
+            for axis, design in by_axis.items()
+        }
+        return cls(by_axis, ramps, scales, tuple(_settings(ramps, scales, present)))
+
+    @property
+    def wanted(self) -> dict[Figure, Fraction]:
+        """What is to be read back."""
+        return {each.figure: each.kept for each in self.settings}
+
+    @property
+    def lines(self) -> list[str]:
+        """What is sent, a line each."""
+        return [each.line for each in self.settings]
+
+    @property
+    def bytes(self) -> int:
+        """Length of the lines [bytes]."""
+        return sum(len(line) + 1 for line in self.lines)
+
+    def report(self, read_back: Settings, remarks: Sequence[str], *, verified: bool, kept: bool) -> PushReport:
+        """Return what came of the push. remarks: what else there is to say."""
+        return PushReport(
+            items=tuple(self._items(read_back)),
+            verified=verified,
+            segments=None,
+            bytes=self.bytes,
+            largest_deviation_us=None,
+            sequence=None,
+            kept=kept,
+            warnings=(*self._losses(read_back), *remarks),
+        )
+
+    def preview(self, present: Settings) -> PushPreview:
+        """Return what the push would change of the settings as they were last read."""
+        items = tuple(
+            PreviewItem(each.name, each.unit, each.read_back, each.sent, each.axis, each.own)
+            for each in self._items(present)
+        )
+        return PushPreview(
+            items=items,
+            same=not any(item.differs for item in items),
+            segments=None,
+            bytes=self.bytes,
+            largest_deviation_us=None,
+            warnings=tuple(self._losses(present)),
+        )
+
+    def _items(self, present: Settings) -> Iterator[PushItem]:
+        for each in self.settings:
+            code, letter = each.figure
+            scale, ramp = self.scales[each.axis].steps_per_mm, self.designs[each.axis].ramp
+            told = present.number(code, letter)
+            # What is told the same is shown as the same: it lists two decimals.
+            there = each.kept if is_same(told, each.kept) else told
+            unit: FigureUnit = "steps/s" if code == SPEED else "steps/s²"
+            asked = ramp.slew_speed_steps_per_s if code == SPEED else float(slower(self.designs[each.axis]))
+            own = OwnTerms(
+                f"{code} {letter}",
+                "mm/s" if code == SPEED else "mm/s²",
+                float(each.text),
+                None if told is None else round(float(told), 2),
+            )
+            yield PushItem(
+                NAMES[code],
+                unit,
+                asked,
+                float(each.kept * scale),
+                None if there is None else float(there * scale),
+                each.axis,
+                own,
+            )
+
+    def _losses(self, present: Settings) -> Iterator[str]:
+        several = len(self.designs) > 1
+        for axis, design in self.designs.items():
+            letter, scale = self.scales[axis].letter, self.scales[axis].steps_per_mm
+            for loss in (*self.ramps[axis].ramp_losses(design), *_jerk(present, letter, scale)):
+                yield f"Axis {axis}: {loss}" if several else loss
+        for each in self.settings:
+            code, letter = each.figure
+            if code == ACCELERATIONS and letter != shared_by(EXTRUDER):
+                yield (
+                    f"M204 {letter} is raised to {each.text} mm/s²: it holds for all axes, each of which keeps its own "
+                    "M201."
+                )
+
+
+def _settings(ramps: dict[int, PerMm], scales: Sequence[AxisSettings], present: Settings) -> Iterator[Setting]:
+    """Yield what is sent: the accelerations first, since a higher speed needs them.
+
+    An axis gains speed no faster than M204 says; the extruder on its own gains it as that says, whatever its limit is.
+    """
+    shared: dict[str, Setting] = {}
+    for axis, ramp in ramps.items():
+        letter, gain = scales[axis].letter, ramp.terms.kept(ramp.acceleration)
+        yield Setting(axis, (ACCELERATION, letter), ramp.acceleration, gain)
+        yield Setting(axis, (SPEED, letter), ramp.speed, ramp.terms.kept(ramp.speed))
+        which = shared_by(letter)
+        told = present.number(ACCELERATIONS, which)
+        is_needed = told is not None and (letter == EXTRUDER or told < gain)
+        if is_needed and (which not in shared or shared[which].kept < gain):
+            shared[which] = Setting(axis, (ACCELERATIONS, which), ramp.acceleration, gain)
+    yield from shared.values()
+
+
+def _jerk(present: Settings, letter: str, scale: Fraction) -> Iterator[str]:
+    """Yield with which speed a move begins where jerk is built in."""
+    jerk = present.number(JERK, letter)
+    if jerk:
+        yield (
+            f"M205 {letter}{float(jerk):g}: a move begins at up to {float(jerk * scale):,.10g} steps/s at once, "
+            "without a ramp."
+        )

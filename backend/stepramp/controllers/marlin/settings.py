@@ -1,0 +1,121 @@
+"""The settings of a Marlin, as it lists them after M503: the very commands that set them."""
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+
+from stepramp.controllers.given_numbers import as_float32
+
+LETTERS = "XYZE"
+"""Of the axes, in their order."""
+EXTRUDER = "E"
+STEPS_PER_MM, ACCELERATION, SPEED, ACCELERATIONS, JERK = "M92", "M201", "M203", "M204", "M205"
+PRINT, RETRACT, TRAVEL = "P", "R", "T"
+"""What M204 holds for: moves with both, moves of the extruder alone, moves without it."""
+IN_INCHES = "G20"
+DECIMALS = 2
+"""Of what it lists."""
+ULPS = 2
+
+_COMMAND = re.compile(r"(?:echo:)?\s*(?P<code>[GM]\d+)(?P<words>(?: +[A-Z]-?(?:\d+\.?\d*|\.\d+)?)*)\s*(?:;.*)?")
+_WORD = re.compile(r"(?P<letter>[A-Z])(?P<value>-?[\d.]+)")
+
+
+@dataclass(frozen=True)
+class AxisSettings:
+    """What a Marlin keeps of one axis, as it tells."""
+
+    letter: str
+    steps_per_mm: Fraction
+    speed: Fraction
+    """[mm/s]"""
+    acceleration: Fraction
+    """[mm/s²]"""
+    shared_acceleration: Fraction | None
+    """Of M204, that it keeps to, too [mm/s²]; None where it isn't told."""
+
+    @property
+    def speed_steps_per_s(self) -> float:
+        """Its highest speed [steps/s]."""
+        return float(self.speed * self.steps_per_mm)
+
+    @property
+    def effective_acceleration(self) -> Fraction:
+        """How it gains speed when it moves on its own [mm/s²]: the extruder's own limit doesn't count then."""
+        shared = self.shared_acceleration
+        if shared is None or shared <= 0:
+            return self.acceleration
+        return shared if self.letter == EXTRUDER else min(self.acceleration, shared)
+
+    @property
+    def acceleration_steps_per_s2(self) -> float:
+        """The same [steps/s²]."""
+        return float(self.effective_acceleration * self.steps_per_mm)
+
+
+@dataclass(frozen=True)
+class Settings:
+    """All of a listing: commands in their order, each as it is told."""
+
+    commands: Sequence[tuple[str, str]]
+    """Code and words, such as M92 and X80.00 Y80.00."""
+
+    @classmethod
+    def of(cls, lines: Iterable[str]) -> "Settings":
+        """Return the settings that lines tell; other lines are left out."""
+        found = (_COMMAND.fullmatch(line.strip()) for line in lines)
+        return cls([(each["code"], " ".join(each["words"].split())) for each in found if each is not None])
+
+    def words(self, code: str) -> Mapping[str, str]:
+        """Return the numbers of a command by letter; of a letter that is told several times, the first."""
+        told: dict[str, str] = {}
+        for each, words in self.commands:
+            if each == code:
+                told = {found["letter"]: found["value"] for found in _WORD.finditer(words)} | told
+        return told
+
+    def number(self, code: str, letter: str) -> Fraction | None:
+        """Return a number as it is kept; None where it isn't told, or is none."""
+        try:
+            return as_float32(self.words(code)[letter])
+        except (KeyError, ValueError, OverflowError):
+            return None
+
+    def axis(self, letter: str) -> AxisSettings | None:
+        """Return what is kept of an axis; None when it isn't there, or makes no sense."""
+        numbers = [self.number(code, letter) for code in (STEPS_PER_MM, SPEED, ACCELERATION)]
+        known = [each for each in numbers if each is not None and each > 0]
+        if len(known) < len(numbers):
+            return None
+        scale, speed, acceleration = known
+        return AxisSettings(letter, scale, speed, acceleration, self.number(ACCELERATIONS, shared_by(letter)))
+
+    def axes(self) -> tuple[AxisSettings, ...]:
+        """Return what is kept of the axes, up to the first that isn't told of."""
+        found: list[AxisSettings] = []
+        for letter in LETTERS:
+            if (axis := self.axis(letter)) is None:
+                break
+            found.append(axis)
+        return tuple(found)
+
+    @property
+    def is_in_inches(self) -> bool:
+        """Whether lengths are told, and taken, in inches."""
+        return any(code == IN_INCHES for code, _ in self.commands)
+
+
+def shared_by(letter: str) -> str:
+    """Return what of M204 an axis keeps to when it moves on its own."""
+    return RETRACT if letter == EXTRUDER else TRAVEL
+
+
+def is_same(told: Fraction | None, meant: Fraction) -> bool:
+    """Tell whether a number that is listed may be one that was given."""
+    if told is None:
+        return False
+    slack = 0.5 * 10.0**-DECIMALS + ULPS * float(np.spacing(np.float32(max(abs(told), abs(meant)))))
+    return abs(float(told - meant)) <= slack

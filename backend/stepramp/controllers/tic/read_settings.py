@@ -1,0 +1,75 @@
+"""Designs of a Tic's settings file, as `ticcmd --get-settings` writes it, and of what a connected Tic tells."""
+
+import re
+from collections.abc import Iterator
+
+from stepramp.controllers.read_axis import ReadAxis, design_read
+from stepramp.controllers.tic.ramp import TicRamp
+from stepramp.controllers.tic.variables import MICROSTEPS
+from stepramp.design import Design
+from stepramp.errors import Rejected, Rejection
+
+_LINE = re.compile(r"""(?P<name>[a-z_]+) *: *["']?(?P<value>[^"'#]*?)["']? *(?:#.*)?""")
+FIGURES = ("starting_speed", "max_speed", "max_decel", "max_accel")
+"""In the order of TicRamp; of those left out a Tic has what it comes with."""
+ALLOWED = "speeds up to 500,000,000, accelerations from 100 to 2,147,483,647, max_decel also 0"
+NEW = {"starting_speed": "0", "max_decel": "0"}
+STEP_MODES = {"full": 1, "half": 2, "2_100p": 2, **{str(each): each for each in sorted(set(MICROSTEPS.values()))}}
+"""Names of step modes, and how many steps each makes of a full step."""
+
+
+def settings_of(ramp: TicRamp, microsteps: int) -> Iterator[str]:
+    """Yield the lines of a settings file that say a ramp and a step mode."""
+    limits = (ramp.starting_speed, ramp.max_speed, ramp.max_deceleration, ramp.max_acceleration)
+    yield from (f"{name}: {value}" for name, value in zip(FIGURES, limits, strict=True))
+    yield f"step_mode: {microsteps}"
+
+
+def read_settings(text: str, base: Design) -> list[ReadAxis]:
+    """Return a design of a settings file, for the only axis; [] for a text that is none.
+
+    base: what holds where a Tic says nothing, as motor, timer and method. A push of such a design changes nothing.
+    Raises Rejected for settings that no Tic, or no design, can have.
+    """
+    found = filter(None, map(_LINE.fullmatch, (line.strip() for line in text.splitlines())))
+    told = {each["name"]: each["value"] for each in found}
+    if not {"max_speed", "max_accel"} <= told.keys():
+        return []
+    ramp, microsteps = _ramp(NEW | told), _microsteps(told.get("step_mode"))
+    document = base.model_dump(mode="json", by_alias=True)
+    document["name"] = f"Tic {told['product']}" if told.get("product") else "Tic"
+    if microsteps is not None:
+        document["axis"]["microsteps"] = microsteps
+    start, fastest, gain, loss = ramp.figures
+    document["ramp"] = {
+        "base_speed_steps_per_s": start,
+        "slew_speed_steps_per_s": fastest,
+        "acceleration_steps_per_s2": gain,
+        "deceleration_steps_per_s2": None if loss == gain else loss,
+    }
+    design = design_read(document, "a Tic")
+    return [ReadAxis("Tic", design, tuple(_remarks(microsteps)))]
+
+
+def _ramp(told: dict[str, str]) -> TicRamp:
+    bad = [each for each in FIGURES if not re.fullmatch(r"\d{1,10}", told[each])]
+    if bad:
+        raise Rejected([Rejection("text", f"{each}: {told[each]}", "whole numbers of a Tic's units") for each in bad])
+    limits = {each: int(told[each]) for each in FIGURES}
+    try:
+        return TicRamp.told(*limits.values())
+    except ValueError as error:
+        wrong = ", ".join(f"{name}: {value}" for name, value in limits.items())
+        raise Rejected([Rejection("text", wrong, ALLOWED)]) from error
+
+
+def _microsteps(step_mode: str | None) -> int | None:
+    if step_mode is None or step_mode in STEP_MODES:
+        return None if step_mode is None else STEP_MODES[step_mode]
+    raise Rejected([Rejection("text", f"step_mode: {step_mode}", f"a step mode of a Tic: {', '.join(STEP_MODES)}")])
+
+
+def _remarks(microsteps: int | None) -> Iterator[str]:
+    if microsteps is None:
+        yield "The step mode is not told: the design's own steps of a full step stay."
+    yield "Full steps of a turn and what it moves are not told: the design's own stay."

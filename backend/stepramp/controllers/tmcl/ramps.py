@@ -1,0 +1,118 @@
+"""The ramps that a module's axes use, others in their place, and those that are stored."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from functools import partial
+
+from stepramp.controllers.progress import Progress, PushStage, Tell
+from stepramp.controllers.tmcl.axis import Axis
+from stepramp.controllers.tmcl.conversation import MOST_REPEATS, Denied
+from stepramp.controllers.tmcl.modules import Module
+from stepramp.controllers.tmcl.ramp import TmclRamp
+from stepramp.controllers.tmcl.stopping import Stopping
+from stepramp.controllers.tmcl.units import Units
+from stepramp.controllers.tmcl.wire import Status
+from stepramp.errors import Refused
+
+
+class Locked(Refused):
+    """A module's memory for settings is locked."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            "The module's memory for settings, its EEPROM, is locked, so nothing was stored: unlock it, as the "
+            "TMCL-IDE does."
+        )
+
+
+class Ramps:
+    """The ramps of a module's axes as they were last read. tell: called with how far a push has come."""
+
+    def __init__(self, module: Module, axes: Sequence[Axis], stopping: Stopping, tell: Tell) -> None:
+        self.parameters = module.parameters
+        self._axes = axes
+        self._stopping = stopping
+        self._tell = tell
+        self.units: list[Units] = []
+        """Of each axis."""
+        self.microsteps: list[int] = []
+        """Of each axis, for a full step."""
+        self.in_use: list[TmclRamp] = []
+        self.on_trial = False
+        """Whether other ramps are in use than those that are stored, as far as this connection knows."""
+
+    def learn(self) -> None:
+        """Ask for units and ramps; Refused when an axis has units that aren't known."""
+        self.units = [axis.units() for axis in self._axes]
+        self.microsteps = [1 << axis.get(axis.parameters.resolution) for axis in self._axes]
+        self.look()
+
+    def look(self) -> None:
+        """Ask for the ramps in use."""
+        names = [each.name for each in TmclRamp.figures()]
+        self.in_use = [TmclRamp(**{name: axis.get(axis.parameters.of(name)) for name in names}) for axis in self._axes]
+
+    def use(self, ramps: Mapping[int, TmclRamp]) -> None:
+        """Have axes that rest use ramps, and read back what they have; Denied when one doesn't take a figure."""
+        self.on_trial = True
+        for number, ramp in ramps.items():
+            axis = self._axes[number]
+            for name, value in ramp.named:
+                axis.set(axis.parameters.of(name), value)
+        self._tell(Progress(PushStage.READING_BACK, 0, 0))
+        self.look()
+
+    def keep(self, numbers: Iterable[int]) -> None:
+        """Store the ramps in use of axes that rest, and see that they are: they are loaded again for that.
+
+        Refused when the memory is locked, or has other figures afterwards.
+        """
+        self._tell(Progress(PushStage.STORING, 0, 0))
+        wanted = {number: self.in_use[number] for number in numbers}
+        for number, ramp in wanted.items():
+            axis = self._axes[number]
+            self.hold(axis)
+            for name, _ in ramp.named:
+                store(axis, axis.parameters.of(name))
+        self._recall(wanted)
+        if any(not ramp.is_kept_by(self.in_use[number], self.units[number]) for number, ramp in wanted.items()):
+            raise Refused("The module has stored other figures than it had in use: push again, or restore a backup.")
+
+    def roll_back(self) -> None:
+        """Use the stored ramps again at rest; Refused when they were in use."""
+        before, was_on_trial = self.in_use, self.on_trial
+        self._recall(range(len(self._axes)))
+        if not was_on_trial and before == self.in_use:
+            raise Refused("Nothing is on trial: the stored ramps are in use.")
+
+    def _recall(self, numbers: Iterable[int]) -> None:
+        """Use what is stored."""
+        for number in numbers:
+            axis = self._axes[number]
+            self.hold(axis)
+            for each in TmclRamp.figures():
+                axis.recall(axis.parameters.of(each.name))
+            if axis.look().speed:
+                self._stopping.stop([number])
+                raise Refused("Loading the stored ramp has set the motor moving, and it was stopped.")
+        self.on_trial = False
+        self.look()
+
+    def hold(self, axis: Axis) -> None:
+        """Have an axis that rests be where its target is.
+
+        Some firmwares store, and load, the speed that an axis is told in place of that of its ramp: once it was stopped
+        that is 0, and loading the ramp's would set it moving.
+        """
+        position, allowed = axis.look().position, partial(self._stopping.refuse_stopped, self._stopping.count)
+        if not any(axis.go_to(position, allowed) for _ in range(1 + MOST_REPEATS)):
+            raise Refused("The module doesn't take a target: is its serial line disturbed?")
+
+
+def store(axis: Axis, parameter: int) -> None:
+    """Store a parameter as it is; Locked when the memory is."""
+    try:
+        axis.store(parameter)
+    except Denied as error:
+        if error.status == Status.EEPROM_LOCKED:
+            raise Locked from error
+        raise

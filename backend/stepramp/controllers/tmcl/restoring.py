@@ -1,0 +1,45 @@
+"""How a backup becomes the settings of a module again."""
+
+from collections.abc import Iterator, Sequence
+
+from stepramp.controllers.tmcl.axis import Axis
+from stepramp.controllers.tmcl.backup import Backup
+from stepramp.controllers.tmcl.conversation import Denied
+from stepramp.controllers.tmcl.ramp import TmclRamp
+from stepramp.controllers.tmcl.ramps import Locked, Ramps, store
+
+
+class Restoring:
+    """Writes the settings of axes that rest, and stores them."""
+
+    def __init__(self, axes: Sequence[Axis], ramps: Ramps) -> None:
+        self._axes = axes
+        self._ramps = ramps
+
+    def restore(self, backup: Backup) -> tuple[str, ...]:
+        """Write what differs of a backup, one setting at a time, store and read it; return what couldn't be done."""
+        self._ramps.on_trial = True
+        remarks = [
+            remark for axis in self._axes for remark in self._of_axis(axis, backup.settings.get(axis.number, {}))
+        ]
+        self._ramps.learn()
+        self._ramps.on_trial = bool(remarks)
+        return tuple(dict.fromkeys(remarks))
+
+    def _of_axis(self, axis: Axis, wanted: dict[int, int]) -> Iterator[str]:
+        self._ramps.hold(axis)
+        unit_mode = axis.parameters.unit_mode
+        of_the_ramp = [axis.parameters.of(each.name) for each in TmclRamp.figures()]
+        # What the others mean depends on it.
+        for parameter in sorted(wanted, key=lambda number: number != unit_mode):
+            try:
+                differs = axis.get(parameter) != wanted[parameter]
+                if differs and not axis.bring_back(parameter, wanted[parameter]):
+                    yield f"Parameter {parameter} of axis {axis.number} is not as in the backup."
+                # What a push stores may have been stored in part, though it is in use.
+                if differs or parameter in of_the_ramp:
+                    store(axis, parameter)
+            except Denied as error:
+                yield f"Parameter {parameter} of axis {axis.number}: {error}"
+            except Locked as error:
+                yield str(error)

@@ -1,0 +1,136 @@
+"""Backups of a device: what it told of itself before it was first written to, as files that outlast everything."""
+
+import os
+import re
+import zlib
+from contextlib import suppress
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+import platformdirs
+
+from stepramp.errors import NotFound, Refused, shown
+from stepramp.link.ports import Port
+
+FOLDER_VARIABLE = "STEPRAMP_DATA"
+"""Names another folder for what is kept than the user's own."""
+ENDING = ".txt"
+MOST_SLUG = 60
+
+
+@dataclass(frozen=True)
+class Backup:
+    """A file of one device."""
+
+    name: str
+    """When it was saved, in UTC: as its file is called, without the ending."""
+    bytes: int
+
+
+def data_folder() -> Path:
+    """Return where what outlasts the program is kept."""
+    named = os.environ.get(FOLDER_VARIABLE)
+    return Path(named) if named else platformdirs.user_data_path("stepramp", appauthor=False)
+
+
+@dataclass(frozen=True)
+class Source:
+    """What backups are of: a family, and what was plugged in where, as far as that was known."""
+
+    name: str
+    """Of their folder."""
+    family: str
+    plugged_in: str
+    """The port, or the USB numbers, of which letters and digits are left."""
+    backups: list[Backup]
+    """The newest first."""
+
+
+class Archive:
+    """The backups of all devices that there ever were, connected or not. For any thread."""
+
+    def __init__(self, data: Path) -> None:
+        self._folder = data / "backups"
+
+    def sources(self) -> list[Source]:
+        """Return what there are backups of, that with the newest one first."""
+        folders = [each for each in self._folder.glob("*-*-*") if each.is_dir()] if self._folder.is_dir() else []
+        found = [_source(each) for each in folders]
+        return sorted((each for each in found if each.backups), key=lambda each: each.backups[0].name, reverse=True)
+
+    def source(self, name: str) -> Source:
+        """Return one of them; NotFound when there is none of that name."""
+        for each in self.sources():
+            if each.name == name:
+                return each
+        raise NotFound(f"There are no backups of {shown(name)}.")
+
+    def read(self, source: str, name: str) -> str:
+        """Return the text of a backup; NotFound when there is none of that name."""
+        return _read(self._folder / self.source(source).name, name, f"of {source}")
+
+
+def _source(folder: Path) -> Source:
+    family, *middle, _ = folder.name.split("-")
+    return Source(folder.name, family, "-".join(middle), _all(folder))
+
+
+def _all(folder: Path) -> list[Backup]:
+    files = sorted(folder.glob(f"*{ENDING}"), reverse=True)
+    return [Backup(each.stem, each.stat().st_size) for each in files if not each.name.startswith(".")]
+
+
+def _read(folder: Path, name: str, of: str) -> str:
+    if name not in {each.name for each in _all(folder)}:
+        raise NotFound(f"There is no backup {shown(name)} {of}.")
+    return (folder / f"{name}{ENDING}").read_text(encoding="utf-8")
+
+
+class Backups:
+    """Those of one device: a folder for its family and for what is plugged in there. For any thread."""
+
+    def __init__(self, data: Path, family: str, known: Port) -> None:
+        identity = repr(known.identity)
+        slug = re.sub(r"[^A-Za-z0-9]+", "-", identity).strip("-")[:MOST_SLUG]
+        self.folder = data / "backups" / f"{family}-{slug}-{zlib.crc32(identity.encode()):08x}"
+
+    def save(self, text: str) -> str:
+        """Write a backup so that it is there whole or not at all, also after a power cut; return its name.
+
+        Raises Refused when it can't be written.
+        """
+        name = datetime.now(UTC).strftime("%Y-%m-%dT%H-%M-%S.%fZ")
+        part = self.folder / f".{name}.part"
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+            with part.open("x", encoding="utf-8", newline="\n") as file:
+                file.write(text)
+                file.flush()
+                os.fsync(file.fileno())
+            part.replace(self.folder / f"{name}{ENDING}")
+            self._sync_folder()
+        except OSError as error:
+            with suppress(OSError):
+                part.unlink()
+            reason = error.strerror or str(error)
+            raise Refused(
+                f"What the device has now can't be saved in {self.folder} ({reason}): nothing was written to it."
+            ) from error
+        return name
+
+    def all(self) -> list[Backup]:
+        """Return what there is, the newest first."""
+        return _all(self.folder)
+
+    def read(self, name: str) -> str:
+        """Return the text of a backup; NotFound when there is none of that name."""
+        return _read(self.folder, name, "of this device")
+
+    def _sync_folder(self) -> None:
+        if os.name == "posix":
+            number = os.open(self.folder, os.O_RDONLY)
+            try:
+                os.fsync(number)
+            finally:
+                os.close(number)

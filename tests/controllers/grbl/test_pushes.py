@@ -1,0 +1,315 @@
+"""Pushing designs to a grbl: two settings an axis, rounded down, read back after a reset, and backed up before."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from controllers.grbl.bench import Bench, by, to
+from controllers.grbl.emulator import Eeprom
+from designs import design
+from stepramp.controllers.contract import OwnTerms, PushReport
+from stepramp.controllers.grbl.controller import GrblController
+from stepramp.controllers.grbl.ramp import GrblRamp, grbl_losses, kept_acceleration
+from stepramp.controllers.grbl.read_settings import read_settings
+from stepramp.controllers.grbl.settings import Settings
+from stepramp.design import Design
+from stepramp.errors import DeviceLost, Refused, Rejected
+
+OWN_INTERVALS = "The method Exact is not kept: grbl works its intervals out itself, one speed for each 10 ms."
+
+
+def push(controller: GrblController, *designs: Design, axis: int | None = 0) -> PushReport:
+    return controller.prepare_push(designs, axis if len(designs) == 1 else None)()
+
+
+def fields_of(ask: Callable[[], object]) -> list[tuple[str, object, str]]:
+    with pytest.raises(Rejected) as caught:
+        ask()
+    return [(each.field, each.value, each.allowed) for each in caught.value.rejections]
+
+
+def test_what_is_sent_and_read_back(bench: Bench, controller: GrblController) -> None:
+    report = push(controller, design(), axis=1)
+    # 1000 steps/s · 60 / 250 = 240 mm/min; 5000 / 250 = 20 mm/s². The second listing is that after a reset.
+    assert bench.grbl.lines == ["$121=20.000", "$111=240.000", "$$", "$N", "$$", "$N"]
+    assert (bench.grbl.eeprom.settings[121], bench.grbl.eeprom.settings[111]) == (20.0, 240.0)
+    speed, gain = report.items
+    assert (speed.requested, speed.sent, speed.read_back, speed.unit, speed.axis) == (1000, 1000, 1000, "steps/s", 1)
+    assert speed.own == OwnTerms("$111", "mm/min", 240.0, 240.0)
+    assert gain.own == OwnTerms("$121", "mm/s²", 20.0, 20.0)
+    assert (report.verified, report.kept, report.sequence, report.segments) == (True, True, None, None)
+    assert report.warnings == (OWN_INTERVALS,)
+    assert bench.grbl.steps == 0
+    assert controller.steps_to_rest(1, 1000) == 100 + 60
+
+
+def test_all_axes_at_once(bench: Bench, controller: GrblController) -> None:
+    push(controller, design(), design(ramp__slew_speed_steps_per_s=500), design(ramp__acceleration_steps_per_s2=999))
+    assert [bench.grbl.eeprom.settings[number] for number in (110, 111, 112)] == [240, 120, 240]
+    # 999 / 250 = 3.996 would be kept as 3.9960001.
+    assert [bench.grbl.eeprom.settings[number] for number in (120, 121)] == [20, 20]
+    assert bench.grbl.eeprom.settings[122] == pytest.approx(3.995, rel=1e-7)
+    assert fields_of(lambda: push(controller, *[design()] * 4)) == [("axes", "4 designs", "up to 3 designs")]
+    assert fields_of(lambda: push(controller, design(), axis=3)) == [
+        ("to_axis", 3, "an axis of this controller: 0 to 2")
+    ]
+
+
+def test_a_preview_says_what_would_change_and_what_is_lost(controller: GrblController) -> None:
+    preview = controller.preview_push([design(ramp__base_speed_steps_per_s=100)], 0)
+    speed, gain = preview.items
+    assert (speed.on_device, speed.to_send, speed.differs) == (pytest.approx(2083.333333), 1000, True)
+    assert gain.own == OwnTerms("$120", "mm/s²", 20.0, 10.0)
+    assert not preview.same
+    assert preview.warnings == ("Base speed 100 steps/s is not kept: grbl starts from 0.", OWN_INTERVALS)
+    push(controller, design())
+    assert controller.preview_push([design()], 0).same
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        (
+            {"ramp__deceleration_steps_per_s2": 4000},
+            "Acceleration 5,000 steps/s² is not kept: grbl has one acceleration for both, so the smaller one, 4,000 "
+            "steps/s², is sent.",
+        ),
+        (
+            {"ramp__deceleration_steps_per_s2": 6000},
+            "Deceleration 6,000 steps/s² is not kept: grbl has one acceleration for both, so the smaller one, 5,000 "
+            "steps/s², is sent.",
+        ),
+        (
+            {"schema": "stepramp/2", "ramp__shape": {"name": "cosine"}},
+            "The shape Cosine is not kept: grbl's acceleration is constant.",
+        ),
+        ({"method__name": "table"}, "The lookup table is not kept: grbl works its intervals out itself, one speed"),
+        ({"ramp__slew_speed_steps_per_s": 40_000}, "Slew speed 40,000 steps/s is more than the 30,000 that grbl 1.1"),
+        ({"ramp__slew_speed_steps_per_s": 20}, "Slew speed 20 steps/s is not kept: on an Uno grbl makes no fewer than"),
+    ],
+)
+def test_each_loss_is_named(changes: dict[str, object], told: str) -> None:
+    assert any(loss.startswith(told) for loss in grbl_losses(design(**changes)))
+
+
+def test_the_smaller_acceleration_is_sent() -> None:
+    for lower in ({"ramp__deceleration_steps_per_s2": 4000}, {"ramp__acceleration_steps_per_s2": 4000}):
+        both = {"ramp__deceleration_steps_per_s2": 5000} | lower
+        assert GrblRamp.of(design(**both), np.float32(250)).acceleration_text == "16.000"
+
+
+@given(st.floats(5, 30_000), st.floats(10, 5e6), st.sampled_from([5.0, 80.0, 250.0, 314.961, 3200.0]))
+def test_neither_speed_nor_acceleration_is_more_than_asked(speed: float, gain: float, per_mm: float) -> None:
+    if speed < per_mm / 60 * 1.01:
+        return
+    scale = np.float32(per_mm)
+    ramp = GrblRamp.of(design(ramp__slew_speed_steps_per_s=speed, ramp__acceleration_steps_per_s2=gain), scale)
+    exact_scale = Fraction(float(scale))
+    rate = Fraction(float(np.float32(float(ramp.rate))))
+    assert rate * exact_scale / 60 <= Fraction(str(speed))
+    assert kept_acceleration(ramp.acceleration) * exact_scale <= Fraction(str(gain))
+    assert ramp.speed_steps_per_s == pytest.approx(speed, abs=float(exact_scale) * 3e-5, rel=4e-7)
+    assert ramp.acceleration_steps_per_s2 == pytest.approx(gain, abs=float(exact_scale) * 2e-3, rel=4e-7)
+
+
+@pytest.mark.parametrize(
+    ("changes", "field", "allowed"),
+    [
+        # Less than 0.002 mm/s² may become 0, with which grbl hangs; slower than 1 mm/min it plans nothing.
+        ({"ramp__acceleration_steps_per_s2": 0.25}, "ramp.acceleration_steps_per_s2", "a number from 0.5 to"),
+        ({"ramp__deceleration_steps_per_s2": 0.25}, "ramp.deceleration_steps_per_s2", "a number from 0.5 to"),
+        ({"ramp__slew_speed_steps_per_s": 4}, "ramp.slew_speed_steps_per_s", "a number from 4.16667 to"),
+    ],
+)
+def test_what_would_hang_it_is_rejected(
+    bench: Bench, controller: GrblController, changes: dict[str, object], field: str, allowed: str
+) -> None:
+    for ask in (
+        lambda: controller.prepare_push([design(**changes)], 0),
+        lambda: controller.preview_push([design(**changes)], 0),
+    ):
+        [(named, _, told)] = fields_of(ask)
+        assert named == field
+        assert told.startswith(allowed)
+        assert "with grbl at 250 steps/mm" in told
+    [(named, _, _)] = fields_of(lambda: controller.prepare_push([design(), design(**changes)]))
+    assert named == f"axes.1.{field}"
+    assert bench.grbl.lines == []
+
+
+def test_grblhals_own_limit_is_told(bench: Bench, controller: GrblController) -> None:
+    bench.grbl.most[110] = 200.0
+    with pytest.raises(Refused, match=r"refuses '\$110=240.000': the value is out of its range \(error:52\)"):
+        push(controller, design())
+
+
+def test_it_is_refused_while_something_moves_and_after_a_limit_was_hit(
+    bench: Bench, controller: GrblController
+) -> None:
+    send = controller.prepare_push([design()], 0)
+    controller.move_by([by(2000)])
+    with pytest.raises(Refused, match="only at rest, and its state is 'Jog'"):
+        send()
+    bench.rest()
+    for state, words in (("Hold", "its state is 'Hold'"), ("Check", "its state is 'Check'")):
+        bench.grbl.state = state
+        with pytest.raises(Refused, match=words):
+            send()
+    bench.grbl.state = "Alarm"
+    controller._conversation.alarm = 1
+    with pytest.raises(Refused, match="in alarm since a limit was hit"):
+        send()
+    assert bench.grbl.eeprom.writes == 0
+
+
+def test_one_that_is_locked_takes_settings_and_stays_locked(bench: Bench) -> None:
+    bench.grbl.eeprom.settings[22] = 1.0
+    bench.grbl.power_up()
+    bench.controller.connect()
+    assert push(bench.controller, design()).verified
+    assert bench.grbl.state == "Alarm"
+
+
+def test_one_setting_at_a_time_so_that_none_is_lost(bench: Bench, controller: GrblController) -> None:
+    push(controller, design(), design(), design())
+    assert bench.grbl.bytes_lost == 0
+    assert bench.grbl.eeprom.writes == 6
+
+
+def test_what_its_eeprom_did_not_keep_is_found_by_the_reset(bench: Bench, controller: GrblController) -> None:
+    bench.grbl.eeprom.is_broken = True
+    report = push(controller, design())
+    assert not report.verified
+    assert [item.read_back for item in report.items] == [pytest.approx(2083.333333), 2500]
+    assert "Restore a backup" in report.warnings[-1]
+
+
+def test_where_a_reset_would_move_something_it_isnt_reset(bench: Bench) -> None:
+    bench.grbl.starts_on_open = False
+    bench.grbl.eeprom.startup[0] = "G0 X10"
+    bench.controller.connect()
+    report = push(bench.controller, design())
+    assert report.verified
+    assert "isn't proven" in report.warnings[-1]
+    bench.pass_time(2)
+    assert bench.grbl.steps == 0
+
+
+def test_positions_outlast_the_reset_of_a_push(bench: Bench, controller: GrblController) -> None:
+    controller.move_by([by(700)])
+    bench.rest()
+    controller.set_position([to(50)])
+    push(controller, design())
+    assert controller.status().axes[0].position_steps == 50
+    controller.move_by([by(1)])
+    bench.rest()
+    assert bench.grbl.position[0] == 701
+
+
+# Backups.
+
+
+def restored(bench: Bench, text: str) -> tuple[str, ...]:
+    return bench.controller.use_backup(text)
+
+
+def test_a_backup_has_all_that_can_be_read(controller: GrblController) -> None:
+    text = controller.backup()
+    for line in ("[VER:1.1h.20190830:]", "$120=10.000", "[G54:0.000,0.000,0.000]", "$N0=", "; $$"):
+        assert line in text.splitlines()
+
+
+def test_restoring_writes_only_what_differs(bench: Bench, controller: GrblController) -> None:
+    text = controller.backup()
+    push(controller, design())
+    writes = bench.grbl.eeprom.writes
+    remarks = restored(bench, text)
+    assert bench.grbl.eeprom.settings == Eeprom().settings
+    assert bench.grbl.eeprom.writes == writes + 2
+    assert remarks == ("What G28 and G30 go to can't be written again: go there, and say G28.1 or G30.1.",)
+    assert controller.preview_push([design()], 0).items[0].on_device == pytest.approx(2083.333333)
+
+
+@pytest.mark.parametrize("dies_at", [1, 2])
+def test_a_power_cut_in_the_midst_of_a_push_is_restored(bench: Bench, controller: GrblController, dies_at: int) -> None:
+    eeprom = bench.grbl.eeprom
+    eeprom.settings |= {100: 80.0, 110: 3000.0, 120: 200.0}
+    eeprom.startup[0], eeprom.offsets[2] = "G54", (1.0, -2.0, 3.5)
+    bench.grbl.power_up()
+    with pytest.raises(DeviceLost):
+        controller.status()
+    bench.port.close()
+    bench.reopen()
+    bench.controller.connect()
+    text, before = bench.controller.backup(), (dict(eeprom.settings), list(eeprom.startup), dict(eeprom.offsets))
+    bench.grbl.dies_at_write = eeprom.writes + dies_at
+    with pytest.raises(DeviceLost, match="does not answer"):
+        push(bench.controller, design())
+    bench.port.close()
+    bench.grbl.power_up()
+    bench.reopen()
+    bench.controller.connect()
+    assert eeprom.settings != before[0]
+    assert restored(bench, text)[:-1] == ()
+    assert (eeprom.settings, eeprom.startup, eeprom.offsets) == before
+
+
+@pytest.mark.parametrize(
+    ("text", "field"),
+    [
+        ("", "text"),
+        ("nothing of the kind", "text"),
+        ("$100=250\n$110=500\n$120=10\n$121=0", "$121"),
+        ("$100=250\n$110=500\n$120=10\n$101=nan", "$101"),
+    ],
+)
+def test_what_is_no_backup_is_rejected(bench: Bench, controller: GrblController, text: str, field: str) -> None:
+    [(named, _, _)] = fields_of(lambda: controller.use_backup(text))
+    assert named == field
+    assert bench.grbl.eeprom.writes == 0
+
+
+# What it has, as designs.
+
+
+def test_a_listing_becomes_designs() -> None:
+    text = "; comment\n$100=80.000 (x, step/mm)\n$110=3000.000\n$120=200.000\n$101=0\n$111=1\n$121=1\nok"
+    [axis] = read_settings(text, design())
+    assert axis.name == "X"
+    # 400 steps a turn of 5 mm; 3000 mm/min · 80 / 60; 200 mm/s² · 80.
+    assert (axis.design.axis.travel_per_rev, axis.design.axis.travel_unit) == (5.0, "mm")
+    assert axis.design.ramp.slew_speed_steps_per_s == 4000
+    assert axis.design.ramp.acceleration_steps_per_s2 == 16_000
+    assert axis.design.move == design().move
+    assert "200 times 2 steps a turn, 5 mm, are 80 steps/mm" in axis.remarks[0]
+    assert read_settings("G1 X5", design()) == []
+
+
+@given(st.decimals("5", "3200", places=3), st.decimals("1", "9999", places=3), st.decimals("0.1", "99999", places=3))
+@example("5", "1", "9220.819")
+@example("5", "1", "81119.942")
+def test_pushing_what_was_read_changes_nothing(per_mm: object, rate: object, gain: object) -> None:
+    listing = f"$100={per_mm}\n$110={rate}\n$120={gain}"
+    if float(str(rate)) / 60 * float(str(per_mm)) > 900_000:
+        return
+    [axis] = read_settings(listing, design())
+    settings = Settings.of(listing.splitlines()).axis(0)
+    assert settings is not None
+    pushed = GrblRamp.of(axis.design, settings.steps_per_mm)
+    # As grbl keeps them: beyond four digits before the point several texts of three decimals are the same to it.
+    assert (pushed.rate, kept_acceleration(pushed.acceleration)) == (
+        settings.most_rate,
+        kept_acceleration(settings.acceleration),
+    )
+
+
+def test_settings_that_no_design_has() -> None:
+    [(field, _, allowed)] = fields_of(lambda: read_settings("$100=3200\n$110=99999999\n$120=5", design()))
+    assert field == "text"
+    assert "settings of axis X that a design can have" in allowed

@@ -1,0 +1,110 @@
+"""A Marlin on a line that damages or swallows much of what is said either way: stops are final, ways are right."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable
+from contextlib import suppress
+
+import pytest
+
+from controllers.bench import at, by
+from controllers.marlin.bench import Bench
+from stepramp.controllers.contract import AnswerUnknown
+from stepramp.errors import DeviceLost, Refused
+
+SHARE = 0.05
+"""Of what is lost each way; as much again is damaged."""
+TURNS = 20
+
+
+class Line:
+    """Damages pieces of what is said, by chance."""
+
+    def __init__(self, bench: Bench, chance: random.Random) -> None:
+        self._bench, self._chance = bench, chance
+
+    def disturb(self) -> None:
+        self._bench.marlin.on_the_way_in = self._damaged
+        self._bench.marlin.on_the_way_out = lambda said: b"" if self._chance.random() < SHARE else said
+
+    def leave_alone(self) -> None:
+        self._bench.marlin.on_the_way_in = self._bench.marlin.on_the_way_out = lambda data: data
+
+    def _damaged(self, data: bytes) -> bytes:
+        hows: list[Callable[[bytes], bytes]] = [
+            lambda _: b"",
+            lambda _: b"",
+            lambda sent: sent[: len(sent) // 2],
+            lambda sent: sent[:-1],
+            lambda sent: sent[:1] + b"\x7f" + sent[2:],
+            lambda sent: sent + sent,
+        ]
+        return self._chance.choice(hows)(data) if self._chance.random() < 2 * SHARE else data
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_stops_are_final_and_ways_are_right_on_a_bad_line(bench: Bench, seed: int) -> None:
+    chance, marlin = random.Random(seed), bench.marlin
+    marlin.has_emergency_parser, marlin.says_ok_after_resend = seed % 2 == 0, seed % 3 == 0
+    marlin.tells = chance.choice(["targets", "places", "places at rest"])
+    bench.lasts_s = 0.001
+    bench.controller.connect()
+    line = Line(bench, chance)
+    line.disturb()
+    for turn in range(TURNS):
+        before, steps = marlin.position[0], chance.choice([-1, 1]) * chance.randint(6, 20_000)
+        stop_after = chance.randint(0, 300) if chance.random() < 0.5 else None
+        try:
+            if chance.random() < 0.3:
+                bench.controller.run(at(steps / 4 if abs(steps) > 400 else 100))
+                bench.ask_for(0.6)
+                stopped(bench, (seed, turn))
+            elif moved_until_stopped(bench, steps, stop_after):
+                stays(bench, (seed, turn))
+            else:
+                status = bench.rest()
+                assert status.axes[0].position_steps == marlin.position[0] == before + steps, (seed, turn)
+        except (DeviceLost, Refused):
+            line.leave_alone()
+            bench.pass_time(6)
+            bench.port.close()
+            bench.reopen()
+            bench.controller.connect()
+            line.disturb()
+
+
+def moved_until_stopped(bench: Bench, steps: int, stop_after: int | None) -> bool:
+    """Begin to move; return whether a stop came, once it had given way so often."""
+    passed, was_stopped, is_inside = 0, False, False
+
+    def interrupt() -> None:
+        nonlocal passed, was_stopped, is_inside
+        passed += not is_inside
+        if is_inside or stop_after is None or passed != stop_after + 1:
+            return
+        is_inside = True
+        bench.controller.stop()
+        was_stopped = True
+        assert not bench.marlin.is_moving
+        is_inside = False
+
+    bench.interrupt = interrupt
+    try:
+        with suppress(AnswerUnknown):
+            bench.controller.move_by(by(steps))
+    finally:
+        bench.interrupt = lambda: None
+    return was_stopped
+
+
+def stopped(bench: Bench, where: object) -> None:
+    bench.controller.stop()
+    assert not bench.marlin.is_moving, where
+    stays(bench, where)
+
+
+def stays(bench: Bench, where: object) -> None:
+    steps = bench.marlin.steps
+    bench.pass_time(1.3)
+    assert (bench.marlin.steps, bench.marlin.is_moving) == (steps, False), where

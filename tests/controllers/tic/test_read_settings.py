@@ -1,0 +1,80 @@
+"""Designs of a Tic's settings file."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from controllers.bench import only_rejection
+from designs import design
+from stepramp.controllers.tic.ramp import TicRamp
+from stepramp.controllers.tic.read_settings import read_settings, settings_of
+
+AS_NEW = """# Pololu Tic USB Stepper Controller settings file.
+# https://www.pololu.com/docs/0J71
+product: 36v4
+control_mode: serial
+command_timeout: 1000
+invert_motor_direction: false
+max_speed: 2000000
+starting_speed: 0
+max_accel: 40000
+max_decel: 0
+step_mode: 32  # thirty-seconds
+current_limit: 179
+"""
+"""Lines of what ticcmd writes of a Tic as it comes, and a comment as its reader takes them."""
+
+
+def test_a_settings_file_as_ticcmd_writes_it() -> None:
+    base = design(axis__microsteps=16, ramp__base_speed_steps_per_s=50)
+    [axis] = read_settings(AS_NEW.replace("\n", "\r\n"), base)
+    ramp = axis.design.ramp
+    assert (ramp.base_speed_steps_per_s, ramp.slew_speed_steps_per_s) == (0, 200)
+    assert (ramp.acceleration_steps_per_s2, ramp.deceleration_steps_per_s2) == (400, None)
+    assert (axis.design.name, axis.design.axis.microsteps) == ("Tic 36v4", 32)
+    assert axis.design.axis.full_steps_per_rev == base.axis.full_steps_per_rev
+    assert axis.remarks == ("Full steps of a turn and what it moves are not told: the design's own stay.",)
+
+
+@given(
+    st.just(0) | st.integers(10, 499_000_000),
+    st.integers(10, 1_000_000),
+    st.integers(100, 2**31 - 1),
+    st.integers(100, 2**31 - 1),
+)
+def test_what_is_read_is_sent_again_to_the_last_unit(start: int, more: int, down: int, up: int) -> None:
+    told = TicRamp(start, start + more, down, up)
+    [axis] = read_settings("\n".join(settings_of(told, 8)), design())
+    assert TicRamp.of(axis.design) == told
+    assert axis.design.axis.microsteps == 8
+
+
+def test_what_is_left_out() -> None:
+    """A Tic has no starting speed then, and slows down as it speeds up; its step mode isn't known."""
+    [axis] = read_settings("max_accel: 12345\nmax_speed: 7000000", design(axis__microsteps=4))
+    assert TicRamp.of(axis.design) == TicRamp(0, 7_000_000, 12_345, 12_345)
+    assert axis.design.axis.microsteps == 4
+    assert "The step mode is not told" in axis.remarks[0]
+
+
+@pytest.mark.parametrize("text", ["", "max_speed: 2000000", "[printer]\nmax_velocity: 300\nmax_accel: 3000", "$110=5"])
+def test_what_is_no_settings_file(text: str) -> None:
+    assert read_settings(text, design()) == []
+
+
+@pytest.mark.parametrize(
+    ("changes", "value", "words"),
+    [
+        ("max_speed: fast", "max_speed: fast", "whole numbers of a Tic's units"),
+        ("max_accel: 99", "starting_speed: 0, max_speed: 2000000, max_decel: 0, max_accel: 99", "from 100 to"),
+        ("step_mode: 3", "step_mode: 3", "a step mode of a Tic: full, half, 2_100p, 1, 2, 4"),
+        ("starting_speed: 3000000", 300.0, "settings of a Tic that a design can have"),
+        ("max_speed: 0", 0.0, "settings of a Tic that a design can have"),
+    ],
+)
+def test_what_makes_no_sense_is_named(changes: str, value: object, words: str) -> None:
+    field, found, allowed = only_rejection(lambda: read_settings(AS_NEW + changes, design()))
+    assert (field, found) == ("text", value)
+    assert words in allowed

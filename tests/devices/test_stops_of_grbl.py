@@ -1,0 +1,205 @@
+"""A stop of a grbl that was answered is final: at every place where its port's thread gives way, reads or writes.
+
+As in test_stops.py: deterministic, nothing polls unless it is told to. Time goes on with what is exchanged.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, suppress
+from dataclasses import dataclass, field
+
+import pytest
+
+from controllers.conftest import Clock
+from controllers.fluidnc.emulator import FluidNcEmulator
+from controllers.grbl.emulator import GrblEmulator
+from devices.bench import POLL, Places, by, worker_of
+from devices.motion import PATIENCE_S
+from stepramp.controllers.contract import AxisCommand
+from stepramp.controllers.grbl import conversation
+from stepramp.devices.attachment import Attachment
+from stepramp.devices.device import Device
+from stepramp.devices.leases import Lease
+from stepramp.devices.registry import Devices
+from stepramp.devices.shuttle import Shuttle
+from stepramp.devices.view import DeviceState
+from stepramp.errors import StepRampError
+from stepramp.link import protocol_sim
+
+EXCHANGE_S = 0.03
+REST_S = 2.0
+MOST_PLACES = 400
+
+
+class Wire:
+    """A grbl, or one that is spoken to as such, at a port; each exchange takes a while by its clock."""
+
+    def __init__(self, clock: Clock, grbl: GrblEmulator) -> None:
+        self.clock = clock
+        self.grbl = grbl
+
+    def opened(self) -> None:
+        self.grbl.opened()
+
+    def exchange(self, sent: bytes) -> bytes:
+        self.clock.now_s += EXCHANGE_S
+        return self.grbl.exchange(sent)
+
+
+@dataclass
+class Bench:
+    """A device that is a grbl."""
+
+    devices: Devices
+    device: Device
+    wire: Wire
+    places: Places
+    jogs_at_answer: int = 0
+    answered: threading.Event = field(default_factory=threading.Event)
+
+    @property
+    def grbl(self) -> GrblEmulator:
+        return self.wire.grbl
+
+    @property
+    def jogs(self) -> int:
+        return sum(line.startswith("$J=") for line in self.grbl.lines)
+
+    def pass_time(self, time_s: float) -> None:
+        self.wire.clock.now_s += time_s
+        self.grbl.exchange(b"")
+
+    def look(self) -> None:
+        worker_of(self.device).call(self.device._attachment._watch.refresh)
+
+    def poll(self) -> None:
+        self.device._attachment._watch.is_view_old = True
+        worker_of(self.device).call(lambda: POLL(self.device._attachment))
+
+    def reset(self) -> None:
+        """Rest at 0, unlocked."""
+        self.places.chosen = None
+        self.device.stop().result(PATIENCE_S)
+        self.pass_time(REST_S)
+        self.look()
+        self.device.set_position([AxisCommand(axis, 0, "position_steps") for axis in range(3)])
+        self.answered.clear()
+
+
+@pytest.fixture
+def family() -> str:
+    return "grbl"
+
+
+@pytest.fixture
+def bench(
+    clock: Clock, places: Places, plug_in: Callable, monkeypatch: pytest.MonkeyPatch, family: str
+) -> Iterator[Bench]:
+    monkeypatch.setattr(conversation, "KNOCK_S", 0.02)
+    # Answers come at once or not at all.
+    monkeypatch.setattr(conversation, "ANSWER_S", 0.1)
+    monkeypatch.setattr(protocol_sim, "LISTEN_S", 0.0001)
+    monkeypatch.setattr(Attachment, "poll", lambda _: 60.0)
+    devices, wire = Devices(), Wire(clock, FluidNcEmulator(clock) if family == "fluidnc" else GrblEmulator(clock))
+    device = devices.connect(plug_in(wire), family)
+    yield Bench(devices, device, wire, places)
+    devices.close()
+
+
+def changed_on_its_way(bench: Bench, asked: int) -> None:
+    bench.device.move_by([by(400)], asked)
+    bench.pass_time(0.2)
+    bench.device.move_to([AxisCommand(0, -300, "to_steps")], asked)
+
+
+def there_and_back(bench: Bench, asked: int) -> None:
+    bench.device.go_there_and_back(Shuttle(0, 50, 3, 0.0), by(50), asked)
+    for _ in range(2):
+        bench.pass_time(1.0)
+        bench.poll()
+        bench.poll()
+
+
+def jog_and_renew(bench: Bench, asked: int) -> None:
+    lease = Lease({0: 400.0}, 1e6)
+    bench.device.run([AxisCommand(0, 400.0, "speed_steps_per_s")], lease, asked)
+    bench.pass_time(0.9)
+    lease.renew()
+    bench.poll()
+    bench.device.run([AxisCommand(0, -200.0, "speed_steps_per_s")], Lease({0: -200.0}, 1e6), asked)
+
+
+SCENARIOS: dict[str, Callable[[Bench, int], None]] = {
+    "move": lambda bench, asked: bench.device.move_by([by(300), by(-200, 1)], asked),
+    "change": changed_on_its_way,
+    "line": lambda bench, asked: bench.device.line([by(300), by(-200, 1)], None, asked),
+    "jog": jog_and_renew,
+    "shuttle": there_and_back,
+}
+
+
+def stop_at(bench: Bench, place: int, stop: str, scenario: Callable[[Bench, int], None]) -> bool:
+    """Let a scenario be stopped at a place; return whether it came to that. What must never happen fails."""
+    bench.reset()
+
+    def ask_to_stop() -> None:
+        gate = ExitStack()
+        gate.enter_context(bench.device.being_stopped())
+
+        def answer(_: object) -> None:
+            gate.close()
+            bench.jogs_at_answer = bench.jogs
+            bench.answered.set()
+
+        getattr(bench.device, stop)().add_done_callback(answer)
+
+    bench.places.choose(place, ask_to_stop)
+    asked = bench.devices.order.next()
+    with suppress(StepRampError):
+        scenario(bench, asked)
+    came_to_it = bench.places.chosen is None
+    bench.places.chosen = None
+    if came_to_it:
+        assert bench.answered.wait(PATIENCE_S)
+        judge(bench)
+    return came_to_it
+
+
+def judge(bench: Bench) -> None:
+    """No jog is obeyed after the answer, what moves comes to rest, and what is asked afterwards works."""
+    bench.pass_time(REST_S)
+    steps = bench.grbl.steps
+    for _ in range(3):
+        bench.pass_time(1.0)
+        bench.poll()
+    assert bench.jogs == bench.jogs_at_answer, bench.grbl.lines[-5:]
+    assert (bench.grbl.steps, bench.grbl.is_moving) == (steps, False)
+    assert bench.device.view.state is DeviceState.READY
+    assert bench.device.view.shuttle is None
+    bench.device.set_position([AxisCommand(0, 0, "position_steps")])
+    bench.device.move_by([by(7)])
+    bench.pass_time(1.0)
+    bench.look()
+    assert bench.device.view.position_steps == 7
+
+
+@pytest.mark.parametrize("stop", ["stop", "halt"])
+@pytest.mark.parametrize("name", SCENARIOS)
+def test_a_stop_of_a_grbl_at_any_place_is_final(bench: Bench, name: str, stop: str) -> None:
+    tried = 0
+    while tried < MOST_PLACES and stop_at(bench, tried, stop, SCENARIOS[name]):
+        tried += 1
+    # At least: the look before, the jog, its answer and the look after it, each with a place before and after.
+    assert 16 <= tried < MOST_PLACES
+
+
+@pytest.mark.parametrize("family", ["fluidnc"])
+@pytest.mark.parametrize("stop", ["stop", "halt"])
+@pytest.mark.parametrize("name", ["change", "jog"])
+def test_a_stop_of_a_fluidnc_at_any_place_is_final(bench: Bench, name: str, stop: str) -> None:
+    tried = 0
+    while tried < MOST_PLACES and stop_at(bench, tried, stop, SCENARIOS[name]):
+        tried += 1
+    assert 16 <= tried < MOST_PLACES

@@ -1,0 +1,239 @@
+"""A Marlin behind a real pseudo-terminal, over the API: connecting, pushing, moving, stops, a power cut, restoring."""
+
+from __future__ import annotations
+
+import copy
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import pytest
+from starlette.testclient import TestClient
+
+from controllers.marlin.bench import QUESTIONS
+from controllers.marlin.emulator import DEFAULTS, MarlinEmulator, MarlinOnACable
+from designs import document
+from stepramp.controllers.marlin import memory
+from stepramp.http_api.app import create_app
+
+DEVICES = "/api/v1/devices"
+PATIENCE_S = 10.0
+
+
+@pytest.fixture
+def client(tmp_path: Path) -> Iterator[TestClient]:
+    app = create_app(data=tmp_path)
+    with TestClient(app, base_url="http://127.0.0.1:8000", raise_server_exceptions=False) as client:
+        yield client
+
+
+@pytest.fixture
+def cable() -> Iterator[MarlinOnACable]:
+    with MarlinOnACable() as cable:
+        yield cable
+
+
+@pytest.fixture
+def device(client: TestClient, cable: MarlinOnACable) -> str:
+    """Return the route of a Marlin with a ramp of 1000 steps/s and 5000 steps/s²."""
+    route = connected(client, cable)
+    pushed = client.post(f"{route}/push", json={"design": document()})
+    assert pushed.status_code == 200, pushed.text
+    return route
+
+
+def connected(client: TestClient, cable: MarlinOnACable, family: str = "marlin") -> str:
+    answer = client.post(DEVICES, json={"port": cable.port, "family": family})
+    assert answer.status_code == 200, answer.text
+    return f"{DEVICES}/{answer.json()['id']}"
+
+
+def wait_until(client: TestClient, route: str, condition: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
+    deadline = time.monotonic() + PATIENCE_S
+    while not condition(device := client.get(route).json()):
+        assert time.monotonic() < deadline, device
+        time.sleep(0.02)
+    return device
+
+
+def at_rest(client: TestClient, route: str) -> dict[str, Any]:
+    return wait_until(client, route, lambda device: device["state"] == "ready")
+
+
+def error_of(response: Any, status: int) -> dict[str, Any]:
+    assert response.status_code == status, response.text
+    [error] = response.json()["errors"]
+    return error
+
+
+@pytest.mark.parametrize("family", ["marlin", "marlin_250000"])
+def test_connecting_asks_and_moves_nothing(client: TestClient, cable: MarlinOnACable, family: str) -> None:
+    cable.marlin.boot_s, cable.marlin.chats = 0.8, True
+    device = client.get(connected(client, cable, family)).json()
+    assert (device["family"], device["state"]) == (family, "ready")
+    assert device["capabilities"] == ["keep", "try", "line", "backup", "import"]
+    assert (device["firmware_version"], device["most_axes"], device["clocks_hz"]) == ("2.1.2.5", 4, [])
+    assert [axis["steps_per_mm"] for axis in device["axes"]] == [80, 80, 400, 93]
+    assert set(cable.marlin.lines) <= QUESTIONS
+    assert (cable.marlin.steps, cable.marlin.eeprom.writes, device["backup"]) == (0, 0, None)
+
+
+def test_a_push_in_both_terms_and_the_backup_before_it(
+    client: TestClient, cable: MarlinOnACable, tmp_path: Path
+) -> None:
+    route = connected(client, cable)
+    asked = {"design": document(ramp__base_speed_steps_per_s=100)}
+    preview = client.post(f"{route}/push/preview", json=asked).json()
+    assert preview["items"][0]["own"] == {"term": "M201 X", "unit": "mm/s²", "sent": 62, "on_device": 500}
+    assert "Base speed 100 steps/s is not kept: Marlin starts from 0." in preview["warnings"]
+    assert list(tmp_path.rglob("*")) == []
+    pushed = client.post(f"{route}/push", json=asked).json()
+    assert (pushed["verified"], pushed["kept"]) == (True, True)
+    assert pushed["items"][1]["own"] == {"term": "M203 X", "unit": "mm/s", "sent": 12.5, "on_device": 12.5}
+    [saved] = client.get(f"{route}/backups").json()["backups"]
+    assert client.get(route).json()["backup"] == saved["name"]
+    text = client.get(f"{route}/backups/{saved['name']}").text
+    [file] = tmp_path.rglob("*.txt")
+    assert file.read_text() == text
+    assert "echo:  M203 X500.00 Y500.00 Z5.00 E25.00" in text.splitlines()
+    # Once a connection.
+    client.post(f"{route}/push", json={"design": document(), "mode": "try"})
+    assert client.get(route).json()["on_trial"]
+    assert client.post(f"{route}/roll_back").status_code == 200
+    assert len(client.get(f"{route}/backups").json()["backups"]) == 1
+    restored = client.post(f"{route}/backups/{saved['name']}/restore")
+    assert (restored.status_code, restored.json()["remarks"]) == (200, [])
+    assert cable.marlin.eeprom.settings == DEFAULTS
+
+
+def test_what_cant_be_saved_isnt_written(client: TestClient, cable: MarlinOnACable, tmp_path: Path) -> None:
+    route = connected(client, cable)
+    (tmp_path / "backups").write_text("in the way")
+    error = error_of(client.post(f"{route}/push", json={"design": document()}), 409)
+    assert "nothing was written to it" in error["message"]
+    assert (cable.marlin.eeprom.writes, cable.marlin.settings) == (0, DEFAULTS)
+
+
+def test_a_power_cut_while_it_stores(
+    client: TestClient, cable: MarlinOnACable, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(memory, "STORING_S", 0.4)
+    own = copy.deepcopy(DEFAULTS)
+    own["M92"]["X"] = 160.0
+    cable.marlin.eeprom.settings = copy.deepcopy(own)
+    route = connected(client, cable)
+    cable.marlin.dies_at_write = cable.marlin.eeprom.writes + 1
+    error_of(client.post(f"{route}/push", json={"design": document()}), 502)
+    lost = wait_until(client, route, lambda device: device["state"] == "lost")
+    assert f"What it had is saved as {lost['backup']}: restore that." in lost["message"]
+    cable.marlin.power_up()
+    route = connected(client, cable)
+    assert client.get(route).json()["axes"][0]["steps_per_mm"] == 80
+    assert client.post(f"{route}/backups/{lost['backup']}/restore").status_code == 200
+    assert cable.marlin.eeprom.settings == own
+    assert client.get(route).json()["axes"][0]["steps_per_mm"] == 160
+
+
+def test_moving_and_stopping(client: TestClient, cable: MarlinOnACable, device: str) -> None:
+    moving = client.post(f"{device}/move", json={"by_steps": -300}).json()
+    assert (moving["state"], moving["target_steps"]) == ("moving", -300)
+    assert at_rest(client, device)["position_steps"] == cable.marlin.position[0] == -300
+    client.post(f"{device}/move", json={"to_steps": 9000})
+    wait_until(client, device, lambda device: device["position_steps"] > 100)
+    assert client.post(f"{device}/stop").json()["state"] in ("stopping", "ready")
+    steps = cable.marlin.steps
+    rested = at_rest(client, device)
+    assert 100 < rested["position_steps"] == cable.marlin.position[0] < 9000
+    client.post(f"{device}/line", json={"axes": [{"axis": 0, "by_steps": 50}, {"axis": 1, "by_steps": 20}]})
+    at_rest(client, device)
+    assert cable.marlin.steps > steps
+    assert cable.marlin.position[:2] == [rested["position_steps"] + 50, 20]
+    assert client.post(f"{device}/position", json={"position_steps": 0}).json()["position_steps"] == 0
+
+
+def test_running_lasts_as_long_as_its_lease(client: TestClient, cable: MarlinOnACable, device: str) -> None:
+    running = client.post(f"{device}/run", json={"speed_steps_per_s": 500, "for_s": 2})
+    assert running.status_code == 200, running.text
+    wait_until(client, device, lambda device: device["position_steps"] > 100)
+    rested = at_rest(client, device)
+    assert 600 < rested["position_steps"] == cable.marlin.position[0] < 1400
+
+
+def test_soft_limits_are_kept(client: TestClient, cable: MarlinOnACable, device: str) -> None:
+    limits = {"axes": [{"axis": 0, "lowest_steps": -100, "highest_steps": 1500}]}
+    assert client.put(f"{device}/soft_limits", json=limits).status_code == 200
+    error_of(client.post(f"{device}/move", json={"by_steps": 1501}), 422)
+    assert client.post(f"{device}/run", json={"speed_steps_per_s": 1000, "for_s": 30}).status_code == 200
+    assert at_rest(client, device)["position_steps"] == cable.marlin.position[0] <= 1500
+
+
+@pytest.mark.parametrize("has_emergency_parser", [False, True])
+def test_a_stop_amid_motions_is_final(
+    client: TestClient, cable: MarlinOnACable, device: str, has_emergency_parser: bool
+) -> None:
+    """Several ask for motions at the same time as one stops: once that was answered, nothing sets out."""
+    cable.marlin.has_emergency_parser = has_emergency_parser
+
+    def ask(number: int) -> None:
+        body = {"to_steps": 4000 * (-1) ** number} if number % 3 else {"speed_steps_per_s": 400, "for_s": 5}
+        client.post(f"{device}/{'move' if number % 3 else 'run'}", json=body)
+
+    for turn in range(2):
+        with ThreadPoolExecutor(4) as asking:
+            pending = [asking.submit(ask, turn + number) for number in range(4)]
+            time.sleep(0.03 * turn)
+            assert client.post(f"{device}/stop").status_code == 200
+            for each in pending:
+                each.result()
+        client.post(f"{device}/stop")
+        steps = cable.marlin.steps
+        time.sleep(0.3)
+        assert (cable.marlin.steps, cable.marlin.is_moving) == (steps, False)
+
+
+def test_unplugging(client: TestClient, cable: MarlinOnACable, device: str) -> None:
+    client.post(f"{device}/run", json={"speed_steps_per_s": 500, "for_s": 30})
+    cable.unplug()
+    lost = wait_until(client, device, lambda device: device["state"] == "lost")
+    assert "Axis 0 was moving" in lost["message"]
+    error_of(client.post(f"{device}/move", json={"by_steps": 5}), 502)
+
+
+def test_what_is_no_marlin_leaves_the_port_usable(client: TestClient) -> None:
+    marlin = MarlinEmulator()
+    marlin.on_the_way_out = lambda _: b"\x80nonsense\x00"
+    with MarlinOnACable(marlin) as cable:
+        error = error_of(client.post(DEVICES, json={"port": cable.port, "family": "marlin"}), 409)
+        assert "it is no Marlin" in error["message"]
+        marlin.on_the_way_out = lambda said: said
+        connected(client, cable)
+
+
+def test_what_it_really_plays(client: TestClient) -> None:
+    asked = {"design": document(), "max_points": 500, "steps_per_mm": 80}
+    answer = client.post("/api/v1/families/marlin/ramp", json=asked).json()
+    # 2000 / 1000 + 1000 / 5000 s from rest to rest; Marlin begins and ends at 120 steps/s, 2 · 120 / 4960 s less.
+    assert answer["planned_duration_s"] == pytest.approx(2.2, abs=0.03)
+    assert answer["duration_s"] == pytest.approx(2.15, abs=0.02)
+    assert len(answer["step"]) == len(answer["intervals_us"]) == len(answer["relative_error"]) < 600
+    assert abs(answer["max_relative_error"]) > 0.05
+    assert max(answer["speed_steps_per_s"]) == pytest.approx(2e6 / 2001, rel=1e-4)
+
+
+def test_starting_from_this_machine(client: TestClient, cable: MarlinOnACable) -> None:
+    route = connected(client, cable)
+    read = client.post(f"{route}/import", json={"design": document()}).json()
+    assert (read["family"], [axis["name"] for axis in read["axes"]]) == ("marlin", ["X", "Y", "Z", "E"])
+    design = read["axes"][1]["design"]
+    preview = client.post(f"{route}/push/preview", json={"design": design, "to_axis": 1}).json()
+    assert preview["same"]
+    assert not any(item["differs"] for item in preview["items"])
+
+
+def test_a_pasted_listing(client: TestClient) -> None:
+    text = "echo:  M92 X80.00 Y80.00\necho:  M203 X50.00 Y60.00\necho:  M201 X200.00 Y300.00\nok\n"
+    answer = client.post("/api/v1/import", json={"text": text}).json()
+    assert answer["family"] == "marlin"
+    assert [axis["design"]["ramp"]["slew_speed_steps_per_s"] for axis in answer["axes"]] == [4000, 4800]
