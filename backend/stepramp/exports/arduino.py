@@ -8,7 +8,7 @@ import numpy as np
 from stepramp.controllers.stepramp.ramp_image import LONGEST_INTERVAL_TICKS, SegmentRamp
 from stepramp.design import Design
 from stepramp.errors import Rejected, Rejection
-from stepramp.exports.c_ramp_image import CLOCKS_HZ, encoded_ramp, lines_of_bytes
+from stepramp.exports.c_ramp_image import encoded_ramp, lines_of_bytes, refuse_other_clocks
 from stepramp.exports.c_text import filled, heading, ramp_values, ticks_in_words
 from stepramp.numerics.limit_text import at_least, at_most
 from stepramp.numerics.ramp import Ramp
@@ -84,10 +84,11 @@ def arduino_library_sketch(design: Design, name: str, bound_ticks: int) -> str:
 
     Raises Rejected as encoded_ramp does, and for what the library doesn't play on an Uno.
     """
+    refuse_other_clocks(design)
     played = _played(design, bound_ticks)
     ramp = played.ramp
     least_bytes = BYTES_A_SEGMENT * SegmentRamp(tuple(played.up), ramp.slew, tuple(played.down)).sent_segments
-    if design.timer.frequency_hz in CLOCKS_HZ and least_bytes > MOST_IMAGE_BYTES:
+    if least_bytes > MOST_IMAGE_BYTES:
         # Before encoded_ramp tells a bound that would do for controllers with more memory.
         raise Rejected([_too_many_bytes(bound_ticks, f"{least_bytes:,} or more")])
     image = encoded_ramp(design, bound_ticks)
@@ -95,8 +96,12 @@ def arduino_library_sketch(design: Design, name: str, bound_ticks: int) -> str:
     if len(image) > MOST_IMAGE_BYTES:
         raise Rejected([_too_many_bytes(bound_ticks, f"{len(image):,}")])
     return filled(
-        "arduino_library.ino", _values(design, name, bound_ticks, ramp) | {"bytes": lines_of_bytes(image, indent=2)}
-    )
+        "arduino_library.ino",
+        _values(design, name, bound_ticks, ramp) | {
+            "bytes": lines_of_bytes(image, indent=2),
+            "button": filled("button.ino", {}),
+        },
+    )  # fmt: skip
 
 
 def _too_many_bytes(bound_ticks: int, count: str) -> Rejection:

@@ -39,15 +39,20 @@ def ramp_image_header(design: Design, name: str, bound_ticks: int) -> str:
     )
 
 
+def refuse_other_clocks(design: Design) -> None:
+    """Refuse a timer that is none of a StepRamp controller, before a ramp is made for it."""
+    if design.timer.frequency_hz not in CLOCKS_HZ:
+        allowed = " or ".join(f"{clock_hz:,}" for clock_hz in CLOCKS_HZ) + " Hz, the clocks of StepRamp's firmware"
+        raise Rejected([Rejection("timer.frequency_hz", design.timer.frequency_hz, allowed)])
+
+
 def encoded_ramp(design: Design, bound_ticks: int) -> bytes:
     """Return the design's ramp as a ramp image whose intervals lie within a bound of the planned ones [ticks].
 
     Raises Rejected as ramp_of does, when the timer is none of a StepRamp controller, and when the ramp takes more
     segments or longer intervals than an image can hold.
     """
-    if design.timer.frequency_hz not in CLOCKS_HZ:
-        allowed = " or ".join(f"{clock_hz:,}" for clock_hz in CLOCKS_HZ) + " Hz, the clocks of StepRamp's firmware"
-        raise Rejected([Rejection("timer.frequency_hz", design.timer.frequency_hz, allowed)])
+    refuse_other_clocks(design)
     ramp = ramp_of(design)
     sides = _segments(ramp, bound_ticks)
     if sides.sent_segments > MOST_SEGMENTS:

@@ -11,6 +11,8 @@ from stepramp.exports.c_ramp_image import ramp_image_header
 from stepramp.exports.c_segments import segments_header
 from stepramp.exports.c_table import table_header
 from stepramp.exports.listing import csv, document
+from stepramp.exports.machines.machines import MACHINES, Machine
+from stepramp.exports.machines.sheet import AxisLetter, Sheet
 from stepramp.exports.names import identifier_of
 from stepramp.exports.picture import picture_of
 from stepramp.exports.zoomable_page import zoomable_page
@@ -32,6 +34,8 @@ class Options:
     """Of the C code of a formula; None: the design's own for its own method, else the one usual for the formula."""
     segment_bound_ticks: int = 0
     """How far intervals of segments may be from the planned ones [ticks]."""
+    axis_letter: AxisLetter = "X"
+    """Which axis of a machine that ramps by itself the design is for."""
 
 
 @dataclass(frozen=True)
@@ -66,6 +70,14 @@ def _code_of(method: MethodName) -> _Format:
     )
 
 
+def _settings_of(machine: Machine) -> _Format:
+    return _Format(
+        machine.ending,
+        HEADER if machine.is_code else f"text/plain; {TEXT}",
+        lambda design, name, options: machine.make(design, name, options.axis_letter).text,
+    )
+
+
 _FORMATS: dict[str, _Format] = {
     "c_table": _Format("_table.h", HEADER, lambda design, name, _: table_header(design, name, in_progmem=False)),
     "c_table_progmem": _Format(
@@ -88,6 +100,7 @@ _FORMATS: dict[str, _Format] = {
         HEADER,
         lambda design, name, options: arduino_library_sketch(design, name, options.segment_bound_ticks),
     ),
+    **{name: _settings_of(machine) for name, machine in MACHINES.items()},
     "csv": _Format(".csv", f"text/csv; {TEXT}", lambda design, *_: csv(design)),
     "json": _Format(".json", "application/json", lambda design, *_: document(design)),
     "html": _Format(
@@ -99,6 +112,7 @@ _FORMATS: dict[str, _Format] = {
 
 FORMAT_NAMES = tuple(_FORMATS)
 FormatName = Annotated[str, OneOf(FORMAT_NAMES)]
+MachineName = Annotated[str, OneOf(MACHINES)]
 
 MEDIA_TYPES = tuple(sorted({each.media_type.partition(";")[0] for each in _FORMATS.values()}))
 """Of all formats."""
@@ -117,6 +131,16 @@ def export(design: Design, format_name: FormatName, options: Options) -> Exporte
         media_type=chosen.media_type,
         content=content.encode() if isinstance(content, str) else content,
     )
+
+
+def sheet_of(design: Design, machine_name: MachineName, options: Options) -> tuple[str, Sheet]:
+    """Return the name of the file for a machine that ramps by itself, and what it says with its figures and losses.
+
+    Raises Rejected for what the machine can't take.
+    """
+    machine = MACHINES[machine_name]
+    name = options.name or identifier_of(design.name)
+    return f"{name}{machine.ending}", machine.make(design, name, options.axis_letter)
 
 
 def _moves(design: Design, options: Options) -> list[ErrorCurves]:

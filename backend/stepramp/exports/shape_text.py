@@ -19,6 +19,8 @@ def shape_text(shape: RampShape, move: Move, jerk_text: Callable[[float], str]) 
         parts.append(f"down {jerk_text(shape.deceleration_jerk_steps_per_s3)}")
     if shape.points is not None:
         parts.append(f"{len(shape.points)} points")
+    if shape.margin is not None:
+        parts.append(f"{shape.margin:.0%} of the motor's torque")
     if move.plan == "any_move":
         parts.append("short moves cut out of it")
     return ", ".join([label, *parts])

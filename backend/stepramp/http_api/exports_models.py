@@ -5,7 +5,9 @@ from typing import Annotated, Self
 from pydantic import Field, model_validator
 
 from stepramp.design import MOST_NAMES, Design, MethodName
+from stepramp.exports.machines.sheet import AxisLetter
 from stepramp.exports.names import NAME_RULE, is_identifier
+from stepramp.http_api.answer import Answer
 from stepramp.numerics.numbers import Arithmetic
 from stepramp.validation import Document, ListOf, Within, refuse
 
@@ -31,8 +33,33 @@ class ExportPayload(Document):
         0, description="Ramps as segments: how far an interval may be from the planned one, for fewer segments [ticks]"
     )
 
+    axis_letter: AxisLetter = Field(
+        "X", description="Machines that ramp by themselves: which of their axes the design is for"
+    )
+
     @model_validator(mode="after")
     def _name_fits_in_c(self) -> Self:
         if self.name is not None and not is_identifier(self.name):
             refuse("name", self.name, NAME_RULE)
         return self
+
+
+class SettingAnswer(Answer):
+    """One figure that a machine is given."""
+
+    name: str = Field(description="As the machine calls it")
+    unit: str = Field(description="Of both numbers; empty for a mere number")
+    requested: float = Field(description="What the design asks for, before it was rounded")
+    sent: str = Field(description="The number as the machine reads it")
+
+
+class MachineAnswer(Answer):
+    """What a machine that ramps by itself is given for a design, and what it loses of it."""
+
+    file_name: str
+    text: str = Field(description="The file")
+    settings: list[SettingAnswer]
+    remarks: list[str] = Field(description="What of the design is lost, each with its figure, and what else to know")
+    unplayed: str | None = Field(
+        description="Why it isn't known what it really plays, as a sentence; null: `/machine/{machine}/ramp` tells it"
+    )

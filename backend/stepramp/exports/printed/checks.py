@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 from stepramp.design import Design
 from stepramp.exports.printed.numbers import plain
+from stepramp.exports.printed.told import in_units, shown
 from stepramp.ramp.profile import Profile
-from stepramp.units import us_from_ticks
+from stepramp.units import ShownUnits, us_from_ticks
 
 
 @dataclass(frozen=True)
@@ -22,12 +23,12 @@ class Check:
         return "passed" if self.passed else "failed"
 
 
-def checks_of(design: Design, profile: Profile) -> list[Check]:
+def checks_of(design: Design, profile: Profile, units: ShownUnits) -> list[Check]:
     """Return the verdict of each warning that there is: the warning itself where it was given."""
     given: dict[str | None, list[str]] = {}
     for warning in profile.warnings:
-        given.setdefault(warning.field, []).append(warning.message)
-    known = _good_news(design, profile)
+        given.setdefault(warning.field, []).append(in_units(warning.message, warning.told, units))
+    known = _good_news(design, profile, units)
     checks = [
         Check(what, field not in given, " ".join(given.pop(field, [good]))) for field, (what, good) in known.items()
     ]
@@ -35,7 +36,7 @@ def checks_of(design: Design, profile: Profile) -> list[Check]:
     return checks + others
 
 
-def _good_news(design: Design, profile: Profile) -> dict[str | None, tuple[str, str]]:
+def _good_news(design: Design, profile: Profile, units: ShownUnits) -> dict[str | None, tuple[str, str]]:
     """Return by field of its warning what is checked, and what is said when there is no such warning."""
     timer = design.timer
     longest, shortest = int(profile.intervals_ticks.max()), int(profile.intervals_ticks.min())
@@ -55,7 +56,7 @@ def _good_news(design: Design, profile: Profile) -> dict[str | None, tuple[str, 
         ),
         "move.steps": (
             "The move is long enough for full speed",
-            f"It peaks at {plain(profile.peak_speed_steps_per_s)} steps/s.",
+            f"It peaks at {shown(profile.peak_speed_steps_per_s, units, 'speed')}.",
         ),
         **_ramps(design, profile),
     }

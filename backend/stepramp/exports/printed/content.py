@@ -1,6 +1,6 @@
 """What a report says: tables of texts and the lines of its plots, in the units that people have chosen."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from datetime import date
 from typing import Any
@@ -8,11 +8,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stepramp.design import Design, MethodName, RampShape
+from stepramp.design import Design, MethodName
 from stepramp.errors import Rejected, Rejection
 from stepramp.exports.matplotlib_turn import style_of
 from stepramp.exports.printed.checks import Check, checks_of
+from stepramp.exports.printed.motor import MotorPart, motor_part_of
 from stepramp.exports.printed.numbers import plain, signed
+from stepramp.exports.printed.table import Table
+from stepramp.exports.printed.told import shown
 from stepramp.exports.shape_text import shape_text
 from stepramp.methods import METHODS, REFERENCE
 from stepramp.ramp.drawing import Drawing, Drawn
@@ -35,15 +38,6 @@ class Asked:
     """Methods that the design's own is compared with."""
     length: LengthUnit
     time: TimeUnit
-
-
-@dataclass(frozen=True)
-class Table:
-    """Rows of texts under a head, which names each column."""
-
-    title: str
-    head: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
 
 
 @dataclass(frozen=True)
@@ -74,20 +68,33 @@ class Report:
     checks: Table
     methods: Table
     lookup_table: Table | None
+    drawn_ramp: Table | None
+    """The points of a drawn acceleration; None: it has another shape."""
+    motor: MotorPart | None
+    """None: nothing is known of the motor."""
     lines: tuple[Line, ...]
     units: ShownUnits
 
     @property
     def tables(self) -> tuple[Table, ...]:
         """All tables in order."""
-        all_of_them = (self.parameters, self.move, self.checks, self.methods, self.lookup_table)
+        of_motor = () if self.motor is None else self.motor.tables
+        all_of_them = (
+            self.parameters,
+            self.move,
+            self.checks,
+            *of_motor,
+            self.methods,
+            self.drawn_ramp,
+            self.lookup_table,
+        )
         return tuple(table for table in all_of_them if table is not None)
 
 
-def report_of(asked: Asked, made_on: date) -> Report:
+def report_of(asked: Asked, made_on: date, is_wanted: Callable[[], bool] = lambda: True) -> Report:
     """Return what a report says.
 
-    Raises Rejected when a design can't be planned, or has no length in the chosen unit.
+    Raises Rejected when a design can't be planned, or has no length in the chosen unit; NotWanted as outcome_of does.
     """
     units = _units_of(asked.design, asked)
     lines: list[Line] = []
@@ -101,7 +108,7 @@ def report_of(asked: Asked, made_on: date) -> Report:
                 raise drawn
             figures.append((label, *[""] * 6, f"fails: {drawn}"))
             continue
-        lines.append(_line(label, style_of(method), drawn, units, asked.design.ramp.shape if own is None else None))
+        lines.append(_line(label, style_of(method), drawn, units, is_own=own is None))
         own = own or drawn.judged
         figures.append((label, *_figures(drawn.judged, units)))
     assert own is not None
@@ -114,9 +121,11 @@ def report_of(asked: Asked, made_on: date) -> Report:
         made=f"{made_on.day} {made_on:%B %Y}, by StepRamp {__version__}",
         parameters=_parameters_table(asked, units),
         move=Table("The move", ("figure", "value"), tuple(_move(own, units))),
-        checks=_checks_table(checks_of(asked.design, own.profile)),
+        checks=_checks_table(checks_of(asked.design, own.profile, units)),
         methods=Table("Methods against exact", _figures_head(), tuple(figures)),
         lookup_table=_lookup_table(asked.design),
+        drawn_ramp=_drawn_ramp(asked.design, units),
+        motor=motor_part_of(asked.design, units, is_wanted),
         lines=tuple(lines),
         units=units,
     )
@@ -140,7 +149,7 @@ def _pinned(design: Design, asked: Asked) -> tuple[Line, tuple[str, ...]]:
     except Rejected as rejected:
         raise _of_pinned(rejected) from None
     label = f"pinned: {design.name or 'Ramp'}, {METHODS[design.method.name].label}"
-    line = _line(label, PINNED_STYLE, drawn, units, design.ramp.shape)
+    line = _line(label, PINNED_STYLE, drawn, units, is_own=True)
     return line, (label, *_figures(drawn.judged, units))
 
 
@@ -156,12 +165,11 @@ def _drawing(design: Design, methods: tuple[MethodName, ...]) -> Drawing:
     return Drawing(design, methods, REFERENCE, MOST_POINTS, with_motion=True)
 
 
-def _line(label: str, style: dict[str, Any], drawn: Drawn, units: ShownUnits, shape: RampShape | None) -> Line:
-    """Return a line; shape: that of a design by whose own method it is, of which alone the motion is shown."""
+def _line(label: str, style: dict[str, Any], drawn: Drawn, units: ShownUnits, *, is_own: bool) -> Line:
+    """Return a line. is_own: it is by its design's own method, of which alone the motion is shown."""
     judged, kept = drawn.judged, drawn.kept
     intervals = judged.played_ticks[kept]
-    motion = drawn.motion if shape is not None else None
-    # Where the acceleration is constant the jerk has no bounds at both ends, and is nothing in between.
+    motion = drawn.motion if is_own else None
     return Line(
         label=label,
         style=style,
@@ -170,12 +178,8 @@ def _line(label: str, style: dict[str, Any], drawn: Drawn, units: ShownUnits, sh
         delay_us=np.asarray(us_from_ticks(1, judged.timer_hz) * intervals),
         error_percent=100 * judged.relative_error[kept],
         acceleration=units.factor("acceleration") * motion.acceleration_steps_per_s2[kept] if motion else None,
-        jerk=units.factor("jerk") * motion.jerk_steps_per_s3[kept] if motion and shape != RampShape() else None,
+        jerk=units.factor("jerk") * motion.jerk_steps_per_s3[kept] if motion else None,
     )
-
-
-def _shown(value: float, units: ShownUnits, quantity: Any) -> str:
-    return f"{plain(units.factor(quantity) * value)} {units.word(quantity)}"
 
 
 def _parameters_table(asked: Asked, units: ShownUnits) -> Table:
@@ -190,12 +194,12 @@ def _parameters_table(asked: Asked, units: ShownUnits) -> Table:
 def _parameters(design: Design, units: ShownUnits) -> list[tuple[str, str]]:
     ramp, timer, method, axis = design.ramp, design.timer, design.method, design.axis
     return [
-        ("base speed", _shown(ramp.base_speed_steps_per_s, units, "speed")),
-        ("slew speed", _shown(ramp.slew_speed_steps_per_s, units, "speed")),
-        ("acceleration", _shown(ramp.acceleration_steps_per_s2, units, "acceleration")),
-        ("deceleration", _shown(ramp.slowdown_steps_per_s2, units, "acceleration")),
-        ("shape", shape_text(ramp.shape, design.move, lambda jerk: _shown(jerk, units, "jerk"))),
-        ("move", _shown(design.move.steps, units, "length")),
+        ("base speed", shown(ramp.base_speed_steps_per_s, units, "speed")),
+        ("slew speed", shown(ramp.slew_speed_steps_per_s, units, "speed")),
+        ("acceleration", shown(ramp.acceleration_steps_per_s2, units, "acceleration")),
+        ("deceleration", shown(ramp.slowdown_steps_per_s2, units, "acceleration")),
+        ("shape", shape_text(ramp.shape, design.move, lambda jerk: shown(jerk, units, "jerk"))),
+        ("move", shown(design.move.steps, units, "length")),
         ("timer", f"{plain(timer.frequency_hz, 10)} Hz, {timer.counter_bits} bits"),
         ("shortest interval", f"{plain(timer.shortest_interval_us)} µs"),
         ("method", f"{METHODS[method.name].label} in {method.arithmetic}, rounding {method.rounding}"),
@@ -208,12 +212,12 @@ def _move(own: ErrorCurves, units: ShownUnits) -> list[tuple[str, str]]:
     profile = own.profile
     shortest, longest = int(profile.intervals_ticks.min()), int(profile.intervals_ticks.max())
     steps = profile.intervals_ticks.size
-    length = _shown(steps, units, "length")
+    length = shown(steps, units, "length")
     return [
         ("length", length if units.length == "steps" else f"{length}, {steps:,} steps"),
         ("direction", "forward" if profile.direction > 0 else "backward"),
         ("duration", f"{plain(profile.duration_s)} s"),
-        ("peak speed", _shown(profile.peak_speed_steps_per_s, units, "speed")),
+        ("peak speed", shown(profile.peak_speed_steps_per_s, units, "speed")),
         ("longest interval", _interval(longest, own.timer_hz)),
         ("shortest interval", _interval(shortest, own.timer_hz)),
         *((each.name, f"{each.last_step - each.first_step + 1:,} steps") for each in profile.phases),
@@ -243,7 +247,7 @@ def _figures(judged: ErrorCurves, units: ShownUnits) -> tuple[str, ...]:
         f"{signed(100 * worst.value)} %",
         f"{worst.step:,}",
         f"{plain(100 * judged.rms_relative_error, 3)} %",
-        _shown(judged.peak_acceleration.value, units, "acceleration"),
+        shown(judged.peak_acceleration.value, units, "acceleration"),
         f"{signed(1000 * judged.time_difference_s, 4)} ms",
         f"{signed(units.factor('speed') * judged.landing_error_steps_per_s, 4)} {units.word('speed')}",
     )
@@ -255,3 +259,13 @@ def _lookup_table(design: Design) -> Table | None:
     unit = "µs" if design.table.interval_unit == "us" else "ticks"
     rows = tuple((f"{row}", f"{last:,}", f"{delay:,}") for row, (last, delay) in enumerate(design.table.rows, 1))
     return Table("Lookup table", ("row", "last ramp index", f"delay, {unit}"), rows)
+
+
+def _drawn_ramp(design: Design, units: ShownUnits) -> Table | None:
+    if design.ramp.shape.points is None:
+        return None
+    rows = tuple(
+        (f"{number}", shown(speed, units, "speed"), f"{plain(100 * part)} %")
+        for number, (speed, part) in enumerate(design.ramp.shape.points, 1)
+    )
+    return Table("Drawn ramp", ("point", "at speed", "part of the acceleration"), rows)

@@ -1,5 +1,6 @@
 """A report as a file."""
 
+from collections.abc import Callable
 from datetime import date
 from typing import Literal
 
@@ -17,16 +18,19 @@ MOST_COMPUTED_STEPS = 40_000_000
 """Of all methods together [steps]."""
 
 
-def report_file(asked: Asked, file_format: ReportFormat, made_on: date) -> Exported:
+def report_file(
+    asked: Asked, file_format: ReportFormat, made_on: date, is_wanted: Callable[[], bool] = lambda: True
+) -> Exported:
     """Return a report as a file, the same for the same day.
 
-    Raises Rejected as report_of does, and for more methods than can be computed in a minute for so long a move.
+    Raises Rejected as report_of does, and for more methods than can be computed in a minute for so long a move;
+    NotWanted as outcome_of does.
     """
     most = max(1, MOST_COMPUTED_STEPS // computed_steps(asked.design))
     if len(set(asked.methods)) > most:
         allowed = f"at most {most} methods for so long a ramp or move"
         raise Rejected([Rejection("methods", list(asked.methods), allowed)])
-    report = report_of(asked, made_on)
+    report = report_of(asked, made_on, is_wanted)
     return Exported(
         file_name=f"{identifier_of(asked.design.name)}_report.{file_format}",
         media_type=MEDIA_TYPES[file_format],

@@ -2,15 +2,21 @@
 
 import base64
 import io
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from html import escape
+from typing import Any
 
 from stepramp.exports.c_text import filled
 from stepramp.exports.matplotlib_turn import matplotlib_turn
-from stepramp.exports.printed.content import Report, Table
+from stepramp.exports.printed.content import Report
+from stepramp.exports.printed.motor_plots import described_motor, draw_motor, motor_plots_of
 from stepramp.exports.printed.plots import Plot, described, draw, plots_of
+from stepramp.exports.printed.table import Table
 
 INCHES = (9.0, 3.4)
+VERDICTS = {"passed": "passed", "failed": "failed", "safe": "passed", "stalls": "failed"}
+"""The style sheet's name for what stands in a cell."""
 
 
 def page(report: Report) -> bytes:
@@ -34,21 +40,31 @@ def page(report: Report) -> bytes:
 def _plots(report: Report) -> Iterator[str]:
     with matplotlib_turn():
         for plot in plots_of(report):
-            # As a picture of its own: names within one can't be mistaken for those of another.
-            data = base64.b64encode(_drawn(plot, report)).decode()
-            yield (
-                f'<figure><img src="data:image/svg+xml;base64,{data}" alt="{escape(described(plot, report))}" '
-                f'width="{INCHES[0] * 96:.0f}" height="{INCHES[1] * 96:.0f}"></figure>\n'
-            )
+            yield _figure(described(plot, report), partial(_draw_over_steps, plot=plot, report=report))
+        for of_motor in motor_plots_of(report.motor):
+            yield _figure(described_motor(of_motor), partial(draw_motor, plot=of_motor))
 
 
-def _drawn(plot: Plot, report: Report) -> bytes:
+def _draw_over_steps(axes: Any, plot: Plot, report: Report) -> None:
+    draw(axes, plot, report)
+    axes.set_xlabel("step", fontsize=9)
+
+
+def _figure(words: str, draw_into: Callable[[Any], None]) -> str:
+    # As a picture of its own: names within one can't be mistaken for those of another.
+    data = base64.b64encode(_drawn(draw_into)).decode()
+    return (
+        f'<figure><img src="data:image/svg+xml;base64,{data}" alt="{escape(words)}" '
+        f'width="{INCHES[0] * 96:.0f}" height="{INCHES[1] * 96:.0f}"></figure>\n'
+    )
+
+
+def _drawn(draw_into: Callable[[Any], None]) -> bytes:
     from matplotlib.figure import Figure  # noqa: PLC0415  # loads slowly
 
     figure = Figure(figsize=INCHES, layout="constrained")
     axes = figure.subplots()
-    draw(axes, plot, report)
-    axes.set_xlabel("step", fontsize=9)
+    draw_into(axes)
     figure.legend(*axes.get_legend_handles_labels(), loc="outside right upper", frameon=False, fontsize=8)
     out = io.BytesIO()
     # All that would name other places, or the time.
@@ -72,4 +88,4 @@ def _row(texts: Sequence[str]) -> str:
 
 
 def _verdict(value: str) -> str:
-    return f' class="{value}"' if value in ("passed", "failed") else ""
+    return f' class="{VERDICTS[value]}"' if value in VERDICTS else ""

@@ -6,8 +6,10 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from stepramp.exports.matplotlib_turn import matplotlib_turn
-from stepramp.exports.printed.content import Report, Table
+from stepramp.exports.printed.content import Report
+from stepramp.exports.printed.motor_plots import MotorPlot, draw_motor, motor_plots_of
 from stepramp.exports.printed.plots import draw, plots_of, printable
+from stepramp.exports.printed.table import Table
 
 WIDTH_IN, HEIGHT_IN = 8.27, 11.69
 MARGIN_IN = 0.7
@@ -21,7 +23,8 @@ MANY_ROWS = 40
 """More stand side by side."""
 MONO_CHARACTERS_A_LINE = 100
 INK, MUTED, RULE = "#13171c", "#47525f", "#dfe3e9"
-VERDICTS = {"passed": "#1b6e3c", "failed": "#a1260d"}
+PASSED, FAILED = "#1b6e3c", "#a1260d"
+VERDICTS = {"passed": PASSED, "failed": FAILED, "safe": PASSED, "stalls": FAILED}
 
 
 def paper(report: Report) -> bytes:
@@ -42,14 +45,29 @@ def _pages(report: Report) -> Iterator[Any]:
     writer = _Writer()
     writer.write(printable(report.title), TITLE_POINTS)
     writer.write(f"{report.made}. What is shown are the intervals that a controller plays.", TEXT_POINTS, MUTED)
+    if not _is_printable(report):
+        writer.write(
+            "Characters that this file's font lacks stand as \N{REPLACEMENT CHARACTER}; the HTML has them.",
+            TEXT_POINTS,
+            MUTED,
+        )
     for table in (first, *others[:2]):
         writer.write_table(table)
     yield from writer.figures
     yield _plots(report)
+    of_motor = motor_plots_of(report.motor)
+    if of_motor:
+        yield _motor_plots(of_motor)
     writer = _Writer()
     for table in others[2:]:
         writer.write_table(table)
     yield from writer.figures
+
+
+def _is_printable(report: Report) -> bool:
+    """Tell whether the font has all that people have named."""
+    texts = [report.title, *(line.label for line in report.lines), *report.parameters.head]
+    return all("\N{REPLACEMENT CHARACTER}" not in printable(text) for text in texts)
 
 
 def _plots(report: Report) -> Any:
@@ -65,6 +83,17 @@ def _plots(report: Report) -> Any:
     entries = all_axes[0].get_legend_handles_labels()
     corner = (MARGIN_IN / WIDTH_IN, 1 - MARGIN_IN / HEIGHT_IN)
     figure.legend(*entries, loc="upper left", bbox_to_anchor=corner, ncols=3, frameon=False, fontsize=8)
+    return figure
+
+
+def _motor_plots(plots: Sequence[MotorPlot]) -> Any:
+    from matplotlib.figure import Figure  # noqa: PLC0415  # loads slowly
+    from matplotlib.layout_engine import ConstrainedLayoutEngine  # noqa: PLC0415
+
+    figure = Figure(figsize=(WIDTH_IN, HEIGHT_IN), layout=ConstrainedLayoutEngine(rect=(0.06, 0.4, 0.88, 0.54)))
+    for axes, plot in zip(figure.subplots(len(plots), 1), plots, strict=True):
+        draw_motor(axes, plot)
+        axes.legend(frameon=False, fontsize=8)
     return figure
 
 
