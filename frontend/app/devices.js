@@ -5,6 +5,7 @@ import { isEndless } from '../devices/traces.js';
 import { areSameRamps } from '../model/design.js';
 import { areEqual } from '../model/equal.js';
 import { nameText, pushRefusals } from '../model/messages.js';
+import { inShownUnits } from '../model/told.js';
 import { PAGE } from '../server/api.js';
 import { axisOf, isDesignValid, machineOf, messagesOf, stalenessOf } from './selectors.js';
 import { remembering } from './state.js';
@@ -41,6 +42,44 @@ export function deviceOf(state) {
   const port = portOf(state);
   return list.find((one) => one.id === id) ?? list.find((one) => one.port === port) ?? null;
 }
+
+/** The families that a controller at the port in view may be of.
+ * @param {State} state */
+export function familiesOf(state) {
+  const { ports, families } = state.devices;
+  const taken = ports.find(({ port }) => port === portOf(state))?.families;
+  return taken ? families.filter(({ name }) => taken.includes(name)) : families;
+}
+
+/** The family chosen for the port in view, now or before; until then the first.
+ * @param {State} state */
+export function familyOf(state) {
+  const offered = familiesOf(state);
+  const last = state.devices.chosenFamilies[portOf(state)];
+  return (offered.find(({ name }) => name === last) ?? offered[0])?.name ?? '';
+}
+
+/** The family whose own ramp is of interest: that of the device in view, or the one chosen for its port; null: it plays what is
+ * planned, or it isn't known what.
+ * @param {State} state @returns {import('../model/types.js').Family | null} */
+export function ownFamilyOf(state) {
+  const name = deviceOf(state)?.family ?? familyOf(state);
+  const family = state.devices.families.find((one) => one.name === name);
+  return family?.plays_own ? family : null;
+}
+
+/** Who plays a ramp of its own that is of interest, and whom to ask for it: the machine that was chosen, or the controller in view.
+ * @param {State} state @returns {{route: string, title: string, stepsPerMm: number | null} | null} */
+export function ownPlayerOf(state) {
+  const { ownMachine } = state;
+  if (ownMachine !== null) return { route: `machine/${ownMachine.name}`, title: ownMachine.title, stepsPerMm: null };
+  const family = ownFamilyOf(state);
+  return family && { route: `families/${family.name}`, title: family.title, stepsPerMm: stepsPerMmOf(state) };
+}
+
+/** The steps per mm that the axis in view of the device is set to; null: not known.
+ * @param {State} state @returns {number | null} */
+export const stepsPerMmOf = (state) => deviceOf(state)?.axes[deviceAxisOf(state)]?.steps_per_mm ?? null;
 
 /** How many axes of the device can be chosen: while a single design is pushed, one more than there are, as the next axis
  * may be given a ramp.
@@ -117,8 +156,8 @@ export function idsToPush(state) {
 const NO_REFUSALS = [];
 
 /** Why a push is refused, each with the axis of the page that is to blame. */
-const refusals = remembering((/** @type {import('./state.js').Preview} */ { question, rejections }) =>
-  pushRefusals(rejections).map(({ axis, ...refusal }) => ({ ...refusal, axis: axis === null ? null : question.ids[axis] })),
+const refusals = remembering((/** @type {import('./state.js').Preview} */ { question, rejections }, /** @type {import('../model/units.js').Units} */ units) =>
+  pushRefusals(rejections.map(inShownUnits(units, question.designs))).map(({ axis, ...refusal }) => ({ ...refusal, axis: axis === null ? null : question.ids[axis] })),
 );
 
 /** The axes that are refused, be it by themselves or by the device, by their ids.
@@ -186,7 +225,7 @@ function makeSituation(devices, machine, units, isValid, staleness, nameProblem,
     isOthers: device !== null && device.in_control !== null && device.in_control !== PAGE,
     isTracing: devices.isTracing,
     preview: would?.preview ?? null,
-    refusals: would ? refusals(would) : NO_REFUSALS,
+    refusals: would ? refusals(would, units) : NO_REFUSALS,
     lastPushed: last ?? null,
     trace: device ? (devices.traces[device.id] ?? null) : null,
   };
@@ -221,12 +260,23 @@ export function toldAgeOf(state) {
   return device && (state.devices.ages[device.id] ?? null);
 }
 
+/** What a device was found to have, where nothing was pushed from here: the page was loaded anew since. Known as long as nothing on it has changed.
+ * @param {State} state @param {string} id of the device @returns {Pick<import('./state.js').Pushed, 'designs' | 'ids' | 'toAxis'> | null} */
+function foundOn(state, id) {
+  const { preview } = state.devices;
+  const device = state.devices.list.find((one) => one.id === id);
+  if (!device || preview?.question.id !== id || preview.preview?.same !== true) return null;
+  if (!areEqual(preview.question.state.slice(0, 1), [device.ramp])) return null;
+  const { designs, ids, axis } = preview.question;
+  return { designs, ids, toAxis: designs.length === 1 ? axis : 0 };
+}
+
 /** What a move of a device's axis is of.
  * @param {State} state @param {string} id of the device @param {number} axis of it @returns {import('./state.js').MoveOf} */
 export function moveOf(state, id, axis) {
-  const last = state.devices.pushed[id];
+  const last = state.devices.pushed[id] ?? foundOn(state, id);
   const design = last?.designs[axis - last.toAxis] ?? null;
-  return { axis: design && last.ids[axis - last.toAxis], design };
+  return { axis: design && last ? last.ids[axis - last.toAxis] : null, design };
 }
 
 /** @typedef {{done: number, remaining: number, speed: number, isOld: boolean}} RunningMove  in steps since its start and to

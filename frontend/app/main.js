@@ -7,10 +7,12 @@ import { forgetOldTabs, openTab } from '../documents/tab.js';
 import { createAxes } from '../panels/axes/axes.js';
 import { createCapture } from '../panels/capture/capture.js';
 import { createDevice } from '../panels/device/device.js';
+import { createBackups } from '../panels/backups/backups.js';
 import { createExport } from '../panels/export/export.js';
 import { createFlight } from '../panels/flight/flight.js';
 import { createGuide } from '../panels/guide/guide.js';
 import { createHeader } from '../panels/header/header.js';
+import { createMotorDialogs } from '../panels/motor/motor.js';
 import { createOffer } from '../panels/offer/offer.js';
 import { createParameters } from '../panels/parameters/parameters.js';
 import { createPlots } from '../panels/plots/plots.js';
@@ -36,7 +38,10 @@ import { guideFirstVisit } from './effects/guide.js';
 import { watchKeys } from './effects/keys.js';
 import { createDocuments } from './effects/opening.js';
 import { watchOtherTabs } from './effects/other_tabs.js';
+import { askForMotor } from './effects/motor.js';
+import { askForOwnRamp } from './effects/own_ramp.js';
 import { askForPreviews } from './effects/previews.js';
+import { createStallMaps } from './effects/stall_maps.js';
 import { createStopping } from './effects/stop.js';
 import { createTheme } from './effects/theme.js';
 import { createStore, whenChanged } from './state.js';
@@ -54,6 +59,8 @@ const errors = watchErrors(store);
 // What asks the server comes before the panels: the server works while they are brought up to date.
 askForCurves(store);
 askForBeside(store);
+askForMotor(store);
+askForOwnRamp(store);
 const capture = askForCapture(store);
 const previews = askForPreviews(store);
 saveByItself(store, tab.id);
@@ -83,14 +90,16 @@ const theme = createTheme(store);
 // ---- panels ----
 
 const exporting = createExport(store);
-const flight = createFlight(api.playInFlight);
+const backups = createBackups(store, devices);
+const flight = createFlight(api.playInFlight, dispatch);
+const motor = createMotorDialogs(dispatch, createStallMaps(store));
 const panels = [
-  createHeader(part('header'), dispatch, { ...keys, ...documents, ...theme, stop, openExport: exporting.open }),
+  createHeader(part('header'), dispatch, { ...keys, ...documents, ...theme, stop, openExport: exporting.open, openBackups: backups.open }),
   createTabs(part('tabs'), dispatch),
   createGuide(part('guide'), dispatch, { openExport: exporting.open, saveFile: documents.saveFile }),
   createOffer(part('offer'), dispatch, documents),
   createAxes(part('axes'), dispatch),
-  createParameters(part('parameters'), dispatch, { openFlight: flight.open }),
+  createParameters(part('parameters'), dispatch, { ...motor, openFlight: flight.open }),
   createSummary(part('summary'), dispatch),
   createPlots(part('figure'), dispatch),
   createTable(part('table'), dispatch, api),
@@ -99,7 +108,9 @@ const panels = [
   createStatus(part('status')),
   createAnnouncements(part('announcements')),
   exporting,
+  backups,
   flight,
+  motor,
 ];
 for (const panel of panels) subscribe(panel.show);
 

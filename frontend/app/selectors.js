@@ -6,6 +6,7 @@ import { areSameRamps } from '../model/design.js';
 import { axesMessages, sortMessages } from '../model/messages.js';
 import { areEqual } from '../model/equal.js';
 import { methodOf } from '../model/methods.js';
+import { inShownUnits } from '../model/told.js';
 import { shownValue } from '../model/units.js';
 import { SLIDE_GESTURE } from '../model/workbench.js';
 import { FIRST_VIEW, remembering } from './state.js';
@@ -147,11 +148,24 @@ const axisMoves = remembering(
     })) ?? null,
 );
 
+/** What the controller in view plays of the design in hand, or of an earlier one; null: what is planned, nobody knows, or it is
+ * not to be seen.
+ * @param {State} state @returns {import('../model/types.js').OwnRamp | null} */
+export const shownOwnRampOf = (state) => (state.isOwnShown && !areAxesShown(state) ? (state.answers.ownRamp?.ramp ?? null) : null);
+
 /** The curves of the pinned design; null: none is, or the server refuses it.
  * @param {State} state */
 export function pinnedOf(state) {
   const { pinned } = state.answers;
   return pinned !== null && pinned.design === machineOf(state)?.kept ? pinned.curves : null;
+}
+
+/** What is known of what the motor of the axis in hand does; null: the design has none, or nothing has come. It may be of an earlier
+ * design: while a slider moves, what is shown follows it. Of another axis it never is: what is proposed would go to the wrong one.
+ * @param {State} state */
+export function motorOf(state) {
+  const { motor } = state.answers;
+  return designOf(state)?.motor === undefined || motor?.of !== axisOf(state) ? null : motor;
 }
 
 // ---- what was captured ----
@@ -208,6 +222,8 @@ export function messagesOf(state) {
     staleness === 'awaited' ? NO_REJECTIONS : state.answers.rejections,
     staleness === null ? curvesOf(state) : null,
     axis === null ? undefined : state.answers.refused[axis],
+    state.units,
+    designOf(state),
   );
 }
 
@@ -219,7 +235,14 @@ const sorted = remembering(
     /** @type {import('../model/types.js').Rejection[]} */ rejections,
     /** @type {import('../model/types.js').Answer | null} */ curves,
     /** @type {import('../model/types.js').Design | undefined} */ refused,
-  ) => sortMessages(rejections, curves ? activeProfile(curves).warnings : [], refused),
+    /** @type {import('../model/units.js').Units} */ units,
+    /** @type {Design | null} */ inHand,
+  ) => {
+    const asked = refused ?? inHand;
+    const refusals = rejections.map(inShownUnits(units, asked === null ? [] : [asked]));
+    const warnings = curves ? activeProfile(curves).warnings.map(inShownUnits(units, [curves.design])) : [];
+    return sortMessages(refusals, warnings, refused);
+  },
 );
 
 /** What is wrong with all axes is told unless it is told of the one in hand.
@@ -235,6 +258,7 @@ export const summaryMessagesOf = (state) =>
     state.told.urgent,
     messagesOf(state),
     areAxesShown(state) && ALL_ARE_TOLD.has(stalenessOf(state)) ? state.answers.allAxes : null,
+    state.units,
   );
 
 const summaryMessages = remembering(
@@ -242,10 +266,15 @@ const summaryMessages = remembering(
     /** @type {Record<string, string>} */ urgent,
     /** @type {import('../model/messages.js').Messages} */ { others },
     /** @type {import('./state.js').AllAxes | null} */ allAxes,
-  ) => [
-    ...Object.entries(urgent).map(([about, text]) => ({ text, isWarning: false, about: CLOSABLE.has(about) ? about : undefined })),
-    ...others,
-    ...axesMessages(allAxes?.rejections ?? [], false),
-    ...axesMessages([...(allAxes?.planned?.limits ?? []), ...(allAxes?.planned?.warnings ?? [])], true),
-  ],
+    /** @type {import('../model/units.js').Units} */ units,
+  ) => {
+    const shown = inShownUnits(units, allAxes?.axes ?? []);
+    const warnings = [...(allAxes?.planned?.limits ?? []), ...(allAxes?.planned?.warnings ?? [])];
+    return [
+      ...Object.entries(urgent).map(([about, text]) => ({ text, isWarning: false, about: CLOSABLE.has(about) ? about : undefined })),
+      ...others,
+      ...axesMessages((allAxes?.rejections ?? []).map(shown), false),
+      ...axesMessages(warnings.map(shown), true),
+    ];
+  },
 );

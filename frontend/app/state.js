@@ -28,7 +28,11 @@ import { STEPS_AND_SECONDS } from '../model/units.js';
  * @property {Rejection[]} rejections   what is wrong with that design
  * @property {Record<number, Design>} refused  the design of each axis that was refused when it was asked about last
  * @property {Pinned | null} pinned
- * @property {AllAxes | null} allAxes */
+ * @property {AllAxes | null} allAxes
+ * @property {{design: Design, player: string, ramp: import('../model/types.js').OwnRamp | null} | null} ownRamp  what the
+ *   controller in view, or the machine chosen, plays of a design; ramp: null when it refuses it
+ * @property {{design: Design, of: number, answer: import('../model/types.js').MotorAnswer | null, rejections: Rejection[]} | null} motor
+ *   of: the axis */
 
 /** @typedef {{design: Design, curves: Answer | null}} Pinned   null: the server refuses it */
 /** All axes over one time; what was planned is null when the server refuses one of them.
@@ -49,6 +53,7 @@ import { STEPS_AND_SECONDS } from '../model/units.js';
  * @property {string | null} asking            what is being asked of a device: "connect", "push" …
  * @property {Rejection[]} rejections          what was refused last
  * @property {Record<string, Pushed>} pushed   what was last pushed from this page, by device
+ * @property {Record<string, CutShort>} cutShort  pushes that a STOP ended, of which nothing is known yet, by device
  * @property {boolean} isTracing
  * @property {Record<string, import('../model/types.js').Trace>} traces  by device
  * @property {MeasuredMove | null} measured    the move that was measured last
@@ -65,6 +70,8 @@ import { STEPS_AND_SECONDS } from '../model/units.js';
 /** Designs that were pushed, and the ids of the axes they are of; from which axis of the device on.
  * crc: of the ramps that the device has then; null: it is not known. heard_s: when the device was heard to have them.
  * @typedef {{designs: Design[], ids: number[], toAxis: number, crc: number | null, heard_s: number}} Pushed */
+/** A push that a STOP ended, and the ramp that the device had before.
+ * @typedef {Pick<Pushed, 'designs' | 'ids' | 'toAxis'> & {before: Device['ramp']}} CutShort */
 /** The axis of the page that a move was of, and the design that it was to follow; null: nobody knows.
  * @typedef {{axis: number | null, design: Design | null}} MoveOf */
 /** A move whose trace is awaited: what it is of, and by which numbers the server calls the motions that it consists of.
@@ -109,6 +116,8 @@ import { STEPS_AND_SECONDS } from '../model/units.js';
  * @property {MethodName[]} shown              the methods that are drawn
  * @property {Record<number, View>} views      by axis
  * @property {boolean} areAllShown             whether the plots show all axes
+ * @property {boolean} isOwnShown              whether the plots show what the controller in view plays itself
+ * @property {{name: string, title: string} | null} ownMachine  that of the export dialog which is shown in its place
  * @property {[number, number] | null} allZoom into the plots of all axes
  * @property {Tab} tab                         where there is room for one side panel
  * @property {TableView | null} tableView      in the place of the chosen view for as long as the tab of the table is shown
@@ -116,9 +125,11 @@ import { STEPS_AND_SECONDS } from '../model/units.js';
  * @property {number} row                      that is selected in the table; -1: none
  * @property {number} opened                   grows with each document that takes the place of what was in hand
  * @property {Answers} answers
+ * @property {Record<string, import('../model/types.js').StallMap>} stallMaps  by axis and what they go over: "3 load"
  * @property {import('../model/types.js').Example[]} examples  none until the server has told them
  * @property {Design | null} lastExample       that was in hand as it came when the page was left
  * @property {Capture | null} capture
+ * @property {import('../model/flight.js').Told[] | null} inFlight  what the motor is told while it moves; null: nothing yet
  * @property {boolean} isCaptureOpen           whether its dialog is
  * @property {Machine | null} replaced         what an example, a file or a link took the place of
  * @property {import('../model/guide.js').Guide} guide
@@ -148,17 +159,21 @@ export const FIRST_STATE = {
   shown: SHOWN_AT_FIRST,
   views: {},
   areAllShown: false,
+  isOwnShown: true,
+  ownMachine: null,
   allZoom: null,
   tab: 'parameters',
   tableView: null,
   reading: null,
   row: -1,
   opened: 0,
-  answers: { curves: null, of: null, about: null, staleness: null, rejections: [], refused: {}, pinned: null, allAxes: null },
+  answers: { curves: null, of: null, about: null, staleness: null, rejections: [], refused: {}, pinned: null, allAxes: null, ownRamp: null, motor: null },
+  stallMaps: {},
   examples: [],
   lastExample: null,
   capture: null,
   isCaptureOpen: false,
+  inFlight: null,
   replaced: null,
   guide: FIRST_GUIDE,
   otherTabs: { list: [], offered: null, declined: [] },
@@ -177,6 +192,7 @@ export const FIRST_STATE = {
     asking: null,
     rejections: [],
     pushed: {},
+    cutShort: {},
     isTracing: true,
     traces: {},
     measured: null,

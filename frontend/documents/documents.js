@@ -4,6 +4,7 @@
 
 import { LONGEST_NAME, MOST_ROWS } from '../model/design.js';
 import { METHODS } from '../model/methods.js';
+import { MECHANISMS } from '../model/mechanisms.js';
 import { MOST_POINTS, SHAPES } from '../model/shapes.js';
 import { MOST_AXES } from '../model/workbench.js';
 import { repeatedField } from './repeated.js';
@@ -109,6 +110,61 @@ const PARTS = {
 };
 const MAY_BE_LEFT_OUT = ['axis', 'method'];
 
+/** @param {Rule} rule @returns {Rule} */
+const mayStayOut = (rule) => ({ refusal: rule.refusal, mayStayOut: true });
+const openNumber = mayStayOut(openEntry);
+
+/** What drives a motor.
+ * @type {Record<string, Rule>} */
+const DRIVE = {
+  supply_v: openNumber,
+  current_a: openNumber,
+  current_is: { refusal: (value) => (value === null ? null : oneOf('rms', 'peak').refusal(value)), mayStayOut: true },
+};
+
+/** What a design may do without; each of them is as it was given.
+ * @type {Record<string, Record<string, Rule>>} */
+const OPTIONAL_PARTS = {
+  motor: {
+    ...Object.fromEntries(
+      ['resistance_ohm', 'inductance_mh', 'holding_torque_nm', 'rated_current_a', 'rotor_inertia_g_cm2'].map((name) => [name, entry()]),
+    ),
+    full_steps_per_rev: openNumber,
+    detent_torque_nm: openNumber,
+    pull_out_factor: openNumber,
+    kind: mayStayOut(oneOf('hybrid', 'gauge')),
+    stalled: { refusal: (value) => (value === null || isStallPoint(value) ? null : 'null, or rpm and torque_nm, two numbers'), mayStayOut: true },
+    measured_with: { refusal: (value) => (value === null || isDrive(value) ? null : `null, or ${Object.keys(DRIVE).join(', ')}`), mayStayOut: true },
+    torque_curve: { refusal: (value) => (value === null || arePoints(value) ? null : `null, or ${CONTENTS.points}`), mayStayOut: true },
+  },
+  drive: DRIVE,
+  load: {
+    inertia_g_cm2: openNumber,
+    torque_nm: openNumber,
+    friction_nm: openNumber,
+    mechanism: { refusal: (value) => (value === null ? null : mechanismRefusal(value)), mayStayOut: true },
+  },
+};
+
+/** @param {unknown} value @returns {string | null} */
+function mechanismRefusal(value) {
+  const { name, ...own } = /** @type {Record<string, unknown>} */ (isObject(value) ? value : {});
+  const mechanism = MECHANISMS.find((one) => one.name === name);
+  if (mechanism === undefined) return `null, or an object whose name is ${MECHANISMS.map((one) => one.name).join(', ')}`;
+  const isKnown = Object.entries(own).every(([field, one]) => mechanism.fields.includes(field) && openEntry.refusal(one) === null);
+  return isKnown ? null : `with the name ${mechanism.name}: ${mechanism.fields.map((field) => `${field}, a number`).join('; ')}`;
+}
+
+/** @param {unknown} value */
+function isDrive(value) {
+  return isObject(value) && Object.entries(value).every(([name, one]) => DRIVE[name]?.refusal(one) === null);
+}
+
+/** @param {unknown} value */
+function isStallPoint(value) {
+  return isObject(value) && Object.keys(value).length === 2 && ['rpm', 'torque_nm'].every((name) => entry().refusal(value[name]) === null);
+}
+
 /**
  * Read a design, or a machine of up to four of them.
  * @param {string} source
@@ -165,7 +221,7 @@ function readDesign(document, place) {
   if (!isObject(document))
     throw new Unreadable(`This is not a StepRamp design${place === '' ? '' : ` at ${place.slice(0, -1)}`}.`);
   refuseSchema(document.schema, place);
-  refuseUnknown(Object.keys(document), ['schema', 'name', 'table', ...Object.keys(PARTS)], place);
+  refuseUnknown(Object.keys(document), ['schema', 'name', 'table', ...Object.keys(PARTS), ...Object.keys(OPTIONAL_PARTS)], place);
   const parts = Object.entries(PARTS).map(([name, rules]) => {
     const given = document[name] ?? (MAY_BE_LEFT_OUT.includes(name) ? {} : undefined);
     return [name, readPart(given, rules, place + name)];
@@ -175,6 +231,11 @@ function readDesign(document, place) {
     name: check(name, document.name, `${place}name`),
     ...Object.fromEntries(parts),
     table: readTable(document.table ?? null, `${place}table`),
+    ...Object.fromEntries(
+      Object.entries(OPTIONAL_PARTS).flatMap(([name, rules]) =>
+        (document[name] ?? null) === null ? [] : [[name, readPart(document[name], rules, place + name)]],
+      ),
+    ),
   });
 }
 

@@ -2,11 +2,13 @@
 // The formats that a design can be exported in, and what each is good for.
 
 import { METHODS } from '../model/methods.js';
+import { formatFixed, formatSignedPercent } from '../model/numbers.js';
 
 /** What of the request a format looks at besides the design.
- * @typedef {'name' | 'arithmetic' | 'segment_bound_ticks' | 'methods'} ExportOption */
+ * @typedef {'name' | 'arithmetic' | 'segment_bound_ticks' | 'methods' | 'axis_letter'} ExportOption */
 /** @typedef {{name: string, label: string, help: string, kind: 'text' | 'picture' | 'page', options: ExportOption[],
- *   report?: 'html' | 'pdf'}} ExportFormat   report: it is made as a report, not exported */
+ *   report?: 'html' | 'pdf', isOfMachine?: boolean, title?: string}} ExportFormat   report: it is made as a report, not
+ *   exported; isOfMachine: what is lost of the design comes with it; title: what people call the machine */
 
 /** @type {ExportOption[]} */
 const OF_A_FORMULA = ['name', 'arithmetic'];
@@ -19,6 +21,17 @@ function codeOf({ code }) {
   return [
     { name: code.format, label: code.label, help: `${code.help} ${PLAYED}`, kind: 'text', options: OF_A_FORMULA },
   ];
+}
+
+/** Of machines that ramp by themselves.
+ * @param {string} name @param {string} label @param {string} help @param {ExportOption[]} options @returns {ExportFormat} */
+function ofMachine(name, label, help, options) {
+  return { name, label, help, kind: 'text', options, isOfMachine: true, title: label.split(', ')[0] };
+}
+
+/** @param {string} name @param {string} library @param {string} help @returns {ExportFormat} */
+function sketchWith(name, library, help) {
+  return { ...ofMachine(name, `Sketch, ${library}`, help, ['name']), title: library };
 }
 
 /** @type {{title: string, formats: ExportFormat[]}[]} */
@@ -74,6 +87,23 @@ export const EXPORT_GROUPS = [
         kind: 'text',
         options: ['name', 'segment_bound_ticks'],
       },
+      sketchWith('accelstepper', 'AccelStepper', 'For any board: AccelStepper works out a ramp of constant acceleration by itself.'),
+      sketchWith('fastaccelstepper', 'FastAccelStepper', 'For Uno, ESP32, Pico and others: its timers make the steps, also fast ones.'),
+      sketchWith('teensystep', 'TeensyStep', 'For Teensys: it begins at a pull-in speed.'),
+      sketchWith('switecx25', 'SwitecX25', 'For gauges: it plays the design’s lookup table, up to its last row.'),
+    ],
+  },
+  {
+    title: 'Other controllers',
+    formats: [
+      ofMachine('grbl', 'grbl', 'Settings of one axis of grbl 1.1: steps per mm, highest speed, acceleration.', ['axis_letter']),
+      ofMachine('grblhal', 'grblHAL', 'The same for grblHAL, which may have more axes.', ['axis_letter']),
+      ofMachine('fluidnc', 'FluidNC', 'Items of its YAML configuration, for one axis.', ['axis_letter']),
+      ofMachine('marlin', 'Marlin, M-codes', 'What is sent to it: steps per mm, speed, acceleration.', ['axis_letter']),
+      ofMachine('marlin_configuration', 'Marlin, Configuration.h', 'The same as lines for its source.', ['axis_letter']),
+      ofMachine('klipper', 'Klipper', 'Options of its printer.cfg, for one axis.', ['axis_letter']),
+      ofMachine('tic', 'Pololu Tic, ticcmd', 'Calls of ticcmd, for a Tic on USB.', []),
+      ofMachine('tic_settings', 'Pololu Tic, settings', 'Lines for its settings file, to be kept.', []),
     ],
   },
   {
@@ -139,6 +169,9 @@ export const EXPORT_GROUPS = [
   },
 ];
 
+/** Letters of axes, as machines call them. */
+export const AXIS_LETTERS = ['X', 'Y', 'Z', 'A', 'B', 'C'];
+
 export const EXPORT_FORMATS = EXPORT_GROUPS.flatMap((group) => group.formats);
 
 /**
@@ -150,6 +183,15 @@ export function beginning(text, mostLines) {
   const lines = text.replace(/\n$/, '').split('\n');
   const shownLines = Math.min(lines.length, mostLines);
   return { shown: lines.slice(0, shownLines).join('\n'), lines: lines.length, shownLines };
+}
+
+/** How a machine's own ramp differs from the design's.
+ * @param {Pick<import('../model/types.js').OwnRamp, 'max_relative_error' | 'max_error_step' | 'duration_s' | 'planned_duration_s'>} ramp
+ * @param {string} title */
+export function playedText({ max_relative_error: error, max_error_step: step, duration_s: lasts, planned_duration_s: planned }, title) {
+  const longer = (lasts - planned) * 1000;
+  const move = `the move takes ${formatFixed(Math.abs(longer), 1)} ms ${longer < 0 ? 'less' : 'more'} than planned`;
+  return `${title} really plays delays that differ by up to ${formatSignedPercent(error)} %, at step ${formatFixed(step)}; ${move}.`;
 }
 
 /** @param {number} bytes */

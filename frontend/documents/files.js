@@ -3,7 +3,7 @@
 // read changes nothing.
 
 import { LONGEST_TEXT, readDocument, writeDocument } from './documents.js';
-import { CAPTURE_FILES, HEAD_BYTES, kindOf, KINDS_TEXT, TABLE_FILES } from './kinds.js';
+import { CAPTURE_FILES, HEAD_BYTES, isListing, kindOf, KINDS_TEXT, SETTINGS_FILES, TABLE_FILES } from './kinds.js';
 import { LONGEST_SOURCE } from './table_text.js';
 import { element } from '../ui/dom.js';
 import { download } from '../ui/download.js';
@@ -15,7 +15,8 @@ import { download } from '../ui/download.js';
  * @typedef {object} Takers
  * @property {OnDocument} onDocument
  * @property {(text: string) => void} onTable  the text of a file in which there may be tables
- * @property {(file: File) => void} onCapture  a file as logic analysers write it */
+ * @property {(file: File) => void} onCapture  a file as logic analysers write it
+ * @property {(text: string) => void} onSettings  what a controller lists of itself */
 
 const ENDING = '.stepramp.json';
 const LONGEST_NAME = 80;
@@ -82,7 +83,7 @@ function chooseFile(accept, onFile) {
 /** Let a file of any kind be chosen.
  * @param {Takers} takers */
 export function openFile(takers) {
-  chooseFile(['.json', ...TABLE_FILES, ...CAPTURE_FILES].join(','), (file) => takeFile(file, takers));
+  chooseFile(['.json', ...TABLE_FILES, ...CAPTURE_FILES, ...SETTINGS_FILES].join(','), (file) => takeFile(file, takers));
 }
 
 /** Let a file that an analyser has written be chosen: all kinds, as analysers end their names in many ways.
@@ -92,7 +93,7 @@ export function openCaptureFile(onCapture) {
 }
 
 /** @param {File} file @param {Takers} takers */
-async function takeFile(file, { onDocument, onTable, onCapture }) {
+async function takeFile(file, { onDocument, onTable, onCapture, onSettings }) {
   const kind = kindOf(file.name, await headOf(file));
   if (kind === 'capture') onCapture(file);
   else if (kind === 'design') onDocument(await readFile(file), `“${file.name}”`);
@@ -100,8 +101,20 @@ async function takeFile(file, { onDocument, onTable, onCapture }) {
   else {
     const { text, problem } = await readTableFile(file);
     if (text === null) onDocument({ document: null, problem }, 'the file');
+    else if (kind === 'settings') onSettings(text);
     else onTable(text);
   }
+}
+
+/** Take what a controller lists of itself wherever it is pasted: no field has use for that.
+ * @param {(text: string) => void} onSettings */
+export function watchPastes(onSettings) {
+  document.addEventListener('paste', (event) => {
+    const text = event.clipboardData?.getData('text/plain') ?? '';
+    if (event.defaultPrevented || !isListing(text)) return;
+    event.preventDefault();
+    onSettings(text);
+  });
 }
 
 /** @param {File} file @returns {Promise<Uint8Array>} nothing of what can't be read */
@@ -156,7 +169,7 @@ export function watchDrops(present, takers) {
     if (!carriesFiles(event)) return;
     // Else the browser would leave the page for the file.
     event.preventDefault();
-    text.textContent = `Drop a design to open it. It takes the place of “${present() || 'unnamed'}”; undo brings that back. Of C and CSV a lookup table is taken, after a look at it. What a logic analyser captured, as CSV, VCD or .sr, is laid over the plots.`;
+    text.textContent = `Drop a design to open it. It takes the place of “${present() || 'unnamed'}”; undo brings that back. Of C and CSV a lookup table is taken, after a look at it. What a logic analyser captured, as CSV, VCD or .sr, is laid over the plots. What a controller lists of itself becomes designs.`;
     overlay.hidden = false;
   });
   addEventListener('dragleave', (event) => {

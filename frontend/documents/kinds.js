@@ -1,18 +1,20 @@
 // @ts-check
 // What kind of file somebody has opened or dropped: by its name where that says enough, else by what it begins with.
 
-/** @typedef {'design' | 'table' | 'capture'} Kind */
+/** @typedef {'design' | 'table' | 'capture' | 'settings'} Kind */
 
 const SOURCES = ['.c', '.h', '.cpp', '.hpp', '.cc', '.ino'];
 /** How the names of files end in which tables are looked for. */
 export const TABLE_FILES = [...SOURCES, '.csv'];
 /** How the names of files end that logic analysers write. */
 export const CAPTURE_FILES = ['.csv', '.vcd', '.sr'];
+/** How the names of files end that controllers' settings are kept in. */
+export const SETTINGS_FILES = ['.txt', '.yaml', '.cfg'];
 /** So much of a file tells its kind [bytes]. */
 export const HEAD_BYTES = 16_384;
 /** What else is there, for those who brought something else. */
 export const KINDS_TEXT =
-  'A design ends in .stepramp.json, a lookup table in .c, .h, .cpp, .ino or .csv, what a logic analyser captured in .csv, .vcd or .sr';
+  'A design ends in .stepramp.json, a lookup table in .c, .h, .cpp, .ino or .csv, what a logic analyser captured in .csv, .vcd or .sr; what a controller lists of itself is known by its lines';
 const LOOKED_AT_ROWS = 50;
 const SIGROK = /^(?:;|META)\s*(?:CSV.*libsigrok|samplerate:|Channels \()/im;
 const COMMENT = /^\s*(?:[;#]|META\b|sep=)/i;
@@ -25,10 +27,25 @@ export function kindOf(name, head) {
   if (ends(['.vcd', '.sr'])) return 'capture';
   if (ends(SOURCES)) return 'table';
   const text = textOf(head);
+  if (isListing(text)) return 'settings';
   if (isCaptureText(text)) return 'capture';
   if (ends(['.csv'])) return 'table';
   return text.trimStart().startsWith('{') ? 'design' : null;
 }
+
+/** What is found in a text that tells a controller's settings, all of each: as grbl lists them after $$, a Tic's settings file,
+ * Klipper's printer.cfg, Marlin after M503, FluidNC's configuration. */
+const LISTINGS = [
+  [/^\s*\$1[0-2]\d=/m],
+  [/^\s*max_speed\s*:/m, /^\s*max_accel\s*:/m],
+  [/^\[(?:printer|stepper_[xyz])\]/m],
+  ['M92', 'M201', 'M203'].map((code) => new RegExp(`^(?:echo:)?\\s*${code} +[XYZE]`, 'm')),
+  [/^axes\s*:/m, /^\s+steps_per_mm\s*:/m],
+];
+
+/** Whether a text tells a controller's settings, whichever it is.
+ * @param {string} text */
+export const isListing = (text) => LISTINGS.some((lines) => lines.every((line) => line.test(text)));
 
 /** Whether a text is what an analyser or a simulator writes: VCD, or rows of levels, and not of steps and their delays.
  * @param {string} text */

@@ -26,15 +26,15 @@ export function createOpening({ state, isOwn, aside, putAside, put, tell }) {
     if (isMissed) putAside(before);
   }
 
-  /** @param {ReadDocument} read @param {string} from such as "the link" */
-  function open({ document, problem }, from) {
+  /** @param {ReadDocument} read @param {string} from such as "the link" @param {string[]} [remarks] what else there is to say */
+  function open({ document, problem }, from, remarks = []) {
     if (document === null) {
       tell(`Nothing was opened from ${from}. ${problem}`, true);
       return;
     }
     replace(document);
     const names = document.axes.map((design) => design.name || 'unnamed').join(', ');
-    tell(`Opened from ${from}: ${names}`, false);
+    tell([`Opened from ${from}: ${names}${remarks.length > 0 ? '.' : ''}`, ...remarks].join(' '), false);
   }
 
   return {

@@ -3,6 +3,7 @@
 // another's record.
 
 import { isDesign } from '../model/design.js';
+import { areTold } from '../model/flight.js';
 import { knownAnswers } from '../model/guide.js';
 import { knownMethods, SHOWN_AT_FIRST } from '../model/methods.js';
 import { unitsNamed, unitsText } from '../model/units.js';
@@ -23,7 +24,8 @@ import { keysAfter, readText, removeText, writeText } from './storage.js';
  * @property {Record<number, View>} views by the axes' ids
  * @property {boolean} areAllShown
  * @property {[number, number] | null} allZoom
- * @property {Pick<import('../model/guide.js').Guide, 'drive' | 'player'>} guide  what no design can hold of its answers */
+ * @property {Pick<import('../model/guide.js').Guide, 'drive' | 'player'>} guide  what no design can hold of its answers
+ * @property {import('../model/flight.js').Told[] | null} inFlight  what the motor is told while it moves */
 
 /** @typedef {{id: string, record: TabRecord}} Kept */
 
@@ -72,7 +74,7 @@ export function parseRecord(text) {
     return null;
   }
   if (!Number.isFinite(kept?.at_ms) || !isMachine(kept.machine)) return null;
-  const { at_ms, isOwn, isExample, machine, replaced, units, shown, views, areAllShown, allZoom, guide } = kept;
+  const { at_ms, isOwn, isExample, machine, replaced, units, shown, views, areAllShown, allZoom, guide, inFlight } = kept;
   return {
     at_ms,
     isOwn: isOwn !== false,
@@ -85,6 +87,7 @@ export function parseRecord(text) {
     areAllShown: areAllShown === true,
     allZoom: isZoom(allZoom) ? allZoom : null,
     guide: knownAnswers(guide),
+    inFlight: areTold(inFlight) ? inFlight : null,
   };
 }
 

@@ -9,6 +9,9 @@ import { formatEntry, formatFixed } from './numbers.js';
 // Nearer than this they are told as the same; nearer than this to a simple part, as that part.
 const SAME = 0.01;
 const NEARLY = 0.06;
+// From here on it is told in times, as two times and not as 100 % more; less than this part is next to nothing.
+const IN_TIMES = 1.995;
+const HARDLY = 0.001;
 const PARTS = ['half the', ...['third', 'quarter', 'fifth', 'sixth', 'seventh', 'eighth', 'ninth', 'tenth'].map(partOf)];
 
 /** @param {Compared} now @param {Compared} before @returns {string} such as "same peak acceleration: 12 % longer, a quarter of the jerk" */
@@ -26,14 +29,16 @@ const ratioOf = (now, before) => (now === before ? 1 : now / before);
  * @param {number} ratio @param {string} as @param {string} more @param {string} less */
 function apart(ratio, as, more, less) {
   if (Math.abs(ratio - 1) < SAME) return '';
-  if (ratio >= 2) return `${times(ratio)} as ${as}`;
+  if (ratio >= IN_TIMES) return `${times(ratio)} as ${as}`;
+  if (ratio < HARDLY) return `over ${formatFixed((1 - HARDLY) * 100, 1)} % ${less}`;
   return `${formatFixed(Math.abs(ratio - 1) * 100)} % ${ratio > 1 ? more : less}`;
 }
 
 /** @param {number} ratio */
 function jerkWords(ratio) {
   if (Math.abs(ratio - 1) < SAME) return 'the same jerk';
-  if (ratio >= 2) return `${times(ratio)} the jerk`;
+  if (ratio >= IN_TIMES) return `${times(ratio)} the jerk`;
+  if (ratio < HARDLY) return 'hardly any jerk';
   const part = Math.round(1 / ratio);
   const words = PARTS[part - 2];
   if (words && Math.abs(ratio * part - 1) < NEARLY) return `${words} jerk`;

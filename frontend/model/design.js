@@ -20,13 +20,20 @@ export function valueAt(design, path) {
   return path.split('.').reduce((part, name) => part?.[name], /** @type {any} */ (design));
 }
 
-/** @param {Design} design @param {string} path @param {unknown} value @returns {Design} */
+/** @param {Design} design @param {string} path @param {unknown} value undefined: the field is left out @returns {Design} */
 export function withValue(design, path, value) {
   const [name, ...rest] = path.split('.');
   const part = /** @type {any} */ (design);
+  if (rest.length === 0 && value === undefined) {
+    const { [name]: _, ...others } = part;
+    return others;
+  }
   // What isn't changed is shared, so that who shows it sees at once that it is the same.
-  return { ...part, [name]: rest.length === 0 ? value : withValue(part[name], rest.join('.'), value) };
+  return { ...part, [name]: rest.length === 0 ? value : withValue(part[name] ?? {}, rest.join('.'), value) };
 }
+
+/** @param {Design} design @param {import('./types.js').Remedy['changes']} changes with paths of a design @returns {Design} */
+export const withChanges = (design, changes) => changes.reduce((changed, { field, value }) => withValue(changed, field, value), design);
 
 /** A design to begin with: the numbers of another, without a name, table or method of its own.
  * @param {Design} design @returns {Design} */
@@ -127,6 +134,7 @@ export function isDesign(document) {
     typeof document.name === 'string' &&
     ['axis', 'timer', 'ramp', 'method', 'move'].every((part) => isObject(document[part])) &&
     METHODS.some((method) => method.name === document.method.name) &&
+    ['motor', 'drive', 'load'].every((part) => document[part] === undefined || isObject(document[part])) &&
     (document.ramp.shape === undefined || isShape(document.ramp.shape)) &&
     (document.table === null ||
       (isObject(document.table) &&

@@ -2,6 +2,7 @@
 // The table of parameters: what each is called, the reach of its slider, its formula and what it does. What it takes, and in
 // which unit, the server says.
 
+import { MOTOR_SECTIONS } from './motor_fields.js';
 import { DESIGN_TAKES } from './taken.js';
 
 /** What a hand sets: the reach of a slider, and what one step of it, of the wheel or of an arrow key is.
@@ -20,7 +21,9 @@ import { DESIGN_TAKES } from './taken.js';
  * @property {[number, number]} limits  least and most that the server takes, as it says
  * @property {Slider} slider
  * @property {string} formula    numbers of its formulas; empty: none
- * @property {string} help */
+ * @property {string} help
+ * @property {(design: import('./types.js').Design) => import('./types.js').Entry} [usual]  what stands for it while it is left
+ *   open; it may not be left open without one */
 
 /** All but what the server says.
  * @type {{title: string, fields: Omit<Field, 'limits' | 'unit' | 'isWhole'>[]}[]} */
@@ -140,8 +143,17 @@ const DESCRIBED = [
         formula: '',
         help: 'The same for the ramp down. It follows the jerk until it is set; emptied, it follows again.',
       },
+      {
+        path: 'ramp.shape.margin',
+        label: 'Part of torque',
+        symbol: 'm',
+        slider: { from: 0.05, to: 1, scale: 'linear', strides: [0.01, 0.05, 0.1] },
+        formula: '',
+        help: 'How much of the motor’s torque the ramp asks for at each speed. 0.6 keeps the usual reserve.',
+      },
     ],
   },
+  { title: 'Motor', fields: Object.values(MOTOR_SECTIONS).flat() },
   {
     title: 'Move',
     fields: [
@@ -175,7 +187,32 @@ export const CHOICES = {
   'ramp.shape.points': {
     label: 'Drawn acceleration',
     formula: '',
-    help: 'A point a line: a speed in steps/s, and which part of the acceleration holds there, from 0.001 to 1. Smooth in between, level outside. Two columns of a spreadsheet can be pasted.',
+    help: 'A point a line: a speed, and which part of the acceleration holds there, from 0.001 to 1. Smooth in between, level outside. Two columns of a spreadsheet can be pasted, with or without their heading.',
+  },
+  'drive.current_is': {
+    label: 'Current is',
+    formula: '',
+    help: 'Trinamic drivers and Klipper set RMS currents, A4988 and DRV8825 peak ones.',
+  },
+  'motor.measured_with.current_is': {
+    label: 'Current then is',
+    formula: '',
+    help: 'Whether the current that the driver was set to while it was measured is RMS or peak.',
+  },
+  'motor.kind': {
+    label: 'Kind',
+    formula: '',
+    help: 'A hybrid motor has four full steps in a period of its field, which is what nearly all NEMA motors are; a gauge motor has six partial ones.',
+  },
+  'motor.torque_curve': {
+    label: 'Torque curve',
+    formula: '',
+    help: 'A maker’s pull-out curve for your supply and current takes the place of the model: a line each, rpm and Nm, speeds rising, or two columns of a spreadsheet.',
+  },
+  'load.mechanism': {
+    label: 'Moved by',
+    formula: '',
+    help: 'What lies between the motor’s shaft and what it moves: its masses and forces are brought to the shaft, and come on top of what is told there.',
   },
   'method.arithmetic': {
     label: 'Arithmetic',

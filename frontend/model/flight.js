@@ -27,6 +27,15 @@ export const MS_PER_S = 1000;
 const MOST_TOLD = 4;
 const FIGURES = 12;
 
+/** Whether something is commands, as they are kept.
+ * @param {any} kept @returns {kept is Told[]} */
+export const areTold = (kept) => Array.isArray(kept) && kept.length > 0 && kept.every(isTold);
+
+/** @param {any} one */
+const isTold = (one) => ['target', 'speed'].includes(one?.kind) && [one.atMs, one.value].every(isEntry);
+/** @param {unknown} value */
+const isEntry = (value) => typeof value === 'string' || Number.isFinite(value);
+
 /** What a motor is told, as the server takes it.
  * @param {Told[]} told */
 export const commandsOf = (told) =>

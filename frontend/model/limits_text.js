@@ -18,8 +18,9 @@ export function limitsInUnit({ lowest, highest, is_whole, note }, unit, factor) 
   return `${ends} ${unit}${note}`;
 }
 
-/** @param {number} limit @param {number} factor @param {(value: number) => number} toWhole */
-function roundedTo(limit, factor, toWhole) {
+/** A converted number with as many figures as are told.
+ * @param {number} limit @param {number} factor it was converted with @param {(value: number) => number} toWhole */
+export function roundedTo(limit, factor, toWhole) {
   if (limit === 0 || factor === 1) return limit;
   const scale = 10 ** (FIGURES - 1 - Math.floor(Math.log10(Math.abs(limit))));
   // Noise of the conversion must not push a limit to its neighbour.

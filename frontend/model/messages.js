@@ -2,11 +2,13 @@
 // Where the server's messages belong on the page.
 
 import { GROUPS } from './fields.js';
+import { METHODS } from './methods.js';
 import { formatEntry, pointHint } from './numbers.js';
+import { SHAPES } from './shapes.js';
 
 /** @typedef {import('./types.js').Rejection} Rejection */
 /** Something that works, but not as the design says; or what makes an axis slower along a line, which says whose it is.
- * @typedef {{field: string | null, message: string, axis?: number}} Remark */
+ * @typedef {{field: string | null, message: string, axis?: number, told?: import('./types.js').Told[]}} Remark */
 /** What was refused, when something was, is kept to be told in other units, and to be mended.
  * about: what it can be closed by, when it can; design: which it is said of, whose units need not be those of the one in hand.
  * @typedef {{text: string, isWarning: boolean, refused?: Rejection, about?: string,
@@ -27,6 +29,13 @@ const CHOICE_LABELS = {
   'axis.travel_unit': 'Travel unit',
   'ramp.shape.name': 'Shape',
   'ramp.shape.points': 'Drawn acceleration',
+  'motor.kind': 'Kind',
+  'motor.stalled': 'Stall point',
+  'motor.torque_curve': 'Torque curve',
+  'drive.current_is': 'Current is',
+  'motor.measured_with.current_is': 'Current then is',
+  'load.mechanism': 'Moved by',
+  'load.mechanism.name': 'Moved by',
   'move.plan': 'Short moves',
   table: 'Lookup table',
 };
@@ -43,7 +52,7 @@ const OF_AXIS = /^(?:designs|axes)\.(\d+)\.(.*)$/;
 const OF_DESIGN = /^(?:axes\.(\d+)|design)\.(.*)$/;
 // A cut list or object is told in words by the server already.
 const LONGEST_VALUE = 80;
-const POINT = /^ramp\.shape\.points\.(\d+)(?:\.([01]))?$/;
+const POINT = /^(ramp\.shape\.points|motor\.torque_curve)\.(\d+)(?:\.([01]))?$/;
 const ROW = /^table\.rows\.(\d+)(?:\.([01]))?$/;
 
 /**
@@ -65,11 +74,24 @@ export function sortMessages(errors, warnings, design) {
  * @param {Rejection} rejection @param {string} label @param {{given?: string, allowed?: string | null}} [words] of the
  *   value and of what is allowed, where they are told in another unit */
 export function refusalText({ message, value, reason, ...rejection }, label, words = {}) {
-  const allowed = words.allowed ?? rejection.allowed;
+  const { choices } = rejection;
+  const allowed = words.allowed ?? (choices ? choicesText(choices) : rejection.allowed);
   return reason !== undefined || allowed === null
     ? message
-    : `${label} is ${words.given ?? valueText(value)}; allowed: ${allowed}.${pointHint(value)}`;
+    : `${label} is ${words.given ?? rejection.given ?? (choices && typeof value === 'string' ? nameOf(value) : valueText(value))}; allowed: ${allowed}.${pointHint(value)}`;
 }
+
+/** Names that are allowed, as the page calls them, and what leaves only these.
+ * @param {import('./types.js').Choices} choices */
+function choicesText({ names, because: { field, value }, is_need }) {
+  const label = LABELS.get(field.replace(/^(?:designs?|axes)\.(?:\d+\.)?/, '')) ?? field;
+  const words = [names.map(nameOf).join(', '), label.toLowerCase(), nameOf(value)];
+  return is_need ? `${words[0]}, since the ${words[1]} is ${words[2]}` : `${words[0]} with ${words[1]} ${words[2]}`;
+}
+
+/** What the page calls a method, a shape or another choice.
+ * @param {unknown} value */
+const nameOf = (value) => [...METHODS, ...SHAPES].find(({ name }) => name === value)?.label ?? String(value);
 
 /** What is wrong with a design's name: how long it is says more than what it begins with.
  * @param {Message | undefined} problem @returns {string} empty: nothing */
@@ -86,10 +108,11 @@ export function rowLabel(index, column) {
   return `Row ${index + 1}${column === null ? '' : column === 0 ? ', last index,' : ', delay,'}`;
 }
 
-/** What a point of a drawn acceleration, or one of its numbers, is called.
+/** What a point of a drawn acceleration or a torque curve, or one of its numbers, is called.
  * @param {RegExpExecArray} point */
-function pointLabel([, index, column]) {
-  return `Point ${Number(index) + 1}${column === undefined ? '' : column === '0' ? ', speed,' : ', part,'}`;
+function pointLabel([, path, index, column]) {
+  const value = path === 'motor.torque_curve' ? 'torque' : 'part';
+  return `Point ${Number(index) + 1}${column === undefined ? '' : column === '0' ? ', speed,' : `, ${value},`}`;
 }
 
 /** @param {unknown} value */
@@ -148,7 +171,7 @@ function place(sorted, { field, message }, refused, design) {
   const row = ROW.exec(whole);
   // The table has one place for all that is not about one row.
   const point = POINT.exec(whole);
-  const path = /^table\b/.test(whole) ? 'table' : point ? 'ramp.shape.points' : whole;
+  const path = /^table\b/.test(whole) ? 'table' : point ? point[1] : whole;
   const label = point ? pointLabel(point) : LABELS.get(path);
   if (row) {
     const [index, column] = [Number(row[1]), row[2] === undefined ? null : Number(row[2])];

@@ -65,8 +65,17 @@ export function formatFixed(value, digits = 0) {
 /** Write a value with about `figures` significant figures, whole digits never dropped.
  * @param {number} value @param {number} [figures] */
 export function formatFigures(value, figures = 4) {
-  const magnitude = value === 0 ? 0 : Math.floor(Math.log10(Math.abs(value)));
+  const magnitude = value === 0 || !Number.isFinite(value) ? 0 : Math.floor(Math.log10(Math.abs(value)));
   return formatFixed(value, Math.min(6, Math.max(0, figures - 1 - magnitude)));
+}
+
+/** The same of a greatest value: never more than it is.
+ * @param {number} value 0 or more @param {number} [figures] */
+export function formatHighest(value, figures = 4) {
+  const magnitude = value > 0 && Number.isFinite(value) ? Math.floor(Math.log10(value)) : 0;
+  const digits = Math.min(6, Math.max(0, figures - 1 - magnitude));
+  // What is a round number but for floating point stays one.
+  return formatFixed(Math.floor(value * 10 ** digits * (1 + 1e-12)) / 10 ** digits, digits);
 }
 
 /** So many of something, such as "1 row" and "2 rows".

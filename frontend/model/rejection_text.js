@@ -11,7 +11,7 @@ import { factorOf, shownEntry, unitOf } from './shown_entry.js';
 /** @typedef {import('./messages.js').Message} Message */
 /** @typedef {import('./units.js').Units} Units */
 
-/** The message in the unit that is shown, by the design that it is said of; else by the one given. A warning stays as it is: it says itself which units its numbers are in.
+/** The message in the unit that is shown, by the design that it is said of; else by the one given.
  * @param {Message | undefined} message @param {Units} units @param {Design} design @param {Field} field
  * @returns {Message | undefined} */
 export function inShownUnit(message, units, design, field) {

@@ -3,6 +3,7 @@
 
 // @ts-expect-error  No file, but what GET /api/v1/shapes answers, as a module.
 import served from '../assets/shapes.js';
+import { hasMotorField } from './motor_fields.js';
 
 /** @typedef {import('./types.js').Design} Design */
 /** @typedef {import('./types.js').Entry} Entry */
@@ -28,6 +29,10 @@ export const MOST_POINTS = 200;
 const SHAPED = 'stepramp/2';
 const FIGURES = 3;
 const SHAPE = 'ramp.shape.';
+/** Parts that only a design with a motor has. */
+const OF_MOTOR = ['motor', 'drive', 'load'];
+/** Of the motor's torque, for a ramp that is shaped by it. */
+const USUAL_MARGIN = 0.6;
 
 /** The design with another shape, whose own numbers are such as make sense for its ramp; with its own it stays as it is.
  * @param {Design} design @param {string} name @returns {Design} */
@@ -40,6 +45,14 @@ export function withShape(design, name) {
   return { ...design, schema: SHAPED, ramp: { ...ramp, shape: { name, ...own } } };
 }
 
+/** The shapes that a design may have: what is shaped by a motor needs one.
+ * @param {Design} design */
+export const shapesFor = (design) =>
+  SHAPES.filter(({ fields, name }) => !fields.includes('margin') || design.motor !== undefined || name === shapeOf(design).name);
+
+/** What a design has that names no shape. @type {string} */
+export const USUAL_SHAPE = served.usual;
+
 /** The design with a plan for moves that are too short for its slew speed.
  * @param {Design} design @param {string} plan @returns {Design} */
 export const withPlan = (design, plan) => ({ ...design, schema: SHAPED, move: { ...design.move, plan } });
@@ -47,7 +60,8 @@ export const withPlan = (design, plan) => ({ ...design, schema: SHAPED, move: { 
 /** Whether a design has a field: those of other shapes than its own it has not.
  * @param {Design} design @param {string} path */
 export function hasField(design, path) {
-  return !path.startsWith(SHAPE) || shapeOf(design).fields.includes(path.slice(SHAPE.length));
+  if (path.startsWith(SHAPE)) return shapeOf(design).fields.includes(path.slice(SHAPE.length));
+  return !OF_MOTOR.includes(path.slice(0, path.indexOf('.'))) || hasMotorField(design, path);
 }
 
 /** Whether it is a shape of a ramp that is known, with no more points than can be shown.
@@ -62,6 +76,7 @@ export function isShape(shape) {
  * @type {Record<string, (design: Design) => unknown>} */
 const FIRST = {
   jerk_steps_per_s3: ({ ramp }) => jerkOfOnset(ramp),
+  margin: () => USUAL_MARGIN,
   points: ({ ramp }) => {
     const slew = numberOr(ramp.slew_speed_steps_per_s, 1000);
     return [[0, 1], [tidied(slew / 2), 1], [slew, 0.5]]; // prettier-ignore

@@ -18,10 +18,11 @@ export function factorOf(units, design, { quantity }) {
   return quantity === undefined ? 1 : shownValue(units, design, quantity, 1);
 }
 
-/** The word for the unit shown.
+/** The word for the unit shown; of a share, such as "of the work", its name says what it is of.
  * @param {Units} units @param {Design} design @param {Field} field */
 export function unitOf(units, design, { quantity, unit }) {
-  return quantity === undefined ? unit : unitWord(units, design, quantity);
+  if (quantity !== undefined) return unitWord(units, design, quantity);
+  return unit.startsWith('of ') ? '' : unit;
 }
 
 /** A field's content as it is shown: a number in the design's own unit with all its digits, a converted one with about
@@ -35,12 +36,14 @@ export function shownEntry(entry, factor) {
 
 /** What typed text is in the design's unit. A field of whole numbers takes a converted one to the nearest: `exact` is
  * what it would have been, null when it is that.
- * @param {Field} field @param {string} text @param {number} factor
+ * @param {Pick<Field, 'isWhole'>} field @param {string} text @param {number} factor
  * @returns {{entry: Entry, exact: number | null}} */
 export function readEntry({ isWhole }, text, factor) {
   const typed = parseEntry(text);
   if (typeof typed === 'string' || factor === 1) return { entry: typed, exact: null };
   const stored = tidy(typed / factor);
+  // Beyond all numbers: it stays as it was typed, to be refused by name.
+  if (!Number.isFinite(stored)) return { entry: text.trim(), exact: null };
   const entry = isWhole ? Math.round(stored) : stored;
   return { entry, exact: entry === stored ? null : stored };
 }

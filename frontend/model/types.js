@@ -27,10 +27,81 @@
  * @property {{frequency_hz: Entry, counter_bits: Entry, shortest_interval_us: Entry}} timer
  * @property {{base_speed_steps_per_s: Entry, slew_speed_steps_per_s: Entry, acceleration_steps_per_s2: Entry,
  *   deceleration_steps_per_s2: Entry | null, shape?: {name: string, jerk_steps_per_s3?: Entry,
- *   deceleration_jerk_steps_per_s3?: Entry | null, points?: [Entry, Entry][]}}} ramp
+ *   deceleration_jerk_steps_per_s3?: Entry | null, points?: [Entry, Entry][], margin?: Entry}}} ramp
  * @property {{name: MethodName, arithmetic: string, rounding: string, tuned_for?: string}} method
  * @property {{rows: [Entry, Entry][], interval_unit: string} | null} table
- * @property {{steps: Entry, plan?: string}} move */
+ * @property {{steps: Entry, plan?: string}} move
+ * @property {MotorData} [motor]
+ * @property {DriveData} [drive]
+ * @property {{inertia_g_cm2?: Entry, torque_nm?: Entry, friction_nm?: Entry | null,
+ *   mechanism?: {name: string, [field: string]: Entry | null} | null}} [load] */
+
+/** @typedef {{supply_v?: Entry | null, current_a?: Entry | null, current_is?: string | null}} DriveData */
+
+/** A motor, as its data sheet has it.
+ * @typedef {{resistance_ohm: Entry, inductance_mh: Entry, holding_torque_nm: Entry, rated_current_a: Entry,
+ *   rotor_inertia_g_cm2: Entry, detent_torque_nm?: Entry | null, full_steps_per_rev?: Entry | null, kind?: string,
+ *   pull_out_factor?: Entry | null, stalled?: {rpm: Entry, torque_nm: Entry} | null, torque_curve?: [Entry, Entry][] | null,
+ *   measured_with?: DriveData | null}} MotorData */
+
+/** What the server says of the motor with a design.
+ * @typedef {object} MotorAnswer
+ * @property {'safe' | 'marginal' | 'stalls'} verdict
+ * @property {string | null} cause
+ * @property {string | null} evidence           what shows it
+ * @property {number} lost_full_steps
+ * @property {number | null} first_lost_step
+ * @property {number} largest_load_angle_deg
+ * @property {number | null} most_used          of the pull-out torque, at most; null: some is asked for where there is none
+ * @property {number} most_used_at_steps_per_s
+ * @property {number} natural_frequency_hz
+ * @property {number} greatest_start_speed_steps_per_s
+ * @property {number} greatest_sudden_acceleration_steps_per_s2
+ * @property {[number, number][]} resonances_steps_per_s
+ * @property {MotorRun[]} runs  the move with each damping, the least first
+ * @property {{step: number[], time_s: number[], load_angle_deg: number[], speed_steps_per_s: number[]}} rotor  with a usual one
+ * @property {{speed_steps_per_s: number[], speed_rpm: number[], pull_out_nm: number[], required_nm: number[]}} torque
+ * @property {Remedy[]} proposals
+ * @property {Record<string, 'measured' | 'datasheet' | 'given' | 'assumed' | 'unused'>} origins  by path; what means none isn't there
+ * @property {string[]} assumed
+ * @property {string} not_covered */
+
+/** What the rotor does with one damping.
+ * @typedef {object} MotorRun
+ * @property {number} damping
+ * @property {number} lost_full_steps
+ * @property {number | null} first_lost_step
+ * @property {number} largest_load_angle_deg
+ * @property {number | null} speed_ripple       at slew speed, in parts of it; null: the move has no slew phase
+ * @property {number} overshoot_deg
+ * @property {number} settled_after_s */
+
+/** What a move is with its motor; null all of it where the rejections say why there is none.
+ * @typedef {object} FastestFigures
+ * @property {number | null} duration_s
+ * @property {number | null} ramp_up_s
+ * @property {number | null} peak_speed_steps_per_s
+ * @property {number | null} acceleration_steps_per_s2
+ * @property {number | null} most_used
+ * @property {MotorAnswer['verdict'] | null} verdict
+ * @property {Rejection[]} rejections */
+/** The fastest ramp of a shape, and what makes it of the design.
+ * @typedef {FastestFigures & {shape: string, changes: Remedy['changes'], is_fastest: boolean}} FastestRamp */
+/** @typedef {{margin: number, candidates: FastestRamp[], present: FastestFigures & {is_fastest: boolean}, gain: number | null,
+ *   words: string}} FastestAnswer */
+
+/** What a stall map goes over beside the acceleration.
+ * @typedef {'slew_speed' | 'load' | 'supply_voltage'} Over */
+/** Whether the motor makes the move at each point: a row for each acceleration, a column for each other value. -1: not known yet,
+ * 0: safe, 1: marginal, 2: stalls, 3: not possible.
+ * @typedef {{over: Over, over_values: number[], over_unit: string, accelerations_steps_per_s2: number[], verdicts: number[][],
+ *   played: number}} MapResult */
+/** @typedef {{id: string, state: 'waiting' | 'running' | 'done' | 'cancelled' | 'failed', progress: number, result: MapResult | null,
+ *   errors?: Rejection[]}} MapJob */
+/** The stall map of an axis: how far the last one is that was asked for, and the pictures that are known, the newest first.
+ * key: what of a design it, or a picture, is of; id: of the job that computes it, null: not told yet.
+ * @typedef {{key: string, over: Over, id: string | null, stage: 'running' | 'done' | 'cancelled' | 'failed', progress: number,
+ *   pictures: {key: string, result: MapResult}[], rejections: Rejection[]}} StallMap */
 
 /** @typedef {{name: 'accelerate' | 'slew' | 'decelerate', first_step: number, last_step: number}} Phase */
 
@@ -44,7 +115,11 @@
  * @property {{steps: number, duration_s: number, peak_speed_steps_per_s: number, accelerate_steps: number,
  *   slew_steps: number, decelerate_steps: number, ramp_steps: number, ramp_speed_steps_per_s: number,
  *   is_lowered: boolean}} summary
- * @property {{field: string | null, message: string}[]} warnings */
+ * @property {import('./messages.js').Remark[]} warnings */
+
+/** A quantity as it stands in a message, and as data. axis: which it is of, counted from 0; null: the one that the message
+ * is about.
+ * @typedef {{text: string, value: number, unit: string, rounding: 'nearest' | 'down' | 'up', axis: number | null}} Told */
 
 /** One method's errors against the reference.
  * @typedef {object} ErrorCurve
@@ -86,10 +161,14 @@
 /** What would be accepted instead of what was refused: it was tried.
  * @typedef {{text: string, changes: {field: string, value: unknown}[]}} Remedy */
 
+/** What is allowed while another field has its value: some names, or something that is needed.
+ * @typedef {{names: string[], because: {field: string, value: unknown}, is_need: boolean}} Choices */
+
 /** What can't be used, or can't be done. limits and their unit: what `allowed` says, where it is about numbers. reason: the
- * message, where more than the value is wrong. What isn't known is left out.
+ * message, where more than the value is wrong. What isn't known is left out. given: the value in words, in the units shown.
  * @typedef {{field: string | null, value: unknown, allowed: string | null, message: string, limits?: Limits,
- *   unit?: string, reason?: string, remedies?: Remedy[]}} Rejection */
+ *   unit?: string, reason?: string, given?: string, told?: Told[], choices?: Choices,
+ *   remedies?: Remedy[]}} Rejection */
 
 /** Why a push is refused, and what would be accepted instead. axis: whose design is to blame, by its id; null: nobody's.
  * @typedef {{text: string, axis: number | null, remedies: Remedy[]}} PushRefusal */
@@ -131,17 +210,22 @@
 
 /** @typedef {{port: string, name: string, virtual: boolean, families: string[]}} Port  families: that one there may be of */
 
-/** A family of controllers.
- * @typedef {{name: string, title: string}} Family */
+/** A family of controllers. cannot: what they can't take of a design, or do. plays_own: whether it is known what they play
+ * that work their intervals out themselves.
+ * @typedef {{name: string, title: string, cannot: string[], plays_own: boolean, reads_settings: boolean}} Family */
 
 /** What can be connected to.
  * @typedef {{ports: Port[], families: Family[]}} Ports */
 
 /** What only some controllers can do.
- * @typedef {'keep' | 'try' | 'restore' | 'settings' | 'trace' | 'line' | 'zero'} Capability */
+ * @typedef {'keep' | 'try' | 'restore' | 'settings' | 'trace' | 'line' | 'zero' | 'backup' | 'import'} Capability */
 
-/** read_back: null when that makes no sense.
- * @typedef {{name: string, unit: string, requested: number, sent: number, read_back: number | null}} PushItem */
+/** A figure as the controller itself has it, such as $120.
+ * @typedef {{term: string, unit: string, sent: number | null, on_device: number | null}} OwnTerms */
+
+/** read_back: null when that makes no sense. own: null where the controller's own terms are the same.
+ * @typedef {{name: string, unit: string, requested: number, sent: number, read_back: number | null,
+ *   own: OwnTerms | null}} PushItem */
 
 /** @typedef {{items: PushItem[], verified: boolean, segments: number | null, bytes: number,
  *   largest_deviation_us: number | null, sequence: number | null, warnings: string[]}} Push */
@@ -150,7 +234,26 @@
  * @typedef {{mode?: 'keep' | 'try'} & ({design: Design, to_axis: number} | {axes: Design[]})} Pushed */
 
 /** @typedef {{name: string, unit: string, on_device: number | null, to_send: number | null, differs: boolean,
- *   axis: number | null}} PreviewItem */
+ *   axis: number | null, own: OwnTerms | null}} PreviewItem */
+
+/** What is saved of a device before it is written to. name: when, in UTC.
+ * @typedef {{name: string, bytes: number}} Backup */
+/** What backups are of, connected or not.
+ * @typedef {{name: string, family: string, plugged_in: string, backups: Backup[]}} BackupSource */
+
+/** A design's move as a controller plays it that works its intervals out itself.
+ * @typedef {object} OwnRamp
+ * @property {number[]} step
+ * @property {number[]} intervals_us
+ * @property {number[]} start_s
+ * @property {number[]} speed_steps_per_s
+ * @property {number[]} relative_error
+ * @property {1 | -1} direction
+ * @property {number} max_relative_error
+ * @property {number} max_error_step
+ * @property {number} duration_s
+ * @property {number} planned_duration_s
+ * @property {string[]} losses */
 
 /** @typedef {{items: PreviewItem[], same: boolean, segments: number | null, bytes: number,
  *   largest_deviation_us: number | null, warnings: string[]}} Preview */
@@ -188,7 +291,8 @@
  * @property {number} planned_steps
  * @property {number} planned_duration_s         from the first planned step to the last
  * @property {number} matched_steps
- * @property {{largest_us: number, largest_at_step: number, mean_us: number, rms_us: number, clock_ppm: number}} figures
+ * @property {{largest_us: number, largest_at_step: number, mean_us: number, rms_us: number, clock_ppm: number | null,
+ *   no_clock: string}} figures
  * @property {MarkedSteps} missing               planned steps that were not made
  * @property {MarkedSteps} extra                 measured steps that were not planned
  * @property {number[]} planned_step             of each listed step; 0: none
@@ -225,6 +329,7 @@
  * @property {number} target_steps
  * @property {number} speed_steps_per_s
  * @property {number} steps_made
+ * @property {number | null} steps_per_mm   as the controller itself is set; null: it counts in steps only
  * @property {number | null} lowest_steps   soft limit; null: none
  * @property {number | null} highest_steps
  * @property {boolean} is_beyond_limits     whether it is where they let nothing send it */
@@ -248,6 +353,7 @@
  * @property {string} family               the name of that of its controller
  * @property {number | null} most_axes     how many axes it can have; null until it is connected
  * @property {Capability[]} capabilities   what it can do besides what all can
+ * @property {string | null} backup        the name of the last that was saved of it; null for none
  * @property {'connecting' | 'ready' | 'moving' | 'stopping' | 'writing' | 'lost'} state
  * @property {string | null} message
  * @property {number} position_steps
@@ -298,8 +404,19 @@
 
 export {};
 
+/** What a machine that ramps by itself is given for a design, and what is lost of it.
+ * @typedef {object} MachineSheet
+ * @property {string} file_name
+ * @property {string} text
+ * @property {{name: string, unit: string, requested: number, sent: string}[]} settings
+ * @property {string[]} remarks
+ * @property {string | null} unplayed  why it isn't known what it really plays; null: it is */
+
 /** Axes that begin together, each thinned.
  * @typedef {object} ScheduledAxes
- * @property {{name: string, pulses: {time_s: number[], speed_steps_per_s: number[]}}[]} axes
- * @property {{field: string, message: string}[]} limits           what makes a line slower than its leader
- * @property {{field: string | null, message: string}[]} warnings */
+ * @property {{name: string, steps: number, duration_s: number,
+ *   pulses: {time_s: number[], speed_steps_per_s: number[]}}[]} axes
+ * @property {number} duration_s       until all of them rest
+ * @property {number | null} leader    of a line, counted from 0
+ * @property {import('./messages.js').Remark[]} limits      what makes a line slower than its leader
+ * @property {import('./messages.js').Remark[]} warnings */

@@ -85,3 +85,8 @@ export function unitWord(units, design, quantity) {
   const power = TIME_POWER[quantity];
   return power === 0 ? length : `${length}/${known.time}${POWERS[power]}`;
 }
+
+/** The steps of each mm of an axis' travel, or of each degree.
+ * @param {Design['axis']} axis */
+export const stepsPerUnit = ({ full_steps_per_rev, microsteps, travel_per_rev }) =>
+  (Number(full_steps_per_rev) * Number(microsteps)) / Number(travel_per_rev);

@@ -263,6 +263,19 @@ export function measuredOver(answer, against, move) {
   };
 }
 
+/** What a controller plays itself, over the axis of the plots.
+ * @param {Answer} answer @param {PlotAxis} against @param {import('../model/types.js').OwnRamp} own
+ * @returns {import('./frame.js').OwnCurve} */
+export function ownOver(answer, against, { step, start_s, speed_steps_per_s, intervals_us, relative_error }) {
+  const perStep = shownValue(unitsOf(answer), answer.design, 'speed', 1);
+  return {
+    x: along(answer, against, step, start_s),
+    velocity: speed_steps_per_s.map((speed) => speed * perStep),
+    delay: intervals_us,
+    error: relative_error.map((error) => 100 * error),
+  };
+}
+
 /** A move that runs, over the axis of the plots.
  * @param {Answer} answer @param {PlotAxis} against
  * @param {import('../model/types.js').Samples} samples since its start [s, steps, steps/s] */

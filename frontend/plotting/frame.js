@@ -16,6 +16,8 @@ import { isOfMotion, onePlot, PLOTS, plotsShowing, plotsThere } from './plots.js
 /** @typedef {{[name: string]: string}} Colours  of methods by name, "pinned", "measured", "axis-0" …, "part-method" …, and
  *   "grid", "plot", "tick", "phase" */
 /** @typedef {{x: number[], velocity: number[], delay: number[], deviation: number[]}} Measured  over the axis */
+/** What a controller plays itself, its error against the plan [%].
+ * @typedef {{x: number[], velocity: number[], delay: number[], error: number[]}} OwnCurve */
 /** @typedef {{label: string, colour: number, x: number[], velocity: number[], delay: number[]}} AxisCurve */
 
 /** @typedef {object} Scene
@@ -27,6 +29,7 @@ import { isOfMotion, onePlot, PLOTS, plotsShowing, plotsThere } from './plots.js
  * @property {Third} [third]
  * @property {boolean} [acceleration]        whether the velocity plot shows the implied acceleration too
  * @property {Curve | null} [pinned]           of the pinned design
+ * @property {OwnCurve | null} [own]         what the controller in view plays itself
  * @property {Measured | null} [measured]
  * @property {import('./captured.js').CapturedCurve | null} [captured]
  * @property {{x: number[], velocity: number[]} | null} [live]  a move that runs
@@ -69,6 +72,9 @@ const ROOM_TO_GROW = 0.5;
 const LEAST_LOG_RATIO = 4;
 // Of motion, what goes beyond the chosen method's by so much is cut off.
 const MOST_BESIDE = 1.5;
+// Of errors, what a table or a pinned design goes beyond those of the other methods by so much is cut off, but nothing below this.
+const MOST_FAR_OFF = 3;
+const NOT_FAR_OFF_PERCENT = 100;
 
 /** @param {Range} range @param {number} value share of the range, 0 at its low end */
 function shareOf({ low, high, isLog }, value) {
@@ -189,8 +195,8 @@ function phasesOf({ answer, curves }) {
 
 /** The range that a view shows.
  * @param {Scene} scene @param {Frame['phases']} phases @returns {Range} */
-function fullRange({ curves, against, view, axes, pinned, captured }, phases) {
-  const beside = axes ? [] : [pinned, captured].flatMap((one) => (one && one.x.length > 0 ? [one] : []));
+function fullRange({ curves, against, view, axes, pinned, captured, own }, phases) {
+  const beside = axes ? [] : [pinned, captured, own].flatMap((one) => (one && one.x.length > 0 ? [one] : []));
   const all = [...(axes ?? entriesOf(curves).map(([, curve]) => curve)), ...beside];
   const ends = all.flatMap((curve) => [curve.x[0], curve.x[curve.x.length - 1]]);
   const [first, last] = [Math.min(...ends, 0), Math.max(...ends, 0)];
@@ -218,13 +224,31 @@ function yRanges(scene, x) {
   const acceleration = scene.acceleration && !scene.axes ? activeCurve(scene).acceleration : null;
   const ranges = PLOTS.map(({ name, scale }) => {
     const ends = extremes(listsOf(scene, name), span);
-    const shown = name === 'error' && isOfMotion(scene.third ?? 'error') ? aboutActive(scene, ends, span) : ends;
-    return [name, scaled(scale, shown, span === null)];
+    return [name, scaled(scale, name === 'error' ? readable(scene, ends, span) : ends, span === null)];
   });
   return {
     ranges: Object.fromEntries(ranges),
     acceleration: acceleration && linear(extremes([[activeCurve(scene).x, acceleration]], span), true),
   };
+}
+
+/** Ends of the lowest plot that nothing far off makes a line of.
+ * @param {Scene} scene @param {[number, number]} ends of all that is drawn @param {Range | null} span
+ * @returns {[number, number]} */
+function readable(scene, ends, span) {
+  if (isOfMotion(scene.third ?? 'error')) return aboutActive(scene, ends, span);
+  return (scene.third ?? 'error') === 'error' && !scene.axes ? withoutFarOff(scene, ends, span) : ends;
+}
+
+/** Ends that show the errors of formulas well beside a table of another ramp, whose errors are a hundred times theirs.
+ * @param {Scene} scene @param {[number, number]} ends of all that is drawn @param {Range | null} span
+ * @returns {[number, number]} */
+function withoutFarOff(scene, [low, high], span) {
+  const near = new Set([...scene.shown].filter((method) => method !== 'table' || method === scene.answer.design.method.name));
+  const others = extremes(listsOf({ ...scene, shown: near, pinned: null }, 'error'), span);
+  const largest = Math.max(Math.abs(others[0]), Math.abs(others[1]));
+  const most = Math.max(MOST_FAR_OFF * largest, NOT_FAR_OFF_PERCENT);
+  return largest > 0 ? [Math.max(low, -most), Math.min(high, most)] : [low, high];
 }
 
 /** Ends that show the chosen method's motion well: a table leaps at each row, and would make a line of all that is smooth.
@@ -252,8 +276,8 @@ export function activeCurve({ answer, curves }) {
 /** The lists of x and y that a plot draws.
  * @param {Scene} scene @param {PlotName} name @returns {[number[], number[]][]} */
 function listsOf(scene, name) {
-  const { curves, shown: names, axes, pinned, third } = scene;
-  const { curve, measured: ofMeasured, ofAxis } = plotOf(name, third);
+  const { curves, shown: names, axes, pinned, third, own } = scene;
+  const { curve, measured: ofMeasured, own: ofOwn, ofAxis } = plotOf(name, third);
   if (axes) return ofAxis === null ? [] : axes.map((one) => [one.x, ofAxis(one)]);
   const drawn = entriesOf(curves).filter(([method]) => names.has(method));
   const all = [...(drawn.length > 0 ? drawn.map(([, curve]) => curve) : [activeCurve(scene)]), ...(pinned ? [pinned] : [])];
@@ -262,7 +286,9 @@ function listsOf(scene, name) {
   const { x, parts, error } = activeCurve(scene);
   if (name === 'error' && third === 'parts')
     return [pair(error.x, error.percent), ...Object.values(parts ?? {}).map((part) => pair(x, part))];
+  const isOwnThere = own && (name !== 'error' || (third ?? 'error') === 'error');
   const drawnLists = all.map((one) => pair(curve(one).x, curve(one).y));
+  if (isOwnThere) drawnLists.push(pair(own.x, ofOwn(own)));
   return ofMeasured ? [...drawnLists, ...measured.map((one) => pair(one.x, ofMeasured(one)))] : drawnLists;
 }
 

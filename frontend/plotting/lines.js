@@ -34,6 +34,7 @@ import { METHODS, methodOf, REFERENCE } from '../model/methods.js';
 // So far apart, steps are seen as steps and not as a curve [px].
 const STEP_SEEN_PX = 5;
 const PINNED_DASH = '4px, 3px';
+const OWN_LOOK = { dash: '6px, 2px', width: 1.6 };
 const STALE_DASH = '2px, 3px';
 // Lines that join fewer samples would show corners of a ramp where there are none.
 export const FEWEST_JOINED = 10;
@@ -74,7 +75,7 @@ function areStepsSeen(scene, frame) {
 
 /** @param {Scene} scene @param {Frame} frame @returns {Line[]} */
 function methodLines(scene, frame) {
-  const { answer, curves, shown, colours, dashes, third = 'error', pinned, measured, live } = scene;
+  const { answer, curves, shown, colours, dashes, third = 'error', pinned, measured, live, own } = scene;
   const active = answer.design.method.name;
   // An interval follows its pulse in time; over steps it lies about its step.
   const step = areStepsSeen(scene, frame) ? (scene.against === 'time' ? 'hv' : 'hvh') : 'linear';
@@ -82,6 +83,7 @@ function methodLines(scene, frame) {
   const lines = [];
   if (pinned)
     lines.push(...inAllPlots('pinned', pinned, { colour: colours.pinned, dash: PINNED_DASH, width: 1.5 }, step, true, third));
+  if (own) lines.push(...ownLines(own, third, colours, step));
   for (const name of drawingOrder(active)) {
     const look = {
       colour: colours[name],
@@ -127,6 +129,21 @@ function methodLines(scene, frame) {
     add('live-velocity', 'velocity', live.x, live.velocity, { ...reality, width: 2, isDots });
   }
   return lines;
+}
+
+/** What a controller plays itself.
+ * @param {import('./frame.js').OwnCurve} own @param {import('./frame.js').Third} third
+ * @param {import('./frame.js').Colours} colours @param {Shape} step @returns {Line[]} */
+function ownLines(own, third, colours, step) {
+  const look = { ...OWN_LOOK, colour: colours.own, name: 'own', x: own.x };
+  return PLOTS.map(({ name: plot, own: drawnOf }) => ({
+    ...look,
+    uid: `own-${plot}`,
+    plot,
+    y: drawnOf(own),
+    shape: plot === 'error' ? 'linear' : step,
+    isVisible: plot !== 'error' || third === 'error',
+  }));
 }
 
 /** What an analyser saw, and what it marks; dashed while it is of an earlier design.

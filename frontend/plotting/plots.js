@@ -17,6 +17,7 @@ import { unitsOf } from './curves.js';
  * @property {'from zero' | 'logarithmic' | 'around zero'} scale
  * @property {(curve: Curve) => {x: number[], y: number[]}} curve  what is drawn of a method
  * @property {((move: import('./frame.js').Measured) => number[]) | null} measured  what is drawn of a measured move
+ * @property {(own: import('./frame.js').OwnCurve) => number[]} own  what is drawn of what a controller plays itself
  * @property {((axis: import('./frame.js').AxisCurve) => number[]) | null} ofAxis   what is drawn where all axes are shown;
  *   null: it is not there then
  * @property {(at: MethodReading) => number} read                  what the cursor reads of a method
@@ -33,6 +34,7 @@ export const PLOTS = [
     scale: 'from zero',
     curve: ({ x, shownSpeed }) => ({ x, y: shownSpeed }),
     measured: ({ velocity }) => velocity,
+    own: ({ velocity }) => velocity,
     ofAxis: ({ velocity }) => velocity,
     read: (at) => at.shownSpeed,
     readingText: formatReading,
@@ -46,6 +48,7 @@ export const PLOTS = [
     scale: 'logarithmic',
     curve: ({ x, delay_us }) => ({ x, y: delay_us }),
     measured: ({ delay }) => delay,
+    own: ({ delay }) => delay,
     ofAxis: ({ delay }) => delay,
     read: (at) => at.delay_us,
     readingText: formatReading,
@@ -59,6 +62,7 @@ export const PLOTS = [
     scale: 'around zero',
     curve: ({ error }) => ({ x: error.x, y: error.percent }),
     measured: null,
+    own: ({ error }) => error,
     ofAxis: null,
     read: (at) => at.percent,
     readingText: (percent) => formatFixed(percent, 2),

@@ -16,6 +16,8 @@ const ANSWER_WITHIN_MS = 15_000;
 const PUSH_WITHIN_MS = 90_000;
 const EXPORT_WITHIN_MS = 60_000;
 const PLAY_WITHIN_MS = 60_000;
+/** Long moves are played many times until the fastest ramps are found. */
+const SEARCH_WITHIN_MS = 60_000;
 const CAPTURE_WITHIN_MS = 600_000;
 /** A stop that is not answered so soon is said over the socket of events, too. */
 const STOP_WITHIN_MS = 100;
@@ -158,6 +160,10 @@ async function readFile(response) {
   return { file: await response.blob(), name };
 }
 
+/** Of what the rotor does: none is looked at, and more than a dialog's chart can show. */
+const FEWEST_POINTS = 10;
+const ROTOR_POINTS = 2000;
+
 const events = createEvents(() => socketAddress('devices/events'));
 const sliding = createConversation(() => socketAddress('curves/socket'), ANSWER_WITHIN_MS);
 
@@ -177,6 +183,29 @@ export const api = {
     if (answer.errors) throw new Refusal(UNPROCESSABLE, answer.errors);
     return /** @type {any} */ (answer);
   },
+
+  /** @param {Design} design with a motor @param {boolean} withProposals @param {AbortSignal} [ended]
+   * @returns {Promise<import('../model/types.js').MotorAnswer>} */
+  simulateMotor: (design, withProposals, ended) =>
+    request('POST', 'motor/simulate', { design, with_proposals: withProposals, max_points: FEWEST_POINTS }, { ended }),
+
+  /** The same with what the rotor does all along.
+   * @param {Design} design with a motor @param {AbortSignal} [ended] @returns {Promise<import('../model/types.js').MotorAnswer>} */
+  simulateRotor: (design, ended) => request('POST', 'motor/simulate', { design, with_proposals: false, max_points: ROTOR_POINTS }, { ended }),
+
+  /** @param {Design} design with a motor @param {import('../model/types.js').Entry} margin of its torque @param {AbortSignal} [ended]
+   * @returns {Promise<import('../model/types.js').FastestAnswer>} */
+  fastestRamps: (design, margin, ended) => request('POST', 'motor/fastest', { design, margin }, { ended, withinMs: SEARCH_WITHIN_MS }),
+
+  /** Have the stall map of a design computed; its job has the picture so far.
+   * @param {Design} design with a motor @param {import('../model/types.js').Over} over @returns {Promise<{id: string}>} */
+  beginMap: (design, over) => request('POST', 'motor/map', { design, over }),
+
+  /** @param {string} id @param {AbortSignal} ended @returns {Promise<import('../model/types.js').MapJob>} */
+  job: (id, ended) => request('GET', `jobs/${encodeURIComponent(id)}`, undefined, { ended }),
+
+  /** @param {string} id @returns {Promise<import('../model/types.js').MapJob>} */
+  cancelJob: (id) => request('DELETE', `jobs/${encodeURIComponent(id)}`),
 
   /** @param {Design[]} designs @param {'independent' | 'line'} mode @param {number} maxPoints
    * @param {AbortSignal} ended @returns {Promise<import('../model/types.js').ScheduledAxes>} */
@@ -198,6 +227,11 @@ export const api = {
    * @returns {Promise<{file: Blob, name: string}>} */
   exportDesign: (format, wanted) =>
     request('POST', `export/${format}`, wanted, { withinMs: EXPORT_WITHIN_MS, read: readFile }),
+
+  /** What a machine that ramps by itself is given for a design.
+   * @param {string} name @param {Record<string, unknown>} wanted the design, and what the machine looks at besides
+   * @returns {Promise<import('../model/types.js').MachineSheet>} */
+  machine: (name, wanted) => request('POST', `machine/${name}`, wanted, { withinMs: EXPORT_WITHIN_MS }),
 
   /** @param {'html' | 'pdf'} format @param {object} wanted the design, and what its report is to say besides
    * @returns {Promise<{file: Blob, name: string}>} */
@@ -243,6 +277,42 @@ export const api = {
    * @param {string} id @param {'position' | 'keep' | 'roll_back' | 'restore' | 'control'} what
    * @param {unknown} [body] @returns {Promise<Device>} */
   act: (id, what, body) => request('POST', `${device(id)}/${what}`, body, { withinMs: PUSH_WITHIN_MS }),
+
+  /** What is saved of a device, the newest first.
+   * @param {string} id @returns {Promise<{backups: import('../model/types.js').Backup[]}>} */
+  backups: (id) => request('GET', `${device(id)}/backups`),
+
+  /** All backups that there are, also of controllers that aren't connected.
+   * @returns {Promise<{sources: import('../model/types.js').BackupSource[]}>} */
+  archive: () => request('GET', 'backups'),
+
+  /** @param {string} source @param {string} name of a backup of it @returns {Promise<string>} */
+  archived: (source, name) =>
+    request('GET', `backups/${encodeURIComponent(source)}/${encodeURIComponent(name)}`, undefined, { read: (answer) => answer.text() }),
+
+  /** @param {string} id @param {string} source @param {string} name of a backup of it @returns {Promise<{remarks: string[]}>} */
+  restoreFrom: (id, source, name) =>
+    request('POST', `${device(id)}/backups/restore`, { source, name }, { withinMs: PUSH_WITHIN_MS }),
+
+  /** @param {string} id @param {string} name of a backup @returns {Promise<{remarks: string[]}>} */
+  restoreBackup: (id, name) =>
+    request('POST', `${device(id)}/backups/${encodeURIComponent(name)}/restore`, undefined, { withinMs: PUSH_WITHIN_MS }),
+
+  /** What a controller lists of itself, as designs, one for each of its axes.
+   * @param {string} text @param {Design | null} design holds where that says nothing
+   * @returns {Promise<{family: string, axes: {design: Design, remarks: string[]}[]}>} */
+  importText: (text, design) => request('POST', 'import', { text, design }),
+
+  /** What a controller has now, as designs, one for each of its axes.
+   * @param {string} id @param {Design} design holds where the controller says nothing
+   * @returns {Promise<{axes: {design: Design, remarks: string[]}[]}>} */
+  importDevice: (id, design) => request('POST', `${device(id)}/import`, { design }),
+
+  /** What a controller of a family, or a machine, really plays of a design's move.
+   * @param {string} player its route, as families/grbl or machine/accelstepper @param {Design} design @param {number | null} stepsPerMm as it is set; null: not known
+   * @param {AbortSignal} [ended] @returns {Promise<import('../model/types.js').OwnRamp>} */
+  ownRamp: (player, design, stepsPerMm, ended) =>
+    request('POST', `${player}/ramp`, { design, steps_per_mm: stepsPerMm }, { ended }),
 
   /** @param {string} id @param {'move' | 'run' | 'line' | 'there_and_back' | 'zero'} what @param {unknown} body
    * @param {Gesture} gesture @returns {Promise<Device>} */

@@ -10,9 +10,19 @@ export function chartText(text, x, y, anchor) {
   return label;
 }
 
-/** A line across the chart, with what it stands for to its left.
+/** About so wide is a digit [px]. */
+export const DIGIT = 5.8;
+const GAP = 8;
+
+/** A line across the chart, with what it stands for to its left: narrower where there is no room for it, never cut.
  * @param {string} text @param {number} left @param {number} right @param {number} y */
 export function gridLine(text, left, right, y) {
   const line = svgElement('line', { class: 'grid', x1: left, x2: right, y1: y, y2: y });
-  return [line, chartText(text, left - 8, y + 4, 'end')];
+  const label = chartText(text, left - GAP, y + 4, 'end');
+  const room = left - GAP - 2;
+  if (text.length * DIGIT > room) {
+    label.setAttribute('textLength', String(room));
+    label.setAttribute('lengthAdjust', 'spacingAndGlyphs');
+  }
+  return [line, label];
 }

@@ -103,14 +103,16 @@ export function segmented(label, choices, onChoose) {
  */
 export function picker(label, onChoose) {
   const select = element('select', { 'aria-label': label, onchange: () => onChoose(select.value) });
+  let offered = '[]';
   return {
     element: element('span', { className: 'picker' }, select, icon('down')),
     select,
     /** Show these choices with one chosen; the list is rebuilt only when it differs, so an open one stays open.
      * @param {[string, string][]} choices @param {string} chosen */
     offer(choices, chosen) {
-      const shown = [...select.options].map((option) => [option.value, option.text]);
-      if (JSON.stringify(shown) !== JSON.stringify(choices)) {
+      const wanted = JSON.stringify(choices);
+      if (wanted !== offered) {
+        offered = wanted;
         select.replaceChildren(...choices.map(([value, text]) => element('option', { value, textContent: text })));
       }
       select.value = chosen;
@@ -120,7 +122,7 @@ export function picker(label, onChoose) {
 
 /** Show a text, and leave it in place when it is there already: what is replaced between a press on a button and its letting
  * go makes WebKit take the two for no click.
- * @param {Element} target @param {string} text */
+ * @param {Node} target @param {string} text */
 export function showText(target, text) {
   if (target.textContent !== text) target.textContent = text;
 }

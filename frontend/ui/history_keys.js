@@ -2,9 +2,10 @@
 // Ctrl+Z, Ctrl+Shift+Z and Ctrl+Y: the page's history, or that of the text in hand. In a field with text that was
 // typed since it got the focus they are the text's; a design that follows the text follows it back.
 
-/** The field that was typed in last: how it was before, and how it was left.
- * @type {{field: EventTarget | null, before: string, after: string}} */
-let typing = { field: null, before: '', after: '' };
+/** @type {{field: EventTarget | null, before: string, after: string}} */
+const NOTHING = { field: null, before: '', after: '' };
+/** The field that was typed in last: how it was before, and how it was left. */
+let typing = NOTHING;
 
 /** What can be typed in has text; the others, such as a slider, have none.
  * @param {EventTarget | null} target @returns {HTMLInputElement | HTMLTextAreaElement | null} */
@@ -47,7 +48,10 @@ export function historyKey(event) {
   const field = textField(event.target);
   if (field === null) return step;
   if (isOfText(field, step)) return null;
-  if (field.closest('dialog') === null) return step;
+  if (field.closest('dialog') === null) {
+    typing = NOTHING;
+    return step;
+  }
   // With nothing left to undo here, browsers go on with what was typed in other fields.
   event.preventDefault();
   return null;
@@ -57,5 +61,6 @@ export function historyKey(event) {
 if (typeof document !== 'undefined') {
   document.addEventListener('beforeinput', begun, { capture: true });
   document.addEventListener('input', typed, { capture: true });
-  document.addEventListener('focusout', () => (typing = { field: null, before: '', after: '' }), { capture: true });
+  // Left, or finished with Enter, it is done: what is taken back then is what was set, not what was typed on the way.
+  for (const end of ['focusout', 'change']) document.addEventListener(end, () => (typing = NOTHING), { capture: true });
 }

@@ -58,7 +58,7 @@ export function quantityField({ id, label, quantity, start, toWhole = Math.round
   }
 
   function write() {
-    if (entry === '') input.value = '';
+    if (typeof entry === 'string') input.value = entry;
     if (shown === null || typeof entry !== 'number') return;
     const value = shownValue(shown.units, shown.design, quantity, entry);
     input.value = formatEntry(Number(value.toPrecision(MOST_FIGURES)));

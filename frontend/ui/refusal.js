@@ -4,6 +4,7 @@
 import { limitsInUnit } from '../model/limits_text.js';
 import { refusalText } from '../model/messages.js';
 import { formatEntry } from '../model/numbers.js';
+import { inShownUnits } from '../model/told.js';
 import { shownValue, unitWord } from '../model/units.js';
 import { showMessage } from './dom.js';
 
@@ -56,11 +57,13 @@ export function inShownUnit(rejection, label, quantity, units, design) {
   const { value, limits, unit } = rejection;
   const factor = shownValue(units, design, quantity, 1);
   if (factor === 1) return refusalText(rejection, label);
+  // It is one field's: whichever number its axis has in the request, this is its design.
+  const told = inShownUnits(units, [design])({ ...rejection, field: null, limits: undefined });
   const word = unitWord(units, design, quantity);
   const given =
     typeof value === 'number'
       ? `${formatEntry(Number((value * factor).toPrecision(MOST_FIGURES)))} ${word} (${formatEntry(value)} ${SERVER_UNITS[quantity]})`
       : undefined;
   const allowed = limits && unit === SERVER_UNITS[quantity] ? limitsInUnit(limits, word, factor) : undefined;
-  return refusalText(rejection, label, { given, allowed });
+  return refusalText(told, label, { given, allowed });
 }

@@ -5,10 +5,10 @@ import { svgElement } from './dom.js';
 import { methodOf, REFERENCE } from '../model/methods.js';
 
 /** Of a line that is no method's.
- * @param {string} colour token of it */
-export function lineSwatch(colour) {
+ * @param {string} colour token of it @param {string} [dash] of a line that isn't solid */
+export function lineSwatch(colour, dash = 'none') {
   const drawing = svgElement('svg', { class: 'swatch', viewBox: '0 0 26 8', 'aria-hidden': 'true' });
-  const style = `stroke: var(${colour})`;
+  const style = `stroke: var(${colour}); stroke-dasharray: ${dash}`;
   drawing.append(svgElement('line', { x1: 0, y1: 4, x2: 26, y2: 4, 'stroke-width': 2.5, style }));
   return drawing;
 }

@@ -1,7 +1,7 @@
 // @ts-check
 // A small chart over time: a way as stairs, dashed what was wanted, dots on it, and marks of instants.
 
-import { chartText, gridLine } from './chart.js';
+import { chartText, DIGIT, gridLine } from './chart.js';
 import { svgElement } from './dom.js';
 
 /** @typedef {{at: number, text: string}} Tick */
@@ -20,30 +20,49 @@ import { svgElement } from './dom.js';
  * @property {{x: number, y: number}[]} dots
  * @property {Tick[]} [marks]  of instants */
 
-const WIDTH = 420;
+/** While it isn't known how wide it is shown. */
+const USUAL_WIDTH = 420;
 const LEFT = 44;
 const RIGHT = 12;
 const TOP = 12;
 const BOTTOM = 26;
 /** A text that stands for what is nearer to the edge ends there. */
 const HALF_A_TEXT = 20;
+/** Between the texts of two marks. */
+const MARK_GAP = 3;
 
 /** @param {number} height */
 export function createTimeChart(height) {
-  const drawing = svgElement('svg', { class: 'small-chart still', viewBox: `0 0 ${WIDTH} ${height}`, role: 'img' });
+  const drawing = svgElement('svg', { class: 'small-chart still', role: 'img' });
+  /** @type {TimeChart | null} */
+  let shown = null;
+  let width = 0;
+  // As wide as it is shown, so that its texts are as large as any.
+  if (typeof ResizeObserver !== 'undefined') new ResizeObserver(fit).observe(drawing);
+
+  function fit() {
+    if (shown === null || drawing.clientWidth === 0 || drawing.clientWidth === width) return;
+    drawing.replaceChildren();
+    draw(shown);
+  }
 
   /** @param {TimeChart} chart */
   function draw({ end, low, high, times, levels, wanted, way, dots, marks = [] }) {
-    const xOf = (/** @type {number} */ time) => LEFT + (time / end) * (WIDTH - LEFT - RIGHT);
+    width = drawing.clientWidth || USUAL_WIDTH;
+    drawing.setAttribute('viewBox', `0 0 ${width} ${height}`);
+    const xOf = (/** @type {number} */ time) => LEFT + (time / end) * (width - LEFT - RIGHT);
     const yOf = (/** @type {number} */ value) => TOP + ((high - value) / (high - low)) * (height - TOP - BOTTOM);
-    for (const { at, text } of levels) drawing.append(...gridLine(text, LEFT, WIDTH - RIGHT, yOf(at)));
+    for (const { at, text } of levels) drawing.append(...gridLine(text, LEFT, width - RIGHT, yOf(at)));
     for (const { at, text } of times) {
-      const anchor = xOf(at) + HALF_A_TEXT > WIDTH ? 'end' : 'middle';
+      const anchor = xOf(at) + HALF_A_TEXT > width ? 'end' : 'middle';
       drawing.append(chartText(text, xOf(at), height - 8, anchor));
     }
-    for (const { at, text } of marks) {
-      const line = svgElement('line', { class: 'mark', x1: xOf(at), x2: xOf(at), y1: TOP, y2: height - BOTTOM });
-      drawing.append(line, chartText(text, xOf(at), TOP - 3, 'middle'));
+    for (const { at } of marks) {
+      drawing.append(svgElement('line', { class: 'mark', x1: xOf(at), x2: xOf(at), y1: TOP, y2: height - BOTTOM }));
+    }
+    for (const { at, text } of apart(marks, xOf)) {
+      const isLong = text.length > 1 && xOf(at) < LEFT + HALF_A_TEXT;
+      drawing.append(chartText(text, xOf(at), TOP - 3, isLong ? 'start' : 'middle'));
     }
     drawing.append(svgElement('path', { class: 'wanted', d: stairsPath(wanted, xOf, yOf) }));
     drawing.append(svgElement('path', { class: 'line', d: stairsPath(way, xOf, yOf) }));
@@ -55,11 +74,26 @@ export function createTimeChart(height) {
     /** @param {TimeChart | null} chart null: there is none @param {string} [label] what it shows, in words */
     show(chart, label = '') {
       drawing.replaceChildren();
+      shown = chart;
       if (chart === null) return;
       drawing.setAttribute('aria-label', label);
       draw(chart);
     },
   };
+}
+
+/** The ticks whose texts have room, from left to right.
+ * @param {Tick[]} ticks @param {(time: number) => number} xOf */
+function apart(ticks, xOf) {
+  let end = -Infinity;
+  return [...ticks]
+    .sort((one, other) => one.at - other.at)
+    .filter(({ at, text }) => {
+      const half = (text.length * DIGIT) / 2;
+      if (xOf(at) - half < end) return false;
+      end = xOf(at) + half + MARK_GAP;
+      return true;
+    });
 }
 
 /** @param {Stairs} stairs @param {(time: number) => number} xOf @param {(value: number) => number} yOf */

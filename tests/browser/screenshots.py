@@ -87,11 +87,15 @@ def take_all(stepramp: StepRampPage, folder: Path, name: str) -> None:
 
 
 def take_device(stepramp: StepRampPage, folder: Path) -> None:
-    """Take the first picture of the docs: the lead-screw stage, pushed to the virtual controller."""
+    """Take the first picture of the docs: the lead-screw stage with its motor, pushed to the virtual controller."""
     stepramp.choose_example("Lead-screw stage")
+    stepramp.page.locator("#motor-presets").select_option("NEMA 17 · 17HS4401")
+    stepramp.page.locator("#mechanism").select_option("screw")
     stepramp.connect()
     stepramp.push()
     stepramp.field(SLEW_SPEED).focus()
+    # The ramp, and beneath it the verdict.
+    stepramp.page.locator('.group[aria-label="Ramp"]').evaluate("(group) => group.scrollIntoView()")
     stepramp.page.locator(".scope").hover(position={"x": 460, "y": 300})
     shoot(stepramp.page, folder, "screenshot")
 

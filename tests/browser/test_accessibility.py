@@ -1,5 +1,6 @@
 """axe-core on the page: nothing at all in any state, at any size, in any theme."""
 
+import re
 from collections.abc import Callable
 
 import pytest
@@ -81,12 +82,38 @@ def test_axe_finds_nothing(open_page: Callable[..., StepRampPage], watch: Watch,
     expect(page.locator("#settings-dialog")).to_be_visible()
     seen.inspect("settings")
     page.locator("#settings-dialog").get_by_label("Close").click()
+    stepramp.show_panel("parameters")
+    inspect_motor(stepramp, seen)
     page.locator("body").press("?")
     expect(page.locator("#shortcuts")).to_be_visible()
     seen.inspect("shortcuts")
     page.keyboard.press("Escape")
     inspect_wrong_values(stepramp, seen)
     assert not seen.findings, "\n".join(seen.findings)
+
+
+def inspect_motor(stepramp: StepRampPage, seen: Inspection) -> None:
+    """Look at the motor's verdict and all of its numbers, and at the dialogs about it."""
+    page = stepramp.page
+    page.locator("#motor-presets").select_option("NEMA 17 · 17HS4401")
+    page.locator("#mechanism").select_option("screw")
+    expect(page.locator("#motor-verdict")).to_have_attribute("data-verdict", re.compile("safe|marginal|stalls"))
+    for summary in page.locator(".motor-section summary").all():
+        summary.click()
+    page.locator("#stall-point").click()
+    page.locator("#torque-curve").fill("a;b;c")
+    expect(page.locator(".motor-curve .message")).to_be_visible()
+    seen.inspect("motor, wrong numbers")
+    page.locator("#torque-curve").fill("")
+    page.locator("#stall-point").click()
+    expect(page.locator(".motor-found")).to_have_class("motor-found")
+    for name, shown in (("rotor", ".rotor-runs"), ("fastest", ".fastest-card"), ("map", ".stall-map .fill.safe")):
+        page.locator(f"#open-{name}").click()
+        dialog = page.locator(f"#{name}-dialog")
+        expect(dialog.locator(shown).first).to_be_visible(timeout=60_000)
+        seen.inspect(f"motor, {name}")
+        dialog.get_by_role("button", name="Close").last.click()
+    page.locator("#motor-presets").select_option("")
 
 
 def inspect_export(stepramp: StepRampPage, seen: Inspection) -> None:
@@ -102,7 +129,7 @@ def inspect_export(stepramp: StepRampPage, seen: Inspection) -> None:
         page.locator("#examples").click()
         page.locator("#menu-list button b", has_text="Export").click()
     dialog = page.locator("#export-dialog")
-    for name in ("c_newton", "png"):
+    for name in ("c_newton", "klipper", "png"):
         dialog.locator(f'label:has(input[value="{name}"])').click()
         until(lambda name=name: dialog.get_attribute("data-shown") == name)
         seen.inspect(f"export of {name}")

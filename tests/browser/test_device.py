@@ -98,12 +98,17 @@ def test_try_then_keep_or_roll_back_and_restore(pushed: StepRampPage) -> None:
     page.locator("#roll-back").click()
     expect(page.locator("#keep-ramp")).to_be_hidden()
     expect(page.locator("#push-preview")).to_contain_text("A push would change")
+    # The report is of what was pushed, and says that it is there no more; the focus has gone on to what is there.
+    expect(page.locator("#push-report")).to_contain_text("The device has another ramp since this push.")
+    expect(page.locator("#push")).to_be_focused()
     page.locator("#try").click()
     page.locator("#keep-ramp").click()
     expect(page.locator("#keep-ramp")).to_be_hidden()
+    expect(page.locator("#push-report")).not_to_contain_text("another ramp")
     assert (device_of(pushed)["on_trial"], device_of(pushed)["ramp"]["sequence"]) == (False, stored + 1)
     page.locator("#restore").click()
     until(lambda: device_of(pushed)["ramp"]["sequence"] == stored + 2)
+    expect(page.locator("#restore")).to_be_focused()
     expect(page.locator("#push-preview")).to_contain_text("A push would change")
     assert changes(pushed)["Slew interval µs"] == ("1,000.0", "2,000.0")
 

@@ -74,7 +74,7 @@ def test_every_format_is_previewed_and_saved(dialog: ExportDialog, tmp_path: Pat
         dialog.choose(name)
         saved = dialog.save(tmp_path)
         expect(dialog.note).to_contain_text(saved.name)
-        assert saved.stat().st_size > 500
+        assert saved.stat().st_size > 300
         if name in PICTURES:
             width = dialog.preview.locator("img").evaluate("(image) => image.decode().then(() => image.naturalWidth)")
             assert width > 500
@@ -106,6 +106,30 @@ def test_options_change_the_file(dialog: ExportDialog) -> None:
     expect(dialog.element.get_by_label("Computes in")).to_be_hidden()
     dialog.page.locator("#export-bound").fill("9")
     expect(dialog.preview).to_contain_text("9 ticks from what is planned")
+
+
+def test_what_a_machine_loses_is_shown_beside_what_it_is_given(dialog: ExportDialog, watch: Watch) -> None:
+    watch.expected.append(REFUSED_VALUE)
+    remarks = dialog.page.locator("#export-remarks")
+    expect(remarks).to_be_hidden()
+    dialog.choose("marlin")
+    expect(remarks.locator("li").first).to_have_text(
+        "The method Exact is not kept: Marlin works its intervals out itself."
+    )
+    dialog.element.get_by_label("Axis of the machine").select_option("Z")
+    expect(dialog.preview).to_contain_text("M203 Z")
+    dialog.choose("klipper")
+    expect(dialog.preview).to_contain_text("max_z_velocity")
+    dialog.choose("tic")
+    expect(dialog.element.get_by_label("Axis of the machine")).to_be_hidden()
+    dialog.choose("csv")
+    expect(remarks).to_be_hidden()
+    # What it can't take is called what the page calls it.
+    dialog.choose("teensystep")
+    set_to = "(field) => { field.value = '0.5'; field.dispatchEvent(new Event('input')); }"
+    StepRampPage(dialog.page, dialog.page.url).field(SLEW_SPEED).evaluate(set_to)
+    expect(dialog.preview.locator(".message")).to_contain_text("Slew speed is 0.5; allowed: a number from 1 to 65,535")
+    expect(remarks).to_be_hidden()
 
 
 def test_refusals_are_shown_and_what_is_right_again_is_exported(dialog: ExportDialog, watch: Watch) -> None:

@@ -57,6 +57,31 @@ def test_the_family_of_a_controller_is_chosen_where_there_are_several(several: S
     expect(family).to_have_value("stepramp")
 
 
+def test_a_port_of_another_machine_is_chosen_from_the_list_and_refused_once_it_is_not_named_any_more(
+    stepramp: StepRampPage, watch: Watch
+) -> None:
+    """The list is from before the server was started anew without it."""
+
+    def told(route: Route) -> None:
+        answer = route.fetch()
+        known = answer.json()
+        families = [family["name"] for family in known["families"]]
+        far_away = {"port": "rfc2217://shop.local:2217", "name": "shop.local:2217 on the network, RFC 2217"}
+        known["ports"].insert(0, far_away | {"virtual": False, "families": families})
+        route.fulfill(response=answer, json=known)
+
+    stepramp.page.route("**/api/v1/ports", told)
+    stepramp.reload()
+    stepramp.show_panel("device")
+    watch.expected.append(REFUSED)
+    stepramp.page.locator("#port").select_option(label="shop.local:2217 on the network, RFC 2217")
+    stepramp.page.locator("#connect").click()
+    problem = stepramp.page.locator("#device .problem").first
+    expect(problem).to_contain_text("port is 'rfc2217://shop.local:2217'; allowed:")
+    expect(problem).to_contain_text("only hosts named at start by --allow-remote-port: none was named")
+    assert stepramp.devices() == []
+
+
 def test_one_family_needs_no_choice(stepramp: StepRampPage) -> None:
     def told(route: Route) -> None:
         answer = route.fetch()

@@ -34,8 +34,9 @@ def test_from_the_motor_to_the_settings_of_grbl(first_visit: StepRampPage, watch
     expect(page.locator("#device")).to_be_hidden()
     guide.locator("#guide-motors").select_option("NEMA 17 · GT2 belt, 20 teeth")
     # 1,000 steps/s at 2 microsteps are 128,000 at 256: more than one each 20 us.
+    # 50,000 steps/s at 200 · 256 / 40 = 1280 steps/mm are 39.0625 mm/s.
     guide.get_by_label("Microsteps").fill("256")
-    expect(guide.locator("#guide-refused")).to_contain_text("use a slew speed of at most 50,000 steps/s")
+    expect(guide.locator("#guide-refused")).to_contain_text("use a slew speed of at most 39.0625 mm/s")
     guide.get_by_label("Microsteps").fill("16")
     expect(guide.locator("#guide-refused")).to_be_empty()
     seen.inspect("motor")
@@ -69,7 +70,7 @@ def test_from_the_motor_to_the_settings_of_grbl(first_visit: StepRampPage, watch
     guide.locator("#guide-lengthen").click()
     expect(guide.locator("#guide-outcome")).to_contain_text("It reaches 100 mm/s")
     following.click()
-    expect(guide.locator("#guide-settings")).to_have_text(re.compile(r"\$100=80\s\$110=6000\s\$120=500$"))
+    expect(guide.locator("#guide-settings")).to_have_text(re.compile(r"^\$100=80\s\$110=6000.000\s\$120=500.000$"))
     seen.inspect("use")
     page.set_viewport_size({"width": 1440, "height": 900})
     following.click()

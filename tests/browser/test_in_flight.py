@@ -10,7 +10,7 @@ from playwright.sync_api import Locator, expect
 from browser.conftest import Watch
 from browser.stepramp_page import REFUSED_VALUE, SLEW_SPEED, StepRampPage, until
 
-LEFT, RIGHT, TOP, BOTTOM = 44, 420 - 12, 12, 136 - 26
+LEFT, RIGHT_MARGIN, TOP, BOTTOM = 44, 12, 12, 136 - 26
 """The plane of a chart, in its own units."""
 
 
@@ -84,7 +84,9 @@ def test_an_s_curve_that_is_told_to_turn_round(stepramp: StepRampPage) -> None:
         expect(chart.locator(".dot")).to_have_count(1)
     # The line of positions: from 0 at the bottom over the turn, which is its top, to the dot at rest.
     drawn = corners(way)
-    x_of_s = (RIGHT - LEFT) / rest["at_s"]
+    # As wide as it is shown.
+    width = float((way.get_attribute("viewBox") or "").split()[2])
+    x_of_s = (width - RIGHT_MARGIN - LEFT) / rest["at_s"]
     highest = min(drawn, key=lambda corner: corner[1])
     assert highest[0] == pytest.approx(LEFT + turned_s * x_of_s, abs=0.02)
     per_step = (BOTTOM - highest[1]) / turned
@@ -171,6 +173,8 @@ def test_commands_are_kept_and_undone_and_follow_the_design(stepramp: StepRampPa
     dialog.get_by_role("button", name="Close").last.click()
     expect(dialog).to_be_hidden()
     stepramp.edit_and_wait(SLEW_SPEED, "700")
+    stepramp.kept()
+    stepramp.reload()
     opened(stepramp)
     expect(target).to_have_value("450")
     expect(told).to_contain_text("Fastest: 700 steps/s")

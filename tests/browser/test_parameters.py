@@ -10,6 +10,8 @@ from browser.conftest import Watch
 from browser.server import Server
 from browser.stepramp_page import ACCELERATION, REFUSED_VALUE, SLEW_SPEED, StepRampPage, until
 from stepramp.design import AxisScale, Method, Move, RampParameters, RampShape, Timer
+from stepramp.drive_train import Drive, Load, Motor, StallPoint
+from stepramp.mechanism import Mechanism
 
 BASE_SPEED = "ramp.base_speed_steps_per_s"
 DECELERATION = "ramp.deceleration_steps_per_s2"
@@ -285,6 +287,8 @@ def test_what_the_method_is_tuned_for_can_be_chosen_where_it_matters(stepramp: S
 def test_every_field_of_a_design_can_be_edited(stepramp: StepRampPage) -> None:
     """Each has a control on the page: a number, a choice, the name, or the table with its unit."""
     parts = {"axis": AxisScale, "timer": Timer, "ramp": RampParameters, "method": Method, "move": Move}
+    parts |= {"motor": Motor, "drive": Drive, "load": Load}
+    parts |= {"motor.stalled": StallPoint, "load.mechanism": Mechanism, "motor.measured_with": Drive}
     paths = {f"{part}.{name}" for part, model in parts.items() for name in model.model_fields}
     shape = RampShape.model_fields.keys() - {"name"}
     paths |= {f"ramp.shape.{name}" for name in shape}
@@ -294,6 +298,9 @@ def test_every_field_of_a_design_can_be_edited(stepramp: StepRampPage) -> None:
     choices = {"method.name": "#method", "method.arithmetic": "#arithmetic", "method.rounding": "#rounding"}
     choices |= {"ramp.shape": "#shape", "ramp.shape.points": "#drawn-points", "move.plan": "#short-moves"}
     choices |= {"method.tuned_for": "#tuned-for", "axis.travel_unit": '[aria-label="Travel unit"]'}
+    choices |= {"drive.current_is": "#current-is", "motor.kind": "#kind", "motor.torque_curve": "#torque-curve"}
+    choices |= {"motor.measured_with": "#stall-point", "motor.measured_with.current_is": "#current-then-is"}
+    choices |= {"motor.stalled": "#stall-point", "load.mechanism": "#mechanism", "load.mechanism.name": "#mechanism"}
     assert paths == set(numbers) | set(choices)
     for selector in choices.values():
         expect(stepramp.page.locator(selector)).to_have_count(1)
@@ -302,14 +309,23 @@ def test_every_field_of_a_design_can_be_edited(stepramp: StepRampPage) -> None:
 # ---- what a field says of itself ----
 
 
-def test_every_field_explains_itself(stepramp: StepRampPage) -> None:
+def test_every_field_explains_itself(stepramp: StepRampPage, module_watch: Watch) -> None:
+    # Numbers of which nobody has said yet what they are: they explain themselves, too.
+    module_watch.expected.append(REFUSED_VALUE)
     page = stepramp.page
     info = page.locator("#parameter-info")
     page.locator("#method").select_option("tuned")
     explained = ".parameter, .choice, .units, .group-head:has(select), .drawn-points"
     said = dict[str, str]()
-    for shape in ("drawn", "s_curve"):
+    page.locator("#motor-presets").select_option("NEMA 17 · 17HS4401")
+    stepramp.field("drive.current_a").fill("1.5")
+    for summary in page.locator(".motor-section summary").all():
+        summary.click()
+    for shape, mechanism in (("drawn", "screw"), ("s_curve", "belt"), ("torque", "pointer")):
         page.locator("#shape").select_option(shape)
+        page.locator("#mechanism").select_option(mechanism)
+        if shape == "torque":
+            page.locator("#stall-point").click()
         for row in page.locator(explained).filter(visible=True).all():
             row.hover()
             said[row.evaluate("(row) => row.dataset.path ?? row.textContent")] = info.inner_text()

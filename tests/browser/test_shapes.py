@@ -50,6 +50,44 @@ def test_a_drawn_acceleration_is_pasted_and_refused_at_its_points(stepramp: Step
     expect(page.locator(".drawn-points .message")).to_have_count(0)
 
 
+def test_more_points_than_a_design_may_have_are_refused_and_nothing_is_lost(stepramp: StepRampPage) -> None:
+    page = stepramp.page
+    page.locator("#shape").select_option("drawn")
+    points, message = page.locator("#drawn-points"), page.locator(".drawn-points .message")
+    pasted = "\n".join(f"{speed} 0.9" for speed in range(20_000))
+    # As one event: typed by the browser, so many lines take half a minute.
+    paste = "(box, text) => { box.value = text; box.dispatchEvent(new Event('input', {bubbles: true})); }"
+    points.evaluate(paste, pasted)
+    expect(message).to_contain_text("20,000 points; allowed: 2 to 200")
+    stepramp.field(SLEW_SPEED).fill("777")
+    until(lambda: stepramp.design()["ramp"]["slew_speed_steps_per_s"] == 777)
+    expect(points).to_have_value(pasted)
+    assert stepramp.design()["ramp"]["shape"]["points"] == [[0, 1], [500, 1], [1000, 0.5]]
+    page.wait_for_timeout(1200)
+    page.reload()
+    expect(stepramp.field(SLEW_SPEED)).to_have_value("777")
+    expect(points).to_have_value("0  1\n500  1\n1000  0.5")
+    points.evaluate(paste, pasted)
+    expect(message).to_have_count(1)
+    points.fill("0 1\n900 0.5")
+    expect(message).to_have_count(0)
+    until(lambda: stepramp.design()["ramp"]["shape"]["points"] == [[0, 1], [900, 0.5]])
+
+
+def test_an_acceleration_being_typed_leaves_the_drawing_without_numbers(stepramp: StepRampPage, watch: Watch) -> None:
+    watch.expected.append(REFUSED_VALUE)
+    page = stepramp.page
+    page.locator("#shape").select_option("drawn")
+    labels = page.locator(".drawn-chart text")
+    expect(labels.filter(has_text="5,000")).to_have_count(1)
+    for typed in ("1.5e", "-", "abc"):
+        stepramp.field("ramp.acceleration_steps_per_s2").fill(typed)
+        expect(labels.filter(has_text="5,000")).to_have_count(0)
+        expect(labels.filter(has_text="NaN")).to_have_count(0)
+    stepramp.field("ramp.acceleration_steps_per_s2").fill("2000")
+    expect(labels.filter(has_text="2,000")).to_have_count(1)
+
+
 def test_a_short_move_is_planned_by_itself_or_cut_out_of_the_long_ramp(stepramp: StepRampPage) -> None:
     page = stepramp.page
     expect(page.locator("#short-moves")).to_be_hidden()

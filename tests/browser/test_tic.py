@@ -79,7 +79,7 @@ def test_a_tic_at_the_page(connected: StepRampPage, cable: TicOnACable) -> None:
         connected.push()
         expect(page.locator("#push-preview")).to_contain_text("The device has this ramp")
         assert cable.tic.ramp[1] == speed * 10_000
-    expect(page.locator("#device").get_by_text("A Tic computes its own ramp")).to_have_count(1)
+    expect(page.locator("#device").get_by_text("is not kept: a Tic works")).to_have_count(1)
     expect(page.locator("#push-report .push-head span")).to_have_text("24 bytes")
     connected.move("300")
     until(lambda: cable.tic.position == 300)

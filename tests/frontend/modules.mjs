@@ -10,6 +10,12 @@ const packed = (_, value) =>
   value === undefined ? null : typeof value === 'number' && !Number.isFinite(value) ? { $number: String(value) } : value;
 const unpacked = (_, value) => (typeof value?.$number === 'string' ? Number(value.$number) : value);
 
+// What a module leaves undone may fail after its answer: told with the next one, as nothing else would say what it was.
+const late = [];
+for (const event of ['uncaughtException', 'unhandledRejection']) {
+  process.on(event, (error) => late.push(`after an earlier answer: ${error?.stack ?? error}`));
+}
+
 for await (const line of createInterface({ input: process.stdin })) {
   const { script, value } = JSON.parse(line, unpacked);
   let answer;
@@ -19,5 +25,6 @@ for await (const line of createInterface({ input: process.stdin })) {
   } catch (error) {
     answer = { error: String(error?.stack ?? error) };
   }
+  if (late.length > 0) answer = { error: late.splice(0).join('\n') };
   console.log(JSON.stringify(answer, packed));
 }

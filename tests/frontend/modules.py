@@ -25,7 +25,7 @@ class Modules:
         shutil.copytree(FRONTEND, copy)
         (copy / "assets").mkdir()
         server = TestClient(create_app(), "http://127.0.0.1")
-        for name in ("methods.js", "shapes.js", "design_fields.js", "device_fields.js"):
+        for name in ("methods.js", "shapes.js", "motors.js", "design_fields.js", "device_fields.js"):
             (copy / "assets" / name).write_bytes(server.get(f"/assets/{name}").content)
         # What the server tells browsers by its media type, Node wants to read here.
         (copy / "package.json").write_text('{"type": "module"}')

@@ -16,7 +16,9 @@ from frontend.modules import Modules
         ((1, 5000, 450), "same peak acceleration: as long, 4.5 times the jerk"),
         ((1, 5000, 80), "same peak acceleration: as long, 20 % less jerk"),
         ((1, 5000, 2.3), "same peak acceleration: as long, 2.3 % of the jerk"),
-        ((1, 5000, 0), "same peak acceleration: as long, 0 % of the jerk"),
+        ((1, 5000, 0), "same peak acceleration: as long, hardly any jerk"),
+        ((1.999, 5000, 199.9), "same peak acceleration: 2 times as long, 2 times the jerk"),
+        ((1, 0.01, 100), "peak acceleration over 99.9 % lower: as long, the same jerk"),
     ],
 )
 def test_a_ramp_is_compared(modules: Modules, now: tuple[float, ...], expected: str) -> None:

@@ -1,6 +1,7 @@
 """What follows from the page's state of devices after some commands."""
 
 import json
+from typing import Any
 
 import pytest
 
@@ -106,6 +107,100 @@ def test_what_was_pushed_is_known_as_long_as_the_device_has_it(
     assert after(modules, steps, look) == [is_known, is_known]
 
 
+RAMP = {"sequence": 3, "crc": 9}
+CUT: dict[str, Any] = {"designs": [document()], "ids": [5], "toAxis": 0, "before": RAMP}
+CUT_SHORT: list[object] = ["device.pushCutShort", "1", CUT]
+CUT_SHORT_AFTER_17: list[object] = ["device.pushCutShort", "1", {**CUT, "before": {"sequence": 3, "crc": 17}}]
+OF_OTHERS = ["device.heard", [{**DEVICE, "ramp": {"sequence": 4, "crc": 17}, "in_control": "another page"}], {}]
+
+
+@pytest.mark.parametrize(
+    ("steps", "is_known"),
+    [
+        # Nothing was written: the device has the ramp that it had.
+        ([BEFORE, CUT_SHORT], False),
+        ([BEFORE, CUT_SHORT, had(9, "writing"), had(9)], False),
+        # All of it had been sent. What is told while it is written may be from before.
+        ([BEFORE, CUT_SHORT, had(17, "writing")], False),
+        ([BEFORE, CUT_SHORT, had(17, "writing"), had(17)], True),
+        ([BEFORE, CUT_SHORT, had(9), had(9, "writing"), had(17)], True),
+        ([BEFORE, had(17), CUT_SHORT], True),
+        # What was pushed before is on the device no more, or still.
+        ([BEFORE, PUSHED, had(17), CUT_SHORT_AFTER_17, had(17)], True),
+        # Another page has pushed since, or may have.
+        ([BEFORE, CUT_SHORT, had(17), had(8, heard_s=40)], False),
+        ([BEFORE, CUT_SHORT, OF_OTHERS], False),
+        ([BEFORE, CUT_SHORT, OF_OTHERS, had(17)], False),
+        # What was rolled back is not what was pushed.
+        ([BEFORE, CUT_SHORT, ["device.pushed", "1", None], had(8)], False),
+    ],
+)  # fmt: skip
+def test_a_push_that_a_stop_ended_is_known_by_the_ramp_that_the_device_has_then(
+    modules: Modules, steps: list[list[object]], is_known: bool
+) -> None:
+    look = """(state, {moveOf, situationOf}) =>
+        [moveOf(state, '1', 0).design !== null, situationOf(state).lastPushed !== null]"""
+    assert after(modules, steps, look) == [is_known, is_known]
+
+
+def previewed(to_axis: int = 0, *, same: bool = True, of: str = "1") -> list[object]:
+    question = {"id": of, "state": [RAMP, False, 2e6, None], "axis": to_axis, "designs": [document()], "ids": [5]}
+    return ["device.previewCame", {"question": question, "preview": {"same": same}, "rejections": []}]
+
+
+@pytest.mark.parametrize(
+    ("steps", "axes"),
+    [
+        # The page was loaded anew: a push would change nothing, so the device has this design.
+        ([BEFORE, previewed()], [5, None]),
+        ([BEFORE, previewed(to_axis=1)], [None, 5]),
+        ([BEFORE, previewed(same=False)], [None, None]),
+        ([BEFORE, previewed(of="2")], [None, None]),
+        # It has another ramp since, or is gone.
+        ([BEFORE, previewed(), had(8)], [None, None]),
+        ([BEFORE, previewed(), ["device.heard", [], {}]], [None, None]),
+        # What was pushed from here is known better.
+        (
+            [
+                BEFORE,
+                ["device.pushed", "1", {"designs": [document()], "ids": [7], "toAxis": 0, "crc": None}],
+                previewed(),
+            ],
+            [7, None],
+        ),
+    ],
+)
+def test_what_a_device_is_found_to_have_is_what_its_moves_are_of(
+    modules: Modules, steps: list[list[object]], axes: list[int | None]
+) -> None:
+    look = "(state, {moveOf}) => [0, 1].map((axis) => moveOf(state, '1', axis).axis)"
+    assert after(modules, steps, look) == axes
+    design = "(state, {moveOf}) => [0, 1].map((axis) => moveOf(state, '1', axis).design !== null)"
+    assert after(modules, steps, design) == [axis is not None for axis in axes]
+
+
+PUSH_ENDED = """async ([design]) => {
+    const {FIRST_STATE, createStore} = await import('/app/state.js');
+    const {COMMANDS} = await import('/app/commands/commands.js');
+    const {createDeviceActions} = await import('/app/effects/device_actions.js');
+    const {api, Ended} = await import('/server/api.js');
+    const {createGestures} = await import('/server/gestures.js');
+    const real = api.push;
+    const store = createStore(FIRST_STATE, (error) => { throw error; });
+    store.dispatch(COMMANDS.work.begin, {axes: [design], together: 'independent', ids: [5], active: 0, kept: null});
+    api.push = async () => { throw new Ended('stop'); };
+    const actions = createDeviceActions(store, createGestures(), new Map(), {outdate: () => {}});
+    await actions.push({id: '1', stops: 0, ramp: {sequence: 3, crc: 9}}, [design], 2, 'try');
+    api.push = real;
+    const {cutShort, rejections, asking} = store.state().devices;
+    return [cutShort['1'], rejections, asking, store.state().told.notice !== null]; }"""
+
+
+def test_a_push_that_a_stop_ended_is_remembered_with_the_ramp_before_it(modules: Modules) -> None:
+    cut_short = {"designs": [document()], "ids": [5], "toAxis": 2, "before": RAMP}
+    assert modules.evaluate(PUSH_ENDED, [document()]) == [cut_short, [], None, True]
+
+
 PUSH = """async ([design, items]) => {
     const {FIRST_STATE, createStore} = await import('/app/state.js');
     const {COMMANDS} = await import('/app/commands/commands.js');
@@ -129,6 +224,53 @@ def test_what_was_pushed_is_remembered_with_the_checksum_of_the_ramps(modules: M
         items.append({"name": "Ramp image", "unit": "CRC-16", "sent": crc})
     known = {"designs": [document()], "ids": [5], "toAxis": 2, "crc": crc, "heard_s": 20}
     assert modules.evaluate(PUSH, [document(), items]) == known
+
+
+REFUSED = """async ([design, rejections, meanwhile]) => {
+    const {FIRST_STATE, createStore} = await import('/app/state.js');
+    const {COMMANDS} = await import('/app/commands/commands.js');
+    const {createDeviceActions} = await import('/app/effects/device_actions.js');
+    const {previewQuestionOf, situationOf} = await import('/app/devices.js');
+    const {api, Refusal} = await import('/server/api.js');
+    const {createGestures} = await import('/server/gestures.js');
+    const real = api.push;
+    const store = createStore(FIRST_STATE, (error) => { throw error; });
+    const device = {id: '1', port: 'sim://', state: 'ready', axes: [{}], most_axes: 1, stops: 0, in_control: null};
+    const sound = (of, axis) => store.dispatch(COMMANDS.answers.curvesCame,
+        {design: of, profiles: {[of.method.name]: {warnings: []}}, errors: {}, failures: {}}, axis);
+    const other = {...design, ramp: {...design.ramp, slew_speed_steps_per_s: 700}};
+    store.dispatch(COMMANDS.work.begin,
+        {axes: [design, other], together: 'independent', ids: [5, 7], active: 0, kept: null});
+    store.dispatch(COMMANDS.device.heard, [device], {});
+    store.dispatch(COMMANDS.device.linked, 'there');
+    sound(design, 5);
+    api.push = async () => {
+        if (meanwhile === 'choose') {
+            store.dispatch(COMMANDS.work.choose, 7);
+            sound(other, 7);
+            const known = {question: previewQuestionOf(store.state()), preview: {same: true}, rejections: []};
+            store.dispatch(COMMANDS.device.previewCame, known);
+        }
+        throw new Refusal(422, rejections); };
+    const actions = createDeviceActions(store, createGestures(), new Map(), {outdate: () => {}});
+    await actions.push(device, [design], 0, 'try');
+    api.push = real;
+    const {refusals, preview} = situationOf(store.state());
+    const {notice, announced} = store.state().told;
+    return {blamed: refusals.map(({axis}) => axis), isPreviewed: preview !== null, notice: notice?.text ?? null,
+        announced: announced.text, left: store.state().devices.rejections}; }"""
+
+
+def test_a_push_that_is_refused_is_shown_at_what_was_pushed_and_nothing_else(modules: Modules) -> None:
+    slew = "design.ramp.slew_speed_steps_per_s"
+    refused = [{"field": slew, "value": 1000, "allowed": "less", "message": "It is too fast."}]
+    still = modules.evaluate(REFUSED, [document(), refused, ""])
+    assert (still["blamed"], still["notice"], still["left"]) == ([5], None, [])
+    assert "Slew speed is 1,000; allowed: less." in still["announced"]
+    # Another axis came in hand before the refusal: what is known of that one stays, and the refusal is told.
+    gone = modules.evaluate(REFUSED, [document(), refused, "choose"])
+    assert (gone["blamed"], gone["isPreviewed"], gone["left"]) == ([], True, [])
+    assert "Slew speed is 1,000; allowed: less." in gone["notice"]
 
 
 def test_a_ramp_without_a_checksum_is_taken_to_be_the_pushed_one(modules: Modules) -> None:

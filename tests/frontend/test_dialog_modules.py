@@ -27,7 +27,7 @@ ELEMENTS = """
             addEventListener(name, act) { heard[name] = act; }, emit(name, event) { heard[name]?.(event); },
             append(...more) { this.children.push(...more); }, replaceChildren(...more) { this.children = more; },
             setAttribute(name, value) { this[name] = value; }, getAttribute(name) { return this[name] ?? null; },
-            removeAttribute(name) { delete this[name]; },
+            removeAttribute(name) { delete this[name]; }, toggleAttribute() {},
             querySelectorAll: () => [], querySelector: () => made('input'), focus() {}, select() {},
             show() { this.open = true; }, close() { this.open = false; heard.close?.(); }};
         return new Proxy(plain, {has: () => true}); };
@@ -165,6 +165,114 @@ def test_an_export_is_asked_for_again_and_follows_the_design(modules: Modules) -
     assert asked == [document()["name"], document()["name"], "Other"]
 
 
+def test_what_a_machine_is_given_is_shown_with_what_it_loses(modules: Modules) -> None:
+    seen = run(
+        modules,
+        """const {createExport} = await import('/panels/export/export.js');
+        const {createStore, FIRST_STATE} = await import('/app/state.js');
+        const {COMMANDS: {work}} = await import('/app/commands/commands.js');
+        const {Refusal} = await import('/server/api.js');
+        const asked = [];
+        let answer = async () => ({file_name: 'a.gcode', text: 'M92 X80', settings: [], remarks: ['No base speed.']});
+        const store = createStore(FIRST_STATE, (error) => { throw error; });
+        const panel = createExport(store, {report: gone, exportDesign: gone, machine: (name, wanted) => {
+            asked.push([name, wanted.axis_letter]); return answer(); }});
+        store.subscribe(panel.show);
+        store.dispatch(work.begin, {axes: [design], together: 'independent'});
+        panel.open('marlin'); await settled();
+        const seen = [textOf(byId('export-preview')), textOf(byId('export-remarks')), byId('export-remarks').hidden];
+        const refuse = (field) => async () => {
+            throw new Refusal(422, [{field, value: 'A', allowed: 'X', message: `${field} is wrong`}]); };
+        answer = refuse('design.ramp.slew_speed_steps_per_s');
+        store.dispatch(work.setName, 'Other'); await settled();
+        seen.push(textOf(byId('export-preview')), byId('export-remarks').hidden);
+        answer = refuse('axis_letter');
+        store.dispatch(work.setName, 'Third'); await settled();
+        return [...seen, textOf(byId('export-preview')), asked];""",
+    )
+    assert seen[:3] == ["M92 X80", "No base speed.", False]
+    assert "Slew speed is 'A'; allowed: X" in seen[3]
+    assert seen[4] is True
+    assert "Axis is 'A'; allowed: X" in seen[5]
+    assert seen[6] == [["marlin", "X"]] * 3
+
+
+def test_what_a_library_really_plays_is_said_and_drawn_if_wanted(modules: Modules) -> None:
+    seen = run(
+        modules,
+        """const {createExport} = await import('/panels/export/export.js');
+        const {createStore, FIRST_STATE} = await import('/app/state.js');
+        const {ownPlayerOf} = await import('/app/devices.js');
+        const {COMMANDS: {work}} = await import('/app/commands/commands.js');
+        const asked = [];
+        const press = (box) => { box.checked = !box.checked; box.onchange(); };
+        const store = createStore(FIRST_STATE, (error) => { throw error; });
+        const machine = async (name) => ({file_name: 'a.ino', text: 'void loop()', settings: [], remarks: [],
+            unplayed: name === 'fastaccelstepper' ? 'Nobody knows.' : null});
+        const ramp = async (route) => { asked.push(route);
+            return {max_relative_error: -0.594, max_error_step: 1, duration_s: 2.1, planned_duration_s: 2.2}; };
+        const panel = createExport(store, {report: gone, exportDesign: gone, machine}, ramp);
+        store.subscribe(panel.show);
+        store.dispatch(work.begin, {axes: [design], together: 'independent'});
+        panel.open('accelstepper'); await settled();
+        const box = byId('export-draw');
+        const seen = [textOf(byId('export-played')), box.checked, ownPlayerOf(store.state())];
+        press(box);
+        seen.push(ownPlayerOf(store.state()).route);
+        panel.open('teensystep'); await settled();
+        seen.push(box.checked);
+        panel.open('fastaccelstepper'); await settled();
+        seen.push(textOf(byId('export-played')), find(body, (one) => one.children?.includes(box)).hidden);
+        panel.open('accelstepper'); await settled();
+        seen.push(box.checked);
+        press(box);
+        return [...seen, ownPlayerOf(store.state()), asked];""",
+    )
+    text = (
+        "AccelStepper really plays delays that differ by up to \u221259 %, at step 1; the move takes 100.0 ms less "
+        "than planned."
+    )
+    assert seen[:3] == [text, False, None]
+    assert seen[3:5] == ["machine/accelstepper", False]
+    assert seen[5:9] == ["Nobody knows.", True, True, None]
+    assert seen[9] == ["machine/accelstepper", "machine/teensystep", "machine/accelstepper"]
+
+
+def test_the_guide_has_its_lines_from_the_server_and_keeps_none_that_are_old(modules: Modules) -> None:
+    seen = run(
+        modules,
+        """const {createUseStep} = await import('/panels/guide/use.js');
+        const {createStore, FIRST_STATE} = await import('/app/state.js');
+        const {COMMANDS: {work, guide, answers}} = await import('/app/commands/commands.js');
+        const {axisOf} = await import('/app/selectors.js');
+        const asked = [];
+        let answer = gone;
+        const nothing = () => {};
+        const act = {goToDevice: nothing, openExport: nothing, saveFile: nothing, choosePlayer: nothing};
+        const step = createUseStep(act, {machine: (name, {design, axis_letter}) => {
+            asked.push([name, axis_letter, design.name]); return answer(); }});
+        body.append(step.element);
+        const store = createStore(FIRST_STATE, (error) => { throw error; });
+        store.subscribe(step.show);
+        store.dispatch(work.begin, {axes: [design], together: 'independent'});
+        store.dispatch(guide.setPlayer, 'grbl');
+        store.dispatch(answers.curvesCame, {}, axisOf(store.state())); await settled();
+        const shown = () => [textOf(byId('guide-settings')), byId('guide-copy').disabled];
+        const seen = [textOf(body).includes('The server does not answer'), ...shown()];
+        answer = async () => ({text: '; Mine.\\n$100=80\\n$110=6\\n', remarks: ['No base speed.']});
+        pass(); await settled();
+        seen.push(...shown(), textOf(body).includes('No base speed.'));
+        answer = () => new Promise(nothing);
+        store.dispatch(work.setName, 'Other'); await settled();
+        return [...seen, ...shown(), asked];""",
+    )
+    assert seen[:3] == [True, "", True]
+    assert seen[3:6] == ["$100=80\n$110=6", False, True]
+    assert seen[6:8] == ["", True], "lines of an earlier design are none to be copied"
+    name = document()["name"]
+    assert seen[8] == [["grbl", "X", name], ["grbl", "X", name], ["grbl", "X", "Other"]]
+
+
 CAPTURE = """
     const {createCapture} = await import('/panels/capture/capture.js');
     const {createStore, FIRST_STATE} = await import('/app/state.js');
@@ -178,7 +286,7 @@ CAPTURE = """
         {move: 2, steps: 3, begin_s: 9, duration_s: 0.5, direction_level: 0},
         {move: 3, steps: 3, begin_s: 12, duration_s: 0.5, direction_level: null}];
     const deviation = {planned_steps: 4, planned_duration_s: 0.75, matched_steps: 2, planned_step: [], deviation_us: [],
-        figures: {largest_us: 7, largest_at_step: 2, mean_us: 1, rms_us: 2, clock_ppm: 0},
+        figures: {largest_us: 7, largest_at_step: 2, mean_us: 1, rms_us: 2, clock_ppm: 0, no_clock: ''},
         missing: {count: 1, step: [4], time_s: [0.7]}, extra: {count: 7, step: [1, 2, 3, 4, 5, 6, 7], time_s: []}};
     const answer = (changes) => ({format: 'vcd', channels: [{name: 'Step', edges: 6}], step_channel: 'Step',
         direction_channel: null, edge: 'rising', sample_rate_hz: null, duration_s: 20, longest_wait_us: 20000,
@@ -188,6 +296,18 @@ CAPTURE = """
         return list.children[list.children.findIndex((one) => one.textContent.includes(name)) + 1].textContent; };
     const came = (changes) => store.dispatch(capture.captureCame, answer(changes), '');
 """
+
+
+def test_a_capture_without_a_step_has_no_figures_and_no_empty_box_for_them(modules: Modules) -> None:
+    seen = run(
+        modules,
+        f"""{CAPTURE} open('a.vcd'); came({{}});
+        const some = byId('capture-figures').hidden;
+        store.dispatch(capture.captureCame, {{...answer({{}}), move: null, moves: [], move_count: 0}}, '');
+        const fields = find(body, ({{className}}) => className === 'capture-fields');
+        return [some, byId('capture-figures').hidden, fields.hidden];""",
+    )
+    assert seen == [False, True, False]
 
 
 def test_a_captured_move_is_told_in_what_can_be_compared_with_the_plan(modules: Modules) -> None:
@@ -287,6 +407,12 @@ def test_a_fault_of_the_page_stays_until_it_is_closed(modules: Modules) -> None:
             {"acceleration_steps_per_s2": 90_000, "deceleration_steps_per_s2": 180_000},
             "Raise the acceleration to about 225 mm/s² and raise the deceleration to about 450 mm/s²",
         ),
+        # 400,000 / 400 = 1,000 mm/s³.
+        (
+            {"length": "mm", "time": "s"},
+            {"shape.jerk_steps_per_s3": 400_000},
+            "Raise the jerk to about 1,000 mm/s³",
+        ),
         ({"length": "mm", "time": "s"}, {"name": "newton"}, "The server's words"),
     ],
 )
@@ -296,6 +422,7 @@ def test_a_remedy_is_told_in_the_units_that_are_shown(
     axis = {"full_steps_per_rev": 200, "microsteps": 16, "travel_per_rev": 8, "travel_unit": "mm"}
     design = document(axis=axis)
     design["ramp"] = {**design["ramp"], "slew_speed_steps_per_s": 20_000, "acceleration_steps_per_s2": 50_000}
+    design["ramp"]["shape"] = {"name": "s_curve", "jerk_steps_per_s3": 100_000}
     part = "method" if "name" in changes else "ramp"
     listed = [{"field": f"{part}.{name}", "value": value} for name, value in changes.items()]
     remedy = {"text": "the server's words", "changes": listed}

@@ -1,5 +1,6 @@
 """Targets and speeds that change in flight: what the page asks, and what it makes of the answer."""
 
+import itertools
 from typing import Any
 
 import pytest
@@ -107,3 +108,49 @@ def test_stairs_have_gaps_where_nothing_is_wanted(modules: Modules) -> None:
             return [chart.element.attributes['aria-label'], ...chart.element.children.map((one) => one.attributes.d)];
         } finally { globalThis.document = own; } }"""
     assert modules.evaluate(script) == ["Way", "M44 100H144M244 90H408V90", "M44 110H94V12"]
+
+
+def chart_texts(modules: Modules, script: str) -> Any:
+    """Return what a script makes of chart elements that plain objects stand in for."""
+    elements = """const made = (tag) => ({tag, children: [], append(...more) { this.children.push(...more); },
+        replaceChildren(...more) { this.children = more; }, setAttribute(name, value) { this[name] = value; }});
+        const own = globalThis.document;
+        globalThis.document = {createElementNS: (_, tag) => made(tag)};"""
+    return modules.evaluate(f"async () => {{ {elements} try {{ {script} }} finally {{ globalThis.document = own; }} }}")
+
+
+def test_numbers_of_many_commands_never_lie_over_each_other(modules: Modules) -> None:
+    """42 commands in 364 px: a line each, and the numbers that have room, 5.8 px a digit, 3 px apart."""
+    marks = chart_texts(
+        modules,
+        """const {createTimeChart} = await import('/ui/time_chart.js');
+        const chart = createTimeChart(136);
+        const none = {x: [0, 41], y: [0, 0]};
+        chart.show({end: 41, low: 0, high: 1, times: [], levels: [], wanted: none, way: none, dots: [],
+            marks: Array.from({length: 42}, (_, at) => ({at, text: String(at + 1)}))});
+        const texts = chart.element.children.filter(({tag}) => tag === 'text');
+        return [chart.element.children.filter((one) => one.class === 'mark').length,
+            texts.map(({x, textContent}) => [x, textContent])];""",
+    )
+    lines, numbers = marks
+    assert lines == 42
+    assert numbers[0][1] == "1"
+    for (left, text), (right, other) in itertools.pairwise(numbers):
+        assert float(right) - float(left) >= 5.8 * (len(text) + len(other)) / 2 + 3
+    assert len(numbers) > 20
+
+
+def test_a_label_that_is_wider_than_its_room_is_squeezed_into_it(modules: Modules) -> None:
+    """Left of 44 px there are 34 for it: six digits of 5.8 px are too wide, five are not."""
+    labels = chart_texts(
+        modules,
+        """const {gridLine} = await import('/ui/chart.js');
+        return ['10000', '100000', '\u2212500,000'].map((text) => {
+            const [, label] = gridLine(text, 44, 400, 20);
+            return [label.textContent, label.textLength ?? null, label.lengthAdjust ?? null]; });""",
+    )
+    assert labels == [
+        ["10000", None, None],
+        ["100000", "34", "spacingAndGlyphs"],
+        ["\u2212500,000", "34", "spacingAndGlyphs"],
+    ]

@@ -1,4 +1,4 @@
-"""The guide of a first visit: what its answers make of a design, and the lines for machines that ramp by themselves.
+"""The guide of a first visit: what its answers make of a design.
 
 The figures are worked out by hand, from the formulas that stand beside them.
 """
@@ -164,43 +164,3 @@ def test_a_move_becomes_long_enough(modules: Modules, sign: int) -> None:
     # (1000² − 100²) / (2 · 2000) = 247.5 and / (2 · 4500) = 110: 248 + 110 steps; half of the move is at slew speed.
     assert modules.call("model/guide.js", "leastSteps", short) == 358
     assert made(modules, ["guide.lengthenMove"], design=short)["design"]["move"]["steps"] == 716 * sign
-
-
-def lines(modules: Modules, machine: str, letter: str, design: Any) -> Any:
-    return modules.call("documents/machine_settings.js", "settingLines", design, machine, letter)
-
-
-def test_settings_for_grbl_and_marlin(modules: Modules) -> None:
-    design = document(axis=SCREW)
-    design["ramp"] = {**design["ramp"], "slew_speed_steps_per_s": 20_000, "acceleration_steps_per_s2": 100_000}
-    # 200 · 16 / 8 = 400 steps/mm; 20,000 / 400 = 50 mm/s = 3,000 mm/min; 100,000 / 400 = 250 mm/s².
-    assert lines(modules, "grbl", "X", design) == ["$100=400", "$110=3000", "$120=250"]
-    assert lines(modules, "grbl", "Z", design) == ["$102=400", "$112=3000", "$122=250"]
-    assert lines(modules, "marlin", "Y", design) == ["M92 Y400", "M203 Y50", "M201 Y250", "M500"]
-    odd = document(axis={**SCREW, "microsteps": 1, "travel_per_rev": 1000 * math.pi})
-    odd["ramp"] = {**odd["ramp"], "slew_speed_steps_per_s": 1000}
-    # 200 / 3141.5927 = 0.0636620 steps/mm; 1000 / 0.0636620 · 60 = 942,477.796 mm/min.
-    assert lines(modules, "grbl", "X", odd)[:2] == ["$100=0.06366", "$110=942477.796"]
-
-
-def test_what_such_a_machine_does_otherwise_is_said(modules: Modules) -> None:
-    def remarks(design: Any) -> Any:
-        return modules.call("documents/machine_settings.js", "settingRemarks", design, "grbl")
-
-    plain = document(axis=SCREW)
-    plain["ramp"] = {
-        "base_speed_steps_per_s": 0,
-        "slew_speed_steps_per_s": 30_000,
-        "acceleration_steps_per_s2": 5000,
-        "deceleration_steps_per_s2": None,
-    }
-    assert remarks(plain) == []
-    other = document(axis=DIAL)
-    other["ramp"] = {
-        "base_speed_steps_per_s": 50,
-        "slew_speed_steps_per_s": 30_001,
-        "acceleration_steps_per_s2": 5000,
-        "deceleration_steps_per_s2": 6000,
-    }
-    said = " ".join(remarks(other))
-    assert all(words in said for words in ("start speed", "deceleration", "30,001", "degree"))

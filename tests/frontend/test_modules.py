@@ -152,6 +152,27 @@ def test_ranges_stay_while_a_slider_moves_as_long_as_all_fits(modules: Modules) 
     assert 20 < shrunk < 60
 
 
+def test_a_table_far_off_does_not_flatten_the_errors_of_the_others(modules: Modules) -> None:
+    script = """async ([method, shown, worst, of]) => { const {frameOf} = await import('/plotting/frame.js');
+        const curve = (percent) => ({step: [1, 2], x: [1, 2], shownSpeed: [0, 9], delay_us: [9, 1],
+            error: {x: [1, 2], percent: [0, percent]}});
+        const {plots} = frameOf({answer: {design: {axis: {}, method: {name: method}},
+            profiles: {[method]: {phases: [{name: 'accelerate', first_step: 1, last_step: 2}]}}},
+            shown: new Set(shown), curves: {exact: curve(0), newton: curve(of), table: curve(worst)},
+            against: 'step', view: 'whole', zoom: null, size: {width: 800, height: 600}, compact: false});
+        return plots.find(({name}) => name === 'error').range.high; }"""
+
+    def top(method: str, shown: list[str], worst: float, of_others: float = 40) -> float:
+        return float(modules.evaluate(script, [method, shown, worst, of_others]))
+
+    everything = ["exact", "newton", "table"]
+    assert 120 < top("exact", everything, 7000) < 140, "three times the largest of the others"
+    assert 100 < top("exact", everything, 7000, 2) < 120, "but no less than 100 %"
+    assert 90 < top("exact", everything, 90, 2) < 100, "what isn't far off is all there"
+    assert top("table", everything, 7000) > 7000, "chosen, it is what is looked at"
+    assert top("exact", ["exact", "table"], 7000) > 7000, "nothing is flattened"
+
+
 def test_hidden_methods_and_a_phone_s_other_plots_are_invisible(modules: Modules) -> None:
     traces = modules.evaluate(SCENE, {"shown": ["exact", "first_order"], "compact": True, "only": "delay"})["traces"]
     assert [trace["uid"] for trace in traces if trace["visible"]] == ["exact-delay", "first_order-delay"]

@@ -231,6 +231,17 @@ def test_what_the_server_says_of_a_speed_with_its_sign_is_told_of_the_speed_with
     )
     near = {"field": "speed_steps_per_s", "value": -300, "allowed": "a speed at which it can rest", "message": ""}
     assert modules.evaluate(script, [near, "steps"]) == "Speed is 300; allowed: a speed at which it can rest."
+    told = [("150 steps/s", 150, "steps/s", "down"), ("400 steps", 400, "steps", "nearest")]
+    names = ("text", "value", "unit", "rounding")
+    limited_way = near | {
+        "field": "axes.0.speed_steps_per_s",
+        "allowed": "at most 150 steps/s that way, as axis 0 has to come to rest within its soft limits, 0 to 400 steps",
+        "told": [dict(zip(names, each, strict=True)) | {"axis": None} for each in told],
+    }
+    assert modules.evaluate(script, [limited_way, "mm"]) == (
+        "Speed is 6 mm/s (300 steps/s); allowed: at most 3 mm/s that way, as axis 0 has to come to rest within its "
+        "soft limits, 0 to 8 mm."
+    )
     directed = """async () => (await import('/devices/directed_speed.js')).directedSpeed(-300, -1).rejections[0]"""
     assert modules.evaluate(script, [modules.evaluate(directed), "steps"]).startswith("Speed is -300; ")
 

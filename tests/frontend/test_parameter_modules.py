@@ -2,6 +2,7 @@
 
 import json
 import math
+from copy import deepcopy
 from typing import Any
 
 import pytest
@@ -10,10 +11,12 @@ from hypothesis import strategies as st
 
 from designs import document
 from frontend.modules import Modules
+from motor.trains import AT_24_V, LOADED, NEMA_17
 from stepramp.design import Design
 from stepramp.errors import Limits, Rejected, Rejection
 from stepramp.http_api.errors import error_items
 from stepramp.http_api.json_response import json_bytes
+from stepramp.ramp.profile import profile_of
 
 MOTOR_TURN_STEPS = 400
 SCREW_MM = 8
@@ -119,6 +122,16 @@ def test_steps_up_and_down_always_move_and_stay_allowed(modules: Modules) -> Non
     moves()
 
 
+SCREW = {"name": "screw", "lead_mm": 8, "mass_kg": 1}
+MECHANISMS = {
+    "pulley_mm": {"name": "belt", "pulley_mm": 12.7, "mass_kg": 1},
+    "inertia_g_cm2": {"name": "pointer", "inertia_g_cm2": 2},
+}
+MOTOR = {
+    "motor": {**NEMA_17, "stalled": {"rpm": 600, "torque_nm": 0.3}, "measured_with": dict(AT_24_V)},
+    "drive": dict(AT_24_V),
+    "load": {**LOADED, "mechanism": SCREW},
+}
 S_CURVE = {"name": "s_curve", "jerk_steps_per_s3": 1000}
 
 
@@ -127,24 +140,36 @@ def test_the_limits_and_units_are_those_of_the_server(modules: Modules) -> None:
     script = """async () => (await import('/model/fields.js')).GROUPS.flatMap((group) => group.fields)
         .map(({path, limits, isWhole, unit}) => [path, limits, isWhole, unit])"""
     fields = modules.evaluate(script)
-    assert len(fields) == 13
+    assert len(fields) == 38
     for path, (least, most), is_whole, unit in fields:
-        *parts, name = path.split(".")
-        part = "__".join(parts)
-        # No other value than this one may be what is refused.
-        rest = {"ramp": {"base_speed_steps_per_s": 0, "slew_speed_steps_per_s": 1_000_000}, "ramp__shape": S_CURVE}
         for value, is_taken in ((least, True), (most, True), (least - 1, False), (most + 1, False)):
-            changed = document(schema="stepramp/2")
-            place = changed["ramp"].setdefault("shape", {}) if part == "ramp__shape" else changed[part]
-            place |= rest.get(part, {}) | {name: int(value) if is_whole else float(value)}
-            try:
-                Design.checked(changed)
-                assert is_taken, (path, value)
-            except Rejected as refused:
-                assert not is_taken, (path, value)
-                assert refused.rejections[0].limits
-                # The unit of the travel, the design says itself.
-                assert refused.rejections[0].limits.unit == ("mm" if name == "travel_per_rev" else unit)
+            rejections = rejections_of(path, int(value) if is_whole else float(value))
+            assert [one.field for one in rejections] == ([] if is_taken else [path]), value
+            # The unit of the travel, the design says itself.
+            said = [one.limits and one.limits.unit for one in rejections]
+            assert said == ([] if is_taken else ["mm" if path == "axis.travel_per_rev" else unit])
+        assert bool(rejections_of(path, least + 0.5)) == is_whole
+
+
+def rejections_of(path: str, value: float) -> list[Rejection]:
+    """Return what the design document refuses when one of its fields has a value."""
+    changes: dict[str, Any] = {"ramp__slew_speed_steps_per_s": 1_000_000, "schema": "stepramp/2", **deepcopy(MOTOR)}
+    if path.startswith("ramp.shape"):
+        changes["ramp__shape"] = {"name": "torque"} if path.endswith("margin") else dict(S_CURVE)
+    *parts, name = path.split(".")
+    if "mechanism" in parts:
+        changes["load"]["mechanism"] = dict(MECHANISMS.get(name, SCREW))
+    changed = document(**changes)
+    place = changed
+    for part in parts:
+        place = place[part]
+    place[name] = value
+    try:
+        Design.checked(changed)
+    except Rejected as error:
+        # Whether a measured point fits the model is another question than what it may be.
+        return [one for one in error.rejections if "the model has" not in str(one.allowed)]
+    return []
 
 
 def test_a_refusal_is_told_in_the_units_of_the_design_that_was_refused(modules: Modules) -> None:
@@ -230,6 +255,16 @@ def test_a_length_becomes_whole_steps_and_it_is_said(
 ) -> None:
     reading = modules.call("model/shown_entry.js", "readEntry", {"isWhole": True}, text, STEP_MM)
     assert reading == {"entry": entry, "exact": exact}
+
+
+@pytest.mark.parametrize("typed", ["1e307", "-1e307", "1.7e308"])
+def test_what_is_beyond_all_numbers_in_steps_stays_as_it_was_typed(modules: Modules, typed: str) -> None:
+    """0.02 mm a step: 1e307 mm are 5e308 steps, more than there are numbers for. In steps it is a number like any."""
+    reading = modules.call("model/shown_entry.js", "readEntry", {"isWhole": False}, f" {typed} ", STEP_MM)
+    assert reading == {"entry": typed, "exact": None}
+    assert modules.call("model/shown_entry.js", "shownEntry", typed, STEP_MM) == typed
+    in_steps = modules.call("model/shown_entry.js", "readEntry", {"isWhole": False}, typed, 1)
+    assert in_steps == {"entry": float(typed), "exact": None}
 
 
 def test_steps_are_never_rounded_when_typed_as_steps(modules: Modules) -> None:
@@ -395,33 +430,42 @@ def test_a_name_that_is_too_long_is_told_where_it_is_typed(modules: Modules) -> 
     assert found["text"].split("; ") == [f"Name is '{'x' * 78}…", allowed]
 
 
+def test_names_that_are_allowed_are_told_as_the_page_calls_them(modules: Modules) -> None:
+    """The API keeps its own: 'austin', ramp.shape.name 'cosine'."""
+    with pytest.raises(Rejected) as caught:
+        profile_of(Design.checked(document(schema="stepramp/2", ramp__shape={"name": "cosine"}, method__name="austin")))
+    [rejection] = caught.value.rejections
+    assert rejection.allowed.endswith("with ramp.shape.name 'cosine'")
+    text = "Method is Austin; allowed: Exact, Ideal, Midpoint, Newton, Table with shape Cosine."
+    for place, about in (("", ""), ("design.", ""), ("axes.1.", "Axis 1: ")):
+        told = modules.call("model/messages.js", "pushText", [answered(rejection.within(place))])
+        assert told == f"{about}{text}"
+    with pytest.raises(Rejected) as caught:
+        Design.checked(document(method={"name": "austin", "arithmetic": "fixed"}))
+    told = modules.call("model/messages.js", "textOf", [answered(caught.value.rejections[0])])
+    assert told == "Arithmetic is fixed; allowed: float32, float64 with method Austin."
+    with pytest.raises(Rejected) as caught:
+        Design.checked(document(method__name="table", table=None))
+    assert caught.value.rejections[0].allowed == "a table, since method.name is 'table'"
+    told = modules.call("model/messages.js", "textOf", [answered(caught.value.rejections[0])])
+    assert told == "Lookup table is missing; allowed: a table, since the method is Table."
+
+
+def test_a_drawn_speed_is_refused_in_the_unit_shown(modules: Modules) -> None:
+    drawn = {"name": "drawn", "points": [[500, 1], [500, 0.5]]}
+    with pytest.raises(Rejected) as caught:
+        Design.checked(document(schema="stepramp/2", ramp__shape=drawn))
+    script = """async ([rejection, design]) => { const {inShownUnits} = await import('/model/told.js');
+        const {sortMessages} = await import('/model/messages.js');
+        const said = inShownUnits({length: 'mm', time: 's'}, [design])(rejection);
+        return sortMessages([said], []).fields.get('ramp.shape.points').text; }"""
+    assert modules.evaluate(script, [answered(caught.value.rejections[0]), document()]) == (
+        "Point 2, speed, is 10 mm/s (500 steps/s); allowed: more than 10 mm/s, the speed of the point before."
+    )
+
+
 def test_what_says_its_axis_itself_is_not_called_by_it_again(modules: Modules) -> None:
     limit = {"field": "designs.1.ramp.slew_speed_steps_per_s", "axis": 1, "message": "Y (axis 1) allows 5 steps/s."}
     warning = {"field": "designs.0.timer.counter_bits", "message": "The longest interval does not fit."}
     told = modules.call("model/messages.js", "axesMessages", [limit, warning], True)
     assert [each["text"] for each in told] == [limit["message"], f"Axis 0: {warning['message']}"]
-
-
-def test_each_number_of_a_design_is_a_parameter_with_the_servers_limits(modules: Modules) -> None:
-    script = """async () => (await import('/model/fields.js')).GROUPS.flatMap(({fields}) => fields)
-        .map(({path, limits, isWhole}) => [path, [limits, isWhole]])"""
-    found = dict(modules.evaluate(script))
-    assert len(found) == 13
-    for path, (limits, is_whole) in found.items():
-        below, above = (errors_of(path, limit + step) for limit, step in zip(limits, (-1, 1), strict=True))
-        assert (below, above) == ([path], [path]), "refused beyond"
-        assert [errors_of(path, limit) for limit in limits] == [[], []], "taken at the limit"
-        assert (errors_of(path, limits[0] + 0.5) == [path]) == is_whole
-
-
-def errors_of(path: str, value: float) -> list[str]:
-    """Return the fields that the design document refuses when one of them has a value."""
-    changes: dict[str, object] = {"ramp__slew_speed_steps_per_s": 1_000_000, "schema": "stepramp/2"}
-    if path.startswith("ramp.shape"):
-        changes["ramp__shape"] = dict(S_CURVE)
-    changes[path.replace(".", "__")] = value
-    try:
-        Design.checked(document(**changes))
-    except Rejected as error:
-        return [one.field for one in error.rejections if one.field]
-    return []

@@ -66,6 +66,7 @@ RECORD: dict[str, Any] = {
     "areAllShown": True,
     "allZoom": [0, 1.5],
     "guide": {"drive": "wheel", "player": "marlin"},
+    "inFlight": [{"atMs": 0, "kind": "target", "value": 500}, {"atMs": "soon", "kind": "speed", "value": -20}],
 }
 
 
@@ -237,6 +238,9 @@ MENDED = [
     ("guide", {"drive": "rocket", "player": "toString"}, {"drive": None, "player": None}),
     ("guide", None, {"drive": None, "player": None}),
     ("replaced", {"axes": 1}, None),
+    ("inFlight", [], None),
+    ("inFlight", [{"atMs": 0, "kind": "jump", "value": 5}], None),
+    ("inFlight", [{"atMs": None, "kind": "target", "value": 5}], None),
     ("units", {"length": "furlong", "time": "s"}, {"length": "steps", "time": "s"}),
     ("shown", ["newton", "third_order", "exact"], ["exact", "newton"]),
     ("views", {"3": {"against": "moon"}}, {}),

@@ -274,3 +274,41 @@ def test_a_file_that_can_not_be_read_leaves_the_capture_before_it(modules: Modul
     assert after(modules, [*bad, closed], look) == ["bad.csv", "refused"]
     waited = [["capture.openCapture", {"name": "long.csv"}], ["capture.captureCancelled"]]
     assert after(modules, [*good, *waited], look) == ["good.csv", "answered"]
+
+
+def test_curves_of_an_earlier_design_are_told_to_be_so_when_the_answer_is_late(modules: Modules) -> None:
+    """Not as soon as something is asked: under a slider that would flicker. Nor while only finer points are awaited."""
+    script = """async (design) => {
+        const {createStore, FIRST_STATE} = await import('/app/state.js');
+        const {COMMANDS} = await import('/app/commands/commands.js');
+        const {askForCurves} = await import('/app/effects/curves.js');
+        const {stalenessOf} = await import('/app/selectors.js');
+        const [answers, seen] = [[], []];
+        const store = createStore(FIRST_STATE, (error) => { throw error; });
+        askForCurves(store, (design) => new Promise((resolve) => answers.push(() => resolve({design, range: null,
+            profiles: {}, errors: {}, failures: {}}))));
+        const pause = (ms) => new Promise((go) => setTimeout(go, ms));
+        const after = (ms) => pause(ms).then(() => seen.push(stalenessOf(store.state())));
+        const answer = () => after(answers.shift()());
+        store.dispatch(COMMANDS.work.begin, {axes: [design], together: 'independent', ids: [0], active: 0, kept: null});
+        await answer();
+        store.dispatch(COMMANDS.work.setValue, 'move.steps', 9_000_000);
+        await after(50);
+        await after(400);
+        await answer();
+        store.dispatch(COMMANDS.view.look, {acceleration: true});
+        await after(400);
+        await answer();
+        store.dispatch(COMMANDS.work.setValue, 'move.steps', 8_000_000);
+        store.dispatch(COMMANDS.work.setValue, 'move.steps', 7_000_000);
+        await after(250);
+        await answer();
+        await after(250);
+        await after(150);
+        await answer();
+        return seen; }"""
+    first, soon, late, come, finer, finer_come, again, other, still, long, last = modules.evaluate(script, document())
+    assert [first, soon, late, come] == [None, None, "awaited", None]
+    assert [finer, finer_come] == [None, None]
+    # The answer about what was asked before is no answer about the present design, but one that was due.
+    assert [again, other, still, long, last] == [None, None, None, "awaited", None]

@@ -70,13 +70,34 @@ def test_a_design_has_the_fields_of_its_own_shape(modules: Modules) -> None:
     ],
 )
 def test_points_are_read_as_they_are_written_and_pasted(modules: Modules, text: str, points: list[Any]) -> None:
-    assert modules.call("model/drawn_points.js", "pointsOf", text) == points
+    assert modules.call("model/drawn_points.js", "pointsOf", text, 1) == points
+
+
+@pytest.mark.parametrize(
+    ("text", "points"),
+    [
+        ("speed,part\n0,1\n10,0.5", [[0, 1], [500, 0.5]]),
+        ("Speed [mm/s]; part of a\n0; 1\n10; .5", [[0, 1], [500, 0.5]]),
+        # Only the first line is one, and only over numbers.
+        ("0,1\nspeed,part\n10,0.5", [[0, 1], ["speed", "part"], [500, 0.5]]),
+        ("speed,part", [["speed", "part"]]),
+        ("fast 0.5\n10 0.5", [["fast", 0.5], [500, 0.5]]),
+        ("1e307 1\n10 0.5", [["1e307", 1], [500, 0.5]]),
+    ],
+)
+def test_points_are_read_in_the_unit_shown_and_without_their_heading(
+    modules: Modules, text: str, points: list[Any]
+) -> None:
+    """0.02 mm a step: 10 mm/s are 500 steps/s."""
+    assert modules.call("model/drawn_points.js", "pointsOf", text, 0.02) == points
 
 
 def test_points_are_written_so_that_they_are_read_again(modules: Modules) -> None:
     points = [[0, 1], [1234.5, 0.001], [1_000_000, 0.25]]
-    text = modules.call("model/drawn_points.js", "pointsText", points)
-    assert modules.call("model/drawn_points.js", "pointsOf", text) == points
+    for factor in (1, 0.02, 1.2):
+        text = modules.call("model/drawn_points.js", "pointsText", points, factor)
+        assert modules.call("model/drawn_points.js", "pointsOf", text, factor) == points
+    assert modules.call("model/drawn_points.js", "pointsText", points, 0.02).splitlines()[1] == "24.69  0.001"
 
 
 def test_a_refusal_of_a_point_is_told_at_the_points(modules: Modules) -> None:
@@ -121,10 +142,19 @@ def test_the_curve_through_drawn_points_is_the_servers(modules: Modules) -> None
         assert drawn == pytest.approx(slope.accelerations(speeds).tolist(), rel=1e-12)
 
 
+FINE = [[0, 1], [12345.6, 1], [12346, 1], [30000, 0.5]]
+NO_KEYS = {"shiftKey": False, "altKey": False}
+
+
 @pytest.mark.parametrize(
     ("function", "arguments", "expected"),
     [
-        ("movedPoint", (THREE, 1, [700.06, 0.12345]), [[0, 1], [700.1, 0.123], [1000, 0.5]]),
+        ("movedPoint", (THREE, 1, [700.1, 0.12345]), [[0, 1], [700.1, 0.123], [1000, 0.5]]),
+        # A speed that is only kept is neither rounded nor taken away from a near neighbour.
+        ("nudgedPoint", (FINE, 1, "ArrowDown", NO_KEYS), [[0, 1], [12345.6, 0.99], [12346, 1], [30000, 0.5]]),
+        ("nudgedPoint", (FINE, 0, "ArrowRight", NO_KEYS), [[300, 1], *FINE[1:]]),
+        ("movedPoint", (FINE, 3, [2e6, 0.5]), [*FINE[:3], [1e6, 0.5]]),
+        ("drawablePoints", ([[speed, 1] for speed in range(201)],), None),
         ("movedPoint", (THREE, 1, [2000, 7]), [[0, 1], [999, 1], [1000, 0.5]]),
         ("movedPoint", ([[0, 1], [1000, 0.5]], 0, [-5, -5]), [[0, 0.001], [1000, 0.5]]),
         ("withoutPoint", ([[0, 1], [1000, 0.5]], 0), None),

@@ -106,8 +106,8 @@ HEARD = """async ([first, last, states, numbers]) => {
     const {createDeviceNews} = await import('/app/effects/device_news.js');
     const {createGestures} = await import('/server/gestures.js');
     const {api} = await import('/server/api.js');
-    const real = {WebSocket: globalThis.WebSocket, setTimeout: globalThis.setTimeout,
-        document: globalThis.document};
+    const real = {WebSocket: globalThis.WebSocket, setTimeout, setInterval, document: globalThis.document};
+    globalThis.setInterval = () => {};
     globalThis.document = {baseURI: 'http://127.0.0.1/', addEventListener() {}};
     let socket, looks = 0;
     globalThis.WebSocket = class { static OPEN = 1; readyState = 1; constructor() { socket = this; } };

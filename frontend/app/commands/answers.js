@@ -6,6 +6,11 @@
 /** @typedef {import('../state.js').Answers} Answers */
 /** @typedef {import('../state.js').State} State */
 
+/** So many pictures of an axis are kept over one thing: what is undone, or tried in turn, has its own back. */
+const MOST_PICTURES = 4;
+/** So many maps are kept; the one that nothing has come of for longest is forgotten. */
+const MOST_MAPS = 12;
+
 /** @param {State} state @param {Partial<Answers>} known @returns {State} */
 const knowing = (state, known) => ({ ...state, answers: { ...state.answers, ...known } });
 
@@ -21,6 +26,10 @@ export function curvesCame(state, curves, of) {
 export const curvesRefused = (state, rejections, design, of) =>
   knowing(state, { about: of, staleness: 'refused', rejections, refused: { ...state.answers.refused, [of]: design } });
 
+/** The answer about the design in hand keeps us waiting: what is shown is of an earlier one.
+ * @param {State} state @returns {State} */
+export const curvesAwaited = (state) => knowing(state, { about: null });
+
 /** Nobody answers: the same is asked again.
  * @param {State} state @param {number} of the axis that was asked about @returns {State} */
 export const curvesMissed = (state, of) => knowing(state, { about: of, staleness: 'unanswered', rejections: [] });
@@ -31,6 +40,31 @@ export const pinnedCame = (state, design, curves) => knowing(state, { pinned: { 
 
 /** @param {State} state @param {import('../state.js').AllAxes} allAxes @returns {State} */
 export const allAxesCame = (state, allAxes) => knowing(state, { allAxes });
+
+/** What a controller of a family really plays of a design.
+ * @param {State} state @param {Answers['ownRamp']} ownRamp  null: it plays what is planned, or nobody knows
+ * @returns {State} */
+export const ownRampCame = (state, ownRamp) => (state.answers.ownRamp === ownRamp ? state : knowing(state, { ownRamp }));
+
+/** What the motor does with a design; null: it can't be told, the design is refused or nobody answers.
+ * @param {State} state @param {import('../../model/types.js').Design} design @param {import('../../model/types.js').MotorAnswer | null} answer
+ * @param {Rejection[]} rejections @param {number} of the axis that it is of @returns {State} */
+export const motorCame = (state, design, answer, rejections, of) => knowing(state, { motor: { design, of, answer, rejections } });
+
+/** What is known anew of a stall map; result: of the design that is asked about now.
+ * @typedef {Partial<import('../../model/types.js').StallMap> & {result?: import('../../model/types.js').MapResult | null}} KnownOfMap */
+
+/** What is known anew of the stall map of an axis: a picture takes the place of the one of the same design.
+ * @param {State} state @param {number} axis its id @param {import('../../model/types.js').Over} over
+ * @param {KnownOfMap} known the first time all of it @returns {State} */
+export function stallMapCame(state, axis, over, { result, ...known }) {
+  const name = `${axis} ${over}`;
+  const { [name]: before, ...others } = state.stallMaps;
+  const map = { ...before, ...known };
+  const pictures = before?.pictures ?? [];
+  map.pictures = result ? [{ key: map.key, result }, ...pictures.filter(({ key }) => key !== map.key)].slice(0, MOST_PICTURES) : pictures;
+  return { ...state, stallMaps: Object.fromEntries([...Object.entries(others), [name, map]].slice(-MOST_MAPS)) };
+}
 
 /** @param {State} state @param {import('../../model/types.js').Example[]} examples @returns {State} */
 export const examplesCame = (state, examples) => ({ ...state, examples });

@@ -2,12 +2,14 @@
 // What the server tells of the devices, and what is chosen among them. Nothing here asks anything of a device.
 
 import { areEqual } from '../../model/equal.js';
+import { PAGE } from '../../server/api.js';
 import { deviceOf } from '../devices.js';
 
 /** @typedef {import('../../model/types.js').Design} Design */
 /** @typedef {import('../../model/types.js').Device} Device */
 /** @typedef {import('../state.js').Devices} Devices */
 /** @typedef {import('../state.js').Pushed} Pushed */
+/** @typedef {import('../state.js').CutShort} CutShort */
 /** @typedef {import('../state.js').State} State */
 
 /** @param {State} state @param {Partial<Devices>} known @returns {State} */
@@ -25,12 +27,12 @@ function following(state) {
 /** Of those that are not told any more nothing is known.
  * @param {State} state @param {Device[]} list @param {import('../state.js').Runs} runs @returns {State} */
 export function heard(state, list, runs) {
-  const { pushed, traces, preview } = state.devices;
+  const { pushed, cutShort, traces, preview } = state.devices;
   const told = new Set(list.map(({ id }) => id));
   const known = {
     list,
     runs,
-    pushed: stillThere(list, onlyOf(told, pushed)),
+    ...withWritten(list, stillThere(list, onlyOf(told, pushed)), onlyOf(told, cutShort)),
     traces: onlyOf(told, traces),
     preview: preview !== null && told.has(preview.question.id) ? preview : null,
   };
@@ -55,6 +57,23 @@ function stillThere(list, pushed) {
   return Object.fromEntries(now.flatMap(([id, what]) => (what === null ? [] : [[id, what]])));
 }
 
+/** What was pushed, with what a STOP ended after all of it had been sent: the device has another ramp since. For as long as this
+ * page is in control nobody else can have written it.
+ * @param {Device[]} list @param {Record<string, Pushed>} pushed @param {Record<string, CutShort>} cutShort
+ * @returns {Pick<Devices, 'pushed' | 'cutShort'>} the same objects when nothing is new of them */
+function withWritten(list, pushed, cutShort) {
+  return Object.entries(cutShort).reduce((known, [id, { before, ...what }]) => {
+    const device = list.find((one) => one.id === id);
+    const isOthers = (device?.in_control ?? PAGE) !== PAGE;
+    const isWritten = device?.ramp && !UNSETTLED.includes(device.state) && !areEqual(device.ramp, before);
+    if (!isOthers && !isWritten) return known;
+    const { [id]: _, ...left } = known.cutShort;
+    if (isOthers || !device) return { ...known, cutShort: left };
+    const written = { ...what, crc: device.ramp?.crc ?? null, heard_s: device.heard_s };
+    return { pushed: { ...known.pushed, [id]: written }, cutShort: left };
+  }, { pushed, cutShort });
+}
+
 // While these last, what is told of a device's ramp may be from before.
 const UNSETTLED = ['connecting', 'writing', 'lost'];
 
@@ -77,7 +96,7 @@ export const choosePort = (state, port) => following(knowing(state, { port, id: 
 
 /** @param {State} state @param {string} port @param {string} family @returns {State} */
 export const chooseFamily = (state, port, family) =>
-  knowing(state, { chosenFamilies: { ...state.devices.chosenFamilies, [port]: family } });
+  knowing({ ...state, ownMachine: null }, { chosenFamilies: { ...state.devices.chosenFamilies, [port]: family } });
 
 /** @param {State} state @param {number} axis of the device @returns {State} */
 export const chooseAxis = (state, axis) => knowing(state, { axis });
@@ -101,9 +120,17 @@ export function refused(state, rejections) {
  * @returns {State} */
 export function pushed(state, id, what) {
   const { [id]: _, ...others } = state.devices.pushed;
-  if (what === null) return knowing(state, { pushed: others });
+  const { [id]: __, ...cutShort } = state.devices.cutShort;
+  if (what === null) return knowing(state, { pushed: others, cutShort });
   const all = { ...others, [id]: what };
-  return knowing(state, { pushed: stillThere(state.devices.list, all) });
+  return knowing(state, { pushed: stillThere(state.devices.list, all), cutShort });
+}
+
+/** A STOP ended a push: whether the device has its ramps all the same, what it tells next says.
+ * @param {State} state @param {string} id of the device @param {CutShort} what @returns {State} */
+export function pushCutShort(state, id, what) {
+  const { list, pushed: before, cutShort } = state.devices;
+  return knowing(state, withWritten(list, before, { ...cutShort, [id]: what }));
 }
 
 /** @param {State} state @param {boolean} isTracing whether moves are measured @returns {State} */

@@ -35,6 +35,14 @@ export function zoomTo(state, zoom) {
  * @returns {State} */
 export const wantPoints = (state, range) => looked(state, { range });
 
+/** Show what the controller in view plays itself, or hide it.
+ * @param {State} state @returns {State} */
+export const switchOwn = (state) => ({ ...state, isOwnShown: !state.isOwnShown });
+
+/** Show what a machine without a port plays itself, in the place of what the controller in view does; null: that again.
+ * @param {State} state @param {State['ownMachine']} ownMachine @returns {State} */
+export const drawMachine = (state, ownMachine) => ({ ...state, ownMachine, isOwnShown: true });
+
 /** @param {State} state @param {boolean} areAllShown @returns {State} */
 export const showAll = (state, areAllShown) => ({ ...state, areAllShown, allZoom: null });
 
@@ -69,6 +77,10 @@ export function chooseTab(state, tab, isNarrow) {
 
 /** @param {State} state @param {import('../../plotting/curves.js').Reading | null} reading @returns {State} */
 export const read = (state, reading) => (state.reading === reading ? state : { ...state, reading });
+
+/** What the motor is told in flight.
+ * @param {State} state @param {import('../../model/flight.js').Told[]} told @returns {State} */
+export const tellInFlight = (state, told) => ({ ...state, inFlight: told });
 
 /** @param {State} state @param {number} row of the table; -1: none @returns {State} */
 export const selectRow = (state, row) => (state.row === row ? state : { ...state, row });

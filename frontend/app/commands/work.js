@@ -1,10 +1,13 @@
 // @ts-check
 // What is done to the designs, with a history that takes it back.
 
-import { MOST_ROWS, withMethod, withTable, withTablePlayed, withValue } from '../../model/design.js';
+import { MOST_ROWS, withChanges, withMethod, withTable, withTablePlayed, withValue } from '../../model/design.js';
+import { withMeasured } from '../../model/measured.js';
+import { withMechanism } from '../../model/mechanisms.js';
 import { methodOf } from '../../model/methods.js';
+import { withMotor, withoutMotor } from '../../model/motors.js';
 import { withPreset } from '../../model/presets.js';
-import { withPlan, withShape } from '../../model/shapes.js';
+import { USUAL_SHAPE, withPlan, withShape } from '../../model/shapes.js';
 import {
   gestureEnded,
   GUIDE_GESTURE,
@@ -49,13 +52,16 @@ export function open(state, work) {
 export const setValue = (state, path, value, gesture, at_ms) =>
   editedInHand(state, (design) => withValue(design, path, value), gesture, at_ms);
 
-/** What would be accepted is done, as one step of the history; the axis it is for comes in hand.
- * @param {State} state @param {number} axis its id @param {import('../../model/types.js').Remedy} remedy with paths of a
- *   design @returns {State} */
+/** Several values at once, as one change.
+ * @param {State} state @param {import('../../model/types.js').Remedy['changes']} changes @param {string} [gesture]
+ * @param {number} [at_ms] @returns {State} */
+export const setValues = (state, changes, gesture, at_ms) => editedInHand(state, (design) => withChanges(design, changes), gesture, at_ms);
+
+/** What would be accepted, or what a controller has, is done, as one step of the history; the axis it is for comes in hand.
+ * @param {State} state @param {number} axis its id
+ * @param {Pick<import('../../model/types.js').Remedy, 'changes'>} remedy with paths of a design @returns {State} */
 export function mend(state, axis, { changes }) {
-  const mended = (/** @type {Design} */ design) =>
-    changes.reduce((changed, { field, value }) => withValue(changed, field, value), design);
-  return edited(choose(state, axis), axis, mended);
+  return edited(choose(state, axis), axis, (design) => withChanges(design, changes));
 }
 
 /** @param {State} state @param {string} name @returns {State} */
@@ -69,6 +75,18 @@ export const setShape = (state, name) => editedInHand(state, (design) => withSha
 
 /** @param {State} state @param {string} plan for moves too short for the slew speed @returns {State} */
 export const setPlan = (state, plan) => editedInHand(state, (design) => withPlan(design, plan));
+
+/** @param {State} state @param {import('../../model/motors.js').MotorPreset | null} preset null: nothing is known of it any more
+ * @returns {State} */
+export const setMotor = (state, preset) =>
+  editedInHand(state, (design) => (preset === null ? withoutMotor(design, USUAL_SHAPE) : withMotor(design, preset)));
+
+/** @param {State} state @param {import('../../model/measured.js').Measured} name @param {unknown} value undefined: forgotten
+ * @param {string} [gesture] @returns {State} */
+export const setMeasured = (state, name, value, gesture) => editedInHand(state, (design) => withMeasured(design, name, value), gesture);
+
+/** @param {State} state @param {string} name of what the motor moves something with; '': its shaft alone @returns {State} */
+export const setMechanism = (state, name) => editedInHand(state, (design) => withMechanism(design, name));
 
 /** @param {State} state @param {import('../../model/presets.js').Part} part
  * @param {import('../../model/presets.js').Preset} preset @returns {State} */

@@ -3,6 +3,7 @@
 
 import { memory } from '../../documents/memory.js';
 import { records } from '../../documents/records.js';
+import { keptMaps } from '../../documents/stall_maps.js';
 import { FIRST_GUIDE, knownAnswers } from '../../model/guide.js';
 import { saved } from '../commands/told.js';
 import { isOwnWork, machineOf } from '../selectors.js';
@@ -19,12 +20,12 @@ const AFTER_MS = 200;
 export function rememberedState(record, firstId) {
   const devices = { ...FIRST_STATE.devices, chosenFamilies: memory.families(), softLimits: memory.allSoftLimits() };
   const shown = memory.shown() ?? FIRST_STATE.shown;
-  const first = { ...FIRST_STATE, units: memory.units(), shown, devices, firstId };
+  const first = { ...FIRST_STATE, units: memory.units(), shown, devices, firstId, stallMaps: keptMaps() };
   if (record === null) return first;
-  const { machine, isExample, replaced, views, areAllShown, allZoom } = record;
+  const { machine, isExample, replaced, views, areAllShown, allZoom, inFlight } = record;
   const lastExample = isExample ? machine.axes[0] : null;
   const guide = { ...FIRST_GUIDE, ...record.guide };
-  return { ...first, units: record.units, shown: record.shown, lastExample, replaced, views, areAllShown, allZoom, guide };
+  return { ...first, units: record.units, shown: record.shown, lastExample, replaced, views, areAllShown, allZoom, guide, inFlight };
 }
 
 /** What the tab keeps; null: there is nothing yet.
@@ -32,12 +33,12 @@ export function rememberedState(record, firstId) {
 export function recordOf(state) {
   const machine = machineOf(state);
   if (machine === null) return null;
-  const { replaced, units, shown, areAllShown, allZoom } = state;
+  const { replaced, units, shown, areAllShown, allZoom, inFlight } = state;
   const views = Object.fromEntries(machine.ids.flatMap((id) => (state.views[id] ? [[id, state.views[id]]] : [])));
   const isExample = !isOwnWork(state);
   const isOwn = !isExample || replaced !== null;
   const guide = knownAnswers(state.guide);
-  return { at_ms: Date.now(), isOwn, isExample, machine, replaced, units, shown, views, areAllShown, allZoom, guide };
+  return { at_ms: Date.now(), isOwn, isExample, machine, replaced, units, shown, views, areAllShown, allZoom, guide, inFlight };
 }
 
 /** @param {import('../state.js').Store} store @param {string} tab its id */
@@ -77,7 +78,7 @@ export function saveByItself({ state, dispatch, subscribe }, tab) {
   save('shown', (now) => [now.shown], memory.keepShown);
   subscribe(
     whenever(
-      (now) => [machineOf(now), now.replaced, now.units, now.shown, now.views, now.areAllShown, now.allZoom, now.examples, now.guide.drive, now.guide.player],
+      (now) => [machineOf(now), now.replaced, now.units, now.shown, now.views, now.areAllShown, now.allZoom, now.inFlight, now.examples, now.guide.drive, now.guide.player],
       () => soon('record', writeRecord),
       state(),
     ),

@@ -1,13 +1,16 @@
 // @ts-check
 // What is asked of devices: one thing at a time, and only ever because somebody pressed for it.
 
-import { api, Ended, Refusal, UNPROCESSABLE } from '../../server/api.js';
+import { api, Ended, Refusal, ServerGone, UNPROCESSABLE } from '../../server/api.js';
 import { download } from '../../ui/download.js';
 import { memory } from '../../documents/memory.js';
 import { pushText } from '../../model/messages.js';
-import { answered, asks, limitsKept, portsCame, previewCame, pushed, refused, showMeasured } from '../commands/device.js';
+import { inShownUnits } from '../../model/told.js';
+import { answered, asks, limitsKept, portsCame, previewCame, pushCutShort, pushed, refused, showMeasured } from '../commands/device.js';
 import { announce, tell } from '../commands/told.js';
-import { idsToPush, moveOf, previewQuestionOf } from '../devices.js';
+import { mend } from '../commands/work.js';
+import { areSameQuestions, idsToPush, moveOf, previewQuestionOf } from '../devices.js';
+import { machineOf } from '../selectors.js';
 import { pushOf } from './previews.js';
 
 /** @typedef {import('../../model/types.js').Design} Design */
@@ -44,16 +47,21 @@ export function createDeviceActions({ state, dispatch }, gestures, traced, previ
     }
   }
 
-  /** What refuses a push for what its designs are would refuse the preview, too: it is shown, and mended, in one place.
-   * @template T @param {Promise<T>} push @returns {Promise<T | null>} null: it is refused so */
+  /** What refuses a push for what its designs are would refuse the preview, too: it is shown, and mended, in one place, as
+   * long as that is still what is asked about.
+   * @template T @param {() => Promise<T>} push @returns {Promise<T | null>} null: it is refused so */
   async function refusedAsPreview(push) {
+    const question = previewQuestionOf(state());
     try {
-      return await push;
+      return await push();
     } catch (error) {
-      const question = previewQuestionOf(state());
       if (!(error instanceof Refusal) || error.status !== UNPROCESSABLE || question === null) throw error;
-      dispatch(previewCame, { question, preview: null, rejections: error.rejections });
-      dispatch(announce, pushText(error.rejections));
+      const text = pushText(error.rejections.map(inShownUnits(state().units, question.designs)));
+      const present = previewQuestionOf(state());
+      if (present !== null && areSameQuestions(present, question)) {
+        dispatch(previewCame, { question, preview: null, rejections: error.rejections });
+        dispatch(announce, text);
+      } else dispatch(tell, `What was to be pushed is refused. ${text}`, true);
       return null;
     }
   }
@@ -81,12 +89,16 @@ export function createDeviceActions({ state, dispatch }, gestures, traced, previ
     /** @param {Device} device @param {Design[]} designs @param {number} toAxis @param {'keep' | 'try'} mode */
     push: (device, designs, toAxis, mode) =>
       request('push', async () => {
-        const ids = idsToPush(state());
-        const report = await refusedAsPreview(api.push(device.id, { ...pushOf(designs, toAxis), mode }, gestures.begin(device)));
-        if (report === null) return;
         // Several go to the axes from the first on, whichever is chosen.
+        const what = { designs, ids: idsToPush(state()), toAxis: designs.length === 1 ? toAxis : 0 };
+        const push = () => api.push(device.id, { ...pushOf(designs, toAxis), mode }, gestures.begin(device));
+        const report = await refusedAsPreview(push).catch((error) => {
+          if (error instanceof Ended) dispatch(pushCutShort, device.id, { ...what, before: device.ramp });
+          throw error;
+        });
+        if (report === null) return;
         const crc = report.items.find(({ unit }) => unit === 'CRC-16')?.sent ?? null;
-        dispatch(pushed, device.id, { designs, ids, toAxis: designs.length === 1 ? toAxis : 0, crc, heard_s: report.heard_s });
+        dispatch(pushed, device.id, { ...what, crc, heard_s: report.heard_s });
         dispatch(
           announce,
           report.verified
@@ -100,6 +112,44 @@ export function createDeviceActions({ state, dispatch }, gestures, traced, previ
         await api.act(device.id, what);
         if (what !== 'keep') dispatch(pushed, device.id, null);
         dispatch(announce, { keep: 'Kept', roll_back: 'Rolled back', restore: 'Restored' }[what]);
+      }),
+    /** Give a design what an axis of the controller has.
+     * @param {Device} device @param {number} axis of the device @param {Design} design
+     * @param {number} axisId of the page's axis that has the design, whichever is in hand when the answer comes */
+    startFrom: (device, axis, design, axisId) =>
+      request('import', async () => {
+        const { axes } = await api.importDevice(device.id, design);
+        const found = axes[axis] ?? axes[0];
+        if (!machineOf(state())?.ids.includes(axisId)) {
+          dispatch(tell, 'Nothing was changed: the axis that was to have what the controller has was removed meanwhile.', true);
+          return;
+        }
+        dispatch(mend, axisId, { changes: machineChanges(found.design) });
+        dispatch(tell, ['The design has what the controller has.', ...found.remarks].join(' '), false);
+      }),
+    /** @param {Device} device */
+    async listBackups(device) {
+      try {
+        return (await api.backups(device.id)).backups;
+      } catch (error) {
+        // Gone meanwhile, or the server is: of that others tell.
+        if (error instanceof Refusal || error instanceof ServerGone) return [];
+        throw error;
+      }
+    },
+    /** @param {Device} device @param {string} name of a backup */
+    restoreBackup: (device, name) =>
+      request('restore', async () => {
+        const { remarks } = await api.restoreBackup(device.id, name);
+        dispatch(pushed, device.id, null);
+        dispatch(tell, ['Restored, and read back.', ...remarks].join(' '), false);
+      }),
+    /** @param {Device} device @param {string} source @param {string} name of a backup of it */
+    restoreFrom: (device, source, name) =>
+      request('restore', async () => {
+        const { remarks } = await api.restoreFrom(device.id, source, name);
+        dispatch(pushed, device.id, null);
+        dispatch(tell, ['Restored, and read back.', ...remarks].join(' '), false);
       }),
     /** Move. An axis that sets out from rest is traced, if it is wanted.
      * @param {Device} device @param {number} axis whose move is traced
@@ -148,6 +198,23 @@ export function createDeviceActions({ state, dispatch }, gestures, traced, previ
      * @param {Device} device @param {SoftLimits[]} axes */
     limitAgain: (device, axes) => request('soft_limits', () => api.limit(device.id, axes)),
   };
+}
+
+/** What a controller tells of its ramp and its scale, as changes of a design. Travel and speeds rest on the steps of a turn:
+ * without these they would be those of another machine. What it plays has no shape but its own.
+ * @param {Design} design of what it has */
+function machineChanges({ axis, ramp }) {
+  return [
+    { field: 'axis.full_steps_per_rev', value: axis.full_steps_per_rev },
+    { field: 'axis.microsteps', value: axis.microsteps },
+    { field: 'axis.travel_unit', value: axis.travel_unit },
+    { field: 'axis.travel_per_rev', value: axis.travel_per_rev },
+    { field: 'ramp.base_speed_steps_per_s', value: ramp.base_speed_steps_per_s },
+    { field: 'ramp.slew_speed_steps_per_s', value: ramp.slew_speed_steps_per_s },
+    { field: 'ramp.acceleration_steps_per_s2', value: ramp.acceleration_steps_per_s2 },
+    { field: 'ramp.deceleration_steps_per_s2', value: ramp.deceleration_steps_per_s2 },
+    { field: 'ramp.shape', value: ramp.shape },
+  ];
 }
 
 /** @typedef {ReturnType<typeof createDeviceActions>} DeviceActions */

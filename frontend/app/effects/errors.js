@@ -16,7 +16,7 @@ export function watchErrors({ dispatch }) {
   /** @param {unknown} error */
   function show(error) {
     console.error(error);
-    const text = error instanceof Error ? error.message : String(error);
+    const text = (error instanceof Error ? error.message : String(error)).replace(/\.$/, '');
     dispatch(tellFault, `Something went wrong in the page: ${text}. Your design is kept; reload the page if anything looks odd.`);
   }
 

@@ -26,6 +26,6 @@ export function watchKeys({ state, dispatch }, stop) {
     },
     { capture: true },
   );
-  for (const end of ['focusout', 'pointerup', 'pointercancel']) addEventListener(end, () => dispatch(endGesture));
+  for (const end of ['focusout', 'change', 'pointerup', 'pointercancel']) addEventListener(end, () => dispatch(endGesture));
   return { undo: () => stepHistory('undo'), redo: () => stepHistory('redo') };
 }

@@ -1,11 +1,12 @@
 // @ts-check
 // Documents that come and go: files, links, examples.
 
-import { openCaptureFile, openFile, saveFile, watchDrops } from '../../documents/files.js';
+import { openCaptureFile, openFile, saveFile, watchDrops, watchPastes } from '../../documents/files.js';
 import { createOpening } from '../../documents/opening.js';
 import { shareLink } from '../../documents/sharing.js';
 import { unnamed } from '../../model/design.js';
 import { duplicateOf } from '../../model/workbench.js';
+import { api, Refusal, ServerGone } from '../../server/api.js';
 import { openCapture } from '../commands/capture.js';
 import { setAside, showLink, showTableText, tell, urge } from '../commands/told.js';
 import { open } from '../commands/work.js';
@@ -38,7 +39,23 @@ export function createDocuments({ state, dispatch, subscribe }) {
   const done = (/** @type {import('../state.js').State} */ now) => [machineOf(now), now.capture?.file, now.told.tableText];
   subscribe(whenever(done, () => dispatch(urge, 'opening', ''), state()));
   const onCapture = (/** @type {File} */ file) => dispatch(openCapture, file);
-  const takers = { onDocument: opening.open, onTable: (/** @type {string} */ text) => dispatch(showTableText, text), onCapture };
+  /** Designs of what a controller lists of itself take the place of what is in hand, which says what it doesn't.
+   * @param {string} text */
+  async function openSettings(text) {
+    try {
+      const { family, axes } = await api.importText(text, designOf(state()));
+      const title = state().devices.families.find(({ name }) => name === family)?.title ?? family;
+      const remarks = [...new Set(axes.flatMap((axis) => axis.remarks))];
+      const document = { axes: axes.map(({ design }) => design), together: /** @type {const} */ ('independent') };
+      opening.open({ document, problem: null }, `the settings of ${title}`, remarks);
+    } catch (error) {
+      if (!(error instanceof Refusal || error instanceof ServerGone)) throw error;
+      opening.open({ document: null, problem: error.message }, 'the settings');
+    }
+  }
+
+  watchPastes(openSettings);
+  const takers = { onDocument: opening.open, onTable: (/** @type {string} */ text) => dispatch(showTableText, text), onCapture, onSettings: openSettings };
   addEventListener('hashchange', opening.openAddress);
   watchDrops(() => designOf(state())?.name ?? '', takers);
 

@@ -7,6 +7,7 @@ import { refusedAxesOf } from '../../app/devices.js';
 import { areAxesShown, machineOf } from '../../app/selectors.js';
 import { whenChanged } from '../../app/state.js';
 import { element, icon, segmented } from '../../ui/dom.js';
+import { watchStrip } from '../../ui/strip.js';
 import { MOST_AXES } from '../../model/workbench.js';
 
 /** @typedef {import('../../model/workbench.js').Machine} Machine */
@@ -47,6 +48,7 @@ export function createAxes(root, dispatch) {
   all.element.id = 'axes-choice';
   const several = element('span', { className: 'several' }, together.element, all.element);
   root.replaceChildren(list, add, element('span', { className: 'grow' }), several);
+  for (const strip of [list, root]) watchStrip(strip);
 
   /** @param {Machine} machine @param {number} axis its number @param {boolean} isRefused */
   function createTab(machine, axis, isRefused) {
@@ -79,7 +81,10 @@ export function createAxes(root, dispatch) {
           type: 'button',
           'aria-label': `Remove axis ${axis}, ${name || 'unnamed'}`,
           title: 'Remove this axis',
-          onclick: () => dispatch(removeAxis, id),
+          onclick() {
+            dispatch(removeAxis, id);
+            /** @type {HTMLElement | null} */ (list.querySelector('[aria-selected=true]'))?.focus();
+          },
         },
         icon('remove'),
       );

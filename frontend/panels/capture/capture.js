@@ -109,7 +109,8 @@ export function createCapture(dispatch, act) {
     open.textContent = capture === null ? 'Open a file …' : 'Open another file …';
     kept.hidden = !isShown;
     close.textContent = isShown ? 'Show the plots' : 'Close';
-    fields.element.hidden = figures.element.hidden = answer === null;
+    fields.element.hidden = answer === null;
+    figures.element.hidden = !answer?.move;
     progress.hidden = note.hidden = true;
     if (capture === null) {
       problems.replaceChildren();

@@ -42,7 +42,7 @@ function rowsOf({ move, move_count }) {
     rows.push(
       ['Largest deviation', `${deviationText(largest_us)}${deviationText(largest_us) === '0 µs' ? '' : `, at measured step ${formatFixed(largest_at_step)}`}`, ''],
       ['Mean, root mean square', `${deviationText(mean_us)}, ${deviationText(rms_us)}`, ''],
-      ['Clock', clockText(clock_ppm), ''],
+      ...(clock_ppm === null ? [] : [/** @type {[string, string, string]} */ (['Clock', clockText(clock_ppm), ''])]),
       marked('missing', deviation.missing),
       marked('extra', deviation.extra),
     );

@@ -3,16 +3,18 @@
 
 import { chooseAxis, chooseFamily, choosePort, chooseSection, refused as refuse, setTracing } from '../../app/commands/device.js';
 import { tell } from '../../app/commands/told.js';
-import { axesOffered, deviceAxisOf, deviceOf, playedOf, portChoicesOf, portOf, situationOf } from '../../app/devices.js';
-import { machineOf } from '../../app/selectors.js';
+import { axesOffered, deviceAxisOf, deviceOf, familiesOf, familyOf, playedOf, portChoicesOf, portOf, situationOf } from '../../app/devices.js';
+import { designOf, machineOf } from '../../app/selectors.js';
 import { whenChanged, whenever } from '../../app/state.js';
 import { shownState } from '../../devices/state_words.js';
 import { memory } from '../../documents/memory.js';
 import { closeButton, element, icon, messageLine, picker, segmented, showText } from '../../ui/dom.js';
 import { pushText } from '../../model/messages.js';
+import { inShownUnits } from '../../model/told.js';
 import { createJogSection } from './jog_section.js';
 import { limitsText } from './limits.js';
 import { createLive } from './live.js';
+import { createMachine } from './machine.js';
 import { createMoveSection } from './move_section.js';
 import { createPushSection } from './push_section.js';
 import { withoutThatOf } from '../../ui/refusal.js';
@@ -58,6 +60,7 @@ export function createDevice(root, dispatch, act) {
   const choice = picker('Port', (value) => dispatch(choosePort, value));
   choice.element.classList.add('grow');
   choice.select.id = 'port';
+  choice.select.title = 'Ports of other machines are listed that StepRamp was started with: --allow-remote-port host:port';
   const familyChoice = picker('Family of the controller', (value) => {
     if (state === null) return;
     memory.keepFamily(portOf(state), value);
@@ -85,6 +88,9 @@ export function createDevice(root, dispatch, act) {
   const setLimits = element('button', { className: 'button small', id: 'set-limits', type: 'button', textContent: 'Set' });
   const limitsOffer = element('div', { className: 'others', id: 'limits-offer', role: 'status' }, forgotten, setLimits);
   const live = createLive();
+  const machine = createMachine(act, dispatch);
+  const cannotList = element('ul');
+  const cannot = element('details', { id: 'cannot' }, element('summary', { textContent: 'What it can’t do' }), cannotList);
   const axisChoice = picker('Axis of the device', (value) => dispatch(chooseAxis, Number(value)));
   axisChoice.select.id = 'device-axis';
   const otherDesign = element('p', { className: 'reason', id: 'other-design', role: 'status' });
@@ -118,6 +124,7 @@ export function createDevice(root, dispatch, act) {
         onlyFamily,
         connect,
       ),
+      cannot,
       problem,
       control,
       limitsOffer,
@@ -125,6 +132,7 @@ export function createDevice(root, dispatch, act) {
       element('div', { className: 'line' }, tabs.element, axisChoice.element),
       otherDesign,
       ...SECTIONS.map(([name]) => sections[name].element),
+      machine.element,
     ),
   );
 
@@ -163,8 +171,19 @@ export function createDevice(root, dispatch, act) {
     const choices = offered.map(({ name, title }) => /** @type {[string, string]} */ ([name, title]));
     familyChoice.offer(choices, chosen);
     onlyFamily.hidden = isChoice;
-    const title = families.find(({ name }) => name === chosen)?.title ?? '';
+    const family = families.find(({ name }) => name === chosen);
+    const title = family?.title ?? '';
+    showCannot(family?.cannot ?? []);
     if (onlyFamily.textContent !== title) onlyFamily.textContent = title;
+  }
+
+  /** @param {string[]} sentences */
+  function showCannot(sentences) {
+    cannot.hidden = sentences.length === 0;
+    const told = sentences.join('\n');
+    if (cannotList.dataset.told === told) return;
+    cannotList.dataset.told = told;
+    cannotList.replaceChildren(...sentences.map((textContent) => element('li', { textContent })));
   }
 
   /** @param {State} now */
@@ -188,18 +207,22 @@ export function createDevice(root, dispatch, act) {
     const found = deviceOf(now);
     const present = found?.state === 'lost' ? null : found;
     const isMoving = present?.state === 'moving' || present?.state === 'stopping';
-    const { designs, active, toPush } = situation;
+    const { designs, ids, active, toPush } = situation;
     const axis = deviceAxisOf(now);
+    const place = toPush.length === designs.length && axis < designs.length ? axis : active;
     const context = {
       device: present,
       known: found,
       axis,
-      design: (toPush.length < designs.length ? null : designs[axis]) ?? designs[active],
+      design: designs[place],
+      axisId: ids[place],
       inTheWay: hindrance(found, situation),
       notAtRest: isMoving ? 'Wait until it is at rest, or stop it.' : '',
       situation,
     };
     live.show(context);
+    machine.show(context);
+    machine.element.hidden = now.devices.section !== 'push';
     tabs.press(now.devices.section);
     for (const [name] of SECTIONS) {
       sections[name].element.hidden = name !== now.devices.section;
@@ -275,15 +298,19 @@ export function createDevice(root, dispatch, act) {
   }
 
   /** What the server refused: shown at its field, or else under the port; an empty list takes it away.
-   * @param {import('../../model/types.js').Rejection[]} rejections */
-  function showRejections(rejections) {
+   * @param {import('../../model/types.js').Rejection[]} rejections @param {import('../../model/units.js').Units} units
+   * @param {import('../../model/types.js').Design | null} design */
+  function showRejections(rejections, units, design) {
     const others = SECTIONS.reduce((left, [name]) => sections[name].reject?.(left) ?? left, rejections);
-    refused = pushText(others);
+    refused = pushText(others.map(inShownUnits(units, design === null ? [] : [design])));
   }
 
   const shows = [
     whenChanged(({ devices }) => [devices.list, devices.link], settings.follow),
-    whenChanged(({ devices }) => [devices.rejections], showRejections),
+    whenChanged(
+      (now) => [now.devices.rejections, now.units, now.devices.rejections.length > 0 ? designOf(now) : null],
+      showRejections,
+    ),
     whenever(
       (now) => [now.devices, situationOf(now)],
       (now) => {
@@ -312,22 +339,6 @@ function otherDesignText(state) {
   if (machine === null || played === null || played === machine.active) return '';
   const tab = (/** @type {number} */ place) => `tab ${place}, ${machine.axes[place].name || 'unnamed'}`;
   return `Axis ${deviceAxisOf(state)} plays the design of ${tab(played)}. The one in hand is ${tab(machine.active)}.`;
-}
-
-/** The families that a controller at the port in view may be of.
- * @param {State} state */
-function familiesOf(state) {
-  const { ports, families } = state.devices;
-  const taken = ports.find(({ port }) => port === portOf(state))?.families;
-  return taken ? families.filter(({ name }) => taken.includes(name)) : families;
-}
-
-/** The family chosen for the port in view, now or before; until then the first.
- * @param {State} state */
-function familyOf(state) {
-  const offered = familiesOf(state);
-  const last = state.devices.chosenFamilies[portOf(state)];
-  return (offered.find(({ name }) => name === last) ?? offered[0])?.name ?? '';
 }
 
 /** @param {string} id @param {string} label @param {'gear' | 'refresh'} drawing @param {() => void} onclick */

@@ -12,12 +12,21 @@ export function formatFigure(value, unit) {
   return formatFixed(value, 4).replace(/0{1,3}$/, '');
 }
 
-/** The head of a figure's row: its name and its unit, of a checksum what kind of number it is.
- * @param {string} name @param {string} unit */
-export function figureHead(name, unit) {
+/** The head of a figure's row: its name and its unit, of a checksum what kind of number it is; and, in a line of its own, what the
+ * controller calls it, and its unit there.
+ * @param {string} name @param {string} unit @param {import('../../model/types.js').OwnTerms | null} [own] */
+export function figureHead(name, unit, own = null) {
   const word = unit === 'CRC-16' ? 'CRC' : unit;
   const small = word !== '' && !name.endsWith(word) && element('small', { textContent: word });
-  return element('th', { scope: 'row' }, name, small && ' ', small);
+  const term = own && element('small', { className: 'own', textContent: own.unit === '' ? own.term : `${own.term}, ${own.unit}` });
+  return element('th', { scope: 'row' }, name, small && ' ', small, term && ' ', term);
+}
+
+/** A figure's cell: the number, and beneath that the controller's own.
+ * @param {string} textContent @param {number | null} [value] in the controller's own unit @param {string} [className] */
+export function figureCell(textContent, value = null, className = '') {
+  const own = value !== null && element('small', { className: 'own', textContent: formatFigure(value, '') });
+  return element('td', { className }, textContent, own);
 }
 
 /** @param {(string | HTMLElement)[]} columns */

@@ -4,11 +4,18 @@
 import { closeButton, element, icon, messageLine } from '../../ui/dom.js';
 import { formatFigures } from '../../model/numbers.js';
 import { pushedWords } from './push_words.js';
-import { figureHead, formatFigure, sizeText, tableHead, unseen } from './figures.js';
+import { figureCell, figureHead, formatFigure, sizeText, tableHead, unseen } from './figures.js';
 
 /** @typedef {import('../../model/types.js').Device} Device */
 
 const STAGES = ['requested', 'sent', 'read back', 'verified'];
+
+/** Whether the device has another ramp than the one that was pushed last: it was rolled back, or restored.
+ * @param {Device} device */
+export function hasAnotherRamp({ pushed, ramp }) {
+  const sent = pushed?.items.find(({ unit }) => unit === 'CRC-16')?.sent;
+  return sent !== undefined && (ramp?.crc ?? null) !== sent;
+}
 
 export function createPushReport() {
   const stages = STAGES.map((name) => element('div', { textContent: name }));
@@ -26,15 +33,19 @@ export function createPushReport() {
   let shown = '';
 
   /** @param {import('../../model/types.js').Push} pushed @param {string[]} warnings @param {boolean} isChanged
-   * @param {import('../../model/types.js').Design[] | null} lastPushed  null: another page has pushed it */
-  function showDetails(pushed, warnings, isChanged, lastPushed) {
+   * @param {import('../../model/types.js').Design[] | null} lastPushed  null: another page has pushed it
+   * @param {boolean} isReplaced */
+  function showDetails(pushed, warnings, isChanged, lastPushed, isReplaced) {
     const rows = pushed.items.map((item) =>
       element(
         'tr',
         {},
-        figureHead(item.name, item.unit),
-        ...[item.requested, item.sent, item.read_back].map((value) =>
-          element('td', { textContent: value === null ? 'unreadable' : formatFigure(value, item.unit) }),
+        figureHead(item.name, item.unit, item.own),
+        figureCell(formatFigure(item.requested, item.unit)),
+        figureCell(formatFigure(item.sent, item.unit), item.own?.sent),
+        figureCell(
+          item.read_back === null ? 'unreadable' : formatFigure(item.read_back, item.unit),
+          item.own?.on_device,
         ),
         element(
           'td',
@@ -60,6 +71,7 @@ export function createPushReport() {
         }),
         close,
       ),
+      ...(isReplaced ? [element('p', { className: 'reason pushed-what', textContent: 'The device has another ramp since this push.' })] : []),
       ...(lastPushed ? [element('p', { className: 'reason pushed-what', textContent: pushedWords(lastPushed) })] : []),
       element(
         'div',
@@ -99,10 +111,11 @@ export function createPushReport() {
       details.hidden = isPushing || pushed === null || shown === closed;
       // What is said of the next push is not said of the last one again.
       const warnings = (pushed?.warnings ?? []).filter((text) => !preview?.warnings.includes(text));
-      const state = JSON.stringify([pushed, warnings, isChanged, lastPushed && pushedWords(lastPushed)]);
+      const isReplaced = device !== null && hasAnotherRamp(device);
+      const state = JSON.stringify([pushed, warnings, isChanged, lastPushed && pushedWords(lastPushed), isReplaced]);
       if (state === known) return;
       known = state;
-      if (pushed) showDetails(pushed, warnings, isChanged, lastPushed);
+      if (pushed) showDetails(pushed, warnings, isChanged, lastPushed, isReplaced);
     },
   };
 }

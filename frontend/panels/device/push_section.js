@@ -3,12 +3,12 @@
 
 import { element, icon, messageLine, showText } from '../../ui/dom.js';
 import { formatFixed } from '../../model/numbers.js';
-import { figureHead, formatFigure, sizeText, tableHead, unseen } from './figures.js';
+import { figureCell, figureHead, formatFigure, sizeText, tableHead, unseen } from './figures.js';
 import { mend } from '../../app/commands/work.js';
 import { createPushReport } from './push_report.js';
 import { createRefusals } from './push_refusals.js';
 import { pushedParts, ratherLong } from './push_words.js';
-import { able, can } from './section.js';
+import { able, can, enable, handOn } from './section.js';
 
 /** @typedef {import('../../model/types.js').Device} Device */
 /** @typedef {import('./section.js').Context} Context */
@@ -125,10 +125,12 @@ export function createPushSection(handlers, dispatch) {
       const isInvalid = situation.isDesignValid || situation.isAwaited ? '' : ['Correct the design first.', situation.nameProblem].filter(Boolean).join(' ');
       const isRefused = situation.refusals.length > 0;
       able([push, trial], reason, blocked || isInvalid, situation.isBusy || situation.isAwaited || isRefused);
-      for (const other of [keep, rollBack, restore]) other.disabled = blocked !== '' || situation.isBusy;
-      restore.disabled ||= Boolean(present?.on_trial) || !present?.ramp || (present.ramp.sequence ?? 0) < 2;
-      restore.hidden = !present?.ramp || !can(known, 'restore');
+      const isFree = blocked === '' && !situation.isBusy;
       onTrial.hidden = !present?.on_trial;
+      if (onTrial.hidden) handOn([keep, rollBack], push);
+      for (const other of [keep, rollBack]) enable(other, isFree);
+      enable(restore, isFree && !present?.on_trial && (present?.ramp?.sequence ?? 0) >= 2);
+      restore.hidden = !present?.ramp || !can(known, 'restore');
       keep.hidden = !present?.ramp || !can(known, 'keep');
       rollBack.hidden = !can(known, 'try');
       trial.hidden = !can(known, 'keep') || !can(known, 'try');
@@ -160,9 +162,9 @@ function changeRow(item, isOfSeveral) {
   return element(
     'tr',
     {},
-    figureHead(name, item.unit),
-    element('td', { textContent: figureText(item.on_device, item.unit) }),
-    element('td', { className: 'coming', textContent: figureText(item.to_send, item.unit) }),
+    figureHead(name, item.unit, item.own),
+    figureCell(figureText(item.on_device, item.unit), item.own?.on_device),
+    figureCell(figureText(item.to_send, item.unit), item.own?.sent, 'coming'),
   );
 }
 

@@ -13,6 +13,8 @@ const FIELDS = {
   'ramp.slew_speed_steps_per_s': { quantity: 'speed', word: 'slew speed' },
   'ramp.acceleration_steps_per_s2': { quantity: 'acceleration', word: 'acceleration' },
   'ramp.deceleration_steps_per_s2': { quantity: 'acceleration', word: 'deceleration' },
+  'ramp.shape.jerk_steps_per_s3': { quantity: 'jerk', word: 'jerk' },
+  'ramp.shape.deceleration_jerk_steps_per_s3': { quantity: 'jerk', word: 'jerk down' },
 };
 const FIGURES = 4;
 

@@ -10,6 +10,7 @@
  * @property {Device | null} known   the same, also while it is lost
  * @property {number} axis
  * @property {Design} design         of this axis, or the one in view where the device can't have those of all axes
+ * @property {number} axisId         of the page's axis that has this design
  * @property {string} inTheWay       why nothing can be asked of the device now; empty: something can
  * @property {string} notAtRest      why nothing can be begun; empty: it is at rest
  * @property {import('../../model/types.js').Situation} situation */
@@ -33,13 +34,24 @@ let unfocused = null;
 
 /** Enable a button or disable it; one that lost the focus by that gets it back, unless it is elsewhere by then.
  * @param {HTMLButtonElement} button @param {boolean} isEnabled */
-function enable(button, isEnabled) {
+export function enable(button, isEnabled) {
   if (button.disabled !== isEnabled) return;
   if (!isEnabled && button === document.activeElement) unfocused = button;
   button.disabled = !isEnabled;
   if (!isEnabled || button !== unfocused) return;
   unfocused = null;
   if (document.activeElement === document.body) button.focus();
+}
+
+/** Buttons that go give the focus that they have, or would get back, to another one.
+ * @param {HTMLButtonElement[]} gone @param {HTMLButtonElement} next */
+export function handOn(gone, next) {
+  const focused = gone.find((button) => button === document.activeElement);
+  if (focused === undefined && (unfocused === null || !gone.includes(unfocused))) return;
+  // A browser lets go of what is hidden in its own time.
+  focused?.blur();
+  unfocused = next.disabled ? next : null;
+  if (!next.disabled && document.activeElement === document.body) next.focus();
 }
 
 /**

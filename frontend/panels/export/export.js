@@ -9,8 +9,10 @@ import { api } from '../../server/api.js';
 import { createDialog, dialogFoot } from '../../ui/dialog.js';
 import { element, icon, messageLine, picker } from '../../ui/dom.js';
 import { download as saveFile } from '../../ui/download.js';
-import { beginning, EXPORT_FORMATS, EXPORT_GROUPS, formatBytes } from '../../documents/exports.js';
+import { AXIS_LETTERS, beginning, EXPORT_FORMATS, EXPORT_GROUPS, formatBytes } from '../../documents/exports.js';
 import { methodsToCompute } from '../../model/design.js';
+import { createPlayed } from './played.js';
+import { pushRefusals, refusalText } from '../../model/messages.js';
 import { parseEntry } from '../../model/numbers.js';
 import { unitsFor } from '../../model/units.js';
 
@@ -18,13 +20,17 @@ import { unitsFor } from '../../model/units.js';
 /** @typedef {import('../../model/types.js').MethodName} MethodName */
 
 const MOST_LINES = 400;
+/** Of the options those with a field here; methods are chosen at the legend.
+ * @type {('name' | 'arithmetic' | 'segment_bound_ticks' | 'axis_letter')[]} */
+const OPTIONS_SHOWN = ['name', 'arithmetic', 'segment_bound_ticks', 'axis_letter'];
 
 /** @param {Pick<import('../../app/state.js').Store, 'state' | 'dispatch'>} store
- * @param {Pick<typeof api, 'report' | 'exportDesign'>} [server] */
-export function createExport({ state, dispatch }, server = api) {
+ * @param {Pick<typeof api, 'report' | 'exportDesign' | 'machine'>} [server]
+ * @param {typeof api.ownRamp} [askOwn] */
+export function createExport({ state, dispatch }, server = api, askOwn = api.ownRamp) {
   let format = EXPORT_FORMATS[0];
   /** What can be copied and saved.
-   * @type {{file: Blob, name: string, text: string | null} | null} */
+   * @type {{file: Blob, name: string, text: string | null, remarks: string[], unplayed?: string | null} | null} */
   let made = null;
   let pictureUrl = '';
 
@@ -37,6 +43,8 @@ export function createExport({ state, dispatch }, server = api) {
   const help = element('p', { className: 'export-help', id: 'export-help' });
   const note = element('p', { className: 'export-note muted', 'aria-live': 'polite' });
   const preview = element('div', { className: 'export-preview', id: 'export-preview' });
+  const remarks = element('ul', { className: 'export-remarks', id: 'export-remarks', hidden: true, tabIndex: 0, 'aria-label': 'What is lost of the design' });
+  const played = createPlayed({ state, dispatch }, askOwn);
   const copy = element(
     'button',
     { className: 'button', id: 'export-copy', type: 'button', onclick: copyText },
@@ -55,24 +63,31 @@ export function createExport({ state, dispatch }, server = api) {
       'div',
       { className: 'export-body' },
       list.element,
-      element('div', { className: 'export-file' }, help, options.element, preview, note),
+      element('div', { className: 'export-file' }, help, options.element, remarks, played.element, preview, note),
     ),
     dialogFoot(null, copy, download),
   );
   options.showFor(format);
   dialog.element.addEventListener('close', () => {
     question.cancel();
+    played.hide();
     show('');
   });
 
   const question = createQuestion({
     ask: async (/** @type {{format: ExportFormat, body: object}} */ { format: asked, body }) => {
+      if (asked.isOfMachine) {
+        const { file_name, text, remarks: lost, unplayed } = await server.machine(asked.name, { ...body });
+        return { file: new Blob([text], { type: 'text/plain' }), name: file_name, text, remarks: lost, unplayed };
+      }
       const { file, name } = await (asked.report ? server.report(asked.report, body) : server.exportDesign(asked.name, { ...body }));
-      return { file, name, text: asked.kind === 'text' ? await file.text() : null };
+      return { file, name, text: asked.kind === 'text' ? await file.text() : null, remarks: [] };
     },
     take(found, { format: asked }) {
       made = found;
       showMade(asked);
+      const design = designOf(state());
+      if (made.unplayed !== undefined && design !== null) played.show(asked, design, made.unplayed);
       dialog.element.dataset.shown = asked.name;
     },
     refuse: ({ rejections }, { format: asked }) => showProblems(asked, rejections.map(problemText)),
@@ -92,6 +107,7 @@ export function createExport({ state, dispatch }, server = api) {
     note.textContent = 'It is being made …';
     dialog.element.dataset.shown = '';
     made = null;
+    played.hide();
     enable();
     const design = designOf(state());
     if (design === null) return;
@@ -121,6 +137,9 @@ export function createExport({ state, dispatch }, server = api) {
   /** @param {string} text @param {...HTMLElement} shown */
   function show(text, ...shown) {
     preview.replaceChildren(...shown);
+    const lost = made?.remarks ?? [];
+    remarks.replaceChildren(...lost.map((one) => element('li', { textContent: one })));
+    remarks.hidden = lost.length === 0;
     // The browser keeps a picture for as long as it has an address.
     URL.revokeObjectURL(pictureUrl);
     pictureUrl = '';
@@ -157,7 +176,11 @@ export function createExport({ state, dispatch }, server = api) {
     ),
     whenChanged(
       (present) => [present.devices.link],
-      (link) => link === 'there' && question.again(),
+      (link) => {
+        if (link !== 'there') return;
+        question.again();
+        played.again();
+      },
     ),
   ];
 
@@ -238,18 +261,19 @@ function createOptions(onChange) {
   const arithmetic = picker('Numbers that it computes in', onChange);
   const numbers = ['float32', 'float64', 'fixed'].map((each) => /** @type {[string, string]} */ ([each, each]));
   arithmetic.offer([['', 'as the design, or usual'], ...numbers], '');
+  const letter = picker('Axis of the machine', onChange);
+  letter.offer(AXIS_LETTERS.map((each) => [each, each]), AXIS_LETTERS[0]);
   const fields = {
     name: field('Names begin with', name),
     arithmetic: field('Computes in', arithmetic.element),
     segment_bound_ticks: field('May be off by, ticks', bound),
+    axis_letter: field('Axis', letter.element),
   };
   return {
     element: element('div', { className: 'export-options' }, ...Object.values(fields)),
     /** @param {ExportFormat} format */
     showFor(format) {
-      fields.name.hidden = !format.options.includes('name');
-      fields.arithmetic.hidden = !format.options.includes('arithmetic');
-      fields.segment_bound_ticks.hidden = !format.options.includes('segment_bound_ticks');
+      for (const option of OPTIONS_SHOWN) fields[option].hidden = !format.options.includes(option);
     },
     /** The part of the request that the format looks at.
      * @param {ExportFormat} format @param {MethodName[]} methods */
@@ -258,6 +282,7 @@ function createOptions(onChange) {
         name: name.value.trim() === '' ? null : name.value.trim(),
         arithmetic: arithmetic.select.value === '' ? null : arithmetic.select.value,
         segment_bound_ticks: parseEntry(bound.value),
+        axis_letter: letter.select.value,
         methods,
       };
       return Object.fromEntries(format.options.map((option) => [option, all[option]]));
@@ -272,5 +297,9 @@ function field(label, control) {
 
 /** What is refused, in words. Which methods a report compares is chosen at the legend.
  * @param {import('../../model/types.js').Rejection} rejection */
-const problemText = ({ field, allowed, message }) =>
-  field === 'methods' ? `The report compares ${allowed}: hide some in the legend.` : message;
+function problemText(rejection) {
+  const { field: name, allowed, message } = rejection;
+  if (name === 'methods') return `The report compares ${allowed}: hide some in the legend.`;
+  if (name === 'axis_letter') return refusalText(rejection, 'Axis');
+  return name?.startsWith('design.') ? pushRefusals([rejection])[0].text : message;
+}

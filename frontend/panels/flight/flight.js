@@ -2,6 +2,7 @@
 // The dialog that plays the design's ramp to what the motor is told in flight. Nothing is sent to a device.
 
 import { createQuestion, NOBODY_ANSWERS } from '../../app/effects/question.js';
+import { tellInFlight } from '../../app/commands/view.js';
 import { designOf, shownCurvesOf } from '../../app/selectors.js';
 import { whenChanged } from '../../app/state.js';
 import { commandsOf, flightOf, flightText, MS_PER_S } from '../../model/flight.js';
@@ -25,21 +26,20 @@ const USUAL_DURATION_S = 1;
 /** So long a time's text is, when it is proposed. */
 const FIGURES = 3;
 
-/** @param {(play: object, ended: AbortSignal) => Promise<import('../../model/types.js').InFlight>} ask */
-export function createFlight(ask) {
+/** @param {(play: object, ended: AbortSignal) => Promise<import('../../model/types.js').InFlight>} ask
+ * @param {import('../../app/state.js').Dispatch} dispatch */
+export function createFlight(ask, dispatch) {
   /** @type {{design: Design, units: Units} | null} */
   let present = null;
   /** Of the planned move. */
   let durationS = USUAL_DURATION_S;
-  /** Until then the rows are proposed. */
-  let isTold = false;
+  /** What a person has said; null: the rows are proposed.
+   * @type {Told[] | null} */
+  let told = null;
   /** What is drawn.
    * @type {{flight: Flight, told: Told[]} | null} */
   let drawn = null;
-  const rows = createRows(() => {
-    isTold = true;
-    play();
-  });
+  const rows = createRows(keep);
   const charts = createCharts();
   const result = element('div', { className: 'flight-result', id: 'flight-result', role: 'status' });
   const answer = element('div', { className: 'flight-answer', id: 'flight-answer' }, charts.element, result);
@@ -77,6 +77,12 @@ export function createFlight(ask) {
   });
   dialog.element.addEventListener('close', playing.cancel);
 
+  function keep() {
+    told = rows.told();
+    dispatch(tellInFlight, told);
+    play();
+  }
+
   function play() {
     if (present === null || !dialog.isOpen()) return;
     answer.setAttribute('aria-busy', 'true');
@@ -86,9 +92,8 @@ export function createFlight(ask) {
   function add() {
     const last = Number(rows.told().at(-1)?.atMs) || 0;
     const row = rows.add({ atMs: rounded(last + halfMs()), kind: 'target', value: 0 });
-    isTold = true;
     row.input.focus();
-    play();
+    keep();
   }
 
   const halfMs = () => rounded((durationS * MS_PER_S) / 2);
@@ -120,6 +125,12 @@ export function createFlight(ask) {
 
   const shows = [
     whenChanged(
+      (state) => [state.inFlight],
+      (kept) => {
+        if (kept !== null && kept !== told) rows.set((told = kept));
+      },
+    ),
+    whenChanged(
       (state) => [shownCurvesOf(state)],
       (curves) => {
         if (curves) durationS = activeProfile(curves).summary.duration_s;
@@ -144,7 +155,7 @@ export function createFlight(ask) {
 
   return {
     open() {
-      if (!isTold) propose();
+      if (told === null) propose();
       dialog.open(rows.element.querySelector('input'));
       play();
     },

@@ -38,8 +38,10 @@ export function createRows(onChange) {
     const row = createRow(made, told, {
       onChange,
       onRemove() {
+        const place = rows.indexOf(row);
         rows = rows.filter((one) => one !== row);
         arrange();
+        rows[Math.min(place, rows.length - 1)].input.focus();
         onChange();
       },
     });

@@ -100,6 +100,7 @@ export function createGuide(root, dispatch, act) {
   return {
     show: whenever((state) => {
       const { guide, units } = state;
+      if (!guide.isOpen) return [guide];
       return [guide, designOf(state), units, messagesOf(state), curvesOf(state), stalenessOf(state)];
     }, draw),
   };

@@ -2,11 +2,19 @@
 // The last step: the ramp goes where it is played.
 
 import { designOf, isDesignValid, stalenessOf } from '../../app/selectors.js';
-import { AXIS_LETTERS, settingLines, settingRemarks } from '../../documents/machine_settings.js';
+import { createQuestion, NOBODY_ANSWERS } from '../../app/effects/question.js';
+import { pushRefusals } from '../../model/messages.js';
+import { api } from '../../server/api.js';
 import { copyText } from '../../ui/clipboard.js';
 import { element, icon, messageLine, segmented, showText } from '../../ui/dom.js';
 
 /** @typedef {import('../../model/guide.js').Player} Player */
+/** @typedef {import('../../model/types.js').Design} Design */
+/** @typedef {'grbl' | 'marlin'} Machine */
+
+const NAMES = { grbl: 'grbl', marlin: 'Marlin' };
+/** Of the axes that each of them has. */
+const AXIS_LETTERS = ['X', 'Y', 'Z'];
 // Whoever has none reads over it.
 const MEASURING =
   'With a logic analyser: record step and direction of a move, and drop the file (CSV, VCD, .sr) on the page. The measured steps are laid over the planned ones.';
@@ -19,8 +27,9 @@ const MEASURING =
  * @param {(format: string) => void} act.openExport
  * @param {() => void} act.saveFile
  * @param {() => void} act.choosePlayer
+ * @param {Pick<typeof api, 'machine'>} [server]
  */
-export function createUseStep({ goToDevice, openExport, saveFile, choosePlayer }) {
+export function createUseStep({ goToDevice, openExport, saveFile, choosePlayer }, server = api) {
   /** @type {Record<'controller' | 'sketch' | 'chip', Way>} */
   const ways = {
     controller: {
@@ -45,8 +54,10 @@ export function createUseStep({ goToDevice, openExport, saveFile, choosePlayer }
     {},
     element('p', { textContent: 'grbl and Marlin work their ramps out by themselves: they get settings. Say what makes the steps, and the lines are shown here.' }),
     button('guide-choose', 'Say what makes the steps', choosePlayer),
+    element('p', { textContent: 'So do Klipper, FluidNC, Pololu Tics and libraries for Arduinos: what each gets is exported, with what it loses.' }),
+    button('guide-machines', 'Other controllers …', () => openExport('grblhal')),
   );
-  const settings = createSettings();
+  const settings = createSettings(server);
   const problem = element('div', { className: 'guide-problem' });
   const others = element(
     'div',
@@ -74,6 +85,7 @@ export function createUseStep({ goToDevice, openExport, saveFile, choosePlayer }
       }
       settings.element.hidden = !isMachine || !isValid;
       if (isMachine && isValid) settings.show(design, player);
+      else settings.cancel();
     },
   };
 }
@@ -88,14 +100,16 @@ function button(id, text, onclick) {
   return element('button', { className: 'button', id, type: 'button', textContent: text, onclick });
 }
 
-/** The lines for a machine that works its ramps out itself. */
-function createSettings() {
+/** The lines for a machine that works its ramps out itself.
+ * @param {Pick<typeof api, 'machine'>} server */
+function createSettings(server) {
   let letter = AXIS_LETTERS[0];
-  /** @type {(() => void) | null} */
-  let again = null;
+  /** What is shown, or asked for.
+   * @type {{design: Design, machine: Machine} | null} */
+  let wanted = null;
   const choice = segmented('Axis of the machine', AXIS_LETTERS.map((one) => [one, one]), (one) => {
     letter = one;
-    again?.();
+    if (wanted !== null) ask(wanted);
   });
   const intro = element('p');
   const lines = element('pre', { id: 'guide-settings', tabIndex: 0, role: 'region', 'aria-label': 'Settings' });
@@ -103,22 +117,52 @@ function createSettings() {
   const copied = element('span', { className: 'muted', role: 'status' });
   const copy = element('button', { className: 'button', id: 'guide-copy', type: 'button', onclick: take }, icon('copy'), 'Copy');
 
+  const question = createQuestion({
+    ask: (/** @type {{machine: Machine, body: Record<string, unknown>}} */ { machine, body }) => server.machine(machine, body),
+    take({ text, remarks: told }) {
+      // Its comments say what is said here besides.
+      const sent = text.split('\n').filter((line) => line !== '' && !line.startsWith(';'));
+      tell(sent.join('\n'), told, true);
+    },
+    refuse: ({ rejections }) => tell('', pushRefusals(rejections).map(({ text }) => text), false),
+    miss: () => tell('', [NOBODY_ANSWERS], false),
+    isOnlyNewest: true,
+  });
+
+  /** @param {string} text @param {string[]} messages @param {boolean} isWarning */
+  function tell(text, messages, isWarning) {
+    showText(lines, text);
+    lines.hidden = copy.disabled = text === '';
+    remarks.replaceChildren(...messages.map((one) => messageLine({ text: one, isWarning })));
+  }
+
   async function take() {
     showText(copied, (await copyText(lines.textContent ?? '')) ? 'Copied.' : 'The browser does not let this page copy: select the lines.');
   }
 
-  /** @param {import('../../model/types.js').Design} design @param {import('../../documents/machine_settings.js').Machine} machine */
-  function show(design, machine) {
+  /** @param {{design: Design, machine: Machine}} about */
+  function ask({ design, machine }) {
     choice.press(letter);
-    again = () => show(design, machine);
-    const name = machine === 'grbl' ? 'grbl' : 'Marlin';
-    showText(intro, `Send these lines to ${name}: steps per unit, speed, acceleration. From then on it moves as the curves show.`);
-    const text = settingLines(design, machine, letter).join('\n');
-    if (lines.textContent !== text) showText(copied, '');
-    showText(lines, text);
-    remarks.replaceChildren(...settingRemarks(design, machine).map((remark) => messageLine({ text: remark, isWarning: true })));
+    showText(intro, `Send these lines to ${NAMES[machine]}: steps per unit, speed, acceleration. What of the design it does otherwise is said below.`);
+    showText(copied, '');
+    // Lines of an earlier design are none to be copied.
+    tell('', [], true);
+    question.want({ machine, body: { design, axis_letter: letter } });
   }
 
   const foot = element('div', { className: 'guide-line' }, choice.element, copy, copied);
-  return { element: element('section', {}, intro, lines, foot, remarks), show };
+  return {
+    element: element('section', {}, intro, lines, foot, remarks),
+    /** @param {Design} design @param {Machine} machine */
+    show(design, machine) {
+      if (wanted?.design === design && wanted.machine === machine) return;
+      wanted = { design, machine };
+      ask(wanted);
+    },
+    /** There is nothing to be asked. */
+    cancel() {
+      wanted = null;
+      question.cancel();
+    },
+  };
 }

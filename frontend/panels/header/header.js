@@ -38,6 +38,7 @@ const FATES = {
  * @param {() => void} act.saveFile
  * @param {() => void} act.shareLink
  * @param {(format?: string) => void} act.openExport
+ * @param {() => void} act.openBackups
  * @param {() => void} act.startNew
  * @param {() => void} act.duplicate
  * @param {(work: import('../../model/workbench.js').Work & {ids?: number[]}) => void} act.openWork
@@ -84,6 +85,7 @@ export function createHeader(root, dispatch, act) {
     ['Guide: from the motor to the ramp', guide],
     ['Report …', () => act.openExport('report_pdf')],
     ['Print …', () => window.print()],
+    ['Backups of controllers …', act.openBackups],
   ]);
   function guide() {
     dispatch(openGuide);

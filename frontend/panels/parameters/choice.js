@@ -9,10 +9,11 @@ import { CHOICES } from '../../model/fields.js';
 
 /**
  * @param {string} path where it stands in the design
- * @param {[string, string][]} values and what each is called; the first holds where the design has none
+ * @param {[string, string][]} values and what each is called
  * @param {(path: string, value: unknown) => void} onEdit
+ * @param {string} [usual] what holds where the design has none; empty: nothing does
  */
-export function createChoice(path, values, onEdit) {
+export function createChoice(path, values, onEdit, usual = values[0][0]) {
   const { label, help } = CHOICES[path];
   const control = segmented(label, values, (value) => onEdit(path, value));
   control.element.classList.add('fill');
@@ -30,7 +31,7 @@ export function createChoice(path, values, onEdit) {
       for (const button of control.element.querySelectorAll('button')) {
         button.hidden = offered !== undefined && !offered.includes(button.dataset.value ?? '');
       }
-      control.press(valueAt(design, path) ?? values[0][0]);
+      control.press(valueAt(design, path) ?? usual);
     },
     /** What comes of the choice; empty: nothing to say.
      * @param {string} text */

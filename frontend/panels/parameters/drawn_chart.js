@@ -1,7 +1,7 @@
 // @ts-check
 // A drawn acceleration over the speed: its curve, and its points to be dragged, nudged, added and removed.
 
-import { drawablePoints, movedPoint, nudgedPoint, withoutPoint, withPointAt } from '../../model/drawn_points.js';
+import { drawablePoints, movedPoint, nudgedPoint, tidied, withoutPoint, withPointAt } from '../../model/drawn_points.js';
 import { monotoneCubic } from '../../model/monotone_cubic.js';
 import { formatFigures, formatFixed } from '../../model/numbers.js';
 import { MOST_POINTS } from '../../model/shapes.js';
@@ -57,7 +57,7 @@ export function createDrawnChart({ onPoints, onEnd }) {
 
   /** @param {Place} place @returns {Point} */
   const pointAt = ({ x, y }) => [
-    Math.max(0, ((x - LEFT) / (WIDTH - LEFT - RIGHT)) * (shown?.top ?? 1)),
+    tidied(Math.max(0, ((x - LEFT) / (WIDTH - LEFT - RIGHT)) * (shown?.top ?? 1))),
     1 - (y - TOP) / (HEIGHT - TOP - BOTTOM),
   ];
 
@@ -143,7 +143,7 @@ export function createDrawnChart({ onPoints, onEnd }) {
     const acceleration = Number(design.ramp.acceleration_steps_per_s2);
     scale.replaceChildren(
       ...TICKS.flatMap((part) => gridLine(part % 0.5 ? '' : told('acceleration', part * acceleration), LEFT, WIDTH - RIGHT, yOf(part))),
-      chartText(unitWord(units, design, 'acceleration'), LEFT, TOP - 5, 'start'),
+      chartText(unitWord(units, design, 'acceleration'), WIDTH - RIGHT, TOP - 5, 'end'),
       ...[0, 0.5, 1].map((part) => chartText(told('speed', (part * top) / ROOM), xOf((part * top) / ROOM), HEIGHT - 8, part === 1 ? 'end' : 'middle')),
     );
     const partOf = monotoneCubic(drawn);
@@ -179,5 +179,6 @@ export function createDrawnChart({ onPoints, onEnd }) {
   return { element: drawing, show };
 }
 
-/** @param {number} value */
-const figures = (value) => (value === 0 || Math.abs(value) >= 100 ? formatFixed(value) : formatFigures(value, 2));
+/** Nothing of what is no number: another field is being typed.
+ * @param {number} value */
+const figures = (value) => (Number.isNaN(value) ? '' : value === 0 || Math.abs(value) >= 100 ? formatFixed(value) : formatFigures(value, 2));

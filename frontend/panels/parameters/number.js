@@ -35,13 +35,16 @@ const END_KEYS = /** @type {Record<string, number>} */ ({ Home: 0, End: SLIDER_P
 export function createNumber(field, { onEdit, onSlid }) {
   const { path } = field;
   const leader = FOLLOWERS[path];
+  const mayBeOpen = leader !== undefined || field.usual !== undefined;
+  /** What says that it is left open: what follows another says so, all else says nothing. */
+  const open = leader === undefined ? undefined : null;
   /** @type {{design: Design, units: Units, factor: number} | null} */
   let shown = null;
   /** What was typed last, to be shown again as it was typed.
    * @type {{text: string, entry: Entry, factor: number} | null} */
   let typed = null;
 
-  const parts = buildRow(field, leader !== undefined, (unit) => onEdit('axis.travel_unit', unit));
+  const parts = buildRow(field, mayBeOpen, (unit) => onEdit('axis.travel_unit', unit));
   const { input, slider, note } = parts;
   selectOnFocus(input);
   input.addEventListener('input', type);
@@ -65,7 +68,7 @@ export function createNumber(field, { onEdit, onSlid }) {
     const { entry, exact } = readEntry(field, input.value, factor);
     typed = { text: input.value, entry, factor };
     note.textContent = exact === null ? '' : roundingNote(input.value.trim(), exact, Number(entry));
-    onEdit(path, leader !== undefined && entry === '' ? null : entry, `type:${path}`);
+    onEdit(path, mayBeOpen && entry === '' ? open : entry, `type:${path}`);
   }
 
   function slide() {
@@ -102,15 +105,21 @@ export function createNumber(field, { onEdit, onSlid }) {
   }
 
   function toggleFollow() {
-    if (shown === null || leader === undefined) return;
-    onEdit(path, ownOf(shown.design) === null ? valueAt(shown.design, leader) : null);
+    if (shown === null) return;
+    onEdit(path, ownOf(shown.design) === null ? openValue(shown.design) : open);
   }
 
-  /** The value that holds, its own or the one it follows.
+  /** The value that holds, its own or what stands for it.
    * @returns {Entry} */
   function current() {
     if (shown === null) return 0;
-    return ownOf(shown.design) ?? (leader === undefined ? '' : valueAt(shown.design, leader));
+    return ownOf(shown.design) ?? openValue(shown.design);
+  }
+
+  /** What holds while it is left open: the one that it follows, or a usual one.
+   * @param {Design} design @returns {Entry} */
+  function openValue(design) {
+    return leader === undefined ? (field.usual?.(design) ?? '') : valueAt(design, leader);
   }
 
   /** What the design has here; null where it is left open, or left out.
@@ -131,7 +140,7 @@ export function createNumber(field, { onEdit, onSlid }) {
     if (shown === null) return;
     const { design, factor } = shown;
     const own = ownOf(design);
-    const isOpen = own === null && leader !== undefined;
+    const isOpen = own === null && mayBeOpen;
     const isAsTyped = typed !== null && typed.entry === own && typed.factor === factor;
     if (!isAsTyped) note.textContent = '';
     input.placeholder = isOpen ? shownEntry(current(), factor) : '';
@@ -170,7 +179,7 @@ export function createNumber(field, { onEdit, onSlid }) {
       const now = JSON.stringify([valueAt(design, path), current(), shown.factor, unitText()]);
       // A slider under the hand changes one number of many, many times a second.
       if (now === before && !hasFocus()) return;
-      const isOpen = leader !== undefined && ownOf(design) === null;
+      const isOpen = mayBeOpen && ownOf(design) === null;
       parts.row.classList.toggle('follows', isOpen);
       parts.follow?.setAttribute('aria-pressed', String(isOpen));
       parts.showUnit(unitText());
@@ -180,6 +189,8 @@ export function createNumber(field, { onEdit, onSlid }) {
     /** @param {import('../../model/messages.js').Messages['fields']} messages */
     showMessage(messages) {
       const own = shown ? inShownUnit(messages.get(path), shown.units, shown.design, field) : undefined;
+      // What is refused says what it was taken for.
+      note.hidden = own !== undefined && !own.isWarning;
       showMessage(input, parts.box, own ?? (path === TRAVEL ? messages.get('axis.travel_unit') : undefined));
     },
   };
@@ -253,14 +264,14 @@ function buildRow(field, canFollow, onTravelUnit) {
 }
 
 /** @param {import('../../model/fields.js').Field} field */
-function followButton({ label, quantity }) {
+function followButton({ label, quantity, usual }) {
   return element(
     'button',
     {
       className: 'follow',
       type: 'button',
-      'aria-label': `${label} follows the ${quantity}`,
-      title: `Follow the ${quantity}`,
+      'aria-label': usual ? `${label} is left open` : `${label} follows the ${quantity}`,
+      title: usual ? 'Left open: the usual value stands for it' : `Follow the ${quantity}`,
     },
     icon('link'),
   );

@@ -5,7 +5,7 @@
 import { tell } from '../../app/commands/told.js';
 import { setUnits } from '../../app/commands/view.js';
 import { endGesture, setMethod, setPlan, setPreset, setShape, setValue } from '../../app/commands/work.js';
-import { designOf, messagesOf, shownCurvesOf } from '../../app/selectors.js';
+import { axisOf, designOf, messagesOf, motorOf, shownCurvesOf } from '../../app/selectors.js';
 import { whenChanged, whenever } from '../../app/state.js';
 import { element } from '../../ui/dom.js';
 import { GROUPS } from '../../model/fields.js';
@@ -15,6 +15,7 @@ import { activeProfile } from '../../plotting/curves.js';
 import { createChoice } from './choice.js';
 import { createInfo } from './info.js';
 import { createMethod } from './method.js';
+import { createMotor } from './motor.js';
 import { createNumber } from './number.js';
 import { createPresetPicker } from './preset_picker.js';
 import { createShape } from './shape.js';
@@ -29,6 +30,7 @@ const WELCOME = {
   help: 'Point at a parameter to read what it is and what it does to the ramp. Arrow keys step it: Shift coarse, Alt fine.',
 };
 
+const MOTOR = 'Motor';
 /** @type {[string, string][]} */
 const PLANS = [
   ['this_move', 'by themselves'],
@@ -36,8 +38,8 @@ const PLANS = [
 ];
 
 /** @param {HTMLElement} root @param {import('../../app/state.js').Dispatch} dispatch
- * @param {{openFlight: () => void}} act */
-export function createParameters(root, dispatch, { openFlight }) {
+ * @param {{openFlight: () => void} & import('./motor_found.js').Looks} act */
+export function createParameters(root, dispatch, { openFlight, ...looks }) {
   /** @type {import('./number.js').Handlers & Parameters<typeof createMethod>[0] & Parameters<typeof createShape>[0]} */
   const handlers = {
     onEdit: (path, value, gesture) => dispatch(setValue, path, value, gesture, performance.now()),
@@ -55,6 +57,8 @@ export function createParameters(root, dispatch, { openFlight }) {
   const numbers = GROUPS.flatMap((group) => group.fields).map((field) => createNumber(field, handlers));
   const method = createMethod(handlers, info);
   const shape = createShape(handlers, info);
+  const ofMotor = numbers.filter(({ field }) => GROUPS.some(({ title, fields }) => title === MOTOR && fields.includes(field)));
+  const motor = createMotor(dispatch, handlers, info, ofMotor, looks);
   const plan = createChoice('move.plan', PLANS, (_, value) => dispatch(setPlan, String(value)));
   info.explain(plan.element, () => plan.explanation, plan.name);
   const pickers = [
@@ -74,10 +78,10 @@ export function createParameters(root, dispatch, { openFlight }) {
       'section',
       { className: 'group', 'aria-label': group.title },
       pickers[index]?.element ??
-        (group.title === 'Ramp' ? shape.head : null) ??
+        /** @type {Record<string, HTMLElement>} */ ({ Ramp: shape.head, [MOTOR]: motor.head })[group.title] ??
         element('div', { className: 'group-head' }, element('h2', { textContent: group.title }), group.title === 'Move' && inFlight),
       group.title === 'Ramp' && shape.nameBox,
-      ...numbers.filter((number) => group.fields.includes(number.field)).map((number) => number.element),
+      ...(group.title === MOTOR ? [motor.body] : numbers.filter((number) => group.fields.includes(number.field)).map((number) => number.element)),
       group.title === 'Ramp' && shape.points,
       group.title === 'Move' && plan.element,
     ),
@@ -98,6 +102,7 @@ export function createParameters(root, dispatch, { openFlight }) {
       if (!number.element.hidden) number.show(design, units);
     }
     shape.show(design, units);
+    motor.show(design);
     plan.show(design);
     plan.element.hidden = shapeOf(design).begins_alike;
     for (const picker of pickers) picker.show(design);
@@ -110,6 +115,7 @@ export function createParameters(root, dispatch, { openFlight }) {
     for (const number of numbers) number.showMessage(fields);
     method.showMessage(fields);
     shape.showMessage(fields);
+    motor.showMessage(fields, designOf(state));
     plan.showMessage(fields);
   }
 
@@ -121,6 +127,7 @@ export function createParameters(root, dispatch, { openFlight }) {
   const shows = [
     whenChanged((state) => [designOf(state), state.units], show),
     whenChanged((state) => [shownCurvesOf(state), state.units], showOtherLengths),
+    whenChanged((state) => [motorOf(state), state.units, designOf(state), axisOf(state)], motor.showFound),
     // They are told in the units and with the values that are shown.
     whenever((state) => [messagesOf(state), designOf(state), state.units], showMessages),
   ];

@@ -2,9 +2,11 @@
 // The choice of the ramp's shape, and the points of a drawn one.
 
 import { CHOICES } from '../../model/fields.js';
-import { SHAPES, hasField, shapeOf } from '../../model/shapes.js';
+import { MOST_POINTS, SHAPES, hasField, shapeOf, shapesFor } from '../../model/shapes.js';
 import { element, picker, showMessage } from '../../ui/dom.js';
 import { pointsOf, pointsText } from '../../model/drawn_points.js';
+import { formatFixed } from '../../model/numbers.js';
+import { shownValue, unitWord } from '../../model/units.js';
 import { createDrawnChart } from './drawn_chart.js';
 
 /** @typedef {import('../../model/types.js').Design} Design */
@@ -31,10 +33,11 @@ export function createShape({ onEdit, onShape, onSlid }, info) {
     autocomplete: 'off',
     'aria-label': label,
     'aria-description': help,
-    oninput: () => onEdit(POINTS, pointsOf(text.value), `type:${POINTS}`),
+    oninput: typed,
   });
   const box = element('div', { className: 'messages' });
-  const caption = element('span', { textContent: label });
+  const columns = element('small', { className: 'muted' });
+  const caption = element('span', {}, label, columns);
   const chart = createDrawnChart({ onPoints: (drawn, gesture) => onEdit(POINTS, drawn, gesture), onEnd: onSlid });
   const points = element('div', { className: 'drawn-points' }, caption, chart.element, text, box);
   info.explain(
@@ -44,6 +47,31 @@ export function createShape({ onEdit, onShape, onSlid }, info) {
   );
   info.explain(points, () => CHOICES[POINTS], caption);
 
+  /** Lines that are more than a design may have, and its points meanwhile: it stays as it is, and the text, too.
+   * @type {{count: number, points: unknown} | null} */
+  let tooMany = null;
+  /** @type {Design | null} */
+  let present = null;
+  /** Of the unit that speeds are shown in. */
+  let factor = 1;
+  /** @type {import('../../model/messages.js').Message | undefined} */
+  let message;
+
+  function typed() {
+    const typedPoints = pointsOf(text.value, factor);
+    tooMany = typedPoints.length > MOST_POINTS ? { count: typedPoints.length, points: present?.ramp.shape?.points } : null;
+    if (tooMany === null) onEdit(POINTS, typedPoints, `type:${POINTS}`);
+    tellOfPoints();
+  }
+
+  function tellOfPoints() {
+    const many = tooMany && {
+      text: `${label} are ${formatFixed(tooMany.count)} points; allowed: 2 to ${MOST_POINTS}. The ramp stays as it was.`,
+      isWarning: false,
+    };
+    showMessage(text, box, many ?? message);
+  }
+
   return {
     head,
     nameBox,
@@ -51,20 +79,27 @@ export function createShape({ onEdit, onShape, onSlid }, info) {
     /** @param {Design} design @param {import('../../model/units.js').Units} units */
     show(design, units) {
       name.offer(
-        SHAPES.map((shape) => [shape.name, shape.label]),
+        shapesFor(design).map((shape) => [shape.name, shape.label]),
         shapeOf(design).name,
       );
       points.hidden = !hasField(design, POINTS);
       if (!points.hidden) chart.show(design, units);
+      present = design;
+      const before = factor;
+      factor = shownValue(units, design, 'speed', 1);
+      columns.textContent = ` a line each: ${unitWord(units, design, 'speed')}, part of a`;
+      if (tooMany?.points !== design.ramp.shape?.points) tooMany = null;
+      if (tooMany) return;
       const shown = design.ramp.shape?.points ?? [];
       // What is being typed stays as it is typed.
-      if (JSON.stringify(pointsOf(text.value)) !== JSON.stringify(shown)) text.value = pointsText(shown);
+      const isTyped = factor === before && JSON.stringify(pointsOf(text.value, factor)) === JSON.stringify(shown);
+      if (!isTyped) text.value = pointsText(shown, factor);
     },
     /** @param {import('../../model/messages.js').Messages['fields']} messages */
     showMessage(messages) {
       showMessage(name.select, nameBox, messages.get('ramp.shape.name'));
-      const ofPoints = [...messages].find(([path]) => path.startsWith(POINTS));
-      showMessage(text, box, ofPoints?.[1]);
+      message = [...messages].find(([path]) => path.startsWith(POINTS))?.[1];
+      tellOfPoints();
     },
   };
 }

@@ -12,6 +12,7 @@ import { tidy } from '../../model/numbers.js';
 export const SLIDER_POSITIONS = 1000;
 // A usual step of a logarithmic slider, as a fraction of the value; a coarse one is ten times, a fine one a tenth of it.
 const USUAL = 0.01;
+const LEAST_PART = 1e-6;
 const STRIDES = { fine: 0.1, usual: 1, coarse: 10 };
 const LINEAR = { fine: 0, usual: 1, coarse: 2 };
 const POWERS_OF_TWO = { fine: 0, usual: 1, coarse: 2 };
@@ -71,7 +72,9 @@ function strideAt(slider, value, stride, factor) {
     const length = slider.strides[LINEAR[stride]];
     return factor === 1 ? length : roundSize(length * factor);
   }
-  return roundSize((Math.abs(value) || slider.from) * factor * USUAL) * STRIDES[stride];
+  // Of nothing, or next to nothing, no part is a step.
+  const size = Math.abs(value) < LEAST_PART * slider.from ? slider.from : Math.abs(value);
+  return roundSize(size * factor * USUAL) * STRIDES[stride];
 }
 
 /** The nearest of 1, 2, 5, 10, 20, 50 …

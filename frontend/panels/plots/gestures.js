@@ -87,6 +87,11 @@ export function watchGestures(scope, { onPoint, onZoom, onZoomAtCursor, onPan, o
     released(event);
     if (event.pointerType !== 'touch') onPoint(null);
   });
+  // A finger leaves nothing behind that says where it points; the keys' cursor is theirs.
+  document.addEventListener('pointerdown', ({ target }) => {
+    if (!(target instanceof Node && scope.contains(target))) onPoint(null);
+  });
+  scope.addEventListener('focusout', () => onPoint(null));
   scope.addEventListener('keydown', walked);
   scope.addEventListener(
     'wheel',

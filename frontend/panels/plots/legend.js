@@ -7,12 +7,13 @@ import { deviationText, markedStepsText, MARKS } from '../../plotting/captured.j
 import { METHODS, REFERENCE } from '../../model/methods.js';
 import { formatFixed, formatSignedPercent } from '../../model/numbers.js';
 import { lineSwatch, methodSwatch } from '../../ui/swatch.js';
+import { watchStrip } from '../../ui/strip.js';
 
 /** @typedef {import('../../model/types.js').Answer} Answer */
 /** @typedef {import('../../model/types.js').MethodName} MethodName */
 
-/** @param {(name: MethodName) => void} onSwitch @param {{onOpen: () => void, onRemove: () => void}} capture */
-export function createLegend(onSwitch, { onOpen, onRemove }) {
+/** @param {(name: MethodName) => void} onSwitch @param {() => void} onOwn @param {{onOpen: () => void, onRemove: () => void}} capture */
+export function createLegend(onSwitch, onOwn, { onOpen, onRemove }) {
   const chips = METHODS.map(({ name, label, plays_table: playsTable }) => {
     const figure = element('em');
     const chip = element(
@@ -31,6 +32,14 @@ export function createLegend(onSwitch, { onOpen, onRemove }) {
     lineSwatch('--measured'),
     element('span', { textContent: 'Trace' }),
     traceFigure,
+  );
+  const [ownLabel, ownFigure] = [element('span', { textContent: 'As the controller plays it' }), element('em')];
+  const own = element(
+    'button',
+    { className: 'chip', id: 'own-chip', type: 'button', hidden: true, onclick: onOwn },
+    lineSwatch('--own', '6 2'),
+    ownLabel,
+    ownFigure,
   );
   const captureFigure = element('em');
   const captureChip = element(
@@ -58,14 +67,17 @@ export function createLegend(onSwitch, { onOpen, onRemove }) {
     captureChip,
     element('button', { ...removal, onclick: onRemove }, icon('remove')),
   );
+  const legend = element(
+    'div',
+    { className: 'legend', role: 'group', 'aria-label': 'Methods shown' },
+    ...chips.map(({ chip }) => chip),
+    own,
+    trace,
+    capture,
+  );
+  watchStrip(legend);
   return {
-    element: element(
-      'div',
-      { className: 'legend', role: 'group', 'aria-label': 'Methods shown' },
-      ...chips.map(({ chip }) => chip),
-      trace,
-      capture,
-    ),
+    element: legend,
     /** @param {boolean} isTraced whether there is a trace among the lines
      * @param {boolean} isOfAnother whether it is not known to be of the ramp that is plotted */
     showTrace(isTraced, isOfAnother) {
@@ -78,6 +90,18 @@ export function createLegend(onSwitch, { onOpen, onRemove }) {
       if (isLonger === told.isLonger) return;
       told = { ...told, isLonger };
       tellTrace();
+    },
+    /** @param {import('../../model/types.js').OwnRamp | null} ramp what the controller in view plays itself
+     * @param {string} family its title @param {boolean} isShown */
+    showOwn(ramp, family, isShown) {
+      own.hidden = ramp === null;
+      if (ramp === null) return;
+      showText(ownLabel, `As ${family} plays it`);
+      showText(ownFigure, `${formatSignedPercent(ramp.max_relative_error)} %`);
+      own.setAttribute('aria-pressed', String(isShown));
+      const longer = ramp.duration_s - ramp.planned_duration_s;
+      const lasts = `${formatFixed(Math.abs(longer) * 1000, 1)} ms ${longer < 0 ? 'shorter' : 'longer'} than planned`;
+      own.title = `${isShown ? 'Hide' : 'Show'} what ${family} works out itself; largest error at step ${ramp.max_error_step}, the move is ${lasts}`;
     },
     /** @param {import('../../plotting/captured.js').ShownCapture | null} shown */
     showCapture(shown) {

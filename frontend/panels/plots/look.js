@@ -9,7 +9,7 @@ import { token } from '../../ui/theme.js';
 /** Colours, dashes and font of the present theme.
  * @returns {Pick<Scene, 'colours' | 'dashes' | 'font'>} */
 export function readLook() {
-  const named = ['pinned', 'measured', 'capture', 'capture-missing', 'capture-extra', 'capture-short', 'axis-0', 'axis-1', 'axis-2', 'axis-3'];
+  const named = ['pinned', 'own', 'measured', 'capture', 'capture-missing', 'capture-extra', 'capture-short', 'axis-0', 'axis-1', 'axis-2', 'axis-3'];
   const parts = ['method', 'arithmetic', 'rounding', 'compression'].map((name) => `part-${name}`);
   const colours = Object.fromEntries([
     ...METHODS.map(({ name }) => [name, token(`--method-${name}`)]),

@@ -2,9 +2,9 @@
 // The three plots in one figure, with zoom, views and cursor.
 
 import { removeCapture, showCapture } from '../../app/commands/capture.js';
-import { look as lookOtherwise, read as tellReading, selectRow, switchMethod, wantPoints, zoomTo } from '../../app/commands/view.js';
+import { look as lookOtherwise, read as tellReading, selectRow, switchMethod, switchOwn, wantPoints, zoomTo } from '../../app/commands/view.js';
 import { pin, setTable, unpin } from '../../app/commands/work.js';
-import { runningMoveOf, samplesOf } from '../../app/devices.js';
+import { ownPlayerOf, runningMoveOf, samplesOf } from '../../app/devices.js';
 import {
   areAxesShown,
   axisMovesOf,
@@ -13,6 +13,8 @@ import {
   isMeasuredOfDesign,
   isSliding,
   measuredOf,
+  shownOwnRampOf,
+  motorOf,
   pinnedOf,
   shownCaptureOf,
   shownCurvesOf,
@@ -27,11 +29,13 @@ import {
   interpolate,
   liveOver,
   measuredOver,
+  ownOver,
   measuredReadingAt,
   plottedStep,
   readingAt,
 } from '../../plotting/curves.js';
 import { capturedOver } from '../../plotting/captured.js';
+import { motorMarksOf } from '../../plotting/motor_marks.js';
 import { element } from '../../ui/dom.js';
 import { figureOf } from '../../plotting/figure.js';
 import { stepsIn, xPixel, xValue, zoomedAbout } from '../../plotting/frame.js';
@@ -40,6 +44,7 @@ import { ONE_PLOT } from '../../ui/layouts.js';
 import { shownValue } from '../../model/units.js';
 import { watchGestures } from './gestures.js';
 import { createLegend } from './legend.js';
+import { createMotorMarks } from './motor_marks.js';
 import { readLook } from './look.js';
 import { createOverlay } from './overlay.js';
 import { createPainter } from './painter.js';
@@ -80,7 +85,7 @@ export function createPlots(root, dispatch) {
   /** @type {Partial<Record<MethodName, Curve>>} */
   let curves = {};
   /** What is beside them, over the same axis.
-   * @type {Pick<Scene, 'pinned' | 'axes' | 'measured' | 'captured' | 'live'>} */
+   * @type {Pick<Scene, 'pinned' | 'own' | 'axes' | 'measured' | 'captured' | 'live'>} */
   let extras = {};
   /** @type {Frame | null} */
   let frame = null;
@@ -113,11 +118,12 @@ export function createPlots(root, dispatch) {
     onAcceleration: (acceleration) => dispatch(lookOtherwise, { acceleration }),
     onThird: (third) => dispatch(lookOtherwise, { third }),
   });
-  const legend = createLegend((name) => dispatch(switchMethod, name), {
+  const legend = createLegend((name) => dispatch(switchMethod, name), () => dispatch(switchOwn), {
     onOpen: () => dispatch(showCapture, true),
     onRemove: () => dispatch(removeCapture),
   });
   const overlay = createOverlay(switches.elements);
+  const motorMarks = createMotorMarks();
   const points = createPoints({
     onRows: (rows, gesture) => dispatch(setTable, rows, undefined, gesture),
     onSelect: (row) => dispatch(selectRow, row),
@@ -141,6 +147,7 @@ export function createPlots(root, dispatch) {
       'aria-label': 'Plots of velocity, delay and error. Arrow keys move the cursor, plus and minus zoom, 0 shows all.',
     },
     figure,
+    motorMarks.element,
     ...overlay.elements,
     points.element,
   );
@@ -196,7 +203,7 @@ export function createPlots(root, dispatch) {
       const curve = shown.has(name) || name === answer.design.method.name ? curveOf(answer, name, against()) : null;
       if (curve) curves[name] = curve;
     }
-    const [pinned, axes, measured] = [pinnedOf(state), axisMovesOf(state), measuredOf(state)];
+    const [pinned, axes, measured, own] = [pinnedOf(state), axisMovesOf(state), measuredOf(state), shownOwnRampOf(state)];
     const live = restingSamplesOf(state);
     const captured = shownCaptureOf(state);
     extras = {
@@ -204,6 +211,7 @@ export function createPlots(root, dispatch) {
       axes:
         axes &&
         axes.map(({ time_s, speed, delay_us, ...one }) => ({ ...one, x: time_s, velocity: speed, delay: delay_us })),
+      own: own && ownOver(answer, against(), own),
       measured: measured && measuredOver(answer, against(), measured),
       captured: captured && capturedOver(answer, against(), captured),
       live: live && liveOver(answer, against(), live),
@@ -282,6 +290,15 @@ export function createPlots(root, dispatch) {
     legend.show(answer, shown, answer.design.method.name);
     readAgain();
     showMove();
+    showMotor();
+  }
+
+  /** What the motor can do of that, by the answer that came last. */
+  function showMotor() {
+    const known = state && motorOf(state);
+    const scene = areAll() ? null : sceneOf();
+    const found = known?.answer && frame && scene ? motorMarksOf(known.answer, frame, scene) : null;
+    motorMarks.show(found);
   }
 
   /** Thinned points are replaced by finer ones when only a part of the move is in view. */
@@ -411,6 +428,7 @@ export function createPlots(root, dispatch) {
     switches.show(view, isMeasured || captured !== null, areAllShown);
     legend.showTrace(isMeasured || samplesOf(now) !== null, isMeasured && !isMeasuredOfDesign(now));
     legend.showCapture(captured);
+    legend.showOwn(areAllShown ? null : (now.answers.ownRamp?.ramp ?? null), ownPlayerOf(now)?.title ?? '', now.isOwnShown);
     if (!hasAnswer) legend.show(null, shown, designOf(now)?.method.name ?? REFERENCE);
   }
 
@@ -425,6 +443,8 @@ export function createPlots(root, dispatch) {
         samplesOf(now) === null,
         axisMovesOf(now),
         pinnedOf(now),
+        now.answers.ownRamp,
+        now.isOwnShown,
         shownCurvesOf(now) === null,
         now.shown,
       ],
@@ -434,10 +454,12 @@ export function createPlots(root, dispatch) {
       (now) => [viewOf(now), now.shown, now.units, now.theme, measuredOf(now), shownCaptureOf(now), pinnedOf(now), isSliding(now)],
       redrawAnew,
     ),
-    whenever((now) => [shownCurvesOf(now), axisMovesOf(now), restingSamplesOf(now)], drawAnew),
+    whenever((now) => [shownCurvesOf(now), axisMovesOf(now), restingSamplesOf(now), shownOwnRampOf(now)], drawAnew),
     whenChanged((now) => [designOf(now)], (design) => design && points.show(design)),
     whenChanged(({ row }) => [row], (row) => points.select(row)),
     whenever((now) => [runningMoveOf(now)], showMove),
+    whenever((now) => [motorOf(now)], showMotor),
+    whenChanged((now) => [(motorOf(now)?.design ?? null) !== designOf(now)], motorMarks.showStale),
     // Why the curves belong to earlier values.
     whenChanged(
       (now) => [stalenessOf(now), shownCurvesOf(now) === null, axisMovesOf(now) !== null],

@@ -46,7 +46,10 @@ export function createViewBar({ onPlotAxis, onView, onPlot, onPin, onUnpin, onCa
   plotAxis.element.id = 'axis-choice';
   view.element.id = 'view-choice';
   plot.element.id = 'plot-choice';
-  const unpin = iconButton('forget', 'remove', 'Unpin', 'Stop comparing with the pinned design', onUnpin);
+  const unpin = iconButton('forget', 'remove', 'Unpin', 'Stop comparing with the pinned design', () => {
+    onUnpin();
+    pin.focus();
+  });
   const pin = iconButton('keep', 'pin', 'Pin', 'Pin this design to compare the next changes with it', onPin);
   const capture = iconButton('open-capture', 'pulses', 'Capture', 'Lay steps that a logic analyser measured over the plots', onCapture);
   const label = (/** @type {string} */ text) =>

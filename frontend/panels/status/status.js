@@ -4,7 +4,8 @@
 import { curvesOf } from '../../app/selectors.js';
 import { whenChanged } from '../../app/state.js';
 import { element } from '../../ui/dom.js';
-import { formatFixed } from '../../model/numbers.js';
+import { formatFigures, formatFixed } from '../../model/numbers.js';
+import { shownValue, unitWord } from '../../model/units.js';
 
 const SERVER_WORDS = {
   there: 'server connected',
@@ -35,10 +36,11 @@ export function createStatus(root) {
   /** @param {string} label @param {string} value */
   const part = (label, value) => element('span', {}, `${label} `, element('b', { textContent: value }));
 
-  /** @param {import('../../plotting/curves.js').Reading | null} at @param {string} method */
-  function showReading(at, method) {
-    const own = at?.methods.find((one) => one.method === method);
-    if (!at || !own) {
+  /** @param {import('../../plotting/curves.js').Reading | null} at @param {import('../../model/types.js').Design | null} design
+   * @param {import('../../model/units.js').Units} units */
+  function showReading(at, design, units) {
+    const own = at?.methods.find((one) => one.method === design?.method.name);
+    if (!at || !own || !design) {
       reading.replaceChildren('Point at a plot to read it');
       return;
     }
@@ -47,13 +49,13 @@ export function createStatus(root) {
       part('Step', formatFixed(at.step)),
       part('t', `${formatFixed(at.time_s * 1e3, 2)} ms`),
       part('delay', `${formatFixed(own.ticks)} ticks = ${formatFixed(own.delay_us, 1)} µs`),
-      part('', `${formatFixed(own.speed, 1)} steps/s`),
+      part('', `${formatFigures(shownValue(units, design, 'speed', own.speed))} ${unitWord(units, design, 'speed')}`),
       ...error,
     );
   }
 
   const shows = [
-    whenChanged((state) => [state.reading, curvesOf(state)?.design.method.name ?? ''], showReading),
+    whenChanged((state) => [state.reading, curvesOf(state)?.design ?? null, state.units], showReading),
     whenChanged(
       ({ devices }) => [devices.link],
       (link) => {

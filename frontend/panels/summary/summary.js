@@ -3,15 +3,18 @@
 // worth a second look.
 
 import { urge } from '../../app/commands/told.js';
-import { pinnedOf, shownCurvesOf, stalenessOf, summaryMessagesOf } from '../../app/selectors.js';
+import { areAxesShown, pinnedOf, shownCurvesOf, stalenessOf, summaryMessagesOf } from '../../app/selectors.js';
 import { whenChanged } from '../../app/state.js';
 import { activeProfile, unitsOf } from '../../plotting/curves.js';
 import { closeButton, element, messageLine, showText } from '../../ui/dom.js';
 import { comparisonWords } from '../../model/comparison_words.js';
 import { methodOf, REFERENCE } from '../../model/methods.js';
 import { formatFigures, formatFixed, formatSignedPercent } from '../../model/numbers.js';
+import { watchStrip } from '../../ui/strip.js';
 import { methodSwatch } from '../../ui/swatch.js';
+import { axesFigures, createAxesFigures } from './axes_figures.js';
 import { createExplanation } from './explanation.js';
+import { createStat, durationWords, formatSpeed } from './stat.js';
 import { shownValue, unitWord } from '../../model/units.js';
 
 /** @typedef {import('../../model/types.js').Answer} Answer */
@@ -68,11 +71,13 @@ export function createSummary(root, dispatch) {
   const messages = element('div', { className: 'summary-messages', role: 'status' });
   const figures = element('dl', { className: 'figures' });
   const comparison = element('p', { className: 'comparison', hidden: true });
-  root.replaceChildren(messages, figures, comparison);
+  const ofAxes = createAxesFigures();
+  root.replaceChildren(messages, figures, ofAxes.element, comparison);
+  for (const strip of [figures, ofAxes.element]) watchStrip(strip);
   let drawn = '';
 
   const name = createStat('method', 'Method');
-  const stats = FIGURES.map((figure) => ({ ...createStat(figure.key, figure.title), ...figure }));
+  const stats = FIGURES.map((figure) => ({ ...createFigure(figure.key, figure.title), ...figure }));
   figures.append(name.element, ...stats.map((stat) => stat.element));
   const explanation = createExplanation(root);
   explanation.explain(name.element, METHOD_HELP);
@@ -98,12 +103,13 @@ export function createSummary(root, dispatch) {
       );
     }
     drawn = names;
-    for (const { value, more, pinned: beneath, figureOf } of stats) {
+    for (const { value, number, unit, more, pinned: beneath, figureOf } of stats) {
       const figure = figureOf(present);
-      value.replaceChildren(figure.value, element('small', { textContent: figure.unit && ` ${figure.unit}` }));
+      showText(number, figure.value);
+      showText(unit, figure.unit && ` ${figure.unit}`);
       value.classList.toggle('high', figure.isHigh);
-      more.textContent = figure.more;
-      beneath.textContent = before ? `${figureOf(before).value} ${figureOf(before).unit}`.trim() : '';
+      showText(more, figure.more);
+      showText(beneath, before ? `${figureOf(before).value} ${figureOf(before).unit}`.trim() : '');
     }
     figures.classList.toggle('compared', before !== null);
     const words = before ? comparedWords(present, before) : '';
@@ -119,7 +125,16 @@ export function createSummary(root, dispatch) {
     return shown;
   }
 
+  /** @param {import('../../app/state.js').AllAxes | null} all null: the plots show one axis
+   * @param {import('../../model/units.js').Units} units */
+  function showAxes(all, units) {
+    const list = all === null ? [] : axesFigures(all, units);
+    ofAxes.show(list);
+    figures.hidden = list.length > 0;
+  }
+
   const shows = [
+    whenChanged((state) => [areAxesShown(state) ? state.answers.allAxes : null, state.units], showAxes),
     whenChanged((state) => [shownCurvesOf(state), pinnedOf(state), state.units], draw),
     // Whether the figures belong to earlier values.
     whenChanged(
@@ -146,14 +161,13 @@ export function createSummary(root, dispatch) {
   };
 }
 
-/** @param {string} key @param {string} title */
-function createStat(key, title) {
-  const value = element('dd', { className: 'value' });
-  const more = element('dd', { className: 'more' });
-  const pinned = element('dd', { className: 'more pinned', title: 'Of the pinned design' });
-  const heading = element('dt', { textContent: title });
-  const box = element('div', { className: `stat ${key}`, 'data-figure': key }, heading, value, more, pinned);
-  return { element: box, value, more, pinned };
+/** A stat of a number and its unit, which are written where they stand: while a slider moves they change many times a second.
+ * @param {string} key @param {string} title */
+function createFigure(key, title) {
+  const stat = createStat(key, title);
+  const [number, unit] = [document.createTextNode(''), element('small')];
+  stat.value.append(number, unit);
+  return { ...stat, number, unit };
 }
 
 /** How the design in hand moves against the pinned one; empty while it is not known.
@@ -240,11 +254,6 @@ function landing(answer) {
   return { value: formatSigned(shown), unit, more: 'against base speed', isHigh: false };
 }
 
-/** @param {number} speed */
-function formatSpeed(speed) {
-  return Math.abs(speed) < 100 && !Number.isInteger(speed) ? formatFigures(speed) : formatFixed(speed);
-}
-
 /** @param {number} value */
 function formatSigned(value) {
   return value > 0 ? `+${formatSpeed(value)}` : formatSpeed(value);
@@ -253,11 +262,4 @@ function formatSigned(value) {
 /** @param {Design} design */
 function stepsPerRev({ axis }) {
   return Number(axis.full_steps_per_rev) * Number(axis.microsteps);
-}
-
-/** @param {number} seconds @returns {[string, string]} */
-function durationWords(seconds) {
-  if (seconds < 1) return [formatFigures(seconds * 1000), 'ms'];
-  if (seconds < 600) return [formatFixed(seconds, 3), 's'];
-  return [`${formatFixed(Math.floor(seconds / 60))} min ${formatFixed(Math.floor(seconds % 60))}`, 's'];
 }

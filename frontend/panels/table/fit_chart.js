@@ -7,7 +7,8 @@ import { chartText, gridLine } from '../../ui/chart.js';
 
 /** @typedef {import('../../model/types.js').FitCurve} FitCurve */
 
-const WIDTH = 420;
+/** While it isn't known how wide it is shown. */
+const USUAL_WIDTH = 420;
 const HEIGHT = 132;
 const LEFT = 40;
 const RIGHT = 12;
@@ -30,13 +31,15 @@ export function createFitChart(onChoose) {
   let curve = null;
   /** Index of the size that is chosen, in the curve; -1: none of them. */
   let chosen = -1;
+  let width = USUAL_WIDTH;
   const drawing = svgElement('svg', {
     class: 'small-chart',
-    viewBox: `0 0 ${WIDTH} ${HEIGHT}`,
     tabindex: 0,
     role: 'slider',
     'aria-label': 'Largest error against rows',
   });
+  // As wide as it is shown, so that its texts are as large as any.
+  if (typeof ResizeObserver !== 'undefined') new ResizeObserver(() => drawing.clientWidth !== width && draw()).observe(drawing);
   drawing.addEventListener('pointerdown', (event) => {
     drawing.setPointerCapture(event.pointerId);
     pointed(event);
@@ -54,7 +57,7 @@ export function createFitChart(onChoose) {
   function pointed(event) {
     if (curve === null) return;
     const box = drawing.getBoundingClientRect();
-    const at = ((event.clientX - box.left) / box.width) * WIDTH;
+    const at = ((event.clientX - box.left) / box.width) * width;
     const distances = curve.rows.map((_, index) => Math.abs(xOf(index) - at));
     choose(distances.indexOf(Math.min(...distances)));
   }
@@ -69,7 +72,7 @@ export function createFitChart(onChoose) {
   /** @param {number} index */
   function xOf(index) {
     const count = curve?.rows.length ?? 1;
-    return LEFT + (count === 1 ? 0.5 : index / (count - 1)) * (WIDTH - LEFT - RIGHT);
+    return LEFT + (count === 1 ? 0.5 : index / (count - 1)) * (width - LEFT - RIGHT);
   }
 
   /** @param {number} error a fraction; errors are shown by powers, as each more row takes off a share */
@@ -86,19 +89,21 @@ export function createFitChart(onChoose) {
 
   function draw() {
     drawing.replaceChildren();
+    width = drawing.clientWidth || USUAL_WIDTH;
+    drawing.setAttribute('viewBox', `0 0 ${width} ${HEIGHT}`);
     if (curve === null) return;
     const { low, high } = range();
     const parts = high / low > 100 ? [1] : [1, 2, 5];
     for (let power = Math.floor(Math.log10(low)); power <= Math.log10(high); power += 1) {
       for (const error of parts.map((part) => Number(`${part}e${power}`))) {
         const text = `${formatFigures(error * 100, 1)} %`;
-        if (error >= low && error <= high) drawing.append(...gridLine(text, LEFT, WIDTH - RIGHT, yOf(error)));
+        if (error >= low && error <= high) drawing.append(...gridLine(text, LEFT, width - RIGHT, yOf(error)));
       }
     }
     const floor = curve.floor.relative_error;
     if (floor >= low) {
       const y = yOf(floor);
-      drawing.append(svgElement('line', { class: 'floor', x1: LEFT, x2: WIDTH - RIGHT, y1: y, y2: y }));
+      drawing.append(svgElement('line', { class: 'floor', x1: LEFT, x2: width - RIGHT, y1: y, y2: y }));
     }
     const points = curve.largest_relative_error.map((error, index) => `${xOf(index)},${yOf(error)}`);
     drawing.append(svgElement('polyline', { class: 'line', points: points.join(' ') }));

@@ -2,7 +2,7 @@
 // The grid of the lookup table: two numbers a row that can be typed, the speed they give, and what is wrong with them.
 
 import { element, icon, messageLine } from '../../ui/dom.js';
-import { formatEntry, formatFixed, parseEntry } from '../../model/numbers.js';
+import { formatEntry, formatFigures, parseEntry } from '../../model/numbers.js';
 
 /** @typedef {import('../../model/types.js').Entry} Entry */
 /** @typedef {import('../../model/design.js').Rows} Rows */
@@ -25,9 +25,13 @@ export function createGrid({ onTyped, onRemove, onInsert, onSelect }) {
   let selected = -1;
   /** @type {Map<number, RowMessage>} */
   let messages = new Map();
+  /** What is said of rows now, as a text: while a slider moves that is asked many times a second.
+   * @type {WeakMap<Element, string>} */
+  const said = new WeakMap();
   /** Write the rows again, as numbers are written. */
   let settle = () => {};
   const delayHead = element('span', { textContent: 'delay' });
+  const speedHead = element('span', { textContent: 'speed' });
   const body = element('tbody');
 
   /** Enter and the arrows go along a column, Insert makes a row.
@@ -110,9 +114,11 @@ export function createGrid({ onTyped, onRemove, onInsert, onSelect }) {
     if (cell instanceof HTMLInputElement) cell.select();
   }
 
-  /** @param {Rows} rows @param {string} unit @param {(interval: Entry) => number} speedOf NaN where there is none */
-  function show(rows, unit, speedOf) {
-    settle = () => show(rows, unit, speedOf);
+  /** @param {Rows} rows @param {string} unit @param {(interval: Entry) => number} speedOf NaN where there is none
+   * @param {string} speedUnit that it is in */
+  function show(rows, unit, speedOf, speedUnit) {
+    settle = () => show(rows, unit, speedOf, speedUnit);
+    speedHead.textContent = `speed, ${speedUnit}`;
     delayHead.textContent = unit === 'us' ? 'delay, µs' : 'delay, ticks';
     while (body.children.length / 2 > rows.length) body.lastElementChild?.remove();
     while (body.children.length / 2 < rows.length) body.append(...createRow(body.children.length / 2));
@@ -124,7 +130,7 @@ export function createGrid({ onTyped, onRemove, onInsert, onSelect }) {
       });
       const speed = speedOf(rows[index][1]);
       const cell = /** @type {HTMLElement} */ (row.querySelector('.speed'));
-      const text = Number.isFinite(speed) ? formatFixed(speed, 1) : '–';
+      const text = Number.isFinite(speed) ? formatFigures(speed) : '–';
       if (cell.textContent !== text) cell.textContent = text;
     });
   }
@@ -133,6 +139,9 @@ export function createGrid({ onTyped, onRemove, onInsert, onSelect }) {
     const boxes = body.querySelectorAll('tr.row-message');
     body.querySelectorAll('tr.row').forEach((row, index) => {
       const message = messages.get(index);
+      const saying = message === undefined ? '' : JSON.stringify([message, index === selected]);
+      if ((said.get(row) ?? '') === saying) return;
+      said.set(row, saying);
       const box = /** @type {HTMLTableRowElement} */ (boxes[index]);
       // A remark is marked in any case, and told where the row is selected: most rows may have one.
       box.hidden = message === undefined || (message.isRemark === true && index !== selected);
@@ -149,7 +158,7 @@ export function createGrid({ onTyped, onRemove, onInsert, onSelect }) {
   }
 
   return {
-    element: gridOf(body, delayHead),
+    element: gridOf(body, delayHead, speedHead),
     show,
     focusCell,
     select,
@@ -163,10 +172,10 @@ export function createGrid({ onTyped, onRemove, onInsert, onSelect }) {
   };
 }
 
-/** @param {HTMLElement} body @param {HTMLElement} delayHead */
-function gridOf(body, delayHead) {
+/** @param {HTMLElement} body @param {HTMLElement} delayHead @param {HTMLElement} speedHead */
+function gridOf(body, delayHead, speedHead) {
   const indexHead = element('abbr', { textContent: 'last index', title: INDEX_HELP });
-  const names = ['#', indexHead, delayHead, 'steps/s', element('span', { className: 'unseen', textContent: 'delete' })];
+  const names = ['#', indexHead, delayHead, speedHead, element('span', { className: 'unseen', textContent: 'delete' })];
   const head = element('tr', {}, ...names.map((name) => element('th', { scope: 'col' }, name)));
   const table = element('table', { 'aria-label': 'Rows of the lookup table' }, element('thead', {}, head), body);
   return element('div', { className: 'rows', id: 'table-rows', tabIndex: -1 }, table);

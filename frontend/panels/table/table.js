@@ -14,6 +14,7 @@ import { conversionProblem, convertedRows, rowAfter, rowSpeed } from '../../mode
 import { textOf } from '../../model/messages.js';
 import { methodOf } from '../../model/methods.js';
 import { counted } from '../../model/numbers.js';
+import { STEPS_AND_SECONDS, shownValue, unitWord } from '../../model/units.js';
 import { DELAY_UNITS, rowProblems } from '../../model/table_rows.js';
 import { idsOf, tablesOf } from '../../model/workbench.js';
 import { element, icon, messageLine, picker } from '../../ui/dom.js';
@@ -51,6 +52,8 @@ export function createTable(root, dispatch, ask) {
   /** @type {import('../../model/workbench.js').History | null} */
   let history = null;
   let unit = 'us';
+  /** What speeds are shown in. */
+  let shownIn = STEPS_AND_SECONDS;
   const replaced = createReplaced();
   let note = '';
   /** The rows and unit that the note is about. */
@@ -178,7 +181,7 @@ export function createTable(root, dispatch, ask) {
     replaced.keep(purpose.axis, { rows: table?.rows ?? [], unit: table?.interval_unit ?? takenUnit });
     if (purpose.axis === axis) {
       unit = takenUnit;
-      tell(`${counted(taken.length, 'row')} ${how}${purpose.asMethod ? ', now the method' : ''}`, taken);
+      tell(`${counted(taken.length, 'row')} ${how}`, taken);
       dispatch(selectRow, -1);
     }
     dispatch(setTable, taken, takenUnit, undefined, purpose.axis, purpose.asMethod);
@@ -257,12 +260,15 @@ export function createTable(root, dispatch, ask) {
     if (design) dialog.open(design, axis, unit, text);
   }
 
-  /** @param {Design | null} shown @param {number | null} of the axis that it is of */
-  function showDesign(shown, of) {
+  /** @param {Design | null} shown @param {number | null} of the axis that it is of
+   * @param {import('../../model/units.js').Units} inUnits */
+  function showDesign(shown, of, inUnits) {
     if (shown === null || of === null) return;
     checks.check(shown, of);
     // Rows that are shown already stay: sliders of the ramp don't touch them.
-    const isKnown = shown.table === design?.table && shown.timer === design.timer && of === axis;
+    const isSameTable = shown.table === design?.table && shown.timer === design.timer && of === axis;
+    const isKnown = isSameTable && shown.axis === design?.axis && inUnits === shownIn;
+    shownIn = inUnits;
     origins.shown(shown, of);
     [design, axis] = [shown, of];
     dialog.showAxis(of);
@@ -280,7 +286,9 @@ export function createTable(root, dispatch, ask) {
     problem = '';
     showGeneral();
     replaced.shown(axis, { rows: rows(), unit });
-    grid.show(rows(), unit, (interval) => rowSpeed(shown, interval, unit));
+    const speedOf = (/** @type {import('../../model/types.js').Entry} */ interval) =>
+      shownValue(shownIn, shown, 'speed', rowSpeed(shown, interval, unit));
+    grid.show(rows(), unit, speedOf, unitWord(shownIn, shown, 'speed'));
   }
 
   function showFoot() {
@@ -288,7 +296,7 @@ export function createTable(root, dispatch, ask) {
     const change = stale ? (stale.isFit ? 'fitted for another ramp' : 'the ramp has changed since') : '';
     foot.show({
       rows: rows().length,
-      note: [note, change].filter((text) => text !== '').join(' · '),
+      note: [note, note !== '' && design && methodOf(design.method.name).plays_table ? 'the method' : '', change].filter((text) => text !== '').join(' · '),
       canRefit: stale !== null,
       replaced: replaced.count(axis),
     });
@@ -308,10 +316,8 @@ export function createTable(root, dispatch, ask) {
   function showMessages({ fields, rows: rowMessages }) {
     whole = fields.get('table');
     showGeneral();
-    // While a slider moves that is so many times a second.
-    const areNoneStill = rejected.size === 0 && rowMessages.size === 0;
     rejected = rowMessages;
-    if (!areNoneStill) showRowMessages();
+    showRowMessages();
   }
 
   /** @param {import('../../model/workbench.js').Machine | null} shown */
@@ -333,7 +339,7 @@ export function createTable(root, dispatch, ask) {
     whenever(({ opened }) => [opened], forget),
     whenChanged((state) => [state.history], (now) => (history = now)),
     whenChanged((state) => [machineOf(state)], showMachine),
-    whenChanged((state) => [designOf(state), axisOf(state)], showDesign),
+    whenChanged((state) => [designOf(state), axisOf(state), state.units], showDesign),
     whenChanged((state) => [messagesOf(state)], showMessages),
     whenChanged(({ row }) => [row], grid.select),
     whenChanged(({ devices }) => [devices.link], (link) => {

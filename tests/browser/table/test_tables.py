@@ -42,7 +42,7 @@ def test_a_dropped_source_lets_choose_a_table_that_becomes_the_method_in_one_ste
     dialog.get_by_role("button", name="Use 3 rows").click()
     assert rows_of(start) == [[5, 4000], [20, 1000], [99, 800]]
     expect(page.locator("#method")).to_have_value("table")
-    expect(page.locator(".table-foot")).to_contain_text("3 rows pasted, now the method")
+    expect(page.locator(".table-foot")).to_contain_text("3 rows pasted · the method")
     page.keyboard.press("Control+z")
     assert rows_of(start) == ROWS
     expect(page.locator("#method")).to_have_value("exact")

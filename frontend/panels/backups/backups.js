@@ -1,0 +1,128 @@
+// @ts-check
+// The dialog with what was saved of controllers before they were written to, connected or not: read, kept as a file, and
+// restored to one of the same family.
+
+import { deviceOf } from '../../app/devices.js';
+import { whenever } from '../../app/state.js';
+import { api, Refusal, ServerGone } from '../../server/api.js';
+import { savedAtText } from '../../model/saved_at.js';
+import { createDialog, dialogFoot } from '../../ui/dialog.js';
+import { element, icon, picker, showText } from '../../ui/dom.js';
+import { download as saveFile } from '../../ui/download.js';
+
+/** @typedef {import('../../model/types.js').BackupSource} BackupSource */
+/** @typedef {import('../../model/types.js').Device} Device */
+
+const NONE = 'Nothing was saved yet: what a controller has is saved before it is written to for the first time over a connection.';
+
+/** @param {Pick<import('../../app/state.js').Store, 'state'>} store
+ * @param {{restoreFrom: (device: Device, source: string, name: string) => void}} act
+ * @param {Pick<typeof api, 'archive' | 'archived'>} [server] */
+export function createBackups({ state }, act, server = api) {
+  /** @type {BackupSource[]} */
+  let sources = [];
+  let text = '';
+  const source = picker('Controller', () => showNames());
+  source.select.id = 'backup-source';
+  const name = picker('Saved at', () => read());
+  name.select.id = 'backup-name';
+  const note = element('p', { className: 'muted', id: 'backup-note', 'aria-live': 'polite' });
+  const lines = element('pre', { id: 'backup-text', tabIndex: 0, role: 'region', 'aria-label': 'What the controller told' });
+  const why = element('p', { className: 'reason', id: 'backup-why' });
+  const restore = element('button', { className: 'button', id: 'backup-restore', type: 'button', textContent: 'Restore', onclick: write });
+  const download = element(
+    'button',
+    { className: 'button primary', id: 'backup-download', type: 'button', onclick: save },
+    icon('down'),
+    'Download',
+  );
+  const dialog = createDialog(
+    { id: 'backups-dialog', title: 'Backups of controllers' },
+    element('div', { className: 'line' }, source.element, name.element),
+    note,
+    lines,
+    why,
+    dialogFoot(null, restore, download),
+  );
+
+  /** @template T @param {() => Promise<T>} ask @returns {Promise<T | null>} null: the note says why */
+  async function asked(ask) {
+    try {
+      return await ask();
+    } catch (error) {
+      if (!(error instanceof Refusal || error instanceof ServerGone)) throw error;
+      showText(note, error.message);
+      return null;
+    }
+  }
+
+  async function list() {
+    const found = await asked(() => server.archive());
+    sources = found?.sources ?? [];
+    source.element.hidden = name.element.hidden = sources.length === 0;
+    if (found && sources.length === 0) showText(note, NONE);
+    const titles = new Map(state().devices.families.map((one) => [one.name, one.title]));
+    source.offer(sources.map((one) => [one.name, `${titles.get(one.family) ?? one.family}, ${one.plugged_in}`]), sources[0]?.name ?? '');
+    showNames();
+  }
+
+  const chosen = () => sources.find((one) => one.name === source.select.value) ?? null;
+
+  function showNames() {
+    const saved = chosen()?.backups ?? [];
+    name.offer(saved.map((one) => [one.name, savedAtText(one.name)]), saved[0]?.name ?? '');
+    return read();
+  }
+
+  async function read() {
+    const [from, which] = [chosen(), name.select.value];
+    text = '';
+    if (from !== null) {
+      const found = await asked(() => server.archived(from.name, which));
+      if (found !== null && which === name.select.value) {
+        text = found;
+        showText(note, `${from.name}, ${text.length.toLocaleString('en')} characters`);
+      }
+    }
+    lines.textContent = text;
+    lines.hidden = text === '';
+    showState();
+  }
+
+  /** Why the backup in view can't be restored now; empty: it can. */
+  function hindrance() {
+    const [from, device] = [chosen(), deviceOf(state())];
+    if (text === '' || from === null) return 'There is nothing to restore.';
+    if (device === null || device.state === 'lost') return 'To restore it, connect the controller first.';
+    if (device.family !== from.family) return 'The device in view is of another family.';
+    if (!device.capabilities.includes('backup')) return 'The device in view can’t be written such things.';
+    return device.state === 'ready' ? '' : 'Wait until the device is at rest.';
+  }
+
+  function showState() {
+    const reason = hindrance();
+    restore.disabled = reason !== '';
+    download.disabled = text === '';
+    showText(why, text === '' ? '' : reason);
+  }
+
+  function write() {
+    const [from, device] = [chosen(), deviceOf(state())];
+    if (from === null || device === null || hindrance() !== '') return;
+    act.restoreFrom(device, from.name, name.select.value);
+    dialog.close();
+  }
+
+  function save() {
+    saveFile(new Blob([text], { type: 'text/plain' }), `${chosen()?.name} ${name.select.value}.txt`);
+  }
+
+  const shows = whenever((/** @type {import('../../app/state.js').State} */ now) => [deviceOf(now)], () => dialog.isOpen() && showState());
+  return {
+    open() {
+      dialog.open();
+      return list();
+    },
+    show: (/** @type {import('../../app/state.js').State} */ now) => shows(now),
+  };
+}

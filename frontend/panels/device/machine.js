@@ -1,0 +1,116 @@
+// @ts-check
+// What the machine itself is set to, and what was saved of it: to start from it, and to bring back what it had.
+
+import { element, messageLine, picker, showText } from '../../ui/dom.js';
+import { mend } from '../../app/commands/work.js';
+import { savedAtText } from '../../model/saved_at.js';
+import { stepsPerUnit } from '../../model/units.js';
+import { enable } from './section.js';
+
+/** @typedef {import('../../model/types.js').Backup} Backup */
+/** @typedef {import('../../model/types.js').Device} Device */
+/** @typedef {import('../../model/types.js').Design} Design */
+
+/** So far apart two scales are the same, written with as many figures as controllers tell. */
+const SAME_SCALE = 1e-5;
+const FIGURES = 7;
+
+/**
+ * @param {{startFrom: (device: Device, axis: number, design: Design, axisId: number) => void,
+ *   restoreBackup: (device: Device, name: string) => void, listBackups: (device: Device) => Promise<Backup[]>}} handlers
+ * @param {import('../../app/state.js').Dispatch} dispatch
+ */
+export function createMachine(handlers, dispatch) {
+  /** @type {import('./section.js').Context | null} */
+  let now = null;
+  /** Of which device, and after which backup, the list is. */
+  let known = '';
+  const scaleLine = element('p', { className: 'reason', id: 'machine-scale' });
+  const useScale = button('use-scale', 'Use its scale', () => now && takeScale(now));
+  const start = button('start-from', 'Start from this machine', () => {
+    if (now?.device) handlers.startFrom(now.device, now.axis, now.design, now.axisId);
+  });
+  start.title = 'Make its speed, acceleration, steps a turn and scale those of the design';
+  const choice = picker('Backup', () => {});
+  choice.select.id = 'backup';
+  choice.element.classList.add('grow');
+  const restore = button('restore-backup', 'Restore', () => {
+    if (now?.device) handlers.restoreBackup(now.device, choice.select.value);
+  });
+  const backups = element('div', { className: 'line', id: 'backups', hidden: true }, choice.element, restore);
+  const failed = element(
+    'div',
+    { id: 'push-failed' },
+    messageLine({ text: 'It has not got what was sent. Restore what it had before, or push again.', isWarning: true }),
+  );
+
+  /** @param {import('./section.js').Context} context */
+  function takeScale({ device, axis, design, axisId }) {
+    const scale = device?.axes[axis]?.steps_per_mm ?? null;
+    if (scale !== null) dispatch(mend, axisId, { changes: scaleChanges(design, scale) });
+  }
+
+  /** @param {Device} device */
+  async function list(device) {
+    const found = await handlers.listBackups(device);
+    choice.offer(found.map(({ name }) => [name, savedAtText(name)]), found[0]?.name ?? '');
+    backups.hidden = found.length === 0;
+  }
+
+  return {
+    element: element(
+      'div',
+      { className: 'machine', id: 'machine' },
+      failed,
+      backups,
+      scaleLine,
+      element('div', { className: 'line' }, useScale, start),
+    ),
+    /** @param {import('./section.js').Context} context */
+    show(context) {
+      now = context;
+      const { device, axis, design, inTheWay, notAtRest, situation } = context;
+      const isThere = device !== null && device.capabilities.includes('backup');
+      const canTell = device !== null && device.capabilities.includes('import');
+      const scale = device?.axes[axis]?.steps_per_mm ?? null;
+      const isOther = scale !== null && Math.abs(stepsPerUnit(design.axis) / scale - 1) > SAME_SCALE;
+      const isOfDegrees = design.axis.travel_unit !== 'mm';
+      showText(scaleLine, scale === null || !(isOther || isOfDegrees) ? '' : scaleWords(scale, design));
+      scaleLine.hidden = useScale.hidden = scaleLine.textContent === '';
+      start.hidden = !canTell;
+      failed.hidden = !isThere || !device.pushed || device.pushed.verified;
+      const blocked = inTheWay !== '' || notAtRest !== '' || situation.isBusy;
+      enable(restore, !blocked);
+      enable(start, !blocked);
+      const wanted = isThere ? `${device.id} ${device.backup}` : '';
+      if (wanted === known) return;
+      known = wanted;
+      backups.hidden = true;
+      if (isThere) list(device);
+    },
+  };
+}
+
+/** @param {number} scale @param {Design} design */
+function scaleWords(scale, { axis }) {
+  const own = axis.travel_unit === 'mm' ? `${scaleText(stepsPerUnit(axis))} steps/mm` : 'a travel in degrees';
+  return `The controller is set to ${scaleText(scale)} steps/mm, the design has ${own}.`;
+}
+
+/** @param {number} scale */
+const scaleText = (scale) => String(Number(scale.toPrecision(FIGURES)));
+
+/** What gives a design the scale of a controller: full steps and microsteps stay.
+ * @param {Design} design @param {number} scale */
+function scaleChanges({ axis }, scale) {
+  const travel = (Number(axis.full_steps_per_rev) * Number(axis.microsteps)) / scale;
+  return [
+    { field: 'axis.travel_unit', value: 'mm' },
+    { field: 'axis.travel_per_rev', value: Number(travel.toPrecision(12)) },
+  ];
+}
+
+/** @param {string} id @param {string} textContent @param {() => void} onclick */
+function button(id, textContent, onclick) {
+  return element('button', { className: 'button small', id, type: 'button', textContent, onclick });
+}

@@ -1,0 +1,23 @@
+// @ts-check
+// Strips that scroll sideways without a bar: where they go on, they fade.
+
+/** Mark where a strip goes on beyond what is seen of it.
+ * @param {HTMLElement} strip */
+export function watchStrip(strip) {
+  function mark() {
+    const { scrollLeft, scrollWidth, clientWidth } = strip;
+    // Places between pixels are rounded.
+    strip.toggleAttribute('data-more-before', scrollLeft > 1);
+    strip.toggleAttribute('data-more-after', scrollLeft + clientWidth < scrollWidth - 1);
+  }
+  strip.addEventListener('scroll', mark, { passive: true });
+  const sizes = new ResizeObserver(mark);
+  sizes.observe(strip);
+  // What is in it may come, go or grow while it stays as wide.
+  const watchParts = () => {
+    for (const part of strip.children) sizes.observe(part);
+    mark();
+  };
+  new MutationObserver(watchParts).observe(strip, { childList: true });
+  watchParts();
+}

@@ -1,0 +1,127 @@
+"""The page with a grbl behind a pseudo-terminal: the whole path, from what it can't do to what it had before."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+from playwright.sync_api import Route, expect
+
+from browser.conftest import Watch
+from browser.stepramp_page import LOST, SLEW_SPEED, StepRampPage, until
+from controllers.grbl.emulator import Eeprom, GrblEmulator, GrblOnACable
+
+
+@pytest.fixture
+def cable(watch: Watch) -> Iterator[GrblOnACable]:
+    watch.expected.append(LOST)
+    with GrblOnACable() as made:
+        yield made
+
+
+@pytest.fixture
+def attached(stepramp: StepRampPage, cable: GrblOnACable) -> StepRampPage:
+    """Return a page that finds the grbl's port, and the virtual one."""
+
+    def told(route: Route) -> None:
+        answer = route.fetch(max_retries=2)
+        known = answer.json()
+        others = [family["name"] for family in known["families"]]
+        known["ports"].insert(0, {"port": cable.port, "name": "A grbl", "virtual": False, "families": others})
+        route.fulfill(response=answer, json=known)
+
+    stepramp.page.route("**/api/v1/ports", told)
+    stepramp.reload()
+    stepramp.show_panel("device")
+    return stepramp
+
+
+def test_a_listing_that_is_pasted_becomes_designs(stepramp: StepRampPage) -> None:
+    listing = "$$\n$100=80.000\n$101=400.000\n$110=3000.000\n$111=600.000\n$120=200.000\n$121=50.000\nok"
+    script = """(text) => { const data = new DataTransfer(); data.setData('text/plain', text);
+        const paste = new ClipboardEvent('paste', {clipboardData: data, bubbles: true, cancelable: true});
+        document.body.dispatchEvent(paste); }"""
+    stepramp.page.evaluate(script, listing)
+    until(lambda: stepramp.design()["name"] == "grbl axis X")
+    # 3000 mm/min at 80 steps/mm; 200 mm/s².
+    ramp = stepramp.design()["ramp"]
+    assert (ramp["slew_speed_steps_per_s"], ramp["acceleration_steps_per_s2"]) == (4000, 16_000)
+    assert len(stepramp.kept()["machine"]["axes"]) == 2
+
+
+def see_backups(stepramp: StepRampPage, grbl: GrblEmulator) -> None:
+    """What was saved is there though nothing is connected, and is restored once that is again."""
+    page = stepramp.page
+    stepramp.push()
+    page.locator("#connect").click()
+    expect(stepramp.state).to_have_text("not connected")
+    page.locator("#examples").click()
+    page.get_by_role("button", name="Backups of controllers").click()
+    expect(page.locator("#backup-text")).to_contain_text("$120=10.000")
+    expect(page.locator("#backup-why")).to_have_text("To restore it, connect the controller first.")
+    expect(page.locator("#backup-restore")).to_be_disabled()
+    page.locator("#connect").click()
+    expect(stepramp.state).to_have_text("ready")
+    grbl.settings[120] = grbl.eeprom.settings[120] = 77.0
+    page.locator("#backup-restore").click()
+    until(lambda: grbl.eeprom.settings == Eeprom().settings)
+    expect(page.locator("#backups-dialog")).to_be_hidden()
+
+
+def test_the_whole_path_with_a_grbl(attached: StepRampPage, cable: GrblOnACable) -> None:
+    page, grbl = attached.page, cable.grbl
+    # Before anything is connected: what it can't do, and what it would play.
+    page.locator("#port").select_option(cable.port)
+    page.locator("#family").select_option("grbl")
+    page.locator("#cannot summary").click()
+    expect(page.locator("#cannot")).to_contain_text("Base speed: grbl starts from 0.")
+    expect(page.locator("#own-chip")).to_contain_text("As grbl plays it")
+    until(lambda: {"own-velocity", "own-delay", "own-error"} <= set(attached.curves()))
+    page.locator("#own-chip").click()
+    until(lambda: "own-velocity" not in attached.curves())
+    page.locator("#own-chip").click()
+    # Connect.
+    page.locator("#connect").click()
+    expect(attached.state).to_have_text("ready")
+    assert grbl.eeprom.writes == 0
+    # Its scale is offered to the design: 250 steps/mm.
+    expect(page.locator("#machine-scale")).to_contain_text("The controller is set to 250 steps/mm")
+    page.locator("#use-scale").click()
+    expect(page.locator("#machine-scale")).to_be_hidden()
+    axis = attached.design()["axis"]
+    assert axis["full_steps_per_rev"] * axis["microsteps"] / axis["travel_per_rev"] == pytest.approx(250)
+    # The difference, in both terms.
+    attached.edit_and_wait(SLEW_SPEED, "900")
+    preview = page.locator("#push-preview")
+    expect(preview).to_contain_text("A push would change")
+    expect(preview).to_contain_text("$110, mm/min")
+    expect(preview).to_contain_text("216")
+    expect(preview).to_contain_text("grbl works its intervals out itself")
+    # Push, and what was read back.
+    attached.push()
+    expect(page.locator("#push-report")).to_contain_text("Read back as sent")
+    expect(page.locator("#push-report tbody tr").first).to_contain_text("$110")
+    expect(preview).to_contain_text("The device has this ramp")
+    assert grbl.eeprom.settings[110] == 216.0
+    # Move, and stop for good.
+    attached.move("300")
+    until(lambda: grbl.position[0] == 300)
+    expect(attached.state).to_have_text("ready")
+    attached.move("20000")
+    until(lambda: grbl.position[0] > 500)
+    page.locator("#stop").click()
+    expect(attached.state).to_have_text("ready")
+    steps = grbl.steps
+    assert (grbl.is_moving, steps < 20_000) == (False, True)
+    # Restore what it had.
+    attached.device_section("push")
+    expect(page.locator("#backup option")).to_have_count(1)
+    page.locator("#restore-backup").click()
+    until(lambda: grbl.eeprom.settings == Eeprom().settings)
+    expect(preview).to_contain_text("A push would change")
+    # And start from that: then a push changes nothing.
+    page.locator("#start-from").click()
+    expect(preview).to_contain_text("The device has this ramp")
+    assert attached.design()["ramp"]["slew_speed_steps_per_s"] == pytest.approx(500 / 60 * 250)
+    assert grbl.steps == steps
+    see_backups(attached, grbl)

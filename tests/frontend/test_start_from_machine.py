@@ -1,0 +1,108 @@
+"""What a machine tells of its ramp and its scale, given to a design."""
+
+from typing import Any
+
+import pytest
+
+from designs import document
+from frontend.modules import Modules
+from frontend.test_dialog_modules import run
+from stepramp.controllers.klipper.read_settings import read_settings as read_klipper
+from stepramp.design import Design
+
+START = """async ([design, found, meanwhile]) => {
+    const {FIRST_STATE, createStore} = await import('/app/state.js');
+    const {COMMANDS} = await import('/app/commands/commands.js');
+    const {createDeviceActions} = await import('/app/effects/device_actions.js');
+    const {api} = await import('/server/api.js');
+    const {createGestures} = await import('/server/gestures.js');
+    const real = api.importDevice;
+    const store = createStore(FIRST_STATE, (error) => { throw error; });
+    const axes = [design, {...design, name: 'B'}];
+    store.dispatch(COMMANDS.work.begin, {axes, together: 'independent', ids: [5, 7], active: 0, kept: null});
+    api.importDevice = async () => {
+        for (const [verb, ...args] of meanwhile) store.dispatch(COMMANDS.work[verb], ...args);
+        return {axes: [{design: found, remarks: []}]}; };
+    const actions = createDeviceActions(store, createGestures(), new Map(), {outdate: () => {}});
+    await actions.startFrom({id: '1', stops: 0}, 0, design, 5);
+    api.importDevice = real;
+    const {axes: now, ids, active} = store.state().history.present;
+    return {designs: Object.fromEntries(ids.map((id, place) => [id, now[place]])), inHand: ids[active],
+        notice: store.state().told.notice.text}; }"""
+STEPPERS = "\n".join(
+    f"[stepper_{axis}]\nmicrosteps: 32\nfull_steps_per_rotation: 400\nrotation_distance: 30" for axis in "xyz"
+)
+KLIPPER = f"{STEPPERS}\n[printer]\nkinematics: cartesian\nmax_velocity: 200\nmax_accel: 2500\n"
+
+
+def test_a_design_that_starts_from_a_machine_has_all_that_the_machine_tells(modules: Modules) -> None:
+    """Travel and speeds rest on the steps of a turn; a Klipper's ramp has no shape of the design's."""
+    own = document(schema="stepramp/2", ramp__shape={"name": "s_curve", "jerk_steps_per_s3": 50_000})
+    found, *_ = read_klipper(KLIPPER, Design.checked(own))
+    told = found.design.model_dump(mode="json", by_alias=True)
+    started = modules.evaluate(START, [own, told, []])["designs"]["5"]
+    assert (started["axis"]["microsteps"], started["axis"]["full_steps_per_rev"]) == (32, 400)
+    assert (started["axis"], started["ramp"]) == (told["axis"], told["ramp"])
+    assert "shape" not in started["ramp"]
+    unsaid = modules.evaluate(START, [own, own, []])["designs"]["5"]
+    assert unsaid == own, "what an answer leaves as the design has it stays"
+
+
+def test_an_answer_of_a_machine_goes_to_the_axis_that_was_asked_for(modules: Modules) -> None:
+    found = document(ramp__slew_speed_steps_per_s=777, axis__microsteps=32)
+    speed = ("ramp", "slew_speed_steps_per_s")
+
+    def speeds(meanwhile: list[list[object]]) -> tuple[dict[str, object], Any]:
+        started = modules.evaluate(START, [document(), found, meanwhile])
+        return {key: one[speed[0]][speed[1]] for key, one in started["designs"].items()}, started
+
+    assert speeds([])[0] == {"5": 777, "7": 1000}
+    changed, started = speeds([["choose", 7]])
+    assert changed == {"5": 777, "7": 1000}
+    assert started["inHand"] == 5, "what was changed is in view"
+    changed, started = speeds([["removeAxis", 5]])
+    assert changed == {"7": 1000}
+    assert "removed meanwhile" in started["notice"]
+
+
+PRESSED = """
+    const {FIRST_STATE, createStore} = await import('/app/state.js');
+    const {COMMANDS} = await import('/app/commands/commands.js');
+    const {createDevice} = await import('/panels/device/device.js');
+    const store = createStore(FIRST_STATE, (error) => { throw error; });
+    const {dispatch} = store, started = [];
+    const finer = {...design, name: 'B', axis: {...design.axis, microsteps: 16}};
+    dispatch(COMMANDS.work.begin, {axes: [design, finer], together: 'independent', ids: [5, 7], active: 0, kept: null});
+    const axes = [100, 400].map((steps_per_mm, axis) => ({axis, state: 'ready', position_steps: 0, target_steps: 0,
+        speed_steps_per_s: 0, steps_per_mm, lowest_steps: null, highest_steps: null}));
+    dispatch(COMMANDS.device.heard, [{id: '1', port: 'sim://', name: 'Simulated', family: 'grbl', state: 'ready', axes,
+        most_axes: MOST, stops: 0, capabilities: ['import'], in_control: null,
+        unknown_positions: [], shuttle: null, progress: null, ramp: null}], {});
+    dispatch(COMMANDS.device.linked, 'there');
+    dispatch(COMMANDS.device.chooseAxis, 1);
+    const panel = createDevice(body, dispatch, {startFrom: (...told) => started.push(told.slice(1)),
+        jog: {end() {}, steer() {}}});
+    panel.show(store.state());
+    byId('use-scale').onclick();
+    const {axes: now, ids, active} = store.state().history.present;
+    byId('start-from').onclick();
+    return [now.map(({axis}) => axis.travel_per_rev), ids[active],
+        started.map(([axis, {name}, axisId]) => [axis, name, axisId])];"""
+
+
+@pytest.mark.parametrize(
+    ("most_axes", "travel_mm", "start"),
+    [
+        # Axis 1 of the device has the design of axis 7: 200 · 16 steps a turn at 400 steps/mm.
+        (4, [8, 8], [1, "B", 7]),
+        # Of a device that can't have both, it has that of the axis in hand: 200 · 2 at 400 steps/mm.
+        (1, [1, 8], [1, "Test", 5]),
+    ],
+)
+def test_what_a_machine_is_set_to_goes_to_the_axis_that_it_was_computed_for(
+    modules: Modules, most_axes: int, travel_mm: list[float], start: list[object]
+) -> None:
+    travel, in_hand, started = run(modules, PRESSED.replace("MOST", str(most_axes)))
+    assert travel == travel_mm
+    assert in_hand == start[-1]
+    assert started == [start]
