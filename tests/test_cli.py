@@ -66,6 +66,14 @@ def test_a_level_of_the_log_that_is_none_is_refused(capsys: pytest.CaptureFixtur
     assert capsys.readouterr().err == f"stepramp: --log-level is 'loud'; allowed: {allowed}.\n"
 
 
+def test_a_remote_port_that_is_none_is_refused_and_each_is_named(capsys: pytest.CaptureFixture[str]) -> None:
+    options = ["--allow-remote-port", "http://a:1/", "--allow-remote-port", "a:1", "--allow-remote-port", "a"]
+    assert main([*options, "--no-browser"]) == 2
+    told = capsys.readouterr().err
+    assert "--allow-remote-port is 'http://a:1/'; allowed: host:port, as printer.local:2217 or [::1]:2217" in told
+    assert "--allow-remote-port is 'a'; allowed" in told
+
+
 def test_help_and_version_come_without_loading_the_server() -> None:
     code = "import sys, stepramp.cli\nassert 'numba' not in sys.modules and 'fastapi' not in sys.modules"
     subprocess.run([sys.executable, "-c", code], check=True)
@@ -79,6 +87,9 @@ def test_a_design_is_exported_to_a_file(tmp_path: Path) -> None:
     (tmp_path / "design.json").write_text(json.dumps(document(name="Stage", move__steps=7)))
     assert main(["export", "csv", str(tmp_path / "design.json"), str(tmp_path / "steps.csv")]) == 0
     assert len((tmp_path / "steps.csv").read_text().splitlines()) == 8
+    assert main(["export", "grbl", "--axis-letter", "Z", str(tmp_path / "design.json"), str(tmp_path / "z.txt")]) == 0
+    # 200 · 2 / 8 = 50 steps/mm.
+    assert "\n$102=50\n" in (tmp_path / "z.txt").read_text()
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be"])
@@ -114,6 +125,7 @@ def test_a_design_is_not_overwritten_by_what_is_made_of_it(
     ("words", "message"),
     [
         (["pdf", "design.json", "-"], "format is 'pdf'; allowed: c_table, c_table_progmem"),
+        (["grbl", "design.json", "-", "--axis-letter", "z"], "axis_letter is 'z'; allowed: X, Y, Z, A, B, C."),
         (["csv", "absent.json", "-"], "design is 'absent.json'; allowed: a file with a design document (No such"),
         (
             ["csv", "text.json", "-"],

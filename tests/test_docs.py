@@ -49,6 +49,29 @@ def test_the_files_that_the_architecture_names_are_there() -> None:
     assert missing == []
 
 
+def test_the_page_on_adding_a_family_is_true_to_the_files() -> None:
+    """Each file that it names is there, and each name of code is in one of the example's files, or of the contract."""
+    text = (DOCS / "adding_a_family.md").read_text("utf-8")
+    project, controllers = DOCS.parent, DOCS.parent / "backend/stepramp/controllers"
+    quoted = set(re.findall(r"`([^`]+)`", text))
+    files = {each for each in quoted if re.fullmatch(r"[\w./]+\.(?:py|js|md)|[\w/]+/", each)}
+    roots = (project, controllers.parent, controllers, controllers / "tic")
+    assert [each for each in sorted(files) if not any((root / each).exists() for root in roots)] == []
+    assert len(files) > 30
+    # Each module of the example is told of.
+    assert {each.name for each in (controllers / "tic").glob("[a-z]*.py")} <= files
+    names = {each for each in quoted - files if re.fullmatch(r"\w+(?:\.\w+)?", each)}
+    where = [
+        *(controllers / "tic").glob("*.py"),
+        *controllers.glob("*.py"),
+        *(project / "backend/stepramp").glob("*.py"),
+    ]
+    where.append(project / "backend/stepramp/link/connection.py")
+    source = "\n".join(each.read_text("utf-8") for each in where)
+    missing = [name for name in sorted(names) if not re.search(rf"\b{name.rpartition('.')[2]}\b", source)]
+    assert (missing, len(names) > 20) == ([], True)
+
+
 def test_the_index_leads_to_each_document() -> None:
     linked = set(re.findall(r"\]\((?!\.\.)([\w./]+?)/?\)", (DOCS / "README.md").read_text("utf-8")))
     documents = {each.name for each in DOCS.iterdir() if each.suffix in (".md", ".json") and each.name != "README.md"}

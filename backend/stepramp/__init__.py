@@ -19,14 +19,14 @@ from stepramp.errors import Rejected, StepRampError
 from stepramp.version import __version__
 
 if TYPE_CHECKING:
-    from stepramp.notebook import Design, PlannedMove
+    from stepramp.notebook import MOTORS, Design, PlannedMove, PlayedMove
 
-__all__ = ["Design", "PlannedMove", "Rejected", "StepRampError", "__version__"]
+__all__ = ["MOTORS", "Design", "PlannedMove", "PlayedMove", "Rejected", "StepRampError", "__version__"]
 
 
 def __getattr__(name: str) -> Any:
     """Load the numerics when they are first asked for: the command line's --help does without them."""
-    if name in ("Design", "PlannedMove"):
+    if name in ("MOTORS", "Design", "PlannedMove", "PlayedMove"):
         from stepramp import notebook  # noqa: PLC0415  # loading it here is the purpose
 
         return getattr(notebook, name)

@@ -16,6 +16,7 @@ from pathlib import Path
 import uvicorn
 
 from stepramp.errors import Rejected, Rejection
+from stepramp.link.remote_ports import KEYS_VARIABLE, RemotePorts
 from stepramp.version import __version__
 
 LOOPBACK = "127.0.0.1"
@@ -35,41 +36,57 @@ def main(arguments: Sequence[str] | None = None) -> int:
     port_help = f"port on {LOOPBACK}, the next free one if taken (default: {FIRST_PORT})"
     parser.add_argument("--port", default=str(FIRST_PORT), help=port_help)
     parser.add_argument("--no-browser", action="store_true", help="do not open the page")
+    parser.add_argument(
+        "--data-folder", help="where backups of controllers are kept (default: the user's own folder for that)"
+    )
     levels = ", ".join(LOG_LEVELS)
     level_help = f"how much is told of what goes on, up to each byte: {levels} (default: warning)"
     parser.add_argument("--log-level", default="warning", help=level_help)
+    remote_help = (
+        "connect also to controllers of this other machine, over rfc2217://, socket:// or moonraker://; may be repeated"
+    )
+    parser.add_argument("--allow-remote-port", metavar="HOST:PORT", action="append", default=[], help=remote_help)
     commands = parser.add_subparsers(dest="command", title="instead of the server")
     exporting = commands.add_parser("export", help="write a design in a format, as C code or as a page of plots")
-    exporting.add_argument("format", help="c_table, c_newton, csv, html …; a wrong one lists them all")
+    exporting.add_argument("format", help="c_table, c_newton, grbl, csv, html …; a wrong one lists them all")
     exporting.add_argument("design", help="file with a design document, - for standard input")
     exporting.add_argument("file", help="file to write, - for standard output")
+    letter_help = "axis of a machine that ramps by itself, such as grbl: X, Y, Z, A, B or C (default: X)"
+    exporting.add_argument("--axis-letter", default="X", help=letter_help)
     options = parser.parse_args(arguments)
     try:
         if options.command == "export":
-            export_design(options.format, options.design, options.file)
+            export_design(options.format, options.design, options.file, options.axis_letter)
             return 0
         logging.basicConfig(format="%(asctime)s.%(msecs)03d %(levelname)s %(name)s: %(message)s", datefmt="%H:%M:%S")
         logging.getLogger("stepramp").setLevel(log_level(options.log_level))
+        remote_ports = RemotePorts.named(options.allow_remote_port, os.environ.get(KEYS_VARIABLE, ""))
         listener = free_port(port_number(options.port))
     except Rejected as error:
         print(f"stepramp: {error}", file=sys.stderr)
         return 2
     with suppress(KeyboardInterrupt):  # Ended before there was a server.
-        serve(listener, open_page=not options.no_browser)
+        data = None if options.data_folder is None else Path(options.data_folder)
+        serve(listener, remote_ports, open_page=not options.no_browser, data=data)
     return 0
 
 
-def export_design(format_name: str, source: str, target: str) -> None:
+def export_design(format_name: str, source: str, target: str, axis_letter: str) -> None:
     """Write a design in a format; `-` stands for standard input and output.
 
-    Raises Rejected when a file can't be read or written, the format is none, or the design can't be exported.
+    Raises Rejected when a file can't be read or written, the format or the axis is none, or the design can't be
+    exported.
     """
     from stepramp.design import Design  # noqa: PLC0415  # load slowly: not for --help
     from stepramp.exports.export import FORMAT_NAMES, Options, export  # noqa: PLC0415
+    from stepramp.exports.machines.sheet import LETTERS  # noqa: PLC0415
     from stepramp.json_text import parsed_json  # noqa: PLC0415
 
     if format_name not in FORMAT_NAMES:
         raise Rejected([Rejection("format", format_name, ", ".join(FORMAT_NAMES))])
+    letter = next((each for each in LETTERS if each == axis_letter), None)
+    if letter is None:
+        raise Rejected([Rejection("axis_letter", axis_letter, ", ".join(LETTERS))])
     try:
         design = Design.checked(parsed_json(_text_of(source)))
     except (OSError, ValueError) as error:
@@ -78,7 +95,7 @@ def export_design(format_name: str, source: str, target: str) -> None:
         raise Rejected([Rejection("design", source, f"a file with a design document ({_why(error)})")]) from None
     if "-" not in (source, target) and Path(target).exists() and Path(source).samefile(target):
         raise Rejected([Rejection("file", target, "another file than that of the design")])
-    made = export(design, format_name, Options())
+    made = export(design, format_name, Options(axis_letter=letter))
     try:
         if target == "-":
             sys.stdout.buffer.write(made.content)
@@ -150,8 +167,11 @@ def free_port(first: int) -> socket.socket:
     raise Rejected([Rejection("--port", first, f"a port with a free one from {first:,} to {last:,}")])
 
 
-def serve(listener: socket.socket, *, open_page: bool) -> None:
-    """Serve the page and the API until interrupted."""
+def serve(listener: socket.socket, remote_ports: RemotePorts, *, open_page: bool, data: Path | None = None) -> None:
+    """Serve the page and the API until interrupted.
+
+    remote_ports: those of other machines that may be connected to. data: the folder of what outlasts the program.
+    """
     # numba and FastAPI load slowly: not for --help
     from stepramp.http_api.app import create_app  # noqa: PLC0415
     from stepramp.http_api.bodies import MOST_BYTES as MOST_BODY_BYTES  # noqa: PLC0415
@@ -161,7 +181,7 @@ def serve(listener: socket.socket, *, open_page: bool) -> None:
 
     address = f"http://{LOOPBACK}:{listener.getsockname()[1]}/"
     # Within one machine, compressing what goes over a WebSocket takes longer than sending it.
-    app = create_app()
+    app = create_app(remote_ports=remote_ports, data=data)
     config = uvicorn.Config(
         app,
         log_level="warning",

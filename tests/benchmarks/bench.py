@@ -18,6 +18,7 @@ from benchmarks.captures import captures
 from benchmarks.firmware_engine import firmware_engine
 from benchmarks.firmware_machine import firmware_machine
 from benchmarks.frame_times import frame_times
+from benchmarks.motor import motor
 from benchmarks.stop_latency import stop_latency
 from browser.server import CHROMIUM
 from designs import design, document
@@ -146,6 +147,12 @@ def captured_files() -> None:
     captures()
 
 
+def motors() -> None:
+    """Print how long a motor's move and its stall map take."""
+    print("\n## Motors\n")
+    motor()
+
+
 def frames() -> None:
     """Print the times from a slider's event to the painted frame, or that there is no browser."""
     print("\n## In the browser\n")
@@ -179,6 +186,7 @@ if __name__ == "__main__":
     segments()
     requests()
     captured_files()
+    motors()
     frames()
     stops()
     firmware()

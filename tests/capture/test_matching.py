@@ -93,6 +93,23 @@ def test_a_clock_that_is_not_right(alignment: Alignment, ppm: int) -> None:
     assert found.figures.clock_ppm == pytest.approx(ppm, rel=0.01)
 
 
+def test_deviations_that_are_no_clocks_tell_of_none() -> None:
+    even = np.arange(STEPS) * PLANNED[-1] / STEPS  # as long as the ramp, and nowhere like it
+    later = np.concatenate([PLANNED[:60], PLANNED[60:] + 0.5])
+    for made, why in (
+        (even, "The steps are not where a slow"),
+        (later, "The steps are not where a slow"),
+        (PLANNED[:2], "Of fewer than 3 steps"),
+    ):
+        figures = deviation_of(made, PLANNED, "first_step").figures
+        assert figures.clock_ppm is None
+        assert figures.no_clock.startswith(why)
+    # Three steps of a plan of three, and twice as many and more between them.
+    many = np.linspace(0, 1, 9)
+    few = deviation_of(many, np.array([0.0, 0.5, 1.0]), "best_fit").figures
+    assert (few.clock_ppm, few.no_clock[:17]) == (None, "Most of the steps")
+
+
 @pytest.mark.parametrize("lost", [1, 7, 60, 400, 1500])
 def test_a_capture_that_begins_within_the_move(lost: int) -> None:
     found = deviation_of(PLANNED[lost:] - PLANNED[lost], PLANNED, "best_fit")

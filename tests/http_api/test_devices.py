@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import itertools
+import socket
 import time
 from typing import Any
 
@@ -11,19 +12,20 @@ from designs import document
 from stepramp.controllers.virtual.controller import VirtualController
 from stepramp.http_api.app import create_app
 from stepramp.link import protocol_sim
+from stepramp.link.remote_ports import RemotePorts
 
 DEVICES = "/api/v1/devices"
 LOCAL = {"host": "127.0.0.1:8000"}
 PATIENCE_S = 10.0
 DEVICE_FIELDS = {
     "id", "port", "name", "family", "capabilities", "state", "message", "position_steps", "target_steps",
-    "speed_steps_per_s", "axes", "timer_hz", "clocks_hz", "most_axes", "firmware_version", "ramp", "on_trial",
+    "speed_steps_per_s", "axes", "timer_hz", "clocks_hz", "most_axes", "firmware_version", "ramp", "on_trial", "backup",
     "motors_on", "starved", "pushed", "progress", "shuttle", "unknown_positions", "in_control", "stops", "heard_s",
     "age_s",
 }  # fmt: skip
 AXIS_FIELDS = {
     "axis", "state", "position_steps", "target_steps", "speed_steps_per_s", "steps_made", "lowest_steps",
-    "highest_steps", "is_beyond_limits",
+    "highest_steps", "is_beyond_limits", "steps_per_mm",
 }  # fmt: skip
 _numbers = itertools.count()
 
@@ -104,7 +106,7 @@ def test_pushing(client: TestClient, port: str) -> None:
     assert push["heard_s"] > before["heard_s"], "what was told before says nothing of these ramps"
     assert push["verified"] is True
     figures = {"requested": 1000.0, "sent": 1000.0, "read_back": 1000.0}
-    assert {"name": "Slew interval", "unit": "µs", "axis": 0, **figures} in push["items"]
+    assert {"name": "Slew interval", "unit": "µs", "axis": 0, "own": None, **figures} in push["items"]
     assert (push["largest_deviation_us"], push["sequence"], push["warnings"]) == (0.0, 1, [])
     assert push["kept"] is True
     device = client.get(f"{DEVICES}/1").json()
@@ -341,12 +343,32 @@ def test_a_port_that_isnt_there(client: TestClient) -> None:
         ({"port": "x" * 201}, "port"),
         ({"port": "socket://bad"}, "port"),
         ({"port": "socket://h:99999"}, "port"),
+        ({"port": "socket://127.0.0.1:22"}, "port"),
+        ({"port": "rfc2217://169.254.169.254:80"}, "port"),
         ({"port": "sim://", "baud": 9600}, "baud"),
     ],
 )
 def test_ports_that_cant_be_used(client: TestClient, body: dict[str, Any], field: str) -> None:
     assert error_of(client.post(DEVICES, json=body), 422)["field"] == field
     assert client.get(DEVICES).json() == {"devices": []}
+
+
+def test_only_remote_ports_that_were_named_at_start_are_offered_and_reached() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as other:
+        other.setblocking(False)
+        number = other.getsockname()[1]
+        app = create_app(remote_ports=RemotePorts.named(["printer.local:2217"]))
+        with TestClient(app, base_url="http://127.0.0.1:8000") as client:
+            offered = [each["port"] for each in client.get("/api/v1/ports").json()["ports"]]
+            ways = [f"{scheme}://printer.local:2217" for scheme in ("rfc2217", "socket", "moonraker")]
+            assert offered[-4:] == [*ways, "sim://"]
+            address = f"socket://127.0.0.1:{number}"
+            error = error_of(client.post(DEVICES, json={"port": address}), 422)
+            assert (error["field"], error["value"]) == ("port", address)
+            assert error["allowed"].endswith("only hosts named at start by --allow-remote-port: printer.local:2217")
+            assert client.get(DEVICES).json() == {"devices": []}
+        with pytest.raises(BlockingIOError):
+            other.accept()
 
 
 @pytest.mark.parametrize(

@@ -233,7 +233,10 @@ def test_a_format_that_is_none_names_the_formats(client: TestClient) -> None:
     [error] = errors_of(client.post("/api/v1/export/magic", json={"design": document()}), 422)
     assert (error["field"], error["value"]) == ("format", "magic")
     of_c = "c_table, c_table_progmem, c_segments, c_ramp_image, c_first_order, c_second_order, c_compromise, c_newton"
-    assert error["allowed"] == f"{of_c}, arduino, arduino_library, csv, json, html, svg, png"
+    machines = "grbl, grblhal, fluidnc, marlin, marlin_configuration, klipper, tic, tic_settings"
+    libraries = "accelstepper, fastaccelstepper, teensystep, switecx25"
+    others = "csv, json, html, svg, png"
+    assert error["allowed"] == f"{of_c}, arduino, arduino_library, {machines}, {libraries}, {others}"
 
 
 def test_pages_and_routes_that_are_not_there(client: TestClient) -> None:

@@ -34,8 +34,12 @@ def route(client: TestClient) -> str:
 
 def test_the_families_are_told_with_the_ports(client: TestClient) -> None:
     families = client.get("/api/v1/ports").json()["families"]
-    assert families[0] == {"name": "stepramp", "title": "StepRamp"}
-    assert families[-1] == {"name": "plain", "title": "Plain"}
+    nothing = {"cannot": [], "plays_own": False, "reads_settings": False}
+    assert families[0] == {"name": "stepramp", "title": "StepRamp", **nothing}
+    assert families[-1] == {"name": "plain", "title": "Plain", **nothing}
+    grbl = next(family for family in families if family["name"] == "grbl")
+    assert "Base speed: grbl starts from 0." in grbl["cannot"]
+    assert (grbl["plays_own"], grbl["reads_settings"]) == (True, True)
 
 
 def test_each_port_tells_the_families_that_it_takes(client: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -43,7 +47,8 @@ def test_each_port_tells_the_families_that_it_takes(client: TestClient, monkeypa
     attached.description = "a board"
     monkeypatch.setattr(list_ports, "comports", lambda: [attached])
     taken = {each["port"]: each["families"] for each in client.get("/api/v1/ports").json()["ports"]}
-    assert taken == {"/dev/ttyACM0": [*FAMILIES, "plain"], "sim://": ["stepramp"]}
+    at_serial_ports = [name for name in FAMILIES if name != "klipper"]
+    assert taken == {"/dev/ttyACM0": [*at_serial_ports, "plain"], "sim://": ["stepramp"]}
 
 
 @pytest.mark.parametrize("family", ["tic", "plain"])
@@ -71,7 +76,7 @@ def test_a_device_tells_its_family_and_what_it_can_do(client: TestClient, route:
 def test_a_family_that_there_isnt(client: TestClient) -> None:
     refused = client.post(DEVICES, json={"port": "plain wire", "family": "plane"})
     [error] = refused.json()["errors"]
-    allowed = ", ".join([*FAMILIES, "plain"])
+    allowed = ", ".join([*(name for name in FAMILIES if name != "klipper"), "plain"])
     assert (refused.status_code, error["field"], error["value"], error["allowed"]) == (422, "family", "plane", allowed)
     assert client.get(DEVICES).json() == {"devices": []}
 
@@ -98,6 +103,9 @@ def test_one_of_another_family_is_disconnected_first(client: TestClient, route: 
         ("POST", "zero", {"axes": [0], "steps": 5}, "zero gauges"),
         ("GET", "trace", None, "trace moves"),
         ("PUT", "trace", {"traced_axis": 0}, "trace moves"),
+        ("GET", "backups", None, "be backed up"),
+        ("POST", "backups", None, "be backed up"),
+        ("POST", "import", {}, "tell settings that designs can be made of"),
     ],
 )
 def test_what_it_cant_do_is_refused(

@@ -51,11 +51,11 @@ def test_the_shapes_are_served_with_their_fields_and_methods(client: TestClient)
     answer = client.get("/api/v1/shapes").json()
     assert answer["usual"] == "constant"
     by_name = {each["name"]: each for each in answer["shapes"]}
-    assert list(by_name) == ["constant", "s_curve", "cosine", "drawn"]
+    assert list(by_name) == ["constant", "s_curve", "cosine", "drawn", "torque"]
     assert by_name["s_curve"]["label"] == "S-curve"
     assert by_name["s_curve"]["fields"] == ["jerk_steps_per_s3", "deceleration_jerk_steps_per_s3"]
     assert by_name["drawn"]["methods"] == ["exact", "ideal", "midpoint", "newton", "table"]
     assert by_name["constant"]["methods"] == [each["name"] for each in client.get("/api/v1/methods").json()["methods"]]
-    assert [each["begins_alike"] for each in answer["shapes"]] == [True, False, False, True]
+    assert [each["begins_alike"] for each in answer["shapes"]] == [True, False, False, True, True]
     page = client.get("/assets/shapes.js")
     assert json.loads(page.text.removeprefix("export default ").removesuffix(";\n")) == answer

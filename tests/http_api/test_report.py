@@ -2,7 +2,9 @@
 
 import base64
 import io
+import json
 import re
+from collections.abc import Callable
 from datetime import date
 from html.parser import HTMLParser
 from typing import Any
@@ -12,7 +14,12 @@ from pypdf import PdfReader
 from starlette.testclient import TestClient
 
 from designs import document
+from event_loop import run
+from motor.trains import whole
+from stepramp.design import Design
+from stepramp.exports.printed import motor
 from stepramp.http_api.app import create_app
+from stepramp.motor.train import NotWanted
 
 NASTY = '"a" $x^2$ _b <script>alert(1)</script>\n\\ {日本} \u202e &'
 
@@ -92,7 +99,7 @@ def test_the_page_needs_nothing_from_elsewhere_and_runs_nothing(answer: Any, pag
     assert not page.all_of("script")
     assert not [name for _, attributes in page.tags for name in attributes if name.startswith("on") or name == "href"]
     assert all((each["src"] or "").startswith("data:image/svg+xml;base64,") for each in page.all_of("img"))
-    assert len(page.pictures()) == 4, "the jerk of constant acceleration is none to be shown"
+    assert len(page.pictures()) == 5
     for picture in page.pictures():
         assert "script" not in re.sub("<!--.*?-->", "", picture)
         # Names of what the file is written in are no addresses.
@@ -107,11 +114,13 @@ def test_the_page_can_be_read_without_seeing_it(page: Page) -> None:
     assert all(each.get("scope") in ("col", "row") for each in page.all_of("th"))
     assert "" not in [cell for row in page.rows for cell in row]
     # 2 MHz / sqrt(2 · 5000) = 20,000 ticks and 100 steps/s, 120 mm/min; 75 steps up, to sqrt(2 · 5000 · 75) steps/s.
-    speed, delay, error, acceleration = (each["alt"] or "" for each in page.all_of("img"))
+    speed, delay, error, acceleration, jerk = (each["alt"] or "" for each in page.all_of("img"))
     assert speed.startswith("velocity, mm/min, over 150 steps: Exact from 120 to 1,040")
     assert "Exact from 1,150 to 10,000" in delay
     assert "1st order" in error
     assert acceleration.startswith("acceleration as planned, mm/min²")
+    # From the first step, a·v = 5,000 · 100 steps/s³, on: the jump to 5,000 steps/s² is spread over it.
+    assert jerk.startswith("jerk as planned, mm/min³")
     assert "1st order" not in acceleration, "what another method makes of it, its error tells"
 
 
@@ -123,9 +132,9 @@ def test_acceleration_and_jerk_of_a_shape_are_drawn(client: TestClient) -> None:
     *_, acceleration, jerk = (each["alt"] or "" for each in page_of(reported(client, "html", **asked)).all_of("img"))
     assert "Exact from -100 to 100" in acceleration.replace("−", "-")
     assert "pinned: Before, Exact from -100 to 100" in acceleration.replace("−", "-")
-    assert "pinned" not in jerk, "that of constant acceleration has no bounds"
-    found = re.fullmatch(
-        r"jerk as planned, mm/s³, over 2,000 steps: Exact from -([\d,]+) to ([\d,]+)\.", jerk.replace("−", "-")
+    assert "pinned: Before, Exact from" in jerk
+    found = re.match(
+        r"jerk as planned, mm/s³, over 2,000 steps: Exact from -([\d,]+) to ([\d,]+);", jerk.replace("−", "-")
     )
     assert found is not None, jerk
     least, most = (float(each.replace(",", "")) for each in found.groups())
@@ -170,8 +179,9 @@ def test_each_check_has_its_verdict(client: TestClient, page: Page) -> None:
     verdicts = {row[0]: row[1] for row in page.rows if len(row) == 3 and row[1] in ("passed", "failed")}
     assert sorted(verdicts.values()) == ["failed"] * 2 + ["passed"] * 3
     warnings = client.post("/api/v1/profile", json={"design": ASKED["design"]}).json()["warnings"]
-    failed = {page.row(name)[1] for name, verdict in verdicts.items() if verdict == "failed"}
-    assert failed == {each["message"] for each in warnings}
+    in_steps = page_of(reported(client, "html", **ASKED | {"units": {"length": "steps", "time": "s"}}))
+    failed = {name for name, verdict in verdicts.items() if verdict == "failed"}
+    assert {in_steps.row(name)[1] for name in failed} == {each["message"] for each in warnings}
 
 
 def test_the_pdf_says_the_same(client: TestClient) -> None:
@@ -183,10 +193,20 @@ def test_the_pdf_says_the_same(client: TestClient) -> None:
     for words in (
         '"a" $x^2$ _b <script>', f"{today.day} {today:%B %Y}", "1,200 mm/min", "360,000 mm/min²", "passed", "failed",
         "velocity, mm/min", "delay of a step, µs", "Newton", "pinned: Before", "10,000", "Lookup table", "1,500",
+        "lacks stand as \ufffd",
     ):  # fmt: skip
         assert words in text
     assert reader.metadata is not None
     assert (reader.metadata.title or "").startswith('"a"')
+
+
+def test_the_pdf_says_that_its_font_lacks_something_only_when_it_does(client: TestClient) -> None:
+    _, text = pdf_of(reported(client, "pdf", design=document(name="Übung Ø 5 µm")))
+    assert "Übung Ø 5 µm" in text
+    assert "\ufffd" not in text
+    _, text = pdf_of(reported(client, "pdf", design=document(name="Stage 🚀" + "日本語" * 25)))
+    assert "Stage \N{REPLACEMENT CHARACTER}" in text
+    assert text.count("\N{REPLACEMENT CHARACTER}") > 75
 
 
 def test_a_long_table_goes_on_on_further_pages(client: TestClient) -> None:
@@ -235,3 +255,46 @@ def test_a_format_that_is_given_twice_is_refused(client: TestClient) -> None:
     [error] = answer.json()["errors"]
     assert (answer.status_code, error["field"]) == (422, "format")
     assert error["message"] == 'format is ["html", "pdf"]; allowed: one value, given once.'
+
+
+@pytest.mark.parametrize("kind", ["html", "pdf"])
+def test_a_report_of_a_design_with_a_motor_has_its_section(client: TestClient, kind: str) -> None:
+    answer = reported(client, kind, design=whole())
+    if kind == "html":
+        page = page_of(answer)
+        assert page.row("verdict") == ["safe"]
+        assert page.row("supply") == ["24 V", "given"]
+        alts = [each["alt"] or "" for each in page.all_of("img")]
+        assert [alt.partition(",")[0] for alt in alts[-2:]] == ["torque", "load angle"]
+        return
+    _, text = pdf_of(answer)
+    assert "What the motor does with the move" in text
+    assert "the ramp asks for" in text
+
+
+def test_a_report_ends_when_its_client_has_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    ended, body = [], json.dumps({"design": whole()}).encode()
+
+    def outcome_of(_: Design, is_wanted: Callable[[], bool]) -> None:
+        while is_wanted():
+            pass
+        ended.append(True)
+        raise NotWanted
+
+    monkeypatch.setattr(motor, "outcome_of", outcome_of)
+    coming = iter([{"type": "http.request", "body": body, "more_body": False}])
+
+    async def receive() -> dict[str, Any]:
+        return next(coming, {"type": "http.disconnect"})
+
+    async def send(_: Any) -> None:
+        pass
+
+    host = (b"host", b"localhost")
+    scope = {
+        "type": "http", "method": "POST", "path": "/api/v1/report", "query_string": b"format=html", "scheme": "http",
+        "headers": [host, (b"content-type", b"application/json"), (b"content-length", str(len(body)).encode())],
+        "server": ("localhost", 80), "client": ("127.0.0.1", 1),
+    }  # fmt: skip
+    run(create_app()(scope, receive, send))
+    assert ended == [True]

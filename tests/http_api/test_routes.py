@@ -18,7 +18,13 @@ from stepramp.http_api import answer, app, errors
 from stepramp.http_api.answer import Answer
 from stepramp.validation import Document
 
-FILES = {"/export/{format}", "/devices/{device_id}/trace.csv", "/report"}
+FILES = {
+    "/export/{format}",
+    "/devices/{device_id}/backups/{name}",
+    "/backups/{source}/{name}",
+    "/devices/{device_id}/trace.csv",
+    "/report",
+}
 MODULES = [import_module(f"{http_api.__name__}.{each.name}") for each in iter_modules(http_api.__path__)]
 OF_ALL_ROUTES = {answer.__name__, errors.__name__}
 """What any answer is, and what any route answers to what goes wrong."""

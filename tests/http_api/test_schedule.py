@@ -68,7 +68,11 @@ def test_a_line_tells_who_leads_and_what_limits_it(client: TestClient) -> None:
             "field": "designs.0.ramp.slew_speed_steps_per_s",
             "axis": 0,
             "message": "Y (axis 0) allows a slew speed of 100 steps/s: "
-            "along the line that of X (axis 1) is 200 instead of 1,000 steps/s.",
+            "along the line that of X (axis 1) is 200 steps/s instead of 1,000 steps/s.",
+            "told": [
+                {"text": f"{value:,} steps/s", "value": value, "unit": "steps/s", "rounding": "nearest", "axis": axis}
+                for value, axis in ((100, 0), (200, 1), (1000, 1))
+            ],
         }
     ]
     follower, leader = answer["axes"]

@@ -56,12 +56,18 @@ def error_of(response: Any, status: int) -> dict[str, Any]:
 
 
 def test_the_family_is_listed(client: TestClient) -> None:
-    assert {"name": "tic", "title": "Pololu Tic"} in client.get("/api/v1/ports").json()["families"]
+    families = client.get("/api/v1/ports").json()["families"]
+    [tic] = [family for family in families if family["name"] == "tic"]
+    assert (tic["title"], tic["plays_own"]) == ("Pololu Tic", True)
+    assert any(
+        sentence.startswith("Storing a ramp: a Tic takes settings to keep over its USB port only")
+        for sentence in tic["cannot"]
+    )
 
 
 def test_connecting_asks_and_moves_nothing(client: TestClient, cable: TicOnACable) -> None:
     device = client.post(DEVICES, json={"port": cable.port, "family": "tic"}).json()
-    assert (device["family"], device["state"], device["capabilities"]) == ("tic", "ready", ["try", "zero"])
+    assert (device["family"], device["state"], device["capabilities"]) == ("tic", "ready", ["try", "zero", "import"])
     assert (device["clocks_hz"], device["timer_hz"], device["firmware_version"]) == ([], None, None)
     assert (device["on_trial"], device["motors_on"], device["message"], device["starved"]) == (False, False, None, None)
     assert device["most_axes"] == 1
@@ -72,12 +78,13 @@ def test_connecting_asks_and_moves_nothing(client: TestClient, cable: TicOnACabl
 def test_pushing(client: TestClient, cable: TicOnACable, device: str) -> None:
     assert cable.tic.ramp == [0, 10_000_000, 500_000, 500_000]
     pushed = client.get(device).json()["pushed"]
-    assert (pushed["verified"], pushed["kept"], pushed["segments"], pushed["largest_deviation_us"]) == (
-        True, False, None, None,
-    )  # fmt: skip
+    assert (pushed["verified"], pushed["kept"], pushed["segments"]) == (True, False, None)
+    # The first step of 5000 steps/s² takes √(2/a); the design's ramp has 1/√(2a), as all its methods do.
+    assert pushed["largest_deviation_us"] == pytest.approx(10_000, rel=0.01)
     figures = {"requested": 1000, "sent": 1000, "read_back": 1000}
-    assert {"name": "Full speed", "unit": "steps/s", "axis": 0, **figures} in pushed["items"]
-    assert any("computes its own ramp" in warning for warning in pushed["warnings"])
+    own = {"term": "Max speed", "unit": "steps/10,000 s", "sent": 10_000_000, "on_device": 10_000_000}
+    assert {"name": "Full speed", "unit": "steps/s", "axis": 0, "own": own, **figures} in pushed["items"]
+    assert "The method Exact is not kept: a Tic works its intervals out itself." in pushed["warnings"]
     assert (pushed["sequence"], client.get(device).json()["ramp"]["sequence"]) == (None, None)
     slower = {"design": document(ramp__slew_speed_steps_per_s=300)}
     preview = client.post(f"{device}/push/preview", json=slower).json()
@@ -85,6 +92,31 @@ def test_pushing(client: TestClient, cable: TicOnACable, device: str) -> None:
     assert client.get(device).json()["on_trial"]
     assert not client.post(f"{device}/roll_back").json()["on_trial"]
     assert cable.tic.ramp == [0, 2_000_000, 40_000, 40_000]
+
+
+def test_starting_from_this_machine(client: TestClient, cable: TicOnACable, device: str) -> None:
+    """A push of what was read changes nothing."""
+    cable.tic.step_mode = 4
+    read = client.post(f"{device}/import", json={"design": document()}).json()
+    assert (read["family"], [axis["name"] for axis in read["axes"]]) == ("tic", ["Tic"])
+    design = read["axes"][0]["design"]
+    assert (design["axis"]["microsteps"], design["ramp"]["slew_speed_steps_per_s"]) == (16, 1000)
+    assert client.post(f"{device}/push/preview", json={"design": design}).json()["same"]
+    assert error_of(client.get(f"{device}/backups"), 409)["message"].endswith("can.")
+
+
+def test_what_it_really_plays(client: TestClient) -> None:
+    answer = client.post("/api/v1/families/tic/ramp", json={"design": document()}).json()
+    # 2000 / 1000 + 1000 / 5000 s.
+    assert answer["duration_s"] == pytest.approx(2.2, abs=0.01)
+    assert answer["duration_s"] == pytest.approx(answer["planned_duration_s"], abs=0.03)
+    assert answer["losses"][-1].startswith("At which instants a Tic works its speed out anew isn't published")
+
+
+def test_a_settings_file(client: TestClient) -> None:
+    text = "# Pololu Tic USB Stepper Controller settings file.\nproduct: T825\nmax_speed: 2000000\nmax_accel: 40000\n"
+    answer = client.post("/api/v1/import", json={"text": text}).json()
+    assert (answer["family"], answer["axes"][0]["design"]["ramp"]["slew_speed_steps_per_s"]) == ("tic", 200)
 
 
 def test_what_a_tic_cant_play_names_the_field(client: TestClient, device: str) -> None:

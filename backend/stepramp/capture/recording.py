@@ -117,7 +117,8 @@ def unknown_remark(count: int) -> tuple[str, ...]:
     """Return what is to be said of levels that are neither 0 nor 1."""
     if not count:
         return ()
-    return (f"{count:,} levels are neither 0 nor 1: there the level before is taken to last.",)
+    levels = "1 level is" if count == 1 else f"{count:,} levels are"
+    return (f"{levels} neither 0 nor 1: there the level before is taken to last.",)
 
 
 CUT = "The file ends in the midst of a line, which is left out: it may have been cut off."

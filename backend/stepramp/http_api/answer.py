@@ -32,6 +32,8 @@ def _taken(value: object, validate: ValidatorFunctionWrapHandler) -> object:
 
 WholeNumbers = Annotated[list[int], _Column()]
 """A column of whole numbers: an array of shape (n,)."""
+WholeNumberRows = Annotated[list[list[int]], _Column()]
+"""Rows of whole numbers: an array of shape (n, m)."""
 Numbers = Annotated[list[float], _Column()]
 """A column of numbers: an array of shape (n,)."""
 NumbersOrNull = Annotated[list[float | None], _Column()]

@@ -4,6 +4,8 @@ import asyncio
 import threading
 from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
+from itertools import chain
+from pathlib import Path
 from typing import Any
 
 from fastapi import FastAPI
@@ -12,29 +14,42 @@ from starlette.types import Receive, Scope, Send
 
 from stepramp.capture.warm_up import warm_up_captures
 from stepramp.controllers.families import FAMILIES, Family
+from stepramp.controllers.own_ramp import warm_up_own_ramps
 from stepramp.devices.registry import Devices
+from stepramp.exports.machines.machines import MACHINES
 from stepramp.http_api import (
     capture,
     curves,
     devices,
     exports,
+    imports,
+    jobs,
     methods,
+    motor,
+    motor_fastest,
+    motor_presets,
+    own_ramps,
     pages,
     planning,
     report,
     retarget,
     schedule,
     shapes,
+    stall_map,
     tables,
 )
 from stepramp.http_api.answered import Answered
 from stepramp.http_api.connections import Connections
 from stepramp.http_api.door import Door
 from stepramp.http_api.errors import ErrorList, handle_errors
+from stepramp.http_api.job_registry import Jobs
 from stepramp.http_api.journal import Journal
 from stepramp.http_api.news import News
 from stepramp.http_api.request_numbers import RequestNumbering
 from stepramp.http_api.security import LoopbackOnly, with_policy
+from stepramp.link.remote_ports import RemotePorts
+from stepramp.link.serial_port import NO_REMOTE_PORTS
+from stepramp.motor.warm_up import warm_up_motor
 from stepramp.ramp.warm_up import warm_up
 from stepramp.version import __version__
 
@@ -51,18 +66,22 @@ design's timer, speeds in steps/s.
 @asynccontextmanager
 async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     """Compile the numerics in the background; at the end let go of every device, one that moves being stopped first."""
-    threading.Thread(target=_warm_up, daemon=True).start()
+    threading.Thread(target=_warm_up, args=[app.state.devices.families], daemon=True).start()
     app.state.devices.look_for_lost_ones()
     app.state.news = News(app.state.devices)
     publishing = asyncio.create_task(app.state.news.publish())
     yield
     publishing.cancel()
+    app.state.jobs.close()
     app.state.devices.close()
 
 
-def _warm_up() -> None:
+def _warm_up(families: Mapping[str, Family]) -> None:
     warm_up()
+    warm_up_motor()
     warm_up_captures()
+    plays = chain((each.play_own for each in families.values()), (each.play_own for each in MACHINES.values()))
+    warm_up_own_ramps(plays)
 
 
 class Application(FastAPI):
@@ -85,8 +104,12 @@ class Application(FastAPI):
         return super().openapi()
 
 
-def create_app(families: Mapping[str, Family] = FAMILIES) -> FastAPI:
-    """Return the application with no device connected; families: see Devices."""
+def create_app(
+    families: Mapping[str, Family] = FAMILIES,
+    remote_ports: RemotePorts = NO_REMOTE_PORTS,
+    data: Path | None = None,
+) -> FastAPI:
+    """Return the application with no device connected; families, remote_ports, data: see Devices."""
     app = Application(
         title="StepRamp",
         version=__version__,
@@ -103,18 +126,26 @@ def create_app(families: Mapping[str, Family] = FAMILIES) -> FastAPI:
             503: {"model": ErrorList, "description": "Too much is asked for at the same time; a stop never is"},
         },
     )
-    app.state.devices = Devices(families)
+    app.state.devices = Devices(families, remote_ports, data)
     app.state.connections = Connections()
+    app.state.jobs = Jobs()
     app.include_router(planning.router, prefix="/api/v1")
     app.include_router(methods.router, prefix="/api/v1")
     app.include_router(shapes.router, prefix="/api/v1")
     app.include_router(retarget.router, prefix="/api/v1")
+    app.include_router(motor.router, prefix="/api/v1")
+    app.include_router(motor_fastest.router, prefix="/api/v1")
+    app.include_router(motor_presets.router, prefix="/api/v1")
+    app.include_router(stall_map.router, prefix="/api/v1")
+    app.include_router(jobs.router, prefix="/api/v1")
     app.include_router(curves.router, prefix="/api/v1")
     app.include_router(schedule.router, prefix="/api/v1")
     app.include_router(tables.router, prefix="/api/v1")
     app.include_router(exports.router, prefix="/api/v1")
     app.include_router(capture.router, prefix="/api/v1")
     app.include_router(report.router, prefix="/api/v1")
+    app.include_router(own_ramps.router, prefix="/api/v1")
+    app.include_router(imports.router, prefix="/api/v1")
     app.include_router(devices.router, prefix="/api/v1")
     handle_errors(app)
     pages.add(app)

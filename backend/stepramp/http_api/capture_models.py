@@ -140,10 +140,11 @@ class DeviationFiguresAnswer(Answer):
     largest_at_step: int = Field(description="Of which measured step, counted from 1")
     mean_us: float = Field(description="The mean; positive is later than planned [µs]")
     rms_us: float = Field(description="The root of the mean square [µs]")
-    clock_ppm: float = Field(
+    clock_ppm: float | None = Field(
         description="Rise of the straight line through the deviations: by how many millionths the move is slower than "
-        "planned, as when the controller's clock is slow [1e-6]"
+        "planned, as when the controller's clock is slow; null where they are on no such line [1e-6]"
     )
+    no_clock: str = Field(description="Why clock_ppm is null, as a sentence; else empty")
 
 
 class DeviationAnswer(Answer):
@@ -316,4 +317,5 @@ def _figures(figures: Figures) -> DeviationFiguresAnswer:
         mean_us=figures.mean_us,
         rms_us=figures.rms_us,
         clock_ppm=figures.clock_ppm,
+        no_clock=figures.no_clock,
     )

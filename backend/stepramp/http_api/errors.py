@@ -1,5 +1,7 @@
 """The one shape in which the API tells what went wrong."""
 
+from typing import Literal
+
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from pydantic import Field
@@ -17,6 +19,7 @@ from stepramp.errors import (
     Rejected,
     Rejection,
     StepRampError,
+    StepUnit,
     brief,
 )
 from stepramp.http_api.answer import Answer
@@ -45,11 +48,36 @@ class LimitsAnswer(Answer):
     )
 
 
+TOLD = "The quantities of the message that a design's axis converts, in their order, to be told in other units"
+
+
+class ToldAnswer(Answer):
+    """A quantity of a message, as data."""
+
+    text: str = Field(description="As it stands in the message")
+    value: float = Field(description="What it is [its unit]")
+    unit: StepUnit = Field(description="Its unit")
+    rounding: Literal["nearest", "down", "up"] = Field(
+        description="To which side it is rounded: a limit so that what is told is allowed"
+    )
+    axis: int | None = Field(
+        description="Axis that it is of, counted from 0 as in the request; null: the one that the message is about"
+    )
+
+
 class ChangeAnswer(Answer):
     """A value that would be accepted in place of the present one."""
 
     field: str = Field(description="Path of the field in the request's body")
     value: object = Field(description="What to put there")
+
+
+class ChoicesAnswer(Answer):
+    """What is allowed while another field has its value."""
+
+    names: list[str] = Field(description="Any of them; of something that is needed the one thing, in words")
+    because: ChangeAnswer = Field(description="The other field and its value")
+    is_need: bool = Field(description="Whether something is missing that the other field's value needs")
 
 
 class RemedyAnswer(Answer):
@@ -74,6 +102,8 @@ class ErrorItem(Answer):
     reason: str | None = Field(
         None, description="Why, where more than the value is wrong: the message, and it names no field; else left out"
     )
+    told: list[ToldAnswer] | None = Field(None, description=f"{TOLD}; left out where there are none")
+    choices: ChoicesAnswer | None = Field(None, description="What `allowed` says where that is names; else left out")
     remedies: list[RemedyAnswer] | None = Field(
         None, description="What would be accepted instead; left out where nothing is known"
     )
@@ -158,6 +188,10 @@ def _item(rejection: Rejection) -> ErrorItem:
         known |= {"limits": LimitsAnswer.model_validate(rejection.limits), "unit": rejection.limits.unit}
     if rejection.reason:
         known["reason"] = rejection.reason
+    if rejection.told:
+        known["told"] = [ToldAnswer.model_validate(each) for each in rejection.told]
+    if rejection.choices:
+        known["choices"] = ChoicesAnswer.model_validate(rejection.choices)
     if rejection.remedies:
         known["remedies"] = [RemedyAnswer.model_validate(each) for each in rejection.remedies]
     return ErrorItem(

@@ -13,6 +13,7 @@ from starlette.staticfiles import StaticFiles
 from starlette.types import Scope
 
 from stepramp.http_api.methods_models import MethodsAnswer
+from stepramp.http_api.motor_presets_models import MotorPresetsAnswer
 from stepramp.http_api.number_fields import design_fields, device_fields
 from stepramp.http_api.shapes_models import ShapesAnswer
 
@@ -24,9 +25,10 @@ LINKS = re.compile(r'((?:href|src)=")(?!assets/plotly|#)')
 """Before the addresses of the page's own files in its first page."""
 
 WRITTEN: dict[Path, Callable[[], str]] = {
-    # What GET /api/v1/methods and /shapes answer, for the page to import: it has no lists of its own.
+    # What GET /api/v1/methods, /shapes and /motor/presets answer, for the page to import: it has no lists of its own.
     Path("assets/methods.js"): lambda: MethodsAnswer.of_all().model_dump_json(),
     Path("assets/shapes.js"): lambda: ShapesAnswer.of_all().model_dump_json(),
+    Path("assets/motors.js"): lambda: MotorPresetsAnswer.of_all().model_dump_json(exclude_unset=True),
     Path("assets/design_fields.js"): lambda: json.dumps(design_fields()),
     Path("assets/device_fields.js"): lambda: json.dumps(device_fields()),
 }

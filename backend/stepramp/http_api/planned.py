@@ -19,6 +19,35 @@ STALLED_S = 10.0
 """A client that takes nothing for so long is given up: it would keep others from their turn."""
 
 
+class Wanted:
+    """Whether somebody still waits for an answer: asked by a job that can end before it is done."""
+
+    def __init__(self) -> None:
+        self._is_so = True
+
+    def is_so(self) -> bool:
+        """Tell whether somebody does."""
+        return self._is_so
+
+    def end(self) -> None:
+        """Note that nobody does any more."""
+        self._is_so = False
+
+
+async def while_wanted(lane: Lane, job: Callable[[], A], wanted: Wanted, receive: Receive) -> A | None:
+    """Return what a job makes in its turn; None when its client has left meanwhile, and wanted says so to the job."""
+    leaving = asyncio.ensure_future(_ended(wanted, receive))
+    try:
+        return await lane.run(job)
+    except Exception:
+        # What a job raises that nobody waits for is told to nobody.
+        if wanted.is_so():
+            raise
+        return None
+    finally:
+        leaving.cancel()
+
+
 class Planned(Response, Generic[A]):
     """An answer that a job makes in a lane.
 
@@ -28,20 +57,28 @@ class Planned(Response, Generic[A]):
 
     media_type = "application/json"
 
-    def __init__(self, lane: Lane, job: Callable[[], A]) -> None:
+    def __init__(self, lane: Lane, job: Callable[[], A], wanted: Wanted | None = None) -> None:
+        """Make an answer by a job. wanted: what the job asks whether it is to go on, once the client may have left."""
         self.status_code = 200
         self.background = None
         self.init_headers()
-        self._lane, self._job = lane, job
+        self._lane, self._job, self._wanted = lane, job, wanted
 
-    async def __call__(self, _: Scope, __: Receive, send: Send) -> None:
+    async def __call__(self, _: Scope, receive: Receive, send: Send) -> None:
         """Send the answer in pieces as they come."""
         written = _Pieces(self._job)
         making = asyncio.ensure_future(self._lane.run(written.make))
         making.add_done_callback(written.end)
+        leaving = None if self._wanted is None else asyncio.ensure_future(_ended(self._wanted, receive))
         try:
             await self._send(written, making, send)
+        except Exception:
+            # What a job raises that nobody waits for is told to nobody.
+            if self._wanted is None or self._wanted.is_so():
+                raise
         finally:
+            if leaving is not None:
+                leaving.cancel()
             written.give_up()
             making.cancel()
 
@@ -58,6 +95,13 @@ class Planned(Response, Generic[A]):
             piece, following = following, await written.take()
         await making
         await send({"type": "http.response.body", "body": piece, "more_body": False})
+
+
+async def _ended(wanted: Wanted, receive: Receive) -> None:
+    """Note when the client has left."""
+    while (await receive())["type"] != "http.disconnect":
+        pass
+    wanted.end()
 
 
 class _Pieces:

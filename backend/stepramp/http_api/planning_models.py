@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 from stepramp.design import MOST_NAMES, MOST_STEPS, Design, MethodName
 from stepramp.errors import Limits, Rejected
 from stepramp.http_api.answer import Answer, Numbers, WholeNumbers
-from stepramp.http_api.errors import ErrorItem, error_items, in_body
+from stepramp.http_api.errors import TOLD, ErrorItem, ToldAnswer, error_items, in_body
 from stepramp.methods import REFERENCE
 from stepramp.methods.common.method import TuningReport
 from stepramp.ramp.error_curves import ErrorCurves
@@ -126,12 +126,13 @@ class WarningAnswer(Answer):
 
     field: str | None = Field(description="Path of the field in the request's body where it can be changed")
     message: str = Field(description="What happens and what to change")
+    told: list[ToldAnswer] = Field(description=TOLD)
 
     @classmethod
     def all_of(cls, profile: Profile) -> list[Self]:
         """Return the warnings of a profile, with the fields' paths in the body of a request with its design."""
         return [
-            cls(field=warning.field and f"design.{warning.field}", message=warning.message)
+            cls(field=warning.field and f"design.{warning.field}", message=warning.message, told=warning.told)
             for warning in profile.warnings
         ]
 

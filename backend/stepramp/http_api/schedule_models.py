@@ -6,6 +6,7 @@ from pydantic import Field, model_validator
 
 from stepramp.design import Design
 from stepramp.http_api.answer import Answer, Numbers, WholeNumbers
+from stepramp.http_api.errors import TOLD, ToldAnswer
 from stepramp.http_api.planning_models import MostPoints, WarningAnswer, refuse_more_numbers
 from stepramp.ramp.schedule import MOST_AXES, Mode, Schedule, ScheduledAxis, conflicts_of, merged
 from stepramp.validation import Document, ListOf, Within
@@ -101,6 +102,7 @@ class LimitAnswer(Answer):
     field: str = Field(description="Path of the field in the request's body where it can be changed")
     axis: int = Field(description="Axis that limits, counted from 0")
     message: str = Field(description="What the axis allows, and what the line's ramp is for it")
+    told: list[ToldAnswer] = Field(description=TOLD)
 
 
 class ScheduleAnswer(Answer):

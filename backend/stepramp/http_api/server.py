@@ -13,6 +13,7 @@ from types import FrameType
 import uvicorn
 from uvicorn.server import HANDLED_SIGNALS
 
+from stepramp.http_api.allocator import give_big_blocks_back
 from stepramp.http_api.connections import MOST_WAITING
 
 GRACE_S = 1
@@ -41,6 +42,7 @@ class Server(uvicorn.Server):
 
     def serve_until_ended(self, listener: socket.socket) -> None:
         """Serve on a socket that listens already, and return when all is over."""
+        give_big_blocks_back()
         try:
             self.run(sockets=[listener])
         finally:
