@@ -148,6 +148,21 @@ const axisMoves = remembering(
     })) ?? null,
 );
 
+/** Why what is known of all axes is not of the designs in hand; null: it is, or they are not shown.
+ * @param {State} state @returns {import('../model/types.js').Staleness} */
+export function axesStalenessOf(state) {
+  const { allAxes, axesStaleness } = state.answers;
+  const machine = machineOf(state);
+  if (!areAxesShown(state) || allAxes === null || machine === null) return null;
+  if (allAxes.axes === machine.axes && allAxes.together === machine.together) return null;
+  // An axis more or less is no slider's: the plans show it at once.
+  return allAxes.axes.length === machine.axes.length ? axesStaleness : (axesStaleness ?? 'awaited');
+}
+
+/** Why what is plotted is not of what is in hand, be it one axis or all.
+ * @param {State} state */
+export const plottedStalenessOf = (state) => (axisMovesOf(state) === null ? stalenessOf(state) : axesStalenessOf(state));
+
 /** What the controller in view plays of the design in hand, or of an earlier one; null: what is planned, nobody knows, or it is
  * not to be seen.
  * @param {State} state @returns {import('../model/types.js').OwnRamp | null} */
@@ -257,7 +272,7 @@ export const summaryMessagesOf = (state) =>
   summaryMessages(
     state.told.urgent,
     messagesOf(state),
-    areAxesShown(state) && ALL_ARE_TOLD.has(stalenessOf(state)) ? state.answers.allAxes : null,
+    areAxesShown(state) && ALL_ARE_TOLD.has(stalenessOf(state)) && axesStalenessOf(state) === null ? state.answers.allAxes : null,
     state.units,
   );
 

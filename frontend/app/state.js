@@ -28,7 +28,8 @@ import { STEPS_AND_SECONDS } from '../model/units.js';
  * @property {Rejection[]} rejections   what is wrong with that design
  * @property {Record<number, Design>} refused  the design of each axis that was refused when it was asked about last
  * @property {Pinned | null} pinned
- * @property {AllAxes | null} allAxes
+ * @property {AllAxes | null} allAxes    the newest; of earlier designs while `axesStaleness` says so
+ * @property {'awaited' | 'unanswered' | null} axesStaleness
  * @property {{design: Design, player: string, ramp: import('../model/types.js').OwnRamp | null} | null} ownRamp  what the
  *   controller in view, or the machine chosen, plays of a design; ramp: null when it refuses it
  * @property {{design: Design, of: number, answer: import('../model/types.js').MotorAnswer | null, rejections: Rejection[]} | null} motor
@@ -167,7 +168,7 @@ export const FIRST_STATE = {
   reading: null,
   row: -1,
   opened: 0,
-  answers: { curves: null, of: null, about: null, staleness: null, rejections: [], refused: {}, pinned: null, allAxes: null, ownRamp: null, motor: null },
+  answers: { curves: null, of: null, about: null, staleness: null, rejections: [], refused: {}, pinned: null, allAxes: null, axesStaleness: null, ownRamp: null, motor: null },
   stallMaps: {},
   examples: [],
   lastExample: null,

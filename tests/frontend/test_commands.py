@@ -9,7 +9,9 @@ from frontend.modules import FRONTEND, Modules
 from frontend.state import DEVICE, MACHINE, OTHER, STATE, VIEW
 
 ARGUMENTS: dict[str, list[object]] = {
+    "answers.allAxesAwaited": [],
     "answers.allAxesCame": [{"axes": [document()], "together": "line", "planned": None, "rejections": []}],
+    "answers.allAxesMissed": [],
     "answers.curvesAwaited": [],
     "answers.curvesCame": [{"design": document(), "range": None, "profiles": {}, "errors": {}, "failures": {}}, 0],
     "answers.curvesMissed": [5],

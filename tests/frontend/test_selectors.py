@@ -312,3 +312,59 @@ def test_curves_of_an_earlier_design_are_told_to_be_so_when_the_answer_is_late(m
     assert [finer, finer_come] == [None, None]
     # The answer about what was asked before is no answer about the present design, but one that was due.
     assert [again, other, still, long, last] == [None, None, None, "awaited", None]
+
+
+ALL_AXES = """async (design) => {
+        const {createStore, FIRST_STATE} = await import('/app/state.js');
+        const {COMMANDS} = await import('/app/commands/commands.js');
+        const {askForBeside} = await import('/app/effects/beside.js');
+        const {ServerGone} = await import('/server/api.js');
+        const {plottedStalenessOf, summaryMessagesOf} = await import('/app/selectors.js');
+        const [answers, seen] = [[], []];
+        const store = createStore(FIRST_STATE, (error) => { throw error; });
+        askForBeside(store, () => new Promise((resolve, reject) => answers.push({resolve, reject})));
+        const pause = (ms) => new Promise((go) => setTimeout(go, ms));
+        const see = () => seen.push([plottedStalenessOf(store.state()), summaryMessagesOf(store.state()).length]);
+        const planned = {axes: [], limits: [], warnings: [{field: null, message: 'The axes end at other times.'}]};
+        const answer = async () => { answers.shift().resolve(planned); await pause(0); };
+        const run = (noun, verb, ...args) => store.dispatch(COMMANDS[noun][verb], ...args);
+        run('work', 'begin', {axes: [design, design], together: 'independent', ids: [0, 1], active: 0, kept: null});
+        run('answers', 'curvesCame', {design, range: null, profiles: {[design.method.name]: {warnings: []}}, errors: {},
+            failures: {}}, 0);
+        run('view', 'showAll', true);
+        await answer(); see();"""
+
+
+def test_all_axes_of_earlier_designs_are_told_to_be_so_when_the_answer_is_late(modules: Modules) -> None:
+    script = (
+        ALL_AXES
+        + """
+        run('work', 'setValue', 'move.steps', 9_000_000, 'slide:move.steps'); await pause(50); see();
+        await pause(400); see();
+        await answer(); see();
+        run('work', 'setValue', 'move.steps', 8_000_000, 'slide:move.steps'); await pause(0);
+        answers.shift().reject(new ServerGone('gone')); await pause(0); see();
+        return seen; }"""
+    )
+    assert modules.evaluate(script, document()) == [
+        [None, 1],
+        [None, 1],
+        ["awaited", 0],
+        [None, 1],
+        ["unanswered", 0],
+    ]
+
+
+def test_all_axes_are_old_at_once_where_they_were_not_looked_at_or_are_others(modules: Modules) -> None:
+    script = (
+        ALL_AXES
+        + """
+        run('view', 'showAll', false);
+        run('work', 'setValue', 'move.steps', 9_000_000);
+        run('view', 'showAll', true); see();
+        await answer(); see();
+        run('work', 'addAxis'); see();
+        await answer(); see();
+        return seen; }"""
+    )
+    assert modules.evaluate(script, document()) == [[None, 1], ["awaited", 0], [None, 1], ["awaited", 0], [None, 1]]

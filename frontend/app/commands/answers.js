@@ -39,7 +39,15 @@ export const curvesMissed = (state, of) => knowing(state, { about: of, staleness
 export const pinnedCame = (state, design, curves) => knowing(state, { pinned: { design, curves } });
 
 /** @param {State} state @param {import('../state.js').AllAxes} allAxes @returns {State} */
-export const allAxesCame = (state, allAxes) => knowing(state, { allAxes });
+export const allAxesCame = (state, allAxes) => knowing(state, { allAxes, axesStaleness: null });
+
+/** The answer about all axes keeps us waiting: what is shown of them is of earlier designs.
+ * @param {State} state @returns {State} */
+export const allAxesAwaited = (state) => knowing(state, { axesStaleness: 'awaited' });
+
+/** Nobody answers about all axes: the same is asked again.
+ * @param {State} state @returns {State} */
+export const allAxesMissed = (state) => knowing(state, { axesStaleness: 'unanswered' });
 
 /** What a controller of a family really plays of a design.
  * @param {State} state @param {Answers['ownRamp']} ownRamp  null: it plays what is planned, or nobody knows

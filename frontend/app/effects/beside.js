@@ -3,9 +3,10 @@
 
 import { api } from '../../server/api.js';
 import { calculate, NO_DETAILS } from '../../server/calculation.js';
-import { allAxesCame, pinnedCame } from '../commands/answers.js';
+import { allAxesAwaited, allAxesCame, allAxesMissed, pinnedCame } from '../commands/answers.js';
 import { areAxesShown, machineOf } from '../selectors.js';
 import { whenChanged } from '../state.js';
+import { createLateness } from './lateness.js';
 import { createQuestion } from './question.js';
 
 /** @typedef {import('../../model/types.js').Design} Design */
@@ -14,8 +15,8 @@ import { createQuestion } from './question.js';
 // As many points as a wide screen has pixels.
 const MAX_POINTS = 1500;
 
-/** @param {Pick<import('../state.js').Store, 'dispatch' | 'subscribe'>} store */
-export function askForBeside({ dispatch, subscribe }) {
+/** @param {Pick<import('../state.js').Store, 'dispatch' | 'subscribe'>} store @param {typeof api.schedule} [schedule] */
+export function askForBeside({ dispatch, subscribe }, schedule = api.schedule) {
   const pinned = createQuestion({
     ask: (/** @type {Design} */ design, ended) => 
       calculate(design, [design.method.name], { ...NO_DETAILS, motion: true }, ended),
@@ -23,10 +24,22 @@ export function askForBeside({ dispatch, subscribe }) {
     refuse: (_, design) => dispatch(pinnedCame, design, null),
   });
   const allAxes = createQuestion({
-    ask: (/** @type {Work} */ { axes, together }, ended) => api.schedule(axes, together, MAX_POINTS, ended),
-    take: (planned, work) => dispatch(allAxesCame, { ...work, planned, rejections: [] }),
-    refuse: ({ rejections }, work) => dispatch(allAxesCame, { ...work, planned: null, rejections }),
+    ask: (/** @type {Work} */ { axes, together }, ended) => schedule(axes, together, MAX_POINTS, ended),
+    take(planned, work) {
+      lateness.answered(work);
+      dispatch(allAxesCame, { ...work, planned, rejections: [] });
+    },
+    refuse({ rejections }, work) {
+      lateness.answered(work);
+      dispatch(allAxesCame, { ...work, planned: null, rejections });
+    },
+    miss(work) {
+      lateness.answered(work);
+      dispatch(allAxesMissed);
+    },
   });
+  const lateness = createLateness(() => dispatch(allAxesAwaited));
+  let wereShown = false;
 
   subscribe(
     whenChanged(
@@ -38,8 +51,17 @@ export function askForBeside({ dispatch, subscribe }) {
     whenChanged(
       (state) => [areAxesShown(state), machineOf(state)?.axes, machineOf(state)?.together],
       (areShown, axes, together) => {
-        if (areShown && axes && together) allAxes.want({ axes, together });
-        else allAxes.cancel();
+        if (areShown && axes && together) {
+          const work = { axes, together };
+          lateness.asked(work);
+          // What was answered before may be of anything.
+          if (!wereShown) dispatch(allAxesAwaited);
+          allAxes.want(work);
+        } else {
+          lateness.forget();
+          allAxes.cancel();
+        }
+        wereShown = areShown;
       },
     ),
   );

@@ -7,48 +7,30 @@ import { curvesAwaited, curvesCame, curvesMissed, curvesRefused } from '../comma
 import { isOfMotion } from '../../plotting/plots.js';
 import { axisOf, designOf, isSliding, pinnedOf, viewOf } from '../selectors.js';
 import { whenChanged } from '../state.js';
+import { createLateness } from './lateness.js';
 import { createQuestion } from './question.js';
 
 /** @typedef {import('../state.js').Store} Store */
-
-// What is older than that is shown to be: sooner it would flicker under a slider.
-const LATE_AFTER_MS = 300;
 
 /** @param {Pick<Store, 'dispatch' | 'subscribe'>} store @param {typeof calculate} [ask] */
 export function askForCurves({ dispatch, subscribe }, ask = calculate) {
   const question = createQuestion({
     ask: (/** @type {Question} */ { design, methods, details }, ended) => ask(design, methods, details, ended),
     take(curves, asked) {
-      answered(asked);
+      lateness.answered(asked.design);
       dispatch(curvesCame, curves, asked.axis);
     },
     refuse({ rejections }, asked) {
-      answered(asked);
+      lateness.answered(asked.design);
       dispatch(curvesRefused, rejections, asked.design, asked.axis);
     },
     miss(asked) {
-      answered(asked);
+      lateness.answered(asked.design);
       dispatch(curvesMissed, asked.axis);
     },
   });
-  /** The design that was asked about last, and the one of the newest answer.
-   * @type {{asked: Design | null, told: Design | null}} */
-  const about = { asked: null, told: null };
-  /** @type {ReturnType<typeof setTimeout> | undefined} */
-  let late;
-
-  /** Finer points of a design that is shown already are waited for in silence. */
-  function wait() {
-    if (about.asked !== about.told) late ??= setTimeout(() => dispatch(curvesAwaited), LATE_AFTER_MS);
-  }
-
-  /** @param {Question} question */
-  function answered({ design }) {
-    clearTimeout(late);
-    late = undefined;
-    about.told = design;
-    wait();
-  }
+  // By the design: finer points of one that is shown already are waited for in silence.
+  const lateness = createLateness(() => dispatch(curvesAwaited));
 
   /** @typedef {import('../../model/types.js').Design} Design */
   /** @typedef {{axis: number, design: Design, methods: string[],
@@ -73,8 +55,7 @@ export function askForCurves({ dispatch, subscribe }, ask = calculate) {
         if (axis !== present) question.cancel();
         present = axis;
         const details = { range, acceleration, parts, motion, isMoving };
-        about.asked = design;
-        wait();
+        lateness.asked(design);
         question.want({ axis, design, methods: methods.split(' '), details });
       },
     ),

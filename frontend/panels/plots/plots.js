@@ -16,9 +16,9 @@ import {
   shownOwnRampOf,
   motorOf,
   pinnedOf,
+  plottedStalenessOf,
   shownCaptureOf,
   shownCurvesOf,
-  stalenessOf,
   viewOf,
 } from '../../app/selectors.js';
 import { FIRST_VIEW, remembering, whenChanged, whenever } from '../../app/state.js';
@@ -462,12 +462,10 @@ export function createPlots(root, dispatch) {
     whenChanged((now) => [(motorOf(now)?.design ?? null) !== designOf(now)], motorMarks.showStale),
     // Why the curves belong to earlier values.
     whenChanged(
-      (now) => [stalenessOf(now), shownCurvesOf(now) === null, axisMovesOf(now) !== null],
+      (now) => [plottedStalenessOf(now), shownCurvesOf(now) === null, axisMovesOf(now) !== null],
       (staleness, isEmpty, areAllShown) => {
-        // Those of all axes are not another's.
-        const isAwaited = staleness === 'awaited';
-        root.classList.toggle('stale', staleness !== null && !(isAwaited && areAllShown));
-        root.classList.toggle('awaited', isAwaited);
+        root.classList.toggle('stale', staleness !== null);
+        root.classList.toggle('awaited', staleness === 'awaited');
         root.classList.toggle('blank', isEmpty && !areAllShown);
         overlay.showStale(staleness, !isEmpty || areAllShown);
       },

@@ -3,7 +3,7 @@
 // worth a second look.
 
 import { urge } from '../../app/commands/told.js';
-import { areAxesShown, pinnedOf, shownCurvesOf, stalenessOf, summaryMessagesOf } from '../../app/selectors.js';
+import { areAxesShown, pinnedOf, plottedStalenessOf, shownCurvesOf, summaryMessagesOf } from '../../app/selectors.js';
 import { whenChanged } from '../../app/state.js';
 import { activeProfile, unitsOf } from '../../plotting/curves.js';
 import { closeButton, element, messageLine, showText } from '../../ui/dom.js';
@@ -138,7 +138,7 @@ export function createSummary(root, dispatch) {
     whenChanged((state) => [shownCurvesOf(state), pinnedOf(state), state.units], draw),
     // Whether the figures belong to earlier values.
     whenChanged(
-      (state) => [stalenessOf(state)],
+      (state) => [plottedStalenessOf(state)],
       (staleness) => {
         root.classList.toggle('stale', staleness !== null);
         root.classList.toggle('awaited', staleness === 'awaited');
