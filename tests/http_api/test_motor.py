@@ -1,6 +1,7 @@
 """What a motor does with a design, over the API."""
 
 import json
+import math
 import re
 from typing import Any
 
@@ -238,3 +239,17 @@ def test_a_job_is_told_when_its_client_has_left() -> None:
     run(answered())
     # What it raises then is nobody's trouble, and nothing is sent.
     assert [each for each in seen if each != "ended"] == []
+
+
+def test_a_table_is_told_with_its_own_torque_whatever_the_ramp_beside_it_is(client: TestClient) -> None:
+    """Shaped by torque the ramp would be refused, if it were played: at 10⁶ steps/s nothing is left."""
+    rows = [[40, 250], [400, 125]]
+    beside = {"name": "torque", "margin": 0.6}
+    table = {"method__name": "table", "table": {"rows": rows, "interval_unit": "us"}, "move__steps": 2000}
+    told = [simulated(client, **table, **ramp)["torque"]["required_nm"] for ramp in (
+        {"ramp__slew_speed_steps_per_s": 1e6}, {"ramp__slew_speed_steps_per_s": 1e6, "ramp__shape": beside},
+    )]  # fmt: skip
+    assert told[0] == told[1]
+    # 4,000 to 8,000 steps/s over 16 steps, of 2π / 3200 each, with 282e-7 kg m².
+    asked = 282e-7 * (8000**2 - 4000**2) / 32 * 2 * math.pi / 3200 + 0.0295
+    assert max(told[0]) == pytest.approx(asked, rel=1e-6)

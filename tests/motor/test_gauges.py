@@ -1,6 +1,7 @@
 """Gauges' motors: the makers' rule for tables, and how far the model is from what makers say."""
 
 import math
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from stepramp.errors import Rejected
 from stepramp.motor.gauge_rows import gauge_rows_of
 from stepramp.motor.limits import greatest_start_speed
 from stepramp.motor.presets import PRESETS, Preset
+from stepramp.motor.torque import torque_curve_of, torques_at
 from stepramp.motor.train import run_of
 from stepramp.motor.verdict import outcome_of
 
@@ -147,6 +149,34 @@ def test_what_is_said_of_a_gauges_tables(rows: list[list[int]] | None, verdict: 
     )
     assert (outcome.verdict, outcome.lost_full_steps) == (verdict, 0)
     assert outcome.most_used == pytest.approx(used, abs=0.01)
+
+
+def library(**changes: Any) -> Design:
+    table = {"rows": LIBRARY, "interval_unit": "us"}
+    return of_preset(GAUGES["X27"], **{"method__name": "table", "table": table, "move__steps": 800, **changes})
+
+
+def test_the_torque_that_is_drawn_of_a_table_is_what_its_rows_ask_for_and_what_the_verdict_counts() -> None:
+    """Over a full step of 1°: J (ω_i² - ω_(i-1)²) / 2 = T φ, of rows of 5, 1.5, 1, .8 and .6 ms a third of it."""
+    speeds_deg_per_s = [1e6 / delay / 3 for _, delay in LIBRARY]
+    squares = [math.radians(speed) ** 2 for speed in speeds_deg_per_s]
+    expected = [8.1e-7 * (after - before) / 2 / math.radians(1) for before, after in pairwise(squares)]
+    # The ramp that the design has beside its table, slow or never to be made, isn't played.
+    impossible = {"name": "torque", "margin": 0.6}
+    for ramp in ({}, {"ramp__slew_speed_steps_per_s": 1e6, "ramp__shape": impossible}, {"move__steps": -800}):
+        made = library(**ramp)
+        between = np.array([(low + high) / 2 for low, high in pairwise(speeds_deg_per_s)]) / 6
+        friction = made.drive_train.friction_nm  # type: ignore[union-attr]  # it has a motor
+        assert torques_at(made, between).required_nm == pytest.approx(np.array(expected) + friction)
+        assert torques_at(made, np.array([100.0])).required_nm == pytest.approx([friction])
+        curve = torque_curve_of(made)
+        drawn = (curve.torques.required_nm / np.maximum(curve.torques.pull_out_nm, 1e-12))[curve.rpm < 93].max()
+        assert drawn == pytest.approx(outcome_of(made).most_used)
+        assert curve.speeds[-1] >= 1.25 * 1e6 / 600
+    # Of a move that never comes to the last rows, as much as it comes to.
+    assert torques_at(library(move__steps=40), between).required_nm == pytest.approx(
+        np.array([expected[0], 0, 0, 0]) + friction
+    )
 
 
 @pytest.mark.parametrize("rows", [1, 2, 3])

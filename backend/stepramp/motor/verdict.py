@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 
 from stepramp.design import Design
 from stepramp.motor.bounds import refuse_too_long
+from stepramp.motor.demand import demands_of
 from stepramp.motor.limits import greatest_start_speed, required_nm, resonances
 from stepramp.motor.origins import torque_is_measured
-from stepramp.motor.torque import drive_train, steepness
+from stepramp.motor.torque import drive_train
 from stepramp.motor.train import Run, Swing, run_of, swing_of
 from stepramp.numerics.drive_train import DriveTrain
 from stepramp.ramp.profile import Profile, profile_of
-from stepramp.ramp.slopes import playable_slopes_of
 
 Verdict = Literal["safe", "marginal", "stalls"]
 Cause = Literal["start", "onset", "top_speed", "resonance", "timer", "stop"]
@@ -204,30 +204,15 @@ def _backwards(train: DriveTrain) -> DriveTrain:
 def _most_used(
     design: Design, train: DriveTrain, profile: Profile
 ) -> tuple[float, Literal["up", "down", "slew"], float]:
-    slew = np.array([profile.peak_speed_steps_per_s])
+    peak = profile.peak_speed_steps_per_s
     places: list[tuple[Literal["up", "down", "slew"], NDArray[np.float64], NDArray[np.float64]]] = [
-        ("slew", slew, np.zeros(1))
+        ("slew", np.array([peak]), required_nm(train, np.zeros(1)))
     ]
-    if not design.method.plays_table:
-        for name, slope, sign in zip(("up", "down"), playable_slopes_of(design), (1, -1), strict=True):
-            speeds, accelerations = steepness(slope)
-            is_played = speeds <= slew[0] * (1 + ROUNDING)
-            places.append((name, speeds[is_played], sign * accelerations[is_played]))  # type: ignore[arg-type]
-    else:
-        real, (up, down) = profile.plan.real, profile.plan.sides
-        # Of a table only the rows that the move comes to.
-        slew_interval = [real.slew] if profile.plan.steps > up + down else []
-        for name, side, sign in (("up", real.up[:up], 1), ("down", real.down[:down], -1)):
-            speeds = profile.timer_hz / np.append(side, slew_interval)
-            # A row begins at once: what it asks for is felt over a full step, as the makers of gauges' motors have it.
-            stride = min(max(1, round(train.steps_per_full_step)), max(1, speeds.size - 1))
-            gains = (speeds[stride:] ** 2 - speeds[:-stride] ** 2) / (2 * stride)
-            places.append((name, speeds[stride:], sign * gains))  # type: ignore[arg-type]
+    places += [(each.side, each.speeds, each.torques_nm) for each in demands_of(design, train, peak * (1 + ROUNDING))]
     shares = []
-    for name, speeds, accelerations in places:
+    for name, speeds, asked in places:
         if speeds.size:
             available = train.pull_out_nm(speeds * train.radians_per_step)
-            asked = required_nm(train, accelerations)
             # Where the motor has nothing, nothing is too much, too.
             used = np.divide(asked, available, out=np.full(asked.shape, np.inf), where=available > 0)
             worst = int(used.argmax())

@@ -101,13 +101,13 @@ def motor_part_of(design: Design, units: ShownUnits, is_wanted: Callable[[], boo
         return None
     data = Table("Motor, drive and load", ("figure", "value", "from"), tuple(_data(design, design.motor)))
     try:
-        outcome = outcome_of(design, is_wanted)
+        outcome, curve = outcome_of(design, is_wanted), torque_curve_of(design)
     except Rejected as rejected:
         told = "\n".join(in_units(each.message, each.told, units) for each in rejected.rejections)
         return MotorPart(data, _found(("verdict", f"not played: {told}")), None)
     angles = outcome.runs[USUAL_DAMPING].load_angles_deg
     kept = kept_steps(np.round(angles * 1000).astype(np.int64), outcome.profile.phases, MOST_POINTS)
-    return MotorPart(data, _found(*_verdict(outcome, units)), Played(torque_curve_of(design), kept + 1, angles[kept]))
+    return MotorPart(data, _found(*_verdict(outcome, units)), Played(curve, kept + 1, angles[kept]))
 
 
 def _found(*rows: tuple[str, str]) -> Table:
