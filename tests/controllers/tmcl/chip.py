@@ -52,10 +52,12 @@ class Chip:
         """Go at a speed: with AMAX up to it and down to it."""
         most = self.amax * ACCELERATION * slice_s
         last = self.speed
-        self.speed += max(-most, min(most, wanted - self.speed))
-        self.place += (last + self.speed) / 2 * slice_s
-        if not self.speed and not wanted:
-            self.place = float(round(self.place))
+        speed = last + max(-most, min(most, wanted - last))
+        self.place += (last + speed) / 2 * slice_s
+        if not speed:
+            # A step that was only begun is none: it rests at the last one that it has made.
+            self.place = float(self.position)
+        self.speed = speed
 
     def _to_the_target(self, slice_s: float) -> None:
         ahead = self.target - self.place

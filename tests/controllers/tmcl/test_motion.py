@@ -48,6 +48,20 @@ def test_a_run_goes_on_and_turns_and_stops(bench: Bench, controller: TmclControl
     assert [command for command in bench.told() if command in (ROR, ROL)] == [ROR, ROL]
 
 
+@pytest.mark.parametrize("speed", [500, -500])
+def test_where_a_run_has_come_to_rest_is_told_with_its_end(bench: Bench, controller: TmclController, speed: int) -> None:
+    # Quicker than the module's own slices of time: its end is seen in the midst of the last one.
+    bench.lasts_s = 0.0003
+    for _ in range(30):
+        controller.run(at(speed))
+        bench.pass_time(0.37)
+        controller.stop()
+        while (status := controller.status()).activity is not Activity.READY:
+            pass
+        bench.pass_time(0.1)
+        assert status.axes[0].position_steps == bench.module.chip.position
+
+
 def test_a_run_is_taken_over_by_a_move(bench: Bench, controller: TmclController) -> None:
     controller.run(at(500))
     bench.pass_time(0.5)
