@@ -7,7 +7,7 @@ import binascii
 from collections.abc import Callable, Collection, Sequence
 from time import sleep
 
-from stepramp.controllers.axes import MOST_AXES
+from stepramp.controllers.axes import MOST_AXES, refuse_axes
 from stepramp.controllers.capabilities import BacksUp, StoresRamps, TriesRamps
 from stepramp.controllers.contract import (
     UNDER_WAY,
@@ -31,7 +31,6 @@ from stepramp.controllers.tmcl.push import PushPlan
 from stepramp.controllers.tmcl.ramps import Ramps
 from stepramp.controllers.tmcl.restoring import Restoring
 from stepramp.controllers.tmcl.stopping import Stopping
-from stepramp.controllers.tmcl.targets import refuse_axes
 from stepramp.design import Design
 from stepramp.errors import DeviceLost
 from stepramp.link.connection import Connection

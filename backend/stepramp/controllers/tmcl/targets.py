@@ -1,7 +1,5 @@
 """What is asked of a module's axes, checked against what it can be told."""
 
-from collections.abc import Sequence
-
 from stepramp.controllers.contract import AxisCommand
 from stepramp.controllers.speed_ranges import too_fast_for, too_slow_for
 from stepramp.controllers.tmcl.ramp import TmclRamp
@@ -10,18 +8,6 @@ from stepramp.errors import Limits, Rejected, Rejection
 
 LOWEST, HIGHEST = -(2**31), 2**31 - 1
 """Positions that a module can count to [steps]."""
-
-
-def refuse_axes(asked: Sequence[AxisCommand], axes: int) -> None:
-    """Raise Rejected when an axis is named that isn't there, or one twice. axes: how many there are."""
-    numbers = [each.axis for each in asked]
-    for place, each in enumerate(asked):
-        is_there = each.axis < axes
-        if is_there and each.axis not in numbers[:place]:
-            continue
-        beside = each.field.rpartition(".")[0] + ".axis" if "." in each.field else "axis"
-        allowed = "each axis once" if is_there else f"an axis of this controller: 0 to {axes - 1}"
-        raise Rejected([Rejection(beside, each.axis, allowed)])
 
 
 def within_32_bits(asked: AxisCommand, position: int) -> int:
