@@ -24,9 +24,12 @@ SAVED = """
 _SAVED_LINE = re.compile(r"#\*# ?")
 _HEADER = re.compile(r"\[(?P<name>[^\]]+)\]")
 _OPTION = re.compile(
-    r"(?P<name>[^\s:=#;\[][^:=#;]*?)(?P<between>\s*[:=]\s*)(?P<value>[^#;\r\n]*?)(?P<rest>\s*(?:[#;].*)?)"
+    r"(?P<name>(?!\[)[^\s:=#;](?:\s*[^\s:=#;])*+)(?P<between>\s*[:=]\s*)"
+    r"(?P<value>(?:\s*[^\s#;])*+)(?P<rest>\s*(?:[#;].*)?)"
 )
 _INCLUDE = "include "
+_GAP = re.compile(r"(?<=\S)\s{2,}")
+"""Blanks of which one says as much; a long row of them would keep the library busy for minutes."""
 
 
 @dataclass(frozen=True)
@@ -88,7 +91,7 @@ class Configuration:
         self._take([_SAVED_LINE.sub("", line, count=1) for line in saved.splitlines()])
 
     def _take(self, lines: list[str]) -> None:
-        self._parser.read_string("\n".join(lines))
+        self._parser.read_string("\n".join(_GAP.sub(" ", line) for line in lines))
         lines.clear()
 
 

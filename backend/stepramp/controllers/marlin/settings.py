@@ -20,7 +20,7 @@ DECIMALS = 2
 """Of what it lists."""
 ULPS = 2
 
-_COMMAND = re.compile(r"(?:echo:)?\s*(?P<code>[GM]\d+)(?P<words>(?: +[A-Z]-?(?:\d+\.?\d*|\.\d+)?)*)\s*(?:;.*)?")
+_COMMAND = re.compile(r"(?:echo:)?\s*(?P<code>[GM]\d+)(?P<words>(?: +[A-Z](?:-?(?:\d+(?:\.\d*)?|\.\d+))?)*)\s*(?:;.*)?")
 _WORD = re.compile(r"(?P<letter>[A-Z])(?P<value>-?[\d.]+)")
 
 

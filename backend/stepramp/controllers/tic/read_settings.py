@@ -9,7 +9,7 @@ from stepramp.controllers.tic.variables import MICROSTEPS
 from stepramp.design import Design
 from stepramp.errors import Rejected, Rejection
 
-_LINE = re.compile(r"""(?P<name>[a-z_]+) *: *["']?(?P<value>[^"'#]*?)["']? *(?:#.*)?""")
+_LINE = re.compile(r"(?P<name>[a-z_]+) *:(?P<value>[^#]*)(?:#.*)?")
 FIGURES = ("starting_speed", "max_speed", "max_decel", "max_accel")
 """In the order of TicRamp; of those left out a Tic has what it comes with."""
 ALLOWED = "speeds up to 500,000,000, accelerations from 100 to 2,147,483,647, max_decel also 0"
@@ -32,7 +32,7 @@ def read_settings(text: str, base: Design) -> list[ReadAxis]:
     Raises Rejected for settings that no Tic, or no design, can have.
     """
     found = filter(None, map(_LINE.fullmatch, (line.strip() for line in text.splitlines())))
-    told = {each["name"]: each["value"] for each in found}
+    told = {each["name"]: each["value"].strip().strip("\"'") for each in found}
     if not {"max_speed", "max_accel"} <= told.keys():
         return []
     ramp, microsteps = _ramp(NEW | told), _microsteps(told.get("step_mode"))
