@@ -1,16 +1,16 @@
 #include "StepRamp.h"
 
-#include "arduino_port.h"
-#include "machine.h"
-#include "message.h"
-#include "ramp_image.h"
-#include "settings.h"
+#include "boards/polled/arduino_board.h"
+#include "stepramp/motion/machine.h"
+#include "stepramp/protocol/message.h"
+#include "stepramp/store/driver_settings.h"
+#include "stepramp/store/ramp_image.h"
 
 StepRampClass StepRamp;
 
-static_assert((uint8_t)STEPRAMP_AXES == AXES && (uint8_t)STEPRAMP_GAUGES == GAUGES, "StepRamp.h and limits.h differ");
-static_assert((uint8_t)STEPRAMP_NO_PIN == (uint8_t)NO_PIN, "StepRamp.h and arduino_port.h differ");
-static_assert((uint16_t)STEPRAMP_HOLD == (uint16_t)HOLD_FOR_EVER, "StepRamp.h and settings.h differ");
+static_assert((uint8_t)STEPRAMP_AXES == AXES && (uint8_t)STEPRAMP_GAUGES == GAUGES, "StepRamp.h and board_limits.h differ");
+static_assert((uint8_t)STEPRAMP_NO_PIN == (uint8_t)NO_PIN, "StepRamp.h and arduino_board.h differ");
+static_assert((uint16_t)STEPRAMP_HOLD == (uint16_t)HOLD_FOR_EVER, "StepRamp.h and driver_settings.h differ");
 static_assert((uint8_t)STEPRAMP_MOVING == STATUS_MOVING && (uint8_t)STEPRAMP_NO_RAMP == STATUS_NO_RAMP &&
                   (uint8_t)STEPRAMP_OUT_OF_RANGE == STATUS_OUT_OF_RANGE && (uint8_t)STEPRAMP_TOO_FAST == STATUS_TOO_FAST,
               "StepRamp.h and message.h differ");
@@ -63,21 +63,21 @@ bool add_steps(int32_t from, int32_t steps, int32_t *target)
 void StepRampClass::setStepper(uint8_t axis, uint8_t stepPin, uint8_t directionPin)
 {
     if (axis < AXES) {
-        arduino_pins.step[axis] = stepPin;
-        arduino_pins.direction[axis] = directionPin;
+        stepramp_pins.step[axis] = stepPin;
+        stepramp_pins.direction[axis] = directionPin;
     }
 }
 
 void StepRampClass::setEnablePin(uint8_t pin)
 {
-    arduino_pins.enable = pin;
+    stepramp_pins.enable = pin;
 }
 
 void StepRampClass::setGauge(uint8_t axis, uint8_t pin1, uint8_t pin2, uint8_t pin3, uint8_t pin4)
 {
     if (axis < GAUGES) {
         const uint8_t pins[COIL_PINS] = {pin1, pin2, pin3, pin4};
-        memcpy(arduino_pins.coils[axis], pins, sizeof pins);
+        memcpy(stepramp_pins.coils[axis], pins, sizeof pins);
         settings_now.outputs = OUTPUTS_GAUGES;
     }
 }

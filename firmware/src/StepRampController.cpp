@@ -1,8 +1,8 @@
 #include "StepRamp.h"
 
-#include "arduino_port.h"
-#include "controller.h"
-#include "port.h"
+#include "boards/polled/arduino_board.h"
+#include "stepramp/edge/board.h"
+#include "stepramp/protocol/controller.h"
 
 StepRampControllerClass StepRampController;
 
@@ -36,37 +36,37 @@ void StepRampControllerClass::poll()
     for (uint8_t i = 0; i < BYTES_A_ROUND && port->available() > 0; i++) {
         controller_receive((uint8_t)port->read());
     }
-    for (uint8_t i = 0; i < BYTES_A_ROUND && port_is_sending() && (!tells_room || port->availableForWrite() > 0); i++) {
+    for (uint8_t i = 0; i < BYTES_A_ROUND && board_is_sending() && (!tells_room || port->availableForWrite() > 0); i++) {
         send_byte();
     }
     controller_poll();
     arduino_play();
 }
 
-/* ---- port.h ---- */
+/* ---- board.h ---- */
 
-bool port_has_received(void)
+bool board_has_received(void)
 {
     return port != nullptr && port->available() > 0;
 }
 
 /* A Stream hands its bytes over in turn. */
-bool port_skip_to_stop(void)
+bool board_skip_to_stop(void)
 {
     return false;
 }
 
-void port_send(const uint8_t *frame)
+void board_send(const uint8_t *frame)
 {
     next_to_send = frame;
 }
 
-bool port_is_sending(void)
+bool board_is_sending(void)
 {
     return next_to_send != nullptr;
 }
 
-void port_cut_frame(void)
+void board_cut_frame(void)
 {
     static const uint8_t end = 0;
     next_to_send = &end;

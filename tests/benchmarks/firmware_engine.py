@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from firmware.engine.jobs import LINE, Job, LineSegment, Segment, chip_sources, play_on_chip
+from firmware.engine.jobs import LINE, SOURCES, Job, LineSegment, Segment, chip_sources, play_on_chip
 from simulator.avr import CLOCK_HZ, folder_of_builds
 
 CYCLES_PER_US = 16
@@ -130,8 +130,8 @@ def sizes() -> None:
     """Print what the engine takes of the chip's memory."""
     print("\n| source | flash bytes | RAM bytes |\n|---|---:|---:|")
     flags = ["-mmcu=atmega328p", "-DF_CPU=16000000UL", "-DSTEPRAMP_IN_ASSEMBLY", "-O2", "-std=c99"]
+    include = [f"-I{SOURCES}"]
     for source in chip_sources():
-        include = [f"-I{source.parents[1] / folder}" for folder in ("src", "avr")]
         target = folder_of_builds() / "size.o"
         subprocess.run(["avr-gcc", *flags, *include, "-c", "-o", target, source], check=True)
         out = subprocess.run(["avr-size", target], check=True, capture_output=True, text=True).stdout

@@ -20,7 +20,7 @@ TIMER_HZ, SLEW, ACCELERATION = 2e6, 5000, 10_000
 INDEX = 600
 SIZES = (3, 8, 16)
 AS_BUILT = ("-Os", "-mcall-prologues", "-fno-jump-tables", "-fira-algorithm=priority", "-mstrict-X")
-OBJECTS = ("src/formula.c", "src/axis_by_formula.c", "avr/formula.S")
+OBJECTS = ("stepramp/motion/formula.c", "stepramp/motion/axis_by_formula.c", "boards/avr/formula.S")
 
 
 def mean_cycles(machine: Machine, batch: Callable[[], int]) -> float:
@@ -51,11 +51,11 @@ def loop(machine: Machine, method: str, size: int) -> int:
 
 def sizes(folder: Path) -> None:
     """Print the size of each file, as the firmware is built."""
-    firmware = Path(__file__).parents[2] / "firmware"
+    sources = Path(__file__).parents[2] / "firmware" / "src"
     for name in OBJECTS:
         built = folder / "object.o"
-        flags = ["-mmcu=atmega328p", *AS_BUILT, "-std=c99", f"-I{firmware / 'src'}"]
-        subprocess.run(["avr-gcc", *flags, "-c", "-o", str(built), str(firmware / name)], check=True)
+        flags = ["-mmcu=atmega328p", "-DSTEPRAMP_IN_ASSEMBLY", *AS_BUILT, "-std=c99", f"-I{sources}"]
+        subprocess.run(["avr-gcc", *flags, "-c", "-o", str(built), str(sources / name)], check=True)
         size = subprocess.run(["avr-size", str(built)], check=True, capture_output=True, text=True).stdout.split()[6]
         print(f"{name}: {size} bytes")
 

@@ -20,8 +20,10 @@ OK, NO_RAMP, OUT_OF_RANGE, TOO_FAST = 0, 5, 6, 12
 _HERE = Path(__file__).parent
 _SOURCES = _HERE.parent.parent / "firmware" / "src"
 _USED = (
-    *("axis", "axis_steps", "axis_by_formula", "ramp_cursor", "ramp_image", "feed", "lane", "line", "machine", "share"),
-    *("engine_portable", "formula", "settings"),
+    *sorted((_SOURCES / "stepramp" / "edge").glob("*.c")),
+    *sorted((_SOURCES / "stepramp" / "motion").glob("*.c")),
+    *(_SOURCES / "stepramp" / "store" / name for name in ("ramp_image.c", "driver_settings.c")),
+    _SOURCES / "boards" / "polled" / "engine.c",
 )
 
 
@@ -29,8 +31,7 @@ def build(folder: Path) -> Path:
     """Build the driver in a folder; return the program."""
     program = folder / "motion_driver"
     flags = ["-std=c99", "-g", "-O1", "-Wall", "-Wextra", "-Werror", "-fsanitize=address,undefined"]
-    sources = [str(_SOURCES / f"{name}.c") for name in _USED]
-    command = ["gcc", *flags, "-fno-sanitize-recover=all", f"-I{_SOURCES}", "-o", str(program), *sources]
+    command = ["gcc", *flags, "-fno-sanitize-recover=all", f"-I{_SOURCES}", "-o", str(program), *map(str, _USED)]
     result = subprocess.run([*command, str(_HERE / "motion_driver.c")], capture_output=True, text=True, check=False)
     assert result.returncode == 0, result.stderr
     return program

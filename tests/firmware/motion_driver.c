@@ -20,13 +20,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "engine.h"
-#include "limits.h"
-#include "machine.h"
-#include "port.h"
-#include "ramp_image.h"
-#include "settings.h"
-#include "trace.h"
+#include "stepramp/edge/board.h"
+#include "stepramp/edge/board_limits.h"
+#include "stepramp/edge/engine.h"
+#include "stepramp/motion/machine.h"
+#include "stepramp/protocol/trace.h"
+#include "stepramp/store/driver_settings.h"
+#include "stepramp/store/ramp_image.h"
 
 enum { LONGEST_LINE = 4096, MOST_EVENTS = 4000000, MOST_NOTES = 100000 };
 
@@ -73,28 +73,28 @@ uint8_t engine_turn_mask(uint8_t axis)
     return (uint8_t)(1u << axis);
 }
 
-void port_enable(bool on)
+void board_enable(bool on)
 {
     size_t length = strlen(enabled_text);
     snprintf(enabled_text + length, sizeof enabled_text - length, " %llu:%d", (unsigned long long)now, on);
 }
 
-uint16_t port_time(void)
+uint16_t board_time(void)
 {
     return (uint16_t)(now * 1000 / 64 / ticks_a_ms);
 }
 
-uint16_t port_milliseconds(void)
+uint16_t board_milliseconds(void)
 {
     return (uint16_t)(now / ticks_a_ms);
 }
 
-bool port_has_received(void)
+bool board_has_received(void)
 {
     return false;
 }
 
-bool port_skip_to_stop(void)
+bool board_skip_to_stop(void)
 {
     return a_stop_comes;
 }

@@ -18,9 +18,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "controller.h"
 #include "protocol_port.h"
-#include "settings.h"
+#include "stepramp/protocol/controller.h"
+#include "stepramp/store/driver_settings.h"
 #include "whole_message.h"
 
 enum { LONGEST_LINE = 16384, MOST_ROUNDS_OF_AN_ANSWER = 4000 };
@@ -83,7 +83,7 @@ static void compute_crc(void)
     size_t count = bytes_of(next_word(), bytes);
     uint16_t crc = CRC16_START;
     for (size_t i = 0; i < count; i++) {
-        crc = crc16_update(crc, bytes[i]);
+        crc = frame_crc16_update(crc, bytes[i]);
     }
     printf("%u", crc);
 }

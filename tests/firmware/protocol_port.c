@@ -4,9 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "controller.h"
-#include "engine.h"
-#include "port.h"
+#include "stepramp/edge/board.h"
+#include "stepramp/edge/engine.h"
+#include "stepramp/protocol/controller.h"
 
 enum { BYTE_TICKS = 1389 /* a byte at 115200 baud, at 16 MHz */, ROUNDS_A_BYTE = 4 };
 enum { TICKS_A_MILLISECOND = 16000 };
@@ -53,34 +53,34 @@ uint8_t engine_turn_mask(uint8_t axis)
     return (uint8_t)(0x10 << axis);
 }
 
-void port_enable(bool on)
+void board_enable(bool on)
 {
     (void)on;
 }
 
 /* ---- clock and EEPROM ---- */
 
-uint16_t port_time(void)
+uint16_t board_time(void)
 {
     return (uint16_t)(now_ticks * 1000 / 64 / TICKS_A_MILLISECOND);
 }
 
-uint16_t port_milliseconds(void)
+uint16_t board_milliseconds(void)
 {
     return (uint16_t)(now_ticks / TICKS_A_MILLISECOND);
 }
 
-uint8_t port_reset_cause(void)
+uint8_t board_reset_cause(void)
 {
     return RESET_POWER_ON;
 }
 
-bool port_eeprom_is_busy(void)
+bool board_eeprom_is_busy(void)
 {
     return now_ticks < eeprom_busy_until;
 }
 
-uint8_t port_eeprom_read(uint16_t address)
+uint8_t board_eeprom_read(uint16_t address)
 {
     if (address >= EEPROM_BYTES) {
         fprintf(stderr, "EEPROM read at %u\n", address);
@@ -89,9 +89,9 @@ uint8_t port_eeprom_read(uint16_t address)
     return port_eeprom[address];
 }
 
-void port_eeprom_write(uint16_t address, uint8_t value)
+void board_eeprom_write(uint16_t address, uint8_t value)
 {
-    if (address >= EEPROM_BYTES || port_eeprom_is_busy()) {
+    if (address >= EEPROM_BYTES || board_eeprom_is_busy()) {
         fprintf(stderr, "EEPROM written at %u, or while busy\n", address);
         abort();
     }
@@ -108,7 +108,7 @@ void port_eeprom_write(uint16_t address, uint8_t value)
 
 static const uint8_t *next_to_send; /* NULL: nothing */
 
-void port_send(const uint8_t *frame)
+void board_send(const uint8_t *frame)
 {
     if (next_to_send != NULL) {
         fprintf(stderr, "a frame before the last one has gone\n");
@@ -117,22 +117,22 @@ void port_send(const uint8_t *frame)
     next_to_send = frame;
 }
 
-bool port_has_received(void)
+bool board_has_received(void)
 {
     return false; /* they are handed over at once */
 }
 
-bool port_skip_to_stop(void)
+bool board_skip_to_stop(void)
 {
     return false;
 }
 
-bool port_is_sending(void)
+bool board_is_sending(void)
 {
     return next_to_send != NULL;
 }
 
-void port_cut_frame(void)
+void board_cut_frame(void)
 {
     static const uint8_t end = 0;
     next_to_send = &end;

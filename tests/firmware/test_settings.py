@@ -1,4 +1,4 @@
-"""settings.c: what is allowed, and that nothing is lost on the way."""
+"""driver_settings.c: what is allowed, and that nothing is lost on the way."""
 
 from collections.abc import Iterator
 from dataclasses import replace

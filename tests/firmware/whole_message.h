@@ -2,7 +2,7 @@
 #ifndef STEPRAMP_WHOLE_MESSAGE_H
 #define STEPRAMP_WHOLE_MESSAGE_H
 
-#include "frame.h"
+#include "stepramp/protocol/frame.h"
 
 struct whole_message {
     struct frame_receiver receiver;

@@ -22,7 +22,7 @@ DIRECTION_PIN = 3
 EDGE = np.dtype([("cycle", "<i8"), ("pin", "i1"), ("value", "i1")])
 
 _HERE = Path(__file__).parent
-_FIRMWARE = _HERE.parent.parent / "firmware"
+_CONTROLLER = _HERE.parent.parent / "firmware" / "controller"
 _SIMAVR_HEADER = Path("/usr/include/simavr/sim_avr.h")
 _LIBRARIES = ["-lsimavrparts", "-lsimavr", "-lelf", "-lpthread", "-lutil"]
 _POWER_CUT_EXIT = 3
@@ -70,7 +70,7 @@ def build_firmware() -> Path:
     """Build the firmware, once a process; return its ELF file. BuildError when a tool is missing or the build fails."""
     _refuse_missing_tools()
     build = folder_of_builds() / "firmware"
-    _run(["make", "-C", str(_FIRMWARE), f"BUILD={build}"])
+    _run(["make", "-C", str(_CONTROLLER), f"BUILD={build}"])
     return build / "stepramp.elf"
 
 
@@ -80,7 +80,7 @@ def build_program(name: str, sources: Sequence[Path]) -> Path:
     program = folder_of_builds() / f"{name}.elf"
     includes = [f"-I{folder}" for folder in sorted({str(source.parent) for source in sources})]
     words = ["program", f"PROGRAM={program}", f"PROGRAM_SOURCES={' '.join(map(str, sources))}"]
-    _run(["make", "-C", str(_FIRMWARE), *words, f"INCLUDES={' '.join(includes)}"])
+    _run(["make", "-C", str(_CONTROLLER), *words, f"INCLUDES={' '.join(includes)}"])
     return program
 
 

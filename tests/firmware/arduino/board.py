@@ -14,6 +14,11 @@ _HARDWARE = Path("/usr/share/arduino/hardware/arduino/avr")
 _COMMON = ["-g", "-Os", "-ffunction-sections", "-fdata-sections", "-flto", "-DARDUINO=10819", "-DARDUINO_ARCH_AVR"]
 _C = ["-std=gnu11", "-fno-fat-lto-objects"]
 _CPP = ["-std=gnu++11", "-fpermissive", "-fno-exceptions", "-fno-threadsafe-statics"]
+_COMPILERS = {
+    ".c": ["avr-gcc", *_C],
+    ".cpp": ["avr-g++", *_CPP, "-x", "c++"],
+    ".S": ["avr-gcc", "-x", "assembler-with-cpp"],
+}
 _WARNINGS = ["-Wall", "-Wextra"]
 _CORE_ONLY = ["-w", "-DDECIMAL_DIG=17"]
 """This avr-gcc's float.h lacks DECIMAL_DIG, which the core's String asks for."""
@@ -52,6 +57,11 @@ class Sketch:
         return "formula" in names
 
 
+def sources_of(library: Path) -> list[Path]:
+    """Return what the IDE compiles of a library: all that lies in its src/, at any depth."""
+    return sorted(path for path in (library / "src").rglob("*") if path.suffix in {".c", ".cpp", ".S"})
+
+
 def missing() -> list[str]:
     """Return what building and running sketches needs and this machine lacks."""
     return missing_tools() + ([] if _HARDWARE.exists() else ["arduino-core-avr"])
@@ -59,8 +69,7 @@ def missing() -> list[str]:
 
 def _compile(board: Board, source: Path, target: Path, *more: str) -> str:
     """Compile a file; return the compiler's warnings. AssertionError when it isn't good."""
-    is_c = source.suffix == ".c"
-    compiler = ["avr-gcc", *_C] if is_c else ["avr-g++", *_CPP, "-x", "c++"]
+    compiler = _COMPILERS[source.suffix]
     command = [*compiler, *board.flags, *more, "-c", str(source), "-o", str(target)]
     result = subprocess.run(command, capture_output=True, text=True, check=False)
     assert result.returncode == 0, result.stderr
@@ -88,8 +97,9 @@ def _core(board: Board) -> Path:
 def _library(board: Board) -> tuple[list[Path], str]:
     """Return the library's object files, of all that lies in its src/, and their warnings."""
     folder, warnings = _folder(board, "library"), ""
-    for source in sorted((LIBRARY / "src").glob("*.c*")):
-        warnings += _compile(board, source, folder / f"{source.name}.o", *_WARNINGS, f"-I{LIBRARY / 'src'}")
+    for number, source in enumerate(sources_of(LIBRARY)):
+        target = folder / f"{number:02}_{source.name}.o"
+        warnings += _compile(board, source, target, *_WARNINGS, f"-I{LIBRARY / 'src'}")
     return sorted(folder.glob("*.o")), warnings
 
 

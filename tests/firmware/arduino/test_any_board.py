@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from firmware.arduino.board import LIBRARY
+from firmware.arduino.board import LIBRARY, sources_of
 from firmware.protocol import Ramp
 from tools import require
 
@@ -25,9 +25,9 @@ def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
     flags = ["-DARDUINO=10819", "-g", "-O1", "-Wall", "-Wextra", "-Werror", f"-I{HERE}", f"-I{SOURCES}"]
     sanitizers = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
     objects = []
-    for source in [*SOURCES.glob("*.c"), *SOURCES.glob("*.cpp"), HERE / "scenarios.cpp"]:
+    for source in [*sources_of(LIBRARY), HERE / "scenarios.cpp"]:
         compiler = ["gcc", "-std=gnu11"] if source.suffix == ".c" else ["g++", "-std=c++11"]
-        objects.append(str(folder / f"{source.name}.o"))
+        objects.append(str(folder / f"{len(objects)}.o"))
         command = [*compiler, *flags, *sanitizers, "-c", str(source), "-o", objects[-1]]
         result = subprocess.run(command, capture_output=True, text=True, check=False)
         assert result.returncode == 0, result.stderr

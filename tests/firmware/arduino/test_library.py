@@ -2,11 +2,12 @@
 
 import math
 import re
+import subprocess
 from pathlib import Path
 
 import pytest
 
-from firmware.arduino.board import EXAMPLES, LIBRARY
+from firmware.arduino.board import EXAMPLES, LIBRARY, sources_of
 from firmware.arduino.sketches import RAMPS, TICKS_HZ, image_in
 from firmware.host import Host, missing_compiler
 from firmware.motion import build as build_driver
@@ -43,7 +44,7 @@ def test_the_properties_have_all_that_the_specification_demands() -> None:
 
 
 def test_the_version_is_the_firmwares() -> None:
-    limits = (SOURCES / "limits.h").read_text()
+    limits = (SOURCES / "stepramp/edge/board_limits.h").read_text()
     parts = [re.search(rf"#define FIRMWARE_{part} (\d+)", limits) for part in ("MAJOR", "MINOR", "PATCH")]
     assert properties()["version"] == ".".join(part[1] for part in parts if part)
 
@@ -91,3 +92,28 @@ def test_the_firmware_finds_the_bytes_good(tmp_path: Path) -> None:
     with Host(build_driver(tmp_path)) as host:
         for example, example_ramp in RAMPS.items():
             assert host.ask("check", image_in(example).hex()) == f"good {example_ramp.axes} 1"
+
+
+def test_no_header_hides_one_of_the_c_library() -> None:
+    """The IDE has src/ on the include path, and some build systems every folder below it."""
+    include_folders = ("/usr/include", "/usr/lib/avr/include")
+    theirs = {path.name for folder in include_folders for path in Path(folder).glob("*.h")}
+    common = {"limits.h", "queue.h", "port.h", "settings.h"}
+    ours = [path.name for path in SOURCES.rglob("*.h")]
+    assert [name for name in ours if name in theirs | common] == []
+    assert len(ours) == len(set(ours))
+
+
+def test_variables_have_a_prefix_that_no_sketch_uses(tmp_path: Path) -> None:
+    require(*missing_compiler())
+    shown = ""
+    for number, source in enumerate(path for path in sources_of(LIBRARY) if path.suffix == ".c"):
+        target = tmp_path / f"{number}.o"
+        command = ["gcc", "-std=gnu11", "-fno-common", f"-I{SOURCES}", "-c", str(source), "-o", str(target)]
+        subprocess.run(command, check=True)
+        shown += subprocess.run(
+            ["nm", "--defined-only", str(target)], capture_output=True, text=True, check=True
+        ).stdout
+    variables = {words[2] for line in shown.splitlines() if (words := line.split())[1] in "BDRGS"}
+    assert len(variables) > 5
+    assert [name for name in sorted(variables) if not name.startswith("stepramp_")] == []

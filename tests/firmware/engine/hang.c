@@ -7,13 +7,13 @@
 #include <util/delay.h>
 
 #include "clock.h"
-#include "engine.h"
-#include "port.h"
 #include "serial.h"
+#include "stepramp/edge/board.h"
+#include "stepramp/edge/engine.h"
 
 static void wait_until(uint16_t ms)
 {
-    while (port_milliseconds() != ms) {
+    while (board_milliseconds() != ms) {
     }
 }
 
@@ -25,10 +25,10 @@ int main(void)
     serial_begin();
     engine_begin();
     engine_configure(&settings);
-    UDR0 = port_reset_cause();
+    UDR0 = board_reset_cause();
     _delay_ms(1);
-    if (port_reset_cause() != RESET_WATCHDOG) {
-        port_enable(true);
+    if (board_reset_cause() != RESET_WATCHDOG) {
+        board_enable(true);
         wdt_enable(WDTO_15MS);
         for (;;) {
         }

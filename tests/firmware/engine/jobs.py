@@ -25,10 +25,12 @@ RESULT_BYTES = 86
 
 _HERE = Path(__file__).parent
 _FIRMWARE = _HERE.parents[2] / "firmware"
-_PORTABLE = [_FIRMWARE / "src" / name for name in ("engine_portable.c", "settings.c")]
+SOURCES = _FIRMWARE / "src"
+_SETTINGS = SOURCES / "stepramp" / "store" / "driver_settings.c"
+_PORTABLE = [SOURCES / "boards" / "polled" / "engine.c", _SETTINGS]
 _HOST_FLAGS = ["-std=c99", "-g", "-O1", "-Wall", "-Wextra", "-Werror", "-fsanitize=address,undefined"]
-_CHIP_C = ("clock.c", "engine.c", "gauge.c", "outputs.c", "reset.c", "serial.c")
-_CHIP_ASSEMBLY = ("engine.S", "line.S", "usart.S")
+_ON_THE_CHIP = ("engine.c", "gauge.c", "outputs.c", "engine.S", "line.S")
+_BESIDE_IT = ("clock.c", "reset.c", "serial.c", "usart.S")
 
 
 @dataclass(frozen=True)
@@ -130,14 +132,15 @@ class Played:
 def twin_program() -> Path:
     program = folder_of_builds() / "play_job_host"
     sources = [_HERE / "play_job.c", _HERE / "play_job_host.c", *_PORTABLE]
-    command = ["gcc", *_HOST_FLAGS, "-fno-sanitize-recover=all", f"-I{_FIRMWARE / 'src'}", "-o", program, *sources]
+    command = ["gcc", *_HOST_FLAGS, "-fno-sanitize-recover=all", f"-I{SOURCES}", "-o", program, *sources]
     subprocess.run(command, check=True)
     return program
 
 
 def chip_sources() -> list[Path]:
     """Return the firmware's sources around the engine, without what is above it."""
-    return [_FIRMWARE / "src" / "settings.c", *(_FIRMWARE / "avr" / name for name in _CHIP_C + _CHIP_ASSEMBLY)]
+    controller = [_FIRMWARE / "controller" / name for name in _BESIDE_IT]
+    return [_SETTINGS, *(SOURCES / "boards" / "avr" / name for name in _ON_THE_CHIP), *controller]
 
 
 @cache

@@ -1,10 +1,10 @@
 /* Plays a job on the engine and tells what came of it; see jobs.py, which writes jobs. The same program runs on the
- * chip, with the assembly, and on this machine, with engine_portable.c. It does what a main loop must: fill the queues,
+ * chip, with the assembly, and on this machine, with boards/polled/engine.c. It does what a main loop must: fill the queues,
  * count what has been played, and move bytes over the serial port. */
 #include "play_job.h"
 
-#include "engine.h"
-#include "port.h"
+#include "stepramp/edge/board.h"
+#include "stepramp/edge/engine.h"
 
 enum { TRACED = 8, NEVER = 0xFFFF };
 
@@ -52,7 +52,7 @@ static bool next_index(uint8_t axis, uint16_t *index)
 
 static void fill_axis(uint8_t axis)
 {
-    struct axis_player *player = &axis_players[axis];
+    struct axis_player *player = &stepramp_axis_players[axis];
     uint8_t offset = player->head;
     uint8_t after = (uint8_t)((offset & QUEUE_BYTES) | ((offset + QUEUED_SEGMENT_BYTES) & (QUEUE_BYTES - 1)));
     uint16_t index;
@@ -60,7 +60,7 @@ static void fill_axis(uint8_t axis)
         return;
     }
     axis_jobs[axis].next++;
-    struct queued_segment *segment = &queues[axis][(offset & (QUEUE_BYTES - 1)) / QUEUED_SEGMENT_BYTES];
+    struct queued_segment *segment = &stepramp_queues[axis][(offset & (QUEUE_BYTES - 1)) / QUEUED_SEGMENT_BYTES];
     job_read_segment(index, segment, sizeof *segment);
     segment->step_mask = segment->step_mask != 0 ? engine_step_mask(axis) : 0;
     segment->turn_mask = segment->turn_mask != 0 ? engine_turn_mask(axis) : 0;
@@ -70,16 +70,16 @@ static void fill_axis(uint8_t axis)
 
 static void fill_line(void)
 {
-    uint8_t offset = line_player.head, after = (uint8_t)(offset + LINE_SEGMENT_BYTES);
+    uint8_t offset = stepramp_line_player.head, after = (uint8_t)(offset + LINE_SEGMENT_BYTES);
     uint16_t index;
-    if (after == line_player.retired || !next_index(0, &index)) {
+    if (after == stepramp_line_player.retired || !next_index(0, &index)) {
         return;
     }
     axis_jobs[0].next++;
-    struct line_segment *segment = &line_queue[offset / LINE_SEGMENT_BYTES];
+    struct line_segment *segment = &stepramp_line_queue[offset / LINE_SEGMENT_BYTES];
     job_read_segment(index, segment, sizeof *segment);
     KEEP_ORDER();
-    line_player.head = after;
+    stepramp_line_player.head = after;
 }
 
 static void note_load(uint8_t axis, uint16_t trace)
@@ -94,12 +94,12 @@ static void note_load(uint8_t axis, uint16_t trace)
 /* Counts a segment as soon as it is loaded; what is left of it is taken off again when it doesn't come. */
 static void count_axis(uint8_t axis)
 {
-    struct axis_player *player = &axis_players[axis];
+    struct axis_player *player = &stepramp_axis_players[axis];
     uint8_t offset = player->retired;
     if (offset == player->tail) {
         return;
     }
-    struct queued_segment *segment = &queues[axis][(offset & (QUEUE_BYTES - 1)) / QUEUED_SEGMENT_BYTES];
+    struct queued_segment *segment = &stepramp_queues[axis][(offset & (QUEUE_BYTES - 1)) / QUEUED_SEGMENT_BYTES];
     backward[axis] ^= segment->turn_mask != 0;
     if (segment->step_mask != 0) {
         int32_t steps = (int32_t)segment->count_less_1 + 1;
@@ -111,14 +111,14 @@ static void count_axis(uint8_t axis)
 
 static void count_line(void)
 {
-    uint8_t offset = line_player.retired;
-    if (offset == line_player.tail) {
+    uint8_t offset = stepramp_line_player.retired;
+    if (offset == stepramp_line_player.tail) {
         return;
     }
-    const struct line_segment *segment = &line_queue[offset / LINE_SEGMENT_BYTES];
+    const struct line_segment *segment = &stepramp_line_queue[offset / LINE_SEGMENT_BYTES];
     result.position[0] += (segment->axes & 0x0F) != 0 ? (int32_t)segment->count_less_1 + 1 : 0;
     note_load(0, segment->interval);
-    line_player.retired = (uint8_t)(offset + LINE_SEGMENT_BYTES);
+    stepramp_line_player.retired = (uint8_t)(offset + LINE_SEGMENT_BYTES);
 }
 
 static void serve_queues(void)
@@ -139,7 +139,7 @@ static void serve_queues(void)
 /* After a halt: what of the loaded segment didn't come. */
 static void take_off(uint8_t axis)
 {
-    struct axis_player *player = &axis_players[axis];
+    struct axis_player *player = &stepramp_axis_players[axis];
     struct engine_progress progress = engine_progress(axis);
     while (player->retired != progress.tail) {
         count_axis(axis);
@@ -153,10 +153,10 @@ static void take_off(uint8_t axis)
 static void take_off_line(void)
 {
     struct engine_progress progress = engine_progress(0);
-    while (line_player.retired != progress.tail) {
+    while (stepramp_line_player.retired != progress.tail) {
         count_line();
     }
-    result.position[0] -= line_player.leader_pins != 0 ? (int32_t)progress.count_less_1 + 1 : 0;
+    result.position[0] -= stepramp_line_player.leader_pins != 0 ? (int32_t)progress.count_less_1 + 1 : 0;
 }
 
 static void halt(uint8_t axes)

@@ -6,8 +6,8 @@
 
 #include "clock.h"
 #include "play_job.h"
-#include "port.h"
 #include "serial.h"
+#include "stepramp/edge/board.h"
 
 enum { JOB_BEGINS = 0x4000 };
 
@@ -54,11 +54,11 @@ bool job_takes_byte(uint16_t *count)
 bool job_sends_byte(uint8_t byte)
 {
     static uint8_t frame[2];
-    if (port_is_sending()) {
+    if (board_is_sending()) {
         return false;
     }
     frame[0] = byte | 1;
-    port_send(frame);
+    board_send(frame);
     return true;
 }
 
@@ -71,7 +71,7 @@ static void send_at_once(uint8_t byte)
 
 void job_end(const void *result, size_t size)
 {
-    while (port_is_sending()) {
+    while (board_is_sending()) {
     }
     for (size_t i = 0; i < size; i++) {
         send_at_once(((const uint8_t *)result)[i]);

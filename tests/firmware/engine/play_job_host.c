@@ -3,9 +3,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "engine.h"
 #include "play_job.h"
-#include "port.h"
+#include "stepramp/edge/board.h"
+#include "stepramp/edge/engine.h"
 
 static uint8_t job[65536];
 static uint64_t now; /* [ticks] the engine's timer, which doesn't run over */

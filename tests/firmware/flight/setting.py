@@ -12,8 +12,8 @@ from firmware.protocol import Settings
 Ticks = npt.NDArray[np.float64]
 
 BLOCKED_US, LOADING_US, LONGEST_INTERRUPT_US = 5.0, 11.0, 32.5
-"""What a step may have to wait for: a blocked section (firmware/avr/engine.c), another axis that loads a segment (94
-and 85 cycles: firmware/avr/engine.S), the two axes of the other channel (520 cycles: budget.toml)."""
+"""What a step may have to wait for: a blocked section (engine.c), another axis that loads a segment (94 and 85 cycles:
+engine.S; both in firmware/src/boards/avr/), the two axes of the other channel (520 cycles: budget.toml)."""
 LATE_US = (
     3.1,
     BLOCKED_US + LOADING_US,

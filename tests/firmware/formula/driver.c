@@ -1,9 +1,9 @@
-/* firmware/src/formula.c on requests of bytes. On this machine: a program that reads requests and writes replies, each
+/* firmware/src/stepramp/motion/formula.c on requests of bytes. On this machine: a program that reads requests and writes replies, each
  * after its length in one byte. On the chip: what the simulator hands requests to (see simulator.c). */
 #include <stdint.h>
 #include <string.h>
 
-#include "formula.h"
+#include "stepramp/motion/formula.h"
 
 #ifdef __AVR__
 #include <avr/io.h>

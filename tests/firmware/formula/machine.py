@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 _HERE = Path(__file__).parent
-_FIRMWARE = _HERE.parents[2] / "firmware"
+_SOURCES = _HERE.parents[2] / "firmware" / "src"
+_FORMULA = _SOURCES / "stepramp" / "motion" / "formula.c"
 _WARNINGS = ["-Wall", "-Wextra", "-Werror"]
 MOST_AT_ONCE = 60
 LIMITS = (1, 2**28 - 1)
@@ -42,8 +43,8 @@ def build_for_host(folder: Path) -> list[str]:
     """Return the command that runs the driver on this machine."""
     program = folder / "formula_driver"
     flags = ["-std=c99", "-g", "-O1", *_WARNINGS, "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
-    sources = [str(_FIRMWARE / "src" / "formula.c"), str(_HERE / "driver.c")]
-    _run(["gcc", *flags, f"-I{_FIRMWARE / 'src'}", "-o", str(program), *sources])
+    sources = [str(_FORMULA), str(_HERE / "driver.c")]
+    _run(["gcc", *flags, f"-I{_SOURCES}", "-o", str(program), *sources])
     return [str(program)]
 
 
@@ -51,9 +52,9 @@ def build_for_chip(folder: Path) -> list[str]:
     """Return the command that runs the driver in the simulator; `formula.elf` is left in the folder."""
     elf, simulator = folder / "formula.elf", folder / "formula_simulator"
     size = ["-Os", "-mcall-prologues", "-fno-jump-tables", "-fira-algorithm=priority", "-mstrict-X"]
-    flags = ["-mmcu=atmega328p", *size, "-flto", "-std=c99", *_WARNINGS]
-    sources = [_FIRMWARE / "src" / "formula.c", _FIRMWARE / "avr" / "formula.S", _HERE / "driver.c"]
-    _run(["avr-gcc", *flags, f"-I{_FIRMWARE / 'src'}", "-o", str(elf), *map(str, sources)])
+    flags = ["-mmcu=atmega328p", "-DSTEPRAMP_IN_ASSEMBLY", *size, "-flto", "-std=c99", *_WARNINGS]
+    sources = [_FORMULA, _SOURCES / "boards" / "avr" / "formula.S", _HERE / "driver.c"]
+    _run(["avr-gcc", *flags, f"-I{_SOURCES}", "-o", str(elf), *map(str, sources)])
     libraries = ["-lsimavr", "-lelf", "-lpthread", "-lutil"]
     source = str(_HERE / "simulator.c")
     _run(["gcc", "-std=gnu11", "-O2", *_WARNINGS, "-I/usr/include/simavr", "-o", str(simulator), source, *libraries])

@@ -19,11 +19,11 @@
 #include "chance.h"
 #include "damage.h"
 #include "images.h"
-#include "message.h"
 #include "model.h"
 #include "must.h"
 #include "protocol_port.h"
 #include "requests.h"
+#include "stepramp/protocol/message.h"
 #include "talk.h"
 
 enum { LONGEST_BURST = 512, HELLO_EVERY = 256, HANG_SECONDS = 30, ALARM_EVERY = 10000 };

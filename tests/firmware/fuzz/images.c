@@ -3,8 +3,8 @@
 #include <stdio.h>
 
 #include "chance.h"
-#include "frame.h"
 #include "must.h"
+#include "stepramp/protocol/frame.h"
 
 enum { MOST_IMAGES = 16 };
 
@@ -32,7 +32,7 @@ uint16_t crc_of(const uint8_t *bytes, uint16_t length)
 {
     uint16_t crc = CRC16_START;
     for (uint16_t i = 0; i < length; i++) {
-        crc = crc16_update(crc, bytes[i]);
+        crc = frame_crc16_update(crc, bytes[i]);
     }
     return crc;
 }

@@ -4,8 +4,8 @@
 
 #include <stdint.h>
 
-#include "limits.h"
-#include "ramp_store.h"
+#include "stepramp/edge/board_limits.h"
+#include "stepramp/store/ramp_keeper.h"
 
 struct image {
     uint16_t length; /* 0: none */

@@ -3,12 +3,12 @@
 #include <string.h>
 
 #include "chance.h"
-#include "machine.h"
-#include "message.h"
 #include "must.h"
-#include "ramp_store.h"
-#include "settings.h"
-#include "slots.h"
+#include "stepramp/motion/machine.h"
+#include "stepramp/protocol/message.h"
+#include "stepramp/store/driver_settings.h"
+#include "stepramp/store/eeprom_slots.h"
+#include "stepramp/store/ramp_keeper.h"
 
 struct model model;
 
@@ -20,26 +20,26 @@ static const struct image *image_in_use(void)
 static void check_images(void)
 {
     const struct image *used = image_in_use();
-    must(ramp_store_crc() == (used->length ? crc_of(used->bytes, used->length) : 0), "another ramp is in use");
-    must(ramp_store_axes() == (used->length ? used->bytes[2] : 0), "another number of axes");
+    must(ramp_keeper_crc() == (used->length ? crc_of(used->bytes, used->length) : 0), "another ramp is in use");
+    must(ramp_keeper_axes() == (used->length ? used->bytes[2] : 0), "another number of axes");
     if (machine_axes() != 0) {
-        must(ramp_store_ram_length() == used->length, "a ramp of another length");
+        must(ramp_keeper_ram_length() == used->length, "a ramp of another length");
         for (uint16_t i = 0; i < used->length; i++) {
-            must(slot_content.image[i] == used->bytes[i], "another ramp is played");
+            must(stepramp_slot_content.image[i] == used->bytes[i], "another ramp is played");
         }
     }
-    must(slots_image_length(ACTIVE_SLOT) == model.stored.length, "another ramp is stored");
-    must(slots_image_length(PREVIOUS_SLOT) == model.previous.length, "another ramp was stored before");
+    must(eeprom_slots_image_length(ACTIVE_SLOT) == model.stored.length, "another ramp is stored");
+    must(eeprom_slots_image_length(PREVIOUS_SLOT) == model.previous.length, "another ramp was stored before");
 }
 
 /* Costs more time: not after each frame. */
 static void check_slots(void)
 {
     for (uint16_t i = 0; i < model.stored.length; i++) {
-        must(slots_read(ACTIVE_SLOT, i) == model.stored.bytes[i], "the stored ramp has changed");
+        must(eeprom_slots_read(ACTIVE_SLOT, i) == model.stored.bytes[i], "the stored ramp has changed");
     }
     for (uint16_t i = 0; i < model.previous.length; i++) {
-        must(slots_read(PREVIOUS_SLOT, i) == model.previous.bytes[i], "the previous ramp has changed");
+        must(eeprom_slots_read(PREVIOUS_SLOT, i) == model.previous.bytes[i], "the previous ramp has changed");
     }
 }
 
@@ -64,11 +64,11 @@ void model_note_written(void)
 
 static void finish_writing(void)
 {
-    for (long rounds = 0; slots_are_writing(); rounds++) {
+    for (long rounds = 0; eeprom_slots_are_writing(); rounds++) {
         must(rounds < 100000, "writing doesn't end");
         port_round();
     }
-    must((ramp_store_flags() & FLAG_WRITE_FAILED) == 0, "writing has failed");
+    must((ramp_keeper_flags() & FLAG_WRITE_FAILED) == 0, "writing has failed");
     model_note_written();
     check_images();
     check_slots();
@@ -76,12 +76,12 @@ static void finish_writing(void)
 
 void model_check(void)
 {
-    if (model.is_writing && (!slots_are_writing() || one_in(8))) {
+    if (model.is_writing && (!eeprom_slots_are_writing() || one_in(8))) {
         finish_writing();
     }
-    must(settings_check(ramp_store_settings()) == SETTINGS_BYTES, "the settings are bad");
+    must(settings_check(ramp_keeper_settings()) == SETTINGS_BYTES, "the settings are bad");
     check_positions();
-    if (!slots_are_writing()) {
+    if (!eeprom_slots_are_writing()) {
         check_images();
     }
 }
@@ -144,7 +144,7 @@ static void has_rolled_back(void)
 
 void model_note_dropped_delivery(void)
 {
-    if (model.is_delivered_to && !ramp_store_is_delivered_to()) {
+    if (model.is_delivered_to && !ramp_keeper_is_delivered_to()) {
         must(model.stored.length != 0, "a delivery was dropped for nothing");
         model.is_delivered_to = false;
         model.is_checked = false;

@@ -4,10 +4,10 @@
 #include <string.h>
 
 #include "chance.h"
-#include "message.h"
 #include "model.h"
-#include "ramp_store.h"
-#include "settings.h"
+#include "stepramp/protocol/message.h"
+#include "stepramp/store/driver_settings.h"
+#include "stepramp/store/ramp_keeper.h"
 #include "talk.h"
 
 enum { LONGEST_BODY = LONGEST_MESSAGE - MESSAGE_HEADER_BYTES };
@@ -72,7 +72,7 @@ static uint32_t some_interval(void)
 static uint8_t make_for_axes(uint8_t kind, uint8_t *body)
 {
     uint8_t at = 1;
-    body[0] = (uint8_t)(one_in(20) ? chance() : 1 + below(15) % ((1u << (ramp_store_axes() | 1)) - 1));
+    body[0] = (uint8_t)(one_in(20) ? chance() : 1 + below(15) % ((1u << (ramp_keeper_axes() | 1)) - 1));
     if (kind == KIND_ZERO) {
         return put_u16(body, at, below(3000));
     }

@@ -4,7 +4,7 @@
 
 #include <stdint.h>
 
-#include "frame.h"
+#include "stepramp/protocol/frame.h"
 
 /* Of the last request. */
 extern uint8_t tag;

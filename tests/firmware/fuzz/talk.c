@@ -4,13 +4,13 @@
 #include <string.h>
 
 #include "chance.h"
-#include "controller.h"
-#include "message.h"
 #include "model.h"
 #include "must.h"
 #include "protocol_port.h"
-#include "reply.h"
-#include "slots.h"
+#include "stepramp/protocol/controller.h"
+#include "stepramp/protocol/message.h"
+#include "stepramp/protocol/reply.h"
+#include "stepramp/store/eeprom_slots.h"
 #include "whole_message.h"
 
 enum { MOST_ROUNDS = 4000, MOST_ROUNDS_OF_AN_ANSWER = 5000 };
@@ -76,7 +76,7 @@ static void note_reply(const uint8_t *message, uint8_t length, const uint8_t *re
     counts[message[0]]++;
     bool is_accepted = reply[MESSAGE_HEADER_BYTES] == STATUS_OK;
     bool writes_anew = is_accepted && (message[0] == KIND_COMMIT || message[0] == KIND_ROLL_BACK);
-    if (model.is_writing && (!slots_are_writing() || writes_anew)) {
+    if (model.is_writing && (!eeprom_slots_are_writing() || writes_anew)) {
         model_note_written(); /* while the request waited */
     }
     if (is_accepted) {

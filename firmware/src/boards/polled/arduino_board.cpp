@@ -1,0 +1,299 @@
+#include "boards/polled/arduino_board.h"
+
+#include <Arduino.h>
+
+#include "stepramp/edge/board.h"
+#include "stepramp/edge/engine.h"
+#include "stepramp/motion/feed.h"
+
+struct arduino_pins stepramp_pins = {{NO_PIN, NO_PIN, NO_PIN, NO_PIN},
+                                    {NO_PIN, NO_PIN, NO_PIN, NO_PIN},
+                                    {{NO_PIN, NO_PIN, NO_PIN, NO_PIN},
+                                     {NO_PIN, NO_PIN, NO_PIN, NO_PIN},
+                                     {NO_PIN, NO_PIN, NO_PIN, NO_PIN}},
+                                    NO_PIN};
+
+namespace {
+
+/* Fast ticks a microsecond and a slow tick, and 64 us, as powers of 2. */
+enum { US_BITS = 4, SLOW_TICK_BITS = 3, TIME_BITS = 10 };
+
+/* micros() may go in steps of so much. */
+enum { CLOCK_GRAIN_US = 4 };
+
+/* One turn of a gauge rotor's magnet has six states; these are their coils, the first pin in bit 0. */
+enum { STATES = 6 };
+
+bool is_playing;
+uint32_t looked_us;      /* micros() at the last look */
+uint32_t time_ticks;     /* fast ticks of the engine's time, which stands still when steps are late */
+uint16_t engine_ticks;   /* that in ticks of the present clock, modulo 2^16 */
+uint16_t wait_ticks;     /* to the next event */
+uint32_t delayed_ticks;  /* fast ticks */
+uint32_t delayed_us;     /* and whole microseconds */
+
+/* ---- pins ---- */
+
+bool are_gauges;
+bool is_enabled, enable_is_active_high;
+uint8_t both_edges, direction_inverted; /* a bit for each axis */
+uint8_t step_levels;                    /* the step pins' resting levels, or their present ones where each edge is a step */
+uint8_t backward;
+uint8_t turned; /* axes whose direction has changed since their last step */
+uint8_t pulse_us;
+uint16_t setup_us;
+uint32_t turned_us;
+uint8_t gauge_states[GAUGES];
+
+bool has(uint8_t axes, uint8_t axis)
+{
+    return (axes >> axis & 1) != 0;
+}
+
+void write_pin(uint8_t pin, bool high)
+{
+    if (pin != NO_PIN) {
+        digitalWrite(pin, high ? HIGH : LOW);
+    }
+}
+
+/* A pin gets its level before it becomes an output. */
+void begin_pin(uint8_t pin, bool high)
+{
+    if (pin != NO_PIN) {
+        digitalWrite(pin, high ? HIGH : LOW);
+        pinMode(pin, OUTPUT);
+    }
+}
+
+uint8_t coils_of(uint8_t state)
+{
+    static const uint8_t COILS[STATES] = {0x9, 0x1, 0x7, 0x6, 0xE, 0x8};
+    return COILS[state];
+}
+
+void step_gauge(uint8_t axis)
+{
+    uint8_t before = coils_of(gauge_states[axis]);
+    uint8_t state = (uint8_t)(gauge_states[axis] + (has(backward, axis) ? STATES - 1 : 1));
+    gauge_states[axis] = state >= STATES ? (uint8_t)(state - STATES) : state;
+    uint8_t coils = coils_of(gauge_states[axis]);
+    for (uint8_t i = 0; i < COIL_PINS; i++) {
+        if (has(coils ^ before, i)) {
+            write_pin(stepramp_pins.coils[axis][i], has(coils, i));
+        }
+    }
+}
+
+/* The direction must have been there for long enough, also when poll() was late. */
+void await_setup(uint8_t axes)
+{
+    if ((axes & turned) != 0) {
+        turned = (uint8_t)(turned & ~axes);
+        while (micros() - turned_us < (uint32_t)setup_us + CLOCK_GRAIN_US) {
+        }
+    }
+}
+
+void write_step_pins(uint8_t axes, uint8_t levels)
+{
+    for (uint8_t axis = 0; axis < AXES; axis++) {
+        if (has(axes, axis)) {
+            write_pin(stepramp_pins.step[axis], has(levels, axis));
+        }
+    }
+}
+
+void make_pulses(uint8_t axes)
+{
+    await_setup(axes);
+    write_step_pins(axes, (uint8_t)~step_levels);
+    step_levels ^= axes & both_edges;
+    axes = (uint8_t)(axes & ~both_edges);
+    if (axes != 0) {
+        if (pulse_us != 0) {
+            delayMicroseconds(pulse_us);
+        }
+        write_step_pins(axes, step_levels);
+    }
+}
+
+void make_steps(uint8_t axes)
+{
+    if (!are_gauges) {
+        make_pulses(axes);
+        return;
+    }
+    for (uint8_t axis = 0; axis < GAUGES; axis++) {
+        if (has(axes, axis)) {
+            step_gauge(axis);
+        }
+    }
+}
+
+void turn(uint8_t axes)
+{
+    backward ^= axes;
+    for (uint8_t axis = 0; axis < AXES && !are_gauges; axis++) {
+        if (has(axes, axis)) {
+            write_pin(stepramp_pins.direction[axis], has(backward, axis) == has(direction_inverted, axis));
+        }
+    }
+    turned |= axes;
+    turned_us = micros();
+}
+
+void drive_enable_pin()
+{
+    begin_pin(stepramp_pins.enable, is_enabled == enable_is_active_high);
+}
+
+void configure_gauges()
+{
+    for (uint8_t axis = 0; axis < GAUGES; axis++) {
+        for (uint8_t i = 0; i < COIL_PINS; i++) {
+            begin_pin(stepramp_pins.coils[axis][i], has(coils_of(gauge_states[axis]), i));
+        }
+    }
+}
+
+void release_coils()
+{
+    for (uint8_t axis = 0; axis < GAUGES; axis++) {
+        for (uint8_t i = 0; i < COIL_PINS; i++) {
+            if (stepramp_pins.coils[axis][i] != NO_PIN) {
+                pinMode(stepramp_pins.coils[axis][i], INPUT);
+            }
+        }
+    }
+}
+
+/* Where each edge is a step, an edge less is a step less: such a pin keeps its level as long as it is one. */
+void configure_steppers(const struct settings *settings)
+{
+    static uint8_t step_inverted;
+    uint8_t kept = (uint8_t)(settings->both_edges & both_edges & ~(settings->step_inverted ^ step_inverted));
+    step_inverted = settings->step_inverted;
+    step_levels = (uint8_t)((step_levels & kept) | (step_inverted & ~kept));
+    for (uint8_t axis = 0; axis < AXES; axis++) {
+        begin_pin(stepramp_pins.step[axis], has(step_levels, axis));
+        begin_pin(stepramp_pins.direction[axis], !has(settings->direction_inverted, axis));
+    }
+    both_edges = settings->both_edges;
+}
+
+/* Ticks of the engine's clock since the last look. */
+uint32_t passing_ticks()
+{
+    uint32_t now_us = micros();
+    uint32_t passed_us = now_us - looked_us;
+    looked_us = now_us;
+    if (passed_us > UINT16_MAX) {
+        passed_us = UINT16_MAX;
+    }
+    return stepramp_feed_clock.is_fast ? passed_us << US_BITS : passed_us << (US_BITS - SLOW_TICK_BITS);
+}
+
+void note_delay(uint32_t ticks)
+{
+    delayed_ticks += stepramp_feed_clock.is_fast ? ticks : ticks << SLOW_TICK_BITS;
+    delayed_us += delayed_ticks >> US_BITS;
+    delayed_ticks &= (1u << US_BITS) - 1;
+}
+
+} // namespace
+
+void arduino_begin()
+{
+    looked_us = micros();
+    engine_set_outputs(make_steps, turn);
+}
+
+bool arduino_is_fast()
+{
+    return stepramp_feed_clock.is_fast;
+}
+
+uint32_t arduino_delayed_us()
+{
+    return delayed_us;
+}
+
+/* An event that is so late that it isn't caught up with is played as if it were just due: time stood still until now.
+ * At rest, time only has to go on. */
+void arduino_play()
+{
+    if (is_playing) {
+        return;
+    }
+    is_playing = true;
+    const uint16_t most_late = STEPRAMP_MOST_CATCH_UP_US << (stepramp_feed_clock.is_fast ? US_BITS : US_BITS - SLOW_TICK_BITS);
+    uint32_t ticks = passing_ticks();
+    if (ticks > (uint32_t)wait_ticks + most_late) {
+        if (engine_running() != 0) {
+            note_delay(ticks - wait_ticks);
+        }
+        ticks = wait_ticks;
+    }
+    engine_ticks = (uint16_t)(engine_ticks + ticks);
+    time_ticks += stepramp_feed_clock.is_fast ? ticks : ticks << SLOW_TICK_BITS;
+    wait_ticks = engine_play(engine_ticks);
+    is_playing = false;
+}
+
+/* ---- board.h ---- */
+
+void engine_configure(const struct settings *settings)
+{
+    engine_park(0xFF);
+    backward = 0;
+    turned = 0;
+    if (are_gauges && settings->outputs != OUTPUTS_GAUGES) {
+        release_coils();
+    }
+    are_gauges = settings->outputs == OUTPUTS_GAUGES;
+    if (are_gauges) {
+        both_edges = 0;
+        configure_gauges();
+        return;
+    }
+    configure_steppers(settings);
+    direction_inverted = settings->direction_inverted;
+    setup_us = settings->direction_setup_us;
+    pulse_us = settings->pulse_width_us > STEPRAMP_SHORTEST_PULSE_US ? settings->pulse_width_us
+                                                                     : STEPRAMP_SHORTEST_PULSE_US;
+    enable_is_active_high = (settings->enable_flags & ENABLE_ACTIVE_HIGH) != 0;
+    drive_enable_pin();
+}
+
+/* Asked for at each segment that is queued: planning the next ones takes long, and events may be due meanwhile. */
+uint8_t engine_step_mask(uint8_t axis)
+{
+    arduino_play();
+    return (uint8_t)(1u << axis);
+}
+
+uint8_t engine_turn_mask(uint8_t axis)
+{
+    return (uint8_t)(1u << axis);
+}
+
+void board_enable(bool on)
+{
+    is_enabled = on;
+    if (!are_gauges) {
+        drive_enable_pin();
+    }
+}
+
+uint16_t board_time(void)
+{
+    arduino_play();
+    return (uint16_t)(time_ticks >> TIME_BITS);
+}
+
+uint16_t board_milliseconds(void)
+{
+    arduino_play();
+    return (uint16_t)millis();
+}

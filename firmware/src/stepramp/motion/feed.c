@@ -1,0 +1,469 @@
+#include "stepramp/motion/feed.h"
+
+#include "stepramp/edge/board.h"
+#include "stepramp/edge/engine.h"
+#include "stepramp/edge/out_of_line.h"
+#include "stepramp/edge/step_queue.h"
+#include "stepramp/motion/line.h"
+#include "stepramp/protocol/trace.h"
+
+/* A long interval is waited for in parts: the first has what is left of it, 13,616 ticks or more, the others are equal.
+ * So many of them go as one segment, 4 or 8 ms: else slow axes would need more segments than fast ones. */
+enum { PART_BITS = 14, PART_TICKS = 1 << PART_BITS, FAST_PARTS = 4, SLOW_PARTS = 1 };
+
+/* The silence after the last interval of a move [ticks]: in it the engine finds the queue empty, or the direction may
+ * be changed. */
+enum { CLOSING_TICKS = 400 };
+
+/* Segments queued, or looked at ahead of need, in one round of the main loop, at most: other axes want theirs too. */
+enum { SEGMENTS_AT_ONCE = 4 };
+
+/* Ticks of 64 us, and of a slow tick, as powers of 2. */
+enum { FAST_BITS = 10, SLOW_TICK_BITS = 3 };
+
+/* The longest piece of several steps [ticks]: some 4 ms. So none of their intervals is a long one. */
+enum { FAST_PIECE_TICKS = 2u * LONGEST_WAIT_TICKS, SLOW_PIECE_TICKS = 8000 };
+
+/* [64 us] Time to queue ahead: 8 ms, enough for the main loop's longest round when interrupts take nearly all of the
+ * processor, and little enough to begin a stop soon. With less than HURRY_TIME, 4 ms and still longer than such a round,
+ * something must be queued now. */
+enum { TIME_AHEAD = 125, HURRY_TIME = 62 };
+
+/* [64 us] With so much in the queue, 6 ms, it can wait until other things have been done: the queues of other axes, a
+ * request and a stop. A trace makes segments short, which takes time, so it needs more of it. */
+enum { WAITING_TIME = 96, TRACING_TIME = 100 };
+
+/* A segment is loaded at the beginning of the interval before it, so that some must be there however long that is: where
+ * the direction turns, the silence that ends a move, that in which the direction settles, a pulse, and the next. */
+enum { LEAST_SEGMENTS = 4 };
+
+struct feed_clock stepramp_feed_clock;
+static uint8_t starved;
+
+/* Of the axis that is traced: pulses until the next one whose time is traced, at both ends of the queue. */
+static uint16_t trace_to_queue, trace_to_play;
+
+/* Pulses until the next one whose time is traced, after some more of them. Those that the queue has no end at are left
+ * out. */
+static uint16_t trace_left(const struct feed *feed, uint16_t left, uint16_t pulses)
+{
+    uint16_t every = trace_every(feed->index);
+    while (every != 0 && left <= pulses) {
+        left = (uint16_t)(left + every);
+    }
+    return (uint16_t)(left - pulses);
+}
+
+/* ---- filling the queue ---- */
+
+/* `count` intervals, the first `interval` long, each next one longer by `add` [ticks]. */
+static uint32_t length_of(uint16_t interval, int16_t add, uint16_t count)
+{
+    uint32_t length = (uint32_t)count * interval;
+    if (add != 0) {
+        length += (uint32_t)add * (((uint32_t)count * (uint16_t)(count - 1u)) >> 1);
+    }
+    return length;
+}
+
+/* Moves the end of the queue on. One segment is less than 2^24 fast ticks. */
+static OUT_OF_LINE void extend(struct feed *feed, uint32_t ticks)
+{
+    if (!stepramp_feed_clock.is_fast) {
+        ticks <<= SLOW_TICK_BITS;
+    }
+    ticks += feed->end_ticks;
+    feed->end_time = (uint16_t)(feed->end_time + ((uint16_t)(ticks >> 8) >> (FAST_BITS - 8)));
+    feed->end_ticks = (uint16_t)ticks & ((1u << FAST_BITS) - 1u);
+}
+
+/* Of a long interval the first part; the rest becomes parts_left. */
+static void queue_up(struct feed *feed, const struct piece *piece, uint8_t turns)
+{
+    uint16_t interval = (uint16_t)piece->interval;
+    if (piece->interval > LONGEST_WAIT_TICKS) {
+        uint32_t rest = piece->interval - (LONGEST_WAIT_TICKS - PART_TICKS);
+        feed->parts_left = (uint16_t)(rest << (16 - PART_BITS) >> 16);
+        interval = (uint16_t)(interval - (feed->parts_left << PART_BITS));
+    }
+    extend(feed, length_of(interval, piece->add, piece->count));
+    step_queue_push(feed->index, interval, piece->add, (uint16_t)(piece->count - 1u), piece->kind == PIECE_STEPS, turns);
+}
+
+static void queue_silence(struct feed *feed, uint32_t ticks, uint16_t count, uint8_t turns)
+{
+    struct piece silence = {.kind = PIECE_NONE, .count = count, .interval = ticks};
+    queue_up(feed, &silence, turns);
+}
+
+static void queue_wait(struct feed *feed)
+{
+    uint8_t most = stepramp_feed_clock.is_fast ? FAST_PARTS : SLOW_PARTS;
+    uint16_t parts = feed->parts_left < most ? feed->parts_left : most;
+    feed->parts_left = (uint16_t)(feed->parts_left - parts);
+    queue_silence(feed, PART_TICKS, parts, 0);
+}
+
+static void queue_steps(struct feed *feed, const struct piece *piece)
+{
+    queue_up(feed, piece, 0);
+    feed->has_pulses = true;
+    if (feed->is_traced) {
+        trace_to_queue = trace_left(feed, trace_to_queue, piece->count);
+    }
+}
+
+/* The silence before the pulses, in which the direction settles. */
+static void queue_turn(struct feed *feed)
+{
+    uint8_t turns = feed->turns_too;
+    if (feed->pin_backward != feed->axis.backward) {
+        turns |= feed->bit;
+    }
+    feed->pin_backward = feed->axis.backward;
+    feed->turns_too = 0;
+    feed->turns_next = false;
+    queue_silence(feed, stepramp_feed_clock.setup_ticks, 1, turns);
+}
+
+/* Ends what has been queued of a move. */
+static void queue_closing(struct feed *feed)
+{
+    feed->has_pulses = false;
+    queue_silence(feed, CLOSING_TICKS, 1, 0);
+}
+
+/* Time for which steps are queued [64 us]. */
+static OUT_OF_LINE uint16_t time_ahead(const struct feed *feed, uint16_t now)
+{
+    uint16_t ahead = feed->end_time;
+    if (feed->stage == FEED_PLAYING) {
+        ahead = (uint16_t)(ahead - now);
+    }
+    return ahead <= INT16_MAX ? ahead : 0; /* it is past */
+}
+
+/* The steps that one segment may have. A trace is left out when the queue becomes short of it. */
+static uint16_t most_steps(const struct feed *feed)
+{
+    bool has_time = !feed->has_got_ahead || time_ahead(feed, board_time()) >= TRACING_TIME;
+    uint16_t most = feed->is_traced && has_time ? trace_to_queue : UINT16_MAX;
+    if (line_is_on()) {
+        uint16_t line_most = line_most_steps();
+        most = line_most < most ? line_most : most;
+    }
+    return most;
+}
+
+/* Returns false when the move has been queued to its end. */
+static bool queue_next_piece(struct feed *feed, uint16_t ahead)
+{
+    struct piece piece;
+    piece.most_ticks = stepramp_feed_clock.is_fast ? FAST_PIECE_TICKS : SLOW_PIECE_TICKS;
+    piece.most_steps = most_steps(feed);
+    piece.in_a_hurry = feed->stage == FEED_PLAYING && ahead < HURRY_TIME;
+    if (piece.most_steps == 0) { /* a line ends where it was meant to */
+        axis_halt(&feed->axis, feed->axis.position);
+    }
+    axis_next(&feed->axis, &piece);
+    if (piece.kind == PIECE_STEPS) {
+        queue_steps(feed, &piece);
+    } else if (piece.kind != PIECE_NONE) {
+        feed->turns_next = piece.kind == PIECE_SET_OUT;
+        if (!feed->has_pulses) {
+            return feed->turns_next;
+        }
+        queue_closing(feed);
+    }
+    return true;
+}
+
+static bool is_needed(const struct feed *feed, uint16_t ahead)
+{
+    const struct step_queue *lane = step_queue_of(feed->index);
+    return step_queue_has_room(lane) && (ahead < TIME_AHEAD || step_queue_ahead(lane) < LEAST_SEGMENTS);
+}
+
+/* Queues one segment, or looks for what later ones take. Returns false when there is nothing to do. */
+static bool fill(struct feed *feed)
+{
+    uint16_t ahead = time_ahead(feed, stepramp_feed_clock.now);
+    if (!is_needed(feed, ahead)) {
+        feed->has_got_ahead = true;
+        return axis_look_ahead(&feed->axis);
+    }
+    if (feed->parts_left != 0) {
+        queue_wait(feed);
+    } else if (feed->turns_next) {
+        if (feed->stage == FEED_PLAYING) {
+            return false; /* a move begins with more than may still be queued in time: from the next start on */
+        }
+        queue_turn(feed);
+    } else {
+        return queue_next_piece(feed, ahead);
+    }
+    return true;
+}
+
+/* ---- what has been played ---- */
+
+/* The time of a segment's last event is that of loading the next. */
+static void trace_played(const struct feed *feed, uint16_t steps, uint8_t next)
+{
+    if (!feed->is_traced || steps == 0) {
+        return;
+    }
+    bool is_traced = steps == trace_to_play;
+    trace_to_play = trace_left(feed, trace_to_play, steps);
+    if (is_traced && next != step_queue_of(feed->index)->tail) {
+        struct loaded segment;
+        step_queue_loaded(feed->index, next, &segment);
+        trace_value(feed->index, feed->played.steps_made, segment.time);
+    }
+}
+
+/* Counts `steps` of a segment that has been loaded. */
+static void count(struct feed_progress *progress, const struct loaded *segment, uint16_t steps)
+{
+    progress->backward = progress->backward != segment->turns;
+    axis_move_position(&progress->position, progress->backward, steps);
+    progress->steps_made += steps;
+}
+
+/* Counts the segment that is retired next. It has been played. */
+static void retire(struct feed *feed)
+{
+    struct step_queue *lane = step_queue_of(feed->index);
+    uint8_t offset = lane->retired;
+    struct loaded segment;
+    step_queue_loaded(feed->index, offset, &segment);
+    count(&feed->played, &segment, segment.steps);
+    if (segment.steps != 0) {
+        feed->has_stepped = true;
+    }
+    if (line_is_on()) {
+        line_retire(line_segment(offset), segment.steps);
+    }
+    lane->retired = step_queue_next(offset);
+    trace_played(feed, segment.steps, lane->retired);
+}
+
+/* Other things can be done first, as steps are queued for `least` [64 us]. */
+static bool can_wait(const struct feed *feed, uint8_t least)
+{
+    return feed->stage != FEED_PLAYING || time_ahead(feed, board_time()) >= least || !step_queue_has_room(step_queue_of(feed->index));
+}
+
+/* Retires what has been played: one segment when a stop waits, and not so many that nothing is queued meanwhile. That loaded
+ * last, the one before the tail, is being played. */
+static void retire_played(struct feed *feed)
+{
+    const struct step_queue *lane = step_queue_of(feed->index);
+    if (lane->retired == lane->tail) {
+        return;
+    }
+    for (uint8_t left = SEGMENTS_AT_ONCE; left != 0 && step_queue_next(lane->retired) != lane->tail; left--) {
+        retire(feed);
+        if (board_skip_to_stop()) {
+            return;
+        }
+    }
+}
+
+/* ---- for the machine ---- */
+
+void feed_set_out(struct feed *feed)
+{
+    if (feed->stage != FEED_IDLE) {
+        return;
+    }
+    feed->stage = FEED_WAITING;
+    feed->end_time = 0;
+    feed->end_ticks = 0;
+    feed->played.steps_made = 0;
+    trace_begin_move(feed->index);
+    feed->is_traced = trace_every(feed->index) != 0;
+    feed->has_got_ahead = false;
+    if (feed->is_traced) {
+        trace_to_queue = 1; /* the first pulse */
+        trace_to_play = 1;
+    }
+}
+
+bool feed_is_ready(const struct feed *feed)
+{
+    bool is_all = step_queue_ahead(step_queue_of(feed->index)) != 0 && axis_is_at_rest(&feed->axis) && !feed->has_pulses;
+    return is_all || !is_needed(feed, time_ahead(feed, stepramp_feed_clock.now));
+}
+
+uint16_t feed_next_interval(const struct feed *feed)
+{
+    struct loaded segment;
+    step_queue_loaded(feed->index, step_queue_of(feed->index)->tail, &segment);
+    return segment.time;
+}
+
+void feed_started(struct feed *feed, uint16_t start_ticks)
+{
+    extend(feed, start_ticks);
+    feed->seen_empty = step_queue_of(feed->index)->empty;
+    feed->end_time = (uint16_t)(feed->end_time + stepramp_feed_clock.now);
+    feed->has_run_dry = false;
+    feed->has_stepped = false;
+    feed->stage = FEED_PLAYING;
+}
+
+static uint32_t steps_made_now(const struct feed *feed)
+{
+    struct feed_progress progress;
+    feed_progress(feed, &progress);
+    return progress.steps_made;
+}
+
+bool feed_has_stepped(const struct feed *feed)
+{
+    return feed->stage == FEED_PLAYING &&
+           (feed->has_stepped || steps_made_now(feed) != feed->played.steps_made);
+}
+
+void feed_halted(struct feed *feed)
+{
+    feed_progress(feed, &feed->played);
+    feed->pin_backward = feed->played.backward;
+    feed->stage = FEED_IDLE;
+    feed->parts_left = 0;
+    feed->turns_next = false;
+    feed->has_pulses = false;
+    axis_halt(&feed->axis, feed->played.position);
+    trace_end_move(feed->index);
+}
+
+/* Nothing is left to do, and nothing queued. */
+static bool is_done(const struct feed *feed)
+{
+    return axis_is_at_rest(&feed->axis) && feed->parts_left == 0 && !feed->turns_next && step_queue_ahead(step_queue_of(feed->index)) == 0;
+}
+
+static void become_idle(struct feed *feed)
+{
+    feed->stage = FEED_IDLE;
+    trace_end_move(feed->index);
+}
+
+/* The engine has found the queue empty: at rest, or in a move. */
+static void parked(struct feed *feed)
+{
+    const struct step_queue *lane = step_queue_of(feed->index);
+    feed->seen_empty = lane->empty;
+    while (lane->retired != lane->tail) {
+        retire(feed);
+    }
+    if (is_done(feed)) {
+        become_idle(feed);
+        return;
+    }
+    /* The end of the move may have been queued since. */
+    bool has_run_dry = feed->has_pulses;
+    if (step_queue_ahead(lane) != 0) {
+        struct loaded segment;
+        step_queue_loaded(feed->index, lane->tail, &segment);
+        has_run_dry = has_run_dry || segment.steps != 0;
+    }
+    feed->has_run_dry = has_run_dry;
+    if (has_run_dry && starved != UINT8_MAX) {
+        starved++;
+    }
+    feed->stage = FEED_WAITING;
+    feed->end_time = 0;
+    feed->end_ticks = 0;
+}
+
+/* To a stop. What only looks like one comes as often as a disturbed line makes it: an axis that has little time left queues
+ * something first. On a line, one axis queues for all, and is soon asked again. */
+static bool gives_way(const struct feed *feed)
+{
+    return can_wait(feed, line_is_on() ? HURRY_TIME : WAITING_TIME) && board_skip_to_stop();
+}
+
+bool feed_poll(struct feed *feed)
+{
+    if (feed->stage == FEED_PLAYING) {
+        retire_played(feed);
+        if (step_queue_of(feed->index)->empty != feed->seen_empty) {
+            parked(feed);
+            return true;
+        }
+    } else if (is_done(feed)) { /* the target was taken back before the start */
+        become_idle(feed);
+        return true;
+    }
+    bool has_time = true;
+    for (uint8_t left = SEGMENTS_AT_ONCE; left != 0 && !gives_way(feed) && fill(feed); left--) {
+        has_time = can_wait(feed, WAITING_TIME);
+        if (has_time && left < SEGMENTS_AT_ONCE) {
+            break;
+        }
+    }
+    /* So that little is left to be looked for at a stop. */
+    for (uint8_t left = SEGMENTS_AT_ONCE; has_time && left != 0 && feed->axis.phase == PHASE_UP && !board_skip_to_stop(); left--) {
+        if (!axis_look_ahead(&feed->axis)) {
+            break;
+        }
+    }
+    return has_time;
+}
+
+/* The steps that have been played of a segment that has been loaded: all, but of the one that is being played. */
+static uint16_t steps_played(const struct feed *feed, const struct loaded *segment, uint8_t next,
+                             const struct engine_progress *now)
+{
+    bool is_playing = next == now->tail && now->empty == feed->seen_empty;
+    return is_playing && segment->steps != 0 ? (uint16_t)(segment->steps - 1u - now->count_less_1) : segment->steps;
+}
+
+void feed_progress(const struct feed *feed, struct feed_progress *progress)
+{
+    struct engine_progress now = engine_progress(feed->index);
+    uint8_t offset = step_queue_of(feed->index)->retired;
+    if (feed->stage != FEED_PLAYING) {
+        now.tail = offset;
+    }
+    *progress = feed->played;
+    stepramp_line_in_progress = stepramp_line.played;
+    while (offset != now.tail) {
+        struct loaded segment;
+        step_queue_loaded(feed->index, offset, &segment);
+        uint8_t next = step_queue_next(offset);
+        uint16_t steps = steps_played(feed, &segment, next, &now);
+        count(progress, &segment, steps);
+        if (line_is_on()) {
+            line_play(&stepramp_line_in_progress, line_segment(offset), steps);
+        }
+        offset = next;
+    }
+}
+
+uint32_t feed_interval(const struct feed *feed)
+{
+    if (feed->stage == FEED_IDLE || feed->axis.interval > LONGEST_WAIT_TICKS) {
+        return feed->axis.interval;
+    }
+    const struct axis_player *player = &stepramp_axis_players[feed->index];
+    const volatile uint16_t *present = line_is_on() ? &stepramp_line_player.interval : &player->interval;
+    uint16_t interval;
+    do {
+        interval = *present;
+    } while (interval != *present); /* an event came in between the two bytes */
+    /* Of silences, only the parts of a long interval are one. */
+    return !line_is_on() && player->step_mask == 0 && interval != PART_TICKS ? 0 : interval;
+}
+
+uint32_t feed_step_interval(const struct feed *feed)
+{
+    return feed->stage == FEED_PLAYING && stepramp_axis_players[feed->index].step_mask != 0 ? feed_interval(feed) : 0;
+}
+
+uint8_t feed_starved(void)
+{
+    return starved;
+}

@@ -1,0 +1,242 @@
+#include "stepramp/store/eeprom_slots.h"
+
+#include <string.h>
+
+#include "stepramp/edge/board.h"
+#include "stepramp/edge/out_of_line.h"
+#include "stepramp/protocol/frame.h"
+#include "stepramp/protocol/message.h"
+#include "stepramp/store/ramp_image.h"
+
+enum { MAGIC = 0x53, SLOT_FORMAT = 2, ERASED = 0xFF };
+
+/* Where the parts of a header lie. */
+enum header_offset { AT_MAGIC = 0, AT_FORMAT = 1, AT_LENGTH = 2, AT_SEQUENCE = 4, AT_CRC = 8, AT_HEADER_CRC = 10 };
+
+/* What is still to be written, each from its last byte back to its first, so that the very last byte is the first of
+ * the header, without which a slot is none. Rolling back begins with WRITE_HEADER. */
+enum stage { REST = 0, WRITE_HEADER = 1, WRITE_CONTENT = 2, INVALIDATE_HEADER = 3 };
+
+struct stepramp_slot_content stepramp_slot_content;
+uint16_t stepramp_slot_image_length;
+
+/* What is known of the slots: a bit for each enum slot_choice that holds something good, and what follows. */
+enum { HAS_ACTIVE = 1 << ACTIVE_SLOT, HAS_PREVIOUS = 1 << PREVIOUS_SLOT, HAS_BEEN_WRITTEN = 4 };
+
+static uint8_t active_slot; /* 0 or 1 */
+static uint8_t known;       /* HAS_BEEN_WRITTEN: the next byte, which is yet to be checked */
+static uint8_t stage;       /* enum stage */
+static uint16_t left;       /* bytes left in this stage */
+
+static uint8_t slot_of(enum slot_choice choice)
+{
+    return active_slot ^ choice;
+}
+
+static uint16_t address_of(uint8_t slot, uint16_t offset)
+{
+    return slot == 0 ? offset : (uint16_t)(SLOT_BYTES + offset);
+}
+
+/* Reads so many bytes of a slot, from this offset on. */
+static OUT_OF_LINE void read_bytes(uint8_t slot, uint16_t offset, uint8_t *bytes, uint16_t count)
+{
+    for (uint16_t address = address_of(slot, offset); count != 0; count--) {
+        *bytes++ = board_eeprom_read(address++);
+    }
+}
+
+/* ---- headers ---- */
+
+/* Reads a slot's header. Returns false when it is none. */
+static bool read_header(uint8_t slot, uint8_t header[SLOT_HEADER_BYTES])
+{
+    read_bytes(slot, 0, header, SLOT_HEADER_BYTES);
+    return header[AT_MAGIC] == MAGIC && header[AT_FORMAT] == SLOT_FORMAT;
+}
+
+/* The sequence number of a slot. Rolling back changes it, and the header's CRC, in place. When the power was cut
+ * meanwhile, they don't go together, but the content is whole and has its own CRC: then the slot counts as older than
+ * any other (0). */
+static uint32_t sequence_of(uint8_t slot)
+{
+    uint8_t header[SLOT_HEADER_BYTES];
+    bool is_whole = read_header(slot, header) && read_u16(header + AT_HEADER_CRC) == frame_crc16(header, AT_HEADER_CRC);
+    return is_whole ? read_u32(header + AT_SEQUENCE) : 0;
+}
+
+/* It is read whenever it is asked for, as room is scarcer than time: so is all else that a header says. */
+uint32_t eeprom_slots_sequence(void)
+{
+    if (!eeprom_slots_hold(ACTIVE_SLOT)) {
+        return 0;
+    }
+    uint32_t sequence = sequence_of(active_slot);
+    return sequence == 0 ? 1 : sequence; /* 0 would say that there is none */
+}
+
+/* ---- contents ---- */
+
+static uint8_t *content_bytes(void)
+{
+    return (uint8_t *)&stepramp_slot_content;
+}
+
+/* Loads the slot if it holds something good. */
+static bool load(uint8_t slot)
+{
+    uint8_t header[SLOT_HEADER_BYTES];
+    uint16_t length = 0;
+    if (read_header(slot, header)) {
+        length = read_u16(header + AT_LENGTH);
+    }
+    if (length <= SETTINGS_BYTES || length > SETTINGS_BYTES + LARGEST_IMAGE_BYTES) {
+        return false;
+    }
+    read_bytes(slot, SLOT_HEADER_BYTES, content_bytes(), length);
+    stepramp_slot_image_length = (uint16_t)(length - SETTINGS_BYTES);
+    return frame_crc16(content_bytes(), length) == read_u16(header + AT_CRC) &&
+           settings_check(content_bytes()) == SETTINGS_BYTES &&
+           ramp_image_check(stepramp_slot_content.image, stepramp_slot_image_length).good;
+}
+
+bool eeprom_slots_load(enum slot_choice choice)
+{
+    uint8_t bit = choice == ACTIVE_SLOT ? HAS_ACTIVE : HAS_PREVIOUS;
+    known &= (uint8_t)~bit;
+    if (!load(slot_of(choice))) {
+        return false;
+    }
+    known |= bit;
+    return true;
+}
+
+/* Loads the older slot first, only to know whether it is good, then the newer one; without that, the older one is the
+ * active one. */
+bool eeprom_slots_find(void)
+{
+    stage = REST;
+    active_slot = sequence_of(1) > sequence_of(0);
+    eeprom_slots_load(PREVIOUS_SLOT);
+    if (eeprom_slots_load(ACTIVE_SLOT)) {
+        return true;
+    }
+    active_slot = slot_of(PREVIOUS_SLOT);
+    known = 0;
+    return eeprom_slots_load(ACTIVE_SLOT);
+}
+
+bool eeprom_slots_hold(enum slot_choice choice)
+{
+    return (known & (choice == ACTIVE_SLOT ? HAS_ACTIVE : HAS_PREVIOUS)) != 0;
+}
+
+uint16_t eeprom_slots_image_length(enum slot_choice choice)
+{
+    uint8_t header[SLOT_HEADER_BYTES];
+    read_header(slot_of(choice), header);
+    return eeprom_slots_hold(choice) ? (uint16_t)(read_u16(header + AT_LENGTH) - SETTINGS_BYTES) : 0;
+}
+
+uint8_t eeprom_slots_read(enum slot_choice choice, uint16_t offset)
+{
+    return board_eeprom_read(address_of(slot_of(choice), SLOT_HEADER_BYTES + SETTINGS_BYTES + offset));
+}
+
+uint16_t eeprom_slots_image_crc(enum slot_choice choice)
+{
+    uint16_t crc = CRC16_START, length = eeprom_slots_image_length(choice);
+    for (uint16_t i = 0; i < length; i++) {
+        crc = frame_crc16_update(crc, eeprom_slots_read(choice, i));
+    }
+    return crc;
+}
+
+/* ---- writing ---- */
+
+static uint16_t content_length(void)
+{
+    return SETTINGS_BYTES + stepramp_slot_image_length;
+}
+
+static OUT_OF_LINE void begin_stage(uint8_t next)
+{
+    stage = next;
+    left = next == WRITE_CONTENT ? content_length() : next == WRITE_HEADER ? SLOT_HEADER_BYTES : 1;
+}
+
+void eeprom_slots_begin_roll_back(void)
+{
+    known &= HAS_ACTIVE;
+    begin_stage(WRITE_HEADER);
+}
+
+void eeprom_slots_begin_write(void)
+{
+    eeprom_slots_begin_roll_back();
+    begin_stage(INVALIDATE_HEADER);
+}
+
+bool eeprom_slots_are_writing(void)
+{
+    return stage != REST;
+}
+
+/* A byte of the header to be written. It takes a while, as it needs the content's CRC, but so does writing a byte. */
+static uint8_t header_byte(uint8_t index)
+{
+    uint8_t header[SLOT_HEADER_BYTES];
+    header[AT_MAGIC] = MAGIC;
+    header[AT_FORMAT] = SLOT_FORMAT;
+    write_u16(header + AT_LENGTH, content_length());
+    write_u32(header + AT_SEQUENCE, eeprom_slots_sequence() + 1);
+    write_u16(header + AT_CRC, frame_crc16(content_bytes(), content_length()));
+    write_u16(header + AT_HEADER_CRC, frame_crc16(header, AT_HEADER_CRC));
+    return header[index];
+}
+
+static uint8_t content_byte(uint16_t index)
+{
+    return stage == WRITE_HEADER    ? header_byte((uint8_t)index)
+           : stage == WRITE_CONTENT ? content_bytes()[index]
+                                    : ERASED;
+}
+
+/* Goes on to the next stage; after the last one the slot written is the active one. */
+static enum write_progress next_stage(void)
+{
+    begin_stage((uint8_t)(stage - 1));
+    if (stage != REST) {
+        return WRITING;
+    }
+    active_slot = slot_of(PREVIOUS_SLOT);
+    known = eeprom_slots_hold(ACTIVE_SLOT) ? HAS_ACTIVE | HAS_PREVIOUS : HAS_ACTIVE;
+    return WRITTEN;
+}
+
+enum write_progress eeprom_slots_poll(void)
+{
+    if (stage == REST) {
+        return NOT_WRITING;
+    }
+    if (board_eeprom_is_busy()) {
+        return WRITING;
+    }
+    if (left == 0) {
+        return next_stage();
+    }
+    uint16_t index = (uint16_t)(left - 1);
+    uint16_t address = address_of(slot_of(PREVIOUS_SLOT), stage == WRITE_CONTENT ? SLOT_HEADER_BYTES + index : index);
+    uint8_t byte = content_byte(index);
+    if (board_eeprom_read(address) == byte) { /* a byte that stands there already isn't worn out */
+        known &= (uint8_t)~HAS_BEEN_WRITTEN;
+        left = index;
+    } else if ((known & HAS_BEEN_WRITTEN) != 0) {
+        stage = REST;
+        return WRITE_FAILED;
+    } else {
+        board_eeprom_write(address, byte);
+        known |= HAS_BEEN_WRITTEN;
+    }
+    return WRITING;
+}
