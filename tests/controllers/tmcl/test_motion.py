@@ -49,7 +49,7 @@ def test_a_run_goes_on_and_turns_and_stops(bench: Bench, controller: TmclControl
 
 
 @pytest.mark.parametrize("speed", [500, -500])
-def test_where_a_run_has_come_to_rest_is_told_with_its_end(bench: Bench, controller: TmclController, speed: int) -> None:
+def test_a_run_that_is_told_to_have_ended_has_ended(bench: Bench, controller: TmclController, speed: int) -> None:
     # Quicker than the module's own slices of time: its end is seen in the midst of the last one.
     bench.lasts_s = 0.0003
     for _ in range(30):
