@@ -156,6 +156,39 @@ def test_an_answer_is_not_heard_while_a_newer_question_waits(modules: Modules) -
     assert modules.evaluate(script) == ["d"]
 
 
+def test_what_waits_stands_its_time_also_behind_another(modules: Modules) -> None:
+    """A design that is still being changed is not asked about, however soon the one before is answered."""
+    script = """async () => { const {createQuestion} = await import('/app/effects/question.js');
+        const [real, timers, asked, ends] = [globalThis.setTimeout, [], [], []];
+        globalThis.setTimeout = (act) => timers.push(act);
+        const question = createQuestion({ask: (one) => { asked.push(one); return new Promise((done) => ends.push(done)); },
+            take: () => {}, refuse: () => {}, afterMs: 250});
+        const settled = () => new Promise((done) => real(done, 0));
+        question.want('a'); timers[0](); await settled();
+        question.want('b'); ends[0](); await settled();
+        const before = [...asked];
+        timers[1](); await settled();
+        globalThis.setTimeout = real;
+        return [before, asked]; }"""
+    assert modules.evaluate(script) == [["a"], ["a", "b"]]
+
+
+def test_an_answer_that_can_not_be_taken_keeps_no_other_waiting(modules: Modules) -> None:
+    script = """async () => { const {createQuestion} = await import('/app/effects/question.js');
+        const [asked, failed, ends] = [[], [], []];
+        const hear = (error) => failed.push(error.message);
+        const usual = process.listeners('unhandledRejection');
+        process.removeAllListeners('unhandledRejection').on('unhandledRejection', hear);
+        const question = createQuestion({ask: (one) => { asked.push(one); return new Promise((done) => ends.push(done)); },
+            take: () => { throw new Error('broken'); }, refuse: () => {}});
+        const settled = () => new Promise((done) => setTimeout(done, 0));
+        question.want('a'); question.want('b'); ends[0](); await settled();
+        process.off('unhandledRejection', hear);
+        for (const one of usual) process.on('unhandledRejection', one);
+        return [asked, failed]; }"""
+    assert modules.evaluate(script) == [["a", "b"], ["broken"]]
+
+
 def test_a_cancelled_question_leaves_its_place_to_the_next(modules: Modules) -> None:
     """Only four requests go at a time: what nobody wants an answer to any more must not keep a device's waiting."""
     script = """async () => { const {createQuestion} = await import('/app/effects/question.js');

@@ -20,7 +20,8 @@ export const NOBODY_ANSWERS = 'The server does not answer. It is asked again unt
  * @param {boolean} [handlers.isOnlyNewest]  an answer isn't heard while a newer question waits
  */
 export function createQuestion({ ask, take, refuse, miss = () => {}, afterMs = 0, isOnlyNewest = false }) {
-  /** @type {{question: Question} | null} */
+  /** isDue: it has stood long enough.
+   * @type {{question: Question, isDue: boolean} | null} */
   let next = null;
   /** What nobody answered.
    * @type {{question: Question} | null} */
@@ -51,17 +52,18 @@ export function createQuestion({ ask, take, refuse, miss = () => {}, afterMs = 0
   }
 
   async function work() {
-    if (isUnderWay) return;
+    if (isUnderWay || !next?.isDue) return;
     const ended = present.signal;
-    isUnderWay = true;
+    const { question } = next;
+    [next, isUnderWay] = [null, true];
     try {
-      while (next !== null && !ended.aborted) {
-        const { question } = next;
-        next = null;
-        await askOne(question, ended);
-      }
+      await askOne(question, ended);
     } finally {
-      if (!ended.aborted) isUnderWay = false;
+      // Also when what took the answer has failed.
+      if (!ended.aborted) {
+        isUnderWay = false;
+        work();
+      }
     }
   }
 
@@ -82,10 +84,16 @@ export function createQuestion({ ask, take, refuse, miss = () => {}, afterMs = 0
 
   /** @param {Question} question @param {number} [standsMs] */
   function want(question, standsMs = afterMs) {
-    [next, missed] = [{ question }, null];
+    const wanted = { question, isDue: standsMs === 0 };
+    [next, missed] = [wanted, null];
     clearTimeout(waiting);
-    if (standsMs === 0) work();
-    else waiting = setTimeout(work, standsMs);
+    if (wanted.isDue) work();
+    else {
+      waiting = setTimeout(() => {
+        wanted.isDue = true;
+        work();
+      }, standsMs);
+    }
   }
 
   return {
