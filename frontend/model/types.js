@@ -99,8 +99,9 @@
 /** @typedef {{id: string, state: 'waiting' | 'running' | 'done' | 'cancelled' | 'failed', progress: number, result: MapResult | null,
  *   errors?: Rejection[]}} MapJob */
 /** The stall map of an axis: how far the last one is that was asked for, and the pictures that are known, the newest first.
- * key: what of a design it, or a picture, is of; id: of the job that computes it, null: not told yet.
- * @typedef {{key: string, over: Over, id: string | null, stage: 'running' | 'done' | 'cancelled' | 'failed', progress: number,
+ * key: what of a design it, or a picture, is of; id: of the job that computes it, null: not told yet; waitsFor: why nothing
+ * comes of it just now, in words, '' or left out: something does.
+ * @typedef {{key: string, over: Over, id: string | null, stage: 'running' | 'done' | 'cancelled' | 'failed', waitsFor?: string, progress: number,
  *   pictures: {key: string, result: MapResult}[], rejections: Rejection[]}} StallMap */
 
 /** @typedef {{name: 'accelerate' | 'slew' | 'decelerate', first_step: number, last_step: number}} Phase */

@@ -27,8 +27,10 @@ const MOST_REQUESTS = 4;
 export const UNPROCESSABLE = 422;
 /** No larger file is read [bytes]. */
 const MOST_FILE_BYTES = 268_435_456;
-/** From here on it is the server that can't, not the question that is wrong. */
+/** From here on it is the server that can't, not the question that is wrong … */
 const SERVER_ERROR = 500;
+/** … or a device: there is news of it once it can. */
+const DEVICE_LOST = 502;
 
 /** What this page calls itself: the server knows by it which page is in control of a device. */
 export const PAGE = crypto.randomUUID();
@@ -380,6 +382,11 @@ async function stop(wanted, path) {
 /** Whether the server understood, and will not do it however it is asked.
  * @param {unknown} error */
 export const isNo = (error) => error instanceof Refusal && error.status < SERVER_ERROR;
+
+/** Whether the same is to be asked again: nobody answers, or the server can't just now.
+ * @param {unknown} error @returns {error is ServerGone | Refusal} */
+export const isForLater = (error) =>
+  error instanceof ServerGone || (error instanceof Refusal && error.status >= SERVER_ERROR && error.status !== DEVICE_LOST);
 
 /** @param {string} id */
 function device(id) {

@@ -24,7 +24,7 @@ QUESTION = """async (steps) => {
         if (what === 'wait') { const {act, ms} = waiting.at(-1); heard.push(['after', ms]); act?.(); }
         if (what === 'answer') answers[value].resolve(more);
         if (what === 'gone') answers[value].reject(new ServerGone('gone'));
-        if (what === 'refuse') answers[value].reject(new Refusal(422, []));
+        if (what === 'refuse') answers[value].reject(new Refusal(more ?? 422, []));
         await new Promise((done) => real(done, 0));
     }
     [globalThis.setTimeout, globalThis.clearTimeout] = [real, realClear];
@@ -55,6 +55,16 @@ QUESTION = """async (steps) => {
             ["a", "a", "a"],
             [["missed", "a"], ["after", 1000], ["missed", "a"], ["after", 2000], ["took", 3, "a"]],
         ),
+        # So is what the server could not answer just then, by overload or a mistake of its own; of a device there is news.
+        *(
+            (
+                [["want", "a"], ["refuse", 0, status], ["wait"], ["answer", 1, 3]],
+                ["a", "a"],
+                [["missed", "a"], ["after", 1000], ["took", 3, "a"]],
+            )
+            for status in (500, 503)
+        ),
+        *(([["want", "a"], ["refuse", 0, status]], ["a"], [["refused", "a"]]) for status in (404, 409, 502)),
         ([["want", "a"], ["gone", 0], ["again"], ["answer", 1, 3]], ["a", "a"], [["missed", "a"], ["took", 3, "a"]]),
         ([["want", "a"], ["answer", 0, 1], ["again"]], ["a"], [["took", 1, "a"]]),
     ],
@@ -63,6 +73,17 @@ def test_questions_are_cancelled_and_asked_again(
     modules: Modules, steps: list[list[object]], asked: list[str], heard: list[list[object]]
 ) -> None:
     assert modules.evaluate(QUESTION, steps) == {"asked": asked, "heard": heard}
+
+
+def test_what_the_server_can_not_just_now_is_said_until_it_is_asked_again(modules: Modules) -> None:
+    script = """async (message) => { const {laterText, whyLater} = await import('/app/effects/question.js');
+        const {Refusal, ServerGone} = await import('/server/api.js');
+        return [new Refusal(503, [{message}]), new ServerGone('no')].map((one) => [laterText(one), whyLater(one)]); }"""
+    overloaded = "Too many large bodies are sent or planned at the same time. Ask again later."
+    assert modules.evaluate(script, overloaded) == [
+        [f"{overloaded} The page asks again by itself.", [{"message": overloaded}]],
+        ["The server does not answer. It is asked again until it does.", []],
+    ]
 
 
 def test_rows_are_checked_again_when_nobody_answered_and_remarks_are_of_one_axis(modules: Modules) -> None:
@@ -161,8 +182,8 @@ def test_what_waits_stands_its_time_also_behind_another(modules: Modules) -> Non
     script = """async () => { const {createQuestion} = await import('/app/effects/question.js');
         const [real, timers, asked, ends] = [globalThis.setTimeout, [], [], []];
         globalThis.setTimeout = (act) => timers.push(act);
-        const question = createQuestion({ask: (one) => { asked.push(one); return new Promise((done) => ends.push(done)); },
-            take: () => {}, refuse: () => {}, afterMs: 250});
+        const question = createQuestion({
+            ask: (one) => { asked.push(one); return new Promise((done) => ends.push(done)); }, take: () => {}, refuse: () => {}, afterMs: 250});
         const settled = () => new Promise((done) => real(done, 0));
         question.want('a'); timers[0](); await settled();
         question.want('b'); ends[0](); await settled();
@@ -179,8 +200,8 @@ def test_an_answer_that_can_not_be_taken_keeps_no_other_waiting(modules: Modules
         const hear = (error) => failed.push(error.message);
         const usual = process.listeners('unhandledRejection');
         process.removeAllListeners('unhandledRejection').on('unhandledRejection', hear);
-        const question = createQuestion({ask: (one) => { asked.push(one); return new Promise((done) => ends.push(done)); },
-            take: () => { throw new Error('broken'); }, refuse: () => {}});
+        const question = createQuestion({
+            ask: (one) => { asked.push(one); return new Promise((done) => ends.push(done)); }, take: () => { throw new Error('broken'); }, refuse: () => {}});
         const settled = () => new Promise((done) => setTimeout(done, 0));
         question.want('a'); question.want('b'); ends[0](); await settled();
         process.off('unhandledRejection', hear);

@@ -37,7 +37,7 @@ MAPS = """async ([design, kept, steps]) => {
         if (what === 'cancel') cancelMap(7, values[0]);
         if (what === 'answer') waiting.at(-1).resolve(values[0]);
         if (what === 'gone') waiting.at(-1).reject(new ServerGone('gone'));
-        if (what === 'refuse') waiting.at(-1).reject(new Refusal(422, [{message: 'No.'}]));
+        if (what === 'refuse') waiting.at(-1).reject(new Refusal(values[0] ?? 422, [{message: 'No.'}]));
         await settle(); await settle();
     }
     globalThis.setTimeout = real;
@@ -102,6 +102,17 @@ def test_a_refused_map_says_why(modules: Modules) -> None:
     found = played(modules, ["compute", "load"], ["refuse"])
     assert found["maps"]["7 load"]["stage"] == "failed"
     assert [one["message"] for one in found["maps"]["7 load"]["rejections"]] == ["No."]
+
+
+def test_a_map_that_the_server_can_not_begin_just_now_says_so_and_is_asked_for_again(modules: Modules) -> None:
+    begun = ["compute", "load"], ["refuse", 503]
+    found = played(modules, *begun)
+    assert found["asked"] == [["begin", "load"]] * 2
+    waits = found["maps"]["7 load"]
+    assert (waits["stage"], waits["waitsFor"]) == ("running", "No. The page asks again by itself.")
+    assert played(modules, *begun, ["answer", {"id": "j1"}])["maps"]["7 load"]["waitsFor"] == ""
+    gone = played(modules, ["compute", "load"], ["gone"])["maps"]["7 load"]
+    assert gone["waitsFor"] == "The server does not answer. It is asked again until it does."
 
 
 INTERLEAVED = """async (documents) => {

@@ -30,9 +30,10 @@ export const curvesRefused = (state, rejections, design, of) =>
  * @param {State} state @returns {State} */
 export const curvesAwaited = (state) => knowing(state, { about: null });
 
-/** Nobody answers: the same is asked again.
- * @param {State} state @param {number} of the axis that was asked about @returns {State} */
-export const curvesMissed = (state, of) => knowing(state, { about: of, staleness: 'unanswered', rejections: [] });
+/** Nobody answers, or the server can't just now: the same is asked again.
+ * @param {State} state @param {number} of the axis that was asked about @param {Rejection[]} [rejections] why it can't
+ * @returns {State} */
+export const curvesMissed = (state, of, rejections = []) => knowing(state, { about: of, staleness: 'unanswered', rejections });
 
 /** @param {State} state @param {import('../../model/types.js').Design} design that is pinned
  * @param {Answer | null} curves null: the server refuses it @returns {State} */

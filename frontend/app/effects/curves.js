@@ -8,7 +8,7 @@ import { isOfMotion } from '../../plotting/plots.js';
 import { axisOf, designOf, isSliding, pinnedOf, viewOf } from '../selectors.js';
 import { whenChanged } from '../state.js';
 import { createLateness } from './lateness.js';
-import { createQuestion } from './question.js';
+import { createQuestion, whyLater } from './question.js';
 
 /** @typedef {import('../state.js').Store} Store */
 
@@ -24,9 +24,9 @@ export function askForCurves({ dispatch, subscribe }, ask = calculate) {
       lateness.answered(asked.design);
       dispatch(curvesRefused, rejections, asked.design, asked.axis);
     },
-    miss(asked) {
+    miss(asked, error) {
       lateness.answered(asked.design);
-      dispatch(curvesMissed, asked.axis);
+      dispatch(curvesMissed, asked.axis, whyLater(error));
     },
   });
   // By the design: finer points of one that is shown already are waited for in silence.

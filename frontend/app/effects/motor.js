@@ -5,7 +5,7 @@ import { api } from '../../server/api.js';
 import { motorCame } from '../commands/answers.js';
 import { axisOf, curvesOf, isDesignValid, isSliding } from '../selectors.js';
 import { whenChanged } from '../state.js';
-import { createQuestion } from './question.js';
+import { createQuestion, whyLater } from './question.js';
 
 /** @typedef {import('../../model/types.js').Design} Design */
 
@@ -15,7 +15,7 @@ export function askForMotor({ dispatch, subscribe }, ask = api.simulateMotor) {
     ask: (/** @type {{design: Design, axis: number, isMoving: boolean}} */ { design, isMoving }, ended) => ask(design, !isMoving, ended),
     take: (answer, { design, axis }) => dispatch(motorCame, design, answer, [], axis),
     refuse: ({ rejections }, { design, axis }) => dispatch(motorCame, design, null, rejections, axis),
-    miss: ({ design, axis }) => dispatch(motorCame, design, null, [], axis),
+    miss: ({ design, axis }, error) => dispatch(motorCame, design, null, whyLater(error), axis),
   });
   let wasMoving = false;
 

@@ -1,13 +1,21 @@
 // @ts-check
 // A question to the server that is asked anew as things change. One is under way at a time, and of those that wait only
-// the newest counts. What is cancelled is never heard of again; what nobody answered is asked again after a while.
+// the newest counts. What is cancelled is never heard of again; what nobody answered, or the server could not answer just
+// then, is asked again after a while.
 
-import { Refusal, ServerGone } from '../../server/api.js';
+import { isForLater, Refusal, ServerGone } from '../../server/api.js';
 
 const FIRST_PAUSE_MS = 1_000;
 const LONGEST_PAUSE_MS = 15_000;
-/** What a dialog says meanwhile. */
-export const NOBODY_ANSWERS = 'The server does not answer. It is asked again until it does.';
+
+/** What a dialog says until something is asked again.
+ * @param {Refusal | ServerGone} error */
+export const laterText = (error) =>
+  error instanceof Refusal ? `${error.message} The page asks again by itself.` : 'The server does not answer. It is asked again until it does.';
+
+/** What is wrong with the server then; nothing where it is not there.
+ * @param {Refusal | ServerGone} error */
+export const whyLater = (error) => (error instanceof Refusal ? error.rejections : []);
 
 /**
  * @template Question, Found
@@ -15,7 +23,7 @@ export const NOBODY_ANSWERS = 'The server does not answer. It is asked again unt
  * @param {(question: Question, ended: AbortSignal) => Promise<Found>} handlers.ask  ended: it has been cancelled
  * @param {(found: Found, question: Question) => void} handlers.take
  * @param {(refusal: Refusal, question: Question) => void} handlers.refuse
- * @param {(question: Question) => void} [handlers.miss]  nobody answered
+ * @param {(question: Question, error: Refusal | ServerGone) => void} [handlers.miss]  nobody answered, or the server could not
  * @param {number} [handlers.afterMs]  how long a question has to stand before it is asked
  * @param {boolean} [handlers.isOnlyNewest]  an answer isn't heard while a newer question waits
  */
@@ -45,8 +53,8 @@ export function createQuestion({ ask, take, refuse, miss = () => {}, afterMs = 0
       take(found, question);
     } catch (error) {
       if (isOver(ended)) return;
-      if (error instanceof Refusal) refuse(error, question);
-      else if (error instanceof ServerGone) later(question);
+      if (isForLater(error)) later(question, error);
+      else if (error instanceof Refusal) refuse(error, question);
       else throw error;
     }
   }
@@ -67,9 +75,9 @@ export function createQuestion({ ask, take, refuse, miss = () => {}, afterMs = 0
     }
   }
 
-  /** @param {Question} question */
-  function later(question) {
-    miss(question);
+  /** @param {Question} question @param {Refusal | ServerGone} error */
+  function later(question, error) {
+    miss(question, error);
     if (next !== null) return;
     missed = { question };
     clearTimeout(waiting);

@@ -4,10 +4,11 @@
 
 import { keepMaps } from '../../documents/stall_maps.js';
 import { mapKey } from '../../model/stall_map.js';
-import { api, Ended, Refusal, ServerGone } from '../../server/api.js';
+import { api, Ended, isForLater, Refusal, ServerGone } from '../../server/api.js';
 import { stallMapCame } from '../commands/answers.js';
 import { axisOf, designOf } from '../selectors.js';
 import { whenChanged } from '../state.js';
+import { laterText } from './question.js';
 
 /** @typedef {import('../../model/types.js').Over} Over */
 /** @typedef {import('../../model/types.js').StallMap} StallMap */
@@ -32,7 +33,7 @@ export function createStallMaps({ state, dispatch, subscribe }, ask = api) {
    * @param {number} axis @param {Over} over */
   function cancel(axis, over) {
     if (present?.axis !== axis || present.over !== over) return;
-    tell(present, { stage: 'cancelled' });
+    tell(present, { stage: 'cancelled', waitsFor: '' });
     present.ended.abort();
     present = null;
   }
@@ -44,7 +45,7 @@ export function createStallMaps({ state, dispatch, subscribe }, ask = api) {
     if (design === null || axis === null) return;
     if (present) cancel(present.axis, present.over);
     const asked = begin(axis, over);
-    tell(asked, { key: mapKey(design, over), over, id: null, stage: 'running', progress: 0, rejections: [] });
+    tell(asked, { key: mapKey(design, over), over, id: null, stage: 'running', waitsFor: '', progress: 0, rejections: [] });
     follow(asked, () => ask.beginMap(design, over));
   }
 
@@ -66,17 +67,19 @@ export function createStallMaps({ state, dispatch, subscribe }, ask = api) {
       try {
         if (id === null) {
           ({ id } = await start());
-          tell(asked, { id });
+          tell(asked, { id, waitsFor: '' });
         } else {
           isOver = take(asked, await ask.job(id, signal));
           if (!isOver) await pause(ASKED_EACH_MS, signal);
         }
       } catch (error) {
-        if (error instanceof Refusal) {
+        if (isForLater(error)) {
+          tell(asked, { waitsFor: laterText(error) });
+          await pause(PAUSE_MS, signal);
+        } else if (error instanceof Refusal) {
           isOver = true;
-          tell(asked, { stage: 'failed', rejections: error.rejections });
-        } else if (error instanceof ServerGone) await pause(PAUSE_MS, signal);
-        else if (!(error instanceof Ended)) throw error;
+          tell(asked, { stage: 'failed', waitsFor: '', rejections: error.rejections });
+        } else if (!(error instanceof Ended)) throw error;
       }
     }
     if (present === asked) present = null;
@@ -86,7 +89,7 @@ export function createStallMaps({ state, dispatch, subscribe }, ask = api) {
   /** @param {Asked} asked @param {import('../../model/types.js').MapJob} job @returns {boolean} whether it has ended */
   function take(asked, { state: now, progress, result, errors }) {
     const isOver = now !== 'waiting' && now !== 'running';
-    tell(asked, { progress, stage: isOver ? now : 'running', result, rejections: errors ?? [] });
+    tell(asked, { progress, stage: isOver ? now : 'running', waitsFor: '', result, rejections: errors ?? [] });
     return isOver;
   }
 

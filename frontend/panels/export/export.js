@@ -3,7 +3,7 @@
 
 import { announce } from '../../app/commands/told.js';
 import { designOf, machineOf } from '../../app/selectors.js';
-import { createQuestion, NOBODY_ANSWERS } from '../../app/effects/question.js';
+import { createQuestion, laterText } from '../../app/effects/question.js';
 import { whenChanged, whenever } from '../../app/state.js';
 import { api } from '../../server/api.js';
 import { createDialog, dialogFoot } from '../../ui/dialog.js';
@@ -91,7 +91,7 @@ export function createExport({ state, dispatch }, server = api, askOwn = api.own
       dialog.element.dataset.shown = asked.name;
     },
     refuse: ({ rejections }, { format: asked }) => showProblems(asked, rejections.map(problemText)),
-    miss: ({ format: asked }) => showProblems(asked, [NOBODY_ANSWERS]),
+    miss: ({ format: asked }, error) => showProblems(asked, [laterText(error)]),
     isOnlyNewest: true,
   });
 

@@ -1,7 +1,7 @@
 // @ts-check
 // What a machine that ramps by itself really plays of the design: in words, and, if wanted, as a curve of the plots.
 
-import { createQuestion, NOBODY_ANSWERS } from '../../app/effects/question.js';
+import { createQuestion, laterText } from '../../app/effects/question.js';
 import { drawMachine } from '../../app/commands/view.js';
 import { api } from '../../server/api.js';
 import { element, showText } from '../../ui/dom.js';
@@ -27,7 +27,7 @@ export function createPlayed({ state, dispatch }, ask = api.ownRamp) {
     ask: (/** @type {{format: ExportFormat, design: Design}} */ { format, design }, ended) => ask(`machine/${format.name}`, design, null, ended),
     take: (ramp, { format }) => say(playedText(ramp, format.title ?? format.label), true),
     refuse: ({ message }) => say(message, false),
-    miss: () => say(NOBODY_ANSWERS, false),
+    miss: (_, error) => say(laterText(error), false),
     isOnlyNewest: true,
   });
 

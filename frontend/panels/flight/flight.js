@@ -1,7 +1,7 @@
 // @ts-check
 // The dialog that plays the design's ramp to what the motor is told in flight. Nothing is sent to a device.
 
-import { createQuestion, NOBODY_ANSWERS } from '../../app/effects/question.js';
+import { createQuestion, laterText } from '../../app/effects/question.js';
 import { tellInFlight } from '../../app/commands/view.js';
 import { designOf, shownCurvesOf } from '../../app/selectors.js';
 import { whenChanged } from '../../app/state.js';
@@ -72,7 +72,7 @@ export function createFlight(ask, dispatch) {
       draw();
     },
     refuse: ({ rejections }) => showProblem(textOf(rows.reject(rejections))),
-    miss: () => showProblem(NOBODY_ANSWERS),
+    miss: (_, error) => showProblem(laterText(error)),
     isOnlyNewest: true,
   });
   dialog.element.addEventListener('close', playing.cancel);

@@ -2,7 +2,7 @@
 // The last step: the ramp goes where it is played.
 
 import { designOf, isDesignValid, stalenessOf } from '../../app/selectors.js';
-import { createQuestion, NOBODY_ANSWERS } from '../../app/effects/question.js';
+import { createQuestion, laterText } from '../../app/effects/question.js';
 import { pushRefusals } from '../../model/messages.js';
 import { api } from '../../server/api.js';
 import { copyText } from '../../ui/clipboard.js';
@@ -125,7 +125,7 @@ function createSettings(server) {
       tell(sent.join('\n'), told, true);
     },
     refuse: ({ rejections }) => tell('', pushRefusals(rejections).map(({ text }) => text), false),
-    miss: () => tell('', [NOBODY_ANSWERS], false),
+    miss: (_, error) => tell('', [laterText(error)], false),
     isOnlyNewest: true,
   });
 

@@ -2,7 +2,7 @@
 // The dialog that finds the fastest ramp of each shape that keeps a part of the motor's torque back, beside the design as it is.
 
 import { mend } from '../../app/commands/work.js';
-import { createQuestion, NOBODY_ANSWERS } from '../../app/effects/question.js';
+import { createQuestion, laterText } from '../../app/effects/question.js';
 import { axisOf, designOf } from '../../app/selectors.js';
 import { whenChanged } from '../../app/state.js';
 import { figuresOf, isInUse } from '../../model/fastest_ramps.js';
@@ -65,7 +65,7 @@ export function createFastest(dispatch, ask = askFastest) {
       draw();
     },
     refuse: ({ rejections }) => tell('', rejections),
-    miss: () => tell(NOBODY_ANSWERS),
+    miss: (_, error) => tell(laterText(error)),
     isOnlyNewest: true,
   });
   dialog.element.addEventListener('close', finding.cancel);

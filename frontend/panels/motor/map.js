@@ -124,7 +124,7 @@ export function createMap(dispatch, { computeMap, cancelMap }) {
           ? textOf(map.rejections) || 'The map could not be computed.'
           : map?.stage === 'cancelled'
             ? `Cancelled: ${map.pictures.some((one) => one.key === map.key) ? 'what was computed until then is shown' : 'nothing was computed until then'}.`
-            : '';
+            : (map?.waitsFor ?? '');
     if (problem.textContent !== text) problem.replaceChildren(...(text === '' ? [] : [messageLine({ text, isWarning: map?.stage === 'cancelled' })]));
   }
 

@@ -2,7 +2,7 @@
 // The dialog that shows what the rotor does of the planned move: how far the field leads it, how fast it turns, and how it comes
 // to rest, with each damping.
 
-import { createQuestion, NOBODY_ANSWERS } from '../../app/effects/question.js';
+import { createQuestion, laterText } from '../../app/effects/question.js';
 import { designOf, shownCurvesOf } from '../../app/selectors.js';
 import { whenChanged } from '../../app/state.js';
 import { textOf } from '../../model/messages.js';
@@ -53,7 +53,7 @@ export function createRotor(ask = api.simulateRotor) {
       draw();
     },
     refuse: ({ rejections }) => tell(textOf(rejections)),
-    miss: () => tell(NOBODY_ANSWERS),
+    miss: (_, error) => tell(laterText(error)),
     isOnlyNewest: true,
   });
   dialog.element.addEventListener('close', playing.cancel);

@@ -1,7 +1,7 @@
 // @ts-check
 // The dialog for fitting rows to the ramp: the size or the error wished for, what comes of it, and only then the rows.
 
-import { createQuestion, NOBODY_ANSWERS } from '../../app/effects/question.js';
+import { createQuestion, laterText } from '../../app/effects/question.js';
 import { linearTableAsC } from '../../documents/c_table.js';
 import { copyText } from '../../ui/clipboard.js';
 import { createDialog, dialogFoot } from '../../ui/dialog.js';
@@ -187,7 +187,7 @@ export function createFitDialog(ask, onRows) {
       usable = answer.table && { rows: answer.table.rows, unit, design: to, wish: requested };
     },
     refuse: (refusal) => show(null, problemOf(refusal, chosenWish(), wanted[wish])),
-    miss: () => show(null, NOBODY_ANSWERS),
+    miss: (_, error) => show(null, laterText(error)),
     isOnlyNewest: true,
   });
 

@@ -1,7 +1,7 @@
 // @ts-check
 // The dialog that plays the table: what a gauge does when its target changes in flight. Nothing is sent to a device.
 
-import { createQuestion, NOBODY_ANSWERS } from '../../app/effects/question.js';
+import { createQuestion, laterText } from '../../app/effects/question.js';
 import { conversionProblem, convertedRows } from '../../model/design.js';
 import { createDialog, dialogFoot } from '../../ui/dialog.js';
 import { element, messageLine } from '../../ui/dom.js';
@@ -64,7 +64,7 @@ export function createPlayDialog(playTable) {
     ask: (/** @type {{table: object, range_steps: number, targets: Target[]}} */ request) => playTable(request),
     take: (played, { targets }) => show(played, '', targets),
     refuse: ({ message }) => show(null, message),
-    miss: () => show(null, NOBODY_ANSWERS),
+    miss: (_, error) => show(null, laterText(error)),
     isOnlyNewest: true,
   });
   dialog.element.addEventListener('close', playing.cancel);
