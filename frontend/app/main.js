@@ -52,7 +52,7 @@ const part = (id) => /** @type {HTMLElement} */ (document.getElementById(id));
 // Ids of axes that no tab has given yet: a design that is in two tabs is known by them.
 const firstId = crypto.getRandomValues(new Uint32Array(1))[0] * 2 ** 20;
 const tab = await openTab();
-const store = createStore(rememberedState(tab.record, firstId), (error) => errors.show(error));
+const store = createStore(rememberedState(tab, firstId), (error) => errors.show(error));
 const { dispatch, subscribe } = store;
 const errors = watchErrors(store);
 
@@ -92,7 +92,7 @@ const theme = createTheme(store);
 const exporting = createExport(store);
 const backups = createBackups(store, devices);
 const flight = createFlight(api.playInFlight, dispatch);
-const motor = createMotorDialogs(dispatch, createStallMaps(store));
+const motor = createMotorDialogs(dispatch, createStallMaps(store, tab.id));
 const panels = [
   createHeader(part('header'), dispatch, { ...keys, ...documents, ...theme, stop, openExport: exporting.open, openBackups: backups.open }),
   createTabs(part('tabs'), dispatch),

@@ -5,21 +5,23 @@
 
 const KEY = 'stepramp.stall_maps';
 
-/** @returns {Record<string, StallMap>} none where nothing readable is kept */
-export function keptMaps() {
+/** Of a tab that this one is a duplicate of there are the pictures, too, but no jobs: ended here, they would end there.
+ * @param {string} tab its id @returns {Record<string, StallMap>} none where nothing readable is kept */
+export function keptMaps(tab) {
   try {
-    const kept = Object.entries(JSON.parse(sessionStorage.getItem(KEY) ?? '{}') ?? {});
-    return Object.fromEntries(kept.filter(([, map]) => isMap(map)));
+    const { tab: of, maps } = JSON.parse(sessionStorage.getItem(KEY) ?? '{}');
+    const kept = Object.entries(maps).filter(([, map]) => isMap(map));
+    return Object.fromEntries(kept.map(([key, map]) => [key, of === tab ? map : { ...map, id: null }]));
   } catch {
     return {};
   }
 }
 
 /** Where there is no room they are computed again.
- * @param {Record<string, StallMap>} maps */
-export function keepMaps(maps) {
+ * @param {string} tab its id @param {Record<string, StallMap>} maps */
+export function keepMaps(tab, maps) {
   try {
-    sessionStorage.setItem(KEY, JSON.stringify(maps));
+    sessionStorage.setItem(KEY, JSON.stringify({ tab, maps }));
   } catch {
     // The page goes on without.
   }

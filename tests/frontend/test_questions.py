@@ -55,7 +55,7 @@ QUESTION = """async (steps) => {
             ["a", "a", "a"],
             [["missed", "a"], ["after", 1000], ["missed", "a"], ["after", 2000], ["took", 3, "a"]],
         ),
-        # So is what the server could not answer just then, by overload or a mistake of its own; of a device there is news.
+        # So is what the server could not answer, by overload or a mistake of its own; of a lost device there is news.
         *(
             (
                 [["want", "a"], ["refuse", 0, status], ["wait"], ["answer", 1, 3]],
@@ -183,7 +183,8 @@ def test_what_waits_stands_its_time_also_behind_another(modules: Modules) -> Non
         const [real, timers, asked, ends] = [globalThis.setTimeout, [], [], []];
         globalThis.setTimeout = (act) => timers.push(act);
         const question = createQuestion({
-            ask: (one) => { asked.push(one); return new Promise((done) => ends.push(done)); }, take: () => {}, refuse: () => {}, afterMs: 250});
+            ask: (one) => { asked.push(one); return new Promise((done) => ends.push(done)); },
+            take: () => {}, refuse: () => {}, afterMs: 250});
         const settled = () => new Promise((done) => real(done, 0));
         question.want('a'); timers[0](); await settled();
         question.want('b'); ends[0](); await settled();
@@ -201,7 +202,8 @@ def test_an_answer_that_can_not_be_taken_keeps_no_other_waiting(modules: Modules
         const usual = process.listeners('unhandledRejection');
         process.removeAllListeners('unhandledRejection').on('unhandledRejection', hear);
         const question = createQuestion({
-            ask: (one) => { asked.push(one); return new Promise((done) => ends.push(done)); }, take: () => { throw new Error('broken'); }, refuse: () => {}});
+            ask: (one) => { asked.push(one); return new Promise((done) => ends.push(done)); },
+            take: () => { throw new Error('broken'); }, refuse: () => {}});
         const settled = () => new Promise((done) => setTimeout(done, 0));
         question.want('a'); question.want('b'); ends[0](); await settled();
         process.off('unhandledRejection', hear);

@@ -260,7 +260,7 @@ def test_an_example_is_known_again_before_the_server_has_told_of_any(modules: Mo
         const {COMMANDS: {work}} = await import('/app/commands/commands.js');
         const {isOwnWork} = await import('/app/selectors.js');
         const own = (isExample) => {
-            const begun = work.begin(rememberedState({...record, isExample}, 9), record.machine);
+            const begun = work.begin(rememberedState({id: 't', record: {...record, isExample}}, 9), record.machine);
             return [isOwnWork(begun), isOwnWork(work.setName(begun, 'Mine'))]; };
         return [own(true), own(false)]; }"""
     assert modules.evaluate(script, RECORD) == [[False, True], [True, True]]
@@ -269,8 +269,8 @@ def test_an_example_is_known_again_before_the_server_has_told_of_any(modules: Mo
 def test_a_reload_remembers_what_makes_the_steps(modules: Modules) -> None:
     script = """async (record) => { const {recordOf, rememberedState} = await import('/app/effects/autosave.js');
         const {begin} = (await import('/app/commands/commands.js')).COMMANDS.work;
-        const written = recordOf(begin(rememberedState(record, 9), record.machine));
-        return rememberedState(written, 9).guide; }"""
+        const written = recordOf(begin(rememberedState({id: 't', record}, 9), record.machine));
+        return rememberedState({id: 't', record: written}, 9).guide; }"""
     guide = modules.evaluate(script, RECORD)
     assert guide == {"isOpen": False, "step": "motor", "drive": "wheel", "player": "marlin"}
 

@@ -6,13 +6,13 @@ from designs import document
 from frontend.modules import Modules
 
 RESULT = {"over_values": [1, 2], "accelerations_steps_per_s2": [1, 2], "verdicts": [[0, 0], [0, 2]]}
-MAPS = """async ([design, kept, steps]) => {
+MAPS = """async ([design, kept, steps, keptOf]) => {
     const {FIRST_STATE, createStore} = await import('/app/state.js');
     const {begin} = await import('/app/commands/work.js');
     const {createStallMaps} = await import('/app/effects/stall_maps.js');
     const {keptMaps} = await import('/documents/stall_maps.js');
     const {Refusal, ServerGone, Ended} = await import('/server/api.js');
-    const store = new Map(kept ? [['stepramp.stall_maps', JSON.stringify(kept)]] : []);
+    const store = new Map(kept ? [['stepramp.stall_maps', JSON.stringify({tab: 't', maps: kept, ...keptOf})]] : []);
     const [getItem, setItem] = [(key) => store.get(key) ?? null, (key, text) => store.set(key, text)];
     globalThis.sessionStorage = {getItem, setItem};
     const [asked, waiting, seen] = [[], [], []];
@@ -27,9 +27,10 @@ MAPS = """async ([design, kept, steps]) => {
             ended?.addEventListener('abort', () => reject(new Ended('ended')));
         });
     };
-    const page = createStore({...FIRST_STATE, firstId: 7, stallMaps: keptMaps()}, (error) => seen.push(String(error)));
+    const first = {...FIRST_STATE, firstId: 7, stallMaps: keptMaps('t')};
+    const page = createStore(first, (error) => seen.push(String(error)));
     page.dispatch(begin, {axes: [design], together: 'independent'});
-    const {computeMap, cancelMap} = createStallMaps(page,
+    const {computeMap, cancelMap} = createStallMaps(page, 't',
         {beginMap: answer('begin'), job: answer('job'), cancelJob: answer('cancel')});
     await settle();
     for (const [what, ...values] of steps) {
@@ -42,11 +43,11 @@ MAPS = """async ([design, kept, steps]) => {
     }
     globalThis.setTimeout = real;
     const {stallMaps} = page.state();
-    return {asked, seen, maps: stallMaps, kept: JSON.parse(store.get('stepramp.stall_maps') ?? 'null')}; }"""
+    return {asked, seen, maps: stallMaps, kept: JSON.parse(store.get('stepramp.stall_maps') ?? 'null')?.maps}; }"""
 
 
-def played(modules: Modules, *steps: list[object], kept: object = None) -> dict[str, Any]:
-    found: dict[str, Any] = modules.evaluate(MAPS, [document(), kept, list(steps)])
+def played(modules: Modules, *steps: list[object], kept: object = None, tab: str = "t") -> dict[str, Any]:
+    found: dict[str, Any] = modules.evaluate(MAPS, [document(), kept, list(steps), {"tab": tab}])
     return found
 
 
@@ -80,6 +81,9 @@ def test_what_ran_when_the_page_was_left_goes_on(modules: Modules) -> None:
     assert found["maps"]["7 load"]["pictures"] == [{"key": "k", "result": RESULT}]
     # Of one whose job was never told nothing more comes.
     found = played(modules, kept={"7 load": {**running, "id": None}})
+    assert (found["asked"], found["maps"]["7 load"]["stage"]) == ([], "cancelled")
+    # That of the tab which this one is a duplicate of is left to it.
+    found = played(modules, kept={"7 load": running}, tab="other")
     assert (found["asked"], found["maps"]["7 load"]["stage"]) == ([], "cancelled")
 
 
@@ -158,7 +162,7 @@ INTERLEAVED = """async (documents) => {
         };
         const take = (design) => page.dispatch(begin, {axes: [design], together: 'independent'});
         take(a);
-        const {computeMap, cancelMap} = createStallMaps(page, ask);
+        const {computeMap, cancelMap} = createStallMaps(page, 't', ask);
         const acts = {
             a: () => { take(a); computeMap('load'); },
             b: () => { take(b); computeMap('load'); },

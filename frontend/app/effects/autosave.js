@@ -16,11 +16,11 @@ import { FIRST_STATE, whenChanged, whenever } from '../state.js';
 const AFTER_MS = 200;
 
 /** The state that the page begins with: the first one, with what the browser remembers.
- * @param {TabRecord | null} record what the tab begins with @param {number} firstId @returns {State} */
-export function rememberedState(record, firstId) {
+ * @param {{id: string, record: TabRecord | null}} tab and what it begins with @param {number} firstId @returns {State} */
+export function rememberedState({ id, record }, firstId) {
   const devices = { ...FIRST_STATE.devices, chosenFamilies: memory.families(), softLimits: memory.allSoftLimits() };
   const shown = memory.shown() ?? FIRST_STATE.shown;
-  const first = { ...FIRST_STATE, units: memory.units(), shown, devices, firstId, stallMaps: keptMaps() };
+  const first = { ...FIRST_STATE, units: memory.units(), shown, devices, firstId, stallMaps: keptMaps(id) };
   if (record === null) return first;
   const { machine, isExample, replaced, views, areAllShown, allZoom, inFlight } = record;
   const lastExample = isExample ? machine.axes[0] : null;

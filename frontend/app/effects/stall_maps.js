@@ -18,8 +18,9 @@ import { laterText } from './question.js';
 const ASKED_EACH_MS = 250;
 const PAUSE_MS = 2_000;
 
-/** @param {import('../state.js').Store} store @param {Pick<typeof api, 'beginMap' | 'job' | 'cancelJob'>} [ask] */
-export function createStallMaps({ state, dispatch, subscribe }, ask = api) {
+/** @param {import('../state.js').Store} store @param {string} tab its id
+ * @param {Pick<typeof api, 'beginMap' | 'job' | 'cancelJob'>} [ask] */
+export function createStallMaps({ state, dispatch, subscribe }, tab, ask = api) {
   /** @type {Asked | null} */
   let present = null;
 
@@ -103,7 +104,7 @@ export function createStallMaps({ state, dispatch, subscribe }, ask = api) {
     }
   }
 
-  subscribe(whenChanged((now) => [now.stallMaps], keepMaps, state()));
+  subscribe(whenChanged((now) => [now.stallMaps], (maps) => keepMaps(tab, maps), state()));
   // What ran when the page was left goes on.
   for (const [key, { id, over, stage }] of Object.entries(state().stallMaps)) {
     if (stage !== 'running') continue;
