@@ -214,33 +214,36 @@ export const api = {
   schedule: (designs, mode, maxPoints, ended) =>
     request('POST', 'schedule', { designs, mode, max_points: maxPoints }, { ended }),
 
-  /** @param {Design} design @param {FitWish} wish @returns {Promise<import('../model/types.js').FittedTable>} */
-  fitTable: (design, wish) => request('POST', 'table/fit', { design, ...wish }),
+  /** @param {Design} design @param {FitWish} wish @param {AbortSignal} [ended]
+   * @returns {Promise<import('../model/types.js').FittedTable>} */
+  fitTable: (design, wish, ended) => request('POST', 'table/fit', { design, ...wish }, { ended }),
 
-  /** @param {Design} design @param {{row_kind: string, interval_unit: string, fit_to: string}} kind
+  /** @param {Design} design @param {{row_kind: string, interval_unit: string, fit_to: string}} kind @param {AbortSignal} [ended]
    * @returns {Promise<import('../model/types.js').FitCurve>} */
-  fitCurve: (design, kind) => request('POST', 'table/fit/curve', { design, ...kind }),
+  fitCurve: (design, kind, ended) => request('POST', 'table/fit/curve', { design, ...kind }, { ended }),
 
-  /** @param {object} table rows, interval_unit, frequency_hz and slew_interval_us
+  /** @param {object} table rows, interval_unit, frequency_hz and slew_interval_us @param {AbortSignal} [ended]
    * @returns {Promise<{findings: {row: number, reason: string, wrong: boolean}[]}>} */
-  checkTable: (table) => request('POST', 'table/check', table),
+  checkTable: (table, ended) => request('POST', 'table/check', table, { ended }),
 
   /** @param {string} format @param {Record<string, unknown>} wanted the design, and what the format looks at besides
-   * @returns {Promise<{file: Blob, name: string}>} */
-  exportDesign: (format, wanted) =>
-    request('POST', `export/${format}`, wanted, { withinMs: EXPORT_WITHIN_MS, read: readFile }),
+   * @param {AbortSignal} [ended] @returns {Promise<{file: Blob, name: string}>} */
+  exportDesign: (format, wanted, ended) =>
+    request('POST', `export/${format}`, wanted, { withinMs: EXPORT_WITHIN_MS, read: readFile, ended }),
 
   /** What a machine that ramps by itself is given for a design.
    * @param {string} name @param {Record<string, unknown>} wanted the design, and what the machine looks at besides
-   * @returns {Promise<import('../model/types.js').MachineSheet>} */
-  machine: (name, wanted) => request('POST', `machine/${name}`, wanted, { withinMs: EXPORT_WITHIN_MS }),
+   * @param {AbortSignal} [ended] @returns {Promise<import('../model/types.js').MachineSheet>} */
+  machine: (name, wanted, ended) => request('POST', `machine/${name}`, wanted, { withinMs: EXPORT_WITHIN_MS, ended }),
 
   /** @param {'html' | 'pdf'} format @param {object} wanted the design, and what its report is to say besides
-   * @returns {Promise<{file: Blob, name: string}>} */
-  report: (format, wanted) => request('POST', `report?format=${format}`, wanted, { withinMs: EXPORT_WITHIN_MS, read: readFile }),
+   * @param {AbortSignal} [ended] @returns {Promise<{file: Blob, name: string}>} */
+  report: (format, wanted, ended) =>
+    request('POST', `report?format=${format}`, wanted, { withinMs: EXPORT_WITHIN_MS, read: readFile, ended }),
 
-  /** @param {object} play table, range_steps and targets @returns {Promise<import('../model/types.js').PlayedTable>} */
-  playTable: (play) => request('POST', 'table/play', play),
+  /** @param {object} play table, range_steps and targets @param {AbortSignal} [ended]
+   * @returns {Promise<import('../model/types.js').PlayedTable>} */
+  playTable: (play, ended) => request('POST', 'table/play', play, { ended }),
 
   /** Play a design's ramp to what is told in flight.
    * @param {object} play design, commands and max_points @param {AbortSignal} ended

@@ -75,12 +75,12 @@ export function createExport({ state, dispatch }, server = api, askOwn = api.own
   });
 
   const question = createQuestion({
-    ask: async (/** @type {{format: ExportFormat, body: object}} */ { format: asked, body }) => {
+    ask: async (/** @type {{format: ExportFormat, body: object}} */ { format: asked, body }, ended) => {
       if (asked.isOfMachine) {
-        const { file_name, text, remarks: lost, unplayed } = await server.machine(asked.name, { ...body });
+        const { file_name, text, remarks: lost, unplayed } = await server.machine(asked.name, { ...body }, ended);
         return { file: new Blob([text], { type: 'text/plain' }), name: file_name, text, remarks: lost, unplayed };
       }
-      const { file, name } = await (asked.report ? server.report(asked.report, body) : server.exportDesign(asked.name, { ...body }));
+      const { file, name } = await (asked.report ? server.report(asked.report, body, ended) : server.exportDesign(asked.name, { ...body }, ended));
       return { file, name, text: asked.kind === 'text' ? await file.text() : null, remarks: [] };
     },
     take(found, { format: asked }) {
@@ -107,6 +107,8 @@ export function createExport({ state, dispatch }, server = api, askOwn = api.own
     note.textContent = 'It is being made …';
     dialog.element.dataset.shown = '';
     made = null;
+    // What is being made for an earlier one would be waited for.
+    question.cancel();
     played.hide();
     enable();
     const design = designOf(state());

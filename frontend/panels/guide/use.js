@@ -118,7 +118,7 @@ function createSettings(server) {
   const copy = element('button', { className: 'button', id: 'guide-copy', type: 'button', onclick: take }, icon('copy'), 'Copy');
 
   const question = createQuestion({
-    ask: (/** @type {{machine: Machine, body: Record<string, unknown>}} */ { machine, body }) => server.machine(machine, body),
+    ask: (/** @type {{machine: Machine, body: Record<string, unknown>}} */ { machine, body }, ended) => server.machine(machine, body, ended),
     take({ text, remarks: told }) {
       // Its comments say what is said here besides.
       const sent = text.split('\n').filter((line) => line !== '' && !line.startsWith(';'));

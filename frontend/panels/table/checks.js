@@ -17,7 +17,7 @@ import { areEqual } from '../../model/equal.js';
 const QUIET_FOR_MS = 150;
 
 /**
- * @param {(table: Table) => Promise<{findings: Finding[]}>} checkTable
+ * @param {(table: Table, ended: AbortSignal) => Promise<{findings: Finding[]}>} checkTable
  * @param {() => void} onFound
  */
 export function createChecks(checkTable, onFound) {

@@ -180,8 +180,8 @@ export function createFitDialog(ask, onRows) {
   const presentCurve = () => curves[`${kind} ${fitTo}`] ?? null;
 
   const fitting = createQuestion({
-    ask: (/** @type {{to: Design, unit: string, requested: import('../../model/types.js').FitWish}} */ { to, requested }) =>
-      ask.fitTable(to, requested),
+    ask: (/** @type {{to: Design, unit: string, requested: import('../../model/types.js').FitWish}} */ { to, requested }, ended) =>
+      ask.fitTable(to, requested, ended),
     take(answer, { to, unit, requested }) {
       show(answer);
       usable = answer.table && { rows: answer.table.rows, unit, design: to, wish: requested };
@@ -201,8 +201,8 @@ export function createFitDialog(ask, onRows) {
 
   const showCurve = () => chart.show(presentCurve(), fitted?.rows ?? 0);
   const drawing = createQuestion({
-    ask: (/** @type {{to: Design, kindOfRow: {row_kind: Kind, interval_unit: string, fit_to: FitTo}}} */ { to, kindOfRow }) =>
-      ask.fitCurve(to, kindOfRow),
+    ask: (/** @type {{to: Design, kindOfRow: {row_kind: Kind, interval_unit: string, fit_to: FitTo}}} */ { to, kindOfRow }, ended) =>
+      ask.fitCurve(to, kindOfRow, ended),
     take(curve, { to, kindOfRow }) {
       if (to === design) curves[`${kindOfRow.row_kind} ${kindOfRow.fit_to}`] = curve;
       showCurve();

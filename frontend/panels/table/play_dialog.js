@@ -18,7 +18,7 @@ const FIELDS = /** @type {const} */ ([
   { name: 'second', label: 'to', unit: 'step' },
 ]);
 
-/** @param {(request: object) => Promise<PlayedTable>} playTable */
+/** @param {(request: object, ended: AbortSignal) => Promise<PlayedTable>} playTable */
 export function createPlayDialog(playTable) {
   /** @type {Design | null} */
   let design = null;
@@ -61,7 +61,7 @@ export function createPlayDialog(playTable) {
   );
 
   const playing = createQuestion({
-    ask: (/** @type {{table: object, range_steps: number, targets: Target[]}} */ request) => playTable(request),
+    ask: (/** @type {{table: object, range_steps: number, targets: Target[]}} */ request, ended) => playTable(request, ended),
     take: (played, { targets }) => show(played, '', targets),
     refuse: ({ message }) => show(null, message),
     miss: (_, error) => show(null, laterText(error)),
