@@ -139,6 +139,28 @@ def test_what_is_told_in_flight_is_asked_for_again_and_follows_the_design(module
     assert asked == [[name, proposed] for name in (document()["name"], document()["name"], "Other")]
 
 
+def test_backups_that_come_late_are_not_those_of_the_device_in_view(modules: Modules) -> None:
+    seen = run(
+        modules,
+        """const {createMachine} = await import('/panels/device/machine.js');
+        const answers = {}, restored = [];
+        const machine = createMachine({startFrom() {}, restoreBackup: ({id}, name) => restored.push([id, name]),
+            listBackups: ({id}) => new Promise((done) => { answers[id] = done; })}, () => {});
+        body.append(machine.element);
+        const show = (id, backup) => machine.show({
+            device: {id, backup, axes: [], capabilities: ['backup']}, axis: 0, design, inTheWay: '', notAtRest: '', situation: {isBusy: false}});
+        const backup = (name) => [{name}];
+        const look = () => [byId('backups').hidden, byId('backup').value];
+        show('1', 'old'); show('2', 'new');
+        answers[1](backup('2026-01-01T00-00-00.000000Z')); await settled();
+        const seen = [look()];
+        answers[2](backup('2026-02-02T00-00-00.000000Z')); await settled();
+        byId('restore-backup').onclick();
+        return [...seen, look()[0], restored];""",
+    )
+    assert seen == [[True, ""], False, [["2", "2026-02-02T00-00-00.000000Z"]]]
+
+
 CANCELLED = {
     "fit": """const {createFitDialog} = await import('/panels/table/fit_dialog.js');
         const dialog = createFitDialog({fitTable: wait, fitCurve: wait}, () => {});

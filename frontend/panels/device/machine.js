@@ -50,9 +50,11 @@ export function createMachine(handlers, dispatch) {
     if (scale !== null) dispatch(mend, axisId, { changes: scaleChanges(design, scale) });
   }
 
-  /** @param {Device} device */
-  async function list(device) {
+  /** @param {Device} device @param {string} wanted what the list is to be of */
+  async function list(device, wanted) {
     const found = await handlers.listBackups(device);
+    // Meanwhile another device may be in view: a backup of this one is none of that.
+    if (wanted !== known) return;
     choice.offer(found.map(({ name }) => [name, savedAtText(name)]), found[0]?.name ?? '');
     backups.hidden = found.length === 0;
   }
@@ -86,7 +88,7 @@ export function createMachine(handlers, dispatch) {
       if (wanted === known) return;
       known = wanted;
       backups.hidden = true;
-      if (isThere) list(device);
+      if (isThere) list(device, wanted);
     },
   };
 }
