@@ -16,6 +16,7 @@ import { areEqual } from './equal.js';
  * @property {readonly Machine[]} past     the oldest first
  * @property {Machine} present
  * @property {readonly Machine[]} future   the farthest first
+ * @property {readonly Machine[]} dropped  the future that the gesture under way took the place of: back, if it is given up
  * @property {string} gesture              that the last change was a part of; '' when it stood alone
  * @property {number} at_ms                when the gesture went on
  * @property {number} nextId               no axis has had it yet */
@@ -36,17 +37,18 @@ export const SLIDE_GESTURE = 'slide:';
  * @param {number} [firstId] from which on no axis of any tab has an id @returns {History} */
 export function historyOf({ axes, together, active = 0, kept = null, ids }, firstId = Math.max(-1, ...(ids ?? [])) + 1) {
   const present = { axes, together, active, kept, ids: ids ?? axes.map((_, index) => firstId + index) };
-  return { past: [], present, future: [], gesture: '', at_ms: 0, nextId: ids ? firstId : firstId + axes.length };
+  return { past: [], present, future: [], dropped: [], gesture: '', at_ms: 0, nextId: ids ? firstId : firstId + axes.length };
 }
 
 /** @param {History} history @param {Machine} next @param {string} [gesture] @param {number} [at_ms] @returns {History} */
 function changed(history, next, gesture = '', at_ms = 0) {
-  const { past, present } = history;
+  const { past, present, future } = history;
   if (areEqual(next, present)) return history;
   const isPaused = gesture.startsWith(STEP_GESTURE) && at_ms - history.at_ms > STEPS_END_AFTER_MS;
   const goesOn = gesture !== '' && gesture === history.gesture && !isPaused && past.length > 0;
   const before = goesOn ? past : [...past, present].slice(-MOST_STEPS_BACK);
-  const after = { ...history, past: before, present: next, future: [], gesture, at_ms };
+  const dropped = goesOn ? history.dropped : future;
+  const after = { ...history, past: before, present: next, future: [], dropped, gesture, at_ms };
   // A slider on its way passes where it began, and goes on; any other gesture that comes back is over.
   return goesOn && !gesture.startsWith(SLIDE_GESTURE) && isBack(after) ? gestureEnded(after) : after;
 }
@@ -72,9 +74,9 @@ export function withDesign(history, id, design, gesture, at_ms) {
  * @param {History} history @returns {History} */
 export function gestureEnded(history) {
   if (history.gesture === '') return history;
-  const { past } = history;
-  const kept = isBack(history) ? { past: past.slice(0, -1), present: past[past.length - 1] } : {};
-  return { ...history, ...kept, gesture: '' };
+  const { past, dropped } = history;
+  const kept = isBack(history) ? { past: past.slice(0, -1), present: past[past.length - 1], future: dropped } : {};
+  return { ...history, ...kept, dropped: [], gesture: '' };
 }
 
 /** All axes at once, as other ones: a file, a link, an example. Those of another tab bring their ids.
@@ -86,12 +88,14 @@ export function replaced(history, { axes, together, ids = axes.map((_, index) =>
 
 /** The ids of all axes that are in hand, or may come back.
  * @param {History} history @returns {Set<number>} */
-export const idsOf = ({ past, present, future }) => new Set([...past, present, ...future].flatMap(({ ids }) => ids));
+export const idsOf = (history) => new Set(machinesOf(history).flatMap(({ ids }) => ids));
 
 /** The tables of all axes that are in hand, or may come back.
  * @param {History} history */
-export const tablesOf = ({ past, present, future }) =>
-  [...past, present, ...future].flatMap(({ axes }) => axes.map(({ table }) => table));
+export const tablesOf = (history) => machinesOf(history).flatMap(({ axes }) => axes.map(({ table }) => table));
+
+/** @param {History} history */
+const machinesOf = ({ past, present, future, dropped }) => [...past, present, ...future, ...dropped];
 
 /** @param {History} history @returns {History} */
 export function undone(history) {

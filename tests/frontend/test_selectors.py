@@ -45,6 +45,19 @@ def test_a_slider_that_comes_back_to_its_first_value_slides_on_until_it_is_let_g
     assert after(modules, [*away, ["work.endGesture"]], look) == [False, 2]
 
 
+@pytest.mark.parametrize("gesture", ["slide:move.steps", "drag:row 1"])
+def test_a_drag_that_is_given_up_leaves_what_can_be_done_again(modules: Modules, gesture: str) -> None:
+    path, first = "move.steps", document()["move"]["steps"]
+    look = "({history}) => history.future.map(({axes}) => axes[0].name)"
+    begun = [["work.endGesture"], ["work.setValue", path, 1234, gesture], ["work.setValue", path, 1300, gesture]]
+    given_up = [*begun, ["work.setValue", path, first, gesture], ["work.endGesture"]]
+    assert after(modules, given_up, look) == ["after"]
+    assert after(modules, [*given_up, ["work.redo"]], "({history}) => history.present.axes[0].name") == "after"
+    assert after(modules, [*begun, ["work.endGesture"]], look) == [], "it was a change"
+    once = [*begun, ["work.endGesture"], ["work.setValue", path, first], ["work.endGesture"]]
+    assert after(modules, once, look) == [], "two changes that make up for each other are two"
+
+
 def test_an_axis_keeps_its_id_and_its_zoom(modules: Modules) -> None:
     zoom = ["view.zoomTo", [2, 5]]
     seen = "(state, {axisOf, viewOf}) => [state.history.present.ids, axisOf(state), viewOf(state).zoom]"

@@ -29,7 +29,7 @@ def test_where_rows_come_from_is_forgotten_with_them(modules: Modules) -> None:
         const tables = [1, 2, 3].map(table);
         for (const [axis, one] of tables.entries()) origins.shown({...design, table: one}, axis);
         const machine = (one) => ({axes: [{...design, table: one}, {...design, table: null}]});
-        const history = {past: [machine(tables[0])], present: machine(tables[1]), future: []};
+        const history = {past: [machine(tables[0])], present: machine(tables[1]), future: [], dropped: []};
         origins.prune(tablesOf(history), new Set([0, 1, 2]));
         const steeper = {...design, ramp: {...design.ramp, acceleration_steps_per_s2: 77}};
         const typed = {...steeper, ramp: {...steeper.ramp, slew_speed_steps_per_s: 'fast'}, table: tables[0]};
