@@ -77,9 +77,16 @@ export function ownPlayerOf(state) {
   return family && { route: `families/${family.name}`, title: family.title, stepsPerMm: stepsPerMmOf(state) };
 }
 
-/** The steps per mm that the axis in view of the device is set to; null: not known.
+/** The steps per mm that the axis of the device is set to which plays the design in hand: that in view, unless another does;
+ * null: not known.
  * @param {State} state @returns {number | null} */
-export const stepsPerMmOf = (state) => deviceOf(state)?.axes[deviceAxisOf(state)]?.steps_per_mm ?? null;
+export function stepsPerMmOf(state) {
+  const axes = deviceOf(state)?.axes ?? [];
+  const inHand = machineOf(state)?.active ?? null;
+  const played = playedOf(state);
+  const playing = played === null || played === inHand ? deviceAxisOf(state) : axes.findIndex((_, axis) => playedOf(state, axis) === inHand);
+  return axes[playing]?.steps_per_mm ?? null;
+}
 
 /** How many axes of the device can be chosen: while a single design is pushed, one more than there are, as the next axis
  * may be given a ramp.
@@ -100,13 +107,12 @@ export function axesOffered(state) {
  * @param {State} state */
 export const deviceAxisOf = (state) => (state.devices.axis < axesOffered(state) ? state.devices.axis : 0);
 
-/** The place among the page's axes of the design that the chosen axis of the device plays, as far as the page knows: the one
+/** The place among the page's axes of the design that an axis of the device plays, as far as the page knows: the one
  * that was pushed there last, or else the one that a push of all gives it; null: nobody knows.
- * @param {State} state @returns {number | null} */
-export function playedOf(state) {
+ * @param {State} state @param {number} [axis] of the device; the chosen one @returns {number | null} */
+export function playedOf(state, axis = deviceAxisOf(state)) {
   const [machine, device] = [machineOf(state), deviceOf(state)];
   if (machine === null || device === null || device.state === 'lost') return null;
-  const axis = deviceAxisOf(state);
   const given = moveOf(state, device.id, axis).axis;
   const arePushedTogether = machine.axes.length > 1 && designsToPush(state).length === machine.axes.length;
   const place = given === null ? (arePushedTogether ? axis : -1) : machine.ids.indexOf(given);

@@ -23,8 +23,8 @@ STATE = """const {FIRST_STATE} = await import('/app/state.js');
             stage: 'refused', sent: 0.5, answer: null, of: null, rejections: [], before: null},
         guide: {...FIRST_STATE.guide, isOpen: true},
         devices: {...structuredClone(FIRST_STATE.devices), asking: 'connect'},
-        history: {past: [machine('before')], present: machine('A'), future: [machine('after')], dropped: [], gesture: 'name',
-            at_ms: 0, nextId: 8}});"""
+        history: {past: [machine('before')], present: machine('A'), future: [machine('after')], dropped: [],
+            gesture: 'name', at_ms: 0, nextId: 8}});"""
 
 
 def after(modules: Modules, steps: list[list[object]], look: str) -> object:

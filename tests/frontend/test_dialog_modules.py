@@ -148,7 +148,8 @@ def test_backups_that_come_late_are_not_those_of_the_device_in_view(modules: Mod
             listBackups: ({id}) => new Promise((done) => { answers[id] = done; })}, () => {});
         body.append(machine.element);
         const show = (id, backup) => machine.show({
-            device: {id, backup, axes: [], capabilities: ['backup']}, axis: 0, design, inTheWay: '', notAtRest: '', situation: {isBusy: false}});
+            device: {id, backup, axes: [], capabilities: ['backup']}, axis: 0, design,
+            inTheWay: '', notAtRest: '', situation: {isBusy: false}});
         const backup = (name) => [{name}];
         const look = () => [byId('backups').hidden, byId('backup').value];
         show('1', 'old'); show('2', 'new');
