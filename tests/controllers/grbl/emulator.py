@@ -43,6 +43,8 @@ class Eeprom:
     startup: list[str] = field(default_factory=lambda: ["", ""])
     offsets: dict[int, tuple[float, ...]] = field(default_factory=lambda: dict.fromkeys(range(1, 7), (0.0, 0.0, 0.0)))
     writes: int = 0
+    unreadable: str = ""
+    """What a power cut has left broken, by the command that lists it."""
     is_broken: bool = False
     """What is written is not kept."""
 
@@ -185,7 +187,9 @@ class GrblEmulator:
         scale = 1 / 25.4 if self.settings[13] else 1.0
         places = 4 if self.settings[13] else 3
         machine = [
-            float32(step / float32(self.settings[100 + axis])) * scale for axis, step in enumerate(self.position)
+            # Without steps/mm it prints what becomes of no number.
+            float32(step / float32(self.settings[100 + axis])) * scale if self.settings[100 + axis] else 0.0
+            for axis, step in enumerate(self.position)
         ]
         offset = [each * scale for each in self.eeprom.offsets[1]]
         is_of_work = not int(self.settings[10]) & 1
@@ -203,14 +207,7 @@ class GrblEmulator:
         if len(line) > LINE_CHARACTERS - 1:
             self._say("error:11")
         elif line in ("$$", "$#", "$N", "$I"):
-            if self.state not in ("Idle", "Alarm"):
-                self._say("error:8")
-                return
-            for each in {"$$": self._listing, "$#": self._parameters, "$N": self._startup, "$I": lambda: self.version}[
-                line
-            ]():
-                self._say(each)
-            self._say("ok")
+            self._say_listing(line)
         elif line == "$X":
             self.state = "Idle" if self.state == "Alarm" else self.state
             self._say("[MSG:Caution: Unlocked]")
@@ -220,7 +217,9 @@ class GrblEmulator:
         elif (setting := SETTING.fullmatch(line)) is not None:
             self._set(int(setting[1]), setting[2])
         elif line.startswith(("$N0=", "$N1=")):
-            self._write(lambda: self.eeprom.startup.__setitem__(int(line[2]), line[4:]))
+            self._keep_startup(int(line[2]), line[4:])
+        elif self.state == "Alarm" and line and not line.startswith("$"):
+            self._say("error:9")
         elif (offset := OFFSET.fullmatch(line)) is not None:
             scale = 25.4 if offset[1] == "G20" else 1.0
             words = {letter: float(number) * scale for letter, number in WORD.findall(offset[3])}
@@ -229,7 +228,30 @@ class GrblEmulator:
         elif line == "":
             self._say("ok")
         else:
-            self._say("error:9" if self.state == "Alarm" else self._run_block(line))
+            self._say(self._run_block(line))
+
+    def _say_listing(self, line: str) -> None:
+        if self.state not in ("Idle", "Alarm"):
+            self._say("error:8")
+            return
+        if self.eeprom.unreadable == line:
+            # It is put to its default by that.
+            self.eeprom.unreadable = ""
+            self._say("error:7")
+            self._say("ok")
+            return
+        makes = {"$$": self._listing, "$#": self._parameters, "$N": self._startup, "$I": lambda: self.version}
+        for each in makes[line]():
+            self._say(each)
+        self._say("ok")
+
+    def _keep_startup(self, number: int, block: str) -> None:
+        """Store a start-up line, which is carried out before, to see that it makes sense."""
+        verdict = "error:8" if self.state != "Idle" else self._run_block(block)
+        if verdict == "ok":
+            self._write(lambda: self.eeprom.startup.__setitem__(number, block))
+        else:
+            self._say(verdict)
 
     def _listing(self) -> list[str]:
         return [
@@ -256,6 +278,7 @@ class GrblEmulator:
             4: value < 0,
             3: number not in self.settings,
             6: number == 0 and value < 3,
+            10: number == 20 and value != 0 and not self.settings[22],
             52: value > self.most.get(number, math.inf),
         }
         error = next((code for code, is_so in errors.items() if is_so), None)
@@ -265,8 +288,10 @@ class GrblEmulator:
         if 120 <= number < 130:
             # It keeps accelerations in mm/min².
             value = float32(float32(value * 3600) / 3600)
-        self.settings[number] = value
-        self._write(lambda: self.eeprom.settings.__setitem__(number, value))
+        # Without homing there are no soft limits.
+        changed = {22: 0.0, 20: 0.0} if (number, value) == (22, 0) else {number: value}
+        self.settings |= changed
+        self._write(lambda: self.eeprom.settings.update(changed))
 
     def _write(self, write: Callable[[], None]) -> None:
         self.eeprom.writes += 1

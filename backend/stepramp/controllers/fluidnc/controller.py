@@ -76,8 +76,6 @@ class FluidNcController(GrblMachine, TriesRamps, BacksUp):
         self._memory.learn()
         report = self._moves.look()
         self._places.learn(self._memory.settings, report)
-        if not self._places.axes:
-            raise Refused(f"The controller at {self._conversation.name} tells no settings of axes that make sense.")
         self._moves.rest_at(report)
 
     def prepare_push(
@@ -87,6 +85,7 @@ class FluidNcController(GrblMachine, TriesRamps, BacksUp):
         mode: PushMode = "try",  # noqa: ARG002  # it is asked for nothing else
     ) -> Callable[[], PushReport]:
         """Work out the items of the axes, and return the call that sets them; see Controller."""
+        self._refuse_senseless()
         plan = PushPlan.of(designs, first_axis, self._places.axes)
 
         def push() -> PushReport:
@@ -100,6 +99,7 @@ class FluidNcController(GrblMachine, TriesRamps, BacksUp):
 
     def preview_push(self, designs: Sequence[Design], first_axis: int | None = None) -> PushPreview:
         """Work out what a push would change; see Controller."""
+        self._refuse_senseless()
         return PushPlan.of(designs, first_axis, self._places.axes).preview(self._memory.settings)
 
     def roll_back(self) -> None:

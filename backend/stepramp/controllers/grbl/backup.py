@@ -1,17 +1,33 @@
-"""A backup of a grbl: what it told of itself, as lines, and those of it that can be written again."""
+"""A backup of a grbl: what it told of itself, as lines, and those of it that can be written again.
+
+grbl carries a start-up line out before it stores it. So one that may move something is never sent.
+"""
 
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from stepramp.controllers.grbl.dialect import is_sendable, moves_nothing
 from stepramp.controllers.grbl.numbers import read
-from stepramp.controllers.grbl.settings import LETTERS, REPORTS_INCHES, Settings
+from stepramp.controllers.grbl.settings import LETTERS, REPORTS_INCHES, SOFT_LIMITS, Settings, is_told_same
 from stepramp.errors import Rejected, Rejection
 
 _PLACE = re.compile(r"\[G(?P<code>5[4-9]):(?P<numbers>[-\d.,]+)\]")
 _STARTUP = re.compile(r"\$N(?P<number>[01])=(?P<block>.*)")
+_HIDDEN = re.compile(r"[*]+")
+"""What grblHAL tells in place of a password."""
 ALLOWED = "a backup of a grbl: the lines that it tells after $$"
 NOT_WRITTEN = "What G28 and G30 go to can't be written again: go there, and say G28.1 or G30.1."
+
+
+@dataclass(frozen=True)
+class Entry:
+    """Something that differs. line: what makes it what was backed up."""
+
+    name: str
+    line: str
+    obstacle: str | None = None
+    """Why it isn't sent, as a sentence; None: it is."""
 
 
 @dataclass(frozen=True)
@@ -27,33 +43,57 @@ class Backup:
     @classmethod
     def of(cls, text: str) -> "Backup":
         """Return what a text tells; Rejected when it tells no settings, or one that grbl would hang with."""
-        lines = [line.strip() for line in text.splitlines()]
-        settings = Settings.of(lines)
-        if settings.axis(0) is None:
-            raise Rejected([Rejection("text", f"{len(lines)} lines", ALLOWED)])
+        backup = cls.told(text)
+        if not backup.settings.values:
+            raise Rejected([Rejection("text", f"{len(text.splitlines())} lines", ALLOWED)])
         bad = [
             Rejection(f"${number}", value, "a number above 0: grbl hangs without")
-            for number, value in settings.values.items()
+            for number, value in backup.settings.values.items()
             if 100 <= number < 130 and not _is_positive(value)
         ]
+        if not bad and backup.settings.axis(0) is None:
+            bad = [Rejection("text", f"{len(text.splitlines())} lines", ALLOWED)]
         if bad:
             raise Rejected(bad)
+        return backup
+
+    @classmethod
+    def told(cls, text: str) -> "Backup":
+        """Return what a text tells, whether it makes sense or not: a power cut may have left anything."""
+        lines = [line.strip() for line in text.splitlines()]
         startup = {found["number"]: found["block"] for found in map(_STARTUP.fullmatch, lines) if found is not None}
         places = {found["code"]: found["numbers"] for found in map(_PLACE.fullmatch, lines) if found is not None}
-        return cls(settings, startup, {code: _words(numbers) for code, numbers in places.items()})
+        offsets = {code: _words(numbers) for code, numbers in places.items()}
+        return cls(Settings.of(lines), startup, offsets)
 
-    def lines(self, present: "Backup") -> Iterator[str]:
-        """Yield the lines that make what is present what was backed up: only what differs, settings first."""
-        for number, value in self.settings.values.items():
-            if present.settings.values.get(number) != value:
-                yield f"${number}={value}"
+    def differing(self, present: "Backup") -> Iterator[Entry]:
+        """Yield what is present as something else, in the order in which it is written: settings first.
+
+        Soft limits come last of those, since grbl takes them only once homing is set.
+        """
+        numbers = sorted(self.settings.values, key=lambda number: number == SOFT_LIMITS)
+        for number in numbers:
+            value = self.settings.values[number]
+            if not is_told_same(present.settings.values.get(number), value):
+                yield _entry(f"${number}", f"${number}={value}", is_hidden=_HIDDEN.fullmatch(value) is not None)
         units = "G20" if self.settings.number(REPORTS_INCHES) else "G21"
         for code, words in self.offsets.items():
             if present.offsets.get(code) != words:
-                yield f"{units}G10L2P{int(code) - 53}{words}"
+                yield _entry(f"G{code}", f"{units}G10L2P{int(code) - 53}{words}")
         for place, block in self.startup.items():
             if present.startup.get(place) != block:
-                yield f"$N{place}={block}"
+                yield _entry(f"$N{place}", f"$N{place}={block}", moves=not moves_nothing(block))
+
+
+def _entry(name: str, line: str, *, is_hidden: bool = False, moves: bool = False) -> Entry:
+    if is_hidden:
+        return Entry(name, line, f"{name} isn't written again: the controller tells asterisks in place of its value.")
+    if moves:
+        why = "grbl carries a start-up line out as it stores it, and this one may move something"
+        return Entry(name, line, f"{line} isn't written again: {why}. Say it at the machine.")
+    if not is_sendable(line):
+        return Entry(name, line, f"{name} isn't written again: it is too long, or has characters that grbl obeys.")
+    return Entry(name, line)
 
 
 def _is_positive(value: str) -> bool:

@@ -73,8 +73,6 @@ class GrblController(GrblMachine, StoresRamps, BacksUp):
         self._memory.learn()
         report = self._moves.look()
         self._places.learn(self._memory.settings, report)
-        if not self._places.axes:
-            raise Refused(f"The controller at {self._conversation.name} tells no settings of axes that make sense.")
         self._moves.rest_at(report)
         self._moves.slowest_steps_per_s = 0.0 if self._identity.is_hal else SLOWEST_STEPS_PER_S
 
@@ -85,6 +83,7 @@ class GrblController(GrblMachine, StoresRamps, BacksUp):
         mode: PushMode = "keep",  # noqa: ARG002  # what grbl takes it keeps
     ) -> Callable[[], PushReport]:
         """Work out the settings of the axes, and return the call that sends them; see Controller."""
+        self._refuse_senseless()
         plan = PushPlan.of(designs, first_axis, self._places.axes)
 
         def push() -> PushReport:
@@ -99,6 +98,7 @@ class GrblController(GrblMachine, StoresRamps, BacksUp):
 
     def preview_push(self, designs: Sequence[Design], first_axis: int | None = None) -> PushPreview:
         """Work out what a push would change; see Controller."""
+        self._refuse_senseless()
         return PushPlan.of(designs, first_axis, self._places.axes).preview(self._memory.settings)
 
     def keep(self) -> None:
@@ -114,11 +114,12 @@ class GrblController(GrblMachine, StoresRamps, BacksUp):
         """Write what differs of a backup, one setting at a time, and read it back after a reset; see BacksUp."""
         backup = Backup.of(text)
         self._memory.refuse_unready()
-        present = Backup.of(self._memory.everything())
-        self._memory.write(backup.lines(present))
+        reasons = {}
+        for entry in backup.differing(Backup.told(self._memory.everything())):
+            reasons[entry.name] = entry.obstacle or self._memory.refusal(entry.line)
         remarks = self._read_back()
-        left = self._memory.differing(backup.settings.values)
-        unlike = [f"${number} is not as in the backup." for number in left]
+        left = [entry.name for entry in backup.differing(Backup.told(self._memory.everything()))]
+        unlike = [reasons.get(name) or f"{name} is not as in the backup." for name in left]
         return (*unlike, *remarks, NOT_WRITTEN)
 
     def _said_of_itself(self) -> list[str]:

@@ -25,6 +25,9 @@ GREETING_S = 3.5
 """So long a board is given to start, its boot loader first [s]."""
 KNOCK_S = 0.5
 MOST_REPEATS = 3
+UNREADABLE = 7
+"""The error of what is broken in its EEPROM. In the midst of a listing it is told besides, and the listing goes on."""
+LISTINGS_OF_PARTS = ("$#", "$N")
 
 
 class Answered(Refused):
@@ -38,7 +41,8 @@ class Answered(Refused):
 class _Exchange:
     """What is said to a line."""
 
-    def __init__(self) -> None:
+    def __init__(self, line: str) -> None:
+        self.is_listing = line in LISTINGS_OF_PARTS
         self.said: list[str] = []
         self.error: int | None = None
         self.is_over = False
@@ -122,7 +126,7 @@ class Conversation:
         Raises Answered when it refuses the line, DeviceLost when it says nothing, or was restarted meanwhile.
         """
         assert len(line) <= LONGEST_LINE
-        self._exchange = exchange = _Exchange()
+        self._exchange = exchange = _Exchange(line)
         self._lines.send(line)
         self.hear_answer(time_s)
         self._refuse_restarted()
@@ -174,6 +178,8 @@ class Conversation:
 
     def _end_exchange(self, error: int | None) -> None:
         if self._exchange is not None and not self._exchange.is_over:
+            if error == UNREADABLE and self._exchange.is_listing:
+                return
             self._exchange.error, self._exchange.is_over = error, True
 
     def _refuse_restarted(self) -> None:

@@ -8,6 +8,10 @@ STATUS, HOLD, RESUME, JOG_CANCEL, RESET = b"?", b"!", b"~", b"\x85", b"\x18"
 """Real-time commands: a byte each, which is obeyed at once and is no part of a line."""
 LONGEST_LINE = 79
 """Of 80 characters, one ends it."""
+MOST_TOLD = 1e9
+"""No place and no feed that is told is more, nor is none [mm, mm/min]."""
+_OBEYED_AT_ONCE = frozenset("?!~")
+_HARMLESS = re.compile(r"(?:G(?:17|18|19|20|21|54|55|56|57|58|59|90|91|93|94))*", re.IGNORECASE)
 
 _BANNER = re.compile(r"Grbl(?P<hal>HAL)? (?P<version>\d+\.\d+\w?) \[(?P<rest>.*)\]", re.IGNORECASE)
 _REPORT = re.compile(r"[?]*<(?P<state>[A-Z][A-Za-z]+)(?::(?P<part>\d))?\|(?P<fields>[^<>]*)>")
@@ -68,6 +72,16 @@ class Verdict:
     code: int
 
 
+def moves_nothing(block: str) -> bool:
+    """Tell whether a start-up line is one by which nothing moves or turns."""
+    return _HARMLESS.fullmatch(block.replace(" ", "")) is not None
+
+
+def is_sendable(line: str) -> bool:
+    """Tell whether a text arrives as one line: none of its characters is obeyed at once, and it is not too long."""
+    return line.isascii() and line.isprintable() and len(line) <= LONGEST_LINE and not _OBEYED_AT_ONCE & set(line)
+
+
 def banner_of(line: str) -> Banner | None:
     """Return what a line says of a start; None for any other line."""
     found = _BANNER.fullmatch(line)
@@ -99,7 +113,10 @@ def report_of(line: str) -> Report | None:
 
 
 def _numbers(text: str) -> tuple[float, ...]:
-    return tuple(float(each) for each in text.split(","))
+    numbers = tuple(float(each) for each in text.split(","))
+    if not all(abs(each) <= MOST_TOLD for each in numbers):
+        raise ValueError("what no machine tells")
+    return numbers
 
 
 ERROR_WORDS = {

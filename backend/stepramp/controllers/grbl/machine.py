@@ -13,12 +13,13 @@ from stepramp.controllers.contract import (
     UNDER_WAY,
     Activity,
     AxisCommand,
+    AxisStatus,
     Controller,
     ControllerStatus,
     StoredRamp,
 )
 from stepramp.controllers.grbl.conversation import Conversation
-from stepramp.controllers.grbl.dialect import DEAF_ALARMS, State
+from stepramp.controllers.grbl.dialect import DEAF_ALARMS, Report, State
 from stepramp.controllers.grbl.moves import Moves
 from stepramp.controllers.grbl.places import Places
 from stepramp.controllers.grbl.settings import STAYS_ON, Known
@@ -43,6 +44,11 @@ class Remembers(Protocol):
     @property
     def may_unlock(self) -> bool:
         """Whether nothing sets out when it is unlocked."""
+
+
+def _unknown_axis(report: Report) -> AxisStatus:
+    """Return what is told of the first axis where its settings make no sense: a status has one in any case."""
+    return AxisStatus(0, Activity.MOVING if report.is_under_way else Activity.READY, 0, 0, 0.0, 0)
 
 
 class GrblMachine(Controller, DrawsLines):
@@ -87,7 +93,7 @@ class GrblMachine(Controller, DrawsLines):
             # What was seen before a stop in the midst doesn't go with what was seen after it.
             if self._stopping.count == stops:
                 break
-        axes = self._moves.axes(report)
+        axes = self._moves.axes(report) or (_unknown_axis(report),)
         activities = {axis.activity for axis in axes}
         activity = next((each for each in UNDER_WAY if each in activities), Activity.READY)
         return ControllerStatus(
@@ -96,7 +102,7 @@ class GrblMachine(Controller, DrawsLines):
             ramp=StoredRamp(sequence=None, crc=self._crc),
             on_trial=False,
             motors_on=activity is not Activity.READY or self._remembers.settings.number(STAYS_ON) >= ALWAYS_ON,
-            trouble=None if report.state is State.RUN else self._moves.inability(report),
+            trouble=None if report.state is State.RUN else self._moves.inability(report) or self._places.trouble,
         )
 
     def listen(self) -> ControllerStatus | None:
@@ -107,22 +113,26 @@ class GrblMachine(Controller, DrawsLines):
         """Begin to move axes along a straight line; Refused with an axis whose ramp is to be played."""
         if ramp_axis is not None:
             raise Refused(f"{self._called} plays no single axis' ramp along a line: it keeps to the limits of all.")
-        self._moves.by(steps)
+        self.move_by(steps)
 
     def move_by(self, steps: Sequence[AxisCommand]) -> None:
         """Begin to move by so many steps from the target; axes that are told together go along a line."""
+        self._refuse_senseless()
         self._moves.by(steps)
 
     def move_to(self, positions: Sequence[AxisCommand]) -> None:
         """Begin to move to positions [steps]; axes that are told together go along a line."""
+        self._refuse_senseless()
         self._moves.to(positions)
 
     def run(self, speeds: Sequence[AxisCommand]) -> None:
         """Run at speeds, negative for backwards [steps/s]; it has to be asked how it fares, else it comes to rest."""
+        self._refuse_senseless()
         self._moves.run(speeds)
 
     def set_position(self, positions: Sequence[AxisCommand]) -> None:
         """Call the places where axes rest positions [steps]; one that is locked is unlocked. It isn't told of it."""
+        self._refuse_senseless()
         refuse_axes(positions, len(self._places.axes))
         report = self._moves.look()
         if report.is_under_way:
@@ -152,6 +162,11 @@ class GrblMachine(Controller, DrawsLines):
     def steps_to_rest(self, axis: int, speed_steps_per_s: float) -> int:
         """Return how many steps slowing down from a speed [steps/s] takes."""
         return self._moves.steps_to_rest(axis, speed_steps_per_s)
+
+    def _refuse_senseless(self) -> None:
+        """Refused where not even the first axis has settings that make sense."""
+        if not self._places.axes:
+            raise Refused(self._places.trouble or "The controller tells of no axis.")
 
     @property
     def _crc(self) -> int:

@@ -1,17 +1,13 @@
 """What a grbl keeps: its settings and start-up lines, read, written one at a time, and proven to outlast a reset."""
 
-import re
 from collections.abc import Iterable, Mapping
 
-from stepramp.controllers.grbl.conversation import Conversation
-from stepramp.controllers.grbl.dialect import DEAF_ALARMS, State
-from stepramp.controllers.grbl.numbers import is_same, read
-from stepramp.controllers.grbl.settings import Settings
+from stepramp.controllers.grbl.conversation import UNREADABLE, Answered, Conversation
+from stepramp.controllers.grbl.dialect import DEAF_ALARMS, State, moves_nothing
+from stepramp.controllers.grbl.settings import Settings, is_told_same
 from stepramp.errors import Refused
 
-LISTINGS = ("$I", "$$", "$#", "$N")
-HARMLESS = re.compile(r"(?:G(?:17|18|19|20|21|54|55|56|57|58|59|90|91|93|94))*", re.IGNORECASE)
-"""Start-up lines by which nothing moves or turns."""
+VERSION, SETTINGS, PLACES, STARTUP = LISTINGS = ("$I", "$$", "$#", "$N")
 
 
 class Memory:
@@ -27,7 +23,7 @@ class Memory:
         """Whether nothing sets out when the controller starts anew: it carries its start-up lines out then."""
         if self._startup is None:
             return False
-        return all(HARMLESS.fullmatch(_block_of(line).replace(" ", "")) for line in self._startup)
+        return all(moves_nothing(_block_of(line)) for line in self._startup)
 
     @property
     def may_unlock(self) -> bool:
@@ -36,8 +32,8 @@ class Memory:
 
     def learn(self) -> None:
         """Read the settings and the start-up lines."""
-        self.settings = Settings.of(self._conversation.ask("$$"))
-        self._startup = self._conversation.ask("$N")
+        self.settings = Settings.of(self._conversation.ask(SETTINGS))
+        self._startup = self._conversation.ask(STARTUP)
 
     def everything(self) -> str:
         """Return all that can be read, as it was told."""
@@ -57,6 +53,19 @@ class Memory:
         for line in lines:
             self._conversation.ask(line)
 
+    def refusal(self, line: str) -> str | None:
+        """Write a setting, or something else of a backup; return why it is refused, as a sentence, or None."""
+        for is_last in (False, True):
+            try:
+                self._conversation.ask(line)
+            except Answered as error:
+                # What it couldn't read it has put to its default by then: so it can be written.
+                if is_last or error.code != UNREADABLE:
+                    return str(error)
+            else:
+                break
+        return None
+
     def start_anew(self) -> bool:
         """Start the controller anew, so that what it tells next is what it has stored; return whether that was done."""
         report = self._conversation.look()
@@ -67,16 +76,7 @@ class Memory:
 
     def differing(self, wanted: Mapping[int, str]) -> list[int]:
         """Return the numbers of settings that are others than wanted, as they were last read."""
-        return [number for number, value in wanted.items() if not _is_same(self.settings.values.get(number), value)]
-
-
-def _is_same(told: str | None, wanted: str) -> bool:
-    if told is None:
-        return False
-    try:
-        return is_same(read(told), read(wanted))
-    except ValueError:
-        return told == wanted
+        return [number for number, value in wanted.items() if not is_told_same(self.settings.values.get(number), value)]
 
 
 def _block_of(line: str) -> str:

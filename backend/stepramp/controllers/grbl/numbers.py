@@ -8,6 +8,8 @@ import numpy as np
 
 MOST_DIGITS = 8
 """Further digits it drops."""
+LONGEST = 38
+"""What has more characters is no float32 that anybody has told."""
 DECIMALS = 3
 """Of the numbers that it tells."""
 ROUNDED = Fraction(1, 2**21)
@@ -23,7 +25,7 @@ def read(text: str) -> np.float32:
     """
     digits, exponent, seen, is_decimal = 0, 0, 0, False
     unsigned = text[1:] if text[:1] in ("-", "+") else text
-    if not unsigned.replace(".", "", 1).isdigit() or not unsigned.isascii():
+    if len(unsigned) > LONGEST or not unsigned.replace(".", "", 1).isdigit() or not unsigned.isascii():
         raise ValueError(f"{text!r} is no decimal number")
     for character in unsigned:
         if character == ".":

@@ -1,13 +1,14 @@
 """Where the axes of a grbl are: its millimetres as steps, and positions that count from where people say."""
 
 from collections.abc import Mapping, Sequence
+from itertools import takewhile
 
 import numpy as np
 
 from stepramp.controllers.axes import MOST_AXES
 from stepramp.controllers.grbl.dialect import Report
 from stepramp.controllers.grbl.numbers import exact
-from stepramp.controllers.grbl.settings import MM_PER_INCH, REPORTS_INCHES, AxisSettings, Known
+from stepramp.controllers.grbl.settings import LETTERS, MM_PER_INCH, REPORTS_INCHES, AxisSettings, Known
 
 MM_TOLD = 0.001
 INCHES_TOLD = 0.0001
@@ -22,19 +23,33 @@ class Places:
         self._known: dict[int, int] = {}
         """Where axes were sent to, as the controller counts: what it tells is coarser."""
         self._work_offset: tuple[float, ...] | None = None
+        self.trouble: str | None = None
+        """Which axes can't be used, and why, as a sentence; None: all can."""
         self.mm_per_unit, self._told_mm = 1.0, MM_TOLD
 
     def learn(self, settings: Known, report: Report) -> None:
-        """Take the scales that a controller has."""
-        found = (settings.axis(axis) for axis in range(min(MOST_AXES, len(report.position))))
-        self.axes = tuple(each for each in found if each is not None)
+        """Take the scales that a controller has, of the axes up to the first whose settings make no sense."""
+        found = [settings.axis(axis) for axis in range(min(MOST_AXES, len(report.position)))]
+        self.axes = tuple(each for each in takewhile(lambda each: each is not None, found) if each is not None)
+        self.trouble = None
+        if len(self.axes) < len(found):
+            letter = LETTERS[len(self.axes)]
+            self.trouble = (
+                f"The settings of axis {letter} make no sense: it can't be used, nor can those after it. Restore a "
+                "backup of this device, or set them at the machine."
+            )
         self._offsets = [*self._offsets, *[0] * len(self.axes)][: len(self.axes)]
         inches = bool(settings.number(REPORTS_INCHES))
         self.mm_per_unit = MM_PER_INCH if inches else 1.0
         self._told_mm = INCHES_TOLD * MM_PER_INCH if inches else MM_TOLD
 
     def note(self, report: Report) -> bool:
-        """Note the offset of the workpiece, and return whether positions can be told from a report."""
+        """Note the offset of the workpiece, and return whether positions can be told from a report.
+
+        One that tells too few of them has lost some on its way.
+        """
+        if len(report.position) < len(self.axes):
+            return False
         if report.offset is not None:
             self._work_offset = report.offset
         return not report.is_of_work or self._work_offset is not None

@@ -8,7 +8,7 @@ from typing import Protocol
 
 import numpy as np
 
-from stepramp.controllers.grbl.numbers import exact, read
+from stepramp.controllers.grbl.numbers import exact, is_same, read
 from stepramp.units import SECONDS_PER_MINUTE
 
 STEPS_PER_MM, MOST_RATE, ACCELERATION, TRAVEL = 100, 110, 120, 130
@@ -77,6 +77,16 @@ class Settings:
             return float(read(self.values[number]))
         except (KeyError, ValueError):
             return 0.0
+
+
+def is_told_same(told: str | None, meant: str) -> bool:
+    """Tell whether a value that is listed may be one that was given; None: it isn't listed."""
+    if told is None:
+        return False
+    try:
+        return is_same(read(told), read(meant))
+    except ValueError:
+        return told == meant
 
 
 def speed_of(rate: np.float32, steps_per_mm: np.float32) -> Fraction:
