@@ -139,7 +139,18 @@ class Motor(Document):
         current = own if then.current_a is None else then
         told = own if then.supply_v is None else then
         supply_v = SUPPLY_V if told.supply_v is None else told.supply_v
+        if current.current_a is None:
+            return Drive(supply_v=supply_v, current_a=self.rated_current_a, current_is="rms")
         return Drive(supply_v=supply_v, current_a=current.current_a, current_is=current.current_is)
+
+    def pinned(self, drive: Drive | None) -> Self:
+        """Return the motor with what drove it when it was measured, before a design's own drive becomes another one.
+
+        What was measured was measured with one drive: without that it would be fitted anew. As it is where nothing was.
+        """
+        if not self.is_measured:
+            return self
+        return self.model_copy(update={"measured_with": self.driven_when_measured(drive)})
 
 
 class Load(Document):

@@ -7,18 +7,26 @@ from typing import Any
 import numpy as np
 import pytest
 
-from motor.trains import AT_24_V, LOADED, random_design, with_motor
+from motor.trains import AT_24_V, LOADED, NEMA_17, random_design, with_motor
 from stepramp.design import Design
 from stepramp.errors import Change, Rejected, Remedy
 from stepramp.motor import proposals
 from stepramp.motor.changes import with_changes
 from stepramp.motor.glance import share_asked
 from stepramp.motor.proposals import proposals_of
+from stepramp.motor.torque import torques_at
 from stepramp.motor.train import NotWanted
 from stepramp.motor.verdict import cause_of, outcome_of
 
+CURVE = [[100, 0.3], [600, 0.14], [900, 0.1]]
 SAMPLED = 16
 """Of those that stall; 240 were looked at when this was written, with other seeds."""
+
+
+@pytest.fixture(autouse=True)
+def _with_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    """On a busy machine the search would be over before it is done."""
+    monkeypatch.setattr(proposals, "SEARCH_S", 600.0)
 
 
 def stalling(seed: int) -> Iterator[Design]:
@@ -189,6 +197,23 @@ def test_a_design_without_a_drive_is_given_one() -> None:
     weak = with_motor(drive=None, move__steps=30_000, **rates)
     [volts] = [each for each in offered(weak) if "supply" in each.text]
     assert with_changes(weak, volts.changes).drive is not None
+
+
+@pytest.mark.parametrize("measured", [{"stalled": {"rpm": 600, "torque_nm": 0.14}}, {"torque_curve": CURVE}])
+@pytest.mark.parametrize("drive", [AT_24_V | {"supply_v": 12.0}, AT_24_V | {"current_a": 1.2}])
+def test_another_drive_that_is_proposed_is_of_the_same_motor(measured: dict[str, Any], drive: dict[str, Any]) -> None:
+    """What was measured was measured with the drive that it has now: it says nothing of how a new one would do."""
+    rates = {"ramp__slew_speed_steps_per_s": 40_000.0, "ramp__acceleration_steps_per_s2": 4e5, "move__steps": 20_000}
+    given = with_motor(motor=NEMA_17 | measured, drive=drive, load={"inertia_g_cm2": 100.0, "torque_nm": 0.07}, **rates)
+    other = {each.changes[0].field: each for each in offered(given) if each.changes[0].field.startswith("drive.")}
+    assert other
+    for remedy in other.values():
+        made = with_changes(given, remedy.changes)
+        assert made.motor is not None
+        assert made.motor.measured_with == given.drive
+        # With the drive that it was measured with it has what was measured, whatever it is given now.
+        [again] = torques_at(made.model_copy(update={"drive": given.drive}), np.array([600.0])).pull_out_nm
+        assert again == pytest.approx(0.14, rel=1e-9)
 
 
 def test_where_it_is_safe_nothing_is_offered_and_nobody_is_kept_waiting(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -78,10 +78,7 @@ def design_with(question: Question, acceleration: float, value: float) -> Design
             changes["load"] = (design.load or Load()).model_dump(by_alias=True) | {"torque_nm": value}
         case "supply_voltage":
             changes["drive"] = (design.drive or Drive()).model_dump(by_alias=True) | {"supply_v": value}
-            if design.motor is not None and design.motor.is_measured:
-                # What was measured was measured with one drive, whatever is varied.
-                measured_with = design.motor.driven_when_measured(design.drive)
-                changes["motor"] = design.motor.model_copy(update={"measured_with": measured_with})
+            changes["motor"] = design.motor and design.motor.pinned(design.drive)
     # What isn't changed is valid already, and isn't looked at again.
     own = {field.alias or name: getattr(design, name) for name, field in Design.model_fields.items()}
     return Design.checked(own | changes)

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from stepramp.design import Design
+from stepramp.drive_train import Drive
 from stepramp.errors import Change, Remedy
 from stepramp.motor.changes import reshaping
 from stepramp.motor.limits import greatest_start_speed
@@ -160,18 +161,24 @@ def _hardware(design: Design) -> Iterator[Way]:
     yield from finer_microsteps(design)
     if design.motor is None or design.motor.kind == "gauge":
         return  # No driver regulates the current of its coils.
+    then = design.motor.pinned(design.drive).measured_with
+    pinned = () if then == design.motor.measured_with or then is None else (_measured_with(then),)
 
     def made(volts: float) -> Remedy:
-        return Remedy(f"raise the supply to {volts:g} V", (Change("drive.supply_v", volts),))
+        return Remedy(f"raise the supply to {volts:g} V", (Change("drive.supply_v", volts), *pinned))
 
     volts = drive_train(design).supply_v
     yield Way("drive.supply_v", volts, tuple(each for each in SUPPLIES_V if each > volts), made)
     rated, drive = design.motor.rated_current_a, design.drive
     if drive is not None and drive.current_a is not None:
         own = drive.current_a if drive.current_is == "rms" else drive.current_a / math.sqrt(2)
-        changes = (Change("drive.current_a", rated), Change("drive.current_is", "rms"))
+        changes = (Change("drive.current_a", rated), Change("drive.current_is", "rms"), *pinned)
         remedy = Remedy(f"set the driver to the motor's rated current, {rated:g} A rms", changes)
         yield Way("drive.current_a", own, (rated,) if own < rated else (), lambda _: remedy)
+
+
+def _measured_with(drive: Drive) -> Change:
+    return Change("motor.measured_with", drive.model_dump())
 
 
 def _less_torque(design: Design) -> Iterator[Way]:
