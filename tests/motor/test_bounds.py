@@ -1,6 +1,7 @@
 """What isn't played through the motor's model: what is named instead is, and a little less isn't."""
 
 import math
+import re
 from typing import Any
 
 import numpy as np
@@ -11,9 +12,11 @@ from hypothesis import strategies as st
 from motor.trains import AT_24_V, NEMA_17, with_motor
 from stepramp.design import Design
 from stepramp.errors import Rejected, Rejection
+from stepramp.motor import bounds
 from stepramp.motor.bounds import refuse_too_long
 from stepramp.motor.train import MOST_LOST
 from stepramp.motor.verdict import outcome_of, verdict_of
+from stepramp.numerics.ramp import RealRamp
 from stepramp.ramp.plan import real_ramp
 
 TINY: dict[str, Any] = {
@@ -120,6 +123,26 @@ def test_the_limits_of_a_motor_are_played_to_the_end() -> None:
             assert [each.field.partition(".")[0] for each in rejected.rejections] == ["motor"]
         else:
             assert outcome.worst.largest_load_angle_deg < 1e6
+
+
+def test_what_would_do_is_looked_for_only_where_somebody_reads_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A map, or a search, meets thousands of such moves: each shorter one is planned anew."""
+    planned = []
+
+    def counted(design: Design) -> RealRamp:
+        planned.append(design.move.steps)
+        return real_ramp(design)
+
+    monkeypatch.setattr(bounds, "real_ramp", counted)
+    gentle = with_motor(ramp__slew_speed_steps_per_s=100.0, ramp__acceleration_steps_per_s2=0.02, move__steps=30_000)
+    with pytest.raises(Rejected) as caught:
+        verdict_of(gentle)
+    assert planned == []
+    assert re.search(r"move.steps is 30000; allowed: a whole number from 1 to .*", str(caught.value))
+    assert planned
+    tried = len(planned)
+    assert [each.field for each in caught.value.rejections] == ["move.steps"]
+    assert len(planned) == tried
 
 
 def figures(least: float, most: float) -> st.SearchStrategy[float]:

@@ -7,10 +7,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from motor.clock import Clock
 from motor.trains import AT_24_V, LOADED, NEMA_17, random_design, with_motor
 from stepramp.errors import Change, Rejected
 from stepramp.motor.changes import with_changes
 from stepramp.motor.fastest import Candidate, Fastest, Figures, fastest_of
+from stepramp.motor.fastest_search import SEARCH_S
 from stepramp.motor.train import NotWanted
 from stepramp.motor.verdict import outcome_of
 
@@ -297,6 +299,32 @@ def test_it_ends_when_nobody_waits_and_needs_a_motor() -> None:
         fastest_of(with_motor(), 0.6, lambda: False)
     with pytest.raises(Rejected, match="motor is missing"):
         fastest_of(with_motor(motor=None, load=LOADED), 0.6)
+
+
+@pytest.mark.parametrize(
+    ("looks", "found", "words"),
+    [
+        (1e6, [True, True, True], "Shaped by the torque the move takes"),
+        (100, [True, True, True], "there may be quicker ones"),
+        (60, [True, True, False], "another shape wasn't found in time. The search ended after 10 s"),
+        (5, [False, False, False], "In 10 s no safe ramp was found: it takes long to play this move"),
+    ],
+)
+def test_it_ends_when_its_time_is_up_and_says_so(clock: Clock, looks: float, found: list[bool], words: str) -> None:
+    """Looked at so many times the clock has come to the end; each shape has a third of that."""
+    clock.step_s = SEARCH_S / looks
+    fastest = fastest_of(with_motor(**at_speed(1500), ramp__acceleration_steps_per_s2=3e6), 0.6)
+    assert [each.figures is not None for each in fastest.candidates] == found
+    assert fastest.is_cut_short == (looks < 1e6)
+    assert words in fastest.words
+    for candidate in fastest.candidates:
+        if candidate.figures is not None:
+            assert candidate.figures.verdict == "safe"
+            continue
+        assert candidate.rejected is not None
+        [rejection] = candidate.rejected.rejections
+        assert (rejection.field, rejection.value) == ("move.steps", 40_000)
+        assert "in 10 s no such ramp was found" in rejection.allowed
 
 
 def test_speeds_that_only_some_shapes_do_for_are_said_to_be_too_high() -> None:

@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from motor.clock import Clock
 from motor.trains import AT_24_V, LOADED, NEMA_17, random_design, with_motor
 from stepramp.design import Design
 from stepramp.errors import Change, Rejected, Remedy
-from stepramp.motor import proposals
 from stepramp.motor.changes import with_changes
 from stepramp.motor.glance import share_asked
-from stepramp.motor.proposals import proposals_of
+from stepramp.motor.proposals import SEARCH_S, proposals_of
 from stepramp.motor.torque import torques_at
 from stepramp.motor.train import NotWanted
 from stepramp.motor.verdict import cause_of, outcome_of
@@ -21,12 +21,6 @@ from stepramp.motor.verdict import cause_of, outcome_of
 CURVE = [[100, 0.3], [600, 0.14], [900, 0.1]]
 SAMPLED = 16
 """Of those that stall; 240 were looked at when this was written, with other seeds."""
-
-
-@pytest.fixture(autouse=True)
-def _with_time(monkeypatch: pytest.MonkeyPatch) -> None:
-    """On a busy machine the search would be over before it is done."""
-    monkeypatch.setattr(proposals, "SEARCH_S", 600.0)
 
 
 def stalling(seed: int) -> Iterator[Design]:
@@ -216,12 +210,22 @@ def test_another_drive_that_is_proposed_is_of_the_same_motor(measured: dict[str,
         assert again == pytest.approx(0.14, rel=1e-9)
 
 
-def test_where_it_is_safe_nothing_is_offered_and_nobody_is_kept_waiting(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_where_it_is_safe_nothing_is_offered_and_nobody_is_kept_waiting() -> None:
     assert offered(with_motor()) == []
     stalls = with_motor(ramp__acceleration_steps_per_s2=1.2e7)
     outcome = outcome_of(stalls)
     with pytest.raises(NotWanted):
         proposals_of(stalls, outcome, cause_of(outcome), lambda: False)
-    # When the time is up, what was found until then is told.
-    monkeypatch.setattr(proposals, "SEARCH_S", -1.0)
-    assert offered(stalls) == []
+
+
+def test_when_the_time_is_up_what_was_found_until_then_is_told(clock: Clock) -> None:
+    stalls = with_motor(ramp__acceleration_steps_per_s2=1.2e7)
+    found = [offered(stalls)]
+    for looks in (4000, 30, 2):
+        clock.step_s = SEARCH_S / looks
+        found.append(offered(stalls))
+    assert [bool(each) for each in found] == [True, True, True, False]
+    assert found[0] == found[1]
+    # Of the kinds that there are one is told, and not the mildest of it; it is safe all the same.
+    assert len(found[2]) < len(found[0])
+    assert all(is_safe(stalls, list(remedy.changes)) for remedy in found[2])

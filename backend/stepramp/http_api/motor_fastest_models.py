@@ -11,7 +11,7 @@ from stepramp.http_api.answer import Answer
 from stepramp.http_api.errors import ChangeAnswer, ErrorItem, error_items, in_body
 from stepramp.motor.asked import MarginAsked
 from stepramp.motor.fastest import Candidate, Fastest, Figures
-from stepramp.motor.fastest_search import Shape
+from stepramp.motor.fastest_search import SEARCH_S, Shape
 from stepramp.motor.verdict import Verdict
 
 
@@ -77,6 +77,9 @@ class FastestAnswer(Answer):
         "1 or less: nothing is gained; null: one of them isn't there"
     )
     ramp_gain: float | None = Field(description="The same of the ramp up alone; null, too, where it takes no step")
+    is_cut_short: bool = Field(
+        description=f"Whether the search ended after {SEARCH_S:g} s before all was tried: there may be faster ones"
+    )
     words: str = Field(description="What that comes to, in a sentence")
 
     @classmethod
@@ -88,6 +91,7 @@ class FastestAnswer(Answer):
             present=PresentAnswer.of_fastest(fastest),
             gain=fastest.gain,
             ramp_gain=fastest.ramp_gain,
+            is_cut_short=fastest.is_cut_short,
             words=fastest.words,
         )
 

@@ -6,7 +6,7 @@ oscillation is slow enough. What is named was tried.
 
 import math
 from collections.abc import Callable
-from functools import partial
+from functools import cached_property, partial
 
 from stepramp.design import Design
 from stepramp.errors import Limits, Rejected, Rejection
@@ -38,20 +38,42 @@ CURES: dict[str, tuple[float, str]] = {
 """Figures of a motor: as far as each may go to where the oscillations become slower, and its unit."""
 
 
+class TooLong(Rejected):
+    """A move that isn't played through the motor's model.
+
+    What would do instead is looked for when somebody reads it: a map meets thousands of such moves.
+    """
+
+    def __init__(self, design: Design, real: RealRamp) -> None:
+        self._refused, self.more = (design, real), 0
+
+    @cached_property
+    def rejections(self) -> tuple[Rejection, ...]:  # type: ignore[override]  # set in the other kinds
+        """Which value it is, and what is allowed."""
+        return _why(*self._refused).rejections
+
+    def __str__(self) -> str:
+        return "\n".join(rejection.message for rejection in self.rejections)
+
+
 def refuse_too_long(design: Design, real: RealRamp) -> None:
-    """Refuse a move that isn't played through the motor's model. real: the design's ramp. Raises Rejected."""
+    """Refuse a move that isn't played through the motor's model. real: the design's ramp. Raises TooLong."""
+    train = drive_train(design)
+    if settling_steps(train) > MOST_SETTLING_STEPS or _duration_s(design, real) > _longest_s(train):
+        raise TooLong(design, real)
+
+
+def _why(design: Design, real: RealRamp) -> Rejected:
+    """Return why a move is too long: what is named instead was tried."""
     train = drive_train(design)
     duration_s, longest_s = _duration_s(design, real), _longest_s(train)
-    settles = settling_steps(train) <= MOST_SETTLING_STEPS
-    if settles and duration_s <= longest_s:
-        return
-    most = _most_steps(design, real, duration_s, longest_s) if settles else 0
+    most = _most_steps(design, real, duration_s, longest_s) if settling_steps(train) <= MOST_SETTLING_STEPS else 0
     if most:
         allowed = (1, most) if design.move.steps > 0 else (-most, -1)
         note = f", so that the move takes at most {longest_s:.3g} s: so long it is played through the motor's model"
-        raise Rejected([Rejection.outside("move.steps", design.move.steps, Limits(*allowed, "steps", True, note))])
+        return Rejected([Rejection.outside("move.steps", design.move.steps, Limits(*allowed, "steps", True, note))])
     first = _with_steps(design, 1)
-    raise _unresolved(design, train, _duration_s(first, real_ramp(first)))
+    return _unresolved(design, train, _duration_s(first, real_ramp(first)))
 
 
 def _longest_s(train: DriveTrain) -> float:

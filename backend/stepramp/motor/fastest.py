@@ -6,11 +6,13 @@ The design as it is takes part: nothing is called the fastest that is slower. Ho
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
+from functools import partial
 
 from stepramp.design import Design
 from stepramp.errors import Change, Rejected
 from stepramp.motor.changes import with_changes
-from stepramp.motor.fastest_search import CANDIDATES, Search, Shape, does
+from stepramp.motor.fastest_search import CANDIDATES, SEARCH_S, Search, Shape, does
+from stepramp.motor.patience import Patience
 from stepramp.motor.shortened import shortened
 from stepramp.motor.verdict import MOST_USED, ROUNDING, Outcome, Verdict, outcome_of
 from stepramp.ramp.profile import profile_of
@@ -71,6 +73,8 @@ class Fastest:
     """Whether the design as it is takes part: it is safe, within the margin."""
     is_slew_beyond: bool
     """Whether the part of the torque doesn't do for its slew speed, even without acceleration."""
+    is_cut_short: bool = False
+    """Whether the time was up before all was tried."""
 
     @property
     def best(self) -> Candidate | None:
@@ -98,15 +102,20 @@ class Fastest:
         """What is gained by which shape, of the whole move and of the ramp, in a sentence or two."""
         best, torque, other = self.best, self.candidates[-1].figures, self.other
         if best is None or best.figures is None:
+            if self.is_cut_short:
+                return f"In {SEARCH_S:g} s no safe ramp was found: it takes long to play this move through the model."
             return f"No ramp is safe with this motor: {self._fault}."
         if best.shape is None:
             said = f"Nothing is quicker than the design as it is, whose move takes {_s(best.figures.duration_s)}."
         elif torque is not None and other is not None and other.figures is not None and other.shape is not None:
             said = _compared(torque, other.figures, NAMES[other.shape])
         else:
-            said = f"With {NAMES[best.shape]} the move takes {_s(best.figures.duration_s)}; not every shape does."
+            others = "another shape wasn't found in time" if self.is_cut_short else "not every shape does"
+            said = f"With {NAMES[best.shape]} the move takes {_s(best.figures.duration_s)}; {others}."
         if self.is_slew_beyond:
             said += " Its slew speed is beyond the motor: the move never comes to it, and a lower one may be quicker."
+        if self.is_cut_short:
+            said += f" The search ended after {SEARCH_S:g} s: there may be quicker ones."
         return said + self._reserve(best.figures)
 
     def _reserve(self, best: Figures) -> str:
@@ -136,16 +145,22 @@ def fastest_of(design: Design, margin: float, is_wanted: Callable[[], bool] = la
     """Return the fastest ramp of each shape that uses no more than a part of the motor's torque.
 
     Up to the usual margin of 0.6 each move is safe, as outcome_of has it; beyond it loses no step, but is marginal. A
-    design that is so itself takes part. Of a long slew phase as much is played as decides that. Raises Rejected without
-    a motor; NotWanted as run_of does.
+    design that is so itself takes part. Of a long slew phase as much is played as decides that. After SEARCH_S it
+    ends with what was found. Raises Rejected without a motor; NotWanted as run_of does.
     """
-    search = Search(design, margin, is_wanted)
-    candidates = tuple(_candidate(search, shape) for shape in CANDIDATES)
+    search = Search(design, margin, Patience(is_wanted))
+    candidates = []
+    for number, shape in enumerate(CANDIDATES, start=1):
+        # Each has its share of the time, and what those before it have left of theirs.
+        search.patience.lasts_s = SEARCH_S * number / len(CANDIDATES)
+        candidates.append(_candidate(search, shape))
+    ended = search.patience.has_ended
+    found = partial(Fastest, margin, tuple(candidates), is_slew_beyond=search.is_slew_beyond, is_cut_short=ended)
     try:
         outcome = outcome_of(shortened(design), is_wanted)
     except Rejected as rejected:
-        return Fastest(margin, candidates, rejected, False, search.is_slew_beyond)
-    return Fastest(margin, candidates, figures_of(design, outcome), does(outcome, margin), search.is_slew_beyond)
+        return found(present=rejected, will_do=False)
+    return found(present=figures_of(design, outcome), will_do=does(outcome, margin))
 
 
 def figures_of(design: Design, outcome: Outcome) -> Figures:
@@ -167,7 +182,7 @@ def _candidate(search: Search, shape: Shape) -> Candidate:
     try:
         changes = search.fastest(shape)
         made = with_changes(search.design, changes)
-        outcome = outcome_of(shortened(made), search.is_wanted)
+        outcome = outcome_of(shortened(made), search.patience.is_wanted)
     except Rejected as rejected:
         return Candidate(shape, rejected=_of_asked(rejected))
     return Candidate(shape, changes, figures_of(made, outcome))

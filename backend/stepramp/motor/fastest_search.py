@@ -7,18 +7,19 @@ Each is played through the motor's model, and made gentler until the move is saf
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stepramp.design import LEAST_ACCELERATION, Design
-from stepramp.errors import Change, Rejected
+from stepramp.errors import Change, Rejected, Rejection
 from stepramp.motor.at_fault import at_fault, refuse_start
 from stepramp.motor.changes import reshaping, with_changes
 from stepramp.motor.glance import reached_speed
 from stepramp.motor.limits import required_nm
+from stepramp.motor.patience import Patience
 from stepramp.motor.shortened import shortened
 from stepramp.motor.torque import drive_train
 from stepramp.motor.verdict import MOST_USED, ROUNDING, Outcome, outcome_of, verdict_of
@@ -27,6 +28,8 @@ from stepramp.numerics.limit_text import highest
 from stepramp.ramp.slopes import playable_slopes_of, slopes_of
 
 Shape = Literal["constant", "s_curve", "torque"]
+SEARCH_S = 10.0
+"""So long is looked for them, all together; what is found until then is told [s]."""
 CANDIDATES: tuple[Shape, ...] = ("constant", "s_curve", "torque")
 
 FIGURES = 4
@@ -60,7 +63,7 @@ class Search:
 
     design: Design
     margin: float
-    is_wanted: Callable[[], bool]
+    patience: Patience
 
     def fastest(self, shape: Shape) -> tuple[Change, ...]:
         """Return what gives the design the fastest ramp of a shape that will do. Raises Rejected where none does."""
@@ -92,16 +95,29 @@ class Search:
 
     @cached_property
     def _fault(self) -> Rejected:
-        """What keeps even a gentle ramp of constant acceleration from being safe."""
+        """What keeps even a gentle ramp of constant acceleration from being safe. Raises Rejected: the time is up."""
+        self._refuse_without_time()
         gentle = self._with("constant", max(GENTLEST_PLAYED * self._at_rest, LEAST_ACCELERATION))
-        return at_fault(with_changes(self.design, gentle), self._will_do)
+        found = at_fault(with_changes(self.design, gentle), self._will_do)
+        self._refuse_without_time()
+        return found
+
+    def _refuse_without_time(self) -> None:
+        if self.patience.is_over():
+            allowed = f"fewer, of which more can be tried: in {SEARCH_S:g} s no such ramp was found"
+            raise Rejected([Rejection("move.steps", self.design.move.steps, allowed)])
 
     def _will_do(self, design: Design) -> bool:
+        """Tell whether a design does, as `does` has it; not where the time is up."""
+        if self.patience.is_over():
+            return False
         played = shortened(design)
-        verdict = verdict_of(played, self.is_wanted)
-        if self.margin <= MOST_USED + ROUNDING or verdict == "stalls":
+        margin = min(self.margin, MOST_USED)
+        verdict = self.patience.within(partial(verdict_of, played, margin=margin))
+        if self.margin <= MOST_USED + ROUNDING or verdict != "marginal":
             return verdict == "safe"
-        return _loses_nothing(outcome_of(played, self.is_wanted))
+        outcome = self.patience.within(partial(outcome_of, played))
+        return outcome is not None and does(outcome, self.margin)
 
     def _with(self, shape: Shape, acceleration: float, margin: float | None = None) -> tuple[Change, ...]:
         """Return what gives the design a ramp of a shape, the same up and down."""

@@ -1,16 +1,16 @@
 """What to change of a design whose motor stalls, or has too little torque kept back: changes that were tried."""
 
 import math
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 from stepramp.design import Design
 from stepramp.errors import Rejected, Remedy
 from stepramp.motor.changes import changed
 from stepramp.motor.glance import share_asked
+from stepramp.motor.patience import Patience
 from stepramp.motor.shortened import shortened
-from stepramp.motor.train import NotWanted
 from stepramp.motor.verdict import MOST_USED, Cause, Outcome, verdict_of
 from stepramp.motor.ways import FIGURES, LESS, Way, slower_altogether, ways_of
 from stepramp.numerics.limit_text import highest
@@ -44,7 +44,7 @@ def proposals_of(
     if cause is None:
         return []
     first = FIRST[cause]
-    trial = _Trial(design, is_wanted, time.monotonic() + SEARCH_S)
+    trial = _Trial(design, Patience(is_wanted, SEARCH_S))
     ways = ways_of(design, outcome.profile.peak_speed_steps_per_s, with_stop=cause == "stop")
     found: list[tuple[float, Remedy]] = []
     for way in sorted(ways, key=lambda way: first.index(way.field) if way.field in first else len(first)):
@@ -63,11 +63,10 @@ def proposals_of(
 
 @dataclass(frozen=True)
 class _Trial:
-    """Tries changes of a design, until some time."""
+    """Tries changes of a design, while there is patience."""
 
     design: Design
-    is_wanted: Callable[[], bool]
-    until_s: float
+    patience: Patience
 
     def mildest(self, way: Way) -> float | None:
         """Return the mildest value of a way with which the move is safe; None: none was found."""
@@ -110,21 +109,10 @@ class _Trial:
 
     def _is_safe(self, way: Way, value: float) -> bool:
         made = changed(self.design, way.made(value).changes)
-        if made is None or self._is_over:
+        if made is None or self.patience.is_over():
             return False
         try:
             is_little = made.method.plays_table or share_asked(made) <= LITTLE
-            return is_little and verdict_of(shortened(made), self._goes_on) == "safe"
+            return is_little and self.patience.within(partial(verdict_of, shortened(made))) == "safe"
         except Rejected:
             return False
-        except NotWanted:
-            if self.is_wanted():
-                return False
-            raise
-
-    @property
-    def _is_over(self) -> bool:
-        return time.monotonic() > self.until_s
-
-    def _goes_on(self) -> bool:
-        return self.is_wanted() and not self._is_over

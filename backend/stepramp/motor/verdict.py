@@ -110,10 +110,11 @@ def outcome_of(design: Design, is_wanted: Callable[[], bool] = lambda: True) -> 
     return Outcome(train, profile, runs, *used, is_timers_fault, torque_is_measured(design))
 
 
-def verdict_of(design: Design, is_wanted: Callable[[], bool] = lambda: True) -> Verdict:
+def verdict_of(design: Design, is_wanted: Callable[[], bool] = lambda: True, *, margin: float = MOST_USED) -> Verdict:
     """Return the verdict of outcome_of, playing no more than decides it: a map asks for thousands. Raises the same.
 
-    A step that is lost ends it, and with the least damping it is played only where nothing else is found.
+    A step that is lost ends it, and with the least damping it is played only where nothing else is found. margin: of
+    the pull-out torque, what asks for more is marginal.
     """
     train, profile, intervals_s = _playable(design)
     most_used, *_ = _most_used(design, train, profile)
@@ -127,7 +128,7 @@ def verdict_of(design: Design, is_wanted: Callable[[], bool] = lambda: True) -> 
     usual = swing_of(directed, intervals_s, USUAL_DAMPING, is_wanted)
     if usual.first_lost_step or any(is_lost(damping) for damping in DAMPINGS if damping > USUAL_DAMPING):
         return "stalls"
-    if _is_close(usual, train) or most_used > MOST_USED + ROUNDING:
+    if _is_close(usual, train) or most_used > margin + ROUNDING:
         return "marginal"
     return "marginal" if any(is_lost(damping) for damping in DAMPINGS if damping < USUAL_DAMPING) else "safe"
 
