@@ -3,7 +3,9 @@
 from collections.abc import Callable, Collection, Iterator
 from concurrent.futures import Future
 from contextlib import contextmanager, suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from math import inf
+from time import monotonic
 
 from stepramp.controllers.contract import Controller
 from stepramp.devices.contact import Contact
@@ -22,6 +24,13 @@ LAST_STOP_S = 1.5
 
 Send = Callable[[Collection[int] | None], None]
 """Tells a controller to stop axes, or all."""
+
+
+@dataclass
+class _Turn:
+    """The turn of a stop. waits_since_s: when it waited for that already, by the monotonic clock [s]."""
+
+    waits_since_s: float = inf
 
 
 class Stopping:
@@ -50,6 +59,8 @@ class Stopping:
         self._permit = permit
         self._owed = owed
         self._known = known
+        self._begun_s: dict[Send, float] = {}
+        """When the last stop, and halt, of all axes began that was granted."""
 
     @contextmanager
     def being_stopped(self) -> Iterator[None]:
@@ -63,15 +74,19 @@ class Stopping:
 
     def stop(self, axes: Collection[int] | None = None) -> "Future[None]":
         """Slow axes, or all, down before anything else that was asked for; see Device.stop."""
-        owed = self._owe("stop", axes)
+        owed, turn = self._owe("stop", axes), _Turn()
         controller, worker = self._contact.ready_to_stop()
-        return worker.call_urgently(lambda: self._stop(axes, controller.stop, owed))
+        granted = worker.call_urgently(lambda: self._stop(axes, controller.stop, owed, turn))
+        turn.waits_since_s = monotonic()
+        return granted
 
     def halt(self, axes: Collection[int] | None = None) -> "Future[None]":
         """Make no further step, before anything else that was asked for; see Device.halt."""
-        owed = self._owe("halt", axes)
+        owed, turn = self._owe("halt", axes), _Turn()
         controller, worker = self._contact.ready_to_stop()
-        return worker.call_urgently(lambda: self._halt(axes, controller.halt, owed))
+        granted = worker.call_urgently(lambda: self._halt(axes, controller.halt, owed, turn))
+        turn.waits_since_s = monotonic()
+        return granted
 
     def end(self) -> None:
         """Stop the motor for good: nothing moves it any more. For the end of the program."""
@@ -99,6 +114,7 @@ class Stopping:
         known: its port, and what is plugged in there now.
         """
         self._known = known
+        self._begun_s.clear()
         self._contact.greet(controller)
         owed = self._owed.newest(self._known)
         if owed is not None:
@@ -116,21 +132,23 @@ class Stopping:
         """Stop what nobody answers for as soon as it does: whoever asked for a motion was told that it failed."""
         self._owed.owe(self._known)
 
-    def _halt(self, axes: Collection[int] | None, send: Send, owed: int) -> None:
+    def _halt(self, axes: Collection[int] | None, send: Send, owed: int, turn: _Turn) -> None:
         """Halt axes, and look where that was."""
-        self._stop(axes, send, owed)
+        self._stop(axes, send, owed, turn)
         if self._watch.is_view_old:
             self._watch.refresh()
 
-    def _stop(self, axes: Collection[int] | None, send: Send, owed: int | None = None) -> None:
+    def _stop(
+        self, axes: Collection[int] | None, send: Send, owed: int | None = None, turn: _Turn | None = None
+    ) -> None:
         """Stop axes, also in the midst of what sets some in motion. Where they come to rest is looked at afterwards.
 
-        owed: the number of the stop that is owed until it is granted.
+        owed: the number of the stop that is owed until it is granted. turn: that for which it had to wait.
         """
         if axes is not None and not set(axes) <= {axis.axis for axis in self._view.now.axes}:
             axes = None  # Whoever names an axis that isn't there means something else than we know: all stop.
         with self._permit.set_aside():
-            send(axes)
+            self._send(axes, send, turn)
             if owed is not None:
                 self._owed.settle(self._known, owed, of_all_axes=axes is None)
                 self._view.log("stop granted")
@@ -139,3 +157,15 @@ class Stopping:
             self._view.change(lambda view: view.stopping(axes).without_errand(axes))
             if self._permit.is_unseen:
                 self._watch.refresh()
+
+    def _send(self, axes: Collection[int] | None, send: Send, turn: _Turn | None) -> None:
+        """Tell the controller, unless all was stopped while it waited for its turn: nothing has set out since.
+
+        Some controllers take seconds for a stop; however many ask for one, nobody waits for more than two.
+        """
+        begun_s = monotonic()
+        if turn is not None and turn.waits_since_s < self._begun_s.get(send, -inf):
+            return
+        send(axes)
+        if axes is None:
+            self._begun_s[send] = begun_s
