@@ -162,6 +162,42 @@ def test_backups_that_come_late_are_not_those_of_the_device_in_view(modules: Mod
     assert seen == [[True, ""], False, [["2", "2026-02-02T00-00-00.000000Z"]]]
 
 
+@pytest.mark.parametrize(
+    ("lets", "changed", "note"),
+    [
+        # A page that is not served securely has no clipboard: there the text is selected and copied as by hand.
+        (True, False, "Copied a.h."),
+        (False, False, "The browser does not let this page copy: use Download."),
+        (True, True, "It is being made …"),
+    ],
+)
+def test_an_export_is_copied_also_where_there_is_no_clipboard(
+    modules: Modules, lets: bool, changed: bool, note: str
+) -> None:
+    seen = run(
+        modules,
+        f"""const {{createExport}} = await import('/panels/export/export.js');
+        const {{createStore, FIRST_STATE}} = await import('/app/state.js');
+        const {{COMMANDS: {{work}}}} = await import('/app/commands/commands.js');
+        const copied = [], [lets, changed] = {json.dumps([lets, changed])};
+        document.execCommand = (what) => {{ copied.push(what); return lets; }};
+        const remove = Object.assign(made('textarea'), {{remove() {{}}}});
+        document.createElement = (tag) => tag === 'textarea' ? remove : made(tag);
+        const store = createStore(FIRST_STATE, (error) => {{ throw error; }});
+        let answer = async () => ({{file: new Blob(['int a;']), name: 'a.h'}});
+        const panel = createExport(store, {{report: gone, exportDesign: () => answer()}});
+        store.subscribe(panel.show);
+        store.dispatch(work.begin, {{axes: [design], together: 'independent'}});
+        panel.open('c_table'); await settled(); await settled();
+        byId('export-copy').onclick();
+        answer = () => new Promise(() => {{}});
+        if (changed) store.dispatch(work.setName, 'Other');
+        await settled();
+        return [copied, find(body, (one) => one.className === 'export-note muted').textContent, remove.value];""",
+    )
+    assert seen == [["copy"], note, "int a;"]
+
+
 CANCELLED = {
     "fit": """const {createFitDialog} = await import('/panels/table/fit_dialog.js');
         const dialog = createFitDialog({fitTable: wait, fitCurve: wait}, () => {});

@@ -6,6 +6,7 @@ import { designOf, machineOf } from '../../app/selectors.js';
 import { createQuestion, laterText } from '../../app/effects/question.js';
 import { whenChanged, whenever } from '../../app/state.js';
 import { api } from '../../server/api.js';
+import { copyText } from '../../ui/clipboard.js';
 import { createDialog, dialogFoot } from '../../ui/dialog.js';
 import { element, icon, messageLine, picker } from '../../ui/dom.js';
 import { download as saveFile } from '../../ui/download.js';
@@ -47,7 +48,7 @@ export function createExport({ state, dispatch }, server = api, askOwn = api.own
   const played = createPlayed({ state, dispatch }, askOwn);
   const copy = element(
     'button',
-    { className: 'button', id: 'export-copy', type: 'button', onclick: copyText },
+    { className: 'button', id: 'export-copy', type: 'button', onclick: takeText },
     icon('paste'),
     'Copy',
   );
@@ -154,15 +155,13 @@ export function createExport({ state, dispatch }, server = api, askOwn = api.own
     copy.disabled = made?.text === null || made === null;
   }
 
-  async function copyText() {
-    if (made?.text == null) return;
-    try {
-      await navigator.clipboard.writeText(made.text);
-      note.textContent = `Copied ${made.name}.`;
-      dispatch(announce, `Copied ${made.name}`);
-    } catch {
-      note.textContent = 'The browser does not let this page copy: use Download.';
-    }
+  async function takeText() {
+    const taken = made;
+    if (taken?.text == null) return;
+    const isCopied = await copyText(taken.text);
+    // Meanwhile another may be shown: the words beneath that are its own.
+    if (taken === made) note.textContent = isCopied ? `Copied ${taken.name}.` : 'The browser does not let this page copy: use Download.';
+    if (isCopied) dispatch(announce, `Copied ${taken.name}`);
   }
 
   function save() {
