@@ -115,11 +115,5 @@ export function createFollower() {
           { samples: runs.get(key)?.samples ?? null, restingPlace: resting.get(key) },
         ]),
       ),
-    /** The move of an axis that runs, or ran last; null before there was one.
-     * @param {string} id @param {number} axis @returns {Samples | null} */
-    samples: (id, axis) => runs.get(`${id} ${axis}`)?.samples ?? null,
-    /** Where an axis last was at rest.
-     * @param {string} id @param {number} axis */
-    restingPlace: (id, axis) => resting.get(`${id} ${axis}`),
   };
 }

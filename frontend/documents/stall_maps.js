@@ -31,7 +31,8 @@ export function keepMaps(tab, maps) {
 function isResult(result) {
   const isRow = (/** @type {any} */ row) => Array.isArray(row) && row.length === result.over_values?.length;
   const rows = result?.verdicts;
-  return Array.isArray(rows) && rows.length > 1 && rows.every(isRow) && result.accelerations_steps_per_s2?.length === rows.length;
+  const isSpaced = ['even', 'ratios'].includes(result?.over_spacing);
+  return isSpaced && Array.isArray(rows) && rows.length > 1 && rows.every(isRow) && result.accelerations_steps_per_s2?.length === rows.length;
 }
 
 /** @param {any} map @returns {map is StallMap} */

@@ -73,32 +73,35 @@ export function pictureOf(map, key) {
  * @param {Design} design @param {Over} over */
 const ofSupply = (design, over) => (over === 'supply_voltage' ? withDriveThen(design) : design);
 
+/** Increasing values that a map goes along.
+ * @typedef {{values: number[], spacing: MapResult['over_spacing']}} MapAxis */
+
+/** @param {Pick<MapResult, 'over_values' | 'over_spacing' | 'accelerations_steps_per_s2'>} map @returns {{over: MapAxis, acceleration: MapAxis}} */
+export const axesOf = ({ over_values, over_spacing, accelerations_steps_per_s2 }) => ({
+  over: { values: over_values, spacing: over_spacing },
+  acceleration: { values: accelerations_steps_per_s2, spacing: 'ratios' },
+});
+
 /** How far along its values something lies: 0 at the first, 1 at the last, beyond them less or more.
- * @param {number[]} values increasing, in equal ratios or, where they begin with none, evenly @param {number} value */
-export function shareOf(values, value) {
+ * @param {MapAxis} axis @param {number} value */
+export function shareOf({ values, spacing }, value) {
   const [first, last] = ends(values);
-  return isInRatios(values) ? Math.log(value / first) / Math.log(last / first) : (value - first) / (last - first);
+  return spacing === 'ratios' ? Math.log(value / first) / Math.log(last / first) : (value - first) / (last - first);
 }
 
 /** What lies so far along.
- * @param {number[]} values @param {number} share */
-export function valueAtShare(values, share) {
+ * @param {MapAxis} axis @param {number} share */
+export function valueAtShare({ values, spacing }, share) {
   const [first, last] = ends(values);
-  return isInRatios(values) ? first * (last / first) ** share : first + share * (last - first);
-}
-
-/** @param {number[]} values */
-export function isInRatios(values) {
-  if (!(values[0] > 0) || values.length < 3) return false;
-  const [first, second, third] = values;
-  return Math.abs(second / first - third / second) < 1e-3 * (second / first);
+  return spacing === 'ratios' ? first * (last / first) ** share : first + share * (last - first);
 }
 
 /** The verdict of the nearest point that was asked about; null: the place lies beyond all.
  * @param {MapResult} map @param {MapPlace} place */
-export function verdictAt({ accelerations_steps_per_s2: accelerations, over_values: values, verdicts }, { acceleration, value }) {
-  const [row, column] = [nearest(accelerations, acceleration), nearest(values, value)];
-  return row === null || column === null ? null : verdicts[row][column];
+export function verdictAt(map, { acceleration, value }) {
+  const axes = axesOf(map);
+  const [row, column] = [nearest(axes.acceleration, acceleration), nearest(axes.over, value)];
+  return row === null || column === null ? null : map.verdicts[row][column];
 }
 
 /** Stretches of equal verdicts: of row `row` the columns from `from` up to, and without, `to`.
@@ -129,11 +132,11 @@ export function mapText(verdicts, isOld) {
   return `Of ${known === all.length ? map : `what is known of ${map}, ${percent(Math.min(known / all.length, 0.99))} of it`}: ${parts.join(', ')}.`;
 }
 
-/** @param {number[]} values @param {number} value @returns {number | null} */
-function nearest(values, value) {
-  const place = shareOf(values, value) * (values.length - 1);
+/** @param {MapAxis} axis @param {number} value @returns {number | null} */
+function nearest(axis, value) {
+  const place = shareOf(axis, value) * (axis.values.length - 1);
   const index = Math.round(place);
-  return place >= -0.5 && index < values.length && !Number.isNaN(place) ? Math.max(0, index) : null;
+  return place >= -0.5 && index < axis.values.length && !Number.isNaN(place) ? Math.max(0, index) : null;
 }
 
 /** @param {number[]} values @returns {[number, number]} */

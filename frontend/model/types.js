@@ -94,7 +94,7 @@
  * @typedef {'slew_speed' | 'load' | 'supply_voltage'} Over */
 /** Whether the motor makes the move at each point: a row for each acceleration, a column for each other value. -1: not known yet,
  * 0: safe, 1: marginal, 2: stalls, 3: not possible.
- * @typedef {{over: Over, over_values: number[], over_unit: string, accelerations_steps_per_s2: number[], verdicts: number[][],
+ * @typedef {{over: Over, over_values: number[], over_unit: string, over_spacing: 'even' | 'ratios', accelerations_steps_per_s2: number[], verdicts: number[][],
  *   played: number}} MapResult */
 /** @typedef {{id: string, state: 'waiting' | 'running' | 'done' | 'cancelled' | 'failed', progress: number, result: MapResult | null,
  *   errors?: Rejection[]}} MapJob */

@@ -309,6 +309,7 @@ VALUES = [1000.0 * 2**power for power in range(5)]
 MAP = {
     "over": "slew_speed",
     "over_values": VALUES,
+    "over_spacing": "ratios",
     "accelerations_steps_per_s2": [100.0, 1000.0, 10000.0],
     "verdicts": [[0, 0, 0, 1, 2], [0, 0, 1, 2, 2], [-1, 1, 2, 2, 3]],
 }
@@ -319,12 +320,15 @@ def stall_map(modules: Modules, function: str, *arguments: object) -> Any:
 
 
 def test_a_map_is_read_at_its_nearest_point_along_its_axes(modules: Modules) -> None:
-    assert [stall_map(modules, "shareOf", VALUES, value) for value in (1000, 4000, 16000, 500)] == [0, 0.5, 1, -0.25]
-    # A load may be none or less: it goes evenly.
-    assert stall_map(modules, "shareOf", [-1, 0, 1], 0) == 0.5
+    axis = stall_map(modules, "axesOf", MAP)["over"]
+    assert [stall_map(modules, "shareOf", axis, value) for value in (1000, 4000, 16000, 500)] == [0, 0.5, 1, -0.25]
+    # A load may be none or less: it goes evenly. So it does where its few values might be in ratios as well.
+    assert stall_map(modules, "shareOf", {"values": [-1, 0, 1], "spacing": "even"}, 0) == 0.5
+    assert stall_map(modules, "shareOf", {"values": [9, 9.01, 9.02], "spacing": "even"}, 9.005) == pytest.approx(0.25)
+    assert stall_map(modules, "shareOf", {"values": [1, 4], "spacing": "ratios"}, 2) == pytest.approx(0.5)
     for share in (0, 0.3, 1):
-        value = stall_map(modules, "valueAtShare", VALUES, share)
-        assert stall_map(modules, "shareOf", VALUES, value) == pytest.approx(share)
+        value = stall_map(modules, "valueAtShare", axis, share)
+        assert stall_map(modules, "shareOf", axis, value) == pytest.approx(share)
     read = {
         (acceleration, value): stall_map(modules, "verdictAt", MAP, {"acceleration": acceleration, "value": value})
         for acceleration, value in ((100, 1000), (150, 15000), (2000, 4100), (9000, 1000), (100, 90000), (1, 2000))

@@ -5,7 +5,12 @@ from typing import Any
 from designs import document
 from frontend.modules import Modules
 
-RESULT = {"over_values": [1, 2], "accelerations_steps_per_s2": [1, 2], "verdicts": [[0, 0], [0, 2]]}
+RESULT = {
+    "over_values": [1, 2],
+    "over_spacing": "ratios",
+    "accelerations_steps_per_s2": [1, 2],
+    "verdicts": [[0, 0], [0, 2]],
+}
 MAPS = """async ([design, kept, steps, keptOf]) => {
     const {FIRST_STATE, createStore} = await import('/app/state.js');
     const {begin} = await import('/app/commands/work.js');
@@ -133,7 +138,7 @@ INTERLEAVED = """async (documents) => {
     globalThis.setTimeout = (act) => { timers.push(act); };
     const settle = async () => { for (let turn = 0; turn < 12; turn += 1) await null; };
     const faults = [];
-    const values = {over_values: [1, 2], accelerations_steps_per_s2: [1, 2]};
+    const values = {over_values: [1, 2], over_spacing: 'ratios', accelerations_steps_per_s2: [1, 2]};
     const tag = (of) => ({...values, verdicts: [[0, 0], [0, 2]], of});
 
     async function play(steps) {

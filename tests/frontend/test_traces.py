@@ -51,7 +51,7 @@ def test_what_ran_without_an_end_has_none_when_it_was_slowed_down_either(modules
         const tell = (heard_s, state, position_steps, target_steps) => {
             const axis = {axis: 0, state, position_steps, target_steps, speed_steps_per_s: 9};
             follower.follow({id: '1', heard_s, axes: [axis]});
-            return follower.samples('1', 0)?.length; };
+            return follower.runs()['1 0'].samples?.length; };
         const jog = [tell(0, 'ready', 0, 0), tell(1, 'moving', 5, 5), tell(2, 'stopping', 9, 20),
             tell(3, 'ready', 20, 20)];
         const move = [tell(4, 'moving', 30, 70), tell(5, 'ready', 70, 70)];
@@ -167,6 +167,6 @@ def test_what_set_out_before_the_page_began_to_listen_has_no_line(modules: Modul
         const tell = (heard_s, state, position_steps) => {
             const axis = {axis: 0, state, position_steps, target_steps: 900, speed_steps_per_s: 9};
             follower.follow({id: '1', heard_s, axes: [axis]});
-            return follower.samples('1', 0)?.position ?? null; };
+            return follower.runs()['1 0']?.samples?.position ?? null; };
         return [tell(0, 'moving', 500), tell(1, 'moving', 510), tell(2, 'ready', 900), tell(3, 'moving', 910)]; }"""
     assert modules.evaluate(script) == [None, None, None, [10]]

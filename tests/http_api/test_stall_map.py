@@ -41,7 +41,7 @@ def test_a_map_grows_to_its_end(client: TestClient) -> None:
     assert (last["kind"], last["state"], last["progress"]) == ("motor_map", "done", 1.0)
     assert "errors" not in last
     found = last["result"]
-    assert (found["over"], found["over_unit"]) == ("slew_speed", "steps/s")
+    assert (found["over"], found["over_unit"], found["over_spacing"]) == ("slew_speed", "steps/s", "ratios")
     assert 81 < found["played"] < 17**2
     assert {len(row) for row in found["verdicts"]} == {17} == {len(found["verdicts"])}
     # Each as the whole move says of the design with these two values.
@@ -60,13 +60,13 @@ def test_over_load_and_voltage_and_with_ranges_of_ones_own(client: TestClient) -
     load = pictures(client, begun(client, over="load", **ends))[-1]["result"]
     assert load["over_values"] == pytest.approx([-0.1 + 0.075 * number for number in range(9)])
     assert load["accelerations_steps_per_s2"] == pytest.approx([10 ** (3 + 3 * number / 8) for number in range(9)])
-    assert load["over_unit"] == "Nm"
+    assert (load["over_unit"], load["over_spacing"]) == ("Nm", "even")
     # More load than the motor holds, at any acceleration; with none there are some that it makes.
     assert {row[-1] for row in load["verdicts"]} == {2}
     assert 0 in {row[1] for row in load["verdicts"]}
     volts = pictures(client, begun(client, over="supply_voltage", range=[6, 48]))[-1]["result"]
-    assert volts["over_values"][::8] == pytest.approx([6, 48])
-    assert volts["over_unit"] == "V"
+    assert volts["over_values"] == pytest.approx([6 * 8 ** (number / 8) for number in range(9)])
+    assert (volts["over_unit"], volts["over_spacing"]) == ("V", "ratios")
 
 
 def test_the_same_question_is_computed_once(client: TestClient) -> None:

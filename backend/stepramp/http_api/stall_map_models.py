@@ -7,7 +7,7 @@ from pydantic import Field
 from stepramp.design import Design
 from stepramp.http_api.answer import Answer, Numbers, WholeNumberRows
 from stepramp.motor.asked import MapAsked
-from stepramp.motor.map_points import Over, Question, own_value
+from stepramp.motor.map_points import SPACINGS, Over, Question, Spacing, own_value
 from stepramp.motor.map_ranges import UNITS
 from stepramp.motor.stall_map import Picture
 
@@ -38,6 +38,9 @@ class StallMapAnswer(Answer):
     over: Over = Field(description="What is varied beside the acceleration")
     over_values: Numbers = Field(description="One a column, increasing, shape (n,)")
     over_unit: str = Field(description="Of these")
+    over_spacing: Spacing = Field(
+        description="Whether these are evenly apart, or each in the same ratio to the one before, as the accelerations"
+    )
     accelerations_steps_per_s2: Numbers = Field(description="One a row, increasing, shape (n,)")
     verdicts: WholeNumberRows = Field(
         description="-1 not known yet, 0 safe, 1 marginal, 2 stalls, 3 not possible: it is refused, as beyond the "
@@ -53,6 +56,7 @@ class StallMapAnswer(Answer):
             over=question.over,
             over_values=list(question.over_values),
             over_unit=UNITS[question.over],
+            over_spacing=SPACINGS[question.over],
             accelerations_steps_per_s2=list(question.accelerations),
             verdicts=picture.verdicts,
             played=picture.played,

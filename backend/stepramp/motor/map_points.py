@@ -15,6 +15,10 @@ from stepramp.motor.verdict import Verdict, verdict_of
 Over = Literal["slew_speed", "load", "supply_voltage"]
 
 VERDICTS: dict[Verdict, int] = {"safe": 0, "marginal": 1, "stalls": 2}
+Spacing = Literal["even", "ratios"]
+
+SPACINGS: dict[Over, Spacing] = {"slew_speed": "ratios", "load": "even", "supply_voltage": "ratios"}
+"""How a map's values follow each other: loads begin with none, and may change sides."""
 NOT_POSSIBLE = 3
 """Stands for a design that isn't planned or played, such as one beyond its timer."""
 

@@ -7,7 +7,7 @@ import numpy as np
 from stepramp.design import Design
 from stepramp.drive_train import Load
 from stepramp.motor.limits import greatest_acceleration, required_nm
-from stepramp.motor.map_points import Over, Question
+from stepramp.motor.map_points import SPACINGS, Over, Question
 from stepramp.motor.torque import drive_train
 from stepramp.numerics.drive_train import DriveTrain
 
@@ -26,8 +26,7 @@ def question_of(design: Design, over: Over, values: Range | None, accelerations:
     """Return the question of a map; None stands for usual ranges. Raises Rejected without a motor."""
     values = values or value_range(design, over)
     accelerations = accelerations or acceleration_range(design)
-    # Loads begin with none, and may change sides.
-    space = np.linspace if over == "load" else np.geomspace
+    space = np.linspace if SPACINGS[over] == "even" else np.geomspace
     return Question(
         design,
         over,

@@ -2,7 +2,7 @@
 // The map as a drawing: each verdict a colour and a pattern, and the design a point on it that pointer and keys move.
 
 import { formatFigures } from '../../model/numbers.js';
-import { isInRatios, MAP_VERDICTS, overOf, shareOf, stretchesOf, UNKNOWN, valueAtShare, verdictAt } from '../../model/stall_map.js';
+import { axesOf, MAP_VERDICTS, overOf, shareOf, stretchesOf, UNKNOWN, valueAtShare, verdictAt } from '../../model/stall_map.js';
 import { shownValue, unitWord } from '../../model/units.js';
 import { chartText } from '../../ui/chart.js';
 import { element, svgElement } from '../../ui/dom.js';
@@ -11,6 +11,7 @@ import { createDragging } from '../../ui/dragging.js';
 /** @typedef {import('../../model/types.js').Design} Design */
 /** @typedef {import('../../model/types.js').MapResult} MapResult */
 /** @typedef {import('../../model/types.js').Over} Over */
+/** @typedef {import('../../model/stall_map.js').MapAxis} MapAxis */
 /** @typedef {import('../../model/stall_map.js').MapPlace} MapPlace */
 /** @typedef {import('../../model/units.js').Units} Units */
 /** What is drawn; isOld: of another design.
@@ -86,9 +87,10 @@ export function createMapChart({ onMove, onEnd }) {
     const by = STRIDES[altKey ? 'fine' : shiftKey ? 'coarse' : 'usual'];
     const { map, place } = scene;
     const [across, up] = KEYS[key].map((sign) => sign * by);
-    const along = (/** @type {number[]} */ values, /** @type {number} */ value, /** @type {number} */ share) =>
-      share === 0 ? value : valueAtShare(values, within(shareOf(values, value) + share));
-    onMove({ acceleration: along(map.accelerations_steps_per_s2, place.acceleration, up), value: along(map.over_values, place.value, across) }, true);
+    const axes = axesOf(map);
+    const along = (/** @type {MapAxis} */ axis, /** @type {number} */ value, /** @type {number} */ share) =>
+      share === 0 ? value : valueAtShare(axis, within(shareOf(axis, value) + share));
+    onMove({ acceleration: along(axes.acceleration, place.acceleration, up), value: along(axes.over, place.value, across) }, true);
   }
 
   /** What the map says where the pointer is.
@@ -114,13 +116,14 @@ export function createMapChart({ onMove, onEnd }) {
   /** @param {Scene} now */
   function drawScale({ map, units, design, over }) {
     const { label: name } = overOf(over);
-    const toX = (/** @type {number} */ value) => LEFT + shareOf(map.over_values, value) * ACROSS;
-    const toY = (/** @type {number} */ value) => TOP + (1 - shareOf(map.accelerations_steps_per_s2, value)) * DOWN;
+    const axes = axesOf(map);
+    const toX = (/** @type {number} */ value) => LEFT + shareOf(axes.over, value) * ACROSS;
+    const toY = (/** @type {number} */ value) => TOP + (1 - shareOf(axes.acceleration, value)) * DOWN;
     const ofValue = overUnit(over, units, design);
     const ofAcceleration = shownValue(units, design, 'acceleration', 1);
     scale.replaceChildren(
-      ...ticksOf(map.over_values, ofValue.factor).map(({ at, text }) => chartText(text, toX(at), HEIGHT - BOTTOM + 17, 'middle')),
-      ...ticksOf(map.accelerations_steps_per_s2, ofAcceleration).map(({ at, text }) => chartText(text, LEFT - 6, toY(at) + 3, 'end')),
+      ...ticksOf(axes.over, ofValue.factor).map(({ at, text }) => chartText(text, toX(at), HEIGHT - BOTTOM + 17, 'middle')),
+      ...ticksOf(axes.acceleration, ofAcceleration).map(({ at, text }) => chartText(text, LEFT - 6, toY(at) + 3, 'end')),
       chartText(`${name.toLowerCase()}, ${ofValue.word}`, LEFT + ACROSS, HEIGHT - 4, 'end'),
     );
   }
@@ -133,7 +136,8 @@ export function createMapChart({ onMove, onEnd }) {
     if (!isKnown) return;
     const { x, y } = pixelOf(now, place);
     point.setAttribute('transform', `translate(${x.toFixed(2)} ${y.toFixed(2)})`);
-    const shares = [shareOf(map.accelerations_steps_per_s2, place.acceleration), shareOf(map.over_values, place.value)];
+    const axes = axesOf(map);
+    const shares = [shareOf(axes.acceleration, place.acceleration), shareOf(axes.over, place.value)];
     const isOutside = shares.some((share) => share < 0 || share > 1);
     point.classList.toggle('outside', isOutside);
     const verdict = verdictAt(map, place);
@@ -213,13 +217,13 @@ function overUnit(over, units, design) {
 }
 
 /** Round values along an axis, as they are shown: 1, 2 and 5 of each decade, or evenly apart.
- * @param {number[]} values @param {number} factor of the unit shown @returns {{at: number, text: string}[]} */
-function ticksOf(values, factor) {
+ * @param {MapAxis} axis @param {number} factor of the unit shown @returns {{at: number, text: string}[]} */
+function ticksOf({ values, spacing }, factor) {
   const [low, high] = [values[0] * factor, values[values.length - 1] * factor];
   const parts = high > MOST_TICKED * low ? [1] : [1, 2, 5];
   /** @type {number[]} */
   const found = [];
-  if (isInRatios(values)) {
+  if (spacing === 'ratios') {
     for (let power = Math.floor(Math.log10(low)); power <= Math.log10(high); power += 1) found.push(...parts.map((part) => part * 10 ** power));
   } else found.push(...[0, 0.25, 0.5, 0.75, 1].map((share) => low + share * (high - low)));
   return found.filter((at) => at >= low * 0.999 && at <= high * 1.001).map((at) => ({ at: at / factor, text: shortened(at) }));
@@ -231,16 +235,18 @@ const shortened = (value) => (value >= 1e6 ? `${formatFigures(value / 1e6, 1)}M`
 /** Within the map, also what lies beyond it.
  * @param {Scene} scene @param {MapPlace} place */
 function pixelOf({ map }, { acceleration, value }) {
-  const across = within(shareOf(map.over_values, value));
-  const up = within(shareOf(map.accelerations_steps_per_s2, acceleration));
+  const axes = axesOf(map);
+  const across = within(shareOf(axes.over, value));
+  const up = within(shareOf(axes.acceleration, acceleration));
   return { x: LEFT + across * ACROSS, y: TOP + (1 - up) * DOWN };
 }
 
 /** @param {Scene} scene @param {number} x @param {number} y @returns {MapPlace} */
 function placeAt({ map }, x, y) {
+  const axes = axesOf(map);
   return {
-    acceleration: valueAtShare(map.accelerations_steps_per_s2, within(1 - (y - TOP) / DOWN)),
-    value: valueAtShare(map.over_values, within((x - LEFT) / ACROSS)),
+    acceleration: valueAtShare(axes.acceleration, within(1 - (y - TOP) / DOWN)),
+    value: valueAtShare(axes.over, within((x - LEFT) / ACROSS)),
   };
 }
 
