@@ -1,20 +1,24 @@
 """What is said of a move: safe, marginal, stalls, and what it comes of."""
 
 import math
+from collections.abc import Callable
 from contextlib import nullcontext
+from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import pytest
 
 from motor.trains import AT_24_V, LOADED, NEMA_17, with_motor
-from stepramp.errors import Rejected, Remedy
+from stepramp.errors import Rejected
+from stepramp.motor import verdict
 from stepramp.motor.bounds import refuse_too_long
 from stepramp.motor.changes import with_changes
 from stepramp.motor.limits import greatest_start_speed
 from stepramp.motor.origins import torque_is_measured
 from stepramp.motor.presets import PRESETS
 from stepramp.motor.proposals import proposals_of
-from stepramp.motor.verdict import USUAL_DAMPING, cause_of, outcome_of, verdict_of
+from stepramp.motor.verdict import DAMPINGS, USUAL_DAMPING, cause_of, outcome_of, verdict_of
 from stepramp.ramp.plan import real_ramp
 
 MOVES: dict[str, tuple[dict[str, Any], str, str | None]] = {
@@ -75,12 +79,10 @@ def test_a_step_that_is_lost_after_the_last_interval_is_lost() -> None:
     assert (outcome.verdict, outcome.lost_full_steps, cause_of(outcome)) == ("stalls", -4, "stop")
     assert (outcome.worst.first_lost_step, outcome.worst.is_lost_at_end) == (64, True)
     assert verdict_of(made) == "stalls"
-    assert not any(remedy_is_lost(each) for each in proposals_of(made, outcome, "stop"))
-
-
-def remedy_is_lost(remedy: Remedy) -> bool:
-    made = with_changes(with_motor(load={"inertia_g_cm2": 100.0}, **AT_ONCE), remedy.changes)
-    return outcome_of(made).lost_full_steps != 0
+    # What is offered is safe also after the last interval.
+    offered = proposals_of(made, outcome, "stop")
+    assert offered
+    assert {outcome_of(with_changes(made, each.changes)).verdict for each in offered} == {"safe"}
 
 
 def test_a_hanging_load_is_held_from_the_beginning() -> None:
@@ -148,6 +150,45 @@ def test_what_was_measured_of_the_torque_counts_whatever_the_rotor_does(measured
     computed = outcome_of(with_motor(motor=NEMA_17 | {"pull_out_factor": 0.26}, **MEASURED))
     assert computed.most_used > 1
     assert (computed.verdict, computed.evidence) == ("marginal", "torque")
+
+
+@pytest.mark.parametrize("stalled_nm", [0.13, 0.14, 0.1401])
+def test_where_it_was_seen_to_stall_it_stalls_again(stalled_nm: float) -> None:
+    """At one speed throughout, against .1105 Nm of load and .0295 Nm of friction, in the last bits of which is .14."""
+    steady = {"method__name": "table", "table": {"rows": [[40, 100]], "interval_unit": "us"}, "move__steps": 2000}
+    load = {"inertia_g_cm2": 100.0, "torque_nm": 0.1105, "friction_nm": 0.0295}
+    stalled = {"stalled": {"rpm": 187.5, "torque_nm": stalled_nm}}
+    made = with_motor(motor=NEMA_17 | stalled, load=load, **steady)
+    outcome, is_enough = outcome_of(made), stalled_nm > 0.14
+    assert outcome.most_used == pytest.approx(0.14 / stalled_nm)
+    assert (outcome.verdict == "stalls", outcome.evidence == "measured_torque") == (not is_enough, not is_enough)
+    assert verdict_of(made) == outcome.verdict
+
+
+def test_more_torque_than_there_is_comes_before_a_resonance() -> None:
+    """In full steps, lost within the band of 116 to 157 steps/s: with enough torque and without."""
+    slow = {
+        "axis__microsteps": 1, "ramp__slew_speed_steps_per_s": 137.0, "ramp__acceleration_steps_per_s2": 5000.0,
+        "move__steps": 600, "load": LOADED | {"torque_nm": 0.15},
+    }  # fmt: skip
+    outcomes = [outcome_of(with_motor(motor=NEMA_17 | {"pull_out_factor": factor}, **slow)) for factor in (0.85, 0.2)]
+    for outcome in outcomes:
+        assert 116 < outcome.profile.speed_steps_per_s[outcome.worst.first_lost_step - 1] < 157
+    assert [outcome.most_used > 1 for outcome in outcomes] == [False, True]
+    assert [cause_of(outcome) for outcome in outcomes] == ["resonance", "top_speed"]
+
+
+@pytest.mark.parametrize("damping", DAMPINGS)
+def test_a_rotor_that_is_not_held_with_any_damping_is_not_safe(damping: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    def unheld(by: Callable[..., Any], *args: Any, **options: Any) -> Any:
+        swing = by(*args, **options)
+        return replace(swing, is_held=args[2] != damping)
+
+    for name in ("run_of", "swing_of"):
+        monkeypatch.setattr(verdict, name, partial(unheld, getattr(verdict, name)))
+    outcome = outcome_of(with_motor())
+    assert (outcome.verdict, outcome.evidence) == ("marginal", "load_angle")
+    assert verdict_of(with_motor()) == "marginal"
 
 
 def test_the_evidence_is_the_strongest() -> None:

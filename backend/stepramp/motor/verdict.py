@@ -31,6 +31,8 @@ MOST_USED = 0.6
 """Of the pull-out torque: 40 % of it are kept back for what the model doesn't know."""
 ROUNDING = 0.02
 """A ramp shaped for just so much comes this close to it, by rounding to ticks and whole steps."""
+LAST_BITS = 1e-9
+"""Of a share of the torque: what computing it loses."""
 LARGE_ANGLE_DEG = 90.0
 """Beyond it the motor pulls less the farther it is behind; a pulse takes the field a step farther at once."""
 ONSET_PERIODS = 2.0
@@ -73,7 +75,7 @@ class Outcome:
             return lacking
         if any(run.first_lost_step for run in self.runs.values()):
             return "lost_steps"
-        if _is_close(self.runs[USUAL_DAMPING], self.train):
+        if _is_close(self.runs[USUAL_DAMPING], self.train) or not all(run.is_held for run in self.runs.values()):
             return "load_angle"
         return "torque" if self.most_used > MOST_USED + ROUNDING else None
 
@@ -122,15 +124,18 @@ def verdict_of(design: Design, is_wanted: Callable[[], bool] = lambda: True, *, 
         return "stalls"
     directed = train if profile.direction > 0 else _backwards(train)
 
-    def is_lost(damping: float) -> bool:
-        return swing_of(directed, intervals_s, damping, is_wanted).first_lost_step > 0
+    def swing(damping: float) -> Swing:
+        return swing_of(directed, intervals_s, damping, is_wanted)
 
-    usual = swing_of(directed, intervals_s, USUAL_DAMPING, is_wanted)
-    if usual.first_lost_step or any(is_lost(damping) for damping in DAMPINGS if damping > USUAL_DAMPING):
+    usual = swing(USUAL_DAMPING)
+    damped = [] if usual.first_lost_step else [swing(damping) for damping in DAMPINGS if damping > USUAL_DAMPING]
+    if usual.first_lost_step or any(each.first_lost_step for each in damped):
         return "stalls"
-    if _is_close(usual, train) or most_used > margin + ROUNDING:
+    is_little = most_used > margin + ROUNDING
+    if is_little or _is_close(usual, train) or not all(each.is_held for each in damped):
         return "marginal"
-    return "marginal" if any(is_lost(damping) for damping in DAMPINGS if damping < USUAL_DAMPING) else "safe"
+    least = (swing(damping) for damping in DAMPINGS if damping < USUAL_DAMPING)
+    return "marginal" if any(each.first_lost_step or not each.is_held for each in least) else "safe"
 
 
 def _playable(design: Design) -> tuple[DriveTrain, Profile, NDArray[np.float64]]:
@@ -149,7 +154,8 @@ def _lacking(most_used: float, is_measured: bool) -> Evidence | None:
     """Return how it is known, whatever the model's rotor does, that the motor lacks the torque; None: it isn't."""
     if np.isinf(most_used):
         return "no_torque"
-    return "measured_torque" if is_measured and most_used > 1 else None
+    # Where it was seen to stall it stalls again.
+    return "measured_torque" if is_measured and most_used > 1 - LAST_BITS else None
 
 
 def _is_close(swing: Swing, train: DriveTrain) -> bool:
@@ -176,7 +182,8 @@ def cause_of(outcome: Outcome) -> Cause | None:
     if time_s <= ONSET_PERIODS / outcome.train.natural_frequency_hz:
         return "start" if _starts_too_fast(outcome) else "onset"
     is_in_band = any(low <= speed <= high for low, high in resonances(outcome.train))
-    return "resonance" if is_in_band or outcome.most_used <= MOST_USED + ROUNDING else "top_speed"
+    enough = 1 if is_in_band else MOST_USED + ROUNDING
+    return "resonance" if outcome.most_used <= enough else "top_speed"
 
 
 def _cause_of_little_torque(outcome: Outcome) -> Cause:
