@@ -352,6 +352,21 @@ def test_a_motor_that_has_no_torque_where_the_ramp_begins_is_refused() -> None:
         profile_of(with_motor(**SHAPED, motor=NEMA_17 | {"torque_curve": [[0, 0], [500, 0.4]]}))
 
 
+def test_a_base_speed_at_which_no_torque_is_left_is_refused_itself() -> None:
+    """By a curve that falls from 0.3 Nm to none at 600 rpm: 60 % of it do for 0.0295 Nm up to 501.7 rpm."""
+    changes = SHAPED | {"motor": NEMA_17 | {"torque_curve": [[0, 0.3], [600, 0]]}}
+    with pytest.raises(Rejected) as caught:
+        profile_of(with_motor(**changes, ramp__base_speed_steps_per_s=29_000.0, ramp__slew_speed_steps_per_s=31_000.0))
+    [rejection] = caught.value.rejections
+    assert rejection.field == "ramp.base_speed_steps_per_s"
+    assert rejection.limits is not None
+    assert rejection.limits.highest == pytest.approx(501.67 * 3200 / 60, rel=1e-3)
+    # A margin wouldn't do: with all of the torque it is the same.
+    whole = {"ramp__shape": {"name": "torque", "margin": 1.0}, "ramp__slew_speed_steps_per_s": 31_000.0}
+    with pytest.raises(Rejected, match=r"ramp.base_speed_steps_per_s is 29000.0; allowed: a number from 0 to 28,85"):
+        profile_of(with_motor(**changes | whole, ramp__base_speed_steps_per_s=29_000.0))
+
+
 def test_what_a_stall_may_have_been_at_is_told_in_figures_that_people_type() -> None:
     with pytest.raises(Rejected) as refused:
         with_motor(motor=NEMA_17 | {"stalled": {"rpm": 1000, "torque_nm": 2}})

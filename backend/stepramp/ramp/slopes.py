@@ -95,6 +95,12 @@ def _refuse_without_torque(design: Design, slope: Slope) -> None:
     if without.size == 0:
         return
     margin = design.ramp.shape.margin or 1.0
+    note = f": beyond that {margin:.0%} of the motor's torque doesn't move this load"
+    if without[0] == 0 and slope.possible(np.zeros(1))[0] > 0:
+        # Below the base speed there is torque.
+        fastest = highest(_last_with_torque(slope, 0.0, slope.base_speed), 4)
+        limits = Limits(0, fastest, "steps/s", note=note)
+        raise Rejected([Rejection.outside("ramp.base_speed_steps_per_s", slope.base_speed, limits)])
     if without[0] == 0:
         train = slope.parameters.drive_train
         has_nm = float(train.pull_out_nm(speeds[:1] * train.radians_per_step)[0]) if train else 0.0
@@ -106,7 +112,6 @@ def _refuse_without_torque(design: Design, slope: Slope) -> None:
         allowed = "a motor, a drive or a load with which there is torque left: load and friction take all of it"
         raise Rejected([Rejection("load", design.load and design.load.model_dump(), allowed)])
     fastest = max(highest(_last_with_torque(slope, *speeds[without[0] - 1 : without[0] + 1]), 4), slope.base_speed)
-    note = f": beyond that {margin:.0%} of the motor's torque doesn't move this load"
     limits = Limits(highest=fastest, unit="steps/s", note=note)
     raise Rejected([Rejection.outside("ramp.slew_speed_steps_per_s", design.ramp.slew_speed_steps_per_s, limits)])
 
