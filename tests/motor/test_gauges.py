@@ -97,6 +97,11 @@ def test_rows_end_where_nothing_is_gained() -> None:
             0.4,
             "load is .*; allowed: a load that 40% of the torque brings to 0.001 steps/s in a full step",
         ),
+        (
+            {"load": {"friction_nm": 5e-3}},
+            0.4,
+            "load is .*; allowed: a load that the motor moves: of 0.00155 Nm load and ",
+        ),
         ({"load": {"friction_nm": 1e-3}}, 0.4, "share is 0.4; allowed: a number from 0.64557[0-9] to 1 of the torque"),
     ],
 )

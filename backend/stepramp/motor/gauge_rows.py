@@ -45,8 +45,13 @@ def gauge_rows_of(design: Design, share: float) -> list[GaugeRow]:
         raise Rejected([Rejection("motor.kind", design.motor.kind, "gauge: it is a rule for gauges' motors")])
     _refuse_longer_steps(design, train)
     available = float(train.pull_out_nm(np.zeros(1))[0])
+    if available <= train.holding_back_nm:
+        allowed = (
+            f"a load that the motor moves: of {available:.3g} Nm load and friction take {train.holding_back_nm:.3g} Nm"
+        )
+        raise Rejected([Rejection("load", design.load and design.load.model_dump(), allowed)])
     if share * available <= train.holding_back_nm:
-        least = train.holding_back_nm / available if available > 0 else 1.0
+        least = train.holding_back_nm / available
         note = ", which moves the load and more"
         raise Rejected([Rejection.outside("share", share, Limits(lowest(least), 1, "of the torque", note=note))])
     rows: list[GaugeRow] = []
