@@ -1,4 +1,6 @@
 import math
+import weakref
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -9,6 +11,8 @@ from designs import document
 from motor.trains import whole
 from stepramp.errors import Change
 from stepramp.examples import all_examples
+from stepramp.motor.stall_map import Picture
+from stepramp.notebook import StallMap
 
 
 def test_a_design_is_made_from_its_parts_or_from_a_document() -> None:
@@ -94,6 +98,34 @@ def test_a_stall_map_has_the_verdicts_of_the_moves() -> None:
             found.verdict_at(wrong, 0.1)  # type: ignore[arg-type]
     with pytest.raises(stepramp.Rejected, match=r"value is nan; allowed: a number from 0 to 0\.5 Nm, on the map"):
         found.verdict_at(1e6, math.nan)
+
+
+def test_the_nearest_point_of_a_map_is_so_by_ratio_and_for_loads_by_difference() -> None:
+    """As its points lie: from 10⁴ to 10⁶ steps/s² the middle is 10⁵."""
+    sides = np.array([1e4, 1e6]), np.array([[0, 1], [2, 3]], np.int8)
+    speeds = StallMap("slew_speed", np.array([1000.0, 4000.0]), *sides, played=4)
+    found = [speeds.verdict_at(*at) for at in ((9e4, 1900), (9e4, 2100), (1.1e5, 1900), (1.1e5, 2100))]
+    assert found == ["safe", "marginal", "stalls", "not possible"]
+    loads = StallMap("load", np.array([-0.1, 0.3]), *sides, played=4)
+    assert [loads.verdict_at(1e4, value) for value in (0.09, 0.11)] == ["safe", "marginal"]
+
+
+def test_of_a_map_that_grows_no_more_than_the_last_picture_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    made: list[weakref.ref[Picture]] = []
+    most = 0
+
+    def growing(cells: int, _: object) -> Iterator[Picture]:
+        nonlocal most
+        for number in range(50):
+            picture = Picture(np.zeros((cells + 1, cells + 1), np.int8), number, number / 49)
+            made.append(weakref.ref(picture))
+            most = max(most, sum(each() is not None for each in made))
+            yield picture
+            del picture
+
+    monkeypatch.setattr("stepramp.notebook.stall_map", growing)
+    assert stepramp.Design(**whole()).stall_map(cells=8).played == 49
+    assert most <= 3
 
 
 def test_numbers_of_numpy_are_numbers() -> None:

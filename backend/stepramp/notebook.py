@@ -1,5 +1,7 @@
 """StepRamp from Python: a design that plans its move, and a profile that compares and draws itself."""
 
+import math
+from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -181,7 +183,9 @@ class Design(document.Design):
         question = question_of(self, asked.over, asked.range, asked.accelerations_steps_per_s2, asked.cells)
         with executor() as spread:
             task = partial(verdict_at, question)
-            *_, whole = stall_map(asked.cells, lambda points: spread.results(task, points, lambda: True))
+            pictures = stall_map(asked.cells, lambda points: spread.results(task, points, lambda: True))
+            # One for each point that is played: only the last is kept.
+            [whole] = deque(pictures, maxlen=1)
         return StallMap(
             asked.over, np.array(question.over_values), np.array(question.accelerations), whole.verdicts, whole.played
         )
@@ -327,14 +331,19 @@ class StallMap:
     """How many points were played; the others lie within equal ones."""
 
     def verdict_at(self, acceleration_steps_per_s2: float, value: float) -> Verdict | Literal["not possible"]:
-        """Return the verdict of the point that is nearest. Raises Rejected for what isn't on the map."""
+        """Return the verdict of the nearest point, by ratio but for loads. Raises Rejected beyond the map."""
         at = {"acceleration_steps_per_s2": acceleration_steps_per_s2, "value": value}
         for field, told, ends in zip(at, at.values(), (self.accelerations_steps_per_s2, self.values), strict=True):
             unit = "steps/s²" if field != "value" else UNITS[self.over]
             _refuse_outside(field, plain(told), Limits(float(ends[0]), float(ends[-1]), unit, note=", on the map"))
-        row = np.abs(self.accelerations_steps_per_s2 - acceleration_steps_per_s2).argmin()
-        column = np.abs(self.values - value).argmin()
+        row = _nearest(np.log(self.accelerations_steps_per_s2), math.log(acceleration_steps_per_s2))
+        along = self.values if self.over == "load" else np.log(self.values)
+        column = _nearest(along, value if self.over == "load" else math.log(value))
         return MAP_VERDICTS[int(self.verdicts[row, column])]
+
+
+def _nearest(places: NDArray[np.float64], place: float) -> int:
+    return int(np.abs(places - place).argmin())
 
 
 Asked = TypeVar("Asked", bound=Document)
