@@ -1,6 +1,7 @@
 """What a report says: the verdicts, units, and methods that fail."""
 
 import math
+import re
 from datetime import date
 from typing import Any
 
@@ -126,7 +127,11 @@ def test_the_verdict_is_told_with_its_cause_and_what_is_not_covered() -> None:
     rows = dict(row for row in motor_part(ramp__acceleration_steps_per_s2=1.2e7).found.rows)
     assert rows["verdict"] == "stalls"
     assert rows["why"] == "the acceleration comes on harder than the motor follows"
-    assert "the first after step" in rows["lost"]
+    assert re.fullmatch(r"[\d,]+ full steps behind at the end; the first after step \d+", rows["lost"])
+    # Stopped at once with little load it goes on by a period.
+    at_once = {"ramp__base_speed_steps_per_s": 15_432.0, "ramp__slew_speed_steps_per_s": 15_432.0, "move__steps": 64}
+    ahead = dict(row for row in motor_part(load={"inertia_g_cm2": 100.0}, **at_once).found.rows)
+    assert ahead["lost"] == "4 full steps too far at the end; the first after step 64"
     # 600 rpm are 10 rev/s; the pendulum starts at 8 · 136.88 full steps/s, less for friction.
     assert rows["greatest start speed"].endswith(" rev/s")
     assert "closed-loop drives" in rows["not covered"]

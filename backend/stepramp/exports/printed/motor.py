@@ -177,7 +177,7 @@ def _verdict(outcome: Outcome, units: ShownUnits) -> Iterator[tuple[str, str]]:
     if outcome.evidence is not None:
         yield "what shows it", EVIDENCE[outcome.evidence]
     if run.first_lost_step:
-        yield "lost", f"{outcome.lost_full_steps:,} full steps at the end, the first after step {run.first_lost_step:,}"
+        yield "lost", f"{_lost(outcome.lost_full_steps)}; the first after step {run.first_lost_step:,}"
     yield from _used(outcome, shown(outcome.most_used_at, units, "speed"))
     yield "largest load angle", f"{plain(run.largest_load_angle_deg, 3)} electrical °; a full step is 90° of two phases"
     yield "natural frequency", f"{plain(train.natural_frequency_hz, FIGURES)} Hz"
@@ -186,6 +186,13 @@ def _verdict(outcome: Outcome, units: ShownUnits) -> Iterator[tuple[str, str]]:
     yield "greatest start speed", f"{plain(fastest)} {units.word('speed')}"
     dampings = ", ".join(plain(damping) for damping in outcome.runs)
     yield "played with dampings of", f"{dampings}; the plot has {plain(USUAL_DAMPING)}"
+
+
+def _lost(full_steps: int) -> str:
+    """Return in words how far the rotor is from where it should be at the end."""
+    if full_steps == 0:
+        return "none at the end: it came back to its place"
+    return f"{abs(full_steps):,} full steps {'behind' if full_steps > 0 else 'too far'} at the end"
 
 
 def _used(outcome: Outcome, at: str) -> Iterator[tuple[str, str]]:
