@@ -113,7 +113,10 @@ class Fastest:
             others = "another shape wasn't found in time" if self.is_cut_short else "not every shape does"
             said = f"With {NAMES[best.shape]} the move takes {_s(best.figures.duration_s)}; {others}."
         if self.is_slew_beyond:
-            said += " Its slew speed is beyond the motor: the move never comes to it, and a lower one may be quicker."
+            said += (
+                f" At its slew speed {self.margin:.0%} of the torque doesn't move the load: the move never comes to "
+                "it, and a lower one may be quicker."
+            )
         if self.is_cut_short:
             said += f" The search ended after {SEARCH_S:g} s: there may be quicker ones."
         return said + self._reserve(best.figures)
