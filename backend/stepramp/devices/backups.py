@@ -77,14 +77,26 @@ def _source(folder: Path) -> Source:
 
 
 def _all(folder: Path) -> list[Backup]:
-    files = sorted(folder.glob(f"*{ENDING}"), reverse=True)
-    return [Backup(each.stem, each.stat().st_size) for each in files if not each.name.startswith(".")]
+    found = []
+    for each in sorted(folder.glob(f"*{ENDING}"), reverse=True):
+        # One may be deleted meanwhile, by whoever looks after the folder.
+        with suppress(FileNotFoundError):
+            if not each.name.startswith("."):
+                found.append(Backup(each.stem, each.stat().st_size))
+    return found
 
 
 def _read(folder: Path, name: str, of: str) -> str:
     if name not in {each.name for each in _all(folder)}:
         raise NotFound(f"There is no backup {shown(name)} {of}.")
-    return (folder / f"{name}{ENDING}").read_text(encoding="utf-8")
+    try:
+        return (folder / f"{name}{ENDING}").read_text(encoding="utf-8")
+    except OSError as error:
+        raise NotFound(f"The backup {shown(name)} {of} can't be read: {error.strerror or error}.") from error
+    except UnicodeDecodeError as error:
+        raise Refused(
+            f"The backup {shown(name)} {of} isn't text in UTF-8, as it was saved: take another one."
+        ) from error
 
 
 class Backups:
@@ -103,13 +115,13 @@ class Backups:
         name = datetime.now(UTC).strftime("%Y-%m-%dT%H-%M-%S.%fZ")
         part = self.folder / f".{name}.part"
         try:
-            self.folder.mkdir(parents=True, exist_ok=True)
+            _make(self.folder)
             with part.open("x", encoding="utf-8", newline="\n") as file:
                 file.write(text)
                 file.flush()
                 os.fsync(file.fileno())
             part.replace(self.folder / f"{name}{ENDING}")
-            self._sync_folder()
+            _sync(self.folder)
         except OSError as error:
             with suppress(OSError):
                 part.unlink()
@@ -127,10 +139,20 @@ class Backups:
         """Return the text of a backup; NotFound when there is none of that name."""
         return _read(self.folder, name, "of this device")
 
-    def _sync_folder(self) -> None:
-        if os.name == "posix":
-            number = os.open(self.folder, os.O_RDONLY)
-            try:
-                os.fsync(number)
-            finally:
-                os.close(number)
+
+def _make(folder: Path) -> None:
+    """Make a folder, and those above it that are missing, so that they outlast a power cut."""
+    if not folder.is_dir():
+        _make(folder.parent)
+        folder.mkdir(exist_ok=True)
+        _sync(folder.parent)
+
+
+def _sync(folder: Path) -> None:
+    """Have what a folder lists on the disk."""
+    if os.name == "posix":
+        number = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(number)
+        finally:
+            os.close(number)

@@ -129,7 +129,13 @@ class Writing:
 
     def back_up(self) -> None:
         """Save what the device has now."""
-        self._contact.ask_one_who(BacksUp, lambda able: self._while_writing(lambda: self._save(able)))
+
+        def save(_: BacksUp) -> None:
+            # Once more, where that was done before.
+            self._saved = None
+            self._while_writing(lambda: None)
+
+        self._contact.ask_one_who(BacksUp, save)
 
     def restore_backup(self, name: str) -> tuple[str, ...]:
         """Write what a backup says, and return what couldn't be, as sentences."""
@@ -138,7 +144,11 @@ class Writing:
     def restore_text(self, text: str, name: str) -> tuple[str, ...]:
         """Write what a text says that is the backup of this name; as restore_backup."""
         remarks: list[str] = []
-        self._write(BacksUp, lambda controller: remarks.extend(controller.use_backup(text)))
+
+        def restore(able: BacksUp) -> None:
+            self._while_writing(lambda: remarks.extend(able.use_backup(text)), unsaved=remarks.append)
+
+        self._contact.ask_one_who(BacksUp, restore)
         self._view.log("backup %s written", name)
         return tuple(remarks)
 
@@ -159,30 +169,39 @@ class Writing:
         self._view.log("ramps pushed, %d bytes, %s", reports[0].bytes, "kept" if reports[0].kept else "on trial")
         return reports[0]
 
-    def _while_writing(self, job: Callable[[], None]) -> None:
+    def _while_writing(self, job: Callable[[], None], unsaved: Callable[[str], None] | None = None) -> None:
+        """Write at rest, once what the controller has is saved.
+
+        unsaved: told why that can't be read, which is then no hindrance: it is what a restore is to mend.
+        """
         self._watch.refuse_under_way()
         self._leases.drop()
         self._watch.is_writing = True
         self._view.change(lambda view: replace(view, state=DeviceState.WRITING, shuttle=None))
         try:
-            self._save_first()
+            self._save_first(unsaved)
             job()
         finally:
             self._watch.is_writing = False
             self._show(None)
             self._watch.refresh()
 
-    def _save_first(self) -> None:
+    def _save_first(self, unsaved: Callable[[str], None] | None) -> None:
         """Save what the controller has, before it is written to for the first time over this connection."""
         controller = self._contact.controller
-        if isinstance(controller, BacksUp) and controller is not self._saved:
-            self._save(controller)
+        if not isinstance(controller, BacksUp) or controller is self._saved:
+            return
+        try:
+            text = controller.backup()
+        except Refused as error:
+            if unsaved is None:
+                raise
+            unsaved(f"What the controller had before isn't saved, since it can't be read: {error}")
+        else:
+            name = self._backups.save(text)
             self._saved = controller
-
-    def _save(self, controller: BacksUp) -> None:
-        name = self._backups.save(controller.backup())
-        self._view.change(lambda view: replace(view, backup=name))
-        self._view.log("backup %s saved", name)
+            self._view.change(lambda view: replace(view, backup=name))
+            self._view.log("backup %s saved", name)
 
     def _show(self, progress: Progress | None) -> None:
         self._view.change(lambda view: replace(view, progress=progress))

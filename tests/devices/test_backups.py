@@ -1,0 +1,112 @@
+"""Backups: on the disk before the first write, and restored whatever the controller is like by then."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from controllers.plain_controller import NoWire, PlainController
+from stepramp.controllers.capabilities import BacksUp
+from stepramp.controllers.families import Family
+from stepramp.devices.backups import Source
+from stepramp.devices.device import Device
+from stepramp.devices.registry import Devices
+from stepramp.errors import NotFound, Refused
+
+
+class Keeper(PlainController, BacksUp):
+    """One that keeps a text. log: what is done with it, and with the disk."""
+
+    log: list[str]
+    text = "figure 1\n"
+    is_broken = False
+
+    def backup(self) -> str:
+        if self.is_broken:
+            raise Refused("What it keeps can't be read.")
+        self.log.append("read")
+        return self.text
+
+    def use_backup(self, text: str) -> tuple[str, ...]:
+        self.log.append("written")
+        self.text, self.is_broken = text, False
+        return ("All is well.",)
+
+
+@pytest.fixture
+def log() -> list[str]:
+    return []
+
+
+@pytest.fixture
+def made() -> list[Keeper]:
+    return []
+
+
+@pytest.fixture
+def device(log: list[str], made: list[Keeper], tmp_path: Path) -> Iterator[Device]:
+    def make(*asked: object) -> Keeper:
+        made.append(Keeper(*asked))  # type: ignore[arg-type]
+        made[-1].log = log
+        return made[-1]
+
+    devices = Devices({"keeper": Family("keeper", "Keeper", NoWire, make)}, data=tmp_path / "data" / "of" / "mine")
+    yield devices.connect("a wire", "keeper")
+    devices.close()
+
+
+def saved_in(device: Device, tmp_path: Path) -> Path:
+    [folder] = (tmp_path / "data" / "of" / "mine" / "backups").iterdir()
+    assert [each.name for each in device.backups()] == [each.stem for each in sorted(folder.iterdir(), reverse=True)]
+    return folder
+
+
+@pytest.mark.skipif(os.name != "posix", reason="folders are synced where that can be done")
+def test_it_is_on_the_disk_with_every_folder_above_it_before_anything_is_written(
+    device: Device, log: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(os, "fsync", lambda number: log.append(os.path.realpath(f"/proc/self/fd/{number}")))
+    device.restore_from(Source("keeper-elsewhere-0", "keeper", "elsewhere", []), "x", "figure 2\n")
+    folder = saved_in(device, tmp_path)
+    *synced, last = [each for each in log if each.startswith("/")]
+    assert [Path(each) for each in synced[:-1]] == [
+        tmp_path, tmp_path / "data", tmp_path / "data/of", tmp_path / "data/of/mine", tmp_path / "data/of/mine/backups",
+    ]  # fmt: skip
+    assert Path(synced[-1]).parent == folder
+    assert last == str(folder)
+    assert log.index(last) < log.index("written")
+
+
+def test_what_cant_be_read_is_no_hindrance_to_a_restore(device: Device, log: list[str], made: list[Keeper]) -> None:
+    device.back_up()
+    [saved] = device.backups()
+    # Over another connection nothing is saved yet.
+    device.disconnect()
+    device.connect()
+    made[-1].is_broken = True
+    assert device.restore_backup(saved.name) == (
+        "What the controller had before isn't saved, since it can't be read: What it keeps can't be read.",
+        "All is well.",
+    )
+    assert log[-1] == "written"
+
+
+def test_nothing_else_is_written_to_one_that_cant_be_read(device: Device, made: list[Keeper]) -> None:
+    made[-1].is_broken = True
+    with pytest.raises(Refused, match="What it keeps can't be read"):
+        device.back_up()
+
+
+def test_a_backup_that_is_damaged_or_gone_is_refused_in_words(device: Device, tmp_path: Path) -> None:
+    device.back_up()
+    folder = saved_in(device, tmp_path)
+    [file] = folder.iterdir()
+    file.write_bytes(b"figure \xff\n")
+    with pytest.raises(Refused, match="isn't text in UTF-8, as it was saved: take another one"):
+        device.restore_backup(file.stem)
+    file.unlink()
+    with pytest.raises(NotFound, match="There is no backup"):
+        device.restore_backup(file.stem)
