@@ -37,7 +37,7 @@ def fields_of(ask: Callable[[], object]) -> list[tuple[str, object, str]]:
 def test_what_is_sent_and_read_back(bench: Bench, controller: GrblController) -> None:
     report = push(controller, design(), axis=1)
     # 1000 steps/s · 60 / 250 = 240 mm/min; 5000 / 250 = 20 mm/s². The second listing is that after a reset.
-    assert bench.grbl.lines == ["$121=20.000", "$111=240.000", "$$", "$N", "$$", "$N"]
+    assert bench.grbl.lines == ["$111=240.000", "$121=20.000", "$$", "$N", "$$", "$N"]
     assert (bench.grbl.eeprom.settings[121], bench.grbl.eeprom.settings[111]) == (20.0, 240.0)
     speed, gain = report.items
     assert (speed.requested, speed.sent, speed.read_back, speed.unit, speed.axis) == (1000, 1000, 1000, "steps/s", 1)

@@ -104,15 +104,15 @@ def test_a_halt(connect: Connect) -> None:
 def test_a_push(connect: Connect) -> None:
     kept = LISTING.replace("$120=10.000", "$120=20.000").replace("$110=500.000", "$110=240.000")
     controller = connect(
-        ("?", RESTS), ("$120=20.000\n", "ok\r\n"), ("$110=240.000\n", "ok\r\n"), ("$$\n", kept), ("$N\n", STARTUP),
+        ("?", RESTS), ("$110=240.000\n", "ok\r\n"), ("$120=20.000\n", "ok\r\n"), ("$$\n", kept), ("$N\n", STARTUP),
         ("?", RESTS), ("\x18", BANNER), ("$$\n", kept), ("$N\n", STARTUP), ("?", RESTS),
     )  # fmt: skip
     assert controller.prepare_push([design()], 0)().verified
 
 
 def test_a_setting_that_is_refused(connect: Connect) -> None:
-    controller = connect(("?", RESTS), ("$120=20.000\n", "error:8\r\n"))
-    with pytest.raises(Refused, match=r"refuses '\$120=20.000': it takes that only at rest \(error:8\)"):
+    controller = connect(("?", RESTS), ("$110=240.000\n", "error:8\r\n"))
+    with pytest.raises(Refused, match=r"refuses '\$110=240.000': it takes that only at rest \(error:8\)"):
         controller.prepare_push([design()], 0)()
 
 

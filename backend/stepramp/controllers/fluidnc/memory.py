@@ -11,6 +11,7 @@ from contextlib import suppress
 from stepramp.controllers.fluidnc.configuration import AT_START, AT_UNLOCKING, Configuration
 from stepramp.controllers.grbl.conversation import Answered, Conversation
 from stepramp.controllers.grbl.dialect import DEAF_ALARMS, LONGEST_LINE, State
+from stepramp.controllers.order import lowered_first
 from stepramp.errors import Refused
 
 LISTING_S = 5.0
@@ -75,13 +76,19 @@ class Memory:
 
         Raises Answered when one is refused.
         """
-        for path, value in wanted.items():
+        for path in lowered_first(wanted, lambda path: self._is_less_than(path, wanted[path])):
             try:
-                self._conversation.ask(f"$/{path}={value}")
+                self._conversation.ask(f"$/{path}={wanted[path]}")
             except Answered:
                 with suppress(Answered, ValueError):
                     self._conversation.ask(f"$/{path}={float(self.settings.items.get(path, ''))}")
                 raise
+
+    def _is_less_than(self, path: str, value: str) -> bool:
+        """Whether an item in use is a number, and less than another one."""
+        with suppress(ValueError):
+            return float(self.settings.items.get(path, "")) < float(value)
+        return False
 
     def _file(self) -> list[str]:
         """Read the file of the configuration; Answered when it can't be."""

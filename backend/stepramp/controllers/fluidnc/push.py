@@ -44,7 +44,7 @@ class PushPlan:
 
     @property
     def wanted(self) -> dict[str, str]:
-        """The items by their paths, as they are sent: the acceleration first, since a higher rate needs it."""
+        """The items by their paths, as they are sent."""
         values: dict[str, str] = {}
         for axis, each in self.given.items():
             values[acceleration_of(axis)] = each.acceleration

@@ -9,7 +9,16 @@ from dataclasses import dataclass
 
 from stepramp.controllers.grbl.dialect import is_sendable, moves_nothing
 from stepramp.controllers.grbl.numbers import read
-from stepramp.controllers.grbl.settings import LETTERS, REPORTS_INCHES, SOFT_LIMITS, Settings, is_told_same
+from stepramp.controllers.grbl.settings import (
+    LETTERS,
+    MOST_RATE,
+    REPORTS_INCHES,
+    SOFT_LIMITS,
+    TRAVEL,
+    Settings,
+    is_told_same,
+)
+from stepramp.controllers.order import lowered_first
 from stepramp.errors import Rejected, Rejection
 
 _PLACE = re.compile(r"\[G(?P<code>5[4-9]):(?P<numbers>[-\d.,]+)\]")
@@ -71,8 +80,8 @@ class Backup:
 
         Soft limits come last of those, since grbl takes them only once homing is set.
         """
-        numbers = sorted(self.settings.values, key=lambda number: number == SOFT_LIMITS)
-        for number in numbers:
+        numbers = lowered_first(self.settings.values, lambda number: self._raises(number, present))
+        for number in sorted(numbers, key=lambda number: number == SOFT_LIMITS):
             value = self.settings.values[number]
             if not is_told_same(present.settings.values.get(number), value):
                 yield _entry(f"${number}", f"${number}={value}", is_hidden=_HIDDEN.fullmatch(value) is not None)
@@ -83,6 +92,11 @@ class Backup:
         for place, block in self.startup.items():
             if present.startup.get(place) != block:
                 yield _entry(f"$N{place}", f"$N{place}={block}", moves=not moves_nothing(block))
+
+    def _raises(self, number: int, present: "Backup") -> bool:
+        """Whether an axis gets a higher rate or acceleration than is present."""
+        is_limit = MOST_RATE <= number < TRAVEL
+        return is_limit and self.settings.number(number) > present.settings.number(number)
 
 
 def _entry(name: str, line: str, *, is_hidden: bool = False, moves: bool = False) -> Entry:

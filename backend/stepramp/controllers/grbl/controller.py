@@ -89,7 +89,7 @@ class GrblController(GrblMachine, StoresRamps, BacksUp):
         def push() -> PushReport:
             self._memory.refuse_unready()
             self._tell(Progress(PushStage.SENDING, 0, plan.bytes))
-            self._memory.write(plan.lines)
+            self._memory.write(plan.lines(self._memory.settings))
             remarks = self._read_back()
             verified = not self._memory.differing(plan.wanted)
             return plan.report(self._memory.settings, remarks if verified else (*remarks, RESTORE), verified=verified)

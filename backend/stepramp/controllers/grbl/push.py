@@ -6,10 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from stepramp.controllers.contract import OwnTerms, PreviewItem, PushItem, PushPreview, PushReport
-from stepramp.controllers.grbl.numbers import is_same
+from stepramp.controllers.grbl.numbers import is_same, read
 from stepramp.controllers.grbl.ramp import GrblRamp, grbl_losses
 from stepramp.controllers.grbl.settings import ACCELERATION, MOST_RATE, AxisSettings, Settings
 from stepramp.controllers.losses import slower
+from stepramp.controllers.order import lowered_first
 from stepramp.design import Design
 from stepramp.errors import Rejected, Rejection
 
@@ -40,22 +41,29 @@ class PushPlan:
 
     @property
     def wanted(self) -> dict[int, str]:
-        """The settings, by number, as they are sent: the acceleration first, since a higher rate needs it."""
+        """The settings, by number, as they are sent."""
         values: dict[int, str] = {}
         for axis, ramp in self.ramps.items():
             values[ACCELERATION + axis] = ramp.acceleration_text
             values[MOST_RATE + axis] = ramp.rate_text
         return values
 
-    @property
-    def lines(self) -> list[str]:
-        """What is sent, a line each."""
-        return [f"${number}={value}" for number, value in self.wanted.items()]
+    def lines(self, present: Settings) -> list[str]:
+        """Return what is sent, a line each, to a controller with these settings."""
+        wanted = self.wanted
+
+        def is_raised(number: int) -> bool:
+            try:
+                return bool(read(wanted[number]) > read(present.values[number]))
+            except (KeyError, ValueError):
+                return False
+
+        return [f"${number}={wanted[number]}" for number in lowered_first(wanted, is_raised)]
 
     @property
     def bytes(self) -> int:
         """Length of the lines [bytes]."""
-        return sum(len(line) + 1 for line in self.lines)
+        return sum(len(f"${number}={value}\n") for number, value in self.wanted.items())
 
     def report(self, read_back: Settings, remarks: Sequence[str], *, verified: bool) -> PushReport:
         """Return what came of the push. remarks: what else there is to say."""

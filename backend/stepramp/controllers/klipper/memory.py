@@ -15,6 +15,7 @@ from stepramp.controllers.klipper.conversation import Answered, Conversation
 from stepramp.controllers.klipper.files import Files
 from stepramp.controllers.klipper.machine import PRINTER, Limits, Machine, Senseless
 from stepramp.controllers.klipper.seen import READY, Seen
+from stepramp.controllers.order import lowered_first
 from stepramp.errors import Refused
 
 AT_RUN_TIME = {"max_accel": "ACCEL", "max_velocity": "VELOCITY"}
@@ -106,9 +107,10 @@ class Memory:
 
     def use(self, options: Mapping[str, str]) -> Limits:
         """Set limits at run time, one at a time, and return those in use then; Answered when one is refused."""
-        for name, value in options.items():
-            if name in AT_RUN_TIME:
-                self._conversation.script(f"SET_VELOCITY_LIMIT {AT_RUN_TIME[name]}={value}")
+        toolhead = self._conversation.last.toolhead
+        names = [name for name in options if name in AT_RUN_TIME]
+        for name in lowered_first(names, lambda name: float(options[name]) > getattr(toolhead, name)):
+            self._conversation.script(f"SET_VELOCITY_LIMIT {AT_RUN_TIME[name]}={options[name]}")
         return self.in_use(self._conversation.look())
 
     def store(self, options: Mapping[str, str]) -> Iterator[str]:

@@ -140,7 +140,7 @@ def present_of(name: str, limits: Limits) -> Fraction:
 
 
 def _options(given: Mapping[int, PerMm]) -> dict[str, str]:
-    """Return what is set: the acceleration first, since a higher speed needs it; of several axes the slower one's."""
+    """Return what is set: of several axes the slower one's."""
     options: dict[str, str] = {}
     for axis, each in given.items():
         speed, gain = names_of(axis)

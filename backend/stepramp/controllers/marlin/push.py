@@ -19,6 +19,7 @@ from stepramp.controllers.marlin.settings import (
     is_same,
     shared_by,
 )
+from stepramp.controllers.order import lowered_first
 from stepramp.controllers.per_mm import PerMm
 from stepramp.design import Design
 from stepramp.errors import Rejected, Rejection
@@ -53,6 +54,8 @@ class PushPlan:
     ramps: dict[int, PerMm]
     scales: Sequence[AxisSettings]
     settings: tuple[Setting, ...]
+    lines: Sequence[str]
+    """What is sent, in that order."""
 
     @classmethod
     def of(
@@ -70,17 +73,14 @@ class PushPlan:
             )
             for axis, design in by_axis.items()
         }
-        return cls(by_axis, ramps, scales, tuple(_settings(ramps, scales, present)))
+        settings = tuple(_settings(ramps, scales, present))
+        lines = [each.line for each in lowered_first(settings, lambda each: _is_raised(each, present))]
+        return cls(by_axis, ramps, scales, settings, lines)
 
     @property
     def wanted(self) -> dict[Figure, Fraction]:
         """What is to be read back."""
         return {each.figure: each.kept for each in self.settings}
-
-    @property
-    def lines(self) -> list[str]:
-        """What is sent, a line each."""
-        return [each.line for each in self.settings]
 
     @property
     def bytes(self) -> int:
@@ -156,7 +156,7 @@ class PushPlan:
 
 
 def _settings(ramps: dict[int, PerMm], scales: Sequence[AxisSettings], present: Settings) -> Iterator[Setting]:
-    """Yield what is sent: the accelerations first, since a higher speed needs them.
+    """Yield what is sent.
 
     An axis gains speed no faster than M204 says; the extruder on its own gains it as that says, whatever its limit is.
     """
@@ -171,6 +171,11 @@ def _settings(ramps: dict[int, PerMm], scales: Sequence[AxisSettings], present: 
         if is_needed and (which not in shared or shared[which].kept < gain):
             shared[which] = Setting(axis, (ACCELERATIONS, which), ramp.acceleration, gain)
     yield from shared.values()
+
+
+def _is_raised(setting: Setting, present: Settings) -> bool:
+    told = present.number(*setting.figure)
+    return told is not None and setting.kept > told
 
 
 def _jerk(present: Settings, letter: str, scale: Fraction) -> Iterator[str]:

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 
+from stepramp.controllers.order import lowered_first
 from stepramp.controllers.progress import Progress, PushStage, Tell
 from stepramp.controllers.tmcl.axis import Axis
 from stepramp.controllers.tmcl.conversation import MOST_REPEATS, Denied
@@ -37,6 +38,8 @@ class Ramps:
         self.microsteps: list[int] = []
         """Of each axis, for a full step."""
         self.in_use: list[TmclRamp] = []
+        self._told: dict[int, list[str]] = {}
+        """In which order axes were last told their figures: in that they are stored."""
         self.on_trial = False
         """Whether other ramps are in use than those that are stored, as far as this connection knows."""
 
@@ -56,8 +59,11 @@ class Ramps:
         self.on_trial = True
         for number, ramp in ramps.items():
             axis = self._axes[number]
-            for name, value in ramp.named:
+            figures = zip(ramp.named, self.in_use[number].named, strict=True)
+            in_order = lowered_first(figures, lambda both: both[0][1] > both[1][1])
+            for (name, value), _ in in_order:
                 axis.set(axis.parameters.of(name), value)
+            self._told[number] = [name for (name, _), _ in in_order]
         self._tell(Progress(PushStage.READING_BACK, 0, 0))
         self.look()
 
@@ -71,7 +77,7 @@ class Ramps:
         for number, ramp in wanted.items():
             axis = self._axes[number]
             self.hold(axis)
-            for name, _ in ramp.named:
+            for name in self._told.get(number) or [name for name, _ in ramp.named]:
                 store(axis, axis.parameters.of(name))
         self._recall(wanted)
         if any(not ramp.is_kept_by(self.in_use[number], self.units[number]) for number, ramp in wanted.items()):

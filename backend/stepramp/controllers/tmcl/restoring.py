@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 
+from stepramp.controllers.order import lowered_first
 from stepramp.controllers.tmcl.axis import Axis
 from stepramp.controllers.tmcl.backup import Backup
 from stepramp.controllers.tmcl.conversation import Denied
@@ -26,12 +27,19 @@ class Restoring:
         self._ramps.on_trial = bool(remarks)
         return tuple(dict.fromkeys(remarks))
 
+    def _present(self, axis: Axis) -> tuple[int, ...]:
+        """Return the figures of an axis' ramp as it was last read; none of one that isn't shown."""
+        in_use = self._ramps.in_use
+        return tuple(value for _, value in in_use[axis.number].named) if axis.number < len(in_use) else ()
+
     def _of_axis(self, axis: Axis, wanted: dict[int, int]) -> Iterator[str]:
         self._ramps.hold(axis)
         unit_mode = axis.parameters.unit_mode
         of_the_ramp = [axis.parameters.of(each.name) for each in TmclRamp.figures()]
+        there = dict(zip(of_the_ramp, self._present(axis), strict=False))
+        figures = lowered_first(wanted, lambda number: number in there and wanted[number] > there[number])
         # What the others mean depends on it.
-        for parameter in sorted(wanted, key=lambda number: number != unit_mode):
+        for parameter in sorted(figures, key=lambda number: number != unit_mode):
             try:
                 differs = axis.get(parameter) != wanted[parameter]
                 if differs and not axis.bring_back(parameter, wanted[parameter]):
