@@ -7,13 +7,15 @@ import { readEntry, shownEntry } from './shown_entry.js';
 
 /** @typedef {import('./types.js').Entry} Entry */
 
+/** The lines of a text, without those that are empty.
+ * @param {string} text */
+export const linesOf = (text) => text.split(/\r?\n/).map((line) => line.trim()).filter((line) => line !== '');
 
 /** The points of a text. What is no number stays as it was typed, for the server to name. A first line of words over lines of
  * numbers is a heading.
  * @param {string} text @param {number} factor of the unit that speeds are shown in @returns {[Entry, Entry][]} */
 export function pointsOf(text, factor) {
-  const lines = text.split(/\r?\n/).map((line) => line.trim());
-  const points = lines.filter((line) => line !== '').map((line) => {
+  const points = linesOf(text).map((line) => {
     const [speed, ...rest] = columnsOf(line);
     return /** @type {[Entry, Entry]} */ ([readEntry({ isWhole: false }, speed, factor).entry, parseEntry(rest.join(' '))]);
   });

@@ -3,7 +3,7 @@
 
 import { GROUPS } from './fields.js';
 import { METHODS } from './methods.js';
-import { formatEntry, pointHint } from './numbers.js';
+import { formatEntry, isNumberText, pointHint } from './numbers.js';
 import { SHAPES } from './shapes.js';
 
 /** @typedef {import('./types.js').Rejection} Rejection */
@@ -78,7 +78,16 @@ export function refusalText({ message, value, reason, ...rejection }, label, wor
   const allowed = words.allowed ?? (choices ? choicesText(choices) : rejection.allowed);
   return reason !== undefined || allowed === null
     ? message
-    : `${label} is ${words.given ?? rejection.given ?? (choices && typeof value === 'string' ? nameOf(value) : valueText(value))}; allowed: ${allowed}.${pointHint(value)}`;
+    : `${label} is ${words.given ?? rejection.given ?? givenText(value, rejection)}; allowed: ${allowed}.${pointHint(value)}`;
+}
+
+/** @param {unknown} value @param {Pick<Rejection, 'choices' | 'limits' | 'unit'>} rejection */
+function givenText(value, { choices, limits, unit }) {
+  if (typeof value !== 'string') return valueText(value);
+  if (choices) return nameOf(value);
+  // Of a list the server tells how long it is.
+  const isLength = limits && unit === 'items' && /^[\d,]+ items?$/.test(value);
+  return isLength ? value.replace(/^0 items$/, 'empty') : valueText(value);
 }
 
 /** Names that are allowed, as the page calls them, and what leaves only these.
@@ -120,7 +129,8 @@ function valueText(value) {
   if (value === null) return 'missing';
   if (value === '') return 'empty';
   if (typeof value === 'number') return formatEntry(value);
-  const text = typeof value === 'string' ? `'${value}'` : JSON.stringify(value);
+  // A number that is too large for one is no word.
+  const text = typeof value !== 'string' ? JSON.stringify(value) : isNumberText(value) ? value : `'${value}'`;
   return text.length <= LONGEST_VALUE ? text : `${text.slice(0, LONGEST_VALUE - 1)}…`;
 }
 

@@ -23,6 +23,10 @@ export function parseEntry(text) {
   return Number.isFinite(value) ? value : text.trim();
 }
 
+/** Whether a text is a number, be it too large for one.
+ * @param {string} text */
+export const isNumberText = (text) => PLAIN.test(text.trim().replace(/^\u2212/, '-'));
+
 /** A number without the noise that conversions leave behind its twelfth figure.
  * @param {number} value */
 export function tidy(value) {

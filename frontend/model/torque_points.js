@@ -1,7 +1,7 @@
 // @ts-check
 // A torque curve as text: a line a point, its speed in rpm and its torque in Nm, as spreadsheets and CSV files have them.
 
-import { parseEntry } from './numbers.js';
+import { formatFixed, parseEntry, pointHint } from './numbers.js';
 import { MOST_POINTS } from './shapes.js';
 
 /** @typedef {[number, number]} TorquePoint  [rpm] and [Nm] */
@@ -13,6 +13,8 @@ const LONGEST_SHOWN = 30;
 export function torquePointsOf(text) {
   const lines = text.split(/\r?\n/).map((line, index) => ({ line: line.trim(), number: index + 1 }));
   const filled = lines.filter(({ line }) => line !== '');
+  // Nobody reads what is wrong with each of them.
+  if (filled.length > MOST_POINTS + 1) return { points: [], problems: [tooMany(filled.length)] };
   const read = filled.map(({ line, number }) => ({ line, number, columns: columnsOf(line).map(parseEntry) }));
   const isHeading = read.length > 1 && read[0].columns.every((column) => typeof column === 'string');
   /** @type {{points: TorquePoint[], problems: string[]}} */
@@ -21,13 +23,20 @@ export function torquePointsOf(text) {
     const [rpm, torque] = columns;
     const before = found.points.at(-1)?.[0] ?? -Infinity;
     if (columns.length !== 2 || typeof rpm !== 'number' || typeof torque !== 'number')
-      found.problems.push(`Line ${number} is “${shortened(line)}”; allowed: two numbers, the speed in rpm and the torque in Nm.`);
+      found.problems.push(`Line ${number} is “${shortened(line)}”; allowed: two numbers, the speed in rpm and the torque in Nm.${commaHint(line)}`);
     else if (rpm <= before) found.problems.push(`Line ${number}: the speed is ${rpm} rpm; allowed: more than ${before} rpm, that of the point before.`);
     else found.points.push([rpm, torque]);
   }
-  if (found.points.length > MOST_POINTS) found.problems.push(`These are ${found.points.length} points; allowed: 2 to ${MOST_POINTS}.`);
+  if (found.points.length > MOST_POINTS) found.problems.push(tooMany(found.points.length));
   return found;
 }
+
+/** @param {number} count */
+const tooMany = (count) => `These are ${formatFixed(count)} points; allowed: 2 to ${MOST_POINTS}.`;
+
+/** What to write in place of a decimal comma.
+ * @param {string} line */
+const commaHint = (line) => line.split(/[\s;]+/).map(pointHint).find((hint) => hint !== '') ?? '';
 
 /** A comma parts columns only where nothing else does, else it is of a number.
  * @param {string} line */

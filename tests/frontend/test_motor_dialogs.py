@@ -122,6 +122,28 @@ def test_a_ramp_is_used_by_the_axis_and_the_design_that_it_was_found_for(modules
     assert after == [False, True]
 
 
+def test_what_is_wrong_with_the_part_of_the_torque_is_told_in_the_page_s_words_and_until_it_is_typed_anew(
+    modules: Modules,
+) -> None:
+    card, marked, typed = run(
+        modules,
+        f"""{FASTEST}
+        const why = {{field: 'margin', value: 0.05, allowed: 'a margin from 0.1 on, for a table',
+            message: "margin is 0.05; allowed: a margin from 0.1 on, for a table."}};
+        candidates[0].verdict = null; candidates[0].rejections = [why];
+        await reply();
+        const card = textOf(find(whole, (one) => one.tag === 'section' && one['aria-label'] !== 'As it is'));
+        margin.emit('input'); await settled();
+        asked.at(-1).refuse(new Refusal(422, [why])); await settled();
+        const isMarked = () => margin['aria-invalid'] === 'true';
+        const marked = isMarked();
+        margin.emit('input');
+        return [card, marked, isMarked()];""",
+    )
+    assert "Part of the torque is 0.05; allowed: a margin from 0.1 on, for a table." in card
+    assert (marked, typed) == (True, False), "what was said is of what stood there before"
+
+
 def test_the_part_of_the_torque_is_marked_for_what_is_wrong_with_it_alone(modules: Modules) -> None:
     first, part, steps, shape, gone, answered, none = run(
         modules,

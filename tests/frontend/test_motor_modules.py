@@ -98,6 +98,27 @@ def test_a_line_that_is_no_point_is_named(modules: Modules, text: str, problem: 
     assert told.startswith(problem)
 
 
+@pytest.mark.parametrize(
+    ("text", "hint"),
+    [
+        ("100;0,35\n200;0,31", "0.35"),
+        ("100\t0,35", "0.35"),
+        ("100, 0,35", "0.35"),
+        ("100 0,35", "0.35"),
+        ("100,0.35,7", None),
+    ],
+)
+def test_a_decimal_comma_in_a_torque_curve_is_told_as_one(modules: Modules, text: str, hint: str | None) -> None:
+    first = modules.call("model/torque_points.js", "torquePointsOf", text)["problems"][0]
+    assert first.endswith(f" A point is expected for the comma: {hint}.") == (hint is not None)
+
+
+@pytest.mark.parametrize("line", ["7,0.1", "0.1;7", "words"])
+def test_of_far_too_many_lines_none_is_read(modules: Modules, line: str) -> None:
+    read = modules.call("model/torque_points.js", "torquePointsOf", "\n".join([line] * 100_000))
+    assert read == {"points": [], "problems": ["These are 100,000 points; allowed: 2 to 200."]}
+
+
 def test_where_each_number_comes_from_is_told_as_the_server_says_it(modules: Modules) -> None:
     def origins(**parts: Any) -> dict[str, str]:
         told = modules.call("model/motor_origins.js", "originsOf", origins_of(Design.checked(with_motor(**parts))))

@@ -469,3 +469,21 @@ def test_what_says_its_axis_itself_is_not_called_by_it_again(modules: Modules) -
     warning = {"field": "designs.0.timer.counter_bits", "message": "The longest interval does not fit."}
     told = modules.call("model/messages.js", "axesMessages", [limit, warning], True)
     assert [each["text"] for each in told] == [limit["message"], f"Axis 0: {warning['message']}"]
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"ramp__shape": {"name": "drawn", "points": []}}, "Drawn acceleration is empty; allowed: a list of 2 to 200"),
+        ({"ramp__shape": {"name": "drawn", "points": [[0, 1]]}}, "Drawn acceleration is 1 item; allowed:"),
+        ({"ramp__shape": {"name": "drawn", "points": "none"}}, "Drawn acceleration is 'none'; allowed:"),
+        # Too large for a number, and none of the words that people type.
+        ({"ramp__slew_speed_steps_per_s": "1e400"}, "Slew speed is 1e400; allowed: a number from 0.001"),
+        ({"ramp__slew_speed_steps_per_s": "\u22121e400"}, "Slew speed is \u22121e400; allowed:"),
+        ({"ramp__slew_speed_steps_per_s": "fast"}, "Slew speed is 'fast'; allowed:"),
+    ],
+)
+def test_what_was_given_is_told_as_what_it_is(modules: Modules, changes: dict[str, Any], told: str) -> None:
+    with pytest.raises(Rejected) as caught:
+        Design.checked({**document(**changes), "schema": "stepramp/2"})
+    assert modules.call("model/messages.js", "textOf", [answered(caught.value.rejections[0])]).startswith(told)

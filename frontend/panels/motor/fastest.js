@@ -35,7 +35,11 @@ export function createFastest(dispatch, ask = askFastest) {
   /** @type {{found: FoundRamps, design: Design, axis: number} | null} */
   let known = null;
   const margin = plainField({ id: 'fastest-margin', label: MARGIN, unit: 'of the torque', value: USUAL_MARGIN });
-  margin.input.addEventListener('input', find);
+  margin.input.addEventListener('input', () => {
+    // What was said of it was said of what stood there before.
+    showAtPlaces([], [place]);
+    find();
+  });
   const marginProblem = element('div', { role: 'status' });
   const place = { path: /^margin$/, input: margin.input, problem: marginProblem, text: (/** @type {Rejection} */ one) => refusalText(one, MARGIN) };
   const problem = element('div', { role: 'status' });
@@ -112,7 +116,7 @@ export function createFastest(dispatch, ask = askFastest) {
     const head = element('h3', {}, title, figures.is_fastest && element('span', { className: 'fastest-badge' }, icon('ok'), 'fastest'));
     const box = element('section', { className: 'fastest-card', 'aria-label': title }, head);
     if (figures.verdict === null) {
-      box.append(messageLine({ text: textOf(figures.rejections ?? []), isWarning: true }));
+      box.append(messageLine({ text: rejectedText(figures.rejections ?? []), isWarning: true }));
       return box;
     }
     const drawing = createTimeChart(CHART_HEIGHT);
@@ -123,6 +127,12 @@ export function createFastest(dispatch, ask = askFastest) {
     box.append(drawing.element, verdict, element('dl', {}, ...rows));
     if (use) box.append(use);
     return box;
+  }
+
+  /** @param {Rejection[]} rejections of a shape, by itself or for the part of the torque */
+  function rejectedText(rejections) {
+    const ofMargin = rejections.filter(({ field }) => place.path.test(field ?? ''));
+    return [...ofMargin.map(place.text), textOf(rejections.filter((one) => !ofMargin.includes(one)))].join(' ').trim();
   }
 
   /** What was found for another axis, or before the design changed, waits for its own answer.

@@ -4,7 +4,7 @@
 import { CHOICES } from '../../model/fields.js';
 import { MOST_POINTS, SHAPES, hasField, shapeOf, shapesFor } from '../../model/shapes.js';
 import { element, picker, showMessage } from '../../ui/dom.js';
-import { pointsOf, pointsText } from '../../model/drawn_points.js';
+import { linesOf, pointsOf, pointsText } from '../../model/drawn_points.js';
 import { formatFixed } from '../../model/numbers.js';
 import { shownValue, unitWord } from '../../model/units.js';
 import { createDrawnChart } from './drawn_chart.js';
@@ -58,9 +58,12 @@ export function createShape({ onEdit, onShape, onSlid }, info) {
   let message;
 
   function typed() {
-    const typedPoints = pointsOf(text.value, factor);
-    tooMany = typedPoints.length > MOST_POINTS ? { count: typedPoints.length, points: present?.ramp.shape?.points } : null;
-    if (tooMany === null) onEdit(POINTS, typedPoints, `type:${POINTS}`);
+    // Beside the points there may be a heading. More lines aren't read: thousands take seconds.
+    const lines = linesOf(text.value).length;
+    const typedPoints = lines > MOST_POINTS + 1 ? null : pointsOf(text.value, factor);
+    const count = typedPoints?.length ?? lines;
+    tooMany = count > MOST_POINTS ? { count, points: present?.ramp.shape?.points } : null;
+    if (typedPoints && tooMany === null) onEdit(POINTS, typedPoints, `type:${POINTS}`);
     tellOfPoints();
   }
 
