@@ -216,6 +216,36 @@ def test_a_move_too_short_for_its_slew_speed_asks_for_no_torque_there(plan: str,
     assert fastest.best.figures.duration_s <= 1.05 * bounded.figures.duration_s
 
 
+@pytest.mark.parametrize("plan", ["this_move", "any_move"])
+def test_a_ramp_too_long_to_be_planned_that_the_move_never_comes_to_the_end_of_leads_to_a_lower_speed(
+    plan: str,
+) -> None:
+    """To 10⁶ steps/s with some .2 Nm and 20,000 g·cm² it takes over 10⁷ steps; the move has 2,000."""
+    heavy = with_motor(
+        load={"inertia_g_cm2": 20_000.0}, ramp__slew_speed_steps_per_s=1e6, ramp__acceleration_steps_per_s2=1e6,
+        move__steps=2000, move__plan=plan,
+    )  # fmt: skip
+    fastest = fastest_of(heavy, 0.6)
+    assert all(each.figures is not None for each in fastest.candidates), [each.rejected for each in fastest.candidates]
+    # As with a slew speed for which the ramp isn't too long, that it never comes to either.
+    other = with_changes(heavy, [Change("ramp.slew_speed_steps_per_s", 30_000.0)])
+    for candidate, same in zip(fastest.candidates[:1], fastest_of(other, 0.6).candidates[:1], strict=True):
+        assert candidate.figures is not None
+        assert same.figures is not None
+        assert candidate.figures.duration_s == pytest.approx(same.figures.duration_s, rel=1e-3)
+        assert outcome_of(with_changes(heavy, candidate.changes)).verdict == "safe"
+
+
+@pytest.mark.parametrize("margin", [0.3, 0.8])
+def test_no_ramp_uses_more_than_the_margin_that_was_asked_for(margin: float) -> None:
+    """Rounded to a coarse timer's ticks a ramp asks for more than before: then it is made gentler."""
+    given = random_design(np.random.default_rng(12))
+    assert given.timer.frequency_hz == 250e3
+    found = [each.figures for each in fastest_of(given, margin).candidates if each.figures is not None]
+    assert found
+    assert all(figures.most_used <= margin + 0.02 for figures in found)
+
+
 def test_nothing_is_called_the_fastest_that_is_slower_than_the_design_as_it_is() -> None:
     """Random designs, as they are and short, whole and cut, in floating point and in the integers of a controller."""
     random, safe = np.random.default_rng(7), 0

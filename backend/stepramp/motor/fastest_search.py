@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from stepramp.design import LEAST_ACCELERATION, Design
+from stepramp.design import LEAST_ACCELERATION, MOST_STEPS, Design
 from stepramp.errors import Change, Rejected, Rejection
 from stepramp.motor.at_fault import at_fault, refuse_start
 from stepramp.motor.changes import reshaping, with_changes
@@ -24,7 +24,7 @@ from stepramp.motor.shortened import shortened
 from stepramp.motor.torque import drive_train
 from stepramp.motor.verdict import MOST_USED, ROUNDING, Outcome, outcome_of, verdict_of
 from stepramp.numerics.drive_train import DriveTrain
-from stepramp.numerics.limit_text import highest
+from stepramp.numerics.limit_text import highest, lowest
 from stepramp.ramp.slopes import playable_slopes_of, slopes_of
 
 Shape = Literal["constant", "s_curve", "torque"]
@@ -44,6 +44,8 @@ GENTLEST_PLAYED = 0.03
 """A ramp that isn't safe is made gentler step by step, down to such a part."""
 REFINEMENTS = 5
 """So many times it is halved between the last that wasn't and the first that was: to 1.1 %."""
+ABOVE_THE_PEAK = 1.02
+"""Of the speed that a move comes to: so far a ramp leads that is else too long to be planned."""
 BELOW_THE_END = 0.98
 """Of the speed at which no torque is left: so far a ramp shaped by torque leads that needn't come to its slew speed."""
 
@@ -129,7 +131,19 @@ class Search:
         changes = [Change("ramp.acceleration_steps_per_s2", acceleration)]
         if self.design.ramp.deceleration_steps_per_s2 is not None:
             changes.append(Change("ramp.deceleration_steps_per_s2", None))
-        return (*changes, *reshaping(self.design, {"name": shape, **own}))
+        changes += reshaping(self.design, {"name": shape, **own})
+        return tuple(changes) if shape == "torque" else (*changes, *self._no_longer_than_planned(changes, acceleration))
+
+    def _no_longer_than_planned(self, changes: list[Change], acceleration: float) -> tuple[Change, ...]:
+        """Return what leads a ramp that is too long to be planned to no more than the speed that the move comes to."""
+        ramp, steps = self.design.ramp, abs(self.design.move.steps)
+        if ramp.slew_speed_steps_per_s**2 <= acceleration * MOST_STEPS:
+            return ()  # Half of what is planned, whatever the shape: it needn't be looked at.
+        slopes = slopes_of(with_changes(self.design, changes))
+        if slopes[0].length <= MOST_STEPS or 2 * slopes[0].length <= steps:
+            return ()
+        lower = lowest(ABOVE_THE_PEAK * reached_speed(slopes, steps), FIGURES)
+        return (Change("ramp.slew_speed_steps_per_s", min(lower, ramp.slew_speed_steps_per_s)),)
 
     def _largest_within(self, shape: Shape) -> float:
         """Return the largest acceleration of a shape that the torque does for [steps/s²]. Raises Rejected: none."""
@@ -168,17 +182,27 @@ class Search:
         try:
             playable_slopes_of(with_changes(self.design, changes))
         except Rejected as rejected:
-            [rejection] = rejected.rejections
-            if rejection.field != "ramp.slew_speed_steps_per_s" or not rejection.limits or not rejection.limits.highest:
-                raise
-            lower = highest(BELOW_THE_END * rejection.limits.highest, FIGURES)
-            if lower <= self.design.ramp.base_speed_steps_per_s:
-                raise
-            changes = (*changes, Change("ramp.slew_speed_steps_per_s", lower))
-            slopes = playable_slopes_of(with_changes(self.design, changes))
-            if reached_speed(slopes, abs(self.design.move.steps)) >= lower:
+            changes = self._to_a_lower_speed(changes, rejected)
+            made = with_changes(self.design, changes)
+            if reached_speed(slopes_of(made), abs(made.move.steps)) >= made.ramp.slew_speed_steps_per_s:
                 raise
         return changes
+
+    def _to_a_lower_speed(self, changes: tuple[Change, ...], rejected: Rejected) -> tuple[Change, ...]:
+        """Return what leads a ramp to less than the slew speed that is refused. Raises Rejected where nothing does."""
+        [rejection] = rejected.rejections
+        if rejection.field != "ramp.slew_speed_steps_per_s" or not rejection.limits or not rejection.limits.highest:
+            raise rejected
+        lower = highest(BELOW_THE_END * rejection.limits.highest, FIGURES)
+        if lower <= self.design.ramp.base_speed_steps_per_s:
+            raise rejected
+        made = (*changes, Change("ramp.slew_speed_steps_per_s", lower))
+        try:
+            playable_slopes_of(with_changes(self.design, made))
+        except Rejected as again:
+            # Torque is left there, and yet it is a way too long to be planned.
+            return self._to_a_lower_speed(changes, again)
+        return made
 
     def _fits(self, design: Design, train: DriveTrain) -> bool:
         """Tell whether a ramp of constant acceleration or an S-curve asks nowhere for more than the margin."""
