@@ -10,7 +10,7 @@ from pypdf import PdfReader
 
 from browser.conftest import Watch, new_page
 from browser.server import Server
-from browser.stepramp_page import REFUSED_VALUE, SLEW_SPEED, StepRampPage, until
+from browser.stepramp_page import ACCELERATION, REFUSED_VALUE, SLEW_SPEED, StepRampPage, until
 
 # Desktop, tablet, phone; phones on their side, and desktops of 1440 x 900 and 1920 x 1080 magnified to 200 %.
 SIZES = [
@@ -115,6 +115,28 @@ def test_a_phone_shows_one_plot_at_a_time(open_page: Callable[..., StepRampPage]
         stepramp.page.locator(f'#plot-choice [data-value="{name}"]').click()
         until(lambda one=name: {key.split("-")[1] for key in stepramp.curves()} == {one})
         expect(stepramp.page.locator(".plot-title:visible")).to_have_count(1)
+
+
+def test_figures_are_whole_with_their_units(open_page: Callable[..., StepRampPage]) -> None:
+    """Where they scroll, a number that is cut is not to be read at all."""
+    cut = """() => [...document.querySelectorAll('.figures .stat .value, .legend .chip em')].filter((one) => {
+        if (!one.checkVisibility() || getComputedStyle(one).opacity === '0' || one.textContent === '') return false;
+        const {left, right} = one.getBoundingClientRect();
+        const strip = one.closest('.figures, .legend').getBoundingClientRect();
+        if (right <= strip.left || left >= strip.right) return false;
+        return one.scrollWidth > one.clientWidth || left < strip.left - 1 || right > strip.right + 1;
+    }).map((one) => one.closest('.stat, .chip').textContent)"""
+    stepramp = open_page((1024, 768))
+    page = stepramp.page
+    for path, value in ((ACCELERATION, "1234567"), (SLEW_SPEED, "40000"), ("move.steps", "56789")):
+        stepramp.field(path).fill(value)
+    expect(page.locator('[data-figure="peak"] .value')).to_contain_text("40,000")
+    for width, height in ((1024, 768), (720, 450), (390, 844), (320, 568)):
+        page.set_viewport_size({"width": width, "height": height})
+        until(lambda: page.evaluate(cut) == [])
+        for strip in page.locator(".figures:not(.of-axes), .legend").all():
+            strip.evaluate("(one) => one.scrollTo(one.scrollWidth / 3, 0)")
+        until(lambda: page.evaluate(cut) == [])
 
 
 # How many light stretches there are from above to below, in each column of a picture.
