@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import socket
 import threading
@@ -232,3 +233,41 @@ def test_what_may_not_be_sent_is_not_sent() -> None:
                 act()
         port.close()
         assert server.moonraker.asked == []
+
+
+def test_a_flood_without_a_message_keeps_nothing_waiting() -> None:
+    def pings(protocol: ServerProtocol, connection: socket.socket) -> None:
+        with contextlib.suppress(OSError):
+            while True:
+                protocol.send_ping(b"there?")
+                connection.sendall(b"".join(protocol.data_to_send()))
+
+    with FarHost(shakes_hands(pings)) as host:
+        port = MoonrakerPort(f"moonraker://{host.name}", remote_ports=RemotePorts.named([host.name]))
+        assert port.read(0.3) == b""
+        assert port.pending() == b""
+        port.close()
+
+
+def test_a_file_that_comes_in_without_a_pause_gives_way_to_what_is_more_urgent() -> None:
+    served, urgent = threading.Event(), threading.Event()
+
+    def serve(connection: socket.socket, ended: threading.Event) -> None:
+        if not served.is_set():
+            served.set()
+            shakes_hands(lambda _, __: None)(connection, ended)
+            return
+        connection.recv(4096)
+        connection.sendall(b"HTTP/1.1 200 OK\r\nContent-Length: 4\r\n\r\n")
+        # Nothing else is said before what is more urgent was let through.
+        for _ in range(1000):
+            connection.sendall(b" ")
+            if urgent.wait(0.001):
+                break
+        connection.sendall(b"text")
+
+    with FarHost(serve) as host:
+        port = MoonrakerPort(f"moonraker://{host.name}", remote_ports=RemotePorts.named([host.name]))
+        reply = port.request("GET", "/server/files/config/printer.cfg", lambda _: urgent.set())
+        assert (reply.status, urgent.is_set()) == (200, True)
+        port.close()

@@ -11,6 +11,7 @@ from stepramp.design import AxisScale
 
 ROUNDED = Fraction(1, 2**23)
 """So much of a number a C float takes off at most, and less."""
+FLOAT_MAX = float(np.finfo(np.float32).max)
 Kept = Callable[[str], Fraction]
 """What a controller makes of a decimal text."""
 
@@ -25,7 +26,9 @@ def typed(value: float) -> Fraction:
 
 
 def as_float32(text: str) -> Fraction:
-    """Return what a controller keeps of a text in a C float."""
+    """Return what a controller keeps of a text in a C float; OverflowError for what is beyond one."""
+    if abs(float(text)) > FLOAT_MAX:
+        raise OverflowError(f"{text} is no float")
     return Fraction(float(np.float32(text)))
 
 

@@ -6,6 +6,7 @@ header and told nowhere.
 
 import logging
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from http.client import HTTPException, HTTPResponse
 from io import BytesIO
@@ -137,21 +138,23 @@ class MoonrakerPort:
 
     def _asked(self, sent: bytes, give_way: Callable[[float], None]) -> bytes:
         """Send bytes over a connection of their own, and return all that is said until it is ended."""
-        deadline_s = monotonic() + FILE_S
+        deadline_s, give_way_s = monotonic() + FILE_S, monotonic() + SLICE_S
         connection = connected(self._remote, self._places, monotonic() + OPEN_S)
         left, said = memoryview(sent), bytearray()
         try:
             connection.settimeout(SLICE_S)
             while monotonic() < deadline_s and len(said) < LARGEST:
-                try:
+                with suppress(TimeoutError):
                     if left:
                         left = left[connection.send(left) :]
                     elif data := connection.recv(MOST_AT_A_TIME):
                         said += data
                     else:
                         return bytes(said)
-                except TimeoutError:
+                # Also while something comes in all the time.
+                if monotonic() >= give_way_s:
                     give_way(0.0)
+                    give_way_s = monotonic() + SLICE_S
         finally:
             drop(connection)
         raise TimeoutError

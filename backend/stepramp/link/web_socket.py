@@ -61,13 +61,14 @@ class WebSocket:
         self._flush()
 
     def receive(self, timeout_s: float) -> bytes:
-        """Return a message, at once if there is one, or b"" when none came in time [s]."""
+        """Return a message, at once if there is one, or b"" when none came whole in time [s]."""
         deadline_s = monotonic() + timeout_s
         while not self._messages:
             left_s = deadline_s - monotonic()
-            if not self._take(max(0.0, left_s)) and left_s <= 0:
-                return b""
-        return self._messages.popleft()
+            self._take(max(0.0, left_s))
+            if left_s <= 0:
+                break
+        return self._messages.popleft() if self._messages else b""
 
     def close(self) -> None:
         """End it: what hasn't got there by then never does."""

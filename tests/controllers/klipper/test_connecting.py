@@ -111,7 +111,9 @@ def test_what_is_no_moonraker(bench: Bench, said: str, error: type[Exception], w
     [
         ("toolhead", "max_velocity", None),
         ("toolhead", "max_velocity", float("nan")),
+        ("toolhead", "max_accel", 0),
         ("toolhead", "position", [1, 2]),
+        ("motion_report", "live_position", [1e308, 0, 0]),
         ("toolhead", "homed_axes", 7),
         ("motion_report", "live_position", "here"),
         ("webhooks", "state", 3),
@@ -148,3 +150,10 @@ def test_news_come_unasked(bench: Bench) -> None:
     assert status is not None
     assert status.trouble == "The printer can't be moved: it prints, or has paused that."
     assert bench.moonraker.methods == []
+
+
+def test_news_without_end_leave_time_for_a_stop(bench: Bench) -> None:
+    controller = bench.connected()
+    status = json.dumps({"method": "notify_status_update", "params": [{"toolhead": {}}, 1.0]}).encode()
+    bench.pending = lambda: status  # type: ignore[method-assign]
+    assert controller.listen() is not None

@@ -56,6 +56,13 @@ def test_units_that_are_not_known_are_refused(bench: Bench) -> None:
         bench.controller.connect()
 
 
+@pytest.mark.parametrize("resolution", [-1, 9, 2**31 - 1])
+def test_a_resolution_that_there_is_not_is_refused(bench: Bench, resolution: int) -> None:
+    bench.module.motors[0].settings[140] = resolution
+    with pytest.raises(Refused, match=f"microstep resolution {resolution} .*of which there are 0 to 8"):
+        bench.controller.connect()
+
+
 def test_a_stop_that_is_owed_comes_first(bench: Bench) -> None:
     """Before anything else is learnt. What an earlier program had it do ends with that."""
     chip = bench.module.chip

@@ -15,8 +15,8 @@ from stepramp.controllers.grbl.settings import REPORTS_INCHES, STAYS_ON, AxisSet
 LETTERS = "xyzabc"
 ITEMS = ("steps_per_mm", "max_rate_mm_per_min", "acceleration_mm_per_sec2")
 """Of an axis: those that make its ramp."""
-MOST = 100_000.0
-"""No item of these is more: FluidNC puts what is beyond to that."""
+LEAST, MOST = 0.001, 100_000.0
+"""No item of these is less, or more: FluidNC puts what is beyond to that."""
 AT_START, AT_UNLOCKING = ("startup_line0", "startup_line1", "after_reset"), ("after_unlock",)
 """Macros that are carried out by themselves."""
 HARMLESS = re.compile(r"(?:G(?:17|18|19|20|21|54|55|56|57|58|59|90|91|93|94)|&|\s)*", re.IGNORECASE)
@@ -70,7 +70,7 @@ class Configuration:
             values = [float(text) for text in texts]
         except ValueError:
             return None
-        if not all(0 < value <= MOST for value in values):
+        if not all(LEAST <= value <= MOST for value in values):
             return None
         return AxisSettings(*map(np.float32, values))
 

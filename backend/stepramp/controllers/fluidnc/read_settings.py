@@ -1,5 +1,6 @@
 """Designs of FluidNC's configuration: its file, or what `$CD` tells."""
 
+import re
 from fractions import Fraction
 
 from stepramp.controllers.fluidnc.configuration import LETTERS, Configuration
@@ -11,6 +12,7 @@ from stepramp.design import Design
 from stepramp.errors import Rejected, Rejection
 
 MOST_AXES_READ = 4
+_WHOLE = re.compile(r"[1-9][0-9]{0,5}")
 
 
 def read_settings(text: str, base: Design) -> list[ReadAxis]:
@@ -25,7 +27,7 @@ def read_settings(text: str, base: Design) -> list[ReadAxis]:
     found = [(axis, configuration.axis(axis)) for axis in range(min(MOST_AXES_READ, len(configuration.axes)))]
     bad = [LETTERS[axis] for axis, settings in found if settings is None]
     if bad:
-        raise Rejected([Rejection("text", f"axis {bad[0]}", "axes with numbers above 0")])
+        raise Rejected([Rejection("text", f"axis {bad[0]}", "axes with numbers from 0.001 to 100,000")])
     return [_axis(axis, settings, configuration, base) for axis, settings in found if settings is not None]
 
 
@@ -62,7 +64,8 @@ def _microsteps(configuration: Configuration, letter: str) -> int | None:
     """Return the microsteps of an axis' first motor; None where its driver isn't told them."""
     begin, end = f"axes/{letter}/motor0/", "/microsteps"
     texts = [text for path, text in configuration.items.items() if path.startswith(begin) and path.endswith(end)]
-    return int(texts[0]) if texts and texts[0].isascii() and texts[0].isdigit() and int(texts[0]) > 0 else None
+    found = _WHOLE.fullmatch(texts[0]) if texts else None
+    return None if found is None else int(texts[0])
 
 
 def _remarks(design: Design, per_mm: float) -> list[str]:

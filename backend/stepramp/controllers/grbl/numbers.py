@@ -8,8 +8,8 @@ import numpy as np
 
 MOST_DIGITS = 8
 """Further digits it drops."""
-LONGEST = 38
-"""What has more characters is no float32 that anybody has told."""
+LONGEST = 24
+"""What has more characters is no number that anybody tells: grbl has ten digits before the point, and four after it."""
 DECIMALS = 3
 """Of the numbers that it tells."""
 ROUNDED = Fraction(1, 2**21)

@@ -19,6 +19,8 @@ GREETING_S = 1.5
 AGAIN_S = 0.25
 GIVE_WAY_S = 0.05
 """So long a more urgent call waits for what comes in at most [s]."""
+MOST_AT_A_TIME = 100
+"""So many messages are heard until something else has its turn, as a stop."""
 SCRIPT, EMERGENCY = "printer.gcode.script", "printer.emergency_stop"
 
 
@@ -124,7 +126,9 @@ class Conversation:
     def listen(self) -> Seen | None:
         """Return how it fares as it has told unasked since; None when it hasn't."""
         before, has_news = self._status, False
-        while message := self._port.pending():
+        for _ in range(MOST_AT_A_TIME):
+            if not (message := self._port.pending()):
+                break
             has_news = self._understand(message) or has_news
         return self.last if has_news and before else None
 

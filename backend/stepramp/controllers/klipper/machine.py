@@ -16,6 +16,8 @@ KINEMATICS = ("cartesian", "corexy")
 USUAL_FULL_STEPS = 200
 USUAL_CRUISE_RATIO = 0.5
 PRINTER = "printer"
+MOST = 10**9
+"""No option of an axis is more, nor one over that."""
 
 
 class Senseless(ValueError):
@@ -46,8 +48,10 @@ class Stepper:
             raise Senseless(f"stepper_{letter} has no {error.args[0]}") from error
         except (ValueError, ZeroDivisionError) as error:
             raise Senseless(f"stepper_{letter} has options that are no numbers") from error
-        if full_steps < 1 or microsteps < 1 or distance <= 0 or ratio <= 0:
-            raise Senseless(f"stepper_{letter} has options that are not above 0")
+        if not all(0 < each <= MOST for each in (full_steps, microsteps, distance, 1 / distance if distance else 0)):
+            raise Senseless(f"stepper_{letter} has options that are not above 0, or beyond any motor")
+        if not 1 / Fraction(MOST) <= ratio <= MOST:
+            raise Senseless(f"stepper_{letter} has gears that are beyond any")
         return cls(letter, full_steps, microsteps, distance / ratio)
 
     @property
@@ -77,8 +81,8 @@ class Limits:
             raise Senseless(f"[printer] has no {error.args[0]}") from error
         except ValueError as error:
             raise Senseless("[printer] has limits that are no numbers") from error
-        if min(velocity, accel, z_velocity, z_accel) <= 0:
-            raise Senseless("[printer] has limits that are not above 0")
+        if not all(1 / Fraction(MOST) <= each <= MOST for each in (velocity, accel, z_velocity, z_accel)):
+            raise Senseless("[printer] has limits that are not above 0, or beyond any machine")
         return cls(velocity, accel, z_velocity, z_accel)
 
     def velocity_of(self, axis: int) -> Fraction:

@@ -9,7 +9,11 @@ from stepramp.controllers.klipper.machine import USUAL_CRUISE_RATIO
 from stepramp.errors import DeviceLost
 
 MOST_CRUISE_RATIO = 0.99
-Coordinates = Annotated[list[float], Field(min_length=3)]
+MOST = 1e9
+"""No printer is so large, or so fast [mm, mm/s, mm/s²]."""
+Coordinate = Annotated[float, Field(ge=-MOST, le=MOST)]
+Coordinates = Annotated[list[Coordinate], Field(min_length=3)]
+Limit = Annotated[float, Field(ge=1 / MOST, le=MOST)]
 
 
 class _Told(BaseModel):
@@ -30,8 +34,8 @@ class Toolhead(_Told):
     homed_axes: str
     axis_minimum: Coordinates
     axis_maximum: Coordinates
-    max_velocity: float
-    max_accel: float
+    max_velocity: Limit
+    max_accel: Limit
     square_corner_velocity: float
     minimum_cruise_ratio: float | None = None
     """None for one that is older than 2024."""
@@ -41,7 +45,7 @@ class MotionReport(_Told):
     """Where the tool is [mm], and how fast [mm/s]; up to a quarter of a second old."""
 
     live_position: Coordinates
-    live_velocity: float
+    live_velocity: Coordinate
 
 
 class State(_Told):

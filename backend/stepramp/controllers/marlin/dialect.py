@@ -36,7 +36,7 @@ NOT_PRINTING = re.compile(r"Not SD printing.*")
 _FIRMWARE = re.compile(r"FIRMWARE_NAME: ?(?P<name>.*?)(?: SOURCE_CODE_URL:.*| FIRMWARE_URL:.*)?")
 _MARLIN = re.compile(r"Marlin(?: V?(?P<version>[\w.+-]+))?(?: .*)?")
 _CAPABILITY = re.compile(r"Cap:(?P<name>\w+):(?P<has>[01])")
-_NUMBER = re.compile(r"(?P<letter>[A-Z]): *(?P<value>-?\d+(?:\.\d+)?)")
+_NUMBER = re.compile(r"(?P<letter>[A-Z]): *(?P<value>-?\d{1,10}(?:\.\d+)?)(?![\d.])")
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,8 @@ from stepramp.controllers.tmcl.wire import Command
 from stepramp.errors import Refused
 
 MOST_ROUNDINGS = 2
+MOST_RESOLUTION = 8
+"""256 microsteps."""
 
 
 @dataclass(frozen=True)
@@ -54,6 +56,8 @@ class Axis:
             if not off:
                 return True
             value += off
+            if not -(2**31) <= value < 2**31:
+                break
         return False
 
     def store(self, parameter: int) -> None:
@@ -70,6 +74,16 @@ class Axis:
         if mode not in set(UnitMode):
             raise Refused(f"Axis {self.number} has unit mode {mode} (axis parameter 255), which StepRamp doesn't know.")
         return Units(UnitMode(mode), self._clock_hz)
+
+    def microsteps(self) -> int:
+        """Ask how many steps the axis makes of a full step; Refused when no module makes so many."""
+        resolution = self.get(self.parameters.resolution)
+        if not 0 <= resolution <= MOST_RESOLUTION:
+            raise Refused(
+                f"Axis {self.number} has microstep resolution {resolution} (axis parameter "
+                f"{self.parameters.resolution}), of which there are 0 to {MOST_RESOLUTION}."
+            )
+        return 1 << resolution
 
     def look(self) -> Seen:
         """Return where the axis is; its position is asked for last, so that an end that is told is told where."""

@@ -46,7 +46,7 @@ class Ramps:
     def learn(self) -> None:
         """Ask for units and ramps; Refused when an axis has units that aren't known."""
         self.units = [axis.units() for axis in self._axes]
-        self.microsteps = [1 << axis.get(axis.parameters.resolution) for axis in self._axes]
+        self.microsteps = [axis.microsteps() for axis in self._axes]
         self.look()
 
     def look(self) -> None:
