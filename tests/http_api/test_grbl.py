@@ -116,6 +116,21 @@ def test_how_far_a_long_move_is_off_isnt_worked_out_and_that_is_said(client: Tes
     assert preview["warnings"][-1] == "How far its delays are from the design's isn't worked out beyond 500,000 steps."
 
 
+def test_a_backup_that_is_asked_for_writes_nothing_and_says_so(client: TestClient, cable: GrblOnACable) -> None:
+    route = connected(client, cable)
+    assert len(client.post(f"{route}/backups").json()["backups"]) == 1
+
+    def lose_power(sent: bytes) -> bytes:
+        cable.grbl.is_on = b"$#" not in sent
+        return sent
+
+    cable.grbl.on_the_way_in = lose_power
+    assert "does not answer" in error_of(client.post(f"{route}/backups"), 502)["message"]
+    lost = wait_until(client, route, lambda device: device["state"] == "lost")
+    assert "It was being given settings" not in lost["message"]
+    assert cable.grbl.eeprom.writes == 0
+
+
 def test_what_cant_be_saved_isnt_written(client: TestClient, cable: GrblOnACable, tmp_path: Path) -> None:
     route = connected(client, cable)
     (tmp_path / "backups").write_text("in the way")

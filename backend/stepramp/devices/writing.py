@@ -129,13 +129,7 @@ class Writing:
 
     def back_up(self) -> None:
         """Save what the device has now."""
-
-        def save(_: BacksUp) -> None:
-            # Once more, where that was done before.
-            self._saved = None
-            self._while_writing(lambda: None)
-
-        self._contact.ask_one_who(BacksUp, save)
+        self._contact.ask_one_who(BacksUp, self._save_at_rest)
 
     def restore_backup(self, name: str) -> tuple[str, ...]:
         """Write what a backup says, and return what couldn't be, as sentences."""
@@ -198,10 +192,17 @@ class Writing:
                 raise
             unsaved(f"What the controller had before isn't saved, since it can't be read: {error}")
         else:
-            name = self._backups.save(text)
-            self._saved = controller
-            self._view.change(lambda view: replace(view, backup=name))
-            self._view.log("backup %s saved", name)
+            self._save(controller, text)
+
+    def _save_at_rest(self, controller: BacksUp) -> None:
+        self._watch.refuse_under_way()
+        self._save(self._contact.controller, controller.backup())
+
+    def _save(self, controller: Controller, text: str) -> None:
+        name = self._backups.save(text)
+        self._saved = controller
+        self._view.change(lambda view: replace(view, backup=name))
+        self._view.log("backup %s saved", name)
 
     def _show(self, progress: Progress | None) -> None:
         self._view.change(lambda view: replace(view, progress=progress))
