@@ -127,7 +127,7 @@ def test_a_backup_that_is_asked_for_writes_nothing_and_says_so(client: TestClien
     cable.grbl.on_the_way_in = lose_power
     assert "does not answer" in error_of(client.post(f"{route}/backups"), 502)["message"]
     lost = wait_until(client, route, lambda device: device["state"] == "lost")
-    assert "It was being given settings" not in lost["message"]
+    assert "given settings" not in lost["message"]
     assert cable.grbl.eeprom.writes == 0
 
 
@@ -204,11 +204,22 @@ def test_a_power_cut_while_it_is_written_to(client: TestClient, cable: GrblOnACa
     assert eeprom.settings != before
     cable.grbl.power_up()
     route = connected(client, cable)
-    assert client.get(route).json()["backup"] == lost["backup"]
+    device = client.get(route).json()
+    assert (device["state"], device["backup"]) == ("ready", lost["backup"])
+    # It isn't as it was only because it is back.
+    assert f"saved as {lost['backup']}: restore that." in device["message"]
+    # Cut again, in the midst of restoring: what is to be restored is what it had at first, not what it had in between.
+    cable.grbl.dies_at_write = eeprom.writes + 2
+    error_of(client.post(f"{route}/backups/{lost['backup']}/restore"), 502)
+    wait_until(client, route, lambda device: device["state"] == "lost")
+    cable.grbl.power_up()
+    route = connected(client, cable)
+    assert f"saved as {lost['backup']}: restore that." in client.get(route).json()["message"]
     assert client.post(f"{route}/backups/{lost['backup']}/restore").status_code == 200
+    assert client.get(route).json()["message"] is None
     assert eeprom.settings == before
     # What was there in between is saved, too.
-    assert len(client.get(f"{route}/backups").json()["backups"]) == 2
+    assert len(client.get(f"{route}/backups").json()["backups"]) == 3
 
 
 def test_moving_stopping_and_halting(client: TestClient, cable: GrblOnACable, device: str) -> None:

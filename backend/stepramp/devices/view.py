@@ -94,6 +94,8 @@ class DeviceView:
     """The last push over this connection."""
     backup: str | None = None
     """The name of the last backup that was saved over this connection, or that before it was lost."""
+    half_written: str | None = None
+    """What to do about settings in the midst of which it was lost, until a backup is written."""
     progress: Progress | None = None
     """How far the push has come that is under way."""
     shuttle: Shuttle | None = None
@@ -132,7 +134,7 @@ class DeviceView:
             on_trial=status.on_trial,
             motors_on=status.motors_on,
             starved=status.starved,
-            message=status.trouble,
+            message=" ".join(each for each in (status.trouble, self.half_written) if each) or None,
             midst=(),
             zeroing=tuple(axis for axis in self.zeroing if axis not in resting),
         ).with_known_positions(arrived)
@@ -158,6 +160,7 @@ class DeviceView:
             stops=self.stops,
             soft_limits=self.soft_limits,
             backup=self.backup,
+            half_written=self.half_written,
         )
 
     def limited(self, spans: Mapping[int, Span]) -> "DeviceView":
@@ -205,6 +208,14 @@ class DeviceView:
             soft_limits=now.soft_limits,
         )
 
+    def left_half_written(self) -> "DeviceView":
+        """Return the device as it is lost while it is given settings. Lost again, it lacks what it had at first."""
+        if self.half_written or "backup" not in self.capabilities:
+            return self
+        saved = f" What it had is saved as {self.backup}: restore that." if self.backup else ""
+        half_written = f"It was lost while it was given settings: some may be new, some old, or its defaults.{saved}"
+        return replace(self, half_written=half_written)
+
     def let_go(self) -> "DeviceView":
         """Return the device as it is once it is disconnected on purpose.
 
@@ -215,10 +226,9 @@ class DeviceView:
 
     def _midst(self) -> Iterator[str]:
         """Yield what was going on, for somebody who wonders what has come of it."""
-        if self.state is DeviceState.WRITING and "backup" in self.capabilities:
-            saved = f" What it had is saved as {self.backup}: restore that." if self.backup else ""
-            yield f"It was being given settings, one by one: some may be new, some old, or its defaults.{saved}"
-        elif self.state is DeviceState.WRITING:
+        if self.half_written:
+            yield self.half_written
+        elif self.state is DeviceState.WRITING and "backup" not in self.capabilities:
             yield "It was being given ramps or settings: it has the old ones or the new ones whole, never a mixture."
         for axis in self.axes:
             if axis.state in UNDER_WAY:

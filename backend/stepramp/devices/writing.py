@@ -20,9 +20,9 @@ from stepramp.devices.backups import Backup, Backups
 from stepramp.devices.contact import Contact
 from stepramp.devices.leases import Leases
 from stepramp.devices.live_view import LiveView
-from stepramp.devices.view import UNDER_WAY, DeviceState
+from stepramp.devices.view import UNDER_WAY, DeviceState, DeviceView
 from stepramp.devices.watch import Watch
-from stepramp.errors import Refused
+from stepramp.errors import DeviceLost, Refused
 from stepramp.validation import Document
 
 C = TypeVar("C")
@@ -139,8 +139,12 @@ class Writing:
         """Write what a text says that is the backup of this name; as restore_backup."""
         remarks: list[str] = []
 
+        def use(able: BacksUp) -> None:
+            remarks.extend(able.use_backup(text))
+            self._view.change(lambda view: replace(view, half_written=None))
+
         def restore(able: BacksUp) -> None:
-            self._while_writing(lambda: remarks.extend(able.use_backup(text)), unsaved=remarks.append)
+            self._while_writing(lambda: use(able), unsaved=remarks.append)
 
         self._contact.ask_one_who(BacksUp, restore)
         self._view.log("backup %s written", name)
@@ -174,11 +178,18 @@ class Writing:
         self._view.change(lambda view: replace(view, state=DeviceState.WRITING, shuttle=None))
         try:
             self._save_first(unsaved)
-            job()
+            self._give(job)
         finally:
             self._watch.is_writing = False
             self._show(None)
             self._watch.refresh()
+
+    def _give(self, job: Callable[[], None]) -> None:
+        try:
+            job()
+        except DeviceLost:
+            self._view.change(DeviceView.left_half_written)
+            raise
 
     def _save_first(self, unsaved: Callable[[str], None] | None) -> None:
         """Save what the controller has, before it is written to for the first time over this connection."""

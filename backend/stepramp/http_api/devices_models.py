@@ -263,7 +263,9 @@ class DeviceAnswer(Answer):
         description="moving: one of its axes moves; stopping: all that move slow down. lost: no longer there; it is "
         "connected again when it comes back"
     )
-    message: str | None = Field(description="Why it is lost, or what keeps its motors from being moved")
+    message: str | None = Field(
+        description="Why it is lost, what keeps its motors from being moved, or which backup it lacks"
+    )
     position_steps: int = Field(
         description="Where the motor of axis 0 is; of what is lost, where it was when it was last heard of, which is "
         "age_s ago; 0 while age_s is null [steps]"
