@@ -112,9 +112,12 @@ def test_trying_sets_items_one_at_a_time_and_writes_nothing(
 def test_an_item_that_is_refused_is_set_back(controller: FluidNcController, fluidnc: FluidNcEmulator) -> None:
     # 400,000 steps/s at 96,000 mm/min.
     fast = design(ramp__slew_speed_steps_per_s=400_000, ramp__acceleration_steps_per_s2=1000)
-    with pytest.raises(Answered, match=r"refuses .*max_rate_mm_per_min=95999\.997"):
+    with pytest.raises(Answered, match=r"refuses .*max_rate_mm_per_min=95999\.997.* in use: roll back"):
         controller.prepare_push([fast], 0)()
     assert fluidnc.settings[110] == 500
+    # What was taken before is known: 1000 / 250 = 4 mm/s².
+    assert fluidnc.settings[120] == 4
+    assert controller.preview_push([fast], 0).items[1].on_device == 1000
 
 
 @given(st.floats(0.01, 400_000), st.floats(0.3, 2e7))

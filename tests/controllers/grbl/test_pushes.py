@@ -98,6 +98,15 @@ def test_each_loss_is_named(changes: dict[str, object], told: str) -> None:
     assert any(loss.startswith(told) for loss in grbl_losses(design(**changes)))
 
 
+def test_what_was_sent_before_a_refusal_is_told_and_known(bench: Bench, controller: GrblController) -> None:
+    bench.grbl.most[120] = 15.0
+    with pytest.raises(Refused, match=r"refuses '\$120=20.000'.*What was sent before that is stored: restore a backup"):
+        push(controller, design())
+    # 240 mm/min · 250 / 60, and 10 mm/s² as before.
+    assert [item.on_device for item in controller.preview_push([design()], 0).items] == [1000, 2500]
+    assert controller.steps_to_rest(0, 1000) == 200 + 60
+
+
 def test_the_smaller_acceleration_is_sent() -> None:
     for lower in ({"ramp__deceleration_steps_per_s2": 4000}, {"ramp__acceleration_steps_per_s2": 4000}):
         both = {"ramp__deceleration_steps_per_s2": 5000} | lower

@@ -65,6 +65,8 @@ class MarlinEmulator:
         self.has_realtime = False
         self.has_eeprom = True
         self.prints_a_file = False
+        self.lacks: tuple[str, ...] = ()
+        """Commands that it was built without."""
         self.says_ok_after_resend = True
         self.chats = False
         self.is_hot = True
@@ -257,7 +259,7 @@ class MarlinEmulator:
     def _carry_out(self, line: str) -> Program:
         code, _, rest = line.partition(" ")
         words = {letter: float(number) for letter, number in WORD.findall(rest)}
-        if code in DEFAULTS:
+        if code in DEFAULTS and code not in self.lacks:
             self._set(code, words)
         elif (carry_out := getattr(self, f"_{code.lower()}", None)) is not None:
             yield from carry_out(words, rest)

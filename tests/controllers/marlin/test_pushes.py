@@ -51,6 +51,14 @@ def test_what_is_sent_and_read_back(bench: Bench, controller: MarlinController) 
     assert not controller.status().on_trial
 
 
+def test_what_was_sent_before_a_refusal_is_known(bench: Bench, controller: MarlinController) -> None:
+    bench.marlin.lacks = ("M203",)
+    with pytest.raises(Refused, match=r"refuses 'M203 Y12\.5': it knows no such command"):
+        push(controller, design(), axis=1)
+    assert controller.preview_push([design()], 1).items[0].on_device == 4960
+    assert controller.status().on_trial
+
+
 def test_an_acceleration_that_all_axes_share_is_raised_but_never_lowered(
     bench: Bench, controller: MarlinController
 ) -> None:

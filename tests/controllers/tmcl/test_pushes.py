@@ -7,8 +7,9 @@ from collections.abc import Callable
 import pytest
 
 from controllers.bench import at, by, only_rejection, to
+from controllers.tmcl import emulator
 from controllers.tmcl.bench import Bench
-from controllers.tmcl.emulator import AMAX, FACTORY, RSAP, SAP, STAP, UNIT_MODE, VMAX, TmclEmulator
+from controllers.tmcl.emulator import AMAX, DMAX, FACTORY, RSAP, SAP, STAP, UNIT_MODE, VMAX, TmclEmulator
 from designs import design
 from stepramp.controllers.tmcl.controller import TmclController
 from stepramp.controllers.tmcl.read_settings import read_settings
@@ -100,6 +101,19 @@ def test_a_locked_memory_is_told_in_words_and_the_ramp_stays_on_trial(bench: Ben
     assert ramp_of(bench.module, stored=True) == FACTORY
     controller.roll_back()
     assert ramp_of(bench.module) == FACTORY
+
+
+def test_what_was_sent_before_a_refusal_is_known(
+    bench: Bench, controller: TmclController, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(emulator.WIDTHS, DMAX, 1)
+    slow = design(ramp__slew_speed_steps_per_s=300)
+    with pytest.raises(Refused, match="it doesn't take the value"):
+        controller.prepare_push([slow], 0, "try")()
+    [speed, *_] = controller.preview_push([slow], 0).items
+    assert ramp_of(bench.module)[VMAX] < FACTORY[VMAX]
+    assert speed.on_device == speed.to_send
+    assert controller.status().on_trial
 
 
 def test_a_firmware_that_stores_nothing_says_so(bench: Bench, controller: TmclController) -> None:

@@ -74,9 +74,7 @@ class FluidNcController(GrblMachine, TriesRamps, BacksUp):
             raise self._other(" ".join(said) or "a firmware that doesn't tell which it is")
         self._version = found
         self._memory.learn()
-        report = self._moves.look()
-        self._places.learn(self._memory.settings, report)
-        self._moves.rest_at(report)
+        self._know_places()
 
     def prepare_push(
         self,
@@ -91,7 +89,8 @@ class FluidNcController(GrblMachine, TriesRamps, BacksUp):
         def push() -> PushReport:
             self._memory.refuse_unready()
             self._tell(Progress(PushStage.SENDING, 0, plan.bytes))
-            self._memory.use(plan.wanted)
+            with self._known_again_on_refusal():
+                self._memory.use(plan.wanted)
             self._read_back()
             return plan.report(self._memory.settings)
 
@@ -135,9 +134,7 @@ class FluidNcController(GrblMachine, TriesRamps, BacksUp):
     def _read_back(self) -> None:
         self._tell(Progress(PushStage.READING_BACK, 0, 0))
         self._memory.learn_in_use()
-        report = self._moves.look()
-        self._places.learn(self._memory.settings, report)
-        self._moves.rest_at(report)
+        self._know_places()
 
     def _differing(self, wanted: Known, *, scales: bool = False) -> dict[str, str]:
         """Return the items of axes that are others than wanted, as they should be; scales: steps per mm, too."""

@@ -16,6 +16,7 @@ from stepramp.errors import Refused
 
 LISTING_S = 5.0
 """So long a listing of all may take [s]: 8 KB at 115200 baud take 0.7 s."""
+TAKEN = " What was sent before that is in use: roll back, or push again."
 _PLAIN = re.compile(r"[A-Za-z0-9_./-]+")
 """A name of a file that has no byte in it which would be obeyed at once."""
 DUMP, FILE_NAME, SHOW = "$CD", "$Config/Filename", "$LocalFS/Show"
@@ -76,13 +77,15 @@ class Memory:
 
         Raises Answered when one is refused.
         """
+        after = ""
         for path in lowered_first(wanted, lambda path: self._is_less_than(path, wanted[path])):
             try:
                 self._conversation.ask(f"$/{path}={wanted[path]}")
-            except Answered:
+            except Answered as error:
                 with suppress(Answered, ValueError):
                     self._conversation.ask(f"$/{path}={float(self.settings.items.get(path, ''))}")
-                raise
+                raise Answered(error.line, error.code, after) from error
+            after = TAKEN
 
     def _is_less_than(self, path: str, value: str) -> bool:
         """Whether an item in use is a number, and less than another one."""

@@ -71,9 +71,7 @@ class GrblController(GrblMachine, StoresRamps, BacksUp):
             )
         self._identity = Identity.of(self._said_of_itself(), self._conversation.name)
         self._memory.learn()
-        report = self._moves.look()
-        self._places.learn(self._memory.settings, report)
-        self._moves.rest_at(report)
+        self._know_places()
         self._moves.slowest_steps_per_s = 0.0 if self._identity.is_hal else SLOWEST_STEPS_PER_S
 
     def prepare_push(
@@ -89,7 +87,8 @@ class GrblController(GrblMachine, StoresRamps, BacksUp):
         def push() -> PushReport:
             self._memory.refuse_unready()
             self._tell(Progress(PushStage.SENDING, 0, plan.bytes))
-            self._memory.write(plan.lines(self._memory.settings))
+            with self._known_again_on_refusal():
+                self._memory.write(plan.lines(self._memory.settings))
             remarks = self._read_back()
             verified = not self._memory.differing(plan.wanted)
             return plan.report(self._memory.settings, remarks if verified else (*remarks, RESTORE), verified=verified)
@@ -136,7 +135,5 @@ class GrblController(GrblMachine, StoresRamps, BacksUp):
         is_proven = self._memory.start_anew()
         if is_proven:
             self._memory.learn()
-        report = self._moves.look()
-        self._places.learn(self._memory.settings, report)
-        self._moves.rest_at(report)
+        self._know_places()
         return () if is_proven else (UNPROVEN,)

@@ -31,11 +31,11 @@ LISTINGS_OF_PARTS = ("$#", "$N")
 
 
 class Answered(Refused):
-    """A grbl has refused a line. code: as it said."""
+    """A grbl has refused a line. code: as it said. after: what comes of others that it has taken before, in words."""
 
-    def __init__(self, line: str, code: int) -> None:
-        super().__init__(f"The controller refuses {line!r}: {error_words(code)}.")
-        self.code = code
+    def __init__(self, line: str, code: int, after: str = "") -> None:
+        super().__init__(f"The controller refuses {line!r}: {error_words(code)}.{after}")
+        self.line, self.code = line, code
 
 
 class _Exchange:

@@ -4,7 +4,8 @@ It answers each line, and is asked how it fares. What it keeps, and how that is 
 """
 
 import binascii
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
+from contextlib import contextmanager
 from typing import Protocol
 
 from stepramp.controllers.axes import refuse_axes
@@ -18,7 +19,7 @@ from stepramp.controllers.contract import (
     ControllerStatus,
     StoredRamp,
 )
-from stepramp.controllers.grbl.conversation import Conversation
+from stepramp.controllers.grbl.conversation import Answered, Conversation
 from stepramp.controllers.grbl.dialect import DEAF_ALARMS, Report, State
 from stepramp.controllers.grbl.moves import Moves
 from stepramp.controllers.grbl.places import Places
@@ -32,6 +33,9 @@ ALWAYS_ON = 255
 
 class Remembers(Protocol):
     """What is known of what a machine keeps."""
+
+    def learn_in_use(self) -> None:
+        """Read what is in use."""
 
     @property
     def settings(self) -> Known:
@@ -162,6 +166,22 @@ class GrblMachine(Controller, DrawsLines):
     def steps_to_rest(self, axis: int, speed_steps_per_s: float) -> int:
         """Return how many steps slowing down from a speed [steps/s] takes."""
         return self._moves.steps_to_rest(axis, speed_steps_per_s)
+
+    def _know_places(self) -> None:
+        """Take the scales as they were just read, and where the axes rest."""
+        report = self._moves.look()
+        self._places.learn(self._remembers.settings, report)
+        self._moves.rest_at(report)
+
+    @contextmanager
+    def _known_again_on_refusal(self) -> Iterator[None]:
+        """Read what it keeps again when it refuses something: what was sent before that is written."""
+        try:
+            yield
+        except Answered:
+            self._remembers.learn_in_use()
+            self._know_places()
+            raise
 
     def _refuse_senseless(self) -> None:
         """Refused where not even the first axis has settings that make sense."""

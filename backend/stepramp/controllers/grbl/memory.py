@@ -8,6 +8,7 @@ from stepramp.controllers.grbl.settings import Settings, is_told_same
 from stepramp.errors import Refused
 
 VERSION, SETTINGS, PLACES, STARTUP = LISTINGS = ("$I", "$$", "$#", "$N")
+TAKEN = " What was sent before that is stored: restore a backup of this device, or push again."
 
 
 class Memory:
@@ -35,6 +36,10 @@ class Memory:
         self.settings = Settings.of(self._conversation.ask(SETTINGS))
         self._startup = self._conversation.ask(STARTUP)
 
+    def learn_in_use(self) -> None:
+        """Read the settings, each of which is in use as it is stored."""
+        self.learn()
+
     def everything(self) -> str:
         """Return all that can be read, as it was told."""
         said = [line for listing in LISTINGS for line in (f"; {listing}", *self._conversation.ask(listing))]
@@ -50,8 +55,13 @@ class Memory:
 
     def write(self, lines: Iterable[str]) -> None:
         """Write settings, one at a time: while it writes, it loses what is sent; Answered when one is refused."""
+        after = ""
         for line in lines:
-            self._conversation.ask(line)
+            try:
+                self._conversation.ask(line)
+            except Answered as error:
+                raise Answered(error.line, error.code, after) from error
+            after = TAKEN
 
     def refusal(self, line: str) -> str | None:
         """Write a setting, or something else of a backup; return why it is refused, as a sentence, or None."""

@@ -122,7 +122,12 @@ class MarlinController(Controller, StoresRamps, TriesRamps, DrawsLines, BacksUp)
         def push() -> PushReport:
             self._memory.refuse_unready()
             self._tell(Progress(PushStage.SENDING, 0, plan.bytes))
-            self._memory.write(plan.lines)
+            try:
+                self._memory.write(plan.lines)
+            except Answered:
+                # What was sent before that is in use.
+                self._learn()
+                raise
             self._tell(Progress(PushStage.READING_BACK, 0, 0))
             self._learn()
             remarks = [] if mode == "keep" else [VOLATILE]

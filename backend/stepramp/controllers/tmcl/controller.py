@@ -23,7 +23,7 @@ from stepramp.controllers.contract import (
 from stepramp.controllers.progress import Progress, PushStage, Tell
 from stepramp.controllers.tmcl.axis import Axis
 from stepramp.controllers.tmcl.backup import Backup, lines_of
-from stepramp.controllers.tmcl.conversation import Conversation
+from stepramp.controllers.tmcl.conversation import Conversation, Denied
 from stepramp.controllers.tmcl.modules import Module, module_of
 from stepramp.controllers.tmcl.motions import Motions
 from stepramp.controllers.tmcl.program import RUNS, Program
@@ -137,7 +137,12 @@ class TmclController(Controller, StoresRamps, TriesRamps, BacksUp):
         def push() -> PushReport:
             there.motions.refuse_moving()
             self._tell(Progress(PushStage.SENDING, 0, plan.bytes))
-            there.ramps.use(plan.ramps)
+            try:
+                there.ramps.use(plan.ramps)
+            except Denied:
+                # What was sent before that is in use.
+                there.ramps.look()
+                raise
             report = plan.report(there.ramps.in_use, mode)
             if report.kept:
                 there.ramps.keep(plan.ramps)
