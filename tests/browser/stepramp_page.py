@@ -3,13 +3,13 @@
 import contextlib
 import json
 import re
-import time
 import urllib.error
 import urllib.request
-from collections.abc import Callable
 from typing import Any, Self
 
 from playwright.sync_api import Locator, Page, expect
+
+from waiting import until
 
 SLEW_SPEED = "ramp.slew_speed_steps_per_s"
 ACCELERATION = "ramp.acceleration_steps_per_s2"
@@ -25,14 +25,6 @@ GUIDE_CLOSED = """if (location.protocol.startsWith('http') && localStorage.getIt
 # What the page would write a moment later, it writes at once when it is left.
 RECORD = "`stepramp.tab.${sessionStorage.getItem('stepramp.tab')}`"
 KEPT = f"() => {{ dispatchEvent(new Event('pagehide')); return JSON.parse(localStorage.getItem({RECORD})); }}"
-
-
-def until(condition: Callable[[], Any], within_s: float = 20) -> None:
-    """Wait until a condition holds. (The page's security policy forbids Playwright's own way.)"""
-    deadline = time.monotonic() + within_s
-    while not condition():
-        assert time.monotonic() < deadline, "it did not come about in time"
-        time.sleep(0.03)
 
 
 def drop_file(page: Page, name: str, text: str) -> None:

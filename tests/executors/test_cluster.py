@@ -1,6 +1,7 @@
 """A Dask cluster, real and in processes of its own, as those who compute many things at once."""
 
 import os
+import time
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
@@ -21,8 +22,10 @@ from stepramp.http_api.app import create_app
 from stepramp.motor.map_points import verdict_at
 from stepramp.motor.map_ranges import question_of
 from stepramp.motor.stall_map import Picture, stall_map
+from waiting import until
 
 CELLS = 16
+PATIENCE_S = 120
 QUESTION = question_of(with_motor(move__steps=3000), "slew_speed", None, None, CELLS)
 
 
@@ -74,8 +77,10 @@ def test_a_worker_that_is_killed_in_the_middle_costs_time_only(dask: DaskCluster
 def test_what_nobody_waits_for_ends_on_the_workers_too(dask: DaskCluster, tmp_path: Path) -> None:
     def until_unwanted(item: int, is_wanted: Callable[[], bool]) -> None:
         (tmp_path / f"begun {item}").touch()
-        while is_wanted():
-            pass
+        for _ in range(PATIENCE_S * 1000):
+            if not is_wanted():
+                break
+            time.sleep(0.001)
         (tmp_path / f"ended {item}").touch()
 
     def is_wanted() -> bool:
@@ -85,8 +90,7 @@ def test_what_nobody_waits_for_ends_on_the_workers_too(dask: DaskCluster, tmp_pa
         assert list(far.results(until_unwanted, range(100), is_wanted)) == []
         # Their workers are free again for others, and none of what waited was begun.
         assert sorted(far.results(lambda item, _: -item, range(20), lambda: True))[-1] == (19, -19)
-    while len(list(tmp_path.glob("ended *"))) < len(list(tmp_path.glob("begun *"))):
-        pass
+    until(lambda: len(list(tmp_path.glob("ended *"))) == len(list(tmp_path.glob("begun *"))), PATIENCE_S)
     assert len(list(tmp_path.glob("begun *"))) < 10
 
 
@@ -118,9 +122,9 @@ def asked(monkeypatch: pytest.MonkeyPatch, address: str | None) -> dict[str, Any
     monkeypatch.setenv(VARIABLE, address or "")
     with TestClient(create_app(), base_url="http://127.0.0.1:8000") as client:
         begun = client.post("/api/v1/motor/map", json={"design": whole(move__steps=600), "cells": 8})
-        while (told := client.get(begun.headers["location"]).json())["state"] in ("waiting", "running"):
-            pass
-    return told  # type: ignore[no-any-return]
+        place = begun.headers["location"]
+        until(lambda: client.get(place).json()["state"] not in ("waiting", "running"), PATIENCE_S)
+        return client.get(place).json()  # type: ignore[no-any-return]
 
 
 def test_the_variable_has_a_map_computed_by_the_cluster(dask: DaskCluster, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -150,8 +154,7 @@ def test_one_without_workers_and_one_that_ends_are_refused(tmp_path: Path, monke
         with alone.client(workers=1) as client, connected(alone.address) as far:
             results = far.results(lambda item, _: item, range(40), lambda: True)
             next(results)
-            while any(client.processing().values()):
-                pass
+            until(lambda: not any(client.processing().values()), PATIENCE_S)
             alone.processes[0].kill()
             with pytest.raises(Rejected, match=VARIABLE):
                 list(results)
