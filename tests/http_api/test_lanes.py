@@ -14,9 +14,11 @@ from starlette.testclient import TestClient, WebSocketTestSession
 
 from designs import design, document
 from event_loop import run
+from motor.trains import whole
 from stepramp.controllers.stepramp.settings import StepRampSettings
 from stepramp.controllers.virtual.controller import VirtualController
 from stepramp.devices.device import Device
+from stepramp.errors import Overloaded
 from stepramp.http_api.curves_models import CurvesAnswer
 from stepramp.http_api.lanes import A_DEVICE, CONNECTING, CORES, LONG_PLANNING, PLANNING, Lane, planning_lane
 from stepramp.link import protocol_sim
@@ -123,6 +125,43 @@ def test_mute_ports_keep_no_move_and_no_stop_waiting(client: TestClient, device:
         assert client.post(f"{device}/stop").json()["state"] in ("stopping", "ready")
         assert not any(connect.done() for connect in connects)
         assert [connect.result().status_code for connect in connects] == [502] * MUTE
+
+
+def test_what_waits_too_long_for_its_turn_is_refused_with_the_reason(
+    client: TestClient, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Ten clients whose moves take seconds each keep the eleventh waiting for no more than 30 s."""
+    monkeypatch.setattr(LONG_PLANNING, "_most_wait_s", 0.05)
+    asked = {"design": whole()}
+    with taken(LONG_PLANNING, CORES):
+        refused = client.post("/api/v1/motor/simulate", json=asked)
+        assert refused.status_code == 503
+        [error] = refused.json()["errors"]
+        assert error["message"] == "Others are computing: this has waited 0.05 s for its turn. Ask again later."
+    monkeypatch.undo()
+    assert client.post("/api/v1/motor/simulate", json=asked).status_code == 200
+
+
+def test_what_has_begun_in_time_is_done_to_its_end_and_what_is_refused_is_never_begun() -> None:
+    lane, begun, end = Lane("narrow", 1, most_wait_s=0.02), threading.Event(), threading.Event()
+    done = list[str]()
+
+    def slow() -> str:
+        begun.set()
+        assert end.wait(PATIENCE_S)
+        return "slow"
+
+    async def both() -> str:
+        first = asyncio.ensure_future(lane.run(slow))
+        await asyncio.to_thread(begun.wait, PATIENCE_S)
+        with pytest.raises(Overloaded, match=r"has waited 0\.02 s for its turn"):
+            await lane.run(lambda: done.append("late"))
+        end.set()
+        return await first
+
+    assert run(both()) == "slow"
+    assert run(lane.run(lambda: "next")) == "next"
+    assert done == []
 
 
 def test_what_is_cancelled_while_it_waits_is_never_begun() -> None:

@@ -5,7 +5,7 @@ A stop needs none of them: see door.
 
 import asyncio
 from collections.abc import Callable, Coroutine, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from functools import partial, wraps
 from typing import Any, ParamSpec, TypeVar
@@ -13,6 +13,7 @@ from weakref import WeakValueDictionary
 
 from stepramp.design import Design
 from stepramp.devices.device import Device
+from stepramp.errors import Overloaded
 from stepramp.executors.priority import be_nicer
 from stepramp.executors.threads import CORES
 from stepramp.ramp.plan import computed_steps
@@ -24,6 +25,8 @@ A_DEVICE = 3
 """So many threads of a lane one device has at most. Its answers come over one line, one after the other."""
 NICER = 5
 """How much a computing thread is nicer than the others: it gets a third of the time that they get, if they want it."""
+MOST_WAIT_S = 30.0
+"""Whoever has waited so long behind others that take seconds each is told so: nobody knows how long it would last."""
 MOST_QUICK_STEPS = 5_000_000
 """More steps, of all methods or axes together, take long to compute [steps]."""
 MOST_QUICK_POINTS = 200_000
@@ -37,7 +40,9 @@ class Lane:
     only some of the threads, so that one that doesn't answer keeps no other device waiting.
     """
 
-    def __init__(self, name: str, threads: int, *, computes: bool = False) -> None:
+    def __init__(self, name: str, threads: int, *, computes: bool = False, most_wait_s: float | None = None) -> None:
+        """Make a lane. most_wait_s: what hasn't come to its turn by then is refused; None: it waits."""
+        self._most_wait_s = most_wait_s
         self._pool = ThreadPoolExecutor(
             threads, thread_name_prefix=name, initializer=partial(be_nicer, NICER if computes else 0)
         )
@@ -45,19 +50,32 @@ class Lane:
         self._of_devices: WeakValueDictionary[object, asyncio.Semaphore] = WeakValueDictionary()
 
     async def run(self, job: Callable[[], T], device: object = None) -> T:
-        """Run a job in its turn; return its result, or raise what it raised.
+        """Run a job in its turn; return its result, or raise what it raised, or Overloaded where its turn doesn't come.
 
         device: what tells the device apart that the job asks, if it asks one.
         """
-        loop = asyncio.get_running_loop()
         if device is None:
-            return await loop.run_in_executor(self._pool, job)
+            return await self._unless_late(self._pool.submit(job))
+        loop = asyncio.get_running_loop()
         turns = self._of_devices.setdefault((loop, device), asyncio.Semaphore(A_DEVICE))
         await turns.acquire()
         begun = self._pool.submit(job)
         # Not as soon as nobody waits for it any more: until the device answers, the thread is taken.
         begun.add_done_callback(lambda _: _in(loop, turns.release))
         return await asyncio.wrap_future(begun)
+
+    async def _unless_late(self, begun: Future[T]) -> T:
+        made = asyncio.wrap_future(begun)
+        try:
+            await asyncio.wait([made], timeout=self._most_wait_s)
+        except asyncio.CancelledError:
+            made.cancel()
+            raise
+        if not made.done() and begun.cancel():
+            raise Overloaded(
+                f"Others are computing: this has waited {self._most_wait_s:g} s for its turn. Ask again later."
+            )
+        return await made
 
     def serves(self, route: Callable[P, T]) -> Callable[P, Coroutine[Any, Any, T]]:
         """Have a route's requests served in this lane: a decorator."""
@@ -75,9 +93,9 @@ class Lane:
 
 PLANNING = Lane("planning", CORES, computes=True)
 """Computing for sliders, and all else that is done soon."""
-LONG_PLANNING = Lane("long planning", CORES, computes=True)
-"""Computing of millions of steps, and what makes files. A turn lasts until the answer is sent, so that no more of those
-are in memory than there are threads."""
+LONG_PLANNING = Lane("long planning", CORES, computes=True, most_wait_s=MOST_WAIT_S)
+"""Computing of millions of steps, of what motors do, and what makes files. A turn lasts until the answer is sent, so
+that no more of those are in memory than there are threads."""
 CONNECTING = Lane("connecting", 8)
 """Connecting, which takes up to 5 s."""
 CHECKING = Lane("checking", 1, computes=True)
