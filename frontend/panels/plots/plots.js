@@ -22,27 +22,17 @@ import {
   viewOf,
 } from '../../app/selectors.js';
 import { FIRST_VIEW, remembering, whenChanged, whenever } from '../../app/state.js';
-import {
-  activeProfile,
-  axesReadingAt,
-  curveOf,
-  interpolate,
-  liveOver,
-  measuredOver,
-  ownOver,
-  measuredReadingAt,
-  plottedStep,
-  readingAt,
-} from '../../plotting/curves.js';
-import { capturedOver } from '../../plotting/captured.js';
+import { activeProfile, interpolate, liveOver, plottedStep } from '../../plotting/curves.js';
 import { motorMarksOf } from '../../plotting/motor_marks.js';
 import { element } from '../../ui/dom.js';
 import { figureOf } from '../../plotting/figure.js';
-import { stepsIn, xPixel, xValue, zoomedAbout } from '../../plotting/frame.js';
-import { METHODS, REFERENCE } from '../../model/methods.js';
+import { stepsIn } from '../../plotting/frame.js';
+import { REFERENCE } from '../../model/methods.js';
 import { ONE_PLOT } from '../../ui/layouts.js';
 import { shownValue } from '../../model/units.js';
+import { createCursor } from './cursor.js';
 import { watchGestures } from './gestures.js';
+import { curvesOver, extrasOver, restingSamplesOf } from './layers.js';
 import { createLegend } from './legend.js';
 import { createMotorMarks } from './motor_marks.js';
 import { readLook } from './look.js';
@@ -51,11 +41,10 @@ import { createPainter } from './painter.js';
 import { createPoints } from './points.js';
 import { createSwitches } from './switches.js';
 import { createViewBar } from './view_bar.js';
+import { createZooming } from './zooming.js';
 
 /** @typedef {import('../../model/types.js').Answer} Answer */
 /** @typedef {import('../../model/types.js').MethodName} MethodName */
-/** @typedef {import('../../plotting/curves.js').Curve} Curve */
-/** @typedef {import('../../plotting/curves.js').Reading} Reading */
 /** @typedef {import('../../plotting/frame.js').Frame} Frame */
 /** @typedef {import('../../plotting/frame.js').Scene} Scene */
 /** @typedef {import('../../app/state.js').State} State */
@@ -82,18 +71,12 @@ export function createPlots(root, dispatch) {
   /** What the server answered, in the units that it is shown in.
    * @type {Answer | null} */
   let answer = null;
-  /** @type {Partial<Record<MethodName, Curve>>} */
+  /** @type {import('./layers.js').Curves} */
   let curves = {};
-  /** What is beside them, over the same axis.
-   * @type {Pick<Scene, 'pinned' | 'own' | 'axes' | 'measured' | 'captured' | 'live'>} */
+  /** @type {import('./layers.js').Extras} */
   let extras = {};
   /** @type {Frame | null} */
   let frame = null;
-  /** @type {Reading | null} */
-  let reading = null;
-  /** Where the pointer is, in pixels of the figure; null: not over it.
-   * @type {number | null} */
-  let pointer = null;
   let awaitedFrame = 0;
   /** The room for the plots [px]; none: they can't be seen. */
   let size = { width: 0, height: 0 };
@@ -123,6 +106,11 @@ export function createPlots(root, dispatch) {
     onRemove: () => dispatch(removeCapture),
   });
   const overlay = createOverlay(switches.elements);
+  const cursor = createCursor(
+    overlay,
+    () => frame && answer && { frame, answer, curves, extras, shown, third: view.third, isHeld: held !== null },
+    (reading) => dispatch(tellReading, reading),
+  );
   const motorMarks = createMotorMarks();
   const points = createPoints({
     onRows: (rows, gesture) => dispatch(setTable, rows, undefined, gesture),
@@ -130,13 +118,14 @@ export function createPlots(root, dispatch) {
     onDrag: dragged,
     isOn: () => shown.has('table') && !areAll(),
   });
-  const showAll = () => dispatch(zoomTo, null);
+  const zooming = createZooming(
+    () => frame && { frame, isZoomed: view.zoom !== null },
+    (ends) => dispatch(zoomTo, ends),
+  );
   const figure = element('div', { className: 'figure' });
   const painter = createPainter(figure, {
-    onSelect: (low, high) => {
-      if (frame) zoom(frame.x.isLog ? [10 ** low, 10 ** high] : [low, high]);
-    },
-    onDoubleClick: showAll,
+    onSelect: zooming.select,
+    onDoubleClick: zooming.all,
   });
   const scope = element(
     'div',
@@ -153,18 +142,12 @@ export function createPlots(root, dispatch) {
   );
   root.replaceChildren(bar.element, legend.element, scope);
   watchGestures(scope, {
-    onPoint: (pixel) => {
-      pointer = pixel;
-      if (pixel === null) read(null);
-      else readAgain();
-    },
-    onZoom: zoomBy,
-    onZoomAtCursor: (factor) => {
-      if (frame) zoomBy(factor, reading ? xPixel(frame, reading.x) : frame.left + frame.width / 2);
-    },
-    onPan: panBy,
-    onAll: showAll,
-    onWalk: walk,
+    onPoint: cursor.point,
+    onZoom: zooming.about,
+    onZoomAtCursor: (factor) => frame && zooming.about(factor, cursor.pixel(frame)),
+    onPan: zooming.pan,
+    onAll: zooming.all,
+    onWalk: cursor.walk,
     isZoomed: () => view.zoom !== null,
   });
 
@@ -196,26 +179,10 @@ export function createPlots(root, dispatch) {
   const areAll = () => state !== null && axisMovesOf(state) !== null;
 
   function updateCurves() {
-    curves = {};
-    extras = {};
+    [curves, extras] = [{}, {}];
     if (answer === null || state === null) return;
-    for (const { name } of METHODS) {
-      const curve = shown.has(name) || name === answer.design.method.name ? curveOf(answer, name, against()) : null;
-      if (curve) curves[name] = curve;
-    }
-    const [pinned, axes, measured, own] = [pinnedOf(state), axisMovesOf(state), measuredOf(state), shownOwnRampOf(state)];
-    const live = restingSamplesOf(state);
-    const captured = shownCaptureOf(state);
-    extras = {
-      pinned: pinned && curveOf({ ...pinned, units: state.units }, pinned.design.method.name, against()),
-      axes:
-        axes &&
-        axes.map(({ time_s, speed, delay_us, ...one }) => ({ ...one, x: time_s, velocity: speed, delay: delay_us })),
-      own: own && ownOver(answer, against(), own),
-      measured: measured && measuredOver(answer, against(), measured),
-      captured: captured && capturedOver(answer, against(), captured),
-      live: live && liveOver(answer, against(), live),
-    };
+    curves = curvesOver(answer, shown, against());
+    extras = extrasOver(state, answer, against());
   }
 
   /** All axes have only their time in common. */
@@ -288,7 +255,7 @@ export function createPlots(root, dispatch) {
     overlay.place(frame, view.third);
     points.place(frame, curves, answer, against());
     legend.show(answer, shown, answer.design.method.name);
-    readAgain();
+    cursor.readAgain();
     showMove();
     showMotor();
   }
@@ -318,79 +285,11 @@ export function createPlots(root, dispatch) {
 
   // ---- looking around ----
 
-  /** @param {number[]} ends */
-  function zoom(ends) {
-    if (!frame) return;
-    const [low, high] = [Math.max(frame.full.low, Math.min(...ends)), Math.min(frame.full.high, Math.max(...ends))];
-    if (high > low) dispatch(zoomTo, [low, high]);
-  }
-
-  /** @param {number} factor @param {number} pixel */
-  function zoomBy(factor, pixel) {
-    if (!frame) return;
-    const within = Math.min(frame.left + frame.width, Math.max(frame.left, pixel));
-    dispatch(zoomTo, zoomedAbout(frame, within, factor));
-  }
-
-  /** @param {number} pixels */
-  function panBy(pixels) {
-    if (!frame || !view.zoom) return;
-    const place = (/** @type {number} */ edge) => xValue(/** @type {Frame} */ (frame), edge - pixels);
-    const [low, high] = [place(frame.left), place(frame.left + frame.width)];
-    if (low >= frame.full.low && high <= frame.full.high) dispatch(zoomTo, [low, high]);
-  }
-
-  /** Move the cursor along the computed steps.
-   * @param {number} by */
-  function walk(by) {
-    const steps = answer && curves[answer.design.method.name];
-    if (!steps || !frame || areAll()) return;
-    pointer = null;
-    const low = frame.x.low;
-    const index = reading ? steps.step.indexOf(reading.step) + by : steps.x.findIndex((x) => x >= low);
-    const at = Math.min(steps.x.length - 1, Math.max(0, index));
-    read(readingAt(curves, /** @type {Answer} */ (answer).design.method.name, steps.x[at]));
-  }
-
-  /** @param {Reading | null} at */
-  function read(at) {
-    if (at === null && reading === null) {
-      overlay.clear();
-      return;
-    }
-    reading = at;
-    if (at === null) overlay.clear();
-    else if (frame && answer) overlay.read(frame, at, answer.design.method.name, shown, view.third, measuredRows(at.x));
-    dispatch(tellReading, at);
-  }
-
-  /** What was measured at a place on the axis.
-   * @param {number} x */
-  function measuredRows(x) {
-    return [
-      { label: 'Trace', colour: '--measured', measured: extras.measured },
-      { label: 'Capture', colour: '--capture', measured: extras.captured },
-    ].flatMap(({ label, colour, measured }) => {
-      const found = measured ? measuredReadingAt(measured, x) : null;
-      return found ? [{ label, colour, reading: found }] : [];
-    });
-  }
-
-  /** Read what is under the pointer, or else where the keys left the cursor. */
-  function readAgain() {
-    if (!frame || !answer) return;
-    const x = pointer === null ? reading?.x : xValue(frame, pointer);
-    const isInside = held === null && x !== undefined && x >= frame.x.low && x <= frame.x.high;
-    if (extras.axes && isInside) overlay.readAxes(frame, axesReadingAt(extras.axes, x));
-    else read(isInside && !extras.axes ? readingAt(curves, answer.design.method.name, x) : null);
-  }
-
   /** While a point is dragged no tooltip hides it, and ranges don't change.
    * @param {boolean} isDragging */
   function dragged(isDragging) {
     held = isDragging ? frame : null;
-    pointer = null;
-    read(null);
+    cursor.leave();
     if (!isDragging) redraw();
   }
 
@@ -497,8 +396,3 @@ export function createPlots(root, dispatch) {
     },
   };
 }
-
-/** What was told of a move while it ran, once it rests; of one that was traced step by step that says nothing more. A move
- * that runs is drawn by the overlay: for each sample anew.
- * @param {import('../../app/state.js').State} state */
-const restingSamplesOf = (state) => (runningMoveOf(state) === null && measuredOf(state) === null ? samplesOf(state) : null);
