@@ -87,7 +87,7 @@ def test_a_push_in_both_terms_and_the_backup_before_it(
     asked = {"design": document(ramp__base_speed_steps_per_s=100)}
     preview = client.post(f"{route}/push/preview", json=asked).json()
     assert preview["items"][0]["own"] == {"term": "M201 X", "unit": "mm/s²", "sent": 62, "on_device": 500}
-    assert "Base speed 100 steps/s is not kept: Marlin starts from 0." in preview["warnings"]
+    assert "Base speed 100 steps/s is not kept: Marlin starts and ends at 120 steps/s." in preview["warnings"]
     assert list(tmp_path.rglob("*")) == []
     pushed = client.post(f"{route}/push", json=asked).json()
     assert (pushed["verified"], pushed["kept"]) == (True, True)

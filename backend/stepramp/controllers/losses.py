@@ -16,15 +16,23 @@ LEAST_TOLD = Fraction(1, 10**9)
 
 
 def losses(
-    design: Design, name: str, *, has_base_speed: bool = False, has_deceleration: bool = False, works_out: str = ""
+    design: Design,
+    name: str,
+    *,
+    has_base_speed: bool = False,
+    starts_at: int = 0,
+    has_deceleration: bool = False,
+    works_out: str = "",
 ) -> Iterator[str]:
     """Yield what a controller of this name doesn't keep.
 
-    works_out: how it works its intervals out, as the end of a sentence, if there is something to tell.
+    starts_at: the speed that it begins and ends a move with, if it keeps no base speed [steps/s]. works_out: how it
+    works its intervals out, as the end of a sentence, if there is something to tell.
     """
     ramp, given = design.ramp, with_constant_rates(design).ramp
-    if ramp.base_speed_steps_per_s > 0 and not has_base_speed:
-        yield f"Base speed {_figure(ramp.base_speed_steps_per_s)} steps/s is not kept: {name} starts from 0."
+    if ramp.base_speed_steps_per_s != starts_at and not has_base_speed:
+        starts = f"starts and ends at {starts_at:,} steps/s" if starts_at else "starts from 0"
+        yield f"Base speed {_figure(ramp.base_speed_steps_per_s)} steps/s is not kept: {name} {starts}."
     up, down = given.acceleration_steps_per_s2, given.slowdown_steps_per_s2
     if up != down and not has_deceleration:
         lost = "Deceleration" if down > up else "Acceleration"

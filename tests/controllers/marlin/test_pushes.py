@@ -24,6 +24,7 @@ from stepramp.design import Design
 from stepramp.errors import DeviceLost, Refused, Rejected
 
 OWN_INTERVALS = "The method Exact is not kept: Marlin works its intervals out itself."
+STARTS = "Base speed 0 steps/s is not kept: Marlin starts and ends at 120 steps/s."
 ROUNDED = "Acceleration 5,000 steps/s² is rounded down to 4,960 steps/s²."
 
 
@@ -46,7 +47,7 @@ def test_what_is_sent_and_read_back(bench: Bench, controller: MarlinController) 
     assert speed.own == OwnTerms("M203 Y", "mm/s", 12.5, 12.5)
     assert (gain.requested, gain.sent, gain.own) == (5000, 4960, OwnTerms("M201 Y", "mm/s²", 62.0, 62.0))
     assert (report.verified, report.kept, report.sequence, report.segments) == (True, True, None, None)
-    assert report.warnings == (OWN_INTERVALS, ROUNDED)
+    assert report.warnings == (STARTS, OWN_INTERVALS, ROUNDED)
     assert bench.marlin.steps == 0
     assert not controller.status().on_trial
 
@@ -86,7 +87,7 @@ def test_a_preview_says_what_would_change_and_what_is_lost(controller: MarlinCon
     assert (speed.on_device, speed.to_send, speed.differs) == (40_000, 1000, True)
     assert gain.own == OwnTerms("M201 X", "mm/s²", 62.0, 500.0)
     assert not preview.same
-    assert preview.warnings == ("Base speed 100 steps/s is not kept: Marlin starts from 0.", OWN_INTERVALS, ROUNDED)
+    assert preview.warnings == ("Base speed 100 steps/s is not kept: Marlin starts and ends at 120 steps/s.", OWN_INTERVALS, ROUNDED)
     push(controller, design())
     assert controller.preview_push([design()], 0).same
 

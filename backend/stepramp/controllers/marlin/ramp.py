@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from fractions import Fraction
 
 from stepramp.controllers.given_numbers import as_float32
+from stepramp.controllers.marlin.motion import SLOWEST_STEPS_PER_S
 from stepramp.controllers.per_mm import PerMm, Quantity, Terms
 from stepramp.design import Design
 
@@ -15,6 +16,7 @@ MARLIN = Terms(
     seconds=1,
     # M201 keeps whole numbers, and with 0 an axis would never move.
     acceleration=Quantity(0, Fraction(1), Fraction(10**8)),
+    starts_at=SLOWEST_STEPS_PER_S,
 )
 """Speeds in mm/s; M201 is the only one without decimals."""
 
