@@ -87,7 +87,11 @@ def test_a_preview_says_what_would_change_and_what_is_lost(controller: MarlinCon
     assert (speed.on_device, speed.to_send, speed.differs) == (40_000, 1000, True)
     assert gain.own == OwnTerms("M201 X", "mm/s²", 62.0, 500.0)
     assert not preview.same
-    assert preview.warnings == ("Base speed 100 steps/s is not kept: Marlin starts and ends at 120 steps/s.", OWN_INTERVALS, ROUNDED)
+    assert preview.warnings == (
+        "Base speed 100 steps/s is not kept: Marlin starts and ends at 120 steps/s.",
+        OWN_INTERVALS,
+        ROUNDED,
+    )
     push(controller, design())
     assert controller.preview_push([design()], 0).same
 
