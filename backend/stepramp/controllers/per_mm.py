@@ -104,9 +104,7 @@ class PerMm:
 
     def ramp_losses(self, design: Design) -> Iterator[str]:
         """Yield what of the design's ramp it doesn't keep, whatever its steps per mm are."""
-        yield from losses(
-            design, self.terms.name, starts_at=self.terms.starts_at, works_out=self.terms.works_out
-        )
+        yield from losses(design, self.terms.name, starts_at=self.terms.starts_at, works_out=self.terms.works_out)
         yield from rounding("Slew speed", "steps/s", typed(design.ramp.slew_speed_steps_per_s), self.speed_steps_per_s)
         yield from rounding("Acceleration", "steps/s²", slower(design), self.acceleration_steps_per_s2)
 
