@@ -21,6 +21,7 @@ from stepramp.controllers.grbl.settings import Settings
 from stepramp.design import Design
 from stepramp.errors import DeviceLost, Refused, Rejected
 
+SCALE = "The design has 50 steps per mm, grbl 250 per mm: the design's steps are sent, not its lengths."
 OWN_INTERVALS = "The method Exact is not kept: grbl works its intervals out itself, one speed for each 10 ms."
 
 
@@ -44,13 +45,15 @@ def test_what_is_sent_and_read_back(bench: Bench, controller: GrblController) ->
     assert speed.own == OwnTerms("$111", "mm/min", 240.0, 240.0)
     assert gain.own == OwnTerms("$121", "mm/s²", 20.0, 20.0)
     assert (report.verified, report.kept, report.sequence, report.segments) == (True, True, None, None)
-    assert report.warnings == (OWN_INTERVALS,)
+    assert report.warnings == (OWN_INTERVALS, SCALE)
     assert bench.grbl.steps == 0
     assert controller.steps_to_rest(1, 1000) == 100 + 60
 
 
 def test_all_axes_at_once(bench: Bench, controller: GrblController) -> None:
-    push(controller, design(), design(ramp__slew_speed_steps_per_s=500), design(ramp__acceleration_steps_per_s2=999))
+    other = design(ramp__slew_speed_steps_per_s=500), design(ramp__acceleration_steps_per_s2=999)
+    report = push(controller, design(), *other)
+    assert any("Axis 2: Acceleration 999 steps/s² is rounded down to 998.7" in loss for loss in report.warnings)
     assert [bench.grbl.eeprom.settings[number] for number in (110, 111, 112)] == [240, 120, 240]
     # 999 / 250 = 3.996 would be kept as 3.9960001.
     assert [bench.grbl.eeprom.settings[number] for number in (120, 121)] == [20, 20]
@@ -67,7 +70,7 @@ def test_a_preview_says_what_would_change_and_what_is_lost(controller: GrblContr
     assert (speed.on_device, speed.to_send, speed.differs) == (pytest.approx(2083.333333), 1000, True)
     assert gain.own == OwnTerms("$120", "mm/s²", 20.0, 10.0)
     assert not preview.same
-    assert preview.warnings == ("Base speed 100 steps/s is not kept: grbl starts from 0.", OWN_INTERVALS)
+    assert preview.warnings == ("Base speed 100 steps/s is not kept: grbl starts from 0.", OWN_INTERVALS, SCALE)
     push(controller, design())
     assert controller.preview_push([design()], 0).same
 

@@ -25,6 +25,7 @@ from stepramp.errors import DeviceLost, Refused, Rejected
 
 OWN_INTERVALS = "The method Exact is not kept: Marlin works its intervals out itself."
 STARTS = "Base speed 0 steps/s is not kept: Marlin starts and ends at 120 steps/s."
+SCALE = "The design has 50 steps per mm, Marlin 80 per mm: the design's steps are sent, not its lengths."
 ROUNDED = "Acceleration 5,000 steps/s² is rounded down to 4,960 steps/s²."
 
 
@@ -47,7 +48,7 @@ def test_what_is_sent_and_read_back(bench: Bench, controller: MarlinController) 
     assert speed.own == OwnTerms("M203 Y", "mm/s", 12.5, 12.5)
     assert (gain.requested, gain.sent, gain.own) == (5000, 4960, OwnTerms("M201 Y", "mm/s²", 62.0, 62.0))
     assert (report.verified, report.kept, report.sequence, report.segments) == (True, True, None, None)
-    assert report.warnings == (STARTS, OWN_INTERVALS, ROUNDED)
+    assert report.warnings == (STARTS, OWN_INTERVALS, ROUNDED, SCALE)
     assert bench.marlin.steps == 0
     assert not controller.status().on_trial
 
@@ -91,6 +92,7 @@ def test_a_preview_says_what_would_change_and_what_is_lost(controller: MarlinCon
         "Base speed 100 steps/s is not kept: Marlin starts and ends at 120 steps/s.",
         OWN_INTERVALS,
         ROUNDED,
+        SCALE,
     )
     push(controller, design())
     assert controller.preview_push([design()], 0).same

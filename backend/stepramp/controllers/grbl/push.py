@@ -6,10 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from stepramp.controllers.contract import OwnTerms, PreviewItem, PushItem, PushPreview, PushReport
-from stepramp.controllers.grbl.numbers import is_same, read
+from stepramp.controllers.given_numbers import typed
+from stepramp.controllers.grbl.numbers import exact, is_same, read
 from stepramp.controllers.grbl.ramp import GrblRamp, grbl_losses
 from stepramp.controllers.grbl.settings import ACCELERATION, MOST_RATE, AxisSettings, Settings
-from stepramp.controllers.losses import slower
+from stepramp.controllers.losses import other_scale, rounding, slower
 from stepramp.controllers.order import lowered_first
 from stepramp.design import Design
 from stepramp.errors import Rejected, Rejection
@@ -134,8 +135,16 @@ class PushPlan:
     def _losses(self) -> Iterator[str]:
         several = len(self.designs) > 1
         for axis, design in self.designs.items():
-            for loss in grbl_losses(design):
+            for loss in _losses_of(design, self.ramps[axis]):
                 yield f"Axis {axis}: {loss}" if several else loss
+
+
+def _losses_of(design: Design, ramp: GrblRamp) -> Iterator[str]:
+    yield from grbl_losses(design)
+    asked = typed(design.ramp.slew_speed_steps_per_s)
+    yield from rounding("Slew speed", "steps/s", asked, typed(ramp.speed_steps_per_s))
+    yield from rounding("Acceleration", "steps/s²", slower(design), typed(ramp.acceleration_steps_per_s2))
+    yield from other_scale(design, "grbl", exact(ramp.steps_per_mm))
 
 
 def _told(value: np.float32) -> float:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from stepramp.controllers.contract import FigureUnit, OwnTerms, PreviewItem, PushItem, PushPreview, PushReport
-from stepramp.controllers.losses import slower
+from stepramp.controllers.losses import other_scale, slower
 from stepramp.controllers.marlin.memory import Figure
 from stepramp.controllers.marlin.ramp import marlin_ramp
 from stepramp.controllers.marlin.settings import (
@@ -144,7 +144,8 @@ class PushPlan:
         several = len(self.designs) > 1
         for axis, design in self.designs.items():
             letter, scale = self.scales[axis].letter, self.scales[axis].steps_per_mm
-            for loss in (*self.ramps[axis].ramp_losses(design), *_jerk(present, letter, scale)):
+            kept = self.ramps[axis].ramp_losses(design)
+            for loss in (*kept, *other_scale(design, "Marlin", scale), *_jerk(present, letter, scale)):
                 yield f"Axis {axis}: {loss}" if several else loss
         for each in self.settings:
             code, letter = each.figure
