@@ -40,14 +40,20 @@ class Trapezoid:
         return self.steps - self.peak * (time_s - ramp_s / 2)
 
 
-def timer_cycles(cycles: int) -> int:
-    """Return what the timer makes of a wished interval: it counts from 0, up to 16 bits, 1, 2, 4 or 8 times a step."""
+def timer_ticks(cycles: int) -> tuple[int, int]:
+    """Return how often the timer ticks a step of so many cycles, and how long: it counts from 0, up to 16 bits."""
     ticks = 1 if cycles < 2000 else 2 if cycles < 4000 else 4 if cycles < 8000 else 8
-    return ticks * (min(cycles // ticks, 65_535) + 1)
+    return ticks, min(cycles // ticks, 65_535) + 1
+
+
+def timer_cycles(cycles: int) -> int:
+    """Return what the timer makes of a wished interval."""
+    ticks, each = timer_ticks(cycles)
+    return ticks * each
 
 
 def segments(move: Trapezoid) -> list[tuple[int, int]]:
-    """Return steps, and clock cycles of each, for each segment.
+    """Return steps, and the clock cycles that each is to take, for each segment.
 
     Where speeding up ends within a part of 10 ms that a segment was made longer by, grbl takes the way from the whole
     segment's beginning for that of the part, and so is late from then on.
@@ -69,17 +75,21 @@ def segments(move: Trapezoid) -> list[tuple[int, int]]:
         end_s = min(end_s, move.lasts_s + late_s)
         whole_before, whole = math.ceil(left), math.ceil(after)
         per_step_s = (end_s - begun_s + rest_s) / (whole_before - after)
-        found.append((whole_before - whole, timer_cycles(math.ceil(per_step_s * CLOCK_HZ))))
+        found.append((whole_before - whole, math.ceil(per_step_s * CLOCK_HZ)))
         rest_s = (whole - after) * per_step_s
         begun_s, left = end_s, after
     return found
 
 
 def instants_s(move: Trapezoid) -> list[float]:
-    """Return when each step is made [s]."""
-    now, made = 0, []
-    for count, cycles in segments(move):
-        for _ in range(count):
+    """Return when each step is made [s]: tick by tick, by a counter of eighths, at four to begin with."""
+    now, eighths, made = 0, 4, []
+    for count, wished in segments(move):
+        ticks, cycles = timer_ticks(wished)
+        for _ in range(count * ticks):
             now += cycles
-            made.append(now / CLOCK_HZ)
+            eighths += 8 // ticks
+            if eighths > 8:
+                eighths -= 8
+                made.append(now / CLOCK_HZ)
     return made

@@ -55,6 +55,14 @@ def test_the_second_planner_agrees(steps: int, speed: float, acceleration: float
     assert late_s.max() < 0.032768
 
 
+def test_between_two_segments_an_interval_is_of_both() -> None:
+    """Step by step: at such speeds each segment of 10 ms has a step or two."""
+    ours = instants_of(waits_s(61, 1000, 5000))
+    theirs = np.array(instants_s(Trapezoid(61, 1000, 5000)))
+    # float32 has slowing down begin a little elsewhere. Intervals of one segment alone are 4 ms off.
+    assert np.abs(ours - theirs + theirs[0]).max() < 2.5e-4
+
+
 @given(
     st.integers(50, 5000), st.floats(400, 20_000), st.floats(1000, 200_000), st.sampled_from([5.0, 80.0, 250.0, 3200.0])
 )
@@ -68,8 +76,9 @@ def test_it_takes_as_long_as_a_trapezoid(steps: int, speed: float, acceleration:
 
 def test_speed_is_level_within_each_segment_of_10_ms() -> None:
     waits = waits_s(4000, 5000, 20_000)
-    changes = np.flatnonzero(np.diff(waits)) + 1
-    up = changes[changes < 600]
+    # Where waits begin to be the same, once a segment has several; between two segments one is of both.
+    begins = np.flatnonzero((waits[1:-1] != waits[:-2]) & (waits[1:-1] == waits[2:])) + 1
+    up = begins[(begins > 20) & (begins < 600)]
     lasted_s = np.diff(instants_of(waits)[up])
     assert len(up) > 15
     assert np.abs(lasted_s - 0.01).max() < 0.002

@@ -4,7 +4,9 @@ grbl plans in float32, in millimetres and minutes: a trapezoid of constant accel
 takes the distance of 10 ms at a time, or of as many as hold a whole step, and plays the whole steps in it at even
 intervals; what is left of the time of a step goes into the next segment. A tick of its step timer lasts a clock cycle
 more than what is put into the compare register, since the timer counts from 0. Below 8 kHz, 4 kHz and 2 kHz it ticks
-twice, four and eight times a step (AMASS), so an interval is a multiple of that.
+twice, four and eight times a step (AMASS), so an interval is a multiple of that. It begins to count in the middle of a
+step and makes one once it is beyond its end, so not in the last of eight ticks but in the fifth: between two segments
+an interval is three ticks of the one and five of the other.
 
 Source: how grbl 1.1h works, as its stepper and planner modules say; the timer is that of the ATmega328P's data sheet.
 """
@@ -25,6 +27,8 @@ LEAST_STEPS_IN_SEGMENT = 1.25
 LEVELS = 3
 LONGEST_CYCLES = 0xFFFF
 """The longest tick [clock cycles]."""
+STEPS_IN_TICK = (1, 2, 3, 5)
+"""In which tick the step is made, of one, two, four and eight."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +73,7 @@ def intervals_s(
     ) > (LONGEST_S):
         raise Refused(f"Such a move takes grbl longer than {LONGEST_S:,.0f} s: its steps aren't worked out.")
     per_mm = np.float32(steps_per_mm)
-    counts, cycles = _segments(
+    counts, ticks, levels = _segments(
         np.float32(np.float32(steps) / per_mm),
         steps,
         np.float32(max_rate_mm_per_min),
@@ -78,14 +82,15 @@ def intervals_s(
     )
     if not counts.size:
         raise Refused("grbl would never end such a move: in 10 ms it goes less far than its numbers can tell apart.")
-    each = np.repeat(cycles, counts)
-    # A step's interval is that of the segment that the next step belongs to.
-    return np.append(each[1:], each[-1:]) / timer.clock_hz
+    until = np.repeat(ticks * np.array(STEPS_IN_TICK)[levels], counts)
+    each = np.repeat(ticks << levels, counts)
+    return np.append((each - until)[:-1] + until[1:], each[-1:]) / timer.clock_hz
 
 
 def ticks_of(cycles: int) -> int:
     """Return how long grbl waits for a step [clock cycles] that is to take so many."""
-    return int(_whole(cycles, UNO.finest_cycles, UNO.more_cycles))
+    tick, level = _tick(cycles, UNO.finest_cycles, UNO.more_cycles)
+    return int(tick << level)
 
 
 def _lasts_s(steps: int, speed: float, acceleration: float) -> float:
@@ -95,16 +100,17 @@ def _lasts_s(steps: int, speed: float, acceleration: float) -> float:
 
 
 @compiled
-def _whole(cycles, finest, more):  # type: ignore[no-untyped-def]  # compiled
+def _tick(cycles, finest, more):  # type: ignore[no-untyped-def]  # compiled
+    """Return how long a tick lasts [clock cycles], and how often a step is halved for it."""
     level = 0
     while level < LEVELS and cycles >= finest << level:
         level += 1
-    return (min(cycles >> level, LONGEST_CYCLES) + more) << level
+    return min(cycles >> level, LONGEST_CYCLES) + more, level
 
 
 @compiled
 def _segments(length, steps, rate, acceleration, timer):  # type: ignore[no-untyped-def]  # compiled
-    """Return how many steps each segment has, and how long each of them takes [clock cycles]; none if it never ends."""
+    """Return how many steps each segment has, and their ticks, as `_tick` does; none if it never ends."""
     zero, part_min = np.float32(0), np.float32(1 / (SEGMENTS_PER_S * SECONDS_PER_MINUTE))
     clock_hz, finest, more = timer
     cycles_per_min = np.float32(clock_hz * SECONDS_PER_MINUTE)
@@ -113,7 +119,7 @@ def _segments(length, steps, rate, acceleration, timer):  # type: ignore[no-unty
     trapezoid = _trapezoid(length, rate, acceleration)
     phase, speed, left = 0, zero, length
     steps_left, rest_min = np.float32(steps), zero
-    counts, waits = [0], [0]
+    counts, ticks, levels = [0], [0], [0]
     while left > zero:
         before, lasted, longest, part = left, zero, part_min, part_min
         least = max(before - least_mm, zero)
@@ -122,7 +128,7 @@ def _segments(length, steps, rate, acceleration, timer):  # type: ignore[no-unty
             phase, left, speed, part = _further(phase, left, speed, part, before, trapezoid)
             # Speeding up may end just where a part begins: then it goes no further either, and on in the next one.
             if was == phase == 1 and left == came and part > np.float32(0.5) * part_min:
-                return np.zeros(0, np.int64), np.zeros(0, np.int64)
+                return np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0, np.int64)
             lasted += part
             if lasted >= longest:
                 if left <= least:
@@ -133,10 +139,12 @@ def _segments(length, steps, rate, acceleration, timer):  # type: ignore[no-unty
         whole, whole_before = np.float32(math.ceil(in_steps)), np.float32(math.ceil(steps_left))
         per_step = (lasted + rest_min) / (whole_before - in_steps)
         counts.append(int(whole_before - whole))
-        waits.append(_whole(math.ceil(cycles_per_min * per_step), finest, more))
+        tick, level = _tick(math.ceil(cycles_per_min * per_step), finest, more)
+        ticks.append(tick)
+        levels.append(level)
         steps_left = whole
         rest_min = (whole - in_steps) * per_step
-    return np.array(counts), np.array(waits)
+    return np.array(counts), np.array(ticks), np.array(levels)
 
 
 @compiled
