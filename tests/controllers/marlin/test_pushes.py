@@ -148,7 +148,8 @@ def test_neither_speed_nor_acceleration_is_more_than_asked(speed: float, gain: f
         # M201 keeps whole mm/s², and with 0 no move would ever begin.
         ({"ramp__acceleration_steps_per_s2": 79}, "ramp.acceleration_steps_per_s2", "a number from 80 to"),
         ({"ramp__deceleration_steps_per_s2": 79}, "ramp.deceleration_steps_per_s2", "a number from 80 to"),
-        ({"ramp__slew_speed_steps_per_s": 0.05}, "ramp.slew_speed_steps_per_s", "a number from 0.08 to"),
+        # M503 lists two decimals: a slower one is told as 0.
+        ({"ramp__slew_speed_steps_per_s": 0.7}, "ramp.slew_speed_steps_per_s", "a number from 0.8 to"),
     ],
 )
 def test_what_would_be_nonsense_is_rejected(
@@ -242,6 +243,28 @@ def test_what_of_a_backup_cant_be_written_is_told(bench: Bench, controller: Marl
     assert "M666 X0.20 is not as in the backup." in left
     assert any("refuses 'M666 X0.20': it knows no such command" in remark for remark in left)
     assert "M999" not in bench.told()
+
+
+def test_one_whose_settings_make_no_sense_is_connected_and_restored(bench: Bench, controller: MarlinController) -> None:
+    text, broken = controller.backup(), copy.deepcopy(DEFAULTS)
+    broken["M201"]["X"] = 0.0
+    bench.marlin.eeprom.settings = broken
+    bench.port.close()
+    bench.reopen()
+    again = bench.controller
+    again.connect()
+    status = again.status()
+    assert (len(status.axes), again.most_axes) == (1, 0)
+    assert "The settings of axis X make no sense" in str(status.trouble)
+    for ask in (lambda: again.move_by(by(100)), lambda: again.preview_push([design()], 0)):
+        with pytest.raises(Refused, match="The settings of axis X make no sense"):
+            ask()
+    assert again.use_backup(text) == ()
+    assert stored(bench) == DEFAULTS
+    assert (len(again.status().axes), again.status().trouble) == (4, None)
+    again.move_by(by(100))
+    bench.rest()
+    assert bench.marlin.position[0] == 100
 
 
 @pytest.mark.parametrize("with_an_older_one", [False, True])

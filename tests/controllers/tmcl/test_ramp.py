@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from designs import design
-from stepramp.controllers.tmcl.ramp import TmclRamp, tmcl_losses
+from stepramp.controllers.tmcl.ramp import TmclRamp, is_kept, tmcl_losses
 from stepramp.controllers.tmcl.units import UnitMode, Units
 from stepramp.errors import Rejected
 
@@ -144,3 +144,10 @@ def test_a_stop_takes_as_many_steps_as_its_energy(speed: float, rate: int) -> No
     exact = Fraction(speed) ** 2 / (2 * rate)
     assert exact - Fraction(1, 10**6) <= ramp.steps_to_rest(speed, PPS) < exact + 1 + Fraction(1, 10**6)
     assert ramp.steps_to_rest(-speed, PPS) == ramp.steps_to_rest(speed, PPS)
+
+
+def test_what_is_told_as_nothing_is_never_taken_for_what_was_sent() -> None:
+    # The chip's least acceleration is 116.4 steps/s²: 117 becomes 1 of them, which is told as 116.
+    assert is_kept("amax", 117, 116, PPS)
+    assert not is_kept("amax", 117, 0, PPS)
+    assert is_kept("v1", 0, 0, PPS)

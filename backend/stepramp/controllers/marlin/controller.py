@@ -13,6 +13,7 @@ from stepramp.controllers.contract import (
     UNDER_WAY,
     Activity,
     AxisCommand,
+    AxisStatus,
     Controller,
     ControllerStatus,
     PushMode,
@@ -34,6 +35,10 @@ from stepramp.link.connection import Connection
 
 SETS_OUT_WITHIN_S = 0.1
 """So long it may take until a quick stop ends all steps [s]: it is read between other things."""
+SENSELESS = (
+    "The settings of axis X make no sense, so no axis can be used: restore a backup of this device, or set M92, M201 "
+    "and M203 at the machine."
+)
 
 
 class MarlinController(Controller, StoresRamps, TriesRamps, DrawsLines, BacksUp):
@@ -82,8 +87,6 @@ class MarlinController(Controller, StoresRamps, TriesRamps, DrawsLines, BacksUp)
         self._version = self._conversation.begin() or None
         greeted()
         self._learn()
-        if not self._places.axes:
-            raise Refused(f"The Marlin at {self._conversation.name} tells no settings of axes that make sense.")
         self._moves.rest_at(self._conversation.place())
 
     def disconnect(self) -> None:
@@ -97,7 +100,8 @@ class MarlinController(Controller, StoresRamps, TriesRamps, DrawsLines, BacksUp)
             # What was seen before a stop in the midst doesn't go with what was seen after it.
             if self._moves.stopping.count == stops:
                 break
-        axes = self._moves.axes(seen)
+        # One is told in any case, though it can't be moved.
+        axes = self._moves.axes(seen) or (AxisStatus(0, Activity.READY, 0, 0, 0.0, 0),)
         activities = {axis.activity for axis in axes}
         activity = next((each for each in UNDER_WAY if each in activities), Activity.READY)
         return ControllerStatus(
@@ -106,7 +110,7 @@ class MarlinController(Controller, StoresRamps, TriesRamps, DrawsLines, BacksUp)
             ramp=StoredRamp(sequence=None, crc=self._crc),
             on_trial=self._memory.on_trial,
             motors_on=activity is not Activity.READY,
-            trouble=self._moves.trouble,
+            trouble=self._moves.trouble or (None if self._places.axes else SENSELESS),
         )
 
     def listen(self) -> ControllerStatus | None:
@@ -117,6 +121,7 @@ class MarlinController(Controller, StoresRamps, TriesRamps, DrawsLines, BacksUp)
         self, designs: Sequence[Design], first_axis: int | None = None, mode: PushMode = "keep"
     ) -> Callable[[], PushReport]:
         """Work out the settings of the axes, and return the call that sends them; see Controller."""
+        self._refuse_senseless()
         plan = PushPlan.of(designs, first_axis, self._places.axes, self._memory.settings)
 
         def push() -> PushReport:
@@ -143,6 +148,7 @@ class MarlinController(Controller, StoresRamps, TriesRamps, DrawsLines, BacksUp)
 
     def preview_push(self, designs: Sequence[Design], first_axis: int | None = None) -> PushPreview:
         """Work out what a push would change; see Controller."""
+        self._refuse_senseless()
         present = self._memory.settings
         return PushPlan.of(designs, first_axis, self._places.axes, present).preview(present)
 
@@ -186,22 +192,26 @@ class MarlinController(Controller, StoresRamps, TriesRamps, DrawsLines, BacksUp)
         """Begin to move axes along a straight line; Refused with an axis whose ramp is to be played."""
         if ramp_axis is not None:
             raise Refused("Marlin plays no single axis' ramp along a line: it keeps to the limits of all.")
-        self._moves.by(steps)
+        self.move_by(steps)
 
     def move_by(self, steps: Sequence[AxisCommand]) -> None:
         """Begin to move by so many steps; those told together go along a line. Refused while something moves."""
+        self._refuse_senseless()
         self._moves.by(steps)
 
     def move_to(self, positions: Sequence[AxisCommand]) -> None:
         """Begin to move to positions [steps]; as with move_by."""
+        self._refuse_senseless()
         self._moves.to(positions)
 
     def run(self, speeds: Sequence[AxisCommand]) -> None:
         """Run at speeds, negative for backwards [steps/s]; it has to be asked how it fares, else it comes to rest."""
+        self._refuse_senseless()
         self._moves.run(speeds)
 
     def set_position(self, positions: Sequence[AxisCommand]) -> None:
         """Call the places where axes rest positions [steps]. It isn't told of it."""
+        self._refuse_senseless()
         refuse_axes(positions, len(self._places.axes))
         self._moves.refuse_moving()
         self._moves.call({each.axis: int(each.value) for each in positions})
@@ -222,6 +232,11 @@ class MarlinController(Controller, StoresRamps, TriesRamps, DrawsLines, BacksUp)
     def _crc(self) -> int:
         """Tells the ramps of all axes apart."""
         return binascii.crc_hqx(repr(self._places.axes).encode(), 0xFFFF)
+
+    def _refuse_senseless(self) -> None:
+        """Refused where not even the first axis has settings that make sense."""
+        if not self._places.axes:
+            raise Refused(SENSELESS)
 
     def _learn(self) -> None:
         self._memory.learn()

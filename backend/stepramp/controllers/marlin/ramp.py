@@ -12,7 +12,8 @@ MARLIN = Terms(
     name="Marlin",
     kept=as_float32,
     steps_per_mm=Quantity(6, Fraction(1, 10**6), Fraction(10**6)),
-    speed=Quantity(3, Fraction(1, 10**3), Fraction(10**6)),
+    # It lists two decimals: what is less would be told, and read back, as 0.
+    speed=Quantity(3, Fraction(1, 10**2), Fraction(10**6)),
     seconds=1,
     # M201 keeps whole numbers, and with 0 an axis would never move.
     acceleration=Quantity(0, Fraction(1), Fraction(10**8)),

@@ -133,9 +133,12 @@ def in_steps(name: str, value: int, units: Units) -> float:
 
 
 def is_kept(name: str, sent: int, back: int, units: Units) -> bool:
-    """Whether a module that was sent a figure may tell it as another one: less by what its chip rounds away."""
-    if sent == back:
-        return True
+    """Whether a module that was sent a figure may tell it as another one: less by what its chip rounds away.
+
+    Never as 0: with no acceleration, or no speed, a move doesn't end.
+    """
+    if sent == back or not back:
+        return sent == back
     ours, chip = (units.speed, units.chip_speed) if is_speed(name) else (units.acceleration, units.chip_acceleration)
     return ours != chip and 0 <= sent - back < chip / ours + 1
 
