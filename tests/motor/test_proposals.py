@@ -173,6 +173,26 @@ def test_where_no_single_number_is_enough_the_whole_ramp_is_slowed_down() -> Non
     assert made.ramp.shape.jerk_steps_per_s3 == pytest.approx(1e11 * part**3, rel=0.03)
 
 
+def test_where_no_single_change_is_enough_two_are_told_together() -> None:
+    """In full steps it is lost to its resonance; in finer ones with such a current 63 % of the torque hold the load."""
+    weak = with_motor(
+        motor={"resistance_ohm": 6.8, "inductance_mh": 4.9, "holding_torque_nm": 0.095, "rated_current_a": 0.67,
+               "rotor_inertia_g_cm2": 18.0},
+        drive={"supply_v": 36.0, "current_a": 0.7, "current_is": "peak"}, axis__microsteps=1, move__steps=-55,
+        load={"inertia_g_cm2": 40.0, "torque_nm": 0.031, "friction_nm": 0.0065},
+        ramp__slew_speed_steps_per_s=116.5, ramp__acceleration_steps_per_s2=3439.0,
+    )  # fmt: skip
+    [both] = offered(weak)
+    first, second = both.text.split(", and ")
+    assert "motor's rated current" in both.text
+    assert first != second
+    assert len({change.field for change in both.changes}) == len(both.changes)
+    assert is_safe(weak, list(both.changes))
+    for part in ("drive", "axis", "ramp"):
+        alone = [change for change in both.changes if change.field.startswith(part)]
+        assert len(alone) == len(both.changes) or not is_safe(weak, alone)
+
+
 def test_a_table_that_is_too_fast_is_offered_longer_delays() -> None:
     steep = with_motor(axis__microsteps=1, method__name="table", move__steps=600)
     [longer] = offered(steep)

@@ -1,9 +1,10 @@
 """What to change of a design whose motor stalls, or has too little torque kept back: changes that were tried."""
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from functools import partial
+from itertools import chain, islice
 
 from stepramp.design import Design
 from stepramp.errors import Rejected, Remedy
@@ -12,7 +13,7 @@ from stepramp.motor.glance import share_asked
 from stepramp.motor.patience import Patience
 from stepramp.motor.shortened import shortened
 from stepramp.motor.verdict import MOST_USED, Cause, Outcome, verdict_of
-from stepramp.motor.ways import FIGURES, LESS, Way, slower_altogether, ways_of
+from stepramp.motor.ways import FIGURES, LESS, Way, hardware, slower_altogether, ways_of
 from stepramp.numerics.limit_text import highest
 from stepramp.ramp.profile import profile_of
 
@@ -36,10 +37,11 @@ FIRST: dict[Cause, tuple[str, ...]] = {
 def proposals_of(
     design: Design, outcome: Outcome, cause: Cause | None, is_wanted: Callable[[], bool] = lambda: True
 ) -> list[Remedy]:
-    """Return changes with each of which, by itself, the move is safe; none where it is safe already.
+    """Return changes with each of which, by itself, the move is safe; none where it is safe already, or none is found.
 
     Of each kind the mildest, and the mildest kind first: by how many times its number grows or shrinks; a change of
-    shape by how many times as long the move takes. Raises NotWanted as run_of does.
+    shape by how many times as long the move takes. Where none does by itself, one that is several. Raises NotWanted as
+    run_of does.
     """
     if cause is None:
         return []
@@ -53,12 +55,39 @@ def proposals_of(
             remedy = way.made(value)
             how_far = trial.times_as_long(remedy, outcome) if math.isnan(value) else way.how_far(value)
             found.append((how_far, remedy))
-    if not found and not design.method.plays_table:
-        # Where no single number is enough, several are.
-        way = slower_altogether(design)
-        part = trial.mildest(way)
-        return [] if part is None else [way.made(part)]
+    if not found:
+        return list(islice(_together(trial, with_stop=cause == "stop"), 1))
     return [remedy for _, remedy in sorted(found, key=lambda each: each[0])]
+
+
+def _together(trial: "_Trial", *, with_stop: bool) -> Iterator[Remedy]:
+    """Yield what several numbers do where no single one is enough: the whole ramp slowed down, or two kinds of change.
+
+    The first of the two leaves the ramp as it is.
+    """
+    yield from _slowed(trial)
+    # A timer is seldom what is lacking.
+    for first in reversed([*hardware(trial.design)]):
+        for value in first.values:
+            remedy = first.made(value)
+            made = changed(trial.design, remedy.changes)
+            if made is None or trial.patience.is_over():
+                continue
+            after = replace(trial, design=made)
+            others = [way for way in ways_of(made, math.inf, with_stop=with_stop) if way.field != first.field]
+            found = (way.made(best) for way in others if (best := after.mildest(way)) is not None)
+            for second in chain(found, _slowed(after)):
+                # What both change is as the second has it.
+                changes = {change.field: change for change in (*remedy.changes, *second.changes)}
+                yield Remedy(f"{remedy.text}, and {second.text}", tuple(changes.values()))
+
+
+def _slowed(trial: "_Trial") -> Iterator[Remedy]:
+    if not trial.design.method.plays_table:
+        way = slower_altogether(trial.design)
+        part = trial.mildest(way)
+        if part is not None:
+            yield way.made(part)
 
 
 @dataclass(frozen=True)

@@ -45,7 +45,7 @@ class Way:
 
 def ways_of(design: Design, peak_speed: float, *, with_stop: bool) -> list[Way]:
     """Return what may be changed. peak_speed: of the design's move [steps/s]. with_stop: whether also how it stops."""
-    ways = [*_hardware(design)]
+    ways = [*hardware(design)]
     if design.method.plays_table:
         ways += [*_longer_delays(design)]
     else:
@@ -155,7 +155,7 @@ def finer_microsteps(design: Design) -> Iterator[Way]:
     yield Way("axis.microsteps", float(own), values, made)
 
 
-def _hardware(design: Design) -> Iterator[Way]:
+def hardware(design: Design) -> Iterator[Way]:
     """Yield what leaves the ramp as it is."""
     yield finer_clock(design)
     yield from finer_microsteps(design)
