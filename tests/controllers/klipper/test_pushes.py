@@ -303,6 +303,24 @@ def test_what_is_no_backup_is_rejected(
     assert printer.scripts == []
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("kinematics: cartesian", "kinematics: cartesi", "its kinematics are cartesi"),
+        ("max_velocity: 300", "max_velocity: 0", "limits that are not above 0"),
+        ("[stepper_z]", "[stepper_z", "can't be read"),
+        ("microsteps: 16", "", "stepper_x has no microsteps"),
+    ],
+)
+def test_a_backup_with_which_klipper_would_not_start_is_not_written(
+    controller: KlipperController, printer: Printer, old: str, new: str, words: str
+) -> None:
+    text = Backup("printer.cfg", {}, {"printer.cfg": CONFIG.replace(old, new)}).text
+    with pytest.raises(Rejected, match=words):
+        controller.use_backup(text)
+    assert printer.files["printer.cfg"] == CONFIG
+
+
 @given(st.dictionaries(st.from_regex(r"[a-z]{1,8}\.cfg", fullmatch=True), st.text(st.characters(codec="utf-8"))))
 def test_files_come_back_as_they_were(files: dict[str, str]) -> None:
     backup = Backup("printer.cfg", {"VELOCITY": 0.1}, {**files, "printer.cfg": CONFIG})

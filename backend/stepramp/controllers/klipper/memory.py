@@ -16,7 +16,7 @@ from stepramp.controllers.klipper.files import Files
 from stepramp.controllers.klipper.machine import PRINTER, Limits, Machine, Senseless
 from stepramp.controllers.klipper.seen import READY, Seen
 from stepramp.controllers.order import lowered_first
-from stepramp.errors import Refused
+from stepramp.errors import Refused, Rejected, Rejection
 
 AT_RUN_TIME = {"max_accel": "ACCEL", "max_velocity": "VELOCITY"}
 """What SET_VELOCITY_LIMIT calls the options that it sets."""
@@ -169,7 +169,11 @@ class Memory:
         return Backup(self._files.main, limits, self._files.texts()).text
 
     def restore(self, backup: Backup, seen: Seen | None) -> Iterator[str]:
-        """Write what differs of a backup, and yield what there is to say; seen: as before."""
+        """Write what differs of a backup, and yield what there is to say; seen: as before.
+
+        Rejected for a configuration with which Klipper wouldn't start: that of one that was saved while it didn't.
+        """
+        _reject_senseless(backup)
         present = {path: self._present(path) for path in backup.files}
         wanted = {path: text for path, text in backup.files.items() if present[path] != text}
         if wanted:
@@ -229,6 +233,15 @@ class Memory:
 def stored_differs(stored: Limits, in_use: Limits) -> bool:
     """Whether limits are in use that a restart would forget."""
     return (stored.velocity, stored.accel) != (in_use.velocity, in_use.accel)
+
+
+def _reject_senseless(backup: Backup) -> None:
+    try:
+        Machine.of(Configuration(backup.files, backup.main).sections)
+    except (Senseless, Refused) as error:
+        why = str(error).rstrip(".")
+        allowed = f"a backup of a configuration that Klipper starts with, which this is not: {why}"
+        raise Rejected([Rejection("text", backup.main, allowed)]) from error
 
 
 def _capped(sections: Sections, options: Mapping[str, str]) -> Iterator[tuple[str, str]]:
