@@ -38,6 +38,16 @@ def test_where_rows_come_from_is_forgotten_with_them(modules: Modules) -> None:
     assert modules.evaluate(script, document()) == [True, True, False, False]
 
 
+def test_rows_that_came_with_a_wrong_value_are_not_told_to_be_of_it(modules: Modules) -> None:
+    """The page was left with a wrong slew speed: put right, it is no other ramp than that of the rows."""
+    script = """async ([wrong, right]) => {
+        const {createOrigins} = await import('/panels/table/origins.js');
+        const origins = createOrigins();
+        for (const one of [wrong, right]) origins.shown(one, 7);
+        return origins.staleWish(right); }"""
+    assert modules.evaluate(script, [document(ramp__slew_speed_steps_per_s="abc"), document()]) is None
+
+
 def test_rows_that_a_person_gave_an_axis_later_are_of_no_ramp(modules: Modules) -> None:
     script = """async ([first, typed, other]) => {
         const {createOrigins} = await import('/panels/table/origins.js');

@@ -30,11 +30,12 @@ export function createOrigins() {
     fitted(table, design, wish) {
       origins.set(keyOf(table), { ramp: rampOf(design), wish });
     },
-    /** An axis is shown: for the first time, its rows came with its design.
+    /** An axis is shown: for the first time, its rows came with its design. Of which ramp they are nobody knows where it is
+     * none, as when the page was left with a wrong value.
      * @param {Design} design @param {number} axis its id */
     shown(design, axis) {
       const { table } = design;
-      if (table && !seen.has(axis) && !origins.has(keyOf(table))) origins.set(keyOf(table), { ramp: rampOf(design), wish: null });
+      if (table && isNumbers(design) && !seen.has(axis) && !origins.has(keyOf(table))) origins.set(keyOf(table), { ramp: rampOf(design), wish: null });
       seen.add(axis);
     },
     /** Forget all but those of these tables, and of these axes.
