@@ -165,6 +165,18 @@ def test_where_it_was_seen_to_stall_it_stalls_again(stalled_nm: float) -> None:
     assert verdict_of(made) == outcome.verdict
 
 
+@pytest.mark.parametrize("base_speed", [0.0, 2000.0])
+def test_an_acceleration_that_no_step_is_played_with_asks_for_no_torque(base_speed: float) -> None:
+    """The first pulse is at slew speed, 125 full steps/s, to which the motor starts at once."""
+    at_once = {"ramp__base_speed_steps_per_s": base_speed, "ramp__slew_speed_steps_per_s": 2000.0}
+    made = with_motor(ramp__acceleration_steps_per_s2=1e8, **at_once)
+    outcome = outcome_of(made)
+    assert [phase.name for phase in outcome.profile.phases] == ["slew"]
+    # 5 % of .59 Nm, of .85 T_h.
+    assert outcome.most_used == pytest.approx(0.0295 / (0.85 * 0.41719), rel=1e-3)
+    assert (outcome.verdict, verdict_of(made)) == ("safe", "safe")
+
+
 def test_more_torque_than_there_is_comes_before_a_resonance() -> None:
     """In full steps, lost within the band of 116 to 157 steps/s: with enough torque and without."""
     slow = {

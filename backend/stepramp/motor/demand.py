@@ -48,6 +48,8 @@ def demands_of(design: Design, train: DriveTrain, fastest: float = math.inf) -> 
         return _of_rows(design, train)
     demands = []
     for side, slope in zip(SIDES, playable_slopes_of(design), strict=True):
+        if slope.steps < 1:
+            continue  # The first pulse is at slew speed: what that asks for the rotor says.
         speeds, accelerations = _steepness(slope)
         is_played = speeds <= fastest
         demands.append(Demand(side, speeds[is_played], _asked(train, side, accelerations[is_played])))
@@ -90,8 +92,6 @@ def _of_side(side: Side, speeds: NDArray[np.float64], train: DriveTrain) -> Dema
 def _steepness(slope: Slope) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return speeds along a slope, increasing [steps/s], and its accelerations there [steps/s²], by (6)."""
     steps = slope.steps
-    if steps < 1:
-        return np.array([slope.base_speed, slope.slew_speed]), np.full(2, slope.acceleration)
     stride = -(-steps // MOST_PLACES)
     speeds = slope.speeds(0, steps + 1, np.float64)
     first = np.arange(0, steps, stride)
