@@ -5,7 +5,7 @@
 #include "clock.h"
 #include "serial.h"
 #include "stepramp/edge/board.h"
-#include "stepramp/edge/engine.h"
+#include "stepramp/edge/step_queue.h"
 #include "stepramp/protocol/controller.h"
 
 /* A round takes so many bytes: a stop that is skipped to, and few enough to leave time for motors when frames keep coming. */
@@ -23,7 +23,7 @@ int main(void)
 {
     wdt_enable(WDTO_250MS);
     clock_begin();
-    engine_begin();
+    step_queue_begin();
     serial_begin();
     controller_begin();
     sei();

@@ -1,6 +1,7 @@
 #include "StepRamp.h"
 
 #include "boards/polled/arduino_board.h"
+#include "boards/polled/polled_engine.h"
 #include "stepramp/motion/machine.h"
 #include "stepramp/protocol/message.h"
 #include "stepramp/store/driver_settings.h"
@@ -216,7 +217,7 @@ bool StepRampClass::isMoving()
 
 bool StepRampClass::isMoving(uint8_t axis)
 {
-    return axis < AXES && machine_report(axis).state != AXIS_IDLE;
+    return axis < AXES && machine_axis_is_moving(axis);
 }
 
 int32_t StepRampClass::position(uint8_t axis)
@@ -249,7 +250,7 @@ uint8_t StepRampClass::axes()
 
 uint32_t StepRampClass::ticksPerSecond()
 {
-    return arduino_is_fast() ? FAST_CLOCK_HZ : SLOW_CLOCK_HZ;
+    return polled_engine_is_fast() ? FAST_CLOCK_HZ : SLOW_CLOCK_HZ;
 }
 
 uint32_t StepRampClass::delayedMicroseconds()

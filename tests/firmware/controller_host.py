@@ -25,7 +25,17 @@ def build(main: str) -> Path:
     program = Path(folder.name) / Path(main).stem
     own = sorted((_HERE / main).glob("*.c")) or [_HERE / main]
     sources = [str(source) for source in (*sorted(_SOURCES.rglob("*.c")), _HERE / "protocol_port.c", *own)]
-    command = ["gcc", *_FLAGS, "-fno-sanitize-recover=all", f"-I{_SOURCES}", f"-I{_HERE}", "-o", str(program), *sources]
+    command = [
+        "gcc",
+        *_FLAGS,
+        "-fno-sanitize-recover=all",
+        f"-I{_SOURCES}",
+        f"-I{_HERE}",
+        "-o",
+        str(program),
+        *sources,
+        "-lm",
+    ]
     result = subprocess.run(command, capture_output=True, text=True, check=False)
     assert result.returncode == 0, result.stderr
     return program

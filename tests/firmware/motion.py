@@ -23,7 +23,8 @@ _USED = (
     *sorted((_SOURCES / "stepramp" / "edge").glob("*.c")),
     *sorted((_SOURCES / "stepramp" / "motion").glob("*.c")),
     *(_SOURCES / "stepramp" / "store" / name for name in ("ramp_image.c", "driver_settings.c")),
-    _SOURCES / "boards" / "polled" / "engine.c",
+    _SOURCES / "boards" / "polled" / "polled_engine.c",
+    _SOURCES / "boards" / "polled" / "polled_limits.c",
 )
 
 

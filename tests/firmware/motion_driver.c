@@ -20,8 +20,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "boards/avr/avr_limits.h"
+#include "boards/polled/polled_engine.h"
 #include "stepramp/edge/board.h"
-#include "stepramp/edge/board_limits.h"
 #include "stepramp/edge/engine.h"
 #include "stepramp/motion/machine.h"
 #include "stepramp/protocol/trace.h"
@@ -53,7 +54,7 @@ static size_t traced_count;
 
 /* ---- the port ---- */
 
-void engine_configure(const struct settings *used)
+void board_configure(const struct settings *used)
 {
     (void)used;
     backward_pins = 0;
@@ -63,7 +64,7 @@ uint8_t engine_step_mask(uint8_t axis)
 {
     if (ticks_a_put != 0) {
         now += ticks_a_put;
-        engine_play((uint16_t)now);
+        polled_engine_play((uint16_t)now);
     }
     return (uint8_t)(1u << axis);
 }
@@ -146,7 +147,7 @@ static void pass(uint64_t ticks)
     for (uint64_t end = now + ticks; now < end;) {
         machine_poll();
         now += ticks_a_round;
-        engine_play((uint16_t)now);
+        polled_engine_play((uint16_t)now);
     }
 }
 
@@ -155,7 +156,7 @@ static bool rest(uint64_t ticks)
     for (uint64_t end = now + ticks; now < end && machine_is_moving();) {
         machine_poll();
         now += ticks_a_round;
-        engine_play((uint16_t)now);
+        polled_engine_play((uint16_t)now);
     }
     return !machine_is_moving();
 }
@@ -300,7 +301,7 @@ int main(void)
     events = malloc(MOST_EVENTS * sizeof *events);
     settings = settings_default();
     machine_begin();
-    engine_set_outputs(on_step, on_turn);
+    polled_engine_set_outputs(on_step, on_turn);
     machine_use(NULL, &settings);
     while (fgets(line, sizeof line, stdin) != NULL) {
         const char *command = strtok(line, " \n");

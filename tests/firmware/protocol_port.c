@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "boards/polled/polled_engine.h"
 #include "stepramp/edge/board.h"
 #include "stepramp/edge/engine.h"
 #include "stepramp/protocol/controller.h"
@@ -37,7 +38,7 @@ static void on_turn(uint8_t axes)
     backward ^= axes;
 }
 
-void engine_configure(const struct settings *settings)
+void board_configure(const struct settings *settings)
 {
     (void)settings;
     backward = 0;
@@ -156,13 +157,13 @@ void port_begin(void)
     next_to_send = NULL;
     memset(port_steps, 0, sizeof port_steps);
     controller_begin();
-    engine_set_outputs(on_step, on_turn);
+    polled_engine_set_outputs(on_step, on_turn);
 }
 
 void port_round(void)
 {
     now_ticks += BYTE_TICKS / ROUNDS_A_BYTE;
-    engine_play((uint16_t)now_ticks);
+    polled_engine_play((uint16_t)now_ticks);
     controller_poll();
 }
 

@@ -1,4 +1,4 @@
-"""What firmware/src/stepramp/edge/board_limits.h says."""
+"""What firmware/src/boards/avr/avr_limits.h says."""
 
 import re
 from dataclasses import dataclass
@@ -7,7 +7,7 @@ from pathlib import Path
 
 @dataclass(frozen=True)
 class Limits:
-    """What board_limits.h says."""
+    """What avr_limits.h says."""
 
     shortest: tuple[int, ...]
     shortest_line: tuple[int, ...]
@@ -15,7 +15,7 @@ class Limits:
 
 
 def read_limits() -> Limits:
-    text = (Path(__file__).parents[3] / "firmware/src/stepramp/edge/board_limits.h").read_text()
+    text = (Path(__file__).parents[3] / "firmware/src/boards/avr/avr_limits.h").read_text()
     said = {name: int(value) for name, value in re.findall(r"#define (\w+) (\d+)u\n", text)}
     return Limits(
         tuple(said[f"SHORTEST_INTERVAL_{name}_TICKS"] for name in ("1_AXIS", "2_AXES", "3_AXES", "4_AXES")),

@@ -9,7 +9,8 @@
 #include "clock.h"
 #include "serial.h"
 #include "stepramp/edge/board.h"
-#include "stepramp/edge/engine.h"
+#include "stepramp/edge/step_queue.h"
+#include "stepramp/store/driver_settings.h"
 
 static void wait_until(uint16_t ms)
 {
@@ -23,8 +24,8 @@ int main(void)
     settings.enable_flags = ENABLE_ACTIVE_HIGH;
     clock_begin();
     serial_begin();
-    engine_begin();
-    engine_configure(&settings);
+    step_queue_begin();
+    board_configure(&settings);
     UDR0 = board_reset_cause();
     _delay_ms(1);
     if (board_reset_cause() != RESET_WATCHDOG) {

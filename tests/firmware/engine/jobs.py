@@ -27,7 +27,7 @@ _HERE = Path(__file__).parent
 _FIRMWARE = _HERE.parents[2] / "firmware"
 SOURCES = _FIRMWARE / "src"
 _SETTINGS = SOURCES / "stepramp" / "store" / "driver_settings.c"
-_PORTABLE = [SOURCES / "boards" / "polled" / "engine.c", _SETTINGS]
+_PORTABLE = [SOURCES / "boards" / "polled" / "polled_engine.c", _SETTINGS]
 _HOST_FLAGS = ["-std=c99", "-g", "-O1", "-Wall", "-Wextra", "-Werror", "-fsanitize=address,undefined"]
 _ON_THE_CHIP = ("engine.c", "gauge.c", "outputs.c", "engine.S", "line.S")
 _BESIDE_IT = ("clock.c", "reset.c", "serial.c", "usart.S")

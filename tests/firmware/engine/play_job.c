@@ -1,10 +1,11 @@
 /* Plays a job on the engine and tells what came of it; see jobs.py, which writes jobs. The same program runs on the
- * chip, with the assembly, and on this machine, with boards/polled/engine.c. It does what a main loop must: fill the queues,
+ * chip, with the assembly, and on this machine, with boards/polled/polled_engine.c. It does what a main loop must: fill the queues,
  * count what has been played, and move bytes over the serial port. */
 #include "play_job.h"
 
 #include "stepramp/edge/board.h"
 #include "stepramp/edge/engine.h"
+#include "stepramp/store/driver_settings.h"
 
 enum { TRACED = 8, NEVER = 0xFFFF };
 
@@ -161,7 +162,7 @@ static void take_off_line(void)
 
 static void halt(uint8_t axes)
 {
-    engine_halt(axes);
+    step_queue_halt(axes);
     job_halted();
     if (head.mode == MODE_LINE) {
         take_off_line();
@@ -172,7 +173,7 @@ static void halt(uint8_t axes)
             axis_jobs[axis].next = axis_jobs[axis].end = axis_jobs[axis].first;
         }
     }
-    engine_park(axes);
+    step_queue_clear(axes);
 }
 
 static void begin(void)
@@ -184,9 +185,9 @@ static void begin(void)
     settings.step_inverted = head.step_inverted;
     settings.direction_inverted = head.direction_inverted;
     settings.pulse_width_us = head.pulse_width_us;
-    engine_begin();
-    engine_configure(&settings);
-    engine_set_clock(head.fast != 0);
+    step_queue_begin();
+    board_configure(&settings);
+    step_queue_set_clock(head.fast != 0);
     engine_set_line(head.mode == MODE_LINE);
     lanes = head.mode == MODE_LINE ? 1 : MOST_AXES;
     for (uint8_t axis = 0; axis < lanes; axis++) {
@@ -201,7 +202,7 @@ static void begin(void)
 static bool go_on(void)
 {
     if (watched_loads >= head.later_loads && head.later_axes != 0) {
-        engine_start(head.later_axes, head.setup_ticks);
+        step_queue_start(head.later_axes, head.setup_ticks);
         head.later_axes = 0;
     }
     if (watched_loads >= head.halt_loads && head.halt_axes != 0) {
@@ -224,7 +225,7 @@ int main(int count, char **words)
     uint8_t next_byte = 0;
     job_begin(count, words);
     begin();
-    engine_start(head.first_axes, head.setup_ticks);
+    step_queue_start(head.first_axes, head.setup_ticks);
     do {
         job_time_passes();
         serve_queues();

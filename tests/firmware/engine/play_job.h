@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "stepramp/edge/queue_layout.h"
+#include "stepramp/edge/step_rings.h"
 
 enum mode { MODE_AXES = 0, MODE_LINE = 1, MODE_GAUGES = 2 };
 

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "boards/polled/polled_engine.h"
 #include "play_job.h"
 #include "stepramp/edge/board.h"
 #include "stepramp/edge/engine.h"
@@ -32,7 +33,7 @@ void job_begin(int count, char **words)
         exit(2);
     }
     fclose(file);
-    engine_set_outputs(on_step, on_turn);
+    polled_engine_set_outputs(on_step, on_turn);
 }
 
 void job_read_head(struct job_head *head)
@@ -47,8 +48,8 @@ void job_read_segment(uint16_t index, void *segment, uint8_t size)
 
 void job_time_passes(void)
 {
-    now += engine_play((uint16_t)now);
-    engine_play((uint16_t)now);
+    now += polled_engine_play((uint16_t)now);
+    polled_engine_play((uint16_t)now);
 }
 
 void job_halted(void)
@@ -76,7 +77,7 @@ void job_end(const void *result, size_t size)
     printf("\n");
 }
 
-void engine_configure(const struct settings *settings)
+void board_configure(const struct settings *settings)
 {
     (void)settings;
 }

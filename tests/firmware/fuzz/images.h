@@ -4,7 +4,7 @@
 
 #include <stdint.h>
 
-#include "stepramp/edge/board_limits.h"
+#include "boards/avr/avr_limits.h"
 #include "stepramp/store/ramp_keeper.h"
 
 struct image {

@@ -67,7 +67,7 @@ HELLO = HelloReply(
     image_crc=0,
     ramp_in_use=0,
 )
-"""What it is and can do: as the firmware in `firmware/src/stepramp/edge/board_limits.h`."""
+"""What it is and can do: as the firmware in `firmware/src/boards/avr/avr_limits.h`."""
 AT_REST_ONLY = (
     BeginRequest,
     DataRequest,

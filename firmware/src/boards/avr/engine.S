@@ -1,4 +1,4 @@
-/* The step interrupts of axes that move on their own: see step_interrupt.h and engine.h.
+/* The step interrupts of axes that move on their own: see step_interrupt.h and step_rings.h.
  *
  * From the compare match to the edge of the step pin it is 22 to 25 cycles, and what the processor needs to finish its
  * instruction. From acceptance to the end of reti: 74 cycles for the only axis of a channel, 91 to 94 for one of two, and
@@ -11,8 +11,7 @@
 #include <avr/io.h>
 
 #include "boards/avr/step_interrupt.h"
-#include "stepramp/edge/engine.h"
-#include "stepramp/edge/queue_layout.h"
+#include "stepramp/edge/step_rings.h"
 
 #define PLAYER(axis, field) (stepramp_axis_players + (axis) * AXIS_PLAYER_BYTES + (field))
 #define QUEUE(axis) (stepramp_queues + (axis) * QUEUE_BYTES)

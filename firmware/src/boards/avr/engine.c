@@ -14,6 +14,7 @@
 #include "boards/avr/pins.h"
 #include "boards/avr/step_interrupt.h"
 #include "stepramp/edge/out_of_line.h"
+#include "stepramp/edge/step_rings.h"
 
 _Static_assert(sizeof(struct axis_player) == AXIS_PLAYER_BYTES, "known to engine.S");
 _Static_assert(offsetof(struct axis_player, interval) == INTERVAL, "known to engine.S");
@@ -50,24 +51,24 @@ static uint8_t offset_of(const void *queue)
     return (uint8_t)(uintptr_t)queue;
 }
 
-void engine_set_clock(bool fast)
+void step_queue_set_clock(bool fast)
 {
     start_delay_ticks = fast ? FAST_START_DELAY_TICKS : SLOW_START_DELAY_TICKS;
     TCCR1B = fast ? _BV(CS10) : _BV(CS11);
 }
 
-void engine_begin(void)
+void step_queue_begin(void)
 {
     TIMSK1 = 0;
     TCCR1A = 0;
     TCCR0B = 0; /* Timer0 stands still: see SAVED_R25 */
     GPIOR0 = 0;
-    engine_set_clock(true);
+    step_queue_set_clock(true);
     for (uint8_t axis = 0; axis < MOST_AXES; axis++) {
         stepramp_axis_players[axis].tail = offset_of(stepramp_queues[axis]);
     }
     stepramp_line_player.tail = offset_of(stepramp_line_queue);
-    engine_park(0xFF);
+    step_queue_clear(0xFF);
 }
 
 void engine_set_line(bool line)
@@ -76,7 +77,7 @@ void engine_set_line(bool line)
         return;
     }
     GPIOR0 = (uint8_t)((GPIOR0 & (_BV(WIDE) | _BV(LISTENS))) | (line ? _BV(OTHER_MODE) : 0));
-    engine_park(0xFF);
+    step_queue_clear(0xFF);
 }
 
 static inline bool is_line(void)
@@ -189,6 +190,7 @@ static void OUT_OF_LINE prepare(struct axis_player *player, uint16_t setup_ticks
     player->add = 0;
     player->count_less_1 = 0;
     player->step_mask = 0;
+    player->empty = 0;
     stepramp_end_masks[player - stepramp_axis_players] = 0;
 }
 
@@ -200,6 +202,7 @@ static void OUT_OF_LINE prepare_line(uint16_t setup_ticks)
     stepramp_line_player.count_less_1 = 0;
     stepramp_line_player.leader_pins = 0;
     stepramp_line_player.pins = 0;
+    stepramp_line_player.empty = 0;
 }
 
 /* In engine.S */
@@ -235,7 +238,7 @@ static void start_line(uint16_t setup_ticks)
     }
 }
 
-void engine_start(uint8_t axes, uint16_t setup_ticks)
+void step_queue_start(uint8_t axes, uint16_t setup_ticks)
 {
     if (is_line()) {
         start_line(setup_ticks);
@@ -292,7 +295,7 @@ static bool halt_in_channel(uint8_t channel, uint8_t axes)
     return true;
 }
 
-void engine_halt(uint8_t axes)
+void step_queue_halt(uint8_t axes)
 {
     if (GAUGE_OUTPUTS) {
         gauges_halt(axes);
@@ -312,7 +315,7 @@ void engine_halt(uint8_t axes)
 
 /* ---- park ---- */
 
-void engine_park(uint8_t axes)
+void step_queue_clear(uint8_t axes)
 {
     if (is_line()) {
         if (TIMSK1 == 0) {

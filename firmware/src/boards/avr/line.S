@@ -1,4 +1,4 @@
-/* The step interrupt of a straight line: see engine.h. One or more axes lead, up to three follow by Bresenham's
+/* The step interrupt of a straight line: see step_rings.h. One or more axes lead, up to three follow by Bresenham's
  * algorithm: `due` is negative as long as a follower's next step is yet to come, in units of 1/delta of a leader's step.
  *
  * The pins of an event are known since the event before, so that all of them rise together and without delay. From
@@ -11,7 +11,7 @@
 
 #include "boards/avr/pins.h"
 #include "boards/avr/step_interrupt.h"
-#include "stepramp/edge/engine.h"
+#include "stepramp/edge/step_rings.h"
 
 	.section .bss
 	.global stepramp_line_player, stepramp_line_pulse_pins

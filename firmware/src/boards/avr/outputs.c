@@ -10,6 +10,8 @@
 #include "boards/avr/step_interrupt.h"
 #include "stepramp/edge/board.h"
 #include "stepramp/edge/engine.h"
+#include "stepramp/edge/step_queue.h"
+#include "stepramp/store/driver_settings.h"
 
 /* What the engine's own pulses have, counted in the code [cycles]: 41 of a line and of the only axis of a channel. */
 enum { OWN_PULSE_CYCLES = 41, WIDTH_CALL_CYCLES = 19, LISTENING_CALL_CYCLES = 33, WIDTH_UNIT_CYCLES = 8 };
@@ -102,9 +104,9 @@ static void release_gauge_pins(void)
     PORTB &= (uint8_t)~pins;
 }
 
-void engine_configure(const struct settings *settings)
+void board_configure(const struct settings *settings)
 {
-    engine_park(0xFF);
+    step_queue_clear(0xFF);
     if (settings->outputs == OUTPUTS_GAUGES) {
         enable_pin_drive(ENABLE_NOT_DRIVEN);
         GPIOR0 = _BV(OTHER_MODE);

@@ -2,9 +2,12 @@
 
 #include <Arduino.h>
 
+#include "boards/polled/arduino_limits.h"
+#include "boards/polled/polled_engine.h"
 #include "stepramp/edge/board.h"
 #include "stepramp/edge/engine.h"
-#include "stepramp/motion/feed.h"
+#include "stepramp/edge/step_queue.h"
+#include "stepramp/store/driver_settings.h"
 
 struct arduino_pins stepramp_pins = {{NO_PIN, NO_PIN, NO_PIN, NO_PIN},
                                     {NO_PIN, NO_PIN, NO_PIN, NO_PIN},
@@ -191,12 +194,12 @@ uint32_t passing_ticks()
     if (passed_us > UINT16_MAX) {
         passed_us = UINT16_MAX;
     }
-    return stepramp_feed_clock.is_fast ? passed_us << US_BITS : passed_us << (US_BITS - SLOW_TICK_BITS);
+    return polled_engine_is_fast() ? passed_us << US_BITS : passed_us << (US_BITS - SLOW_TICK_BITS);
 }
 
 void note_delay(uint32_t ticks)
 {
-    delayed_ticks += stepramp_feed_clock.is_fast ? ticks : ticks << SLOW_TICK_BITS;
+    delayed_ticks += polled_engine_is_fast() ? ticks : ticks << SLOW_TICK_BITS;
     delayed_us += delayed_ticks >> US_BITS;
     delayed_ticks &= (1u << US_BITS) - 1;
 }
@@ -206,12 +209,7 @@ void note_delay(uint32_t ticks)
 void arduino_begin()
 {
     looked_us = micros();
-    engine_set_outputs(make_steps, turn);
-}
-
-bool arduino_is_fast()
-{
-    return stepramp_feed_clock.is_fast;
+    polled_engine_set_outputs(make_steps, turn);
 }
 
 uint32_t arduino_delayed_us()
@@ -227,7 +225,7 @@ void arduino_play()
         return;
     }
     is_playing = true;
-    const uint16_t most_late = STEPRAMP_MOST_CATCH_UP_US << (stepramp_feed_clock.is_fast ? US_BITS : US_BITS - SLOW_TICK_BITS);
+    const uint16_t most_late = STEPRAMP_MOST_CATCH_UP_US << (polled_engine_is_fast() ? US_BITS : US_BITS - SLOW_TICK_BITS);
     uint32_t ticks = passing_ticks();
     if (ticks > (uint32_t)wait_ticks + most_late) {
         if (engine_running() != 0) {
@@ -236,16 +234,16 @@ void arduino_play()
         ticks = wait_ticks;
     }
     engine_ticks = (uint16_t)(engine_ticks + ticks);
-    time_ticks += stepramp_feed_clock.is_fast ? ticks : ticks << SLOW_TICK_BITS;
-    wait_ticks = engine_play(engine_ticks);
+    time_ticks += polled_engine_is_fast() ? ticks : ticks << SLOW_TICK_BITS;
+    wait_ticks = polled_engine_play(engine_ticks);
     is_playing = false;
 }
 
 /* ---- board.h ---- */
 
-void engine_configure(const struct settings *settings)
+void board_configure(const struct settings *settings)
 {
-    engine_park(0xFF);
+    step_queue_clear(0xFF);
     backward = 0;
     turned = 0;
     if (are_gauges && settings->outputs != OUTPUTS_GAUGES) {

@@ -24,9 +24,6 @@ void arduino_begin();
 /* Plays the events that are due. Does nothing while it is at that already. */
 void arduino_play();
 
-/* The ramp's ticks are those of the fast clock. */
-bool arduino_is_fast();
-
 /* By so much all motion is late [us]. */
 uint32_t arduino_delayed_us();
 

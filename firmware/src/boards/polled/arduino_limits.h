@@ -1,5 +1,5 @@
-/* What a board can do where StepRamp is an Arduino library: boards/polled/engine.c, played from the sketch's loop(). These
- * numbers take the place of those in board_limits.h and queue_layout.h. Each may be set before, by the build. */
+/* What a board can do where StepRamp is an Arduino library, played from the sketch's loop(). Each of these numbers may be
+ * set before, by the build. */
 #ifndef STEPRAMP_ARDUINO_LIMITS_H
 #define STEPRAMP_ARDUINO_LIMITS_H
 
@@ -7,16 +7,15 @@
 #include <avr/io.h>
 #endif
 
+/* Largest ramp image [bytes]. A board of 2 KB can't compute ramps. */
 #if defined(__AVR__) && RAMEND < 0x1000
-/* An Uno's 2 KB of RAM and 32 KB of flash. The line's queue is the memory of the axes' queues; formulas are left out. */
-#define STEPRAMP_SHARED_QUEUES
-#define HAS_FORMULAS 0
-#define QUEUE_SEGMENTS 8
-#define QUEUE_BYTES 64
 #ifndef LARGEST_IMAGE_BYTES
 #define LARGEST_IMAGE_BYTES 256u
 #endif
 #define SHORTEST_FORMULA_INTERVAL_TICKS 0xFFFFu /* none */
+#endif
+#ifndef LARGEST_IMAGE_BYTES
+#define LARGEST_IMAGE_BYTES 440u
 #endif
 
 /* A processor of 8 MHz takes twice as long. */
@@ -57,6 +56,8 @@
 
 #if !defined(SHORTEST_GAUGE_INTERVAL_TICKS) && defined(__AVR__)
 #define SHORTEST_GAUGE_INTERVAL_TICKS AVR_TICKS(9600u)
+#elif !defined(SHORTEST_GAUGE_INTERVAL_TICKS)
+#define SHORTEST_GAUGE_INTERVAL_TICKS 3200u
 #endif
 
 /* Not measured: a Mega computes formulas in C. */

@@ -1,25 +1,21 @@
-/* What the hardware must do for the portable part, besides the engine (engine.h). A port also hands the controller the
- * bytes that come in (controller.h). */
+/* What a board must do for the portable part, besides the step queue (step_queue.h). It also hands the controller the bytes
+ * that come in (controller.h). */
 #ifndef STEPRAMP_BOARD_H
 #define STEPRAMP_BOARD_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "stepramp/store/driver_settings.h"
-
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-/* At rest, and not in line mode; empties the queues. The pins take their resting levels: every direction is forward
+struct settings; /* driver_settings.h */
+
+/* At rest, and not on a line; empties the queues. The pins take their resting levels: every direction is forward
  * then, step pins are inactive. A step pin of which each edge is a step stays as it is when it was one before. Gauges
  * stay where they are. */
-void engine_configure(const struct settings *settings);
-
-/* What a segment of this axis carries in step_mask and turn_mask; never 0. Of a gauge, only that they aren't 0 counts. */
-uint8_t engine_step_mask(uint8_t axis);
-uint8_t engine_turn_mask(uint8_t axis);
+void board_configure(const struct settings *settings);
 
 /* The enable pin of all drivers. Gauges have none. After a reset by the watchdog it stays as it was until the first
  * call, so that no motor coasts. */
@@ -33,7 +29,7 @@ uint16_t board_milliseconds(void);
 bool board_has_received(void);
 
 /* A stop or halt has been received last. What has been received before it is dropped, but for the zero byte that ends it: at
- * busy times a stop would wait until all of that has been looked at. A port may hand over all in turn: false. */
+ * busy times a stop would wait until all of that has been looked at. A board may hand over all in turn: false. */
 bool board_skip_to_stop(void);
 
 /* Sends a frame: up to its zero byte, the only one. It must stay as it is until then. Only when none is on its way. */

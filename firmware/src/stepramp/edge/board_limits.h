@@ -1,10 +1,14 @@
-/* What this controller can do: the numbers it reports in its hello. */
-
+/* What a board can do: numbers that it gives as a table, which is also what it tells in its hello; and those that are the
+ * same for all. */
 #ifndef STEPRAMP_BOARD_LIMITS_H
 #define STEPRAMP_BOARD_LIMITS_H
 
-#ifdef ARDUINO
-#include "boards/polled/arduino_limits.h"
+#include <stdint.h>
+
+#include "stepramp/edge/in_flash.h"
+
+#ifdef __cplusplus
+extern "C" {
 #endif
 
 #define PROTOCOL_VERSION 2
@@ -16,56 +20,50 @@
 #define FAST_CLOCK_HZ 16000000ul
 #define SLOW_CLOCK_HZ 2000000ul
 
-/* Shortest interval [fast ticks] when 1, 2, 3, 4 axes move at the same time: what their step interrupts and the main
- * loop, which keeps the queues filled and the serial port read, need of the processor. */
-#ifndef SHORTEST_INTERVAL_1_AXIS_TICKS
-#define SHORTEST_INTERVAL_1_AXIS_TICKS 106u
-#define SHORTEST_INTERVAL_2_AXES_TICKS 246u
-#define SHORTEST_INTERVAL_3_AXES_TICKS 380u
-#define SHORTEST_INTERVAL_4_AXES_TICKS 533u
-#endif
-#define SHORTEST_INTERVALS_TICKS                                                                                       \
-    {SHORTEST_INTERVAL_1_AXIS_TICKS, SHORTEST_INTERVAL_2_AXES_TICKS, SHORTEST_INTERVAL_3_AXES_TICKS,                   \
-     SHORTEST_INTERVAL_4_AXES_TICKS}
-
-/* Shortest interval [fast ticks] of the axis with most steps, on a straight line of 2, 3, 4 axes. */
-#ifndef SHORTEST_INTERVAL_LINE_2_TICKS
-#define SHORTEST_INTERVAL_LINE_2_TICKS 133u
-#define SHORTEST_INTERVAL_LINE_3_TICKS 160u
-#define SHORTEST_INTERVAL_LINE_4_TICKS 177u
-#endif
-#define SHORTEST_LINE_INTERVALS_TICKS                                                                                  \
-    {SHORTEST_INTERVAL_1_AXIS_TICKS, SHORTEST_INTERVAL_LINE_2_TICKS, SHORTEST_INTERVAL_LINE_3_TICKS,                   \
-     SHORTEST_INTERVAL_LINE_4_TICKS}
-
-/* Ramps that are computed while they are played. Without, none of them is good. */
-#ifndef HAS_FORMULAS
-#define HAS_FORMULAS 1
-#endif
-
-/* Shortest interval [fast ticks] of a ramp that is computed while it is played: faster, its queue may run dry while a
- * message is answered. Several such axes share it. */
-#ifndef SHORTEST_FORMULA_INTERVAL_TICKS
-#define SHORTEST_FORMULA_INTERVAL_TICKS 1600u
-#endif
-
-/* Shortest interval [fast ticks] of an axis with gauge outputs. */
-#ifndef SHORTEST_GAUGE_INTERVAL_TICKS
-#define SHORTEST_GAUGE_INTERVAL_TICKS 3200u
-#endif
-
 /* Longest interval [ticks]. */
 #define LONGEST_INTERVAL_TICKS 0xFFFFFFFul
-
-/* Largest ramp image [bytes], at most 488: a slot of 512 bytes less its header of 12 and the settings. What is missing
- * to that is what an ATmega328P's stack needs of its RAM. */
-#ifndef LARGEST_IMAGE_BYTES
-#define LARGEST_IMAGE_BYTES 440u
-#endif
 
 /* Most segments of a ramp, up and down together. */
 #define MOST_SEGMENTS 250u
 
 #define AXES 4
+
+/* Where they are in the table [bytes]. Intervals are in fast ticks. */
+enum board_limit {
+    LIMIT_SHORTEST_1_AXIS = 12, /* when 1, 2, 3, 4 axes move at the same time */
+    LIMIT_SHORTEST_LINE_2 = 20, /* of the axis with most steps, on a straight line of 2, 3, 4 axes */
+    LIMIT_SHORTEST_FORMULA = 30,
+    LIMIT_IMAGE_BYTES = 32,
+    TOLD_LIMITS_BYTES = 36,
+    LIMIT_SHORTEST_GAUGE = TOLD_LIMITS_BYTES,
+    LIMIT_START_US = 38,
+    BOARD_LIMITS_BYTES = 40
+};
+
+/* Little-endian bytes of a number. */
+#define BYTES_U16(number) (number) & 0xFF, (number) >> 8
+#define BYTES_U32(number) BYTES_U16((number) & 0xFFFF), BYTES_U16((number) >> 16)
+
+/* A board's file defines the numbers, and makes the table of them. */
+#define BOARD_LIMITS                                                                                                   \
+    {                                                                                                                  \
+        PROTOCOL_VERSION, FIRMWARE_MAJOR, FIRMWARE_MINOR, FIRMWARE_PATCH, BYTES_U32(FAST_CLOCK_HZ),                    \
+            BYTES_U32(SLOW_CLOCK_HZ), BYTES_U16(SHORTEST_INTERVAL_1_AXIS_TICKS),                                       \
+            BYTES_U16(SHORTEST_INTERVAL_2_AXES_TICKS), BYTES_U16(SHORTEST_INTERVAL_3_AXES_TICKS),                      \
+            BYTES_U16(SHORTEST_INTERVAL_4_AXES_TICKS), BYTES_U16(SHORTEST_INTERVAL_LINE_2_TICKS),                      \
+            BYTES_U16(SHORTEST_INTERVAL_LINE_3_TICKS), BYTES_U16(SHORTEST_INTERVAL_LINE_4_TICKS),                      \
+            BYTES_U32(LONGEST_INTERVAL_TICKS), BYTES_U16(SHORTEST_FORMULA_INTERVAL_TICKS),                             \
+            BYTES_U16(LARGEST_IMAGE_BYTES), MOST_SEGMENTS, AXES, BYTES_U16(SHORTEST_GAUGE_INTERVAL_TICKS),             \
+            BYTES_U16(START_US)                                                                                        \
+    }
+
+extern const IN_FLASH uint8_t stepramp_board_limits[BOARD_LIMITS_BYTES];
+
+/* One of two bytes. */
+uint16_t board_limit(uint8_t at);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -2,7 +2,7 @@
 #ifndef STEPRAMP_PLAY_EVENT_H
 #define STEPRAMP_PLAY_EVENT_H
 
-#include "stepramp/edge/queue_layout.h"
+#include "stepramp/edge/step_rings.h"
 
 enum event_result {
     EVENT_STEP = 1,  /* the step pin is to be toggled */

@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "stepramp/edge/board_limits.h"
+#include "stepramp/edge/build_options.h"
 #include "stepramp/motion/formula.h"
 #include "stepramp/motion/ramp_cursor.h"
 #include "stepramp/store/ramp_image.h"

@@ -1,10 +1,9 @@
 #include "stepramp/motion/feed.h"
 
 #include "stepramp/edge/board.h"
-#include "stepramp/edge/engine.h"
+#include "stepramp/edge/line.h"
 #include "stepramp/edge/out_of_line.h"
 #include "stepramp/edge/step_queue.h"
-#include "stepramp/motion/line.h"
 #include "stepramp/protocol/trace.h"
 
 /* A long interval is waited for in parts: the first has what is left of it, 13,616 ticks or more, the others are equal.
@@ -180,8 +179,7 @@ static bool queue_next_piece(struct feed *feed, uint16_t ahead)
 
 static bool is_needed(const struct feed *feed, uint16_t ahead)
 {
-    const struct step_queue *lane = step_queue_of(feed->index);
-    return step_queue_has_room(lane) && (ahead < TIME_AHEAD || step_queue_ahead(lane) < LEAST_SEGMENTS);
+    return step_queue_has_room(feed->index) && (ahead < TIME_AHEAD || step_queue_ahead(feed->index) < LEAST_SEGMENTS);
 }
 
 /* Queues one segment, or looks for what later ones take. Returns false when there is nothing to do. */
@@ -207,63 +205,50 @@ static bool fill(struct feed *feed)
 
 /* ---- what has been played ---- */
 
-/* The time of a segment's last event is that of loading the next. */
-static void trace_played(const struct feed *feed, uint16_t steps, uint8_t next)
+static void trace_played(const struct feed *feed, const struct step_played *segment)
 {
-    if (!feed->is_traced || steps == 0) {
+    if (!feed->is_traced || segment->steps == 0) {
         return;
     }
-    bool is_traced = steps == trace_to_play;
-    trace_to_play = trace_left(feed, trace_to_play, steps);
-    if (is_traced && next != step_queue_of(feed->index)->tail) {
-        struct loaded segment;
-        step_queue_loaded(feed->index, next, &segment);
-        trace_value(feed->index, feed->played.steps_made, segment.time);
+    bool is_traced = segment->steps == trace_to_play;
+    trace_to_play = trace_left(feed, trace_to_play, segment->steps);
+    if (is_traced && segment->has_time) {
+        trace_value(feed->index, feed->played.steps_made, segment->time);
     }
 }
 
-/* Counts `steps` of a segment that has been loaded. */
-static void count(struct feed_progress *progress, const struct loaded *segment, uint16_t steps)
+static void count(struct feed_progress *progress, const struct step_played *played)
 {
-    progress->backward = progress->backward != segment->turns;
-    axis_move_position(&progress->position, progress->backward, steps);
-    progress->steps_made += steps;
+    progress->backward = progress->backward != played->turned;
+    axis_move_position(&progress->position, progress->backward, played->steps);
+    progress->steps_made += played->steps;
 }
 
-/* Counts the segment that is retired next. It has been played. */
-static void retire(struct feed *feed)
+/* Counts the oldest segment that has been played. Returns false when there is none. */
+static bool retire(struct feed *feed)
 {
-    struct step_queue *lane = step_queue_of(feed->index);
-    uint8_t offset = lane->retired;
-    struct loaded segment;
-    step_queue_loaded(feed->index, offset, &segment);
-    count(&feed->played, &segment, segment.steps);
+    struct step_played segment;
+    if (!step_queue_take(feed->index, &segment)) {
+        return false;
+    }
+    count(&feed->played, &segment);
     if (segment.steps != 0) {
         feed->has_stepped = true;
     }
-    if (line_is_on()) {
-        line_retire(line_segment(offset), segment.steps);
-    }
-    lane->retired = step_queue_next(offset);
-    trace_played(feed, segment.steps, lane->retired);
+    trace_played(feed, &segment);
+    return true;
 }
 
 /* Other things can be done first, as steps are queued for `least` [64 us]. */
 static bool can_wait(const struct feed *feed, uint8_t least)
 {
-    return feed->stage != FEED_PLAYING || time_ahead(feed, board_time()) >= least || !step_queue_has_room(step_queue_of(feed->index));
+    return feed->stage != FEED_PLAYING || time_ahead(feed, board_time()) >= least || !step_queue_has_room(feed->index);
 }
 
-/* Retires what has been played: one segment when a stop waits, and not so many that nothing is queued meanwhile. That loaded
- * last, the one before the tail, is being played. */
+/* Retires what has been played: one segment when a stop waits, and not so many that nothing is queued meanwhile. */
 static void retire_played(struct feed *feed)
 {
-    const struct step_queue *lane = step_queue_of(feed->index);
-    if (lane->retired == lane->tail) {
-        return;
-    }
-    for (uint8_t left = SEGMENTS_AT_ONCE; left != 0 && step_queue_next(lane->retired) != lane->tail; left--) {
-        retire(feed);
+    for (uint8_t left = SEGMENTS_AT_ONCE; left != 0 && retire(feed); left--) {
         if (board_skip_to_stop()) {
             return;
         }
@@ -292,38 +277,27 @@ void feed_set_out(struct feed *feed)
 
 bool feed_is_ready(const struct feed *feed)
 {
-    bool is_all = step_queue_ahead(step_queue_of(feed->index)) != 0 && axis_is_at_rest(&feed->axis) && !feed->has_pulses;
+    bool is_all = step_queue_ahead(feed->index) != 0 && axis_is_at_rest(&feed->axis) && !feed->has_pulses;
     return is_all || !is_needed(feed, time_ahead(feed, stepramp_feed_clock.now));
-}
-
-uint16_t feed_next_interval(const struct feed *feed)
-{
-    struct loaded segment;
-    step_queue_loaded(feed->index, step_queue_of(feed->index)->tail, &segment);
-    return segment.time;
 }
 
 void feed_started(struct feed *feed, uint16_t start_ticks)
 {
     extend(feed, start_ticks);
-    feed->seen_empty = step_queue_of(feed->index)->empty;
     feed->end_time = (uint16_t)(feed->end_time + stepramp_feed_clock.now);
     feed->has_run_dry = false;
     feed->has_stepped = false;
     feed->stage = FEED_PLAYING;
 }
 
-static uint32_t steps_made_now(const struct feed *feed)
-{
-    struct feed_progress progress;
-    feed_progress(feed, &progress);
-    return progress.steps_made;
-}
-
 bool feed_has_stepped(const struct feed *feed)
 {
-    return feed->stage == FEED_PLAYING &&
-           (feed->has_stepped || steps_made_now(feed) != feed->played.steps_made);
+    if (feed->stage != FEED_PLAYING) {
+        return false;
+    }
+    struct step_played played;
+    step_queue_played(feed->index, &played);
+    return feed->has_stepped || played.steps != 0;
 }
 
 void feed_halted(struct feed *feed)
@@ -341,7 +315,7 @@ void feed_halted(struct feed *feed)
 /* Nothing is left to do, and nothing queued. */
 static bool is_done(const struct feed *feed)
 {
-    return axis_is_at_rest(&feed->axis) && feed->parts_left == 0 && !feed->turns_next && step_queue_ahead(step_queue_of(feed->index)) == 0;
+    return axis_is_at_rest(&feed->axis) && feed->parts_left == 0 && !feed->turns_next && step_queue_ahead(feed->index) == 0;
 }
 
 static void become_idle(struct feed *feed)
@@ -350,25 +324,17 @@ static void become_idle(struct feed *feed)
     trace_end_move(feed->index);
 }
 
-/* The engine has found the queue empty: at rest, or in a move. */
+/* The queue has been found empty: at rest, or in a move. */
 static void parked(struct feed *feed)
 {
-    const struct step_queue *lane = step_queue_of(feed->index);
-    feed->seen_empty = lane->empty;
-    while (lane->retired != lane->tail) {
-        retire(feed);
+    while (retire(feed)) {
     }
     if (is_done(feed)) {
         become_idle(feed);
         return;
     }
     /* The end of the move may have been queued since. */
-    bool has_run_dry = feed->has_pulses;
-    if (step_queue_ahead(lane) != 0) {
-        struct loaded segment;
-        step_queue_loaded(feed->index, lane->tail, &segment);
-        has_run_dry = has_run_dry || segment.steps != 0;
-    }
+    bool has_run_dry = feed->has_pulses || step_queue_next(feed->index).is_step;
     feed->has_run_dry = has_run_dry;
     if (has_run_dry && starved != UINT8_MAX) {
         starved++;
@@ -389,7 +355,7 @@ bool feed_poll(struct feed *feed)
 {
     if (feed->stage == FEED_PLAYING) {
         retire_played(feed);
-        if (step_queue_of(feed->index)->empty != feed->seen_empty) {
+        if (step_queue_has_parked(feed->index)) {
             parked(feed);
             return true;
         }
@@ -413,34 +379,23 @@ bool feed_poll(struct feed *feed)
     return has_time;
 }
 
-/* The steps that have been played of a segment that has been loaded: all, but of the one that is being played. */
-static uint16_t steps_played(const struct feed *feed, const struct loaded *segment, uint8_t next,
-                             const struct engine_progress *now)
-{
-    bool is_playing = next == now->tail && now->empty == feed->seen_empty;
-    return is_playing && segment->steps != 0 ? (uint16_t)(segment->steps - 1u - now->count_less_1) : segment->steps;
-}
-
 void feed_progress(const struct feed *feed, struct feed_progress *progress)
 {
-    struct engine_progress now = engine_progress(feed->index);
-    uint8_t offset = step_queue_of(feed->index)->retired;
-    if (feed->stage != FEED_PLAYING) {
-        now.tail = offset;
-    }
     *progress = feed->played;
-    stepramp_line_in_progress = stepramp_line.played;
-    while (offset != now.tail) {
-        struct loaded segment;
-        step_queue_loaded(feed->index, offset, &segment);
-        uint8_t next = step_queue_next(offset);
-        uint16_t steps = steps_played(feed, &segment, next, &now);
-        count(progress, &segment, steps);
-        if (line_is_on()) {
-            line_play(&stepramp_line_in_progress, line_segment(offset), steps);
-        }
-        offset = next;
+    if (feed->stage == FEED_PLAYING) {
+        struct step_played played;
+        step_queue_played(feed->index, &played);
+        count(progress, &played);
+    } else {
+        line_look();
     }
+}
+
+/* Of silences, only the parts of a long interval are one. */
+static uint16_t passing_interval(const struct feed *feed, bool steps_only)
+{
+    struct step_interval passing = step_queue_passing(feed->index);
+    return passing.is_step || (!steps_only && passing.ticks == PART_TICKS) ? passing.ticks : 0;
 }
 
 uint32_t feed_interval(const struct feed *feed)
@@ -448,19 +403,12 @@ uint32_t feed_interval(const struct feed *feed)
     if (feed->stage == FEED_IDLE || feed->axis.interval > LONGEST_WAIT_TICKS) {
         return feed->axis.interval;
     }
-    const struct axis_player *player = &stepramp_axis_players[feed->index];
-    const volatile uint16_t *present = line_is_on() ? &stepramp_line_player.interval : &player->interval;
-    uint16_t interval;
-    do {
-        interval = *present;
-    } while (interval != *present); /* an event came in between the two bytes */
-    /* Of silences, only the parts of a long interval are one. */
-    return !line_is_on() && player->step_mask == 0 && interval != PART_TICKS ? 0 : interval;
+    return passing_interval(feed, false);
 }
 
 uint32_t feed_step_interval(const struct feed *feed)
 {
-    return feed->stage == FEED_PLAYING && stepramp_axis_players[feed->index].step_mask != 0 ? feed_interval(feed) : 0;
+    return feed->stage == FEED_PLAYING ? passing_interval(feed, true) : 0;
 }
 
 uint8_t feed_starved(void)

@@ -5,9 +5,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "stepramp/edge/queue_layout.h"
+#include "stepramp/edge/step_queue.h"
 #include "stepramp/motion/axis.h"
-#include "stepramp/motion/line.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -28,7 +27,6 @@ struct feed {
     uint16_t end_ticks;  /* and so many fast ticks */
     uint8_t index;      /* of the axis */
     uint8_t bit;        /* of the axis */
-    uint8_t seen_empty; /* the engine's `empty` when last looked at */
     uint8_t stage;      /* enum feed_stage */
     uint8_t turns_too;  /* other axes, a bit each, that turn together with this one */
     bool is_traced : 1;     /* in this move */
@@ -42,7 +40,7 @@ struct feed {
 };
 
 enum feed_stage {
-    FEED_IDLE,    /* at rest; the queue is empty and the engine has parked it */
+    FEED_IDLE,    /* at rest; the queue is empty and parked */
     FEED_WAITING, /* queued for a start */
     FEED_PLAYING
 };
@@ -74,16 +72,13 @@ bool feed_has_stepped(const struct feed *feed);
 /* A waiting feed has enough for a start: as much as is queued ahead later, or all that there is. */
 bool feed_is_ready(const struct feed *feed);
 
-/* [ticks] the first interval that is queued. */
-uint16_t feed_next_interval(const struct feed *feed);
-
-/* The engine has started its queue, whose first segment comes so many ticks from now. */
+/* Its queue has been started, whose first segment comes so many ticks from now. */
 void feed_started(struct feed *feed, uint16_t start_ticks);
 
-/* The engine has halted its queue, whose segments are still as they were: what hasn't been played is forgotten. */
+/* Its queue has been halted, whose segments are still as they were: what hasn't been played is forgotten. */
 void feed_halted(struct feed *feed);
 
-/* How far the motor has come now, also told in place of what has been played. When it leads a line, `stepramp_line_in_progress` is the line then. */
+/* How far the motor has come now, also told in place of what has been played. The line that it leads has been looked at then. */
 void feed_progress(const struct feed *feed, struct feed_progress *progress);
 
 /* [ticks] the interval that is passing; 0 at rest, before the first step and after the last. */

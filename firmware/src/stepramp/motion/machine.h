@@ -5,7 +5,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "stepramp/edge/queue_layout.h"
+#include "stepramp/edge/line.h"
+#include "stepramp/edge/step_queue.h"
 #include "stepramp/motion/feed.h"
 #include "stepramp/protocol/message.h"
 #include "stepramp/store/driver_settings.h"
@@ -35,7 +36,11 @@ void machine_use(const uint8_t *image, const struct settings *settings);
 uint8_t machine_axes(void);
 
 bool machine_is_moving(void);
-bool machine_is_on_a_line(void);
+
+static inline bool machine_is_on_a_line(void)
+{
+    return line_is_on();
+}
 
 /* Each returns STATUS_OK, or why not and then changes nothing; arrays are indexed by axis, and only the axes of the
  * mask count. Without a ramp: STATUS_NO_RAMP. */
@@ -58,6 +63,9 @@ void machine_halt(uint8_t axes);
 
 struct axis_report machine_report(uint8_t axis);
 
+/* One axis, alone or on a line: sooner known than all of its report. */
+bool machine_axis_is_moving(uint8_t axis);
+
 /* At a speed, without a target. */
 bool machine_runs(uint8_t axis);
 
@@ -65,7 +73,11 @@ bool machine_runs(uint8_t axis);
 int32_t machine_target(uint8_t axis);
 
 /* How often a queue ran dry in a move since the start; 255 stays 255. */
-uint8_t machine_starved(void);
+static inline uint8_t machine_starved(void)
+{
+    return feed_starved();
+}
+
 bool machine_is_enabled(void);
 
 /* To be called in each round of the main loop. Returns true when there is time for other things. */

@@ -4,7 +4,6 @@
 
 #include "stepramp/edge/board.h"
 #include "stepramp/edge/board_limits.h"
-#include "stepramp/edge/in_flash.h"
 #include "stepramp/edge/out_of_line.h"
 #include "stepramp/motion/axis.h"
 #include "stepramp/motion/machine.h"
@@ -31,10 +30,6 @@ static uint16_t share_of(uint32_t interval, uint16_t cycles, uint8_t pulses, uin
     uint32_t share = ((uint32_t)cycles_with_pulses(cycles, pulses) << SHARE_BITS) / fast_ticks;
     return share > UINT16_MAX / MOST_AXES ? UINT16_MAX / MOST_AXES : (uint16_t)share;
 }
-
-/* Of 1, 2, 3, 4 axes: alone, and on a line. */
-static const IN_FLASH uint16_t shortest_together[MOST_AXES] = SHORTEST_INTERVALS_TICKS;
-static const IN_FLASH uint16_t shortest_on_a_line[MOST_AXES] = SHORTEST_LINE_INTERVALS_TICKS;
 
 static OUT_OF_LINE uint8_t share_status(uint16_t share, uint16_t *detail)
 {
@@ -64,10 +59,10 @@ static uint32_t shortest_interval(const struct feed *feed, uint32_t requested)
 static uint16_t share_of_axis(const struct feed *feed, uint32_t interval, uint8_t count)
 {
     if (stepramp_machine_settings->outputs == OUTPUTS_GAUGES) {
-        return share_of(interval, SHORTEST_GAUGE_INTERVAL_TICKS, 0, 1);
+        return share_of(interval, board_limit(LIMIT_SHORTEST_GAUGE), 0, 1);
     }
-    return axis_is_by_formula(&feed->axis) ? share_of(interval, SHORTEST_FORMULA_INTERVAL_TICKS, 1, 1)
-                                           : share_of(interval, shortest_together[count - 1], count, count);
+    return axis_is_by_formula(&feed->axis) ? share_of(interval, board_limit(LIMIT_SHORTEST_FORMULA), 1, 1)
+                                           : share_of(interval, board_limit((uint8_t)(LIMIT_SHORTEST_1_AXIS - 2 + 2 * count)), count, count);
 }
 
 /* Gauges are slow: each has its limit, whatever the others do. A stop that has come in makes an end of it: the
@@ -98,5 +93,9 @@ uint8_t share_check(const struct feed *feeds, uint8_t axes, const uint32_t reque
 
 uint8_t share_check_line(uint32_t interval, uint8_t count, uint16_t *detail)
 {
-    return share_status(share_of(interval, shortest_on_a_line[count - 1], 1, 1), detail);
+    uint8_t at = LIMIT_SHORTEST_1_AXIS;
+    if (count > 1) {
+        at = (uint8_t)(LIMIT_SHORTEST_LINE_2 - 4 + 2 * count);
+    }
+    return share_status(share_of(interval, board_limit(at), 1, 1), detail);
 }

@@ -4,7 +4,7 @@
 
 #include <stdint.h>
 
-#include "stepramp/edge/queue_layout.h"
+#include "stepramp/edge/step_queue.h"
 #include "stepramp/motion/feed.h"
 
 #ifdef __cplusplus

@@ -1,4 +1,4 @@
-/* The controller: answers requests, one at a time, and sends reports and traces. A port hands it the bytes that come
+/* The controller: answers requests, one at a time, and sends reports and traces. A board hands it the bytes that come
  * in, sends the frames that go out (board.h), and calls controller_poll in each round of its main loop. */
 #ifndef STEPRAMP_CONTROLLER_H
 #define STEPRAMP_CONTROLLER_H

@@ -17,7 +17,6 @@ enum header_offset { AT_MAGIC = 0, AT_FORMAT = 1, AT_LENGTH = 2, AT_SEQUENCE = 4
  * the header, without which a slot is none. Rolling back begins with WRITE_HEADER. */
 enum stage { REST = 0, WRITE_HEADER = 1, WRITE_CONTENT = 2, INVALIDATE_HEADER = 3 };
 
-struct stepramp_slot_content stepramp_slot_content;
 uint16_t stepramp_slot_image_length;
 
 /* What is known of the slots: a bit for each enum slot_choice that holds something good, and what follows. */
@@ -90,7 +89,7 @@ static bool load(uint8_t slot)
     if (read_header(slot, header)) {
         length = read_u16(header + AT_LENGTH);
     }
-    if (length <= SETTINGS_BYTES || length > SETTINGS_BYTES + LARGEST_IMAGE_BYTES) {
+    if (length <= SETTINGS_BYTES || length > SETTINGS_BYTES + board_limit(LIMIT_IMAGE_BYTES)) {
         return false;
     }
     read_bytes(slot, SLOT_HEADER_BYTES, content_bytes(), length);

@@ -16,12 +16,13 @@ extern "C" {
 
 enum { SLOT_BYTES = 512, SLOT_HEADER_BYTES = 12 };
 
-/* What a slot holds, as it lies there, and its only copy in RAM: that is loaded and stored. */
-struct stepramp_slot_content {
+/* What a slot holds, as it lies there, and its only copy in RAM: that is loaded and stored. The board defines it, as
+ * large as its images may be. */
+struct slot_content {
     struct settings settings; /* packed */
-    uint8_t image[LARGEST_IMAGE_BYTES];
+    uint8_t image[];
 };
-extern struct stepramp_slot_content stepramp_slot_content;
+extern struct slot_content stepramp_slot_content;
 extern uint16_t stepramp_slot_image_length; /* [bytes] of the image in RAM, or announced for it */
 
 enum slot_choice { ACTIVE_SLOT, PREVIOUS_SLOT };

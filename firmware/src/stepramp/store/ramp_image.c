@@ -1,6 +1,7 @@
 #include "stepramp/store/ramp_image.h"
 
 #include "stepramp/edge/board_limits.h"
+#include "stepramp/edge/build_options.h"
 #include "stepramp/motion/formula.h"
 #include "stepramp/protocol/message.h"
 
@@ -107,7 +108,7 @@ static uint8_t bad_segment(const uint8_t *ramp, uint16_t length, uint16_t shorte
 static uint16_t shortest_of(const uint8_t *image, uint8_t kind)
 {
     enum { FAST_TICKS = FAST_CLOCK_HZ / SLOW_CLOCK_HZ }; /* in a slow tick */
-    uint16_t shortest = kind == RAMP_BY_FORMULA ? SHORTEST_FORMULA_INTERVAL_TICKS : SHORTEST_INTERVAL_1_AXIS_TICKS;
+    uint16_t shortest = board_limit(kind == RAMP_BY_FORMULA ? LIMIT_SHORTEST_FORMULA : LIMIT_SHORTEST_1_AXIS);
     return ramp_image_is_fast(image) ? shortest : (uint16_t)(shortest + FAST_TICKS - 1) / FAST_TICKS;
 }
 

@@ -158,7 +158,7 @@ uint16_t ramp_keeper_received(void)
 void ramp_keeper_put(uint8_t index, uint8_t byte)
 {
     uint16_t offset = received + index;
-    if (offset < LARGEST_IMAGE_BYTES) {
+    if (offset < stepramp_slot_image_length) {
         stepramp_slot_content.image[offset] = byte;
     }
 }

@@ -50,7 +50,7 @@ void ramp_keeper_use_settings(const uint8_t bytes[SETTINGS_BYTES]);
 
 /* ---- delivery ---- */
 
-/* Begins a delivery; the length is at most LARGEST_IMAGE_BYTES. */
+/* Begins a delivery; the length is at most the board's limit. */
 void ramp_keeper_deliver(uint16_t length, uint16_t crc);
 
 /* A delivery has begun, and has neither been used nor dropped. */

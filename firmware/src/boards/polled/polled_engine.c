@@ -1,13 +1,14 @@
-/* The engine in C, for every machine but the ATmega328P: see the end of engine.h. */
+/* The engine in C, for every machine but the ATmega328P. */
 #ifndef STEPRAMP_IN_ASSEMBLY
 
-#include "stepramp/edge/engine.h"
+#include "boards/polled/polled_engine.h"
 
 #include <stddef.h>
 
+#include "stepramp/edge/engine.h"
 #include "stepramp/edge/play_event.h"
 
-/* From engine_start to the first event: at least 20 us [ticks]. */
+/* From step_queue_start to the first event: at least 20 us [ticks]. */
 enum { FAST_START_DELAY_TICKS = 480, SLOW_START_DELAY_TICKS = 60 };
 
 struct axis_player stepramp_axis_players[MOST_AXES];
@@ -20,6 +21,7 @@ struct line_segment stepramp_line_queue[LINE_SEGMENTS];
 #endif
 
 static uint16_t timer; /* [ticks] while an event is played, its time */
+static bool is_fast;
 static uint16_t start_delay_ticks;
 static uint16_t line_due;
 static uint8_t running; /* a bit for each axis; the line is bit 0 */
@@ -41,7 +43,7 @@ static void turn(uint8_t axes)
     }
 }
 
-void engine_set_outputs(void (*step_function)(uint8_t axes), void (*turn_function)(uint8_t axes))
+void polled_engine_set_outputs(void (*step_function)(uint8_t axes), void (*turn_function)(uint8_t axes))
 {
     step_output = step_function;
     turn_output = turn_function;
@@ -56,7 +58,7 @@ static void park_line(void)
     stepramp_line_player.leader_pins = 0;
 }
 
-void engine_park(uint8_t axes)
+void step_queue_clear(uint8_t axes)
 {
     for (uint8_t axis = 0; axis < MOST_AXES; axis++) {
         if ((axes & ~running & 1 << axis) != 0) {
@@ -71,21 +73,27 @@ void engine_park(uint8_t axes)
     }
 }
 
-void engine_set_clock(bool fast)
+void step_queue_set_clock(bool fast)
 {
+    is_fast = fast;
     start_delay_ticks = fast ? FAST_START_DELAY_TICKS : SLOW_START_DELAY_TICKS;
+}
+
+bool polled_engine_is_fast(void)
+{
+    return is_fast;
 }
 
 void engine_set_line(bool line)
 {
     is_line = line;
-    engine_park(0xFF);
+    step_queue_clear(0xFF);
 }
 
-void engine_begin(void)
+void step_queue_begin(void)
 {
     running = 0;
-    engine_set_clock(true);
+    step_queue_set_clock(true);
     engine_set_line(true);
     engine_set_line(false);
 }
@@ -116,6 +124,7 @@ static void start_line(uint16_t first, uint16_t setup_ticks)
     }
     park_line();
     stepramp_line_player.interval = setup_ticks;
+    stepramp_line_player.empty = 0;
     line_due = first;
     running = 1;
 }
@@ -128,11 +137,12 @@ static void start_axis(uint8_t axis, uint16_t first, uint16_t setup_ticks)
     }
     park_player(player);
     player->interval = setup_ticks;
+    player->empty = 0;
     player->due = first;
     running |= (uint8_t)(1 << axis);
 }
 
-void engine_start(uint8_t axes, uint16_t setup_ticks)
+void step_queue_start(uint8_t axes, uint16_t setup_ticks)
 {
     uint16_t first = (uint16_t)(timer + start_delay_ticks);
     if (is_line) {
@@ -147,7 +157,7 @@ void engine_start(uint8_t axes, uint16_t setup_ticks)
     }
 }
 
-void engine_halt(uint8_t axes)
+void step_queue_halt(uint8_t axes)
 {
     running = is_line ? 0 : (uint8_t)(running & ~axes);
 }
@@ -247,7 +257,7 @@ static uint8_t next_axis(uint16_t *due)
     return next;
 }
 
-uint16_t engine_play(uint16_t now)
+uint16_t polled_engine_play(uint16_t now)
 {
     uint16_t due = 0;
     uint8_t axis;

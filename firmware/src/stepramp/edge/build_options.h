@@ -1,0 +1,28 @@
+/* What a build leaves out where memory is short. Each may be set before, by the build. */
+#ifndef STEPRAMP_BUILD_OPTIONS_H
+#define STEPRAMP_BUILD_OPTIONS_H
+
+#if defined(ARDUINO) && defined(__AVR__)
+#include <avr/io.h>
+
+#if RAMEND < 0x1000
+/* An Uno's 2 KB of RAM and 32 KB of flash. The line's queue is the memory of the axes' queues; formulas are left out. */
+#define STEPRAMP_SHARED_QUEUES
+#define HAS_FORMULAS 0
+#define QUEUE_SEGMENTS 8
+#define QUEUE_BYTES 64
+#endif
+#endif
+
+/* Ramps that are computed while they are played. Without, none of them is good. */
+#ifndef HAS_FORMULAS
+#define HAS_FORMULAS 1
+#endif
+
+/* Of an axis. */
+#ifndef QUEUE_SEGMENTS
+#define QUEUE_SEGMENTS 16
+#define QUEUE_BYTES 128
+#endif
+
+#endif
