@@ -10,6 +10,7 @@ import pytest
 
 from controllers.grbl.bench import Bench, at, by, to
 from controllers.grbl.emulator import GrblEmulator
+from controllers.interruption import interruptions
 from designs import design
 from stepramp.controllers.contract import Activity, AnswerUnknown, AxisCommand
 from stepramp.controllers.grbl.controller import GrblController
@@ -22,24 +23,6 @@ MOTIONS: dict[str, Callable[[GrblMachine], None]] = {
     "line": lambda controller: controller.line([by(2000), by(900, 1)]),
     "run": lambda controller: controller.run([at(900)]),
 }
-
-
-class Interruption:
-    """Does something at a place, counted from 0, of those that are passed."""
-
-    def __init__(self, place: int, act: Callable[[], None]) -> None:
-        self._place, self._act = place, act
-        self._passed = 0
-        self.came = self._is_inside = False
-
-    def passed(self) -> None:
-        if self._is_inside:
-            return
-        self._passed += 1
-        if self._passed == self._place + 1:
-            self.came = self._is_inside = True
-            self._act()
-            self._is_inside = False
 
 
 @pytest.mark.parametrize("begin", MOTIONS)
@@ -69,25 +52,22 @@ def stopped_anywhere(
         getattr(controller, stop)()
         controller.status()
 
-    for place in count():
+    for interruption in interruptions(bench, stop_and_look):
         bench.grbl.answers_after_s = 0.0
         if is_on_its_way:
             controller.move_by([by(-3000)])
             bench.ask_for(0.3)
         bench.grbl.answers_after_s = answers_after_s
-        interruption = Interruption(place, stop_and_look)
-        bench.interrupt = interruption.passed
-        with suppress(AnswerUnknown, Refused):
+        with interruption, suppress(AnswerUnknown, Refused):
             MOTIONS[begin](controller)
-        bench.interrupt = lambda: None
         if not interruption.came:
-            return place
+            return interruption.place
         bench.ask_for(1.2)
-        assert not bench.grbl.is_moving, place
-        assert bench.grbl.state in ("Idle", "Alarm"), place
+        assert not bench.grbl.is_moving, interruption.place
+        assert bench.grbl.state in ("Idle", "Alarm"), interruption.place
         steps = bench.grbl.steps
         bench.pass_time(1)
-        assert bench.grbl.steps == steps, place
+        assert bench.grbl.steps == steps, interruption.place
         controller.set_position([to(0), to(0, 1)])
     raise AssertionError
 
@@ -106,22 +86,20 @@ def test_a_stop_at_any_place_of_a_motion_is_final(
 @pytest.mark.parametrize("stop", ["stop", "halt"])
 def test_a_stop_while_a_run_is_told_to_go_on_is_final(bench: Bench, controller: GrblController, stop: str) -> None:
     bench.grbl.answers_after_s = 0.02
-    for place in count():
+    for interruption in interruptions(bench, getattr(controller, stop)):
         controller.run([at(900)])
         bench.pass_time(0.6)
-        interruption = Interruption(place, getattr(controller, stop))
-        bench.interrupt = interruption.passed
-        status = controller.status()
-        bench.interrupt = lambda: None
+        with interruption:
+            status = controller.status()
         if not interruption.came:
             break
-        assert status.axes[0].activity is not Activity.MOVING, place
+        assert status.axes[0].activity is not Activity.MOVING, interruption.place
         bench.ask_for(2.4)
         steps = bench.grbl.steps
         bench.pass_time(3)
-        assert (bench.grbl.steps, bench.grbl.is_moving) == (steps, False), place
+        assert (bench.grbl.steps, bench.grbl.is_moving) == (steps, False), interruption.place
         controller.set_position([to(0)])
-    assert place >= 1
+    assert interruption.place >= 1
     controller.stop()
 
 
@@ -156,21 +134,18 @@ def test_nothing_that_a_reset_would_carry_out_sets_out_by_a_stop(bench: Bench, s
     bench.grbl.eeprom.startup[0], bench.grbl.starts_on_open = "G1 X90 F500", False
     bench.controller.connect()
     bench.grbl.answers_after_s = 0.02
-    for place in count():
-        interruption = Interruption(place, getattr(bench.controller, stop))
-        bench.interrupt = interruption.passed
-        with suppress(AnswerUnknown):
+    for interruption in interruptions(bench, getattr(bench.controller, stop)):
+        with interruption, suppress(AnswerUnknown):
             bench.controller.move_by([by(2000)])
-        bench.interrupt = lambda: None
         if not interruption.came:
             break
         bench.ask_for(1.2)
-        assert bench.grbl.state in ("Idle", "Alarm"), place
+        assert bench.grbl.state in ("Idle", "Alarm"), interruption.place
         steps = bench.grbl.steps
         bench.pass_time(1)
-        assert (bench.grbl.steps, bench.grbl.is_moving) == (steps, False), place
+        assert (bench.grbl.steps, bench.grbl.is_moving) == (steps, False), interruption.place
         bench.controller.set_position([to(0)])
-    assert place > 0
+    assert interruption.place > 0
     bench.controller.stop()
 
 
@@ -238,17 +213,15 @@ def test_a_jog_without_an_answer_is_stopped_blindly(bench: Bench, controller: Gr
 def test_a_stop_while_settings_are_written_loses_none(
     bench: Bench, grbl: GrblEmulator, controller: GrblController
 ) -> None:
-    for place in count():
+    for interruption in interruptions(bench, controller.stop):
         controller.prepare_push([design(ramp__slew_speed_steps_per_s=300)], 0)()
-        interruption = Interruption(place, controller.stop)
-        bench.interrupt = interruption.passed
-        report = controller.prepare_push([design()], 0)()
-        bench.interrupt = lambda: None
+        with interruption:
+            report = controller.prepare_push([design()], 0)()
         if not interruption.came:
             break
-        assert report.verified, place
-        assert grbl.eeprom.settings[110] == 240.0, place
-    assert place > 1
+        assert report.verified, interruption.place
+        assert grbl.eeprom.settings[110] == 240.0, interruption.place
+    assert interruption.place > 1
     assert grbl.steps == 0
 
 

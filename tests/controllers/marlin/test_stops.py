@@ -9,6 +9,7 @@ from itertools import count
 import pytest
 
 from controllers.bench import at, by, to
+from controllers.interruption import interruptions
 from controllers.marlin.bench import Bench
 from controllers.marlin.emulator import MarlinEmulator
 from designs import design
@@ -22,24 +23,6 @@ MOTIONS: dict[str, Callable[[MarlinController], None]] = {
     "line": lambda controller: controller.line([*by(80_000), *by(900, 1)]),
     "run": lambda controller: controller.run(at(9000)),
 }
-
-
-class Interruption:
-    """Does something at a place, counted from 0, of those that are passed."""
-
-    def __init__(self, place: int, act: Callable[[], None]) -> None:
-        self._place, self._act = place, act
-        self._passed = 0
-        self.came = self._is_inside = False
-
-    def passed(self) -> None:
-        if self._is_inside:
-            return
-        self._passed += 1
-        if self._passed == self._place + 1:
-            self.came = self._is_inside = True
-            self._act()
-            self._is_inside = False
 
 
 ANSWERED_WITHIN_S = 2.3
@@ -90,25 +73,22 @@ def test_a_stop_at_any_place_of_a_motion_is_final(
     def stop_and_look() -> None:
         steps, at_s = bench.marlin.steps, bench.clock.now_s
         getattr(controller, stop)()
-        assert bench.clock.now_s - at_s < ANSWERED_WITHIN_S, place
+        assert bench.clock.now_s - at_s < ANSWERED_WITHIN_S, interruption.place
         # Before it is answered, too: a move that sets out meanwhile is ended in the 0.1 s before it begins.
-        assert bench.marlin.steps - steps < 5, place
+        assert bench.marlin.steps - steps < 5, interruption.place
         controller.status()
-        assert not bench.marlin.is_moving, place
+        assert not bench.marlin.is_moving, interruption.place
 
-    for place in count():
-        interruption = Interruption(place, stop_and_look)
-        bench.interrupt = interruption.passed
-        with suppress(AnswerUnknown, Refused):
+    for interruption in interruptions(bench, stop_and_look):
+        with interruption, suppress(AnswerUnknown, Refused):
             MOTIONS[begin](controller)
-        bench.interrupt = lambda: None
         if not interruption.came:
             break
-        assert stays(bench), place
-        assert not bench.marlin._is_relative, place
-        assert controller.status().activity is Activity.READY, place
+        assert stays(bench), interruption.place
+        assert not bench.marlin._is_relative, interruption.place
+        assert controller.status().activity is Activity.READY, interruption.place
         controller.set_position([*to(0), *to(0, 1)])
-    assert place >= 20
+    assert interruption.place >= 20
 
 
 def test_a_move_that_waits_for_a_place_in_the_queue_is_ended_too(bench: Bench, controller: MarlinController) -> None:
@@ -127,18 +107,16 @@ def test_a_move_that_waits_for_a_place_in_the_queue_is_ended_too(bench: Bench, c
 @pytest.mark.parametrize("stop", ["stop", "halt"])
 def test_a_stop_while_a_run_is_told_to_go_on_is_final(bench: Bench, controller: MarlinController, stop: str) -> None:
     bench.marlin.answers_after_s = 0.01
-    for place in count():
+    for interruption in interruptions(bench, getattr(controller, stop)):
         controller.run(at(900))
         bench.pass_time(0.7)
-        interruption = Interruption(place, getattr(controller, stop))
-        bench.interrupt = interruption.passed
-        status = controller.status()
-        bench.interrupt = lambda: None
+        with interruption:
+            status = controller.status()
         if not interruption.came:
             break
-        assert status.axes[0].activity is Activity.READY, place
-        assert stays(bench), place
-    assert place >= 5
+        assert status.axes[0].activity is Activity.READY, interruption.place
+        assert stays(bench), interruption.place
+    assert interruption.place >= 5
     controller.stop()
 
 
@@ -194,18 +172,16 @@ def test_a_stop_of_what_somebody_else_moves(bench: Bench, controller: MarlinCont
 
 
 def test_a_stop_while_settings_are_written_loses_none(bench: Bench, controller: MarlinController) -> None:
-    for place in range(0, 4000, 11):
+    for interruption in interruptions(bench, controller.stop, apart=11):
         controller.prepare_push([design(ramp__slew_speed_steps_per_s=300)], 0)()
-        interruption = Interruption(place, controller.stop)
-        bench.interrupt = interruption.passed
-        report = controller.prepare_push([design()], 0)()
-        bench.interrupt = lambda: None
+        with interruption:
+            report = controller.prepare_push([design()], 0)()
         if not interruption.came:
             break
-        assert report.verified, place
+        assert report.verified, interruption.place
         assert bench.marlin.eeprom.settings is not None
-        assert bench.marlin.eeprom.settings["M203"]["X"] == 12.5, place
-    assert place > 20
+        assert bench.marlin.eeprom.settings["M203"]["X"] == 12.5, interruption.place
+    assert interruption.place > 20
     assert bench.marlin.steps == 0
 
 

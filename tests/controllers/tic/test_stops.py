@@ -2,34 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from contextlib import suppress
-from itertools import count
 
 import pytest
 
 from controllers.bench import at, to
+from controllers.interruption import interruptions
 from controllers.tic.bench import Bench
 from controllers.tic.damage import losing
 from controllers.tic.emulator import GO_TO_POSITION, HALTED, SOFT_ERROR, VELOCITY
 from stepramp.controllers.contract import Activity, AnswerUnknown, AxisCommand
 from stepramp.controllers.tic.controller import TicController
 from stepramp.errors import Refused
-
-
-class Interruption:
-    """Does something at a place, counted from 0, of those that are passed."""
-
-    def __init__(self, place: int, act: Callable[[], None]) -> None:
-        self._place, self._act = place, act
-        self._passed = 0
-        self.came = False
-
-    def passed(self) -> None:
-        self._passed += 1
-        if self._passed == self._place + 1:
-            self.came = True
-            self._act()
 
 
 @pytest.mark.parametrize("begin", ["move_by", "run"])
@@ -70,19 +54,16 @@ def test_a_stop_at_any_place_of_a_motion_is_final(
         getattr(controller, stop)()
         controller.status()
 
-    for place in count():
-        interruption = Interruption(place, stop_and_look)
-        bench.interrupt = interruption.passed
-        with suppress(AnswerUnknown):
+    for interruption in interruptions(bench, stop_and_look):
+        with interruption, suppress(AnswerUnknown):
             controller.zero([0], 500) if begin == "zero" else getattr(controller, begin)([AxisCommand(0, 900, "value")])
-        bench.interrupt = lambda: None
         if not interruption.came:
             break
         bench.pass_time(3)
-        assert bench.tic.told in ((VELOCITY, 0), (HALTED, 0)), place
-        assert bench.tic.velocity == 0, place
+        assert bench.tic.told in ((VELOCITY, 0), (HALTED, 0)), interruption.place
+        assert bench.tic.velocity == 0, interruption.place
         controller.set_position(to(0))
-    assert place > 5
+    assert interruption.place > 5
 
 
 @pytest.mark.parametrize("stop", ["stop", "halt"])
@@ -124,18 +105,16 @@ def test_a_tic_that_obeys_no_stop_is_told_so(bench: Bench, controller: TicContro
 def test_a_status_tells_what_is_seen_after_a_stop_in_its_midst(
     bench: Bench, controller: TicController, stop: str
 ) -> None:
-    for place in count():
+    for interruption in interruptions(bench, getattr(controller, stop)):
         controller.set_position(to(0))
         controller.move_to(to(5000))
         bench.pass_time(0.4)
-        interruption = Interruption(place, getattr(controller, stop))
-        bench.interrupt = interruption.passed
-        status = controller.status()
-        bench.interrupt = lambda: None
+        with interruption:
+            status = controller.status()
         if not interruption.came:
             break
         [axis] = status.axes
-        assert axis.activity is (Activity.STOPPING if stop == "stop" else Activity.READY), place
-        assert axis.target_steps < 5000, place
+        assert axis.activity is (Activity.STOPPING if stop == "stop" else Activity.READY), interruption.place
+        assert axis.target_steps < 5000, interruption.place
         bench.rest()
-    assert place > 3
+    assert interruption.place > 3

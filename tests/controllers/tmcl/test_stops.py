@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from contextlib import suppress
-from itertools import count
 
 import pytest
 
 from controllers.bench import at, by, to
+from controllers.interruption import interruptions
 from controllers.tic.damage import losing
 from controllers.tmcl.bench import Bench
 from controllers.tmcl.chip import POSITION
@@ -18,21 +17,6 @@ from stepramp.controllers.contract import Activity, AnswerUnknown, AxisCommand
 from stepramp.controllers.tmcl import stopping
 from stepramp.controllers.tmcl.controller import TmclController
 from stepramp.errors import Refused
-
-
-class Interruption:
-    """Does something at a place, counted from 0, of those that are passed."""
-
-    def __init__(self, place: int, act: Callable[[], None]) -> None:
-        self._place, self._act = place, act
-        self._passed = 0
-        self.came = False
-
-    def passed(self) -> None:
-        self._passed += 1
-        if self._passed == self._place + 1:
-            self.came = True
-            self._act()
 
 
 @pytest.mark.parametrize("begin", ["move_by", "run"])
@@ -48,7 +32,8 @@ def test_a_stop_slows_down_with_the_acceleration(bench: Bench, controller: TmclC
     # v² / (2 a) = 990² / (2 · 4889), and what asking took.
     assert axis.target_steps == pytest.approx(at_stop - 100, abs=15)
     bench.pass_time(5)
-    assert bench.rest().axes[0].position_steps == pytest.approx(axis.target_steps, abs=2)
+    # Where it is, it is asked 2 ms after how fast: two steps later; and a step that was only begun isn't made.
+    assert bench.rest().axes[0].position_steps == pytest.approx(axis.target_steps, abs=3)
     assert heads_nowhere(bench)
 
 
@@ -89,19 +74,16 @@ def test_a_stop_at_any_place_of_a_motion_is_final(
         getattr(controller, stop)()
         controller.status()
 
-    for place in count():
-        interruption = Interruption(place, stop_and_look)
-        bench.interrupt = interruption.passed
-        with suppress(AnswerUnknown):
+    for interruption in interruptions(bench, stop_and_look):
+        with interruption, suppress(AnswerUnknown):
             getattr(controller, begin)([AxisCommand(0, 900, "value")])
-        bench.interrupt = lambda: None
         if not interruption.came:
             break
         bench.pass_time(3)
-        assert heads_nowhere(bench), place
-        assert bench.module.chip.speed == 0, place
+        assert heads_nowhere(bench), interruption.place
+        assert bench.module.chip.speed == 0, interruption.place
         controller.set_position(to(0))
-    assert place >= 5
+    assert interruption.place >= 5
 
 
 @pytest.mark.parametrize("stop", ["stop", "halt"])
@@ -167,21 +149,19 @@ def test_a_module_that_never_comes_to_rest_is_told_so(
 def test_a_status_tells_what_is_seen_after_a_stop_in_its_midst(
     bench: Bench, controller: TmclController, stop: str
 ) -> None:
-    for place in count():
+    for interruption in interruptions(bench, getattr(controller, stop)):
         controller.set_position(to(0))
         controller.move_to(to(5000))
         bench.pass_time(0.4)
-        interruption = Interruption(place, getattr(controller, stop))
-        bench.interrupt = interruption.passed
-        status = controller.status()
-        bench.interrupt = lambda: None
+        with interruption:
+            status = controller.status()
         if not interruption.came:
             break
         [axis] = status.axes
-        assert axis.activity is (Activity.STOPPING if stop == "stop" else Activity.READY), place
-        assert axis.target_steps < 5000, place
+        assert axis.activity is (Activity.STOPPING if stop == "stop" else Activity.READY), interruption.place
+        assert axis.target_steps < 5000, interruption.place
         bench.rest()
-    assert place >= 3
+    assert interruption.place >= 3
 
 
 def test_one_axis_is_stopped_and_the_others_go_on(six: Bench) -> None:
