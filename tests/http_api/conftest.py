@@ -1,4 +1,5 @@
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from starlette.testclient import TestClient
@@ -7,6 +8,8 @@ from stepramp.http_api.app import create_app
 
 
 @pytest.fixture
-def client() -> Iterator[TestClient]:
-    with TestClient(create_app(), base_url="http://127.0.0.1:8000", raise_server_exceptions=False) as client:
+def client(tmp_path: Path) -> Iterator[TestClient]:
+    with TestClient(
+        create_app(data=tmp_path), base_url="http://127.0.0.1:8000", raise_server_exceptions=False
+    ) as client:
         yield client

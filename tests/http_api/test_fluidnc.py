@@ -2,27 +2,15 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
 from starlette.testclient import TestClient
 
 from controllers.fluidnc.emulator import FILE, FluidNcOnACable
 from designs import document
-from stepramp.http_api.app import create_app
-
-DEVICES = "/api/v1/devices"
-PATIENCE_S = 10.0
-
-
-@pytest.fixture
-def client(tmp_path: Path) -> Iterator[TestClient]:
-    app = create_app(data=tmp_path)
-    with TestClient(app, base_url="http://127.0.0.1:8000", raise_server_exceptions=False) as client:
-        yield client
+from http_api.families import connected, ok, wait_until
 
 
 @pytest.fixture
@@ -33,22 +21,7 @@ def cable() -> Iterator[FluidNcOnACable]:
 
 @pytest.fixture
 def route(client: TestClient, cable: FluidNcOnACable) -> str:
-    answer = client.post(DEVICES, json={"port": cable.port, "family": "fluidnc"})
-    assert answer.status_code == 200, answer.text
-    return f"{DEVICES}/{answer.json()['id']}"
-
-
-def wait_until(client: TestClient, route: str, condition: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
-    deadline = time.monotonic() + PATIENCE_S
-    while not condition(device := client.get(route).json()):
-        assert time.monotonic() < deadline, device
-        time.sleep(0.02)
-    return device
-
-
-def ok(response: Any) -> Any:
-    assert response.status_code == 200, response.text
-    return response.json()
+    return connected(client, cable.port, "fluidnc")
 
 
 def test_from_connecting_to_rolling_back(

@@ -3,27 +3,25 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
 from starlette.testclient import TestClient
 
 from controllers.grbl.emulator import Eeprom, GrblEmulator, GrblOnACable
 from designs import document
-from stepramp.http_api.app import create_app
-
-DEVICES = "/api/v1/devices"
-PATIENCE_S = 10.0
-
-
-@pytest.fixture
-def client(tmp_path: Path) -> Iterator[TestClient]:
-    app = create_app(data=tmp_path)
-    with TestClient(app, base_url="http://127.0.0.1:8000", raise_server_exceptions=False) as client:
-        yield client
+from http_api.families import (
+    DEVICES,
+    Laws,
+    Motor,
+    at_rest,
+    connected,
+    error_of,
+    ok,
+    stopped_amid_motions,
+    wait_until,
+)
 
 
 @pytest.fixture
@@ -35,39 +33,23 @@ def cable() -> Iterator[GrblOnACable]:
 @pytest.fixture
 def device(client: TestClient, cable: GrblOnACable) -> str:
     """Return the route of a grbl with a ramp of 1000 steps/s and 5000 steps/s²."""
-    route = connected(client, cable)
-    pushed = client.post(f"{route}/push", json={"design": document()})
-    assert pushed.status_code == 200, pushed.text
+    route = connected(client, cable.port, "grbl")
+    ok(client.post(f"{route}/push", json={"design": document()}))
     return route
 
 
-def connected(client: TestClient, cable: GrblOnACable) -> str:
-    answer = client.post(DEVICES, json={"port": cable.port, "family": "grbl"})
-    assert answer.status_code == 200, answer.text
-    return f"{DEVICES}/{answer.json()['id']}"
+@pytest.fixture
+def motor(cable: GrblOnACable) -> Motor:
+    return Motor(lambda: cable.grbl.position[0], lambda: cable.grbl.steps)
 
 
-def wait_until(client: TestClient, route: str, condition: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
-    deadline = time.monotonic() + PATIENCE_S
-    while not condition(device := client.get(route).json()):
-        assert time.monotonic() < deadline, device
-        time.sleep(0.02)
-    return device
-
-
-def at_rest(client: TestClient, route: str) -> dict[str, Any]:
-    return wait_until(client, route, lambda device: device["state"] == "ready")
-
-
-def error_of(response: Any, status: int) -> dict[str, Any]:
-    assert response.status_code == status, response.text
-    [error] = response.json()["errors"]
-    return error
+class TestOverTheApi(Laws):
+    """What holds for a device of every family."""
 
 
 def test_connecting_asks_and_moves_nothing(client: TestClient, cable: GrblOnACable) -> None:
     cable.grbl.boot_s = 0.5
-    device = client.get(connected(client, cable)).json()
+    device = client.get(connected(client, cable.port, "grbl")).json()
     assert (device["family"], device["state"]) == ("grbl", "ready")
     assert device["capabilities"] == ["keep", "line", "backup", "import"]
     assert (device["firmware_version"], device["most_axes"], device["clocks_hz"]) == ("1.1h", 3, [])
@@ -77,7 +59,7 @@ def test_connecting_asks_and_moves_nothing(client: TestClient, cable: GrblOnACab
 
 
 def test_a_push_in_both_terms_and_the_backup_before_it(client: TestClient, cable: GrblOnACable, tmp_path: Path) -> None:
-    route = connected(client, cable)
+    route = connected(client, cable.port, "grbl")
     asked = {"design": document(ramp__base_speed_steps_per_s=100)}
     preview = client.post(f"{route}/push/preview", json=asked).json()
     assert preview["items"][1]["own"] == {"term": "$120", "unit": "mm/s²", "sent": 20, "on_device": 10}
@@ -110,14 +92,14 @@ def test_a_push_in_both_terms_and_the_backup_before_it(client: TestClient, cable
 
 
 def test_how_far_a_long_move_is_off_isnt_worked_out_and_that_is_said(client: TestClient, cable: GrblOnACable) -> None:
-    route = connected(client, cable)
+    route = connected(client, cable.port, "grbl")
     preview = client.post(f"{route}/push/preview", json={"design": document(move__steps=500_001)}).json()
     assert preview["largest_deviation_us"] is None
     assert preview["warnings"][-1] == "How far its delays are from the design's isn't worked out beyond 500,000 steps."
 
 
 def test_a_backup_that_is_asked_for_writes_nothing_and_says_so(client: TestClient, cable: GrblOnACable) -> None:
-    route = connected(client, cable)
+    route = connected(client, cable.port, "grbl")
     assert len(client.post(f"{route}/backups").json()["backups"]) == 1
 
     def lose_power(sent: bytes) -> bytes:
@@ -132,7 +114,7 @@ def test_a_backup_that_is_asked_for_writes_nothing_and_says_so(client: TestClien
 
 
 def test_what_cant_be_saved_isnt_written(client: TestClient, cable: GrblOnACable, tmp_path: Path) -> None:
-    route = connected(client, cable)
+    route = connected(client, cable.port, "grbl")
     (tmp_path / "backups").write_text("in the way")
     error = error_of(client.post(f"{route}/push", json={"design": document()}), 409)
     assert "can't be saved in" in error["message"]
@@ -154,7 +136,7 @@ def test_backups_are_read_and_restored_whatever_is_connected(client: TestClient,
     """Also by a server that was started anew, and of a controller that is at another port now."""
     cable.grbl.eeprom.settings |= {100: 80.0, 120: 200.0}
     before = dict(cable.grbl.eeprom.settings)
-    route = connected(client, cable)
+    route = connected(client, cable.port, "grbl")
     client.post(f"{route}/push", json={"design": document()})
     client.post(f"{route}/backups")
     assert client.delete(route).status_code in (200, 204)
@@ -166,7 +148,7 @@ def test_backups_are_read_and_restored_whatever_is_connected(client: TestClient,
     for wrong in (f"{source['name']}/2020-01-01", f"grbl-x-1/{oldest}", f"..%2F{source['name']}/{oldest}"):
         assert client.get(f"/api/v1/backups/{wrong}").status_code == 404
     with GrblOnACable(GrblEmulator(eeprom=cable.grbl.eeprom)) as elsewhere:
-        route = connected(client, elsewhere)
+        route = connected(client, elsewhere.port, "grbl")
         assert client.get(f"{route}/backups").json()["backups"] == []
         wanted = {"source": source["name"], "name": oldest}
         restored = client.post(f"{route}/backups/restore", json=wanted)
@@ -182,7 +164,7 @@ def test_a_backup_of_another_family_is_refused(client: TestClient, cable: GrblOn
     folder = tmp_path / "backups" / "marlin-dev-ttyUSB0-0badcafe"
     folder.mkdir(parents=True)
     (folder / "2026-01-02T03-04-05.000000Z.txt").write_text("M92 X80")
-    route = connected(client, cable)
+    route = connected(client, cable.port, "grbl")
     wanted = {"source": folder.name, "name": "2026-01-02T03-04-05.000000Z"}
     error = error_of(client.post(f"{route}/backups/restore", json=wanted), 422)
     assert (error["field"], error["value"]) == ("source", folder.name)
@@ -194,7 +176,7 @@ def test_a_power_cut_while_it_is_written_to(client: TestClient, cable: GrblOnACa
     eeprom = cable.grbl.eeprom
     eeprom.settings |= {100: 80.0, 120: 200.0}
     before = dict(eeprom.settings)
-    route = connected(client, cable)
+    route = connected(client, cable.port, "grbl")
     eeprom_writes = eeprom.writes
     cable.grbl.dies_at_write = eeprom_writes + 2
     error_of(client.post(f"{route}/push", json={"design": document()}), 502)
@@ -203,7 +185,7 @@ def test_a_power_cut_while_it_is_written_to(client: TestClient, cable: GrblOnACa
     assert f"What it had is saved as {lost['backup']}: restore that." in lost["message"]
     assert eeprom.settings != before
     cable.grbl.power_up()
-    route = connected(client, cable)
+    route = connected(client, cable.port, "grbl")
     device = client.get(route).json()
     assert (device["state"], device["backup"]) == ("ready", lost["backup"])
     # It isn't as it was only because it is back.
@@ -213,7 +195,7 @@ def test_a_power_cut_while_it_is_written_to(client: TestClient, cable: GrblOnACa
     error_of(client.post(f"{route}/backups/{lost['backup']}/restore"), 502)
     wait_until(client, route, lambda device: device["state"] == "lost")
     cable.grbl.power_up()
-    route = connected(client, cable)
+    route = connected(client, cable.port, "grbl")
     assert f"saved as {lost['backup']}: restore that." in client.get(route).json()["message"]
     assert client.post(f"{route}/backups/{lost['backup']}/restore").status_code == 200
     assert client.get(route).json()["message"] is None
@@ -243,49 +225,13 @@ def test_moving_stopping_and_halting(client: TestClient, cable: GrblOnACable, de
     assert [axis["position_steps"] for axis in at_rest(client, device)["axes"]] == [50, 20, 0]
 
 
-def test_running_lasts_as_long_as_its_lease(client: TestClient, cable: GrblOnACable, device: str) -> None:
-    running = client.post(f"{device}/run", json={"speed_steps_per_s": 500, "for_s": 2})
-    assert running.status_code == 200, running.text
-    wait_until(client, device, lambda device: device["position_steps"] > 100)
-    rested = at_rest(client, device)
-    assert 700 < rested["position_steps"] == cable.grbl.position[0] < 1600
-
-
-def test_soft_limits_are_kept(client: TestClient, cable: GrblOnACable, device: str) -> None:
-    limits = {"axes": [{"axis": 0, "lowest_steps": -100, "highest_steps": 1500}]}
-    assert client.put(f"{device}/soft_limits", json=limits).status_code == 200
-    error_of(client.post(f"{device}/move", json={"by_steps": 1501}), 422)
-    assert client.post(f"{device}/run", json={"speed_steps_per_s": 1000, "for_s": 30}).status_code == 200
-    assert at_rest(client, device)["position_steps"] == cable.grbl.position[0] <= 1500
-
-
 def test_a_stop_amid_motions_is_final(client: TestClient, cable: GrblOnACable, device: str) -> None:
     """Several ask for motions at the same time as one stops: once that was answered, nothing sets out."""
-
-    def ask(number: int) -> None:
-        body = {"to_steps": 4000 * (-1) ** number} if number % 3 else {"speed_steps_per_s": 400, "for_s": 5}
-        client.post(f"{device}/{'move' if number % 3 else 'run'}", json=body)
-
-    for turn in range(4):
-        with ThreadPoolExecutor(4) as asking:
-            pending = [asking.submit(ask, turn + number) for number in range(4)]
-            time.sleep(0.03 * turn)
-            assert client.post(f"{device}/stop").status_code == 200
-            for each in pending:
-                each.result()
-        client.post(f"{device}/stop")
+    for _ in stopped_amid_motions(client, device, turns=4):
         at_rest(client, device)
         steps = cable.grbl.steps
         time.sleep(0.3)
         assert (cable.grbl.steps, cable.grbl.is_moving) == (steps, False)
-
-
-def test_unplugging(client: TestClient, cable: GrblOnACable, device: str) -> None:
-    client.post(f"{device}/run", json={"speed_steps_per_s": 500, "for_s": 30})
-    cable.unplug()
-    lost = wait_until(client, device, lambda device: device["state"] == "lost")
-    assert "Axis 0 was moving" in lost["message"]
-    error_of(client.post(f"{device}/move", json={"by_steps": 5}), 502)
 
 
 def test_what_is_no_grbl_leaves_the_port_usable(client: TestClient) -> None:
@@ -295,7 +241,7 @@ def test_what_is_no_grbl_leaves_the_port_usable(client: TestClient) -> None:
         error = error_of(client.post(DEVICES, json={"port": cable.port, "family": "grbl"}), 409)
         assert "it is no grbl" in error["message"]
         grbl.banner, grbl.on_the_way_out = "Grbl 1.1h ['$' for help]", lambda said: said
-        connected(client, cable)
+        connected(client, cable.port, "grbl")
 
 
 def test_what_it_really_plays(client: TestClient) -> None:
@@ -330,7 +276,7 @@ def test_what_isnt_known_of_a_ramp(
 
 
 def test_starting_from_this_machine(client: TestClient, cable: GrblOnACable) -> None:
-    route = connected(client, cable)
+    route = connected(client, cable.port, "grbl")
     read = client.post(f"{route}/import", json={"design": document()}).json()
     assert (read["family"], [axis["name"] for axis in read["axes"]]) == ("grbl", ["X", "Y", "Z"])
     design = read["axes"][1]["design"]

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
 from starlette.testclient import TestClient
@@ -13,11 +11,9 @@ from starlette.testclient import TestClient
 from controllers.klipper.printer import CONFIG
 from controllers.klipper.server import MoonrakerServer
 from designs import document
+from http_api.families import DEVICES, connected, ok, wait_until
 from stepramp.http_api.app import create_app
 from stepramp.link.remote_ports import RemotePorts
-
-DEVICES = "/api/v1/devices"
-PATIENCE_S = 15.0
 
 
 @pytest.fixture
@@ -36,22 +32,7 @@ def client(tmp_path: Path, server: MoonrakerServer) -> Iterator[TestClient]:
 
 @pytest.fixture
 def route(client: TestClient, server: MoonrakerServer) -> str:
-    answer = client.post(DEVICES, json={"port": server.address, "family": "klipper"})
-    assert answer.status_code == 200, answer.text
-    return f"{DEVICES}/{answer.json()['id']}"
-
-
-def wait_until(client: TestClient, route: str, condition: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
-    deadline = time.monotonic() + PATIENCE_S
-    while not condition(device := client.get(route).json()):
-        assert time.monotonic() < deadline, device
-        time.sleep(0.02)
-    return device
-
-
-def ok(response: Any) -> Any:
-    assert response.status_code == 200, response.text
-    return response.json()
+    return connected(client, server.address, "klipper")
 
 
 def test_from_connecting_to_restoring(client: TestClient, route: str, server: MoonrakerServer, tmp_path: Path) -> None:

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import copy
 import time
-from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
 from starlette.testclient import TestClient
@@ -15,18 +13,18 @@ from starlette.testclient import TestClient
 from controllers.marlin.bench import QUESTIONS
 from controllers.marlin.emulator import DEFAULTS, MarlinEmulator, MarlinOnACable
 from designs import document
+from http_api.families import (
+    DEVICES,
+    Laws,
+    Motor,
+    at_rest,
+    connected,
+    error_of,
+    ok,
+    stopped_amid_motions,
+    wait_until,
+)
 from stepramp.controllers.marlin import memory
-from stepramp.http_api.app import create_app
-
-DEVICES = "/api/v1/devices"
-PATIENCE_S = 10.0
-
-
-@pytest.fixture
-def client(tmp_path: Path) -> Iterator[TestClient]:
-    app = create_app(data=tmp_path)
-    with TestClient(app, base_url="http://127.0.0.1:8000", raise_server_exceptions=False) as client:
-        yield client
 
 
 @pytest.fixture
@@ -38,40 +36,24 @@ def cable() -> Iterator[MarlinOnACable]:
 @pytest.fixture
 def device(client: TestClient, cable: MarlinOnACable) -> str:
     """Return the route of a Marlin with a ramp of 1000 steps/s and 5000 steps/s²."""
-    route = connected(client, cable)
-    pushed = client.post(f"{route}/push", json={"design": document()})
-    assert pushed.status_code == 200, pushed.text
+    route = connected(client, cable.port, "marlin")
+    ok(client.post(f"{route}/push", json={"design": document()}))
     return route
 
 
-def connected(client: TestClient, cable: MarlinOnACable, family: str = "marlin") -> str:
-    answer = client.post(DEVICES, json={"port": cable.port, "family": family})
-    assert answer.status_code == 200, answer.text
-    return f"{DEVICES}/{answer.json()['id']}"
+@pytest.fixture
+def motor(cable: MarlinOnACable) -> Motor:
+    return Motor(lambda: cable.marlin.position[0], lambda: cable.marlin.steps)
 
 
-def wait_until(client: TestClient, route: str, condition: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
-    deadline = time.monotonic() + PATIENCE_S
-    while not condition(device := client.get(route).json()):
-        assert time.monotonic() < deadline, device
-        time.sleep(0.02)
-    return device
-
-
-def at_rest(client: TestClient, route: str) -> dict[str, Any]:
-    return wait_until(client, route, lambda device: device["state"] == "ready")
-
-
-def error_of(response: Any, status: int) -> dict[str, Any]:
-    assert response.status_code == status, response.text
-    [error] = response.json()["errors"]
-    return error
+class TestOverTheApi(Laws):
+    """What holds for a device of every family."""
 
 
 @pytest.mark.parametrize("family", ["marlin", "marlin_250000"])
 def test_connecting_asks_and_moves_nothing(client: TestClient, cable: MarlinOnACable, family: str) -> None:
     cable.marlin.boot_s, cable.marlin.chats = 0.8, True
-    device = client.get(connected(client, cable, family)).json()
+    device = client.get(connected(client, cable.port, family)).json()
     assert (device["family"], device["state"]) == (family, "ready")
     assert device["capabilities"] == ["keep", "try", "line", "backup", "import"]
     assert (device["firmware_version"], device["most_axes"], device["clocks_hz"]) == ("2.1.2.5", 4, [])
@@ -83,7 +65,7 @@ def test_connecting_asks_and_moves_nothing(client: TestClient, cable: MarlinOnAC
 def test_a_push_in_both_terms_and_the_backup_before_it(
     client: TestClient, cable: MarlinOnACable, tmp_path: Path
 ) -> None:
-    route = connected(client, cable)
+    route = connected(client, cable.port, "marlin")
     asked = {"design": document(ramp__base_speed_steps_per_s=100)}
     preview = client.post(f"{route}/push/preview", json=asked).json()
     assert preview["items"][0]["own"] == {"term": "M201 X", "unit": "mm/s²", "sent": 62, "on_device": 500}
@@ -109,7 +91,7 @@ def test_a_push_in_both_terms_and_the_backup_before_it(
 
 
 def test_what_cant_be_saved_isnt_written(client: TestClient, cable: MarlinOnACable, tmp_path: Path) -> None:
-    route = connected(client, cable)
+    route = connected(client, cable.port, "marlin")
     (tmp_path / "backups").write_text("in the way")
     error = error_of(client.post(f"{route}/push", json={"design": document()}), 409)
     assert "nothing was written to it" in error["message"]
@@ -123,13 +105,13 @@ def test_a_power_cut_while_it_stores(
     own = copy.deepcopy(DEFAULTS)
     own["M92"]["X"] = 160.0
     cable.marlin.eeprom.settings = copy.deepcopy(own)
-    route = connected(client, cable)
+    route = connected(client, cable.port, "marlin")
     cable.marlin.dies_at_write = cable.marlin.eeprom.writes + 1
     error_of(client.post(f"{route}/push", json={"design": document()}), 502)
     lost = wait_until(client, route, lambda device: device["state"] == "lost")
     assert f"What it had is saved as {lost['backup']}: restore that." in lost["message"]
     cable.marlin.power_up()
-    route = connected(client, cable)
+    route = connected(client, cable.port, "marlin")
     assert client.get(route).json()["axes"][0]["steps_per_mm"] == 80
     assert client.post(f"{route}/backups/{lost['backup']}/restore").status_code == 200
     assert cable.marlin.eeprom.settings == own
@@ -153,52 +135,16 @@ def test_moving_and_stopping(client: TestClient, cable: MarlinOnACable, device: 
     assert client.post(f"{device}/position", json={"position_steps": 0}).json()["position_steps"] == 0
 
 
-def test_running_lasts_as_long_as_its_lease(client: TestClient, cable: MarlinOnACable, device: str) -> None:
-    running = client.post(f"{device}/run", json={"speed_steps_per_s": 500, "for_s": 2})
-    assert running.status_code == 200, running.text
-    wait_until(client, device, lambda device: device["position_steps"] > 100)
-    rested = at_rest(client, device)
-    assert 600 < rested["position_steps"] == cable.marlin.position[0] < 1400
-
-
-def test_soft_limits_are_kept(client: TestClient, cable: MarlinOnACable, device: str) -> None:
-    limits = {"axes": [{"axis": 0, "lowest_steps": -100, "highest_steps": 1500}]}
-    assert client.put(f"{device}/soft_limits", json=limits).status_code == 200
-    error_of(client.post(f"{device}/move", json={"by_steps": 1501}), 422)
-    assert client.post(f"{device}/run", json={"speed_steps_per_s": 1000, "for_s": 30}).status_code == 200
-    assert at_rest(client, device)["position_steps"] == cable.marlin.position[0] <= 1500
-
-
 @pytest.mark.parametrize("has_emergency_parser", [False, True])
 def test_a_stop_amid_motions_is_final(
     client: TestClient, cable: MarlinOnACable, device: str, has_emergency_parser: bool
 ) -> None:
     """Several ask for motions at the same time as one stops: once that was answered, nothing sets out."""
     cable.marlin.has_emergency_parser = has_emergency_parser
-
-    def ask(number: int) -> None:
-        body = {"to_steps": 4000 * (-1) ** number} if number % 3 else {"speed_steps_per_s": 400, "for_s": 5}
-        client.post(f"{device}/{'move' if number % 3 else 'run'}", json=body)
-
-    for turn in range(2):
-        with ThreadPoolExecutor(4) as asking:
-            pending = [asking.submit(ask, turn + number) for number in range(4)]
-            time.sleep(0.03 * turn)
-            assert client.post(f"{device}/stop").status_code == 200
-            for each in pending:
-                each.result()
-        client.post(f"{device}/stop")
+    for _ in stopped_amid_motions(client, device, turns=2):
         steps = cable.marlin.steps
         time.sleep(0.3)
         assert (cable.marlin.steps, cable.marlin.is_moving) == (steps, False)
-
-
-def test_unplugging(client: TestClient, cable: MarlinOnACable, device: str) -> None:
-    client.post(f"{device}/run", json={"speed_steps_per_s": 500, "for_s": 30})
-    cable.unplug()
-    lost = wait_until(client, device, lambda device: device["state"] == "lost")
-    assert "Axis 0 was moving" in lost["message"]
-    error_of(client.post(f"{device}/move", json={"by_steps": 5}), 502)
 
 
 def test_what_is_no_marlin_leaves_the_port_usable(client: TestClient) -> None:
@@ -208,7 +154,7 @@ def test_what_is_no_marlin_leaves_the_port_usable(client: TestClient) -> None:
         error = error_of(client.post(DEVICES, json={"port": cable.port, "family": "marlin"}), 409)
         assert "it is no Marlin" in error["message"]
         marlin.on_the_way_out = lambda said: said
-        connected(client, cable)
+        connected(client, cable.port, "marlin")
 
 
 def test_what_it_really_plays(client: TestClient) -> None:
@@ -223,7 +169,7 @@ def test_what_it_really_plays(client: TestClient) -> None:
 
 
 def test_starting_from_this_machine(client: TestClient, cable: MarlinOnACable) -> None:
-    route = connected(client, cable)
+    route = connected(client, cable.port, "marlin")
     read = client.post(f"{route}/import", json={"design": document()}).json()
     assert (read["family"], [axis["name"] for axis in read["axes"]]) == ("marlin", ["X", "Y", "Z", "E"])
     design = read["axes"][1]["design"]

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import random
-import time
-from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Iterator
 from typing import Any
 
 import pytest
@@ -13,9 +10,17 @@ from starlette.testclient import TestClient
 
 from controllers.tic.emulator import HALTED, READ, VELOCITY, TicEmulator, TicOnACable
 from designs import document
-
-DEVICES = "/api/v1/devices"
-PATIENCE_S = 10.0
+from http_api.families import (
+    DEVICES,
+    Laws,
+    Motor,
+    at_rest,
+    connected,
+    error_of,
+    ok,
+    stopped_around_motions,
+    wait_until,
+)
 
 
 @pytest.fixture
@@ -29,30 +34,18 @@ def cable() -> Iterator[TicOnACable]:
 @pytest.fixture
 def device(client: TestClient, cable: TicOnACable) -> str:
     """Return the route of a Tic with a ramp of 1000 steps/s and 5000 steps/s²."""
-    connected = client.post(DEVICES, json={"port": cable.port, "family": "tic"})
-    assert connected.status_code == 200, connected.text
-    route = f"{DEVICES}/{connected.json()['id']}"
-    pushed = client.post(f"{route}/push", json={"design": document(), "mode": "try"})
-    assert pushed.status_code == 200, pushed.text
+    route = connected(client, cable.port, "tic")
+    ok(client.post(f"{route}/push", json={"design": document(), "mode": "try"}))
     return route
 
 
-def wait_until(client: TestClient, route: str, condition: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
-    deadline = time.monotonic() + PATIENCE_S
-    while not condition(device := client.get(route).json()):
-        assert time.monotonic() < deadline, device
-        time.sleep(0.02)
-    return device
+@pytest.fixture
+def motor(cable: TicOnACable) -> Motor:
+    return Motor(lambda: cable.tic.position, lambda: cable.tic.steps)
 
 
-def at_rest(client: TestClient, route: str) -> dict[str, Any]:
-    return wait_until(client, route, lambda device: device["state"] == "ready")
-
-
-def error_of(response: Any, status: int) -> dict[str, Any]:
-    assert response.status_code == status, response.text
-    [error] = response.json()["errors"]
-    return error
+class TestOverTheApi(Laws):
+    """What holds for a device of every family."""
 
 
 def test_the_family_is_listed(client: TestClient) -> None:
@@ -171,30 +164,6 @@ def test_stopping(client: TestClient, cable: TicOnACable, device: str) -> None:
     assert cable.tic.velocity == 0
 
 
-def test_running_lasts_as_long_as_its_lease(client: TestClient, cable: TicOnACable, device: str) -> None:
-    running = client.post(f"{device}/run", json={"speed_steps_per_s": 500, "for_s": 1.5})
-    assert running.status_code == 200, running.text
-    wait_until(client, device, lambda device: device["position_steps"] > 100)
-    rested = at_rest(client, device)
-    assert rested["position_steps"] == cable.tic.position
-    assert rested["message"] is None
-
-
-def test_there_and_back(client: TestClient, cable: TicOnACable, device: str) -> None:
-    asked = client.post(f"{device}/there_and_back", json={"by_steps": 60, "times": 2, "pause_s": 0})
-    assert asked.status_code == 200, asked.text
-    wait_until(client, device, lambda device: device["shuttle"] is None and device["state"] == "ready")
-    assert (cable.tic.position, cable.tic.steps) == (0, 240)
-
-
-def test_soft_limits_are_kept(client: TestClient, cable: TicOnACable, device: str) -> None:
-    limits = {"axes": [{"axis": 0, "lowest_steps": -100, "highest_steps": 1500}]}
-    assert client.put(f"{device}/soft_limits", json=limits).status_code == 200
-    error_of(client.post(f"{device}/move", json={"by_steps": 1501}), 422)
-    assert client.post(f"{device}/run", json={"speed_steps_per_s": 1000, "for_s": 30}).status_code == 200
-    assert at_rest(client, device)["position_steps"] == cable.tic.position <= 1500
-
-
 def test_what_keeps_it_from_moving_is_told(client: TestClient, cable: TicOnACable, device: str) -> None:
     cable.tic.press("low_vin")
     error = error_of(client.post(f"{device}/move", json={"by_steps": 5}), 409)
@@ -204,14 +173,6 @@ def test_what_keeps_it_from_moving_is_told(client: TestClient, cable: TicOnACabl
     cable.tic.press("low_vin", False)
     client.post(f"{device}/move", json={"by_steps": 5})
     assert at_rest(client, device)["message"] is None
-
-
-def test_unplugging(client: TestClient, cable: TicOnACable, device: str) -> None:
-    client.post(f"{device}/run", json={"speed_steps_per_s": 500, "for_s": 30})
-    cable.unplug()
-    lost = wait_until(client, device, lambda device: device["state"] == "lost")
-    assert "Axis 0 was moving" in lost["message"]
-    error_of(client.post(f"{device}/move", json={"by_steps": 5}), 502)
 
 
 def test_a_tic_that_is_switched_off_and_on_again_is_lost_and_found(
@@ -243,15 +204,6 @@ def test_a_stop_at_a_random_moment_around_a_motion_is_final(
     """Though the Tic's own precautions against what it was told before are switched off."""
     cable.tic.disable_safe_start = True
     body = {"move": {"by_steps": 3000}, "run": {"speed_steps_per_s": 900, "for_s": 60}, "zero": {"steps": 2000}}[path]
-    moments = random.Random(path)
-    with ThreadPoolExecutor(1) as pool:
-        for _ in range(20):
-            # On a busy machine it may come in after the stop: then, too, it is one that was asked before.
-            known = {"X-StepRamp-Stops": str(client.get(device).json()["stops"])}
-            motion = pool.submit(client.post, f"{device}/{path}", json=body, headers=known)
-            time.sleep(moments.uniform(0, 0.1))
-            assert client.post(f"{device}/stop").status_code == 200
-            assert motion.result().status_code in (200, 409), motion.result().text
-            at_rest(client, device)
-            assert cable.tic.told in ((VELOCITY, 0), (HALTED, 0))
-            assert cable.tic.velocity == 0
+    for _ in stopped_around_motions(client, device, path, body):
+        assert cable.tic.told in ((VELOCITY, 0), (HALTED, 0))
+        assert cable.tic.velocity == 0

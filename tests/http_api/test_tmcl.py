@@ -2,31 +2,26 @@
 
 from __future__ import annotations
 
-import random
-import time
-from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
-from typing import Any
+from collections.abc import Iterator
 
 import pytest
 from starlette.testclient import TestClient
 
 from controllers.tmcl.emulator import FACTORY, QUESTIONS, ROR, ModuleOnACable, TmclEmulator
 from designs import document
-from stepramp.http_api.app import create_app
+from http_api.families import (
+    Laws,
+    Motor,
+    at_rest,
+    connected,
+    error_of,
+    ok,
+    stopped_around_motions,
+    wait_until,
+)
 
-DEVICES = "/api/v1/devices"
-PATIENCE_S = 10.0
 PUSHED = {4: 1048, 5: 42, 17: 42, 19: 0, 20: 10, 15: 42, 16: 0, 18: 42}
 """1000 steps/s and 5000 steps/s² in the chip's units."""
-
-
-@pytest.fixture
-def client(tmp_path: Path) -> Iterator[TestClient]:
-    app = create_app(data=tmp_path)
-    with TestClient(app, base_url="http://127.0.0.1:8000", raise_server_exceptions=False) as client:
-        yield client
 
 
 @pytest.fixture
@@ -40,34 +35,18 @@ def cable() -> Iterator[ModuleOnACable]:
 @pytest.fixture
 def device(client: TestClient, cable: ModuleOnACable) -> str:
     """Return the route of a module with a ramp of 1000 steps/s and 5000 steps/s²."""
-    route = connected(client, cable)
-    pushed = client.post(f"{route}/push", json={"design": document(), "mode": "try"})
-    assert pushed.status_code == 200, pushed.text
+    route = connected(client, cable.port, "tmcl")
+    ok(client.post(f"{route}/push", json={"design": document(), "mode": "try"}))
     return route
 
 
-def connected(client: TestClient, cable: ModuleOnACable) -> str:
-    answer = client.post(DEVICES, json={"port": cable.port, "family": "tmcl"})
-    assert answer.status_code == 200, answer.text
-    return f"{DEVICES}/{answer.json()['id']}"
+@pytest.fixture
+def motor(cable: ModuleOnACable) -> Motor:
+    return Motor(lambda: cable.module.chip.position, lambda: cable.module.chip.steps)
 
 
-def wait_until(client: TestClient, route: str, condition: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
-    deadline = time.monotonic() + PATIENCE_S
-    while not condition(device := client.get(route).json()):
-        assert time.monotonic() < deadline, device
-        time.sleep(0.02)
-    return device
-
-
-def at_rest(client: TestClient, route: str) -> dict[str, Any]:
-    return wait_until(client, route, lambda device: device["state"] == "ready")
-
-
-def error_of(response: Any, status: int) -> dict[str, Any]:
-    assert response.status_code == status, response.text
-    [error] = response.json()["errors"]
-    return error
+class TestOverTheApi(Laws):
+    """What holds for a device of every family."""
 
 
 def ramp_of(cable: ModuleOnACable, *, stored: bool = False) -> dict[int, int]:
@@ -83,7 +62,7 @@ def test_the_family_says_what_it_cant_do(client: TestClient) -> None:
 
 
 def test_connecting_asks_and_moves_nothing(client: TestClient, cable: ModuleOnACable) -> None:
-    device = client.get(connected(client, cable)).json()
+    device = client.get(connected(client, cable.port, "tmcl")).json()
     assert (device["family"], device["state"]) == ("tmcl", "ready")
     assert device["capabilities"] == ["keep", "try", "backup", "import"]
     assert (device["firmware_version"], device["most_axes"], device["clocks_hz"]) == ("1.19", 1, [])
@@ -94,7 +73,7 @@ def test_connecting_asks_and_moves_nothing(client: TestClient, cable: ModuleOnAC
 
 def test_the_whole_path(client: TestClient, cable: ModuleOnACable) -> None:
     """Connect, difference, push, verify, move, stop, roll back, keep."""
-    route = connected(client, cable)
+    route = connected(client, cable.port, "tmcl")
     asked = {"design": document(ramp__base_speed_steps_per_s=50)}
     preview = client.post(f"{route}/push/preview", json=asked).json()
     [speed] = [item for item in preview["items"] if item["name"] == "Full speed"]
@@ -134,30 +113,6 @@ def test_moving_halting_and_setting_positions(client: TestClient, cable: ModuleO
     assert ramp_of(cable) == PUSHED
 
 
-def test_running_lasts_as_long_as_its_lease(client: TestClient, cable: ModuleOnACable, device: str) -> None:
-    running = client.post(f"{device}/run", json={"speed_steps_per_s": 500, "for_s": 1.5})
-    assert running.status_code == 200, running.text
-    wait_until(client, device, lambda device: device["position_steps"] > 100)
-    rested = at_rest(client, device)
-    assert rested["position_steps"] == cable.module.chip.position < 1500
-    assert rested["message"] is None
-
-
-def test_there_and_back(client: TestClient, cable: ModuleOnACable, device: str) -> None:
-    asked = client.post(f"{device}/there_and_back", json={"by_steps": 60, "times": 2, "pause_s": 0})
-    assert asked.status_code == 200, asked.text
-    wait_until(client, device, lambda device: device["shuttle"] is None and device["state"] == "ready")
-    assert (cable.module.chip.position, cable.module.chip.steps) == (0, 240)
-
-
-def test_soft_limits_are_kept(client: TestClient, cable: ModuleOnACable, device: str) -> None:
-    limits = {"axes": [{"axis": 0, "lowest_steps": -100, "highest_steps": 1500}]}
-    assert client.put(f"{device}/soft_limits", json=limits).status_code == 200
-    error_of(client.post(f"{device}/move", json={"by_steps": 1501}), 422)
-    assert client.post(f"{device}/run", json={"speed_steps_per_s": 990, "for_s": 30}).status_code == 200
-    assert at_rest(client, device)["position_steps"] == cable.module.chip.position <= 1500
-
-
 def test_what_a_module_cant_play_names_the_field(client: TestClient, device: str) -> None:
     would_hang = document(ramp__acceleration_steps_per_s2=100)
     for path in ("push", "push/preview"):
@@ -176,7 +131,7 @@ def test_a_locked_memory_is_told(client: TestClient, cable: ModuleOnACable, devi
 
 
 def test_the_backup_before_the_first_write_and_a_power_cut(client: TestClient, cable: ModuleOnACable) -> None:
-    route = connected(client, cable)
+    route = connected(client, cable.port, "tmcl")
     cable.module.dies_after_stores = 3
     error_of(client.post(f"{route}/push", json={"design": document()}), 502)
     lost = wait_until(client, route, lambda device: device["state"] == "lost")
@@ -184,7 +139,7 @@ def test_the_backup_before_the_first_write_and_a_power_cut(client: TestClient, c
     cable.module.dies_after_stores = None
     cable.module.power_up()
     assert FACTORY != ramp_of(cable) != PUSHED
-    route = connected(client, cable)
+    route = connected(client, cable.port, "tmcl")
     text = client.get(f"{route}/backups/{lost['backup']}").text
     assert text.startswith("module TMCM-1276\nfirmware 1.19\n")
     restored = client.post(f"{route}/backups/{lost['backup']}/restore")
@@ -217,14 +172,6 @@ def test_what_it_really_plays(client: TestClient) -> None:
     assert backwards["direction"] == -1
 
 
-def test_unplugging(client: TestClient, cable: ModuleOnACable, device: str) -> None:
-    client.post(f"{device}/run", json={"speed_steps_per_s": 500, "for_s": 30})
-    cable.unplug()
-    lost = wait_until(client, device, lambda device: device["state"] == "lost")
-    assert "Axis 0 was moving" in lost["message"]
-    error_of(client.post(f"{device}/move", json={"by_steps": 5}), 502)
-
-
 def test_a_module_that_is_switched_off_and_on_again_is_lost_and_found(
     client: TestClient, cable: ModuleOnACable, device: str
 ) -> None:
@@ -233,7 +180,7 @@ def test_a_module_that_is_switched_off_and_on_again_is_lost_and_found(
     cable.module.power_up()
     lost = wait_until(client, device, lambda device: device["state"] == "lost")
     assert "was restarted: its positions are no longer known" in lost["message"]
-    again = client.get(connected(client, cable)).json()
+    again = client.get(connected(client, cable.port, "tmcl")).json()
     assert (again["state"], again["unknown_positions"]) == ("ready", [0])
 
 
@@ -252,14 +199,5 @@ def test_a_stop_at_a_random_moment_around_a_motion_is_final(
     client: TestClient, cable: ModuleOnACable, device: str, path: str
 ) -> None:
     body = {"move": {"by_steps": 3000}, "run": {"speed_steps_per_s": 900, "for_s": 60}}[path]
-    moments = random.Random(path)
-    with ThreadPoolExecutor(1) as pool:
-        for _ in range(20):
-            # On a busy machine it may come in after the stop: then, too, it is one that was asked before.
-            known = {"X-StepRamp-Stops": str(client.get(device).json()["stops"])}
-            motion = pool.submit(client.post, f"{device}/{path}", json=body, headers=known)
-            time.sleep(moments.uniform(0, 0.1))
-            assert client.post(f"{device}/stop").status_code == 200
-            assert motion.result().status_code in (200, 409), motion.result().text
-            at_rest(client, device)
-            assert (cable.module.chip.vmax, cable.module.chip.speed) == (0, 0)
+    for _ in stopped_around_motions(client, device, path, body):
+        assert (cable.module.chip.vmax, cable.module.chip.speed) == (0, 0)
