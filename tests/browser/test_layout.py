@@ -234,6 +234,10 @@ def test_figures_explain_themselves(stepramp: StepRampPage) -> None:
         assert box
         assert whole
         assert whole["x"] <= box["x"] < box["x"] + box["width"] <= whole["x"] + whole["width"]
+        stepramp.page.emulate_media(media="print")
+        expect(explained).to_be_hidden()
+        stepramp.page.emulate_media(media="screen")
+        expect(explained).to_be_visible()
         stepramp.page.keyboard.press("Escape")
         expect(explained).to_be_hidden()
 

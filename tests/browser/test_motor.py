@@ -210,6 +210,15 @@ def test_the_fastest_safe_ramp_is_used_and_taken_back_as_one(stepramp: StepRampP
         len(set(cards.locator(".small-chart .line").evaluate_all("(all) => all.map((one) => one.getAttribute('d'))")))
         == 4
     )
+    # On a phone, too, each name and number have a line, beside each other.
+    assert page.viewport_size
+    usual = page.viewport_size
+    page.set_viewport_size({"width": 390, "height": 844})
+    lines = "(all) => all.map((one) => [one.clientHeight, one.scrollWidth - one.clientWidth])"
+    heights = cards.locator("dl > *").evaluate_all(lines)
+    assert len({height for height, _ in heights}) == 1
+    assert {beyond for _, beyond in heights} == {0}
+    page.set_viewport_size(usual)
     cards.nth(1).get_by_role("button").click()
     expect(cards.nth(1).get_by_role("button")).to_have_text("In use")
     [acceleration] = [one["value"] for one in found["candidates"][0]["changes"] if "acceleration" in one["field"]]
