@@ -108,3 +108,23 @@ def stays(bench: Bench, where: object) -> None:
     steps = bench.marlin.steps
     bench.pass_time(1.3)
     assert (bench.marlin.steps, bench.marlin.is_moving) == (steps, False), where
+
+
+def test_a_place_that_has_lost_a_letter_is_asked_again(bench: Bench) -> None:
+    """It was taken for that of a machine whose motors aren't its axes, and the stop refused."""
+    controller, marlin = bench.controller, bench.marlin
+    controller.connect()
+    controller.run(at(400))
+    left = [1]
+
+    def lose_a_letter(said: bytes) -> bytes:
+        place = said.find(b" Y:", said.find(b"Count"))
+        if b"Count" not in said or place < 0 or not left:
+            return said
+        left.pop()
+        return said[: place + 1] + said[place + 2 :]
+
+    marlin.on_the_way_out = lose_a_letter
+    controller.stop()
+    assert not left
+    assert not marlin.is_moving

@@ -53,6 +53,7 @@ QUIET_S = 0.03
 SURE_S = 0.8
 """A line that may be answered late is sent again when nothing is said to it for so long [s]."""
 MOST_REPEATS = 3
+PLACES_ASKED = 3
 MOST_LINES_AGAIN = 8
 """So often a line is sent again that arrives damaged."""
 PLACE = re.compile(r"X:.* Count.*")
@@ -156,15 +157,17 @@ class Conversation:
 
         Raises Refused when it tells that in another way, as a machine does whose motors aren't its axes.
         """
-        said = self.ask(POSITION, PLACE, time_s=time_s, repeats=repeats)
-        self._may_set_out = False
-        found = next((place for place in map(place_of, reversed(said)) if place is not None), None)
-        if found is None or not {"X", "Y", "Z"} <= set(found.counts):
-            raise Refused(
-                f"The Marlin at {self.name} doesn't count the steps of X, Y and Z: motors of a delta or a CoreXY move "
-                "several axes, and are not moved here."
-            )
-        return found
+        # A line that has lost a letter on its way tells no places, either.
+        for _ in range(PLACES_ASKED):
+            said = self.ask(POSITION, PLACE, time_s=time_s, repeats=repeats)
+            self._may_set_out = False
+            found = next((place for place in map(place_of, reversed(said)) if place is not None), None)
+            if found is not None and {"X", "Y", "Z"} <= set(found.counts):
+                return found
+        raise Refused(
+            f"The Marlin at {self.name} doesn't count the steps of X, Y and Z: motors of a delta or a CoreXY move "
+            "several axes, and are not moved here."
+        )
 
     def ask(
         self,
