@@ -140,7 +140,7 @@ def test_a_push(connect: Connect) -> None:
 
 def test_a_setting_that_is_not_known(connect: Connect) -> None:
     controller = connect(
-        ("M114", RESTS), ("M400", "ok\n"), ("M201 X62", 'echo:Unknown command: "M201 X62"\nok\n')
+        ("M114", RESTS), ("M400", "ok\n"), ("M201 X62", 'echo:Unknown command: "M201 X62"\nok\n'), ("M503", LISTING)
     )  # fmt: skip
     with pytest.raises(Refused, match="refuses 'M201 X62': it knows no such command"):
         controller.prepare_push([design()], 0)()
