@@ -8,11 +8,13 @@ from typing import Any
 import pytest
 
 from designs import design
+from motor.clock import Clock
 from motor.trains import AT_24_V, LOADED, NEMA_17, with_motor
 from stepramp.exports.printed.checks import checks_of
 from stepramp.exports.printed.content import Asked, report_of
 from stepramp.exports.printed.motor import MotorPart
 from stepramp.exports.printed.motor_plots import described_motor, motor_plots_of
+from stepramp.motor import patience
 from stepramp.ramp.profile import profile_of
 from stepramp.units import LengthUnit, ShownUnits, TimeUnit
 
@@ -156,6 +158,36 @@ def test_the_verdict_is_told_with_its_cause_and_what_is_not_covered() -> None:
     safe = dict(row for row in motor_part().found.rows)
     assert (safe["verdict"], "why" in safe, "lost" in safe) == ("safe", False, False)
     assert safe["torque that is kept back"] == "87 %; 40 % should be"
+
+
+def test_the_report_tells_the_limits_what_the_rotor_does_what_to_change_and_what_is_faster(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """In turns: .59 / √2 Nm of T_h less 5 % of .59 Nm, over 282e-7 kg m²; bands about ½ and once 136.88 full steps."""
+    monkeypatch.setattr(patience, "time", Clock())
+    part = motor_part(ramp__acceleration_steps_per_s2=1.2e7)
+    rows = list(part.found.rows)
+    told = dict(rows)
+    for name, share in (("greatest sudden acceleration", 0.7246), ("the same over a natural period", 0.97)):
+        turns = (share * 0.59 / math.sqrt(2) - 0.0295) / 282e-7 / (2 * math.pi)
+        assert told[name].endswith(" rev/s²")
+        assert turns * 0.999 < float(told[name].removesuffix(" rev/s²").replace(",", "")) <= turns
+    ends = [float(each) for each in re.findall(r"[\d.]+(?= (?:to|rev))", told["resonances"])]
+    assert ends == pytest.approx([136.88 / 200 * part for part in (0.425, 0.575, 0.85, 1.15)], rel=1e-3)
+    changes = [text for name, text in rows if name == "what would make it safe"]
+    assert any(text.startswith("lower the acceleration to") for text in changes)
+    assert "within the same margin" in told["the fastest safe ramp"]
+    assert part.rotor is not None
+    assert [row[0] for row in part.rotor.rows] == ["0.02", "0.05", "0.1"]
+    assert all(re.fullmatch(r"after step \d+", row[1]) for row in part.rotor.rows)
+    calm = motor_part()
+    assert calm.rotor is not None
+    assert [row[1] for row in calm.rotor.rows] == ["none"] * 3
+    # The more it is damped, the less it swings, and the sooner it rests.
+    assert calm.tables == (calm.data, calm.found, calm.rotor)
+    for column in (3, 4, 5):
+        figures = [float(row[column].rstrip("° %ms")) for row in calm.rotor.rows]
+        assert figures == sorted(figures, reverse=True)
 
 
 def test_a_motors_plots_are_of_its_torque_and_its_load_angle() -> None:

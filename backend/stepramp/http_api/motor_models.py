@@ -192,17 +192,12 @@ class SimulateAnswer(Answer):
 
 
 def _run(outcome: Outcome, damping: float, run: Run) -> RunAnswer:
-    slew = next((phase for phase in outcome.profile.phases if phase.name == "slew"), None)
-    ripple = None
-    if slew is not None:
-        at = slice(slew.first_step - 1, slew.last_step)
-        ripple = float(np.abs(run.speeds[at] / outcome.profile.speed_steps_per_s[at] - 1).max())
     return RunAnswer(
         damping=damping,
         lost_full_steps=round(run.lost_periods / outcome.train.periods_per_full_step),
         first_lost_step=run.first_lost_step or None,
         largest_load_angle_deg=run.largest_load_angle_deg,
-        speed_ripple=ripple,
+        speed_ripple=outcome.speed_ripple(run),
         overshoot_deg=run.overshoot_deg,
         settled_after_s=run.settled_after_s,
     )

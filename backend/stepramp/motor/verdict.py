@@ -89,6 +89,14 @@ class Outcome:
         """4 · round(φ / 2π) of two phases [full steps]; less than 0: the motor is ahead."""
         return round(self.worst.lost_periods / self.train.periods_per_full_step)
 
+    def speed_ripple(self, run: Run) -> float | None:
+        """Return how far a run's speed is from the slew speed at most, in parts of it; None: there is no slew phase."""
+        slew = next((phase for phase in self.profile.phases if phase.name == "slew"), None)
+        if slew is None:
+            return None
+        at = slice(slew.first_step - 1, slew.last_step)
+        return float(np.abs(run.speeds[at] / self.profile.speed_steps_per_s[at] - 1).max())
+
     @cached_property
     def intervals_s(self) -> NDArray[np.float64]:
         """The move's intervals [s], shape (N,)."""

@@ -12,15 +12,17 @@ from stepramp.errors import Rejected
 from stepramp.exports.printed.numbers import plain
 from stepramp.exports.printed.table import Table
 from stepramp.exports.printed.told import in_units, shown
-from stepramp.motor.limits import greatest_start_speed
+from stepramp.motor.fastest import fastest_of
+from stepramp.motor.limits import SMOOTH, SUDDEN, greatest_acceleration, greatest_start_speed, resonances
 from stepramp.motor.origins import NOT_COVERED, Origin, origins_of
 from stepramp.motor.presets import preset_of
+from stepramp.motor.proposals import proposals_of
 from stepramp.motor.torque import TorqueCurve, drive_train, torque_curve_of
 from stepramp.motor.verdict import MOST_USED, USUAL_DAMPING, Cause, Evidence, Outcome, cause_of, outcome_of
 from stepramp.numerics.drive_train import DriveTrain
 from stepramp.numerics.limit_text import highest
 from stepramp.ramp.thinning import kept_steps
-from stepramp.units import ShownUnits, g_cm2_from_kg_m2
+from stepramp.units import Quantity, ShownUnits, g_cm2_from_kg_m2
 
 CAUSES: dict[Cause, str] = {
     "start": "it begins faster than the motor can start",
@@ -44,6 +46,10 @@ WORDS: dict[Origin | None, str] = {
     "assumed": "assumed",
     "unused": "told, but doesn't count",
 }
+ROTOR = (
+    "ζ", "the first step lost", "largest load angle, electrical", "largest ripple of its slew speed",
+    "beyond its end, electrical", "settled after",
+)  # fmt: skip
 FIGURES = 4
 MOST_POINTS = 4000
 NAMES = {
@@ -88,11 +94,13 @@ class MotorPart:
     found: Table
     played: Played | None
     """None: the move couldn't be played."""
+    rotor: Table | None = None
+    """What the rotor does with each damping; None as of played."""
 
     @property
     def tables(self) -> tuple[Table, ...]:
         """All tables in order."""
-        return self.data, self.found
+        return (self.data, self.found) if self.rotor is None else (self.data, self.found, self.rotor)
 
 
 def motor_part_of(design: Design, units: ShownUnits, is_wanted: Callable[[], bool] = lambda: True) -> MotorPart | None:
@@ -107,7 +115,9 @@ def motor_part_of(design: Design, units: ShownUnits, is_wanted: Callable[[], boo
         return MotorPart(data, _found(("verdict", f"not played: {told}")), None)
     angles = outcome.runs[USUAL_DAMPING].load_angles_deg
     kept = kept_steps(np.round(angles * 1000).astype(np.int64), outcome.profile.phases, MOST_POINTS)
-    return MotorPart(data, _found(*_verdict(outcome, units)), Played(curve, kept + 1, angles[kept]))
+    found = _found(*_verdict(outcome, units), *_limits(outcome.train, units), *_better(design, outcome, is_wanted))
+    rotor = Table("What its rotor does, by how much it is damped", ROTOR, tuple(_rotor(outcome)))
+    return MotorPart(data, found, Played(curve, kept + 1, angles[kept]), rotor)
 
 
 def _found(*rows: tuple[str, str]) -> Table:
@@ -170,7 +180,7 @@ def _pull_out(motor: Motor, train: DriveTrain, origins: dict[str, Origin]) -> It
 
 
 def _verdict(outcome: Outcome, units: ShownUnits) -> Iterator[tuple[str, str]]:
-    cause, run, train = cause_of(outcome), outcome.worst, outcome.train
+    cause, run = cause_of(outcome), outcome.worst
     yield "verdict", outcome.verdict
     if cause is not None:
         yield "why", CAUSES[cause]
@@ -180,12 +190,42 @@ def _verdict(outcome: Outcome, units: ShownUnits) -> Iterator[tuple[str, str]]:
         yield "lost", f"{_lost(outcome.lost_full_steps)}; the first after step {run.first_lost_step:,}"
     yield from _used(outcome, shown(outcome.most_used_at, units, "speed"))
     yield "largest load angle", f"{plain(run.largest_load_angle_deg, 3)} electrical °; a full step is 90° of two phases"
-    yield "natural frequency", f"{plain(train.natural_frequency_hz, FIGURES)} Hz"
-    # A limit is told so that what is told is allowed.
-    fastest = highest(units.factor("speed") * greatest_start_speed(train), FIGURES)
-    yield "greatest start speed", f"{plain(fastest)} {units.word('speed')}"
     dampings = ", ".join(plain(damping) for damping in outcome.runs)
     yield "played with dampings of", f"{dampings}; the plot has {plain(USUAL_DAMPING)}"
+
+
+def _limits(train: DriveTrain, units: ShownUnits) -> Iterator[tuple[str, str]]:
+    yield "natural frequency", f"{plain(train.natural_frequency_hz, FIGURES)} Hz"
+    limits: tuple[tuple[str, Quantity, float], ...] = (
+        ("greatest start speed", "speed", greatest_start_speed(train)),
+        ("greatest sudden acceleration", "acceleration", greatest_acceleration(train, SUDDEN)),
+        ("the same over a natural period", "acceleration", greatest_acceleration(train, SMOOTH)),
+    )
+    for name, quantity, value in limits:
+        # A limit is told so that what is told is allowed.
+        yield name, f"{plain(highest(units.factor(quantity) * value, FIGURES))} {units.word(quantity)}"
+    bands = [[plain(units.factor("speed") * end, FIGURES) for end in band] for band in resonances(train)]
+    yield "resonances", " and ".join(f"from {low} to {high} {units.word('speed')}" for low, high in bands)
+
+
+def _better(design: Design, outcome: Outcome, is_wanted: Callable[[], bool]) -> Iterator[tuple[str, str]]:
+    """Yield what to change, and the fastest safe ramp."""
+    for remedy in proposals_of(design, outcome, cause_of(outcome), is_wanted):
+        yield "what would make it safe", remedy.text
+    yield "the fastest safe ramp", fastest_of(design, MOST_USED, is_wanted).words
+
+
+def _rotor(outcome: Outcome) -> Iterator[tuple[str, ...]]:
+    for damping, run in outcome.runs.items():
+        ripple = outcome.speed_ripple(run)
+        yield (
+            plain(damping),
+            f"after step {run.first_lost_step:,}" if run.first_lost_step else "none",
+            f"{plain(run.largest_load_angle_deg, 3)}°",
+            "no slew phase" if ripple is None else f"{plain(100 * ripple, 3)} %",
+            f"{plain(run.overshoot_deg, 3)}°",
+            f"{plain(1000 * run.settled_after_s, 3)} ms",
+        )
 
 
 def _lost(full_steps: int) -> str:
