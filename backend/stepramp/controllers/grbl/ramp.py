@@ -10,7 +10,7 @@ from stepramp.controllers.constant_rates import with_constant_rates
 from stepramp.controllers.given_numbers import typed
 from stepramp.controllers.grbl.motion import SLOWEST_STEPS_PER_S
 from stepramp.controllers.grbl.numbers import below, exact, read
-from stepramp.controllers.grbl.settings import acceleration_of, rate_of, speed_of
+from stepramp.controllers.grbl.settings import acceleration_of, kept_acceleration, rate_of, speed_of
 from stepramp.controllers.losses import losses, slower
 from stepramp.design import Design
 from stepramp.errors import Limits, Rejected, Rejection
@@ -112,9 +112,3 @@ def grbl_losses(design: Design, name: str = "grbl") -> Iterator[str]:
             f"Slew speed {speed:,.10g} steps/s is not kept: on an Uno grbl makes no fewer than "
             f"{SLOWEST_STEPS_PER_S:,.4g} steps/s while it moves."
         )
-
-
-def kept_acceleration(acceleration: np.float32) -> Fraction:
-    """Return what grbl makes of an acceleration [mm/s²]: it keeps it in mm/min²."""
-    per_min2 = np.float32(acceleration * np.float32(SECONDS_PER_MINUTE)) * np.float32(SECONDS_PER_MINUTE)
-    return exact(per_min2) / SECONDS_PER_MINUTE**2

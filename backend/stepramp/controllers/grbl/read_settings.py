@@ -1,9 +1,7 @@
 """Designs of what a grbl lists after `$$`."""
 
 from stepramp.controllers.given_numbers import no_less
-from stepramp.controllers.grbl.numbers import exact
-from stepramp.controllers.grbl.ramp import kept_acceleration
-from stepramp.controllers.grbl.settings import LETTERS, AxisSettings, Settings, speed_of
+from stepramp.controllers.grbl.settings import LETTERS, AxisSettings, Settings, acceleration_of, speed_of
 from stepramp.controllers.read_axis import ReadAxis, design_read
 from stepramp.design import Design
 
@@ -29,7 +27,7 @@ def _axis(axis: int, scale: AxisSettings, base: Design) -> ReadAxis:
     document["ramp"] = {
         "base_speed_steps_per_s": 0,
         "slew_speed_steps_per_s": no_less(speed_of(scale.most_rate, scale.steps_per_mm)),
-        "acceleration_steps_per_s2": no_less(kept_acceleration(scale.acceleration) * exact(scale.steps_per_mm)),
+        "acceleration_steps_per_s2": no_less(acceleration_of(scale.acceleration, scale.steps_per_mm)),
         "deceleration_steps_per_s2": None,
     }
     design = design_read(document, f"axis {LETTERS[axis]}")

@@ -99,6 +99,12 @@ def rate_of(speed_steps_per_s: Fraction, steps_per_mm: np.float32) -> Fraction:
     return speed_steps_per_s * SECONDS_PER_MINUTE / exact(steps_per_mm)
 
 
+def kept_acceleration(acceleration: np.float32) -> Fraction:
+    """Return what grbl makes of an acceleration [mm/s²]: it keeps it in mm/min²."""
+    per_min2 = np.float32(acceleration * np.float32(SECONDS_PER_MINUTE)) * np.float32(SECONDS_PER_MINUTE)
+    return exact(per_min2) / SECONDS_PER_MINUTE**2
+
+
 def acceleration_of(acceleration: np.float32, steps_per_mm: np.float32) -> Fraction:
-    """Return an acceleration [mm/s²] in steps/s², exactly."""
-    return exact(acceleration) * exact(steps_per_mm)
+    """Return what grbl makes of an acceleration [mm/s²], in steps/s², exactly."""
+    return kept_acceleration(acceleration) * exact(steps_per_mm)
