@@ -1,5 +1,6 @@
 """The map of stalls: what of it is played, against the whole grid."""
 
+import math
 from collections.abc import Callable, Iterator
 from itertools import pairwise
 
@@ -179,3 +180,20 @@ def test_usual_ranges_hold_the_design_and_its_border(seed: int, over: str) -> No
     assert list(question.over_values) == sorted(set(question.over_values))
     # The steepest is more than the motor has, and of what is varied the end that asks for most.
     assert verdict_at(question, (8, 8 if over != "supply_voltage" else 0)) in (1, 2, NOT_POSSIBLE)
+
+
+def test_a_map_of_a_table_over_the_supply_is_around_what_its_rows_ask_for() -> None:
+    """40 steps of 250 µs, then 125 µs, which is 150 rpm: whatever the ramp beside it is."""
+    table = {"method__name": "table", "table": {"rows": [[40, 250], [400, 125]], "interval_unit": "us"}}
+    ranges = [
+        question_of(
+            with_motor(**table, ramp__slew_speed_steps_per_s=speed), "supply_voltage", None, None, 8
+        ).over_values
+        for speed in (10.0, 900_000.0)
+    ]
+    assert ranges[0] == ranges[1]
+    speed, asked = 8000 * 2 * math.pi / 3200, 282e-7 * (8000**2 - 4000**2) / 32 * 2 * math.pi / 3200 + 0.0295
+    impedance, constant = math.hypot(1.4, 50 * speed * 3e-3), 0.59 / (math.sqrt(2) * 2)
+    needed = asked * impedance / (0.85 * constant) + constant * speed * 1.4 / impedance
+    assert needed < 24
+    assert (ranges[0][0], ranges[0][-1]) == pytest.approx((needed / 3, 48))

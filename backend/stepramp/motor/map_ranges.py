@@ -1,11 +1,10 @@
 """From where to where a stall map goes where nobody says: around the design, as far as its border if there is one."""
 
-import math
-
 import numpy as np
 
 from stepramp.design import Design
 from stepramp.drive_train import Load
+from stepramp.motor.demand import demands_of
 from stepramp.motor.limits import greatest_acceleration, required_nm
 from stepramp.motor.map_points import SPACINGS, Over, Question
 from stepramp.motor.torque import drive_train
@@ -72,13 +71,20 @@ def _loads(design: Design, train: DriveTrain) -> Range:
 
 
 def _voltages(design: Design, train: DriveTrain) -> Range:
-    """Return voltages around that with which the motor has what is asked for at slew speed [V].
+    """Return voltages around that with which the motor has what is asked for at slew speed, or by a table's rows [V].
 
     T = k K_m (V / Z - K_m ω R / Z²), solved for V: docs/motor.md.
     """
-    speed = design.ramp.slew_speed_steps_per_s * train.radians_per_step
-    asked = float(required_nm(train, np.array([design.ramp.acceleration_steps_per_s2]))[0])
+    speeds = np.array([design.ramp.slew_speed_steps_per_s])
+    asked = required_nm(train, np.array([design.ramp.acceleration_steps_per_s2]))
+    if design.method.plays_table:
+        demands = demands_of(design, train)
+        speeds, asked = (
+            np.concatenate(each) for each in zip(*((d.speeds, d.torques_nm) for d in demands), strict=True)
+        )
+    speeds = speeds * train.radians_per_step
     constant, resistance = train.torque_constant_nm_per_a, train.resistance_ohm
-    impedance = math.hypot(resistance, train.periods_per_rev * speed * train.inductance_h)
-    needed = impedance * asked / (train.pull_out_factor * constant) + constant * speed * resistance / impedance
+    impedances = np.hypot(resistance, train.periods_per_rev * speeds * train.inductance_h)
+    volts = impedances * asked / (train.pull_out_factor * constant) + constant * speeds * resistance / impedances
+    needed = float(volts.max())
     return min(train.supply_v, needed) / 3, max(train.supply_v, needed) * 2
