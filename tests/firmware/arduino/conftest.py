@@ -18,7 +18,9 @@ def simulated_uno(tmp_path: Path) -> Callable[..., SimulatedController]:
     """Return a function that makes a simulated Uno with an example on it; not started yet."""
     require(*missing())
 
-    def make(example: str, *, real_time: bool = False) -> SimulatedController:
-        return SimulatedController(build(example).elf, tmp_path, real_time=real_time)
+    def make(
+        example: str, *, real_time: bool = False, press: tuple[int, int, int] | None = None
+    ) -> SimulatedController:
+        return SimulatedController(build(example).elf, tmp_path, real_time=real_time, press=press)
 
     return make

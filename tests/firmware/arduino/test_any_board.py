@@ -35,12 +35,26 @@ def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "scenarios"
 
 
+SCENARIOS = [
+    "refuse",
+    "move",
+    "run",
+    "set",
+    "delay_loop",
+    "gauge",
+    "axes",
+    "axis_in_flight",
+    "too_many_axes",
+    "shared_pins",
+]
+
+
 def check(program: Path, scenario: str, image: bytes) -> None:
     result = subprocess.run([program, scenario, image.hex()], capture_output=True, text=True, check=False)
     assert (result.returncode, result.stdout + result.stderr) == (0, "")
 
 
-@pytest.mark.parametrize("scenario", ["refuse", "move", "run", "set", "delay_loop", "gauge"])
+@pytest.mark.parametrize("scenario", SCENARIOS)
 def test_it_does_what_its_header_says(program: Path, scenario: str) -> None:
     check(program, scenario, SLOW.image(2))
 

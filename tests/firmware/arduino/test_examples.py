@@ -55,6 +55,35 @@ def test_the_stage_goes_to_its_places(simulated_uno: Make) -> None:
         assert rises[rises > turn][0] - turn >= 30
 
 
+def exact_ticks(steps: int, speed: float, acceleration: float, deceleration: float) -> list[int]:
+    """Return the intervals of a long move from rest to rest at constant acceleration, from the times of its steps."""
+    up, down = (
+        np.diff(np.sqrt(2 * np.arange(speed**2 / (2 * rate) + 1) / rate)) / (TICK_US * 1e-6)
+        for rate in (acceleration, deceleration)
+    )
+    level = np.full(steps - up.size - down.size, 1e6 / TICK_US / speed)
+    return [round(ticks) for ticks in np.concatenate([up, level, down[::-1]])]
+
+
+def test_a_ramp_that_the_board_computes_is_played_to_and_fro(simulated_uno: Make) -> None:
+    edges = edges_until(simulated_uno("OneMotor"), after_s(3.4))
+    moves = moves_of(edges, STEP, DIRECTION, rest_us=100_000)
+    assert [(move.backward, len(move.times_us)) for move in moves[:2]] == [(False, 800), (True, 800)]
+    for move in moves[:2]:
+        check_move(move, exact_ticks(800, 1000, 2000, 4000))
+
+
+def test_a_button_stops_the_motor_in_flight(simulated_uno: Make) -> None:
+    edges = edges_until(simulated_uno("OneMotor", press=(14, 1250, 2700)), after_s(4.5))
+    first, second = moves_of(edges, STEP, DIRECTION, rest_us=300_000)[:2]
+    # begin() takes half a second. From slew speed 125 steps lead to rest, once what is queued has been played.
+    assert 500 < len(first.times_us) < 800
+    assert first.times_us[-1] - first.times_us[0] < 1_500_000
+    assert second.backward is False
+    assert len(first.times_us) + len(second.times_us) == 800
+    assert second.times_us[0] - first.times_us[-1] > 500_000
+
+
 def test_an_exported_ramp_is_played_to_and_fro(simulated_uno: Make) -> None:
     edges = edges_until(simulated_uno("ExportedRamp"), after_s(3.6))
     moves = moves_of(edges, STEP, DIRECTION, rest_us=500_000)

@@ -3,6 +3,7 @@
 #define ARDUINO_H
 
 #include <limits.h>
+#include <math.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <string.h>
@@ -20,6 +21,9 @@ void delayMicroseconds(unsigned int microseconds);
 void digitalWrite(uint8_t pin, uint8_t level);
 void pinMode(uint8_t pin, uint8_t mode);
 }
+
+class __FlashStringHelper;
+#define F(text) (reinterpret_cast<const __FlashStringHelper *>(text))
 
 class Print {
 public:

@@ -2,7 +2,7 @@
  *
  *   scenarios NAME IMAGE     plays a scenario with a ramp image in hexadecimal; says what isn't as it should be
  */
-#include <StepRamp.h>
+#include <StepRampAxis.h>
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -211,13 +211,85 @@ static void gauge()
     CHECK(level[10] == LOW && level[11] == HIGH && level[12] == HIGH && level[13] == HIGH); /* 8 back is 4 on */
 }
 
+/* Axes of a sketch: what begin() says, and moves along ramps that were computed. */
+static void axes()
+{
+    static StepRampAxis x(STEP, DIRECTION), y(STEP + 1, DIRECTION + 1), z(14, 15);
+    CHECK(x.begin() == STEPRAMP_RAMP_MISSING && strcmp((const char *)x.problem(), "begin() needs setRamp() before") == 0);
+    CHECK(x.moveTo(1) == STEPRAMP_NO_RAMP && x.setPosition(1) == STEPRAMP_NO_RAMP && x.runAt(1) == STEPRAMP_NO_RAMP);
+    x.setRamp(0, 2000);
+    CHECK(x.begin() == STEPRAMP_BAD_SPEED);
+    x.setRamp(NAN, 2000);
+    CHECK(x.begin() == STEPRAMP_BAD_SPEED);
+    x.setRamp(1.01f * StepRampAxis::mostSpeed(), 2000);
+    CHECK(x.begin() == STEPRAMP_SPEED_TOO_HIGH);
+    x.setRamp(1000, -1);
+    CHECK(x.begin() == STEPRAMP_BAD_ACCELERATION);
+    x.setRamp(1000, 0.01f);
+    CHECK(x.begin() == STEPRAMP_BAD_ACCELERATION);
+    x.setRamp(1000, 2000, 0, 1000);
+    CHECK(x.begin() == STEPRAMP_BAD_BASE_SPEED);
+    x.setRamp(1000, 2);
+    CHECK(x.begin() == STEPRAMP_NO_ROOM);
+    x.useRamp(image, image_bytes);
+    CHECK(x.begin() == STEPRAMP_BAD_IMAGE); /* of two axes */
+    x.setRamp(1000, 2000, 4000);
+    CHECK(x.begin() == STEPRAMP_READY && y.moveTo(1) == STEPRAMP_NO_RAMP);
+    y.setRamp(500, 2000, 0, 100);
+    CHECK(y.begin() == STEPRAMP_READY && z.moveTo(1) == STEPRAMP_NO_RAMP);
+    CHECK(x.moveTo(800) == STEPRAMP_OK && y.move(-100) == STEPRAMP_OK && x.begin() == STEPRAMP_STILL_MOVING);
+    CHECK(x.target() == 800 && x.stepsToGo() == 800 && x.isMoving());
+    while (x.run() || y.run()) {
+    }
+    CHECK(x.position() == 800 && y.position() == -100 && edges[STEP] == 1600 && edges[STEP + 1] == 200);
+    CHECK(shortest_us[STEP] >= SLEW_US - 20 && shortest_us[STEP + 1] >= 2 * SLEW_US - 20);
+}
+
+/* A run at a speed, and a stop in flight. */
+static void axis_in_flight()
+{
+    static StepRampAxis x(STEP, DIRECTION);
+    x.setRamp(1000, 2000);
+    CHECK(x.begin() == STEPRAMP_READY && x.runAt(-1001) == STEPRAMP_OUT_OF_RANGE && x.runAt(-500) == STEPRAMP_OK);
+    poll_for(2000000);
+    CHECK(shortest_us[STEP] >= 2 * SLEW_US - 20 && x.isMoving());
+    x.stop();
+    poll_until_rest();
+    int32_t rests = x.position();
+    CHECK(rests < -800 && rests == -edges[STEP] / 2 && x.setPosition(10) == STEPRAMP_OK && x.position() == 10);
+    CHECK(x.runAt(500) == STEPRAMP_OK);
+    poll_for(500000);
+    x.halt();
+    CHECK(!x.isMoving());
+}
+
+static void shared_pins()
+{
+    static StepRampAxis x(STEP, DIRECTION), y(DIRECTION, 9), z(10, 10);
+    CHECK(x.begin() == STEPRAMP_BAD_PINS && y.begin() == STEPRAMP_BAD_PINS && z.begin() == STEPRAMP_BAD_PINS);
+}
+
+static void too_many_axes()
+{
+    static StepRampAxis all[] = {{2, 5}, {3, 6}, {4, 7}, {12, 13}, {14, 15}};
+    for (StepRampAxis &axis : all) {
+        axis.setRamp(100, 1000);
+    }
+    CHECK(all[4].begin() == STEPRAMP_TOO_MANY && all[4].moveTo(1) == STEPRAMP_NO_RAMP);
+    CHECK(all[3].begin() == STEPRAMP_READY && all[0].begin() == STEPRAMP_READY && all[3].moveTo(7) == STEPRAMP_OK);
+    poll_until_rest();
+    CHECK(all[3].position() == 7 && edges[12] == 14);
+}
+
 int main(int count, char **words)
 {
     static const struct {
         const char *name;
         void (*play)();
     } SCENARIOS[] = {{"refuse", refuse}, {"move", move},           {"run", run},
-                     {"set", set},       {"delay_loop", delay_loop}, {"gauge", gauge}};
+                     {"set", set},       {"delay_loop", delay_loop}, {"gauge", gauge},
+                     {"axes", axes},     {"axis_in_flight", axis_in_flight}, {"too_many_axes", too_many_axes},
+                     {"shared_pins", shared_pins}};
     CHECK(count == 3);
     unsigned byte;
     for (const char *text = words[2]; sscanf(text, "%2x", &byte) == 1; text += 2) {

@@ -1,0 +1,107 @@
+/* A stepper motor in a sketch that has no host:
+ *
+ *   #include <StepRampAxis.h>
+ *   StepRampAxis x(2, 5);                         // step on pin 2, direction on pin 5
+ *   void setup() {
+ *       x.setRamp(1000, 2000);                    // steps/s, steps/s^2
+ *       if (x.begin() != STEPRAMP_READY) { ... }  // x.problem() says what is wrong
+ *       x.moveTo(800);
+ *   }
+ *   void loop() { x.run(); }
+ *
+ * Up to four of them. Their ramps are computed by begin(): each interval is within 0.2 % of the exact one, or within 0.4,
+ * 0.8 or 1.6 % where their memory is short. What is the same for all motors, as the pulses' width or the enable pin, is set
+ * with StepRamp (StepRamp.h) before. */
+#ifndef STEPRAMP_SKETCH_AXIS_H
+#define STEPRAMP_SKETCH_AXIS_H
+
+#include "StepRamp.h"
+
+/* What begin() finds. */
+enum StepRampProblem : uint8_t {
+    STEPRAMP_READY,
+    STEPRAMP_TOO_MANY,         /* there are more than four axes */
+    STEPRAMP_BAD_PINS,         /* the step pin and the direction pin are the same, or one of them is another axis' */
+    STEPRAMP_RAMP_MISSING,     /* neither setRamp() nor useRamp() has been called */
+    STEPRAMP_BAD_SPEED,        /* it is below 0.0075 steps/s */
+    STEPRAMP_SPEED_TOO_HIGH,   /* for this board: see mostSpeed() */
+    STEPRAMP_BAD_ACCELERATION, /* or deceleration: it is not above 0, or takes more than 16 million steps to the speed */
+    STEPRAMP_BAD_BASE_SPEED,   /* it is below 0, or not below the speed */
+    STEPRAMP_BAD_IMAGE,        /* an exported ramp is damaged, for several axes, for the fast clock or too fast; or one of
+                                * StepRamp's settings is out of its range */
+    STEPRAMP_NO_ROOM,          /* the ramps of all axes need more memory than there is for them */
+    STEPRAMP_STILL_MOVING      /* begin() is for motors at rest */
+};
+
+class StepRampAxis {
+public:
+    /* It must not go away again. */
+    StepRampAxis(uint8_t stepPin, uint8_t directionPin);
+    StepRampAxis(const StepRampAxis &) = delete;
+    StepRampAxis &operator=(const StepRampAxis &) = delete;
+
+    /* ---- the ramp: before begin() ---- */
+
+    /* [steps/s], [steps/s^2]. A deceleration of 0 is that of the acceleration. At the base speed the ramp begins and ends. */
+    void setRamp(float speed, float acceleration, float deceleration = 0, float baseSpeed = 0);
+
+    /* Instead: a ramp image of one axis as StepRamp exports it, in RAM or, on an AVR, in flash (PROGMEM). */
+    void useRamp(const uint8_t *image, uint16_t length);
+    void useRampInFlash(const uint8_t *image, uint16_t length);
+
+    /* Makes all axes ready whose ramp is set, at rest: this one and those that have begun before. */
+    StepRampProblem begin();
+
+    /* What begin() found last, in words. */
+    const __FlashStringHelper *problem() const;
+
+    /* [steps/s] The highest speed of one axis on this board. */
+    static float mostSpeed();
+
+    /* ---- moves. A new one may come while the last one is under way: the motor goes on from the speed it has ---- */
+
+    StepRampResult moveTo(int32_t position);
+    StepRampResult move(int32_t steps); /* from where it would come to rest */
+
+    /* At a speed [steps/s], no higher than the ramp's, until stop(); below 0 backward. */
+    StepRampResult runAt(float speed);
+
+    void stop(); /* slows down with the ramp */
+    void halt(); /* no further step. A motor that was fast may slip */
+
+    /* Makes the steps of all axes that are due: call it as often as you can. Returns isMoving(). */
+    bool run();
+
+    /* ---- what it does ---- */
+
+    bool isMoving();
+    int32_t position();
+    int32_t target();
+    int32_t stepsToGo();
+
+    /* At rest: says where the motor is. */
+    StepRampResult setPosition(int32_t position);
+
+private:
+    enum Source : uint8_t { NOTHING, COMPUTED, EXPORTED, EXPORTED_IN_FLASH };
+
+    static StepRampProblem beginAll();
+    StepRampProblem check() const;
+    StepRampProblem checkRamp() const;
+    StepRampProblem checkImage() const;
+    uint16_t write(uint8_t *bytes, uint16_t room) const;
+    uint8_t imageByte(uint16_t at) const;
+
+    static StepRampAxis *all[STEPRAMP_AXES];
+    static uint8_t count; /* of all, those that are too many as well */
+
+    uint8_t index;
+    uint8_t stepPin, directionPin;
+    Source source;
+    StepRampProblem found;
+    float speed, acceleration, deceleration, baseSpeed; /* [steps/s], [steps/s^2] of a computed ramp */
+    const uint8_t *image;
+    uint16_t length; /* [bytes] of the image */
+};
+
+#endif
