@@ -1,5 +1,6 @@
 """What every family of controllers can do, whatever it speaks. What only some can, capabilities.py says."""
 
+import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
@@ -213,6 +214,10 @@ class AxisCommand:
     field: str
 
 
+Ends = tuple[int | None, int | None]
+"""The lowest and the highest position of an axis [steps]; None: it has none."""
+
+
 class AnswerUnknown(Refused):
     """An answer was lost, and something more urgent came before the request could be repeated."""
 
@@ -282,6 +287,13 @@ class Controller(Protocol):
     def run(self, speeds: Sequence[AxisCommand]) -> None:
         """Run axes at speeds, negative for backwards [steps/s]; 0 stops."""
 
+    def keep_within(self, ends: Mapping[int, Ends]) -> None:  # noqa: ARG002  # most are told a speed, and no way
+        """Have runs from now on end at these positions by themselves, where a controller is told a way for a run.
+
+        ends: by axis; the others have none. Whoever runs axes ends that in time: this is for when it can't be in time.
+        """
+        return  # Not abstract: what needs no code is left out.
+
     def set_position(self, positions: Sequence[AxisCommand]) -> None:
         """Call the places where axes are these positions [steps]."""
 
@@ -293,6 +305,19 @@ class Controller(Protocol):
 
     def steps_to_rest(self, axis: int, speed_steps_per_s: float) -> int:
         """Return how many steps an axis takes to slow down from a speed [steps/s], without the port."""
+
+
+def lasts_until_end_s(ends: Mapping[int, Ends], places: Mapping[int, float], speeds: Mapping[int, float]) -> float:
+    """Return after how long the first of axes that run along a line is at its end [s].
+
+    places: where they set out from [steps]. speeds: negative for backwards [steps/s].
+    """
+    left = []
+    for axis, speed in speeds.items():
+        end = ends.get(axis, (None, None))[speed > 0]
+        if speed and end is not None:
+            left.append(max(0.0, (end - places[axis]) / speed))
+    return min(left, default=math.inf)
 
 
 def values_of(commands: Sequence[AxisCommand]) -> Mapping[int, float]:

@@ -77,6 +77,8 @@ class Motions:
             if not lease.holds:
                 raise LetGo
             refuse_outward(self._view.now, speeds, controller.steps_to_rest)
+            spans = self._view.now.soft_limits
+            controller.keep_within({axis: (span.lowest_steps, span.highest_steps) for axis, span in spans.items()})
             controller.run(speeds)
 
         self._setting_out.begin(f"run at {_told(speeds)}", _axes_of(speeds), begin, request_number, lease)

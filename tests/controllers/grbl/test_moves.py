@@ -77,6 +77,27 @@ def test_a_run_goes_on_as_long_as_somebody_asks(bench: Bench, controller: GrblCo
     assert 500 * 9 < -left.position_steps < 500 * 12
 
 
+@pytest.mark.parametrize(
+    ("speeds", "rests_at"),
+    [
+        ((1000,), (1500, 0)),
+        ((-1000,), (-200, 0)),
+        # Along a line: as soon as one of both is there.
+        ((1000, 100), (1500, 150)),
+        ((200, 400), (50, 100)),
+    ],
+)
+def test_a_run_leads_no_further_than_its_ends(
+    bench: Bench, controller: GrblController, speeds: tuple[int, ...], rests_at: tuple[int, int]
+) -> None:
+    controller.set_position([to(100), to(-50, 1)])
+    controller.keep_within({0: (-100, 1600), 1: (None, 50 if speeds[0] < 300 else 100)})
+    controller.run([at(speed, axis) for axis, speed in enumerate(speeds)])
+    bench.ask_for(6.0)
+    assert controller.status().activity is Activity.READY
+    assert tuple(bench.grbl.position[:2]) == rests_at
+
+
 def test_a_run_of_several_axes_and_another_speed(bench: Bench, controller: GrblController) -> None:
     controller.run([at(400), at(-200, 1)])
     bench.ask_for(2.4)

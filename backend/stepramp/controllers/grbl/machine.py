@@ -4,7 +4,7 @@ It answers each line, and is asked how it fares. What it keeps, and how that is 
 """
 
 import binascii
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Protocol
 
@@ -17,6 +17,7 @@ from stepramp.controllers.contract import (
     AxisStatus,
     Controller,
     ControllerStatus,
+    Ends,
     StoredRamp,
 )
 from stepramp.controllers.grbl.conversation import Answered, Conversation
@@ -133,6 +134,10 @@ class GrblMachine(Controller, DrawsLines):
         """Run at speeds, negative for backwards [steps/s]; it has to be asked how it fares, else it comes to rest."""
         self._refuse_senseless()
         self._moves.run(speeds)
+
+    def keep_within(self, ends: Mapping[int, Ends]) -> None:
+        """Have runs end at these positions: their jogs lead no further."""
+        self._moves.ends = ends
 
     def set_position(self, positions: Sequence[AxisCommand]) -> None:
         """Call the places where axes rest positions [steps]; one that is locked is unlocked. It isn't told of it."""

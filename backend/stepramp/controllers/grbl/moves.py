@@ -5,7 +5,14 @@ from collections.abc import Callable, Mapping, Sequence
 from time import monotonic
 
 from stepramp.controllers.axes import refuse_axes
-from stepramp.controllers.contract import Activity, AnswerUnknown, AxisCommand, AxisStatus
+from stepramp.controllers.contract import (
+    Activity,
+    AnswerUnknown,
+    AxisCommand,
+    AxisStatus,
+    Ends,
+    lasts_until_end_s,
+)
 from stepramp.controllers.grbl.conversation import Answered, Conversation
 from stepramp.controllers.grbl.dialect import (
     DEAF_ALARMS,
@@ -59,6 +66,8 @@ class Moves:
         self._speeds: dict[int, float] = {}
         """Of axes that run [steps/s]."""
         self._set_out_at: list[int] = []
+        self.ends: Mapping[int, Ends] = {}
+        """Where runs end by themselves, as positions are called here [steps]."""
         self._stops = 0
         """How many stops there were when that was asked for."""
 
@@ -233,7 +242,8 @@ class Moves:
         brake_s = max(
             abs(speed) / (2 * self._places.axes[axis].acceleration_steps_per_s2) for axis, speed in speeds.items()
         )
-        lasts_s = passed_s + brake_s + AHEAD_S
+        called = dict(enumerate(self._places.called(self._set_out_at)))
+        lasts_s = min(passed_s + brake_s + AHEAD_S, lasts_until_end_s(self.ends, called, speeds))
         return {axis: self._set_out_at[axis] + round(speed * lasts_s) for axis, speed in speeds.items()}
 
     def _activity(self, report: Report, axis: int) -> Activity:
