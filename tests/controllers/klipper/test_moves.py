@@ -123,6 +123,18 @@ def test_running_ends_at_the_end_of_the_travel(bench: Bench, controller: Klipper
         controller.run([at(8000.0)])
 
 
+def test_running_ends_at_the_ends_that_are_told(bench: Bench, controller: KlipperController) -> None:
+    [here, *_] = controller.status().axes
+    controller.set_position([to(0)])
+    controller.keep_within({0: (None, 1234), 1: (0, None)})
+    controller.run([at(4000)])
+    bench.ask_for(8.0)
+    [axis, *_] = controller.status().axes
+    assert (axis.activity, axis.position_steps) == (Activity.READY, 1234)
+    # 80 steps/mm, from where it was homed.
+    assert bench.printer.position[0] * 80 == pytest.approx(here.position_steps + 1234)
+
+
 def test_two_axes_run_along_a_line(bench: Bench, controller: KlipperController) -> None:
     controller.run([at(800.0, 0), at(-1600.0, 1)])
     bench.ask_for(2.0)

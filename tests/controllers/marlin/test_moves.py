@@ -101,6 +101,17 @@ def test_a_run_goes_on_as_long_as_somebody_asks(bench: Bench, controller: Marlin
     assert 500 * 9 < -left.position_steps == -bench.marlin.position[0] < 500 * 12
 
 
+@pytest.mark.parametrize(("speed", "end"), [(2000, 7003), (-2000, -6001)])
+def test_a_run_leads_no_further_than_its_end(bench: Bench, controller: MarlinController, speed: int, end: int) -> None:
+    controller.set_position(to(100))
+    controller.keep_within({0: (-5901, 7103)})
+    controller.run(at(speed))
+    bench.ask_for(9.0)
+    status = controller.status()
+    assert (status.activity, status.trouble) == (Activity.READY, None)
+    assert (bench.marlin.position[0], status.axes[0].position_steps) == (end, end + 100)
+
+
 def test_a_run_never_slows_down_on_its_way(bench: Bench, controller: MarlinController) -> None:
     controller.run(at(2000))
     bench.ask_for(0.9)

@@ -5,7 +5,7 @@ what restores a backup.
 """
 
 import binascii
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from time import monotonic, sleep
 
 from stepramp.controllers.capabilities import BacksUp, DrawsLines, StoresRamps, TriesRamps
@@ -16,6 +16,7 @@ from stepramp.controllers.contract import (
     AxisStatus,
     Controller,
     ControllerStatus,
+    Ends,
     PushMode,
     PushPreview,
     PushReport,
@@ -207,6 +208,10 @@ class KlipperController(Controller, StoresRamps, TriesRamps, DrawsLines, BacksUp
         """Run at speeds, negative for backwards [steps/s]; it has to be asked how it fares, else it comes to rest."""
         self._refuse_unready()
         self._moves.run(speeds)
+
+    def keep_within(self, ends: Mapping[int, Ends]) -> None:
+        """Have runs end at these positions, as at the end of a travel."""
+        self._moves.ends = ends
 
     def set_position(self, positions: Sequence[AxisCommand]) -> None:
         """Call the places where axes rest positions [steps]. Klipper isn't told of it."""

@@ -6,7 +6,14 @@ from fractions import Fraction
 from time import monotonic
 
 from stepramp.controllers.axes import refuse_axes
-from stepramp.controllers.contract import Activity, AnswerUnknown, AxisCommand, AxisStatus
+from stepramp.controllers.contract import (
+    Activity,
+    AnswerUnknown,
+    AxisCommand,
+    AxisStatus,
+    Ends,
+    lasts_until_end_s,
+)
 from stepramp.controllers.klipper.conversation import Answered, Conversation
 from stepramp.controllers.klipper.machine import LETTERS, Z
 from stepramp.controllers.klipper.memory import Memory
@@ -51,6 +58,8 @@ class Moves:
         """Of axes that run [steps/s]."""
         self._idle_since_s: float | None = None
         self._set_out_at: list[int] = []
+        self.ends: Mapping[int, Ends] = {}
+        """Where runs end by themselves, as positions are called here [steps]."""
         self.past_trouble: str | None = None
         """What has cut the last motion short; None for nothing."""
 
@@ -107,6 +116,8 @@ class Moves:
         rates = {axis: speed / float(self._places.scales[axis]) for axis, speed in wanted.items()}
         start = self._places.told(seen)
         lasts_s = min(_until_end(start[axis], rate, seen, axis) for axis, rate in rates.items())
+        called = dict(enumerate(self._places.called(self._places.counted(start))))
+        lasts_s = min(lasts_s, lasts_until_end_s(self.ends, called, wanted))
         goal = {axis: start[axis] + rate * lasts_s for axis, rate in rates.items()}
         if lasts_s <= 0:
             raise Refused("An axis is at the end of its travel.")

@@ -4,7 +4,7 @@ It answers each line. What it keeps is written only by a push, and by what resto
 """
 
 import binascii
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from time import sleep
 
 from stepramp.controllers.axes import refuse_axes
@@ -16,6 +16,7 @@ from stepramp.controllers.contract import (
     AxisStatus,
     Controller,
     ControllerStatus,
+    Ends,
     PushMode,
     PushPreview,
     PushReport,
@@ -208,6 +209,10 @@ class MarlinController(Controller, StoresRamps, TriesRamps, DrawsLines, BacksUp)
         """Run at speeds, negative for backwards [steps/s]; it has to be asked how it fares, else it comes to rest."""
         self._refuse_senseless()
         self._moves.run(speeds)
+
+    def keep_within(self, ends: Mapping[int, Ends]) -> None:
+        """Have runs end at these positions: their ways lead no further."""
+        self._moves.ends = ends
 
     def set_position(self, positions: Sequence[AxisCommand]) -> None:
         """Call the places where axes rest positions [steps]. It isn't told of it."""

@@ -6,7 +6,15 @@ from dataclasses import dataclass
 from time import monotonic
 
 from stepramp.controllers.axes import refuse_axes
-from stepramp.controllers.contract import Activity, AnswerUnknown, AxisCommand, AxisStatus, values_of
+from stepramp.controllers.contract import (
+    Activity,
+    AnswerUnknown,
+    AxisCommand,
+    AxisStatus,
+    Ends,
+    lasts_until_end_s,
+    values_of,
+)
 from stepramp.controllers.marlin.conversation import ANSWER_S, PLACE, Conversation
 from stepramp.controllers.marlin.course import Course
 from stepramp.controllers.marlin.dialect import (
@@ -71,6 +79,8 @@ class Moves:
         self._at_rest: list[int] = []
         """Where the axes were last told to be."""
         self._set_out_at: list[int] = []
+        self.ends: Mapping[int, Ends] = {}
+        """Where runs end by themselves, as positions are called here [steps]."""
         self.trouble: str | None = None
         """What has cut the last motion short, as a sentence."""
 
@@ -123,7 +133,8 @@ class Moves:
         counted = self._ready(stops)
         feed = feed_of(wanted, self._places.axes)
         brakes_s = max(abs(speed) / self._places.axes[axis].acceleration_steps_per_s2 for axis, speed in wanted.items())
-        lasts_s = brakes_s + AHEAD_S + FURTHER_S
+        called = dict(enumerate(self._places.called(counted)))
+        lasts_s = min(brakes_s + AHEAD_S + FURTHER_S, lasts_until_end_s(self.ends, called, wanted))
         targets = {axis: counted[axis] + round(speed * lasts_s) for axis, speed in wanted.items()}
         refuse_places(speeds, {each.axis: targets.get(each.axis, 0) for each in speeds})
         self._go(targets, feed, stops, counted, speed=float(feed) / SECONDS_PER_MINUTE)
@@ -223,6 +234,13 @@ class Moves:
         if course.ends_s - course.brakes_s - now_s >= ahead_s:
             return
         lasts_s = FURTHER_S + ahead_s - (course.ends_s - course.brakes_s - now_s)
+        heading = [course.targets.get(axis, place) for axis, place in enumerate(self._at_rest)]
+        called = dict(enumerate(self._places.called(heading)))
+        left_s = lasts_until_end_s(self.ends, called, self._speeds)
+        # The last way is none of a few steps: Marlin would leave it out.
+        lasts_s = left_s if left_s < lasts_s + FURTHER_S else lasts_s
+        if lasts_s <= 0:
+            return
         targets = {axis: course.targets[axis] + round(speed * lasts_s) for axis, speed in self._speeds.items()}
         with suppress(AnswerUnknown):
             feed = feed_of(self._speeds, self._places.axes)
