@@ -120,6 +120,15 @@ def test_an_item_that_is_refused_is_set_back(controller: FluidNcController, flui
     assert controller.preview_push([fast], 0).items[1].on_device == 1000
 
 
+def test_what_is_refused_of_a_backup_keeps_nothing_else_from_being_set(
+    controller: FluidNcController, fluidnc: FluidNcEmulator
+) -> None:
+    text = controller.backup().replace("max_rate_mm_per_min: 500.000", "max_rate_mm_per_min: 95999.997", 1)
+    refused, _ = controller.use_backup(text.replace("acceleration_mm_per_sec2: 10.000", "acceleration_mm_per_sec2: 12"))
+    assert "refuses '$/axes/x/max_rate_mm_per_min=96000.0'" in refused
+    assert [fluidnc.settings[number] for number in (110, 120, 121, 122)] == [500, 12, 12, 12]
+
+
 @given(st.floats(0.01, 400_000), st.floats(0.3, 2e7))
 def test_never_more_than_asked_for(speed: float, gain: float) -> None:
     scale = AxisSettings(np.float32(250), np.float32(500), np.float32(10))

@@ -107,7 +107,8 @@ class FluidNcController(GrblMachine, TriesRamps, BacksUp):
         wanted = self._differing(self._memory.stored)
         if not wanted:
             raise Refused("Nothing is on trial: in use is what the controller's file has.")
-        self._memory.use(wanted)
+        with self._known_again_on_refusal():
+            self._memory.use(wanted)
         self._read_back()
         if self._differing(self._memory.stored):
             raise Refused("In use is not what the controller's file has: reset it.")
@@ -123,13 +124,23 @@ class FluidNcController(GrblMachine, TriesRamps, BacksUp):
         if backup.axis(0) is None:
             raise Rejected([Rejection("text", f"{len(text.splitlines())} lines", ALLOWED)])
         self._memory.refuse_unready()
-        self._memory.use(self._differing(backup, scales=True))
+        wanted = self._differing(backup, scales=True)
+        refused = {path: self._refusal(path, wanted[path]) for path in self._memory.in_order(wanted)}
         self._read_back()
-        return (*(f"{path} is not as in the backup." for path in self._differing(backup, scales=True)), NOT_WRITTEN)
+        left = self._differing(backup, scales=True)
+        return (*(refused.get(path) or f"{path} is not as in the backup." for path in left), NOT_WRITTEN)
 
     def status(self) -> ControllerStatus:
         """Ask what the controller is doing, and have axes that run go on."""
         return replace(super().status(), on_trial=bool(self._differing(self._memory.stored)))
+
+    def _refusal(self, path: str, value: str) -> str | None:
+        """Set an item of a backup; return why it is refused, as a sentence, or None."""
+        try:
+            self._memory.use({path: value})
+        except Answered as error:
+            return str(error)
+        return None
 
     def _read_back(self) -> None:
         self._tell(Progress(PushStage.READING_BACK, 0, 0))

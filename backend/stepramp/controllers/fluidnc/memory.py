@@ -78,7 +78,7 @@ class Memory:
         Raises Answered when one is refused.
         """
         after = ""
-        for path in lowered_first(wanted, lambda path: self._is_less_than(path, wanted[path])):
+        for path in self.in_order(wanted):
             try:
                 self._conversation.ask(f"$/{path}={wanted[path]}")
             except Answered as error:
@@ -86,6 +86,10 @@ class Memory:
                     self._conversation.ask(f"$/{path}={float(self.settings.items.get(path, ''))}")
                 raise Answered(error.line, error.code, after) from error
             after = TAKEN
+
+    def in_order(self, wanted: Mapping[str, str]) -> list[str]:
+        """Return the paths of items in the order in which they are set."""
+        return lowered_first(wanted, lambda path: self._is_less_than(path, wanted[path]))
 
     def _is_less_than(self, path: str, value: str) -> bool:
         """Whether an item in use is a number, and less than another one."""
