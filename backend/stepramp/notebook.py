@@ -20,7 +20,7 @@ from stepramp.methods import REFERENCE
 from stepramp.motor.asked import MapAsked, MarginAsked, SpeedsAsked
 from stepramp.motor.changes import with_changes
 from stepramp.motor.fastest import Fastest, fastest_of
-from stepramp.motor.map_points import Over, verdict_at
+from stepramp.motor.map_points import SPACINGS, Over, verdict_at
 from stepramp.motor.map_ranges import UNITS, question_of
 from stepramp.motor.origins import Origin, assumed_of, origins_of
 from stepramp.motor.presets import PRESETS
@@ -337,8 +337,8 @@ class StallMap:
             unit = "steps/s²" if field != "value" else UNITS[self.over]
             _refuse_outside(field, plain(told), Limits(float(ends[0]), float(ends[-1]), unit, note=", on the map"))
         row = _nearest(np.log(self.accelerations_steps_per_s2), math.log(acceleration_steps_per_s2))
-        along = self.values if self.over == "load" else np.log(self.values)
-        column = _nearest(along, value if self.over == "load" else math.log(value))
+        is_even = SPACINGS[self.over] == "even"
+        column = _nearest(self.values if is_even else np.log(self.values), value if is_even else math.log(value))
         return MAP_VERDICTS[int(self.verdicts[row, column])]
 
 
