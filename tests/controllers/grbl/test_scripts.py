@@ -111,7 +111,9 @@ def test_a_push(connect: Connect) -> None:
 
 
 def test_a_setting_that_is_refused(connect: Connect) -> None:
-    controller = connect(("?", RESTS), ("$110=240.000\n", "error:8\r\n"), ("$$\n", LISTING), ("$N\n", STARTUP))
+    controller = connect(
+        ("?", RESTS), ("$110=240.000\n", "error:8\r\n"), ("$$\n", LISTING), ("$N\n", STARTUP), ("?", RESTS)
+    )  # fmt: skip
     with pytest.raises(Refused, match=r"refuses '\$110=240.000': it takes that only at rest \(error:8\)"):
         controller.prepare_push([design()], 0)()
 
