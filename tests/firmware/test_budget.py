@@ -8,7 +8,19 @@ from typing import Any
 
 import pytest
 
-from firmware.protocol import COMMIT, READ_SETTINGS, STORED, WRITING, Ramp, Settings
+from firmware.protocol import (
+    COMMIT,
+    READ_SETTINGS,
+    REPORT,
+    SLOW_HZ,
+    STORED,
+    TRACE,
+    WRITING,
+    Ramp,
+    Settings,
+    image_of,
+    with_header,
+)
 from firmware.rig import (
     BusyClient,
     Played,
@@ -19,8 +31,12 @@ from firmware.rig import (
     image,
     move_by,
     play,
+    request,
 )
 from simulator.avr import build_firmware, build_harness, missing_tools
+from stepramp.controllers.stepramp.formula_image import encode_formula
+from stepramp.ramp.on_chip import OnChipRamp
+from stepramp.shapes.constant import ConstantAcceleration as Slope
 from tools import require
 
 BUDGET = tomllib.loads(Path(__file__).with_name("budget.toml").read_text())
@@ -29,6 +45,18 @@ QUEUE_BYTES = 512
 GENEROUS = 1.05
 FOUR = RampDesign(30_019, 900_000, 900_000)
 LINE = RampDesign(90_396, 4_500_000, 4_500_000)
+WIDE = RampDesign(1000, 20_000, 20_000)
+GAUGE = Ramp([(4000, 6, 0), (2500, 20, 0), (1500, 40, 0)], 1000, [(4000, 6, 0), (2500, 20, 0), (1500, 40, 0)])
+COMPUTED = image_of(
+    [
+        with_header(
+            1, encode_formula(OnChipRamp.of(Slope(SLOW_HZ, 0, 1500, up), Slope(SLOW_HZ, 0, 1500, 9000), method))
+        )
+        for up, method in ((6000, "newton"), (9000, "first_order"), (6000, "compromise"))
+    ],
+    (0, 1, 2, 0),
+)
+"""Four axes whose ramps the chip computes."""
 
 
 def section_bytes() -> dict[str, int]:
@@ -62,7 +90,7 @@ def test_static_ram() -> None:
 
 def everything(client: BusyClient) -> None:
     """What uses the stack most: storing, reading, settings, with motors before and after."""
-    assert client.expect_ok(READ_SETTINGS) == Settings().packed()
+    client.expect_ok(READ_SETTINGS)
     client.keep_busy()
     client.expect_ok(COMMIT)
     client.wait_while(WRITING)
@@ -72,15 +100,24 @@ def everything(client: BusyClient) -> None:
 
 @pytest.fixture(scope="module")
 def played(tmp_path_factory: pytest.TempPathFactory) -> list[Played]:
-    """The hardest work that the firmware is built for: four axes, and a line of four."""
+    """The hardest work that the firmware is built for, in each of its modes, with reports and a trace."""
     folder = tmp_path_factory.mktemp("budget")
     work: list[tuple[Any, ...]] = [
         (image([FOUR] * 4), move_by(6000, -6000, 5000, -5000)),
         (image([LINE] * 4), along_a_line(20_000, -19_999, 12_345, 20_000)),
+        (COMPUTED, move_by(1500, -1500, 1400, -1400)),
+        (image([WIDE] * 4), move_by(300, -300, 300, -300)),
+        (GAUGE.image(3), move_by(400, -400, 300)),
     ]
-    return at_the_same_time(
-        *(partial(play, partial(controller_in, folder / str(i)), *one, everything) for i, one in enumerate(work))
-    )
+    settings = {3: Settings(pulse_width_us=100), 4: Settings(outputs=1)}
+    told = [request(REPORT, bytes([50])), request(TRACE, b"\0\1\0")]
+
+    def job(number: int) -> Played:
+        ramps, motion = work[number]
+        make = partial(controller_in, folder / str(number))
+        return play(make, ramps, *told, motion, everything, settings=settings.get(number))
+
+    return at_the_same_time(*(partial(job, number) for number in range(len(work))))
 
 
 def test_stack(played: list[Played]) -> None:
@@ -91,5 +128,6 @@ def test_stack(played: list[Played]) -> None:
 
 @pytest.mark.parametrize("vector", BUDGET["longest_interrupt"])
 def test_longest_interrupts(played: list[Played], vector: str) -> None:
-    longest = max(one.statistics[vector]["longest"] for one in played)
+    """Of axes and a line at their limits: wide pulses are waited for in the interrupt, and gauges are slow."""
+    longest = max(one.statistics[vector]["longest"] for one in played[:2])
     keeps_to(vector, longest, BUDGET["longest_interrupt"][vector])
