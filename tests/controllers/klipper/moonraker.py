@@ -47,6 +47,8 @@ class Moonraker:
         """Methods whose next request never comes in."""
         self.cuts_upload_after: int | None = None
         """Power is cut in the midst of the next upload, after so many bytes: the file has them, and no more."""
+        self.fails_upload_after: int | None = None
+        """The next upload fails after so many bytes, as on a disk that is full."""
         self.garbles_upload = False
         self._subscribed: dict[str, list[str] | None] = {}
         self._told: dict[str, dict[str, Any]] = {}
@@ -145,6 +147,10 @@ class Moonraker:
             data, self.cuts_upload_after = data[: self.cuts_upload_after], None
             self.printer.files[path] = data.decode()
             raise ConnectionError("power cut")
+        if self.fails_upload_after is not None:
+            data, self.fails_upload_after = data[: self.fails_upload_after], None
+            self.printer.files[path] = data.decode()
+            return 500, _http_error(500, "No space left on device")
         self.printer.files[path] = data.decode() + ("#" if self.garbles_upload else "")
         item = {"path": path, "root": "config", "modified": 1.0, "size": len(data), "permissions": "rw"}
         answer = {"item": item, "print_started": False, "print_queued": False, "action": "create_file"}

@@ -275,6 +275,18 @@ def test_a_file_that_is_not_what_was_sent(
     assert printer.restarts == 0
 
 
+def test_a_file_of_which_a_part_was_taken(
+    controller: KlipperController, moonraker: Moonraker, printer: Printer
+) -> None:
+    saved = controller.backup()
+    moonraker.fails_upload_after = 0
+    with pytest.raises(Refused, match=r"No space left on device. printer.cfg isn't as it was: restore a backup"):
+        controller.prepare_push([SLOW], 0)()
+    assert printer.restarts == 0
+    controller.use_backup(saved)
+    assert printer.files["printer.cfg"] == CONFIG
+
+
 def test_limits_that_are_not_taken(controller: KlipperController, printer: Printer) -> None:
     printer.refuses = "Unknown command: SET_VELOCITY_LIMIT"
     with pytest.raises(Refused, match="Klipper at moonraker://printer:7125 says: Unknown command"):

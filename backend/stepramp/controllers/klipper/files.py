@@ -76,8 +76,18 @@ class Files:
         except UnicodeDecodeError as error:
             raise Refused(f"{path} isn't UTF-8, so it can't be written again as it is.") from error
 
-    def write(self, path: str, text: str) -> None:
-        """Write a file and read it again; Refused when it isn't taken, or isn't what was sent."""
+    def present(self, path: str) -> str | None:
+        """Return a file's text; None when there is none that can be read."""
+        try:
+            return self.read(path)
+        except Refused:
+            return None
+
+    def write(self, path: str, text: str, before: str | None) -> None:
+        """Write a file and read it again; Refused when it isn't taken, or isn't what was sent.
+
+        before: what was in it; None when there was none.
+        """
         data = text.encode()
         place = PurePosixPath(path)
         fields = {"root": ROOT, "path": "" if str(place.parent) == "." else str(place.parent)}
@@ -93,7 +103,9 @@ class Files:
         kind = f"multipart/form-data; boundary={_BOUNDARY}"
         reply = self._conversation.request("POST", "/server/files/upload", body, kind)
         if reply.status not in (200, 201):
-            raise Refused(f"Moonraker doesn't take {path}: {_words(reply.body)}")
+            # What fails in the midst of it may leave a part.
+            whole = "" if self.present(path) == before else f" {path} isn't as it was: restore a backup of this device."
+            raise Refused(f"Moonraker doesn't take {path}: {_words(reply.body)}{whole}")
         if self.read(path) != text:
             raise Refused(f"{path} is not what was sent: restore a backup of this device.")
 

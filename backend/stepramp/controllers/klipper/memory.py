@@ -174,7 +174,7 @@ class Memory:
         Rejected for a configuration with which Klipper wouldn't start: that of one that was saved while it didn't.
         """
         _reject_senseless(backup)
-        present = {path: self._present(path) for path in backup.files}
+        present = {path: self._files.present(path) for path in backup.files}
         wanted = {path: text for path, text in backup.files.items() if present[path] != text}
         if wanted:
             kept = {path: text for path, text in present.items() if text is not None}
@@ -186,12 +186,6 @@ class Memory:
             self._expected = self._files.configuration()[0].sections
             self._stored = Limits.of(self._expected)
 
-    def _present(self, path: str) -> str | None:
-        try:
-            return self._files.read(path)
-        except Refused:
-            return None
-
     def _write(self, before: Mapping[str, str], wanted: Mapping[str, str]) -> Iterator[str]:
         """Write the files that differ, each of them copied first beside it on the printer."""
         stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
@@ -202,7 +196,7 @@ class Memory:
                 beside = f"{path.removesuffix('.cfg')}-stepramp-{stamp}.cfg"
                 self._files.copy(path, beside)
                 yield f"{path} as it was is {beside} on the printer."
-            self._files.write(path, text)
+            self._files.write(path, text, before.get(path))
 
     def _refuse_other(self, sections: Sections, options: Iterable[str]) -> None:
         """Refuse to change options that somebody else has changed since Klipper started."""
