@@ -15,7 +15,7 @@ from typing import Self
 ROOT = Path(__file__).parents[2]
 CHROMIUM = Path("/usr/bin/chromium")
 CHROMIUM_ARGUMENTS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking"]
-START_WITHIN_S = 30
+START_WITHIN_S = 120
 
 
 class Server:

@@ -16,13 +16,15 @@ SIZES = {"wide": (1440, 900), "tablet": (1024, 768), "phone": (390, 844), "on it
 THEMES = {"dark": ("wide", "phone"), "light": ("tablet",), "forced": ("tablet",)}
 """At which sizes each is looked at in every state. All but the colours is the same in all: the first shows it."""
 ABOUT_COLOURS = ("color-contrast", "link-in-text-block")
-RUN = """async (only) => {
+RUN = """async ([part, only]) => {
     const rules = {'label-content-name-mismatch': {enabled: true}};
-    const found = await axe.run({resultTypes: ['violations'], ...(only.length ? {runOnly: only} : {rules})});
+    const options = {resultTypes: ['violations'], ...(only.length ? {runOnly: only} : {rules})};
+    const found = await axe.run(part, options);
     return found.violations.flatMap(({id, nodes}) =>
         nodes.map(({target, failureSummary}) => `${id} at ${target.join(' ')}: ${failureSummary}`));
 }"""
 """One rule beyond those that axe-core runs by itself: who says what is written on a button is understood."""
+WHOLE = "html"
 DIALOGS = {"fit-table": "fit-dialog", "paste-table": "paste-dialog"}
 """Dialogs of the table by the button that opens them."""
 
@@ -30,17 +32,23 @@ DIALOGS = {"fit-table": "fit-dialog", "paste-table": "paste-dialog"}
 class Inspection:
     """What axe-core finds in each state of a page, gathered over all of them."""
 
-    def __init__(self, stepramp: StepRampPage, sizes: tuple[str, ...], only: tuple[str, ...] = ()) -> None:
-        self.page, self.sizes, self.only = stepramp.page, sizes, only
+    def __init__(self, stepramp: StepRampPage, theme: str) -> None:
+        self.page = stepramp.page
+        self.sizes = THEMES[theme]
+        self._only = () if theme == "dark" else ABOUT_COLOURS
         self._present = "tablet"
         self.findings: list[str] = []
         self.page.evaluate(Axe().axe_script)
 
-    def inspect(self, state: str, *, is_everywhere: bool = False) -> None:
-        """Take note of what is found at the theme's sizes or everywhere; a finding of several states is kept once."""
+    def inspect(self, state: str, part: str = WHOLE, *, is_everywhere: bool = False) -> None:
+        """Take note of what is found at the theme's sizes or everywhere; a finding of several states is kept once.
+
+        part: what the state shows that those before did not. The rest of the page is looked at with it once.
+        """
         for size in SIZES if is_everywhere else self.sizes:
             self._resize(size)
-            for text in self.page.evaluate(RUN, list(self.only)):
+            is_first = size == self.sizes[0] and not self._only
+            for text in self.page.evaluate(RUN, [WHOLE if is_first else part, list(self._only)]):
                 if not any(finding.endswith(text) for finding in self.findings):
                     self.findings.append(f"{state}, {size}: {text}")
         self._resize("tablet")
@@ -56,37 +64,38 @@ class Inspection:
 def test_axe_finds_nothing(open_page: Callable[..., StepRampPage], watch: Watch, theme: str) -> None:
     watch.expected.append(REFUSED_VALUE)
     stepramp = open_page(SIZES["tablet"])
-    page, seen = stepramp.page, Inspection(stepramp, THEMES[theme], () if theme == "dark" else ABOUT_COLOURS)
+    page, seen = stepramp.page, Inspection(stepramp, theme)
     # Colours are judged as they come to be, not on their way.
     scheme = "light" if theme == "light" else "dark"
     forced = "active" if theme == "forced" else "none"
     page.emulate_media(color_scheme=scheme, forced_colors=forced, reduced_motion="reduce")
     for panel in ("parameters", "table", "device"):
         stepramp.show_panel(panel)
-        seen.inspect(f"idle, {panel}", is_everywhere=theme == "dark")
+        part = WHOLE if panel == "parameters" else f"#{panel}"
+        seen.inspect(f"idle, {panel}", part, is_everywhere=theme == "dark")
     inspect_export(stepramp, seen)
     inspect_capture(stepramp, seen)
     stepramp.show_panel("table")
     for button, dialog in DIALOGS.items():
         page.locator(f"#{button}").click()
         expect(page.locator(f"#{dialog}")).to_be_visible()
-        seen.inspect(dialog)
+        seen.inspect(dialog, f"#{dialog}")
         page.locator(f"#{dialog}").get_by_label("Close").click()
     stepramp.connect()
     stepramp.push()
-    seen.inspect("pushed")
+    seen.inspect("pushed", "#device")
     for section in ("move", "jog", "trace"):
         stepramp.device_section(section)
-        seen.inspect(section)
+        seen.inspect(section, "#device")
     page.locator("#settings").click()
     expect(page.locator("#settings-dialog")).to_be_visible()
-    seen.inspect("settings")
+    seen.inspect("settings", "#settings-dialog")
     page.locator("#settings-dialog").get_by_label("Close").click()
     stepramp.show_panel("parameters")
     inspect_motor(stepramp, seen)
     page.locator("body").press("?")
     expect(page.locator("#shortcuts")).to_be_visible()
-    seen.inspect("shortcuts")
+    seen.inspect("shortcuts", "#shortcuts")
     page.keyboard.press("Escape")
     inspect_wrong_values(stepramp, seen)
     assert not seen.findings, "\n".join(seen.findings)
@@ -103,7 +112,7 @@ def inspect_motor(stepramp: StepRampPage, seen: Inspection) -> None:
     page.locator("#stall-point").click()
     page.locator("#torque-curve").fill("a;b;c")
     expect(page.locator(".motor-curve .message")).to_be_visible()
-    seen.inspect("motor, wrong numbers")
+    seen.inspect("motor, wrong numbers", "#parameters")
     page.locator("#torque-curve").fill("")
     page.locator("#stall-point").click()
     expect(page.locator(".motor-found")).to_have_class("motor-found")
@@ -111,7 +120,7 @@ def inspect_motor(stepramp: StepRampPage, seen: Inspection) -> None:
         page.locator(f"#open-{name}").click()
         dialog = page.locator(f"#{name}-dialog")
         expect(dialog.locator(shown).first).to_be_visible(timeout=60_000)
-        seen.inspect(f"motor, {name}")
+        seen.inspect(f"motor, {name}", f"#{name}-dialog")
         dialog.get_by_role("button", name="Close").last.click()
     page.locator("#motor-presets").select_option("")
 
@@ -120,7 +129,7 @@ def inspect_export(stepramp: StepRampPage, seen: Inspection) -> None:
     """Look at the menu and at the dialog that exports, with a text, a picture and a refusal."""
     page = stepramp.page
     page.locator("#examples").click()
-    seen.inspect("menu")
+    seen.inspect("menu", "#menu-list")
     page.keyboard.press("Escape")
     button = page.locator("#head-export")
     if button.is_visible():
@@ -131,12 +140,12 @@ def inspect_export(stepramp: StepRampPage, seen: Inspection) -> None:
     dialog = page.locator("#export-dialog")
     for name in ("c_newton", "klipper", "png"):
         dialog.locator(f'label:has(input[value="{name}"])').click()
-        until(lambda name=name: dialog.get_attribute("data-shown") == name)
-        seen.inspect(f"export of {name}")
+        until(lambda name=name: dialog.get_attribute("data-shown") == name, within_s=60)
+        seen.inspect(f"export of {name}", "#export-dialog")
     dialog.locator('label:has(input[value="c_newton"])').click()
     page.locator("#export-name").fill("2 axes")
     expect(dialog.locator(".message")).to_be_visible()
-    seen.inspect("export refused")
+    seen.inspect("export refused", "#export-dialog")
     dialog.get_by_label("Close").click()
 
 
@@ -147,7 +156,7 @@ def inspect_capture(stepramp: StepRampPage, seen: Inspection) -> None:
     page.locator("#capture-shortest").fill("2")
     page.locator("#capture-shortest").press("Enter")
     expect(page.locator("#capture-figures .short")).to_be_visible()
-    seen.inspect("capture")
+    seen.inspect("capture", "#capture-dialog")
     page.keyboard.press("Escape")
 
 
@@ -155,8 +164,8 @@ def inspect_wrong_values(stepramp: StepRampPage, seen: Inspection) -> None:
     """Look at the messages of a wrong row and of a wrong parameter."""
     stepramp.show_panel("table")
     stepramp.page.locator("#table-1-0").fill("2")
-    seen.inspect("wrong row")
+    seen.inspect("wrong row", "#table")
     stepramp.show_panel("parameters")
     stepramp.field(SLEW_SPEED).fill("fast")
     expect(stepramp.message(SLEW_SPEED)).to_be_visible()
-    seen.inspect("wrong value")
+    seen.inspect("wrong value", "#parameters")

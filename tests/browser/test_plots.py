@@ -312,8 +312,8 @@ def test_hundreds_of_edits_leave_nothing_behind(stepramp: StepRampPage) -> None:
 
     page.evaluate(SLIDE, [ACCELERATION, 100])
     before = left()
-    page.evaluate(SLIDE, [ACCELERATION, 400])
-    most = [number + more for number, more in zip(before, (3, 200, 20), strict=True)]
+    page.evaluate(SLIDE, [ACCELERATION, 200])
+    most = [number + more for number, more in zip(before, (3, 150, 15), strict=True)]
     # The last curves may still be on their way; what is left behind stays.
     until(lambda: all(now < allowed for now, allowed in zip(left(), most, strict=True)))
 

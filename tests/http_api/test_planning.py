@@ -165,8 +165,8 @@ def test_more_numbers_than_an_answer_can_hold_are_refused_before_they_are_worked
         [error] = response.json()["errors"]
         assert error["field"] == "max_points"
         assert (error["limits"]["lowest"], error["limits"]["highest"]) == (10, 8_333_333)
-    # An axis has four numbers a point, and three among the pulses of all.
-    four = {"designs": [long] * 4, "mode": "independent"}
+    # An axis has four numbers a point, and three among the pulses of all: four such moves are just too long.
+    four = {"designs": [document(move__steps=3_571_429)] * 4, "mode": "independent"}
     [error] = client.post("/api/v1/schedule", json=four).json()["errors"]
     assert error["field"] == "max_points"
     assert (error["limits"]["lowest"], error["limits"]["highest"]) == (10, 3_571_428)
