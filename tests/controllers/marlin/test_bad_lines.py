@@ -10,6 +10,7 @@ import pytest
 
 from controllers.bench import at, by
 from controllers.marlin.bench import Bench
+from designs import design
 from stepramp.controllers.contract import AnswerUnknown
 from stepramp.errors import DeviceLost, Refused
 
@@ -128,3 +129,23 @@ def test_a_place_that_has_lost_a_letter_is_asked_again(bench: Bench) -> None:
     controller.stop()
     assert not left
     assert not marlin.is_moving
+
+
+def test_one_that_loses_its_power_while_it_stores_is_not_waited_for_time_and_again(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Storing is given long; it was told four times, which took half a minute."""
+    controller, marlin = bench.controller, bench.marlin
+    controller.connect()
+    told: list[bytes] = []
+    write = bench.port.write
+
+    def note(data: bytes) -> None:
+        told.append(data)
+        write(data)
+
+    monkeypatch.setattr(bench.port, "write", note)
+    marlin.dies_at_write = marlin.eeprom.writes + 1
+    with pytest.raises(DeviceLost, match="does not answer"):
+        controller.prepare_push([design()], 0)()
+    assert sum(b"M500" in data for data in told) == 2

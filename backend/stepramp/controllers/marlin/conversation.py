@@ -213,12 +213,14 @@ class Conversation:
         After it has asked for a line again an ok may belong to none. But a line is taken only once all before it have
         arrived, and so is a question after them. allowed, time_s: as in ask. Raises as ask.
         """
+        # What is given long has had its time: whoever waits is to hear soon that nobody is there any more.
+        repeats = MOST_REPEATS if time_s is None else 1
         said: dict[int, list[str]] = {}
         self._unproven, at = [], 0
         for _ in range(MOST_LINES_AGAIN):
             try:
                 while at < len(lines):
-                    said[at] = self.ask(lines[at], allowed=allowed, time_s=time_s)
+                    said[at] = self.ask(lines[at], allowed=allowed, time_s=time_s, repeats=repeats)
                     self._unproven.append(self._number - 1)
                     at += 1
                 self._ask_anything()
