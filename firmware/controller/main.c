@@ -4,6 +4,7 @@
 
 #include "clock.h"
 #include "serial.h"
+#include "stack_guard.h"
 #include "stepramp/edge/board.h"
 #include "stepramp/edge/step_queue.h"
 #include "stepramp/protocol/controller.h"
@@ -22,6 +23,7 @@ static void receive_bytes(void)
 int main(void)
 {
     wdt_enable(WDTO_250MS);
+    stack_guard_begin();
     clock_begin();
     step_queue_begin();
     serial_begin();
@@ -29,6 +31,7 @@ int main(void)
     sei();
     for (;;) {
         wdt_reset();
+        stack_guard_check();
         board_skip_to_stop();
         receive_bytes();
         if (board_skip_to_stop()) { /* it has come in the meantime */

@@ -100,3 +100,11 @@ def test_the_watchdog_lets_no_motor_coast(tmp_path: Path) -> None:
     assert enable["cycle"][2] - enable["cycle"][1] < 10 * CYCLES_PER_US
     clock = edges["cycle"][edges["pin"] == CLOCK_PIN]
     assert np.diff(clock) == pytest.approx(100_000 * CYCLES_PER_US, abs=1100 * CYCLES_PER_US)
+
+
+def test_a_stack_that_comes_to_the_variables_ends_in_a_reset(tmp_path: Path) -> None:
+    source = Path(__file__).with_name("overflow.c")
+    program = build_program("overflow", [source, *chip_sources()])
+    statistics, _, sent = run_on_chip(program, tmp_path)
+    assert statistics["resets"] == 1
+    assert list(sent) == [1, 8], "reset by power, then by the watchdog"
