@@ -3,6 +3,7 @@
 import math
 import re
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -118,3 +119,18 @@ def test_variables_have_a_prefix_that_no_sketch_uses(tmp_path: Path) -> None:
     variables = {words[2] for line in shown.splitlines() if (words := line.split())[1] in "BDRGS"}
     assert len(variables) > 5
     assert [name for name in sorted(variables) if not name.startswith("stepramp_")] == []
+
+
+def test_the_folder_for_the_library_manager_has_the_library_and_nothing_else(tmp_path: Path) -> None:
+    """What Arduino's specification and the rules of arduino-lint ask of a library's files."""
+    folder, script = tmp_path / "StepRamp", str(LIBRARY / "make_library.py")
+    subprocess.run([sys.executable, script, str(folder)], check=True)
+    top = {path.name for path in folder.iterdir()}
+    assert top == {"library.properties", "keywords.txt", "README.md", "LICENSE", "src", "examples"}
+    made = sorted(path.relative_to(folder) for path in folder.rglob("*") if path.is_file())
+    assert [path for path in made if path.suffix in {".exe", ".o", ".hex", ".elf"} or path.name.startswith(".")] == []
+    assert not any(path.is_symlink() for path in folder.rglob("*"))
+    for name in ("library.properties", "keywords.txt", "src/StepRamp.h", "src/stepramp/edge/step_queue.h"):
+        assert (folder / name).read_bytes() == (LIBRARY / name).read_bytes()
+    again = subprocess.run([sys.executable, script, str(folder)], capture_output=True, text=True, check=False)
+    assert (again.returncode, again.stderr) == (1, f"{folder} is there already\n")
