@@ -226,7 +226,7 @@
 
 /** read_back: null when that makes no sense. own: null where the controller's own terms are the same.
  * @typedef {{name: string, unit: string, requested: number, sent: number, read_back: number | null,
- *   own: OwnTerms | null}} PushItem */
+ *   axis: number | null, own: OwnTerms | null}} PushItem */
 
 /** @typedef {{items: PushItem[], verified: boolean, segments: number | null, bytes: number,
  *   largest_deviation_us: number | null, sequence: number | null, warnings: string[]}} Push */

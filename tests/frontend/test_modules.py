@@ -272,3 +272,31 @@ def test_a_range_is_kept_within_the_move(modules: Modules) -> None:
 )
 def test_the_figures_of_a_push_are_written_in_their_units(modules: Modules, value: float, unit: str, text: str) -> None:
     assert modules.call("panels/device/figures.js", "formatFigure", value, unit) == text
+
+
+# 250 steps/mm: 1000 steps/s are 4 mm/s, or 240 mm/min, and 5 turns in 2 seconds. A count of steps stays one.
+@pytest.mark.parametrize(
+    ("unit", "value", "units", "shown"),
+    [
+        ("steps/s", 1000, {"length": "mm", "time": "s"}, ["mm/s", "4"]),
+        ("steps/s", 1000, {"length": "mm", "time": "min"}, ["mm/min", "240"]),
+        ("steps/s", 2083.3333, {"length": "mm", "time": "s"}, ["mm/s", "8.333333"]),
+        ("steps/s", 1000, {"length": "rev", "time": "s"}, ["rev/s", "2.5"]),
+        ("steps/s²", 2500, {"length": "mm", "time": "s"}, ["mm/s²", "10"]),
+        ("steps/s", 1000, {"length": "steps", "time": "s"}, ["steps/s", "1,000"]),
+        ("steps", 1200, {"length": "mm", "time": "s"}, ["steps", "1,200"]),
+        ("Hz", 2_000_000, {"length": "mm", "time": "s"}, ["Hz", "2,000,000"]),
+    ],
+)
+def test_the_figures_of_a_push_are_shown_in_the_units_chosen(
+    modules: Modules, unit: str, value: float, units: dict[str, str], shown: list[str]
+) -> None:
+    design = {"axis": {"full_steps_per_rev": 200, "microsteps": 2, "travel_per_rev": 1.6, "travel_unit": "mm"}}
+    script = """async ([unit, value, units, designs]) => {
+        const { figuresOf } = await import('/panels/device/figures.js');
+        const figures = figuresOf({ unit, axis: 1 }, units, designs);
+        return [figures.unit, figures.write(value)]; }"""
+    assert modules.evaluate(script, [unit, value, units, [design]]) == shown
+    # Of several designs each axis has its own.
+    other = {"axis": {**design["axis"], "travel_per_rev": 3.2}}
+    assert modules.evaluate(script, [unit, value, units, [other, design]]) == shown

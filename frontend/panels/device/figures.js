@@ -2,7 +2,14 @@
 // The figures of a push as people read them.
 
 import { element } from '../../ui/dom.js';
-import { formatFixed } from '../../model/numbers.js';
+import { formatFigures, formatFixed, tidy } from '../../model/numbers.js';
+import { shownValue, unitWord } from '../../model/units.js';
+
+/** What an axis converts of them. Counts of steps stay counts.
+ * @type {Record<string, import('../../model/units.js').Quantity>} */
+const CONVERTED = { 'steps/s': 'speed', 'steps/s²': 'acceleration' };
+/** More than any controller here tells apart. */
+const FIGURES = 8;
 
 /** Write a figure in its unit: times to a ten-thousandth of a µs, which is finer than a tick of any controller here.
  * @param {number} value @param {string} unit */
@@ -11,6 +18,24 @@ export function formatFigure(value, unit) {
   if (unit !== 'µs' && Number.isInteger(value)) return formatFixed(value);
   return formatFixed(value, 4).replace(/0{1,3}$/, '');
 }
+
+/** The unit that an item's figures are shown in, and what writes them.
+ * @param {{unit: string, axis: number | null}} item
+ * @param {import('../../model/units.js').Units} units
+ * @param {import('../../model/types.js').Design[]} designs  that were pushed, or would be: of one, its axis has it */
+export function figuresOf({ unit, axis }, units, designs) {
+  const design = designs.length === 1 ? designs[0] : designs[axis ?? -1];
+  const quantity = CONVERTED[unit];
+  const factor = quantity === undefined || design === undefined ? 1 : shownValue(units, design, quantity, 1);
+  if (factor === 1) return { unit, write: (/** @type {number} */ value) => formatFigure(value, unit) };
+  return {
+    unit: unitWord(units, design, quantity),
+    write: (/** @type {number} */ value) => withoutZeros(formatFigures(tidy(value * factor), FIGURES)),
+  };
+}
+
+/** @param {string} text a number */
+const withoutZeros = (text) => (text.includes('.') ? text.replace(/\.?0+$/, '') : text);
 
 /** The head of a figure's row: its name and its unit, of a checksum what kind of number it is; and, in a line of its own, what the
  * controller calls it, and its unit there.

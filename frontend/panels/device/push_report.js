@@ -4,7 +4,7 @@
 import { closeButton, element, icon, messageLine } from '../../ui/dom.js';
 import { formatFigures } from '../../model/numbers.js';
 import { pushedWords } from './push_words.js';
-import { figureCell, figureHead, formatFigure, sizeText, tableHead, unseen } from './figures.js';
+import { figureCell, figureHead, figuresOf, sizeText, tableHead, unseen } from './figures.js';
 
 /** @typedef {import('../../model/types.js').Device} Device */
 
@@ -34,30 +34,9 @@ export function createPushReport() {
 
   /** @param {import('../../model/types.js').Push} pushed @param {string[]} warnings @param {boolean} isChanged
    * @param {import('../../model/types.js').Design[] | null} lastPushed  null: another page has pushed it
-   * @param {boolean} isReplaced */
-  function showDetails(pushed, warnings, isChanged, lastPushed, isReplaced) {
-    const rows = pushed.items.map((item) =>
-      element(
-        'tr',
-        {},
-        figureHead(item.name, item.unit, item.own),
-        figureCell(formatFigure(item.requested, item.unit)),
-        figureCell(formatFigure(item.sent, item.unit), item.own?.sent),
-        figureCell(
-          item.read_back === null ? 'unreadable' : formatFigure(item.read_back, item.unit),
-          item.own?.on_device,
-        ),
-        element(
-          'td',
-          { className: item.sent === item.read_back ? 'same' : 'differs' },
-          icon(item.sent === item.read_back ? 'ok' : 'error'),
-          element('span', {
-            className: 'unseen',
-            textContent: item.sent === item.read_back ? 'as sent' : 'not as sent',
-          }),
-        ),
-      ),
-    );
+   * @param {boolean} isReplaced @param {import('../../model/types.js').Situation} situation */
+  function showDetails(pushed, warnings, isChanged, lastPushed, isReplaced, { units, toPush }) {
+    const rows = pushed.items.map((item) => reportRow(item, figuresOf(item, units, lastPushed ?? toPush)));
     details.replaceChildren(
       element(
         'div',
@@ -99,7 +78,8 @@ export function createPushReport() {
   return {
     element: element('div', { className: 'push-report', id: 'push-report' }, bar, details),
     /** @param {Device | null} device @param {import('../../model/types.js').Situation} situation */
-    show(device, { isPushing, isChanged, preview, lastPushed }) {
+    show(device, situation) {
+      const { isPushing, isChanged, preview, lastPushed, units, toPush } = situation;
       const pushed = device?.pushed ?? null;
       const reached = isPushing ? 1 : pushed === null ? 0 : pushed.verified ? STAGES.length : STAGES.length - 1;
       stages.forEach((stage, index) => {
@@ -112,10 +92,29 @@ export function createPushReport() {
       // What is said of the next push is not said of the last one again.
       const warnings = (pushed?.warnings ?? []).filter((text) => !preview?.warnings.includes(text));
       const isReplaced = device !== null && hasAnotherRamp(device);
-      const state = JSON.stringify([pushed, warnings, isChanged, lastPushed && pushedWords(lastPushed), isReplaced]);
+      const state = JSON.stringify([pushed, warnings, isChanged, lastPushed && pushedWords(lastPushed), isReplaced, units, (lastPushed ?? toPush).map(({ axis }) => axis)]);
       if (state === known) return;
       known = state;
-      if (pushed) showDetails(pushed, warnings, isChanged, lastPushed, isReplaced);
+      if (pushed) showDetails(pushed, warnings, isChanged, lastPushed, isReplaced, situation);
     },
   };
+}
+
+/** @param {import('../../model/types.js').PushItem} item @param {ReturnType<typeof figuresOf>} figures */
+function reportRow(item, { unit, write }) {
+  const isSame = item.sent === item.read_back;
+  return element(
+    'tr',
+    {},
+    figureHead(item.name, unit, item.own),
+    figureCell(write(item.requested)),
+    figureCell(write(item.sent), item.own?.sent),
+    figureCell(item.read_back === null ? 'unreadable' : write(item.read_back), item.own?.on_device),
+    element(
+      'td',
+      { className: isSame ? 'same' : 'differs' },
+      icon(isSame ? 'ok' : 'error'),
+      element('span', { className: 'unseen', textContent: isSame ? 'as sent' : 'not as sent' }),
+    ),
+  );
 }

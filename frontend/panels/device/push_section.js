@@ -3,7 +3,7 @@
 
 import { element, icon, messageLine, showText } from '../../ui/dom.js';
 import { formatFixed } from '../../model/numbers.js';
-import { figureCell, figureHead, formatFigure, sizeText, tableHead, unseen } from './figures.js';
+import { figureCell, figureHead, figuresOf, sizeText, tableHead, unseen } from './figures.js';
 import { mend } from '../../app/commands/work.js';
 import { createPushReport } from './push_report.js';
 import { createRefusals } from './push_refusals.js';
@@ -12,6 +12,7 @@ import { able, can, enable, handOn } from './section.js';
 
 /** @typedef {import('../../model/types.js').Device} Device */
 /** @typedef {import('./section.js').Context} Context */
+/** @typedef {import('../../model/types.js').Situation} Situation */
 
 /** What part of a push is behind it when a stage begins, and when it ends. */
 const STAGES = {
@@ -77,9 +78,9 @@ export function createPushSection(handlers, dispatch) {
           : `${text} …`;
   }
 
-  /** @param {import('../../model/types.js').Preview} preview */
-  function showChanges(preview) {
-    const known = JSON.stringify(preview);
+  /** @param {import('../../model/types.js').Preview} preview @param {Situation} situation */
+  function showChanges(preview, { units, toPush }) {
+    const known = JSON.stringify([preview, units, toPush.map(({ axis }) => axis)]);
     if (changes.dataset.known === known) return;
     changes.dataset.known = known;
     const differing = preview.items.filter((item) => item.differs);
@@ -96,7 +97,7 @@ export function createPushSection(handlers, dispatch) {
             element(
               'div',
               { className: 'push-rows', tabIndex: 0, role: 'region', 'aria-label': 'What would change' },
-              changesTable(differing, axes),
+              changesTable(differing, axes, units, toPush),
             ),
           ]
         : []),
@@ -142,35 +143,33 @@ export function createPushSection(handlers, dispatch) {
       if (now) showProgress(now);
       else waitsLong.end();
       changes.hidden = situation.preview === null || now !== null;
-      if (situation.preview) showChanges(situation.preview);
+      if (situation.preview) showChanges(situation.preview, situation);
       refusals.show(situation);
       report.show(present, situation);
     },
   };
 }
 
-/** @param {import('../../model/types.js').PreviewItem[]} items @param {boolean} areOfSeveral */
-function changesTable(items, areOfSeveral) {
-  const rows = items.map((item) => changeRow(item, areOfSeveral));
+/** @param {import('../../model/types.js').PreviewItem[]} items @param {boolean} areOfSeveral
+ * @param {Situation['units']} units @param {Situation['toPush']} designs */
+function changesTable(items, areOfSeveral, units, designs) {
+  const rows = items.map((item) => changeRow(item, areOfSeveral, figuresOf(item, units, designs)));
   const head = tableHead([unseen('item'), 'on device', 'to send']);
   return element('table', {}, head, element('tbody', {}, ...rows));
 }
 
-/** @param {import('../../model/types.js').PreviewItem} item @param {boolean} isOfSeveral */
-function changeRow(item, isOfSeveral) {
+/** @param {import('../../model/types.js').PreviewItem} item @param {boolean} isOfSeveral
+ * @param {ReturnType<typeof figuresOf>} figures */
+function changeRow(item, isOfSeveral, { unit, write }) {
+  const text = (/** @type {number | null} */ value) => (value === null ? '–' : write(value));
   const name = isOfSeveral && item.axis !== null ? `${item.axis}: ${item.name}` : item.name;
   return element(
     'tr',
     {},
-    figureHead(name, item.unit, item.own),
-    figureCell(figureText(item.on_device, item.unit), item.own?.on_device),
-    figureCell(figureText(item.to_send, item.unit), item.own?.sent, 'coming'),
+    figureHead(name, unit, item.own),
+    figureCell(text(item.on_device), item.own?.on_device),
+    figureCell(text(item.to_send), item.own?.sent, 'coming'),
   );
-}
-
-/** @param {number | null} value @param {string} unit */
-function figureText(value, unit) {
-  return value === null ? '–' : formatFigure(value, unit);
 }
 
 /** @param {string} id @param {string} className @param {() => void} onclick */
