@@ -4,12 +4,14 @@ import asyncio
 import threading
 from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
+from functools import cache
 from itertools import chain
 from pathlib import Path
 from typing import Any
 
 from fastapi import FastAPI
 from fastapi.routing import iter_route_contexts
+from starlette.routing import BaseRoute
 from starlette.types import Receive, Scope, Send
 
 from stepramp.capture.warm_up import warm_up_captures
@@ -61,6 +63,34 @@ routes: also 404 for a path that isn't there, 405 for a method that a path doesn
 large and 415 for one that isn't application/json. Words and units are those of the page: intervals in ticks of the
 design's timer, speeds in steps/s.
 """
+
+RESPONSES: dict[int | str, dict[str, Any]] = {
+    403: {"model": ErrorList, "description": "The request comes from a page or a host that isn't ours"},
+    422: {"model": ErrorList, "description": "A value can't be used"},
+    500: {"model": ErrorList, "description": "StepRamp made a mistake; it is logged"},
+    503: {"model": ErrorList, "description": "Too much is asked for at the same time; a stop never is"},
+}
+PARTS = (
+    planning,
+    methods,
+    shapes,
+    retarget,
+    motor,
+    motor_fastest,
+    motor_presets,
+    stall_map,
+    jobs,
+    curves,
+    schedule,
+    tables,
+    exports,
+    capture,
+    report,
+    own_ramps,
+    imports,
+    devices,
+)
+"""Modules with routes, in the order in which the description of the API has them."""
 
 
 @asynccontextmanager
@@ -119,34 +149,11 @@ def create_app(
         openapi_url="/api/v1/openapi.json",
         lifespan=_lifespan,
         redirect_slashes=False,
-        responses={
-            403: {"model": ErrorList, "description": "The request comes from a page or a host that isn't ours"},
-            422: {"model": ErrorList, "description": "A value can't be used"},
-            500: {"model": ErrorList, "description": "StepRamp made a mistake; it is logged"},
-            503: {"model": ErrorList, "description": "Too much is asked for at the same time; a stop never is"},
-        },
     )
     app.state.devices = Devices(families, remote_ports, data)
     app.state.connections = Connections()
     app.state.jobs = Jobs()
-    app.include_router(planning.router, prefix="/api/v1")
-    app.include_router(methods.router, prefix="/api/v1")
-    app.include_router(shapes.router, prefix="/api/v1")
-    app.include_router(retarget.router, prefix="/api/v1")
-    app.include_router(motor.router, prefix="/api/v1")
-    app.include_router(motor_fastest.router, prefix="/api/v1")
-    app.include_router(motor_presets.router, prefix="/api/v1")
-    app.include_router(stall_map.router, prefix="/api/v1")
-    app.include_router(jobs.router, prefix="/api/v1")
-    app.include_router(curves.router, prefix="/api/v1")
-    app.include_router(schedule.router, prefix="/api/v1")
-    app.include_router(tables.router, prefix="/api/v1")
-    app.include_router(exports.router, prefix="/api/v1")
-    app.include_router(capture.router, prefix="/api/v1")
-    app.include_router(report.router, prefix="/api/v1")
-    app.include_router(own_ramps.router, prefix="/api/v1")
-    app.include_router(imports.router, prefix="/api/v1")
-    app.include_router(devices.router, prefix="/api/v1")
+    app.router.routes.extend(_routes())
     handle_errors(app)
     pages.add(app)
     app.add_middleware(Door)
@@ -155,15 +162,19 @@ def create_app(
     now = app.state.devices.order.next
     app.add_middleware(Answered, now=now, connections=app.state.connections)
     app.add_middleware(RequestNumbering, now=now)
-    _build_routes(app)
     return app
 
 
-def _build_routes(app: FastAPI) -> None:
-    """Build what the routes take and answer now, not when the first request comes.
+@cache
+def _routes() -> list[BaseRoute]:
+    """Build what the routes take and answer, once for all applications, and not when the first request comes.
 
     FastAPI silences warnings of its own making while it does that, for the whole process; what is compiled in another
     thread at the time sets its own, and brings them back.
     """
-    for _ in iter_route_contexts(app.routes):
+    api = FastAPI(openapi_url=None, redirect_slashes=False, responses=RESPONSES)
+    for part in PARTS:
+        api.include_router(part.router, prefix="/api/v1")
+    for _ in iter_route_contexts(api.routes):
         pass
+    return api.routes

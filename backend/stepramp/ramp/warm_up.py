@@ -1,6 +1,7 @@
 """Compiling before it is needed: the numerics are compiled when they first run, and kept for the next start."""
 
 import time
+from functools import cache
 
 import numpy as np
 
@@ -19,10 +20,11 @@ OTHER_SHAPES: tuple[dict[str, object], ...] = (
 )
 
 
+@cache
 def warm_up() -> None:
     """Run each method once in each of its arithmetics, the usual ones first, and the compression, on a small ramp.
 
-    Then the shapes besides the usual one.
+    Then the shapes besides the usual one. All of it once a process.
     """
     small = _small({})
     usual = [(name, method.arithmetics[0]) for name, method in METHODS.items()]
