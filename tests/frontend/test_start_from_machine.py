@@ -106,3 +106,26 @@ def test_what_a_machine_is_set_to_goes_to_the_axis_that_it_was_computed_for(
     assert travel == travel_mm
     assert in_hand == start[-1]
     assert started == [start]
+
+
+LOST = """
+    const {FIRST_STATE, createStore} = await import('/app/state.js');
+    const {COMMANDS} = await import('/app/commands/commands.js');
+    const {createDevice} = await import('/panels/device/device.js');
+    const store = createStore(FIRST_STATE, (error) => { throw error; });
+    const {dispatch} = store;
+    dispatch(COMMANDS.work.begin, {axes: [design], together: 'independent', ids: [5], active: 0, kept: null});
+    const panel = createDevice(body, dispatch, {jog: {end() {}, steer() {}}});
+    dispatch(COMMANDS.device.linked, 'there');
+    return ['lost', 'ready'].map((state) => {
+        dispatch(COMMANDS.device.heard, [{id: '1', port: 'sim://', name: 'Simulated', family: 'grbl', state,
+            axes: [{axis: 0, state: 'ready', position_steps: 7, target_steps: 7, speed_steps_per_s: 0,
+                steps_per_mm: 80, lowest_steps: null, highest_steps: null}],
+            most_axes: 1, stops: 0, capabilities: [], in_control: null, unknown_positions: [0], shuttle: null,
+            progress: null, ramp: null}], {});
+        panel.show(store.state());
+        return byId('unknown-position').hidden; });"""
+
+
+def test_what_is_lost_is_not_said_to_be_back(modules: Modules) -> None:
+    assert run(modules, LOST) == [True, False]

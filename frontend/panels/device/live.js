@@ -65,7 +65,7 @@ export function createLive() {
       const text = span && `Soft limits: ${span}${isUnknown ? '. It moves once its position is set' : ''}`;
       if (limits.textContent !== text) limits.textContent = text;
       limits.hidden = text === '';
-      unknown.hidden = !isUnknown;
+      unknown.hidden = !isUnknown || isLost;
       beyond.hidden = isUnknown || !state?.is_beyond_limits;
     },
   };
