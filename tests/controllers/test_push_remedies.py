@@ -135,12 +135,26 @@ def test_a_table_can_only_give_way_to_a_formula() -> None:
     assert [change.field for change in remedy.changes] == ["axes.0.method.name", "axes.0.method.arithmetic"]
 
 
-def test_of_the_longest_ramps_only_what_is_cheap_is_tried(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(push_remedies, "MOST_STEPS_TO_SEARCH", 999)
-    # 500 steps up, by (16), and as many down.
+def test_only_ramps_that_are_planned_soon_are_tried(monkeypatch: pytest.MonkeyPatch) -> None:
+    # 500 steps up, by (16), and as many down; twice the acceleration halves them, by the same formula.
+    for most_steps, least_factor in ((1000, 1.0), (200, 5.0), (10, 100.0)):
+        monkeypatch.setattr(push_remedies, "MOST_STEPS_TO_SEARCH", most_steps)
+        [rejection] = rejections(document(**LONG))
+        assert kinds(rejection) == ["raise", "lower", "use"]
+        raised = rejection.remedies[0].changes[0].value
+        assert raised >= least_factor * LONG["ramp__acceleration_steps_per_s2"]
+    monkeypatch.setattr(push_remedies, "MOST_STEPS_TO_SEARCH", 0)
     assert kinds(rejections(document(**LONG))[0]) == ["use"]
-    monkeypatch.setattr(push_remedies, "MOST_STEPS_TO_SEARCH", 1000)
-    assert kinds(rejections(document(**LONG))[0]) == ["raise", "lower", "use"]
+
+
+def test_a_ramp_that_is_too_long_to_be_planned_often_has_remedies_too() -> None:
+    """Its 750,000 steps were refused without a way out, though a few changes of it are short."""
+    long = document(ramp__slew_speed_steps_per_s=15_000, ramp__acceleration_steps_per_s2=300, move__steps=900_000)
+    [rejection] = rejections(long, hello=limits(most_segments=250))
+    assert {"raise", "lower"} <= set(kinds(rejection))
+    for remedy in rejection.remedies:
+        body = changed({"axes": [json.loads(json.dumps(long))]}, remedy)
+        plan_push([Design.checked(body["axes"][0])], limits(most_segments=250), StepRampSettings())
 
 
 def test_the_search_ends_in_time(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -18,9 +18,10 @@ from stepramp.errors import Change, Rejected, Rejection, Remedy
 from stepramp.methods import METHODS
 from stepramp.numerics.limit_text import highest, lowest
 from stepramp.ramp.on_chip import ON_CHIP
+from stepramp.ramp.plan import longest_side
 
 MOST_STEPS_TO_SEARCH = 200_000
-"""Of all ramps that are refused: longer ones take too long to be planned again and again [steps]."""
+"""Of all ramps that are refused, as they would be: longer ones take too long to be planned again and again [steps]."""
 SEARCH_S = 2.0
 """So long numbers are looked for, all together; what is found until then is told [s]."""
 DOUBLINGS, HALVINGS = 12, 5
@@ -53,10 +54,10 @@ def _with_remedies(
     error: TooLong, designs: Sequence[Design], try_to_plan: Callable[[Sequence[Design]], None]
 ) -> Iterator[Rejection]:
     """Yield the rejections of ramps that are too long, with what would be accepted instead."""
-    steps = sum(one.ramp.up.size + one.ramp.down.size for one in error.pushed)
+    steps = [one.ramp.up.size + one.ramp.down.size for one in error.pushed]
     # For each ramp three numbers are looked for at most.
-    each_s = SEARCH_S / (3 * len(error.pushed)) if steps <= MOST_STEPS_TO_SEARCH else 0.0
-    for rejection, one in zip(error.rejections, error.pushed, strict=False):
+    each_s = SEARCH_S / (3 * len(error.pushed))
+    for rejection, one, own_steps in zip(error.rejections, error.pushed, steps, strict=False):
 
         def fits(design: Design, axis: int = one.axis, path: str = one.path) -> bool:
             instead = [*designs]
@@ -70,7 +71,10 @@ def _with_remedies(
                 return False
             return True
 
-        yield _with(rejection, one.path, list(_remedies(one.design, fits, each_s)))
+        def fits_soon(design: Design, others: int = sum(steps) - own_steps, fits: Fits = fits) -> bool:
+            return others + 2 * longest_side(design) <= MOST_STEPS_TO_SEARCH and fits(design)
+
+        yield _with(rejection, one.path, list(_remedies(one.design, fits, fits_soon, each_s)))
 
 
 def _with(rejection: Rejection, path: str, remedies: Sequence[Remedy]) -> Rejection:
@@ -85,13 +89,13 @@ def _with(rejection: Rejection, path: str, remedies: Sequence[Remedy]) -> Reject
     return replace(rejection, remedies=tuple(in_place), reason=f"{rejection.reason.removesuffix('.')}; {ways}.")
 
 
-def _remedies(design: Design, fits: Fits, search_s: float) -> Iterator[Remedy]:
-    """Yield what makes a design's ramp fit."""
+def _remedies(design: Design, fits: Fits, fits_soon: Fits, search_s: float) -> Iterator[Remedy]:
+    """Yield what makes a design's ramp fit; numbers are looked for among ramps that are planned soon enough."""
     if not design.method.plays_table:
-        yield from _least(design, _steeper, fits, search_s)
+        yield from _least(design, _steeper, fits_soon, search_s)
         if design.ramp.shape.jerk_steps_per_s3 is not None:
-            yield from _least(design, _sharper, fits, search_s)
-        yield from _least(design, _slower, fits, search_s)
+            yield from _least(design, _sharper, fits_soon, search_s)
+        yield from _least(design, _slower, fits_soon, search_s)
     yield from _computed(design, fits)
 
 
