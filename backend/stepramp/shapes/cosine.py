@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from stepramp.numerics.compiled import compiled
 from stepramp.numerics.numbers import Number
+from stepramp.numerics.remembered import remembered
 from stepramp.numerics.slope import Slope
 
 
@@ -49,12 +50,14 @@ class Cosine(Slope):
         part = (peak_speed - self.base_speed) / (self.slew_speed - self.base_speed)
         return replace(self, slew_speed=peak_speed, acceleration=self.acceleration * math.sqrt(part))
 
+    @remembered
     def speeds(self, first: float, count: int, number: Number) -> NDArray[np.floating]:
         """Return the speeds at `first`, `first` + 1 … steps from the base speed [steps/s], shape (count,)."""
         out = np.empty(count, number)
         _speeds(self._constants(number), number(first), out)
         return out
 
+    @remembered
     def durations(self, number: Number) -> NDArray[np.floating]:
         """Return F (t(i) - t(i - 1)) [ticks], shape (steps,)."""
         out = np.empty(self.steps, number)

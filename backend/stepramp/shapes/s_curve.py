@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from stepramp.numerics.compiled import compiled
 from stepramp.numerics.numbers import Number
+from stepramp.numerics.remembered import remembered
 from stepramp.numerics.slope import Slope
 
 
@@ -63,12 +64,14 @@ class SCurve(Slope):
         level = self._gain / self.acceleration
         return self.acceleration / (duration - level) if level < duration <= 2 * level else 4 * self._gain / duration**2
 
+    @remembered
     def speeds(self, first: float, count: int, number: Number) -> NDArray[np.floating]:
         """Return the speeds at `first`, `first` + 1 … steps from the base speed [steps/s], shape (count,)."""
         out = np.empty(count, number)
         _speeds(self._constants(number), number(first), out)
         return out
 
+    @remembered
     def durations(self, number: Number) -> NDArray[np.floating]:
         """Return F (t(i) - t(i - 1)) [ticks], shape (steps,)."""
         out = np.empty(self.steps, number)

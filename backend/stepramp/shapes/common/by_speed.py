@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from stepramp.numerics.compiled import compiled
 from stepramp.numerics.numbers import Number
+from stepramp.numerics.remembered import remembered
 from stepramp.numerics.slope import Slope
 
 CELLS = 4096
@@ -60,12 +61,14 @@ class BySpeed(Slope):
         """Return a S / steps: twice as steep is half as long [steps/s²]."""
         return self.acceleration * self.length / steps
 
+    @remembered
     def speeds(self, first: float, count: int, number: Number) -> NDArray[np.floating]:
         """Return the speeds at `first`, `first` + 1 … steps from the base speed [steps/s], shape (count,)."""
         out = np.empty(count, number)
         _speeds(number(first), number(self._offset), number(1), self._cells(number), out)
         return out
 
+    @remembered
     def durations(self, number: Number) -> NDArray[np.floating]:
         """Return F (t(i) - t(i - 1)) = F ∫ 2 x dx / v [ticks], shape (steps,)."""
         out = np.empty(self.steps, number)
