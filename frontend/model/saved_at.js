@@ -7,3 +7,11 @@ export function savedAtText(name) {
   const [day, time = ''] = name.split('T');
   return `${day} ${time.slice(0, 8).replaceAll('-', ':')} UTC`;
 }
+
+const NAMED = /as (\d{4}-\d\d-\d\dT\d\d-\d\d-\d\d\.\d{6}Z)/g;
+
+/** A message that names backups, with when they were saved instead, as lists of backups have it.
+ * @param {string} message */
+export function withSavedAt(message) {
+  return message.replace(NAMED, (_, name) => `on ${savedAtText(name)}`);
+}

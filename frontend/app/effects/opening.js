@@ -5,6 +5,7 @@ import { openCaptureFile, openFile, saveFile, watchDrops, watchPastes } from '..
 import { createOpening } from '../../documents/opening.js';
 import { shareLink } from '../../documents/sharing.js';
 import { unnamed } from '../../model/design.js';
+import { remarksOf } from '../../model/imported.js';
 import { duplicateOf } from '../../model/workbench.js';
 import { api, Refusal, ServerGone } from '../../server/api.js';
 import { openCapture } from '../commands/capture.js';
@@ -45,9 +46,8 @@ export function createDocuments({ state, dispatch, subscribe }) {
     try {
       const { family, axes } = await api.importText(text, designOf(state()));
       const title = state().devices.families.find(({ name }) => name === family)?.title ?? family;
-      const remarks = [...new Set(axes.flatMap((axis) => axis.remarks))];
       const document = { axes: axes.map(({ design }) => design), together: /** @type {const} */ ('independent') };
-      opening.open({ document, problem: null }, `the settings of ${title}`, remarks);
+      opening.open({ document, problem: null }, `the settings of ${title}`, remarksOf(axes));
     } catch (error) {
       if (!(error instanceof Refusal || error instanceof ServerGone)) throw error;
       opening.open({ document: null, problem: error.message }, 'the settings');

@@ -10,6 +10,7 @@ import { shownState } from '../../devices/state_words.js';
 import { memory } from '../../documents/memory.js';
 import { closeButton, element, icon, messageLine, picker, segmented, showText } from '../../ui/dom.js';
 import { pushText } from '../../model/messages.js';
+import { withSavedAt } from '../../model/saved_at.js';
 import { inShownUnits } from '../../model/told.js';
 import { createJogSection } from './jog_section.js';
 import { limitsText } from './limits.js';
@@ -261,7 +262,7 @@ export function createDevice(root, dispatch, act) {
     control.hidden = !now.isOthers || !isConnected;
     const message = present?.message ?? '';
     const trouble = present?.state === 'lost' ? `${message || 'It is lost.'} It is connected again once it is back.` : message;
-    showProblem(trouble, refused === message ? '' : refused);
+    showProblem(withSavedAt(trouble), refused === message ? '' : refused);
     showForgottenLimits(shown, isConnected && !now.isOthers ? present : null, now);
     showAxes(shown);
     showSections(shown, now);

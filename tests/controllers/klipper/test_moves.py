@@ -172,6 +172,9 @@ def test_axes_that_are_not_homed(bench: Bench, controller: KlipperController) ->
             act()
     assert bench.printer.scripts == []
     controller.move_by([by(80)])
+    bench.printer.homed = ""
+    several = "Axes x, y and z aren't homed: Klipper doesn't move them before. Home them at the printer."
+    assert controller.status().trouble == several
 
 
 @pytest.mark.parametrize("prints", ["printing", "paused"])

@@ -79,7 +79,10 @@ class Moves:
         missing = [letter for letter in LETTERS if letter not in seen.toolhead.homed_axes]
         if not missing:
             return None
-        return f"Axis {', '.join(missing)} isn't homed: Klipper doesn't move it before. Home it at the printer."
+        if len(missing) == 1:
+            return f"Axis {missing[0]} isn't homed: Klipper doesn't move it before. Home it at the printer."
+        all_missing = f"{', '.join(missing[:-1])} and {missing[-1]}"
+        return f"Axes {all_missing} aren't homed: Klipper doesn't move them before. Home them at the printer."
 
     def is_under_way(self, seen: Seen) -> bool:
         """Whether the tool moves, or is about to."""
