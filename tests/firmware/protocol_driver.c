@@ -9,6 +9,7 @@
  *   serial BYTES          bytes to its serial port, and rounds until its line is quiet; what it sends
  *   run ROUNDS [BYTES]    so many rounds, the bytes coming in at the first ones; what it sends, each with its round
  *   poll ROUNDS           so many rounds; what is sent is lost
+ *   pass MILLISECONDS     lets so much time pass, in longer rounds; what it sends
  *   eeprom [BYTES]        its EEPROM; or set it
  *   cut WRITE [VALUE]     the EEPROM write, counted from 1, in whose middle the power fails, and what that leaves there
  *   writes                EEPROM writes so far
@@ -172,6 +173,12 @@ static void poll_rounds(void)
     port_run(next_number(), NULL, 0, NULL);
 }
 
+static void pass(void)
+{
+    static uint8_t sent[LONGEST_LINE];
+    print_bytes(sent, port_pass(next_number(), sent, sizeof sent));
+}
+
 static const struct {
     const char *name;
     void (*obey)(void);
@@ -179,7 +186,7 @@ static const struct {
     {"frame", decode_frames},       {"encode", encode_frame}, {"crc", compute_crc},    {"settings", check_settings},
     {"begin", port_begin},          {"serial", serial},       {"run", run},            {"poll", poll_rounds},
     {"eeprom", show_or_set_eeprom}, {"cut", set_cut},         {"writes", show_writes}, {"steps", show_steps},
-    {"hand", hand_over},
+    {"hand", hand_over},            {"pass", pass},
 };
 
 static bool obey(const char *command)

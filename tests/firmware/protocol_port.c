@@ -160,11 +160,28 @@ void port_begin(void)
     polled_engine_set_outputs(on_step, on_turn);
 }
 
-void port_round(void)
+static void round_of(uint32_t ticks)
 {
-    now_ticks += BYTE_TICKS / ROUNDS_A_BYTE;
+    now_ticks += ticks;
     polled_engine_play((uint16_t)now_ticks);
     controller_poll();
+}
+
+void port_round(void)
+{
+    round_of(BYTE_TICKS / ROUNDS_A_BYTE);
+}
+
+size_t port_pass(unsigned long milliseconds, uint8_t *out, size_t most)
+{
+    size_t sent = 0;
+    for (unsigned long rounds = 2 * milliseconds; rounds != 0; rounds--) {
+        round_of(TICKS_A_MILLISECOND / 2);
+        for (unsigned left = TICKS_A_MILLISECOND / 2 / BYTE_TICKS; left != 0 && sent < most && port_next_byte(out + sent); left--) {
+            sent++;
+        }
+    }
+    return sent;
 }
 
 size_t port_run(unsigned long byte_times, const uint8_t *in, size_t in_length, uint8_t *out)

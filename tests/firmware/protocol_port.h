@@ -25,6 +25,10 @@ extern int32_t port_steps[PORT_AXES];
 /* Switches on: the controller begins. */
 void port_begin(void);
 
+/* Lets so much time pass, in rounds as long as a half millisecond: quickly. `out` gets what is sent in it, of which there
+ * is room for `most` bytes. Returns their number. */
+size_t port_pass(unsigned long milliseconds, uint8_t *out, size_t most);
+
 /* One round of the main loop, a quarter of the time that a byte of the serial line takes. */
 void port_round(void);
 

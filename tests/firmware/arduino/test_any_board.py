@@ -46,6 +46,7 @@ SCENARIOS = [
     "axis_in_flight",
     "too_many_axes",
     "shared_pins",
+    "for_75_minutes",
 ]
 
 

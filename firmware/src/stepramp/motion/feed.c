@@ -43,12 +43,13 @@ static uint8_t starved;
 static uint16_t trace_to_queue, trace_to_play;
 
 /* Pulses until the next one whose time is traced, after some more of them. Those that the queue has no end at are left
- * out. */
+ * out. Never more than `every`, so that 16 bits hold it. */
 static uint16_t trace_left(const struct feed *feed, uint16_t left, uint16_t pulses)
 {
     uint16_t every = trace_every(feed->index);
     while (every != 0 && left <= pulses) {
-        left = (uint16_t)(left + every);
+        pulses = (uint16_t)(pulses - left);
+        left = every;
     }
     return (uint16_t)(left - pulses);
 }

@@ -26,14 +26,15 @@ static uint16_t image_bytes;
 
 /* ---- the Arduino API ---- */
 
+/* 32 bits, as on every board: they come round after 71.6 minutes, those of millis() after 49.7 days. */
 unsigned long micros()
 {
-    return ++now_us;
+    return (uint32_t)++now_us;
 }
 
 unsigned long millis()
 {
-    return now_us / 1000;
+    return (uint32_t)(now_us / 1000);
 }
 
 void delayMicroseconds(unsigned int microseconds)
@@ -263,6 +264,32 @@ static void axis_in_flight()
     CHECK(!x.isMoving());
 }
 
+/* 75 minutes of motion, past the last position, too: micros() comes round at their beginning, and once more. poll() is called
+ * each 2 ms, so that a step of 10 ms is late by up to that. */
+static void for_75_minutes()
+{
+    static StepRampAxis x(STEP, DIRECTION);
+    now_us = UINT32_MAX - 1000000ul;
+    x.setRamp(100, 1000);
+    CHECK(x.begin() == STEPRAMP_READY && x.setPosition(INT32_MAX - 300000) == STEPRAMP_OK && x.runAt(100) == STEPRAMP_OK);
+    for (int minutes = 0; minutes < 75; minutes++) {
+        uint32_t from = (uint32_t)x.position();
+        for (unsigned long end = now_us + 60000000; now_us < end; now_us += 2000) {
+            CHECK(x.run());
+        }
+        uint32_t made = (uint32_t)x.position() - from;
+        CHECK(made > 60000 / 12 && made <= 60000 / 10 + 1);
+    }
+    CHECK(now_us > UINT32_MAX + 1ul && shortest_us[STEP] >= 10000 - 20);
+    x.stop();
+    poll_until_rest();
+    CHECK(x.position() == (int32_t)((uint32_t)INT32_MAX - 300000u + (uint32_t)edges[STEP] / 2) && x.position() < 0);
+    CHECK(x.stepsToGo() == 0 && x.move(-7) == STEPRAMP_OK && x.stepsToGo() == -7);
+    int made = edges[STEP];
+    poll_until_rest();
+    CHECK(edges[STEP] == made + 14 && level[DIRECTION] == LOW);
+}
+
 static void shared_pins()
 {
     static StepRampAxis x(STEP, DIRECTION), y(DIRECTION, 9), z(10, 10);
@@ -289,7 +316,7 @@ int main(int count, char **words)
     } SCENARIOS[] = {{"refuse", refuse}, {"move", move},           {"run", run},
                      {"set", set},       {"delay_loop", delay_loop}, {"gauge", gauge},
                      {"axes", axes},     {"axis_in_flight", axis_in_flight}, {"too_many_axes", too_many_axes},
-                     {"shared_pins", shared_pins}};
+                     {"shared_pins", shared_pins}, {"for_75_minutes", for_75_minutes}};
     CHECK(count == 3);
     unsigned byte;
     for (const char *text = words[2]; sscanf(text, "%2x", &byte) == 1; text += 2) {
