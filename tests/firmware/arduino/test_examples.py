@@ -1,14 +1,15 @@
 """The examples on a simulated Uno: when their pins really change."""
 
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 import pytest
 
-from firmware.arduino.board import build, missing
+from firmware.arduino.board import build, build_sketch, missing
 from firmware.arduino.pins import MOST_EARLY_US, Edges, Move, after_s, edges_until, moves_of, times_us
-from firmware.arduino.sketches import RAMPS
+from firmware.arduino.sketches import RAMPS, image_in
 from simulator.avr import CLOCK_HZ, SimulatedController
 from tools import require
 
@@ -91,6 +92,52 @@ def test_an_exported_ramp_is_played_to_and_fro(simulated_uno: Make) -> None:
     for move in moves[:2]:
         check_move(move, RAMPS["ExportedRamp"].ramp.intervals(800))
     assert pulse_widths(edges).min() >= 5
+
+
+FLASH_SKETCH = """#include <StepRampAxis.h>
+const uint8_t RAMP[] PROGMEM = {{{bytes}}};
+StepRampAxis motor(2, 5);
+void setup() {{
+  motor.useRampInFlash(RAMP, sizeof RAMP);
+  if (motor.begin() == STEPRAMP_READY) motor.moveTo(-800);
+}}
+void loop() {{ motor.run(); }}
+"""
+
+
+def test_a_ramp_in_flash_is_played(tmp_path: Path) -> None:
+    require(*missing())
+    source = tmp_path / "RampInFlash.ino"
+    source.write_text(FLASH_SKETCH.format(bytes=",".join(map(str, image_in("ExportedRamp")))))
+    sketch = build_sketch(source)
+    assert sketch.warnings == ""
+    edges = edges_until(SimulatedController(sketch.elf, tmp_path, real_time=False), made_steps(800))
+    (move,) = moves_of(edges, STEP, DIRECTION, rest_us=500_000)
+    assert move.backward
+    check_move(move, RAMPS["ExportedRamp"].ramp.intervals(800))
+
+
+def made_steps(steps: int) -> Callable[[Edges], bool]:
+    """Tell when so many have been made on axis 0."""
+    return lambda edges: len(times_us(edges, STEP, 1)) >= steps
+
+
+@pytest.mark.parametrize("press", [None, (14, 700, 1500)])
+def test_two_motors_draw_their_lines(simulated_uno: Make, press: tuple[int, int, int] | None) -> None:
+    """From (0, 0) to (600, 150), (200, 400) and back: the motor with less to do is never off by more than a step."""
+    edges = edges_until(simulated_uno("LineOfTwoMotors", press=press), after_s(4.4 if press is None else 5.6))
+    x, y = moves_of(edges, STEP, DIRECTION, rest_us=1e9), moves_of(edges, STEP + 1, DIRECTION + 1, rest_us=1e9)
+    # At rest the direction pins are forward, so that each line backward is a move of its own.
+    assert [(move.backward, len(move.times_us)) for move in x[:3]] == [(False, 600), (True, 400), (True, 200)]
+    assert [(move.backward, len(move.times_us)) for move in y[:2]] == [(False, 400), (True, 400)]
+    forward, back = x[0].times_us, np.concatenate([x[1].times_us, x[2].times_us])
+    off = 1 if press is None else 2  # a line that goes on after a stop is another one
+    steps = np.arange(1, 601)
+    assert np.abs(np.searchsorted(y[0].times_us, forward) - steps / 4).max() <= off
+    assert np.abs(np.searchsorted(y[0].times_us, back[:400]) - (150 + steps[:400] * 250 / 400)).max() <= 1
+    assert np.abs(np.searchsorted(back, y[1].times_us) - (400 + steps[:400] / 2)).max() <= 1
+    rest_us = np.diff(forward).max()
+    assert rest_us > 300_000 if press is not None else rest_us < 40_000
 
 
 def gauge_states(edges: Edges, gauge: int) -> tuple[npt.NDArray[np.float64], list[int]]:
