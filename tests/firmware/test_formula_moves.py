@@ -235,3 +235,20 @@ def test_run_at_one_speed_and_then_another(host: Host, ramp: Ramp, part: float, 
     assert report.position == target == len(intervals) + 1
     assert within_ramp(intervals, ramp)
     assert min(intervals) == min(int(slew * part), int(slew * next_part))
+
+
+@pytest.mark.parametrize("before", [0, 100, 200])
+@pytest.mark.parametrize("ramp", EASY, ids=str)
+def test_a_stop_past_the_last_position_ends_where_it_says(host: Host, ramp: Ramp, before: int) -> None:
+    """As with segments: positions count modulo 2³²."""
+    machine = Machine(host, ramp.image)
+    machine.do("position", 1, 2**31 - 1 - before)
+    machine.ask("run", 1, 1000)
+    machine.do("wait", 500_000)
+    machine.do("stop", 1)
+    target = machine.report().target
+    machine.rest()
+    made = machine.steps().travel
+    assert machine.report().position == target
+    assert (2**31 - 1 - before + made - target) % 2**32 == 0
+    assert made > 150
