@@ -392,24 +392,20 @@ void feed_progress(const struct feed *feed, struct feed_progress *progress)
     }
 }
 
-/* Of silences, only the parts of a long interval are one. */
-static uint16_t passing_interval(const struct feed *feed, bool steps_only)
-{
-    struct step_interval passing = step_queue_passing(feed->index);
-    return passing.is_step || (!steps_only && passing.ticks == PART_TICKS) ? passing.ticks : 0;
-}
-
 uint32_t feed_interval(const struct feed *feed)
 {
     if (feed->stage == FEED_IDLE || feed->axis.interval > LONGEST_WAIT_TICKS) {
         return feed->axis.interval;
     }
-    return passing_interval(feed, false);
+    struct step_interval passing = step_queue_passing(feed->index);
+    /* Of silences, only the parts of a long interval are one. */
+    return passing.is_step || passing.ticks == PART_TICKS ? passing.ticks : 0;
 }
 
 uint32_t feed_step_interval(const struct feed *feed)
 {
-    return feed->stage == FEED_PLAYING ? passing_interval(feed, true) : 0;
+    /* A long interval as a whole: the queue has its parts. */
+    return feed->stage == FEED_PLAYING && step_queue_passing(feed->index).is_step ? feed_interval(feed) : 0;
 }
 
 uint8_t feed_starved(void)
