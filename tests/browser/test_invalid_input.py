@@ -16,8 +16,8 @@ def stepramp(module_page: StepRampPage, module_watch: Watch, server: Server) -> 
     return module_page
 
 
-TOLD = {"": "empty", "-5": "-5", "0": "0", "2000000": "2,000,000"}
-NONSENSE = ["abc", "1e400", "NaN", "1,5", "12 34", *TOLD]
+TOLD = {"": "empty", "-5": "-5", "0": "0", "2000000": "2,000,000", "1e400": "1e400"}
+NONSENSE = ["abc", "NaN", "1,5", "12 34", *TOLD]
 
 
 def test_nonsense_is_told_at_its_field_and_stays_there(stepramp: StepRampPage) -> None:
