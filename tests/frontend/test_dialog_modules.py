@@ -555,7 +555,7 @@ def test_a_remedy_is_told_in_the_units_that_are_shown(
     [
         ("rows", "", "Rows is empty; allowed: a whole number from 1 to 1,000 rows."),
         ("rows", "x", "Rows is 'x'; allowed: a whole number from 1 to 1,000 rows."),
-        ("rows", "1e400", "Rows is '1e400'; allowed: a whole number from 1 to 1,000 rows."),
+        ("rows", "1e400", "Rows is 1e400; allowed: a whole number from 1 to 1,000 rows."),
         ("rows", "-1", "Rows is -1; allowed: a whole number from 1 to 1,000 rows."),
         ("rows", "1e300", "Rows is 1e+300; allowed: a whole number from 1 to 1,000 rows."),
         ("bytes", "3", "Bytes is 3; allowed: a whole number from 4 to 6,000 bytes."),
