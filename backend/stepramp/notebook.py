@@ -129,7 +129,7 @@ class Design(document.Design):
         >>> played.verdict, played.cause
         ('stalls', 'onset')
         >>> [proposal.changes[0].field for proposal in played.proposals()]
-        ['ramp.shape', 'ramp.acceleration_steps_per_s2']
+        ['ramp.shape', 'ramp.acceleration_steps_per_s2', 'ramp.slew_speed_steps_per_s']
         """
         return PlayedMove(self, outcome_of(self))
 
