@@ -126,6 +126,7 @@ class BusyClient(Client):
         super().__init__(port)
         self.statuses: list[Status] = []
         self._rest = b""
+        self._answered_s = 0.0
         self._answered = self._last_tag = 0
 
     def keep_busy(self, *, until_s: float = 0.0, most_s: float = 30.0) -> list[Status]:
@@ -151,11 +152,16 @@ class BusyClient(Client):
                 self.send(STATUS, bytes([self._tag % AXES]))
 
     def take(self, within_s: float) -> None:
-        """Take what has come, or wait for something."""
+        """Take what has come, or wait for something.
+
+        Without an answer for so long nothing is on its way any more, whatever the controller reports by itself: what
+        was asked has been dropped.
+        """
         self._port.timeout = within_s
         data = self._port.read(max(self._port.in_waiting, 1))
-        if not data:
-            self._answered = self._tag  # nothing is on its way any more: the rest has been dropped
+        if not data or time.monotonic() - self._answered_s > within_s:
+            self._answered = self._tag
+            self._answered_s = time.monotonic()
         *frames, self._rest = (self._rest + data).split(b"\0")
         for frame in frames:
             message = decode_frame(frame + b"\0")
@@ -163,6 +169,7 @@ class BusyClient(Client):
                 self.notices.append(message)
             elif message[0] == STATUS | 0x80:
                 self._answered = self._last_tag = message[3]
+                self._answered_s = time.monotonic()
                 self.statuses.append(Status.unpack(message[5:]))
 
     def read_frame(self) -> bytes:
@@ -183,6 +190,7 @@ class BusyClient(Client):
             self._tag = (self._tag + 1) & 0xFF
             asked, self._answered = self._tag, self._tag - 1
             self.send(STATUS, b"\0")
+            self._answered_s = time.monotonic()
             while self._answered != self._tag:
                 self.take(SILENCE_S)
             if self._last_tag == asked:
