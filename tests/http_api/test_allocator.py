@@ -13,8 +13,9 @@ from server_process import ServerProcess
 if sys.platform != "linux" or not hasattr(ctypes.CDLL(None), "mallopt"):
     pytest.skip("only glibc is told to", allow_module_level=True)
 
-WORKING_MB = 100
-"""What is loaded while the first requests come, and what is under way."""
+WORKING_MB = 200
+"""What is loaded while the first requests come, and what is under way: 36 to 103 MB more than after the first plan were
+measured, and no more after four such rounds. Without what glibc is told it is 416 MB after the first of them."""
 
 
 def resident_mb(server: ServerProcess) -> int:
