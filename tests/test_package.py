@@ -40,13 +40,13 @@ def test_the_installed_program_serves_the_page_from_any_folder(wheel: Path, tmp_
     try:
         assert server.stdout is not None
         address = server.stdout.readline().split()[3]
-        with urllib.request.urlopen(address, timeout=20) as page:
+        with urllib.request.urlopen(address, timeout=60) as page:
             assert b"<title>StepRamp" in page.read()
-        with urllib.request.urlopen(f"{address}assets/plotly/plotly.min.js", timeout=20) as script:
+        with urllib.request.urlopen(f"{address}assets/plotly/plotly.min.js", timeout=60) as script:
             assert script.status == 200
     finally:
         server.terminate()
-        server.communicate(timeout=20)
+        server.communicate(timeout=60)
     assert server.returncode in (0, -15)
 
 

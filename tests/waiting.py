@@ -5,9 +5,10 @@ from collections.abc import Callable
 from typing import Any
 
 
-def until(condition: Callable[[], Any], within_s: float = 20) -> None:
-    """Wait until a condition holds."""
+def until(condition: Callable[[], Any], within_s: float = 60) -> Any:
+    """Wait until a condition holds, and return what it gave."""
     deadline = time.monotonic() + within_s
-    while not condition():
+    while not (found := condition()):
         assert time.monotonic() < deadline, "it did not come about in time"
         time.sleep(0.03)
+    return found

@@ -12,7 +12,8 @@ from tools import require
 
 DESKTOP = (1440, 900)
 # A machine that is busy is slow, not wrong.
-expect.set_options(timeout=20_000)
+PATIENCE_MS = 60_000
+expect.set_options(timeout=PATIENCE_MS)
 
 
 class Watch:
@@ -126,7 +127,7 @@ def module_page(context: BrowserContext, shared_server: Server, module_watch: Wa
 def new_page(context: BrowserContext, watch: Watch, size: tuple[int, int] = DESKTOP, theme: str = "dark") -> Page:
     """Return an empty tab of a browser that has kept nothing."""
     page = context.new_page()
-    page.set_default_timeout(20_000)
+    page.set_default_timeout(PATIENCE_MS)
     page.set_viewport_size({"width": size[0], "height": size[1]})
     page.emulate_media(color_scheme=theme)
     page.goto(f"{watch.base_url}favicon.svg")

@@ -43,7 +43,7 @@ class Server:
         if self._process is None:
             return
         self._process.terminate()
-        self._process.wait(timeout=15)
+        self._process.wait(timeout=60)
         self._process = None
 
     @contextmanager

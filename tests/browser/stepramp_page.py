@@ -148,7 +148,7 @@ class StepRampPage:
         self.show_panel("device")
         self.page.locator("#port").select_option("sim://")
         self.page.locator("#connect").click()
-        expect(self.state).to_have_text("ready", timeout=10_000)
+        expect(self.state).to_have_text("ready")
 
     def device_section(self, name: str) -> None:
         """Show a section of the device panel: push, move, jog, trace."""
@@ -175,7 +175,7 @@ class StepRampPage:
         content = None if body is None else json.dumps(body).encode()
         headers = {} if body is None else {"Content-Type": "application/json"}
         request = urllib.request.Request(f"{url}api/v1/{path}", content, headers, method=method)
-        with urllib.request.urlopen(request, timeout=10) as response:
+        with urllib.request.urlopen(request, timeout=60) as response:
             return json.load(response)
 
     @classmethod

@@ -503,7 +503,7 @@ def test_by_keyboard_only(stepramp: StepRampPage) -> None:
     page.keyboard.press("Tab")
     page.keyboard.press("Tab")
     page.keyboard.press("Enter")
-    expect(stepramp.state).to_have_text("ready", timeout=10_000)
+    expect(stepramp.state).to_have_text("ready")
     page.locator("#push").focus()
     page.keyboard.press("Enter")
     expect(page.locator(".push-head .verified")).to_be_visible(timeout=20_000)

@@ -38,7 +38,7 @@ def plugged(stepramp: StepRampPage, cable: Cable) -> StepRampPage:
     request = urllib.request.Request(
         f"{stepramp.url}api/v1/devices", body, {"Content-Type": "application/json"}, method="POST"
     )
-    with urllib.request.urlopen(request, timeout=20):
+    with urllib.request.urlopen(request, timeout=60):
         pass
     expect(stepramp.state).to_have_text("ready")
     expect(stepramp.page.locator("#port option:checked")).to_contain_text("ttyACM7")
@@ -80,7 +80,7 @@ def test_unplugged_in_the_middle_of_a_push(plugged: StepRampPage, cable: Cable) 
     assert cable.board is not None
     cable.board.unplug_at(DataRequest.KIND, after=2)
     page.locator("#push").click()
-    expect(plugged.state).to_have_text("lost", timeout=15_000)
+    expect(plugged.state).to_have_text("lost")
     expect(page.locator(".device .problem").first).to_contain_text(
         "the old ones or the new ones whole, never a mixture"
     )
@@ -88,7 +88,7 @@ def test_unplugged_in_the_middle_of_a_push(plugged: StepRampPage, cable: Cable) 
     assert plugged.field(SLEW_SPEED).input_value() == "500"
     cable.unplug()
     cable.plug_in()
-    expect(plugged.state).to_have_text("ready", timeout=20_000)
+    expect(plugged.state).to_have_text("ready")
     assert device_of(plugged)["ramp"]["sequence"] == 1, "the ramp that it had"
     expect(page.locator("#push-preview")).to_contain_text("A push would change")
     plugged.push()
@@ -105,9 +105,9 @@ def test_what_has_soft_limits_moves_again_once_its_position_is_set(
     plugged.ask(plugged.url, "PUT", f"{route}/soft_limits", {"axes": [{"axis": 0, "highest_steps": 1000}]})
     expect(page.locator("#live-limits")).to_have_text("Soft limits: up to 1,000 steps")
     cable.unplug()
-    expect(plugged.state).to_have_text("lost", timeout=10_000)
+    expect(plugged.state).to_have_text("lost")
     cable.plug_in()
-    expect(plugged.state).to_have_text("ready", timeout=20_000)
+    expect(plugged.state).to_have_text("ready")
     expect(page.locator("#live-limits")).to_have_text(
         "Soft limits: up to 1,000 steps. It moves once its position is set"
     )
@@ -125,11 +125,11 @@ def test_unplugged_in_the_middle_of_a_move(plugged: StepRampPage, cable: Cable) 
     plugged.move(str(FAR))
     until(lambda: device_of(plugged)["position_steps"] > 100)
     cable.unplug()
-    expect(plugged.state).to_have_text("lost", timeout=15_000)
+    expect(plugged.state).to_have_text("lost")
     expect(page.locator(".device .problem").first).to_contain_text("Axis 0 was moving, last heard of at")
     expect(page.locator("#move-reason")).to_have_text("Connect a device first.")
     cable.plug_in()
-    expect(plugged.state).to_have_text("ready", timeout=20_000)
+    expect(plugged.state).to_have_text("ready")
     expect(page.locator("#unknown-position")).to_be_visible()
     expect(plugged.position).to_have_text("0")
     page.wait_for_timeout(500)
@@ -148,9 +148,9 @@ def test_unplugged_while_jogging_and_plugged_in_while_still_held(plugged: StepRa
     plugged.page.mouse.down()
     until(lambda: device_of(plugged)["state"] == "moving")
     cable.unplug()
-    expect(plugged.state).to_have_text("lost", timeout=15_000)
+    expect(plugged.state).to_have_text("lost")
     cable.plug_in()
-    expect(plugged.state).to_have_text("ready", timeout=20_000)
+    expect(plugged.state).to_have_text("ready")
     plugged.page.wait_for_timeout(500)
     assert device_of(plugged)["position_steps"] == 0
     plugged.page.mouse.up()
@@ -216,10 +216,10 @@ def test_the_server_ends_in_the_middle_of_a_move_and_comes_back(browser: Browser
         stepramp.move(str(FAR))
         expect(stepramp.state).to_have_text("moving")
         server.stop()
-        expect(page.locator("#server-state")).to_contain_text("Server gone", timeout=10_000)
+        expect(page.locator("#server-state")).to_contain_text("Server gone")
         expect(page.locator("#move-reason")).to_have_text("The server is gone.")
         server.start()
-        expect(page.locator("#server-state")).to_have_text("server connected", timeout=10_000)
+        expect(page.locator("#server-state")).to_have_text("server connected")
         expect(stepramp.state).to_have_text("not connected")
         stepramp.connect()
         page.wait_for_timeout(500)

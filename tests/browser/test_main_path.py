@@ -43,10 +43,10 @@ def test_from_opening_the_page_to_the_final_position(stepramp: StepRampPage) -> 
 
     stepramp.move("400")
     expect(stepramp.state).to_have_text("moving")
-    expect(stepramp.position).to_have_text("400", timeout=10_000)
+    expect(stepramp.position).to_have_text("400")
     expect(stepramp.state).to_have_text("ready")
     stepramp.move("-1,100", kind="to")
-    expect(stepramp.position).to_have_text("−1,100", timeout=10_000)
+    expect(stepramp.position).to_have_text("−1,100")
     assert stepramp.devices()[0]["position_steps"] == -1100
 
 
@@ -132,13 +132,13 @@ def test_a_push_that_is_too_long_is_mended_by_a_button(stepramp: StepRampPage, w
     stepramp.edit_and_wait(SLEW_SPEED, "15000")
     stepramp.edit_and_wait(ACCELERATION, "3000")
     refused = page.locator("#push-problem")
-    expect(refused).to_contain_text("Too long for this controller", timeout=30_000)
+    expect(refused).to_contain_text("Too long for this controller")
     page.get_by_role("tab", name="0").click()
     expect(page.locator(".axis-tab.refused .axis-number")).to_have_text("1")
     refused.get_by_role("button", name="Raise the acceleration").click()
-    expect(page.locator("#push-preview")).to_contain_text("A push would change", timeout=30_000)
+    expect(page.locator("#push-preview")).to_contain_text("A push would change")
     expect(refused).to_be_empty()
     expect(page.locator(".axis-tab[aria-selected=true] .axis-number")).to_have_text("1")
     expect(page.locator(".axis-tab.refused")).to_have_count(0)
     page.keyboard.press("Control+z")
-    expect(refused).to_contain_text("Too long for this controller", timeout=30_000)
+    expect(refused).to_contain_text("Too long for this controller")

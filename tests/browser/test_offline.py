@@ -23,7 +23,7 @@ def test_everything_works_with_all_requests_elsewhere_refused(browser: Browser, 
     page.get_by_role("button", name="Export", exact=True).click()
     for kind in ("html", "svg", "c_newton"):
         page.locator(f"#export-dialog label:has(input[value={kind}])").click()
-        expect(page.locator("#export-dialog")).to_have_attribute("data-shown", kind, timeout=20_000)
+        expect(page.locator("#export-dialog")).to_have_attribute("data-shown", kind)
         expect(page.locator("#export-download")).to_be_enabled()
     page.keyboard.press("Escape")
     stepramp.connect()

@@ -24,7 +24,7 @@ def moving(stepramp: StepRampPage) -> StepRampPage:
 
 def at_rest(stepramp: StepRampPage) -> int:
     """Return where the motor stands once it stands still."""
-    expect(stepramp.state).to_have_text("ready", timeout=5_000)
+    expect(stepramp.state).to_have_text("ready")
     position: int = stepramp.devices()[0]["position_steps"]
     assert 0 < position < FAR
     expect(stepramp.position).to_have_text(f"{position:,}")

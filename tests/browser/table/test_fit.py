@@ -74,9 +74,7 @@ def test_a_size_is_chosen_on_the_curve(start: StepRampPage) -> None:
     page = start.page
     chart = open_fit(page).locator(".small-chart")
     # The chart is drawn anew with each answer: a dot taken away meanwhile has no place.
-    until(lambda: chart.locator(".dot").nth(11).bounding_box())
-    box = chart.locator(".dot").nth(11).bounding_box()
-    assert box
+    box = until(lambda: chart.locator(".dot").nth(11).bounding_box())
     page.mouse.click(box["x"] + 2, box["y"] + 30)
     expect(page.locator("#fit-wish")).to_have_value("12")
     expect(page.locator("#fit-result")).to_contain_text("12 rows · 48 bytes")
