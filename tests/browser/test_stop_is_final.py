@@ -17,6 +17,11 @@ from browser.stepramp_page import FOLDER, StepRampPage, until
 FAR = "1000000"
 MOTIONS = ("move", "run", "line", "there_and_back", "zero")
 EXPECTED = r"status of 409|ERR_FAILED"
+LISTEN = """() => { const told = document.querySelector('#announcements'); window.heard = [];
+    window.listening?.disconnect();
+    window.listening = new MutationObserver(() => window.heard.push(told.textContent));
+    window.listening.observe(told, {childList: true}); }"""
+"""Keeps all that is announced from now on: the next announcement takes the place of the last."""
 CONNECTIONS = 6
 """That a browser has to one server, for all its tabs together."""
 
@@ -106,8 +111,7 @@ def line(pushed: StepRampPage) -> Iterator[Line]:
     yield made
     made.close()
     pushed.page.unroute_all()
-    pushed.page.keyboard.press("Escape")
-    until(lambda: device_of(pushed)["state"] == "ready")
+    stop_and_wait(pushed.page, pushed)
 
 
 def device_of(page: StepRampPage) -> Any:
@@ -115,10 +119,15 @@ def device_of(page: StepRampPage) -> Any:
 
 
 def stop_and_wait(page: Page, pushed: StepRampPage) -> None:
-    """Press Escape, and wait until the stop is granted and nothing moves."""
+    """Press Escape, and wait until the stop is answered and nothing moves.
+
+    That the server has granted it isn't enough: what is asked for until the page knows of it is refused, rightly.
+    """
     before = device_of(pushed)["stops"]
+    page.evaluate(LISTEN)
     page.keyboard.press("Escape")
     until(lambda: device_of(pushed)["stops"] > before and device_of(pushed)["state"] == "ready")
+    until(lambda: page.evaluate("heard.some((text) => /Nothing moves|Stopping|Halted/.test(text))"))
 
 
 def check_at_rest(page: StepRampPage, button: str) -> None:
