@@ -28,6 +28,12 @@ def test_the_page_and_the_api_page_load_from_this_server_alone(client: TestClien
                 assert client.get(f"/{link.lstrip('./')}").status_code == 200, link
 
 
+def test_the_icon_that_browsers_ask_for_by_themselves_is_the_page_s(client: TestClient) -> None:
+    icon = client.get("/favicon.ico")
+    assert (icon.status_code, icon.headers["content-type"]) == (200, "image/svg+xml")
+    assert icon.content == client.get("/favicon.svg").content
+
+
 def test_plotly_is_the_installed_package_s(client: TestClient) -> None:
     response = client.get("/assets/plotly/plotly.min.js")
     assert response.headers["content-type"].startswith("text/javascript")

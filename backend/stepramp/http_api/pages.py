@@ -28,6 +28,11 @@ def add(app: FastAPI) -> None:
     async def docs() -> FileResponse:
         return FileResponse(frontend() / "docs" / "index.html", headers={"cache-control": ASKED_EACH_TIME})
 
+    @app.get("/favicon.ico", include_in_schema=False)
+    async def icon() -> FileResponse:
+        # Browsers ask for it by themselves wherever they are shown no page of ours, as for an answer of the API.
+        return FileResponse(frontend() / "favicon.svg", headers={"cache-control": ASKED_EACH_TIME})
+
     app.mount("/assets/plotly", AskedEachTime(directory=PLOTLY))
     app.mount("/assets/swagger-ui", AskedEachTime(directory=SWAGGER_UI))
     # Not mounted: that would keep the router from telling which methods a path of the API knows.
