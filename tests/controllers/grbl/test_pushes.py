@@ -303,6 +303,7 @@ def test_a_listing_becomes_designs() -> None:
     assert axis.design.ramp.acceleration_steps_per_s2 == 16_000
     assert axis.design.move == design().move
     assert "200 times 2 steps a turn, 5 mm, are 80 steps/mm" in axis.remarks[0]
+    assert axis.remarks[1:] == ("Axis Y is left out: with $101=0 it can't move.",)
     assert read_settings("G1 X5", design()) == []
 
 
@@ -328,3 +329,10 @@ def test_settings_that_no_design_has() -> None:
     [(field, _, allowed)] = fields_of(lambda: read_settings("$100=3200\n$110=99999999\n$120=5", design()))
     assert field == "text"
     assert "settings of axis X that a design can have" in allowed
+
+
+@pytest.mark.parametrize("listed", ["$120=0", "$110=-5", "$100=nan", "$120=fast"])
+def test_a_listing_of_a_grbl_that_can_t_move_is_told_by_what_keeps_it(listed: str) -> None:
+    text = f"$100=80\n$110=3000\n$120=10\n{listed}\nok"
+    [(field, value, allowed)] = fields_of(lambda: read_settings(text, design()))
+    assert (field, value, allowed) == ("text", listed, "settings that axis X can move with: numbers above 0")

@@ -1,9 +1,12 @@
 """Designs of what a grbl lists after `$$`."""
 
+from dataclasses import replace
+
 from stepramp.controllers.given_numbers import no_less
 from stepramp.controllers.grbl.settings import LETTERS, AxisSettings, Settings, acceleration_of, speed_of
 from stepramp.controllers.read_axis import ReadAxis, design_read
 from stepramp.design import Design
+from stepramp.errors import Rejected, Rejection
 
 MOST_AXES_READ = 4
 
@@ -12,11 +15,20 @@ def read_settings(text: str, base: Design) -> list[ReadAxis]:
     """Return a design for each axis of a listing; [] for a text that is none.
 
     base: what holds where grbl says nothing, as motor, timer and method. A push of such a design changes nothing.
-    Raises Rejected for settings that no design can have.
+    Raises Rejected for settings that no design can have, or that no axis can move with. Where others can, one that
+    can't is left out, and told of.
     """
     settings = Settings.of(text.splitlines())
     found = [(axis, settings.axis(axis)) for axis in range(MOST_AXES_READ)]
-    return [_axis(axis, scale, base) for axis, scale in found if scale is not None]
+    senseless = [(LETTERS[axis], listed) for axis in range(MOST_AXES_READ) if (listed := settings.senseless(axis))]
+    axes = [_axis(axis, scale, base) for axis, scale in found if scale is not None]
+    if senseless and not axes:
+        letter, listed = senseless[0]
+        raise Rejected([Rejection("text", listed, f"settings that axis {letter} can move with: numbers above 0")])
+    if axes:
+        left_out = tuple(f"Axis {letter} is left out: with {listed} it can't move." for letter, listed in senseless)
+        axes[0] = replace(axes[0], remarks=(*axes[0].remarks, *left_out))
+    return axes
 
 
 def _axis(axis: int, scale: AxisSettings, base: Design) -> ReadAxis:

@@ -69,7 +69,14 @@ class Settings:
             values = [read(self.values[first + axis]) for first in (STEPS_PER_MM, MOST_RATE, ACCELERATION)]
         except (KeyError, ValueError):
             return None
-        return AxisSettings(*values) if all(each > 0 and np.isfinite(each) for each in values) else None
+        return AxisSettings(*values) if all(_makes_sense(each) for each in values) else None
+
+    def senseless(self, axis: int) -> str | None:
+        """Return the first setting of an axis that is all there which keeps it from moving, as it is listed."""
+        numbers = [first + axis for first in (STEPS_PER_MM, MOST_RATE, ACCELERATION)]
+        if self.axis(axis) is not None or not all(number in self.values for number in numbers):
+            return None
+        return next(f"${number}={self.values[number]}" for number in numbers if not _moves(self.values[number]))
 
     def number(self, number: int) -> float:
         """Return a setting as a number; 0 where it isn't there, or is none."""
@@ -77,6 +84,17 @@ class Settings:
             return float(read(self.values[number]))
         except (KeyError, ValueError):
             return 0.0
+
+
+def _makes_sense(value: np.float32) -> bool:
+    return bool(value > 0 and np.isfinite(value))
+
+
+def _moves(text: str) -> bool:
+    try:
+        return _makes_sense(read(text))
+    except ValueError:
+        return False
 
 
 def is_told_same(told: str | None, meant: str) -> bool:
