@@ -221,6 +221,8 @@ def test_moving_stopping_and_halting(client: TestClient, cable: GrblOnACable, de
     error = error_of(client.post(f"{device}/move", json={"by_steps": 5}), 409)
     assert "set the position here, which unlocks it" in error["message"]
     assert client.post(f"{device}/position", json={"position_steps": 0}).json()["message"] is None
+    one_s_ramp = {"axes": [{"axis": 0, "by_steps": 50}], "ramp_axis": 0}
+    assert error_of(client.post(f"{device}/line", json=one_s_ramp), 422)["field"] == "ramp_axis"
     client.post(f"{device}/line", json={"axes": [{"axis": 0, "by_steps": 50}, {"axis": 1, "by_steps": 20}]})
     assert [axis["position_steps"] for axis in at_rest(client, device)["axes"]] == [50, 20, 0]
 

@@ -28,6 +28,13 @@ AxisNumbersOrNull = Annotated[
 ]
 
 
+def refuse_ramp_axis(ramp_axis: int | None, called: str) -> None:
+    """Reject an axis whose ramp is to be played along a line, by a controller that keeps to the limits of all."""
+    if ramp_axis is not None:
+        allowed = f"null: along a line {called} keeps to the limits of all axes, and plays no single one's ramp"
+        raise Rejected([Rejection("ramp_axis", ramp_axis, allowed)])
+
+
 def refuse_axes(asked: Sequence[AxisCommand], axes: int) -> None:
     """Reject axes that aren't there, and those that are named twice."""
     named = [each.axis for each in asked]

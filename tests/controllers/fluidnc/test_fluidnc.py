@@ -208,7 +208,7 @@ def test_moves_runs_and_positions(bench: Bench, controller: FluidNcController) -
     controller.set_position([AxisCommand(0, 0, "position_steps")])
     controller.move_to([to(-250)])
     assert bench.rest().axes[0].position_steps == -250
-    with pytest.raises(Refused, match="FluidNC plays no single axis' ramp"):
+    with pytest.raises(Rejected, match="ramp_axis is 0; allowed: null: along a line FluidNC keeps to the limits"):
         controller.line([by(1)], 0)
     with pytest.raises(Rejected, match="steps/s either way, or 0"):
         controller.run([at(TIMER.slowest_steps_per_s - 1)])

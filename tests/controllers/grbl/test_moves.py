@@ -39,7 +39,7 @@ def test_axes_that_are_told_together_go_along_a_line(bench: Bench, controller: G
     assert (first.activity, second.activity, third.activity) == (Activity.MOVING, Activity.MOVING, Activity.READY)
     bench.rest()
     assert bench.grbl.position == [1000, -500, 0]
-    with pytest.raises(Refused, match="no single axis' ramp"):
+    with pytest.raises(Rejected, match="ramp_axis is 0; allowed: null: along a line grbl keeps to the limits"):
         controller.line([by(10)], 0)
 
 

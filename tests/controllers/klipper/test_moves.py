@@ -67,7 +67,7 @@ def test_positions_and_lines(bench: Bench, controller: KlipperController) -> Non
     assert bench.printer.speed == 0
     controller.move_by([by(0)])
     assert bench.rest().axes[0].position_steps == 1080
-    with pytest.raises(Refused, match="no single axis' ramp along a line"):
+    with pytest.raises(Rejected, match="ramp_axis is 0; allowed: null: along a line Klipper keeps to the limits"):
         controller.line([by(80)], 0)
 
 

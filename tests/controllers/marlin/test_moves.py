@@ -9,7 +9,7 @@ from controllers.marlin.bench import Bench
 from controllers.marlin.emulator import MarlinEmulator
 from stepramp.controllers.contract import Activity, AxisCommand
 from stepramp.controllers.marlin.controller import MarlinController
-from stepramp.errors import Refused
+from stepramp.errors import Refused, Rejected
 
 
 def test_a_move_is_one_way_from_where_it_is(bench: Bench, controller: MarlinController) -> None:
@@ -51,7 +51,7 @@ def test_axes_that_are_told_together_go_along_a_line(bench: Bench, controller: M
     assert (second.activity, fourth.activity) == (Activity.MOVING, Activity.READY)
     bench.rest()
     assert bench.marlin.position == [8000, -4000, 200, 0]
-    with pytest.raises(Refused, match="no single axis' ramp"):
+    with pytest.raises(Rejected, match="ramp_axis is 0; allowed: null: along a line Marlin keeps to the limits"):
         controller.line(by(10), 0)
 
 

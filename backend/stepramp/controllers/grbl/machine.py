@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Protocol
 
-from stepramp.controllers.axes import refuse_axes
+from stepramp.controllers.axes import refuse_axes, refuse_ramp_axis
 from stepramp.controllers.capabilities import DrawsLines
 from stepramp.controllers.contract import (
     UNDER_WAY,
@@ -115,9 +115,8 @@ class GrblMachine(Controller, DrawsLines):
         return None
 
     def line(self, steps: Sequence[AxisCommand], ramp_axis: int | None = None) -> None:
-        """Begin to move axes along a straight line; Refused with an axis whose ramp is to be played."""
-        if ramp_axis is not None:
-            raise Refused(f"{self._called} plays no single axis' ramp along a line: it keeps to the limits of all.")
+        """Begin to move axes along a straight line; Rejected with an axis whose ramp is to be played."""
+        refuse_ramp_axis(ramp_axis, self._called)
         self.move_by(steps)
 
     def move_by(self, steps: Sequence[AxisCommand]) -> None:

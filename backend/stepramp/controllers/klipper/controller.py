@@ -8,6 +8,7 @@ import binascii
 from collections.abc import Callable, Collection, Mapping, Sequence
 from time import monotonic, sleep
 
+from stepramp.controllers.axes import refuse_ramp_axis
 from stepramp.controllers.capabilities import BacksUp, DrawsLines, StoresRamps, TriesRamps
 from stepramp.controllers.contract import (
     UNDER_WAY,
@@ -189,9 +190,8 @@ class KlipperController(Controller, StoresRamps, TriesRamps, DrawsLines, BacksUp
         return tuple(remarks)
 
     def line(self, steps: Sequence[AxisCommand], ramp_axis: int | None = None) -> None:
-        """Begin to move axes along a straight line; Refused with an axis whose ramp is to be played."""
-        if ramp_axis is not None:
-            raise Refused("Klipper plays no single axis' ramp along a line: it keeps to the limits of all.")
+        """Begin to move axes along a straight line; Rejected with an axis whose ramp is to be played."""
+        refuse_ramp_axis(ramp_axis, "Klipper")
         self.move_by(steps)
 
     def move_by(self, steps: Sequence[AxisCommand]) -> None:

@@ -7,7 +7,7 @@ import binascii
 from collections.abc import Callable, Collection, Mapping, Sequence
 from time import sleep
 
-from stepramp.controllers.axes import refuse_axes
+from stepramp.controllers.axes import refuse_axes, refuse_ramp_axis
 from stepramp.controllers.capabilities import BacksUp, DrawsLines, StoresRamps, TriesRamps
 from stepramp.controllers.contract import (
     UNDER_WAY,
@@ -190,9 +190,8 @@ class MarlinController(Controller, StoresRamps, TriesRamps, DrawsLines, BacksUp)
         return (*backup.left(Backup(self._memory.settings)), *remarks)
 
     def line(self, steps: Sequence[AxisCommand], ramp_axis: int | None = None) -> None:
-        """Begin to move axes along a straight line; Refused with an axis whose ramp is to be played."""
-        if ramp_axis is not None:
-            raise Refused("Marlin plays no single axis' ramp along a line: it keeps to the limits of all.")
+        """Begin to move axes along a straight line; Rejected with an axis whose ramp is to be played."""
+        refuse_ramp_axis(ramp_axis, "Marlin")
         self.move_by(steps)
 
     def move_by(self, steps: Sequence[AxisCommand]) -> None:
