@@ -51,6 +51,14 @@ def test_the_focus_stays_near_what_was_removed(module_page: StepRampPage) -> Non
     page.locator("#forget").press("Enter")
     expect(page.locator("#forget")).to_be_hidden()
     expect(page.locator("#keep")).to_be_focused()
+    # Held, the key repeats itself, where the focus is now: that pins nothing again.
+    page.locator("#keep").press("Enter")
+    page.locator("#forget").focus()
+    for _ in range(3):
+        page.keyboard.down("Enter")
+    page.keyboard.up("Enter")
+    expect(page.locator("#keep")).to_be_focused()
+    expect(page.locator("#forget")).to_be_hidden()
     page.locator("#add-axis").click()
     expect(page.locator(".axis-tab")).to_have_count(2)
     page.locator(".axes .remove").last.press("Enter")

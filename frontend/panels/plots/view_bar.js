@@ -46,6 +46,10 @@ export function createViewBar({ onPlotAxis, onView, onPlot, onPin, onUnpin, onCa
   plotAxis.element.id = 'axis-choice';
   view.element.id = 'view-choice';
   plot.element.id = 'plot-choice';
+  // Enter that is held repeats itself, and the focus goes on to the other: one press does one thing.
+  const once = (/** @type {KeyboardEvent} */ event) => {
+    if (event.repeat && event.key === 'Enter') event.preventDefault();
+  };
   const unpin = iconButton('forget', 'remove', 'Unpin', 'Stop comparing with the pinned design', () => {
     onUnpin();
     pin.focus();
@@ -54,6 +58,7 @@ export function createViewBar({ onPlotAxis, onView, onPlot, onPin, onUnpin, onCa
   const capture = iconButton('open-capture', 'pulses', 'Capture', 'Lay steps that a logic analyser measured over the plots', onCapture);
   const label = (/** @type {string} */ text) =>
     element('span', { className: 'label', 'aria-hidden': 'true', textContent: text });
+  for (const button of [pin, unpin]) button.addEventListener('keydown', once);
   unpin.hidden = true;
   return {
     element: element(
