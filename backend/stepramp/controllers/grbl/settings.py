@@ -74,9 +74,9 @@ class Settings:
     def senseless(self, axis: int) -> str | None:
         """Return the first setting of an axis that is all there which keeps it from moving, as it is listed."""
         numbers = [first + axis for first in (STEPS_PER_MM, MOST_RATE, ACCELERATION)]
-        if self.axis(axis) is not None or not all(number in self.values for number in numbers):
+        if not all(number in self.values for number in numbers):
             return None
-        return next(f"${number}={self.values[number]}" for number in numbers if not _moves(self.values[number]))
+        return next((f"${number}={self.values[number]}" for number in numbers if not _moves(self.values[number])), None)
 
     def number(self, number: int) -> float:
         """Return a setting as a number; 0 where it isn't there, or is none."""
