@@ -262,6 +262,10 @@ export const api = {
   /** @returns {Promise<import('../model/types.js').Ports>} */
   ports: () => request('GET', 'ports'),
 
+  /** Which family the controller at a port says that it is of, as it starts; nothing is sent to it.
+   * @param {string} port @returns {Promise<{family: string | null, heard: string[]}>} */
+  findFamily: (port) => request('POST', 'ports/find', { port }),
+
   /** @param {string} port @param {string} family @returns {Promise<Device>} */
   connect: (port, family) => request('POST', 'devices', { port, family }),
 

@@ -49,6 +49,29 @@ def test_a_listing_that_is_pasted_becomes_designs(stepramp: StepRampPage) -> Non
     assert len(stepramp.kept()["machine"]["axes"]) == 2
 
 
+def test_its_family_is_found_by_what_it_says_as_it_starts(
+    attached: StepRampPage, cable: GrblOnACable, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    page = attached.page
+    page.locator("#port").select_option(cable.port)
+    expect(page.locator("#family")).to_have_value("stepramp")
+    page.locator("#find-family").click()
+    expect(page.locator("#family")).to_have_value("grbl")
+    expect(page.locator("#announcements")).to_contain_text("It says “Grbl 1.1h ['$' for help]”: grbl.")
+    # A board that goes on when its port is opened says nothing: what was chosen stays.
+    monkeypatch.setattr(cable.grbl, "opened", lambda: None)
+    page.locator("#find-family").click()
+    expect(page.locator("#connect")).to_have_text("Listening…")
+    expect(page.locator("#announcements")).to_contain_text("It says nothing of itself as it starts: choose its family.")
+    expect(page.locator("#family")).to_have_value("grbl")
+    # It is remembered for the port, and nothing was connected by it.
+    attached.reload()
+    attached.show_panel("device")
+    page.locator("#port").select_option(cable.port)
+    expect(page.locator("#family")).to_have_value("grbl")
+    expect(attached.state).to_have_text("not connected")
+
+
 def see_backups(stepramp: StepRampPage, grbl: GrblEmulator) -> None:
     """What was saved is there though nothing is connected, and is restored once that is again."""
     page = stepramp.page

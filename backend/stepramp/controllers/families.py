@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 from typing import cast
 
 from stepramp.controllers.contract import Controller
@@ -10,6 +9,7 @@ from stepramp.controllers.fluidnc import ramp as fluidnc
 from stepramp.controllers.fluidnc.controller import FluidNcController
 from stepramp.controllers.fluidnc.own_ramp import own_ramp as fluidnc_own_ramp
 from stepramp.controllers.fluidnc.read_settings import read_settings as fluidnc_read_settings
+from stepramp.controllers.grbl import dialect as grbl_dialect
 from stepramp.controllers.grbl import ramp as grbl
 from stepramp.controllers.grbl.controller import GrblController
 from stepramp.controllers.grbl.own_ramp import own_ramp
@@ -18,6 +18,7 @@ from stepramp.controllers.klipper import ramp as klipper
 from stepramp.controllers.klipper.controller import KlipperController
 from stepramp.controllers.klipper.own_ramp import own_ramp as klipper_own_ramp
 from stepramp.controllers.klipper.read_settings import read_settings as klipper_read_settings
+from stepramp.controllers.marlin import dialect as marlin_dialect
 from stepramp.controllers.marlin import ramp as marlin
 from stepramp.controllers.marlin.controller import MarlinController
 from stepramp.controllers.marlin.own_ramp import own_ramp as marlin_own_ramp
@@ -77,6 +78,8 @@ class Family:
     """What they play of a design's move; None: the intervals of the design, or it isn't known."""
     read_settings: ReadSettings | None = None
     """Makes designs of what they tell of themselves, as text; None where nothing is told that is a ramp."""
+    names_itself: Callable[[str], bool] | None = None
+    """Tells whether a line that a controller says as it starts names this family; None: they say nothing unasked."""
 
     @property
     def plays_own(self) -> bool:
@@ -100,9 +103,15 @@ def _klipper(port: Connection, give_way: Callable[[float], None], tell: Tell) ->
     return KlipperController(cast(MoonrakerPort, port), give_way, tell)
 
 
-def at_baud_rate(baud_rate: int) -> Open:
-    """Return what opens serial ports at a baud rate."""
-    return partial(SerialPort, baud_rate=baud_rate)
+@dataclass(frozen=True)
+class AtBaudRate:
+    """Opens serial ports at a baud rate; an Open, of which two with the same rate are the same."""
+
+    baud_rate: int
+
+    def __call__(self, port: str, before_write: Callable[[], None], remote_ports: RemotePorts) -> Connection:
+        """Open a port; see Open."""
+        return SerialPort(port, before_write, remote_ports, self.baud_rate)
 
 
 USUAL_FAMILY = "stepramp"
@@ -110,11 +119,11 @@ USUAL_FAMILY = "stepramp"
 FAMILIES = {
     each.name: each
     for each in (
-        Family("stepramp", "StepRamp", at_baud_rate(115_200), StepRampController, StepRampSettings, has_virtual=True),
+        Family("stepramp", "StepRamp", AtBaudRate(115_200), StepRampController, StepRampSettings, has_virtual=True),
         Family(
             "tic",
             "Pololu Tic",
-            at_baud_rate(9_600),
+            AtBaudRate(9_600),
             TicController,
             cannot=tic.CANNOT,
             play_own=tic_own_ramp,
@@ -123,25 +132,27 @@ FAMILIES = {
         Family(
             "grbl",
             "grbl",
-            at_baud_rate(115_200),
+            AtBaudRate(115_200),
             GrblController,
             cannot=grbl.CANNOT,
             play_own=own_ramp,
             read_settings=read_settings,
+            names_itself=grbl_dialect.is_banner_of_grbl,
         ),
         Family(
             "fluidnc",
             "FluidNC",
-            at_baud_rate(115_200),
+            AtBaudRate(115_200),
             FluidNcController,
             cannot=fluidnc.CANNOT,
             play_own=fluidnc_own_ramp,
             read_settings=fluidnc_read_settings,
+            names_itself=grbl_dialect.is_banner_of_fluidnc,
         ),
         Family(
             "tmcl",
             "Trinamic TMCL",
-            at_baud_rate(9_600),
+            AtBaudRate(9_600),
             TmclController,
             cannot=tmcl.CANNOT,
             play_own=tmcl_own_ramp,
@@ -161,11 +172,12 @@ FAMILIES = {
             Family(
                 name,
                 title,
-                at_baud_rate(baud_rate),
+                AtBaudRate(baud_rate),
                 MarlinController,
                 cannot=marlin.CANNOT,
                 play_own=marlin_own_ramp,
                 read_settings=marlin_read_settings,
+                names_itself=marlin_dialect.is_banner,
             )
             # Boards with an ATmega mostly talk at the rate that divides their clock.
             for name, title, baud_rate in (

@@ -10,6 +10,7 @@ from pathlib import Path
 from stepramp.controllers.families import FAMILIES, USUAL_FAMILY, Family, offer_virtual_controller
 from stepramp.devices.backups import Archive, data_folder
 from stepramp.devices.device import Device
+from stepramp.devices.finding import Found, find_family
 from stepramp.devices.owed_stops import OwedStops
 from stepramp.devices.pages import Pages
 from stepramp.devices.reconnect import Returning
@@ -117,6 +118,16 @@ class Devices:
     def families_at(self, port: str) -> list[str]:
         """Return the names of the families that a controller at a port may be of."""
         return [name for name, family in self.families.items() if family.may_be_at(port)]
+
+    def find_family(self, port: str) -> Found:
+        """Return which family the controller at a port says that it is of, as it starts; nothing is sent to it.
+
+        Raises as find_family, and Refused where a device is connected there, or was until it was lost.
+        """
+        if (device := self._present_at(port, location_of(port))) is not None:
+            title = self.families[device.view.family].title
+            raise Refused(f"The device at {port} is connected as one of the family {title}: disconnect it first.")
+        return find_family(port, (self.families[each] for each in self.families_at(port)), self._remote_ports)
 
     def connect(self, port: str, family: str = USUAL_FAMILY) -> Device:
         """Return the device at a port, connected: the one that is there already, by whatever name, or a new one.

@@ -16,6 +16,8 @@ from stepramp.http_api.devices_models import (
     DeviceAnswer,
     DevicesAnswer,
     DisconnectedAnswer,
+    FoundAnswer,
+    PortPayload,
     PortsAnswer,
     PreviewAnswer,
     PushDesigns,
@@ -56,6 +58,17 @@ def ports(devices: Registry) -> PortsAnswer:
     """
     found = [{**vars(each), "families": devices.families_at(each.port)} for each in devices.ports()]
     return PortsAnswer.model_validate({"ports": found, "families": list(devices.families.values())})
+
+
+@router.post("/ports/find")
+@CONNECTING.serves
+def find_family(request: PortPayload, devices: Registry) -> FoundAnswer:
+    """Listen for up to 5 s to what the controller at a port says of itself, and return which family it names.
+
+    Opening the port starts most boards anew; nothing is sent to it. Many say nothing before they are asked: StepRamp's
+    own, Tics, TMCL modules, and boards that go on when a port is opened.
+    """
+    return FoundAnswer.model_validate(devices.find_family(request.port))
 
 
 @router.get("/devices")

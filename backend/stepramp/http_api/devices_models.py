@@ -15,14 +15,19 @@ from stepramp.http_api.answer import Answer
 from stepramp.validation import Document, ListOrNull, Text, Within, refuse
 
 
-class ConnectPayload(Document):
-    """A port to connect to."""
+class PortPayload(Document):
+    """A port."""
 
     port: Annotated[str, Text(200)] = Field(
         description="Name of a serial port, or an address: sim://, or rfc2217://host:port, socket://host:port and "
         "moonraker://host:port (Klipper) of a host that was named when the server was started, by --allow-remote-port "
         "host:port. No other is ever reached"
     )
+
+
+class ConnectPayload(PortPayload):
+    """A port to connect to."""
+
     family: Annotated[str, Text(100)] = Field(
         USUAL_FAMILY,
         description="Which family of controllers the one at the port is of, by its name, as `GET /ports` tells. It is "
@@ -98,6 +103,13 @@ class PortsAnswer(Answer):
 
     ports: list[PortAnswer] = Field(description="The ports of this machine, then those of others, the virtual one last")
     families: list[FamilyAnswer] = Field(description="The families that a controller at a port may be of")
+
+
+class FoundAnswer(Answer):
+    """What a controller says of itself as it starts."""
+
+    family: str | None = Field(description="Name of the family that it names; null: none that is known was named")
+    heard: list[str] = Field(description="The line that named it, or else the first ones that were legible")
 
 
 class RampAnswer(Answer):

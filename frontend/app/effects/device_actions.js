@@ -6,7 +6,7 @@ import { download } from '../../ui/download.js';
 import { memory } from '../../documents/memory.js';
 import { pushText } from '../../model/messages.js';
 import { inShownUnits } from '../../model/told.js';
-import { answered, asks, limitsKept, portsCame, previewCame, pushCutShort, pushed, refused, showMeasured } from '../commands/device.js';
+import { answered, asks, chooseFamily, limitsKept, portsCame, previewCame, pushCutShort, pushed, refused, showMeasured } from '../commands/device.js';
 import { announce, tell } from '../commands/told.js';
 import { mend } from '../commands/work.js';
 import { areSameQuestions, idsToPush, moveOf, previewQuestionOf } from '../devices.js';
@@ -22,6 +22,12 @@ export function rejectionsOf(error) {
   if (error instanceof Refusal) return error.rejections;
   const message = error instanceof Error ? error.message : String(error);
   return [{ field: null, value: null, allowed: null, message }];
+}
+
+/** @param {string[]} heard the first lines */
+function nothingFound(heard) {
+  const said = heard.length === 0 ? 'It says nothing of itself as it starts' : `It says “${heard[0]}”, which names no known family`;
+  return `${said}: choose its family. StepRamp’s own controllers, Tics and TMCL modules say nothing before they are asked.`;
 }
 
 /**
@@ -80,6 +86,20 @@ export function createDeviceActions({ state, dispatch }, gestures, traced, previ
 
   return {
     refreshPorts: () => request('ports', async () => dispatch(portsCame, await api.ports())),
+    /** Listen which family the controller at a port names, and choose that for it.
+     * @param {string} port */
+    findFamily: (port) =>
+      request('find', async () => {
+        dispatch(announce, 'Listening to what the controller says as it starts.');
+        const { family, heard } = await api.findFamily(port);
+        const title = state().devices.families.find(({ name }) => name === family)?.title;
+        if (family === null || title === undefined) dispatch(tell, nothingFound(heard), true);
+        else {
+          memory.keepFamily(port, family);
+          dispatch(chooseFamily, port, family);
+          dispatch(tell, `It says “${heard[0]}”: ${title}.`, false);
+        }
+      }),
     /** @param {string} port @param {string} family the name of that of the controller there */
     connect: (port, family) => request('connect', () => api.connect(port, family)),
     /** @param {Device} device */

@@ -69,6 +69,9 @@ export function createDevice(root, dispatch, act) {
   });
   familyChoice.element.classList.add('grow');
   familyChoice.select.id = 'family';
+  const find = iconButton('find-family', 'Find its family: listen to what the controller says as it starts', 'listen', () => {
+    if (state) act.findFamily(portOf(state));
+  });
   const onlyFamily = element('span', { className: 'grow', id: 'only-family' });
   const refresh = iconButton('refresh-ports', 'Look for ports again', 'refresh', act.refreshPorts);
   const connect = element('button', { className: 'button', id: 'connect', type: 'button', onclick: toggleConnection });
@@ -122,6 +125,7 @@ export function createDevice(root, dispatch, act) {
         { className: 'line family-line' },
         element('label', { htmlFor: 'family', textContent: 'Family' }),
         familyChoice.element,
+        find,
         onlyFamily,
         connect,
       ),
@@ -169,6 +173,7 @@ export function createDevice(root, dispatch, act) {
     const isChoice = familiesOf(now).length > 1;
     familyChoice.element.hidden = !isChoice;
     familyChoice.select.disabled = present !== null;
+    find.hidden = !isChoice || present !== null;
     const choices = offered.map(({ name, title }) => /** @type {[string, string]} */ ([name, title]));
     familyChoice.offer(choices, chosen);
     onlyFamily.hidden = isChoice;
@@ -255,8 +260,10 @@ export function createDevice(root, dispatch, act) {
     const told = STATE_WORDS[state] ?? state;
     const word = isNew || present === null ? told : `was ${told}`;
     if (pill.textContent !== word) pill.textContent = word;
-    showText(connect, isConnected ? 'Disconnect' : now.isBusy && !present ? 'Connecting…' : 'Connect');
+    const waiting = shown.devices.asking === 'find' ? 'Listening…' : 'Connecting…';
+    showText(connect, isConnected ? 'Disconnect' : now.isBusy && !present ? waiting : 'Connect');
     connect.disabled = !isLive || now.isBusy || isMoving || portOf(shown) === '' || (isConnected && now.isOthers);
+    find.disabled = !isLive || now.isBusy;
     connect.title = isMoving ? 'Stop it first' : '';
     gear.disabled = hindrance(present, now) !== '' || isMoving || now.isBusy;
     control.hidden = !now.isOthers || !isConnected;
@@ -342,7 +349,7 @@ function otherDesignText(state) {
   return `Axis ${deviceAxisOf(state)} plays the design of ${tab(played)}. The one in hand is ${tab(machine.active)}.`;
 }
 
-/** @param {string} id @param {string} label @param {'gear' | 'refresh'} drawing @param {() => void} onclick */
+/** @param {string} id @param {string} label @param {'gear' | 'listen' | 'refresh'} drawing @param {() => void} onclick */
 function iconButton(id, label, drawing, onclick) {
   return element(
     'button',

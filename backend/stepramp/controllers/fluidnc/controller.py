@@ -59,7 +59,7 @@ class FluidNcController(GrblMachine, TriesRamps, BacksUp):
         """
         self._conversation.begin()
         banner = self._conversation.banner
-        if banner is not None and "fluidnc" not in banner.rest.lower():
+        if banner is not None and not banner.is_of_fluidnc:
             raise self._other(f"grbl {banner.version}")
         greeted()
         report = self._conversation.look()

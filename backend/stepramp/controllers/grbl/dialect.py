@@ -41,6 +41,11 @@ class Banner:
     is_hal: bool
     rest: str
 
+    @property
+    def is_of_fluidnc(self) -> bool:
+        """Whether it is a FluidNC, which begins as grbl does."""
+        return "fluidnc" in self.rest.lower()
+
 
 @dataclass(frozen=True)
 class Report:
@@ -86,6 +91,16 @@ def banner_of(line: str) -> Banner | None:
     """Return what a line says of a start; None for any other line."""
     found = _BANNER.fullmatch(line)
     return None if found is None else Banner(found["version"], found["hal"] is not None, found["rest"])
+
+
+def is_banner_of_grbl(line: str) -> bool:
+    """Tell whether a line is that with which a grbl or a grblHAL starts."""
+    return (banner := banner_of(line)) is not None and not banner.is_of_fluidnc
+
+
+def is_banner_of_fluidnc(line: str) -> bool:
+    """Tell whether a line is that with which a FluidNC starts, which calls itself a grbl, too."""
+    return (banner := banner_of(line)) is not None and banner.is_of_fluidnc
 
 
 def verdict_of(line: str) -> Verdict | None:

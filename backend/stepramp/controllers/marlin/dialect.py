@@ -59,6 +59,11 @@ def numbered(number: int, line: str) -> str:
     return f"{text}*{reduce(xor, text.encode())}"
 
 
+def is_banner(line: str) -> bool:
+    """Tell whether a line is what a Marlin says of itself while it starts."""
+    return BANNER.fullmatch(line) is not None
+
+
 def place_of(line: str) -> Place | None:
     """Return the place that a line tells; None for any other line."""
     told, separator, counted = line.partition(" Count")
