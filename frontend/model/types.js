@@ -212,8 +212,8 @@
 /** @typedef {{port: string, name: string, virtual: boolean, families: string[]}} Port  families: that one there may be of */
 
 /** A family of controllers. cannot: what they can't take of a design, or do. plays_own: whether it is known what they play
- * that work their intervals out themselves.
- * @typedef {{name: string, title: string, cannot: string[], plays_own: boolean, reads_settings: boolean}} Family */
+ * that work their intervals out themselves. kind: the family that its controllers are of, whatever way they are reached.
+ * @typedef {{name: string, title: string, kind: string, cannot: string[], plays_own: boolean, reads_settings: boolean}} Family */
 
 /** What can be connected to.
  * @typedef {{ports: Port[], families: Family[]}} Ports */

@@ -35,8 +35,8 @@ def route(client: TestClient) -> str:
 def test_the_families_are_told_with_the_ports(client: TestClient) -> None:
     families = client.get("/api/v1/ports").json()["families"]
     nothing = {"cannot": [], "plays_own": False, "reads_settings": False}
-    assert families[0] == {"name": "stepramp", "title": "StepRamp", **nothing}
-    assert families[-1] == {"name": "plain", "title": "Plain", **nothing}
+    assert families[0] == {"name": "stepramp", "title": "StepRamp", "kind": "stepramp", **nothing}
+    assert families[-1] == {"name": "plain", "title": "Plain", "kind": "plain", **nothing}
     grbl = next(family for family in families if family["name"] == "grbl")
     assert "Base speed: grbl starts from 0." in grbl["cannot"]
     assert (grbl["plays_own"], grbl["reads_settings"]) == (True, True)

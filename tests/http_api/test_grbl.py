@@ -183,6 +183,7 @@ def test_a_power_cut_while_it_is_written_to(client: TestClient, cable: GrblOnACa
     lost = wait_until(client, route, lambda device: device["state"] == "lost")
     assert "some may be new, some old, or its defaults" in lost["message"]
     assert f"What it had is saved as {lost['backup']}: restore that." in lost["message"]
+    assert [each["name"] for each in client.get(f"{route}/backups").json()["backups"]] == [lost["backup"]]
     assert eeprom.settings != before
     cable.grbl.power_up()
     route = connected(client, cable.port, "grbl")

@@ -62,6 +62,21 @@ def test_connecting_asks_and_moves_nothing(client: TestClient, cable: MarlinOnAC
     assert (cable.marlin.steps, cable.marlin.eeprom.writes, device["backup"]) == (0, 0, None)
 
 
+def test_a_backup_is_restored_at_whatever_rate_it_talks(client: TestClient, cable: MarlinOnACable) -> None:
+    route = connected(client, cable.port, "marlin")
+    client.post(f"{route}/push", json={"design": document()})
+    assert client.delete(route).status_code in (200, 204)
+    kinds = {each["name"]: each["kind"] for each in client.get("/api/v1/ports").json()["families"]}
+    assert (kinds["marlin"], kinds["marlin_250000"], kinds["grbl"]) == ("marlin", "marlin", "grbl")
+    [source] = client.get("/api/v1/backups").json()["sources"]
+    pushed = dict(cable.marlin.settings)
+    route = connected(client, cable.port, "marlin_250000")
+    wanted = {"source": source["name"], "name": source["backups"][-1]["name"]}
+    restored = client.post(f"{route}/backups/restore", json=wanted)
+    assert restored.status_code == 200, restored.text
+    assert cable.marlin.settings != pushed
+
+
 def test_a_push_in_both_terms_and_the_backup_before_it(
     client: TestClient, cable: MarlinOnACable, tmp_path: Path
 ) -> None:

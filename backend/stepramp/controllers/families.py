@@ -78,8 +78,15 @@ class Family:
     """What they play of a design's move; None: the intervals of the design, or it isn't known."""
     read_settings: ReadSettings | None = None
     """Makes designs of what they tell of themselves, as text; None where nothing is told that is a ramp."""
+    same_as: str | None = None
+    """Name of the family whose controllers these are, too, reached in another way; None: it is one of its own."""
     names_itself: Callable[[str], bool] | None = None
     """Tells whether a line that a controller says as it starts names this family; None: they say nothing unasked."""
+
+    @property
+    def kind(self) -> str:
+        """What its backups can be written to: controllers of a family of the same kind."""
+        return self.same_as or self.name
 
     @property
     def plays_own(self) -> bool:
@@ -177,6 +184,7 @@ FAMILIES = {
                 cannot=marlin.CANNOT,
                 play_own=marlin_own_ramp,
                 read_settings=marlin_read_settings,
+                same_as=None if name == "marlin" else "marlin",
                 names_itself=marlin_dialect.is_banner,
             )
             # Boards with an ATmega mostly talk at the rate that divides their clock.

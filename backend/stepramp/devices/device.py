@@ -8,7 +8,7 @@ from pathlib import Path
 
 from stepramp.controllers.capabilities import HasSettings, TellsSettings, refusal
 from stepramp.controllers.contract import AxisCommand, NextTrace, PushMode, PushPreview, PushReport, Trace
-from stepramp.controllers.families import Family
+from stepramp.controllers.families import FAMILIES, Family
 from stepramp.controllers.read_axis import ReadAxis
 from stepramp.design import Design
 from stepramp.devices.attachment import Attachment
@@ -189,9 +189,10 @@ class Device:
         return self._writing.restore_backup(name)
 
     def restore_from(self, source: Source, name: str, text: str) -> tuple[str, ...]:
-        """Write a backup of any device of the same family; Rejected for that of another one. As restore_backup."""
-        if source.family != self._family.name:
-            of = f"a source of the family {self._family.name}, as the device is"
+        """Write a backup of any device of the same kind; Rejected for that of another one. As restore_backup."""
+        theirs = FAMILIES.get(source.family)
+        if self._family.kind not in (source.family, theirs and theirs.kind):
+            of = f"a source of the family {self._family.kind}, as the device is"
             raise Rejected([Rejection("source", source.name, of)])
         return self._writing.restore_text(text, name)
 

@@ -114,9 +114,11 @@ class Writing:
         self._write(HasSettings, lambda controller: controller.use_settings(settings))
 
     def backups(self) -> list[Backup]:
-        """Return the backups of the device, the newest first; Refused when it can't be backed up."""
+        """Return its backups, the newest first, also while it is lost; Refused when it can't be backed up."""
+        if (kept := self._backups.all()) or self._view.now.state is DeviceState.LOST:
+            return kept
         self._contact.capable(self._contact.ready()[0], BacksUp)
-        return self._backups.all()
+        return []
 
     def saved_text(self, name: str) -> str:
         """Return a backup; NotFound when there is none of that name."""

@@ -90,6 +90,10 @@ class FamilyAnswer(Answer):
 
     name: str = Field(description="What requests call it")
     title: str = Field(description="What people call it")
+    kind: str = Field(
+        description="Name of the family whose controllers its are, its own or another one: backups of one can be "
+        "restored to the other"
+    )
     cannot: list[str] = Field(description="What its controllers can't take of a design, or do, as sentences")
     plays_own: bool = Field(
         description="Whether its controllers work the intervals out themselves, and it is known how: "

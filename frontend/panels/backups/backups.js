@@ -66,6 +66,9 @@ export function createBackups({ state }, act, server = api) {
     showNames();
   }
 
+  /** @param {string} family a name, also of one that there isn't any more */
+  const kindOf = (family) => state().devices.families.find(({ name }) => name === family)?.kind ?? family;
+
   const chosen = () => sources.find((one) => one.name === source.select.value) ?? null;
 
   function showNames() {
@@ -94,7 +97,7 @@ export function createBackups({ state }, act, server = api) {
     const [from, device] = [chosen(), deviceOf(state())];
     if (text === '' || from === null) return 'There is nothing to restore.';
     if (device === null || device.state === 'lost') return 'To restore it, connect the controller first.';
-    if (device.family !== from.family) return 'The device in view is of another family.';
+    if (kindOf(device.family) !== kindOf(from.family)) return 'The device in view is of another family.';
     if (!device.capabilities.includes('backup')) return 'The device in view can’t be written such things.';
     return device.state === 'ready' ? '' : 'Wait until the device is at rest.';
   }
