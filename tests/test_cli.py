@@ -1,6 +1,9 @@
 import asyncio
+import http.client
 import json
+import shutil
 import socket
+import ssl
 import subprocess
 import sys
 from pathlib import Path
@@ -9,8 +12,10 @@ import pytest
 
 from designs import document
 from event_loop import run
+from server_process import ServerProcess
 from stepramp.cli import free_port, main, port_number
 from stepramp.errors import Rejected
+from tools import require
 
 
 def test_a_taken_port_gives_the_next() -> None:
@@ -64,6 +69,51 @@ def test_a_level_of_the_log_that_is_none_is_refused(capsys: pytest.CaptureFixtur
     assert main(["--log-level", "loud", "--no-browser"]) == 2
     allowed = "critical, error, warning, info, debug"
     assert capsys.readouterr().err == f"stepramp: --log-level is 'loud'; allowed: {allowed}.\n"
+
+
+@pytest.mark.parametrize("host", ["nowhere.example", "", "256.1.1.1", "192.0.2.250", "127.0.0.1:80", "localhost"])
+def test_an_address_that_is_none_of_this_machine_is_refused(host: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--host", host, "--no-browser"]) == 2
+    allowed = "an IP address of this machine; 0.0.0.0 stands for all of its own"
+    assert capsys.readouterr().err == f"stepramp: --host is {host!r}; allowed: {allowed}.\n"
+
+
+def test_files_for_tls_that_make_no_sense_are_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    some, none = "some.pem", "none.pem"
+    Path(some).write_text("nothing")
+    for options, told in (
+        (["--certfile", some], "--keyfile is missing; allowed: a file, since --certfile is given."),
+        (["--keyfile", some], "--certfile is missing; allowed: a file, since --keyfile is given."),
+        (["--certfile", none, "--keyfile", some], f"--certfile is {none!r}; allowed: a file that can be read."),
+        (["--certfile", some, "--keyfile", some], "allowed: a certificate in PEM, whose key --keyfile has"),
+    ):
+        assert main([*options, "--no-browser"]) == 2
+        assert told in capsys.readouterr().err
+
+
+def test_it_is_spoken_to_over_tls_with_the_token_that_it_prints(tmp_path: Path) -> None:
+    require(*([] if shutil.which("openssl") else ["openssl"]))
+    cert, key = str(tmp_path / "cert.pem"), str(tmp_path / "key.pem")
+    subject = ["-subj", "/CN=localhost", "-addext", "subjectAltName=IP:127.0.0.1"]
+    command = ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "1", "-keyout", key, "-out", cert]
+    subprocess.run([*command, *subject], check=True, capture_output=True)
+    options = ["--require-token", "--certfile", cert, "--keyfile", key, "--data-folder", str(tmp_path / "data")]
+    with ServerProcess(8800, *options) as server:
+        assert server.process.stdout is not None
+        assert server.address.scheme == "https"
+        token = server.process.stdout.readline().split("token=")[1].strip()
+        context = ssl.create_default_context(cafile=cert)
+        connection = http.client.HTTPSConnection("127.0.0.1", server.address.port, context=context, timeout=60)
+        for headers, status in (({}, 401), ({"authorization": f"Bearer {token}"}, 200)):
+            connection.request("GET", "/api/v1/access", headers=headers)
+            with connection.getresponse() as response:
+                assert (response.status, "operate" in response.read().decode()) == (status, status == 200)
+        connection.close()
+        server.process.terminate()
+        assert server.ended() == ""
 
 
 def test_a_remote_port_that_is_none_is_refused_and_each_is_named(capsys: pytest.CaptureFixture[str]) -> None:

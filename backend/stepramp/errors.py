@@ -4,7 +4,9 @@ StepRampError
 ├── Rejected            values from outside that can't be used; carries one Rejection a value
 ├── NotFound            no such device, port or page
 ├── Refused             understood, but not now (a device that moves takes no ramp)
-├── Forbidden           a request from a page or a host that isn't ours
+├── Forbidden           a request from a page or a host that isn't ours, or of who may only look on
+├── Unauthorized        somebody who isn't known
+├── TooOften            one client asks for more than its share
 ├── Overloaded          too much is asked for at the same time
 └── DeviceLost          the device doesn't answer, or its port is gone
 """
@@ -193,6 +195,14 @@ class Forbidden(StepRampError):
 
 class Overloaded(StepRampError):
     """Too much is asked for at the same time; later it can be done."""
+
+
+class Unauthorized(StepRampError):
+    """Somebody who isn't known, where one has to be."""
+
+
+class TooOften(StepRampError):
+    """One client asks for more than its share."""
 
 
 class DeviceLost(StepRampError):

@@ -228,6 +228,7 @@ function makeSituation(devices, machine, units, isValid, staleness, nameProblem,
     isPushing: devices.asking === 'push',
     // What is refused is no change yet.
     isChanged: last !== undefined && staleness !== 'refused' && !areSameRamps(last, pushing),
+    mayAct: devices.role === 'operate',
     isOthers: device !== null && device.in_control !== null && device.in_control !== PAGE,
     isTracing: devices.isTracing,
     preview: would?.preview ?? null,

@@ -25,6 +25,7 @@ import { api } from '../server/api.js';
 import { createGestures } from '../server/gestures.js';
 import { refused } from './commands/device.js';
 import { begin } from './commands/work.js';
+import { askForAccess } from './effects/access.js';
 import { watchAges } from './effects/ages.js';
 import { rememberedState, saveByItself } from './effects/autosave.js';
 import { askForBeside } from './effects/beside.js';
@@ -79,6 +80,7 @@ function endMotions() {
   previews.forget();
 }
 
+askForAccess(store);
 watchAges(store);
 const devices = createDeviceActions(store, gestures, traced, previews);
 const { stop } = createStopping(store, endMotions, gestures.hear);

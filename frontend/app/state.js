@@ -51,6 +51,7 @@ import { STEPS_AND_SECONDS } from '../model/units.js';
  * @property {Record<string, string>} chosenFamilies  now or before, by port
  * @property {number} axis                     that was chosen; a device may have fewer
  * @property {SectionName} section
+ * @property {'view' | 'operate'} role         what this page may do, as far as the server has told
  * @property {string | null} asking            what is being asked of a device: "connect", "push" …
  * @property {Rejection[]} rejections          what was refused last
  * @property {Record<string, Pushed>} pushed   what was last pushed from this page, by device
@@ -188,6 +189,7 @@ export const FIRST_STATE = {
     port: null,
     id: null,
     chosenFamilies: {},
+    role: 'operate',
     axis: 0,
     section: 'push',
     asking: null,

@@ -215,6 +215,9 @@
  * that work their intervals out themselves. kind: the family that its controllers are of, whatever way they are reached.
  * @typedef {{name: string, title: string, kind: string, cannot: string[], plays_own: boolean, reads_settings: boolean}} Family */
 
+/** What a page may do of a server that others may use, too: view is to see, to compute and to stop.
+ * @typedef {{role: 'view' | 'operate', is_shared: boolean, place: string | null}} Access */
+
 /** What can be connected to.
  * @typedef {{ports: Port[], families: Family[]}} Ports */
 
@@ -345,6 +348,7 @@
  * @property {{axis: number, by_steps: number, times: number, times_done: number, pause_s: number} | null} shuttle
  * @property {number[]} unknown_positions  axes that may be elsewhere than they count, since the device was lost
  * @property {string | null} in_control    the page that is
+ * @property {string | null} in_control_at where that is; null where pages are on the server's machine only
  * @property {number} stops                grows with each stop of it
  * @property {number} heard_s
  * @property {number | null} age_s         how old that was when it was told; null: nothing was heard yet
@@ -391,6 +395,7 @@
  * @property {boolean} isBusy          something is being asked of a device
  * @property {boolean} isPushing
  * @property {boolean} isChanged       the design is another than the one last pushed
+ * @property {boolean} mayAct          this page may connect, push and move, not only look on and stop
  * @property {boolean} isOthers        another page is in control
  * @property {boolean} isTracing
  * @property {Preview | null} preview  what a push would change

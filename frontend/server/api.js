@@ -33,7 +33,7 @@ const SERVER_ERROR = 500;
 const DEVICE_LOST = 502;
 
 /** What this page calls itself: the server knows by it which page is in control of a device. */
-export const PAGE = crypto.randomUUID();
+export const PAGE = [...crypto.getRandomValues(new Uint8Array(16))].map((byte) => byte.toString(16).padStart(2, '0')).join('');
 
 /** The server understood and said no: one rejection or more. */
 export class Refusal extends Error {
@@ -258,6 +258,9 @@ export const api = {
     const given = Object.entries(wanted).flatMap(([name, value]) => (value === null ? [] : [[name, String(value)]]));
     return sendFile(`capture?${new URLSearchParams(given)}`, file, ended, onSent);
   },
+
+  /** What this page may do. @returns {Promise<import('../model/types.js').Access>} */
+  access: () => request('GET', 'access'),
 
   /** @returns {Promise<import('../model/types.js').Ports>} */
   ports: () => request('GET', 'ports'),

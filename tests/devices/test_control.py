@@ -25,9 +25,9 @@ def test_a_page_that_goes_while_it_takes_control_has_none(
     present.__enter__()
     taken = Device.take_control
 
-    def take_late(device: Device, page: str, *, over: bool = False) -> None:
+    def take_late(device: Device, page: str, place: str | None = None, *, over: bool = False) -> None:
         present.__exit__(None, None, None)
-        taken(device, page, over=over)
+        taken(device, page, place, over=over)
 
     monkeypatch.setattr(Device, "take_control", take_late)
     assert take(devices, device.view.id, "gone") is device

@@ -21,6 +21,7 @@ ARGUMENTS: dict[str, list[object]] = {
     "answers.stallMapCame": [0, "load", {"stage": "running", "progress": 0.5}],
     "answers.ownRampCame": [{"design": document(), "player": "families/grbl", "ramp": None}],
     "answers.pinnedCame": [document(), None],
+    "device.accessCame": [{"role": "view", "is_shared": True, "place": "192.0.2.7"}],
     "device.aged": [{"1": 3}],
     "capture.captureAsked": [],
     "capture.captureCame": [{"move": None}, "{}"],

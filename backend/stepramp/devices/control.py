@@ -13,19 +13,23 @@ class Control:
     def __init__(self, view: LiveView) -> None:
         self._view = view
 
-    def take(self, page: str, *, over: bool = False) -> None:
-        """Put a page in control; Refused while another one is, unless it is taken over."""
+    def take(self, page: str, place: str | None = None, *, over: bool = False) -> None:
+        """Put a page in control; Refused while another one is, unless it is taken over. place: where it is."""
 
         def taken(view: DeviceView) -> DeviceView:
             if not over:
                 _refuse_others(view, page)
-            return replace(view, in_control=page)
+            return replace(view, in_control=page, in_control_at=place)
 
         self._view.change(taken)
 
     def leave(self, page: str) -> None:
         """Note that a page is gone."""
-        self._view.change(lambda view: replace(view, in_control=None) if view.in_control == page else view)
+
+        def left(view: DeviceView) -> DeviceView:
+            return replace(view, in_control=None, in_control_at=None) if view.in_control == page else view
+
+        self._view.change(left)
 
     def refuse_others(self, page: str) -> None:
         """Refused while a page other than this one is in control."""
@@ -41,4 +45,5 @@ class Control:
 
 def _refuse_others(view: DeviceView, page: str) -> None:
     if view.in_control not in (None, page):
-        raise Refused(f"Another page is in control of {view.name}: take over first.")
+        at = "" if view.in_control_at is None else f" at {view.in_control_at}"
+        raise Refused(f"Another page{at} is in control of {view.name}: take over first.")

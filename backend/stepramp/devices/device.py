@@ -131,9 +131,12 @@ class Device:
         self._attachment.refuse_from_now_on()
         self._stopping.end()
 
-    def take_control(self, page: str, *, over: bool = False) -> None:
-        """Put a page in control; Refused while another one is, unless it is taken over: that ends what others run."""
-        self._control.take(page, over=over)
+    def take_control(self, page: str, place: str | None = None, *, over: bool = False) -> None:
+        """Put a page in control; Refused while another one is, unless it is taken over: that ends what others run.
+
+        place: where the page is, if that is known.
+        """
+        self._control.take(page, place, over=over)
 
     def refuse_others(self, page: str) -> None:
         """Refused while a page other than this one is in control."""

@@ -16,22 +16,31 @@ class Pages:
         self._gone = gone
         self._lock = threading.Lock()
         self._listening: Counter[str] = Counter()
+        self._places: dict[str, str | None] = {}
 
     def is_there(self, page: str) -> bool:
         """Whether a page listens."""
         with self._lock:
             return self._listening[page] > 0
 
+    def place_of(self, page: str) -> str | None:
+        """Return where a page that listens is, if that is known."""
+        with self._lock:
+            return self._places.get(page)
+
     @contextmanager
-    def present(self, page: str) -> Iterator[None]:
-        """Note that a page is there and listens."""
+    def present(self, page: str, place: str | None = None) -> Iterator[None]:
+        """Note that a page is there and listens. place: where it is."""
         with self._lock:
             self._listening[page] += 1
+            self._places[page] = place
         try:
             yield
         finally:
             with self._lock:
                 self._listening[page] -= 1
                 self._listening += Counter()  # Only those above zero stay.
+                if page not in self._listening:
+                    self._places.pop(page, None)
             if not self.is_there(page):
                 self._gone(page)

@@ -46,8 +46,9 @@ class Devices:
         offer_virtual_controller()
         self.families = families
         self._remote_ports = remote_ports
-        self._data = data or data_folder()
-        self.archive = Archive(self._data)
+        self.data = data or data_folder()
+        """The folder of what outlasts the program."""
+        self.archive = Archive(self.data)
         """What was saved of any device, connected or not."""
         self.order = Order()
         """Of all that is asked of devices, and of their stops."""
@@ -102,14 +103,14 @@ class Devices:
         return device
 
     def _put_in_control(self, device: Device, page: str, *, over: bool = False) -> None:
-        device.take_control(page, over=over)
+        device.take_control(page, self._pages.place_of(page), over=over)
         # It may have gone just before: what it had was then taken from it too early.
         if not self._pages.is_there(page):
             device.leave_control(page)
 
-    def present(self, page: str | None) -> AbstractContextManager[None]:
-        """Note that a page is there and listens; once it is gone, it is in control of nothing."""
-        return nullcontext() if page is None else self._pages.present(page)
+    def present(self, page: str | None, place: str | None = None) -> AbstractContextManager[None]:
+        """Note that a page is there and listens; once it is gone, it is in control of nothing. place: where it is."""
+        return nullcontext() if page is None else self._pages.present(page, place)
 
     def ports(self) -> list[Port]:
         """Return the ports that can be connected to: of this machine, of others, the virtual one last."""
@@ -256,7 +257,7 @@ class Devices:
                 self._stops,
                 self._owed,
                 self._tell,
-                self._data,
+                self.data,
                 before,
             )
             self._devices[device_id] = device

@@ -106,6 +106,8 @@ class DeviceView:
     """Axes on their way to the stop of a gauge, which says where they are once they have come there."""
     in_control: str | None = None
     """The page that is in control of the device."""
+    in_control_at: str | None = None
+    """Where that page is; None where pages are on this machine only, or none is."""
     stops: int = 0
     """A number that grows with each stop."""
     soft_limits: Mapping[int, Span] = field(default_factory=dict)
@@ -157,6 +159,7 @@ class DeviceView:
             self.family,
             unknown_positions=self.unknown_positions,
             in_control=self.in_control,
+            in_control_at=self.in_control_at,
             stops=self.stops,
             soft_limits=self.soft_limits,
             backup=self.backup,
@@ -204,6 +207,7 @@ class DeviceView:
             name=now.name,
             unknown_positions=now.unknown_positions,
             in_control=now.in_control,
+            in_control_at=now.in_control_at,
             stops=now.stops,
             soft_limits=now.soft_limits,
         )

@@ -20,6 +20,7 @@ from stepramp.controllers.own_ramp import warm_up_own_ramps
 from stepramp.devices.registry import Devices
 from stepramp.exports.machines.machines import MACHINES
 from stepramp.http_api import (
+    access_route,
     capture,
     curves,
     devices,
@@ -40,7 +41,10 @@ from stepramp.http_api import (
     stall_map,
     tables,
 )
+from stepramp.http_api.access import Access
 from stepramp.http_api.answered import Answered
+from stepramp.http_api.audit import Audited, AuditLog
+from stepramp.http_api.client_limits import ClientLimits
 from stepramp.http_api.connections import Connections
 from stepramp.http_api.door import Door
 from stepramp.http_api.errors import ErrorList, handle_errors
@@ -48,7 +52,8 @@ from stepramp.http_api.job_registry import Jobs
 from stepramp.http_api.journal import Journal
 from stepramp.http_api.news import News
 from stepramp.http_api.request_numbers import RequestNumbering
-from stepramp.http_api.security import LoopbackOnly, with_policy
+from stepramp.http_api.security import OwnPagesOnly, with_policy
+from stepramp.http_api.sign_in import SignIn
 from stepramp.link.remote_ports import RemotePorts
 from stepramp.link.serial_port import NO_REMOTE_PORTS
 from stepramp.motor.warm_up import warm_up_motor
@@ -88,6 +93,7 @@ PARTS = (
     report,
     own_ramps,
     imports,
+    access_route,
     devices,
 )
 """Modules with routes, in the order in which the description of the API has them."""
@@ -104,6 +110,8 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     publishing.cancel()
     app.state.jobs.close()
     app.state.devices.close()
+    if app.state.audit is not None:
+        app.state.audit.close()
 
 
 def _warm_up(families: Mapping[str, Family]) -> None:
@@ -138,8 +146,12 @@ def create_app(
     families: Mapping[str, Family] = FAMILIES,
     remote_ports: RemotePorts = NO_REMOTE_PORTS,
     data: Path | None = None,
+    access: Access | None = None,
 ) -> FastAPI:
-    """Return the application with no device connected; families, remote_ports, data: see Devices."""
+    """Return the application with no device connected; families, remote_ports, data: see Devices.
+
+    access: who may use it from other machines; None: this machine only, whoever is there.
+    """
     app = Application(
         title="StepRamp",
         version=__version__,
@@ -153,12 +165,20 @@ def create_app(
     app.state.devices = Devices(families, remote_ports, data)
     app.state.connections = Connections()
     app.state.jobs = Jobs()
+    app.state.audit = None
     app.router.routes.extend(_routes())
     handle_errors(app)
     pages.add(app)
     app.add_middleware(Door)
     app.add_middleware(Journal)
-    app.add_middleware(LoopbackOnly)
+    if access is None:
+        app.add_middleware(OwnPagesOnly)
+    else:
+        app.state.audit = AuditLog(app.state.devices.data / "audit")
+        app.add_middleware(ClientLimits)
+        app.add_middleware(SignIn, access=access)
+        app.add_middleware(Audited, log=app.state.audit)
+        app.add_middleware(OwnPagesOnly, scheme=access.scheme, is_named_at_will=True)
     now = app.state.devices.order.next
     app.add_middleware(Answered, now=now, connections=app.state.connections)
     app.add_middleware(RequestNumbering, now=now)

@@ -3,6 +3,7 @@
 A large body is parsed and validated in a thread: both take so long that a STOP would wait for them.
 """
 
+from collections import Counter
 from collections.abc import Callable, Coroutine, Iterable, Iterator
 from contextlib import contextmanager
 from functools import partial
@@ -17,7 +18,8 @@ from starlette.requests import ClientDisconnect
 from starlette.responses import Response
 from starlette.types import Receive, Scope, Send
 
-from stepramp.errors import Overloaded, Rejected, Rejection, shown
+from stepramp.errors import Overloaded, Rejected, Rejection, TooOften, shown
+from stepramp.http_api.access import ASKING
 from stepramp.http_api.errors import ErrorList, error_response
 from stepramp.http_api.json_response import JsonResponse
 from stepramp.http_api.lanes import CHECKING
@@ -56,32 +58,42 @@ _TAKE = "stepramp.take_room"
 
 
 class Room:
-    """Memory for bodies, in one event loop. What is small always has room."""
+    """Memory for bodies, in one event loop. What is small always has room; one client has half of it at most."""
 
     def __init__(self, most_bytes: int) -> None:
         self._left_bytes = most_bytes
+        self._most_of_a_client_bytes = most_bytes // 2
+        self._of_clients: Counter[str] = Counter()
 
     @contextmanager
     def held(self) -> Iterator[Callable[[int], None]]:
         """Yield what takes room for a body of so many bytes, or for more of it, until all is over.
 
-        It raises Overloaded when there is none.
+        It raises Overloaded when there is none, TooOften when one client has taken too much.
         """
-        taken_bytes = 0
+        taken_bytes, asking = 0, ASKING.get()
 
         def take(size_bytes: int) -> None:
             nonlocal taken_bytes
             if size_bytes <= LARGE_BYTES:
                 return
-            if size_bytes - taken_bytes > self._left_bytes:
+            more_bytes = size_bytes - taken_bytes
+            if more_bytes > self._left_bytes:
                 raise Overloaded("Too many large bodies are sent or planned at the same time. Ask again later.")
-            self._left_bytes -= size_bytes - taken_bytes
+            if asking is not None:
+                if self._of_clients[asking.name] + more_bytes > self._most_of_a_client_bytes:
+                    raise TooOften("You send too many large bodies at the same time. Ask again later.")
+                self._of_clients[asking.name] += more_bytes
+            self._left_bytes -= more_bytes
             taken_bytes = size_bytes
 
         try:
             yield take
         finally:
             self._left_bytes += taken_bytes
+            if asking is not None:
+                self._of_clients[asking.name] -= taken_bytes
+                self._of_clients += Counter()  # Only those above zero stay.
 
 
 class JsonRoute(APIRoute):

@@ -27,6 +27,7 @@ from stepramp.http_api.devices_models import (
 from stepramp.http_api.errors import ErrorList
 from stepramp.http_api.lanes import ACTING, CONNECTING, PLANNING, PUSHING
 from stepramp.http_api.news import News
+from stepramp.http_api.sign_in import client_of
 from stepramp.http_api.sockets import accept, received, send, send_at_last, served
 from stepramp.http_api.stop_messages import MOST_AT_A_TIME, PendingAnswer, PendingAnswers, answered
 
@@ -165,7 +166,8 @@ async def events(socket: WebSocket, devices: Registry, page: str | None = None) 
     answers = PendingAnswers()
     async with served(socket):
         await accept(socket)
-        with devices.present(page):
+        client = client_of(socket.scope)
+        with devices.present(page, None if client is None else client.place):
             try:
                 await _until_one_ends(
                     _tell(socket, news.editions()), _answer(socket, answers.given()), _hear(socket, devices, answers)

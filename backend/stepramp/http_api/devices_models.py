@@ -326,6 +326,9 @@ class DeviceAnswer(Answer):
     in_control: str | None = Field(
         description="The page that is in control: others must take over first. null for none; programs need none"
     )
+    in_control_at: str | None = Field(
+        description="Address of the machine where that page is; null for a server that answers its own machine only"
+    )
     stops: int = Field(
         description="A number that grows with each stop of it: what is asked with an earlier one in the header "
         "X-StepRamp-Stops moves nothing"

@@ -20,6 +20,8 @@ from stepramp.errors import (
     Rejection,
     StepRampError,
     StepUnit,
+    TooOften,
+    Unauthorized,
     brief,
 )
 from stepramp.http_api.answer import Answer
@@ -31,6 +33,8 @@ STATUS: dict[type[StepRampError], int] = {
     NotFound: 404,
     Refused: 409,
     Forbidden: 403,
+    Unauthorized: 401,
+    TooOften: 429,
     DeviceLost: 502,
     Overloaded: 503,
 }

@@ -16,15 +16,18 @@ from typing import Annotated, Literal, TypeVar
 from fastapi import Depends
 from starlette.requests import HTTPConnection
 
-from stepramp.errors import NotFound, Overloaded, StepRampError, shown
+from stepramp.errors import NotFound, Overloaded, StepRampError, TooOften, shown
 from stepramp.executors.priority import be_nicer
 from stepramp.executors.threads import NICER
+from stepramp.http_api.access import ASKING
 from stepramp.http_api.answer import Answer
 
 State = Literal["waiting", "running", "done", "cancelled", "failed"]
 
 MOST_RUNNING = 2
 MOST_WAITING = 8
+MOST_OF_A_CLIENT = 3
+"""So many of one client run or wait, where several share the server."""
 MOST_ALIKE = 32
 """So many may ask the same before it is answered."""
 MOST_KEPT = 32
@@ -110,6 +113,8 @@ class Job:
     def __init__(self, kind: str, computation: Computation) -> None:
         """Make a job that a computation answers, once that has taken it."""
         self.id, self.kind = token_hex(8), kind
+        self.client = ASKING.get()
+        """Who has begun it, where that has to be known."""
         self._computation = computation
         self._asked_s = time.monotonic()
         self._left: tuple[float, Answer | None] | None = None
@@ -168,9 +173,11 @@ class Jobs:
         """Return a new job, answered by a computation that answers or answered the same question, or else by a new one.
 
         kind, question: what tells computations apart. work: computes it, telling the computation, in a thread of its
-        own; it ends when that isn't wanted any more, as it likes. Raises Overloaded when too many wait.
+        own; it ends when that isn't wanted any more, as it likes. Raises Overloaded when too many wait, TooOften
+        when one client has begun too many.
         """
         with self._lock:
+            self._refuse_too_many_of_one()
             known = self._of_questions.get((kind, question))
             if known is not None and known.take(job := Job(kind, known)):
                 self._keep(job)
@@ -204,6 +211,12 @@ class Jobs:
         for job in jobs:
             job.cancel()
         self._pool.shutdown(wait=False, cancel_futures=True)
+
+    def _refuse_too_many_of_one(self) -> None:
+        client = ASKING.get()
+        theirs = (each for each in self._jobs.values() if each.client == client and not each.has_ended)
+        if client is not None and sum(1 for _ in theirs) >= MOST_OF_A_CLIENT:
+            raise TooOften(f"{MOST_OF_A_CLIENT} jobs of yours run or wait already. Cancel one, or ask again later.")
 
     def _keep(self, job: Job) -> None:
         self._jobs[job.id] = job

@@ -8,6 +8,7 @@ from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from stepramp.errors import shown
+from stepramp.http_api.sign_in import client_of
 
 _logger = logging.getLogger(__name__)
 _OF_DEVICES = "/api/v1/devices"
@@ -55,4 +56,6 @@ def _what(scope: Scope) -> str:
 def _who(scope: Scope) -> str:
     pages = parse_qs(scope["query_string"].decode("ascii", "replace")).get("page", [None])
     page = Headers(scope=scope).get("X-StepRamp-Page") or pages[0]
-    return "a program" if page is None else f"page {shown(page)}"
+    asker = "a program" if page is None else f"page {shown(page)}"
+    client = client_of(scope)
+    return asker if client is None else f"{asker} at {client.name} ({client.role})"

@@ -16,11 +16,14 @@ from stepramp.devices.device import Device
 from stepramp.errors import Overloaded
 from stepramp.executors.priority import be_nicer
 from stepramp.executors.threads import CORES
+from stepramp.http_api.access import ASKING
 from stepramp.ramp.plan import computed_steps
 
 T = TypeVar("T")
 P = ParamSpec("P")
 
+A_CLIENT = 1
+"""So many threads for what takes long one client has at most, where several share the server: each gets its turns."""
 A_DEVICE = 3
 """So many threads of a lane one device has at most. Its answers come over one line, one after the other."""
 NICER = 5
@@ -48,12 +51,15 @@ class Lane:
         )
         # Each lives as long as somebody uses it or waits for it.
         self._of_devices: WeakValueDictionary[object, asyncio.Semaphore] = WeakValueDictionary()
+        self._of_clients: WeakValueDictionary[object, asyncio.Semaphore] = WeakValueDictionary()
 
     async def run(self, job: Callable[[], T], device: object = None) -> T:
         """Run a job in its turn; return its result, or raise what it raised, or Overloaded where its turn doesn't come.
 
         device: what tells the device apart that the job asks, if it asks one.
         """
+        if device is None and self._most_wait_s is not None and (client := ASKING.get()) is not None:
+            return await self._in_turn_of(client.name, job, self._most_wait_s)
         if device is None:
             return await self._unless_late(self._pool.submit(job))
         loop = asyncio.get_running_loop()
@@ -63,6 +69,21 @@ class Lane:
         # Not as soon as nobody waits for it any more: until the device answers, the thread is taken.
         begun.add_done_callback(lambda _: _in(loop, turns.release))
         return await asyncio.wrap_future(begun)
+
+    async def _in_turn_of(self, client: str, job: Callable[[], T], most_wait_s: float) -> T:
+        """Run a job once the client's earlier ones are done; raise as run."""
+        turns = self._of_clients.setdefault((asyncio.get_running_loop(), client), asyncio.Semaphore(A_CLIENT))
+        try:
+            async with asyncio.timeout(most_wait_s):
+                await turns.acquire()
+        except TimeoutError:
+            raise Overloaded(
+                f"What you asked for before takes long: this has waited {most_wait_s:g} s. Ask again later."
+            ) from None
+        try:
+            return await self._unless_late(self._pool.submit(job))
+        finally:
+            turns.release()
 
     async def _unless_late(self, begun: Future[T]) -> T:
         made = asyncio.wrap_future(begun)

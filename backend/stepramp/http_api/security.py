@@ -1,4 +1,4 @@
-"""Who may talk to the server: this machine's own pages and programs, so that no foreign page can move a motor.
+"""Who may talk to the server: its own pages and programs, so that no foreign page can move a motor.
 
 A page from elsewhere that a browser here has open can send requests to 127.0.0.1. Its Origin header gives it away, and
 where there is none, what the browser says of the site in Sec-Fetch-Site; so does the Host header when it came through a
@@ -19,7 +19,7 @@ OWN_SITES = ("same-origin", "none")
 
 POLICY = (
     "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
-    "connect-src 'self' ws:; frame-ancestors 'none'"
+    "connect-src 'self' ws: wss:; frame-ancestors 'none'"
 )
 """Pages load nothing from elsewhere. Plotly and the API's pages style elements from scripts, hence unsafe-inline."""
 ON_EVERY_ANSWER = (
@@ -30,22 +30,45 @@ ON_EVERY_ANSWER = (
 )
 
 _HOST = re.compile(r"(localhost|127\.0\.0\.1|\[::1\])(:(?P<port>[0-9]{1,5}))?", re.IGNORECASE)
+_ANY_HOST = re.compile(
+    r"([a-z0-9_]([a-z0-9_.-]{0,250}[a-z0-9_])?|\[[0-9a-f:.]{2,45}\])(:(?P<port>[0-9]{1,5}))?", re.IGNORECASE
+)
 _STARTS = ("http.response.start", "websocket.http.response.start")
 
 
-class LoopbackOnly:
-    """Refuses every request and WebSocket that is not for this machine, or that a page from elsewhere sends."""
+class OwnPagesOnly:
+    """Refuses every request and WebSocket that a page from elsewhere sends, or that names a host that isn't ours.
 
-    def __init__(self, app: ASGIApp) -> None:
+    scheme: how the server's own address begins. is_named_at_will: by any name of a host, as who asks has to be known
+    anyway; else by those of the loopback only.
+    """
+
+    def __init__(self, app: ASGIApp, *, scheme: str = "http", is_named_at_will: bool = False) -> None:
         self.app = app
+        self._scheme = scheme
+        self._hosts = _ANY_HOST if is_named_at_will else _HOST
+        self._allowed = "the name of one host" if is_named_at_will else HOSTS
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass the request on, or refuse it with status 403."""
-        reason = _refusal(scope) if scope["type"] in ("http", "websocket") else None
+        reason = self._refusal(scope) if scope["type"] in ("http", "websocket") else None
         if reason is None:
             await self.app(scope, receive, send)
         else:
             await error_response(Forbidden(reason))(scope, receive, send)
+
+    def _refusal(self, scope: Scope) -> str | None:
+        """Return why a request is refused, None if it isn't."""
+        headers = Headers(scope=scope)
+        hosts, origins, sites = (headers.getlist(name) for name in ("host", "origin", "sec-fetch-site"))
+        if len(hosts) != 1 or not _is_host(self._hosts, hosts[0]):
+            return f"The Host header is {_told(hosts)}; allowed: {self._allowed}."
+        own = f"{self._scheme}://{hosts[0]}".lower()
+        if origins and [origin.lower() for origin in origins] != [own]:
+            return f"The Origin header is {_told(origins)}; allowed: {own}, or none."
+        if any(site not in OWN_SITES for site in sites) and not _opens_a_page(scope, headers):
+            return f"The Sec-Fetch-Site header is {_told(sites)}; allowed: {' or '.join(OWN_SITES)}."
+        return None
 
 
 def with_policy(send: Send) -> Send:
@@ -59,22 +82,8 @@ def with_policy(send: Send) -> Send:
     return guarded
 
 
-def _refusal(scope: Scope) -> str | None:
-    """Return why a request is refused, None if it isn't."""
-    headers = Headers(scope=scope)
-    hosts, origins, sites = (headers.getlist(name) for name in ("host", "origin", "sec-fetch-site"))
-    if len(hosts) != 1 or not _is_own_host(hosts[0]):
-        return f"The Host header is {_told(hosts)}; allowed: {HOSTS}."
-    own = f"http://{hosts[0]}".lower()
-    if origins and [origin.lower() for origin in origins] != [own]:
-        return f"The Origin header is {_told(origins)}; allowed: {own}, or none."
-    if any(site not in OWN_SITES for site in sites) and not _opens_a_page(scope, headers):
-        return f"The Sec-Fetch-Site header is {_told(sites)}; allowed: {' or '.join(OWN_SITES)}."
-    return None
-
-
-def _is_own_host(host: str) -> bool:
-    match = _HOST.fullmatch(host)
+def _is_host(kind: re.Pattern[str], host: str) -> bool:
+    match = kind.fullmatch(host)
     return match is not None and (match["port"] is None or 1 <= int(match["port"]) <= 65535)
 
 

@@ -91,6 +91,9 @@ export const linked = (state, link) => (state.devices.link === link ? state : kn
 /** @param {State} state @param {import('../../model/types.js').Ports} known @returns {State} */
 export const portsCame = (state, { ports, families }) => following(knowing(state, { ports, families }));
 
+/** @param {State} state @param {import('../../model/types.js').Access} access @returns {State} */
+export const accessCame = (state, { role }) => (state.devices.role === role ? state : knowing(state, { role }));
+
 /** @param {State} state @param {string} port @returns {State} */
 export const choosePort = (state, port) => following(knowing(state, { port, id: null, rejections: [] }));
 

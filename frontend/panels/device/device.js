@@ -76,17 +76,19 @@ export function createDevice(root, dispatch, act) {
   const refresh = iconButton('refresh-ports', 'Look for ports again', 'refresh', act.refreshPorts);
   const connect = element('button', { className: 'button', id: 'connect', type: 'button', onclick: toggleConnection });
   const problem = element('div', { className: 'problem', role: 'alert' });
+  const inControl = element('span');
+  const takeOver = element('button', {
+    className: 'button small',
+    id: 'take-over',
+    type: 'button',
+    textContent: 'Take over',
+    onclick: () => withDevice(act.takeOver),
+  });
   const control = element(
     'div',
     { className: 'others', id: 'others', role: 'status' },
-    messageLine({ text: 'Another page is in control of it. You see all it does, and STOP works.', isWarning: true }),
-    element('button', {
-      className: 'button small',
-      id: 'take-over',
-      type: 'button',
-      textContent: 'Take over',
-      onclick: () => withDevice(act.takeOver),
-    }),
+    element('p', { className: 'message warning' }, icon('warning'), inControl),
+    takeOver,
   );
   const forgotten = element('p', { className: 'message warning' }, icon('warning'), element('span'));
   const setLimits = element('button', { className: 'button small', id: 'set-limits', type: 'button', textContent: 'Set' });
@@ -202,6 +204,7 @@ export function createDevice(root, dispatch, act) {
    * @param {Device | null} present @param {Situation} now */
   function hindrance(present, now) {
     if (now.link !== 'there') return `The server is ${now.link}.`;
+    if (!now.mayAct) return 'You look on: your link allows to see, to compute and to stop.';
     if (present === null || present.state === 'lost') return 'Connect a device first.';
     if (now.isOthers) return 'Another page is in control.';
     if (present.state === 'connecting') return 'It is waiting for the board.';
@@ -262,11 +265,14 @@ export function createDevice(root, dispatch, act) {
     if (pill.textContent !== word) pill.textContent = word;
     const waiting = shown.devices.asking === 'find' ? 'Listening…' : 'Connecting…';
     showText(connect, isConnected ? 'Disconnect' : now.isBusy && !present ? waiting : 'Connect');
-    connect.disabled = !isLive || now.isBusy || isMoving || portOf(shown) === '' || (isConnected && now.isOthers);
-    find.disabled = !isLive || now.isBusy;
-    connect.title = isMoving ? 'Stop it first' : '';
+    connect.disabled = !isLive || now.isBusy || isMoving || portOf(shown) === '' || (isConnected && now.isOthers) || !now.mayAct;
+    find.disabled = !isLive || now.isBusy || !now.mayAct;
+    connect.title = now.mayAct ? (isMoving ? 'Stop it first' : '') : 'You look on: your link allows no more';
     gear.disabled = hindrance(present, now) !== '' || isMoving || now.isBusy;
     control.hidden = !now.isOthers || !isConnected;
+    const others = present?.in_control_at ? `Another page, at ${present.in_control_at},` : 'Another page';
+    showText(inControl, `${others} is in control of it. You see all it does, and STOP works.`);
+    takeOver.disabled = !now.mayAct;
     const message = present?.message ?? '';
     const trouble = present?.state === 'lost' ? `${message || 'It is lost.'} It is connected again once it is back.` : message;
     showProblem(withSavedAt(trouble), refused === message ? '' : refused);

@@ -1,0 +1,241 @@
+"""A server that other machines may use: who is known, what a role may do, the share of a client, and the log."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from starlette.testclient import TestClient
+from starlette.websockets import WebSocketDisconnect
+
+from designs import document
+from stepramp.http_api import client_limits
+from stepramp.http_api.access import MOST_SESSIONS, Access, Role
+from stepramp.http_api.app import create_app
+
+HOST = "bench.example:8000"
+BASE = f"http://{HOST}"
+TOKENS = {Role.VIEW: "a-token-of-those-who-look-on", Role.OPERATE: "a-token-of-those-who-operate"}
+OPERATES = {"authorization": f"Bearer {TOKENS[Role.OPERATE]}"}
+LOOKS_ON = {"authorization": f"Bearer {TOKENS[Role.VIEW]}"}
+DEVICES = "/api/v1/devices"
+EVENTS = f"{DEVICES}/events"
+A_PAGE = {"accept": "text/html,*/*"}
+COMPUTES = {
+    "/api/v1/capture",
+    "/api/v1/curves",
+    "/api/v1/errors",
+    "/api/v1/export/{format}",
+    "/api/v1/families/{name}/ramp",
+    "/api/v1/import",
+    "/api/v1/jobs/{job_id}",
+    "/api/v1/machine/{machine}",
+    "/api/v1/machine/{machine}/ramp",
+    "/api/v1/motor/fastest",
+    "/api/v1/motor/gauge_table",
+    "/api/v1/motor/map",
+    "/api/v1/motor/simulate",
+    "/api/v1/motor/torque",
+    "/api/v1/profile",
+    "/api/v1/report",
+    "/api/v1/retarget",
+    "/api/v1/schedule",
+    "/api/v1/table/check",
+    "/api/v1/table/fit",
+    "/api/v1/table/fit/curve",
+    "/api/v1/table/play",
+}
+"""What isn't reading, and yet changes nothing for anybody else."""
+
+
+@pytest.fixture
+def server(tmp_path: Path) -> Iterator[TestClient]:
+    app = create_app(data=tmp_path, access=Access(TOKENS))
+    with TestClient(app, base_url=BASE, raise_server_exceptions=False, follow_redirects=False) as client:
+        yield client
+
+
+def signed_in(server: TestClient, role: Role) -> None:
+    assert server.get("/", params={"token": TOKENS[role]}, headers=A_PAGE).status_code == 303
+
+
+def message(response: Any) -> str:
+    [error] = response.json()["errors"]
+    return str(error["message"])
+
+
+def test_nobody_is_served_unknown(server: TestClient) -> None:
+    for path in ("/api/v1/access", "/api/v1/devices", "/assets/plotly/plotly.min.js", "/docs", "/nothing"):
+        refused = server.get(path)
+        assert (refused.status_code, refused.headers["www-authenticate"]) == (401, 'Bearer realm="StepRamp"'), path
+        assert "Authorization: Bearer" in message(refused)
+    assert server.post(f"{DEVICES}/stop").status_code == 401
+    for wrong in ("Bearer", "Bearer nonsense", f"Basic {TOKENS[Role.OPERATE]}", f"Bearer {TOKENS[Role.OPERATE]}x", "é"):
+        assert server.get("/api/v1/access", headers={"authorization": wrong.encode()}).status_code == 401, wrong
+    assert server.get("/api/v1/health").json()["status"] == "ok"
+    for socket in (EVENTS, "/api/v1/curves/socket", f"{DEVICES}/1/jog"):
+        with pytest.raises(WebSocketDisconnect), server.websocket_connect(socket, headers={"host": HOST}):
+            pass
+
+
+def test_a_browser_is_shown_the_way_in_and_the_token_leaves_its_address(server: TestClient) -> None:
+    form = server.get("/", headers=A_PAGE)
+    assert (form.status_code, form.headers["cache-control"]) == (401, "no-store")
+    assert "Token <input" in form.text
+    wrong = server.get("/", params={"token": "<b>wrong"}, headers=A_PAGE)
+    assert (wrong.status_code, "no token of this server" in wrong.text, "<b>" in wrong.text) == (401, True, False)
+    shown = server.get("/?a=1&token=" + TOKENS[Role.OPERATE] + "&b=", headers=A_PAGE)
+    assert (shown.status_code, shown.headers["location"]) == (303, "/?a=1&b=")
+    cookie = shown.headers["set-cookie"]
+    assert "HttpOnly" in cookie
+    assert "samesite=lax" in cookie.lower()
+    assert TOKENS[Role.OPERATE] not in cookie
+    assert server.get("/", headers=A_PAGE).status_code == 200
+    assert server.get("/api/v1/access").json() == {"role": "operate", "is_shared": True, "place": "testclient"}
+
+
+def test_a_link_leads_nowhere_else(server: TestClient) -> None:
+    for path in ("//evil.example/", "///evil.example", "/%5Cevil.example", "/\\\\evil.example"):
+        shown = server.get(f"{BASE}{path}?token={TOKENS[Role.VIEW]}")
+        location = shown.headers["location"]
+        assert location.startswith("/"), path
+        assert not location.startswith(("//", "/\\")), path
+
+
+def test_a_link_of_a_page_elsewhere_is_not_taken(server: TestClient) -> None:
+    foreign = {"origin": "http://evil.example", **A_PAGE}
+    assert server.get("/", params={"token": TOKENS[Role.VIEW]}, headers=foreign).status_code == 403
+    assert server.get("/api/v1/access", params={"token": TOKENS[Role.VIEW]}).status_code == 401
+
+
+def test_over_tls_the_cookie_goes_over_tls_only(tmp_path: Path) -> None:
+    app = create_app(data=tmp_path, access=Access(TOKENS, is_encrypted=True))
+    with TestClient(app, base_url=f"https://{HOST}", follow_redirects=False) as server:
+        shown = server.get("/", params={"token": TOKENS[Role.VIEW]}, headers=A_PAGE)
+        assert "Secure" in shown.headers["set-cookie"]
+        own = {"origin": f"https://{HOST}"}
+        assert server.get("/api/v1/health", headers=own).status_code == 200
+        assert server.get("/api/v1/health", headers={"origin": f"http://{HOST}"}).status_code == 403
+
+
+def test_who_looks_on_computes_and_stops_and_changes_nothing(server: TestClient) -> None:
+    route = f"{DEVICES}/{server.post(DEVICES, json={'port': 'sim://'}, headers=OPERATES).json()['id']}"
+    assert server.post("/api/v1/profile", json={"design": document()}, headers=LOOKS_ON).status_code == 200
+    assert server.get(route, headers=LOOKS_ON).status_code == 200
+    assert server.post(f"{route}/push/preview", json={"design": document()}, headers=LOOKS_ON).status_code == 200
+    for method, path in (
+        ("POST", DEVICES), ("POST", f"{route}/push"), ("POST", f"{route}/move"), ("DELETE", route),
+        ("PUT", f"{route}/soft_limits"), ("POST", f"{route}/control"), ("POST", "/api/v1/ports/find"),
+        ("POST", f"{route}/stop/"), ("PUT", f"{route}/stop"), ("POST", f"{DEVICES}//stop"),
+    ):  # fmt: skip
+        refused = server.request(method, path, json={}, headers=LOOKS_ON)
+        assert refused.status_code == 403, path
+        assert message(refused).startswith("Your role is 'view'; allowed: to look on, to compute and to stop."), path
+    with (
+        pytest.raises(WebSocketDisconnect),
+        server.websocket_connect(f"{route}/jog", headers={"host": HOST, **LOOKS_ON}),
+    ):
+        pass
+    for path in (f"{DEVICES}/stop", f"{route}/stop", f"{route}/halt"):
+        assert server.post(path, headers=LOOKS_ON).status_code == 200, path
+    with server.websocket_connect(EVENTS, headers={"host": HOST, **LOOKS_ON}) as socket:
+        socket.receive_json()
+        socket.send_json({"do": "stop", "number": 1})
+        until_did = next(each for each in iter(socket.receive_json, None) if "did" in each)
+        assert until_did["did"]["do"] == "stop"
+
+
+def test_every_route_that_changes_something_asks_for_the_role(server: TestClient) -> None:
+    paths = server.get("/api/v1/openapi.json", headers=OPERATES).json()["paths"]
+    asked = [(path, method) for path, methods in paths.items() for method in methods if method not in ("get", "head")]
+    assert len(asked) > 30
+    for path, method in asked:
+        if path in COMPUTES or path.endswith(("/stop", "/halt", "/push/preview")):
+            continue
+        filled = path.replace("{device_id}", "1").replace("{name}", "x").replace("{", "").replace("}", "")
+        assert server.request(method, filled, json={}, headers=LOOKS_ON).status_code == 403, (method, path)
+
+
+def test_where_the_page_in_control_is_is_told(server: TestClient) -> None:
+    with server.websocket_connect(f"{EVENTS}?page=one", headers={"host": HOST, **OPERATES}) as socket:
+        socket.receive_json()
+        by_page = {**OPERATES, "x-stepramp-page": "one"}
+        route = f"{DEVICES}/{server.post(DEVICES, json={'port': 'sim://'}, headers=by_page).json()['id']}"
+        device = server.get(route, headers=LOOKS_ON).json()
+        assert (device["in_control"], device["in_control_at"]) == ("one", "testclient")
+        refused = server.post(f"{route}/zero", json={}, headers={**OPERATES, "x-stepramp-page": "two"})
+        assert "Another page at testclient is in control" in refused.text or refused.status_code == 422
+        moved = server.post(f"{route}/move", json={"by_steps": 1}, headers={**OPERATES, "x-stepramp-page": "two"})
+        assert "Another page at testclient is in control of" in message(moved)
+
+
+def test_one_client_has_its_share_and_stops_are_free(server: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(client_limits, "MOST_AT_ONCE", 5)
+    monkeypatch.setattr(client_limits, "MOST_PER_S", 0.001)
+    statuses = [server.get("/api/v1/health", headers=LOOKS_ON).status_code for _ in range(7)]
+    assert statuses == [200] * 5 + [429] * 2
+    refused = server.get("/api/v1/health", headers=LOOKS_ON)
+    assert int(refused.headers["retry-after"]) > 1
+    assert all(server.post(f"{DEVICES}/stop", headers=LOOKS_ON).status_code == 200 for _ in range(9))
+
+
+def test_jobs_and_sockets_of_one_client_are_counted(server: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(client_limits, "MOST_SOCKETS", 1)
+    with (
+        server.websocket_connect(EVENTS, headers={"host": HOST, **LOOKS_ON}) as socket,
+        pytest.raises(WebSocketDisconnect),
+        server.websocket_connect(EVENTS, headers={"host": HOST, **LOOKS_ON}),
+    ):
+        pass
+    assert socket is not None
+    with server.websocket_connect(EVENTS, headers={"host": HOST, **LOOKS_ON}) as again:
+        assert again.receive_json() == {"devices": []}
+
+
+def test_only_so_many_browsers_are_known() -> None:
+    access = Access(TOKENS)
+    first = access.begin_session(Role.VIEW)
+    scope = {
+        "type": "http",
+        "server": ("h", 1),
+        "client": ("a", 2),
+        "headers": [(b"cookie", f"stepramp-session-1={first}".encode())],
+    }
+    assert access.client_of(scope) is not None
+    for _ in range(MOST_SESSIONS):
+        access.begin_session(Role.VIEW)
+    assert access.client_of(scope) is None
+
+
+def test_new_tokens_are_each_their_own() -> None:
+    one, other = Access.with_new_tokens(), Access.with_new_tokens()
+    tokens = {each.token_of(role) for each in (one, other) for role in Role}
+    assert len(tokens) == 4
+    assert min(map(len, tokens)) >= 32
+
+
+def test_who_asked_what_is_kept(tmp_path: Path) -> None:
+    app = create_app(data=tmp_path, access=Access(TOKENS))
+    with TestClient(app, base_url=BASE) as server:
+        route = f"{DEVICES}/{server.post(DEVICES, json={'port': 'sim://'}, headers=OPERATES).json()['id']}"
+        server.get(route, headers=LOOKS_ON)
+        pushed = server.post(f"{route}/push", json={"design": document(name="Zed ⚙")}, headers=OPERATES)
+        assert pushed.status_code == 200
+        server.post(f"{route}/move", json={"by_steps": 7}, headers={**OPERATES, "x-stepramp-page": "p"})
+        server.post(f"{route}/move", json={"by_steps": 7}, headers=LOOKS_ON)
+        server.post(f"{DEVICES}/stop", headers=LOOKS_ON)
+        server.post("/api/v1/profile", json={"design": document()}, headers=LOOKS_ON)
+    [file] = (tmp_path / "audit").iterdir()
+    lines = [json.loads(line) for line in file.read_text(encoding="utf-8").splitlines()]
+    assert [(line["asked"], line["role"], line["status"]) for line in lines] == [
+        (f"POST {DEVICES}", "operate", 200),
+        (f"POST {route}/push", "operate", 200),
+        (f"POST {route}/move", "operate", 200),
+        (f"POST {route}/move", "view", 403),
+        (f"POST {DEVICES}/stop", "view", 200),
+    ]
+    assert lines[1]["body"]["design"]["name"] == "Zed ⚙"
+    assert (lines[2]["body"], lines[2]["page"], lines[2]["client"]) == ({"by_steps": 7}, "p", "testclient")
