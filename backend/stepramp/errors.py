@@ -70,9 +70,11 @@ class Told:
     """The axis that it is of, counted from 0, where that is not the one that the message is about."""
 
     @classmethod
-    def of(cls, value: float, unit: StepUnit, figures: int = 6) -> Self:
+    def of(
+        cls, value: float, unit: StepUnit, figures: int = 6, rounding: Literal["nearest", "down", "up"] = "nearest"
+    ) -> Self:
         """Return a quantity told with so many figures."""
-        return cls(f"{value:,.{figures}g} {unit}", value, unit)
+        return cls(f"{value:,.{figures}g} {unit}", value, unit, rounding)
 
     def __str__(self) -> str:
         return self.text
@@ -114,6 +116,8 @@ class Remedy:
 
     text: str
     changes: tuple[Change, ...]
+    told: tuple[Told, ...] = ()
+    """The quantities of the text that a design's axis converts, in their order."""
 
 
 @dataclass(frozen=True)

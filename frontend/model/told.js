@@ -35,6 +35,13 @@ export function inShownUnits(units, designs) {
   };
 }
 
+/** What a remedy is called on a button, in the units that are shown.
+ * @param {Units} units @param {Design} design whose it is @param {import('./types.js').Remedy} remedy */
+export function remedyWords(units, design, { text, told }) {
+  const { message } = inShownUnits(units, [design])({ field: null, message: text, told });
+  return message.charAt(0).toUpperCase() + message.slice(1);
+}
+
 /** What puts the next quantity of a sentence into its place, after what is done.
  * @param {Units} units @param {Design[]} designs @param {number} own */
 const withQuantity = (units, designs, own) => (/** @type {string[]} */ [done, rest], /** @type {Told} */ one) => {

@@ -160,7 +160,7 @@
  * @typedef {{lowest: number | null, highest: number | null, is_whole: boolean, note: string}} Limits */
 
 /** What would be accepted instead of what was refused: it was tried.
- * @typedef {{text: string, changes: {field: string, value: unknown}[]}} Remedy */
+ * @typedef {{text: string, changes: {field: string, value: unknown}[], told?: Told[]}} Remedy */
 
 /** What is allowed while another field has its value: some names, or something that is needed.
  * @typedef {{names: string[], because: {field: string, value: unknown}, is_need: boolean}} Choices */

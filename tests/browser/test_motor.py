@@ -279,6 +279,15 @@ def moved_by_pointer_keys_and_finger(stepramp: StepRampPage, dialog: Locator) ->
     until(lambda: stepramp.design()["ramp"]["slew_speed_steps_per_s"] < stepped["ramp"]["slew_speed_steps_per_s"])
 
 
+def report_has_the_map(page: Page) -> None:
+    page.get_by_role("button", name="Export").click()
+    with page.expect_request("**/api/v1/report?format=html") as asked:
+        page.locator('input[value="report_html"]').check()
+    [shown] = asked.value.post_data_json["maps"]
+    assert (shown["over"], len(shown["verdicts"])) == ("slew_speed", len(shown["over_values"]))
+    page.locator("#export-dialog").get_by_role("button", name="Close").last.click()
+
+
 def test_the_stall_map_is_kept_with_its_axis_and_the_design_is_a_point_on_it(stepramp: StepRampPage) -> None:
     page = stepramp.page
     page.locator("#motor-presets").select_option(NEMA_17)
@@ -305,8 +314,9 @@ def test_the_stall_map_is_kept_with_its_axis_and_the_design_is_a_point_on_it(ste
     for _ in range(3):
         page.get_by_role("button", name="Undo").click()
     assert stepramp.design() == before
-    # Another mass: the map is of an earlier design. Over a reload it is still there.
     dialog.get_by_role("button", name="Close").last.click()
+    report_has_the_map(page)
+    # Another mass: the map is of an earlier design. Over a reload it is still there.
     stepramp.field("load.mechanism.mass_kg").fill("2")
     stepramp.reload()
     page.locator("#open-map").click()

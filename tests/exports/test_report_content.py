@@ -14,6 +14,7 @@ from stepramp.exports.printed.checks import checks_of
 from stepramp.exports.printed.content import Asked, report_of
 from stepramp.exports.printed.motor import MotorPart
 from stepramp.exports.printed.motor_plots import described_motor, motor_plots_of
+from stepramp.exports.printed.stall_maps import PlayedMap, described_stall_map
 from stepramp.motor import patience
 from stepramp.ramp.profile import profile_of
 from stepramp.units import LengthUnit, ShownUnits, TimeUnit
@@ -188,6 +189,35 @@ def test_the_report_tells_the_limits_what_the_rotor_does_what_to_change_and_what
     for column in (3, 4, 5):
         figures = [float(row[column].rstrip("° %ms")) for row in calm.rotor.rows]
         assert figures == sorted(figures, reverse=True)
+
+
+def test_what_to_change_is_told_in_the_units_of_the_report(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(patience, "time", Clock())
+    part = motor_part(ramp__acceleration_steps_per_s2=1.2e7)
+    changes = [text for name, text in part.found.rows if name == "what would make it safe"]
+    assert changes
+    assert not any("steps/s" in text for text in changes)
+    assert any(re.match(r"lower the acceleration to [\d,.]+ rev/s²", text) for text in changes)
+
+
+def test_a_stall_map_is_drawn_in_the_units_of_the_report_with_the_design_on_it() -> None:
+    """3200 steps a turn: 800 steps/s are 0.25 rev/s, 6400 steps/s² are 2 rev/s²."""
+    played = PlayedMap("slew_speed", (800, 1600, 3200), (6400, 12800, 25600), ((0, 0, 1), (0, 2, 2), (-1, 2, 3)))
+    report = report_of(Asked(with_motor(), None, (), "rev", "s", (played,)), date(2026, 3, 1))
+    [plot] = report.maps
+    assert plot.over_values.tolist() == [0.25, 0.5, 1]
+    assert plot.accelerations.tolist() == [2, 4, 8]
+    steps_a_turn = 200 * with_motor().axis.microsteps
+    ramp = with_motor().ramp
+    assert plot.point == pytest.approx(
+        (ramp.slew_speed_steps_per_s / steps_a_turn, ramp.acceleration_steps_per_s2 / steps_a_turn)
+    )
+    words = described_stall_map(plot)
+    assert words.startswith(
+        "stall map: acceleration, rev/s², over slew speed, from 2 to 8; slew speed, rev/s from 0.25"
+    )
+    # 3, 1, 3 and 1 of 8 that are known.
+    assert "38 % safe, 12 % marginal, 38 % stalls, 12 % not possible" in words
 
 
 def test_a_motors_plots_are_of_its_torque_and_its_load_angle() -> None:

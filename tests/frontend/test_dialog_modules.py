@@ -513,41 +513,29 @@ def test_a_fault_of_the_page_stays_until_it_is_closed(modules: Modules) -> None:
 
 
 @pytest.mark.parametrize(
-    ("units", "changes", "words"),
+    ("units", "words"),
     [
-        ({"length": "steps", "time": "s"}, {"slew_speed_steps_per_s": 12_000}, "The server's words"),
-        # 200 · 16 steps/rev, 8 mm/rev: 12,000 / 3200 = 3.75 rev/s = 30 mm/s; 90,000 / 400 = 225 mm/s².
-        ({"length": "mm", "time": "s"}, {"slew_speed_steps_per_s": 12_000}, "Lower the slew speed to about 30 mm/s"),
-        (
-            {"length": "rev", "time": "min"},
-            {"slew_speed_steps_per_s": 12_000},
-            "Lower the slew speed to about 225 rev/min",
-        ),
-        (
-            {"length": "mm", "time": "s"},
-            {"acceleration_steps_per_s2": 90_000, "deceleration_steps_per_s2": 180_000},
-            "Raise the acceleration to about 225 mm/s² and raise the deceleration to about 450 mm/s²",
-        ),
-        # 400,000 / 400 = 1,000 mm/s³.
-        (
-            {"length": "mm", "time": "s"},
-            {"shape.jerk_steps_per_s3": 400_000},
-            "Raise the jerk to about 1,000 mm/s³",
-        ),
-        ({"length": "mm", "time": "s"}, {"name": "newton"}, "The server's words"),
+        ({"length": "steps", "time": "s"}, "Lower the slew speed to 12,000 steps/s and the jerk to 400,000 steps/s³"),
+        # 200 · 16 steps/rev, 8 mm/rev: 12,000 / 3200 = 3.75 rev/s = 30 mm/s; 400,000 / 400 = 1,000 mm/s³.
+        ({"length": "mm", "time": "s"}, "Lower the slew speed to 30 mm/s and the jerk to 1,000 mm/s³"),
+        ({"length": "rev", "time": "min"}, "Lower the slew speed to 225 rev/min and the jerk to 27,000,000 rev/min³"),
     ],
 )
-def test_a_remedy_is_told_in_the_units_that_are_shown(
-    modules: Modules, units: dict[str, str], changes: dict[str, object], words: str
-) -> None:
+def test_a_remedy_is_told_in_the_units_that_are_shown(modules: Modules, units: dict[str, str], words: str) -> None:
     axis = {"full_steps_per_rev": 200, "microsteps": 16, "travel_per_rev": 8, "travel_unit": "mm"}
-    design = document(axis=axis)
-    design["ramp"] = {**design["ramp"], "slew_speed_steps_per_s": 20_000, "acceleration_steps_per_s2": 50_000}
-    design["ramp"]["shape"] = {"name": "s_curve", "jerk_steps_per_s3": 100_000}
-    part = "method" if "name" in changes else "ramp"
-    listed = [{"field": f"{part}.{name}", "value": value} for name, value in changes.items()]
-    remedy = {"text": "the server's words", "changes": listed}
-    assert modules.call("panels/device/remedy_words.js", "remedyWords", remedy, design, units) == words
+    told = [
+        {"text": "12,000 steps/s", "value": 12_000, "unit": "steps/s", "rounding": "down", "axis": None},
+        {"text": "400,000 steps/s³", "value": 400_000, "unit": "steps/s³", "rounding": "down", "axis": None},
+    ]
+    text = "lower the slew speed to 12,000 steps/s and the jerk to 400,000 steps/s³"
+    remedy = {"text": text, "changes": [], "told": told}
+    assert modules.call("model/told.js", "remedyWords", units, document(axis=axis), remedy) == words
+
+
+def test_a_remedy_about_something_else_is_told_as_it_is(modules: Modules) -> None:
+    remedy = {"text": "raise the supply to 36 V", "changes": []}
+    units = {"length": "mm", "time": "s"}
+    assert modules.call("model/told.js", "remedyWords", units, document(), remedy) == "Raise the supply to 36 V"
 
 
 @pytest.mark.parametrize(

@@ -298,3 +298,48 @@ def test_a_report_ends_when_its_client_has_left(monkeypatch: pytest.MonkeyPatch)
     }  # fmt: skip
     run(create_app()(scope, receive, send))
     assert ended == [True]
+
+
+MAP = {
+    "over": "load",
+    "over_values": [0.0, 0.1, 0.2],
+    "accelerations_steps_per_s2": [1e4, 2e4, 4e4],
+    "verdicts": [[0, 0, 1], [0, 1, 2], [-1, 2, 3]],
+}
+
+
+def test_a_stall_map_is_a_picture_of_the_report(client: TestClient) -> None:
+    design = whole(move__steps=200)
+    page = page_of(reported(client, "html", design=design, maps=[MAP]))
+    assert len(page.pictures()) == 8
+    [words] = [each["alt"] or "" for each in page.all_of("img") if (each["alt"] or "").startswith("stall map")]
+    assert "over load, from 10,000 to 40,000; load, Nm from 0 to 0.2" in words
+    reader, _ = pdf_of(reported(client, "pdf", design=design, maps=[MAP]))
+    without, _ = pdf_of(reported(client, "pdf", design=design))
+    assert len(reader.pages) == len(without.pages) + 1
+
+
+@pytest.mark.parametrize(
+    ("changes", "field", "allowed"),
+    [
+        ({"over": "current"}, "maps.0.over", "slew_speed, load, supply_voltage"),
+        ({"over_values": [0.0, 0.2, 0.1]}, "maps.0.over_values.2", "more than 0.2, the one before"),
+        ({"over_values": [0.0, 0.1, 2000.0]}, "maps.0.over_values.2", "a number from -1,000 to 1,000 Nm"),
+        ({"accelerations_steps_per_s2": [1e4, 2e4]}, "maps.0.verdicts", "2 rows, one for each acceleration"),
+        ({"verdicts": [[0, 0], [0, 1, 2], [0, 2, 3]]}, "maps.0.verdicts.0", "3 verdicts, one for each column"),
+        ({"verdicts": [[0, 0, 9], [0, 1, 2], [0, 2, 3]]}, "maps.0.verdicts.0.2", "a whole number from -1 to 3"),
+    ],
+)
+def test_a_map_that_makes_no_sense_is_refused(
+    client: TestClient, changes: dict[str, object], field: str, allowed: str
+) -> None:
+    refused = reported(client, "html", design=whole(), maps=[MAP | changes])
+    assert refused.status_code == 422
+    error = refused.json()["errors"][0]
+    assert error["field"] == field
+    assert allowed in error["allowed"]
+
+
+def test_a_map_needs_a_motor(client: TestClient) -> None:
+    refused = reported(client, "html", maps=[MAP])
+    assert refused.json()["errors"][0]["allowed"] == "none, since the design has no motor"

@@ -89,6 +89,9 @@ class RemedyAnswer(Answer):
 
     text: str = Field(description="What people call it")
     changes: list[ChangeAnswer]
+    told: list[ToldAnswer] = Field(
+        default=[], description="The quantities of the text that a design's axis converts, in their order"
+    )
 
 
 class ErrorItem(Answer):

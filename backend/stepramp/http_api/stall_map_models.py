@@ -62,7 +62,7 @@ class StallMapAnswer(Answer):
             played=picture.played,
             design_point=DesignPointAnswer(
                 acceleration_steps_per_s2=question.design.ramp.acceleration_steps_per_s2,
-                over_value=own_value(question),
+                over_value=own_value(question.design, question.over),
                 verdict=own,
             ),
         )

@@ -35,20 +35,21 @@ class Question:
     """[steps/s²], one a row."""
 
 
-def own_value(question: Question) -> float:
-    """Return the design's own value of what the map goes over."""
-    design = question.design
+def own_value(design: Design, over: Over) -> float:
+    """Return a design's own value of what a map goes over. Raises Rejected without a motor."""
     own = {
         "slew_speed": design.ramp.slew_speed_steps_per_s,
         "load": (design.load or Load()).torque_nm,
         "supply_voltage": drive_train(design).supply_v,
     }
-    return own[question.over]
+    return own[over]
 
 
 def own_verdict(question: Question, is_wanted: Callable[[], bool] = lambda: True) -> int:
     """Return the verdict of the design itself, as verdict_at does of a point."""
-    return _verdict_with(question, question.design.ramp.acceleration_steps_per_s2, own_value(question), is_wanted)
+    design = question.design
+    own = own_value(design, question.over)
+    return _verdict_with(question, design.ramp.acceleration_steps_per_s2, own, is_wanted)
 
 
 def verdict_at(question: Question, point: Point, is_wanted: Callable[[], bool] = lambda: True) -> int:

@@ -79,7 +79,8 @@ def _together(trial: "_Trial", *, with_stop: bool) -> Iterator[Remedy]:
             for second in chain(found, _slowed(after)):
                 # What both change is as the second has it.
                 changes = {change.field: change for change in (*remedy.changes, *second.changes)}
-                yield Remedy(f"{remedy.text}, and {second.text}", tuple(changes.values()))
+                told = (*remedy.told, *second.told)
+                yield Remedy(f"{remedy.text}, and {second.text}", tuple(changes.values()), told)
 
 
 def _slowed(trial: "_Trial") -> Iterator[Remedy]:

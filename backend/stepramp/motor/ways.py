@@ -9,13 +9,15 @@ from dataclasses import dataclass
 
 from stepramp.design import Design
 from stepramp.drive_train import Drive
-from stepramp.errors import Change, Remedy
+from stepramp.errors import Change, Remedy, StepUnit, Told
 from stepramp.motor.changes import reshaping
 from stepramp.motor.limits import greatest_start_speed
 from stepramp.motor.torque import drive_train
 from stepramp.motor.verdict import MOST_USED
 from stepramp.numerics.limit_text import highest
 
+EXACTLY = 15
+"""Figures of a number that is to be put in place of another, as it is told: all of it."""
 FIGURES = 3
 LESS = tuple(0.7**power for power in range(1, 14))
 """Parts of a number that are tried, down to a hundredth of it."""
@@ -67,8 +69,9 @@ def gentler(design: Design) -> Way:
         if down is None:
             return remedy
         slowing = highest(down * rate / own, FIGURES)
-        both = f"{remedy.text} and the deceleration to {slowing:,.15g} steps/s²"
-        return Remedy(both, (*remedy.changes, Change("ramp.deceleration_steps_per_s2", slowing)))
+        down_to = Told.of(slowing, "steps/s²", EXACTLY, "down")
+        changes = (*remedy.changes, Change("ramp.deceleration_steps_per_s2", slowing))
+        return Remedy(f"{remedy.text} and the deceleration to {down_to}", changes, (*remedy.told, down_to))
 
     return Way("ramp.acceleration_steps_per_s2", own, _parts_of(own), made, is_even=True)
 
@@ -198,14 +201,15 @@ def _other_shapes(design: Design) -> Iterator[Way]:
     if own != "s_curve":
         jerk = highest(ramp.acceleration_steps_per_s2 * drive_train(design).natural_frequency_hz, FIGURES)
         shape: dict[str, object] = {"name": "s_curve", "jerk_steps_per_s3": jerk}
-        yield _reshaped(f"use an S-curve with a jerk of {jerk:,.15g} steps/s³", reshaping(design, shape))
+        told = Told.of(jerk, "steps/s³", EXACTLY, "down")
+        yield _reshaped(f"use an S-curve with a jerk of {told}", reshaping(design, shape), told)
     if own != "torque":
         shape = {"name": "torque", "margin": MOST_USED}
         yield _reshaped(f"shape the ramp by the torque, {MOST_USED:.0%} of it", reshaping(design, shape))
 
 
-def _reshaped(text: str, changes: tuple[Change, ...]) -> Way:
-    return Way("ramp.shape", math.nan, (math.nan,), lambda _: Remedy(text, changes))
+def _reshaped(text: str, changes: tuple[Change, ...], *told: Told) -> Way:
+    return Way("ramp.shape", math.nan, (math.nan,), lambda _: Remedy(text, changes, told))
 
 
 def _shape_times(design: Design, speeds: float, jerks: float) -> list[Change]:
@@ -238,5 +242,6 @@ def _parts_of(own: float) -> tuple[float, ...]:
     return tuple(highest(own * part, FIGURES) for part in LESS)
 
 
-def _lowered(what: str, field: str, value: float, unit: str) -> Remedy:
-    return Remedy(f"lower the {what} to {value:,.15g} {unit}", (Change(field, value),))
+def _lowered(what: str, field: str, value: float, unit: StepUnit) -> Remedy:
+    told = Told.of(value, unit, EXACTLY, "down")
+    return Remedy(f"lower the {what} to {told}", (Change(field, value),), (told,))

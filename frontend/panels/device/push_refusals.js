@@ -1,8 +1,8 @@
 // @ts-check
 // Why a push is refused, and what would be accepted instead, each as a button that does it.
 
+import { remedyWords } from '../../model/told.js';
 import { element, messageLine } from '../../ui/dom.js';
-import { remedyWords } from './remedy_words.js';
 
 /** @typedef {import('../../model/types.js').PushRefusal} PushRefusal */
 /** @typedef {import('../../model/types.js').Remedy} Remedy */
@@ -41,7 +41,7 @@ export function createRefusals(onMend) {
       const axes = [...new Set(refusals.map(({ axis }) => axis))];
       const where = (/** @type {number | null} */ axis) => (toPush.length > 1 && axes.length > 1 ? `, refusal ${axes.indexOf(axis) + 1}` : '');
       const wordsOf = (/** @type {number | null} */ axis) => (/** @type {Remedy} */ remedy) =>
-        remedyWords(remedy, designs[ids.indexOf(axis ?? -1)] ?? toPush[0], units);
+        remedyWords(units, designs[ids.indexOf(axis ?? -1)] ?? toPush[0], remedy);
       box.replaceChildren(...refusals.flatMap((refusal) => lines(refusal, where(refusal.axis), wordsOf(refusal.axis))));
     },
   };

@@ -2,7 +2,7 @@
 // The dialog that exports a design: the formats, what the chosen one gives, copy and download.
 
 import { announce } from '../../app/commands/told.js';
-import { designOf, machineOf } from '../../app/selectors.js';
+import { axisOf, designOf, machineOf } from '../../app/selectors.js';
 import { createQuestion, laterText } from '../../app/effects/question.js';
 import { whenChanged, whenever } from '../../app/state.js';
 import { api } from '../../server/api.js';
@@ -15,6 +15,7 @@ import { methodsToCompute } from '../../model/design.js';
 import { createPlayed } from './played.js';
 import { pushRefusals, refusalText } from '../../model/messages.js';
 import { parseEntry } from '../../model/numbers.js';
+import { mapKey, OVERS } from '../../model/stall_map.js';
 import { unitsFor } from '../../model/units.js';
 
 /** @typedef {import('../../documents/exports.js').ExportFormat} ExportFormat */
@@ -208,7 +209,22 @@ function reportOf(state, design) {
     pinned: machineOf(state)?.kept ?? null,
     methods: methodsToCompute(design, new Set(state.shown)),
     units: unitsFor(state.units, design),
+    maps: mapsOf(state, design),
   };
+}
+
+/** The stall maps of the design, as far as they are whole and still its own.
+ * @param {import('../../app/state.js').State} state @param {import('../../model/types.js').Design} design */
+function mapsOf(state, design) {
+  if (!design.motor) return [];
+  return OVERS.flatMap(({ name: over }) => {
+    const known = state.stallMaps[`${axisOf(state)} ${over}`];
+    const key = mapKey(design, over);
+    const result = known?.pictures.find((one) => one.key === key)?.result;
+    if (!result || (known.key === key && known.stage !== 'done')) return [];
+    const { over_values, accelerations_steps_per_s2, verdicts } = result;
+    return [{ over, over_values, accelerations_steps_per_s2, verdicts }];
+  });
 }
 
 /** The formats in their groups: radio buttons, so that arrow keys go from one to the next.

@@ -4,6 +4,7 @@
 import { mend } from '../../app/commands/work.js';
 import { textOf } from '../../model/messages.js';
 import { causeText, marginText, notCoveredText, VERDICTS } from '../../model/motor_words.js';
+import { remedyWords } from '../../model/told.js';
 import { element, icon, showText } from '../../ui/dom.js';
 import { createTorqueChart } from './torque_chart.js';
 
@@ -45,17 +46,17 @@ export function createMotorFound(dispatch, { openRotor, openMap, openFastest }) 
       showText(details, answer ? marginText(answer, units, design) : '');
       showText(notCovered, answer ? notCoveredText(answer) : '');
       // While a slider moves none are looked for: those that stand there are of before.
-      const offered = JSON.stringify([answer?.proposals ?? [], axis]);
-      if (offered !== shownProposals) proposals.replaceChildren(...(answer?.proposals ?? []).map((remedy) => proposal(remedy, axis)));
+      const named = (answer?.proposals ?? []).map((remedy) => ({ remedy, text: remedyWords(units, design, remedy) }));
+      const offered = JSON.stringify([named, axis]);
+      if (offered !== shownProposals) proposals.replaceChildren(...named.map((one) => proposal(one, axis)));
       proposals.hidden = proposals.childElementCount === 0;
       shownProposals = offered;
       chart.show(answer, units, design);
     },
   };
 
-  /** @param {import('../../model/types.js').Remedy} remedy @param {number | null} axis */
-  function proposal(remedy, axis) {
-    const text = remedy.text.charAt(0).toUpperCase() + remedy.text.slice(1);
+  /** @param {{remedy: import('../../model/types.js').Remedy, text: string}} named @param {number | null} axis */
+  function proposal({ remedy, text }, axis) {
     return button(text, () => axis !== null && dispatch(mend, axis, remedy));
   }
 }

@@ -14,7 +14,7 @@ from stepramp.controllers.stepramp.push import PushPlan, TooLong, plan_push
 from stepramp.controllers.stepramp.ramp_image import RampImage
 from stepramp.controllers.stepramp.settings import StepRampSettings
 from stepramp.design import Design
-from stepramp.errors import Change, Rejected, Rejection, Remedy
+from stepramp.errors import Change, Rejected, Rejection, Remedy, StepUnit, Told
 from stepramp.methods import METHODS
 from stepramp.numerics.limit_text import highest, lowest
 from stepramp.ramp.on_chip import ON_CHIP
@@ -27,6 +27,8 @@ SEARCH_S = 2.0
 DOUBLINGS, HALVINGS = 12, 5
 FIGURES = 3
 """Of the numbers that are told."""
+EXACTLY = 15
+"""Figures of such a number as it is told: all of it."""
 
 Fits = Callable[[Design], bool]
 Changes = tuple[Change, ...]
@@ -132,7 +134,7 @@ def _sharper(design: Design, factor: float) -> Remedy:
     return _raised(design, {"jerk": factor, "jerk down": factor})
 
 
-RAISED = {
+RAISED: dict[str, tuple[str, StepUnit]] = {
     "acceleration": ("ramp.acceleration_steps_per_s2", "steps/s²"),
     "deceleration": ("ramp.deceleration_steps_per_s2", "steps/s²"),
     "jerk": ("ramp.shape.jerk_steps_per_s3", "steps/s³"),
@@ -143,15 +145,18 @@ RAISED = {
 
 def _raised(design: Design, factors: dict[str, float]) -> Remedy:
     """Return the remedy that raises so many times what the design has of these."""
-    changes, ways = [], []
+    changes: list[Change] = []
+    ways: list[str] = []
+    told: list[Told] = []
     for word, factor in factors.items():
         field, unit = RAISED[word]
         if (present := _value_at(design, field)) is None:
             continue
         value = lowest(present * factor, FIGURES)
         changes.append(Change(field, value))
-        ways.append(f"the {word} to {value:,.15g} {unit}")
-    return Remedy(f"raise {' and '.join(ways)}", tuple(changes))
+        told.append(Told.of(value, unit, EXACTLY, "up"))
+        ways.append(f"the {word} to {told[-1]}")
+    return Remedy(f"raise {' and '.join(ways)}", tuple(changes), tuple(told))
 
 
 def _value_at(design: Design, field: str) -> float | None:
@@ -163,7 +168,9 @@ def _value_at(design: Design, field: str) -> float | None:
 
 def _slower(design: Design, factor: float) -> Remedy:
     speed = highest(design.ramp.slew_speed_steps_per_s / factor, FIGURES)
-    return Remedy(f"lower the slew speed to {speed:,.15g} steps/s", (Change("ramp.slew_speed_steps_per_s", speed),))
+    told = Told.of(speed, "steps/s", EXACTLY, "down")
+    changes = (Change("ramp.slew_speed_steps_per_s", speed),)
+    return Remedy(f"lower the slew speed to {told}", changes, (told,))
 
 
 def _computed(design: Design, fits: Fits) -> Iterator[Remedy]:

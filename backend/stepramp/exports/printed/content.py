@@ -14,6 +14,7 @@ from stepramp.exports.matplotlib_turn import style_of
 from stepramp.exports.printed.checks import Check, checks_of
 from stepramp.exports.printed.motor import MotorPart, motor_part_of
 from stepramp.exports.printed.numbers import plain, signed
+from stepramp.exports.printed.stall_maps import PlayedMap, StallMapPlot, stall_map_plot
 from stepramp.exports.printed.table import Table
 from stepramp.exports.printed.told import shown
 from stepramp.exports.shape_text import shape_text
@@ -38,6 +39,8 @@ class Asked:
     """Methods that the design's own is compared with."""
     length: LengthUnit
     time: TimeUnit
+    maps: tuple[PlayedMap, ...] = ()
+    """Stall maps of the design that were played before."""
 
 
 @dataclass(frozen=True)
@@ -72,6 +75,7 @@ class Report:
     """The points of a drawn acceleration; None: it has another shape."""
     motor: MotorPart | None
     """None: nothing is known of the motor."""
+    maps: tuple[StallMapPlot, ...]
     lines: tuple[Line, ...]
     units: ShownUnits
 
@@ -126,6 +130,7 @@ def report_of(asked: Asked, made_on: date, is_wanted: Callable[[], bool] = lambd
         lookup_table=_lookup_table(asked.design),
         drawn_ramp=_drawn_ramp(asked.design, units),
         motor=motor_part_of(asked.design, units, is_wanted),
+        maps=tuple(stall_map_plot(each, asked.design, units) for each in asked.maps),
         lines=tuple(lines),
         units=units,
     )

@@ -115,7 +115,9 @@ def motor_part_of(design: Design, units: ShownUnits, is_wanted: Callable[[], boo
         return MotorPart(data, _found(("verdict", f"not played: {told}")), None)
     angles = outcome.runs[USUAL_DAMPING].load_angles_deg
     kept = kept_steps(np.round(angles * 1000).astype(np.int64), outcome.profile.phases, MOST_POINTS)
-    found = _found(*_verdict(outcome, units), *_limits(outcome.train, units), *_better(design, outcome, is_wanted))
+    found = _found(
+        *_verdict(outcome, units), *_limits(outcome.train, units), *_better(design, outcome, units, is_wanted)
+    )
     rotor = Table("What its rotor does, by how much it is damped", ROTOR, tuple(_rotor(outcome)))
     return MotorPart(data, found, Played(curve, kept + 1, angles[kept]), rotor)
 
@@ -208,10 +210,12 @@ def _limits(train: DriveTrain, units: ShownUnits) -> Iterator[tuple[str, str]]:
     yield "resonances", " and ".join(f"from {low} to {high} {units.word('speed')}" for low, high in bands)
 
 
-def _better(design: Design, outcome: Outcome, is_wanted: Callable[[], bool]) -> Iterator[tuple[str, str]]:
+def _better(
+    design: Design, outcome: Outcome, units: ShownUnits, is_wanted: Callable[[], bool]
+) -> Iterator[tuple[str, str]]:
     """Yield what to change, and the fastest safe ramp."""
     for remedy in proposals_of(design, outcome, cause_of(outcome), is_wanted):
-        yield "what would make it safe", remedy.text
+        yield "what would make it safe", in_units(remedy.text, remedy.told, units)
     yield "the fastest safe ramp", fastest_of(design, MOST_USED, is_wanted).words
 
 

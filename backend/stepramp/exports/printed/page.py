@@ -12,6 +12,7 @@ from stepramp.exports.matplotlib_turn import matplotlib_turn
 from stepramp.exports.printed.content import Report
 from stepramp.exports.printed.motor_plots import described_motor, draw_motor, motor_plots_of
 from stepramp.exports.printed.plots import Plot, described, draw, plots_of
+from stepramp.exports.printed.stall_maps import described_stall_map, draw_stall_map
 from stepramp.exports.printed.table import Table
 
 INCHES = (9.0, 3.4)
@@ -43,6 +44,8 @@ def _plots(report: Report) -> Iterator[str]:
             yield _figure(described(plot, report), partial(_draw_over_steps, plot=plot, report=report))
         for of_motor in motor_plots_of(report.motor):
             yield _figure(described_motor(of_motor), partial(draw_motor, plot=of_motor))
+        for played in report.maps:
+            yield _figure(described_stall_map(played), partial(draw_stall_map, plot=played))
 
 
 def _draw_over_steps(axes: Any, plot: Plot, report: Report) -> None:

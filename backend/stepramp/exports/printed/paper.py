@@ -2,13 +2,15 @@
 
 import io
 import textwrap
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import partial
 from typing import Any
 
 from stepramp.exports.matplotlib_turn import matplotlib_turn
 from stepramp.exports.printed.content import Report
-from stepramp.exports.printed.motor_plots import MotorPlot, draw_motor, motor_plots_of
+from stepramp.exports.printed.motor_plots import draw_motor, motor_plots_of
 from stepramp.exports.printed.plots import draw, plots_of, printable
+from stepramp.exports.printed.stall_maps import draw_stall_map
 from stepramp.exports.printed.table import Table
 
 WIDTH_IN, HEIGHT_IN = 8.27, 11.69
@@ -57,7 +59,9 @@ def _pages(report: Report) -> Iterator[Any]:
     yield _plots(report)
     of_motor = motor_plots_of(report.motor)
     if of_motor:
-        yield _motor_plots(of_motor)
+        yield _over_each_other(partial(draw_motor, plot=plot) for plot in of_motor)
+    if report.maps:
+        yield _over_each_other(partial(draw_stall_map, plot=plot) for plot in report.maps)
     writer = _Writer()
     for table in others[2:]:
         writer.write_table(table)
@@ -86,14 +90,18 @@ def _plots(report: Report) -> Any:
     return figure
 
 
-def _motor_plots(plots: Sequence[MotorPlot]) -> Any:
+def _over_each_other(drawings: Iterable[Callable[[Any], None]]) -> Any:
+    """Return a page with up to three plots that each have their own axes."""
     from matplotlib.figure import Figure  # noqa: PLC0415  # loads slowly
     from matplotlib.layout_engine import ConstrainedLayoutEngine  # noqa: PLC0415
 
-    figure = Figure(figsize=(WIDTH_IN, HEIGHT_IN), layout=ConstrainedLayoutEngine(rect=(0.06, 0.4, 0.88, 0.54)))
-    for axes, plot in zip(figure.subplots(len(plots), 1), plots, strict=True):
-        draw_motor(axes, plot)
-        axes.legend(frameon=False, fontsize=8)
+    into = list(drawings)
+    height = 0.27 * len(into)
+    rect = (0.06, 0.94 - height, 0.88, height)
+    figure = Figure(figsize=(WIDTH_IN, HEIGHT_IN), layout=ConstrainedLayoutEngine(rect=rect))
+    for axes, draw_into in zip(figure.subplots(len(into), 1, squeeze=False)[:, 0], into, strict=True):
+        draw_into(axes)
+        axes.legend(frameon=False, fontsize=8, loc="upper left", bbox_to_anchor=(1, 1))
     return figure
 
 
