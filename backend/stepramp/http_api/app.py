@@ -20,7 +20,6 @@ from stepramp.controllers.own_ramp import warm_up_own_ramps
 from stepramp.devices.registry import Devices
 from stepramp.exports.machines.machines import MACHINES
 from stepramp.http_api import (
-    access_route,
     capture,
     curves,
     devices,
@@ -36,6 +35,7 @@ from stepramp.http_api import (
     planning,
     report,
     retarget,
+    roles,
     schedule,
     shapes,
     stall_map,
@@ -93,7 +93,7 @@ PARTS = (
     report,
     own_ramps,
     imports,
-    access_route,
+    roles,
     devices,
 )
 """Modules with routes, in the order in which the description of the API has them."""
