@@ -37,7 +37,7 @@ function tablesIn(text) {
   }
   const code = text.replace(COMMENT, ' ');
   if (code.trim() === '') throw new Unreadable('There is nothing to read yet.');
-  const isC = /[{}]|^[ \t]*#[ \t]*(?:include|define|if|pragma)/m.test(code);
+  const isC = /[{}]|^[ \t]*#[ \t]*(?:include|define|if|pragma)|^[ \t]*[a-z_]\w*[ \t]+[a-z_][^;,\n]*;[ \t]*$/im.test(code);
   const found = isC
     ? readArrays(text)
     : [{ name: '', line: 1, about: text, rows: sheetRows(code), problem: null }];

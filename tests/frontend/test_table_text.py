@@ -105,6 +105,7 @@ def test_rows_of_a_type_of_rows_are_found_where_no_array_says_two(modules: Modul
         ("Row rows[] = {{1, 2}, {3}};", "Row 2 has 1 value"),
         ("#include <x.h>\nint f() { return 1; }", "There is no array with rows of two numbers here"),
         ("#include <x.h>\n#define A 5\n", "There is no array with rows of two numbers here"),
+        ("extern int speeds_count;\nvoid setup(void);\n", "There is no array with rows of two numbers here"),
         ("int t[][2] = { {1, 2}, {3, 4}", "what “t” holds has no end"),
         ("#define A 5\n#define A 6\nint t[][2] = { {1, A} };", "Row 1: “A” is defined as 5 and as 6."),
         ("#define A A\nint t[][2] = { {1, A} };", "Row 1: “A” is not a number."),
