@@ -267,6 +267,16 @@ def test_a_page_that_opens_with_a_wrong_value_says_so_where_the_plots_would_be(
     expect(stepramp.page.locator(".stale-note")).to_be_hidden()
 
 
+def test_the_head_of_a_push_report_stays_on_one_line(stepramp: StepRampPage) -> None:
+    stepramp.edit_and_wait(SLEW_SPEED, "3000")
+    stepramp.connect()
+    stepramp.push()
+    size = stepramp.page.locator("#push-report .push-head span")
+    expect(size).to_contain_text("bytes")
+    lines = "(one) => { const all = new Range(); all.selectNodeContents(one); return all.getClientRects().length; }"
+    assert size.evaluate(lines) == 1
+
+
 def test_the_info_view_explains_the_field_in_focus(stepramp: StepRampPage) -> None:
     stepramp.field("ramp.slew_speed_steps_per_s").focus()
     expect(stepramp.page.locator("#parameter-info")).to_contain_text("Slew speed")

@@ -42,6 +42,10 @@ export function createPushReport() {
    * @param {import('../../model/types.js').Design[] | null} lastPushed  null: another page has pushed it
    * @param {boolean} isReplaced @param {import('../../model/types.js').Situation} situation */
   function showDetails(pushed, warnings, isChanged, lastPushed, isReplaced, { units, toPush }) {
+    const what = [
+      ...(lastPushed ? [pushedWords(lastPushed)] : []),
+      ...(pushed.sequence === null ? [] : [`ramp ${pushed.sequence}`]),
+    ].join(' · ');
     const rows = pushed.items.map((item) => reportRow(item, figuresOf(item, units, lastPushed ?? toPush)));
     details.replaceChildren(
       element(
@@ -51,13 +55,11 @@ export function createPushReport() {
           className: pushed.verified ? 'verified' : 'differs',
           textContent: pushed.verified ? 'Read back as sent' : 'Not as sent',
         }),
-        element('span', {
-          textContent: [...(pushed.sequence === null ? [] : [`ramp ${pushed.sequence}`]), sizeText(pushed)].join(' · '),
-        }),
+        element('span', { textContent: sizeText(pushed) }),
         close,
       ),
       ...(isReplaced ? [element('p', { className: 'reason pushed-what', textContent: 'The device has another ramp since this push.' })] : []),
-      ...(lastPushed ? [element('p', { className: 'reason pushed-what', textContent: pushedWords(lastPushed) })] : []),
+      ...(what === '' ? [] : [element('p', { className: 'reason pushed-what', textContent: what })]),
       element(
         'div',
         { className: 'push-rows', tabIndex: 0, role: 'region', 'aria-label': 'What was pushed' },
