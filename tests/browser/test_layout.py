@@ -262,6 +262,10 @@ def test_a_page_that_opens_with_a_wrong_value_says_so_where_the_plots_would_be(
     stepramp.page.reload()
     expect(stepramp.page.locator(".stale-note")).to_have_text("No curves yet: correct what is marked")
     expect(stepramp.message(SLEW_SPEED)).to_contain_text("a number from 0.001 to 1,000,000 steps/s")
+    # Of no number there is nothing to show: neither knob nor track stand where one might be.
+    slider = stepramp.slider(SLEW_SPEED)
+    assert slider.input_value() == "0"
+    assert " 0%" in slider.evaluate("(one) => getComputedStyle(one, '::-webkit-slider-runnable-track').background")
     stepramp.field(SLEW_SPEED).fill("900")
     stepramp.wait_for_plots()
     expect(stepramp.page.locator(".stale-note")).to_be_hidden()

@@ -222,6 +222,8 @@ function buildRow(field, canFollow, onTravelUnit) {
     type: 'range',
     min: '0',
     max: String(SLIDER_POSITIONS),
+    // Until a number is known it stands where its track begins, not where a browser puts it.
+    value: '0',
     step: 'any',
     'aria-label': `${field.label}, slider`,
   });
