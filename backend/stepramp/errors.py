@@ -13,6 +13,7 @@ StepRampError
 
 import json
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, Self
@@ -23,6 +24,9 @@ LONGEST_TOLD = 200
 """Length of the longest text that is told back whole [characters]."""
 DEEPEST_TOLD = 3
 """How deep lists and objects that are told back may be nested."""
+
+
+_COUNT = re.compile(r"[\d,]{1,20} [a-z]{3,20}", re.ASCII)
 
 
 class StepRampError(Exception):
@@ -218,8 +222,11 @@ def shown(value: object) -> str:
     told = brief(value)
     if isinstance(told, bool | list | dict):
         text = json.dumps(told, ensure_ascii=False)
+    elif isinstance(value, str):
+        # How many of something there are stands in place of them, and is no text that anybody wrote.
+        text = value if _COUNT.fullmatch(value) else repr(told)
     else:
-        text = "missing" if value is None else repr(told) if isinstance(value, str) else str(told)
+        text = "missing" if value is None else str(told)
     text = " ".join(text.split())
     return text if len(text) <= 80 else text[:77] + "…"
 

@@ -279,3 +279,13 @@ def test_a_method_that_a_path_does_not_know(client: TestClient, method: str, pat
 def test_odd_ids_are_no_devices(client: TestClient, device_id: str) -> None:
     [error] = errors_of(client.get(f"/api/v1/devices/{device_id}/settings?x=%00&&=&x=1"), 404)
     assert len(error["message"]) < 400
+
+
+def test_how_many_there_are_is_told_without_quotes(client: TestClient) -> None:
+    body = {"designs": [document()] * 5, "mode": "line"}
+    [error] = client.post("/api/v1/schedule", json=body).json()["errors"]
+    assert (error["field"], error["value"]) == ("designs", "5 items")
+    assert error["message"].startswith("designs is 5 items; allowed: a list of 1 to 4 designs")
+    # What somebody has written is quoted as ever.
+    [error] = client.post("/api/v1/devices", json={"port": "sim://", "family": "5 of them"}).json()["errors"]
+    assert error["message"].startswith("family is '5 of them'; allowed: ")
