@@ -13,7 +13,6 @@ StepRampError
 
 import json
 import math
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, Self
@@ -26,7 +25,8 @@ DEEPEST_TOLD = 3
 """How deep lists and objects that are told back may be nested."""
 
 
-_COUNT = re.compile(r"[\d,]{1,20} [a-z]{3,20}", re.ASCII)
+class Count(str):
+    """How many of something there are, in words: told in place of all of them, and no text that anybody wrote."""
 
 
 class StepRampError(Exception):
@@ -223,8 +223,7 @@ def shown(value: object) -> str:
     if isinstance(told, bool | list | dict):
         text = json.dumps(told, ensure_ascii=False)
     elif isinstance(value, str):
-        # How many of something there are stands in place of them, and is no text that anybody wrote.
-        text = value if _COUNT.fullmatch(value) else repr(told)
+        text = value if isinstance(value, Count) else repr(told)
     else:
         text = "missing" if value is None else str(told)
     text = " ".join(text.split())

@@ -10,7 +10,7 @@ from typing import Self
 
 import numpy as np
 
-from stepramp.errors import Rejected, Rejection
+from stepramp.errors import Count, Rejected, Rejection
 from stepramp.validation import path_in_words
 
 ONCE = "one value, given once"
@@ -56,7 +56,7 @@ def parsed_json(text: str) -> object:
     could be answered.
     """
     if (count := most_values_in(text)) > MOST_VALUES:
-        raise Rejected([Rejection("document", f"{count:,} values", f"at most {MOST_VALUES:,} values")])
+        raise Rejected([Rejection("document", Count(f"{count:,} values"), f"at most {MOST_VALUES:,} values")])
     are_repeated = False
 
     def named(pairs: list[tuple[str, object]]) -> dict[str, object]:

@@ -17,7 +17,7 @@ from pydantic import (
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, ErrorDetails, InitErrorDetails, PydanticCustomError, core_schema
 
-from stepramp.errors import MOST_TOLD, Choices, Limits, Rejected, Rejection, Told, escaped
+from stepramp.errors import MOST_TOLD, Choices, Count, Limits, Rejected, Rejection, Told, escaped
 
 LONGEST_NAME = 100
 """Length of the longest field name that is told whole [characters]."""
@@ -238,7 +238,7 @@ class ListOf(_Allowance):
             raise PydanticCustomError(
                 "refused",
                 "allowed: {allowed}",
-                context | {"value": f"{len(value):,} item{'' if len(value) == 1 else 's'}"},
+                context | {"value": Count(f"{len(value):,} item{'' if len(value) == 1 else 's'}")},
             )
         return value
 

@@ -232,12 +232,12 @@ def test_a_muted_device_keeps_no_other_one_waiting(
 def test_which_plannings_are_long() -> None:
     slow_ramp = design(ramp__acceleration_steps_per_s2=0.06)
     long_move = design(move__steps=10_000_000)
-    assert planning_lane([design()]) is PLANNING
-    assert planning_lane([design(move__steps=1_000_000)], 4, 2000) is PLANNING
-    assert planning_lane([design(move__steps=1_000_000)]) is LONG_PLANNING
+    assert planning_lane([design()]).lane is PLANNING
+    assert planning_lane([design(move__steps=1_000_000)], 4, 2000).lane is PLANNING
+    assert planning_lane([design(move__steps=1_000_000)]).lane is LONG_PLANNING
     for one in (slow_ramp, long_move):
-        assert planning_lane([one], 1, 2000) is LONG_PLANNING
-    assert planning_lane([design(move__steps=2_000_000)] * 4, 1, 2000) is LONG_PLANNING
+        assert planning_lane([one], 1, 2000).lane is LONG_PLANNING
+    assert planning_lane([design(move__steps=2_000_000)] * 4, 1, 2000).lane is LONG_PLANNING
 
 
 def test_connecting_has_few_threads(client: TestClient) -> None:

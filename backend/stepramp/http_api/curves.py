@@ -9,7 +9,7 @@ from stepramp.http_api.bodies import LARGE_BYTES, JsonRoute
 from stepramp.http_api.curves_models import CurvesAnswer, CurvesPayload
 from stepramp.http_api.errors import ErrorList, error_items, in_body
 from stepramp.http_api.json_response import json_bytes, json_pieces
-from stepramp.http_api.lanes import CHECKING, Lane, planning_lane
+from stepramp.http_api.lanes import CHECKING, PlanningTurns, planning_lane
 from stepramp.http_api.planned import Planned
 from stepramp.http_api.sockets import accept, parsed, received, send, served
 
@@ -71,7 +71,7 @@ def _number(given: object) -> int | None:
     raise Rejected([Rejection("id", given, f"a whole number from 0 to {LARGEST_ID:,}, or null")])
 
 
-def _lane(request: CurvesPayload) -> Lane:
+def _lane(request: CurvesPayload) -> PlanningTurns:
     return planning_lane([request.design], len(request.methods), request.max_points)
 
 

@@ -11,6 +11,7 @@ from stepramp.controllers.families import FAMILIES, USUAL_FAMILY
 from stepramp.controllers.progress import PushStage
 from stepramp.design import Design
 from stepramp.devices.view import DeviceState
+from stepramp.errors import Count
 from stepramp.http_api.answer import Answer
 from stepramp.validation import Document, ListOrNull, Text, Within, refuse
 
@@ -50,7 +51,7 @@ class PushDesigns(Document):
     @model_validator(mode="after")
     def _one_of_two(self) -> Self:
         if self.design is not None and self.axes is not None:
-            refuse("axes", f"{len(self.axes)} designs", "nothing, since design is given")
+            refuse("axes", Count(f"{len(self.axes)} designs"), "nothing, since design is given")
         if self.design is None and self.axes is None:
             refuse("design", None, "a design, or else axes")
         return self

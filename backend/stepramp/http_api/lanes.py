@@ -7,8 +7,9 @@ import asyncio
 from collections.abc import Callable, Coroutine, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
+from dataclasses import dataclass
 from functools import partial, wraps
-from typing import Any, ParamSpec, TypeVar
+from typing import Any, ParamSpec, Protocol, TypeVar
 from weakref import WeakValueDictionary
 
 from stepramp.design import Design
@@ -17,6 +18,7 @@ from stepramp.errors import Overloaded
 from stepramp.executors.priority import be_nicer
 from stepramp.executors.threads import CORES
 from stepramp.http_api.access import ASKING
+from stepramp.http_api.memory import MEMORY
 from stepramp.ramp.plan import computed_steps
 
 T = TypeVar("T")
@@ -140,8 +142,33 @@ def _device_of(arguments: dict[str, Any]) -> object:
     return arguments.get("device_id") if device is None else device.view.id
 
 
-def planning_lane(designs: Sequence[Design], methods: int = 1, points: int | None = None) -> Lane:
-    """Return the lane for planning designs by so many methods; points: most that are answered, None for all steps."""
+class Turns(Protocol):
+    """Where a job has its turn."""
+
+    async def run(self, job: Callable[[], T]) -> T:
+        """Run a job in its turn; as Lane.run."""
+
+
+@dataclass(frozen=True)
+class PlanningTurns:
+    """A lane for jobs that take so much memory: in its turn a long one waits until there is room."""
+
+    lane: Lane
+    size_bytes: int
+
+    async def run(self, job: Callable[[], T]) -> T:
+        """Run a job in its turn; as Lane.run."""
+        return await self.lane.run(job if self.lane is PLANNING else partial(MEMORY.use, self.size_bytes, job))
+
+
+def planning_lane(
+    designs: Sequence[Design], methods: int = 1, points: int | None = None, field: str = "design"
+) -> PlanningTurns:
+    """Return where designs are planned by so many methods; points: most that are answered, None for all steps.
+
+    Raises Rejected, naming a field of the request, where they take more memory than there is.
+    """
+    size_bytes = MEMORY.of(designs, field)
     steps = methods * sum(map(computed_steps, designs))
     is_quick = steps <= MOST_QUICK_STEPS and min(steps, points or steps) <= MOST_QUICK_POINTS
-    return PLANNING if is_quick else LONG_PLANNING
+    return PlanningTurns(PLANNING if is_quick else LONG_PLANNING, size_bytes)

@@ -9,7 +9,7 @@ from starlette.responses import Response
 from starlette.types import Receive, Scope, Send
 
 from stepramp.http_api.json_response import json_pieces
-from stepramp.http_api.lanes import Lane
+from stepramp.http_api.lanes import Turns
 
 A = TypeVar("A")
 
@@ -34,7 +34,7 @@ class Wanted:
         self._is_so = False
 
 
-async def while_wanted(lane: Lane, job: Callable[[], A], wanted: Wanted, receive: Receive) -> A | None:
+async def while_wanted(lane: Turns, job: Callable[[], A], wanted: Wanted, receive: Receive) -> A | None:
     """Return what a job makes in its turn; None when its client has left meanwhile, and wanted says so to the job."""
     leaving = asyncio.ensure_future(_ended(wanted, receive))
     try:
@@ -57,7 +57,7 @@ class Planned(Response, Generic[A]):
 
     media_type = "application/json"
 
-    def __init__(self, lane: Lane, job: Callable[[], A], wanted: Wanted | None = None) -> None:
+    def __init__(self, lane: Turns, job: Callable[[], A], wanted: Wanted | None = None) -> None:
         """Make an answer by a job. wanted: what the job asks whether it is to go on, once the client may have left."""
         self.status_code = 200
         self.background = None

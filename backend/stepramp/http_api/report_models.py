@@ -6,7 +6,7 @@ from typing import Annotated, Self
 from pydantic import Field, model_validator
 
 from stepramp.design import MOST_NAMES, Design, MethodName
-from stepramp.errors import Limits
+from stepramp.errors import Count, Limits
 from stepramp.exports.printed.content import Asked
 from stepramp.exports.printed.stall_maps import UNKNOWN, VERDICTS, PlayedMap
 from stepramp.motor.asked import MOST_CELLS
@@ -56,10 +56,12 @@ class StallMapPayload(Document):
                     refuse(f"{field}.{number}", value, f"more than {before:,.15g}, the one before")
         rows, columns = len(self.accelerations_steps_per_s2), len(self.over_values)
         if len(self.verdicts) != rows:
-            refuse("verdicts", f"{len(self.verdicts):,} rows", f"{rows:,} rows, one for each acceleration")
+            refuse("verdicts", Count(f"{len(self.verdicts):,} rows"), f"{rows:,} rows, one for each acceleration")
         for number, row in enumerate(self.verdicts):
             if len(row) != columns:
-                refuse(f"verdicts.{number}", f"{len(row):,} verdicts", f"{columns:,} verdicts, one for each column")
+                refuse(
+                    f"verdicts.{number}", Count(f"{len(row):,} verdicts"), f"{columns:,} verdicts, one for each column"
+                )
         return self
 
     @property
@@ -89,7 +91,7 @@ class ReportPayload(Document):
     @model_validator(mode="after")
     def _maps_of_a_motor(self) -> Self:
         if self.maps and self.design.motor is None:
-            refuse("maps", f"{len(self.maps)} stall maps", "none, since the design has no motor")
+            refuse("maps", Count(f"{len(self.maps)} stall maps"), "none, since the design has no motor")
         return self
 
     @property

@@ -15,5 +15,5 @@ router = APIRouter(tags=["planning"], route_class=JsonRoute)
 async def schedule(request: SchedulePayload) -> Planned[ScheduleAnswer]:
     """Plan up to four axes together: the pulses of each, all in order of time, and where they come too close."""
     designs, points, spacing_us = request.designs, request.max_points, request.shortest_spacing_us
-    lane = planning_lane(designs, points=points)
+    lane = planning_lane(designs, points=points, field="designs")
     return Planned(lane, lambda: ScheduleAnswer.of(schedule_of(designs, request.mode), spacing_us, points))

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepramp.design import MOST_STEPS, Design
-from stepramp.errors import Limits, Rejected, Rejection
+from stepramp.errors import Count, Limits, Rejected, Rejection
 from stepramp.numerics.limit_text import highest
 from stepramp.ramp.on_chip import design_refusal, on_chip_ramp
 from stepramp.ramp.plan import longest_side, ramp_of
@@ -165,7 +165,7 @@ class _Recorder:
         self._made += count
         if self._made > MOST_STEPS:
             allowed = f"moves of at most {MOST_STEPS:,} steps in all"
-            raise Rejected([Rejection("commands", f"{self._commands} commands", allowed)])
+            raise Rejected([Rejection("commands", Count(f"{self._commands} commands"), allowed)])
         here, direction = self._motor.position, self._motor.direction
         self._at.append(instants_of(np.arange(first, first + count)))
         self._positions.append(here - direction * np.arange(count - 1, -1, -1))

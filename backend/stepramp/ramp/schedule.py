@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepramp.design import Design
-from stepramp.errors import Rejected, Rejection
+from stepramp.errors import Count, Rejected, Rejection
 from stepramp.numerics.compiled import compiled, counted
 from stepramp.numerics.limit_text import told_highest
 from stepramp.ramp.line import Limit, called, fields_of, leader_of, line_profile, steps_of, steps_together
@@ -129,7 +129,7 @@ def schedule_of(designs: Sequence[Design], mode: Mode) -> Schedule:
     Raises Rejected when there aren't one to four designs, and as profile_of does; fields are paths from `designs` on.
     """
     if not 1 <= len(designs) <= MOST_AXES:
-        raise Rejected([Rejection("designs", f"{len(designs)} designs", f"a list of 1 to {MOST_AXES} designs")])
+        raise Rejected([Rejection("designs", Count(f"{len(designs)} designs"), f"a list of 1 to {MOST_AXES} designs")])
     return _independent(designs) if mode == "independent" else _line(designs)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepramp.design import MOST_STEPS
-from stepramp.errors import Rejected, Rejection
+from stepramp.errors import Count, Rejected, Rejection
 from stepramp.numerics.compiled import compiled
 
 
@@ -55,7 +55,7 @@ def play_table(
     made, _ = _play(*parts, steps, stops)
     if made > MOST_STEPS:
         raise Rejected(
-            [Rejection("targets", f"{targets.size} targets", f"moves of at most {MOST_STEPS:,} steps in all")]
+            [Rejection("targets", Count(f"{targets.size} targets"), f"moves of at most {MOST_STEPS:,} steps in all")]
         )
     steps = np.empty((made, 5), np.int64)
     _, stopped = _play(*parts, steps, stops)

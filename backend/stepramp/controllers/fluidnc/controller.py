@@ -21,7 +21,7 @@ from stepramp.controllers.grbl.numbers import is_same
 from stepramp.controllers.grbl.settings import Known
 from stepramp.controllers.progress import Progress, PushStage, Tell
 from stepramp.design import Design
-from stepramp.errors import Refused, Rejected, Rejection
+from stepramp.errors import Count, Refused, Rejected, Rejection
 from stepramp.link.connection import Connection
 
 _VERSION = re.compile(r"\[VER:\d+\.\d+ FluidNC (?P<version>[^\s:\]]+)[^\]]*\]?")
@@ -122,7 +122,7 @@ class FluidNcController(GrblMachine, TriesRamps, BacksUp):
         """Set what differs of a backup, one item at a time, and read it back; see BacksUp."""
         backup = Configuration.of(text.splitlines())
         if backup.axis(0) is None:
-            raise Rejected([Rejection("text", f"{len(text.splitlines())} lines", ALLOWED)])
+            raise Rejected([Rejection("text", Count(f"{len(text.splitlines())} lines"), ALLOWED)])
         self._memory.refuse_unready()
         wanted = self._differing(backup, scales=True)
         refused = {path: self._refusal(path, wanted[path]) for path in self._memory.in_order(wanted)}

@@ -13,7 +13,7 @@ from stepramp.controllers.grbl.settings import AxisSettings, Known
 from stepramp.controllers.losses import slower
 from stepramp.controllers.per_mm import PerMm
 from stepramp.design import Design
-from stepramp.errors import Rejected, Rejection
+from stepramp.errors import Count, Rejected, Rejection
 
 SPEED, ACCELERATION = "Full speed", "Acceleration"
 VOLATILE = "FluidNC forgets this when it is reset or switched off: its configuration's file stays as it is."
@@ -33,7 +33,7 @@ class PushPlan:
         if first_axis is not None and first_axis >= len(scales):
             raise Rejected([Rejection("to_axis", first_axis, f"an axis of this controller: 0 to {len(scales) - 1}")])
         if not 1 <= len(designs) <= len(scales):
-            raise Rejected([Rejection("axes", f"{len(designs)} designs", f"1 to {len(scales)} designs")])
+            raise Rejected([Rejection("axes", Count(f"{len(designs)} designs"), f"1 to {len(scales)} designs")])
         by_axis = {(first_axis or 0) + number: design for number, design in enumerate(designs)}
         paths = {axis: "" if first_axis is not None else f"axes.{axis}." for axis in by_axis}
         given = {

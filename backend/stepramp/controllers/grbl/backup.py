@@ -19,7 +19,7 @@ from stepramp.controllers.grbl.settings import (
     is_told_same,
 )
 from stepramp.controllers.order import lowered_first
-from stepramp.errors import Rejected, Rejection
+from stepramp.errors import Count, Rejected, Rejection
 
 _PLACE = re.compile(r"\[G(?P<code>5[4-9]):(?P<numbers>[-\d.,]+)\]")
 _STARTUP = re.compile(r"\$N(?P<number>[01])=(?P<block>.*)")
@@ -54,14 +54,14 @@ class Backup:
         """Return what a text tells; Rejected when it tells no settings, or one that grbl would hang with."""
         backup = cls.told(text)
         if not backup.settings.values:
-            raise Rejected([Rejection("text", f"{len(text.splitlines())} lines", ALLOWED)])
+            raise Rejected([Rejection("text", Count(f"{len(text.splitlines())} lines"), ALLOWED)])
         bad = [
             Rejection(f"${number}", value, "a number above 0: grbl hangs without")
             for number, value in backup.settings.values.items()
             if 100 <= number < 130 and not _is_positive(value)
         ]
         if not bad and backup.settings.axis(0) is None:
-            bad = [Rejection("text", f"{len(text.splitlines())} lines", ALLOWED)]
+            bad = [Rejection("text", Count(f"{len(text.splitlines())} lines"), ALLOWED)]
         if bad:
             raise Rejected(bad)
         return backup

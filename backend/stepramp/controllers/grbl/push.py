@@ -13,7 +13,7 @@ from stepramp.controllers.grbl.settings import ACCELERATION, MOST_RATE, AxisSett
 from stepramp.controllers.losses import other_scale, rounding, slower
 from stepramp.controllers.order import lowered_first
 from stepramp.design import Design
-from stepramp.errors import Rejected, Rejection
+from stepramp.errors import Count, Rejected, Rejection
 
 SPEED, ACCELERATIONS = "Full speed", "Acceleration"
 
@@ -31,7 +31,7 @@ class PushPlan:
         if first_axis is not None and first_axis >= len(scales):
             raise Rejected([Rejection("to_axis", first_axis, f"an axis of this controller: 0 to {len(scales) - 1}")])
         if len(designs) > len(scales):
-            raise Rejected([Rejection("axes", f"{len(designs)} designs", f"up to {len(scales)} designs")])
+            raise Rejected([Rejection("axes", Count(f"{len(designs)} designs"), f"up to {len(scales)} designs")])
         first = first_axis or 0
         by_axis = {first + number: design for number, design in enumerate(designs)}
         paths = {axis: "" if first_axis is not None else f"axes.{axis}." for axis in by_axis}

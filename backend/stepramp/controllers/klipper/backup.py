@@ -8,7 +8,7 @@ from typing import Self
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from stepramp.controllers.klipper.configuration import MAIN
-from stepramp.errors import Rejected, Rejection
+from stepramp.errors import Count, Rejected, Rejection
 
 KIND = "klipper"
 LIMITS = ("VELOCITY", "ACCEL", "MINIMUM_CRUISE_RATIO", "SQUARE_CORNER_VELOCITY")
@@ -55,7 +55,7 @@ class Backup:
         """Return what a text says; Rejected for one that is no such backup."""
         backup = cls.read(text)
         if backup is None:
-            raise Rejected([Rejection("text", f"{len(text.splitlines())} lines", ALLOWED)])
+            raise Rejected([Rejection("text", Count(f"{len(text.splitlines())} lines"), ALLOWED)])
         return backup
 
     @property

@@ -10,7 +10,7 @@ from stepramp.controllers.klipper.ramp import KLIPPER, losses_in_use
 from stepramp.controllers.losses import slower
 from stepramp.controllers.per_mm import PerMm
 from stepramp.design import Design
-from stepramp.errors import Rejected, Rejection
+from stepramp.errors import Count, Rejected, Rejection
 
 SPEED, ACCELERATION = "Full speed", "Acceleration"
 VOLATILE = "Klipper forgets these limits when it is restarted."
@@ -43,7 +43,7 @@ class PushPlan:
         if first_axis is not None and first_axis >= axes:
             raise Rejected([Rejection("to_axis", first_axis, f"an axis of this controller: 0 to {axes - 1}")])
         if not 1 <= len(designs) <= axes:
-            raise Rejected([Rejection("axes", f"{len(designs)} designs", f"1 to {axes} designs")])
+            raise Rejected([Rejection("axes", Count(f"{len(designs)} designs"), f"1 to {axes} designs")])
         by_axis = {(first_axis or 0) + number: design for number, design in enumerate(designs)}
         paths = {axis: "" if first_axis is not None else f"axes.{axis}." for axis in by_axis}
         given = {

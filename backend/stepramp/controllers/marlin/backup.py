@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from stepramp.controllers.given_numbers import as_float32
 from stepramp.controllers.marlin.settings import ACCELERATION, DECIMALS, SPEED, STEPS_PER_MM, Settings
-from stepramp.errors import Rejected, Rejection
+from stepramp.errors import Count, Rejected, Rejection
 
 ALLOWED = "a backup of a Marlin: the lines that it tells after M503"
 WRITABLE = frozenset(
@@ -35,7 +35,7 @@ class Backup:
         if not settings.axes():
             told = {code for code, _ in settings.commands}
             bad = _zeros(settings) if told >= set(ABOVE_ZERO) else []
-            raise Rejected(bad or [Rejection("text", f"{len(lines)} lines", ALLOWED)])
+            raise Rejected(bad or [Rejection("text", Count(f"{len(lines)} lines"), ALLOWED)])
         if bad := _zeros(settings):
             raise Rejected(bad)
         if settings.is_in_inches:

@@ -22,7 +22,7 @@ from stepramp.controllers.marlin.settings import (
 from stepramp.controllers.order import lowered_first
 from stepramp.controllers.per_mm import PerMm
 from stepramp.design import Design
-from stepramp.errors import Rejected, Rejection
+from stepramp.errors import Count, Rejected, Rejection
 
 FULL_SPEED, GAIN, SHARED_GAIN = "Full speed", "Acceleration", "Acceleration, for all axes"
 NAMES = {SPEED: FULL_SPEED, ACCELERATION: GAIN, ACCELERATIONS: SHARED_GAIN}
@@ -65,7 +65,7 @@ class PushPlan:
         if first_axis is not None and first_axis >= len(scales):
             raise Rejected([Rejection("to_axis", first_axis, f"an axis of this controller: 0 to {len(scales) - 1}")])
         if len(designs) > len(scales):
-            raise Rejected([Rejection("axes", f"{len(designs)} designs", f"up to {len(scales)} designs")])
+            raise Rejected([Rejection("axes", Count(f"{len(designs)} designs"), f"up to {len(scales)} designs")])
         by_axis = {(first_axis or 0) + number: design for number, design in enumerate(designs)}
         ramps = {
             axis: marlin_ramp(

@@ -21,7 +21,7 @@ from stepramp.controllers.stepramp.ramp_image import AxisRamp, BadRampImage, Ram
 from stepramp.controllers.stepramp.settings import StepRampSettings
 from stepramp.controllers.stepramp.speed_limits import Pace
 from stepramp.design import Design
-from stepramp.errors import Rejected, Rejection
+from stepramp.errors import Count, Rejected, Rejection
 from stepramp.numerics.ramp import Ramp
 from stepramp.ramp.plan import ramp_of
 from stepramp.ramp.playback.trajectory import Playback
@@ -286,7 +286,7 @@ def _key(design: Design) -> str:
 def _check_axes(count: int, hello: HelloReply, first_axis: int | None, present: RampImage | None) -> None:
     if not 1 <= count <= hello.axes:
         allowed = f"a list of 1 to {hello.axes} designs with this controller"
-        raise Rejected([Rejection("axes", f"{count} designs", allowed)])
+        raise Rejected([Rejection("axes", Count(f"{count} designs"), allowed)])
     most = min(hello.axes - 1, len(present.axes) if present else 0)
     if first_axis is not None and not 0 <= first_axis <= most:
         known = "has no ramps yet" if not present else f"has ramps for axes 0 to {len(present.axes) - 1}"

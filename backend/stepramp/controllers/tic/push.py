@@ -13,7 +13,7 @@ from stepramp.controllers.tic.ramp import (
     tic_losses,
 )
 from stepramp.design import Design
-from stepramp.errors import Rejected, Rejection
+from stepramp.errors import Count, Rejected, Rejection
 
 FIGURES: tuple[tuple[str, FigureUnit, str, str], ...] = (
     ("Starting speed", "steps/s", "Starting speed", SPEED_UNIT),
@@ -38,7 +38,9 @@ class PushPlan:
     def of(cls, designs: Sequence[Design], first_axis: int | None, microsteps: int) -> "PushPlan":
         """Return the plan for the only axis; Rejected for others, and for what a Tic can't do."""
         if len(designs) != 1:
-            raise Rejected([Rejection("axes", f"{len(designs)} designs", "a list of 1 design: a Tic has one axis")])
+            raise Rejected(
+                [Rejection("axes", Count(f"{len(designs)} designs"), "a list of 1 design: a Tic has one axis")]
+            )
         if first_axis not in (None, 0):
             raise Rejected([Rejection("to_axis", first_axis, "0: a Tic has one axis")])
         return cls(designs[0], TicRamp.of(designs[0], "axes.0." if first_axis is None else ""), microsteps)

@@ -9,7 +9,7 @@ from stepramp.controllers.tmcl.conversation import Denied
 from stepramp.controllers.tmcl.modules import MODULES, Module
 from stepramp.controllers.tmcl.ramp import TmclRamp
 from stepramp.controllers.tmcl.units import UnitMode, Units
-from stepramp.errors import Rejected, Rejection
+from stepramp.errors import Count, Rejected, Rejection
 
 _MODULE = re.compile(r"module TMCM-(?P<number>\d{1,5})")
 _SETTING = re.compile(r"axis (?P<axis>\d) parameter (?P<parameter>\d{1,3}) = (?P<value>-?\d{1,10})")
@@ -42,7 +42,9 @@ class Backup:
         """Return what can be written to a module; Rejected for that of another one, and for ramps that never end."""
         backup = cls.of(text)
         if backup is None or backup.module != module:
-            raise Rejected([Rejection("text", f"{len(text.splitlines())} lines", f"{ALLOWED}, of a {module.name}")])
+            raise Rejected(
+                [Rejection("text", Count(f"{len(text.splitlines())} lines"), f"{ALLOWED}, of a {module.name}")]
+            )
         bad = []
         for axis in backup.settings:
             if (lack := backup.lack(axis)) is not None:

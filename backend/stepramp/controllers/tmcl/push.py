@@ -11,7 +11,7 @@ from stepramp.controllers.tmcl.ramps import Ramps
 from stepramp.controllers.tmcl.units import Units
 from stepramp.controllers.tmcl.wire import FRAME_BYTES
 from stepramp.design import Design
-from stepramp.errors import Rejected, Rejection
+from stepramp.errors import Count, Rejected, Rejection
 
 NAMES = {
     "vmax": "Full speed",
@@ -50,7 +50,7 @@ class PushPlan:
         if first_axis is not None and first_axis >= axes:
             raise Rejected([Rejection("to_axis", first_axis, f"an axis of this controller: 0 to {axes - 1}")])
         if not 1 <= len(designs) <= axes:
-            raise Rejected([Rejection("axes", f"{len(designs)} designs", f"1 to {axes} designs")])
+            raise Rejected([Rejection("axes", Count(f"{len(designs)} designs"), f"1 to {axes} designs")])
         by_axis = {(first_axis or 0) + number: design for number, design in enumerate(designs)}
         ramps = {
             axis: TmclRamp.of(design, known.units[axis], "" if first_axis is not None else f"axes.{axis}.")

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 from stepramp.controllers.given_numbers import typed
 from stepramp.design import Design, Table
-from stepramp.errors import Limits, Rejected, Rejection
+from stepramp.errors import Count, Limits, Rejected, Rejection
 from stepramp.exports.machines.sheet import Setting, Sheet
 from stepramp.exports.machines.sketch import sketch
 from stepramp.methods import METHODS
@@ -58,7 +58,7 @@ def rows_us(table: Table, timer_hz: float) -> Rows:
 def _check(table: Table, rows: Rows, steps: int) -> None:
     bad = []
     if len(rows) > MOST_ROWS:
-        bad.append(Rejection("table.rows", f"{len(rows)} rows", f"up to {MOST_ROWS} rows with SwitecX25"))
+        bad.append(Rejection("table.rows", Count(f"{len(rows)} rows"), f"up to {MOST_ROWS} rows with SwitecX25"))
     note = " with SwitecX25, which counts in 16 bits"
     for number, (row, (_, delay_us)) in enumerate(zip(table.rows, rows, strict=True)):
         if row[0] > MOST_VALUE:
