@@ -5,10 +5,12 @@
 FROM python:3.12-slim
 
 WORKDIR /opt/stepramp
-COPY dev pyproject.toml README.md LICENSE ./
+COPY dev mkdocs.yml pyproject.toml *.md LICENSE ./
 COPY requirements requirements
 COPY backend backend
 COPY frontend frontend
+COPY docs docs
+COPY firmware/README.md firmware/README.md
 RUN ./dev install && useradd --create-home stepramp
 
 # Compiled numerics are kept where the user may write.

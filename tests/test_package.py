@@ -54,5 +54,5 @@ def test_the_container_is_built_by_the_command_that_newcomers_run() -> None:
     assert "RUN ./dev install" in (PROJECT / "Dockerfile").read_text()
     run = (PROJECT / "dev").read_text().split("\nrun)\n")[1].split(";;")[0]
     install = (PROJECT / "dev").read_text().split("\ninstall)\n")[1].split(";;")[0]
-    assert install.split() == ["install", "run"]
+    assert install.split() == ["install", "run", "docs"]
     assert run.split()[:2] == ["install", "run"]

@@ -127,7 +127,7 @@ class Application(FastAPI):
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Serve a request, a WebSocket, or the application's own beginning and end."""
-        await super().__call__(scope, receive, with_policy(send))
+        await super().__call__(scope, receive, with_policy(scope, send))
 
     def openapi(self) -> dict[str, Any]:
         """Return the description of the API; of connecting, it says where the device's id can be used."""

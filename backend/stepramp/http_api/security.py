@@ -22,8 +22,10 @@ POLICY = (
     "connect-src 'self' ws: wss:; frame-ancestors 'none'"
 )
 """Pages load nothing from elsewhere. Plotly and the API's pages style elements from scripts, hence unsafe-inline."""
+HELP = "/help"
+"""Where the documentation is: its pages have scripts within them, and nothing that anybody else has written."""
+HELP_POLICY = POLICY.replace("default-src 'self';", "default-src 'self'; script-src 'self' 'unsafe-inline';")
 ON_EVERY_ANSWER = (
-    (b"content-security-policy", POLICY.encode()),
     (b"x-content-type-options", b"nosniff"),
     (b"cross-origin-resource-policy", b"same-origin"),
     (b"referrer-policy", b"no-referrer"),
@@ -71,12 +73,14 @@ class OwnPagesOnly:
         return None
 
 
-def with_policy(send: Send) -> Send:
+def with_policy(scope: Scope, send: Send) -> Send:
     """Return what sends answers with the headers that tell a browser to keep them to ourselves."""
+    is_of_help = str(scope.get("path", "")).startswith(f"{HELP}/")
+    policy = (b"content-security-policy", (HELP_POLICY if is_of_help else POLICY).encode())
 
     async def guarded(message: Message) -> None:
         if message["type"] in _STARTS:
-            message["headers"] = [*message.get("headers", ()), *ON_EVERY_ANSWER]
+            message["headers"] = [*message.get("headers", ()), policy, *ON_EVERY_ANSWER]
         await send(message)
 
     return guarded

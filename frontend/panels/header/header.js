@@ -83,6 +83,7 @@ export function createHeader(root, dispatch, act) {
     ['Keyboard shortcuts', shortcuts.open],
   ], [
     ['Guide: from the motor to the ramp', guide],
+    ['Documentation', () => window.open('/help/', '_blank', 'noopener')],
     ['Report …', () => act.openExport('report_pdf')],
     ['Print …', () => window.print()],
     ['Backups of controllers …', act.openBackups],
