@@ -146,7 +146,7 @@ def test_a_lost_tic_is_offered_no_more_than_before(connected: StepRampPage, cabl
 
 def test_the_family_is_remembered_with_the_port(attached: StepRampPage, cable: TicOnACable) -> None:
     page = attached.page
-    family = page.get_by_label("Family")
+    family = page.get_by_label("Family of the controller", exact=True)
     connect(attached, cable)
     page.locator("#connect").click()
     expect(attached.state).to_have_text("not connected")
@@ -167,10 +167,10 @@ def test_a_port_its_family_and_connect_follow_each_other_by_keyboard(
     page.locator("#family").select_option("tic")
     page.locator("#port").focus()
     order = []
-    for _ in range(3):
+    for _ in range(4):
         page.keyboard.press("Tab")
         order.append(page.evaluate(focused))
-    assert order == ["refresh-ports", "family", "connect"]
+    assert order == ["refresh-ports", "family", "find-family", "connect"]
     for state in ("ready", "not connected"):
         page.keyboard.press("Enter")
         expect(attached.state).to_have_text(state)
