@@ -10,7 +10,7 @@ import urllib.request
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Self
+from typing import Self
 
 ROOT = Path(__file__).parents[2]
 CHROMIUM = Path("/usr/bin/chromium")
@@ -21,24 +21,25 @@ START_WITHIN_S = 120
 class Server:
     """`stepramp` on a free port; it can be ended and started again at the same address."""
 
-    def __init__(self, *options: str) -> None:
-        """options: of the command line, besides the port."""
+    def __init__(self, *options: str, lines: int = 0) -> None:
+        """options: of the command line, besides the port. lines: so many of what it prints as it begins are kept."""
         self._options = options
+        self._lines = lines
         self.said: list[str] = []
-        """What it has printed as it began, as far as somebody asked for it."""
+        """The first lines that it has printed."""
         with socket.socket() as probe:
             probe.bind(("127.0.0.1", 0))
             self.port: int = probe.getsockname()[1]
         self.url = f"http://127.0.0.1:{self.port}/"
-        self._process: subprocess.Popen[Any] | None = None
+        self._process: subprocess.Popen[str] | None = None
 
     def start(self) -> None:
         """Start the server and wait until it answers."""
         command = [sys.executable, "-m", "stepramp.cli", "--port", str(self.port), "--no-browser", *self._options]
-        out = subprocess.PIPE if self._options else subprocess.DEVNULL
-        self._process = subprocess.Popen(command, cwd=ROOT, stdout=out, text=bool(self._options))
+        out = subprocess.PIPE if self._lines else subprocess.DEVNULL
+        self._process = subprocess.Popen(command, cwd=ROOT, stdout=out, text=True)
         if self._process.stdout is not None:
-            self.said = [str(self._process.stdout.readline()) for _ in range(3)]
+            self.said = [self._process.stdout.readline() for _ in range(self._lines)]
         deadline = time.monotonic() + START_WITHIN_S
         while not self._answers():
             if self._process.poll() is not None or time.monotonic() > deadline:

@@ -149,6 +149,7 @@ def test_a_klipper_is_tuned_and_stopped_over_its_server(browser: Browser) -> Non
         expect(stepramp.state).to_have_text("ready")
         told = len(printer.scripts)
         assert begin + 1 < printer.position[0] < begin + 99
+        stepramp.device_section("push")
         page.locator("#roll-back").click()
         until(lambda: printer.velocity == 300)
         assert not any("G1" in script for script in printer.scripts[told:])

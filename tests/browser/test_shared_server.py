@@ -24,7 +24,7 @@ class SharedServer:
 @pytest.fixture(scope="module")
 def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[SharedServer]:
     data = tmp_path_factory.mktemp("data")
-    with Server("--require-token", "--data-folder", str(data)) as server:
+    with Server("--require-token", "--data-folder", str(data), lines=3) as server:
         yield SharedServer(server.url, server.said, data)
 
 
