@@ -292,3 +292,14 @@ def test_every_control_has_a_name(stepramp: StepRampPage) -> None:
         .filter((one) => !one.labels?.length && !one.getAttribute('aria-label') && !one.textContent.trim())
         .map((one) => one.outerHTML)"""
     assert stepramp.page.evaluate(script) == []
+
+
+def test_the_heads_of_the_table_are_whole(stepramp: StepRampPage) -> None:
+    page = stepramp.page
+    cut = """() => [...document.querySelectorAll('#table-rows th')]
+        .filter((one) => one.scrollWidth > one.clientWidth).map((one) => one.innerText)"""
+    for width, height in ((1440, 900), (1024, 768), (844, 390), (390, 844), (320, 640)):
+        page.set_viewport_size({"width": width, "height": height})
+        stepramp.show_panel("table")
+        expect(page.locator("#table-rows th").nth(3)).to_contain_text("speed, steps/s")
+        assert page.evaluate(cut) == [], (width, height)
