@@ -205,6 +205,14 @@ class Overloaded(StepRampError):
     """Too much is asked for at the same time; later it can be done."""
 
 
+class Outdated(StepRampError):
+    """A change was made on a version that isn't the newest any more; nothing was changed."""
+
+
+class Unavailable(StepRampError):
+    """Something outside of the program, such as a database, can't be used now; later it may be."""
+
+
 class Unauthorized(StepRampError):
     """Somebody who isn't known, where one has to be."""
 

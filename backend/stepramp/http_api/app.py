@@ -1,6 +1,7 @@
 """The application: routes, pages, and what guards them."""
 
 import asyncio
+import os
 import threading
 from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
@@ -26,6 +27,7 @@ from stepramp.http_api import (
     exports,
     imports,
     jobs,
+    library,
     methods,
     motor,
     motor_fastest,
@@ -54,6 +56,8 @@ from stepramp.http_api.news import News
 from stepramp.http_api.request_numbers import RequestNumbering
 from stepramp.http_api.security import OwnPagesOnly, with_policy
 from stepramp.http_api.sign_in import SignIn
+from stepramp.library.database import URL_VARIABLE, Database
+from stepramp.library.library import Library
 from stepramp.link.remote_ports import RemotePorts
 from stepramp.link.serial_port import NO_REMOTE_PORTS
 from stepramp.motor.warm_up import warm_up_motor
@@ -94,6 +98,7 @@ PARTS = (
     own_ramps,
     imports,
     roles,
+    library,
     devices,
 )
 """Modules with routes, in the order in which the description of the API has them."""
@@ -109,6 +114,7 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     yield
     publishing.cancel()
     app.state.jobs.close()
+    app.state.library.close()
     app.state.devices.close()
     if app.state.audit is not None:
         app.state.audit.close()
@@ -165,6 +171,7 @@ def create_app(
     app.state.devices = Devices(families, remote_ports, data)
     app.state.connections = Connections()
     app.state.jobs = Jobs()
+    app.state.library = Library(Database(app.state.devices.data, os.environ.get(URL_VARIABLE)))
     app.state.audit = None
     app.router.routes.extend(_routes())
     handle_errors(app)

@@ -14,6 +14,7 @@ from stepramp.errors import (
     DeviceLost,
     Forbidden,
     NotFound,
+    Outdated,
     Overloaded,
     Refused,
     Rejected,
@@ -22,6 +23,7 @@ from stepramp.errors import (
     StepUnit,
     TooOften,
     Unauthorized,
+    Unavailable,
     brief,
 )
 from stepramp.http_api.answer import Answer
@@ -32,11 +34,13 @@ STATUS: dict[type[StepRampError], int] = {
     Rejected: 422,
     NotFound: 404,
     Refused: 409,
+    Outdated: 412,
     Forbidden: 403,
     Unauthorized: 401,
     TooOften: 429,
     DeviceLost: 502,
     Overloaded: 503,
+    Unavailable: 503,
 }
 METHODS = ("GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS")
 

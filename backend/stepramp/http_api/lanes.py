@@ -127,6 +127,8 @@ CAPTURING = Lane("capturing", 1, computes=True)
 """Reading of captured files: one at a time, since each takes many times its own size in memory."""
 PUSHING = Lane("pushing", 8)
 """Pushes, which take some seconds and wait for their planning, too."""
+LIBRARY = Lane("library", 1, most_wait_s=MOST_WAIT_S)
+"""All that is asked of the library, one after the other: whatever its database waits for, nothing else does."""
 ACTING = Lane("acting", 32)
 """What else is asked of a device: most of it answered within some ms."""
 

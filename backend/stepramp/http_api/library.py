@@ -1,0 +1,119 @@
+"""Routes over the library. Who changes a design says which version it is a change of: nobody's work is overwritten."""
+
+import re
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Depends, Header, Request
+
+from stepramp.errors import Rejected, Rejection
+from stepramp.http_api.bodies import JsonRoute
+from stepramp.http_api.errors import ErrorList
+from stepramp.http_api.json_response import JsonResponse
+from stepramp.http_api.lanes import LIBRARY
+from stepramp.http_api.library_models import (
+    AboutPayload,
+    ContentAnswer,
+    DifferencesAnswer,
+    DuplicatePayload,
+    FoundAnswer,
+    KeptAnswer,
+    KeptWithRevisionsAnswer,
+    NewDesignPayload,
+    RevisionPayload,
+    SearchPayload,
+)
+from stepramp.library.differences import differences
+from stepramp.library.library import About, Kept, Library
+
+_OTHERS: dict[int | str, dict[str, Any]] = {
+    404: {"model": ErrorList, "description": "There is no such design, or revision"},
+    412: {"model": ErrorList, "description": "Somebody else changed the design meanwhile; nothing was overwritten"},
+}
+
+router = APIRouter(prefix="/library", tags=["library"], route_class=JsonRoute, responses=_OTHERS)
+
+
+def _library(request: Request) -> Library:
+    library: Library = request.app.state.library
+    return library
+
+
+def _version(if_match: Annotated[str | None, Header(description="The ETag that the design had")] = None) -> int:
+    """Return the version that a change is of; Rejected without one."""
+    match = re.fullmatch(r'"([1-9][0-9]{0,8})"', if_match or "")
+    if match is None:
+        raise Rejected([Rejection("If-Match", if_match, 'the ETag of the design that the change is of, as "3"')])
+    return int(match[1])
+
+
+TheLibrary = Annotated[Library, Depends(_library)]
+Version = Annotated[int, Depends(_version)]
+
+
+@router.post("/search")
+@LIBRARY.serves
+def search(request: SearchPayload, library: TheLibrary) -> FoundAnswer:
+    """Search the designs; without words and tags all of them are found."""
+    count, found = library.search(request.text, request.tags, request.first, request.most)
+    return FoundAnswer.model_validate({"count": count, "designs": found})
+
+
+@router.post("/designs")
+@LIBRARY.serves
+def add(request: NewDesignPayload, library: TheLibrary) -> JsonResponse[KeptAnswer]:
+    """Keep a design."""
+    about = About(request.name or request.design.name, request.notes, request.tags)
+    return _answer(library.add(request.design, about, request.note))
+
+
+@router.get("/designs/{design_id}")
+@LIBRARY.serves
+def design(design_id: str, library: TheLibrary) -> JsonResponse[KeptWithRevisionsAnswer]:
+    """Return what is known of a design, and of its revisions."""
+    kept, history = library.get(design_id)
+    answer = KeptWithRevisionsAnswer.model_validate(vars(kept) | {"history": history})
+    return JsonResponse(answer, headers=_tag(kept))
+
+
+@router.put("/designs/{design_id}")
+@LIBRARY.serves
+def describe(design_id: str, request: AboutPayload, version: Version, library: TheLibrary) -> JsonResponse[KeptAnswer]:
+    """Name a design anew, with its notes and tags."""
+    return _answer(library.describe(design_id, version, About(request.name, request.notes, request.tags)))
+
+
+@router.post("/designs/{design_id}/revisions")
+@LIBRARY.serves
+def save(design_id: str, request: RevisionPayload, version: Version, library: TheLibrary) -> JsonResponse[KeptAnswer]:
+    """Keep another revision; those before stay."""
+    return _answer(library.save(design_id, version, request.design, request.note))
+
+
+@router.get("/designs/{design_id}/revisions/{number}")
+@LIBRARY.serves
+def revision(design_id: str, number: int, library: TheLibrary) -> ContentAnswer:
+    """Return the design of a revision."""
+    return ContentAnswer.model_validate({"number": number, "design": library.content(design_id, number)})
+
+
+@router.get("/designs/{design_id}/revisions/{number}/differences/{other}")
+@LIBRARY.serves
+def compared(design_id: str, number: int, other: int, library: TheLibrary) -> DifferencesAnswer:
+    """Return what a revision and another one differ in, field by field."""
+    before, after = library.content(design_id, number), library.content(design_id, other)
+    return DifferencesAnswer.model_validate({"differences": list(differences(before, after))})
+
+
+@router.post("/designs/{design_id}/duplicate")
+@LIBRARY.serves
+def duplicate(design_id: str, request: DuplicatePayload, library: TheLibrary) -> JsonResponse[KeptAnswer]:
+    """Keep a copy of the newest revision as a design of its own."""
+    return _answer(library.duplicate(design_id, request.name))
+
+
+def _answer(kept: Kept) -> JsonResponse[KeptAnswer]:
+    return JsonResponse(KeptAnswer.model_validate(kept), headers=_tag(kept))
+
+
+def _tag(kept: Kept) -> dict[str, str]:
+    return {"ETag": f'"{kept.version}"'}

@@ -1,0 +1,1 @@
+"""The library: designs that are kept, each with all its revisions."""

@@ -1,0 +1,210 @@
+"""Designs that are kept: named, tagged, with notes, and with every save as a revision of its own."""
+
+import hashlib
+import json
+import re
+import uuid
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+
+from sqlalchemy import Connection, RowMapping, delete, func, insert, select, update
+
+from stepramp.design import Design
+from stepramp.errors import NotFound, Outdated, Rejected, Rejection, shown
+from stepramp.library.database import Database
+from stepramp.library.schema import DESIGNS, REVISIONS, TAGS
+
+_ID = re.compile("[0-9a-f]{32}")
+_NUMBERS = range(1, 2**31)
+"""What databases can count."""
+
+
+@dataclass(frozen=True)
+class About:
+    """What people say of a design."""
+
+    name: str
+    notes: str = ""
+    tags: Sequence[str] = ()
+
+    def __post_init__(self) -> None:
+        given = {"name": self.name, "notes": self.notes} | {f"tags.{at}": tag for at, tag in enumerate(self.tags)}
+        _refuse_nul(given)
+
+
+@dataclass(frozen=True)
+class Revision:
+    """A save of a design; its content is asked for by itself."""
+
+    number: int
+    note: str
+    content_hash: str
+    saved_at: str
+
+
+@dataclass(frozen=True)
+class Kept:
+    """A design of the library. version: counts its changes, so that who changes it can say what was known of it."""
+
+    id: str
+    version: int
+    name: str
+    notes: str
+    tags: list[str]
+    saved_at: str
+    revisions: int
+
+
+class Library:
+    """The designs of one database. For any thread."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+
+    def close(self) -> None:
+        """Let go of the database."""
+        self._database.close()
+
+    def add(self, design: Design, about: About, note: str = "") -> Kept:
+        """Keep a design, as revision 1; return it."""
+        with self._database.writing() as connection:
+            made = _add(connection, about)
+            _add_revision(connection, made, 1, _content(design), note)
+            return _kept(connection, made)
+
+    def save(self, design_id: str, version: int, design: Design, note: str = "") -> Kept:
+        """Keep another revision. version: see describe."""
+        with self._database.writing() as connection:
+            _count_change(connection, design_id, version)
+            last = select(func.max(REVISIONS.c.number)).where(REVISIONS.c.design_id == design_id)
+            _add_revision(connection, design_id, connection.execute(last).scalar_one() + 1, _content(design), note)
+            return _kept(connection, design_id)
+
+    def describe(self, design_id: str, version: int, about: About) -> Kept:
+        """Change what is said of a design.
+
+        version: what the change was made on. Raises Outdated, and changes nothing, when there is a newer one.
+        """
+        with self._database.writing() as connection:
+            _count_change(connection, design_id, version)
+            connection.execute(update(DESIGNS).where(DESIGNS.c.id == design_id).values(_columns(about)))
+            connection.execute(delete(TAGS).where(TAGS.c.design_id == design_id))
+            _add_tags(connection, design_id, about.tags)
+            return _kept(connection, design_id)
+
+    def duplicate(self, design_id: str, name: str) -> Kept:
+        """Keep a copy under another name: the newest revision, as revision 1."""
+        with self._database.writing() as connection:
+            source = _kept(connection, design_id)
+            content = _content_of(connection, design_id, source.revisions)
+            made = _add(connection, About(name, source.notes, source.tags))
+            _add_revision(connection, made, 1, content, f"Copy of revision {source.revisions} of {source.name}")
+            return _kept(connection, made)
+
+    def get(self, design_id: str) -> tuple[Kept, list[Revision]]:
+        """Return a design and its revisions, the newest first."""
+        columns = (REVISIONS.c.number, REVISIONS.c.note, REVISIONS.c.content_hash, REVISIONS.c.saved_at)
+        chosen = select(*columns).where(REVISIONS.c.design_id == design_id).order_by(REVISIONS.c.number.desc())
+        with self._database.reading() as connection:
+            kept = _kept(connection, design_id)
+            return kept, [Revision(**row) for row in connection.execute(chosen).mappings()]
+
+    def content(self, design_id: str, number: int) -> object:
+        """Return the design document of a revision, as it was saved."""
+        with self._database.reading() as connection:
+            _kept(connection, design_id)
+            return json.loads(_content_of(connection, design_id, number))
+
+    def search(
+        self, text: str = "", tags: Sequence[str] = (), first: int = 0, most: int = 100
+    ) -> tuple[int, list[Kept]]:
+        """Return how many designs have all words of a text, and all of the tags, and some of them, newest first."""
+        _refuse_nul({"text": text} | {f"tags.{at}": tag for at, tag in enumerate(tags)})
+        chosen = select(DESIGNS)
+        for word in text.casefold().split():
+            chosen = chosen.where(DESIGNS.c.searched.contains(word, autoescape=True))
+        for tag in tags:
+            chosen = chosen.where(select(TAGS).where(TAGS.c.design_id == DESIGNS.c.id, TAGS.c.tag == tag).exists())
+        newest = chosen.order_by(DESIGNS.c.saved_at.desc(), DESIGNS.c.id).offset(first).limit(most)
+        with self._database.reading() as connection:
+            count = connection.execute(select(func.count()).select_from(chosen.subquery())).scalar_one()
+            return count, [_told(connection, row) for row in connection.execute(newest).mappings().all()]
+
+
+def _add(connection: Connection, about: About) -> str:
+    made = uuid.uuid4().hex
+    connection.execute(insert(DESIGNS).values(id=made, version=1, saved_at=_now(), **_columns(about)))
+    _add_tags(connection, made, about.tags)
+    return made
+
+
+def _add_tags(connection: Connection, design_id: str, tags: Sequence[str]) -> None:
+    rows = [{"design_id": design_id, "place": place, "tag": tag} for place, tag in enumerate(tags)]
+    if rows:
+        connection.execute(insert(TAGS), rows)
+
+
+def _add_revision(connection: Connection, design_id: str, number: int, content: str, note: str) -> None:
+    _refuse_nul({"note": note})
+    row = {"design_id": design_id, "number": number, "content": content, "note": note, "saved_at": _now()}
+    content_hash = hashlib.sha256(content.encode()).hexdigest()
+    connection.execute(insert(REVISIONS).values(**row, content_hash=content_hash))
+
+
+def _count_change(connection: Connection, design_id: str, version: int) -> None:
+    """Count a change made on a version; of two at the same time the database lets only the first."""
+    _kept(connection, design_id)
+    known = update(DESIGNS).where(DESIGNS.c.id == design_id, DESIGNS.c.version == version)
+    if connection.execute(known.values(version=version + 1, saved_at=_now())).rowcount == 0:
+        present = _kept(connection, design_id)  # On PostgreSQL somebody else's change may have come in between.
+        raise Outdated(
+            f"{shown(present.name)} was changed by somebody else meanwhile: you know its version {version}, "
+            f"it is at {present.version}. Nothing was overwritten; look at it, and save again."
+        )
+
+
+def _kept(connection: Connection, design_id: str) -> Kept:
+    chosen = select(DESIGNS).where(DESIGNS.c.id == design_id)
+    row = connection.execute(chosen).mappings().one_or_none() if _ID.fullmatch(design_id) else None
+    if row is None:
+        raise NotFound(f"There is no design {shown(design_id)} in the library.")
+    return _told(connection, row)
+
+
+def _told(connection: Connection, row: RowMapping) -> Kept:
+    tags = select(TAGS.c.tag).where(TAGS.c.design_id == row["id"]).order_by(TAGS.c.place)
+    count = select(func.count()).select_from(REVISIONS).where(REVISIONS.c.design_id == row["id"])
+    return Kept(
+        **{name: row[name] for name in ("id", "version", "name", "notes", "saved_at")},
+        tags=list(connection.execute(tags).scalars()),
+        revisions=connection.execute(count).scalar_one(),
+    )
+
+
+def _content_of(connection: Connection, design_id: str, number: int) -> str:
+    chosen = select(REVISIONS.c.content).where(REVISIONS.c.design_id == design_id, REVISIONS.c.number == number)
+    content: str | None = connection.execute(chosen).scalar_one_or_none() if number in _NUMBERS else None
+    if content is None:
+        raise NotFound(f"The design has no revision {number:,}.")
+    return content
+
+
+def _content(design: Design) -> str:
+    return json.dumps(design.model_dump(mode="json", by_alias=True), sort_keys=True, separators=(",", ":"))
+
+
+def _columns(about: About) -> dict[str, str]:
+    searched = "\n".join([about.name, about.notes, *about.tags]).casefold()
+    return {"name": about.name, "notes": about.notes, "searched": searched}
+
+
+def _refuse_nul(texts: dict[str, str]) -> None:
+    """Raise Rejected for texts with the character NUL, which PostgreSQL keeps none of."""
+    found = [Rejection(field, text, "text without the character NUL") for field, text in texts.items() if "\0" in text]
+    if found:
+        raise Rejected(found)
+
+
+def _now() -> str:
+    return datetime.now(UTC).isoformat(timespec="microseconds").replace("+00:00", "Z")

@@ -1,0 +1,61 @@
+"""The library over HTTP: ETags, and what is answered where it can't be used."""
+
+from pathlib import Path
+
+from starlette.testclient import TestClient
+
+from designs import document
+
+DESIGNS = "/api/v1/library/designs"
+
+
+def test_a_design_is_kept_changed_and_compared(client: TestClient) -> None:
+    made = client.post(DESIGNS, json={"design": document(), "tags": ["a"], "note": "first"})
+    assert made.status_code == 200, made.text
+    assert (made.json()["name"], made.headers["etag"]) == ("Test", '"1"')
+    place = f"{DESIGNS}/{made.json()['id']}"
+    payload = {"design": document(move__steps=5), "note": "shorter"}
+    saved = client.post(f"{place}/revisions", json=payload, headers={"If-Match": '"1"'})
+    assert saved.headers["etag"] == '"2"'
+    late = client.post(f"{place}/revisions", json=payload, headers={"If-Match": '"1"'})
+    assert late.status_code == 412
+    assert "changed by somebody else" in late.json()["errors"][0]["message"]
+    named = client.put(place, json={"name": "Lift", "tags": ["b"]}, headers={"If-Match": '"2"'})
+    told = client.get(place)
+    assert told.headers["etag"] == named.headers["etag"] == '"3"'
+    assert (told.json()["name"], told.json()["tags"]) == ("Lift", ["b"])
+    assert [each["note"] for each in told.json()["history"]] == ["shorter", "first"]
+    assert client.get(f"{place}/revisions/1").json()["design"]["move"] == {"steps": 2000}
+    assert client.get(f"{place}/revisions/1/differences/2").json() == {
+        "differences": [{"field": "move.steps", "before": 2000, "after": 5}]
+    }
+    assert client.post(f"{place}/duplicate", json={"name": "Lift 2"}).json()["name"] == "Lift 2"
+    found = client.post("/api/v1/library/search", json={"text": "lift"}).json()
+    assert (found["count"], [each["name"] for each in found["designs"]]) == (2, ["Lift 2", "Lift"])
+
+
+def test_a_change_says_of_which_version_it_is(client: TestClient) -> None:
+    made = client.post(DESIGNS, json={"design": document()}).json()
+    for given in (None, "*", "1", '"0"', 'W/"1"'):
+        headers = {} if given is None else {"If-Match": given}
+        refused = client.put(f"{DESIGNS}/{made['id']}", json={"name": "Lift"}, headers=headers)
+        [error] = refused.json()["errors"]
+        assert (refused.status_code, error["field"], error["value"]) == (422, "If-Match", given)
+        assert error["allowed"].startswith("the ETag of the design")
+
+
+def test_what_is_not_there_is_404(client: TestClient) -> None:
+    assert client.get(f"{DESIGNS}/none").status_code == 404
+    made = client.post(DESIGNS, json={"design": document()}).json()
+    assert client.get(f"{DESIGNS}/{made['id']}/revisions/2").status_code == 404
+    assert client.get(f"{DESIGNS}/{made['id']}/revisions/{10**30}").status_code == 404
+
+
+def test_all_else_goes_on_without_the_library(client: TestClient, tmp_path: Path) -> None:
+    (tmp_path / "library.sqlite3").mkdir()
+    away = client.post("/api/v1/library/search", json={})
+    assert away.status_code == 503
+    assert "The library can't be used" in away.json()["errors"][0]["message"]
+    assert client.post("/api/v1/profile", json={"design": document()}).status_code == 200
+    (tmp_path / "library.sqlite3").rmdir()
+    assert client.post("/api/v1/library/search", json={}).json() == {"count": 0, "designs": []}

@@ -1,0 +1,137 @@
+"""The database: its tables, and what becomes of one that can't be used."""
+
+import os
+import signal
+import sqlite3
+import subprocess
+import sys
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+from alembic.autogenerate import compare_metadata
+from alembic.migration import MigrationContext
+
+from designs import design
+from stepramp.errors import Unavailable
+from stepramp.library import database
+from stepramp.library.database import FILE_NAME, Database
+from stepramp.library.library import About, Library
+from stepramp.library.schema import METADATA
+
+SAVES = """
+import sys
+from pathlib import Path
+from designs import design
+from stepramp.library.database import Database
+from stepramp.library.library import About, Library
+
+library = Library(Database(Path(sys.argv[1])))
+kept = library.add(design(), About("Lift"))
+print(kept.id, flush=True)
+while True:
+    kept = library.save(kept.id, kept.version, design(move__steps=kept.revisions + 1))
+    print(kept.revisions, flush=True)
+"""
+
+
+def test_the_migrations_make_the_tables_that_are_used(tmp_path: Path, url: str | None, library: Library) -> None:
+    library.search()
+    with closing(Database(tmp_path, url)) as ours, ours.reading() as connection:
+        assert compare_metadata(MigrationContext.configure(connection), METADATA) == []
+
+
+def test_sqlite_writes_ahead_and_waits_for_the_disk(tmp_path: Path) -> None:
+    with Database(tmp_path).reading() as connection:
+        told = [connection.exec_driver_sql(f"PRAGMA {name}").scalar() for name in ("journal_mode", "synchronous")]
+    assert told == ["wal", 2]
+
+
+@pytest.mark.skipif(os.name != "posix", reason="kill -9")
+@pytest.mark.parametrize("saves", [1, 300, 700])
+def test_a_kill_loses_nothing_that_was_acknowledged(tmp_path: Path, saves: int) -> None:
+    environment = os.environ | {"PYTHONPATH": str(Path(__file__).parents[1])}
+    command = [sys.executable, "-c", SAVES, str(tmp_path)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as saving:
+        assert saving.stdout is not None
+        design_id = saving.stdout.readline().strip()
+        told = [saving.stdout.readline() for _ in range(saves)]
+        saving.send_signal(signal.SIGKILL)
+        told += saving.stdout.readlines()
+    acknowledged = int(next(line for line in reversed(told) if line.endswith("\n")))
+    library = Library(Database(tmp_path))
+    kept, history = library.get(design_id)
+    assert kept.revisions >= acknowledged
+    assert [each.number for each in history] == list(range(kept.revisions, 0, -1))
+    steps = [library.content(design_id, number)["move"]["steps"] for number in range(2, kept.revisions + 1)]  # type: ignore[index]
+    assert steps == list(range(2, kept.revisions + 1))
+    with closing(sqlite3.connect(tmp_path / FILE_NAME)) as file:
+        assert file.execute("PRAGMA integrity_check").fetchall() == [("ok",)]
+
+
+def test_a_locked_database_is_said_and_used_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(database, "LOCKED_S", 0.01)
+    library = Library(Database(tmp_path))
+    kept = library.add(design(), About("Lift"))
+    with closing(sqlite3.connect(tmp_path / FILE_NAME, isolation_level=None)) as other:
+        other.execute("BEGIN IMMEDIATE")
+        with pytest.raises(Unavailable, match=r"database is locked\): nothing was saved"):
+            library.save(kept.id, kept.version, design())
+        assert library.get(kept.id)[0] == kept
+    assert library.save(kept.id, kept.version, design()).revisions == 2
+
+
+def test_a_full_disk_is_said_and_nothing_is_half_saved(tmp_path: Path) -> None:
+    library = Library(Database(tmp_path))
+    kept = library.add(design(), About("Lift"))
+    script = f"""
+import resource, signal, sys
+from pathlib import Path
+from designs import design
+from stepramp.library.database import Database
+from stepramp.library.library import About, Library
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (30_000, 30_000))
+library = Library(Database(Path({str(tmp_path)!r})))
+try:
+    library.save({kept.id!r}, 1, design(), "x" * 100_000)
+except Exception as error:
+    print(type(error).__name__, error)
+"""
+    environment = os.environ | {"PYTHONPATH": str(Path(__file__).parents[1])}
+    told = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, env=environment, check=True, timeout=120
+    ).stdout
+    assert told.startswith("Unavailable The library can't be used (")
+    assert "nothing was saved" in told
+    assert library.get(kept.id)[0] == kept
+
+
+def test_a_folder_that_is_none_and_a_file_that_is_no_database_are_said(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(Unavailable, match=r"The library can't be used \(.*file"):
+        Library(Database(tmp_path / "file")).search()
+    (tmp_path / FILE_NAME).write_text("no database, and long enough to be looked at" * 100)
+    with pytest.raises(Unavailable, match="not a database"):
+        Library(Database(tmp_path)).search()
+
+
+def test_a_library_of_a_newer_version_is_left_alone(tmp_path: Path) -> None:
+    Library(Database(tmp_path)).search()
+    with closing(sqlite3.connect(tmp_path / FILE_NAME)) as file, file:
+        file.execute("UPDATE alembic_version SET version_num = '9999'")
+    with pytest.raises(Unavailable, match="of a newer StepRamp"):
+        Library(Database(tmp_path)).search()
+
+
+@pytest.mark.parametrize(
+    ("url", "told"),
+    [
+        ("nothing", "is no URL"),
+        ("mysql://somewhere/x", "begins with mysql"),
+        ("postgresql://tests@/library?host=/nowhere", "can't be used"),
+    ],
+)
+def test_a_database_that_is_not_there_is_said(tmp_path: Path, url: str, told: str) -> None:
+    with pytest.raises(Unavailable, match=told):
+        Library(Database(tmp_path, url)).search()
