@@ -37,8 +37,8 @@ MOST_ROWS = 8
 config = SchemathesisConfig.from_dict(
     {
         "checks": {
-            "positive_data_acceptance": {"expected-statuses": ["2xx", "404", "409", "422", "502"]},
-            "negative_data_rejection": {"expected-statuses": ["404", "405", "409", "413", "415", "422"]},
+            "positive_data_acceptance": {"expected-statuses": ["2xx", "404", "409", "412", "422", "502"]},
+            "negative_data_rejection": {"expected-statuses": ["404", "405", "409", "412", "413", "415", "422"]},
             "not_a_server_error": {"expected-statuses": ["2xx", "3xx", "4xx", "502"]},
         },
         "warnings": False,

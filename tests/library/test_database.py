@@ -1,6 +1,7 @@
 """The database: its tables, and what becomes of one that can't be used."""
 
 import os
+import shutil
 import signal
 import sqlite3
 import subprocess
@@ -11,6 +12,7 @@ from pathlib import Path
 import pytest
 from alembic.autogenerate import compare_metadata
 from alembic.migration import MigrationContext
+from alembic.script import ScriptDirectory
 
 from designs import design
 from stepramp.errors import Unavailable
@@ -32,6 +34,18 @@ print(kept.id, flush=True)
 while True:
     kept = library.save(kept.id, kept.version, design(move__steps=kept.revisions + 1))
     print(kept.revisions, flush=True)
+"""
+
+NEWER = """
+import sqlalchemy as sa
+from alembic import op
+
+revision = "0002"
+down_revision = "0001"
+
+
+def upgrade():
+    op.create_table("more", sa.Column("id", sa.Integer, primary_key=True))
 """
 
 
@@ -114,6 +128,36 @@ def test_a_folder_that_is_none_and_a_file_that_is_no_database_are_said(tmp_path:
     (tmp_path / FILE_NAME).write_text("no database, and long enough to be looked at" * 100)
     with pytest.raises(Unavailable, match="not a database"):
         Library(Database(tmp_path)).search()
+
+
+def test_a_copy_is_kept_before_the_tables_change(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    data = tmp_path / "data"
+    kept = Library(Database(data)).add(design(), About("Lift"))
+    newer = tmp_path / "newer"
+    shutil.copytree(database._SCRIPTS.dir, newer)
+    (newer / "versions" / "v0002_more.py").write_text(NEWER)
+    monkeypatch.setattr(database, "_SCRIPTS", ScriptDirectory(str(newer)))
+    assert Library(Database(data)).get(kept.id)[0] == kept
+    [copy] = data.glob("library-*.sqlite3")
+    for path, tables in ((copy, 0), (data / FILE_NAME, 1)):
+        with closing(sqlite3.connect(path)) as file:
+            more = file.execute("SELECT count(*) FROM sqlite_master WHERE name = 'more'").fetchone()[0]
+            assert (more, file.execute("SELECT name FROM designs").fetchall()) == (tables, [("Lift",)])
+
+
+def test_tables_that_cannot_be_changed_stay_as_they_were(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    data = tmp_path / "data"
+    kept = Library(Database(data)).add(design(), About("Lift"))
+    newer = tmp_path / "newer"
+    shutil.copytree(database._SCRIPTS.dir, newer)
+    (newer / "versions" / "v0002_more.py").write_text(NEWER + '    op.execute("no SQL")\n')
+    with monkeypatch.context() as patch:
+        patch.setattr(database, "_SCRIPTS", ScriptDirectory(str(newer)))
+        with pytest.raises(Unavailable, match="syntax error"):
+            Library(Database(data)).search()
+    assert Library(Database(data)).get(kept.id)[0] == kept
+    with closing(sqlite3.connect(data / FILE_NAME)) as file:
+        assert file.execute("SELECT name FROM sqlite_master WHERE name = 'more'").fetchall() == []
 
 
 def test_a_library_of_a_newer_version_is_left_alone(tmp_path: Path) -> None:
