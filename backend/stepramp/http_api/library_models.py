@@ -86,7 +86,7 @@ class KeptWithRevisionsAnswer(KeptAnswer):
 class ContentAnswer(Answer):
     """The design of a revision."""
 
-    number: int
+    number: int = Field(description="Of the revision, counted from 1")
     design: dict[str, object] = Field(description="The document, as it was saved")
 
 
