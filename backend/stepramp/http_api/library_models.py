@@ -63,7 +63,7 @@ class KeptAnswer(Answer):
     version: int = Field(description="Counts its changes; the ETag is this number in quotes")
     name: str
     notes: str
-    tags: list[str]
+    tags: list[str] = Field(description="Words to find it by")
     saved_at: str = Field(description="When it was changed last, in UTC")
     revisions: int = Field(description="How many it has; this is the number of the newest")
 
