@@ -3,7 +3,6 @@
 #include <avr/wdt.h>
 
 #include "clock.h"
-#include "reset.h"
 #include "serial.h"
 #include "stack_guard.h"
 #include "stepramp/edge/board.h"
@@ -23,7 +22,7 @@ static void receive_bytes(void)
 
 int main(void)
 {
-    watchdog_begin();
+    wdt_enable(WDTO_250MS);
     stack_guard_begin();
     clock_begin();
     step_queue_begin();
