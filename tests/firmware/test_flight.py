@@ -214,6 +214,15 @@ def test_a_rise_after_a_stop() -> None:
     assert "off after a stop" in seen(times, ended(told, times.size))
 
 
+@pytest.mark.parametrize(("ahead_us", "good"), [(2, True), (-2, False)])
+def test_a_first_step_while_a_stop_is_obeyed(ahead_us: int, good: bool) -> None:
+    """The motor is halted after it, so that the next motion may set out sooner than a second step would come."""
+    times = BEGIN + np.array([0, 3, 13]) * MS
+    told = Told().tell(BEGIN - 6 * MS, HALT).move(1).tell(BEGIN - ahead_us * US, STOP).move(3, at=BEGIN + MS)
+    slow = replace(SETTING, slopes=[Slopes(np.array([]), np.array([]), 10 * MS)])
+    assert ("the slew interval is" not in seen(times, ended(told, 3), setting=slow)) == good
+
+
 def test_a_run_that_leaves_its_speed() -> None:
     intervals = np.concatenate((WAY[:100], np.full(1000, 2600), WAY[100:], np.full(200, SLEW), WAY[::-1]))
     times = after(intervals)

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from firmware.checker import CYCLES_PER_US
+from firmware.flight.exchange import Exchange
 from firmware.flight.judgement import Judgement, at, us
 from firmware.flight.motion import Flight, leader_of
 from firmware.flight.setting import Slopes, Ticks
@@ -79,8 +80,16 @@ def _stopped_setting_out(flight: Flight) -> Iterator[int]:
     steps = flight.made.steps
     for stop in (one for one in flight.heard if one.is_granted and one.kind == STOP):
         first, last = np.searchsorted(steps, [stop.arrived, stop.answered])
-        if last - first > 1 and steps[last - 1] - steps[first] <= SETTING_OUT_US * CYCLES_PER_US:
+        least = 1 if _rested(flight, stop) else 2
+        if last - first >= least and steps[last - 1] - steps[first] <= SETTING_OUT_US * CYCLES_PER_US:
             yield int(last)
+
+
+def _rested(flight: Flight, stop: Exchange) -> bool:
+    """Whether the axis had made no step since a halt when a stop came: the next step was the first of a motion."""
+    halts = [one.answered for one in flight.orders if one.kind == HALT and one.answered < stop.arrived]
+    first, last = np.searchsorted(flight.made.steps, [max(halts, default=0), stop.arrived])
+    return bool(first == last)
 
 
 def judge_speed(piece: Piece, found: Judgement) -> None:
