@@ -3,6 +3,7 @@
 #include <avr/wdt.h>
 
 #include "clock.h"
+#include "reset.h"
 #include "serial.h"
 #include "stack_guard.h"
 #include "stepramp/edge/board.h"
@@ -22,7 +23,7 @@ static void receive_bytes(void)
 
 int main(void)
 {
-    wdt_enable(WDTO_250MS);
+    watchdog_begin();
     stack_guard_begin();
     clock_begin();
     step_queue_begin();

@@ -6,6 +6,8 @@
 #include <avr/interrupt.h>
 #include <stdint.h>
 
+#include "reset.h"
+
 enum { STACK_GUARD = 0xA5 }; /* the simulator paints the stack with it, too: so it counts as untouched */
 
 extern volatile uint8_t __heap_start; /* the linker's */
@@ -20,6 +22,7 @@ static inline void stack_guard_check(void)
 {
     if (__heap_start != STACK_GUARD) {
         cli();
+        note_watchdog_reset();
         for (;;) {
         }
     }

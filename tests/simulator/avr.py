@@ -66,11 +66,14 @@ _build_folders: list[tempfile.TemporaryDirectory[str]] = []
 
 
 @cache
-def build_firmware() -> Path:
-    """Build the firmware, once a process; return its ELF file. BuildError when a tool is missing or the build fails."""
+def build_firmware(*options: str) -> Path:
+    """Build the firmware, once a process; return its ELF file. BuildError when a tool is missing or the build fails.
+
+    options: of its Makefile.
+    """
     _refuse_missing_tools()
-    build = folder_of_builds() / "firmware"
-    _run(["make", "-C", str(_CONTROLLER), f"BUILD={build}"])
+    build = folder_of_builds() / "-".join(["firmware", *options])
+    _run(["make", "-C", str(_CONTROLLER), f"BUILD={build}", *options])
     return build / "stepramp.elf"
 
 
@@ -102,7 +105,7 @@ class SimulatedController:
     `real_time`: at 16 MHz; otherwise as fast as this machine can. `eeprom`: the file that keeps its EEPROM (default: a
     new one in `workdir`). `cut_power_at_write`: the power fails in the middle of that EEPROM write, counted from 1;
     `start` runs it again, with the power on for good. `press`: a button between pin 14 to 19 and ground, from when to
-    when it is pressed [ms].
+    when it is pressed [ms]. `boot_loader`: the bytes, in a file, of one that it begins in, after each reset.
     """
 
     def __init__(
@@ -115,6 +118,7 @@ class SimulatedController:
         eeprom: Path | None = None,
         cut_power_at_write: int | None = None,
         press: tuple[int, int, int] | None = None,
+        boot_loader: Path | None = None,
     ) -> None:
         self.port = str(workdir / "avr-tty")
         self.eeprom = eeprom or workdir / "eeprom.bin"
@@ -126,6 +130,7 @@ class SimulatedController:
         self._real_time = real_time
         self._cut_power_at_write = cut_power_at_write
         self._press = press
+        self._boot_loader = boot_loader
         self._process: subprocess.Popen[str] | None = None
 
     def start(self) -> None:
@@ -139,6 +144,7 @@ class SimulatedController:
             command += ["--cut-power-at", str(self._cut_power_at_write)]
             self._cut_power_at_write = None
         command += [] if self._press is None else ["--press", "{}:{}-{}".format(*self._press)]
+        command += [] if self._boot_loader is None else ["--boot-loader", str(self._boot_loader)]
         self._process = subprocess.Popen([*command, str(self._firmware)], stdout=subprocess.PIPE, text=True)
         if self._process.stdout is None or self._process.stdout.readline() != "ready\n":
             self._process.kill()
@@ -169,9 +175,16 @@ class SimulatedController:
 
     def press_reset(self) -> None:
         """Press the reset button. RuntimeError when it doesn't run."""
+        self._signal(signal.SIGUSR1)
+
+    def overwrite_variables(self) -> None:
+        """Have what is behind the last variable overwritten, as by a stack that has come so far. As press_reset."""
+        self._signal(signal.SIGUSR2)
+
+    def _signal(self, number: signal.Signals) -> None:
         if self._process is None:
             raise RuntimeError("The simulated controller doesn't run.")
-        os.kill(self._process.pid, signal.SIGUSR1)
+        os.kill(self._process.pid, number)
 
     def edges(self) -> npt.NDArray[np.void]:
         """Return the edges of the pins since `start`: cycle [1/16 µs], pin, value.

@@ -17,12 +17,14 @@ static const char help[] =
     "usage: avr_host [options] firmware.elf\n"
     "Runs the firmware of an ATmega328P at 16 MHz behind a pseudo-terminal. Prints `ready` after 50 ms of\n"
     "simulated time, and on SIGTERM, SIGINT or when the power has been cut what it counted, as a line of\n"
-    "JSON. SIGUSR1 is the reset button.\n"
+    "JSON. SIGUSR1 is the reset button; SIGUSR2 overwrites what is behind the last variable, as a stack does that\n"
+    "has come so far.\n"
     "\n"
     "  --link PATH       make PATH a symbolic link to the pseudo-terminal (default: avr-tty)\n"
     "  --edges FILE      log each edge of pins 0 to 13 and A0 to A5 (14 to 19): i64 cycle, i8 pin, i8 value\n"
     "  --eeprom FILE     keep the EEPROM in FILE\n"
     "  --cut-power-at N  cut the power in the middle of EEPROM write N, counted from 1\n"
+    "  --boot-loader FILE  begin in this boot loader, after each reset, too: it ends where the memory does\n"
     "  --boot-ms N       opening the terminal resets the processor, which then is deaf for N ms (0: no reset)\n"
     "  --press PIN:A-B   press a button between a pin, 14 to 19, and ground from A to B ms\n"
     "  --free-running    run as fast as possible (default: in real time)\n"
@@ -41,7 +43,7 @@ enum { DATA_BEGINS = 0x4000, MCUSR = 0x54, POWER_ON = 1, EXTERNAL_RESET = 2, TIM
 #define LONGEST_BATCH_CYCLES (600 * CLOCK_HZ)
 
 struct options {
-    const char *link, *edges, *eeprom, *firmware, *press;
+    const char *link, *edges, *eeprom, *firmware, *press, *boot_loader;
     long cut_power_at;
     unsigned boot_ms;
     bool free_running, batch, busy;
@@ -54,12 +56,14 @@ static elf_firmware_t firmware;
 static avr_cycle_count_t runs_from;
 static long resets;
 static FILE *sent_file;
-static volatile sig_atomic_t stop_asked, reset_asked;
+static volatile sig_atomic_t stop_asked, reset_asked, overwrite_asked;
 
 static void on_signal(int signal_number)
 {
     if (signal_number == SIGUSR1) {
         reset_asked = 1;
+    } else if (signal_number == SIGUSR2) {
+        overwrite_asked = 1;
     } else {
         stop_asked = 1;
     }
@@ -132,6 +136,7 @@ static bool parse_options(int count, char **words, struct options *options)
         {"batch", no_argument, NULL, 'B'},         {"data", required_argument, NULL, 'd'},
         {"sent", required_argument, NULL, 's'},    {"busy", no_argument, NULL, 'y'},
         {"requests", required_argument, NULL, 'r'}, {"log", required_argument, NULL, 'g'},
+        {"boot-loader", required_argument, NULL, 'o'},
         {"press", required_argument, NULL, 'p'},   {"help", no_argument, NULL, 'h'},
         {NULL, 0, NULL, 0}};
     int option;
@@ -150,6 +155,7 @@ static bool parse_options(int count, char **words, struct options *options)
         case 'r': options->requests = optarg; break;
         case 'g': options->log = optarg; break;
         case 'p': options->press = optarg; break;
+        case 'o': options->boot_loader = optarg; break;
         case 'h': fputs(help, stdout); exit(0);
         default: return false;
         }
@@ -177,6 +183,25 @@ static bool load_data(const char *file)
     size_t count = fread(avr->flash + DATA_BEGINS, 1, avr->flashend - DATA_BEGINS, data);
     bool is_all = fgetc(data) == EOF && count > 0;
     fclose(data);
+    return is_all;
+}
+
+/* Puts a boot loader at the end of the program memory, and has the processor begin there, as its fuse does. */
+static bool load_boot_loader(const char *file)
+{
+    FILE *loader = fopen(file, "rb");
+    if (!loader) {
+        perror(file);
+        return false;
+    }
+    fseek(loader, 0, SEEK_END);
+    long size = ftell(loader);
+    rewind(loader);
+    avr_flashaddr_t begin = avr->flashend + 1 - (avr_flashaddr_t)size;
+    bool is_all = size > 0 && size < (long)avr->flashend && fread(avr->flash + begin, 1, (size_t)size, loader) == (size_t)size;
+    fclose(loader);
+    avr->codeend = avr->flashend;
+    avr->reset_pc = avr->pc = begin;
     return is_all;
 }
 
@@ -221,6 +246,9 @@ static bool load(const struct options *options)
     avr_load_firmware(avr, &firmware);
     memset(avr->data + stack_begins(), PAINT, avr->ramend + 1 - stack_begins());
     avr->data[MCUSR] = POWER_ON;
+    if (options->boot_loader && !load_boot_loader(options->boot_loader)) {
+        return false;
+    }
     timer1_attach(avr);
     other_timers_attach(avr);
     interrupts_attach(avr);
@@ -308,6 +336,10 @@ static bool run(const struct options *options)
             reset_asked = 0;
             reset(options->boot_ms);
         }
+        if (overwrite_asked) {
+            overwrite_asked = 0;
+            avr->data[stack_begins()] ^= 0xFF;
+        }
         if (avr->cycle >= next_flush) {
             next_flush = avr->cycle + FLUSH_CYCLES;
             edges_flush();
@@ -357,6 +389,7 @@ int main(int count, char **words)
     signal(SIGTERM, on_signal);
     signal(SIGINT, on_signal);
     signal(SIGUSR1, on_signal);
+    signal(SIGUSR2, on_signal);
     if (!load(&options)) {
         fprintf(stderr, "avr_host: can't begin with %s\n", options.firmware);
         return 2;

@@ -1,12 +1,12 @@
-/* Enables the motors, then hangs until the watchdog resets the processor. Sends each time why the processor began. The
+/* Enables the motors, then hangs until the watchdog interrupts it, and then resets the processor. Sends each time why the processor began. The
  * second time it raises a pin for 100 ms by its clock, and ends. */
 #include <avr/interrupt.h>
 #include <avr/io.h>
 #include <avr/sleep.h>
-#include <avr/wdt.h>
 #include <util/delay.h>
 
 #include "clock.h"
+#include "reset.h"
 #include "serial.h"
 #include "stepramp/edge/board.h"
 #include "stepramp/edge/step_queue.h"
@@ -30,7 +30,8 @@ int main(void)
     _delay_ms(1);
     if (board_reset_cause() != RESET_WATCHDOG) {
         board_enable(true);
-        wdt_enable(WDTO_15MS);
+        watchdog_begin();
+        sei();
         for (;;) {
         }
     }

@@ -88,13 +88,19 @@ def test_halted_gauges(tmp_path: Path) -> None:
     assert chip.positions[2] == 200
 
 
-def test_the_watchdog_lets_no_motor_coast(tmp_path: Path) -> None:
+@pytest.fixture(params=[False, True], ids=["without a boot loader", "behind optiboot"])
+def loader(request: pytest.FixtureRequest) -> list[str | Path]:
+    """Return the simulator's options for a boot loader, which keeps to itself why it began."""
+    return ["--boot-loader", request.getfixturevalue("optiboot")] if request.param else []
+
+
+def test_the_watchdog_lets_no_motor_coast(tmp_path: Path, loader: list[str | Path]) -> None:
     """The enable pin is let go of for a few microseconds; the program knows why it began; its clock is right."""
     source = Path(__file__).with_name("hang.c")
     program = build_program("hang", [source, *chip_sources()])
-    statistics, edges, sent = run_on_chip(program, tmp_path)
+    statistics, edges, sent = run_on_chip(program, tmp_path, *loader)
     assert statistics["resets"] == 1
-    assert list(sent) == [1, 8], "reset by power, then by the watchdog"
+    assert list(sent) == [0 if loader else 1, 8], "reset by power, as far as that is told, then by the watchdog"
     enable = edges[edges["pin"] == ENABLE_PIN]
     assert enable["value"].tolist() == [1, 0, 1]
     assert enable["cycle"][2] - enable["cycle"][1] < 10 * CYCLES_PER_US
@@ -102,9 +108,9 @@ def test_the_watchdog_lets_no_motor_coast(tmp_path: Path) -> None:
     assert np.diff(clock) == pytest.approx(100_000 * CYCLES_PER_US, abs=1100 * CYCLES_PER_US)
 
 
-def test_a_stack_that_comes_to_the_variables_ends_in_a_reset(tmp_path: Path) -> None:
+def test_a_stack_that_comes_to_the_variables_ends_in_a_reset(tmp_path: Path, loader: list[str | Path]) -> None:
     source = Path(__file__).with_name("overflow.c")
     program = build_program("overflow", [source, *chip_sources()])
-    statistics, _, sent = run_on_chip(program, tmp_path)
+    statistics, _, sent = run_on_chip(program, tmp_path, *loader)
     assert statistics["resets"] == 1
-    assert list(sent) == [1, 8], "reset by power, then by the watchdog"
+    assert list(sent) == [0 if loader else 1, 8], "reset by power, as far as that is told, then by the watchdog"
