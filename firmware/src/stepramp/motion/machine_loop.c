@@ -124,10 +124,9 @@ static void go_on_together(void)
  * must leave the time to move. */
 bool machine_poll(void)
 {
+    stepramp_feed_clock.now = board_time();
     while (next_axis < stepramp_axis_count) {
         struct feed *feed = &stepramp_feeds[next_axis++];
-        /* Of each axis anew: those before it may have taken half of what its queue holds. */
-        stepramp_feed_clock.now = board_time();
         if (!feed_is_moving(feed)) {
             continue;
         }
