@@ -16,21 +16,24 @@ ENABLED = 0
 """The level of the enable pin at which drivers are enabled."""
 
 
+def move_by(client: Client, steps: int) -> None:
+    """Give it a ramp, and wait until it has moved."""
+    client.push(GAUGE)
+    client.move_by(steps)
+    client.wait_until_idle()
+
+
 def test_the_program_begins_behind_it_and_claims_to_know_no_cause(simulated_controller: Make, optiboot: Path) -> None:
     with simulated_controller(boot_loader=optiboot) as simulated, Client(simulated.port) as client:
         assert client.hello().reset_cause == 0
-        client.push(GAUGE)
-        client.move_by(300)
-        client.wait_until_idle()
+        move_by(client, 300)
         assert client.status().position == 300
 
 
 def test_the_watchdog_is_told_and_keeps_the_motors_enabled(simulated_controller: Make, optiboot: Path) -> None:
     with simulated_controller(boot_loader=optiboot) as simulated, Client(simulated.port) as client:
         client.hello()
-        client.push(GAUGE)
-        client.move_by(100)
-        client.wait_until_idle()
+        move_by(client, 100)
         before = of_pin(simulated.edges(), ENABLE_PIN)
         assert before["value"][-1] == ENABLED
         simulated.overwrite_variables()
@@ -45,9 +48,7 @@ def test_the_button_is_no_watchdog(simulated_controller: Make, optiboot: Path) -
     """The boot loader waits for a program, and then has a watchdog of its own begin the one that is there."""
     with simulated_controller(boot_loader=optiboot) as simulated, Client(simulated.port) as client:
         client.hello()
-        client.push(GAUGE)
-        client.move_by(100)
-        client.wait_until_idle()
+        move_by(client, 100)
         simulated.press_reset()
         assert client.hello_until_answered().reset_cause == 0
         assert client.status().position == 0
