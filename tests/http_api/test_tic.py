@@ -60,7 +60,11 @@ def test_the_family_is_listed(client: TestClient) -> None:
 
 def test_connecting_asks_and_moves_nothing(client: TestClient, cable: TicOnACable) -> None:
     device = client.post(DEVICES, json={"port": cable.port, "family": "tic"}).json()
-    assert (device["family"], device["state"], device["capabilities"]) == ("tic", "ready", ["try", "zero", "import"])
+    assert (device["family"], device["state"], device["capabilities"]) == (
+        "tic",
+        "ready",
+        ["try", "zero", "backup", "import"],
+    )
     assert (device["clocks_hz"], device["timer_hz"], device["firmware_version"]) == ([], None, None)
     assert (device["on_trial"], device["motors_on"], device["message"], device["starved"]) == (False, False, None, None)
     assert device["most_axes"] == 1
@@ -95,7 +99,32 @@ def test_starting_from_this_machine(client: TestClient, cable: TicOnACable, devi
     design = read["axes"][0]["design"]
     assert (design["axis"]["microsteps"], design["ramp"]["slew_speed_steps_per_s"]) == (16, 1000)
     assert client.post(f"{device}/push/preview", json={"design": design}).json()["same"]
-    assert error_of(client.get(f"{device}/backups"), 409)["message"].endswith("can.")
+
+
+def test_the_backup_before_the_first_write_and_a_cable_cut_in_the_midst(client: TestClient, cable: TicOnACable) -> None:
+    """The Tic has a supply of its own: what had arrived of the push it still has."""
+    route, new = connected(client, cable.port, "tic"), cable.tic.ramp
+    is_cut = False
+
+    def cut(sent: bytes) -> bytes:
+        nonlocal is_cut
+        before, acceleration, _ = sent.partition(b"\xea")
+        arrives = b"" if is_cut else before
+        is_cut = is_cut or bool(acceleration)
+        return arrives
+
+    cable.tic.on_the_way_in = cut
+    error_of(client.post(f"{route}/push", json={"design": document(), "mode": "try"}), 502)
+    lost = wait_until(client, route, lambda device: device["state"] == "lost")
+    assert f"What it had is saved as {lost['backup']}: restore that." in lost["message"]
+    assert cable.tic.ramp == [0, 10_000_000, *new[2:]]
+    cable.tic.on_the_way_in = lambda sent: sent
+    route = connected(client, cable.port, "tic")
+    restored = client.post(f"{route}/backups/{lost['backup']}/restore")
+    assert (restored.status_code, restored.json()["remarks"]) == (200, [])
+    assert cable.tic.ramp == new == [0, 2_000_000, 40_000, 40_000]
+    # What was there in between is saved, too.
+    assert len(client.get(f"{route}/backups").json()["backups"]) == 2
 
 
 def test_what_it_really_plays(client: TestClient) -> None:

@@ -120,3 +120,61 @@ def test_no_push_while_the_motor_moves(bench: Bench, controller: TicController) 
             refused()
     assert bench.tic.ramp == before
     assert bench.rest().axes[0].position_steps == 5000
+
+
+def test_a_backup_brings_back_what_was_in_use(bench: Bench, controller: TicController) -> None:
+    text = controller.backup()
+    assert text == "starting_speed: 0\nmax_speed: 10000000\nmax_decel: 500000\nmax_accel: 500000\nstep_mode: 1\n"
+    controller.roll_back()
+    assert controller.use_backup(text) == ("The Tic forgets these figures when it is reset or switched off.",)
+    assert bench.tic.ramp == [0, 10_000_000, 500_000, 500_000]
+    assert controller.status().on_trial
+    bench.tic.stored_ramp = [0, 10_000_000, 0, 500_000]
+    assert controller.use_backup(text) == ()
+    assert not controller.status().on_trial
+    assert bench.tic.steps == 0
+
+
+def test_a_backup_through_a_line_that_loses_bytes(bench: Bench, controller: TicController) -> None:
+    text, lost = controller.backup(), iter([True, False, True])
+    controller.roll_back()
+    bench.tic.on_the_way_in = lambda sent: sent[:-1] if sent[0] == 0xE6 and next(lost, False) else sent
+    controller.use_backup(text)
+    assert bench.tic.ramp == [0, 10_000_000, 500_000, 500_000]
+
+
+def test_of_a_settings_file_the_ramp_is_used_and_the_rest_is_told(bench: Bench, controller: TicController) -> None:
+    text = "product: T825\ncurrent_limit: 174\nmax_speed: 2000000\nmax_accel: 40000\nstep_mode: 8\n"
+    assert controller.use_backup(text) == (
+        "The step mode is not as in the backup: it makes 1 of a full step, in the backup 8. The Tic Control Center "
+        "sets it.",
+        "Other settings than those of the ramp stay as they are, 1 of them: the Tic Control Center writes them.",
+    )
+    assert bench.tic.ramp == [0, 2_000_000, 40_000, 40_000]
+
+
+@pytest.mark.parametrize(
+    ("text", "value", "allowed"),
+    [
+        ("$120=250\n", "1 lines", "a backup of a Tic, or its settings file: lines 'max_speed: …' and 'max_accel: …'"),
+        ("max_speed: fast\nmax_accel: 40000", "max_speed: fast", "whole numbers of a Tic's units"),
+        ("max_speed: 2000000\nmax_accel: 99", "max_accel: 99", "accelerations from 100 to 2,147,483,647"),
+        ("max_speed: 2000000\nmax_accel: 400\nstep_mode: 3", "step_mode: 3", "a step mode of a Tic: full"),
+    ],
+)
+def test_what_is_no_backup_is_rejected(
+    bench: Bench, controller: TicController, text: str, value: str, allowed: str
+) -> None:
+    rejected = only_rejection(lambda: controller.use_backup(text))
+    assert rejected[0] == "text"
+    assert value in str(rejected[1])
+    assert allowed in rejected[2]
+    assert bench.told() == []
+
+
+def test_no_backup_is_written_while_the_motor_moves(bench: Bench, controller: TicController) -> None:
+    text = controller.backup()
+    controller.move_by(by(5000))
+    with pytest.raises(Refused, match="The motor moves: stop it first"):
+        controller.use_backup(text)
+    assert bench.tic.ramp == [0, 10_000_000, 500_000, 500_000]

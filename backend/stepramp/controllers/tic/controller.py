@@ -7,7 +7,7 @@ targets are absolute.
 from collections.abc import Callable, Collection, Sequence
 from time import sleep
 
-from stepramp.controllers.capabilities import TellsSettings, TriesRamps, ZeroesGauges
+from stepramp.controllers.capabilities import BacksUp, TriesRamps, ZeroesGauges
 from stepramp.controllers.contract import (
     Activity,
     AxisCommand,
@@ -20,10 +20,11 @@ from stepramp.controllers.contract import (
     StoredRamp,
 )
 from stepramp.controllers.progress import Progress, PushStage, Tell
+from stepramp.controllers.tic.backup import Backup
 from stepramp.controllers.tic.conversation import MOST_REPEATS, Conversation
 from stepramp.controllers.tic.course import Course
 from stepramp.controllers.tic.memory import Memory
-from stepramp.controllers.tic.push import PushPlan
+from stepramp.controllers.tic.push import VOLATILE, PushPlan
 from stepramp.controllers.tic.ramp import steps_per_s
 from stepramp.controllers.tic.ramp_in_use import RampInUse
 from stepramp.controllers.tic.read_settings import settings_of
@@ -40,7 +41,7 @@ SERIAL_CONTROL = 0
 """The control mode in which a Tic obeys its serial port."""
 
 
-class TicController(Controller, TriesRamps, ZeroesGauges, TellsSettings):
+class TicController(Controller, TriesRamps, ZeroesGauges, BacksUp):
     """A client of a Tic's serial protocol; see Controller for what its calls do."""
 
     def __init__(
@@ -146,6 +147,15 @@ class TicController(Controller, TriesRamps, ZeroesGauges, TellsSettings):
         """Ask for the ramp and the step mode in use, as lines of a Tic's settings file."""
         self._ramp_in_use.look()
         return "\n".join(settings_of(self._ramp_in_use.ramp, self._ramp_in_use.microsteps)) + "\n"
+
+    def use_backup(self, text: str) -> tuple[str, ...]:
+        """Use the ramp of a backup, or of a settings file, and read it back; see BacksUp."""
+        backup = Backup.of(text)
+        self._refuse_moving()
+        self._ramp_in_use.use(backup.ramp)
+        self._ramp_in_use.learn()
+        forgotten = (VOLATILE,) if self._ramp_in_use.is_on_trial else ()
+        return (*backup.left(self._ramp_in_use.microsteps), *forgotten)
 
     def move_by(self, steps: Sequence[AxisCommand]) -> None:
         """Begin to move by so many steps from the target; Refused while the motor runs at a speed, or slows down."""

@@ -13,6 +13,8 @@ _LINE = re.compile(r"(?P<name>[a-z_]+) *:(?P<value>[^#]*)(?:#.*)?")
 FIGURES = ("starting_speed", "max_speed", "max_decel", "max_accel")
 """In the order of TicRamp; of those left out a Tic has what it comes with."""
 ALLOWED = "speeds up to 500,000,000, accelerations from 100 to 2,147,483,647, max_decel also 0"
+NEEDED = frozenset({"max_speed", "max_accel"})
+"""What every settings file has, and other texts don't."""
 NEW = {"starting_speed": "0", "max_decel": "0"}
 STEP_MODES = {"full": 1, "half": 2, "2_100p": 2, **{str(each): each for each in sorted(set(MICROSTEPS.values()))}}
 """Names of step modes, and how many steps each makes of a full step."""
@@ -31,11 +33,10 @@ def read_settings(text: str, base: Design) -> list[ReadAxis]:
     base: what holds where a Tic says nothing, as motor, timer and method. A push of such a design changes nothing.
     Raises Rejected for settings that no Tic, or no design, can have.
     """
-    found = filter(None, map(_LINE.fullmatch, (line.strip() for line in text.splitlines())))
-    told = {each["name"]: each["value"].strip().strip("\"'") for each in found}
-    if not {"max_speed", "max_accel"} <= told.keys():
+    told = told_by(text)
+    if not told.keys() >= NEEDED:
         return []
-    ramp, microsteps = _ramp(NEW | told), _microsteps(told.get("step_mode"))
+    ramp, microsteps = ramp_told(told), microsteps_told(told)
     document = base.model_dump(mode="json", by_alias=True)
     document["name"] = f"Tic {told['product']}" if told.get("product") else "Tic"
     if microsteps is not None:
@@ -51,7 +52,15 @@ def read_settings(text: str, base: Design) -> list[ReadAxis]:
     return [ReadAxis("Tic", design, tuple(_remarks(microsteps)))]
 
 
-def _ramp(told: dict[str, str]) -> TicRamp:
+def told_by(text: str) -> dict[str, str]:
+    """Return the settings that a text tells, by name, as they are written."""
+    found = filter(None, map(_LINE.fullmatch, (line.strip() for line in text.splitlines())))
+    return {each["name"]: each["value"].strip().strip("\"'") for each in found}
+
+
+def ramp_told(settings: dict[str, str]) -> TicRamp:
+    """Return the ramp among settings; Rejected for one that no Tic can have."""
+    told = NEW | settings
     bad = [each for each in FIGURES if not re.fullmatch(r"\d{1,10}", told[each])]
     if bad:
         raise Rejected([Rejection("text", f"{each}: {told[each]}", "whole numbers of a Tic's units") for each in bad])
@@ -63,7 +72,9 @@ def _ramp(told: dict[str, str]) -> TicRamp:
         raise Rejected([Rejection("text", wrong, ALLOWED)]) from error
 
 
-def _microsteps(step_mode: str | None) -> int | None:
+def microsteps_told(settings: dict[str, str]) -> int | None:
+    """Return how many steps of a full step settings tell; None for nothing. Rejected for what no Tic can have."""
+    step_mode = settings.get("step_mode")
     if step_mode is None or step_mode in STEP_MODES:
         return None if step_mode is None else STEP_MODES[step_mode]
     raise Rejected([Rejection("text", f"step_mode: {step_mode}", f"a step mode of a Tic: {', '.join(STEP_MODES)}")])
