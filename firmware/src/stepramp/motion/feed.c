@@ -32,6 +32,10 @@ enum { TIME_AHEAD = 125, HURRY_TIME = 62 };
  * request and a stop. A trace makes segments short, which takes time, so it needs more of it. */
 enum { WAITING_TIME = 96, TRACING_TIME = 100 };
 
+/* With so much in the queue of a line, 5 ms, a stop is read first: to read it, answer it and turn to the ramp down takes 4 ms
+ * of a line of four at its highest speed. One axis queues for all, and is soon asked again. */
+enum { LINE_WAITING_TIME = 79 };
+
 /* A segment is loaded at the beginning of the interval before it, so that some must be there however long that is: where
  * the direction turns, the silence that ends a move, that in which the direction settles, a pulse, and the next. */
 enum { LEAST_SEGMENTS = 4 };
@@ -346,10 +350,10 @@ static void parked(struct feed *feed)
 }
 
 /* To a stop. What only looks like one comes as often as a disturbed line makes it: an axis that has little time left queues
- * something first. On a line, one axis queues for all, and is soon asked again. */
+ * something first. */
 static bool gives_way(const struct feed *feed)
 {
-    return can_wait(feed, line_is_on() ? HURRY_TIME : WAITING_TIME) && board_skip_to_stop();
+    return can_wait(feed, line_is_on() ? LINE_WAITING_TIME : WAITING_TIME) && board_skip_to_stop();
 }
 
 bool feed_poll(struct feed *feed)

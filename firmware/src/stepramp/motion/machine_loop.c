@@ -124,12 +124,12 @@ static void go_on_together(void)
  * must leave the time to move. */
 bool machine_poll(void)
 {
-    stepramp_feed_clock.now = board_time();
     while (next_axis < stepramp_axis_count) {
         struct feed *feed = &stepramp_feeds[next_axis++];
         if (!feed_is_moving(feed)) {
             continue;
         }
+        stepramp_feed_clock.now = board_time(); /* a round of several axes at full speed takes milliseconds */
         axis_compute(&feed->axis);
         if (!feed_poll(feed)) {
             is_short = true;
