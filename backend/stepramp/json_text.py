@@ -48,6 +48,15 @@ class _Repeating(dict[str, object]):
     pairs: list[tuple[str, object]]
 
 
+def why_unreadable(error: ValueError) -> str:
+    """Return why a text is no JSON, in words, of what parsed_json raised."""
+    if not isinstance(error, json.JSONDecodeError):
+        return str(error)
+    if not error.doc.strip():
+        return "It is empty."
+    return f"It can't be read from line {error.lineno}, column {error.colno} on."
+
+
 def parsed_json(text: str) -> object:
     """Return JSON as objects; ValueError when it is none, is nested too deeply, or has numbers of too many digits.
 

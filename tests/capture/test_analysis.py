@@ -50,6 +50,17 @@ def test_a_direction_holds_for_the_step_that_it_comes_with() -> None:
     assert moves_in(analysis(sorted(changes), ("B", "A"), step_channel="B", direction_channel="A")) == [(0, 2), (2, 1)]
 
 
+def test_all_steps_of_one_instant_have_the_direction_that_it_ends_with() -> None:
+    """Of instants with many edges, each is looked at once: this file was once read for hours."""
+    again = 200_000
+    lines = "0,0,0\n0,1,1\n" * again + "1,0,0\n1,1,0\n2,0,0\n"
+    found = analysed(read_file(f"Time [s],Step,Dir\n{lines}".encode()), Wanted(), None)
+    directions = found.steps.direction_levels
+    assert found.steps.ticks.size == again + 1
+    assert (directions[:-1] == 1).all()
+    assert directions[-1] == 0
+
+
 @pytest.mark.parametrize(
     ("edge", "instants"), [("rising", [100, 150]), ("falling", [110, 170]), ("both", [100, 110, 150, 170])]
 )

@@ -323,6 +323,9 @@ def test_large_bodies_have_only_so_much_room_together_and_small_ones_always_have
     [
         (json.dumps({"design": {}}).encode("utf-16"), "JSON in UTF-8, not compressed"),
         (b"\x1f\x8b\x08\x00", "JSON in UTF-8, not compressed"),
+        (b"", "JSON (It is empty.)"),
+        (b'{"design": {},\n }', "JSON (It can't be read from line 2, column 2 on.)"),
+        (b"{} and more", "JSON (It can't be read from line 1, column 4 on.)"),
         (b'{"max_points": ' + b"1" * 5000 + b"}", "JSON (It has a number of more than 4,300 digits.)"),
     ],
 )

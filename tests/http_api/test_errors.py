@@ -241,7 +241,10 @@ def test_a_format_that_is_none_names_the_formats(client: TestClient) -> None:
 
 def test_pages_and_routes_that_are_not_there(client: TestClient) -> None:
     [error] = errors_of(client.get("/api/v1/nothing"), 404)
-    assert error["message"] == "Not Found: GET /api/v1/nothing. The routes are described at /docs."
+    assert (
+        error["message"]
+        == "Not Found: GET /api/v1/nothing. The routes are described at /docs, for programs at /api/v1/openapi.json."
+    )
     errors_of(client.get("/nothing.html"), 404)
     errors_of(client.get("/../pyproject.toml"), 404)
     errors_of(client.post("/api/v1/nothing"), 404)

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import pytest
 from starlette.testclient import TestClient
 
 from designs import document
@@ -59,3 +60,13 @@ def test_all_else_goes_on_without_the_library(client: TestClient, tmp_path: Path
     assert client.post("/api/v1/profile", json={"design": document()}).status_code == 200
     (tmp_path / "library.sqlite3").rmdir()
     assert client.post("/api/v1/library/search", json={}).json() == {"count": 0, "designs": []}
+
+
+@pytest.mark.parametrize("number", ["abc", "1.5", "0", "-1", "9" * 5000])
+def test_what_is_no_number_of_a_revision_is_refused_in_words(client: TestClient, number: str) -> None:
+    made = client.post(DESIGNS, json={"design": document()}).json()
+    for path, field in ((number, "number"), (f"1/differences/{number}", "other")):
+        refused = client.get(f"{DESIGNS}/{made['id']}/revisions/{path}")
+        [error] = refused.json()["errors"]
+        assert (refused.status_code, error["field"]) == (422, field)
+        assert error["allowed"] == "the number of a revision, from 1 on"

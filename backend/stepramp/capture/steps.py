@@ -69,22 +69,22 @@ def _count(codes, channel, level):  # type: ignore[no-untyped-def]  # compiled
 def _find_steps(  # type: ignore[no-untyped-def]  # compiled
     ticks, codes, step_channel, direction_channel, known, level, step_ticks, pulse_ticks, directions
 ):
-    found, is_pulse = 0, False
+    found, found_before, is_pulse = 0, 0, False
     for number in range(codes.size):
         channel, leads_to = codes[number] >> 1, codes[number] & 1
         if channel == direction_channel:
             known = np.int8(leads_to)
-            earlier = found - 1
-            while earlier >= 0 and step_ticks[earlier] == ticks[number]:
-                directions[earlier] = known
-                earlier -= 1
         elif channel == step_channel:
             if is_pulse:
                 pulse_ticks[found - 1] = ticks[number] - step_ticks[found - 1]
             is_pulse = level in (2, leads_to)
             if is_pulse:
-                step_ticks[found], directions[found] = ticks[number], known
+                step_ticks[found] = ticks[number]
                 found += 1
+        if number + 1 == codes.size or ticks[number + 1] != ticks[number]:
+            # All steps of one instant have the direction that it ends with.
+            directions[found_before:found] = known
+            found_before = found
 
 
 @compiled

@@ -2,7 +2,7 @@
 
 from stepramp.controllers.contract import AxisCommand
 from stepramp.errors import Limits, Rejection
-from stepramp.numerics.limit_text import highest, lowest
+from stepramp.numerics.limit_text import at_least, highest, lowest
 
 FIGURES = 10
 
@@ -15,7 +15,7 @@ def too_slow_for(asked: AxisCommand, slowest: float, fastest: float) -> Rejectio
 
 def too_fast_for(asked: AxisCommand, slowest: float, fastest: float, why: str) -> Rejection:
     """Return the rejection of a speed beyond the fastest [steps/s], and why no faster one is possible."""
-    note = f", {why}, and 0 or at least {slowest:,.6g} steps/s either way"
+    note = f", {why}, and 0 or {at_least(slowest)} steps/s either way"
     most = highest(fastest, FIGURES)
     allowed = f"from {-fastest:,.10g} to {fastest:,.10g} steps/s{note}"
     return Rejection(asked.field, asked.value, allowed, Limits(-most, most, "steps/s", note=note))

@@ -24,7 +24,7 @@ from stepramp.http_api.errors import ErrorList, error_response
 from stepramp.http_api.json_response import JsonResponse
 from stepramp.http_api.lanes import CHECKING
 from stepramp.http_api.planned import Planned
-from stepramp.json_text import ONCE, parsed_json
+from stepramp.json_text import ONCE, parsed_json, why_unreadable
 from stepramp.validation import Document
 
 MOST_BYTES = 2_000_000
@@ -242,4 +242,4 @@ def _content(body: bytes) -> object:
         raise Rejected([Rejection("body", shown_bytes, "JSON in UTF-8, not compressed")]) from None
     except ValueError as error:
         text = body[:1000].decode("utf-8", "backslashreplace")
-        raise Rejected([Rejection("body", text, f"JSON ({error})")]) from None
+        raise Rejected([Rejection("body", text, f"JSON ({why_unreadable(error)})")]) from None

@@ -10,7 +10,8 @@ from stepramp.capture.formats.files import read_file
 from stepramp.http_api.bodies import FILE_TYPE, MOST_FILE_BYTES, OF_FILES, FileRoute, read_file_body
 from stepramp.http_api.capture_models import PARAMETERS, CaptureAnswer, CapturePayload
 from stepramp.http_api.lanes import CAPTURING
-from stepramp.http_api.planned import Planned
+from stepramp.http_api.planned import Planned, Wanted
+from stepramp.motor.train import NotWanted
 from stepramp.ramp.profile import profile_of
 
 router = APIRouter(tags=["captures"], route_class=FileRoute)
@@ -32,10 +33,13 @@ async def capture(request: Request) -> Planned[CaptureAnswer]:
     parts = await read_file_body(request)
     # Only now: a browser shows no refusal that comes before it has sent its file.
     payload = CapturePayload.of_parameters(request.query_params)
-    return Planned(CAPTURING, partial(_answer, parts, payload))
+    wanted = Wanted()
+    return Planned(CAPTURING, partial(_answer, parts, payload, wanted), wanted)
 
 
-def _answer(parts: list[bytes], payload: CapturePayload) -> CaptureAnswer:
+def _answer(parts: list[bytes], payload: CapturePayload, wanted: Wanted) -> CaptureAnswer:
+    if not wanted.is_so():
+        raise NotWanted
     content = b"".join(parts)
     parts.clear()
     profile = None if payload.design is None else profile_of(payload.design)

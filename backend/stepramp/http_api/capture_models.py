@@ -17,7 +17,7 @@ from stepramp.design import MOST_STEPS, Design
 from stepramp.errors import Rejected, Rejection
 from stepramp.http_api.answer import Answer, Numbers, NumbersOrNull, WholeNumbers
 from stepramp.http_api.bodies import refuse_repeated
-from stepramp.json_text import parsed_json
+from stepramp.json_text import parsed_json, why_unreadable
 from stepramp.numerics.compiled import counted
 from stepramp.ramp.profile import Phase
 from stepramp.ramp.thinning import kept_steps_of_all
@@ -260,7 +260,9 @@ def _value(name: str, text: str) -> object:
         except Rejected as error:
             raise Rejected([each.within("design.") for each in error.rejections]) from None
         except ValueError as error:
-            raise Rejected([Rejection("design", text, f"a design document as JSON ({error})")]) from None
+            raise Rejected(
+                [Rejection("design", text, f"a design document as JSON ({why_unreadable(error)})")]
+            ) from None
     if name not in ("move_number", "shortest_pulse_us", "longest_wait_us", "max_points"):
         return text
     if name == "max_points" and text == "null":

@@ -159,7 +159,9 @@ def handle_errors(app: FastAPI) -> None:
             headers["Allow"] = ", ".join(_methods_of(request)) or headers.get("Allow", "GET, HEAD")
             message = f"{message}: {request_line}; allowed: {headers['Allow']}."
         elif not message.endswith("."):
-            message = f"{message}: {request_line}. The routes are described at /docs."
+            message = (
+                f"{message}: {request_line}. The routes are described at /docs, for programs at /api/v1/openapi.json."
+            )
         return _response(error.status_code, [_sentence(message)], headers)
 
     async def unexpected(_: Request, error: Exception) -> Response:

@@ -123,7 +123,7 @@ CONNECTING = Lane("connecting", 8)
 """Connecting, which takes up to 5 s."""
 CHECKING = Lane("checking", 1, computes=True)
 """Parsing and validating of large bodies: one at a time, since other threads hardly get on meanwhile."""
-CAPTURING = Lane("capturing", 1, computes=True)
+CAPTURING = Lane("capturing", 1, computes=True, most_wait_s=MOST_WAIT_S)
 """Reading of captured files: one at a time, since each takes many times its own size in memory."""
 PUSHING = Lane("pushing", 8)
 """Pushes, which take some seconds and wait for their planning, too."""

@@ -3,7 +3,7 @@
 import re
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Depends, Header, Request
+from fastapi import APIRouter, Depends, Header, Path, Request
 
 from stepramp.errors import Rejected, Rejection
 from stepramp.http_api.bodies import JsonRoute
@@ -46,6 +46,25 @@ def _version(if_match: Annotated[str | None, Header(description="The ETag that t
     return int(match[1])
 
 
+def _revision(field: str, text: str) -> int:
+    if re.fullmatch(r"[1-9][0-9]{0,99}", text) is None:
+        raise Rejected([Rejection(field, text, "the number of a revision, from 1 on")])
+    return int(text)
+
+
+_A_NUMBER = Path(description="Which revision, counted from 1", json_schema_extra={"type": "integer", "minimum": 1})
+
+
+def _number(number: Annotated[str, _A_NUMBER]) -> int:
+    return _revision("number", number)
+
+
+def _other(other: Annotated[str, _A_NUMBER]) -> int:
+    return _revision("other", other)
+
+
+Number = Annotated[int, Depends(_number)]
+Other = Annotated[int, Depends(_other)]
 TheLibrary = Annotated[Library, Depends(_library)]
 Version = Annotated[int, Depends(_version)]
 
@@ -91,14 +110,14 @@ def save(design_id: str, request: RevisionPayload, version: Version, library: Th
 
 @router.get("/designs/{design_id}/revisions/{number}")
 @LIBRARY.serves
-def revision(design_id: str, number: int, library: TheLibrary) -> ContentAnswer:
+def revision(design_id: str, number: Number, library: TheLibrary) -> ContentAnswer:
     """Return the design of a revision."""
     return ContentAnswer.model_validate({"number": number, "design": library.content(design_id, number)})
 
 
 @router.get("/designs/{design_id}/revisions/{number}/differences/{other}")
 @LIBRARY.serves
-def compared(design_id: str, number: int, other: int, library: TheLibrary) -> DifferencesAnswer:
+def compared(design_id: str, number: Number, other: Other, library: TheLibrary) -> DifferencesAnswer:
     """Return what a revision and another one differ in, field by field."""
     before, after = library.content(design_id, number), library.content(design_id, other)
     return DifferencesAnswer.model_validate({"differences": list(differences(before, after))})

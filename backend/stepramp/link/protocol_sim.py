@@ -52,7 +52,7 @@ class Serial(serial.SerialBase):
         """Open the port; SerialException when nothing is registered there, or it is open already."""
         name = str(self.port)
         if name not in _devices:
-            raise serial.SerialException(f"no virtual device at {name}")
+            raise serial.SerialException(f"no virtual device is there, but at {', '.join(sorted(_devices))}")
         if name in _open_ports:
             raise serial.SerialException(errno.EBUSY, f"{name} is in use")
         _open_ports.add(name)

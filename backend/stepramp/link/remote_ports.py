@@ -106,14 +106,17 @@ class RemotePorts:
         """Yield each way to each of the hosts."""
         return (RemotePort(scheme, host) for host in self._hosts for scheme in SCHEMES)
 
-    def allowed(self, address: str, schemes: Sequence[Scheme] = SERIAL_SCHEMES) -> RemotePort:
-        """Return the port of an address; Rejected for one that is none, or of a host that was not named."""
+    def allowed(self, address: str, schemes: Sequence[Scheme] = SERIAL_SCHEMES, besides: str = "") -> RemotePort:
+        """Return the port of an address; Rejected for one that is none, or of a host that was not named.
+
+        besides: what else a port may be called, as the beginning of what is allowed.
+        """
         remote = RemotePort.of(address)
         if remote is not None and remote.scheme in schemes and remote.host in self._hosts:
             return remote
         named = ", ".join(map(str, self._hosts)) or "none was named"
         ways = " or ".join(f"{scheme}://host:port" for scheme in schemes)
-        raise Rejected([Rejection("port", address, f"{ways}, only hosts named at start by {OPTION}: {named}")])
+        raise Rejected([Rejection("port", address, f"{besides}{ways}, only hosts named at start by {OPTION}: {named}")])
 
     def key_of(self, host: Host) -> str | None:
         """Return the API key of a host; None for none."""

@@ -78,7 +78,7 @@ class SerialPort:
         _check_name(port)
         self._serial: serial.Serial | RemoteLine
         if self._is_far_away:
-            remote = remote_ports.allowed(port)
+            remote = remote_ports.allowed(port, besides="the name of a serial port, sim://, ")
             self._serial = RemoteLine(remote, remote_ports, baud_rate, _READ_SLICE_S, WRITE_TIMEOUT_S)
             return
         with self._failure_told():

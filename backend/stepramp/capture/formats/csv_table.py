@@ -27,6 +27,7 @@ LOOKED_AT_ROWS = 100
 """So many rows tell which columns are levels."""
 _LEVELS = {"0", "1", "x", "X", "z", "Z", ""}
 _LINE = re.compile(r"[^\r\n]*(?:\r\n|\r|\n)|[^\r\n]+")
+_BROKEN_NUMBER = re.compile(r"[-+]?\d*[.,]\d*([eE][-+]?\d+)?")
 _NUMBER = re.compile(r"[-+]?\d+([.,]\d*)?([eE][-+]?\d+)?")
 
 
@@ -50,9 +51,16 @@ class Head:
         return len(self.rows[0]) if self.rows else len(self.titles)
 
     def level_columns(self, begin: int) -> list[int]:
-        """Return the columns from `begin` on that hold levels in all of the first rows."""
-        columns = range(begin, self.width)
-        return [each for each in columns if all(row[each] in _LEVELS for row in self.rows if each < len(row))]
+        """Return the columns from `begin` on that hold levels in most of the first rows, and no broken number.
+
+        So a level that is none is refused with its line, wherever it stands; what was measured in volts is left out.
+        """
+        return [each for each in range(begin, self.width) if self._holds_levels(each)]
+
+    def _holds_levels(self, column: int) -> bool:
+        fields = [row[column] for row in self.rows if column < len(row)]
+        odd = [field for field in fields if field not in _LEVELS]
+        return 2 * len(odd) < len(fields) and not any(_BROKEN_NUMBER.fullmatch(field) for field in odd)
 
     def left_out_remark(self, begin: int) -> tuple[str, ...]:
         """Return what to say of the columns from `begin` on that hold something else than levels, and where."""
@@ -122,6 +130,11 @@ def rows_of(
 
     Raises Rejected for a row that is none, or too early, and for too many channels or edges.
     """
+    if head.titles and len(head.titles) != head.width:
+        titles = shown(head.delimiter.join(head.titles))
+        raise refused_file(
+            f"a CSV file with {len(head.titles)} titles, {titles}, for {head.width} columns", "a title for each column"
+        )
     if not 1 <= len(levels) <= MOST_CHANNELS:
         _refuse_columns(head, len(levels), has_time)
     channels = np.full(head.width - has_time, -1, np.int16)

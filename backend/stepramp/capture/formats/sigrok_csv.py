@@ -5,10 +5,13 @@ from fractions import Fraction
 
 from stepramp.capture.formats.csv_table import Head, head_of, rows_of
 from stepramp.capture.recording import CUT, Recording, distinct, refused_file, unknown_remark
+from stepramp.errors import shown
 
-_RATE = re.compile(r"(?:;|META)\s*samplerate:\s*(\d+(?:\.\d+)?)\s*([kMG]?)(?:Hz)?", re.IGNORECASE)
+_RATE = re.compile(r"(?:;|META)\s*samplerate:\s*(.*)", re.IGNORECASE)
+_FREQUENCY = re.compile(r"(\d{1,15}(?:\.\d{1,15})?)\s*([kMG]?)(?:Hz)?")
 _CHANNELS = re.compile(r";\s*Channels \(\d+/\d+\):\s*(.*)")
-_PREFIX = {"": 1, "k": 1000, "m": 10**6, "g": 10**9}
+_PREFIX = {"": 1, "k": 1000, "M": 10**6, "G": 10**9}
+_SLOWEST_HZ, _FASTEST_HZ = Fraction(1, 1000), 10**12
 _UNITS = {"seconds": 1, "milliseconds": 1000, "microseconds": 10**6, "nanoseconds": 10**9, "picoseconds": 10**12}
 """By the title of the column of times, how many of its unit are a second."""
 
@@ -72,9 +75,20 @@ def read_sigrok_csv(content: bytes) -> Recording:
 def _sample_rate(head: Head) -> Fraction | None:
     for comment in head.comments:
         if match := _RATE.match(comment):
-            rate = Fraction(match[1]) * _PREFIX[match[2].lower()]
-            return rate or None
+            return _frequency(match[1])
     return None
+
+
+def _frequency(text: str) -> Fraction | None:
+    """Return a samplerate [Hz]; None for 0, which is none."""
+    written = _FREQUENCY.fullmatch(text.strip())
+    rate = Fraction(-1) if written is None else Fraction(written[1]) * _PREFIX[written[2]]
+    if rate and not _SLOWEST_HZ <= rate <= _FASTEST_HZ:
+        raise refused_file(
+            f"a CSV file of sigrok with the samplerate {shown(text)}",
+            "as sigrok writes it, from 0.001 Hz to 1000 GHz: a number with a point, and Hz, kHz, MHz or GHz",
+        )
+    return rate or None
 
 
 def _has_time(head: Head) -> bool:

@@ -1,16 +1,20 @@
 """Sessions of sigrok and PulseView, `.sr`: sigrok-cli, where it is installed, turns them into VCD."""
 
+import lzma
 import re
 import shutil
+import struct
 import subprocess
 import tempfile
 import threading
 import zipfile
+import zlib
 from io import BytesIO
 from pathlib import Path
 
 from stepramp.capture.formats.vcd import read_vcd
 from stepramp.capture.recording import Recording, refused_file
+from stepramp.errors import Rejected
 
 PROGRAM = "sigrok-cli"
 MOST_UNPACKED_BYTES = 2**30
@@ -19,6 +23,11 @@ MOST_FILES = 100_000
 MOST_VCD_BYTES = 2**29
 LONGEST_S = 60.0
 _PIECE_BYTES = 2**20
+_BROKEN = (
+    zipfile.BadZipFile, zlib.error, lzma.LZMAError, struct.error, NotImplementedError, RuntimeError, EOFError, OSError,
+    ValueError, OverflowError,
+)  # fmt: skip
+"""What reading a damaged zip file raises."""
 _SAMPLES = re.compile(r"capturefile\s*=\s*(\S+)")
 
 
@@ -66,7 +75,9 @@ def _look_into(content: bytes) -> None:
                     f"a .sr file whose metadata has {parts['metadata']:,} bytes", f"up to {_PIECE_BYTES:,} bytes"
                 )
             metadata = archive.read("metadata").decode("utf-8", "replace")
-    except (zipfile.BadZipFile, NotImplementedError, RuntimeError, EOFError, OSError) as error:
+    except Rejected:
+        raise
+    except _BROKEN as error:
         raise refused_file(f"a broken zip file ({error})", whole) from None
     _look_for_samples(metadata, set(parts), whole)
 

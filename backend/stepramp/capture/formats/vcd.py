@@ -31,6 +31,10 @@ _UNITS = {"s": 0, "ms": 3, "us": 6, "ns": 9, "ps": 12, "fs": 15}
 _SINGLE = {"wire", "reg", "tri", "logic", "bit", "supply0", "supply1", "wand", "wor", "tri0", "tri1", "trireg", "port"}
 MOST_DECLARED = 100_000
 LONGEST_HEAD_BYTES = 2**24
+# Lines of sigrok-cli may stand before. No end of one can be taken for the beginning of another: it is looked at once.
+_BEGINNING = re.compile(
+    rb"(?:META [^\r\n]*[\r\n]+)*\s*\$(date|version|comment|timescale|scope|var|enddefinitions|attrbegin)\b"
+)
 
 
 @dataclass(frozen=True)
@@ -44,10 +48,7 @@ class _Declared:
 
 def is_vcd(beginning: bytes) -> bool:
     """Tell whether a file begins as value change dumps do."""
-    return (
-        re.match(rb"(META .*\s)*\s*\$(date|version|comment|timescale|scope|var|enddefinitions|attrbegin)\b", beginning)
-        is not None
-    )
+    return _BEGINNING.match(beginning) is not None
 
 
 def read_vcd(content: bytes, format_name: FormatName = "vcd") -> Recording:
