@@ -7,7 +7,7 @@ import { areEqual } from '../model/equal.js';
 import { nameText, pushRefusals } from '../model/messages.js';
 import { inShownUnits } from '../model/told.js';
 import { PAGE } from '../server/api.js';
-import { axisOf, isDesignValid, machineOf, messagesOf, stalenessOf } from './selectors.js';
+import { axisOf, designOf, isDesignValid, machineOf, messagesOf, stalenessOf } from './selectors.js';
 import { remembering } from './state.js';
 
 /** @typedef {import('../model/types.js').Design} Design */
@@ -198,7 +198,7 @@ export const situationOf = (state) => {
 
 /** What is wrong with the name of the design in hand; empty: nothing.
  * @param {State} state */
-const nameProblemOf = (state) => nameText(messagesOf(state).fields.get('name'));
+const nameProblemOf = (state) => nameText(messagesOf(state).fields.get('name'), designOf(state)?.name ?? '');
 
 /** @param {import('./state.js').Devices} devices @param {import('../model/workbench.js').Machine} machine
  * @param {import('../model/units.js').Units} units @param {boolean} isValid

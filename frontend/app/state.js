@@ -90,7 +90,8 @@ import { STEPS_AND_SECONDS } from '../model/units.js';
  * @property {'asked' | 'answered' | 'refused' | 'unanswered' | 'cancelled'} stage
  * @property {number} sent                     share of the file that the server has, from 0 to 1
  * @property {import('../model/types.js').Captured | null} answer  the newest
- * @property {string | null} of                the design that it was held against
+ * @property {string | null} of                the design that it was held against; null: none could be computed
+ * @property {import('../model/types.js').CaptureWish | null} answered  what was wanted of that answer
  * @property {Capture | null} before           that it took the place of, if something was found in that
  * @property {Rejection[]} rejections */
 
@@ -104,8 +105,8 @@ import { STEPS_AND_SECONDS } from '../model/units.js';
  * @property {{text: string} | null} tableText  in which there may be tables, to look at
  * @property {import('../documents/storage.js').Keeping | null} keeping  whether the browser keeps the design; null: not tried yet */
 
-/** What another tab of the browser keeps, be it open or closed; null: nobody can tell.
- * @typedef {{id: string, at_ms: number, isOpen: boolean | null, machine: Machine}} OtherTab */
+/** What another tab of the browser keeps, be it open or closed.
+ * @typedef {{id: string, at_ms: number, isOpen: boolean, machine: Machine}} OtherTab */
 /** @typedef {object} OtherTabs
  * @property {OtherTab[]} list         the newest first
  * @property {string | null} offered   that which has changed the design in hand

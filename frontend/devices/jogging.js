@@ -9,6 +9,8 @@ import { openJog } from '../server/api.js';
 
 /** The server waits four times as long. */
 const RENEW_MS = 100;
+/** The code of a socket that was closed since it had done what it was for. */
+const WELL_ENDED = 1000;
 
 /** @param {import('../server/gestures.js').Gestures} gestures @param {(rejections: Rejection[]) => void} onRefused */
 export function createJog(gestures, onRefused) {
@@ -42,8 +44,12 @@ export function createJog(gestures, onRefused) {
       onRefused(JSON.parse(event.data).errors);
       if (socket === opened) end();
     };
-    opened.onclose = () => {
-      if (socket === opened) end();
+    opened.onclose = ({ code, reason }) => {
+      if (socket !== opened) return;
+      end();
+      if (code === WELL_ENDED) return;
+      const message = `The jog has ended: the connection was closed${reason === '' ? '' : ` (${reason})`}.`;
+      onRefused([{ field: null, value: null, allowed: null, message }]);
     };
   }
 

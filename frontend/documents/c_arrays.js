@@ -16,7 +16,7 @@ import { shortened, Unreadable } from './unreadable.js';
 
 const COMMENT_OR_TEXT = /\/\*[\s\S]*?(?:\*\/|$)|\/\/[^\n]*|"(?:\\.|[^"\\\n])*"|'\\?[^\n]'/g;
 const FARTHEST_COMMENT = 2000;
-const DECLARATION = /\b([a-z_]\w*)\s*(?:((?:\[[^[\]{};]*\]\s*)+)([^=;{}[\]]{0,200}?))?(=?)\s*\{/gi;
+const DECLARATION = /\b([a-z_]\w*)\s*(?:((?:\[[^[\]{};]*\]\s*)+)([^=;{}[\]]{0,200}?))?(?:(=)\s*)?\{/gi;
 
 /** The arrays whose rows are of two numbers: those declared so and, where there is none, those that hold such rows.
  * @param {string} text @returns {ReadArray[]} @throws {Unreadable} when there is none */
@@ -52,7 +52,7 @@ function arraysIn(code, text) {
   let end = 0;
   let line = 1;
   for (const match of code.matchAll(DECLARATION)) {
-    const [whole, name, brackets = '', between = '', equals] = match;
+    const [whole, name, brackets = '', between = '', equals = ''] = match;
     const begin = match.index ?? 0;
     const isDeclared = equals === '=' || (brackets !== '' && /^[\w\s]*$/.test(between));
     if (begin < end || !isDeclared) continue;

@@ -33,19 +33,20 @@ export function kindOf(name, head) {
   return text.trimStart().startsWith('{') ? 'design' : null;
 }
 
-/** What is found in a text that tells a controller's settings, all of each: as grbl lists them after $$, a Tic's settings file,
+/** A line begins with blanks, and never with line ends: from each of many of those all the rest would be looked at.
+ * What is found in a text that tells a controller's settings, all of each: as grbl lists them after $$, a Tic's settings file,
  * Klipper's printer.cfg, Marlin after M503, FluidNC's configuration. */
 const LISTINGS = [
-  [/^\s*\$1[0-2]\d=/m],
-  [/^\s*max_speed\s*:/m, /^\s*max_accel\s*:/m],
+  [/^[ \t]*\$1[0-2]\d[ \t]*=/m],
+  [/^[ \t]*max_speed[ \t]*:/m, /^[ \t]*max_accel[ \t]*:/m],
   [/^\[(?:printer|stepper_[xyz])\]/m],
-  ['M92', 'M201', 'M203'].map((code) => new RegExp(`^(?:echo:)?\\s*${code} +[XYZE]`, 'm')),
-  [/^axes\s*:/m, /^\s+steps_per_mm\s*:/m],
+  ['M92', 'M201', 'M203'].map((code) => new RegExp(`^(?:echo:)?[ \\t]*${code} +[XYZE]`, 'm')),
+  [/^axes[ \t]*:/m, /^[ \t]+steps_per_mm[ \t]*:/m],
 ];
 
 /** Whether a text tells a controller's settings, whichever it is.
  * @param {string} text */
-export const isListing = (text) => LISTINGS.some((lines) => lines.every((line) => line.test(text)));
+export const isListing = (text) => LISTINGS.some((lines) => lines.every((line) => line.test(text.slice(0, HEAD_BYTES))));
 
 /** Whether a text is what an analyser or a simulator writes: VCD, or rows of levels, and not of steps and their delays.
  * @param {string} text */

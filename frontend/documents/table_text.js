@@ -13,7 +13,7 @@ import { Unreadable } from './unreadable.js';
 
 /** No text longer than this is read [characters]. */
 export const LONGEST_SOURCE = 2_000_000;
-const COMMENT = /\/\*[^]*?\*\/|\/\/[^\n]*/g;
+const COMMENT = /\/\*[^]*?(?:\*\/|$)|\/\/[^\n]*/g;
 
 /**
  * Read all tables, at least one, or say why there is none.

@@ -103,11 +103,11 @@ function choicesText({ names, because: { field, value }, is_need }) {
 const nameOf = (value) => [...METHODS, ...SHAPES].find(({ name }) => name === value)?.label ?? String(value);
 
 /** What is wrong with a design's name: how long it is says more than what it begins with.
- * @param {Message | undefined} problem @returns {string} empty: nothing */
-export function nameText(problem) {
-  const { refused } = problem ?? {};
-  const most = refused?.limits?.highest;
-  const length = [...String(refused?.value ?? '')].length;
+ * @param {Message | undefined} problem @param {string} name of which a refusal has the beginning only
+ * @returns {string} empty: nothing */
+export function nameText(problem, name) {
+  const most = problem?.refused?.limits?.highest;
+  const length = [...name].length.toLocaleString('en-US');
   return most ? `The name has ${length} characters; allowed: at most ${most}.` : (problem?.text ?? '');
 }
 

@@ -8,10 +8,10 @@ export function savedAtText(name) {
   return `${day} ${time.slice(0, 8).replaceAll('-', ':')} UTC`;
 }
 
-const NAMED = /as (\d{4}-\d\d-\d\dT\d\d-\d\d-\d\d\.\d{6}Z)/g;
+const NAME = /\d{4}-\d\d-\d\dT\d\d-\d\d-\d\d\.\d{6}Z/g;
 
 /** A message that names backups, with when they were saved instead, as lists of backups have it.
  * @param {string} message */
 export function withSavedAt(message) {
-  return message.replace(NAMED, (_, name) => `on ${savedAtText(name)}`);
+  return message.replace(NAME, savedAtText);
 }

@@ -282,7 +282,7 @@
  * @property {string | null} step_channel
  * @property {string | null} direction_channel   empty: none
  * @property {'rising' | 'falling' | 'both' | null} edge
- * @property {number | null} move_number         counted from 1
+ * @property {Entry | null} move_number          counted from 1
  * @property {'first_step' | 'best_fit'} alignment
  * @property {Entry | null} shortest_pulse_us    null: none is marked
  * @property {Entry | null} longest_wait_us */

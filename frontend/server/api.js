@@ -25,12 +25,13 @@ const STOP_WITHIN_MS = 100;
 const MOST_REQUESTS = 4;
 /** The status of what is understood but can't be done. */
 export const UNPROCESSABLE = 422;
+export const NOT_FOUND = 404;
 /** No larger file is read [bytes]. */
 const MOST_FILE_BYTES = 268_435_456;
 /** From here on it is the server that can't, not the question that is wrong … */
 const SERVER_ERROR = 500;
 /** … or a device: there is news of it once it can. */
-const DEVICE_LOST = 502;
+export const DEVICE_LOST = 502;
 
 /** What this page calls itself: the server knows by it which page is in control of a device. */
 export const PAGE = [...crypto.getRandomValues(new Uint8Array(16))].map((byte) => byte.toString(16).padStart(2, '0')).join('');
@@ -124,7 +125,6 @@ async function sendFile(path, file, ended, onSent) {
     throw new ServerGone(`The server does not answer (${error instanceof Error ? error.message : error}).`);
   }
   const { status, answer } = sent;
-  if (status >= SERVER_ERROR) throw new ServerGone(`The server answers with status ${status}.`);
   if (status >= 400 || answer === null) throw refusalOf(status, answer);
   return answer;
 }
@@ -251,7 +251,7 @@ export const api = {
   playInFlight: (play, ended) => request('POST', 'retarget', play, { withinMs: PLAY_WITHIN_MS, ended }),
 
   /** Read what a logic analyser captured. What is null is left to the server.
-   * @param {File} file @param {import('../model/types.js').CaptureWish & {design: string}} wanted
+   * @param {File} file @param {import('../model/types.js').CaptureWish & {design: string | null}} wanted
    * @param {AbortSignal} ended @param {import('./upload.js').OnSent} onSent
    * @returns {Promise<import('../model/types.js').Captured>} */
   capture(file, wanted, ended, onSent) {
@@ -393,10 +393,10 @@ async function stop(wanted, path) {
  * @param {unknown} error */
 export const isNo = (error) => error instanceof Refusal && error.status < SERVER_ERROR;
 
-/** Whether the same is to be asked again: nobody answers, or the server can't just now.
+/** Whether the same is to be asked again: nobody answers, or the server can't just now. What it fails at it would fail at again.
  * @param {unknown} error @returns {error is ServerGone | Refusal} */
 export const isForLater = (error) =>
-  error instanceof ServerGone || (error instanceof Refusal && error.status >= SERVER_ERROR && error.status !== DEVICE_LOST);
+  error instanceof ServerGone || (error instanceof Refusal && error.status > SERVER_ERROR && error.status !== DEVICE_LOST);
 
 /** @param {string} id */
 function device(id) {

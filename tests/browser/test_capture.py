@@ -6,11 +6,11 @@ import re
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Locator, Page, expect
+from playwright.sync_api import Locator, Page, Route, expect
 
 from browser.conftest import Watch
 from browser.server import Server
-from browser.stepramp_page import REFUSED_VALUE, StepRampPage, drop_file, until
+from browser.stepramp_page import ACCELERATION, REFUSED_VALUE, StepRampPage, drop_file, until
 from capture.writers import pulses, saleae_csv, sampled, written_by_sigrok
 from stepramp.design import Design
 from stepramp.ramp.profile import profile_of
@@ -104,6 +104,43 @@ def test_a_dropped_capture_is_laid_over_the_plots_and_follows_the_design(
     page.keyboard.press("Escape")
     expect(chip).to_be_hidden()
     until(lambda: not any(name.startswith("capture") for name in stepramp.curves()))
+
+
+def test_a_capture_is_read_while_the_design_is_refused(stepramp: StepRampPage, module_watch: Watch) -> None:
+    module_watch.expected = [REFUSED_VALUE]
+    page = stepramp.page
+    made = planned_us(stepramp)
+    stepramp.field(ACCELERATION).fill("-5")
+    expect(stepramp.field(ACCELERATION)).to_have_attribute("aria-invalid", "true")
+    drop_file(page, "try.csv", saleae_csv(pulses(made, 5), NAMES[:1]))
+    expect(figure(page, "Steps")).to_have_text("500")
+    expect(page.locator("#capture-note")).to_contain_text("The design can’t be computed now. Correct what is marked")
+    page.keyboard.press("Escape")
+    stepramp.field(ACCELERATION).fill("5000")
+    page.locator("#capture-chip").click()
+    expect(figure(page, "Steps")).to_have_text("500; planned 500")
+    page.locator("#capture-remove").click()
+    page.keyboard.press("Escape")
+
+
+def test_what_the_server_fails_at_is_told_and_not_asked_again(stepramp: StepRampPage, module_watch: Watch) -> None:
+    asked = []
+
+    def fail(route: Route) -> None:
+        asked.append(route.request.url)
+        route.fulfill(
+            status=500, json={"errors": [{"field": None, "value": None, "allowed": None, "message": "It failed."}]}
+        )
+
+    module_watch.expected = ["500"]
+    page = stepramp.page
+    page.route("**/api/v1/capture?**", fail)
+    drop_file(page, "try.csv", saleae_csv(pulses([100, 200], 5), NAMES[:1]))
+    expect(page.locator("#capture-problems")).to_contain_text("It failed.")
+    page.wait_for_timeout(2_500)
+    assert len(asked) == 1
+    page.unroute("**/api/v1/capture?**")
+    page.keyboard.press("Escape")
 
 
 def test_files_are_taken_for_what_they_are(stepramp: StepRampPage, module_watch: Watch, tmp_path: Path) -> None:

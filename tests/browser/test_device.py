@@ -11,7 +11,7 @@ import pytest
 from playwright.sync_api import Page, expect
 
 from browser.conftest import Watch
-from browser.stepramp_page import ACCELERATION, SLEW_SPEED, StepRampPage, until
+from browser.stepramp_page import ACCELERATION, REFUSED_VALUE, SLEW_SPEED, StepRampPage, until
 
 REFUSED = r"status of 4(09|22)"
 FAR = 1_000_000
@@ -111,6 +111,23 @@ def test_try_then_keep_or_roll_back_and_restore(pushed: StepRampPage) -> None:
     expect(page.locator("#restore")).to_be_focused()
     expect(page.locator("#push-preview")).to_contain_text("A push would change")
     assert changes(pushed)["Slew interval µs"] == ("1,000.0", "2,000.0")
+
+
+def test_a_move_says_when_it_is_made_with_another_ramp_than_the_design(pushed: StepRampPage, watch: Watch) -> None:
+    watch.expected.append(REFUSED_VALUE)
+    page = pushed.page
+    pushed.device_section("move")
+    told = page.locator("#move-ramp")
+    expect(told).to_be_hidden()
+    pushed.edit_and_wait(SLEW_SPEED, "400")
+    expect(told).to_have_text(
+        "The device has another ramp than the design, up to 1,000 steps/s: push first, or it moves with that one."
+    )
+    expect(page.locator("#move")).to_be_enabled()
+    pushed.field(SLEW_SPEED).fill("abc")
+    expect(told).to_have_text("The design can’t be computed: the device moves with the ramp that it has.")
+    pushed.edit_and_wait(SLEW_SPEED, "1000")
+    expect(told).to_be_hidden()
 
 
 def test_there_and_back(pushed: StepRampPage) -> None:

@@ -58,6 +58,24 @@ def test_a_second_tab_leaves_the_first_ones_work_alone_and_a_closed_ones_is_foun
     third.page.close()
 
 
+def test_where_a_browser_has_no_locks_a_duplicate_keeps_its_own_work(
+    open_page: Callable[..., StepRampPage], context: BrowserContext, watch: Watch
+) -> None:
+    """As where several people share a server without TLS: the tabs then ask each other."""
+    context.add_init_script("Object.defineProperty(Navigator.prototype, 'locks', {value: undefined})")
+    first = open_page()
+    first.edit_and_wait(SLEW_SPEED, "1111")
+    first.kept()
+    second = opened(context, first, watch, duplicate=True)
+    expect(second.field(SLEW_SPEED)).to_have_value("1,111")
+    second.edit_and_wait(SLEW_SPEED, "2222")
+    second.kept()
+    expect(first.page.locator("#offer")).to_contain_text("Another tab has changed this design.")
+    second.page.close()
+    first.reload()
+    expect(first.field(SLEW_SPEED)).to_have_value("1,111")
+
+
 def test_what_a_duplicate_changes_is_offered_and_taken_back(
     open_page: Callable[..., StepRampPage], context: BrowserContext, watch: Watch
 ) -> None:

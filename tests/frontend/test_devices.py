@@ -359,11 +359,12 @@ def test_a_push_tells_of_a_name_that_keeps_it_back(modules: Modules) -> None:
     look = "(state, {situationOf}) => situationOf(state).nameProblem"
     assert after(modules, [], look) == ""
     for rejections, told in [
-        ([refused], "The name has 101 characters; allowed: at most 100."),
-        ([other, refused], "The name has 101 characters; allowed: at most 100."),
+        ([refused], "The name has 500 characters; allowed: at most 100."),
+        ([other, refused], "The name has 500 characters; allowed: at most 100."),
         ([other], ""),
     ]:
-        steps: list[list[object]] = [["answers.curvesRefused", rejections, document(), 5]]
+        named = ["work.setName", "x" * 500]
+        steps: list[list[object]] = [named, ["answers.curvesRefused", rejections, document(), 5]]
         assert after(modules, steps, look) == told
 
 

@@ -139,6 +139,51 @@ def test_what_is_told_in_flight_is_asked_for_again_and_follows_the_design(module
     assert asked == [[name, proposed] for name in (document()["name"], document()["name"], "Other")]
 
 
+def test_backups_that_can_not_be_listed_say_so_and_are_asked_for_again(modules: Modules) -> None:
+    seen = run(
+        modules,
+        """const {createMachine} = await import('/panels/device/machine.js');
+        const {Refusal} = await import('/server/api.js');
+        let answer = gone;
+        const machine = createMachine({startFrom() {}, restoreBackup() {}, listBackups: () => answer()}, () => {});
+        body.append(machine.element);
+        const show = (backup) => machine.show({device: {id: '1', backup, axes: [], capabilities: ['backup']}, axis: 0,
+            design, inTheWay: '', notAtRest: '', situation: {isBusy: false}});
+        const look = () => [byId('backups').hidden, byId('backups-unlisted').textContent];
+        show('a'); await settled(); const seen = [look()];
+        answer = async () => [{name: '2026-01-01T00-00-00.000000Z'}]; pass(); await settled(); seen.push(look());
+        answer = () => Promise.reject(new Refusal(500, [{message: 'StepRamp made a mistake.'}]));
+        show('b'); await settled(); seen.push(look());
+        answer = () => Promise.reject(new Refusal(404, [{message: 'no'}])); show('c'); await settled();
+        return [...seen, look(), waiting.size];""",
+    )
+    assert seen[0] == [True, f"Its backups can’t be listed: {NOBODY}"]
+    assert seen[1] == [False, ""]
+    assert seen[2] == [True, "StepRamp made a mistake."]
+    assert seen[3:] == [[True, ""], 0]
+
+
+def test_a_backup_is_kept_and_restored_only_as_it_is_in_view(modules: Modules) -> None:
+    seen = run(
+        modules,
+        """const {createBackups} = await import('/panels/backups/backups.js');
+        const {FIRST_STATE} = await import('/app/state.js');
+        const answers = {};
+        const source = {name: 'grbl-a', family: 'grbl', plugged_in: 'a', backups: [{name: 'new'}, {name: 'old'}]};
+        const dialog = createBackups({state: () => FIRST_STATE}, {restoreFrom() {}}, {
+            archive: async () => ({sources: [source]}),
+            archived: (from, name) => new Promise((done) => { answers[name] = done; })});
+        dialog.open(); await settled();
+        const look = () => [byId('backup-text').textContent, byId('backup-download').disabled];
+        const seen = [look()];
+        answers.new('of the new'); await settled(); seen.push(look());
+        byId('backup-name').value = 'old'; byId('backup-name').onchange(); seen.push(look());
+        answers.old('of the old'); await settled(); seen.push(look());
+        return seen;""",
+    )
+    assert seen == [["", True], ["of the new", False], ["", True], ["of the old", False]]
+
+
 def test_backups_that_come_late_are_not_those_of_the_device_in_view(modules: Modules) -> None:
     seen = run(
         modules,
@@ -429,6 +474,27 @@ def test_a_capture_without_a_step_has_no_figures_and_no_empty_box_for_them(modul
         return [some, byId('capture-figures').hidden, fields.hidden];""",
     )
     assert seen == [False, True, False]
+
+
+def test_a_move_beyond_those_that_are_listed_is_chosen_by_its_number(modules: Modules) -> None:
+    seen = run(
+        modules,
+        f"""{CAPTURE} open('a.vcd'); came({{}});
+        const number = byId('capture-move-number'), field = find(body, (one) => one.children.includes(number));
+        const look = () => [field.hidden, number.placeholder, number.value, byId('capture-move').value];
+        const seen = [look()];
+        const many = () => store.dispatch(capture.captureCame, {{...answer({{}}), move_count: 1500}}, '');
+        many(); seen.push(look());
+        number.value = '1200'; number.onchange();
+        const {{wish}} = store.state().capture;
+        many(); seen.push(look());
+        return [seen, wish.move_number, byId('capture-move').children.at(-1).textContent];""",
+    )
+    (few, many, chosen), wished, option = seen
+    assert few[0] is True
+    assert many[:3] == [False, "or its number, up to 1,500", ""]
+    assert wished == 1200
+    assert (chosen[2], option) == ("1,200", "Move 1200")
 
 
 def test_a_captured_move_is_told_in_what_can_be_compared_with_the_plan(modules: Modules) -> None:

@@ -24,5 +24,5 @@ def test_a_message_tells_when_a_backup_was_saved_as_lists_do(modules: Modules) -
     assert listed == "2026-11-26 00:34:30 UTC"
     said = f"It was lost. What it had is saved as {name}: restore that."
     told = modules.call("/model/saved_at.js", "withSavedAt", said)
-    assert told == f"It was lost. What it had is saved on {listed}: restore that."
+    assert told == f"It was lost. What it had is saved as {listed}: restore that."
     assert modules.call("/model/saved_at.js", "withSavedAt", "Saved as usual.") == "Saved as usual."

@@ -55,16 +55,44 @@ QUESTION = """async (steps) => {
             ["a", "a", "a"],
             [["missed", "a"], ["after", 1000], ["missed", "a"], ["after", 2000], ["took", 3, "a"]],
         ),
-        # So is what the server could not answer, by overload or a mistake of its own; of a lost device there is news.
-        *(
-            (
-                [["want", "a"], ["refuse", 0, status], ["wait"], ["answer", 1, 3]],
-                ["a", "a"],
-                [["missed", "a"], ["after", 1000], ["took", 3, "a"]],
-            )
-            for status in (500, 503)
+        # So is what the server could not answer just then; what it fails at it would fail at again.
+        (
+            [["want", "a"], ["refuse", 0, 503], ["wait"], ["answer", 1, 3]],
+            ["a", "a"],
+            [["missed", "a"], ["after", 1000], ["took", 3, "a"]],
         ),
-        *(([["want", "a"], ["refuse", 0, status]], ["a"], [["refused", "a"]]) for status in (404, 409, 502)),
+        *(([["want", "a"], ["refuse", 0, status]], ["a"], [["refused", "a"]]) for status in (404, 409, 500, 502)),
+        # The pause grows no longer once there was an answer, whichever, or something else is asked.
+        (
+            [
+                ["want", "a"],
+                ["gone", 0],
+                ["wait"],
+                ["gone", 1],
+                ["wait"],
+                ["refuse", 2],
+                ["want", "b"],
+                ["gone", 3],
+                ["wait"],
+                ["answer", 4, 5],
+            ],
+            ["a", "a", "a", "b", "b"],
+            [
+                ["missed", "a"],
+                ["after", 1000],
+                ["missed", "a"],
+                ["after", 2000],
+                ["refused", "a"],
+                ["missed", "b"],
+                ["after", 1000],
+                ["took", 5, "b"],
+            ],
+        ),
+        (
+            [["want", "a"], ["gone", 0], ["cancel"], ["want", "b"], ["gone", 1], ["wait"], ["answer", 2, 5]],
+            ["a", "b", "b"],
+            [["missed", "a"], ["missed", "b"], ["after", 1000], ["took", 5, "b"]],
+        ),
         ([["want", "a"], ["gone", 0], ["again"], ["answer", 1, 3]], ["a", "a"], [["missed", "a"], ["took", 3, "a"]]),
         ([["want", "a"], ["answer", 0, 1], ["again"]], ["a"], [["took", 1, "a"]]),
     ],

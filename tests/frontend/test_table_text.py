@@ -21,6 +21,19 @@ def problem(modules: Modules, text: str) -> str:
     return str(reading["problem"])
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        "#pragma once\n" + "//\n" * 300_000 + "int a[][2] = {{1, 2}};",
+        "#endif /*" + " " * 1_000_000 + "*/ int a[][2] = {{1, 2}};",
+        "int a[][2] = {{1, 2}}; " + "/* " * 400_000,
+    ],
+)
+def test_long_comments_are_gone_over_once(modules: Modules, text: str) -> None:
+    """Looked at again from each of their places, they would take hours."""
+    assert [table["rows"] for table in read(modules, text)] == [[[1, 2]]]
+
+
 LIBRARY = """/*
  *  A gauge library; its ticks are its own.
  */

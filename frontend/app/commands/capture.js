@@ -34,6 +34,7 @@ export function openCapture(state, file) {
     sent: 0,
     answer: null,
     of: null,
+    answered: null,
     rejections: [],
     before: state.capture?.answer ? { ...state.capture, before: null } : (state.capture?.before ?? null),
   };
@@ -63,9 +64,11 @@ export const captureAsked = (state) => knowing(state, { stage: 'asked', sent: 0 
 /** @param {State} state @param {number} sent share of the file that the server has @returns {State} */
 export const captureSent = (state, sent) => knowing(state, { sent });
 
-/** @param {State} state @param {import('../../model/types.js').Captured} answer @param {string} of the design
+/** @param {State} state @param {import('../../model/types.js').Captured} answer
+ * @param {string | null} of the design; null: none could be computed @param {CaptureWish} answered what was wanted
  * @returns {State} */
-export const captureCame = (state, answer, of) => knowing(state, { stage: 'answered', answer, of, rejections: [] });
+export const captureCame = (state, answer, of, answered) =>
+  knowing(state, { stage: 'answered', answer, of, answered, rejections: [] });
 
 /** What was found before stays.
  * @param {State} state @param {import('../../model/types.js').Rejection[]} rejections @returns {State} */

@@ -148,15 +148,7 @@ export function createDeviceActions({ state, dispatch }, gestures, traced, previ
         dispatch(tell, ['The design has what the controller has.', ...found.remarks].join(' '), false);
       }),
     /** @param {Device} device */
-    async listBackups(device) {
-      try {
-        return (await api.backups(device.id)).backups;
-      } catch (error) {
-        // Gone meanwhile, or the server is: of that others tell.
-        if (error instanceof Refusal || error instanceof ServerGone) return [];
-        throw error;
-      }
-    },
+    listBackups: async (device) => (await api.backups(device.id)).backups,
     /** @param {Device} device @param {string} name of a backup */
     restoreBackup: (device, name) =>
       request('restore', async () => {

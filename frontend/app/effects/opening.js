@@ -36,15 +36,25 @@ export function createDocuments({ state, dispatch, subscribe }) {
     if (machine) act({ axes: machine.axes, together: machine.together });
   }
 
+  /** What is in hand, or was brought: what comes back later must not take the place of something newer.
+   * @param {import('../state.js').State} now */
+  const present = (now) => [machineOf(now), now.capture?.file, now.told.tableText];
   // What could not be opened is over once something else is done.
-  const done = (/** @type {import('../state.js').State} */ now) => [machineOf(now), now.capture?.file, now.told.tableText];
-  subscribe(whenever(done, () => dispatch(urge, 'opening', ''), state()));
+  subscribe(whenever(present, () => dispatch(urge, 'opening', ''), state()));
   const onCapture = (/** @type {File} */ file) => dispatch(openCapture, file);
+  /** The listings that were brought so far. */
+  let listings = 0;
   /** Designs of what a controller lists of itself take the place of what is in hand, which says what it doesn't.
    * @param {string} text */
   async function openSettings(text) {
+    const [before, listing] = [present(state()), (listings += 1)];
     try {
       const { family, axes } = await api.importText(text, designOf(state()));
+      if (listing !== listings) return;
+      if (present(state()).some((one, index) => one !== before[index])) {
+        dispatch(tell, 'The settings were not opened, since something else was opened or changed meanwhile: bring them again.', true);
+        return;
+      }
       const title = state().devices.families.find(({ name }) => name === family)?.title ?? family;
       const document = { axes: axes.map(({ design }) => design), together: /** @type {const} */ ('independent') };
       opening.open({ document, problem: null }, `the settings of ${title}`, remarksOf(axes));

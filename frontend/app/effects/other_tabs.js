@@ -10,7 +10,7 @@ export function watchOtherTabs({ dispatch }, own) {
   async function look() {
     const open = await openTabs();
     const others = records.all().filter(({ id, record }) => id !== own && record.isOwn);
-    const list = others.map(({ id, record: { at_ms, machine } }) => ({ id, at_ms, machine, isOpen: open && open.has(id) }));
+    const list = others.map(({ id, record: { at_ms, machine } }) => ({ id, at_ms, machine, isOpen: open.has(id) }));
     dispatch(othersCame, list);
   }
 

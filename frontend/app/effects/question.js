@@ -54,7 +54,10 @@ export function createQuestion({ ask, take, refuse, miss = () => {}, afterMs = 0
     } catch (error) {
       if (isOver(ended)) return;
       if (isForLater(error)) later(question, error);
-      else if (error instanceof Refusal) refuse(error, question);
+      else if (error instanceof Refusal) {
+        pauseMs = FIRST_PAUSE_MS;
+        refuse(error, question);
+      }
       else throw error;
     }
   }
@@ -111,7 +114,7 @@ export function createQuestion({ ask, take, refuse, miss = () => {}, afterMs = 0
     cancel() {
       present.abort();
       present = new AbortController();
-      [next, missed, isUnderWay] = [null, null, false];
+      [next, missed, isUnderWay, pauseMs] = [null, null, false, FIRST_PAUSE_MS];
       clearTimeout(waiting);
     },
   };

@@ -12,6 +12,7 @@ import { download as saveFile } from '../../ui/download.js';
 
 /** @typedef {import('../../model/types.js').BackupSource} BackupSource */
 /** @typedef {import('../../model/types.js').Device} Device */
+/** @typedef {{source: BackupSource, name: string, text: string}} Shown */
 
 const NONE = 'Nothing was saved yet: what a controller has is saved before it is written to for the first time over a connection.';
 
@@ -21,7 +22,9 @@ const NONE = 'Nothing was saved yet: what a controller has is saved before it is
 export function createBackups({ state }, act, server = api) {
   /** @type {BackupSource[]} */
   let sources = [];
-  let text = '';
+  /** What is in view; null: nothing is yet.
+   * @type {Shown | null} */
+  let shown = null;
   const source = picker('Controller', () => showNames());
   source.select.id = 'backup-source';
   const name = picker('Saved at', () => read());
@@ -79,23 +82,28 @@ export function createBackups({ state }, act, server = api) {
 
   async function read() {
     const [from, which] = [chosen(), name.select.value];
-    text = '';
-    if (from !== null) {
-      const found = await asked(() => server.archived(from.name, which));
-      if (found !== null && which === name.select.value) {
-        text = found;
-        showText(note, `${from.name}, ${text.length.toLocaleString('en')} characters`);
-      }
-    }
-    lines.textContent = text;
-    lines.hidden = text === '';
+    showBackup(null);
+    if (from === null) return;
+    const found = await asked(() => server.archived(from.name, which));
+    // Meanwhile another one may have been chosen.
+    if (found === null || from !== chosen() || which !== name.select.value) return;
+    showBackup({ source: from, name: which, text: found });
+    showText(note, `${from.name}, ${found.length.toLocaleString('en')} characters`);
+  }
+
+  /** @param {Shown | null} backup */
+  function showBackup(backup) {
+    shown = backup;
+    lines.textContent = backup?.text ?? '';
+    lines.hidden = backup === null;
     showState();
   }
 
   /** Why the backup in view can't be restored now; empty: it can. */
   function hindrance() {
-    const [from, device] = [chosen(), deviceOf(state())];
-    if (text === '' || from === null) return 'There is nothing to restore.';
+    const device = deviceOf(state());
+    if (shown === null) return 'There is nothing to restore.';
+    const from = shown.source;
     if (device === null || device.state === 'lost') return 'To restore it, connect the controller first.';
     if (kindOf(device.family) !== kindOf(from.family)) return 'The device in view is of another family.';
     if (!device.capabilities.includes('backup')) return 'The device in view can’t be written such things.';
@@ -105,19 +113,20 @@ export function createBackups({ state }, act, server = api) {
   function showState() {
     const reason = hindrance();
     restore.disabled = reason !== '';
-    download.disabled = text === '';
-    showText(why, text === '' ? '' : reason);
+    download.disabled = shown === null;
+    showText(why, shown === null ? '' : reason);
   }
 
   function write() {
-    const [from, device] = [chosen(), deviceOf(state())];
-    if (from === null || device === null || hindrance() !== '') return;
-    act.restoreFrom(device, from.name, name.select.value);
+    const device = deviceOf(state());
+    if (shown === null || device === null || hindrance() !== '') return;
+    act.restoreFrom(device, shown.source.name, shown.name);
     dialog.close();
   }
 
   function save() {
-    saveFile(new Blob([text], { type: 'text/plain' }), `${chosen()?.name} ${name.select.value}.txt`);
+    if (shown === null) return;
+    saveFile(new Blob([shown.text], { type: 'text/plain' }), `${shown.source.name} ${shown.name}.txt`);
   }
 
   const shows = whenever((/** @type {import('../../app/state.js').State} */ now) => [deviceOf(now)], () => dialog.isOpen() && showState());

@@ -94,8 +94,10 @@ export function createCapture(dispatch, act) {
 
   /** What is between the file and what it says of the present design.
    * @param {Capture} capture @param {boolean} isStale */
-  function noteOf({ stage, answer }, isStale) {
+  function noteOf({ stage, answer, of }, isStale) {
     if (stage === 'cancelled') return 'Cancelled: what is shown was found before. A change asks again.';
+    if (of === null && stage === 'answered')
+      return 'The design can’t be computed now. Correct what is marked, and these steps are held against it.';
     if (isStale && stage === 'answered') return 'The design can’t be computed now: what is shown was held against an earlier one.';
     if (answer && answer.move === null) return 'There is no step in it: choose another channel.';
     return answer?.remarks.join(' ') ?? '';

@@ -30,6 +30,7 @@ export function createCaptureFields(onWish) {
   const edge = segmented('Edge', EDGES, (value) => onWish({ edge: value }));
   const move = picker('Move', (value) => onWish({ move_number: value === AUTOMATIC ? null : Number(value) }));
   const alignment = segmented('Align by', ALIGNMENTS, (value) => onWish({ alignment: value }));
+  const beyond = entry('capture-move-number', '', (value) => onWish({ move_number: value }));
   const shortest = entry('capture-shortest', 'none', (value) => onWish({ shortest_pulse_us: value }));
   const longest = entry('capture-longest', 'as the design', (value) => onWish({ longest_wait_us: value }));
   step.select.id = 'capture-step';
@@ -43,7 +44,12 @@ export function createCaptureFields(onWish) {
     { name: 'edge', label: 'Edge', control: edge.element, marked: edge.element },
     { name: 'direction_channel', label: 'Direction channel', control: direction.element, marked: direction.select },
     { name: 'longest_wait_us', label: 'Longest wait', control: longest.element, marked: longest.input },
-    { name: 'move_number', label: 'Move', control: move.element, marked: move.select },
+    {
+      name: 'move_number',
+      label: 'Move',
+      control: element('span', { className: 'capture-move' }, move.element, beyond.element),
+      marked: move.select,
+    },
     { name: 'shortest_pulse_us', label: 'Shortest pulse', control: shortest.element, marked: shortest.input },
     { name: 'alignment', label: 'Align by', control: alignment.element, marked: alignment.element },
   ].map((field) => ({ ...field, problem: element('div', { className: 'capture-problem' }) }));
@@ -59,8 +65,15 @@ export function createCaptureFields(onWish) {
     edge.press(wish.edge ?? answer.edge);
     alignment.press(wish.alignment);
     const own = answer.move ? `Nearest to the design: ${answer.move.move}` : 'None';
-    const moves = answer.moves.map((one) => /** @type {[string, string]} */ ([String(one.move), moveText(one)]));
-    move.offer([[AUTOMATIC, wish.move_number === null ? own : 'Nearest to the design'], ...moves], String(wish.move_number ?? AUTOMATIC));
+    const listed = answer.moves.map((one) => /** @type {[string, string]} */ ([String(one.move), moveText(one)]));
+    const chosen = String(wish.move_number ?? AUTOMATIC);
+    const isListed = wish.move_number === null || listed.some(([number]) => number === chosen);
+    const moves = isListed ? listed : [...listed, /** @type {[string, string]} */ ([chosen, `Move ${chosen}`])];
+    move.offer([[AUTOMATIC, wish.move_number === null ? own : 'Nearest to the design'], ...moves], chosen);
+    const more = answer.move_count - answer.moves.length;
+    beyond.element.hidden = more <= 0;
+    beyond.input.placeholder = `or its number, up to ${formatFixed(answer.move_count)}`;
+    beyond.show(isListed ? null : wish.move_number);
     shortest.show(wish.shortest_pulse_us);
     longest.show(wish.longest_wait_us);
     longest.input.placeholder = formatEntry(Number(answer.longest_wait_us.toPrecision(6)));
@@ -96,21 +109,30 @@ function moveText({ move, steps, begin_s, direction_level }) {
   return `${formatFixed(move)}: ${counted(steps, 'step')} at ${formatFigures(begin_s)} s${direction}`;
 }
 
-/** A field for microseconds that may be empty.
- * @param {string} id @param {string} placeholder @param {(value: import('../../model/types.js').Entry | null) => void} onValue */
+/** What the entries are called to those who don't see them, and their unit. */
+const ENTRIES = {
+  'capture-shortest': { label: 'Shortest pulse, µs', unit: 'µs' },
+  'capture-longest': { label: 'Longest wait, µs', unit: 'µs' },
+  'capture-move-number': { label: 'Number of the move', unit: '' },
+};
+
+/** A field for a number that may be empty.
+ * @param {keyof typeof ENTRIES} id @param {string} placeholder
+ * @param {(value: import('../../model/types.js').Entry | null) => void} onValue */
 function entry(id, placeholder, onValue) {
+  const { label, unit } = ENTRIES[id];
   const input = element('input', {
     id,
     placeholder,
     inputMode: 'decimal',
     autocomplete: 'off',
-    'aria-label': id === 'capture-shortest' ? 'Shortest pulse, µs' : 'Longest wait, µs',
+    'aria-label': label,
     // Once it is finished: each answer needs the whole file.
     onchange: () => onValue(input.value.trim() === '' ? null : parseEntry(input.value)),
   });
   return {
     input,
-    element: element('span', { className: 'field' }, input, element('span', { className: 'unit', textContent: 'µs' })),
+    element: element('span', { className: 'field' }, input, element('span', { className: 'unit', textContent: unit })),
     /** @param {import('../../model/types.js').Entry | null} value */
     show(value) {
       const text = value === null ? '' : formatEntry(value);

@@ -17,8 +17,6 @@ import { showAtPlaces } from '../../ui/refusal.js';
 
 const MOST_AXES = 4;
 const MOST_FIGURES = 7;
-/** How it is said, by the server too, that a highest position is behind the lowest. */
-const THE_LOWEST = ', the lowest';
 
 /** Such as "−1,000 to 20,000 steps"; empty for none.
  * @param {Units} units @param {Design} design @param {Omit<SoftLimits, 'axis'>} limits */
@@ -88,13 +86,13 @@ export function createLimitFields() {
     /** What the server would refuse of changed ones.
      * @param {SoftLimits[]} changed */
     refusals: (changed) => changed.flatMap((one, index) => refusalsOf(one, `axes.${index}.`)),
-    /** What was refused for the lowest position that stood in a field which is typed in.
+    /** What was refused for the lowest position that stood in a field which is typed in: all else has a highest one, too.
      * @param {EventTarget | null} input @param {Rejection[]} rejections @returns {Rejection[]} the others; the same list
      *   when there is none */
     withoutThatFor(input, rejections) {
       const axis = rows.findIndex(({ fields: [lowest] }) => lowest.field.input === input);
       const path = `axes.${asked.indexOf(axis)}.highest_steps`;
-      const isFor = (/** @type {Rejection} */ one) => one.field === path && one.limits?.note === THE_LOWEST;
+      const isFor = (/** @type {Rejection} */ one) => one.field === path && one.limits?.highest === null;
       return rejections.some(isFor) ? rejections.filter((one) => !isFor(one)) : rejections;
     },
     /** Show what is wrong with a field at it.
@@ -119,6 +117,6 @@ function refusalsOf({ lowest_steps: lowest, highest_steps: highest }, place) {
     ([name, steps]) => (steps === null ? null : refusalOf(`${place}${name}`, steps, DEVICE_TAKES[name])) ?? [],
   );
   if (refused.length > 0 || lowest === null || highest === null || highest >= lowest) return refused;
-  const behind = { lowest: Number(lowest), highest: null, is_whole: true, note: THE_LOWEST };
+  const behind = { lowest: Number(lowest), highest: null, is_whole: true, note: ', the lowest' };
   return [beyond(`${place}highest_steps`, highest, behind, 'steps')];
 }

@@ -3,6 +3,8 @@
 
 import { element, messageLine, picker, showText } from '../../ui/dom.js';
 import { mend } from '../../app/commands/work.js';
+import { createQuestion, laterText } from '../../app/effects/question.js';
+import { DEVICE_LOST, NOT_FOUND } from '../../server/api.js';
 import { savedAtText } from '../../model/saved_at.js';
 import { stepsPerUnit } from '../../model/units.js';
 import { enable } from './section.js';
@@ -38,6 +40,7 @@ export function createMachine(handlers, dispatch) {
     if (now?.device) handlers.restoreBackup(now.device, choice.select.value);
   });
   const backups = element('div', { className: 'line', id: 'backups', hidden: true }, choice.element, restore);
+  const unlisted = element('p', { className: 'reason', id: 'backups-unlisted', hidden: true });
   const failed = element(
     'div',
     { id: 'push-failed' },
@@ -50,13 +53,21 @@ export function createMachine(handlers, dispatch) {
     if (scale !== null) dispatch(mend, axisId, { changes: scaleChanges(design, scale) });
   }
 
-  /** @param {Device} device @param {string} wanted what the list is to be of */
-  async function list(device, wanted) {
-    const found = await handlers.listBackups(device);
-    // Meanwhile another device may be in view: a backup of this one is none of that.
-    if (wanted !== known) return;
+  /** Cancelled when another device is in view: a backup of one is none of the other. */
+  const listing = createQuestion({
+    ask: (/** @type {Device} */ device) => handlers.listBackups(device),
+    take: (found) => offer(found, ''),
+    // A device that is gone meanwhile has none to choose: of that others tell.
+    refuse: ({ status, message }) => offer([], status === NOT_FOUND || status === DEVICE_LOST ? '' : message),
+    miss: (_, error) => offer([], `Its backups can’t be listed: ${laterText(error)}`),
+  });
+
+  /** @param {Backup[]} found @param {string} why there are none to choose from; empty: there are none */
+  function offer(found, why) {
     choice.offer(found.map(({ name }) => [name, savedAtText(name)]), found[0]?.name ?? '');
     backups.hidden = found.length === 0;
+    showText(unlisted, why);
+    unlisted.hidden = why === '';
   }
 
   return {
@@ -65,6 +76,7 @@ export function createMachine(handlers, dispatch) {
       { className: 'machine', id: 'machine' },
       failed,
       backups,
+      unlisted,
       scaleLine,
       element('div', { className: 'line' }, useScale, start),
     ),
@@ -87,8 +99,9 @@ export function createMachine(handlers, dispatch) {
       const wanted = isThere ? `${device.id} ${device.backup}` : '';
       if (wanted === known) return;
       known = wanted;
-      backups.hidden = true;
-      if (isThere) list(device, wanted);
+      listing.cancel();
+      offer([], '');
+      if (isThere) listing.want(device);
     },
   };
 }

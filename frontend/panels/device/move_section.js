@@ -6,7 +6,7 @@ import { refusalText } from '../../model/messages.js';
 import { plainField } from '../../ui/plain_field.js';
 import { quantityField } from '../../ui/quantity_field.js';
 import { showAtPlaces } from '../../ui/refusal.js';
-import { able, can } from './section.js';
+import { able, can, otherRampText } from './section.js';
 
 /** @typedef {import('../../model/types.js').Device} Device */
 /** @typedef {import('./section.js').Context} Context */
@@ -69,6 +69,7 @@ export function createMoveSection({ go }) {
     'aria-describedby': 'move-reason',
   });
   const inSteps = element('p', { className: 'reason', id: 'move-in-steps' });
+  const otherRamp = element('p', { className: 'reason warns', id: 'move-ramp' });
   const reason = element('p', { className: 'reason', id: 'move-reason' });
   const problem = element('div', { className: 'problem' });
   const timesProblem = element('div', { className: 'problem' });
@@ -84,6 +85,7 @@ export function createMoveSection({ go }) {
     element('div', { className: 'line' }, distance.element, move),
     problem,
     inSteps,
+    otherRamp,
     reason,
   );
 
@@ -139,6 +141,8 @@ export function createMoveSection({ go }) {
     showText(move, count > 1 && shown !== 'line' ? `${BUTTONS[shown]} axis ${present.axis}` : BUTTONS[shown]);
     const noRamp = device && !device.ramp ? 'Push a ramp first.' : '';
     able([move], reason, inTheWay || notAtRest || noRamp, situation.isBusy);
+    showText(otherRamp, otherRampText(present));
+    otherRamp.hidden = otherRamp.textContent === '';
     showSteps();
   }
 

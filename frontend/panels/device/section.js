@@ -1,6 +1,9 @@
 // @ts-check
 // What the sections of the device panel share.
 
+import { formatFigures } from '../../model/numbers.js';
+import { shownValue, unitWord } from '../../model/units.js';
+
 /** @typedef {import('../../model/types.js').Device} Device */
 /** @typedef {import('../../model/types.js').Design} Design */
 
@@ -21,6 +24,29 @@
  * @property {(context: Context) => void} show
  * @property {(rejections: import('../../model/types.js').Rejection[]) => import('../../model/types.js').Rejection[]} [reject]
  *   shows those that it has a field for and returns the others */
+
+/** What is to be known before a motion is begun: it is made with the ramp that the device has, be the design another one.
+ * @param {Context} context @returns {string} empty: the device has the ramp of the design, as far as is known */
+export function otherRampText({ device, axis, design, situation }) {
+  const { preview, lastPushed, units, isDesignValid, isAwaited, isChanged } = situation;
+  if (device === null || !device.ramp || isAwaited) return '';
+  const differs = preview === null ? isChanged : !preview.same;
+  if (isDesignValid && !differs) return '';
+  const pushed = lastPushed?.length === 1 ? lastPushed[0] : lastPushed?.[axis];
+  const speeds = (preview?.items ?? []).flatMap((item) =>
+    item.unit === 'steps/s' && item.on_device !== null && (item.axis ?? axis) === axis ? [item.on_device] : [],
+  );
+  const speed = pushed ? Number(pushed.ramp.slew_speed_steps_per_s) : Math.max(...speeds);
+  const upTo = Number.isFinite(speed) ? `, up to ${told(units, design, speed)}` : '';
+  return isDesignValid
+    ? `The device has another ramp than the design${upTo}: push first, or it moves with that one.`
+    : 'The design can’t be computed: the device moves with the ramp that it has.';
+}
+
+/** @param {import('../../model/units.js').Units} units @param {Design} design @param {number} speed [steps/s] */
+function told(units, design, speed) {
+  return `${formatFigures(shownValue(units, design, 'speed', speed))} ${unitWord(units, design, 'speed')}`;
+}
 
 /** Whether a device can do what only some can; until it is known of a device, whether any can.
  * @param {Device | null} device @param {import('../../model/types.js').Capability} what */

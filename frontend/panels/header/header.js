@@ -127,7 +127,7 @@ export function createHeader(root, dispatch, act) {
   /** @param {import('../../model/messages.js').Message | undefined} problem */
   function showNameProblem(problem) {
     nameProblem.hidden = problem === undefined;
-    showText(nameProblem, nameText(problem));
+    showText(nameProblem, nameText(problem, name.value));
     name.setAttribute('aria-invalid', String(problem !== undefined));
     if (problem) name.setAttribute('aria-describedby', nameProblem.id);
     else name.removeAttribute('aria-describedby');

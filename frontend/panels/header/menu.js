@@ -134,6 +134,5 @@ const namesOf = ({ machine }) => machine.axes.map(({ name }) => name || 'unnamed
 function placeOf({ isOpen, at_ms }) {
   const time = new Date(at_ms).toLocaleString('en-GB', { day: 'numeric', month: 'short', hour: '2-digit', minute: '2-digit' });
   const since = at_ms > 0 ? `, last changed ${time}` : '';
-  if (isOpen === null) return `From another tab${since}.`;
   return isOpen ? 'In another tab, which keeps it: a copy opens here.' : `From a tab that was closed${since}.`;
 }

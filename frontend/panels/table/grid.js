@@ -117,7 +117,9 @@ export function createGrid({ onTyped, onRemove, onInsert, onSelect }) {
   /** @param {Rows} rows @param {string} unit @param {(interval: Entry) => number} speedOf NaN where there is none
    * @param {string} speedUnit that it is in */
   function show(rows, unit, speedOf, speedUnit) {
-    settle = () => show(rows, unit, speedOf, speedUnit);
+    // A row that goes lets go of the focus, which settles: not in the midst of this.
+    settle = () => {};
+    const focused = focusedCell();
     speedHead.textContent = `speed, ${speedUnit}`;
     delayHead.textContent = unit === 'us' ? 'delay, µs' : 'delay, ticks';
     while (body.children.length / 2 > rows.length) body.lastElementChild?.remove();
@@ -133,6 +135,17 @@ export function createGrid({ onTyped, onRemove, onInsert, onSelect }) {
       const text = Number.isFinite(speed) ? formatFigures(speed) : '–';
       if (cell.textContent !== text) cell.textContent = text;
     });
+    settle = () => show(rows, unit, speedOf, speedUnit);
+    if (focused !== null && focused.index >= rows.length && rows.length > 0) focusCell(rows.length - 1, focused.column);
+  }
+
+  /** The place of the cell that has the focus; null: none has. */
+  function focusedCell() {
+    const cell = document.activeElement;
+    const row = cell?.closest('tr.row') ?? null;
+    if (cell === null || row === null || !body.contains(row)) return null;
+    const cells = [...row.querySelectorAll('input, button')];
+    return { index: [...body.querySelectorAll('tr.row')].indexOf(row), column: cells.indexOf(cell) };
   }
 
   function showMessages() {

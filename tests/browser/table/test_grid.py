@@ -27,6 +27,17 @@ def test_the_grid_is_worked_with_keys(start: StepRampPage) -> None:
     assert len(rows_of(start)) == 7
 
 
+def test_a_row_that_was_added_is_undone_while_it_has_the_focus(start: StepRampPage) -> None:
+    page = start.page
+    page.locator("#add-row").click()
+    expect(page.locator("#table-6-0")).to_be_focused()
+    page.keyboard.press("Control+z")
+    assert rows_of(start) == ROWS
+    expect(page.locator("#table-rows tr.row")).to_have_count(len(ROWS))
+    expect(page.locator("#table-5-0")).to_be_focused()
+    expect(page.locator(".panel.table")).to_contain_text(f"{len(ROWS)} rows")
+
+
 def test_what_is_typed_moves_the_point(start: StepRampPage) -> None:
     start.page.locator("#table-4-0").fill("50")
     start.page.locator("#table-4-1").fill("2000")
