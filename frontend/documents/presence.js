@@ -12,7 +12,7 @@ const CHANNEL = 'stepramp.tabs';
 
 /** @typedef {object} Presence
  * @property {(id: string) => Promise<boolean>} hold     at once, or not at all: another tab has the name
- * @property {(id: string) => Promise<boolean>} takeOver as soon as the page lets go of it that this one is a reload of
+ * @property {(id: string) => Promise<boolean>} inherit as soon as the page lets go of it that this one is a reload of
  * @property {() => Promise<Set<string>>} open           the names of the open tabs
  * @property {(id: string, act: () => void) => Promise<void>} whileClosed  do something unless a tab of that name is open */
 
@@ -31,7 +31,7 @@ function byLocks() {
 
   return {
     hold: (id) => hold(id, { ifAvailable: true }),
-    takeOver(id) {
+    inherit(id) {
       const patience = new AbortController();
       setTimeout(() => patience.abort(), RELOAD_MS);
       return hold(id, { signal: patience.signal });
@@ -76,7 +76,7 @@ function byAsking() {
   return {
     hold,
     // The page before has ended by then: what answers is another tab.
-    takeOver: hold,
+    inherit: hold,
     open: async () => (await others()).add(own ?? ''),
     async whileClosed(id, act) {
       if (id !== own && !(await others()).has(id)) act();

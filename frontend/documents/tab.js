@@ -18,12 +18,12 @@ const SHARED_REPLACED = 'stepramp.work.replaced';
  * closed ones. null: there is none.
  * @returns {Promise<{id: string, record: TabRecord | null}>} */
 export async function openTab() {
-  takeOverShared();
+  inheritShared();
   const own = readOwn();
   if (own !== null) {
     const record = records.read(own);
     const isReadable = record !== null || !records.exists(own);
-    if (isReadable && (await presenceOfTabs().takeOver(own))) return { id: own, record };
+    if (isReadable && (await presenceOfTabs().inherit(own))) return { id: own, record };
     return { id: await newTab(), record };
   }
   const open = await presenceOfTabs().open();
@@ -72,7 +72,7 @@ function named(id) {
 }
 
 /** What all tabs shared becomes the record of a tab that was closed. */
-function takeOverShared() {
+function inheritShared() {
   const [machine, replaced] = [SHARED, SHARED_REPLACED].map((key) => {
     try {
       return JSON.parse(readText(key) ?? 'null');
