@@ -55,6 +55,16 @@ def nearest(value: Fraction, decimals: int) -> str:
     return _text(round(value * 10**decimals), decimals)
 
 
+def may_be_told(text: str, value: float) -> bool:
+    """Tell whether a number that a controller keeps in a C float may be told so; ValueError for a text that is none.
+
+    >>> may_be_told("8.889", 8.8888889), may_be_told("8.88", 8.8888889)
+    (True, False)
+    """
+    last_place = 10.0 ** -len(text.partition(".")[2])
+    return abs(float(text) - value) <= last_place / 2 + abs(value) * float(ROUNDED)
+
+
 def no_less(exactly: Fraction) -> float:
     """Return the least float that is written as no less: what is rounded down again becomes what it was."""
     value = float(exactly)

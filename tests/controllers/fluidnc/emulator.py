@@ -63,6 +63,7 @@ report_inches: false
 """
 ITEMS = {"STEPS_PER_MM": 100, "MAX_RATE_MM_PER_MIN": 110, "ACCELERATION_MM_PER_SEC2": 120}
 ITEM = re.compile(r"\$/AXES/([XYZ])/(\w+)=(.*)")
+ASKED = re.compile(r"\$/AXES/([XYZ])/(\w+)")
 MOST_STEPS_PER_S = 100_000
 
 
@@ -88,6 +89,12 @@ class FluidNcEmulator(GrblEmulator):
         # G-code is refused while it is locked, also that of its macros.
         self.eeprom.startup = [self._macro(name) for name in ("startup_line0", "startup_line1", "after_reset")]
         super()._begin_anew(after_s)
+
+    def _load_by_reset(self) -> None:
+        """Keep what is in use: it reads its file only as it is switched on."""
+
+    def _load(self) -> None:
+        super()._load()
         for axis, letter in enumerate("xyz"):
             block = self.file.partition(f"\n  {letter}:")[2]
             for item, first in ITEMS.items():
@@ -106,6 +113,10 @@ class FluidNcEmulator(GrblEmulator):
         item = ITEM.fullmatch(line)
         if item is not None:
             self._set_item(*item.groups())
+        elif (asked := ASKED.fullmatch(line)) is not None:
+            value = self.settings[ITEMS[asked[2]] + "XYZ".index(asked[1])]
+            self._say(f"{line.lower()}={value:.{self.decimals}f}")
+            self._say("ok")
         elif line == "$CD":
             for each in self.dumps_as(self._dump()).split("\n"):
                 self._say(each)

@@ -89,7 +89,7 @@ def test_trying_sets_items_one_at_a_time_and_writes_nothing(
     fluidnc.decimals = decimals
     assert not controller.preview_push([SLOW], 1).same
     report = controller.prepare_push([SLOW], 1, "try")()
-    assert fluidnc.lines[:2] == ["$/AXES/Y/ACCELERATION_MM_PER_SEC2=4", "$/AXES/Y/MAX_RATE_MM_PER_MIN=240"]
+    assert fluidnc.lines[:3] == ["$CD", "$/AXES/Y/ACCELERATION_MM_PER_SEC2=4", "$/AXES/Y/MAX_RATE_MM_PER_MIN=240"]
     assert (report.verified, report.kept) == (True, False)
     assert [(item.requested, item.sent, item.read_back) for item in report.items] == [(1000,) * 3] * 2
     assert [item.own.term for item in report.items if item.own] == [
@@ -107,6 +107,33 @@ def test_trying_sets_items_one_at_a_time_and_writes_nothing(
     with pytest.raises(Refused, match="Nothing is on trial"):
         controller.roll_back()
     assert (fluidnc.has_written, fluidnc.file, fluidnc.eeprom.writes) == (False, FILE, 0)
+
+
+def test_steps_per_mm_that_others_set_are_noticed_before_a_push_and_a_motion(
+    bench: Bench, controller: FluidNcController, fluidnc: FluidNcEmulator
+) -> None:
+    for _ in range(2):
+        controller.move_by([by(300), by(100, 1)])
+        bench.rest()
+    assert fluidnc.lines[:3] == [f"$/AXES/{letter}/STEPS_PER_MM" for letter in "XYZ"]
+    send, before = controller.prepare_push([SLOW], 0, "try"), len(fluidnc.lines)
+    fluidnc.settings[100] = 1000.0
+    with pytest.raises(Refused, match=r"axes/x/steps_per_mm was 250 and is 1,000 now: .* Nothing was written: push"):
+        send()
+    assert fluidnc.lines[before:] == ["$CD"]
+    fluidnc.settings[101] = 100.0
+    assert controller.prepare_push([SLOW], 0, "try")().verified
+    assert (fluidnc.settings[110] * 1000 / 60, fluidnc.settings[120] * 1000) == (1000, 1000)
+    for begin in (lambda: controller.move_by([by(300)]), lambda: controller.run([at(500)])):
+        with pytest.raises(Refused, match="axes/y/steps_per_mm has changed from 250 to 100, so X and Y may"):
+            begin()
+    assert fluidnc.position == [600, 200, 0]
+    controller.set_position([to(0), to(0, 1)])
+    controller.move_by([by(300), by(50, 1)])
+    bench.rest()
+    assert fluidnc.position == [900, 250, 0]
+    # A reset brings nothing back: FluidNC reads its file only as it is switched on.
+    assert controller.status().on_trial
 
 
 def test_an_item_that_is_refused_is_set_back(controller: FluidNcController, fluidnc: FluidNcEmulator) -> None:
@@ -165,7 +192,7 @@ def test_nothing_is_set_while_it_moves_or_after_a_limit_was_hit(
     for act in (controller.prepare_push([SLOW], 0), controller.backup, controller.roll_back):
         with pytest.raises(Refused, match="a limit was hit"):
             act()
-    assert not any(line.startswith("$/") for line in fluidnc.lines)
+    assert not any(line.startswith("$/") and "=" in line for line in fluidnc.lines)
 
 
 def test_a_backup_is_everything_and_is_set_again(controller: FluidNcController, fluidnc: FluidNcEmulator) -> None:

@@ -84,6 +84,7 @@ class GrblEmulator:
             self.is_on = True
             self.position, self._mm = [0, 0, 0], [0.0, 0.0, 0.0]
             self.state, self.part = "Idle", 0
+            self._load()
             self._begin_anew(self.boot_s)
 
     def opened(self) -> None:
@@ -93,7 +94,8 @@ class GrblEmulator:
                 self.power_up()
 
     def _begin_anew(self, after_s: float) -> None:
-        self.settings = dict(self.eeprom.settings)
+        # Only now it counts by steps per mm that were set since.
+        self._mm = self._places_mm
         self._received, self._queue, self._speed = bytearray(), [], 0.0
         self._ends_jog = self._holds = False
         self._reports = 0
@@ -110,7 +112,20 @@ class GrblEmulator:
             if line:
                 self._say(f">{line}:{self._run_block(line)}", after_s)
 
+    def _load(self) -> None:
+        """Take what it keeps."""
+        self.settings = dict(self.eeprom.settings)
+
+    @property
+    def _places_mm(self) -> list[float]:
+        scales = [self.settings[100 + axis] for axis in range(3)]
+        return [step / scale if scale else 0.0 for step, scale in zip(self.position, scales, strict=True)]
+
+    def _load_by_reset(self) -> None:
+        self._load()
+
     def _reset(self) -> None:
+        self._load_by_reset()
         alarm = 3 if self.state in ("Run", "Jog") else 6 if self.state == "Home" else None
         if alarm:
             self.state = "Alarm"
@@ -319,6 +334,13 @@ class GrblEmulator:
         scale = 25.4 if "G20" in words else 1.0
         begin = self._queue[-1][0] if self._queue else tuple(self._mm)
         target = list(begin)
+        if not self._queue:
+            # It plans from where the steps are, to where it was told: an axis that isn't named, by its old steps/mm.
+            self._mm = [
+                there if abs(there - told) * self.settings[100 + axis] > 1 else told
+                for axis, (there, told) in enumerate(zip(self._places_mm, self._mm, strict=True))
+            ]
+            begin = tuple(self._mm)
         for axis, letter in enumerate("XYZ"):
             if letter in found:
                 target[axis] = float32(float(found[letter])) * scale

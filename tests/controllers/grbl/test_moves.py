@@ -22,7 +22,7 @@ def only_rejection(ask: Callable[[], object]) -> tuple[str, object, str]:
 
 def test_a_move_is_one_jog_in_machine_coordinates(bench: Bench, controller: GrblController) -> None:
     controller.move_by([by(-1001)])
-    assert bench.grbl.lines == ["$J=G53G21G90X-4.0040000F500"]
+    assert bench.grbl.lines == ["$$", "$J=G53G21G90X-4.0040000F500"]
     status = controller.status()
     assert (status.activity, status.motors_on) == (Activity.MOVING, True)
     assert [axis.activity for axis in status.axes] == [Activity.MOVING, Activity.READY, Activity.READY]
@@ -137,7 +137,7 @@ def test_places_that_float32_cant_tell_are_refused_by_name(bench: Bench, per_mm:
     assert "eight digits of mm as float32" in allowed
     most = int(allowed.partition("up to ")[2].split(" ")[0].replace(",", ""))
     assert 0 < most <= 2 * furthest
-    assert bench.grbl.lines == []
+    assert bench.grbl.lines == ["$$"]
 
 
 def test_axes_that_are_not_there(controller: GrblController) -> None:
@@ -199,3 +199,84 @@ def test_its_own_soft_limits_are_told(bench: Bench, grbl: GrblEmulator, controll
         controller.move_by([by(10)])
     bench.pass_time(1)
     assert grbl.steps == 0
+
+
+MOTIONS: tuple[Callable[[GrblController], None], ...] = (
+    lambda controller: controller.move_by([by(800)]),
+    lambda controller: controller.move_to([to(800)]),
+    lambda controller: controller.run([at(500)]),
+)
+
+
+@pytest.mark.parametrize("begin", MOTIONS)
+def test_nothing_moves_by_steps_per_mm_that_the_controller_has_no_more(
+    bench: Bench, grbl: GrblEmulator, controller: GrblController, begin: Callable[[GrblController], None]
+) -> None:
+    controller.move_by([by(500, 1)])
+    bench.rest()
+    steps, words = grbl.steps, r"\$101 has changed from 250 to 500, so Y may be at another place than is counted"
+    grbl.settings[101] = grbl.eeprom.settings[101] = 500.0
+    # Of any axis: an axis that a jog doesn't name is planned by its old steps per mm, and would set out, too.
+    for _ in range(2):
+        with pytest.raises(Refused, match=f"can't move: {words}. Set the position here"):
+            begin(controller)
+    bench.pass_time(3)
+    assert grbl.steps == steps
+    assert "$101 has changed from 250 to 500" in (controller.status().trouble or "")
+    controller.set_position([to(0), to(0, 1)])
+    begin(controller)
+    bench.ask_for(0.9)
+    controller.move_to([to(800), to(100, 1)])
+    rested = bench.rest()
+    assert rested.trouble is None
+    assert [axis.steps_per_mm for axis in rested.axes] == [250, 500, 250]
+    assert grbl.position == [800, 600, 0]
+
+
+def test_steps_per_mm_that_were_heard_wrong_move_nothing(bench: Bench, grbl: GrblEmulator) -> None:
+    grbl.starts_on_open = False
+    grbl.exchange(b"")
+    grbl.position, grbl._mm = [500, 0, 0], [2.0, 0.0, 0.0]
+    grbl.on_the_way_out = lambda said: said.replace(b"$100=250.000", b"$100=25.000")
+    bench.controller.connect()
+    grbl.on_the_way_out = lambda said: said
+    with pytest.raises(Refused, match=r"\$100 has changed from 25 to 250"):
+        bench.controller.move_by([by(800)])
+    # Heard wrong in between, they are asked for once more.
+    bench.controller.set_position([to(0)])
+    left = [b"$100=25.000"]
+    grbl.on_the_way_out = lambda said: (
+        said.replace(b"$100=250.000", left.pop()) if left and b"$100=250.000" in said else said
+    )
+    bench.controller.move_by([by(800)])
+    assert (bench.rest().axes[0].position_steps, grbl.position[0], left) == (800, 1300, [])
+
+
+def test_where_it_counts_from_steps_per_mm_may_change(
+    bench: Bench, grbl: GrblEmulator, controller: GrblController
+) -> None:
+    grbl.settings[100] = grbl.eeprom.settings[100] = 500.0
+    controller.move_by([by(800)])
+    assert (bench.rest().axes[0].position_steps, grbl.position) == (800, [800, 0, 0])
+
+
+def test_where_a_reset_would_move_something_its_new_steps_per_mm_wait_for_it(bench: Bench, grbl: GrblEmulator) -> None:
+    grbl.starts_on_open = False
+    grbl.eeprom.startup[0] = "G0 X10"
+    bench.controller.connect()
+    bench.controller.move_by([by(250)])
+    bench.rest()
+    steps = grbl.steps
+    grbl.settings[100] = 500.0
+    with pytest.raises(Refused, match="has changed"):
+        bench.controller.move_by([by(800)])
+    with pytest.raises(Refused, match="has to be started anew before it moves, and can't be from here"):
+        bench.controller.set_position([to(0)])
+    bench.pass_time(3)
+    assert grbl.steps == steps
+
+
+def test_an_axis_whose_settings_make_no_sense_any_more(grbl: GrblEmulator, controller: GrblController) -> None:
+    grbl.settings[101] = 0.0
+    with pytest.raises(Rejected, match="an axis of this controller: 0 to 0"):
+        controller.move_by([by(5, 1)])

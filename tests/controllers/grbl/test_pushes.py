@@ -38,7 +38,7 @@ def fields_of(ask: Callable[[], object]) -> list[tuple[str, object, str]]:
 def test_what_is_sent_and_read_back(bench: Bench, controller: GrblController) -> None:
     report = push(controller, design(), axis=1)
     # 1000 steps/s · 60 / 250 = 240 mm/min; 5000 / 250 = 20 mm/s². The second listing is that after a reset.
-    assert bench.grbl.lines == ["$111=240.000", "$121=20.000", "$$", "$N", "$$", "$N"]
+    assert bench.grbl.lines == ["$$", "$N", "$111=240.000", "$121=20.000", "$$", "$N", "$$", "$N"]
     assert (bench.grbl.eeprom.settings[121], bench.grbl.eeprom.settings[111]) == (20.0, 240.0)
     speed, gain = report.items
     assert (speed.requested, speed.sent, speed.read_back, speed.unit, speed.axis) == (1000, 1000, 1000, "steps/s", 1)
@@ -225,6 +225,46 @@ def test_positions_outlast_the_reset_of_a_push(bench: Bench, controller: GrblCon
     controller.move_by([by(1)])
     bench.rest()
     assert bench.grbl.position[0] == 701
+
+
+@pytest.mark.parametrize("later", [500.0, 100.0])
+def test_a_push_that_was_worked_out_with_other_steps_per_mm_is_refused(
+    bench: Bench, controller: GrblController, later: float
+) -> None:
+    send = controller.prepare_push([design()], 0)
+    bench.grbl.settings[100] = bench.grbl.eeprom.settings[100] = later
+    with pytest.raises(Refused, match=rf"\$100 was 250 and is {later:g} now: .* Nothing was written: push again\."):
+        send()
+    assert bench.grbl.eeprom.writes == 0
+    report = controller.prepare_push([design()], 0)()
+    assert report.verified
+    assert [item.read_back for item in report.items] == [1000, 5000]
+    assert bench.grbl.eeprom.settings[110] * later / 60 == 1000
+    assert bench.grbl.eeprom.settings[120] * later == 5000
+
+
+def test_steps_per_mm_that_were_heard_wrong_are_not_pushed_with(bench: Bench) -> None:
+    bench.grbl.on_the_way_out = lambda said: said.replace(b"$100=250.000", b"$100=25.000")
+    bench.controller.connect()
+    bench.grbl.on_the_way_out = lambda said: said
+    with pytest.raises(Refused, match=r"\$100 was 25 and is 250 now"):
+        push(bench.controller, design())
+    assert bench.grbl.eeprom.writes == 0
+    assert push(bench.controller, design()).verified
+
+
+def test_what_is_read_back_counts_by_the_steps_per_mm_that_are_read_back(
+    bench: Bench, controller: GrblController
+) -> None:
+    def others(_: bytes) -> bytes:
+        if bench.grbl.eeprom.writes == 2:
+            bench.grbl.settings[100] = bench.grbl.eeprom.settings[100] = 500.0
+        return _
+
+    bench.grbl.on_the_way_in = others
+    report = push(controller, design())
+    assert not report.verified
+    assert [item.read_back for item in report.items] == [2000, 10_000]
 
 
 # Backups.

@@ -84,8 +84,8 @@ def test_the_status(connect: Connect) -> None:
 
 def test_a_jog_and_its_end(connect: Connect) -> None:
     controller = connect(
-        ("?", RESTS), ("?", RESTS), ("$J=G53G21G90X10.000000F500\n", "ok\r\n"), ("\x85", ""), ("\x85", ""), ("?", JOGS),
-        ("\x85", ""), ("?", RESTS), ("?", RESTS),
+        ("?", RESTS), ("?", RESTS), ("$$\n", LISTING), ("$J=G53G21G90X10.000000F500\n", "ok\r\n"),
+        ("\x85", ""), ("\x85", ""), ("?", JOGS), ("\x85", ""), ("?", RESTS), ("?", RESTS),
     )  # fmt: skip
     controller.move_to([AxisCommand(0, 2500, "to_steps")])
     controller.stop()
@@ -104,7 +104,8 @@ def test_a_halt(connect: Connect) -> None:
 def test_a_push(connect: Connect) -> None:
     kept = LISTING.replace("$120=10.000", "$120=20.000").replace("$110=500.000", "$110=240.000")
     controller = connect(
-        ("?", RESTS), ("$110=240.000\n", "ok\r\n"), ("$120=20.000\n", "ok\r\n"), ("$$\n", kept), ("$N\n", STARTUP),
+        ("?", RESTS), ("$$\n", LISTING), ("$N\n", STARTUP), ("?", RESTS),
+        ("$110=240.000\n", "ok\r\n"), ("$120=20.000\n", "ok\r\n"), ("$$\n", kept), ("$N\n", STARTUP),
         ("?", RESTS), ("\x18", BANNER), ("$$\n", kept), ("$N\n", STARTUP), ("?", RESTS),
     )  # fmt: skip
     assert controller.prepare_push([design()], 0)().verified
@@ -112,7 +113,8 @@ def test_a_push(connect: Connect) -> None:
 
 def test_a_setting_that_is_refused(connect: Connect) -> None:
     controller = connect(
-        ("?", RESTS), ("$110=240.000\n", "error:8\r\n"), ("$$\n", LISTING), ("$N\n", STARTUP), ("?", RESTS)
+        ("?", RESTS), ("$$\n", LISTING), ("$N\n", STARTUP), ("?", RESTS),
+        ("$110=240.000\n", "error:8\r\n"), ("$$\n", LISTING), ("$N\n", STARTUP), ("?", RESTS)
     )  # fmt: skip
     with pytest.raises(Refused, match=r"refuses '\$110=240.000': it takes that only at rest \(error:8\)"):
         controller.prepare_push([design()], 0)()

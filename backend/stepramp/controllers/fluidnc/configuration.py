@@ -83,6 +83,10 @@ class Configuration:
             return float(text) if text.isascii() and text.isdigit() else 0.0
         return 0.0
 
+    def scale_name(self, axis: int) -> str:
+        """Return the path of the steps per mm of an axis."""
+        return f"axes/{LETTERS[axis]}/steps_per_mm"
+
     def carries_out(self, macros: Iterable[str]) -> bool:
         """Whether one of some macros may move something."""
         return not all(HARMLESS.fullmatch(self.items.get(f"macros/{name}", "")) for name in macros)

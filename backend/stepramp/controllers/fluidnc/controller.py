@@ -88,6 +88,8 @@ class FluidNcController(GrblMachine, TriesRamps, BacksUp):
 
         def push() -> PushReport:
             self._memory.refuse_unready()
+            self._read_again()
+            plan.refuse_other_scales(self._memory.settings)
             self._tell(Progress(PushStage.SENDING, 0, plan.bytes))
             with self._known_again_on_refusal():
                 self._memory.use(plan.wanted)

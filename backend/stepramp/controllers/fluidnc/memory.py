@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from contextlib import suppress
 
 from stepramp.controllers.fluidnc.configuration import AT_START, AT_UNLOCKING, Configuration
+from stepramp.controllers.given_numbers import may_be_told
 from stepramp.controllers.grbl.conversation import Answered, Conversation
 from stepramp.controllers.grbl.dialect import DEAF_ALARMS, LONGEST_LINE, State
 from stepramp.controllers.order import lowered_first
@@ -54,6 +55,22 @@ class Memory:
     def learn_in_use(self) -> None:
         """Read what is in use."""
         self.settings = Configuration.of(self._conversation.ask(DUMP, LISTING_S))
+
+    def has_scales(self, axes: int) -> bool:
+        """Ask again, and return whether the steps per mm of so many axes are those that were last read.
+
+        Each is asked for alone: the whole configuration takes 0.7 s.
+        """
+        return all(self._has_scale(axis) for axis in range(axes))
+
+    def _has_scale(self, axis: int) -> bool:
+        there = self.settings.axis(axis)
+        try:
+            said = self._conversation.ask(f"$/{self.settings.scale_name(axis)}")
+            told = next(line.rpartition("=")[2] for line in said if "=" in line)
+            return there is not None and may_be_told(told, float(there.steps_per_mm))
+        except (Answered, StopIteration, ValueError):
+            return False
 
     def everything(self) -> str:
         """Return all that can be read, as it was told."""

@@ -9,6 +9,7 @@ from stepramp.controllers.contract import OwnTerms, PreviewItem, PushItem, PushP
 from stepramp.controllers.fluidnc.configuration import LETTERS
 from stepramp.controllers.fluidnc.ramp import FLUIDNC, fluidnc_losses
 from stepramp.controllers.grbl.numbers import exact, is_same
+from stepramp.controllers.grbl.scales import other_scales, refuse_others
 from stepramp.controllers.grbl.settings import AxisSettings, Known
 from stepramp.controllers.losses import slower
 from stepramp.controllers.per_mm import PerMm
@@ -56,9 +57,17 @@ class PushPlan:
         """Length of the lines that are sent [bytes]."""
         return sum(len(f"$/{path}={value}\n") for path, value in self.wanted.items())
 
+    def other_scales(self, present: Known) -> list[str]:
+        """Return which steps per mm are others than it was made with, in words."""
+        return other_scales({axis: np.float32(float(each.scale)) for axis, each in self.given.items()}, present)
+
+    def refuse_other_scales(self, present: Known) -> None:
+        """Refused where the controller has other steps per mm than it was made with."""
+        refuse_others(self.other_scales(present))
+
     def is_had(self, present: Known) -> bool:
         """Whether a controller has what is to be sent, as far as it tells."""
-        return all(self._is_had(axis, present.axis(axis)) for axis in self.given)
+        return not self.other_scales(present) and all(self._is_had(axis, present.axis(axis)) for axis in self.given)
 
     def report(self, read_back: Known) -> PushReport:
         """Return what came of the push."""
@@ -100,7 +109,7 @@ class PushPlan:
     def _items(self, present: Known) -> Iterator[PushItem]:
         for axis, given in self.given.items():
             there, asked = present.axis(axis), self.designs[axis]
-            scale = float(given.scale)
+            scale = float(given.scale if there is None else there.steps_per_mm)
             rate, gain = np.float32(given.speed), np.float32(given.acceleration)
             told = (None, None) if there is None else (_told(there.most_rate, rate), _told(there.acceleration, gain))
             yield PushItem(

@@ -86,11 +86,13 @@ class GrblController(GrblMachine, StoresRamps, BacksUp):
 
         def push() -> PushReport:
             self._memory.refuse_unready()
+            self._read_again()
+            plan.refuse_other_scales(self._memory.settings)
             self._tell(Progress(PushStage.SENDING, 0, plan.bytes))
             with self._known_again_on_refusal():
                 self._memory.write(plan.lines(self._memory.settings))
             remarks = self._read_back()
-            verified = not self._memory.differing(plan.wanted)
+            verified = not self._memory.differing(plan.wanted) and not plan.other_scales(self._memory.settings)
             return plan.report(self._memory.settings, remarks if verified else (*remarks, RESTORE), verified=verified)
 
         return push

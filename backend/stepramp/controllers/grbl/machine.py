@@ -38,6 +38,9 @@ class Remembers(Protocol):
     def learn_in_use(self) -> None:
         """Read what is in use."""
 
+    def has_scales(self, axes: int) -> bool:
+        """Ask again, and return whether the steps per mm of so many axes are those that were last read."""
+
     @property
     def settings(self) -> Known:
         """As they were last read."""
@@ -68,7 +71,7 @@ class GrblMachine(Controller, DrawsLines):
         self._called = called
         self._places = Places()
         self._stopping = Stopping(conversation, lambda: memory.may_reset)
-        self._moves = Moves(conversation, self._places, self._stopping, give_way, called)
+        self._moves = Moves(conversation, self._places, self._stopping, give_way, self._ask_for_scales, called)
 
     @property
     def clocks_hz(self) -> tuple[int, ...]:
@@ -156,6 +159,8 @@ class GrblMachine(Controller, DrawsLines):
             self._conversation.ask("$X")
             self._stopping.was_halted = False
             report = self._moves.look()
+        if self._places.changed:
+            report = self._begun_anew(report)
         self._places.call({each.axis: int(each.value) for each in positions}, self._places.counted(report))
         self._moves.rest_at(report)
 
@@ -177,14 +182,36 @@ class GrblMachine(Controller, DrawsLines):
         self._places.learn(self._remembers.settings, report)
         self._moves.rest_at(report)
 
+    def _read_again(self) -> None:
+        """Read what is in use again, and where the axes rest by that."""
+        self._remembers.learn_in_use()
+        self._know_places()
+
+    def _ask_for_scales(self) -> None:
+        """Ask for the steps per mm again: somebody else may have set them. Known of others are they all the same."""
+        if not self._remembers.has_scales(len(self._places.axes)):
+            self._read_again()
+
+    def _begun_anew(self, report: Report) -> Report:
+        """Have it start anew once its steps per mm have changed, and return how it fares then.
+
+        Until then it counts axes that a line doesn't name by what they were: they would set out with others.
+        """
+        if report.state is not State.IDLE or not self._remembers.may_reset:
+            raise Refused(
+                f"{self._places.change_words} The controller has to be started anew before it moves, and "
+                "can't be from here, since that may move something: do that at the machine, and connect it again."
+            )
+        self._conversation.reset()
+        return self._moves.look()
+
     @contextmanager
     def _known_again_on_refusal(self) -> Iterator[None]:
         """Read what it keeps again when it refuses something: what was sent before that is written."""
         try:
             yield
         except Answered:
-            self._remembers.learn_in_use()
-            self._know_places()
+            self._read_again()
             raise
 
     def _refuse_senseless(self) -> None:

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping
 
 from stepramp.controllers.grbl.conversation import UNREADABLE, Answered, Conversation
 from stepramp.controllers.grbl.dialect import DEAF_ALARMS, State, moves_nothing
-from stepramp.controllers.grbl.settings import Settings, is_told_same
+from stepramp.controllers.grbl.settings import STEPS_PER_MM, Settings, is_told_same
 from stepramp.errors import Refused
 
 VERSION, SETTINGS, PLACES, STARTUP = LISTINGS = ("$I", "$$", "$#", "$N")
@@ -39,6 +39,12 @@ class Memory:
     def learn_in_use(self) -> None:
         """Read the settings, each of which is in use as it is stored."""
         self.learn()
+
+    def has_scales(self, axes: int) -> bool:
+        """Ask again, and return whether the steps per mm of so many axes are those that were last read."""
+        told = Settings.of(self._conversation.ask(SETTINGS)).values
+        numbers = range(STEPS_PER_MM, STEPS_PER_MM + axes)
+        return all(told.get(number) == self.settings.values.get(number) for number in numbers)
 
     def everything(self) -> str:
         """Return all that can be read, as it was told."""

@@ -44,7 +44,8 @@ MOST_LOOKS = 40
 class Moves:
     """Moves axes, unless a stop has come since that was asked for.
 
-    slowest_steps_per_s: that the firmware makes. called: what people call it.
+    slowest_steps_per_s: that the firmware makes. ask_for_scales: learns the steps per mm anew if they are others than
+    is known. called: what people call it.
     """
 
     def __init__(
@@ -53,6 +54,7 @@ class Moves:
         places: Places,
         stopping: Stopping,
         give_way: Callable[[float], None],
+        ask_for_scales: Callable[[], None],
         called: str = "grbl",
     ) -> None:
         self._conversation = conversation
@@ -60,6 +62,7 @@ class Moves:
         self._places = places
         self._stopping = stopping
         self._give_way = give_way
+        self._ask_for_scales = ask_for_scales
         self.slowest_steps_per_s = 0.0
         self._aim: dict[int, int] = {}
         """Where axes jog to, as the controller counts [steps]."""
@@ -92,6 +95,8 @@ class Moves:
             )
         if report.state in STATE_WORDS:
             return f"The controller can't move: {STATE_WORDS[report.state]}."
+        if self._places.changed:
+            return f"The controller can't move: {self._places.change_words} Set the position here."
         return None
 
     def by(self, steps: Sequence[AxisCommand]) -> None:
@@ -224,6 +229,7 @@ class Moves:
             raise Refused(
                 f"Axis {others} moves, and {self._called} moves all axes by one plan: wait, or stop it first."
             )
+        goes_on = report.state is State.JOG and self._is_ours
         deadline_s = monotonic() + REST_S
         while report.state is State.JOG:
             self._stopping.refuse_stopped(stops)
@@ -232,6 +238,10 @@ class Moves:
             report = self.look()
             if monotonic() > deadline_s:
                 raise Refused("What goes on doesn't come to rest: stop it first.")
+        if not goes_on:
+            # While it jogs nobody can set them.
+            self._ask_for_scales()
+            refuse_axes([AxisCommand(axis, 0, "axes") for axis in axes], len(self._places.axes))
         self._stopping.refuse_stopped(stops)
         if (reason := self.inability(report)) is not None:
             raise Refused(reason)

@@ -22,6 +22,8 @@ class Places:
         self._offsets: list[int] = []
         self._known: dict[int, int] = {}
         """Where axes were sent to, as the controller counts: what it tells is coarser."""
+        self.changed: dict[int, str] = {}
+        """Axes whose steps per mm have changed since it was known where they are, and how, as part of a sentence."""
         self._work_offset: tuple[float, ...] | None = None
         self.trouble: str | None = None
         """Which axes can't be used, and why, as a sentence; None: all can."""
@@ -30,6 +32,7 @@ class Places:
     def learn(self, settings: Known, report: Report) -> None:
         """Take the scales that a controller has, of the axes up to the first whose settings make no sense."""
         found = [settings.axis(axis) for axis in range(min(MOST_AXES, len(report.position)))]
+        before = self.axes
         self.axes = tuple(each for each in takewhile(lambda each: each is not None, found) if each is not None)
         self.trouble = None
         if len(self.axes) < len(found):
@@ -42,6 +45,17 @@ class Places:
         inches = bool(settings.number(REPORTS_INCHES))
         self.mm_per_unit = MM_PER_INCH if inches else 1.0
         self._told_mm = INCHES_TOLD * MM_PER_INCH if inches else MM_TOLD
+        for axis, (was, now, place) in enumerate(zip(before, self.axes, self.counted(report), strict=False)):
+            # 0 is the same place by whatever steps per mm.
+            if was.steps_per_mm != now.steps_per_mm and place:
+                figures = f"from {float(was.steps_per_mm):,.7g} to {float(now.steps_per_mm):,.7g}"
+                self.changed[axis] = f"{settings.scale_name(axis)} has changed {figures}"
+
+    @property
+    def change_words(self) -> str:
+        """What has changed, and what comes of that, as a sentence."""
+        which = " and ".join(LETTERS[axis] for axis in self.changed)
+        return f"{', '.join(self.changed.values())}, so {which} may be at another place than is counted."
 
     def note(self, report: Report) -> bool:
         """Note the offset of the workpiece, and return whether positions can be told from a report.
@@ -75,6 +89,7 @@ class Places:
         """Call places something else from now on [steps]."""
         for axis, position in positions.items():
             self._offsets[axis] = position - counted[axis]
+            self.changed.pop(axis, None)
 
     def aim(self, targets: Mapping[int, int]) -> None:
         """Note where axes are sent to, as the controller counts [steps]."""

@@ -9,6 +9,7 @@ from stepramp.controllers.contract import OwnTerms, PreviewItem, PushItem, PushP
 from stepramp.controllers.given_numbers import typed
 from stepramp.controllers.grbl.numbers import exact, is_same, read
 from stepramp.controllers.grbl.ramp import GrblRamp, grbl_losses
+from stepramp.controllers.grbl.scales import other_scales, refuse_others
 from stepramp.controllers.grbl.settings import ACCELERATION, MOST_RATE, AxisSettings, Settings
 from stepramp.controllers.losses import other_scale, rounding, slower
 from stepramp.controllers.order import lowered_first
@@ -48,6 +49,14 @@ class PushPlan:
             values[ACCELERATION + axis] = ramp.acceleration_text
             values[MOST_RATE + axis] = ramp.rate_text
         return values
+
+    def other_scales(self, present: Settings) -> list[str]:
+        """Return which steps per mm are others than it was made with, in words."""
+        return other_scales({axis: ramp.steps_per_mm for axis, ramp in self.ramps.items()}, present)
+
+    def refuse_other_scales(self, present: Settings) -> None:
+        """Refused where the controller has other steps per mm than it was made with."""
+        refuse_others(self.other_scales(present))
 
     def lines(self, present: Settings) -> list[str]:
         """Return what is sent, a line each, to a controller with these settings."""
@@ -102,7 +111,7 @@ class PushPlan:
             gain = ramp.acceleration
             if there is not None and not is_same(there.acceleration, gain):
                 gain = there.acceleration
-            known = AxisSettings(ramp.steps_per_mm, rate, gain)
+            known = AxisSettings(ramp.steps_per_mm if there is None else there.steps_per_mm, rate, gain)
             yield PushItem(
                 SPEED,
                 "steps/s",

@@ -50,6 +50,9 @@ class Known(Protocol):
     def number(self, number: int) -> float:
         """Return what grbl has as a setting of this number; 0 where it isn't there, or is none."""
 
+    def scale_name(self, axis: int) -> str:
+        """Return what the controller calls the steps per mm of an axis."""
+
 
 @dataclass(frozen=True)
 class Settings:
@@ -84,6 +87,10 @@ class Settings:
             return float(read(self.values[number]))
         except (KeyError, ValueError):
             return 0.0
+
+    def scale_name(self, axis: int) -> str:
+        """Return what grbl calls the steps per mm of an axis."""
+        return f"${STEPS_PER_MM + axis}"
 
 
 def _makes_sense(value: np.float32) -> bool:
