@@ -96,7 +96,7 @@ def test_trying_sets_items_one_at_a_time_and_writes_nothing(
         "axes/y/max_rate_mm_per_min",
         "axes/y/acceleration_mm_per_sec2",
     ]
-    assert "FluidNC forgets this when it is reset or switched off: its configuration's file stays as it is." in (
+    assert "FluidNC forgets this when it is restarted or switched off: its configuration's file stays as it is." in (
         report.warnings
     )
     assert controller.preview_push([SLOW], 1).same
@@ -132,8 +132,6 @@ def test_steps_per_mm_that_others_set_are_noticed_before_a_push_and_a_motion(
     controller.move_by([by(300), by(50, 1)])
     bench.rest()
     assert fluidnc.position == [900, 250, 0]
-    # A reset brings nothing back: FluidNC reads its file only as it is switched on.
-    assert controller.status().on_trial
 
 
 def test_an_item_that_is_refused_is_set_back(controller: FluidNcController, fluidnc: FluidNcEmulator) -> None:
@@ -207,13 +205,13 @@ def test_a_backup_is_everything_and_is_set_again(controller: FluidNcController, 
     remarks = controller.use_backup(saved)
     assert [fluidnc.settings[number] for number in (110, 120, 101)] == [500, 10, 250]
     assert remarks == (
-        "Only steps per mm, highest rates and accelerations were set, until a reset: its file is not written to.",
+        "Only steps per mm, highest rates and accelerations were set, until a restart: its file is not written to.",
     )
     with pytest.raises(Rejected, match="a backup of a FluidNC, or its configuration"):
         controller.use_backup("$100=250\n")
 
 
-def test_a_reset_brings_back_what_the_file_has(bench: Bench, controller: FluidNcController) -> None:
+def test_a_restart_brings_back_what_the_file_has(bench: Bench, controller: FluidNcController) -> None:
     controller.prepare_push([SLOW], 0)()
     bench.grbl.power_up()
     with pytest.raises(DeviceLost, match="was restarted"):
@@ -223,6 +221,18 @@ def test_a_reset_brings_back_what_the_file_has(bench: Bench, controller: FluidNc
     bench.controller.connect()
     assert not bench.controller.status().on_trial
     assert bench.grbl.settings[110] == 500
+
+
+def test_a_reset_keeps_what_is_tried(bench: Bench, controller: FluidNcController) -> None:
+    """As the halt of what moves is one."""
+    controller.prepare_push([SLOW], 0)()
+    controller.move_by([by(2000)])
+    bench.ask_for(0.9)
+    controller.halt()
+    assert controller.status().on_trial
+    assert (bench.grbl.settings[110], bench.grbl.settings[120]) == (240, 4)
+    controller.roll_back()
+    assert (bench.grbl.settings[110], bench.grbl.settings[120]) == (500, 10)
 
 
 def test_moves_runs_and_positions(bench: Bench, controller: FluidNcController) -> None:

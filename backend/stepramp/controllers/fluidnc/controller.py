@@ -1,6 +1,6 @@
 """A FluidNC at a serial port: axes that move along one line, with ramps that it works out from two items each.
 
-It is spoken to as grbl is. What is pushed holds until a reset; nothing is ever written to its files.
+It is spoken to as grbl is. What is pushed holds until a restart; nothing is ever written to its files.
 """
 
 import re
@@ -26,7 +26,9 @@ from stepramp.link.connection import Connection
 
 _VERSION = re.compile(r"\[VER:\d+\.\d+ FluidNC (?P<version>[^\s:\]]+)[^\]]*\]?")
 ALLOWED = "a backup of a FluidNC, or its configuration"
-NOT_WRITTEN = "Only steps per mm, highest rates and accelerations were set, until a reset: its file is not written to."
+NOT_WRITTEN = (
+    "Only steps per mm, highest rates and accelerations were set, until a restart: its file is not written to."
+)
 
 
 class FluidNcController(GrblMachine, TriesRamps, BacksUp):
@@ -113,7 +115,7 @@ class FluidNcController(GrblMachine, TriesRamps, BacksUp):
             self._memory.use(wanted)
         self._read_back()
         if self._differing(self._memory.stored):
-            raise Refused("In use is not what the controller's file has: reset it.")
+            raise Refused("In use is not what the controller's file has: restart it.")
 
     def backup(self) -> str:
         """Ask for the configuration in use, the file it is from, offsets and version, as lines."""

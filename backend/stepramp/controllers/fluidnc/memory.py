@@ -1,7 +1,8 @@
-"""What a FluidNC keeps: items in use, which a reset forgets, and the file that it has them from.
+"""What a FluidNC keeps: items in use, which a restart forgets, and the file that it has them from.
 
 The file is read, and never written: `$CD=…` rewrites it whole, without its comments, and what some versions write they
-can't read again (`NO PIN`, in 4.0.1). So whatever happens, a reset brings back what was there before.
+can't read again (`NO PIN`, in 4.0.1). So whatever happens, a restart (`$Bye`, or the power) brings back what was there
+before. A reset by Ctrl-X doesn't: FluidNC reads its file only as it starts.
 """
 
 import re

@@ -17,7 +17,7 @@ from stepramp.design import Design
 from stepramp.errors import Count, Rejected, Rejection
 
 SPEED, ACCELERATION = "Full speed", "Acceleration"
-VOLATILE = "FluidNC forgets this when it is reset or switched off: its configuration's file stays as it is."
+VOLATILE = "FluidNC forgets this when it is restarted or switched off: its configuration's file stays as it is."
 UNVERIFIED = "The items are not those that were sent. Roll back, or push again."
 
 
