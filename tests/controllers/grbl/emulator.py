@@ -59,6 +59,8 @@ class GrblEmulator:
         self.version = ["[VER:1.1h.20190830:]", "[OPT:V,15,128]"]
         self.starts_on_open = True
         self.boot_s = 0.0
+        self.alarm_told: int | None = None
+        """The code that grblHAL tells with its state; None: it doesn't, as grbl 1.1."""
         self.echoes = False
         self.most: dict[int, float] = {}
         """grblHAL's highest values."""
@@ -210,6 +212,8 @@ class GrblEmulator:
         is_of_work = not int(self.settings[10]) & 1
         shown = [a - b for a, b in zip(machine, offset, strict=True)] if is_of_work else machine
         name = f"{self.state}:{self.part}" if self.state in ("Hold", "Door") else self.state
+        if self.state == "Alarm" and self.alarm_told is not None:
+            name = f"Alarm:{self.alarm_told}"
         told = f"<{name}|{'WPos' if is_of_work else 'MPos'}:{','.join(f'{each:.{places}f}' for each in shown)}"
         told += f"|FS:{self._speed * 60 * scale:.0f},0"
         if self._reports % 30 == 1:

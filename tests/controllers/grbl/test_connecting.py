@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from controllers.grbl.bench import Bench
+from controllers.grbl.bench import Bench, to
 from controllers.grbl.emulator import GrblEmulator
+from designs import design
 from stepramp.controllers.contract import Activity
 from stepramp.controllers.grbl import conversation
 from stepramp.controllers.grbl.controller import GrblController
@@ -85,6 +86,36 @@ def test_grblhal_is_known_by_what_it_says(bench: Bench) -> None:
     bench.grbl.banner = "GrblHAL 1.1f ['$' or '$HELP' for help]"
     bench.grbl.version = ["[VER:1.1f.20231210:]", "[OPT:VNMGPHSL,35,1024,3,0]", "[FIRMWARE:grblHAL]"]
     assert connected(bench).firmware_version == "1.1f"
+
+
+@pytest.mark.parametrize(
+    ("code", "words"),
+    [
+        (11, "it has to be homed first (ALARM:11)"),
+        (10, "its emergency stop is pressed (ALARM:10)"),
+        (14, "ALARM:14"),
+        (1, "a limit switch was hit, so its position may be lost (ALARM:1)"),
+        (2, "a way would have led beyond its soft limits (ALARM:2)"),
+    ],
+)
+def test_which_alarm_a_grblhal_is_in_is_known_though_it_was_connected_later(
+    bench: Bench, code: int, words: str
+) -> None:
+    bench.grbl.starts_on_open = False
+    bench.grbl.exchange(b"")
+    bench.grbl.state, bench.grbl.alarm_told = "Alarm", code
+    controller = connected(bench)
+    assert words in (controller.status().trouble or "")
+    bench.grbl.lines.clear()
+    if code in (1, 2):
+        with pytest.raises(Refused, match="Reset it at the machine"):
+            controller.set_position([to(0)])
+        with pytest.raises(Refused, match="in alarm since a limit was hit"):
+            controller.prepare_push([design()], 0)()
+        assert bench.grbl.lines == []
+        return
+    controller.set_position([to(0)])
+    assert controller.status().trouble is None
 
 
 @pytest.mark.parametrize(

@@ -164,6 +164,8 @@ class Conversation:
             self._report, self._reports = report, self._reports + 1
             if report.state is not State.ALARM:
                 self.alarm = None
+            elif report.part:
+                self.alarm = report.part
         elif (banner := banner_of(line)) is not None:
             self.banner, self.alarm = banner, None if self._starts == self._own_starts else self.alarm
             self._starts += 1

@@ -14,7 +14,7 @@ _OBEYED_AT_ONCE = frozenset("?!~")
 _HARMLESS = re.compile(r"(?:G(?:17|18|19|20|21|54|55|56|57|58|59|90|91|93|94))*", re.IGNORECASE)
 
 _BANNER = re.compile(r"Grbl(?P<hal>HAL)? (?P<version>\d+\.\d+\w?) \[(?P<rest>.*)\]", re.IGNORECASE)
-_REPORT = re.compile(r"[?]*<(?P<state>[A-Z][A-Za-z]+)(?::(?P<part>\d))?\|(?P<fields>[^<>]*)>")
+_REPORT = re.compile(r"[?]*<(?P<state>[A-Z][A-Za-z]+)(?::(?P<part>\d{1,3}))?\|(?P<fields>[^<>]*)>")
 _VERDICT = re.compile(r"(?P<word>ok|error|ALARM)(?::(?P<code>\d{1,3}))?")
 
 
@@ -53,7 +53,7 @@ class Report:
 
     state: State
     part: int
-    """Hold:0 has come to rest, Hold:1 has not; likewise with Door."""
+    """Hold:0 has come to rest, Hold:1 has not; likewise with Door. Of Alarm, which one grblHAL is in; 0: not told."""
     position: tuple[float, ...]
     is_of_work: bool
     """The position counts from where the workpiece is, so that the offset is to be added."""
