@@ -69,9 +69,11 @@ class PerMm:
                 fields[field] = (rate, terms.acceleration, kept, "steps/s²")
         bad = []
         for field, (value, quantity, unit_in_steps, unit) in fields.items():
-            if not quantity.least * unit_in_steps <= typed(value) <= quantity.most * unit_in_steps:
+            # What is kept of the least text may be a little more: then less than that can't be rounded down to it.
+            least = max(quantity.least, terms.kept(nearest(quantity.least, quantity.decimals)))
+            if not least * unit_in_steps <= typed(value) <= quantity.most * unit_in_steps:
                 limits = Limits(
-                    lowest(float(quantity.least * unit_in_steps)),
+                    lowest(float(least * unit_in_steps)),
                     highest(float(quantity.most * unit_in_steps)),
                     unit,
                     note=f" with {terms.name} at {scale} steps/mm",
