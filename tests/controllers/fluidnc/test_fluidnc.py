@@ -211,6 +211,20 @@ def test_a_backup_is_everything_and_is_set_again(controller: FluidNcController, 
         controller.use_backup("$100=250\n")
 
 
+@pytest.mark.parametrize("lost", ["steps_per_mm: 250.000", "# Mine, as the wiki has it", "[G54:0.000"])
+def test_a_byte_that_is_lost_as_a_backup_is_read_is_not_in_it(
+    controller: FluidNcController, fluidnc: FluidNcEmulator, lost: str
+) -> None:
+    whole, left = controller.backup(), [lost.encode()]
+
+    def lose(said: bytes) -> bytes:
+        return said.replace(left[0], left.pop()[:-1], 1) if left and left[0] in said else said
+
+    fluidnc.on_the_way_out = lose
+    assert controller.backup() == whole
+    assert left == []
+
+
 def test_a_restart_brings_back_what_the_file_has(bench: Bench, controller: FluidNcController) -> None:
     controller.prepare_push([SLOW], 0)()
     bench.grbl.power_up()

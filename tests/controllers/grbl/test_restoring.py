@@ -137,6 +137,31 @@ def test_what_would_be_obeyed_or_is_hidden_is_not_sent(
     assert bench.grbl.eeprom.writes == 0
 
 
+@pytest.mark.parametrize("reading", [1, 2, 3])
+@pytest.mark.parametrize("lost", [(b"$100=250.000", b"$100=50.000"), (b"G54:0.000", b"G54:.000"), (b"$N1=", b"$N=")])
+def test_a_byte_that_is_lost_as_a_backup_is_read_is_not_in_it(
+    bench: Bench, controller: GrblController, lost: tuple[bytes, bytes], reading: int
+) -> None:
+    whole, readings = saved(bench), []
+
+    def lose(said: bytes) -> bytes:
+        if lost[0] in said:
+            readings.append(said)
+        return said.replace(*lost) if len(readings) == reading else said
+
+    bench.grbl.on_the_way_out = lose
+    assert saved(bench) == whole
+    assert controller.use_backup(whole) == (G28_AND_G30,)
+    assert bench.grbl.eeprom.writes == 0
+
+
+def test_what_is_told_otherwise_each_time_is_not_saved(bench: Bench, controller: GrblController) -> None:
+    readings = iter(range(100))
+    bench.grbl.on_the_way_out = lambda said: said.replace(b"$120=10.000", f"$120={next(readings)}.000".encode())
+    with pytest.raises(Refused, match=r"says to \$\$ is something else each time, as over a cable that loses bytes"):
+        controller.backup()
+
+
 @pytest.mark.parametrize("listing", ["$#", "$N"])
 def test_a_listing_in_which_something_is_broken_is_heard_to_its_end(
     bench: Bench, controller: GrblController, listing: str

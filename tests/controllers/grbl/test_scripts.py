@@ -123,8 +123,9 @@ def test_a_setting_that_is_refused(connect: Connect) -> None:
 def test_a_backup(connect: Connect) -> None:
     places = "[G54:4.000,0.000,0.000]\r\n[G28:1.000,2.000,0.000]\r\n[TLO:0.000]\r\n[PRB:0.000,0.000,0.000:0]\r\nok\r\n"
     controller = connect(
-        ("?", RESTS), ("$I\n", "[VER:1.1h.20190830:]\r\nok\r\n"), ("$$\n", LISTING), ("$#\n", places), ("$N\n", STARTUP)
-    )
+        ("?", RESTS), ("$I\n", "[VER:1.1h.20190830:]\r\nok\r\n"), ("$$\n", LISTING), ("$#\n", places),
+        ("$#\n", places), ("$N\n", STARTUP),
+    )  # fmt: skip
     text = controller.backup()
     assert text.splitlines()[:3] == ["; $I", "[VER:1.1h.20190830:]", "; $$"]
     assert "[G54:4.000,0.000,0.000]" in text

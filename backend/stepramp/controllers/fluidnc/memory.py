@@ -6,13 +6,14 @@ before. A reset by Ctrl-X doesn't: FluidNC reads its file only as it starts.
 """
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 
 from stepramp.controllers.fluidnc.configuration import AT_START, AT_UNLOCKING, Configuration
 from stepramp.controllers.given_numbers import may_be_told
 from stepramp.controllers.grbl.conversation import Answered, Conversation
 from stepramp.controllers.grbl.dialect import DEAF_ALARMS, LONGEST_LINE, State
+from stepramp.controllers.grbl.listings import Listings
 from stepramp.controllers.order import lowered_first
 from stepramp.errors import Refused
 
@@ -29,6 +30,7 @@ class Memory:
 
     def __init__(self, conversation: Conversation) -> None:
         self._conversation = conversation
+        self._listings = Listings(conversation)
         self.settings = Configuration({}, frozenset())
         """As in use."""
         self.stored = self.settings
@@ -49,13 +51,13 @@ class Memory:
         self.learn_in_use()
         self.stored = self.settings
         with suppress(Answered):
-            file = Configuration.of(self._file())
+            file = Configuration.of(self._file(self._listings.heard))
             if file.axis(0) is not None:
                 self.stored = file
 
     def learn_in_use(self) -> None:
         """Read what is in use."""
-        self.settings = Configuration.of(self._conversation.ask(DUMP, LISTING_S))
+        self.settings = Configuration.of(self._listings.heard(DUMP, LISTING_S))
 
     def has_scales(self, axes: int) -> bool:
         """Ask again, and return whether the steps per mm of so many axes are those that were last read.
@@ -74,12 +76,12 @@ class Memory:
             return False
 
     def everything(self) -> str:
-        """Return all that can be read, as it was told."""
-        said = []
-        for listing in ("$I", DUMP, "$#"):
-            said += [f"# {listing}", *_commented(listing, self._conversation.ask(listing, LISTING_S))]
+        """Return all that can be read, as it was told; Refused where it isn't told the same twice."""
+        said = ["# $I", *(f"# {line}" for line in self._conversation.ask("$I", LISTING_S))]
+        said += [f"# {DUMP}", *self._listings.agreed(DUMP, LISTING_S)]
+        said += ["# $#", *(f"# {line}" for line in self._listings.agreed("$#", LISTING_S))]
         with suppress(Answered):
-            said += [f"# {SHOW}", *(f"# {line}" for line in self._file())]
+            said += [f"# {SHOW}", *(f"# {line}" for line in self._file(self._listings.agreed))]
         return "\n".join(said) + "\n"
 
     def refuse_unready(self) -> None:
@@ -115,14 +117,9 @@ class Memory:
             return float(self.settings.items.get(path, "")) < float(value)
         return False
 
-    def _file(self) -> list[str]:
+    def _file(self, read: Callable[[str, float], list[str]]) -> list[str]:
         """Read the file of the configuration; Answered when it can't be."""
         told = self._conversation.ask(FILE_NAME)
         name = next((line.partition("=")[2].strip() for line in told if "=" in line), "")
         line = f"{SHOW}=/{name.removeprefix('/')}"
-        return self._conversation.ask(line, LISTING_S) if _PLAIN.fullmatch(name) and len(line) <= LONGEST_LINE else []
-
-
-def _commented(listing: str, lines: list[str]) -> list[str]:
-    """Return what is told as comments, but for the configuration itself."""
-    return lines if listing == DUMP else [f"# {line}" for line in lines]
+        return read(line, LISTING_S) if _PLAIN.fullmatch(name) and len(line) <= LONGEST_LINE else []

@@ -4,10 +4,11 @@ from collections.abc import Iterable, Mapping
 
 from stepramp.controllers.grbl.conversation import UNREADABLE, Answered, Conversation
 from stepramp.controllers.grbl.dialect import DEAF_ALARMS, State, moves_nothing
+from stepramp.controllers.grbl.listings import Listings
 from stepramp.controllers.grbl.settings import STEPS_PER_MM, Settings, is_told_same
 from stepramp.errors import Refused
 
-VERSION, SETTINGS, PLACES, STARTUP = LISTINGS = ("$I", "$$", "$#", "$N")
+VERSION, SETTINGS, PLACES, STARTUP = "$I", "$$", "$#", "$N"
 TAKEN = " What was sent before that is stored: restore a backup of this device, or push again."
 
 
@@ -16,6 +17,7 @@ class Memory:
 
     def __init__(self, conversation: Conversation) -> None:
         self._conversation = conversation
+        self._listings = Listings(conversation)
         self.settings = Settings({})
         self._startup: list[str] | None = None
 
@@ -33,8 +35,8 @@ class Memory:
 
     def learn(self) -> None:
         """Read the settings and the start-up lines."""
-        self.settings = Settings.of(self._conversation.ask(SETTINGS))
-        self._startup = self._conversation.ask(STARTUP)
+        self.settings = Settings.of(self._listings.heard(SETTINGS))
+        self._startup = self._listings.heard(STARTUP)
 
     def learn_in_use(self) -> None:
         """Read the settings, each of which is in use as it is stored."""
@@ -42,13 +44,15 @@ class Memory:
 
     def has_scales(self, axes: int) -> bool:
         """Ask again, and return whether the steps per mm of so many axes are those that were last read."""
-        told = Settings.of(self._conversation.ask(SETTINGS)).values
+        told = Settings.of(self._listings.heard(SETTINGS)).values
         numbers = range(STEPS_PER_MM, STEPS_PER_MM + axes)
         return all(told.get(number) == self.settings.values.get(number) for number in numbers)
 
     def everything(self) -> str:
-        """Return all that can be read, as it was told."""
-        said = [line for listing in LISTINGS for line in (f"; {listing}", *self._conversation.ask(listing))]
+        """Return all that can be read, as it was told; Refused where it isn't told the same twice."""
+        said = [f"; {VERSION}", *self._conversation.ask(VERSION)]
+        for listing in (SETTINGS, PLACES, STARTUP):
+            said += [f"; {listing}", *self._listings.agreed(listing)]
         return "\n".join(said) + "\n"
 
     def refuse_unready(self) -> None:
