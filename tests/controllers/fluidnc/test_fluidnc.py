@@ -154,6 +154,19 @@ def test_what_is_refused_of_a_backup_keeps_nothing_else_from_being_set(
     assert [fluidnc.settings[number] for number in (110, 120, 121, 122)] == [500, 12, 12, 12]
 
 
+def test_what_a_backup_lacks_is_left_alone_and_told(controller: FluidNcController, fluidnc: FluidNcEmulator) -> None:
+    fluidnc.dumps_as = lambda text: text.replace("    steps_per_mm: 250.000\n", "", 1)
+    text = controller.backup()
+    fluidnc.dumps_as = lambda text: text
+    lacking, _ = controller.use_backup(text)
+    assert lacking == "The backup doesn't have axes/x/steps_per_mm: that is left as it was."
+    # And not put to what FluidNC takes for one that isn't there.
+    assert fluidnc.settings[100] == 250
+    axes_y = text.partition("  y:\n")
+    with pytest.raises(Rejected, match=r"axes/y/steps_per_mm is 80 and 250.000; allowed: each item once in a backup"):
+        controller.use_backup(f"{axes_y[0]}  y:\n    steps_per_mm: 80\n{axes_y[2]}")
+
+
 @given(st.floats(0.01, 400_000), st.floats(0.3, 2e7))
 def test_never_more_than_asked_for(speed: float, gain: float) -> None:
     scale = AxisSettings(np.float32(250), np.float32(500), np.float32(10))

@@ -322,6 +322,11 @@ def test_a_power_cut_in_the_midst_of_a_push_is_restored(bench: Bench, controller
         ("nothing of the kind", "text"),
         ("$100=250\n$110=500\n$120=10\n$121=0", "$121"),
         ("$100=250\n$110=500\n$120=10\n$101=nan", "$101"),
+        ("$100=250\n$110=99999999999\n$120=10\n", "$110"),
+        ("$100=250\n$110=500\n$120=10\n$130=99999999999\n", "$130"),
+        ("$100=250\n$110=500\n$120=10\n$100=1\n", "$100"),
+        ("$100=250\n$110=500\n$120=10\n$N0=G54\n$N0=\n", "$N0"),
+        ("$100=250\n$110=500\n$120=10\n[G54:1,0,0]\n[G54:2,0,0]\n", "G54"),
     ],
 )
 def test_what_is_no_backup_is_rejected(bench: Bench, controller: GrblController, text: str, field: str) -> None:

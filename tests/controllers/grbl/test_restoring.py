@@ -9,7 +9,7 @@ from controllers.grbl.emulator import Eeprom
 from designs import design
 from stepramp.controllers.contract import Activity
 from stepramp.controllers.grbl.controller import GrblController
-from stepramp.errors import Refused
+from stepramp.errors import Refused, Rejected
 
 G28_AND_G30 = "What G28 and G30 go to can't be written again: go there, and say G28.1 or G30.1."
 
@@ -73,6 +73,24 @@ def test_one_without_a_first_axis_is_connected_and_moves_nothing(bench: Bench) -
             ask()
 
 
+def test_what_a_backup_lacks_is_told(bench: Bench, controller: GrblController) -> None:
+    whole = saved(bench)
+    lines = [line for line in whole.splitlines() if not line.startswith(("$112", "$N1", "[G55"))]
+    assert controller.use_backup("\n".join(lines)) == (
+        "The backup doesn't have $112, G55, $N1: that is left as it was.",
+        G28_AND_G30,
+    )
+    assert controller.use_backup(whole + "$100=250.000 (x, step/mm)\n") == (G28_AND_G30,)
+    assert bench.grbl.eeprom.writes == 0
+
+
+def test_what_a_backup_tells_twice_is_refused_by_its_name(bench: Bench, controller: GrblController) -> None:
+    with pytest.raises(Rejected, match=r"\$100 is 250.000 and 1; allowed: each setting once in a backup"):
+        controller.use_backup(saved(bench) + "$100=1\n")
+    with pytest.raises(Rejected, match=r"\$110 is '99999999999'; allowed: a number up to 99,999,999: no machine has"):
+        controller.use_backup(saved(bench).replace("$110=500.000", "$110=99999999999"))
+
+
 def test_soft_limits_come_after_homing_which_they_need(bench: Bench, controller: GrblController) -> None:
     text = saved(bench).replace("$20=0", "$20=1").replace("$22=0", "$22=1")
     assert controller.use_backup(text) == (G28_AND_G30,)
@@ -80,7 +98,8 @@ def test_soft_limits_come_after_homing_which_they_need(bench: Bench, controller:
 
 
 def test_what_is_refused_keeps_nothing_else_from_being_written(bench: Bench, controller: GrblController) -> None:
-    text = saved(bench).replace("$100=250.000", "$99=1\n$100=80.000").replace("$1=25", "$0=1\n$1=30")
+    text = saved(bench).replace("$100=250.000", "$99=1\n$100=80.000")
+    text = text.replace("$0=10", "$0=1").replace("$1=25", "$1=30")
     remarks = controller.use_backup(text)
     assert (bench.grbl.eeprom.settings[1], bench.grbl.eeprom.settings[100]) == (30, 80)
     assert remarks == (

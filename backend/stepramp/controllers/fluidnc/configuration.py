@@ -32,11 +32,14 @@ class Configuration:
 
     items: Mapping[str, str]
     sections: frozenset[str]
+    twice: Mapping[str, str]
+    """Paths that were told once more, with another value than in items: that."""
 
     @classmethod
     def of(cls, lines: Iterable[str]) -> "Configuration":
         """Return what lines tell; those that tell no item are left out."""
         items: dict[str, str] = {}
+        twice: dict[str, str] = {}
         above: list[tuple[int, str]] = []
         for line in lines:
             found = _ITEM.fullmatch(line)
@@ -46,9 +49,12 @@ class Configuration:
             while above and above[-1][0] >= indent:
                 above.pop()
             path = "/".join([*(name for _, name in above), found["name"].strip().lower()])
-            items[path] = (found["value"] or "").strip().strip("'\"")
+            value = (found["value"] or "").strip().strip("'\"")
+            if items.get(path, value) != value:
+                twice[path] = items[path]
+            items[path] = value
             above.append((indent, path.rpartition("/")[2]))
-        return cls(items, frozenset(path.rpartition("/")[0] for path in items))
+        return cls(items, frozenset(path.rpartition("/")[0] for path in items), twice)
 
     @property
     def axes(self) -> list[str]:

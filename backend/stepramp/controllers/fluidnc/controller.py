@@ -4,13 +4,13 @@ It is spoken to as grbl is. What is pushed holds until a restart; nothing is eve
 """
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from time import sleep
 
 from stepramp.controllers.capabilities import BacksUp, TriesRamps
 from stepramp.controllers.contract import ControllerStatus, PushMode, PushPreview, PushReport
-from stepramp.controllers.fluidnc.configuration import Configuration
+from stepramp.controllers.fluidnc.configuration import ITEMS, LETTERS, Configuration
 from stepramp.controllers.fluidnc.memory import Memory
 from stepramp.controllers.fluidnc.push import PushPlan, acceleration_of, rate_of
 from stepramp.controllers.fluidnc.ramp import TIMER
@@ -127,12 +127,20 @@ class FluidNcController(GrblMachine, TriesRamps, BacksUp):
         backup = Configuration.of(text.splitlines())
         if backup.axis(0) is None:
             raise Rejected([Rejection("text", Count(f"{len(text.splitlines())} lines"), ALLOWED)])
+        paths = [f"axes/{letter}/{item}" for letter in LETTERS[: len(self._places.axes)] for item in ITEMS]
+        twice = [(path, f"{backup.twice[path]} and {backup.items[path]}") for path in paths if path in backup.twice]
+        if twice:
+            raise Rejected([Rejection(path, Count(values), "each item once in a backup") for path, values in twice])
+        lacking = [path for path in paths if path not in backup.items]
         self._memory.refuse_unready()
-        wanted = self._differing(backup, scales=True)
+        # What FluidNC takes for an item that isn't there is not what it had.
+        wanted = self._differing(backup, scales=True, but=lacking)
         refused = {path: self._refusal(path, wanted[path]) for path in self._memory.in_order(wanted)}
         self._read_back()
-        left = self._differing(backup, scales=True)
-        return (*(refused.get(path) or f"{path} is not as in the backup." for path in left), NOT_WRITTEN)
+        left = self._differing(backup, scales=True, but=lacking)
+        unlike = [refused.get(path) or f"{path} is not as in the backup." for path in left]
+        left_alone = (f"The backup doesn't have {', '.join(lacking)}: that is left as it was.",) if lacking else ()
+        return (*unlike, *left_alone, NOT_WRITTEN)
 
     def status(self) -> ControllerStatus:
         """Ask what the controller is doing, and have axes that run go on."""
@@ -151,8 +159,11 @@ class FluidNcController(GrblMachine, TriesRamps, BacksUp):
         self._memory.learn_in_use()
         self._know_places()
 
-    def _differing(self, wanted: Known, *, scales: bool = False) -> dict[str, str]:
-        """Return the items of axes that are others than wanted, as they should be; scales: steps per mm, too."""
+    def _differing(self, wanted: Known, *, scales: bool = False, but: Collection[str] = ()) -> dict[str, str]:
+        """Return the items of axes that are others than wanted, as they should be.
+
+        scales: steps per mm, too. but: paths that are left out.
+        """
         found: dict[str, str] = {}
         for axis, there in enumerate(self._places.axes):
             should = wanted.axis(axis)
@@ -165,7 +176,9 @@ class FluidNcController(GrblMachine, TriesRamps, BacksUp):
             if scales:
                 scale = f"{rate_of(axis).rpartition('/')[0]}/steps_per_mm"
                 pairs = {scale: (there.steps_per_mm, should.steps_per_mm)} | pairs
-            found |= {path: str(meant) for path, (has, meant) in pairs.items() if not is_same(has, meant)}
+            found |= {
+                path: str(meant) for path, (has, meant) in pairs.items() if path not in but and not is_same(has, meant)
+            }
         return found
 
     def _said_of_itself(self) -> list[str]:

@@ -31,7 +31,7 @@ class Memory:
     def __init__(self, conversation: Conversation) -> None:
         self._conversation = conversation
         self._listings = Listings(conversation)
-        self.settings = Configuration({}, frozenset())
+        self.settings = Configuration({}, frozenset(), {})
         """As in use."""
         self.stored = self.settings
         """As its file has it; as it was found, where the file can't be read."""

@@ -3,17 +3,20 @@
 grbl carries a start-up line out before it stores it. So one that may move something is never sent.
 """
 
+import math
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
 from stepramp.controllers.grbl.dialect import is_sendable, moves_nothing
 from stepramp.controllers.grbl.numbers import read
+from stepramp.controllers.grbl.ramp import MOST
 from stepramp.controllers.grbl.settings import (
     LETTERS,
     MOST_RATE,
     REPORTS_INCHES,
     SOFT_LIMITS,
+    STEPS_PER_MM,
     TRAVEL,
     Settings,
     is_told_same,
@@ -23,6 +26,10 @@ from stepramp.errors import Count, Rejected, Rejection
 
 _PLACE = re.compile(r"\[G(?P<code>5[4-9]):(?P<numbers>[-\d.,]+)\]")
 _STARTUP = re.compile(r"\$N(?P<number>[01])=(?P<block>.*)")
+_NAMED = re.compile(
+    rf"(?P<setting>[$](?:\d{{1,4}}|N[01]))=(?P<value>.*?)(?: *[(].*[)])?|{_PLACE.pattern}",
+)
+"""Whatever a backup tells by a name."""
 _HIDDEN = re.compile(r"[*]+")
 """What grblHAL tells in place of a password."""
 ALLOWED = "a backup of a grbl: the lines that it tells after $$"
@@ -55,11 +62,7 @@ class Backup:
         backup = cls.told(text)
         if not backup.settings.values:
             raise Rejected([Rejection("text", Count(f"{len(text.splitlines())} lines"), ALLOWED)])
-        bad = [
-            Rejection(f"${number}", value, "a number above 0: grbl hangs without")
-            for number, value in backup.settings.values.items()
-            if 100 <= number < 130 and not _is_positive(value)
-        ]
+        bad = [*_told_twice(text), *_senseless(backup.settings)]
         if not bad and backup.settings.axis(0) is None:
             bad = [Rejection("text", Count(f"{len(text.splitlines())} lines"), ALLOWED)]
         if bad:
@@ -93,6 +96,12 @@ class Backup:
             if present.startup.get(place) != block:
                 yield _entry(f"$N{place}", f"$N{place}={block}", moves=not moves_nothing(block))
 
+    def lacking(self, present: "Backup") -> Iterator[str]:
+        """Yield the names of what a controller has, and this doesn't tell of."""
+        yield from (f"${number}" for number in present.settings.values if number not in self.settings.values)
+        yield from (f"G{code}" for code in present.offsets if code not in self.offsets)
+        yield from (f"$N{place}" for place in present.startup if place not in self.startup)
+
     def _raises(self, number: int, present: "Backup") -> bool:
         """Whether an axis gets a higher rate or acceleration than is present."""
         is_limit = MOST_RATE <= number < TRAVEL
@@ -110,11 +119,37 @@ def _entry(name: str, line: str, *, is_hidden: bool = False, moves: bool = False
     return Entry(name, line)
 
 
-def _is_positive(value: str) -> bool:
+def _told_twice(text: str) -> Iterator[Rejection]:
+    """Yield what a text tells twice, and differently: which of both it was nobody knows."""
+    values: dict[str, list[str]] = {}
+    for found in map(_NAMED.fullmatch, map(str.strip, text.splitlines())):
+        if found is not None:
+            told = values.setdefault(found["setting"] or f"G{found['code']}", [])
+            value = found["value"] if found["setting"] else found["numbers"]
+            if value not in told:
+                told.append(value)
+    for name, told in values.items():
+        if len(told) > 1:
+            yield Rejection(name, Count(" and ".join(told)), "each setting once in a backup")
+
+
+def _senseless(settings: Settings) -> Iterator[Rejection]:
+    """Yield settings of axes with which grbl would hang, or that no machine has."""
+    for number, text in settings.values.items():
+        if STEPS_PER_MM <= number < TRAVEL + 10:
+            value = _number(text)
+            if number < TRAVEL and not value > 0:
+                yield Rejection(f"${number}", text, "a number above 0: grbl hangs without")
+            elif abs(value) > MOST:
+                yield Rejection(f"${number}", text, f"a number up to {MOST:,}: no machine has more")
+
+
+def _number(text: str) -> float:
+    """Return a setting as a number; NaN for what is none."""
     try:
-        return bool(read(value) > 0)
+        return float(read(text))
     except ValueError:
-        return False
+        return math.nan
 
 
 def _words(numbers: str) -> str:

@@ -115,13 +115,15 @@ class GrblController(GrblMachine, StoresRamps, BacksUp):
         """Write what differs of a backup, one setting at a time, and read it back after a reset; see BacksUp."""
         backup = Backup.of(text)
         self._memory.refuse_unready()
-        reasons = {}
-        for entry in backup.differing(Backup.told(self._memory.everything())):
+        reasons, present = {}, Backup.told(self._memory.everything())
+        for entry in backup.differing(present):
             reasons[entry.name] = entry.obstacle or self._memory.refusal(entry.line)
         remarks = self._read_back()
         left = [entry.name for entry in backup.differing(Backup.told(self._memory.everything()))]
         unlike = [reasons.get(name) or f"{name} is not as in the backup." for name in left]
-        return (*unlike, *remarks, NOT_WRITTEN)
+        lacking = ", ".join(backup.lacking(present))
+        left_alone = (f"The backup doesn't have {lacking}: that is left as it was.",) if lacking else ()
+        return (*unlike, *left_alone, *remarks, NOT_WRITTEN)
 
     def _said_of_itself(self) -> list[str]:
         """Return the answer to $I; asked twice where the beginning of a line was still there from somebody before."""
