@@ -54,19 +54,28 @@ class PerMm:
     acceleration: str
 
     @classmethod
-    def of(cls, design: Design, terms: Terms, path: str = "", own: Fraction | None = None) -> "PerMm":
+    def of(
+        cls,
+        design: Design,
+        terms: Terms,
+        path: str = "",
+        own: Fraction | None = None,
+        most: Fraction | None = None,
+    ) -> "PerMm":
         """Return what a design gives; speed and acceleration rounded down, since too much would stall the motor.
 
         They are worked out with the steps per mm that the controller keeps, which are the nearest that it can.
         path: what a rejection puts before the design's fields. own: the steps per mm that a controller is set to; None:
-        the design's are given it. Raises Rejected for what the controller can't take.
+        the design's are given it. most: as many as its own may be, where it tells them rounded: with them it is worked
+        out. Raises Rejected for what the controller can't take.
         """
         kept, scale = _scale(design, terms, path) if own is None else (own, f"{float(own):.10g}")
-        ramp, speed = with_constant_rates(design, path).ramp, kept / terms.seconds
+        per_mm = kept if most is None else most
+        ramp, speed = with_constant_rates(design, path).ramp, per_mm / terms.seconds
         fields = {"slew_speed_steps_per_s": (ramp.slew_speed_steps_per_s, terms.speed, speed, "steps/s")}
         for field in ("acceleration_steps_per_s2", "deceleration_steps_per_s2"):
             if (rate := getattr(ramp, field)) is not None:
-                fields[field] = (rate, terms.acceleration, kept, "steps/s²")
+                fields[field] = (rate, terms.acceleration, per_mm, "steps/s²")
         bad = []
         for field, (value, quantity, unit_in_steps, unit) in fields.items():
             # What is kept of the least text may be a little more: then less than that can't be rounded down to it.
@@ -86,7 +95,7 @@ class PerMm:
             kept,
             scale,
             rounded_down(typed(ramp.slew_speed_steps_per_s) / speed, terms.speed.decimals, terms.kept),
-            rounded_down(slower(design) / kept, terms.acceleration.decimals, terms.kept),
+            rounded_down(slower(design) / per_mm, terms.acceleration.decimals, terms.kept),
         )
 
     @property

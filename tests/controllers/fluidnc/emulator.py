@@ -161,7 +161,7 @@ class FluidNcEmulator(GrblEmulator):
                 continue
             if (axis := re.fullmatch(r"  ([xyz]):", line)) is not None:
                 letter = axis[1]
-            item = re.fullmatch(r"    (\w+): *[\d.]+", line)
+            item = re.fullmatch(r"    (\w+): *[\d.]+(?: *#.*)?", line)
             if item is not None and item[1].upper() in ITEMS:
                 value = self.settings[ITEMS[item[1].upper()] + "xyz".index(letter)]
                 lines.append(f"    {item[1]}: {value:.{self.decimals}f}")

@@ -134,6 +134,29 @@ def test_steps_per_mm_that_others_set_are_noticed_before_a_push_and_a_motion(
     assert fluidnc.position == [900, 250, 0]
 
 
+@pytest.mark.parametrize("has_file_system", [True, False])
+def test_its_file_has_the_steps_per_mm_that_it_tells_rounded(
+    bench: Bench, fluidnc: FluidNcEmulator, has_file_system: bool
+) -> None:
+    fluidnc.file = FILE.replace("steps_per_mm: 250", "steps_per_mm: 8.8888889 # 1600 / 180", 1)
+    fluidnc.has_file_system = has_file_system
+    fluidnc.power_up()
+    bench.controller.connect()
+    assert isinstance(bench.controller, FluidNcController)
+    report = bench.controller.prepare_push([SLOW], 0, "try")()
+    assert report.verified
+    told = [warning for warning in report.warnings if "told rounded" in warning]
+    assert len(told) == (0 if has_file_system else 1)
+    # 6,750 mm/min and 112.5 mm/s², or a little less.
+    slack = 0.001 if has_file_system else 0.5
+    assert 6750 - slack < fluidnc.settings[110] <= 6750
+    assert 112.5 - slack < fluidnc.settings[120] <= 112.5
+    bench.controller.move_by([by(30)])
+    assert bench.rest().axes[0].position_steps == 30
+    read = read_settings(bench.controller.backup(), design())[0]
+    assert bench.controller.preview_push([read.design], 0).same
+
+
 def test_an_item_that_is_refused_is_set_back(controller: FluidNcController, fluidnc: FluidNcEmulator) -> None:
     # 400,000 steps/s at 96,000 mm/min.
     fast = design(ramp__slew_speed_steps_per_s=400_000, ramp__acceleration_steps_per_s2=1000)

@@ -15,6 +15,7 @@ from controllers.grbl.emulator import Eeprom
 from designs import design
 from stepramp.controllers.contract import OwnTerms, PushReport
 from stepramp.controllers.grbl.controller import GrblController
+from stepramp.controllers.grbl.push import PushPlan
 from stepramp.controllers.grbl.ramp import GrblRamp, grbl_losses
 from stepramp.controllers.grbl.read_settings import read_settings
 from stepramp.controllers.grbl.settings import Settings, kept_acceleration
@@ -243,6 +244,45 @@ def test_a_push_that_was_worked_out_with_other_steps_per_mm_is_refused(
     assert bench.grbl.eeprom.settings[120] * later == 5000
 
 
+@given(st.floats(0.5, 900), st.floats(100, 5000), st.floats(1000, 9e4))
+@example(8.8888889, 1000.0, 2000.0)
+@example(2.2224, 1000.0, 2000.0)
+@example(78.740157, 1000.0, 2000.0)
+def test_no_more_is_sent_than_was_asked_though_steps_per_mm_are_told_rounded(
+    per_mm: float, speed: float, gain: float
+) -> None:
+    real = Fraction(float(np.float32(per_mm)))
+    told = Settings.of([f"$100={float(real):.3f}", "$110=500.000", "$120=10.000"]).axis(0)
+    assert told is not None
+    if told.slack_per_mm == 0:
+        assert f"{float(real):.3f}".endswith("00")
+        return
+    asked = design(ramp__slew_speed_steps_per_s=speed, ramp__acceleration_steps_per_s2=gain)
+    ramp = PushPlan.of([asked], 0, [told]).ramps[0]
+    assert Fraction(float(ramp.rate)) * real / 60 <= Fraction(speed)
+    assert kept_acceleration(ramp.acceleration) * real <= Fraction(gain)
+
+
+def test_that_steps_per_mm_are_told_rounded_is_said(bench: Bench) -> None:
+    bench.grbl.eeprom.settings[100] = float(np.float32(8.8888889))
+    bench.grbl.power_up()
+    bench.controller.connect()
+    report = push(bench.controller, design())
+    assert report.verified
+    words = (
+        "8.889 steps/mm are told rounded: speeds and accelerations are worked out with the 8.8895 that they may be. "
+        "Further than 1,000 mm, 8,889 steps, from where the controller counts from, places may be off by a step or "
+        "more."
+    )
+    assert words in report.warnings
+    settings = bench.grbl.eeprom.settings
+    assert settings[110] * settings[100] / 60 <= 1000
+    assert settings[120] * settings[100] <= 5000
+    [axis] = read_settings(bench.controller.backup(), design())[:1]
+    assert words in axis.remarks
+    assert bench.controller.preview_push([axis.design], 0).same
+
+
 def test_steps_per_mm_that_were_heard_wrong_are_not_pushed_with(bench: Bench) -> None:
     bench.grbl.on_the_way_out = lambda said: said.replace(b"$100=250.000", b"$100=25.000")
     bench.controller.connect()
@@ -362,7 +402,7 @@ def test_pushing_what_was_read_changes_nothing(per_mm: object, rate: object, gai
     [axis] = read_settings(listing, design())
     settings = Settings.of(listing.splitlines()).axis(0)
     assert settings is not None
-    pushed = GrblRamp.of(axis.design, settings.steps_per_mm)
+    pushed = GrblRamp.of(axis.design, settings.steps_per_mm, most_per_mm=settings.most_steps_per_mm)
     # As grbl keeps them: beyond four digits before the point several texts of three decimals are the same to it.
     assert (pushed.rate, kept_acceleration(pushed.acceleration)) == (
         settings.most_rate,

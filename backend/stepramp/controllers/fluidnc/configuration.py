@@ -6,11 +6,13 @@ read here as FluidNC reads it.
 
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stepramp.controllers.grbl.settings import REPORTS_INCHES, STAYS_ON, AxisSettings
+from stepramp.controllers.given_numbers import may_be_told
+from stepramp.controllers.grbl.settings import REPORTS_INCHES, STAYS_ON, AxisSettings, rounding_slack
 
 LETTERS = "xyzabc"
 ITEMS = ("steps_per_mm", "max_rate_mm_per_min", "acceleration_mm_per_sec2")
@@ -34,6 +36,8 @@ class Configuration:
     sections: frozenset[str]
     twice: Mapping[str, str]
     """Paths that were told once more, with another value than in items: that."""
+    exact: frozenset[str] = frozenset()
+    """Paths of numbers that aren't rounded."""
 
     @classmethod
     def of(cls, lines: Iterable[str]) -> "Configuration":
@@ -71,14 +75,26 @@ class Configuration:
         if axis >= len(self.axes):
             return None
         told = (self.items.get(f"axes/{LETTERS[axis]}/{item}", "").partition("#")[0] for item in ITEMS)
-        texts = (text or _DEFAULTS[item] for text, item in zip(told, ITEMS, strict=True))
+        texts = [text or _DEFAULTS[item] for text, item in zip(told, ITEMS, strict=True)]
         try:
             values = [float(text) for text in texts]
         except ValueError:
             return None
         if not all(LEAST <= value <= MOST for value in values):
             return None
-        return AxisSettings(*map(np.float32, values))
+        is_exact = self.scale_name(axis) in self.exact
+        scale, rate, gain = map(np.float32, values)
+        return AxisSettings(scale, rate, gain, 0.0 if is_exact else rounding_slack(texts[0].strip()))
+
+    def with_scales_of(self, file: "Configuration") -> "Configuration":
+        """Return the same with the steps per mm of the file, where they may be those: `$CD` tells them rounded."""
+        items, exact = dict(self.items), self.exact
+        for axis, letter in enumerate(self.axes):
+            there, told = file.axis(axis), self.items.get(path := f"axes/{letter}/steps_per_mm", "")
+            with suppress(ValueError):
+                if there is not None and path in file.items and may_be_told(told, float(there.steps_per_mm)):
+                    items[path], exact = file.items[path].partition("#")[0].strip(), exact | {path}
+        return replace(self, items=items, exact=exact)
 
     def number(self, number: int) -> float:
         """Return what grbl has as a setting of this number; 0 for others than are asked for."""

@@ -6,7 +6,7 @@ before. A reset by Ctrl-X doesn't: FluidNC reads its file only as it starts.
 """
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 
 from stepramp.controllers.fluidnc.configuration import AT_START, AT_UNLOCKING, Configuration
@@ -25,6 +25,12 @@ _PLAIN = re.compile(r"[A-Za-z0-9_./-]+")
 DUMP, FILE_NAME, SHOW = "$CD", "$Config/Filename", "$LocalFS/Show"
 
 
+def file_in(backup: Sequence[str]) -> list[str]:
+    """Return the lines of the file that a backup has as comments, at its end; [] for a text that is none."""
+    head = f"# {SHOW}"
+    return [line.removeprefix("# ") for line in backup[backup.index(head) + 1 :]] if head in backup else []
+
+
 class Memory:
     """The memory of a FluidNC as it was last read."""
 
@@ -35,6 +41,7 @@ class Memory:
         """As in use."""
         self.stored = self.settings
         """As its file has it; as it was found, where the file can't be read."""
+        self._file_read: Configuration | None = None
 
     @property
     def may_reset(self) -> bool:
@@ -48,16 +55,19 @@ class Memory:
 
     def learn(self) -> None:
         """Read what is in use, and what the file has."""
+        self._file_read = None
         self.learn_in_use()
         self.stored = self.settings
         with suppress(Answered):
             file = Configuration.of(self._file(self._listings.heard))
             if file.axis(0) is not None:
-                self.stored = file
+                self.stored = self._file_read = file
+                self.settings = self.settings.with_scales_of(file)
 
     def learn_in_use(self) -> None:
         """Read what is in use."""
-        self.settings = Configuration.of(self._listings.heard(DUMP, LISTING_S))
+        told = Configuration.of(self._listings.heard(DUMP, LISTING_S))
+        self.settings = told if self._file_read is None else told.with_scales_of(self._file_read)
 
     def has_scales(self, axes: int) -> bool:
         """Ask again, and return whether the steps per mm of so many axes are those that were last read.

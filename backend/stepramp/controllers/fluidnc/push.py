@@ -27,6 +27,7 @@ class PushPlan:
 
     designs: Mapping[int, Design]
     given: Mapping[int, PerMm]
+    rounding_words: Mapping[int, str | None]
 
     @classmethod
     def of(cls, designs: Sequence[Design], first_axis: int | None, scales: Sequence[AxisSettings]) -> "PushPlan":
@@ -38,10 +39,16 @@ class PushPlan:
         by_axis = {(first_axis or 0) + number: design for number, design in enumerate(designs)}
         paths = {axis: "" if first_axis is not None else f"axes.{axis}." for axis in by_axis}
         given = {
-            axis: PerMm.of(design, FLUIDNC, paths[axis], own=exact(scales[axis].steps_per_mm))
+            axis: PerMm.of(
+                design,
+                FLUIDNC,
+                paths[axis],
+                own=exact(scales[axis].steps_per_mm),
+                most=exact(scales[axis].most_steps_per_mm),
+            )
             for axis, design in by_axis.items()
         }
-        return cls(by_axis, given)
+        return cls(by_axis, given, {axis: scales[axis].rounding_words for axis in by_axis})
 
     @property
     def wanted(self) -> dict[str, str]:
@@ -134,7 +141,8 @@ class PushPlan:
     def _losses(self) -> Iterator[str]:
         several = len(self.designs) > 1
         for axis, design in self.designs.items():
-            for loss in fluidnc_losses(design, self.given[axis]):
+            rounded = self.rounding_words[axis]
+            for loss in (*fluidnc_losses(design, self.given[axis]), *(() if rounded is None else (rounded,))):
                 yield f"Axis {axis}: {loss}" if several else loss
 
 

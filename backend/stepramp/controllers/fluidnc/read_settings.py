@@ -1,9 +1,11 @@
 """Designs of FluidNC's configuration: its file, or what `$CD` tells."""
 
 import re
+from collections.abc import Iterator
 from fractions import Fraction
 
 from stepramp.controllers.fluidnc.configuration import LETTERS, Configuration
+from stepramp.controllers.fluidnc.memory import file_in
 from stepramp.controllers.given_numbers import no_less
 from stepramp.controllers.grbl.numbers import exact
 from stepramp.controllers.grbl.settings import AxisSettings, speed_of
@@ -21,7 +23,8 @@ def read_settings(text: str, base: Design) -> list[ReadAxis]:
     base: what holds where it says nothing, as motor, timer and method. A push of such a design changes nothing.
     Raises Rejected for a configuration that no design can have.
     """
-    configuration = Configuration.of(text.splitlines())
+    lines = text.splitlines()
+    configuration = Configuration.of(lines).with_scales_of(Configuration.of(file_in(lines)))
     if not configuration.axes:
         return []
     found = [(axis, configuration.axis(axis)) for axis in range(min(MOST_AXES_READ, len(configuration.axes)))]
@@ -44,8 +47,8 @@ def _axis(axis: int, settings: AxisSettings, configuration: Configuration, base:
     }
     document["ramp"] = {
         "base_speed_steps_per_s": 0,
-        "slew_speed_steps_per_s": no_less(speed_of(settings.most_rate, settings.steps_per_mm)),
-        "acceleration_steps_per_s2": no_less(exact(settings.acceleration) * per_mm),
+        "slew_speed_steps_per_s": no_less(speed_of(settings.most_rate, settings.most_steps_per_mm)),
+        "acceleration_steps_per_s2": no_less(exact(settings.acceleration) * exact(settings.most_steps_per_mm)),
         "deceleration_steps_per_s2": None,
     }
     try:
@@ -57,7 +60,7 @@ def _axis(axis: int, settings: AxisSettings, configuration: Configuration, base:
                 for each in error.rejections
             ]
         ) from error
-    return ReadAxis(letter.upper(), design, tuple(_remarks(design, float(per_mm))))
+    return ReadAxis(letter.upper(), design, tuple(_remarks(design, settings)))
 
 
 def _microsteps(configuration: Configuration, letter: str) -> int | None:
@@ -68,8 +71,10 @@ def _microsteps(configuration: Configuration, letter: str) -> int | None:
     return None if found is None else int(texts[0])
 
 
-def _remarks(design: Design, per_mm: float) -> list[str]:
-    return [
+def _remarks(design: Design, settings: AxisSettings) -> Iterator[str]:
+    yield (
         f"Full steps are not told: {design.axis.full_steps_per_rev:,} times {design.axis.microsteps:,} steps a turn, "
-        f"{design.axis.travel_per_rev:,.10g} mm, are {per_mm:,.7g} steps/mm."
-    ]
+        f"{design.axis.travel_per_rev:,.10g} mm, are {float(settings.steps_per_mm):,.7g} steps/mm."
+    )
+    if settings.rounding_words is not None:
+        yield settings.rounding_words

@@ -25,6 +25,7 @@ class PushPlan:
 
     designs: dict[int, Design]
     ramps: dict[int, GrblRamp]
+    rounding_words: dict[int, str | None]
 
     @classmethod
     def of(cls, designs: Sequence[Design], first_axis: int | None, scales: Sequence[AxisSettings]) -> "PushPlan":
@@ -38,7 +39,11 @@ class PushPlan:
         paths = {axis: "" if first_axis is not None else f"axes.{axis}." for axis in by_axis}
         return cls(
             by_axis,
-            {axis: GrblRamp.of(each, scales[axis].steps_per_mm, paths[axis]) for axis, each in by_axis.items()},
+            {
+                axis: GrblRamp.of(each, scales[axis].steps_per_mm, paths[axis], scales[axis].most_steps_per_mm)
+                for axis, each in by_axis.items()
+            },
+            {axis: scales[axis].rounding_words for axis in by_axis},
         )
 
     @property
@@ -144,7 +149,8 @@ class PushPlan:
     def _losses(self) -> Iterator[str]:
         several = len(self.designs) > 1
         for axis, design in self.designs.items():
-            for loss in _losses_of(design, self.ramps[axis]):
+            rounded = self.rounding_words[axis]
+            for loss in (*_losses_of(design, self.ramps[axis]), *(() if rounded is None else (rounded,))):
                 yield f"Axis {axis}: {loss}" if several else loss
 
 

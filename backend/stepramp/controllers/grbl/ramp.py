@@ -46,21 +46,25 @@ class GrblRamp:
     acceleration_text: str
 
     @classmethod
-    def of(cls, design: Design, steps_per_mm: np.float32, path: str = "") -> "GrblRamp":
+    def of(
+        cls, design: Design, steps_per_mm: np.float32, path: str = "", most_per_mm: np.float32 | None = None
+    ) -> "GrblRamp":
         """Return the ramp for a design, rounded down: too much of either would stall the motor.
 
-        path: what a rejection puts before the design's fields. Raises Rejected for what grbl can't take: with a rate
-        or an acceleration of 0 it hangs.
+        path: what a rejection puts before the design's fields. most_per_mm: as many as the steps per mm may be, where
+        they are told rounded: with them it is worked out. Raises Rejected for what grbl can't take: with a rate or an
+        acceleration of 0 it hangs.
         """
+        per_mm = steps_per_mm if most_per_mm is None else most_per_mm
         ramp = with_constant_rates(design, path).ramp
-        least_speed, least = LEAST_RATE * exact(steps_per_mm) / SECONDS_PER_MINUTE, LEAST * exact(steps_per_mm)
-        most = MOST * exact(steps_per_mm)
+        least_speed, least = LEAST_RATE * exact(per_mm) / SECONDS_PER_MINUTE, LEAST * exact(per_mm)
+        most = MOST * exact(per_mm)
         speed = typed(ramp.slew_speed_steps_per_s)
         rates = {"acceleration_steps_per_s2": ramp.acceleration_steps_per_s2}
         if ramp.deceleration_steps_per_s2 is not None:
             rates["deceleration_steps_per_s2"] = ramp.deceleration_steps_per_s2
         bad = []
-        if speed < least_speed or rate_of(speed, steps_per_mm) > MOST:
+        if speed < least_speed or rate_of(speed, per_mm) > MOST:
             note = f" with grbl at {float(steps_per_mm):,.7g} steps/mm"
             limits = Limits(lowest(float(least_speed)), highest(float(most / SECONDS_PER_MINUTE)), "steps/s", note=note)
             bad.append(Rejection.outside(f"{path}ramp.slew_speed_steps_per_s", ramp.slew_speed_steps_per_s, limits))
@@ -73,8 +77,8 @@ class GrblRamp:
             raise Rejected(bad)
         return cls(
             steps_per_mm,
-            below(rate_of(speed, steps_per_mm), lambda text: exact(read(text))),
-            below(slower(design) / exact(steps_per_mm), lambda text: kept_acceleration(read(text))),
+            below(rate_of(speed, per_mm), lambda text: exact(read(text))),
+            below(slower(design) / exact(per_mm), lambda text: kept_acceleration(read(text))),
         )
 
     @property

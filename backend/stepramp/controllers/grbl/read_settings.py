@@ -38,8 +38,8 @@ def _axis(axis: int, scale: AxisSettings, base: Design) -> ReadAxis:
     document["axis"] |= {"travel_per_rev": _neat(base.axis.steps_per_rev / per_mm), "travel_unit": "mm"}
     document["ramp"] = {
         "base_speed_steps_per_s": 0,
-        "slew_speed_steps_per_s": no_less(speed_of(scale.most_rate, scale.steps_per_mm)),
-        "acceleration_steps_per_s2": no_less(acceleration_of(scale.acceleration, scale.steps_per_mm)),
+        "slew_speed_steps_per_s": no_less(speed_of(scale.most_rate, scale.most_steps_per_mm)),
+        "acceleration_steps_per_s2": no_less(acceleration_of(scale.acceleration, scale.most_steps_per_mm)),
         "deceleration_steps_per_s2": None,
     }
     design = design_read(document, f"axis {LETTERS[axis]}")
@@ -49,6 +49,7 @@ def _axis(axis: int, scale: AxisSettings, base: Design) -> ReadAxis:
         (
             f"Full steps and microsteps are not told: {base.axis.full_steps_per_rev:,} times {base.axis.microsteps:,} "
             f"steps a turn, {design.axis.travel_per_rev:,.10g} mm, are {per_mm:,.7g} steps/mm.",
+            *(() if scale.rounding_words is None else (scale.rounding_words,)),
         ),
     )
 

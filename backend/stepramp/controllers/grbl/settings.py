@@ -8,7 +8,7 @@ from typing import Protocol
 
 import numpy as np
 
-from stepramp.controllers.grbl.numbers import exact, is_same, read
+from stepramp.controllers.grbl.numbers import DECIMALS, exact, is_same, read
 from stepramp.units import SECONDS_PER_MINUTE
 
 STEPS_PER_MM, MOST_RATE, ACCELERATION, TRAVEL = 100, 110, 120, 130
@@ -16,6 +16,8 @@ STEPS_PER_MM, MOST_RATE, ACCELERATION, TRAVEL = 100, 110, 120, 130
 REPORTS_INCHES, SOFT_LIMITS, HOMING, STAYS_ON = 13, 20, 22, 1
 LETTERS = "XYZABCUVW"
 MM_PER_INCH = 25.4
+ROUNDED_STEP = 0.5
+"""Whatever is off by so much of a step may be another step."""
 
 _SETTING = re.compile(r"[$](?P<number>\d{1,4})=(?P<value>[^ (]*)(?: *[(].*[)])?")
 
@@ -29,6 +31,26 @@ class AxisSettings:
     """[mm/min]"""
     acceleration: np.float32
     """[mm/s²]"""
+    slack_per_mm: float = 0.0
+    """So much more, or less, its steps per mm may be than it tells, since it rounds them."""
+
+    @property
+    def most_steps_per_mm(self) -> np.float32:
+        """As many as they may be."""
+        return np.float32(float(self.steps_per_mm) + self.slack_per_mm)
+
+    @property
+    def rounding_words(self) -> str | None:
+        """What comes of it that its steps per mm are rounded, as a sentence; None where they aren't."""
+        if not self.slack_per_mm:
+            return None
+        way_mm = ROUNDED_STEP / self.slack_per_mm
+        return (
+            f"{float(self.steps_per_mm):,.7g} steps/mm are told rounded: speeds and accelerations are worked out with "
+            f"the {float(self.most_steps_per_mm):,.7g} that they may be. Further than {way_mm:,.7g} mm, "
+            f"{round(way_mm * float(self.steps_per_mm)):,} steps, from where the controller counts from, places "
+            "may be off by a step or more."
+        )
 
     @property
     def speed_steps_per_s(self) -> float:
@@ -72,7 +94,10 @@ class Settings:
             values = [read(self.values[first + axis]) for first in (STEPS_PER_MM, MOST_RATE, ACCELERATION)]
         except (KeyError, ValueError):
             return None
-        return AxisSettings(*values) if all(_makes_sense(each) for each in values) else None
+        if not all(_makes_sense(each) for each in values):
+            return None
+        scale, rate, gain = values
+        return AxisSettings(scale, rate, gain, rounding_slack(self.values[STEPS_PER_MM + axis]))
 
     def senseless(self, axis: int) -> str | None:
         """Return the first setting of an axis that is all there which keeps it from moving, as it is listed."""
@@ -102,6 +127,18 @@ def _moves(text: str) -> bool:
         return _makes_sense(read(text))
     except ValueError:
         return False
+
+
+def rounding_slack(text: str) -> float:
+    """Return how far from a number that is told with three decimals that may be which was meant.
+
+    With one that isn't 0, or none, it is taken for what somebody has typed; with more it is as good as a float.
+
+    >>> rounding_slack("8.889"), rounding_slack("78.740"), rounding_slack("12.500"), rounding_slack("250")
+    (0.0005, 0.0005, 0.0, 0.0)
+    """
+    decimals = text.partition(".")[2]
+    return 0.5 * 10.0**-DECIMALS if len(decimals) == DECIMALS and decimals[1:].strip("0") else 0.0
 
 
 def is_told_same(told: str | None, meant: str) -> bool:
