@@ -293,4 +293,10 @@ def test_a_pasted_listing(client: TestClient) -> None:
     [axis] = client.post("/api/v1/import", json={"text": text}).json()["axes"]
     assert axis["design"]["ramp"]["slew_speed_steps_per_s"] == 4000
     error = error_of(client.post("/api/v1/import", json={"text": "M92 X80"}), 422)
-    assert (error["field"], "grbl" in error["allowed"]) == ("text", True)
+    assert (error["field"], "grbl's lines after $$ ($100=250.000)" in error["allowed"]) == ("text", True)
+    # A byte order mark is no part of it.
+    [marked] = client.post("/api/v1/import", json={"text": f"\ufeff{text}"}).json()["axes"]
+    assert marked["design"] == axis["design"]
+    unknown = error_of(client.post("/api/v1/import", json={"text": "\n  Dear all,\nnothing\n" + "x" * 5000}), 422)
+    assert unknown["message"].startswith("text is 'Dear all,'; allowed: what a controller tells of itself: ")
+    assert len(unknown["message"]) < 400

@@ -78,6 +78,8 @@ class Family:
     """What they play of a design's move; None: the intervals of the design, or it isn't known."""
     read_settings: ReadSettings | None = None
     """Makes designs of what they tell of themselves, as text; None where nothing is told that is a ramp."""
+    reads: str = ""
+    """What that text is, as people know it, if there is such."""
     same_as: str | None = None
     """Name of the family whose controllers these are, too, reached in another way; None: it is one of its own."""
     names_itself: Callable[[str], bool] | None = None
@@ -135,6 +137,7 @@ FAMILIES = {
             cannot=tic.CANNOT,
             play_own=tic_own_ramp,
             read_settings=tic_read_settings,
+            reads="settings file (max_speed: 2000000)",
         ),
         Family(
             "grbl",
@@ -144,6 +147,7 @@ FAMILIES = {
             cannot=grbl.CANNOT,
             play_own=own_ramp,
             read_settings=read_settings,
+            reads="lines after $$ ($100=250.000)",
             names_itself=grbl_dialect.is_banner_of_grbl,
         ),
         Family(
@@ -154,6 +158,7 @@ FAMILIES = {
             cannot=fluidnc.CANNOT,
             play_own=fluidnc_own_ramp,
             read_settings=fluidnc_read_settings,
+            reads="configuration (axes: with x: below it)",
             names_itself=grbl_dialect.is_banner_of_fluidnc,
         ),
         Family(
@@ -164,6 +169,7 @@ FAMILIES = {
             cannot=tmcl.CANNOT,
             play_own=tmcl_own_ramp,
             read_settings=tmcl_read_settings,
+            reads="backup, saved here",
         ),
         Family(
             "klipper",
@@ -173,6 +179,7 @@ FAMILIES = {
             cannot=klipper.CANNOT,
             play_own=klipper_own_ramp,
             read_settings=klipper_read_settings,
+            reads="printer.cfg ([stepper_x])",
             is_behind_moonraker=True,
         ),
         *(
@@ -184,6 +191,7 @@ FAMILIES = {
                 cannot=marlin.CANNOT,
                 play_own=marlin_own_ramp,
                 read_settings=marlin_read_settings,
+                reads="lines after M503 (M92 X80.00)",
                 same_as=None if name == "marlin" else "marlin",
                 names_itself=marlin_dialect.is_banner,
             )

@@ -8,6 +8,8 @@ from stepramp.http_api.device_registry import Registry
 from stepramp.http_api.imports_models import ImportAnswer, ImportPayload
 from stepramp.http_api.lanes import PLANNING
 
+LONGEST_QUOTED = 60
+"""So much of a text that nobody knows is told back [characters]."""
 router = APIRouter(tags=["planning"], route_class=JsonRoute)
 
 
@@ -15,11 +17,16 @@ router = APIRouter(tags=["planning"], route_class=JsonRoute)
 @PLANNING.serves
 def designs_of_text(request: ImportPayload, devices: Registry) -> ImportAnswer:
     """Return designs of what a controller lists of itself, as grbl after `$$`: one for each of its axes."""
+    # Some editors begin files with a byte order mark.
+    text = request.text.removeprefix("\ufeff")
     families = [each for each in devices.families.values() if each.read_settings is not None]
     for family in families:
-        if family.read_settings is not None and (axes := family.read_settings(request.text, request.base)):
+        if family.read_settings is not None and (axes := family.read_settings(text, request.base)):
             return ImportAnswer.model_validate({"family": family.name, "axes": axes})
-    known = ", ".join(family.title for family in families)
-    raise Rejected(
-        [Rejection("text", request.text, f"the settings of a controller of a family that is known: {known}")]
-    )
+    known = "; ".join(f"{family.title}'s {family.reads}" for family in families if family.same_as is None)
+    raise Rejected([Rejection("text", _begun(text), f"what a controller tells of itself: {known}")])
+
+
+def _begun(text: str) -> str:
+    """Return the first line that has something in it: enough to know it by."""
+    return next((line.strip() for line in text.splitlines() if line.strip()), "")[:LONGEST_QUOTED]

@@ -364,8 +364,17 @@ def test_a_configuration_is_read_as_fluidnc_reads_it() -> None:
 def test_an_axis_without_sense(value: str) -> None:
     text = FILE.replace("steps_per_mm: 250", f"steps_per_mm: {value}")
     assert Configuration.of(text.splitlines()).axis(0) is None
-    with pytest.raises(Rejected, match=r"axes with numbers from 0\.001 to 100,000"):
+    with pytest.raises(Rejected) as caught:
         read_settings(text, design())
+    told = [(each.field, each.value, each.allowed) for each in caught.value.rejections]
+    assert told == [
+        ("text", f"axes/{letter}/steps_per_mm: {value}", "axes with numbers from 0.001 to 100,000") for letter in "xyz"
+    ]
+
+
+def test_a_configuration_that_is_indented_by_tabs_is_refused_by_that() -> None:
+    with pytest.raises(Rejected, match="items that are indented by blanks: FluidNC takes no tabs"):
+        read_settings(FILE.replace("  ", "\t"), design())
 
 
 @given(st.text(st.characters(codec="utf-8"), max_size=200))

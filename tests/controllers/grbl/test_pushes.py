@@ -410,6 +410,36 @@ def test_pushing_what_was_read_changes_nothing(per_mm: object, rate: object, gai
     )
 
 
+@pytest.mark.parametrize(
+    "line",
+    [
+        "{} = {}",
+        "{}={} ; x steps",
+        "{}={};x steps",
+        "{}={}\tsteps per mm",
+        "{}={} (x, step/mm)",
+        ">>> {}={}",
+        "[22:10:11] {}={}",
+        "22:10:11.123 < {}={}",
+        "$$ < {}={}",
+        "[PRB] {} = {} # mine",
+        "  Recv: {}={}\r",
+    ],
+)
+def test_a_listing_is_read_as_people_copy_it(line: str) -> None:
+    listed = [("$100", "80.000"), ("$110", "3000.000"), ("$120", "200.000")]
+    [axis] = read_settings("\n".join(line.format(*each) for each in listed), design())
+    assert (axis.design.axis.travel_per_rev, axis.design.ramp.slew_speed_steps_per_s) == (5.0, 4000)
+
+
+def test_an_axis_of_which_a_setting_is_missing_is_told() -> None:
+    text = "$101=80\n$110=3000\n$111=3000\n$120=200\n$121=200\n$132=200"
+    [axis] = read_settings(text, design())
+    assert (axis.name, axis.remarks[1:]) == ("Y", ("Axis X is left out: $100 isn't there.",))
+    told = fields_of(lambda: read_settings("$100=80.000 $110=3000 $120=200", design()))
+    assert told == [("text", "without $110, $120", "all settings of axis X, a line each")]
+
+
 def test_settings_that_no_design_has() -> None:
     [(field, _, allowed)] = fields_of(lambda: read_settings("$100=3200\n$110=99999999\n$120=5", design()))
     assert field == "text"

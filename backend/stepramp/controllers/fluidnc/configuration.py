@@ -76,15 +76,19 @@ class Configuration:
             return None
         told = (self.items.get(f"axes/{LETTERS[axis]}/{item}", "").partition("#")[0] for item in ITEMS)
         texts = [text or _DEFAULTS[item] for text, item in zip(told, ITEMS, strict=True)]
-        try:
-            values = [float(text) for text in texts]
-        except ValueError:
-            return None
-        if not all(LEAST <= value <= MOST for value in values):
+        if not all(map(_makes_sense, texts)):
             return None
         is_exact = self.scale_name(axis) in self.exact
-        scale, rate, gain = map(np.float32, values)
+        scale, rate, gain = map(np.float32, map(float, texts))
         return AxisSettings(scale, rate, gain, 0.0 if is_exact else rounding_slack(texts[0].strip()))
+
+    def senseless(self, axis: int) -> str | None:
+        """Return the first item of an axis with which it makes no sense, as it is told."""
+        for item in ITEMS:
+            text = self.items.get(path := f"axes/{LETTERS[axis]}/{item}", "").partition("#")[0].strip()
+            if text and not _makes_sense(text):
+                return f"{path}: {text}"
+        return None
 
     def with_scales_of(self, file: "Configuration") -> "Configuration":
         """Return the same with the steps per mm of the file, where they may be those: `$CD` tells them rounded."""
@@ -112,3 +116,10 @@ class Configuration:
     def carries_out(self, macros: Iterable[str]) -> bool:
         """Whether one of some macros may move something."""
         return not all(HARMLESS.fullmatch(self.items.get(f"macros/{name}", "")) for name in macros)
+
+
+def _makes_sense(text: str) -> bool:
+    try:
+        return LEAST <= float(text) <= MOST
+    except ValueError:
+        return False

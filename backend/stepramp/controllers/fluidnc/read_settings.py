@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterator
 from fractions import Fraction
 
-from stepramp.controllers.fluidnc.configuration import LETTERS, Configuration
+from stepramp.controllers.fluidnc.configuration import ITEMS, LEAST, LETTERS, MOST, Configuration
 from stepramp.controllers.fluidnc.memory import file_in
 from stepramp.controllers.given_numbers import no_less
 from stepramp.controllers.grbl.numbers import exact
@@ -15,6 +15,7 @@ from stepramp.errors import Rejected, Rejection
 
 MOST_AXES_READ = 4
 _WHOLE = re.compile(r"[1-9][0-9]{0,5}")
+_INDENTED_BY_TABS = re.compile(rf"\s*\t\s*(?:{'|'.join(ITEMS)})\s*:")
 
 
 def read_settings(text: str, base: Design) -> list[ReadAxis]:
@@ -25,12 +26,15 @@ def read_settings(text: str, base: Design) -> list[ReadAxis]:
     """
     lines = text.splitlines()
     configuration = Configuration.of(lines).with_scales_of(Configuration.of(file_in(lines)))
-    if not configuration.axes:
-        return []
-    found = [(axis, configuration.axis(axis)) for axis in range(min(MOST_AXES_READ, len(configuration.axes)))]
-    bad = [LETTERS[axis] for axis, settings in found if settings is None]
-    if bad:
-        raise Rejected([Rejection("text", f"axis {bad[0]}", "axes with numbers from 0.001 to 100,000")])
+    tabbed = next((line for line in lines if _INDENTED_BY_TABS.match(line)), None)
+    if tabbed is not None:
+        raise Rejected([Rejection("text", tabbed, "items that are indented by blanks: FluidNC takes no tabs")])
+    read = range(min(MOST_AXES_READ, len(configuration.axes)))
+    senseless = [item for item in map(configuration.senseless, read) if item is not None]
+    if senseless:
+        allowed = f"axes with numbers from {LEAST:g} to {MOST:,.0f}"
+        raise Rejected([Rejection("text", item, allowed) for item in senseless])
+    found = [(axis, configuration.axis(axis)) for axis in read]
     return [_axis(axis, settings, configuration, base) for axis, settings in found if settings is not None]
 
 

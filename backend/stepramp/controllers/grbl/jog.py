@@ -38,7 +38,7 @@ def fastest_feed(axes: Sequence[int], scales: Sequence[AxisSettings]) -> str:
 
 def feed_of(speeds: Mapping[int, float], scales: Sequence[AxisSettings]) -> str:
     """Return the feed of axes that run at speeds [steps/s], rounded down [mm/min]."""
-    rates = [rate_of(Fraction(abs(speed)), scales[axis].steps_per_mm) for axis, speed in speeds.items()]
+    rates = [rate_of(Fraction(abs(speed)), scales[axis].most_steps_per_mm) for axis, speed in speeds.items()]
     both = rates[0] if len(rates) == 1 else Fraction(math.hypot(*map(float, rates)) * (1 - FINE))
     return below(max(both, Fraction(LEAST_RATE)), lambda text: exact(read(text)))
 

@@ -6,7 +6,7 @@ from stepramp.controllers.given_numbers import no_less
 from stepramp.controllers.grbl.settings import LETTERS, AxisSettings, Settings, acceleration_of, speed_of
 from stepramp.controllers.read_axis import ReadAxis, design_read
 from stepramp.design import Design
-from stepramp.errors import Rejected, Rejection
+from stepramp.errors import Count, Rejected, Rejection
 
 MOST_AXES_READ = 4
 
@@ -18,15 +18,22 @@ def read_settings(text: str, base: Design) -> list[ReadAxis]:
     Raises Rejected for settings that no design can have, or that no axis can move with. Where others can, one that
     can't is left out, and told of.
     """
-    settings = Settings.of(text.splitlines())
+    settings = Settings.pasted(text.splitlines())
     found = [(axis, settings.axis(axis)) for axis in range(MOST_AXES_READ)]
     senseless = [(LETTERS[axis], listed) for axis in range(MOST_AXES_READ) if (listed := settings.senseless(axis))]
     axes = [_axis(axis, scale, base) for axis, scale in found if scale is not None]
     if senseless and not axes:
         letter, listed = senseless[0]
         raise Rejected([Rejection("text", listed, f"settings that axis {letter} can move with: numbers above 0")])
+    partial = {
+        LETTERS[axis]: ", ".join(missing) for axis in range(MOST_AXES_READ) if (missing := settings.missing(axis))
+    }
+    if partial and not axes:
+        letter, lacking = next(iter(partial.items()))
+        raise Rejected([Rejection("text", Count(f"without {lacking}"), f"all settings of axis {letter}, a line each")])
     if axes:
-        left_out = tuple(f"Axis {letter} is left out: with {listed} it can't move." for letter, listed in senseless)
+        left_out = [f"Axis {letter} is left out: with {listed} it can't move." for letter, listed in senseless]
+        left_out += [f"Axis {letter} is left out: {lacking} isn't there." for letter, lacking in partial.items()]
         axes[0] = replace(axes[0], remarks=(*axes[0].remarks, *left_out))
     return axes
 

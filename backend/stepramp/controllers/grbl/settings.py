@@ -21,6 +21,11 @@ ROUNDED_STEP = 0.5
 
 _SETTING = re.compile(r"[$](?P<number>\d{1,4})=(?P<value>[^ (]*)(?: *[(].*[)])?")
 
+_PASTED = re.compile(
+    r"(?:(?:>+|<+|[$][$]|\[[^\]]*\]|[A-Za-z]\w*:|[\d:.]+)\s+)*[$](?P<number>\d{1,4})\s*=\s*(?P<value>[^\s;(]*)(?:[\s;(].*)?"
+)
+"""A setting with marks of a console, such as `>>> ` or `[22:10:11] `, before it, and a comment after it."""
+
 
 @dataclass(frozen=True)
 class AxisSettings:
@@ -87,6 +92,18 @@ class Settings:
         """Return the settings that lines tell; other lines are left out."""
         found = (_SETTING.fullmatch(line.strip()) for line in lines)
         return cls({int(each["number"]): each["value"] for each in found if each is not None})
+
+    @classmethod
+    def pasted(cls, lines: Iterable[str]) -> "Settings":
+        """Return the same of lines as people copy them, with what their programs put around them."""
+        found = (_PASTED.fullmatch(line.strip()) for line in lines)
+        return cls({int(each["number"]): each["value"] for each in found if each is not None})
+
+    def missing(self, axis: int) -> list[str]:
+        """Return the names of settings that an axis lacks, of which another one is there."""
+        numbers = [first + axis for first in (STEPS_PER_MM, MOST_RATE, ACCELERATION)]
+        missing = [f"${number}" for number in numbers if number not in self.values]
+        return missing if len(missing) < len(numbers) else []
 
     def axis(self, axis: int) -> AxisSettings | None:
         """Return what is kept of an axis; None when it isn't there, or makes no sense."""
