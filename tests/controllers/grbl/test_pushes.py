@@ -305,6 +305,7 @@ def test_what_is_read_back_counts_by_the_steps_per_mm_that_are_read_back(
     report = push(controller, design())
     assert not report.verified
     assert [item.read_back for item in report.items] == [2000, 10_000]
+    assert "$100 was 250 and is 500 now: what was sent was worked out with the former." in report.warnings
 
 
 # Backups.

@@ -9,7 +9,7 @@ from stepramp.controllers.contract import OwnTerms, PreviewItem, PushItem, PushP
 from stepramp.controllers.fluidnc.configuration import LETTERS
 from stepramp.controllers.fluidnc.ramp import FLUIDNC, fluidnc_losses
 from stepramp.controllers.grbl.numbers import exact, is_same
-from stepramp.controllers.grbl.scales import other_scales, refuse_others
+from stepramp.controllers.grbl.scales import other_scales, refuse_others, unlike_words
 from stepramp.controllers.grbl.settings import AxisSettings, Known
 from stepramp.controllers.losses import slower
 from stepramp.controllers.per_mm import PerMm
@@ -79,6 +79,7 @@ class PushPlan:
     def report(self, read_back: Known) -> PushReport:
         """Return what came of the push."""
         verified = self.is_had(read_back)
+        unlike = () if verified else (*unlike_words(self.other_scales(read_back)), UNVERIFIED)
         return PushReport(
             items=tuple(self._items(read_back)),
             verified=verified,
@@ -87,7 +88,7 @@ class PushPlan:
             largest_deviation_us=None,
             sequence=None,
             kept=False,
-            warnings=(*self._losses(), VOLATILE, *(() if verified else (UNVERIFIED,))),
+            warnings=(*self._losses(), VOLATILE, *unlike),
         )
 
     def preview(self, present: Known) -> PushPreview:

@@ -20,6 +20,7 @@ from stepramp.controllers.grbl.machine import GrblMachine
 from stepramp.controllers.grbl.memory import Memory
 from stepramp.controllers.grbl.motion import SLOWEST_STEPS_PER_S
 from stepramp.controllers.grbl.push import PushPlan
+from stepramp.controllers.grbl.scales import unlike_words
 from stepramp.controllers.progress import Progress, PushStage, Tell
 from stepramp.design import Design
 from stepramp.errors import Refused
@@ -92,8 +93,10 @@ class GrblController(GrblMachine, StoresRamps, BacksUp):
             with self._known_again_on_refusal():
                 self._memory.write(plan.lines(self._memory.settings))
             remarks = self._read_back()
-            verified = not self._memory.differing(plan.wanted) and not plan.other_scales(self._memory.settings)
-            return plan.report(self._memory.settings, remarks if verified else (*remarks, RESTORE), verified=verified)
+            unlike = unlike_words(plan.other_scales(self._memory.settings))
+            verified = not self._memory.differing(plan.wanted) and not unlike
+            said = remarks if verified else (*remarks, *unlike, RESTORE)
+            return plan.report(self._memory.settings, said, verified=verified)
 
         return push
 

@@ -45,6 +45,7 @@ class Places:
         inches = bool(settings.number(REPORTS_INCHES))
         self.mm_per_unit = MM_PER_INCH if inches else 1.0
         self._told_mm = INCHES_TOLD * MM_PER_INCH if inches else MM_TOLD
+        self.changed = {axis: words for axis, words in self.changed.items() if axis < len(self.axes)}
         for axis, (was, now, place) in enumerate(zip(before, self.axes, self.counted(report), strict=False)):
             # 0 is the same place by whatever steps per mm.
             if was.steps_per_mm != now.steps_per_mm and place:

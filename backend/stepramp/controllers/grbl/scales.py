@@ -21,6 +21,11 @@ def other_scales(planned: Mapping[int, np.float32], present: Known) -> list[str]
     return found
 
 
+def unlike_words(others: list[str]) -> list[str]:
+    """Return what comes of it when there are any once all was written, as sentences."""
+    return [f"{', '.join(others)}: what was sent was worked out with the former."] if others else []
+
+
 def refuse_others(others: list[str]) -> None:
     """Refused where there are any, before anything is written: speeds would be others than asked for."""
     if others:
