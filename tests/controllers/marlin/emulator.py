@@ -70,6 +70,8 @@ class MarlinEmulator:
         self.says_ok_after_resend = True
         self.chats = False
         self.is_hot = True
+        self.has_errors = False
+        """As after a heater has failed: it answers moves with an error, and drops them."""
         self.soft_limit_mm: float | None = None
         self.starts_on_open = True
         self.boot_s = self.shows_s = 0.0
@@ -317,6 +319,9 @@ class MarlinEmulator:
 
     def _g1(self, words: dict[str, float], _: str) -> Program:
         assert self._is_relative
+        if self.has_errors:
+            self._say("Error:Printer stopped due to errors. Fix the error and use M999 to restart.")
+            return
         for axis in AXES:
             self._mm[axis] = float32(self._mm[axis] + float32(words.get(axis, 0.0)))
         if self.soft_limit_mm is not None:

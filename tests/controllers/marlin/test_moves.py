@@ -219,6 +219,22 @@ def test_a_cold_extruder_is_told(bench: Bench, marlin: MarlinEmulator, controlle
     assert bench.rest().activity is Activity.READY
 
 
+def test_a_way_that_is_refused_leaves_it_taking_places(bench: Bench, controller: MarlinController) -> None:
+    bench.marlin.has_errors = True
+    with pytest.raises(Refused, match=r"refuses 'G1 X1\.25000 F60000': Printer stopped due to errors"):
+        controller.move_by(by(100))
+    assert not bench.marlin._is_relative
+    assert bench.marlin.position[0] == 0
+    bench.marlin.has_errors = False
+    controller.run(at(500))
+    bench.ask_for(0.9)
+    bench.marlin.has_errors = True
+    status = bench.rest()
+    assert "Printer stopped due to errors" in str(status.trouble)
+    assert not bench.marlin._is_relative
+    assert status.axes[0].position_steps == bench.marlin.position[0] > 0
+
+
 def test_one_that_is_busy_with_something_else_is_waited_for(bench: Bench, controller: MarlinController) -> None:
     """As while it heats for somebody at the machine."""
     bench.marlin.heats_until_s = bench.clock.now_s + 20

@@ -151,6 +151,21 @@ def test_where_nothing_is_heard_any_more_it_is_stopped_blindly(bench: Bench, con
     bench.pass_time(1)
     assert stays(bench)
     assert not bench.marlin.is_killed
+    assert not bench.marlin._is_relative
+
+
+@pytest.mark.parametrize("nth", range(8))
+def test_where_nothing_more_is_heard_in_the_midst_it_is_left_taking_places(
+    bench: Bench, controller: MarlinController, nth: int
+) -> None:
+    counted = count()
+    bench.marlin.on_the_way_out = lambda said: said if next(counted) < nth else b""
+    with suppress(DeviceLost, Refused):
+        controller.move_by(by(50_000))
+        controller.stop()
+    bench.pass_time(3)
+    assert stays(bench)
+    assert not bench.marlin._is_relative
 
 
 def test_the_last_resort_is_for_a_halt_that_isnt_answered(bench: Bench, controller: MarlinController) -> None:

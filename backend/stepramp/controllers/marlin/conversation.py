@@ -146,11 +146,15 @@ class Conversation:
 
     def quick_stop(self) -> None:
         """Have it end all steps at once, whatever it is waited for; whether it has is to be seen from what it says."""
-        self._port.write(f"\n{QUICK_STOP}\n".encode())
+        self.say_unnumbered(QUICK_STOP)
 
     def kill(self) -> None:
         """Have it end everything until it is reset, heaters too."""
-        self._port.write(f"\n{KILL}\n".encode())
+        self.say_unnumbered(KILL)
+
+    def say_unnumbered(self, line: str) -> None:
+        """Send a line, whatever is waited for, and whether it arrives or not."""
+        self._port.write(f"\n{line}\n".encode())
 
     def place(self, time_s: float | None = None, repeats: int = MOST_REPEATS) -> Place:
         """Ask where the axes are. By then all that was sent before has been carried out, or was lost.

@@ -27,7 +27,7 @@ from stepramp.controllers.marlin.dialect import (
     Place,
     place_of,
 )
-from stepramp.controllers.marlin.exchange import Exchange
+from stepramp.controllers.marlin.exchange import Answered, Exchange
 from stepramp.controllers.marlin.memory import Memory
 from stepramp.controllers.marlin.places import Places
 from stepramp.controllers.marlin.stopping import Stopping
@@ -89,6 +89,7 @@ class Moves:
         if self._pending is not None:
             return self._look_again(self._pending)
         if self._course is None:
+            self.stopping.leave_relative()
             return self._look_at_rest()
         self._go_on()
         if self._course is not None and monotonic() < self._course.ends_s:
@@ -202,24 +203,36 @@ class Moves:
         scales, places = self._places.axes, self._places
         ways = {axis: places.way(axis, target, origins[axis]) for axis, target in targets.items()}
         line = way_line({scales[axis].letter: way for axis, way in ways.items()}, feed)
-        try:
-            said = self._conversation.carry_out(
-                [RELATIVE, line, ABSOLUTE], allowed=lambda: self.stopping.refuse_stopped(stops)
-            )
-            self.stopping.refuse_stopped(stops)
-        except AnswerUnknown:
-            self._conversation.carry_out([ABSOLUTE])
-            raise
-        except DeviceLost:
-            # Whether it moves isn't known, and nobody would hear where.
-            self.stopping.give_up()
-            raise
+        said = self._told(line, stops)
         for axis, way in ways.items():
             places.went(axis, targets[axis], origins[axis], way)
         self._course = course
         if refusal := next((found for found in map(NO_EXTRUSION.fullmatch, said) if found), None):
             self._course = None
             raise Refused(f"Marlin leaves the extruder where it is: {refusal['words']}.")
+
+    def _told(self, line: str, stops: int) -> list[str]:
+        """Return what it says to a relative way, after which it takes places again, whatever comes in between."""
+        self.stopping.may_be_relative = True
+        try:
+            said = self._conversation.carry_out(
+                [RELATIVE, line, ABSOLUTE], allowed=lambda: self.stopping.refuse_stopped(stops)
+            )
+            self.stopping.may_be_relative = False
+            self.stopping.refuse_stopped(stops)
+        except DeviceLost:
+            # Whether it moves isn't known, and nobody would hear where.
+            self.stopping.give_up()
+            raise
+        except Answered:
+            # One of the three was refused: whether the way is among what was taken isn't known.
+            self.stopping.stop()
+            raise
+        except Refused:
+            # Where nothing may be sent just now, the stop that follows sends it, or the next look.
+            self.stopping.leave_relative()
+            raise
+        return said
 
     def _go_on(self) -> None:
         """Have axes that run go on, as long as somebody asks how they fare."""
@@ -242,9 +255,12 @@ class Moves:
         if lasts_s <= 0:
             return
         targets = {axis: course.targets[axis] + round(speed * lasts_s) for axis, speed in self._speeds.items()}
-        with suppress(AnswerUnknown):
-            feed = feed_of(self._speeds, self._places.axes)
-            self._tell(targets, course.targets, feed, stops, course.longer(targets))
+        feed = feed_of(self._speeds, self._places.axes)
+        try:
+            with suppress(AnswerUnknown):
+                self._tell(targets, course.targets, feed, stops, course.longer(targets))
+        except Answered as error:
+            self.trouble = str(error)
 
     def _look_at_rest(self) -> Seen:
         """Return where the axes rest, or that something else goes on, which keeps it from answering."""

@@ -5,7 +5,7 @@ from contextlib import suppress
 
 from stepramp.controllers.contract import AnswerUnknown
 from stepramp.controllers.marlin.conversation import Conversation
-from stepramp.controllers.marlin.dialect import Place
+from stepramp.controllers.marlin.dialect import ABSOLUTE, Place
 from stepramp.errors import DeviceLost, Refused
 
 STOPPED_S = 2.5
@@ -30,6 +30,8 @@ class Stopping:
         self._conversation = conversation
         self._stopped = stopped
         self._count = 0
+        self.may_be_relative = False
+        """It was told to take ways as relative (G91), and hasn't surely been told to take places again."""
 
     @property
     def count(self) -> int:
@@ -47,19 +49,20 @@ class Stopping:
         A line that was sent before may be carried out after a quick stop: with an emergency parser that overtakes it. A
         question that comes after it is answered only once a move in it is planned; that begins 0.1 s later, and a
         second quick stop ends it before. Without such a parser the quick stop's own line has its turn after it, too.
+        What was cut short may have left it relative: whoever talks to it next expects places.
         """
         self._count += 1
-        if self._conversation.may_set_out and self._conversation.overtakes:
-            self._stop_at_once()
-        for _ in range(TRIES):
-            self._stop_at_once()
-            # A quick stop may be lost on its way: that everything rests is told by itself.
-            if self._conversation.rests(PROVEN_S):
-                self._stopped(self._conversation.place())
-                return
-        raise Refused(
-            f"The controller at {self._conversation.name} doesn't stop when it is told to: cut the power of its motors."
-        )
+        try:
+            self._stop()
+        except DeviceLost:
+            self._say_places()
+            raise
+
+    def leave_relative(self) -> None:
+        """Have it take places again (G90), where it may take ways; moves nothing."""
+        if self.may_be_relative:
+            self._conversation.carry_out([ABSOLUTE])
+            self.may_be_relative = False
 
     def halt(self) -> None:
         """Stop; where it doesn't, have it end everything until it is reset, heaters too, as the last resort."""
@@ -77,6 +80,28 @@ class Stopping:
         with suppress(DeviceLost):
             self._conversation.quick_stop()
             self._conversation.quick_stop()
+        self._say_places()
+
+    def _stop(self) -> None:
+        if self._conversation.may_set_out and self._conversation.overtakes:
+            self._stop_at_once()
+        for _ in range(TRIES):
+            self._stop_at_once()
+            # A quick stop may be lost on its way: that everything rests is told by itself.
+            if self._conversation.rests(PROVEN_S):
+                self._stopped(self._conversation.place())
+                with suppress(Refused):
+                    self.leave_relative()
+                return
+        raise Refused(
+            f"The controller at {self._conversation.name} doesn't stop when it is told to: cut the power of its motors."
+        )
+
+    def _say_places(self) -> None:
+        """Have it take places again, whether it hears or not."""
+        if self.may_be_relative:
+            with suppress(DeviceLost):
+                self._conversation.say_unnumbered(ABSOLUTE)
 
     def _stop_at_once(self) -> None:
         """Say that it is to stop, until it answers what is asked after that."""
