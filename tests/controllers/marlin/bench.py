@@ -8,7 +8,7 @@ from controllers.marlin.emulator import Eeprom, MarlinEmulator
 from stepramp.controllers.contract import ControllerStatus
 from stepramp.controllers.marlin.controller import MarlinController
 
-QUESTIONS = {"M115", "M110 N0", "M114", "M114 R", "M503", "M400", "M27", "M119"}
+QUESTIONS = {"M115", "M110 N0", "M114", "M114 R", "M503", "M400", "M27", "M119", "M92"}
 
 
 class Bench(BoardBench[MarlinController]):

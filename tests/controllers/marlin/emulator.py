@@ -70,6 +70,8 @@ class MarlinEmulator:
         self.says_ok_after_resend = True
         self.chats = False
         self.is_hot = True
+        self.tells_scales = True
+        """Of M92 alone, as from 2.0 on."""
         self.has_errors = False
         """As after a heater has failed: it answers moves with an error, and drops them."""
         self.soft_limit_mm: float | None = None
@@ -269,9 +271,19 @@ class MarlinEmulator:
             self._say(f'echo:Unknown command: "{line}"')
 
     def _set(self, code: str, words: dict[str, float]) -> None:
+        if code == "M92" and not words and self.tells_scales:
+            self._list_one("M92")
         for letter, value in words.items():
             if letter in self.settings[code]:
                 self.settings[code][letter] = float(int(value)) if code == "M201" else float32(value)
+        if code == "M92" and words:
+            self._count_anew()
+
+    def _count_anew(self) -> None:
+        """Take the mm where it is for what holds: with other steps per mm these are other steps."""
+        counts = {axis: round(float32(self._mm[axis] * self.settings["M92"][axis])) for axis in AXES}
+        if not self.planner.is_busy:
+            self.planner.counts, self.planner.targets = counts, dict(counts)
 
     def _g90(self, *_: object) -> Program:
         self._is_relative = False
@@ -357,8 +369,12 @@ class MarlinEmulator:
     def _list(self) -> None:
         self._say("echo:; Linear Units:")
         self._say("echo:  G21 ; (mm)")
-        for code, values in self.settings.items():
-            self._say(f"echo:  {code} " + " ".join(f"{letter}{value:.2f}" for letter, value in values.items()))
+        for code in self.settings:
+            self._list_one(code)
+
+    def _list_one(self, code: str) -> None:
+        told = " ".join(f"{letter}{value:.2f}" for letter, value in self.settings[code].items())
+        self._say(f"echo:  {code} {told}")
 
     def _store(self) -> Program:
         if not self.has_eeprom:
@@ -380,6 +396,7 @@ class MarlinEmulator:
         if self.eeprom.settings is None:
             self._say("Error:EEPROM CRC mismatch - (stored) 0 != 31234 (calculated)!")
         self.settings = copy.deepcopy(self.eeprom.settings or DEFAULTS)
+        self._count_anew()
         self._say("echo:V89 stored settings retrieved (622 bytes; crc 31234)")
 
     # What tests ask.
@@ -391,6 +408,11 @@ class MarlinEmulator:
     @property
     def is_moving(self) -> bool:
         return self.planner.is_busy
+
+    def change_at_the_display(self, code: str, letter: str, value: float) -> None:
+        """Change a setting, of which nothing is said."""
+        with self._lock:
+            self._set(code, {letter: value})
 
     def move_as_somebody_else(self, **steps: int) -> None:
         """Move something as the knob on the machine does."""

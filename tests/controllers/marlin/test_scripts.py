@@ -34,10 +34,12 @@ LISTING = (
     "echo:  M204 P500.00 R500.00 T1000.00\necho:Advanced: B<min_segment_time_us> S<min_feedrate> "
     "T<min_travel_feedrate> J<junc_dev>\necho:  M205 B20000.00 S0.00 T0.00 J0.01\nok\n"
 )
+SCALES = "echo:  M92 X80.00 Y80.00 Z400.00 E93.00\nok\n"
 CONNECTING = [
     ("\nM115\n", "start\necho:Marlin 2.0.9.3\n" + MARLIN),
     ("M110 N0", None),
     ("M114", RESTS),
+    ("M503", LISTING),
     ("M503", LISTING),
     ("M114", RESTS),
 ]
@@ -94,8 +96,8 @@ def test_the_status(connect: Connect) -> None:
 
 
 GOING = [
-    ("M114", RESTS), ("M400", "ok\n"), ("G91", "ok\n"), ("G1 X10.00000 F60000", "ok\n"), ("G90", "ok\n"),
-    ("M119", ENDSTOPS),
+    ("M114", RESTS), ("M400", "ok\n"), ("M92", SCALES), ("G91", "ok\n"), ("G1 X10.00000 F60000", "ok\n"),
+    ("G90", "ok\n"), ("M119", ENDSTOPS),
 ]  # fmt: skip
 
 
@@ -117,20 +119,23 @@ def test_a_move_and_a_stop(connect: Connect) -> None:
 def test_a_line_that_arrives_damaged(connect: Connect) -> None:
     """It is told again, with the same number, after the end of whatever has arrived of it."""
     controller = connect(
-        *GOING[:2],
-        ("G91", "Error:checksum mismatch, Last Line: 6\nResend: 6\nok\n"),
-        ("\nN6 G91*23\n", "ok\n"),
-        (7, *GOING[3]),
-        *GOING[4:],
+        *GOING[:3],
+        ("G91", "Error:checksum mismatch, Last Line: 7\nResend: 8\nok\n"),
+        ("\nN8 G91*25\n", "ok\n"),
+        (9, *GOING[4]),
+        *GOING[5:],
     )
     controller.move_to([AxisCommand(0, 800, "to_steps")])
+
+
+RESTING = [("M114", RESTS), ("M400", "ok\n")]
 
 
 def test_a_push(connect: Connect) -> None:
     kept = LISTING.replace("M203 X500.00", "M203 X12.50").replace("M201 X500.00", "M201 X62.00")
     controller = connect(
-        ("M114", RESTS), ("M400", "ok\n"), ("M201 X62", "ok\n"), ("M203 X12.5", "ok\n"), ("M119", ENDSTOPS),
-        ("M503", kept),
+        *RESTING, ("M503", LISTING), ("M201 X62", "ok\n"), ("M203 X12.5", "ok\n"), ("M119", ENDSTOPS),
+        ("M503", kept), ("M503", kept),
         ("M500", "echo:Settings Stored (622 bytes; crc 31234)\nok\n"), ("M119", ENDSTOPS),
         ("M501", "echo:V83 stored settings retrieved (622 bytes; crc 31234)\nok\n"), ("M119", ENDSTOPS), ("M503", kept),
     )  # fmt: skip
@@ -140,14 +145,17 @@ def test_a_push(connect: Connect) -> None:
 
 def test_a_setting_that_is_not_known(connect: Connect) -> None:
     controller = connect(
-        ("M114", RESTS), ("M400", "ok\n"), ("M201 X62", 'echo:Unknown command: "M201 X62"\nok\n'), ("M503", LISTING)
-    )  # fmt: skip
+        *RESTING,
+        ("M503", LISTING),
+        ("M201 X62", 'echo:Unknown command: "M201 X62"\nok\n'),
+        ("M503", LISTING),
+    )
     with pytest.raises(Refused, match="refuses 'M201 X62': it knows no such command"):
         controller.prepare_push([design()], 0)()
 
 
 def test_a_backup(connect: Connect) -> None:
-    controller = connect(("M114", RESTS), ("M400", "ok\n"), ("M115", MARLIN), ("M503", LISTING))
+    controller = connect(*RESTING, *[("M115", MARLIN), ("M503", LISTING)] * 2)
     text = controller.backup().splitlines()
     assert text[0] == "; M115"
     assert "echo: M92 X80.00 Y80.00 Z400.00 E93.00" in text

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from stepramp.controllers.given_numbers import as_float32
-from stepramp.controllers.marlin.settings import ACCELERATION, DECIMALS, SPEED, STEPS_PER_MM, Settings
+from stepramp.controllers.marlin.settings import ACCELERATION, ACCELERATIONS, DECIMALS, SPEED, STEPS_PER_MM, Settings
 from stepramp.errors import Count, Rejected, Rejection
 
 ALLOWED = "a backup of a Marlin: the lines that it tells after M503"
@@ -40,11 +40,20 @@ class Backup:
             raise Rejected(bad)
         if settings.is_in_inches:
             raise Rejected([Rejection("text", "G20", "a backup in mm (G21)")])
+        if settings.is_of_marlin_1_0:
+            words = " ".join(f"{letter}{value}" for letter, value in settings.words(ACCELERATIONS).items())
+            allowed = "a backup of a Marlin from 1.1 on: there T is for travel, in 1.0 for retracts"
+            raise Rejected([Rejection("text", f"{ACCELERATIONS} {words}", allowed)])
         return cls(settings)
 
     def lines(self, present: "Backup") -> list[str]:
         """Return the lines that make what is present what was backed up: only what differs."""
         return [f"{code} {words}" for code, words in self._differing(present) if code in WRITABLE]
+
+    def is_unwritten(self, present: "Backup") -> bool:
+        """Tell whether something that is kept there, and could be written, is not as in the backup."""
+        kept = {code for code, _ in present.settings.commands}
+        return any(code in WRITABLE and code in kept for code, _ in self._differing(present))
 
     def left(self, present: "Backup") -> Iterator[str]:
         """Yield what is not as in the backup, as sentences."""

@@ -36,6 +36,7 @@ from stepramp.link.connection import Connection
 
 SETS_OUT_WITHIN_S = 0.1
 """So long it may take until a quick stop ends all steps [s]: it is read between other things."""
+NOT_ALL = "It is not stored, since what is in use isn't what the backup says."
 SENSELESS = (
     "The settings of axis X make no sense, so no axis can be used: restore a backup of this device, or set M92, M201 "
     "and M203 at the machine."
@@ -127,6 +128,9 @@ class MarlinController(Controller, StoresRamps, TriesRamps, DrawsLines, BacksUp)
 
         def push() -> PushReport:
             self._memory.refuse_unready()
+            self._learn()
+            self._refuse_senseless()
+            plan.refuse_changed(self._memory.settings)
             self._tell(Progress(PushStage.SENDING, 0, plan.bytes))
             try:
                 self._memory.write(plan.lines)
@@ -156,6 +160,7 @@ class MarlinController(Controller, StoresRamps, TriesRamps, DrawsLines, BacksUp)
     def keep(self) -> None:
         """Store all settings in use (M500), and load them again; Refused when that fails."""
         self._memory.refuse_unready()
+        self._learn()
         before = self._memory.settings
         self._memory.store()
         self._learn()
@@ -180,13 +185,19 @@ class MarlinController(Controller, StoresRamps, TriesRamps, DrawsLines, BacksUp)
         """Write what differs of a backup, one setting at a time, store it, and read it back; see BacksUp."""
         backup = Backup.of(text)
         self._memory.refuse_unready()
+        self._learn()
         remarks: list[str] = []
         for line in backup.lines(Backup(self._memory.settings)):
             try:
                 self._memory.write([line])
             except Answered as error:
                 remarks.append(str(error))
-        remarks += self._store()
+        self._learn()
+        if backup.is_unwritten(Backup(self._memory.settings)):
+            # Storing would put what is in use in place of what is stored, and that may be the better one.
+            remarks += [NOT_ALL, VOLATILE]
+        else:
+            remarks += self._store()
         return (*backup.left(Backup(self._memory.settings)), *remarks)
 
     def line(self, steps: Sequence[AxisCommand], ramp_axis: int | None = None) -> None:
@@ -243,8 +254,7 @@ class MarlinController(Controller, StoresRamps, TriesRamps, DrawsLines, BacksUp)
             raise Refused(SENSELESS)
 
     def _learn(self) -> None:
-        self._memory.learn()
-        self._places.learn(self._memory.settings.axes())
+        self._moves.learn()
 
     def _store(self) -> list[str]:
         """Store what is in use, and read it back from there; return why that couldn't be done."""

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
+from typing import TypeVar
 
 from stepramp.controllers.marlin.conversation import Conversation
 from stepramp.controllers.marlin.dialect import (
@@ -15,7 +16,7 @@ from stepramp.controllers.marlin.dialect import (
     STORE,
 )
 from stepramp.controllers.marlin.exchange import Answered
-from stepramp.controllers.marlin.settings import Settings, is_same
+from stepramp.controllers.marlin.settings import STEPS_PER_MM, Settings, is_same
 from stepramp.errors import Refused
 
 LISTED = re.compile(r"(?:echo:)?\s*M92 .*")
@@ -24,6 +25,8 @@ PRINTING_TOLD = re.compile(f"{PRINTS.pattern}|{NOT_PRINTING.pattern}")
 STORING_S = 6.0
 """So long storing may take [s]: an EEPROM takes 3.4 ms a byte."""
 LISTINGS = ((IDENTIFY, FIRMWARE), (SETTINGS, LISTED))
+MOST_READINGS = 5
+T = TypeVar("T")
 Figure = tuple[str, str]
 """A command, and the letter of one of its numbers: M201, X."""
 
@@ -44,6 +47,8 @@ class Memory:
         self.settings = Settings([])
         self.on_trial = False
         """What is in use isn't stored, as far as was heard over this connection."""
+        self._tells_scales: bool | None = None
+        """Whether it tells its steps per mm when it is asked for these alone, as from 2.0 on; None: not asked yet."""
 
     @property
     def stores(self) -> bool:
@@ -51,17 +56,53 @@ class Memory:
         return self._conversation.capabilities.get("EEPROM", True)
 
     def learn(self) -> None:
-        """Read the settings in use; Refused for those that are told in inches."""
-        self.settings = Settings.of(self._conversation.ask(SETTINGS, LISTED))
+        """Read the settings in use; Refused for those that are told in inches, or by a Marlin that is too old."""
+        self.settings = self._surely(lambda: Settings.of(self._conversation.ask(SETTINGS, LISTED)), self.settings)
         if self.settings.is_in_inches:
             raise Refused(
                 f"The Marlin at {self._conversation.name} counts in inches (G20): say G21 at the machine first."
             )
+        if self.settings.is_of_marlin_1_0:
+            raise Refused(
+                f"The Marlin at {self._conversation.name} is older than 1.1: with M204 it sets S for all moves, and T "
+                "for retracts, where later ones take T for travel. Marlin is known from 1.1 on."
+            )
+
+    def tells_other_scales(self) -> bool:
+        """Ask for the steps per mm, and return whether they seem to be others than were read."""
+        if self._tells_scales is None:
+            # An older one says ok, and does nothing.
+            said = self._conversation.ask(STEPS_PER_MM)
+            self._tells_scales = any(map(LISTED.fullmatch, said))
+        elif self._tells_scales:
+            said = self._conversation.ask(STEPS_PER_MM, LISTED)
+        if not self._tells_scales:
+            said = self._conversation.ask(SETTINGS, LISTED)
+        return Settings.of(said).scales != self.settings.scales
 
     def everything(self) -> str:
         """Return all that can be read, as it was told."""
-        asked = [(f"; {listing}", *self._conversation.ask(listing, needs)) for listing, needs in LISTINGS]
-        return "\n".join(line for lines in asked for line in lines) + "\n"
+
+        def told() -> str:
+            asked = [(f"; {listing}", *self._conversation.ask(listing, needs)) for listing, needs in LISTINGS]
+            return "\n".join(line for lines in asked for line in lines) + "\n"
+
+        return self._surely(told)
+
+    def _surely(self, read: Callable[[], T], before: T | None = None) -> T:
+        """Read until two readings in a row agree: what it tells has no checksum, and a lost byte is another number.
+
+        before: the last reading, if there was one.
+        """
+        for _ in range(MOST_READINGS):
+            told = read()
+            if told == before:
+                return told
+            before = told
+        raise Refused(
+            f"The serial line to {self._conversation.name} is disturbed: what the controller tells of its settings is "
+            "another thing each time."
+        )
 
     def refuse_unready(self) -> None:
         """Refused where a setting may not be changed: only at rest, and while nothing is printed."""

@@ -30,6 +30,7 @@ from stepramp.controllers.marlin.dialect import (
 from stepramp.controllers.marlin.exchange import Answered, Exchange
 from stepramp.controllers.marlin.memory import Memory
 from stepramp.controllers.marlin.places import Places
+from stepramp.controllers.marlin.settings import AxisSettings
 from stepramp.controllers.marlin.stopping import Stopping
 from stepramp.controllers.marlin.way import fastest_feed, feed_of, refuse_places, refuse_speeds, way_line
 from stepramp.errors import DeviceLost, Refused
@@ -81,6 +82,8 @@ class Moves:
         self._set_out_at: list[int] = []
         self.ends: Mapping[int, Ends] = {}
         """Where runs end by themselves, as positions are called here [steps]."""
+        self._other_scales: str | None = None
+        """Which steps per mm were found changed since something was last to be moved, as a sentence."""
         self.trouble: str | None = None
         """What has cut the last motion short, as a sentence."""
 
@@ -96,6 +99,26 @@ class Moves:
             return self._on_its_way()
         self._pending = self._conversation.start(AWAIT_REST)
         return self._look_again(self._pending)
+
+    def learn(self) -> str | None:
+        """Read the settings; return which steps per mm have changed, as a sentence, or None.
+
+        Where axes rest stays called what it was: Marlin counts it anew then, though nothing has moved.
+        """
+        before, rested = self._places.axes, self._at_rest
+        called = self._places.called(rested) if rested else []
+        self.memory.learn()
+        self._places.learn(self.memory.settings.axes())
+        after = self._places.axes
+        changed = [axis for axis in range(min(len(before), len(after))) if _scale(before, axis) != _scale(after, axis)]
+        if rested and (changed or len(before) != len(after)):
+            self._note_rest(self._conversation.place())
+            self._places.call({axis: called[axis] for axis in changed}, self._at_rest)
+            self._set_out_at = self._at_rest
+        if not changed:
+            return None
+        told = (f"{after[axis].letter} from {_scale(before, axis)} to {_scale(after, axis)}" for axis in changed)
+        return f"Steps per mm (M92) were changed at the machine: {', '.join(told)}."
 
     def refuse_moving(self) -> None:
         """Refused while something moves, whoever has told it to."""
@@ -161,7 +184,7 @@ class Moves:
     def rest_at(self, place: Place) -> None:
         """Take where the axes are as where they set out from: when a connection begins, and positions are set."""
         self._places.forget()
-        self._set_out_at = self._rests(place).counted
+        self._set_out_at = self._note_rest(place).counted
 
     def call(self, positions: Mapping[int, int]) -> None:
         """Call the places where axes rest something else from now on [steps]."""
@@ -181,8 +204,13 @@ class Moves:
 
     def _ready(self, stops: int) -> list[int]:
         """Return where the axes rest [steps]; Refused while something moves, or when a stop has come meanwhile."""
+        self._other_scales = None
         self.refuse_moving()
         self.memory.refuse_printing()
+        if self.memory.tells_other_scales():
+            self._other_scales = self.learn()
+        if self._other_scales is not None:
+            raise Refused(f"{self._other_scales} Nothing was moved: ask again, if it is to be done with these.")
         self.stopping.refuse_stopped(stops)
         self.trouble = None
         return self._at_rest
@@ -336,6 +364,15 @@ class Moves:
         )
 
     def _rests(self, place: Place) -> Seen:
+        try:
+            if self._places.is_counted_anew(place) and self.memory.tells_other_scales():
+                self.trouble = self._other_scales = self.learn()
+        except Refused as error:
+            # It can be looked at all the same, and stopped.
+            self.trouble = str(error)
+        return self._note_rest(place)
+
+    def _note_rest(self, place: Place) -> Seen:
         self._at_rest = self._places.counted(place)
         self._places.note_rest(place, self._at_rest)
         return Seen(self._at_rest, monotonic())
@@ -344,4 +381,8 @@ class Moves:
         """Note where a quick stop has ended everything."""
         self._course, self._speeds, self._pending = None, {}, None
         self._places.forget()
-        self._rests(place)
+        self._note_rest(place)
+
+
+def _scale(axes: Sequence[AxisSettings], axis: int) -> str:
+    return f"{float(axes[axis].steps_per_mm):,.7g}"

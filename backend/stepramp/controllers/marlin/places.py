@@ -25,11 +25,13 @@ class Places:
         """Where it takes axes to be [mm], from where it counts its steps: it adds up the ways that it is told."""
         self._shifts: dict[int, float] = {}
         """By how much what it tells differs from that [mm]: G92, and offsets of its own."""
+        self._last: dict[int, tuple[float, int]] = {}
+        """Where it last told axes to rest [mm, steps]."""
 
     def learn(self, axes: tuple[AxisSettings, ...]) -> None:
         """Take the scales that a controller has."""
         if tuple(each.steps_per_mm for each in axes) != tuple(each.steps_per_mm for each in self.axes):
-            self._known, self._lengths = {}, {}
+            self._known, self._lengths, self._last = {}, {}, {}
         self.axes = axes
         self._offsets = [*self._offsets, *[0] * len(axes)][: len(axes)]
 
@@ -37,10 +39,21 @@ class Places:
         """Return where the axes are as the controller counts [steps]."""
         return [self._step_at(axis, place) for axis in range(len(self.axes))]
 
+    def is_counted_anew(self, place: Place) -> bool:
+        """Tell whether steps and mm have changed by other amounts since the last rest: other steps per mm do that."""
+        for axis, (length, count) in self._last.items():
+            letter, per_mm = self.axes[axis].letter, float(self.axes[axis].steps_per_mm)
+            gone = (place.lengths.get(letter, length) - length) * per_mm
+            if abs(place.counts.get(letter, count) - count - gone) > 1 + TOLD_MM * per_mm:
+                return True
+        return False
+
     def note_rest(self, place: Place, counted: Sequence[int]) -> None:
         """Note where axes rest, and what it takes them to be: it may have been told something else by somebody else."""
         for axis, scale in enumerate(self.axes):
             told = place.lengths.get(scale.letter, 0.0)
+            if scale.letter in place.counts:
+                self._last[axis] = (told, counted[axis])
             length = self._lengths.get(axis)
             if length is not None and abs(float(length) + self._shifts.get(axis, 0.0) - told) > LENGTHS_DIFFER_MM:
                 del self._lengths[axis]

@@ -1,6 +1,6 @@
 """Pushing designs to a Marlin: which settings are sent, what came of it, and what of the designs is lost."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -14,6 +14,7 @@ from stepramp.controllers.marlin.settings import (
     EXTRUDER,
     JERK,
     SPEED,
+    STEPS_PER_MM,
     AxisSettings,
     Settings,
     is_same,
@@ -22,7 +23,7 @@ from stepramp.controllers.marlin.settings import (
 from stepramp.controllers.order import lowered_first
 from stepramp.controllers.per_mm import PerMm
 from stepramp.design import Design
-from stepramp.errors import Count, Rejected, Rejection
+from stepramp.errors import Count, Refused, Rejected, Rejection
 
 FULL_SPEED, GAIN, SHARED_GAIN = "Full speed", "Acceleration", "Acceleration, for all axes"
 NAMES = {SPEED: FULL_SPEED, ACCELERATION: GAIN, ACCELERATIONS: SHARED_GAIN}
@@ -56,6 +57,8 @@ class PushPlan:
     settings: tuple[Setting, ...]
     lines: Sequence[str]
     """What is sent, in that order."""
+    depends_on: Mapping[Figure, Fraction | None]
+    """What was there as it was worked out, and makes another plan of another value."""
 
     @classmethod
     def of(
@@ -75,12 +78,24 @@ class PushPlan:
         }
         settings = tuple(_settings(ramps, scales, present))
         lines = [each.line for each in lowered_first(settings, lambda each: _is_raised(each, present))]
-        return cls(by_axis, ramps, scales, settings, lines)
+        depends_on = {figure: present.number(*figure) for axis in by_axis for figure in _sources(scales[axis].letter)}
+        return cls(by_axis, ramps, scales, settings, lines, depends_on)
+
+    def refuse_changed(self, present: Settings) -> None:
+        """Refused where the settings are no longer those that it was worked out with, as changed at a display."""
+        for (code, letter), before in self.depends_on.items():
+            now = present.number(code, letter)
+            if now != before:
+                raise Refused(
+                    f"{code} {letter} is {_told(now)}, and was {_told(before)} as this push was worked out: it was "
+                    "changed meanwhile, as at the machine. Nothing was sent: look at the preview, and push again."
+                )
 
     @property
     def wanted(self) -> dict[Figure, Fraction]:
-        """What is to be read back."""
-        return {each.figure: each.kept for each in self.settings}
+        """What is to be read back: what was sent, and the steps per mm that it was worked out with."""
+        scales = {(STEPS_PER_MM, self.scales[axis].letter): self.scales[axis].steps_per_mm for axis in self.designs}
+        return scales | {each.figure: each.kept for each in self.settings}
 
     @property
     def bytes(self) -> int:
@@ -172,6 +187,17 @@ def _settings(ramps: dict[int, PerMm], scales: Sequence[AxisSettings], present: 
         if is_needed and (which not in shared or shared[which].kept < gain):
             shared[which] = Setting(axis, (ACCELERATIONS, which), ramp.acceleration, gain)
     yield from shared.values()
+
+
+def _sources(letter: str) -> Iterator[Figure]:
+    """Yield what the settings that are sent to an axis depend on."""
+    yield STEPS_PER_MM, letter
+    yield ACCELERATION, letter
+    yield ACCELERATIONS, shared_by(letter)
+
+
+def _told(value: Fraction | None) -> str:
+    return "not told" if value is None else f"{float(value):,.7g}"
 
 
 def _is_raised(setting: Setting, present: Settings) -> bool:

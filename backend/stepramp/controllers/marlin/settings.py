@@ -103,6 +103,19 @@ class Settings:
         return tuple(found)
 
     @property
+    def scales(self) -> Mapping[str, str]:
+        """The steps per mm as they are told, by letter: those of several extruders are told of the one in use only."""
+        told = self.words(STEPS_PER_MM)
+        sure = "XYZ" if "T" in told else LETTERS
+        return {letter: told[letter] for letter in sure if letter in told}
+
+    @property
+    def is_of_marlin_1_0(self) -> bool:
+        """Whether M204 is that of Marlin 1.0: S for all moves, and T for retracts."""
+        told = self.words(ACCELERATIONS)
+        return "S" in told and PRINT not in told
+
+    @property
     def is_in_inches(self) -> bool:
         """Whether lengths are told, and taken, in inches."""
         return any(code == IN_INCHES for code, _ in self.commands)
