@@ -110,3 +110,36 @@ def test_a_backup_that_is_damaged_or_gone_is_refused_in_words(device: Device, tm
     file.unlink()
     with pytest.raises(NotFound, match="There is no backup"):
         device.restore_backup(file.stem)
+
+
+def test_a_backup_is_whole_or_refused(device: Device, made: list[Keeper], tmp_path: Path) -> None:
+    made[-1].text = "figure 1\nfigure ½\n"
+    device.back_up()
+    [file] = saved_in(device, tmp_path).iterdir()
+    saved = file.read_bytes()
+    assert device.restore_backup(file.stem) == ("All is well.",)
+    assert made[-1].text == "figure 1\nfigure ½\n"
+    # As an editor of Windows writes it.
+    file.write_bytes(b"\xef\xbb\xbf" + saved.replace(b"\n", b"\r\n"))
+    assert device.restore_backup(file.stem) == ("All is well.",)
+    made[-1].text = "what it has"
+    damaged = [saved[:end] for end in range(len("# StepRamp backup"), len(saved)) if saved[end - 1] != 0xC2]
+    damaged += [saved.replace(b"figure 1", b"figure 2"), saved + b"figure 3\n"]
+    for text in damaged:
+        file.write_bytes(text)
+        with pytest.raises(Refused, match=f"The backup {file.stem!r} is not as it was saved: it is damaged, cut short"):
+            device.restore_backup(file.stem)
+    assert made[-1].text == "what it has"
+
+
+def test_one_of_an_older_version_is_restored_and_said_to_be_unchecked(
+    device: Device, made: list[Keeper], tmp_path: Path
+) -> None:
+    device.back_up()
+    [file] = saved_in(device, tmp_path).iterdir()
+    file.write_text("figure 2\n")
+    assert device.restore_backup(file.stem) == (
+        f"Whether the backup {file.stem!r} is whole can't be checked: it has no checksum, as those of older versions.",
+        "All is well.",
+    )
+    assert made[-1].text == "figure 2\n"

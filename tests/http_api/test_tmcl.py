@@ -141,7 +141,7 @@ def test_the_backup_before_the_first_write_and_a_power_cut(client: TestClient, c
     assert FACTORY != ramp_of(cable) != PUSHED
     route = connected(client, cable.port, "tmcl")
     text = client.get(f"{route}/backups/{lost['backup']}").text
-    assert text.startswith("module TMCM-1276\nfirmware 1.19\n")
+    assert text.splitlines()[1:3] == ["module TMCM-1276", "firmware 1.19"]
     restored = client.post(f"{route}/backups/{lost['backup']}/restore")
     assert (restored.status_code, restored.json()["remarks"]) == (200, [])
     assert ramp_of(cable) == ramp_of(cable, stored=True) == FACTORY

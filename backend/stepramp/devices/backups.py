@@ -17,6 +17,10 @@ FOLDER_VARIABLE = "STEPRAMP_DATA"
 """Names another folder for what is kept than the user's own."""
 ENDING = ".txt"
 MOST_SLUG = 60
+_MARK = "# StepRamp backup"
+_MARKED = re.compile(rf"{_MARK}, CRC-32 (?P<crc>[0-9a-f]{{8}}) of what follows\n")
+"""The first line of a file. At its end it would be gone with what is cut off."""
+UNCHECKED = "Whether the backup {name} is whole can't be checked: it has no checksum, as those of older versions."
 
 
 @dataclass(frozen=True)
@@ -90,13 +94,39 @@ def _read(folder: Path, name: str, of: str) -> str:
     if name not in {each.name for each in _all(folder)}:
         raise NotFound(f"There is no backup {shown(name)} {of}.")
     try:
-        return (folder / f"{name}{ENDING}").read_text(encoding="utf-8")
+        return (folder / f"{name}{ENDING}").read_text(encoding="utf-8-sig")
     except OSError as error:
         raise NotFound(f"The backup {shown(name)} {of} can't be read: {error.strerror or error}.") from error
     except UnicodeDecodeError as error:
         raise Refused(
             f"The backup {shown(name)} {of} isn't text in UTF-8, as it was saved: take another one."
         ) from error
+
+
+def marked(text: str) -> str:
+    """Return a text with a first line by which it is known to be whole; no controller is given that."""
+    return f"{_MARK}, CRC-32 {zlib.crc32(text.encode()):08x} of what follows\n{text}"
+
+
+def unmarked(text: str) -> str:
+    """Return a text without that line, whether it is whole or not."""
+    return text.partition("\n")[2] if text.startswith(_MARK) else text
+
+
+def checked(text: str, name: str) -> tuple[str, tuple[str, ...]]:
+    """Return the text of a backup of this name without its mark, and what is to be said of it, as sentences.
+
+    Raises Refused for one that is not as it was saved.
+    """
+    if not text.startswith(_MARK):
+        return text, (UNCHECKED.format(name=shown(name)),)
+    mark, rest = _MARKED.match(text), unmarked(text)
+    if mark is None or int(mark["crc"], 16) != zlib.crc32(rest.encode()):
+        raise Refused(
+            f"The backup {shown(name)} is not as it was saved: it is damaged, cut short, or was changed since, as the "
+            "checksum in its first line tells. Take another one; whoever has changed it deletes that line."
+        )
+    return rest, ()
 
 
 class Backups:
@@ -117,7 +147,7 @@ class Backups:
         try:
             _make(self.folder)
             with part.open("x", encoding="utf-8", newline="\n") as file:
-                file.write(text)
+                file.write(marked(text))
                 file.flush()
                 os.fsync(file.fileno())
             part.replace(self.folder / f"{name}{ENDING}")

@@ -16,7 +16,7 @@ from stepramp.controllers.contract import Controller, PushMode, PushPreview, Pus
 from stepramp.controllers.own_ramp import Deviation, PlayOwn
 from stepramp.controllers.progress import Progress, PushStage
 from stepramp.design import Design
-from stepramp.devices.backups import Backup, Backups
+from stepramp.devices.backups import Backup, Backups, checked
 from stepramp.devices.contact import Contact
 from stepramp.devices.leases import Leases
 from stepramp.devices.live_view import LiveView
@@ -138,8 +138,9 @@ class Writing:
         return self.restore_text(self._backups.read(name), name)
 
     def restore_text(self, text: str, name: str) -> tuple[str, ...]:
-        """Write what a text says that is the backup of this name; as restore_backup."""
-        remarks: list[str] = []
+        """Write what a text says that is the backup of this name; as restore_backup. Refused for a damaged one."""
+        text, said = checked(text, name)
+        remarks = list(said)
 
         def use(able: BacksUp) -> None:
             remarks.extend(able.use_backup(text))

@@ -2,6 +2,7 @@
 
 from fastapi import APIRouter
 
+from stepramp.devices.backups import unmarked
 from stepramp.errors import Rejected, Rejection
 from stepramp.http_api.bodies import JsonRoute
 from stepramp.http_api.device_registry import Registry
@@ -17,8 +18,7 @@ router = APIRouter(tags=["planning"], route_class=JsonRoute)
 @PLANNING.serves
 def designs_of_text(request: ImportPayload, devices: Registry) -> ImportAnswer:
     """Return designs of what a controller lists of itself, as grbl after `$$`: one for each of its axes."""
-    # Some editors begin files with a byte order mark.
-    text = request.text.removeprefix("\ufeff")
+    text = unmarked(request.text)
     families = [each for each in devices.families.values() if each.read_settings is not None]
     for family in families:
         if family.read_settings is not None and (axes := family.read_settings(text, request.base)):
