@@ -4,7 +4,16 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from stepramp.controllers.given_numbers import as_float32
-from stepramp.controllers.marlin.settings import ACCELERATION, ACCELERATIONS, DECIMALS, SPEED, STEPS_PER_MM, Settings
+from stepramp.controllers.marlin.settings import (
+    ACCELERATION,
+    ACCELERATIONS,
+    DECIMALS,
+    LETTERS,
+    SPEED,
+    STEPS_PER_MM,
+    Settings,
+    is_rounded,
+)
 from stepramp.errors import Count, Rejected, Rejection
 
 ALLOWED = "a backup of a Marlin: the lines that it tells after M503"
@@ -49,6 +58,16 @@ class Backup:
     def lines(self, present: "Backup") -> list[str]:
         """Return the lines that make what is present what was backed up: only what differs."""
         return [f"{code} {words}" for code, words in self._differing(present) if code in WRITABLE]
+
+    def rounded(self, present: "Backup") -> Iterator[str]:
+        """Yield which steps per mm are written that may have been others, as sentences."""
+        there = present.settings.words(STEPS_PER_MM)
+        for letter, value in self.settings.words(STEPS_PER_MM).items():
+            if letter in LETTERS and there.get(letter) != value and is_rounded(as_float32(value)):
+                yield (
+                    f"M92 {letter}{value} is what Marlin told, rounded to two decimals: where it was set to more, set "
+                    "that again."
+                )
 
     def is_unwritten(self, present: "Backup") -> bool:
         """Tell whether something that is kept there, and could be written, is not as in the backup."""

@@ -186,8 +186,9 @@ class MarlinController(Controller, StoresRamps, TriesRamps, DrawsLines, BacksUp)
         backup = Backup.of(text)
         self._memory.refuse_unready()
         self._learn()
-        remarks: list[str] = []
-        for line in backup.lines(Backup(self._memory.settings)):
+        present = Backup(self._memory.settings)
+        remarks = list(backup.rounded(present))
+        for line in backup.lines(present):
             try:
                 self._memory.write([line])
             except Answered as error:

@@ -30,7 +30,7 @@ from stepramp.controllers.marlin.dialect import (
 from stepramp.controllers.marlin.exchange import Answered, Exchange
 from stepramp.controllers.marlin.memory import Memory
 from stepramp.controllers.marlin.places import Places
-from stepramp.controllers.marlin.settings import AxisSettings
+from stepramp.controllers.marlin.settings import DECIMALS, AxisSettings, is_rounded
 from stepramp.controllers.marlin.stopping import Stopping
 from stepramp.controllers.marlin.way import fastest_feed, feed_of, refuse_places, refuse_speeds, way_line
 from stepramp.errors import DeviceLost, Refused
@@ -360,8 +360,17 @@ class Moves:
         return (
             f"The controller rests short of its target: {rests}. Marlin leaves out ways of fewer than 6 steps "
             "(MIN_STEPS_PER_SEGMENT) until the next one, and what leads beyond its soft limits (M211); or an endstop "
-            "was hit."
+            f"was hit.{self._rounding_of(off)}"
         )
+
+    def _rounding_of(self, off: Mapping[int, int]) -> str:
+        scales = (self._places.axes[axis] for axis in off)
+        told = ", ".join(
+            f"{scale.letter} {float(scale.steps_per_mm):.{DECIMALS}f}"
+            for scale in scales
+            if is_rounded(scale.steps_per_mm)
+        )
+        return f" Or it has other steps per mm than it tells (M92), rounded to two decimals: {told}." if told else ""
 
     def _rests(self, place: Place) -> Seen:
         try:

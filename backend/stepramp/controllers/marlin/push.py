@@ -1,7 +1,8 @@
 """Pushing designs to a Marlin: which settings are sent, what came of it, and what of the designs is lost."""
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from stepramp.controllers.contract import FigureUnit, OwnTerms, PreviewItem, PushItem, PushPreview, PushReport
@@ -11,13 +12,17 @@ from stepramp.controllers.marlin.ramp import marlin_ramp
 from stepramp.controllers.marlin.settings import (
     ACCELERATION,
     ACCELERATIONS,
+    DECIMALS,
     EXTRUDER,
+    HALF_TOLD,
     JERK,
     SPEED,
     STEPS_PER_MM,
     AxisSettings,
     Settings,
+    is_rounded,
     is_same,
+    most_of,
     shared_by,
 )
 from stepramp.controllers.order import lowered_first
@@ -77,7 +82,8 @@ class PushPlan:
             for axis, design in by_axis.items()
         }
         settings = tuple(_settings(ramps, scales, present))
-        lines = [each.line for each in lowered_first(settings, lambda each: _is_raised(each, present))]
+        sent = (each for each in settings if not _is_there(each, present))
+        lines = [each.line for each in lowered_first(sent, lambda each: _is_raised(each, present))]
         depends_on = {figure: present.number(*figure) for axis in by_axis for figure in _sources(scales[axis].letter)}
         return cls(by_axis, ramps, scales, settings, lines, depends_on)
 
@@ -162,9 +168,12 @@ class PushPlan:
             kept = self.ramps[axis].ramp_losses(design)
             for loss in (*kept, *other_scale(design, "Marlin", scale), *_jerk(present, letter, scale)):
                 yield f"Axis {axis}: {loss}" if several else loss
+        for axis in self.designs:
+            if is_rounded(scale := self.scales[axis].steps_per_mm):
+                yield _rounded_scale(self.scales[axis].letter, scale)
         for each in self.settings:
             code, letter = each.figure
-            if code == ACCELERATIONS and letter != shared_by(EXTRUDER):
+            if code == ACCELERATIONS and letter != shared_by(EXTRUDER) and each.line in self.lines:
                 yield (
                     f"M204 {letter} is raised to {each.text} mm/s²: it holds for all axes, each of which keeps its own "
                     "M201."
@@ -172,21 +181,51 @@ class PushPlan:
 
 
 def _settings(ramps: dict[int, PerMm], scales: Sequence[AxisSettings], present: Settings) -> Iterator[Setting]:
-    """Yield what is sent.
+    """Yield what an axis is to have.
 
     An axis gains speed no faster than M204 says; the extruder on its own gains it as that says, whatever its limit is.
+    Where it is what is asked already by that, M201 is left: it is another limit when the axis moves with others.
     """
-    shared: dict[str, Setting] = {}
+    shared = _shared(ramps, scales, present)
     for axis, ramp in ramps.items():
         letter, gain = scales[axis].letter, ramp.terms.kept(ramp.acceleration)
-        yield Setting(axis, (ACCELERATION, letter), ramp.acceleration, gain)
+        figure = (ACCELERATIONS, shared_by(letter))
+        limit = shared[figure].kept if figure in shared else present.number(*figure)
+        now = scales[axis].effective_acceleration
+        later = replace(scales[axis], shared_acceleration=limit).effective_acceleration
+        if is_same(now, gain) and is_same(later, gain) and not is_same(scales[axis].acceleration, gain):
+            if figure not in shared:
+                yield Setting(axis, figure, ramp.acceleration, gain)
+        else:
+            yield Setting(axis, (ACCELERATION, letter), ramp.acceleration, gain)
         yield Setting(axis, (SPEED, letter), ramp.speed, ramp.terms.kept(ramp.speed))
-        which = shared_by(letter)
-        told = present.number(ACCELERATIONS, which)
-        is_needed = told is not None and (letter == EXTRUDER or told < gain)
-        if is_needed and (which not in shared or shared[which].kept < gain):
-            shared[which] = Setting(axis, (ACCELERATIONS, which), ramp.acceleration, gain)
     yield from shared.values()
+
+
+def _shared(ramps: dict[int, PerMm], scales: Sequence[AxisSettings], present: Settings) -> dict[Figure, Setting]:
+    """Return what M204 is to be where it isn't enough, or is the extruder's own."""
+    shared: dict[Figure, Setting] = {}
+    for axis, ramp in ramps.items():
+        letter, gain = scales[axis].letter, ramp.terms.kept(ramp.acceleration)
+        figure = (ACCELERATIONS, shared_by(letter))
+        told = present.number(*figure)
+        is_needed = told is not None and not is_same(told, gain) and (letter == EXTRUDER or told < gain)
+        if is_needed and (figure not in shared or shared[figure].kept < gain):
+            shared[figure] = Setting(axis, figure, ramp.acceleration, gain)
+    return shared
+
+
+def _is_there(setting: Setting, present: Settings) -> bool:
+    """Tell whether it is one of M204 that holds already."""
+    return setting.figure[0] == ACCELERATIONS and is_same(present.number(*setting.figure), setting.kept)
+
+
+def _rounded_scale(letter: str, scale: Fraction) -> str:
+    return (
+        f"M92 {letter} is told as {float(scale):.{DECIMALS}f}, rounded: speed and acceleration are sent for up to "
+        f"{float(most_of(scale)):.7g} steps/mm. Ways of {math.ceil(scale / (2 * HALF_TOLD)):,} steps or more may come "
+        "out a step short or long."
+    )
 
 
 def _sources(letter: str) -> Iterator[Figure]:

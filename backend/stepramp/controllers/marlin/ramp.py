@@ -1,10 +1,12 @@
 """What one of Marlin's axes is given for a design: M92, M203 and M201, as the planner's settings keep them."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from fractions import Fraction
 
 from stepramp.controllers.given_numbers import as_float32
 from stepramp.controllers.marlin.motion import SLOWEST_STEPS_PER_S
+from stepramp.controllers.marlin.settings import DECIMALS, most_of
 from stepramp.controllers.per_mm import PerMm, Quantity, Terms
 from stepramp.design import Design
 
@@ -20,7 +22,8 @@ MARLIN = Terms(
     starts_at=SLOWEST_STEPS_PER_S,
 )
 """Speeds in mm/s; M201 is the only one without decimals."""
-
+CONNECTED = replace(MARLIN, speed=replace(MARLIN.speed, decimals=DECIMALS))
+"""Of one that is connected: speeds as it lists them, so that a backup has them as they were sent."""
 
 CANNOT = (
     "Base speed: Marlin starts and ends at 120 steps/s, or at its jerk (M205) where that is built in.",
@@ -34,8 +37,13 @@ CANNOT = (
 
 
 def marlin_ramp(design: Design, path: str = "", own: Fraction | None = None) -> PerMm:
-    """Return what a design gives; raises Rejected as PerMm.of."""
-    return PerMm.of(design, MARLIN, path, own)
+    """Return what a design gives; raises Rejected as PerMm.of.
+
+    own: the steps per mm that a Marlin tells. No more than asked is sent, whichever of those that may be it has.
+    """
+    if own is None:
+        return PerMm.of(design, MARLIN, path)
+    return replace(PerMm.of(design, CONNECTED, path, most_of(own)), scale=own)
 
 
 def marlin_losses(design: Design, given: PerMm) -> Iterator[str]:

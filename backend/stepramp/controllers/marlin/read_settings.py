@@ -31,8 +31,8 @@ def _axis(axis: AxisSettings, base: Design) -> ReadAxis:
     document["axis"] |= {"travel_per_rev": _neat(base.axis.steps_per_rev / per_mm), "travel_unit": "mm"}
     document["ramp"] = {
         "base_speed_steps_per_s": 0,
-        "slew_speed_steps_per_s": _no_less(axis.speed * axis.steps_per_mm),
-        "acceleration_steps_per_s2": _no_less(axis.effective_acceleration * axis.steps_per_mm),
+        "slew_speed_steps_per_s": _no_less(axis.speed * axis.most_steps_per_mm),
+        "acceleration_steps_per_s2": _no_less(axis.effective_acceleration * axis.most_steps_per_mm),
         "deceleration_steps_per_s2": None,
     }
     try:

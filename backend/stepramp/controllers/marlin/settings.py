@@ -18,6 +18,8 @@ PRINT, RETRACT, TRAVEL = "P", "R", "T"
 IN_INCHES = "G20"
 DECIMALS = 2
 """Of what it lists."""
+HALF_TOLD = Fraction(1, 2 * 10**DECIMALS)
+"""By so much a number may differ from what is told of it."""
 ULPS = 2
 
 _COMMAND = re.compile(r"(?:echo:)?\s*(?P<code>[GM]\d+)(?P<words>(?: +[A-Z](?:-?(?:\d+(?:\.\d*)?|\.\d+))?)*)\s*(?:;.*)?")
@@ -38,9 +40,14 @@ class AxisSettings:
     """Of M204, that it keeps to, too [mm/s²]; None where it isn't told."""
 
     @property
+    def most_steps_per_mm(self) -> Fraction:
+        """The most that they may be, as they are told."""
+        return most_of(self.steps_per_mm)
+
+    @property
     def speed_steps_per_s(self) -> float:
         """Its highest speed [steps/s]."""
-        return float(self.speed * self.steps_per_mm)
+        return float(self.speed * self.most_steps_per_mm)
 
     @property
     def effective_acceleration(self) -> Fraction:
@@ -126,9 +133,24 @@ def shared_by(letter: str) -> str:
     return RETRACT if letter == EXTRUDER else TRAVEL
 
 
+def is_rounded(scale: Fraction) -> bool:
+    """Tell whether steps per mm may be others than they are told as: a whole number of them is what somebody has set.
+
+    What has more decimals than are told is none that was told.
+    """
+    text = f"{float(scale):.{DECIMALS}f}"
+    is_told = float(scale) in (float(text), float(as_float32(text)))
+    return is_told and Fraction(text).denominator != 1
+
+
+def most_of(scale: Fraction) -> Fraction:
+    """Return the most that steps per mm may be that are told as so many."""
+    return scale + HALF_TOLD if is_rounded(scale) else scale
+
+
 def is_same(told: Fraction | None, meant: Fraction) -> bool:
     """Tell whether a number that is listed may be one that was given."""
     if told is None:
         return False
-    slack = 0.5 * 10.0**-DECIMALS + ULPS * float(np.spacing(np.float32(max(abs(told), abs(meant)))))
+    slack = float(HALF_TOLD) + ULPS * float(np.spacing(np.float32(max(abs(told), abs(meant)))))
     return abs(float(told - meant)) <= slack

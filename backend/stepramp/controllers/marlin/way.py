@@ -32,7 +32,7 @@ def fastest_feed(axes: Sequence[int], scales: Sequence[AxisSettings]) -> str:
 
 def feed_of(speeds: Mapping[int, float], scales: Sequence[AxisSettings]) -> str:
     """Return the feed of axes that run at speeds [steps/s], rounded down [mm/min]."""
-    along = math.hypot(*(abs(speed) / float(scales[axis].steps_per_mm) for axis, speed in speeds.items()))
+    along = math.hypot(*(abs(speed) / float(scales[axis].most_steps_per_mm) for axis, speed in speeds.items()))
     return rounded_down(Fraction(along) * SECONDS_PER_MINUTE, FEED_DECIMALS)
 
 
