@@ -146,11 +146,13 @@ MARLIN = b"FIRMWARE_NAME:Marlin 2.1.2 SOURCE_CODE_URL:x\n"
         (b"", DeviceLost, "Nothing answers .* as Marlin does"),
         (b"\x00\xff\xa5nonsense", Refused, "Something talks .* but it is no Marlin"),
         (b"ok\n", Refused, "Something talks .* but it is no Marlin"),
-        (b"start\necho:busy: processing\n", Refused, "Something talks .* but it is no Marlin"),
+        (b"start\necho:busy: processing\n", Refused, "says that it is busy, as a Marlin does while it heats"),
         (b"\r\nGrbl 1.1h ['$' for help]\r\n", Refused, "Something talks .* but it is no Marlin"),
         (MARLIN, DeviceLost, "does not answer"),
         (MARLIN + b"ok\n", DeviceLost, "does not answer"),
-        (MARLIN + b"echo:busy: processing\n", DeviceLost, "does not answer"),
+        (MARLIN + b"echo:busy: processing\n", Refused, "says that it is busy, as a Marlin does while it heats"),
+        (b"Marlin 2.1.2\r\n", Refused, "Something talks .* but it is no Marlin"),
+        (b"start\r\nMarlin 2.1.2\r\n" * 20, Refused, "Something talks .* but it is no Marlin"),
         (MARLIN + b"Resend: 1\nok\n", DeviceLost, "does not answer"),
         (MARLIN + b"start\n", DeviceLost, "was restarted"),
     ],
@@ -165,6 +167,31 @@ def test_what_is_no_marlin_ends_in_words_within_5_s(
     with pytest.raises(error, match=words):
         MarlinController(talker).connect()
     assert talker.now_s < 5
+
+
+@pytest.mark.parametrize("after", [b"", b"FIRMWARE_NAME", b"Count X", b"M92"])
+def test_one_that_is_busy_without_end_is_refused_within_5_s(bench: Bench, after: bytes) -> None:
+    """Whichever of its questions it answers no more; it says so every 2 s."""
+
+    def busy_from_then_on(said: bytes) -> bytes:
+        if after in said:
+            bench.marlin.heats_until_s = 1e6
+        return said
+
+    bench.marlin.on_the_way_out = busy_from_then_on
+    began_s = bench.clock.now_s
+    with pytest.raises(Refused, match="says that it is busy, as a Marlin does while it heats: connect it once that is"):
+        bench.controller.connect()
+    assert bench.clock.now_s - began_s < 5
+    # One that is connected is waited for as long as it takes.
+    bench.marlin.heats_until_s = 0.0
+    bench.marlin.on_the_way_out = lambda said: said
+    bench.port.close()
+    bench.reopen()
+    bench.controller.connect()
+    bench.marlin.heats_until_s = bench.clock.now_s + 30
+    bench.controller._memory.learn()
+    assert bench.clock.now_s > bench.marlin.heats_until_s
 
 
 def test_a_restart_in_between_is_noticed(bench: Bench, controller: MarlinController) -> None:

@@ -90,6 +90,7 @@ class MarlinController(Controller, StoresRamps, TriesRamps, DrawsLines, BacksUp)
         greeted()
         self._learn()
         self._moves.rest_at(self._conversation.place())
+        self._conversation.be_patient()
 
     def disconnect(self) -> None:
         """Leave the controller alone: a run ends by itself, since it isn't told to go on any more."""

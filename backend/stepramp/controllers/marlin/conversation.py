@@ -6,6 +6,7 @@ what is answered with words of its own is known by them, and whatever was said b
 
 import re
 from collections.abc import Callable, Sequence
+from math import inf
 from time import monotonic
 
 from stepramp.controllers.marlin.dialect import (
@@ -33,6 +34,7 @@ from stepramp.controllers.marlin.dialect import (
     place_of,
 )
 from stepramp.controllers.marlin.exchange import Answered, Exchange, Missed
+from stepramp.controllers.marlin.refusals import busy, halted, no_axes, nobody, restarted, silent
 from stepramp.errors import DeviceLost, Refused
 from stepramp.link.connection import Connection
 from stepramp.link.lines import Line, Lines
@@ -45,9 +47,13 @@ GREETING_S = 4.0
 """So long a board is given to start, its boot loader first [s]."""
 STARTING_S = 10.0
 """The same of one that has told that it is Marlin, and still starts: it may show a picture first [s]."""
+MOST_STARTS = 3
+"""What tells that more often doesn't start, it babbles."""
+CONNECTS_S = 4.0
+"""So long one that says that it is busy is waited for while it is being connected [s]."""
 KNOCK_S = 0.6
-FIRST_S = 0.8
-"""So long one that has told who it is has for its first answer [s]."""
+FIRST_S = 2.3
+"""So long one that has told who it is has for its first answer, or to say that it is busy [s]."""
 QUIET_S = 0.03
 """What it says after it has asked for a line again is waited for so long [s]."""
 SURE_S = 0.8
@@ -79,7 +85,9 @@ class Conversation:
         self._number = 0
         """Of the next line."""
         self._begins = True
-        self._is_starting = self._is_patient = False
+        self._banners = 0
+        self._patient_until_s = 0.0
+        """So long it may go on to say that it is busy."""
         self._may_set_out = False
         self._unproven: list[int] = []
         """Numbers of lines that seem to be answered; a line after them is taken only once they have arrived."""
@@ -123,7 +131,8 @@ class Conversation:
         """
         began_s = knock_s = monotonic()
         while self.firmware is None:
-            now_s, until_s = monotonic(), began_s + (STARTING_S if self._is_starting else GREETING_S)
+            is_starting = 0 < self._banners <= MOST_STARTS and not self.is_busy
+            now_s, until_s = monotonic(), began_s + (STARTING_S if is_starting else GREETING_S)
             if now_s >= until_s:
                 break
             if now_s >= knock_s:
@@ -132,17 +141,23 @@ class Conversation:
                 knock_s = now_s + KNOCK_S
             self._lines.hear_until(lambda: self.firmware is not None, min(knock_s, until_s) - monotonic())
         if self.firmware is None:
-            self._tell_who_is_not_there()
-        assert self.firmware is not None
+            raise busy(self.name) if self.is_busy else nobody(self.name, has_heard=self._lines.has_heard)
         version = marlin_version(self.firmware)
         if version is None:
             raise Refused(f"What is at {self.name} is no Marlin but {self.firmware!r}.")
         self._begins, self._starts = False, 0
         self._lines.send(numbered(0, FIRST_LINE))
         self._number = 1
-        self.place(time_s=FIRST_S, repeats=0)
-        self._is_patient = True
+        self._patient_until_s = monotonic() + CONNECTS_S
+        try:
+            self.place(time_s=FIRST_S, repeats=0)
+        except DeviceLost as error:
+            raise (busy(self.name) if self.is_busy else error) from None
         return version
+
+    def be_patient(self) -> None:
+        """Wait from now on as long as it says that it is busy."""
+        self._patient_until_s = inf
 
     def quick_stop(self) -> None:
         """Have it end all steps at once, whatever it is waited for; whether it has is to be seen from what it says."""
@@ -168,10 +183,7 @@ class Conversation:
             found = next((place for place in map(place_of, reversed(said)) if place is not None), None)
             if found is not None and {"X", "Y", "Z"} <= set(found.counts):
                 return found
-        raise Refused(
-            f"The Marlin at {self.name} doesn't count the steps of X, Y and Z: motors of a delta or a CoreXY move "
-            "several axes, and are not moved here."
-        )
+        raise no_axes(self.name)
 
     def ask(
         self,
@@ -195,19 +207,21 @@ class Conversation:
             allowed()
             exchange, number = self._send(line, needs, before)
             before = exchange
-            self.hear_answer(time_s, is_patient=self._is_patient and time_s is None)
+            self.hear_answer(time_s, is_patient=time_s is None or self._patient_until_s < inf)
             if self._exchange is not exchange:
                 # Something more urgent has asked, and may have dropped the answer.
                 allowed()
             elif exchange.is_over:
                 return self._verdict(exchange)
             elif exchange.resend is None:
+                if time_s is None and self.is_busy and monotonic() >= self._patient_until_s:
+                    raise busy(self.name)
                 left -= 1
             else:
                 again -= 1
                 if self._take_up(exchange, exchange.resend, number):
                     return self._verdict(exchange)
-        raise self._lost()
+        raise silent(self.name)
 
     def carry_out(
         self, lines: Sequence[str], allowed: Callable[[], None] = _nothing, time_s: float | None = None
@@ -235,7 +249,7 @@ class Conversation:
             finally:
                 if at >= len(lines):
                     self._unproven = []
-        raise self._lost()
+        raise silent(self.name)
 
     def start(self, line: str, needs: re.Pattern[str] | None = None) -> Exchange:
         """Send a line whose answer may take as long as motors move."""
@@ -263,7 +277,10 @@ class Conversation:
         """
         exchange = self._exchange
         until_s = monotonic() + (ANSWER_S if time_s is None else time_s)
-        while (left_s := max(until_s, self._busy_until_s if is_patient else 0.0) - monotonic()) > 0:
+        while True:
+            patient_until_s = min(self._busy_until_s, self._patient_until_s) if is_patient else 0.0
+            if (left_s := max(until_s, patient_until_s) - monotonic()) <= 0:
+                break
             if self._lines.hear_until(lambda: self._exchange is not exchange or self._is_settled(exchange), left_s):
                 break
         self._refuse_restarted()
@@ -354,7 +371,7 @@ class Conversation:
         elif HALTED.fullmatch(line):
             self.halted = True
         elif self._begins and BANNER.fullmatch(line):
-            self._is_starting = True
+            self._banners += 1
         elif CHATTER.fullmatch(line) or self._exchange is None or self._exchange.is_over:
             return
         else:
@@ -376,19 +393,8 @@ class Conversation:
                 exchange.errors.append(error["words"])
             exchange.said.append(line)
 
-    def _tell_who_is_not_there(self) -> None:
-        if self._lines.has_heard:
-            raise Refused(f"Something talks at {self.name}, but it is no Marlin, or its baud rate is another one.")
-        raise DeviceLost(
-            f"Nothing answers at {self.name} as Marlin does: has it power, is its baud rate that of the family named? "
-            "A controller of another family is to be connected as that."
-        )
-
     def _refuse_restarted(self) -> None:
         if self._starts:
-            raise DeviceLost(f"The controller at {self.name} was restarted: its position is no longer known.")
+            raise restarted(self.name)
         if self.halted:
-            raise DeviceLost(f"The controller at {self.name} has halted: reset it at the machine, then connect again.")
-
-    def _lost(self) -> DeviceLost:
-        return DeviceLost(f"The controller at {self.name} does not answer.")
+            raise halted(self.name)
