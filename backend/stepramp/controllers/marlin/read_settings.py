@@ -1,30 +1,73 @@
 """Designs of what a Marlin lists after M503."""
 
 import math
-from collections.abc import Iterator
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from fractions import Fraction
 
 from stepramp.controllers.given_numbers import typed
-from stepramp.controllers.marlin.settings import EXTRUDER, AxisSettings, Settings, shared_by
+from stepramp.controllers.marlin.settings import EXTRUDER, LETTERS, OF_AN_AXIS, AxisSettings, Settings, unreadable
 from stepramp.controllers.read_axis import ReadAxis
 from stepramp.design import Design
-from stepramp.errors import Rejected, Rejection
+from stepramp.errors import Count, Rejected, Rejection
+
+OTHER_LETTERS = "ABCIJKUVW"
+"""Of axes that Marlin may have besides."""
+FURTHER_EXTRUDER = re.compile(r"T[1-9]\d*")
+LEAST_CODES = 2
+"""So many of M92, M201 and M203 a listing has; a program may have one."""
 
 
 def read_settings(text: str, base: Design) -> list[ReadAxis]:
     """Return a design for each axis of a listing; [] for a text that is none.
 
     base: what holds where Marlin says nothing, as motor, timer and method. An axis with such a design moves as before.
-    Raises Rejected for settings that no design can have, and for those in inches.
+    Raises Rejected for settings that no design can have, for a line that can't be read, and for those in inches.
     """
-    settings = Settings.of(text.splitlines())
-    axes = settings.axes()
-    if axes and settings.is_in_inches:
+    lines = text.splitlines()
+    if bad := unreadable(lines):
+        raise Rejected([Rejection("text", line, "numbers with a point, as M503 tells them") for line in bad])
+    settings = Settings.of(lines)
+    told = {code for code, _ in settings.commands}
+    if len(told & set(OF_AN_AXIS)) < LEAST_CODES:
+        return []
+    if settings.is_in_inches:
         raise Rejected([Rejection("text", "G20", "settings in mm (G21)")])
-    return [_axis(axis, base) for axis in axes]
+    axes = settings.axes()
+    if not axes:
+        lacks = [lack for code in OF_AN_AXIS if (lack := _lack(settings, code, "X")) is not None]
+        raise Rejected([Rejection("text", Count(lack), "M92, M203 and M201 of axis X, above 0") for lack in lacks])
+    left = _left_out(settings, [axis.letter for axis in axes])
+    read = [_axis(axis, settings.shared_by(axis.letter), base) for axis in axes]
+    return [replace(read[0], remarks=(*read[0].remarks, *left)), *read[1:]]
 
 
-def _axis(axis: AxisSettings, base: Design) -> ReadAxis:
+def _left_out(settings: Settings, read: Sequence[str]) -> Iterator[str]:
+    """Yield what is told of axes that aren't read, as sentences."""
+    told = {letter for code in OF_AN_AXIS for letter in settings.words(code)}
+    for letter in LETTERS:
+        if letter in told and letter not in read:
+            lacks = [lack for code in OF_AN_AXIS if (lack := _lack(settings, code, letter)) is not None]
+            yield f"Axis {letter} is left out: {lacks[0] if lacks else 'one before it is'}."
+    if others := sorted(told & set(OTHER_LETTERS)):
+        yield f"Axes other than X, Y, Z and E are left out: {', '.join(others)}."
+    for code, words in settings.commands:
+        if code in OF_AN_AXIS and (found := FURTHER_EXTRUDER.search(words)) is not None:
+            yield f"{code} {words} is left out: of several extruders the first is read, not {found[0]}."
+
+
+def _lack(settings: Settings, code: str, letter: str) -> str | None:
+    """Return what is wrong with a number of an axis, in words; None for nothing."""
+    value = settings.words(code).get(letter)
+    if value is None:
+        return f"{code} {letter} is not told"
+    number = settings.number(code, letter)
+    return None if number is not None and number > 0 else f"{code} {letter}{value} is no number above 0"
+
+
+def _axis(axis: AxisSettings, shared: str, base: Design) -> ReadAxis:
+    """Return the design of an axis. shared: what of M204 it keeps to."""
     per_mm = float(axis.steps_per_mm)
     document = base.model_dump(mode="json", by_alias=True)
     document["name"] = f"Marlin axis {axis.letter}"
@@ -44,20 +87,17 @@ def _axis(axis: AxisSettings, base: Design) -> ReadAxis:
                 for each in error.rejections
             ]
         ) from error
-    return ReadAxis(axis.letter, design, tuple(_remarks(axis, design, base)))
+    return ReadAxis(axis.letter, design, tuple(_remarks(axis, shared, design, base)))
 
 
-def _remarks(axis: AxisSettings, design: Design, base: Design) -> Iterator[str]:
+def _remarks(axis: AxisSettings, shared: str, design: Design, base: Design) -> Iterator[str]:
     yield (
         f"Full steps and microsteps are not told: {base.axis.full_steps_per_rev:,} times {base.axis.microsteps:,} "
         f"steps a turn, {design.axis.travel_per_rev:,.10g} mm, are {float(axis.steps_per_mm):,.7g} steps/mm."
     )
     if axis.effective_acceleration != axis.acceleration:
         alone = "on its own, whatever its M201 is" if axis.letter == EXTRUDER else "less than its M201"
-        yield (
-            f"The acceleration is that of M204 {shared_by(axis.letter)}, "
-            f"{float(axis.effective_acceleration):,.7g} mm/s², {alone}."
-        )
+        yield (f"The acceleration is that of M204 {shared}, {float(axis.effective_acceleration):,.7g} mm/s², {alone}.")
 
 
 def _no_less(exactly: Fraction) -> float:

@@ -21,8 +21,13 @@ DECIMALS = 2
 HALF_TOLD = Fraction(1, 2 * 10**DECIMALS)
 """By so much a number may differ from what is told of it."""
 ULPS = 2
+OF_AN_AXIS = (STEPS_PER_MM, SPEED, ACCELERATION)
+"""What is needed of each axis."""
 
-_COMMAND = re.compile(r"(?:echo:)?\s*(?P<code>[GM]\d+)(?P<words>(?: +[A-Z](?:-?(?:\d+(?:\.\d*)?|\.\d+))?)*)\s*(?:;.*)?")
+_BEFORE = r"\ufeff?\s*(?:Recv:\s*)?(?:echo:)?\s*"
+"""What a file begins with, a host's terminal puts before a line, and Marlin itself."""
+_COMMAND = re.compile(_BEFORE + r"(?P<code>[GM]\d+)(?P<words>(?: +[A-Z](?:-?(?:\d+(?:\.\d*)?|\.\d+))?)*)\s*(?:;.*)?")
+_LIKE_AN_AXIS = re.compile(_BEFORE + r"(?P<line>(?:M92|M201|M203) +[A-Z][-+\d.,].*)")
 _WORD = re.compile(r"(?P<letter>[A-Z])(?P<value>-?[\d.]+)")
 
 
@@ -76,6 +81,12 @@ class Settings:
         found = (_COMMAND.fullmatch(line.strip()) for line in lines)
         return cls([(each["code"], " ".join(each["words"].split())) for each in found if each is not None])
 
+    def shared_by(self, letter: str) -> str:
+        """Return what of M204 an axis keeps to when it moves on its own: in Marlin 1.0 S, and T is for retracts."""
+        if self.is_of_marlin_1_0:
+            return "T" if letter == EXTRUDER else "S"
+        return shared_by(letter)
+
     def words(self, code: str) -> Mapping[str, str]:
         """Return the numbers of a command by letter; of a letter that is told several times, the first."""
         told: dict[str, str] = {}
@@ -93,12 +104,12 @@ class Settings:
 
     def axis(self, letter: str) -> AxisSettings | None:
         """Return what is kept of an axis; None when it isn't there, or makes no sense."""
-        numbers = [self.number(code, letter) for code in (STEPS_PER_MM, SPEED, ACCELERATION)]
+        numbers = [self.number(code, letter) for code in OF_AN_AXIS]
         known = [each for each in numbers if each is not None and each > 0]
         if len(known) < len(numbers):
             return None
         scale, speed, acceleration = known
-        return AxisSettings(letter, scale, speed, acceleration, self.number(ACCELERATIONS, shared_by(letter)))
+        return AxisSettings(letter, scale, speed, acceleration, self.number(ACCELERATIONS, self.shared_by(letter)))
 
     def axes(self) -> tuple[AxisSettings, ...]:
         """Return what is kept of the axes, up to the first that isn't told of."""
@@ -126,6 +137,12 @@ class Settings:
     def is_in_inches(self) -> bool:
         """Whether lengths are told, and taken, in inches."""
         return any(code == IN_INCHES for code, _ in self.commands)
+
+
+def unreadable(lines: Iterable[str]) -> list[str]:
+    """Return the lines that are to set an axis, but not with numbers as Marlin takes them."""
+    found = (_LIKE_AN_AXIS.fullmatch(line.strip()) for line in lines if _COMMAND.fullmatch(line.strip()) is None)
+    return [each["line"] for each in found if each is not None]
 
 
 def shared_by(letter: str) -> str:

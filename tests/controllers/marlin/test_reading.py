@@ -1,0 +1,104 @@
+"""Listings of a Marlin as people paste them: nothing of them is left out without a word."""
+
+from __future__ import annotations
+
+import pytest
+
+from controllers.bench import only_rejection
+from designs import design
+from stepramp.controllers.marlin.read_settings import read_settings
+from stepramp.errors import Rejected
+
+LISTING = """echo:; Steps per unit:
+echo:  M92 X80.00 Y80.00 Z400.00 E93.00
+echo:; Max feedrates (units/s):
+echo:  M203 X500.00 Y500.00 Z5.00 E25.00
+echo:; Max Acceleration (units/s2):
+echo:  M201 X500.00 Y500.00 Z100.00 E5000.00
+echo:; Acceleration (units/s2) (P<print-accel> R<retract-accel> T<travel-accel>):
+echo:  M204 P500.00 R1000.00 T500.00
+ok
+"""
+
+
+def remarks(text: str) -> str:
+    return " ".join(remark for axis in read_settings(text, design()) for remark in axis.remarks)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "\n".join(f"Recv: {line}" for line in LISTING.splitlines()),
+        "\ufeff" + LISTING,
+        "\ufeff" + LISTING.partition("\n")[2].replace("echo:", ""),
+        "Send: M503\r\n" + "\r\n".join(f"Recv: {line}" for line in LISTING.splitlines()),
+    ],
+    ids=["a host's terminal", "a mark at its beginning", "before its first number", "with what was sent"],
+)
+def test_whatever_stands_before_its_lines(text: str) -> None:
+    assert [axis.name for axis in read_settings(text, design())] == ["X", "Y", "Z", "E"]
+    assert [each.design for each in read_settings(text, design())] == [
+        each.design for each in read_settings(LISTING, design())
+    ]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "value"),
+    [
+        ("M201 X500.00", "M201 X0.00", "M201 X0.00 is no number above 0"),
+        ("M92 X80.00", "M92 X-80.00", "M92 X-80.00 is no number above 0"),
+        ("M203 X500.00 ", "M203 ", "M203 X is not told"),
+        ("M92 X80.00", "M92 X80,00", "M92 X80,00 Y80.00 Z400.00 E93.00"),
+        ("M203 X500.00", "M203 X5e2", "M203 X5e2 Y500.00 Z5.00 E25.00"),
+        ("echo:  M201 X500.00 Y500.00 Z100.00 E5000.00\n", "", "M201 X is not told"),
+    ],
+)
+def test_a_bad_value_is_named(old: str, new: str, value: str) -> None:
+    field, told, _ = only_rejection(lambda: read_settings(LISTING.replace(old, new), design()))
+    assert (field, told) == ("text", value)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "read", "said"),
+    [
+        ("Y500.00 Z100", "Y0.00 Z100", "X", "Axis Y is left out: M201 Y0.00 is no number above 0."),
+        ("Z400.00", "Z-400.00", "XY", "Axis Z is left out: M92 Z-400.00 is no number above 0."),
+        ("Z400.00", "Z-400.00", "XY", "Axis E is left out: one before it is."),
+        (" Z5.00 E25.00", "", "XY", "Axis Z is left out: M203 Z is not told. Axis E is left out: M203 E is not told."),
+        ("Z400.00", "Z400.00 I10.00 J20.00", "XYZE", "Axes other than X, Y, Z and E are left out: I, J."),
+        (
+            " E93.00",
+            "\necho:  M92 T0 E93.00\necho:  M92 T1 E95.00",
+            "XYZE",
+            "M92 T1 E95.00 is left out: of several extruders the first is read, not T1.",
+        ),
+    ],
+)
+def test_axes_that_are_left_out_are_named(old: str, new: str, read: str, said: str) -> None:
+    text = LISTING.replace(old, new)
+    assert "".join(axis.name for axis in read_settings(text, design())) == read
+    assert said in remarks(text)
+
+
+def test_nothing_is_said_of_what_is_all_read() -> None:
+    assert "left out" not in remarks(LISTING)
+    assert read_settings("G21\nM92 X80\nG1 X5\n", design()) == []
+    assert read_settings("M92 sets the steps per mm.\n", design()) == []
+
+
+def test_m204_of_marlin_1_0() -> None:
+    """There S holds for all moves, and T for retracts."""
+    text = LISTING.replace("M204 P500.00 R1000.00 T500.00", "M204 S300.00 T700.00")
+    x, y, z, e = read_settings(text, design())
+    gains = [axis.design.ramp.acceleration_steps_per_s2 for axis in (x, y, z, e)]
+    assert gains == [300 * 80, 300 * 80, 100 * 400, 700 * 93]
+    assert "The acceleration is that of M204 S, 300 mm/s², less than its M201." in x.remarks
+
+
+def test_each_line_that_cant_be_read_is_named() -> None:
+    text = LISTING.replace("X80.00", "X80,00").replace("X500.00", "X500,00")
+    with pytest.raises(Rejected) as caught:
+        read_settings(text, design())
+    assert [each.value for each in caught.value.rejections] == [
+        "M92 X80,00 Y80.00 Z400.00 E93.00", "M203 X500,00 Y500.00 Z5.00 E25.00", "M201 X500,00 Y500.00 Z100.00 E5000.00"
+    ]  # fmt: skip
