@@ -65,6 +65,7 @@ def test_stops_are_final_and_ways_are_right_on_a_bad_line(bench: Bench, seed: in
                 stays(bench, (seed, turn))
             else:
                 status = bench.rest()
+                assert not marlin._is_relative, (seed, turn)
                 assert status.axes[0].position_steps == marlin.position[0] == before + steps, (seed, turn)
         except (DeviceLost, Refused):
             line.leave_alone()
@@ -109,6 +110,8 @@ def stays(bench: Bench, where: object) -> None:
     steps = bench.marlin.steps
     bench.pass_time(1.3)
     assert (bench.marlin.steps, bench.marlin.is_moving) == (steps, False), where
+    bench.controller.status()
+    assert not bench.marlin._is_relative, where
 
 
 def test_a_place_that_has_lost_a_letter_is_asked_again(bench: Bench) -> None:

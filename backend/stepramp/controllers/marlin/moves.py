@@ -92,7 +92,8 @@ class Moves:
         if self._pending is not None:
             return self._look_again(self._pending)
         if self._course is None:
-            self.stopping.leave_relative()
+            with suppress(Refused):
+                self.stopping.leave_relative()
             return self._look_at_rest()
         self._go_on()
         if self._course is not None and monotonic() < self._course.ends_s:
