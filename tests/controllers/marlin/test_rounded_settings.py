@@ -48,7 +48,16 @@ def test_how_far_it_may_be_off_is_said(bench: Bench) -> None:
     controller.move_by(by(60_000))
     status = bench.rest()
     assert status.axes[0].position_steps == bench.marlin.position[0] != 60_000
+    assert "rests short of its target: X 8 steps. " in str(status.trouble)
     assert "other steps per mm than it tells (M92), rounded to two decimals: X 8.89." in str(status.trouble)
+
+
+def test_one_that_goes_too_far_says_so(bench: Bench) -> None:
+    controller = with_scale(bench, 2.2249)
+    controller.move_by(by(-20_000))
+    status = bench.rest()
+    assert status.axes[0].position_steps == bench.marlin.position[0] == -20_044
+    assert "rests elsewhere than at its target: X 44 steps too far. " in str(status.trouble)
 
 
 def test_a_speed_is_restored_as_it_was(bench: Bench, controller: MarlinController) -> None:

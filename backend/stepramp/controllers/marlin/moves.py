@@ -29,8 +29,9 @@ from stepramp.controllers.marlin.dialect import (
 )
 from stepramp.controllers.marlin.exchange import Answered, Exchange
 from stepramp.controllers.marlin.memory import Memory
+from stepramp.controllers.marlin.off_target import off_target
 from stepramp.controllers.marlin.places import Places
-from stepramp.controllers.marlin.settings import DECIMALS, AxisSettings, is_rounded
+from stepramp.controllers.marlin.settings import AxisSettings
 from stepramp.controllers.marlin.stopping import Stopping
 from stepramp.controllers.marlin.way import fastest_feed, feed_of, refuse_places, refuse_speeds, way_line
 from stepramp.errors import DeviceLost, Refused
@@ -350,28 +351,8 @@ class Moves:
         course, self._course, self._speeds = self._course, None, {}
         seen = self._rests(place)
         if course is not None:
-            off = {axis: target for axis, target in course.targets.items() if seen.counted[axis] != target}
-            self.trouble = self._words_of(off, seen.counted) if off else None
+            self.trouble = off_target(course.targets, seen.counted, course.starts, self._places.axes)
         return seen
-
-    def _words_of(self, off: Mapping[int, int], counted: Sequence[int]) -> str:
-        rests = ", ".join(
-            f"{self._places.axes[axis].letter} {abs(target - counted[axis]):,} steps" for axis, target in off.items()
-        )
-        return (
-            f"The controller rests short of its target: {rests}. Marlin leaves out ways of fewer than 6 steps "
-            "(MIN_STEPS_PER_SEGMENT) until the next one, and what leads beyond its soft limits (M211); or an endstop "
-            f"was hit.{self._rounding_of(off)}"
-        )
-
-    def _rounding_of(self, off: Mapping[int, int]) -> str:
-        scales = (self._places.axes[axis] for axis in off)
-        told = ", ".join(
-            f"{scale.letter} {float(scale.steps_per_mm):.{DECIMALS}f}"
-            for scale in scales
-            if is_rounded(scale.steps_per_mm)
-        )
-        return f" Or it has other steps per mm than it tells (M92), rounded to two decimals: {told}." if told else ""
 
     def _rests(self, place: Place) -> Seen:
         try:
