@@ -24,11 +24,12 @@ from stepramp.devices.leases import Lease
 from stepramp.devices.registry import Devices
 from stepramp.devices.shuttle import Shuttle
 from stepramp.devices.view import DeviceState
-from stepramp.errors import StepRampError
+from stepramp.errors import Refused, StepRampError
 
 EXCHANGE_S = 0.1
 REST_S = 5.0
 MOST_PLACES = 400
+AS_IT_CAME = {"absolute": True, "factor": 1.0, "feed": 1500.0}
 
 
 class Tried:
@@ -93,12 +94,24 @@ def there_and_back(tried: Tried, asked: int) -> None:
         tried.poll()
 
 
+def refused(tried: Tried, asked: int) -> None:
+    tried.printer.refuses = "Move out of range"
+    with suppress(Refused):
+        told_on(tried, asked)
+    tried.printer.refuses = None
+    told_on(tried, asked)
+    tried.printer.refuses = "Printer is paused"
+    tried.pass_time(0.3)
+    tried.poll()
+
+
 SCENARIOS: dict[str, Callable[[Tried, int], None]] = {
     "move": told_on,
     "change": changed_on_its_way,
     "line": lambda tried, asked: tried.device.line([by(300), by(-200, 1)], None, asked),
     "jog": jog_and_renew,
     "shuttle": there_and_back,
+    "refused": refused,
 }
 
 
@@ -149,6 +162,7 @@ def stop_at(places: Places, place: int, stop: str, scenario: Callable[[Tried, in
 
 def judge(tried: Tried) -> None:
     """Nothing is told after the answer, what moves comes to rest, and what is asked afterwards works."""
+    tried.printer.refuses = None
     for _ in range(3):
         tried.pass_time(REST_S)
         tried.poll()
@@ -159,6 +173,7 @@ def judge(tried: Tried) -> None:
     assert tried.port.moonraker.wrong == []
     if tried.printer.state == "shutdown":
         return
+    assert tried.printer.gcode == AS_IT_CAME
     before = tried.device.view.axes[0].position_steps
     tried.device.move_by([by(8)])
     tried.pass_time(REST_S)

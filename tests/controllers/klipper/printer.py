@@ -72,6 +72,7 @@ class Printer:
         """G-code that waits for a macro of somebody else to end."""
         self.is_held_up = False
         self.refuses: str | None = None
+        """What it says to moves and limits, whose script ends there: what comes after it in it is not carried out."""
         self.restarts = 0
         self.position = [100.0, 100.0, 100.0]
         self.start()
@@ -112,8 +113,6 @@ class Printer:
             raise GcodeError(self.message)
         self.scripts.append(script)
         self.advance()
-        if self.refuses is not None:
-            raise GcodeError(self.refuses)
         for line in script.split("\n"):
             self._line(line)
 
@@ -187,10 +186,15 @@ class Printer:
     def _line(self, line: str) -> None:
         word, *rest = line.split()
         given = dict(each.split("=") for each in rest) if word.isupper() and "_" in word else {}
+        if self.refuses is not None and word in ("G1", "SET_VELOCITY_LIMIT"):
+            raise GcodeError(self.refuses)
         match word:
             case "SAVE_GCODE_STATE":
                 self.saved[given["NAME"]] = dict(self.gcode)
             case "RESTORE_GCODE_STATE":
+                if given["NAME"] not in self.saved:
+                    raise GcodeError(f"Unknown g-code state: {given['NAME']}")
+                assert "MOVE" not in given
                 self.gcode = dict(self.saved[given["NAME"]])
             case "G90" | "G91":
                 self.gcode["absolute"] = word == "G90"

@@ -211,6 +211,26 @@ def test_a_part_that_klipper_refuses_ends_the_motion(bench: Bench, slow: Klipper
     assert slow.status().trouble is None
 
 
+def test_a_part_that_is_refused_leaves_the_state_of_its_gcode(bench: Bench, slow: KlipperController) -> None:
+    before = {"absolute": True, "factor": 0.5, "feed": 1234.0}
+    bench.printer.gcode = dict(before)
+    bench.printer.refuses = "Move out of range"
+    with pytest.raises(Refused, match="Move out of range"):
+        slow.move_by([by(8000)])
+    assert bench.printer.gcode == before
+    bench.printer.refuses = None
+    slow.run([at(800.0)])
+    bench.ask_for(1.0)
+    # Somebody switches the motors off, as at the printer's own page.
+    bench.printer.homed = ""
+    status = bench.ask_for(1.0)
+    assert "cut short" in (status.trouble or "")
+    assert bench.printer.gcode == before
+    told = len(bench.printer.scripts)
+    bench.ask_for(1.0)
+    assert len(bench.printer.scripts) == told
+
+
 def test_a_motion_whose_answer_never_comes_is_ended_at_once(bench: Bench, printer: Printer) -> None:
     controller = bench.connected()
     bench.moonraker.unanswered.append("printer.gcode.script")

@@ -189,8 +189,9 @@ def test_a_move_and_the_emergency_stop() -> None:
 )
 def test_a_move_that_is_refused(error: dict[str, Any], words: str) -> None:
     told = "SAVE_GCODE_STATE NAME=stepramp\nM220 S100\nG91\nG1 X1.000000000 F18000.000000000\n"
+    put_back = "RESTORE_GCODE_STATE NAME=stepramp"
     controller, port = connected(
-        (*LOOK, status()), script(f"{told}RESTORE_GCODE_STATE NAME=stepramp", {"error": error})
+        (*LOOK, status()), script(f"{told}{put_back}", {"error": error}), script(put_back, {"error": error})
     )
     with pytest.raises(Refused, match=words):
         controller.move_by([by(100)])

@@ -190,6 +190,25 @@ def test_a_stop_at_any_place_is_final(clock: Clock, motion: str) -> None:
     assert place > 30
 
 
+@pytest.mark.parametrize("motion", MOTIONS)
+def test_a_stop_at_any_place_of_a_part_that_is_refused_leaves_the_state_of_its_gcode(clock: Clock, motion: str) -> None:
+    """What is put back after the stop was answered moves nothing."""
+    place = 0
+    while True:
+        bench = Bench(clock)
+        interrupted = Interrupted(bench, place)
+        bench.printer.refuses, before = "Move out of range", dict(bench.printer.gcode)
+        with suppress(AnswerUnknown, Refused):
+            MOTIONS[motion](interrupted.controller)
+        if interrupted.told is None:
+            break
+        bench.ask_for(0.3)
+        assert bench.printer.gcode == before
+        assert not any("G1" in script for script in bench.printer.scripts[interrupted.told :])
+        place += 1
+    assert place > 6
+
+
 def test_a_stop_in_the_midst_of_a_push_moves_nothing_and_the_push_goes_on(bench: Bench) -> None:
     controller = bench.connected()
     asked = design(ramp__slew_speed_steps_per_s=8000, ramp__acceleration_steps_per_s2=80_000)

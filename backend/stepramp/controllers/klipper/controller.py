@@ -99,6 +99,7 @@ class KlipperController(Controller, StoresRamps, TriesRamps, DrawsLines, BacksUp
 
     def disconnect(self) -> None:
         """Leave the printer alone: what was told comes to rest, since no more is told."""
+        self._moves.put_back_state()
 
     def status(self) -> ControllerStatus:
         """Ask what Klipper is doing, and have what moves go on."""

@@ -45,8 +45,8 @@ class Answered(Refused):
 class _Awaited:
     """What is answered to a request."""
 
-    def __init__(self, method: str) -> None:
-        self.method = method
+    def __init__(self, *, moves: bool) -> None:
+        self.moves = moves
         self.answer: Mapping[str, object] | None = None
 
 
@@ -78,8 +78,8 @@ class Conversation:
 
     @property
     def awaits_script(self) -> bool:
-        """Whether G-code was sent that isn't answered yet: it may still wait for its turn."""
-        return any(each.method == SCRIPT and each.answer is None for each in self._awaited.values())
+        """Whether G-code was sent that isn't answered yet: it may still wait for its turn, and move something then."""
+        return any(each.moves and each.answer is None for each in self._awaited.values())
 
     def begin(self) -> str:
         """Find out that it is Moonraker, and return the state of its Klipper, which is given time to start.
@@ -132,14 +132,27 @@ class Conversation:
             has_news = self._understand(message) or has_news
         return self.last if has_news and before else None
 
-    def script(self, lines: str) -> None:
-        """Have Klipper carry out G-code; Answered when it refuses that."""
-        self.ask(SCRIPT, {"script": lines}, SCRIPT_S)
+    def script(self, lines: str, *, moves: bool = True) -> None:
+        """Have Klipper carry out G-code; Answered when it refuses that.
 
-    def ask(self, method: str, params: Mapping[str, object] | None = None, time_s: float = ANSWER_S) -> object:
-        """Make a request, and return its result; Answered when it is refused, DeviceLost when nothing is said."""
+        moves: whether it may set something in motion, so that a stop waits for its answer.
+        """
+        self.ask(SCRIPT, {"script": lines}, SCRIPT_S, moves=moves)
+
+    def ask(
+        self,
+        method: str,
+        params: Mapping[str, object] | None = None,
+        time_s: float = ANSWER_S,
+        *,
+        moves: bool = False,
+    ) -> object:
+        """Make a request, and return its result; Answered when it is refused, DeviceLost when nothing is said.
+
+        moves: as in script.
+        """
         self._last += 1
-        number, awaited = self._last, _Awaited(method)
+        number, awaited = self._last, _Awaited(moves=moves)
         request = {"jsonrpc": "2.0", "method": method, "id": number} | ({} if params is None else {"params": params})
         self._awaited[number] = awaited
         try:
@@ -157,7 +170,7 @@ class Conversation:
         return awaited.answer.get("result")
 
     def hear_scripts(self, time_s: float) -> bool:
-        """Wait until all G-code is answered, and return whether it is."""
+        """Wait until all G-code that may move something is answered, and return whether it is."""
         return self._hear_until(lambda: not self.awaits_script, time_s)
 
     def request(self, method: str, path: str, body: bytes = b"", content_type: str = "application/json") -> Reply:

@@ -19,7 +19,7 @@ from stepramp.controllers.klipper.machine import LETTERS, Z
 from stepramp.controllers.klipper.memory import Memory
 from stepramp.controllers.klipper.places import Places
 from stepramp.controllers.klipper.ramp import KLIPPER
-from stepramp.controllers.klipper.route import AHEAD_S, ARRIVED_MM, PART_S, Route, script
+from stepramp.controllers.klipper.route import AHEAD_S, ARRIVED_MM, PART_S, PUT_BACK, Route, script
 from stepramp.controllers.klipper.seen import READY, Seen
 from stepramp.controllers.klipper.stopping import Stopping
 from stepramp.controllers.speed_ranges import too_fast_for, too_slow_for
@@ -52,6 +52,8 @@ class Moves:
         self._told_way = 0.0
         self._goes_on = False
         """More of the way is to be told."""
+        self._has_left_state = False
+        """A part was refused, and the state of its G-code is still to be put back."""
         self._stops = 0
         """How many stops there were when it was asked for."""
         self._speeds: dict[int, float] = {}
@@ -128,6 +130,7 @@ class Moves:
 
     def go_on(self, seen: Seen) -> None:
         """Tell Klipper the next part of the way, as long as somebody asks how it fares; note when it has arrived."""
+        self.put_back_state()
         route = self._route
         if route is None:
             return
@@ -137,11 +140,27 @@ class Moves:
             try:
                 self._tell(route, end)
             except Answered as error:
-                self.past_trouble, self._goes_on = f"The last motion was cut short. {error}", False
+                self.past_trouble = f"The last motion was cut short. {error}"
             except AnswerUnknown:
                 pass
         elif self._has_arrived(seen):
             self._route = None
+
+    def put_back_state(self) -> None:
+        """Put back the state of its G-code where a part was refused: Klipper carries nothing out after an error.
+
+        It moves nothing, so it is sent after a stop, too: then with what is asked next.
+        """
+        if not self._has_left_state:
+            return
+        self._has_left_state = False
+        try:
+            self._conversation.script(PUT_BACK, moves=False)
+        except Answered:
+            # Not ready any more: the next start has a state of its own.
+            pass
+        except Refused:
+            self._has_left_state = True
 
     def axes(self, seen: Seen) -> tuple[AxisStatus, ...]:
         """Return what each axis does."""
@@ -272,6 +291,11 @@ class Moves:
         except DeviceLost:
             # Whether it moves isn't known, and nobody would hear where.
             self._stopping.give_up()
+            raise
+        except Answered:
+            self._told, self._told_way = before
+            self._goes_on, self._has_left_state = False, True
+            self.put_back_state()
             raise
         except Refused:
             self._told, self._told_way = before

@@ -15,6 +15,8 @@ DECIMALS = 9
 """Of the lengths that are told [mm]."""
 STATE = "stepramp"
 """What the state of its G-code is called that is put back after each part."""
+PUT_BACK = f"RESTORE_GCODE_STATE NAME={STATE}"
+"""Without MOVE it moves nothing."""
 ARRIVED_MM = 1e-4
 """Nearer than that to where it was sent it has arrived [mm]: far less than a step."""
 
@@ -77,6 +79,6 @@ def script(deltas: Mapping[int, float], speed: float) -> tuple[str, dict[int, fl
         "M220 S100",
         "G91",
         f"G1{move} F{speed * 60:.{DECIMALS}f}",
-        f"RESTORE_GCODE_STATE NAME={STATE}",
+        PUT_BACK,
     )
     return "\n".join(lines), {axis: float(word) for axis, word in words.items()}
