@@ -130,6 +130,17 @@ def test_what_it_plays_is_drawn_without_one(client: TestClient) -> None:
     assert any("Klipper works its intervals out itself" in loss for loss in answer["losses"])
 
 
+def test_half_a_surrogate_pair_in_what_it_tells_is_told_escaped(client: TestClient, server: MoonrakerServer) -> None:
+    server.printer.state, server.printer.message = "error", "bad \ud800 text"
+    server.printer.config_file = "/home/pi/printer_data/config/\udfff.cfg"
+    device = ok(client.post(DEVICES, json={"port": server.address, "family": "klipper"}))
+    assert device["message"] == "Klipper isn't ready: bad \\ud800 text"
+    assert ok(client.get(DEVICES))["devices"][0]["message"] == device["message"]
+    refused = client.post(f"{DEVICES}/{device['id']}/backups")
+    assert refused.status_code == 409, refused.text
+    assert "Moonraker doesn't give \\\\udfff.cfg" in refused.text
+
+
 def test_a_host_that_was_not_named(client: TestClient) -> None:
     answer = client.post(DEVICES, json={"port": "moonraker://127.0.0.1:1", "family": "klipper"})
     assert answer.status_code == 422

@@ -42,6 +42,11 @@ def test_ports_have_names_that_people_know_and_the_virtual_one_is_last() -> None
     ]
 
 
+def test_half_a_surrogate_pair_in_what_a_board_says_of_itself(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(list_ports, "comports", lambda: [found("COM3", "Board \ud800", (0x1234, 0x5678))])
+    assert list_serial_ports()[0].name == "Board \\ud800 on COM3"
+
+
 @pytest.mark.parametrize(
     ("port", "name"),
     [

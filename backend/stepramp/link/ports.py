@@ -8,6 +8,7 @@ from pathlib import Path, PurePath
 from serial.tools import list_ports
 from serial.tools.list_ports_common import ListPortInfo
 
+from stepramp.errors import escaped
 from stepramp.link.protocol_sim import VIRTUAL_PORT, registered
 from stepramp.link.remote_ports import RemotePort
 
@@ -122,5 +123,6 @@ def _is_attached(info: ListPortInfo) -> bool:
 def _board_name(info: ListPortInfo) -> str:
     short = PurePath(info.device).name
     board = None if info.vid is None or info.pid is None else BOARDS.get((info.vid, info.pid))
-    name = board or info.description
+    # What a board says of itself is UTF-16 on some systems, which may be half of a pair.
+    name = board or (info.description and escaped(info.description))
     return short if name in (None, "", "n/a", short) else f"{name} on {short}"

@@ -200,7 +200,7 @@ class Moonraker:
                 return {
                     "state": printer.state,
                     "state_message": printer.message,
-                    "config_file": "/home/pi/printer_data/config/printer.cfg",
+                    "config_file": printer.config_file,
                     "software_version": "v0.12.0-85-gd785b396",
                 }
             case "printer.objects.query":

@@ -63,6 +63,7 @@ class Printer:
         self.clock = clock
         self.files = {"printer.cfg": CONFIG, "macros/start.cfg": MACROS} if files is None else files
         self.state, self.message = "ready", "Printer is ready"
+        self.config_file = "/home/pi/printer_data/config/printer.cfg"
         self.scripts: list[str] = []
         self.homed = "xyz"
         self.prints = "standby"

@@ -6,6 +6,7 @@ from time import monotonic
 from typing import Protocol
 
 from stepramp.controllers.klipper.seen import OBJECTS, READY, STARTUP, Seen
+from stepramp.controllers.klipper.told import told_json
 from stepramp.errors import DeviceLost, Refused
 from stepramp.link.connection import Connection
 from stepramp.link.moonraker_port import Reply
@@ -196,8 +197,8 @@ class Conversation:
         """Take a message, and return whether it tells of the state; what makes no sense is left alone."""
         self._has_heard = True
         try:
-            told = json.loads(message)
-        except (ValueError, RecursionError):
+            told = told_json(message)
+        except ValueError:
             return False
         if not isinstance(told, dict):
             return False

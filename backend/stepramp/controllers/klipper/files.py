@@ -1,13 +1,13 @@
 """The files of Klipper's configuration, as Moonraker keeps them: read, and written whole or not at all."""
 
 import hashlib
-import json
 from collections.abc import Iterable
 from pathlib import PurePosixPath
 from urllib.parse import quote
 
 from stepramp.controllers.klipper.configuration import Configuration, includes_of, paths_of
 from stepramp.controllers.klipper.conversation import Conversation
+from stepramp.controllers.klipper.told import told_json
 from stepramp.errors import Refused
 
 ROOT = "config"
@@ -126,7 +126,7 @@ def _quoted(name: str) -> str:
 def _words(body: bytes) -> str:
     """Return what Moonraker says of a request that it refuses."""
     try:
-        told = json.loads(body)
+        told = told_json(body)
     except ValueError:
         return "it doesn't say why."
     error = told.get("error") if isinstance(told, dict) else None
