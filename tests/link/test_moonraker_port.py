@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import json
 import logging
 import socket
 import threading
@@ -11,6 +12,7 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
+from websockets.frames import Frame, Opcode
 from websockets.server import ServerProtocol
 
 from controllers.klipper.server import MoonrakerServer
@@ -22,6 +24,11 @@ from stepramp.link.remote_ports import KEYS_VARIABLE, RemotePorts
 
 PROMISED_S = 5.0
 KEY = "7f3a1c5e9b2d4860"
+ANSWERS = {
+    "server.info": {"klippy_state": "error"},
+    "printer.info": {"state": "error", "state_message": "No", "config_file": "/config/printer.cfg"},
+    "server.files.roots": [{"name": "config", "path": "/config"}],
+}
 
 
 def shakes_hands(after: Callable[[ServerProtocol, socket.socket], None]) -> Serve:
@@ -220,6 +227,37 @@ def test_files_that_are_answered_with_nonsense(answer: bytes) -> None:
         with pytest.raises(DeviceLost, match="makes no sense"):
             port.request("GET", "/server/files/config/printer.cfg", lambda _: None)
         port.close()
+
+
+def test_files_that_are_never_answered_are_told_in_time() -> None:
+    """Of a Klipper that isn't ready its files tell what axes it has."""
+
+    def answers(protocol: ServerProtocol, connection: socket.socket) -> None:
+        while data := connection.recv(4096):
+            protocol.receive_data(data)
+            for frame in protocol.events_received():
+                if not isinstance(frame, Frame) or frame.opcode is not Opcode.TEXT:
+                    return
+                question = json.loads(frame.data)
+                answer = {"jsonrpc": "2.0", "id": question["id"], "result": ANSWERS.get(question["method"], {})}
+                protocol.send_text(json.dumps(answer).encode())
+            connection.sendall(b"".join(protocol.data_to_send()))
+
+    served = threading.Event()
+
+    def serve(connection: socket.socket, ended: threading.Event) -> None:
+        if served.is_set():
+            ended.wait()
+        served.set()
+        shakes_hands(answers)(connection, ended)
+
+    with FarHost(serve) as host:
+        devices = Devices(remote_ports=RemotePorts.named([host.name]))
+        began_s = time.monotonic()
+        with pytest.raises(DeviceLost, match=f"The Moonraker at moonraker://{host.name} doesn't give its files"):
+            devices.connect(f"moonraker://{host.name}", "klipper")
+        assert time.monotonic() - began_s < PROMISED_S
+        devices.close()
 
 
 def test_what_may_not_be_sent_is_not_sent() -> None:

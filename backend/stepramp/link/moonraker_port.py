@@ -115,10 +115,12 @@ class MoonrakerPort:
         give_way: Callable[[float], None],
         body: bytes = b"",
         content_type: str = "application/json",
+        time_s: float = FILE_S,
     ) -> Reply:
         """Make a request over HTTP, over a connection of its own, and return what is answered.
 
-        give_way: called again and again meanwhile. Raises DeviceLost when nothing is within FILE_S, or it is no HTTP.
+        give_way: called again and again meanwhile. time_s: how long it may take [s]. Raises DeviceLost when it takes
+        longer, or what is answered is no HTTP.
         """
         self._before_write()
         head = [f"{method} {path} HTTP/1.1", f"Host: {self._remote.host}", "Connection: close"]
@@ -126,7 +128,9 @@ class MoonrakerPort:
         head += [f"Content-Type: {content_type}", f"Content-Length: {len(body)}"] if body else []
         _logger.debug("%s %s %s, %d bytes", self.name, method, path, len(body))
         try:
-            said = self._asked("\r\n".join([*head, "", ""]).encode("ascii") + body, give_way)
+            said = self._asked("\r\n".join([*head, "", ""]).encode("ascii") + body, give_way, time_s)
+        except TimeoutError as error:
+            raise DeviceLost(f"The Moonraker at {self.name} doesn't {'take' if body else 'give'} its files.") from error
         except OSError as error:
             raise self._gone() from error
         try:
@@ -136,10 +140,13 @@ class MoonrakerPort:
         except (HTTPException, ValueError) as error:
             raise DeviceLost(f"What is answered at {self.name} over HTTP makes no sense.") from error
 
-    def _asked(self, sent: bytes, give_way: Callable[[float], None]) -> bytes:
-        """Send bytes over a connection of their own, and return all that is said until it is ended."""
-        deadline_s, give_way_s = monotonic() + FILE_S, monotonic() + SLICE_S
-        connection = connected(self._remote, self._places, monotonic() + OPEN_S)
+    def _asked(self, sent: bytes, give_way: Callable[[float], None], time_s: float) -> bytes:
+        """Send bytes over a connection of their own, and return all that is said until it is ended.
+
+        Raises TimeoutError when that takes longer [s].
+        """
+        deadline_s, give_way_s = monotonic() + time_s, monotonic() + SLICE_S
+        connection = connected(self._remote, self._places, monotonic() + min(OPEN_S, time_s))
         left, said = memoryview(sent), bytearray()
         try:
             connection.settimeout(SLICE_S)

@@ -11,7 +11,7 @@ from controllers.klipper.printer import Printer
 from stepramp.controllers.contract import Activity, AxisCommand, ControllerStatus
 from stepramp.controllers.klipper.controller import KlipperController
 from stepramp.errors import DeviceLost
-from stepramp.link.moonraker_port import Reply
+from stepramp.link.moonraker_port import FILE_S, Reply
 
 POLL_S = 0.1
 LONG_S = 120.0
@@ -30,13 +30,16 @@ def at(speed: float, axis: int = 0) -> AxisCommand:
 
 
 class Bench:
-    """A port with Moonraker behind it, and a client that isn't connected yet. lasts_s: how long a message takes."""
+    """A port with Moonraker behind it, and a client that isn't connected yet.
+
+    lasts_s, file_lasts_s: how long a message takes, and a file.
+    """
 
     name = "moonraker://printer:7125"
 
     def __init__(self, clock: Clock, files: dict[str, str] | None = None) -> None:
         self.clock = clock
-        self.lasts_s = 0.005
+        self.lasts_s = self.file_lasts_s = 0.005
         self.printer = Printer(clock, files)
         self.moonraker = Moonraker(self.printer)
         self.before_write: Callable[[], None] = lambda: None
@@ -77,8 +80,12 @@ class Bench:
         give_way: Callable[[float], None],
         body: bytes = b"",
         content_type: str = "application/json",
+        time_s: float = FILE_S,
     ) -> Reply:
         give_way(0.0)
+        self.clock.now_s += min(self.file_lasts_s, time_s)
+        if self.file_lasts_s > time_s:
+            raise DeviceLost("It doesn't give its files.")
         try:
             return Reply(*self.moonraker.http(method, path, {"content-type": content_type}, body))
         except ConnectionError as error:

@@ -8,6 +8,7 @@ from controllers.conftest import Clock
 from controllers.klipper.bench import Bench, by
 from controllers.klipper.printer import CONFIG, MACROS
 from designs import design
+from stepramp.controllers.klipper import controller, conversation
 from stepramp.errors import DeviceLost, Refused
 
 HANDSHAKE = ["server.info", "printer.info", "server.files.roots", "printer.objects.query", "printer.objects.subscribe"]
@@ -77,6 +78,23 @@ def test_one_that_does_not_start_for_its_configuration_can_be_given_it_back(cloc
     assert any("FIRMWARE_RESTART" in remark for remark in remarks)
     assert bench.printer.scripts == []
     assert bench.printer.restarts == 0
+
+
+def test_files_that_take_long_end_connecting_within_5_s(clock: Clock, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(controller, "monotonic", clock)
+    monkeypatch.setattr(conversation, "monotonic", clock)
+    files = {"printer.cfg": "[include many/*.cfg]\n"} | {f"many/{each}.cfg": "[printer]\n" for each in range(50)}
+    bench = Bench(clock, files)
+    bench.printer.state, bench.file_lasts_s = "error", 1.0
+    with pytest.raises(DeviceLost, match="doesn't give its files"):
+        bench.controller.connect()
+    assert clock.now_s < 5
+    # Once it is connected, a file may take longer.
+    bench.reopen()
+    bench.file_lasts_s = 0.01
+    bench.controller.connect()
+    bench.file_lasts_s = 4.9
+    assert "many/49.cfg" in bench.controller.backup()
 
 
 def test_kinematics_in_which_no_motor_is_an_axis(clock: Clock) -> None:

@@ -35,6 +35,8 @@ from stepramp.controllers.progress import Progress, PushStage, Tell
 from stepramp.design import Design
 from stepramp.errors import DeviceLost, Refused
 
+CONNECT_S = 4.5
+"""So long connecting may take, once the port is open, without a stop that is owed [s]."""
 LEFT_S = 3.5
 """So long what an earlier connection has left in Klipper's plan is given to come to rest [s]."""
 LOOK_S = 0.1
@@ -84,17 +86,21 @@ class KlipperController(Controller, StoresRamps, TriesRamps, DrawsLines, BacksUp
 
         Raises Refused when something else is there, or Klipper doesn't run, starts, or has motors that are no axes.
         One that doesn't start for its configuration is connected all the same: a backup may be written to it.
+        DeviceLost when it takes longer than CONNECT_S.
         """
+        began_s = monotonic()
         name, state = self._conversation.name, self._conversation.begin()
+        left_s = CONNECT_S - (monotonic() - began_s)
         if state == DISCONNECTED:
             raise Refused(f"Moonraker answers at {name}, but Klipper doesn't run: start it first.")
         if state == STARTUP:
             raise Refused(f"Klipper at {name} is still starting: connect it again in a moment.")
         self._memory.trouble = None if state == READY else state
         greeted()
-        self._memory.learn()
-        if self._is_ready:
-            self._moves.rest_at(self._conversation.subscribe())
+        with self._conversation.within(left_s):
+            self._memory.learn()
+            if self._is_ready:
+                self._moves.rest_at(self._conversation.subscribe())
         self._conversation.restarts = 0
 
     def disconnect(self) -> None:

@@ -1,7 +1,9 @@
 """A conversation with Moonraker: requests of JSON-RPC, each of which it answers, and what it tells unasked."""
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from math import inf
 from time import monotonic
 from typing import Protocol
 
@@ -9,7 +11,7 @@ from stepramp.controllers.klipper.seen import OBJECTS, READY, STARTUP, Seen
 from stepramp.controllers.klipper.told import told_json
 from stepramp.errors import DeviceLost, Refused
 from stepramp.link.connection import Connection
-from stepramp.link.moonraker_port import Reply
+from stepramp.link.moonraker_port import FILE_S, Reply
 
 ANSWER_S = 1.5
 """So long an answer is waited for [s]."""
@@ -35,6 +37,7 @@ class Port(Connection, Protocol):
         give_way: Callable[[float], None],
         body: bytes = b"",
         content_type: str = "application/json",
+        time_s: float = FILE_S,
     ) -> Reply:
         """Make a request over HTTP; see MoonrakerPort."""
 
@@ -63,6 +66,8 @@ class Conversation:
         self._awaited: dict[int, _Awaited] = {}
         self._last = 0
         self._has_heard = False
+        self._until_s = inf
+        """Until when everything has to be answered [s]."""
         self._status: dict[str, dict[str, object]] = {}
         self.restarts = 0
         """How often Klipper was started anew, or went, since it was connected to."""
@@ -81,6 +86,15 @@ class Conversation:
     def awaits_script(self) -> bool:
         """Whether G-code was sent that isn't answered yet: it may still wait for its turn, and move something then."""
         return any(each.moves and each.answer is None for each in self._awaited.values())
+
+    @contextmanager
+    def within(self, time_s: float) -> Iterator[None]:
+        """Wait for what is asked meanwhile no longer than so long [s], all of it together."""
+        self._until_s = monotonic() + time_s
+        try:
+            yield
+        finally:
+            self._until_s = inf
 
     def begin(self) -> str:
         """Find out that it is Moonraker, and return the state of its Klipper, which is given time to start.
@@ -162,7 +176,7 @@ class Conversation:
             # Not sent, or nobody knows: a connection that is gone is not asked again.
             del self._awaited[number]
             raise
-        if not self._hear_until(lambda: awaited.answer is not None, time_s):
+        if not self._hear_until(lambda: awaited.answer is not None, self._left_s(time_s)):
             raise DeviceLost(f"Moonraker at {self.name} does not answer.")
         del self._awaited[number]
         assert awaited.answer is not None
@@ -176,11 +190,14 @@ class Conversation:
 
     def request(self, method: str, path: str, body: bytes = b"", content_type: str = "application/json") -> Reply:
         """Make a request over HTTP; see MoonrakerPort."""
-        return self._port.request(method, path, self._give_way, body, content_type)
+        return self._port.request(method, path, self._give_way, body, content_type, self._left_s(FILE_S))
 
     def wait(self, time_s: float) -> None:
         """Hear what comes in for so long [s]."""
         self._hear_until(lambda: False, time_s)
+
+    def _left_s(self, time_s: float) -> float:
+        return max(0.0, min(time_s, self._until_s - monotonic()))
 
     def _hear_until(self, is_so: Callable[[], bool], time_s: float) -> bool:
         now_s = monotonic()
