@@ -222,7 +222,8 @@ class Printer:
                 raise GcodeError("Must home axis first: 100.000 100.000 100.000 [0.000]")
             goal[axis] = value if self.gcode["absolute"] else goal[axis] + value
             options = self.sections[f"stepper_{'xyz'[axis]}"]
-            if not float(options.get("position_min", 0)) - 1e-9 <= goal[axis] <= float(options["position_max"]) + 1e-9:
+            # Compared as exactly as Klipper does.
+            if not float(options.get("position_min", 0)) <= goal[axis] <= float(options["position_max"]):
                 raise GcodeError(f"Move out of range: {goal} [0.000]")
         if not self.queue:
             self.begins_s = self.clock() + START_S

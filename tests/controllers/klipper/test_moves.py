@@ -3,11 +3,15 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
+from controllers.conftest import Clock
 from controllers.klipper.bench import Bench, at, by, to
-from controllers.klipper.printer import Printer
+from controllers.klipper.printer import CONFIG, MACROS, Printer
 from stepramp.controllers.contract import Activity
 from stepramp.controllers.klipper.controller import KlipperController
+from stepramp.controllers.klipper.route import script
 from stepramp.errors import DeviceLost, Refused, Rejected
 
 SLOW_MM_S = 20
@@ -121,6 +125,48 @@ def test_running_ends_at_the_end_of_the_travel(bench: Bench, controller: Klipper
     assert bench.printer.position[0] == pytest.approx(235)
     with pytest.raises(Refused, match="end of its travel"):
         controller.run([at(8000.0)])
+
+
+@given(start=st.floats(0, 1000), end=st.sampled_from([-5.0, 0.0, 0.1, 210.5, 235.0, 305.3]) | st.floats(-1000, 1000))
+def test_a_part_leads_no_further_than_to_its_end(start: float, end: float) -> None:
+    """Klipper adds what it is told to where it is, and compares the sum with the travel: exactly, both in double."""
+    lines, lengths = script({0: start}, {0: end}, 10.0)
+    told = float(lines.split("G1 X")[1].split()[0])
+    assert told == lengths[0]
+    assert min(start, end) <= start + told <= max(start, end)
+    assert start + told == pytest.approx(end, abs=1.6e-9)
+
+
+@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(start=st.floats(0, 235), speed=st.floats(8000, 24_000), is_up=st.booleans())
+def test_from_any_place_to_the_ends_of_the_travel(start: float, speed: float, is_up: bool) -> None:
+    end_mm = 235.0 if is_up else 0.0
+    for act in (
+        lambda it: it.move_to([to(18_800 if is_up else 0)]),
+        lambda it: it.run([at(speed if is_up else -speed)]),
+    ):
+        bench = Bench(Clock())
+        bench.printer.position[0] = bench.printer.target[0] = start
+        controller = bench.connected()
+        if abs(start - end_mm) > 0.01:
+            act(controller)
+        assert bench.rest().trouble is None
+        assert bench.printer.position[0] == pytest.approx(end_mm, abs=0.01)
+
+
+def test_steps_back_from_an_end_lead_there_again_however_they_are_rounded(clock: Clock) -> None:
+    # 240 steps/mm: none of 9 decimals leads to a whole step.
+    printer_cfg = CONFIG.replace(
+        "rotation_distance: 40\nposition_max", "rotation_distance: 40\ngear_ratio: 3:1\nposition_max"
+    )
+    bench = Bench(clock, {"printer.cfg": printer_cfg, "macros/start.cfg": MACROS})
+    controller = bench.connected()
+    controller.move_to([to(56_400)])
+    for steps in (-1, 1, -7, 3, 4, -56_400, 56_399, 1):
+        bench.rest()
+        controller.move_by([by(steps)])
+    assert bench.rest().trouble is None
+    assert bench.printer.position[0] == pytest.approx(235, abs=1.6e-9)
 
 
 def test_running_ends_at_the_ends_that_are_told(bench: Bench, controller: KlipperController) -> None:

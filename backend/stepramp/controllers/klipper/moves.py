@@ -123,7 +123,7 @@ class Moves:
         lasts_s = min(_until_end(start[axis], rate, seen, axis) for axis, rate in rates.items())
         called = dict(enumerate(self._places.called(self._places.counted(start))))
         lasts_s = min(lasts_s, lasts_until_end_s(self.ends, called, wanted))
-        goal = {axis: start[axis] + rate * lasts_s for axis, rate in rates.items()}
+        goal = {axis: _within(start[axis] + rate * lasts_s, seen, axis) for axis, rate in rates.items()}
         if lasts_s <= 0:
             raise Refused("An axis is at the end of its travel.")
         self._set_out(goal, math.hypot(*rates.values()), seen, stops, wanted)
@@ -241,7 +241,7 @@ class Moves:
         for each in sorted(asked, key=lambda each: each.axis):
             if is_relative:
                 origin = route.goal[each.axis] if route is not None and each.axis in route.goal else start[each.axis]
-                goal[each.axis] = origin + float(Fraction(int(each.value)) / scales[each.axis])
+                goal[each.axis] = self._places.after(each.axis, origin, int(each.value))
             else:
                 goal[each.axis] = float(self._places.counted_of(each.axis, int(each.value)) / scales[each.axis])
         self._refuse_beyond(asked, goal, seen)
@@ -281,10 +281,10 @@ class Moves:
     def _tell(self, route: Route, end: float) -> None:
         """Tell a part of the way up to an end [mm]."""
         places = route.place(end)
-        lines, deltas = script({axis: place - self._told[axis] for axis, place in places.items()}, route.speed)
+        lines, lengths = script(self._told, places, route.speed)
         before = dict(self._told), self._told_way
         # Before it is answered: a stop in the midst has to know where it may come to rest.
-        self._told = {axis: self._told[axis] + delta for axis, delta in deltas.items()}
+        self._told = {axis: self._told[axis] + length for axis, length in lengths.items()}
         self._told_way = end
         try:
             self._conversation.script(lines)
@@ -370,3 +370,8 @@ def _until_end(place: float, rate: float, seen: Seen, axis: int) -> float:
     """Return after how long an axis that runs [mm/s] is at the end of its travel [s]."""
     end = seen.toolhead.axis_maximum[axis] if rate > 0 else seen.toolhead.axis_minimum[axis]
     return (end - place) / rate
+
+
+def _within(place: float, seen: Seen, axis: int) -> float:
+    """Return a place that was computed for the end of a travel without what rounding has led beyond that [mm]."""
+    return min(max(place, seen.toolhead.axis_minimum[axis]), seen.toolhead.axis_maximum[axis])

@@ -6,6 +6,9 @@ from fractions import Fraction
 from stepramp.controllers.klipper.memory import Memory
 from stepramp.controllers.klipper.seen import Seen
 
+ROUNDED_MM = 1e-6
+"""So near a whole step a place is that step, which can't be told to more decimals [mm]."""
+
 
 class Places:
     """Positions [steps], as Klipper counts from where it was homed, and as they are called here."""
@@ -34,6 +37,14 @@ class Places:
     def counted_of(self, axis: int, called: int) -> int:
         """Return a position as Klipper counts it [steps]."""
         return called - self._offsets.get(axis, 0)
+
+    def after(self, axis: int, place: float, steps: int) -> float:
+        """Return where so many steps from a place lead [mm]: from a whole step to one, however it is rounded."""
+        scale = self.scales[axis]
+        whole = round(place * float(scale))
+        if abs(place - float(whole / scale)) < ROUNDED_MM:
+            return float((whole + steps) / scale)
+        return place + float(steps / scale)
 
     def call(self, positions: Mapping[int, int], counted: Sequence[int]) -> None:
         """Call places something else from now on [steps]."""

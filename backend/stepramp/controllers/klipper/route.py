@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from decimal import Decimal
 
 from stepramp.controllers.klipper.machine import LETTERS
 
@@ -67,12 +68,12 @@ class Route:
         return {axis: place + way * self.share(axis) for axis, place in self.start.items()}
 
 
-def script(deltas: Mapping[int, float], speed: float) -> tuple[str, dict[int, float]]:
-    """Return the G-code of a part [mm, mm/s], and its lengths as they are told.
+def script(start: Mapping[int, float], end: Mapping[int, float], speed: float) -> tuple[str, dict[int, float]]:
+    """Return the G-code of a part from a place to another one [mm, mm/s], and its lengths as they are told.
 
     Whatever state its G-code is in, relative or absolute, faster or slower, is as before afterwards.
     """
-    words = {axis: f"{delta:.{DECIMALS}f}" for axis, delta in deltas.items()}
+    words = {axis: _length(start[axis], place) for axis, place in end.items()}
     move = "".join(f" {LETTERS[axis].upper()}{word}" for axis, word in words.items())
     lines = (
         f"SAVE_GCODE_STATE NAME={STATE}",
@@ -82,3 +83,15 @@ def script(deltas: Mapping[int, float], speed: float) -> tuple[str, dict[int, fl
         PUT_BACK,
     )
     return "\n".join(lines), {axis: float(word) for axis, word in words.items()}
+
+
+def _length(start: float, end: float) -> str:
+    """Return a length as it is told [mm]: rounded so that it leads no further than to its end.
+
+    Klipper adds it to the start in double, and refuses what is beyond an end of the travel by however little.
+    """
+    told = Decimal(f"{end - start:.{DECIMALS}f}")
+    least = Decimal(1).scaleb(-DECIMALS).copy_sign(Decimal(end - start))
+    while (start + float(told) > end) if end >= start else (start + float(told) < end):
+        told -= least
+    return f"{told:.{DECIMALS}f}"
