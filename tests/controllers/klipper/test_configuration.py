@@ -37,6 +37,32 @@ def test_sections_comments_includes_and_what_klipper_has_saved_itself() -> None:
     assert "include macros/*.cfg" not in sections
 
 
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+def test_any_line_end_that_klipper_reads(end: str) -> None:
+    text = (CONFIG + SAVED + "#*# rotation_distance = 4\n").replace("\n", end)
+    files = {"printer.cfg": text, "macros/start.cfg": MACROS.replace("\n", end)}
+    sections = Configuration(files).sections
+    assert sections["stepper_z"]["rotation_distance"] == "4"
+    assert sections["stepper_z"]["position_endstop"] == "1.250"
+    assert includes_of(text) == ["macros/*.cfg"]
+    configuration = Configuration(files)
+    place = configuration.place("printer", "max_velocity")
+    assert place is not None
+    changed = with_option(text, place, "max_velocity", "12.5")
+    assert changed == text.replace("max_velocity: 300", "max_velocity: 12.5")
+
+
+@pytest.mark.parametrize("odd", ["\f", "\v", "\x1c", "\x85", "\u2028", "\u2029"])
+def test_what_ends_no_line_for_klipper(odd: str) -> None:
+    text = CONFIG.replace("rotation_distance: 32", f"rotation_distance: 32 # a{odd}rotation_distance: 99")
+    text = f"# Mine{odd}, of course\n{text}"
+    configuration = of(text, **{"macros/start.cfg": MACROS})
+    assert configuration.sections == Configuration({"printer.cfg": CONFIG, "macros/start.cfg": MACROS}).sections
+    place = configuration.place("printer", "max_accel")
+    assert place is not None
+    assert with_option(text, place, "max_accel", "1") == text.replace("max_accel: 3000", "max_accel: 1")
+
+
 def test_the_last_one_counts_also_across_files() -> None:
     main = "[printer]\nmax_velocity: 1\n[include b/*.cfg]\n[include a.cfg]\n[printer]\nmax_accel: 4\n"
     files = {"printer.cfg": main, "b/1.cfg": "[printer]\nmax_velocity: 2\n", "a.cfg": "[printer]\nmax_velocity: 3"}

@@ -22,6 +22,8 @@ SAVED = """
 """
 """Above what Klipper has written itself, each line of which begins as these do."""
 _SAVED_LINE = re.compile(r"#\*# ?")
+_LINE_END = re.compile(r"\r\n|\r|\n")
+"""What ends a line of a file that Klipper reads; other characters that Unicode has for that do not."""
 _HEADER = re.compile(r"\[(?P<name>[^\]]+)\]")
 _OPTION = re.compile(
     r"(?P<name>(?!\[)[^\s:=#;](?:\s*[^\s:=#;])*+)(?P<between>\s*[:=]\s*)"
@@ -78,8 +80,8 @@ class Configuration:
             return
         self.paths.append(path)
         lines: list[str] = []
-        text, _, saved = self._files[path].partition(SAVED)
-        for line in text.splitlines():
+        own, saved = _lines(self._files[path])
+        for line in own:
             header = _HEADER.match(line)
             if header is None or not header["name"].startswith(_INCLUDE):
                 lines.append(line.partition("#")[0])
@@ -88,7 +90,7 @@ class Configuration:
             for each in _named(self._files, path, header["name"].removeprefix(_INCLUDE).strip()):
                 self._read(each)
         self._take(lines)
-        self._take([_SAVED_LINE.sub("", line, count=1) for line in saved.splitlines()])
+        self._take([_SAVED_LINE.sub("", line, count=1) for line in saved])
 
     def _take(self, lines: list[str]) -> None:
         self._parser.read_string("\n".join(_GAP.sub(" ", line) for line in lines))
@@ -97,7 +99,7 @@ class Configuration:
 
 def includes_of(text: str) -> list[str]:
     """Return what a file includes."""
-    headers = (_HEADER.match(line) for line in text.partition(SAVED)[0].splitlines())
+    headers = (_HEADER.match(line) for line in _lines(text)[0])
     names = (header["name"] for header in headers if header is not None)
     return [name.removeprefix(_INCLUDE).strip() for name in names if name.startswith(_INCLUDE)]
 
@@ -115,19 +117,20 @@ def paths_of(files: Mapping[str, str], main: str) -> list[str]:
 
 
 def with_option(text: str, place: Place, option: str, value: str) -> str:
-    """Return a file's text with another value of an option; one that isn't there comes below its section's name."""
-    lines = text.splitlines(keepends=True)
+    """Return a file's text with another value of an option; one that isn't there comes below its section's name.
+
+    Each line keeps its end.
+    """
+    lines, ends = _LINE_END.split(text), [*_LINE_END.findall(text), ""]
     if place.line is None:
-        header = lines[place.header]
-        end = header[len(header.rstrip("\r\n")) :] or "\n"
-        lines[place.header] = header.rstrip("\r\n") + end + f"{option}: {value}{end}"
-        return "".join(lines)
-    old = lines[place.line]
-    bare = old.rstrip("\r\n")
-    found = _OPTION.fullmatch(bare)
-    assert found is not None
-    lines[place.line] = f"{found['name']}{found['between']}{value}{found['rest']}{old[len(bare) :]}"
-    return "".join(lines)
+        end = ends[place.header] or "\n"
+        lines[place.header] += f"{end}{option}: {value}"
+        ends[place.header] = end
+    else:
+        found = _OPTION.fullmatch(lines[place.line])
+        assert found is not None
+        lines[place.line] = f"{found['name']}{found['between']}{value}{found['rest']}"
+    return "".join(line + end for line, end in zip(lines, ends, strict=True))
 
 
 def same_sections(one: Sections, other: Sections) -> bool:
@@ -145,13 +148,19 @@ def _bare(sections: Sections) -> dict[str, dict[str, str]]:
 def _options(text: str, section: str) -> Iterator[tuple[int, int, str | None]]:
     """Yield the section's header, and each option of it: the lines of both, and the option's name."""
     header: int | None = None
-    for number, line in enumerate(text.partition(SAVED)[0].splitlines()):
+    for number, line in enumerate(_lines(text)[0]):
         if (found := _HEADER.match(line)) is not None:
             header = number if found["name"].strip() == section else None
             if header is not None:
                 yield header, number, None
         elif header is not None and (option := _OPTION.fullmatch(line)) is not None:
             yield header, number, option["name"].strip().lower()
+
+
+def _lines(text: str) -> tuple[list[str], list[str]]:
+    """Return a file's lines: its own, and those that Klipper has written itself."""
+    own, _, saved = _LINE_END.sub("\n", text).partition(SAVED)
+    return own.split("\n"), saved.split("\n")
 
 
 def _named(files: Iterable[str], path: str, pattern: str) -> list[str]:
