@@ -20,6 +20,9 @@ SAVED = """
 #*# [stepper_z]
 #*# position_endstop = 1.250
 """
+NUMBER = "allowed: a number from 0.000000001 to 1,000,000,000"
+COUNT = "allowed: a whole number from 1 to 1,000,000,000"
+PAIRS = "allowed: pairs of numbers above 0, such as 57:11, 2:1"
 BLANKS = st.sampled_from(["", " ", "\t", "  "])
 COMMENTS = st.sampled_from(["", " # as it came", "\t; max_velocity: 7", "#max_velocity: 9"])
 
@@ -120,14 +123,22 @@ def test_what_is_no_configuration_is_refused(text: str) -> None:
     ("old", "new", "words"),
     [
         ("kinematics: cartesian", "kinematics: delta", "kinematics are delta"),
-        ("max_velocity: 300", "max_velocity: fast", "limits that are no numbers"),
-        ("max_velocity: 300", "max_velocity: 0", "limits that are not above 0"),
-        ("max_accel: 3000", "", "has no max_accel"),
-        ("rotation_distance: 32", "step_distance: 0.01", "stepper_z has no rotation_distance"),
-        ("microsteps: 16", "microsteps: many", "no numbers"),
-        ("gear_ratio: 80:20", "gear_ratio: 80", "no numbers"),
-        ("gear_ratio: 80:20", "gear_ratio: 80:0", "no numbers"),
-        ("rotation_distance: 32", "rotation_distance: inf", "no numbers"),
+        ("max_velocity: 300", "max_velocity: fast", rf"max_velocity of \[printer\] is 'fast'; {NUMBER}"),
+        ("max_velocity: 300", "max_velocity: 0", rf"max_velocity of \[printer\] is '0'; {NUMBER}"),
+        ("max_z_accel = 100", "max_z_accel = nan", rf"max_z_accel of \[printer\] is 'nan'; {NUMBER}"),
+        ("max_accel: 3000", "", r"\[printer\] has no max_accel"),
+        ("rotation_distance: 32", "step_distance: 0.01", r"\[stepper_z\] has no rotation_distance"),
+        ("microsteps: 16", "", r"\[stepper_x\] has no microsteps"),
+        ("microsteps: 16", "microsteps: many", rf"microsteps of \[stepper_x\] is 'many'; {COUNT}"),
+        ("microsteps: 16", "microsteps: 0", rf"microsteps of \[stepper_x\] is '0'; {COUNT}"),
+        ("rotation: 400", "rotation: 400.5", rf"full_steps_per_rotation of \[stepper_y\] is '400.5'; {COUNT}"),
+        ("gear_ratio: 80:20", "gear_ratio: 80", rf"gear_ratio of \[stepper_z\] is '80'; {PAIRS}"),
+        ("gear_ratio: 80:20", "gear_ratio: 80:0", rf"gear_ratio of \[stepper_z\] is '80:0'; {PAIRS}"),
+        ("gear_ratio: 80:20", "gear_ratio: 80/20", rf"gear_ratio of \[stepper_z\] is '80/20'; {PAIRS}"),
+        ("gear_ratio: 80:20", "gear_ratio: 1e9:1, 2:1", r"'1e9:1, 2:1'; allowed: gears of 1:1,000,000,000 to 1,0"),
+        ("rotation_distance: 32", "rotation_distance: inf", rf"rotation_distance of \[stepper_z\] is 'inf'; {NUMBER}"),
+        ("rotation_distance: 32", "rotation_distance: -8", rf"rotation_distance of \[stepper_z\] is '-8'; {NUMBER}"),
+        ("rotation_distance: 32", "rotation_distance: 8,0", rf"rotation_distance of \[stepper_z\] is '8,0'; {NUMBER}"),
     ],
 )
 def test_a_configuration_that_no_axis_can_be_told_of(old: str, new: str, words: str) -> None:

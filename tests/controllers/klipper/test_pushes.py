@@ -319,9 +319,9 @@ def test_what_is_no_backup_is_rejected(
     ("old", "new", "words"),
     [
         ("kinematics: cartesian", "kinematics: cartesi", "its kinematics are cartesi"),
-        ("max_velocity: 300", "max_velocity: 0", "limits that are not above 0"),
+        ("max_velocity: 300", "max_velocity: 0", r"max_velocity of \[printer\] is '0'"),
         ("[stepper_z]", "[stepper_z", "can't be read"),
-        ("microsteps: 16", "", "stepper_x has no microsteps"),
+        ("microsteps: 16", "", r"\[stepper_x\] has no microsteps"),
     ],
 )
 def test_a_backup_with_which_klipper_would_not_start_is_not_written(

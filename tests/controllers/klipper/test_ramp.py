@@ -110,6 +110,10 @@ def test_a_configuration_becomes_designs() -> None:
     assert (x.name, x.ramp.base_speed_steps_per_s) == ("Klipper axis X", 0)
 
 
+def test_a_byte_order_mark_before_a_configuration() -> None:
+    assert read_settings(f"\ufeff{CONFIG}", design()) == read_settings(CONFIG, design())
+
+
 @pytest.mark.parametrize("text", ["", "$100=250.000\n", "axes:\n  x:\n", "[printer]\nname: HP\n", "[a\n", "M203 X1"])
 def test_what_is_no_configuration_is_left_to_others(text: str) -> None:
     assert read_settings(text, design()) == []
@@ -119,6 +123,7 @@ def test_what_is_no_configuration_is_left_to_others(text: str) -> None:
     ("old", "new", "words"),
     [
         ("cartesian", "delta", "kinematics are delta"),
+        ("max_velocity: 300", "max_velocity: 3OO", r"max_velocity of \[printer\] is '3OO'; allowed: a number from 0.0"),
         ("max_velocity: 300", "max_velocity: 1e9", "axis X that a design can"),
     ],
 )

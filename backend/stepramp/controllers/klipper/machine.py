@@ -7,6 +7,7 @@ from typing import Self
 
 from stepramp.controllers.given_numbers import typed
 from stepramp.controllers.klipper.configuration import Sections
+from stepramp.errors import shown
 
 LETTERS = "xyz"
 Z = 2
@@ -24,6 +25,62 @@ class Senseless(ValueError):
     """A configuration that no axis can be told of; its text is the end of a sentence."""
 
 
+class _Section:
+    """A section of a configuration; Senseless for options that make no sense, or are missing and have no usual."""
+
+    def __init__(self, name: str, sections: Sections) -> None:
+        self._name = name
+        self._options = sections.get(name, {})
+
+    def positive(self, option: str, usual: Fraction | None = None) -> Fraction:
+        """Return a number above 0."""
+        if usual is not None and option not in self._options:
+            return usual
+        value = _number(self._text(option))
+        if value is None or not 1 / Fraction(MOST) <= value <= MOST:
+            raise self._senseless(option, f"a number from {1 / MOST:.9f} to {MOST:,}")
+        return value
+
+    def double(self, option: str, usual: Fraction | None = None) -> Fraction:
+        """Return a number above 0 as Klipper keeps it."""
+        return Fraction(float(self.positive(option, usual)))
+
+    def count(self, option: str, usual: int | None = None) -> int:
+        """Return a whole number above 0."""
+        if usual is not None and option not in self._options:
+            return usual
+        text = self._text(option)
+        try:
+            value = int(text)
+        except ValueError:
+            value = 0
+        if not 0 < value <= MOST:
+            raise self._senseless(option, f"a whole number from 1 to {MOST:,}")
+        return value
+
+    def ratio(self, option: str) -> Fraction:
+        """Return what gears after each other make; 1 where there are none."""
+        ratio = Fraction(1)
+        for each in self._options.get(option, "").split(","):
+            numbers = [_number(number) for number in each.split(":")] if each.strip() else [Fraction(1), Fraction(1)]
+            match numbers:
+                case [Fraction() as driven, Fraction() as driving] if driven > 0 and driving > 0:
+                    ratio *= driven / driving
+                case _:
+                    raise self._senseless(option, "pairs of numbers above 0, such as 57:11, 2:1")
+        if not 1 / Fraction(MOST) <= ratio <= MOST:
+            raise self._senseless(option, f"gears of 1:{MOST:,} to {MOST:,}:1")
+        return ratio
+
+    def _text(self, option: str) -> str:
+        if option not in self._options:
+            raise Senseless(f"[{self._name}] has no {option}")
+        return self._options[option]
+
+    def _senseless(self, option: str, allowed: str) -> Senseless:
+        return Senseless(f"{option} of [{self._name}] is {shown(self._options[option])}; allowed: {allowed}")
+
+
 @dataclass(frozen=True)
 class Stepper:
     """The motor of an axis."""
@@ -37,22 +94,10 @@ class Stepper:
     @classmethod
     def of(cls, sections: Sections, letter: str) -> Self:
         """Return that of an axis; Senseless when it makes no sense."""
-        options = sections.get(f"stepper_{letter}", {})
-        try:
-            full_steps = int(options.get("full_steps_per_rotation", USUAL_FULL_STEPS))
-            microsteps = int(options["microsteps"])
-            distance = abs(_number(options["rotation_distance"]))
-            gears = [each.split(":") for each in options.get("gear_ratio", "").split(",") if each.strip()]
-            ratio = math.prod((_number(driven) / _number(driving) for driven, driving in gears), start=Fraction(1))
-        except KeyError as error:
-            raise Senseless(f"stepper_{letter} has no {error.args[0]}") from error
-        except (ValueError, ZeroDivisionError) as error:
-            raise Senseless(f"stepper_{letter} has options that are no numbers") from error
-        if not all(0 < each <= MOST for each in (full_steps, microsteps, distance, 1 / distance if distance else 0)):
-            raise Senseless(f"stepper_{letter} has options that are not above 0, or beyond any motor")
-        if not 1 / Fraction(MOST) <= ratio <= MOST:
-            raise Senseless(f"stepper_{letter} has gears that are beyond any")
-        return cls(letter, full_steps, microsteps, distance / ratio)
+        section = _Section(f"stepper_{letter}", sections)
+        full_steps = section.count("full_steps_per_rotation", USUAL_FULL_STEPS)
+        distance = section.positive("rotation_distance")
+        return cls(letter, full_steps, section.count("microsteps"), distance / section.ratio("gear_ratio"))
 
     @property
     def steps_per_mm(self) -> Fraction:
@@ -72,18 +117,9 @@ class Limits:
     @classmethod
     def of(cls, sections: Sections) -> Self:
         """Return those of a configuration; Senseless when they make no sense."""
-        options = sections.get(PRINTER, {})
-        try:
-            velocity, accel = _double(options["max_velocity"]), _double(options["max_accel"])
-            z_velocity = _double(options.get("max_z_velocity", options["max_velocity"]))
-            z_accel = _double(options.get("max_z_accel", options["max_accel"]))
-        except KeyError as error:
-            raise Senseless(f"[printer] has no {error.args[0]}") from error
-        except ValueError as error:
-            raise Senseless("[printer] has limits that are no numbers") from error
-        if not all(1 / Fraction(MOST) <= each <= MOST for each in (velocity, accel, z_velocity, z_accel)):
-            raise Senseless("[printer] has limits that are not above 0, or beyond any machine")
-        return cls(velocity, accel, z_velocity, z_accel)
+        section = _Section(PRINTER, sections)
+        velocity, accel = section.double("max_velocity"), section.double("max_accel")
+        return cls(velocity, accel, section.double("max_z_velocity", velocity), section.double("max_z_accel", accel))
 
     def velocity_of(self, axis: int) -> Fraction:
         """Return how fast an axis may be [mm/s]."""
@@ -124,13 +160,10 @@ class Machine:
         )
 
 
-def _double(text: str) -> Fraction:
-    """Return a number as Klipper keeps it."""
-    return Fraction(float(_number(text)))
-
-
-def _number(text: str) -> Fraction:
-    value = float(text)
-    if not math.isfinite(value):
-        raise ValueError(text)
-    return typed(value)
+def _number(text: str) -> Fraction | None:
+    """Return a number; None for what is none."""
+    try:
+        value = float(text)
+    except ValueError:
+        return None
+    return typed(value) if math.isfinite(value) else None

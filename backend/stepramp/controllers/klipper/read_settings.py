@@ -18,6 +18,8 @@ def read_settings(text: str, base: Design) -> list[ReadAxis]:
     base: what holds where it says nothing, as timer and method. A push of such a design changes nothing.
     Raises Rejected for a configuration that no design can be made of.
     """
+    # Some editors put a byte order mark before a text.
+    text = text.removeprefix("\ufeff")
     backup = Backup.read(text) or pasted(text)
     try:
         sections = Configuration(backup.files, backup.main).sections
