@@ -77,15 +77,16 @@ def test_the_whole_path(client: TestClient, cable: ModuleOnACable) -> None:
     asked = {"design": document(ramp__base_speed_steps_per_s=50)}
     preview = client.post(f"{route}/push/preview", json=asked).json()
     [speed] = [item for item in preview["items"] if item["name"] == "Full speed"]
-    # What it comes with, told in whole steps.
-    assert (speed["on_device"], speed["to_send"], speed["differs"]) == (51_199, 1000, True)
-    assert speed["own"] == {"term": "4 (VMAX)", "unit": "pps", "sent": 1000, "on_device": 51_199}
+    # What it comes with, told in whole steps, and what its chip gets.
+    chip_speed, chip_acceleration = 16e6 / 2**24, 16e6**2 / 2**41
+    assert (speed["on_device"], speed["to_send"], speed["differs"]) == (51_199, 1048 * chip_speed, True)
+    assert speed["own"] == {"term": "4 (VMAX)", "unit": "pps", "sent": 999, "on_device": 51_199}
     assert any("140): its steps are sent as microsteps" in warning for warning in preview["warnings"])
     pushed = client.post(f"{route}/push", json={**asked, "mode": "try"}).json()
     assert (pushed["verified"], pushed["kept"]) == (True, False)
     figures = {item["own"]["term"]: (item["requested"], item["sent"], item["read_back"]) for item in pushed["items"]}
-    assert figures["5 (AMAX)"] == (5000, 5000, 4889)
-    assert figures["19 (VSTART)"] == figures["20 (VSTOP)"] == (50, 50, 49)
+    assert figures["5 (AMAX)"] == (5000, 42 * chip_acceleration, 42 * chip_acceleration)
+    assert figures["19 (VSTART)"] == figures["20 (VSTOP)"] == (50, 52 * chip_speed, 52 * chip_speed)
     assert client.post(f"{route}/push/preview", json=asked).json()["same"]
     moving = client.post(f"{route}/move", json={"to_steps": 5000}).json()
     assert (moving["state"], moving["target_steps"]) == ("moving", 5000)

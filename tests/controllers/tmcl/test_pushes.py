@@ -39,16 +39,16 @@ def test_a_push_is_sent_read_back_and_told(bench: Bench, unit_mode: int) -> None
     assert ramp_of(bench.module) == PUSHED
     assert ramp_of(bench.module, stored=True) == FACTORY
     assert (report.verified, report.kept, report.bytes, report.segments) == (True, False, 72, None)
+    assert [(item.sent, item.own and item.own.sent) for item in report.items] == [
+        (item.read_back, item.own and item.own.on_device) for item in report.items
+    ]
     first = report.items[0]
     assert (first.name, first.unit, first.requested, first.axis) == ("Full speed", "steps/s", 1000, 0)
-    assert first.own is not None
-    speed = 16e6 / 2**24
+    assert (first.sent, first.own is not None) == (pytest.approx(1048 * 16e6 / 2**24), True)
     if unit_mode:
         # The chip has 999.45: that is told as 999.
-        assert (first.sent, first.read_back) == (1000, 999)
-        assert (first.own.term, first.own.unit, first.own.sent, first.own.on_device) == ("4 (VMAX)", "pps", 1000, 999)
+        assert (first.own.term, first.own.unit, first.own.sent, first.own.on_device) == ("4 (VMAX)", "pps", 999, 999)
     else:
-        assert (first.sent, first.read_back) == (pytest.approx(1048 * speed), pytest.approx(1048 * speed))
         assert (first.own.unit, first.own.sent, first.own.on_device) == ("f/2²⁴", 1048, 1048)
     told = " ".join(report.warnings)
     for words in ("Slew speed 1,000 steps/s is rounded down to 999.4", "switched off", "The method Exact", "140"):
@@ -57,6 +57,9 @@ def test_a_push_is_sent_read_back_and_told(bench: Bench, unit_mode: int) -> None
     again = bench.controller.preview_push([asked], 0)
     assert again.same
     assert not any(item.differs for item in again.items)
+    assert [(item.on_device, item.to_send, item.own) for item in again.items] == [
+        (item.read_back, item.sent, item.own) for item in report.items
+    ]
     assert bench.controller.status().on_trial
     assert bench.module.chip.steps == 0
 

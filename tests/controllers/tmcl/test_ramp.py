@@ -39,7 +39,7 @@ def test_without_a_base_speed_there_is_still_a_stopping_speed() -> None:
     for units in (PPS, CHIP):
         sent = ramp_of(units)
         assert (sent.vstart, sent.vstop) == (0, 10)
-        assert any("VSTOP is 10" in loss for loss in tmcl_losses(design(), units))
+        assert any("VSTOP is 9.536743164 steps/s" in loss for loss in tmcl_losses(design(), units))
         assert not any("VSTOP" in loss for loss in tmcl_losses(design(ramp__base_speed_steps_per_s=10), units))
 
 
@@ -118,7 +118,7 @@ def test_every_loss_is_named() -> None:
     )
     told = " ".join(tmcl_losses(lost, PPS))
     for words in (
-        "VSTOP is 10",
+        "VSTOP is 9.536743164 steps/s",
         "Deceleration 2,500",
         "with the acceleration, 5,000",
         "Slew speed 1,000 steps/s is rounded down to 999.45",

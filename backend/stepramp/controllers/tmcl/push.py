@@ -6,7 +6,15 @@ from dataclasses import dataclass
 from stepramp.controllers.constant_rates import with_constant_rates
 from stepramp.controllers.contract import FigureUnit, OwnTerms, PreviewItem, PushItem, PushMode, PushPreview, PushReport
 from stepramp.controllers.tmcl.modules import Parameters
-from stepramp.controllers.tmcl.ramp import TmclRamp, in_steps, is_kept, is_speed, tmcl_losses
+from stepramp.controllers.tmcl.ramp import (
+    TmclRamp,
+    chip_in_steps,
+    in_steps,
+    in_units,
+    is_kept,
+    is_speed,
+    tmcl_losses,
+)
 from stepramp.controllers.tmcl.ramps import Ramps
 from stepramp.controllers.tmcl.units import Units
 from stepramp.controllers.tmcl.wire import FRAME_BYTES
@@ -86,11 +94,8 @@ class PushPlan:
         """Return what the push would change of the ramps in use."""
         return PushPreview(
             items=tuple(
-                # What the chip has already is shown as the same, however the module rounds what it tells of that.
-                PreviewItem(
-                    each.name, each.unit, each.sent if is_had else each.read_back, each.sent, each.axis, each.own
-                )
-                for each, is_had in zip(self._items(present), self._are_had(present), strict=True)
+                PreviewItem(each.name, each.unit, each.read_back, each.sent, each.axis, each.own)
+                for each in self._items(present)
             ),
             same=self.is_had(present),
             segments=None,
@@ -100,24 +105,20 @@ class PushPlan:
         )
 
     def _items(self, present: Sequence[TmclRamp]) -> Iterator[PushItem]:
+        """Yield each figure as the chip gets it, and has it where the module tells one that may be that."""
         for axis, ramp in self.ramps.items():
             asked, units = _asked(self.designs[axis]), self.units[axis]
             for (name, sent), (_, there) in zip(ramp.named, present[axis].named, strict=True):
                 unit: FigureUnit = "steps/s" if is_speed(name) else "steps/s²"
+                is_had, in_chip = is_kept(name, sent, there, units), chip_in_steps(name, sent, units)
                 own = OwnTerms(
                     f"{self.parameters.of(name)} ({name.upper()})",
                     units.speed_name if is_speed(name) else units.acceleration_name,
-                    sent,
+                    there if is_had else in_units(name, in_chip, units),
                     there,
                 )
-                figures = asked[name], in_steps(name, sent, units), in_steps(name, there, units)
-                yield PushItem(NAMES[name], unit, *figures, axis, own)
-
-    def _are_had(self, present: Sequence[TmclRamp]) -> Iterator[bool]:
-        """Yield of each figure, as _items has them, whether it is had."""
-        for axis, ramp in self.ramps.items():
-            for (name, sent), (_, there) in zip(ramp.named, present[axis].named, strict=True):
-                yield is_kept(name, sent, there, self.units[axis])
+                read_back = float(in_chip) if is_had else in_steps(name, there, units)
+                yield PushItem(NAMES[name], unit, asked[name], float(in_chip), read_back, axis, own)
 
     def _losses(self) -> Iterator[str]:
         several = len(self.designs) > 1

@@ -132,6 +132,16 @@ def in_steps(name: str, value: int, units: Units) -> float:
     return float(value * (units.speed if is_speed(name) else units.acceleration))
 
 
+def chip_in_steps(name: str, sent: int, units: Units) -> Fraction:
+    """Return what the chip gets of a figure in the module's units, in steps/s, or in steps/s²."""
+    return _to_chip(name, sent, units) * (units.chip_speed if is_speed(name) else units.chip_acceleration)
+
+
+def in_units(name: str, in_steps: Fraction, units: Units) -> int:
+    """Return a figure in steps/s, or in steps/s², in the module's units, as it tells it."""
+    return int(in_steps / (units.speed if is_speed(name) else units.acceleration))
+
+
 def is_kept(name: str, sent: int, back: int, units: Units) -> bool:
     """Whether a module that was sent a figure may tell it as another one: less by what its chip rounds away.
 
@@ -150,10 +160,10 @@ def tmcl_losses(design: Design, units: Units) -> Iterator[str]:
     down = typed(ramp.slowdown_steps_per_s2)
     start = typed(ramp.base_speed_steps_per_s)
     sent = TmclRamp.of(design, units).of_the_chip(units)
-    if start < LEAST_VSTOP:
+    if sent.vstop > sent.vstart:
         yield (
             f"Base speed {float(start):,.10g} steps/s is not kept at the end of a move: the module needs a stopping "
-            f"speed, so VSTOP is {LEAST_VSTOP}."
+            f"speed, so VSTOP is {float(sent.vstop * units.chip_speed):,.10g} steps/s."
         )
     else:
         yield from rounding("Base speed", "steps/s", start, sent.vstart * units.chip_speed)
