@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -17,6 +18,7 @@ from stepramp.controllers.stepramp.settings import StepRampSettings
 from stepramp.controllers.virtual.controller import VirtualController
 from stepramp.devices.device import Device
 from stepramp.devices.registry import Devices
+from stepramp.devices.soft_limits import Span
 from stepramp.devices.view import DeviceState
 from stepramp.errors import DeviceLost, Refused, Rejected
 
@@ -45,6 +47,28 @@ def devices(made: list[PlainController]) -> Iterator[Devices]:
 @pytest.fixture
 def plain(devices: Devices) -> Device:
     return devices.connect("at a plain wire", "plain")
+
+
+def test_what_is_remembered_at_a_port_is_of_one_kind_of_controller() -> None:
+    plain = Family("plain", "Plain", NoWire, PlainController)
+    alike, other = (
+        replace(plain, name="faster", same_as="plain"),
+        replace(plain, name="other"),
+    )
+    devices = Devices({each.name: each for each in (plain, alike, other)})
+
+    def connected(family: str) -> tuple[dict[int, Span], tuple[int, ...]]:
+        device = devices.connect("at a plain wire", family)
+        known = dict(device.view.soft_limits), device.view.unknown_positions
+        devices.disconnect(device.view.id)
+        return known
+
+    device = devices.connect("at a plain wire", "plain")
+    device.limit({0: Span(-10, 5)})
+    devices.disconnect(device.view.id)
+    assert connected("other") == ({}, ())
+    assert connected("faster") == connected("plain") == ({0: Span(-10, 5)}, (0,))
+    devices.close()
 
 
 def test_a_device_is_given_its_connection_and_its_controller(plain: Device, made: list[PlainController]) -> None:

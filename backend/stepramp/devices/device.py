@@ -90,8 +90,8 @@ class Device:
 
     @property
     def identity(self) -> object:
-        """What tells what is plugged in apart; see Port."""
-        return self._attachment.identity
+        """What tells apart what is plugged in, and of what kind of controller it is taken to be; see Port."""
+        return self._family.kind, self._attachment.identity
 
     @property
     def location(self) -> str | None:

@@ -56,8 +56,8 @@ class Devices:
         self._owed = OwedStops(self.order)
         self._lock = threading.Lock()
         self._devices: dict[str, Device] = {}
-        # Devices that were forgotten and are to be remembered, by what tells apart what was plugged in: soft limits,
-        # and axes that may be elsewhere than they count.
+        # Devices that were forgotten and are to be remembered, by what tells apart what was plugged in and the kind of
+        # its controller: soft limits, and axes that may be elsewhere than they count.
         self._let_go: dict[object, DeviceView] = {}
         self._listeners: list[Listener] = []
         self._pages = Pages(self._leave_control)
@@ -247,7 +247,7 @@ class Devices:
                 raise Refused("StepRamp is ending: nothing is connected any more.")
             self._last_id += 1
             device_id = str(self._last_id)
-            before = self._let_go.get(known.identity)
+            before = self._let_go.get((family.kind, known.identity))
             device = Device(
                 device_id,
                 known,
