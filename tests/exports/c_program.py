@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from tools import require
 
 FLAGS = ["-std=c99", "-O1", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-Wconversion"]
+IN_CPP = ["-x", "c++", "-std=c++17", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-fsyntax-only"]
+"""As sketches for an Arduino are."""
 
 PLAY_MOVES = """
 #include <inttypes.h>
@@ -41,13 +43,14 @@ int main(int count, char **words)
 
 
 def compiled(folder: Path, header: str, name: str, program: str) -> Path:
-    """Return a program that uses a header whose names begin with `name`, compiled without a warning."""
-    require(*([] if shutil.which("gcc") else ["gcc"]))
+    """Return a program that uses a header whose names begin with `name`, compiled without a warning, as C++ too."""
+    require(*(each for each in ("gcc", "g++") if shutil.which(each) is None))
     (folder / "exported.h").write_text(header, encoding="utf-8")
     source = folder / "main.c"
     # Before any other header: it must bring what it needs.
     source.write_text('#include "exported.h"\n' + program.replace("NAME", name), encoding="utf-8")
     subprocess.run(["gcc", *FLAGS, "-o", folder / "program", source], check=True)
+    subprocess.run(["g++", *IN_CPP, source], check=True)
     return folder / "program"
 
 

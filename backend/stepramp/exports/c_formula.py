@@ -8,7 +8,7 @@ from stepramp.design import Design, MethodName
 from stepramp.errors import Rejected, Rejection
 from stepramp.exports.c_text import filled, heading, number, ramp_values, ticks_types
 from stepramp.methods import METHODS
-from stepramp.methods.common.fixed_point import RAMP_INDEX_BITS, Format, Scaled
+from stepramp.methods.common.fixed_point import EXPONENTS, RAMP_INDEX_BITS, Format, Output, Scaled
 from stepramp.methods.common.method import Code, FixedCode
 from stepramp.numerics.numbers import NUMBERS, Arithmetic, Number
 from stepramp.ramp.plan import Plan, plan_of
@@ -18,6 +18,8 @@ from stepramp.shapes.constant import ConstantAcceleration
 CODES = {name: method.code for name, method in METHODS.items() if method.code}
 """The methods that have code, by name."""
 TYPES: dict[Arithmetic, str] = {"float32": "float", "float64": "double"}
+NO_STEPS = Format(Scaled(0, 0), Scaled(0, 0), 0, (Output(0, 0),) * EXPONENTS)
+"""Of a side that is never asked for an interval."""
 
 
 def formula_header(design: Design, method: MethodName, name: str, arithmetic: Arithmetic | None) -> str:
@@ -139,10 +141,8 @@ def _fixed_side(values: dict[str, str], code: FixedCode, up: ConstantAcceleratio
 
 
 def _fixed_constants(slope: ConstantAcceleration, code: FixedCode, *, is_up: bool) -> str:
-    """Return the initialiser of a side; one without steps is never asked for an interval."""
-    if slope.steps == 0:
-        return "{0}"
-    form = Format.of(slope)
+    """Return the initialiser of a side, whole: C++ warns of what is left out."""
+    form = Format.of(slope) if slope.steps else NO_STEPS
     first = form.longest if is_up else form.shortest
     index = form.first_ramp_index + (0 if is_up else slope.steps << RAMP_INDEX_BITS)
     own = ", ".join(str(each) if isinstance(each, int) else _braced(each) for each in code.constants(form, index))
