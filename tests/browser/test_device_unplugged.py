@@ -15,7 +15,7 @@ from playwright.sync_api import Browser, expect
 from browser.conftest import Watch
 from browser.server import Server
 from browser.stepramp_page import ACCELERATION, LOST, SLEW_SPEED, StepRampPage, until
-from controllers.usb_board import Cable
+from controllers.board_process import BoardProcess
 from stepramp.controllers.stepramp.messages.ramps import DataRequest
 
 GONE = r"ERR_CONNECTION|WebSocket connection|ERR_INCOMPLETE"
@@ -23,16 +23,16 @@ FAR = 1_000_000
 
 
 @pytest.fixture
-def cable(tmp_path: Path, watch: Watch) -> Iterator[Cable]:
+def cable(tmp_path: Path, watch: Watch) -> Iterator[BoardProcess]:
     watch.expected.append(LOST)
-    made = Cable(tmp_path / "ttyACM7")
+    made = BoardProcess(tmp_path / "ttyACM7")
     made.plug_in()
     yield made
-    made.unplug()
+    made.end()
 
 
 @pytest.fixture
-def plugged(stepramp: StepRampPage, cable: Cable) -> StepRampPage:
+def plugged(stepramp: StepRampPage, cable: BoardProcess) -> StepRampPage:
     """Return the page with the board connected by a program: a pseudo-terminal is in no list of ports."""
     body = json.dumps({"port": str(cable.port)}).encode()
     request = urllib.request.Request(
@@ -73,12 +73,11 @@ def jog_until(page: StepRampPage, device: str, speed_steps_per_s: float) -> None
     raise AssertionError(f"no jog came to {speed_steps_per_s} steps/s")
 
 
-def test_unplugged_in_the_middle_of_a_push(plugged: StepRampPage, cable: Cable) -> None:
+def test_unplugged_in_the_middle_of_a_push(plugged: StepRampPage, cable: BoardProcess) -> None:
     page = plugged.page
     plugged.push()
     plugged.edit_and_wait(SLEW_SPEED, "500")
-    assert cable.board is not None
-    cable.board.unplug_at(DataRequest.KIND, after=2)
+    cable.unplug_at(DataRequest.KIND, after=2)
     page.locator("#push").click()
     expect(plugged.state).to_have_text("lost")
     expect(page.locator(".device .problem").first).to_contain_text(
@@ -96,7 +95,7 @@ def test_unplugged_in_the_middle_of_a_push(plugged: StepRampPage, cable: Cable) 
 
 
 def test_what_has_soft_limits_moves_again_once_its_position_is_set(
-    plugged: StepRampPage, cable: Cable, watch: Watch
+    plugged: StepRampPage, cable: BoardProcess, watch: Watch
 ) -> None:
     watch.expected.append(r"status of 409")
     page = plugged.page
@@ -119,7 +118,7 @@ def test_what_has_soft_limits_moves_again_once_its_position_is_set(
     until(lambda: device_of(plugged)["position_steps"] == 905)
 
 
-def test_unplugged_in_the_middle_of_a_move(plugged: StepRampPage, cable: Cable) -> None:
+def test_unplugged_in_the_middle_of_a_move(plugged: StepRampPage, cable: BoardProcess) -> None:
     page = plugged.page
     plugged.push()
     plugged.move(str(FAR))
@@ -141,7 +140,7 @@ def test_unplugged_in_the_middle_of_a_move(plugged: StepRampPage, cable: Cable) 
     expect(plugged.position).to_have_text("1,234")
 
 
-def test_unplugged_while_jogging_and_plugged_in_while_still_held(plugged: StepRampPage, cable: Cable) -> None:
+def test_unplugged_while_jogging_and_plugged_in_while_still_held(plugged: StepRampPage, cable: BoardProcess) -> None:
     plugged.push()
     plugged.device_section("jog")
     plugged.page.locator("#jog-right").hover()
@@ -156,7 +155,7 @@ def test_unplugged_while_jogging_and_plugged_in_while_still_held(plugged: StepRa
     plugged.page.mouse.up()
 
 
-def test_a_stop_owes_the_lost_one_while_another_slows_down(plugged: StepRampPage, cable: Cable) -> None:
+def test_a_stop_owes_the_lost_one_while_another_slows_down(plugged: StepRampPage, cable: BoardProcess) -> None:
     """Whatever slows down by itself, a press stops all, and what is out of reach is told whichever device is chosen."""
     page = plugged.page
     board = device_of(plugged)["id"]
