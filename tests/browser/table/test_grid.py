@@ -4,7 +4,8 @@ import re
 
 from playwright.sync_api import expect
 
-from browser.stepramp_page import StepRampPage
+from browser.conftest import Watch
+from browser.stepramp_page import REFUSED_VALUE, StepRampPage
 from browser.table.points import ROWS, assert_on_data, rows_of
 
 
@@ -67,7 +68,45 @@ def test_a_target_is_changed_in_flight_without_moving_anything(start: StepRampPa
     # After 300 ms it is past step 300, at top speed, and needs the 300 steps of its ramp to stop before it turns.
     expect(result).to_contain_text(re.compile(r"It turns at step 6\d\d\. At rest at step 100 after [\d,.]+ ms"))
     start.page.locator("#play-second").fill("2.5")
-    expect(result).to_contain_text("“2.5” is not a whole number")
+    expect(start.page.locator("#play-second-message")).to_have_text("“to” is 2.5; allowed: a whole number from 0 on.")
     expect(start.page.locator("#play-second")).to_have_attribute("aria-invalid", "true")
+    expect(result).to_have_text("")
     start.page.keyboard.press("Escape")
     expect(start.page.locator("#play-dialog")).to_be_hidden()
+
+
+def test_what_is_refused_of_a_simulation_is_told_at_its_field(start: StepRampPage, module_watch: Watch) -> None:
+    module_watch.expected.append(REFUSED_VALUE)
+    page = start.page
+    start.choose_example("Gauge")
+    page.locator(".table-foot").get_by_role("button", name="Simulate").click()
+    steps = "a whole number from 0 to 9,999,999 steps"
+    told = {
+        "first": (f"“Go to” is 1,000,000,000,000; allowed: {steps}.", "1e12", "800"),
+        "after": (
+            "“and after” is 1,000,000,000,000; allowed: a whole number from 0 to 1,000,000,000 ms.",
+            "1e12",
+            "300",
+        ),
+        "second": (f"“to” is 10,000,000; allowed: {steps}.", "10000000", "100"),
+    }
+    for name, (_, _, right) in told.items():
+        page.locator(f"#play-{name}").fill(right)
+    for name, (text, wrong, right) in told.items():
+        field = page.locator(f"#play-{name}")
+        field.fill(wrong)
+        expect(page.locator(f"#play-{name}-message")).to_have_text(text)
+        expect(field).to_have_attribute("aria-invalid", "true")
+        expect(field).to_have_attribute("aria-describedby", f"play-{name}-message play-result")
+        expect(page.locator("#play-dialog [aria-invalid=true]")).to_have_count(1)
+        expect(page.locator("#play-dialog svg.small-chart .line")).to_have_count(0)
+        field.fill(right)
+        expect(page.locator("#play-dialog [aria-invalid=true]")).to_have_count(0)
+        expect(page.locator("#play-result")).to_contain_text("At rest at step 100")
+    page.locator("#play-first").fill("9999999")
+    page.locator("#play-second").fill("0")
+    page.locator("#play-after").fill("1000000000")
+    expect(page.locator("#play-result")).to_have_text(
+        "Both moves together have too many steps; allowed: moves of at most 10,000,000 steps in all."
+    )
+    page.keyboard.press("Escape")
