@@ -33,6 +33,10 @@ export function tidy(value) {
   return Number(value.toPrecision(FIGURES));
 }
 
+/** The nearest whole number; a half goes away from 0, so that forwards and backwards are alike.
+ * @param {number} value */
+export const nearestWhole = (value) => Math.sign(value) * Math.round(Math.abs(value));
+
 /** What to write in place of a decimal comma, as a sentence to add to a refusal; '' where there is none.
  * @param {unknown} entry */
 export function pointHint(entry) {

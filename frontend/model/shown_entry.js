@@ -1,7 +1,7 @@
 // @ts-check
 // A field's content in the unit that is shown, and back. The design keeps steps and seconds whatever is shown.
 
-import { formatEntry, parseEntry, tidy } from './numbers.js';
+import { formatEntry, nearestWhole, parseEntry, tidy } from './numbers.js';
 import { shownValue, unitWord } from './units.js';
 
 /** @typedef {import('./types.js').Design} Design */
@@ -44,6 +44,23 @@ export function readEntry({ isWhole }, text, factor) {
   const stored = tidy(typed / factor);
   // Beyond all numbers: it stays as it was typed, to be refused by name.
   if (!Number.isFinite(stored)) return { entry: text.trim(), exact: null };
-  const entry = isWhole ? Math.round(stored) : stored;
+  const entry = isWhole ? nearestWhole(stored) : stored;
   return { entry, exact: entry === stored ? null : stored };
 }
+
+/** A length that is no whole number of steps: as it was typed, and the steps that it would be.
+ * @typedef {{text: string, exact: number}} Between */
+
+/** A motor makes whole steps: what a typed length becomes.
+ * @param {Between} between @param {number} whole @param {string} unit @param {number} factor */
+export const roundingText = ({ text, exact }, whole, unit, factor) =>
+  `${text} ${unit} would be ${formatEntry(exact)} steps: it is ${formatEntry(whole)}, ${shownEntry(whole, factor)} ${unit}.`;
+
+/** Whether it is refused because it is nothing at all.
+ * @param {import('./types.js').Rejection | undefined} refused */
+export const isNothing = (refused) => refused?.value === 0 && /but not 0/.test(refused.allowed ?? '');
+
+/** Why a length that becomes no step is refused.
+ * @param {Between} between @param {string} unit @param {number} factor */
+export const tooShortText = ({ text }, unit, factor) =>
+  `${text} ${unit} is less than half a step; the least is ${shownEntry(1, factor)} ${unit}.`;

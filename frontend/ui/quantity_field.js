@@ -4,7 +4,8 @@
 import { element } from './dom.js';
 import { selectOnFocus } from './select_on_focus.js';
 import { refusalText } from '../model/messages.js';
-import { formatEntry, formatFixed, parseEntry } from '../model/numbers.js';
+import { formatEntry, formatFixed, nearestWhole, parseEntry } from '../model/numbers.js';
+import { isNothing, roundingText, tooShortText } from '../model/shown_entry.js';
 import { shownValue, storedValue, unitsFor, unitWord } from '../model/units.js';
 import { inShownUnit } from './refusal.js';
 
@@ -22,11 +23,14 @@ const EXACT_FIGURES = 12;
  *   start: steps or steps/s, or how they follow from the design until something is typed; toWhole: which whole step
  *   a length in another unit becomes, the nearest one if it isn't said
  */
-export function quantityField({ id, label, quantity, start, toWhole = Math.round }) {
+export function quantityField({ id, label, quantity, start, toWhole = nearestWhole }) {
   /** In steps or steps/s, or the text that is no number.
    * @type {Entry} */
   let entry = typeof start === 'function' ? '' : start;
   let isTyped = false;
+  /** What was typed, where that is no whole number of steps.
+   * @type {import('../model/shown_entry.js').Between | null} */
+  let between = null;
   /** @type {{units: Units, design: Design} | null} */
   let shown = null;
   const input = element('input', {
@@ -46,6 +50,7 @@ export function quantityField({ id, label, quantity, start, toWhole = Math.round
     const typed = parseEntry(input.value);
     isTyped = true;
     entry = typed;
+    between = null;
     if (typeof typed !== 'number' || shown === null) return;
     const stored = storedValue(shown.units, shown.design, quantity, typed);
     if (!Number.isFinite(stored)) {
@@ -54,7 +59,21 @@ export function quantityField({ id, label, quantity, start, toWhole = Math.round
     }
     // A motor makes whole steps; in steps the server says so of any other number.
     const isInSteps = unitsFor(shown.units, shown.design).length === 'steps';
-    entry = quantity === 'length' && !isInSteps ? toWhole(Number(stored.toPrecision(EXACT_FIGURES))) : stored;
+    entry = quantity === 'length' && !isInSteps ? wholeSteps(Number(stored.toPrecision(EXACT_FIGURES))) : stored;
+  }
+
+  /** @param {number} exact */
+  function wholeSteps(exact) {
+    const whole = toWhole(exact);
+    if (whole !== exact) between = { text: input.value.trim(), exact };
+    return whole;
+  }
+
+  /** What a length becomes that is no whole number of steps; '' where it is one. */
+  function rounding() {
+    if (shown === null || between === null) return '';
+    const { units, design } = shown;
+    return roundingText(between, Number(entry), unitWord(units, design, quantity), shownValue(units, design, quantity, 1));
   }
 
   function write() {
@@ -73,16 +92,23 @@ export function quantityField({ id, label, quantity, start, toWhole = Math.round
     set(value) {
       isTyped = true;
       entry = value;
+      between = null;
       write();
     },
     /** What the server says is wrong with it.
      * @param {import('../model/types.js').Rejection} rejection @param {string} label */
-    refusal: (rejection, label) =>
-      shown ? inShownUnit(rejection, label, quantity, shown.units, shown.design) : refusalText(rejection, label),
+    refusal(rejection, label) {
+      if (shown === null) return refusalText(rejection, label);
+      const { units, design } = shown;
+      if (between === null || !isNothing(rejection)) return inShownUnit(rejection, label, quantity, units, design);
+      return tooShortText(between, unitWord(units, design, quantity), shownValue(units, design, quantity, 1));
+    },
+    rounding,
     /** What the motor does, where that isn't what the field says; '' where it is. */
     inSteps() {
       const isInSteps = shown === null || unitsFor(shown.units, shown.design).length === 'steps';
       if (isInSteps || typeof entry !== 'number') return '';
+      if (between !== null) return rounding();
       return quantity === 'length' ? `${formatFixed(entry)} steps` : `${formatFixed(entry, 1)} steps/s`;
     },
     /** @param {Units} units @param {Design} design */
@@ -91,6 +117,7 @@ export function quantityField({ id, label, quantity, start, toWhole = Math.round
       const isSame = shown !== null && unit.textContent === word && shown.design.axis === design.axis;
       shown = { units, design };
       unit.textContent = word;
+      if (!isSame) between = null;
       const proposed = typeof start === 'function' && !isTyped ? start(design) : entry;
       if (isSame && proposed === entry) return;
       entry = proposed;

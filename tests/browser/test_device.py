@@ -271,7 +271,7 @@ def test_a_refused_move_leaves_the_measured_one_on_the_plots(pushed: StepRampPag
     pushed.move("60")
     expect(deviation).to_be_visible()
     pushed.move("0.5")
-    expect(page.locator("#move-steps-message")).to_contain_text("Steps is 0.5")
+    expect(page.locator("#move-steps-message")).to_contain_text("Distance is 0.5")
     expect(deviation).to_be_visible()
     pushed.move(str(FAR))
     expect(pushed.state).to_have_text("moving")
@@ -420,6 +420,48 @@ def test_lengths_in_the_chosen_unit(pushed: StepRampPage) -> None:
     expect(page.locator(".live .target").first).to_contain_text("125 steps")
 
 
+def test_a_position_between_two_steps_says_what_it_becomes(pushed: StepRampPage) -> None:
+    page = pushed.page
+    page.locator('[aria-label="Unit of length"] [data-value="mm"]').click()
+    pushed.device_section("jog")
+    # 400 steps make one turn of 8 mm.
+    field, note = page.locator("#set-position"), page.locator("#set-position-note")
+    field.fill("0.001")
+    expect(note).to_have_text("0.001 mm would be 0.05 steps: it is 0, 0 mm.")
+    field.fill("3.333")
+    expect(note).to_have_text("3.333 mm would be 166.65 steps: it is 167, 3.34 mm.")
+    page.locator("#set-position-button").click()
+    expect(pushed.position).to_have_text(re.compile(r"^3\.340*$"))
+    expect(note).to_be_visible()
+    field.fill("3.34")
+    expect(note).to_be_hidden()
+    field.fill("3.333")
+    page.locator('[aria-label="Unit of length"] [data-value="steps"]').click()
+    expect(field).to_have_value("167")
+    expect(note).to_be_hidden()
+
+
+def test_a_distance_below_a_step_is_refused_as_it_was_typed(pushed: StepRampPage, watch: Watch) -> None:
+    watch.expected.append(REFUSED)
+    page = pushed.page
+    page.locator('[aria-label="Unit of length"] [data-value="mm"]').click()
+    pushed.device_section("move")
+    message = page.locator("#move-steps-message")
+    for kind in ("by", "back"):
+        for typed in ("0.001", "-0.009"):
+            pushed.move(typed, kind)
+            expect(message).to_have_text(f"{typed} mm is less than half a step; the least is 0.02 mm.")
+            expect(page.locator("#move-in-steps")).to_be_hidden()
+    pushed.move("0")
+    expect(message).to_have_text("Distance is 0 mm (0 steps); allowed: a whole number of steps, but not 0.")
+    pushed.move("3.333")
+    expect(page.locator("#move-in-steps")).to_have_text("3.333 mm would be 166.65 steps: it is 167, 3.34 mm.")
+    until(lambda: device_of(pushed)["position_steps"] == 167)
+    # Half a step is one, whichever way.
+    pushed.move("-0.01")
+    until(lambda: device_of(pushed)["position_steps"] == 166)
+
+
 def test_what_is_refused_stands_at_its_field_in_its_unit(pushed: StepRampPage, watch: Watch) -> None:
     watch.expected.append(REFUSED)
     page = pushed.page
@@ -475,7 +517,7 @@ def test_a_line_that_is_refused_says_for_which_axis(stepramp: StepRampPage, watc
     page.locator("#line-0").fill("100")
     page.locator("#line-1").fill("")
     page.locator("#move").click()
-    expect(page.locator("#line-1-message")).to_contain_text("Steps of axis 1 is empty; allowed: ")
+    expect(page.locator("#line-1-message")).to_contain_text("Distance of axis 1 is empty; allowed: ")
     expect(page.locator("#line-1")).to_have_attribute("aria-invalid", "true")
     expect(page.locator("#device .problem .message")).to_have_count(1)
     page.locator('.panel.device [data-value="by"]').click()

@@ -81,7 +81,7 @@ def test_a_length_that_rounds_to_nothing_is_one_fault(module_page: StepRampPage,
     module_page.field("move.steps").fill("10.01")
     expect(row.locator(".note")).to_contain_text("10.01 mm would be 500.5 steps")
     module_page.field("move.steps").fill("0.0001")
-    expect(row.locator(".message")).to_contain_text("Distance is 0 mm (0 steps); allowed")
+    expect(row.locator(".message")).to_contain_text("0.0001 mm is less than half a step")
     expect(row.locator(".note")).to_be_hidden()
     module_page.field("move.steps").fill("10")
     expect(row.locator(".message")).to_have_count(0)

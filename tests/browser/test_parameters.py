@@ -1,5 +1,6 @@
 """The parameters: numbers, sliders, keys and wheel, units, presets, and what each field says of itself."""
 
+import re
 from collections.abc import Callable
 from typing import Any
 
@@ -195,6 +196,20 @@ def test_a_length_that_is_no_whole_number_of_steps_is_rounded_and_told(stepramp:
     field.fill("10")
     expect(note(stepramp, DISTANCE)).to_be_empty()
     assert kept(stepramp, DISTANCE) == 500
+
+
+def test_a_length_below_a_step_is_refused_as_it_was_typed(stepramp: StepRampPage, module_watch: Watch) -> None:
+    module_watch.expected.append(REFUSED_VALUE)
+    units(stepramp, "mm")
+    message = stepramp.message(DISTANCE)
+    for typed in ("0.001", "-0.001", "1e-9"):
+        stepramp.field(DISTANCE).fill(typed)
+        expect(message).to_have_text(f"{typed} mm is less than half a step; the least is 0.02 mm.")
+    stepramp.field(DISTANCE).fill("0")
+    expect(message).to_have_text(re.compile("^Distance is 0 mm .*but not 0"))
+    stepramp.field(DISTANCE).fill("-0.01")
+    expect(stepramp.field(DISTANCE)).to_have_attribute("aria-invalid", "false")
+    assert kept(stepramp, DISTANCE) == -1, "half a step is one, whichever way"
 
 
 def test_steps_of_keys_are_round_in_the_unit_shown(stepramp: StepRampPage) -> None:

@@ -121,7 +121,7 @@ def test_what_is_too_large_for_its_unit_is_refused_and_takes_no_limit_away(pushe
     expect(page.locator("#limit-0-highest-message")).to_contain_text("Highest is 1e308; allowed: whole steps from")
     page.locator("#settings-dialog").get_by_label("Close").click()
     pushed.move("1e308")
-    expect(page.locator("#move-steps-message")).to_contain_text("Steps is 1e308; allowed: whole steps from")
+    expect(page.locator("#move-steps-message")).to_contain_text("Distance is 1e308; allowed: whole steps from")
     page.locator('.panel.device [data-value="to"]').click()
     expect(page.locator("#move-steps-message")).to_have_count(0)
     expect(page.locator("#move-steps")).to_have_attribute("aria-invalid", "false")

@@ -2,7 +2,7 @@
 // Jogging while a button is held, running at a speed, and saying where an axis is.
 
 import { directedSpeed, ofUndirected } from '../../devices/directed_speed.js';
-import { element, icon } from '../../ui/dom.js';
+import { element, icon, showText } from '../../ui/dom.js';
 import { memory } from '../../documents/memory.js';
 import { shownValue } from '../../model/units.js';
 import { refusalText } from '../../model/messages.js';
@@ -48,8 +48,19 @@ export function createJogSection(jog, handlers) {
   const zero = button('zero', 'Zero', () =>
     withDevice((one, axis) => handlers.go(one, axis, 'zero', { axes: [axis], steps: dial.value() })),
   );
+  const [placeNote, dialNote] = [place, dial].map(({ input }) =>
+    element('p', { className: 'reason', id: `${input.id}-note`, role: 'status', hidden: true }),
+  );
   const reason = element('p', { className: 'reason', id: 'jog-reason' });
   const placeReason = element('p', { className: 'reason', id: 'place-reason' });
+
+  /** What a length becomes that is no whole number of steps. */
+  function showRounding() {
+    for (const [field, note] of /** @type {const} */ ([[place, placeNote], [dial, dialNote]])) { // prettier-ignore
+      showText(note, field.rounding());
+      note.hidden = note.textContent === '' || field.input.getAttribute('aria-invalid') === 'true';
+    }
+  }
 
   /** @param {(device: Device, axis: number) => void} act */
   function withDevice(act) {
@@ -119,7 +130,7 @@ export function createJogSection(jog, handlers) {
   return {
     element: element(
       'div',
-      { className: 'section' },
+      { className: 'section', oninput: showRounding },
       labelled('Speed', speed.element),
       speedProblem,
       element('div', { className: 'line hold-line' }, back, ahead),
@@ -134,8 +145,10 @@ export function createJogSection(jog, handlers) {
       element('div', { className: 'separator' }),
       labelled('It is at', place.element, set),
       placeProblem,
+      placeNote,
       gauge,
       dialProblem,
+      dialNote,
       placeReason,
       element('p', { className: 'reason', textContent: 'Set position says what the current position is called: nothing moves.' }),
       gaugeExplained,
@@ -151,6 +164,7 @@ export function createJogSection(jog, handlers) {
       speed.show(situation.units, design);
       place.show(situation.units, design);
       dial.show(situation.units, design);
+      showRounding();
       const noRamp = device && !device.ramp ? 'Push a ramp first.' : '';
       const isHeld = 'held' in back.dataset || 'held' in ahead.dataset;
       able([runBack, runAhead], reason, inTheWay || noRamp, situation.isBusy);
@@ -158,6 +172,7 @@ export function createJogSection(jog, handlers) {
       // A gauge is a pointer that turns.
       const isGauge = known !== null && can(known, 'zero') && design.axis.travel_unit === 'deg';
       for (const one of [gauge, gaugeExplained, dialProblem]) one.hidden = !isGauge;
+      if (!isGauge) dialNote.hidden = true;
       able([set, zero], placeReason, inTheWay || notAtRest || noRamp, situation.isBusy);
       if (placeReason.textContent === reason.textContent) placeReason.hidden = true;
     },

@@ -117,7 +117,8 @@ export function createMoveSection({ go }) {
 
   function showSteps() {
     inSteps.textContent = shownKind() === 'line' ? '' : distance.inSteps();
-    inSteps.hidden = inSteps.textContent === '';
+    // What is refused says what it was taken for.
+    inSteps.hidden = inSteps.textContent === '' || distance.input.getAttribute('aria-invalid') === 'true';
   }
 
   /** @param {Context} present */
@@ -149,13 +150,13 @@ export function createMoveSection({ go }) {
   /** @param {import('../../model/types.js').Rejection[]} rejections */
   function reject(rejections) {
     const isLine = shownKind() === 'line';
-    const label = shownKind() === 'to' ? 'Position' : 'Steps';
+    const label = shownKind() === 'to' ? 'Position' : 'Distance';
     return showAtPlaces(rejections, [
       ...lines.map((field, axis) => ({
         path: isLine ? new RegExp(`^axes\\.${axis}\\.by_steps$`) : NOTHING,
         input: field.input,
         problem: lineProblems[axis],
-        text: (/** @type {import('../../model/types.js').Rejection} */ one) => field.refusal(one, `Steps of axis ${axis}`),
+        text: (/** @type {import('../../model/types.js').Rejection} */ one) => field.refusal(one, `Distance of axis ${axis}`),
       })),
       {
         path: isLine ? NOTHING : /(^|\.)(by|to)_steps$/,

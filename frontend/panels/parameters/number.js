@@ -7,7 +7,7 @@ import { element, icon, picker, showMessage } from '../../ui/dom.js';
 import { selectOnFocus } from '../../ui/select_on_focus.js';
 import { formatEntry } from '../../model/numbers.js';
 import { inShownUnit } from '../../model/rejection_text.js';
-import { factorOf, readEntry, shownEntry, unitOf } from '../../model/shown_entry.js';
+import { factorOf, isNothing, readEntry, roundingText, shownEntry, tooShortText, unitOf } from '../../model/shown_entry.js';
 import { SLIDER_POSITIONS, sliderPosition, sliderValue, stepped } from './stepping.js';
 import { watchWheel } from './wheel.js';
 
@@ -41,8 +41,11 @@ export function createNumber(field, { onEdit, onSlid }) {
   /** @type {{design: Design, units: Units, factor: number} | null} */
   let shown = null;
   /** What was typed last, to be shown again as it was typed.
-   * @type {{text: string, entry: Entry, factor: number} | null} */
+   * @type {{text: string, entry: Entry, exact: number | null, factor: number} | null} */
   let typed = null;
+  /** What is said of it, in the server's units.
+   * @type {import('../../model/messages.js').Message | undefined} */
+  let message;
 
   const parts = buildRow(field, mayBeOpen, (unit) => onEdit('axis.travel_unit', unit));
   const { input, slider, note } = parts;
@@ -64,11 +67,14 @@ export function createNumber(field, { onEdit, onSlid }) {
 
   function type() {
     if (shown === null) return;
-    const { factor } = shown;
+    const { design, units, factor } = shown;
     const { entry, exact } = readEntry(field, input.value, factor);
-    typed = { text: input.value, entry, factor };
-    note.textContent = exact === null ? '' : roundingNote(input.value.trim(), exact, Number(entry));
+    typed = { text: input.value, entry, exact, factor };
+    const between = betweenSteps();
+    note.textContent = between === null ? '' : roundingText(between, Number(entry), unitOf(units, design, field), factor);
     onEdit(path, mayBeOpen && entry === '' ? open : entry, `type:${path}`);
+    // Nothing is asked anew where another text becomes the same steps.
+    tell();
   }
 
   function slide() {
@@ -128,12 +134,26 @@ export function createNumber(field, { onEdit, onSlid }) {
     return valueAt(design, path) ?? null;
   }
 
-  /** A move is of whole steps: what a typed length becomes.
-   * @param {string} text @param {number} exact @param {number} whole */
-  function roundingNote(text, exact, whole) {
-    if (shown === null) return '';
-    const unit = unitOf(shown.units, shown.design, field);
-    return `${text} ${unit} would be ${formatEntry(exact)} ${field.unit}: it is ${formatEntry(whole)}, ${shownEntry(whole, shown.factor)} ${unit}.`;
+  /** What is typed, where it is no whole number of steps.
+   * @returns {import('../../model/shown_entry.js').Between | null} */
+  function betweenSteps() {
+    return typed === null || typed.exact === null ? null : { text: typed.text.trim(), exact: typed.exact };
+  }
+
+  /** What is refused, in the unit that is shown; as it was typed, where nothing is left of that. */
+  function told() {
+    if (shown === null) return undefined;
+    const { design, units, factor } = shown;
+    const between = typed?.factor === factor && Number(typed.entry) === 0 ? betweenSteps() : null;
+    if (message === undefined || between === null || !isNothing(message.refused)) return inShownUnit(message, units, design, field);
+    return { ...message, text: tooShortText(between, unitOf(units, design, field), factor) };
+  }
+
+  function tell() {
+    const own = told();
+    // What is refused says what it was taken for.
+    note.hidden = own !== undefined && !own.isWarning;
+    showMessage(input, parts.box, own);
   }
 
   function showText() {
@@ -188,10 +208,8 @@ export function createNumber(field, { onEdit, onSlid }) {
     },
     /** @param {import('../../model/messages.js').Messages['fields']} messages */
     showMessage(messages) {
-      const own = shown ? inShownUnit(messages.get(path), shown.units, shown.design, field) : undefined;
-      // What is refused says what it was taken for.
-      note.hidden = own !== undefined && !own.isWarning;
-      showMessage(input, parts.box, own ?? (path === TRAVEL ? messages.get('axis.travel_unit') : undefined));
+      message = messages.get(path) ?? (path === TRAVEL ? messages.get('axis.travel_unit') : undefined);
+      tell();
     },
   };
 }
