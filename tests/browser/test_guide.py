@@ -48,10 +48,10 @@ def test_from_the_motor_to_the_settings_of_grbl(first_visit: StepRampPage, watch
     guide.get_by_role("button", name="per second").click()
     expect(guide.get_by_label("Slew speed")).to_have_value("100")
     guide.get_by_label("Acceleration").fill("fast")
-    expect(guide.locator(".message")).to_contain_text("Acceleration is 'fast'; allowed: a number from")
+    expect(guide.locator(".guide-number .message")).to_contain_text("Acceleration is 'fast'; allowed: a number from")
     seen.inspect("refused", "#guide")
     guide.get_by_role("button", name="4 Use").click()
-    expect(guide.locator(".guide-problem")).to_contain_text("First correct what is marked")
+    expect(guide.locator(".guide-problem")).to_contain_text("Step 2, Limits: Acceleration is 'fast'; allowed: a number")
     expect(guide.locator("#guide-sketch")).to_be_disabled()
     # Who has not said what makes the steps finds the way to the settings of grbl.
     guide.locator("#guide-choose").click()
@@ -84,6 +84,46 @@ def test_from_the_motor_to_the_settings_of_grbl(first_visit: StepRampPage, watch
     expect(page.get_by_label("Design name")).to_have_value("Lead-screw stage")
     until(lambda: page.locator("#head-undo").is_disabled())
     assert not seen.findings, "\n".join(seen.findings)
+
+
+def test_what_is_refused_is_marked_and_told_in_the_steps_after_it(first_visit: StepRampPage, watch: Watch) -> None:
+    watch.expected.append(REFUSED_VALUE)
+    page, guide = first_visit.page, first_visit.page.locator("#guide")
+    marked, told = guide.locator(".segmented .refused"), guide.locator(".guide-problem")
+    guide.get_by_label("Way of one turn").fill("abc")
+    page.keyboard.press("Enter")
+    expect(marked).to_have_text([re.compile("^1 Motor")])
+    expect(told).to_be_empty()
+    guide.locator("#guide-next").click()
+    expect(told).to_contain_text("Step 1, Motor: Way of one turn is 'abc'; allowed: a number from")
+    expect(guide.locator(".guide-result:not(:empty)")).to_have_count(0)
+    # The steps a turn are known all the same, and this speed is 2,500 times the highest that the timer allows.
+    guide.get_by_label("Slew speed").fill("1e9")
+    expect(guide.locator("#guide-ramp-slew_speed_steps_per_s-message")).to_contain_text("Slew speed is 1,000,000,000")
+    expect(guide.locator(".guide-result:not(:empty)")).to_have_count(0)
+    expect(marked).to_have_count(2)
+    for _ in range(2):
+        guide.locator("#guide-next").click()
+    expect(told).to_contain_text("Step 2, Limits: Slew speed is 1,000,000,000")
+    expect(told.locator("button")).to_have_count(2)
+    told.get_by_role("button", name="Go to “Way of one turn”").click()
+    expect(guide.locator("h2")).to_have_text("1 of 4: Your motor")
+    expect(guide.get_by_label("Way of one turn")).to_be_focused()
+    guide.get_by_label("Way of one turn").fill("8")
+    expect(marked).to_have_text([re.compile("^2 Limits")])
+    guide.locator("#guide-next").click()
+    expect(guide.locator(".guide-result:not(:empty)")).to_have_count(0)
+    guide.get_by_label("Slew speed").fill("20")
+    expect(guide.locator(".guide-result")).to_contain_text(["The motor turns 150 times a minute."])
+    expect(marked).to_have_count(0)
+    guide.get_by_role("button", name="4 Use").click()
+    expect(guide.locator("#guide-sketch")).to_be_enabled()
+    expect(told).to_be_empty()
+    # What the guide doesn't ask for is corrected outside of it.
+    first_visit.field("timer.frequency_hz").fill("0")
+    expect(told).to_contain_text("Frequency is 0; allowed")
+    told.get_by_role("button", name="Close the guide to correct it").click()
+    expect(guide).to_be_hidden()
 
 
 def test_it_is_shown_once_and_opened_from_the_menu(first_visit: StepRampPage, tmp_path: Path) -> None:

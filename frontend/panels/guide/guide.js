@@ -13,10 +13,20 @@ import { ONE_PLOT } from '../../ui/layouts.js';
 import { createLimitsStep } from './limits.js';
 import { createMotorStep } from './motor.js';
 import { createRampStep } from './ramp.js';
+import { createRefused } from './refused.js';
 import { createUseStep } from './use.js';
 
 /** @typedef {import('../../app/state.js').State} State */
 /** @typedef {import('../../model/guide.js').GuideStep} GuideStep */
+
+/** What is refused that the guide doesn't ask for.
+ * @param {State} state @param {import('./number.js').GuideNumber[]} asked those refused that it asks for */
+function refusedElsewhere(state, asked) {
+  if (stalenessOf(state) !== 'refused') return [];
+  const { fields, rows, others } = messagesOf(state);
+  const left = [...fields].flatMap(([path, message]) => (asked.some((one) => one.path === path) ? [] : message));
+  return [...left, ...rows.values(), ...others].flatMap(({ text, isWarning }) => (isWarning ? [] : text));
+}
 
 /** @param {HTMLElement} root @param {import('../../app/state.js').Dispatch} dispatch
  * @param {{openExport: (format: string) => void, saveFile: () => void}} act */
@@ -34,7 +44,8 @@ export function createGuide(root, dispatch, act) {
     { className: 'button quiet square small', id: 'guide-close', type: 'button', 'aria-label': 'Close the guide', title: 'Close it; the menu opens it again', onclick: close },
     icon('remove'),
   );
-  const body = element('div', { className: 'guide-body' }, ...Object.values(steps).map((one) => one.element));
+  const refused = createRefused();
+  const body = element('div', { className: 'guide-body' }, refused.element, ...Object.values(steps).map((one) => one.element));
   const back = element('button', { className: 'button', id: 'guide-back', type: 'button', textContent: 'Back', onclick: () => go(-1) });
   const next = element('button', { className: 'button primary', id: 'guide-next', type: 'button', textContent: 'Next', onclick: takeAndGo });
   const skip = element('button', { className: 'button quiet', id: 'guide-skip', type: 'button', textContent: 'Skip', title: 'Leave all as it is', onclick: () => go(1) });
@@ -79,6 +90,37 @@ export function createGuide(root, dispatch, act) {
     document.getElementById('device')?.focus();
   }
 
+  /** Mark the steps that have something refused; tell what is that of the steps before, and in the last one all there is.
+   * @param {State} state */
+  function showRefused(state) {
+    const ofSteps = GUIDE_STEPS.map(({ name }) => steps[name].numbers.filter((number) => number.refused() !== null));
+    ofSteps.forEach((numbers, at) => mark(at, numbers.length > 0));
+    const before = ofSteps.slice(0, place()).flatMap((numbers, at) => numbers.map((number) => refusalOf(number, at)));
+    const others = step === 'use' ? refusedElsewhere(state, ofSteps.flat()) : [];
+    refused.show([...before, ...others.map((text) => ({ text, button: 'Close the guide to correct it', act: close }))]);
+  }
+
+  /** @param {number} at @param {boolean} isRefused */
+  function mark(at, isRefused) {
+    const tab = tabs[at];
+    if (isRefused === tab.classList.contains('refused')) return;
+    tab.classList.toggle('refused', isRefused);
+    const marks = isRefused ? [icon('error'), element('span', { className: 'unseen', textContent: ', with values that are refused' })] : [];
+    tab.replaceChildren(`${at + 1} ${GUIDE_STEPS[at].label}`, ...marks);
+  }
+
+  /** @param {import('./number.js').GuideNumber} number @param {number} at the place of its step
+   * @returns {import('./refused.js').Refused} */
+  function refusalOf(number, at) {
+    const { label = '', text = '' } = number.refused() ?? {};
+    const { name, label: called } = GUIDE_STEPS[at];
+    const act = () => {
+      goTo(name);
+      number.focus();
+    };
+    return { text: `Step ${at + 1}, ${called}: ${text}`, button: `Go to “${label}”`, act };
+  }
+
   /** @param {State} state */
   function draw(state) {
     const { guide } = state;
@@ -90,7 +132,10 @@ export function createGuide(root, dispatch, act) {
     showText(heading, `${at + 1} of ${GUIDE_STEPS.length}: ${GUIDE_STEPS[at].title}`);
     for (const tab of tabs) tab.setAttribute('aria-pressed', String(tab.dataset.value === step));
     for (const [name, one] of Object.entries(steps)) one.element.hidden = name !== step;
-    steps[step].show(state);
+    // What is refused of the others is told here, too; the last one asks the server for what it shows.
+    for (const { name } of GUIDE_STEPS) if (name === step || name !== 'use') steps[name].show(state);
+    // Whether what was typed is refused is known in a moment.
+    if (stalenessOf(state) !== 'awaited') showRefused(state);
     back.disabled = at === 0;
     const isLast = at === GUIDE_STEPS.length - 1;
     skip.hidden = isLast;

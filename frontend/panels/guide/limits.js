@@ -3,11 +3,11 @@
 
 import { answer, beginCarefully } from '../../app/commands/guide.js';
 import { setUnits } from '../../app/commands/view.js';
-import { designOf, messagesOf } from '../../app/selectors.js';
+import { designOf, messagesOf, stalenessOf } from '../../app/selectors.js';
 import { turnsPerMinute } from '../../model/guide.js';
 import { formatFigures } from '../../model/numbers.js';
 import { unitsFor } from '../../model/units.js';
-import { element, segmented } from '../../ui/dom.js';
+import { element, segmented, showText } from '../../ui/dom.js';
 import { createGuideNumber } from './number.js';
 
 const SPEED = 'ramp.slew_speed_steps_per_s';
@@ -32,6 +32,7 @@ export function createLimitsStep(dispatch) {
     'From rest: 0. A motor may begin at less than half of its start-stop (pull-in) speed.',
     onAnswer,
   );
+  const numbers = [speed, acceleration, base];
   const times = segmented('Unit of time', [['s', 'per second'], ['min', 'per minute']], (time) => {
     if (units) dispatch(setUnits, { ...units, time: time === 'min' ? 'min' : 's' });
   });
@@ -58,6 +59,7 @@ export function createLimitsStep(dispatch) {
       acceleration.element,
       base.element,
     ),
+    numbers,
     /** @param {import('../../app/state.js').State} state */
     show(state) {
       const design = designOf(state);
@@ -65,9 +67,12 @@ export function createLimitsStep(dispatch) {
       units = unitsFor(state.units, design);
       times.press(units.time);
       const { fields } = messagesOf(state);
-      for (const number of [speed, acceleration, base]) number.show(design, state.units, fields);
-      const rpm = turnsPerMinute(design, SPEED);
-      turns.textContent = rpm > 0 ? `The motor turns ${formatFigures(rpm, 3)} times a minute.` : '';
+      for (const number of numbers) number.show(design, state.units, fields);
+      // Whether these numbers are taken is known in a moment.
+      if (stalenessOf(state) === 'awaited') return;
+      const areTaken = [...fields].every(([path, { isWarning }]) => isWarning || !(path === SPEED || path.startsWith('axis.')));
+      const rpm = areTaken ? turnsPerMinute(design, SPEED) : NaN;
+      showText(turns, rpm > 0 ? `The motor turns ${formatFigures(rpm, 3)} times a minute.` : '');
     },
   };
 }

@@ -61,6 +61,7 @@ export function createMotorStep(dispatch) {
       drives.element,
       ...travels.map(({ number }) => number.element),
     ),
+    numbers: [steps, microsteps, ...travels.map(({ number }) => number)],
     /** @param {import('../../app/state.js').State} state */
     show(state) {
       const design = designOf(state);

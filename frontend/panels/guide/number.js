@@ -3,6 +3,7 @@
 
 import { valueAt } from '../../model/design.js';
 import { GROUPS } from '../../model/fields.js';
+import { refusalText } from '../../model/messages.js';
 import { inUnit } from '../../model/rejection_text.js';
 import { factorOf, readEntry, shownEntry, unitOf } from '../../model/shown_entry.js';
 import { element, showMessage, showText } from '../../ui/dom.js';
@@ -10,10 +11,15 @@ import { selectOnFocus } from '../../ui/select_on_focus.js';
 
 /** @typedef {import('../../model/types.js').Design} Design */
 /** @typedef {import('../../model/units.js').Units} Units */
+/** @typedef {ReturnType<typeof createGuideNumber>} GuideNumber */
 /** How a number is told: what it is called, its unit, and how many of that one of the design's is.
  * @typedef {{label: string, unit: string, factor: number}} Manner */
 
 const FIELDS = GROUPS.flatMap((group) => group.fields);
+
+/** The message, with the field called what the guide calls it.
+ * @param {import('../../model/messages.js').Message} message @param {string} label */
+const called = (message, label) => (message.refused ? { ...message, text: refusalText(message.refused, label) } : message);
 
 /** @param {string} path in the design @param {string} hint where to find it
  * @param {(path: string, value: unknown) => void} onAnswer
@@ -23,6 +29,9 @@ export function createGuideNumber(path, hint, onAnswer, ending = '') {
   const id = `guide-${path.replaceAll('.', '-')}${ending}`;
   /** @type {Manner} */
   let manner = { label: field.label, unit: field.unit, factor: 1 };
+  /** What is said of it.
+   * @type {import('../../model/messages.js').Message | undefined} */
+  let own;
   const input = element('input', {
     id,
     className: 'number',
@@ -36,9 +45,14 @@ export function createGuideNumber(path, hint, onAnswer, ending = '') {
   const unit = element('span', { className: 'unit' });
   const box = element('div', { className: 'messages' });
   const note = element('p', { className: 'guide-hint', textContent: hint });
+  const whole = element('div', { className: 'guide-number' }, label, element('span', { className: 'field' }, input, unit), note, box);
 
   return {
-    element: element('div', { className: 'guide-number' }, label, element('span', { className: 'field' }, input, unit), note, box),
+    path,
+    element: whole,
+    focus: () => input.focus(),
+    /** What it is called and why it is refused; null where it isn't, or isn't asked for. */
+    refused: () => (own === undefined || own.isWarning || whole.hidden ? null : { label: manner.label, text: own.text }),
     /** @param {Design} design @param {Units} units @param {import('../../model/messages.js').Messages['fields']} messages
      * @param {Partial<Manner>} [told] otherwise than the field is */
     show(design, units, messages, told = {}) {
@@ -51,7 +65,8 @@ export function createGuideNumber(path, hint, onAnswer, ending = '') {
       if (!isHere) input.value = shownEntry(value, manner.factor);
       const message = messages.get(path);
       const factor = told.factor ?? factorOf(units, message?.design ?? design, field);
-      showMessage(input, box, message && inUnit(message, { label: manner.label }, manner.unit, factor));
+      own = message && inUnit(called(message, manner.label), { label: manner.label }, manner.unit, factor);
+      showMessage(input, box, own);
     },
   };
 }

@@ -40,6 +40,7 @@ export function createRampStep(dispatch) {
 
   return {
     element: element('div', {}, distance.element, result, lengthen, players.element),
+    numbers: [distance],
     /** @param {import('../../app/state.js').State} state */
     show(state) {
       const design = designOf(state);
@@ -50,13 +51,13 @@ export function createRampStep(dispatch) {
       distance.show(design, state.units, outcome ? NO_MESSAGES : messagesOf(state).fields);
       lengthen.hidden = !outcome?.isShort;
       if (result.textContent === (outcome?.text ?? '')) return;
-      const line = outcome?.isShort
-        ? messageLine({ text: outcome.text, isWarning: true })
-        : element('p', { textContent: outcome?.text ?? '' });
-      result.replaceChildren(line);
+      result.replaceChildren(...(outcome === null ? [] : [outcomeLine(outcome)]));
     },
   };
 }
+
+/** @param {{isShort: boolean, text: string}} outcome */
+const outcomeLine = ({ isShort, text }) => (isShort ? messageLine({ text, isWarning: true }) : element('p', { textContent: text }));
 
 /** @param {number} value */
 const inFigures = (value) => formatEntry(Math.abs(value) >= 1000 ? Math.round(value) : Number(value.toPrecision(3)));

@@ -1,7 +1,7 @@
 // @ts-check
 // The last step: the ramp goes where it is played.
 
-import { designOf, isDesignValid, stalenessOf } from '../../app/selectors.js';
+import { designOf, isDesignValid } from '../../app/selectors.js';
 import { createQuestion, laterText } from '../../app/effects/question.js';
 import { pushRefusals } from '../../model/messages.js';
 import { api } from '../../server/api.js';
@@ -58,7 +58,6 @@ export function createUseStep({ goToDevice, openExport, saveFile, choosePlayer }
     button('guide-machines', 'Other controllers …', () => openExport('grblhal')),
   );
   const settings = createSettings(server);
-  const problem = element('div', { className: 'guide-problem' });
   const others = element(
     'div',
     { className: 'guide-others' },
@@ -69,14 +68,14 @@ export function createUseStep({ goToDevice, openExport, saveFile, choosePlayer }
   );
 
   return {
-    element: element('div', {}, problem, ...shownWays.map((way) => way.element), machines, settings.element, others),
+    element: element('div', {}, ...shownWays.map((way) => way.element), machines, settings.element, others),
+    /** @type {import('./number.js').GuideNumber[]} */
+    numbers: [],
     /** @param {import('../../app/state.js').State} state */
     show(state) {
       const design = designOf(state);
       const { player } = state.guide;
       const isValid = design !== null && isDesignValid(state);
-      const isRefused = stalenessOf(state) === 'refused';
-      problem.replaceChildren(...(isRefused ? [messageLine({ text: 'First correct what is marked in the steps before.', isWarning: false })] : []));
       machines.hidden = player !== null;
       const isMachine = player === 'grbl' || player === 'marlin';
       for (const way of shownWays) {
