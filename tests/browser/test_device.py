@@ -74,6 +74,24 @@ def test_the_tabs_stay_under_the_pointer(stepramp: StepRampPage, height: int) ->
     assert {place for _, place in places} == {places[0][1]}, places
 
 
+@pytest.mark.parametrize("height", [640, 568, 540])
+def test_a_section_that_opens_out_of_sight_comes_into_it(pushed: StepRampPage, height: int) -> None:
+    page = pushed.page
+    page.set_viewport_size({"width": 320, "height": height})
+    pushed.show_panel("device")
+    firsts = {"move": ".panel.device [data-value='by']", "jog": "#jog-speed", "trace": "#trace", "push": "#push"}
+    for name, first in firsts.items():
+        page.locator("#device").evaluate("(one) => { one.scrollTop = 0; scrollTo(0, 0); }")
+        pushed.device_section(name)
+        expect(page.locator(first)).to_be_in_viewport(ratio=1)
+        expect(page.locator(f"#device-sections [data-value={name}]")).to_be_in_viewport(ratio=1)
+        at_centre = """(one) => { const {x, y, width, height} = one.getBoundingClientRect();
+            return one.contains(document.elementFromPoint(x + width / 2, y + height / 2)); }"""
+        assert page.locator(first).evaluate(at_centre), "nothing lies over it"
+        assert page.locator(f"#device-sections [data-value={name}]").evaluate(at_centre)
+    assert page.evaluate("[scrollX, document.body.scrollTop]") == [0, 0]
+
+
 def test_a_push_shows_how_far_it_has_come(stepramp: StepRampPage) -> None:
     stepramp.connect()
     script = """() => { window.seen = []; const box = document.querySelector('#push-progress');

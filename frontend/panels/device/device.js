@@ -35,6 +35,8 @@ const SECTIONS = [
   ['jog', 'Jog'],
   ['trace', 'Trace'],
 ];
+/** The first line of a section is as high, at most. */
+const LINE_PX = 40;
 /** What people read for a state; all others are called what they are.
  * @type {Record<string, string>} */
 const STATE_WORDS = { none: 'not connected', connecting: 'waiting for the board' };
@@ -113,7 +115,10 @@ export function createDevice(root, dispatch, act) {
     jog: createJogSection(act.jog, { ...act, refuse: (rejections) => dispatch(refuse, rejections) }),
     trace: createTraceSection((wanted) => dispatch(setTracing, wanted), act),
   };
-  const tabs = segmented('Work with the device', SECTIONS, (name) => dispatch(chooseSection, name));
+  const tabs = segmented('Work with the device', SECTIONS, (name) => {
+    dispatch(chooseSection, name);
+    if (!isInSight(sections[name].element)) tabs.element.scrollIntoView({ block: 'start' });
+  });
   tabs.element.classList.add('fill', 'grow');
   tabs.element.id = 'device-sections';
   root.replaceChildren(
@@ -343,6 +348,13 @@ export function createDevice(root, dispatch, act) {
       for (const show of shows) show(now);
     },
   };
+}
+
+/** Whether the first line of a section is in sight, and nothing lies over it.
+ * @param {HTMLElement} section */
+function isInSight(section) {
+  const { left, top, width, height } = section.getBoundingClientRect();
+  return section.contains(document.elementFromPoint(left + width / 2, top + Math.min(height, LINE_PX) - 1));
 }
 
 /** That what is designed is not what the chosen axis plays; '' where it is. The choice doesn't follow the tabs: looking at
