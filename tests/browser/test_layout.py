@@ -287,6 +287,23 @@ def test_the_info_view_explains_the_field_in_focus(stepramp: StepRampPage) -> No
     expect(stepramp.page.locator("#parameter-info")).to_contain_text("formula (18)")
 
 
+@pytest.mark.parametrize(("width", "height"), [(320, 640), (390, 844), (844, 390), (1440, 900)])
+def test_what_was_done_is_not_told_over_the_head_of_a_dialog(stepramp: StepRampPage, width: int, height: int) -> None:
+    page = stepramp.page
+    page.set_viewport_size({"width": width, "height": height})
+    notice = page.locator("#notice")
+    page.keyboard.press("Control+s")
+    expect(notice).to_contain_text("Saved as")
+    stepramp.show_panel("parameters")
+    page.locator("#open-flight").click()
+    head = page.locator("#flight-dialog .dialog-head").bounding_box()
+    told = notice.bounding_box()
+    assert head
+    assert told, "it is still told"
+    assert told["y"] >= head["y"] + head["height"] or told["y"] + told["height"] <= head["y"]
+    assert told["y"] + told["height"] <= height
+
+
 def test_every_control_has_a_name(stepramp: StepRampPage) -> None:
     script = """() => [...document.querySelectorAll('button, input, select, textarea')]
         .filter((one) => !one.labels?.length && !one.getAttribute('aria-label') && !one.textContent.trim())
