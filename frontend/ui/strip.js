@@ -1,19 +1,26 @@
 // @ts-check
 // Strips that scroll sideways without a bar: where they go on, they fade, and no number is seen in part.
 
+/** So far they fade, in controls.css. */
+const FADE_PX = 32;
+
 /** Mark where a strip goes on beyond what is seen of it.
  * @param {HTMLElement} strip */
 export function watchStrip(strip) {
   function mark() {
     const { scrollLeft, scrollWidth, clientWidth } = strip;
     // Places between pixels are rounded.
-    strip.toggleAttribute('data-more-before', scrollLeft > 1);
-    strip.toggleAttribute('data-more-after', scrollLeft + clientWidth < scrollWidth - 1);
+    const before = scrollLeft > 1;
+    const after = scrollLeft + clientWidth < scrollWidth - 1;
+    strip.toggleAttribute('data-more-before', before);
+    strip.toggleAttribute('data-more-after', after);
     const { left, right } = strip.getBoundingClientRect();
-    for (const part of strip.children) {
-      const place = part.getBoundingClientRect();
-      const isCut = place.left < left - 1 || place.right > right + 1;
-      part.toggleAttribute('data-cut', isCut && place.width <= clientWidth);
+    const [from, to] = [left + (before ? FADE_PX : -1), right - (after ? FADE_PX : -1)];
+    for (const number of strip.querySelectorAll('dd, em')) {
+      const place = number.getBoundingClientRect();
+      const isCut = place.left < from || place.right > to;
+      // What has no room between two such edges is seen as far as it goes.
+      number.toggleAttribute('data-cut', isCut && place.width <= clientWidth - 2 * FADE_PX);
     }
   }
   strip.addEventListener('scroll', mark, { passive: true });

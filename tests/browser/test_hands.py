@@ -99,11 +99,18 @@ def test_nothing_of_the_summary_is_cut_and_strips_fade_where_they_go_on(module_p
         .filter((one) => one.scrollWidth > one.clientWidth).map((one) => one.textContent)"""
     assert page.evaluate(cut) == []
     page.set_viewport_size({"width": 390, "height": 844})
+    arrows = "(one) => ['::before', '::after'].map((side) => getComputedStyle(one, side).content[1] ?? '')"
     for strip in (page.locator(".legend"), page.locator("#summary .figures:visible")):
         until(lambda one=strip: one.get_attribute("data-more-after") is not None)
         assert strip.get_attribute("data-more-before") is None
+        assert strip.evaluate(arrows) == ["o", "›"], "none, and one"
+        width = strip.evaluate("(one) => one.scrollWidth")
+        strip.evaluate("(one) => { one.scrollLeft = 100; }")
+        until(lambda one=strip: one.evaluate(arrows) == ["‹", "›"])
+        assert strip.evaluate("(one) => one.scrollWidth") == width, "they take no room"
         strip.evaluate("(one) => { one.scrollLeft = one.scrollWidth; }")
         until(lambda one=strip: one.get_attribute("data-more-after") is None)
         assert strip.get_attribute("data-more-before") is not None
+        assert strip.evaluate(arrows) == ["‹", "o"]
     page.set_viewport_size({"width": DESKTOP[0], "height": DESKTOP[1]})
     page.locator('.units [data-value="steps"]').click()

@@ -69,7 +69,7 @@ export function createLegend(onSwitch, onOwn, { onOpen, onRemove }) {
   );
   const legend = element(
     'div',
-    { className: 'legend', role: 'group', 'aria-label': 'Methods shown' },
+    { className: 'legend strip', role: 'group', 'aria-label': 'Methods shown' },
     ...chips.map(({ chip }) => chip),
     own,
     trace,

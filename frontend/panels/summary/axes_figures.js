@@ -35,7 +35,7 @@ export function axesFigures({ axes: designs, together, planned }, units) {
 }
 
 export function createAxesFigures() {
-  const list = element('dl', { className: 'figures of-axes', hidden: true });
+  const list = element('dl', { className: 'figures strip of-axes', hidden: true });
   return {
     element: list,
     /** @param {AxisFigure[]} figures */

@@ -69,7 +69,7 @@ const FIGURES = [
 /** @param {HTMLElement} root @param {import('../../app/state.js').Dispatch} dispatch */
 export function createSummary(root, dispatch) {
   const messages = element('div', { className: 'summary-messages', role: 'status' });
-  const figures = element('dl', { className: 'figures' });
+  const figures = element('dl', { className: 'figures strip' });
   const comparison = element('p', { className: 'comparison', hidden: true });
   const ofAxes = createAxesFigures();
   root.replaceChildren(messages, figures, ofAxes.element, comparison);
