@@ -119,6 +119,14 @@ def test_what_is_refused_is_marked_and_told_in_the_steps_after_it(first_visit: S
     guide.get_by_role("button", name="4 Use").click()
     expect(guide.locator("#guide-sketch")).to_be_enabled()
     expect(told).to_be_empty()
+    guide.get_by_role("button", name="3 Ramp").click()
+    guide.get_by_label("Distance").fill("0.001")
+    expect(guide.locator("#guide-move-steps-message")).to_have_text(
+        "0.001 mm is less than half a step; the least is 0.02 mm."
+    )
+    guide.get_by_label("Distance").fill("10")
+    expect(marked).to_have_count(0)
+    guide.get_by_role("button", name="4 Use").click()
     # What the guide doesn't ask for is corrected outside of it.
     first_visit.field("timer.frequency_hz").fill("0")
     expect(told).to_contain_text("Frequency is 0; allowed")

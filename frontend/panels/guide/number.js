@@ -5,7 +5,7 @@ import { valueAt } from '../../model/design.js';
 import { GROUPS } from '../../model/fields.js';
 import { refusalText } from '../../model/messages.js';
 import { inUnit } from '../../model/rejection_text.js';
-import { factorOf, readEntry, shownEntry, unitOf } from '../../model/shown_entry.js';
+import { factorOf, isNothing, readEntry, shownEntry, tooShortText, unitOf } from '../../model/shown_entry.js';
 import { element, showMessage, showText } from '../../ui/dom.js';
 import { selectOnFocus } from '../../ui/select_on_focus.js';
 
@@ -38,8 +38,27 @@ export function createGuideNumber(path, hint, onAnswer, ending = '') {
     inputMode: 'decimal',
     autocomplete: 'off',
     spellcheck: false,
-    oninput: () => onAnswer(path, readEntry(field, input.value, manner.factor).entry),
+    oninput: type,
   });
+  /** What was typed, where that is no whole number of steps.
+   * @type {import('../../model/shown_entry.js').Between & {factor: number} | null} */
+  let between = null;
+
+  function type() {
+    const { factor } = manner;
+    const { entry, exact } = readEntry(field, input.value, factor);
+    between = exact === null ? null : { text: input.value.trim(), exact, factor };
+    onAnswer(path, entry);
+  }
+
+  /** @param {import('../../model/messages.js').Message} message @param {number} factor of what it is said in */
+  function inWords(message, factor) {
+    if (between?.factor !== factor || !isNothing(message.refused)) {
+      return inUnit(called(message, manner.label), { label: manner.label }, manner.unit, factor);
+    }
+    return { ...message, text: tooShortText(between, manner.unit, factor) };
+  }
+
   selectOnFocus(input);
   const label = element('label', { htmlFor: id });
   const unit = element('span', { className: 'unit' });
@@ -65,7 +84,7 @@ export function createGuideNumber(path, hint, onAnswer, ending = '') {
       if (!isHere) input.value = shownEntry(value, manner.factor);
       const message = messages.get(path);
       const factor = told.factor ?? factorOf(units, message?.design ?? design, field);
-      own = message && inUnit(called(message, manner.label), { label: manner.label }, manner.unit, factor);
+      own = message && inWords(message, factor);
       showMessage(input, box, own);
     },
   };
