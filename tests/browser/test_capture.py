@@ -132,7 +132,7 @@ def test_what_the_server_fails_at_is_told_and_not_asked_again(stepramp: StepRamp
             status=500, json={"errors": [{"field": None, "value": None, "allowed": None, "message": "It failed."}]}
         )
 
-    module_watch.expected = ["500"]
+    module_watch.expected = [r"status of 500"]
     page = stepramp.page
     page.route("**/api/v1/capture?**", fail)
     drop_file(page, "try.csv", saleae_csv(pulses([100, 200], 5), NAMES[:1]))
