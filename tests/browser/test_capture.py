@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -123,7 +124,9 @@ def test_a_capture_is_read_while_the_design_is_refused(stepramp: StepRampPage, m
     page.keyboard.press("Escape")
 
 
-def test_what_the_server_fails_at_is_told_and_not_asked_again(stepramp: StepRampPage, module_watch: Watch) -> None:
+def test_what_the_server_fails_at_is_told_and_not_asked_again(
+    open_page: Callable[..., StepRampPage], watch: Watch
+) -> None:
     asked = []
 
     def fail(route: Route) -> None:
@@ -132,15 +135,13 @@ def test_what_the_server_fails_at_is_told_and_not_asked_again(stepramp: StepRamp
             status=500, json={"errors": [{"field": None, "value": None, "allowed": None, "message": "It failed."}]}
         )
 
-    module_watch.expected = [r"status of 500"]
-    page = stepramp.page
+    watch.expected.append(r"status of 500")
+    page = open_page().page
     page.route("**/api/v1/capture?**", fail)
     drop_file(page, "try.csv", saleae_csv(pulses([100, 200], 5), NAMES[:1]))
     expect(page.locator("#capture-problems")).to_contain_text("It failed.")
     page.wait_for_timeout(2_500)
     assert len(asked) == 1
-    page.unroute("**/api/v1/capture?**")
-    page.keyboard.press("Escape")
 
 
 def test_files_are_taken_for_what_they_are(stepramp: StepRampPage, module_watch: Watch, tmp_path: Path) -> None:
