@@ -232,7 +232,7 @@
  *   axis: number | null, own: OwnTerms | null}} PushItem */
 
 /** @typedef {{items: PushItem[], verified: boolean, segments: number | null, bytes: number,
- *   largest_deviation_us: number | null, sequence: number | null, warnings: string[]}} Push */
+ *   largest_deviation_us: number | null, sequence: number | null, warnings: string[], warnings_told: Told[][]}} Push */
 
 /** What is pushed: a design for one axis, or those of all.
  * @typedef {{mode?: 'keep' | 'try'} & ({design: Design, to_axis: number} | {axes: Design[]})} Pushed */
@@ -260,7 +260,7 @@
  * @property {string[]} losses */
 
 /** @typedef {{items: PreviewItem[], same: boolean, segments: number | null, bytes: number,
- *   largest_deviation_us: number | null, warnings: string[]}} Preview */
+ *   largest_deviation_us: number | null, warnings: string[], warnings_told: Told[][]}} Preview */
 
 /** @typedef {{stage: 'planning' | 'sending' | 'checking' | 'storing' | 'reading_back', bytes_done: number,
  *   bytes_total: number}} Progress */

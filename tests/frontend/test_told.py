@@ -7,6 +7,9 @@ import pytest
 
 from designs import design, document
 from frontend.modules import Modules
+from stepramp.controllers.losses import losses
+from stepramp.controllers.remark import of_axis, told_in
+from stepramp.http_api.errors import ToldAnswer
 from stepramp.http_api.schedule_models import LimitAnswer
 from stepramp.ramp.profile import profile_of
 from stepramp.ramp.schedule import schedule_of
@@ -103,3 +106,18 @@ def test_limits_are_told_in_the_unit_of_their_field_only(modules: Modules) -> No
     assert shown(modules, other, [FINE])["allowed"] == "as it is"
     # Of an axis that the page doesn't know nothing can be converted.
     assert shown(modules, said | {"unit": "steps/s", "allowed": "as it is"}, [FINE])["allowed"] == "as it is"
+
+
+def test_warnings_of_a_push_are_told_in_the_units_that_are_shown(modules: Modules) -> None:
+    """Of 50 steps/mm: what a grbl says of a base speed and of another axis' acceleration."""
+    said = [of_axis(0, next(losses(design(ramp__base_speed_steps_per_s=100), "grbl"))), "Klipper forgets these limits."]
+    told = [[ToldAnswer.model_validate(each).model_dump() for each in one] for one in told_in(said)]
+    shown = modules.call(
+        "/panels/device/push_words.js",
+        "warningsOf",
+        {"warnings": [str(each) for each in said], "warnings_told": told},
+        {"length": "mm", "time": "min"},
+        [document()],
+    )
+    # 100 steps/s of 50 steps/mm: 2 mm/s.
+    assert shown == ["Axis 0: Base speed 120 mm/min is not kept: grbl starts from 0.", "Klipper forgets these limits."]

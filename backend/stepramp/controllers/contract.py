@@ -9,8 +9,9 @@ from typing import Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from stepramp.controllers.remark import told_in
 from stepramp.design import Design
-from stepramp.errors import Refused
+from stepramp.errors import Refused, Told
 from stepramp.units import us_from_ticks
 
 PushMode = Literal["keep", "try"]
@@ -131,6 +132,11 @@ class PushReport:
     """Stored; otherwise on trial."""
     warnings: tuple[str, ...]
 
+    @property
+    def warnings_told(self) -> tuple[tuple[Told, ...], ...]:
+        """The quantities of each warning that a design's axis converts."""
+        return told_in(self.warnings)
+
 
 @dataclass(frozen=True)
 class PreviewItem:
@@ -167,6 +173,11 @@ class PushPreview:
     largest_deviation_us: float | None
     """As in PushReport."""
     warnings: tuple[str, ...]
+
+    @property
+    def warnings_told(self) -> tuple[tuple[Told, ...], ...]:
+        """As in PushReport."""
+        return told_in(self.warnings)
 
 
 @dataclass(frozen=True)

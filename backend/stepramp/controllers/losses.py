@@ -1,11 +1,14 @@
 """What of a design a controller that works its ramp out by itself doesn't keep, as sentences with their figures."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from fractions import Fraction
 
 from stepramp.controllers.constant_rates import with_constant_rates
 from stepramp.controllers.given_numbers import steps_per_unit, typed
+from stepramp.controllers.remark import Remark, quantity
 from stepramp.design import Design, RampParameters, RampShape
+from stepramp.errors import StepUnit, Told
 from stepramp.methods import METHODS
 from stepramp.shapes import SHAPES, USUAL_SHAPE
 
@@ -31,26 +34,31 @@ def losses(
     """
     ramp, given = design.ramp, with_constant_rates(design).ramp
     if ramp.base_speed_steps_per_s != starts_at and not has_base_speed:
-        starts = f"starts and ends at {starts_at:,} steps/s" if starts_at else "starts from 0"
-        yield f"Base speed {_figure(ramp.base_speed_steps_per_s)} steps/s is not kept: {name} {starts}."
+        starts = ("starts and ends at ", quantity(starts_at, "steps/s")) if starts_at else ("starts from 0",)
+        yield Remark(
+            "Base speed ", quantity(ramp.base_speed_steps_per_s, "steps/s"), f" is not kept: {name} ", *starts, "."
+        )
     up, down = given.acceleration_steps_per_s2, given.slowdown_steps_per_s2
     if up != down and not has_deceleration:
         lost = "Deceleration" if down > up else "Acceleration"
-        yield (
-            f"{lost} {_figure(max(up, down))} steps/s² is not kept: {name} has one acceleration for both, so "
-            f"the smaller one, {_figure(min(up, down))} steps/s², is sent."
-        )
+        yield Remark(
+            f"{lost} ", quantity(max(up, down), "steps/s²"), f" is not kept: {name} has one acceleration for both, so "
+            "the smaller one, ", quantity(min(up, down), "steps/s²"), ", is sent.",
+        )  # fmt: skip
     if ramp.shape.name != USUAL_SHAPE:
-        constant = f"constant{_instead(ramp, given)}"
-        yield f"The shape {_shape(ramp.shape)} is not kept: {name}'s acceleration is {constant}."
+        instead = _instead(ramp, given)
+        yield Remark(
+            "The shape ", *_shape(ramp.shape), f" is not kept: {name}'s acceleration is constant", *instead, "."
+        )
     own = "The lookup table" if design.method.plays_table else f"The method {METHODS[design.method.name].label}"
     yield f"{own} is not kept: {name} works its intervals out itself{works_out}."
 
 
-def rounding(label: str, unit: str, asked: Fraction, kept: Fraction) -> Iterator[str]:
+def rounding(label: str, unit: StepUnit, asked: Fraction, kept: Fraction) -> Iterator[str]:
     """Yield that a figure is rounded down on its way [unit], unless it arrives as it is."""
     if asked - kept > asked * LEAST_TOLD:
-        yield f"{label} {_figure(float(asked))} {unit} is rounded down to {_figure(float(kept))} {unit}."
+        rounded = replace(quantity(float(kept), unit), rounding="down")
+        yield Remark(f"{label} ", quantity(float(asked), unit), " is rounded down to ", rounded, ".")
 
 
 def scale_losses(design: Design, name: str, kept: Fraction) -> Iterator[str]:
@@ -84,28 +92,29 @@ def slower(design: Design) -> Fraction:
     return min(typed(given.acceleration_steps_per_s2), typed(given.slowdown_steps_per_s2))
 
 
-def _instead(ramp: RampParameters, given: RampParameters) -> str:
-    """Return which acceleration is given in place of one that falls with the speed; empty: the same."""
+def _instead(ramp: RampParameters, given: RampParameters) -> tuple[str | Told, ...]:
+    """Return which acceleration is given in place of one that falls with the speed; nothing: the same."""
     rates = [given.acceleration_steps_per_s2, given.slowdown_steps_per_s2]
     if rates == [ramp.acceleration_steps_per_s2, ramp.slowdown_steps_per_s2]:
-        return ""
-    told = " and ".join(_figure(rate) for rate in dict.fromkeys(rates))
+        return ()
+    told = _joined([quantity(rate, "steps/s²") for rate in dict.fromkeys(rates)])
     if ramp.shape.margin is None:
-        return f", {told} steps/s², the least that is drawn from its largest on"
-    speed = _figure(ramp.slew_speed_steps_per_s)
-    return (
-        f", {told} steps/s², the largest for which {ramp.shape.margin:.0%} of the motor's torque does at every speed "
-        f"up to {speed} steps/s"
-    )
+        return (", ", *told, ", the least that is drawn from its largest on")
+    part = f", the largest for which {ramp.shape.margin:.0%} of the motor's torque does at every speed up to "
+    return (", ", *told, part, quantity(ramp.slew_speed_steps_per_s, "steps/s"))
 
 
-def _shape(shape: RampShape) -> str:
+def _shape(shape: RampShape) -> tuple[str | Told, ...]:
     label = SHAPES[shape.name].label or shape.name
-    if shape.jerk_steps_per_s3 is None:
-        return label
-    down = shape.deceleration_jerk_steps_per_s3
-    jerks = _figure(shape.jerk_steps_per_s3) + ("" if down is None else f" and {_figure(down)}")
-    return f"{label} with a jerk of {jerks} steps/s³"
+    jerks = [each for each in (shape.jerk_steps_per_s3, shape.deceleration_jerk_steps_per_s3) if each is not None]
+    if not jerks:
+        return (label,)
+    return (f"{label} with a jerk of ", *_joined([quantity(each, "steps/s³") for each in jerks]))
+
+
+def _joined(quantities: Sequence[Told]) -> tuple[str | Told, ...]:
+    first, *others = quantities
+    return (first, *(part for each in others for part in (" and ", each)))
 
 
 def _figure(value: float) -> str:

@@ -13,6 +13,7 @@ from stepramp.design import Design
 from stepramp.devices.view import DeviceState
 from stepramp.errors import Count
 from stepramp.http_api.answer import Answer
+from stepramp.http_api.errors import ToldAnswer
 from stepramp.validation import Document, ListOrNull, Text, Within, refuse
 
 
@@ -138,6 +139,9 @@ class OwnTermsAnswer(Answer):
     )
 
 
+TOLD_OF_EACH = (
+    "Of each warning, the quantities that a design's axis converts, in their order, to be told in other units"
+)
 OWN = "The same in the controller's own terms; null where those are the same"
 UNIT = "Unit of the figures; CRC-16 for a checksum, nothing for a mere number"
 
@@ -174,6 +178,7 @@ class PushAnswer(Answer):
     )
     kept: bool = Field(description="Whether they are stored; otherwise on trial")
     warnings: list[str] = Field(description="What works, but not as the designs say")
+    warnings_told: list[list[ToldAnswer]] = Field(description=TOLD_OF_EACH)
 
 
 class PushedAnswer(PushAnswer):
@@ -215,6 +220,7 @@ class PreviewAnswer(Answer):
         description="Largest difference between an interval of a design's ramp and the one sent [µs]; null: not known"
     )
     warnings: list[str] = Field(description="What would work, but not as the designs say")
+    warnings_told: list[list[ToldAnswer]] = Field(description=TOLD_OF_EACH)
 
 
 class ProgressAnswer(Answer):

@@ -3,7 +3,7 @@
 
 import { closeButton, element, icon, messageLine } from '../../ui/dom.js';
 import { formatFigures } from '../../model/numbers.js';
-import { pushedWords } from './push_words.js';
+import { pushedWords, warningsOf } from './push_words.js';
 import { figureCell, figureHead, figuresOf, sizeText, tableHead, unseen } from './figures.js';
 
 /** @typedef {import('../../model/types.js').Device} Device */
@@ -98,7 +98,8 @@ export function createPushReport() {
       bar.hidden = shown === closed;
       details.hidden = isPushing || pushed === null || shown === closed;
       // What is said of the next push is not said of the last one again.
-      const warnings = (pushed?.warnings ?? []).filter((text) => !preview?.warnings.includes(text));
+      const told = pushed ? warningsOf(pushed, units, lastPushed ?? toPush) : [];
+      const warnings = told.filter((_, place) => !preview?.warnings.includes(pushed?.warnings[place] ?? ''));
       const isReplaced = device !== null && hasAnotherRamp(device, preview);
       const state = JSON.stringify([pushed, warnings, isChanged, lastPushed && pushedWords(lastPushed), isReplaced, units, (lastPushed ?? toPush).map(({ axis }) => axis)]);
       if (state === known) return;

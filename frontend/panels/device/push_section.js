@@ -7,7 +7,7 @@ import { figureCell, figureHead, figuresOf, sizeText, tableHead, unseen } from '
 import { mend } from '../../app/commands/work.js';
 import { createPushReport } from './push_report.js';
 import { createRefusals } from './push_refusals.js';
-import { pushedParts, ratherLong } from './push_words.js';
+import { pushedParts, ratherLong, warningsOf } from './push_words.js';
 import { able, can, enable, handOn } from './section.js';
 
 /** @typedef {import('../../model/types.js').Device} Device */
@@ -101,7 +101,7 @@ export function createPushSection(handlers, dispatch) {
             ),
           ]
         : []),
-      ...preview.warnings.map((text) => messageLine({ text, isWarning: true })),
+      ...warningsOf(preview, units, toPush).map((text) => messageLine({ text, isWarning: true })),
     );
   }
 

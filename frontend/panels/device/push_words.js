@@ -2,6 +2,7 @@
 // What a push is called: by the designs and by the methods that their ramps are computed with.
 
 import { methodOf } from '../../model/methods.js';
+import { inShownUnits } from '../../model/told.js';
 
 /** @typedef {import('../../model/types.js').Design} Design */
 
@@ -14,6 +15,14 @@ export function pushedParts(designs) {
   const methods = [...new Set(designs.map(({ method }) => wordOf(methodOf(method.name))))].join(', ');
   const what = designs.length === 1 ? `\u2018${designs[0].name || 'unnamed'}\u2019` : `${designs.length} ramps`;
   return [what, `by ${methods}`];
+}
+
+/** What works, but not as the designs say, in the units that are shown.
+ * @param {Pick<import('../../model/types.js').Preview, 'warnings' | 'warnings_told'>} told of a push or its preview
+ * @param {import('../../model/units.js').Units} units @param {Design[]} designs that are pushed @returns {string[]} */
+export function warningsOf({ warnings, warnings_told }, units, designs) {
+  const shown = inShownUnits(units, designs);
+  return warnings.map((message, place) => shown({ field: null, message, told: warnings_told[place] }).message);
 }
 
 /** The same in one.

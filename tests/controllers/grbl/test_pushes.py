@@ -94,7 +94,10 @@ def test_a_preview_says_what_would_change_and_what_is_lost(controller: GrblContr
             "The shape Cosine is not kept: grbl's acceleration is constant.",
         ),
         ({"method__name": "table"}, "The lookup table is not kept: grbl works its intervals out itself, one speed"),
-        ({"ramp__slew_speed_steps_per_s": 40_000}, "Slew speed 40,000 steps/s is more than the 30,000 that grbl 1.1"),
+        (
+            {"ramp__slew_speed_steps_per_s": 40_000},
+            "Slew speed 40,000 steps/s is more than the 30,000 steps/s that grbl",
+        ),
         ({"ramp__slew_speed_steps_per_s": 20}, "Slew speed 20 steps/s is not kept: on an Uno grbl makes no fewer than"),
     ],
 )

@@ -121,7 +121,9 @@ def test_rotary_axes_are_told() -> None:
 
 
 def test_speeds_that_boards_don_t_make_are_told() -> None:
-    assert "30,001 steps/s is more than the 30,000 that grbl" in remarks("grbl", ramp__slew_speed_steps_per_s=30_001)
+    assert "30,001 steps/s is more than the 30,000 steps/s that grbl" in remarks(
+        "grbl", ramp__slew_speed_steps_per_s=30_001
+    )
     assert "more than the 4,000 that AccelStepper makes" in remarks("accelstepper", ramp__slew_speed_steps_per_s=4001)
     fast = {"ramp__slew_speed_steps_per_s": 50_001, "ramp__acceleration_steps_per_s2": 100_000}
     assert "Slew speed 50,001 steps/s is more than the 50,000" in remarks("fastaccelstepper", **fast)

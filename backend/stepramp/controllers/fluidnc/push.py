@@ -13,6 +13,7 @@ from stepramp.controllers.grbl.scales import other_scales, refuse_others, unlike
 from stepramp.controllers.grbl.settings import AxisSettings, Known
 from stepramp.controllers.losses import slower
 from stepramp.controllers.per_mm import PerMm
+from stepramp.controllers.remark import of_axis
 from stepramp.design import Design
 from stepramp.errors import Count, Rejected, Rejection
 
@@ -144,7 +145,7 @@ class PushPlan:
         for axis, design in self.designs.items():
             rounded = self.rounding_words[axis]
             for loss in (*fluidnc_losses(design, self.given[axis]), *(() if rounded is None else (rounded,))):
-                yield f"Axis {axis}: {loss}" if several else loss
+                yield of_axis(axis, loss) if several else loss
 
 
 def rate_of(axis: int) -> str:

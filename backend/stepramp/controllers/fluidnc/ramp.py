@@ -7,6 +7,7 @@ from stepramp.controllers.given_numbers import as_float32
 from stepramp.controllers.grbl.motion import StepTimer
 from stepramp.controllers.losses import other_scale
 from stepramp.controllers.per_mm import PerMm, Quantity, Terms
+from stepramp.controllers.remark import Remark, quantity
 from stepramp.design import Design
 from stepramp.units import SECONDS_PER_MINUTE
 
@@ -46,7 +47,7 @@ def fluidnc_losses(design: Design, given: PerMm) -> Iterator[str]:
     yield from given.ramp_losses(design)
     yield from other_scale(design, FLUIDNC.name, given.scale)
     if given.speed_steps_per_s < TIMER.slowest_steps_per_s:
-        yield (
-            f"Slew speed {float(given.speed_steps_per_s):,.10g} steps/s is not kept: FluidNC makes no fewer than "
-            f"{TIMER.slowest_steps_per_s:,.4g} steps/s while it moves."
-        )
+        yield Remark(
+            "Slew speed ", quantity(float(given.speed_steps_per_s), "steps/s"), " is not kept: FluidNC makes no fewer ",
+            "than ", quantity(TIMER.slowest_steps_per_s, "steps/s", 4), " while it moves.",
+        )  # fmt: skip

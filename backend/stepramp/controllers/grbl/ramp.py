@@ -12,6 +12,7 @@ from stepramp.controllers.grbl.motion import SLOWEST_STEPS_PER_S
 from stepramp.controllers.grbl.numbers import below, exact, read
 from stepramp.controllers.grbl.settings import acceleration_of, kept_acceleration, rate_of, speed_of
 from stepramp.controllers.losses import losses, slower
+from stepramp.controllers.remark import Remark, quantity
 from stepramp.design import Design
 from stepramp.errors import Limits, Rejected, Rejection
 from stepramp.numerics.limit_text import highest, lowest
@@ -107,12 +108,12 @@ def grbl_losses(design: Design, name: str = "grbl") -> Iterator[str]:
     yield from losses(design, name, works_out=", one speed for each 10 ms")
     speed = design.ramp.slew_speed_steps_per_s
     if speed > MOST_ON_AN_UNO:
-        yield (
-            f"Slew speed {speed:,.10g} steps/s is more than the {MOST_ON_AN_UNO:,} that grbl 1.1 "
-            "makes on an Uno; grblHAL on a faster board may make it."
-        )
+        yield Remark(
+            "Slew speed ", quantity(speed, "steps/s"), " is more than the ", quantity(MOST_ON_AN_UNO, "steps/s"),
+            " that grbl 1.1 makes on an Uno; grblHAL on a faster board may make it.",
+        )  # fmt: skip
     if speed < SLOWEST_STEPS_PER_S:
-        yield (
-            f"Slew speed {speed:,.10g} steps/s is not kept: on an Uno grbl makes no fewer than "
-            f"{SLOWEST_STEPS_PER_S:,.4g} steps/s while it moves."
-        )
+        yield Remark(
+            "Slew speed ", quantity(speed, "steps/s"), " is not kept: on an Uno grbl makes no fewer than ",
+            quantity(SLOWEST_STEPS_PER_S, "steps/s", 4), " while it moves.",
+        )  # fmt: skip

@@ -6,8 +6,9 @@ from fractions import Fraction
 
 from stepramp.controllers.losses import other_scale
 from stepramp.controllers.per_mm import PerMm, Quantity, Terms
+from stepramp.controllers.remark import Remark
 from stepramp.design import Design
-from stepramp.errors import Rejected, Rejection
+from stepramp.errors import Rejected, Rejection, Told
 
 DECIMALS = 6
 """Of the numbers that it is given."""
@@ -64,10 +65,10 @@ def losses_in_use(design: Design, given: PerMm, cruise_ratio: float) -> Iterator
     yield from other_scale(design, KLIPPER.name, given.scale)
     if cruise_ratio > 0:
         least = least_way(float(given.speed_steps_per_s), float(given.acceleration_steps_per_s2), cruise_ratio)
-        yield (
-            f"Moves of less than {least:,} steps stay slower than planned: with a minimum_cruise_ratio of "
-            f"{cruise_ratio:g} they keep to one speed for that part of their way."
-        )
+        yield Remark(
+            "Moves of less than ", Told(f"{least:,} steps", least, "steps", "up"), " stay slower than planned: with a "
+            f"minimum_cruise_ratio of {cruise_ratio:g} they keep to one speed for that part of their way.",
+        )  # fmt: skip
 
 
 def klipper_losses(design: Design, given: PerMm) -> Iterator[str]:

@@ -27,6 +27,7 @@ from stepramp.controllers.marlin.settings import (
 )
 from stepramp.controllers.order import lowered_first
 from stepramp.controllers.per_mm import PerMm
+from stepramp.controllers.remark import Remark, of_axis, quantity
 from stepramp.design import Design
 from stepramp.errors import Count, Refused, Rejected, Rejection
 
@@ -167,7 +168,7 @@ class PushPlan:
             letter, scale = self.scales[axis].letter, self.scales[axis].steps_per_mm
             kept = self.ramps[axis].ramp_losses(design)
             for loss in (*kept, *other_scale(design, "Marlin", scale), *_jerk(present, letter, scale)):
-                yield f"Axis {axis}: {loss}" if several else loss
+                yield of_axis(axis, loss) if several else loss
         for axis in self.designs:
             if is_rounded(scale := self.scales[axis].steps_per_mm):
                 yield _rounded_scale(self.scales[axis].letter, scale)
@@ -248,7 +249,7 @@ def _jerk(present: Settings, letter: str, scale: Fraction) -> Iterator[str]:
     """Yield with which speed a move begins where jerk is built in."""
     jerk = present.number(JERK, letter)
     if jerk:
-        yield (
-            f"M205 {letter}{float(jerk):g}: a move begins at up to {float(jerk * scale):,.10g} steps/s at once, "
-            "without a ramp."
-        )
+        yield Remark(
+            f"M205 {letter}{float(jerk):g}: a move begins at up to ", quantity(float(jerk * scale), "steps/s"),
+            " at once, without a ramp.",
+        )  # fmt: skip

@@ -10,9 +10,10 @@ from decimal import Decimal
 from stepramp.controllers.constant_rates import with_constant_rates
 from stepramp.controllers.given_numbers import typed
 from stepramp.controllers.losses import losses, rounding
+from stepramp.controllers.remark import Remark, quantity
 from stepramp.controllers.tic.wire import Write, write
 from stepramp.design import Design, RampParameters
-from stepramp.errors import Limits, Rejected, Rejection
+from stepramp.errors import Limits, Rejected, Rejection, StepUnit
 
 SPEED_SCALE = 10_000
 """A Tic counts speeds in steps a ten thousand seconds …"""
@@ -136,16 +137,19 @@ def tic_losses(design: Design) -> Iterator[str]:
     """Yield what of a design a Tic doesn't keep. Raises Rejected for what it can't take."""
     ramp = TicRamp.of(design)
     yield from losses(design, "a Tic", has_base_speed=True, has_deceleration=True)
-    labels = (("Base speed", "steps/s"), ("Slew speed", "steps/s"), *((each, "steps/s²") for each in RATES))
+    labels: tuple[tuple[str, StepUnit], ...] = (
+        ("Base speed", "steps/s"), ("Slew speed", "steps/s"), (RATES[0], "steps/s²"), (RATES[1], "steps/s²")
+    )  # fmt: skip
     for (label, unit), asked, kept in zip(labels, figures_of(design), ramp.figures, strict=True):
         if label != RATES[1] or design.ramp.deceleration_steps_per_s2 is not None:
             yield from rounding(label, unit, typed(asked), typed(kept))
     ticks = ticks_of(max(LEAST_SPEED, ramp.max_speed))
     if TIMER_HZ / ticks > steps_per_s(ramp.max_speed) * (1 + LEAST_TOLD_FASTER):
-        yield (
-            f"Slew speed {design.ramp.slew_speed_steps_per_s:,.10g} steps/s comes out as {TIMER_HZ / ticks:,.7g} "
-            f"steps/s: a Tic takes {ticks} whole thirds of a µs for a step, rounded down."
-        )
+        yield Remark(
+            "Slew speed ", quantity(design.ramp.slew_speed_steps_per_s, "steps/s"), " comes out as ",
+            quantity(TIMER_HZ / ticks, "steps/s", 7), f": a Tic takes {ticks} whole thirds of a µs for a step, rounded "
+            "down.",
+        )  # fmt: skip
 
 
 def other_steps(design: Design, microsteps: int) -> Iterator[str]:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from stepramp.controllers.constant_rates import with_constant_rates
 from stepramp.controllers.contract import FigureUnit, OwnTerms, PreviewItem, PushItem, PushMode, PushPreview, PushReport
+from stepramp.controllers.remark import of_axis
 from stepramp.controllers.tmcl.modules import Parameters
 from stepramp.controllers.tmcl.ramp import (
     TmclRamp,
@@ -124,7 +125,7 @@ class PushPlan:
         several = len(self.designs) > 1
         for axis, design in self.designs.items():
             for loss in (*tmcl_losses(design, self.units[axis]), *_other_steps(design, self.microsteps[axis])):
-                yield f"Axis {axis}: {loss}" if several else loss
+                yield of_axis(axis, loss) if several else loss
 
 
 def _asked(design: Design) -> dict[str, float]:

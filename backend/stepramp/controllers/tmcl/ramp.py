@@ -14,6 +14,7 @@ from fractions import Fraction
 from stepramp.controllers.constant_rates import with_constant_rates
 from stepramp.controllers.given_numbers import typed
 from stepramp.controllers.losses import losses, rounding
+from stepramp.controllers.remark import Remark, quantity
 from stepramp.controllers.tmcl.units import Units
 from stepramp.design import Design, RampParameters
 from stepramp.errors import Limits, Rejected, Rejection
@@ -161,20 +162,20 @@ def tmcl_losses(design: Design, units: Units) -> Iterator[str]:
     start = typed(ramp.base_speed_steps_per_s)
     sent = TmclRamp.of(design, units).of_the_chip(units)
     if sent.vstop > sent.vstart:
-        yield (
-            f"Base speed {float(start):,.10g} steps/s is not kept at the end of a move: the module needs a stopping "
-            f"speed, so VSTOP is {float(sent.vstop * units.chip_speed):,.10g} steps/s."
-        )
+        yield Remark(
+            "Base speed ", quantity(float(start), "steps/s"), " is not kept at the end of a move: the module needs a "
+            "stopping speed, so VSTOP is ", quantity(float(sent.vstop * units.chip_speed), "steps/s"), ".",
+        )  # fmt: skip
     else:
         yield from rounding("Base speed", "steps/s", start, sent.vstart * units.chip_speed)
     yield from rounding("Slew speed", "steps/s", speed, sent.vmax * units.chip_speed)
     yield from rounding("Acceleration", "steps/s²", rate, sent.amax * units.chip_acceleration)
     if down != rate:
         yield from rounding("Deceleration", "steps/s²", down, sent.dmax * units.chip_acceleration)
-        yield (
-            f"Deceleration {float(down):,.10g} steps/s² holds for moves to a position only: a stop, and the end of a "
-            f"run, slow down with the acceleration, {float(rate):,.10g} steps/s²."
-        )
+        yield Remark(
+            "Deceleration ", quantity(float(down), "steps/s²"), " holds for moves to a position only: a stop, and the "
+            "end of a run, slow down with the acceleration, ", quantity(float(rate), "steps/s²"), ".",
+        )  # fmt: skip
     yield from losses(design, "the module", has_base_speed=True, has_deceleration=True)
 
 

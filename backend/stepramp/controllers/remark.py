@@ -1,0 +1,42 @@
+"""Sentences about what a controller doesn't keep, with their quantities as data, to be told in other units."""
+
+from collections.abc import Iterable
+from dataclasses import replace
+from typing import Self
+
+from stepramp.errors import StepUnit, Told
+
+
+class Remark(str):
+    """A sentence that knows which parts of it are quantities."""
+
+    __slots__ = ("told",)
+    told: tuple[Told, ...]
+    """The quantities, in their order."""
+
+    def __new__(cls, *parts: str | Told) -> Self:
+        """Make a sentence of its parts."""
+        remark = super().__new__(cls, "".join(map(str, parts)))
+        remark.told = tuple(part for part in parts if isinstance(part, Told))
+        return remark
+
+
+def of_axis(axis: int, sentence: str) -> str:
+    """Return a sentence about one of several axes as one that says which."""
+    remark = Remark(f"Axis {axis}: {sentence}")
+    remark.told = tuple(replace(each, axis=axis) for each in _told(sentence))
+    return remark
+
+
+def told_in(sentences: Iterable[str]) -> tuple[tuple[Told, ...], ...]:
+    """Return the quantities of each sentence."""
+    return tuple(map(_told, sentences))
+
+
+def quantity(value: float, unit: StepUnit, figures: int = 10) -> Told:
+    """Return a quantity as sentences have it [its unit]."""
+    return Told.of(value, unit, figures)
+
+
+def _told(sentence: str) -> tuple[Told, ...]:
+    return sentence.told if isinstance(sentence, Remark) else ()
