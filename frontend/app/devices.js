@@ -6,6 +6,7 @@ import { areSameRamps } from '../model/design.js';
 import { areEqual } from '../model/equal.js';
 import { nameText, pushRefusals } from '../model/messages.js';
 import { inShownUnits } from '../model/told.js';
+import { atScale } from '../model/units.js';
 import { PAGE } from '../server/api.js';
 import { axisOf, designOf, isDesignValid, machineOf, messagesOf, stalenessOf } from './selectors.js';
 import { remembering } from './state.js';
@@ -132,6 +133,26 @@ const toPush = remembering(
     axes.length > most ? [axes[active]] : axes,
 );
 
+/** The design of each axis of the device that can be chosen, as it is and with the scale that the controller tells: the one in
+ * hand where the device can't have those of all axes.
+ * @param {State} state @param {import('../model/workbench.js').Machine} machine
+ * @returns {Pick<import('../model/types.js').Situation, 'played' | 'scaled'>} */
+function axisDesignsOf(state, machine) {
+  const axes = deviceOf(state)?.axes ?? [];
+  const places = Math.max(axesOffered(state), axes.length);
+  const scales = Array.from({ length: places }, (_, axis) => axes[axis]?.steps_per_mm ?? null);
+  return axisDesigns(machine, designsToPush(state).length === machine.axes.length, JSON.stringify(scales));
+}
+
+// The scales as a text: the devices are told anew with all that moves.
+const axisDesigns = remembering(
+  (/** @type {import('../model/workbench.js').Machine} */ { axes, active }, /** @type {boolean} */ areAll, /** @type {string} */ scales) => {
+    const told = /** @type {(number | null)[]} */ (JSON.parse(scales));
+    const played = told.map((_, axis) => (areAll && axes[axis]) || axes[active]);
+    return { played, scaled: played.map((design, axis) => atScale(design, told[axis])) };
+  },
+);
+
 /** What decides what a push would change.
  * ids: of the axes whose designs they are.
  * @typedef {{id: string, state: unknown[], axis: number, designs: Design[], ids: number[]}} PreviewQuestion */
@@ -220,6 +241,7 @@ function makeSituation(devices, machine, units, isValid, staleness, nameProblem,
     designs: machine.axes,
     ids: machine.ids,
     active: machine.active,
+    ...axisDesignsOf(state, machine),
     units,
     toPush: pushing,
     link: devices.link,

@@ -406,6 +406,10 @@
  * @property {number[]} ids            of these axes
  * @property {Design[]} toPush         those that a push sends
  * @property {number} active           the one in hand
+ * @property {Design[]} played         of each axis of the device that can be chosen; the one in hand where the device can't have
+ *   those of all axes
+ * @property {Design[]} scaled         the same with the scales that the controller tells, to convert by; what is pushed, and shown
+ *   of a push, is by a design's own
  * @property {import('./units.js').Units} units */
 
 export {};

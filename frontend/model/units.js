@@ -90,3 +90,17 @@ export function unitWord(units, design, quantity) {
  * @param {Design['axis']} axis */
 export const stepsPerUnit = ({ full_steps_per_rev, microsteps, travel_per_rev }) =>
   (Number(full_steps_per_rev) * Number(microsteps)) / Number(travel_per_rev);
+
+/** So far apart two scales are the same, written with as many figures as controllers tell. */
+const SAME_SCALE = 1e-5;
+
+/** A design as a machine of such a scale moves it, to convert by: what a motor is sent are steps. A travel in degrees is none in mm.
+ * @param {Design} design @param {number | null} stepsPerMm of the machine; null: it counts in steps only
+ * @returns {Design} the same one where its scale is the machine's */
+export function atScale(design, stepsPerMm) {
+  const { axis } = design;
+  const isOther = stepsPerMm !== null && axis.travel_unit === 'mm' && Math.abs(stepsPerUnit(axis) / stepsPerMm - 1) > SAME_SCALE;
+  if (!isOther) return design;
+  const travel = (Number(axis.full_steps_per_rev) * Number(axis.microsteps)) / stepsPerMm;
+  return { ...design, axis: { ...axis, travel_per_rev: travel } };
+}

@@ -3,6 +3,7 @@
 
 import { element } from './dom.js';
 import { selectOnFocus } from './select_on_focus.js';
+import { areEqual } from '../model/equal.js';
 import { refusalText } from '../model/messages.js';
 import { formatEntry, formatFixed, nearestWhole, parseEntry } from '../model/numbers.js';
 import { isNothing, roundingText, tooShortText } from '../model/shown_entry.js';
@@ -114,7 +115,7 @@ export function quantityField({ id, label, quantity, start, toWhole = nearestWho
     /** @param {Units} units @param {Design} design */
     show(units, design) {
       const word = unitWord(units, design, quantity);
-      const isSame = shown !== null && unit.textContent === word && shown.design.axis === design.axis;
+      const isSame = shown !== null && unit.textContent === word && areEqual([shown.design.axis], [design.axis]);
       shown = { units, design };
       unit.textContent = word;
       if (!isSame) between = null;

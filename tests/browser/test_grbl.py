@@ -148,3 +148,38 @@ def test_the_whole_path_with_a_grbl(attached: StepRampPage, cable: GrblOnACable)
     assert attached.design()["ramp"]["slew_speed_steps_per_s"] == pytest.approx(500 / 60 * 250)
     assert grbl.steps == steps
     see_backups(attached, grbl)
+
+
+def connect_in_mm(stepramp: StepRampPage, cable: GrblOnACable) -> None:
+    """Have a design of 50 steps/mm in hand, shown in mm, beside a grbl."""
+    page = stepramp.page
+    stepramp.choose_example("Lead-screw stage")
+    page.locator('[aria-label="Unit of length"] [data-value="mm"]').click()
+    page.locator("#port").select_option(cable.port)
+    page.locator("#family").select_option("grbl")
+    page.locator("#connect").click()
+    expect(stepramp.state).to_have_text("ready")
+
+
+def test_lengths_are_those_of_the_machine_where_its_scale_is_another(
+    attached: StepRampPage, cable: GrblOnACable
+) -> None:
+    page, grbl = attached.page, cable.grbl
+    grbl.settings[102] = grbl.eeprom.settings[102] = 400.0
+    connect_in_mm(attached, cable)
+    attached.push()
+    attached.move("5")
+    expect(page.locator("#move-in-steps")).to_have_text("1,250 steps")
+    expect(page.locator("#move-scale")).to_have_text("Lengths here are the machine’s: 250 steps/mm; the design has 50.")
+    until(lambda: grbl.position[0] == 1250)
+    expect(attached.position).to_have_text("5.00000")
+    expect(attached.state).to_have_text("ready")
+    # Each axis of a line by its own.
+    page.locator('.panel.device .segmented [data-value="line"]').click()
+    for axis in range(3):
+        page.locator(f"#line-{axis}").fill("1")
+    steps = ("250 steps", "250 steps", "400 steps")
+    for axis, text in enumerate(steps):
+        expect(page.locator(f"#line-{axis}-in-steps")).to_have_text(text)
+    page.locator("#move").click()
+    until(lambda: grbl.position == [1500, 250, 400])

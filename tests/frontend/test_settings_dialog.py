@@ -28,7 +28,7 @@ DIALOG = """
         enable_level: 'low', pulse_width_us: 0, direction_setup_us: 30, enable_lead_ms: 1, enable_hold_ms: null});
     const device = {id: 'a', name: 'board', port: 'A', capabilities: ['settings'],
         axes: [{axis: 0, lowest_steps: null, highest_steps: null}]};
-    const situation = {designs: [design], active: 0, units: {length: 'steps', time: 's'}};
+    const situation = {scaled: [design], units: {length: 'steps', time: 's'}};
     await dialog.open(device, situation);
     api.settings = asked;
     const whole = byId('settings-dialog');
@@ -216,7 +216,7 @@ def test_what_comes_of_it_is_of_the_dialog_that_was_shown_then(modules: Modules,
         type('setting-pulse_width_us', '3'); await use(); await use();
         whole.close();
         await dialog.open({{...device, id: 'b', capabilities: []}},
-            {{designs: [design], active: 0, units: {{length: 'steps', time: 's'}}}});
+            {{scaled: [design], units: {{length: 'steps', time: 's'}}}});
         type('limit-0-lowest', '-7');
         {ends}; await settled();
         const seen = [whole.open, below()];

@@ -129,3 +129,100 @@ LOST = """
 
 def test_what_is_lost_is_not_said_to_be_back(modules: Modules) -> None:
     assert run(modules, LOST) == [True, False]
+
+
+# A device of two axes, at the scales that are given; `typed(id, text)` types into a field.
+SCALED = """
+    const {FIRST_STATE, createStore} = await import('/app/state.js');
+    const {COMMANDS} = await import('/app/commands/commands.js');
+    const {createDevice} = await import('/panels/device/device.js');
+    const store = createStore(FIRST_STATE, (error) => { throw error; });
+    const {dispatch} = store, asked = [];
+    const one = {...design, axis: {...design.axis, travel_per_rev: 8, travel_unit: 'mm'}};
+    dispatch(COMMANDS.work.begin, {axes: [one], together: 'independent', ids: [5], active: 0, kept: null});
+    dispatch(COMMANDS.view.setUnits, {length: 'mm', time: 's'});
+    dispatch(COMMANDS.device.linked, 'there');
+    const device = (scales, state = 'ready') => ({id: '1', port: 'sim://', name: 'Simulated', family: 'grbl', state,
+        axes: scales.map((steps_per_mm, axis) => ({axis, state: 'ready', position_steps: 500, target_steps: 500,
+            speed_steps_per_s: 0, steps_per_mm, lowest_steps: -1000, highest_steps: 10_000})), most_axes: 2, stops: 0,
+        capabilities: ['line'], in_control: null, unknown_positions: [], shuttle: null, progress: null,
+        ramp: {sequence: null, crc: null}});
+    const tell = (...told) => { dispatch(COMMANDS.device.heard, [device(...told)], {}); panel.show(store.state()); };
+    const root = made('div');
+    body.append(root);
+    const panel = createDevice(root, dispatch, {jog: {end() {}, begin() {}},
+        go: (_, axis, what, sent) => asked.push([axis, what, sent]),
+        setPosition: (_, axis, steps) => asked.push([axis, 'position', steps])});
+    const typed = (id, text) => { byId(id).value = text; byId(id).oninput(); };
+    const form = find(body, (each) => each.tag === 'form');
+    const section = (name) => { dispatch(COMMANDS.device.chooseSection, name); panel.show(store.state()); };
+    const axis = (at) => { dispatch(COMMANDS.device.chooseAxis, at); panel.show(store.state()); };
+    const submit = () => form.onsubmit({preventDefault() {}});
+    const shown = (...ids) => ids.map((id) => byId(id).hidden ? '' : textOf(byId(id)));
+"""
+
+
+def test_lengths_of_a_device_are_shown_and_sent_by_the_scale_that_its_controller_tells(modules: Modules) -> None:
+    """The design has 50 steps/mm: a fifth of the way would be moved, and told as the whole of it."""
+    script = (
+        SCALED
+        + """ tell([250, 400]); section('move');
+        typed('move-steps', '5'); form.oninput(); submit();
+        const move = shown('live-position', 'live-limits', 'move-in-steps', 'move-scale');
+        section('jog'); typed('jog-speed', '2'); typed('set-position', '5'); byId('run-ahead').onclick();
+        byId('set-position-button').onclick();
+        const jog = shown('jog-scale'); axis(1);
+        return [asked.map(([, what, sent]) => sent.by_steps ?? sent.axes?.[0].speed_steps_per_s ?? sent), move, jog,
+            shown('live-position', 'jog-scale')]; """
+    )
+    sent, move, jog, second = run(modules, script)
+    assert sent == [1250, 500, 1250]
+    note = "Lengths here are the machine’s: 250 steps/mm; the design has 50."
+    assert move == ["2.00000", "Soft limits: \u22124 to 40 mm", "1,250 steps", note]
+    assert jog == [note]
+    assert second == ["1.25000", "Lengths here are the machine’s: 400 steps/mm; the design has 50."]
+
+
+def test_each_axis_of_a_line_has_its_own_scale(modules: Modules) -> None:
+    script = (
+        SCALED
+        + """ tell([250, 400]); section('move');
+        find(body, (each) => each['data-value'] === 'line').onclick();
+        for (const at of [0, 1]) typed(`line-${at}`, '1');
+        form.oninput(); submit();
+        return [asked[0][2].axes, shown('line-0-in-steps', 'line-1-in-steps', 'line-2-in-steps', 'move-scale')]; """
+    )
+    axes, steps = run(modules, script)
+    assert axes == [{"axis": 0, "by_steps": 250}, {"axis": 1, "by_steps": 400}]
+    assert steps[:3] == ["250 steps", "400 steps", ""]
+    told = "axis 0 has 250 steps/mm, its design 50; axis 1 has 400 steps/mm, its design 50."
+    assert steps[3] == f"Lengths here are the machine’s: {told}"
+
+
+def test_what_is_typed_stays_while_a_device_with_a_scale_of_its_own_is_heard(modules: Modules) -> None:
+    script = (
+        SCALED
+        + """ tell([250, 400]); section('move'); typed('move-steps', '5.000');
+        tell([250, 400]); tell([250, 400], 'moving'); const typing = byId('move-steps').value;
+        dispatch(COMMANDS.view.setUnits, {length: 'steps', time: 's'}); panel.show(store.state());
+        return [typing, byId('move-steps').value, ...shown('move-scale', 'jog-scale', 'live-position')]; """
+    )
+    assert run(modules, script) == ["5.000", "1,250", "", "", "500"]
+
+
+def test_a_scale_that_is_the_designs_or_not_known_says_nothing(modules: Modules) -> None:
+    script = (
+        SCALED
+        + """ return [50, 50.0000001, null].map((scale) => {
+        tell([scale]); section('move'); return shown('live-position', 'move-scale'); }); """
+    )
+    assert run(modules, script) == [["10.0000", ""]] * 3
+
+
+def test_soft_limits_are_set_by_the_scale_of_their_axis(modules: Modules) -> None:
+    script = (
+        SCALED
+        + """ tell([250, 400]); byId('settings').onclick(); await settled();
+        return [0, 1].flatMap((at) => [byId(`limit-${at}-lowest`).value, byId(`limit-${at}-highest`).value]); """
+    )
+    assert run(modules, script) == ["-4", "40", "-2.5", "25"]

@@ -9,7 +9,7 @@ import { refusalText } from '../../model/messages.js';
 import { plainField } from '../../ui/plain_field.js';
 import { quantityField } from '../../ui/quantity_field.js';
 import { showAtPlaces } from '../../ui/refusal.js';
-import { able, can } from './section.js';
+import { able, can, scaleText } from './section.js';
 
 /** @typedef {import('../../model/types.js').Device} Device */
 /** @typedef {import('./section.js').Context} Context */
@@ -52,6 +52,7 @@ export function createJogSection(jog, handlers) {
     element('p', { className: 'reason', id: `${input.id}-note`, role: 'status', hidden: true }),
   );
   const reason = element('p', { className: 'reason', id: 'jog-reason' });
+  const scale = element('p', { className: 'reason', id: 'jog-scale' });
   const placeReason = element('p', { className: 'reason', id: 'place-reason' });
 
   /** What a length becomes that is no whole number of steps. */
@@ -136,6 +137,7 @@ export function createJogSection(jog, handlers) {
       element('div', { className: 'line hold-line' }, back, ahead),
       element('div', { className: 'line run-line' }, runBack, runAhead, element('span', { textContent: 'for' }), seconds.element),
       secondsProblem,
+      scale,
       reason,
       element('p', {
         className: 'reason',
@@ -156,14 +158,15 @@ export function createJogSection(jog, handlers) {
     /** @param {Context} present */
     show(present) {
       context = present;
-      const { device, known, situation, design, inTheWay, notAtRest } = present;
+      const { device, known, situation, axis, inTheWay, notAtRest } = present;
+      const [units, design] = [situation.units, situation.scaled[axis]];
       if (speed.value() === '' && speed.input !== document.activeElement) {
         const slew = Number(design.ramp.slew_speed_steps_per_s);
         if (slew > 0) speed.set(Number(shownValue({ length: 'steps', time: 's' }, design, 'speed', slew * FIRST_PART_OF_SLEW).toPrecision(3)));
       }
-      speed.show(situation.units, design);
-      place.show(situation.units, design);
-      dial.show(situation.units, design);
+      for (const field of [speed, place, dial]) field.show(units, design);
+      showText(scale, scaleText(present, [axis]));
+      scale.hidden = scale.textContent === '';
       showRounding();
       const noRamp = device && !device.ramp ? 'Push a ramp first.' : '';
       const isHeld = 'held' in back.dataset || 'held' in ahead.dataset;

@@ -65,13 +65,13 @@ export function createLimitFields() {
   return {
     element: element('div', { className: 'limit-axes' }, ...rows.map((row) => row.element)),
     /** @param {Device} device @param {Situation} situation */
-    show(device, { designs, active, units }) {
+    show(device, { scaled, units }) {
       count = device.axes.length;
       rows.forEach((row, axis) => {
         row.element.hidden = axis >= count;
         for (const { side, field } of row.fields) {
           field.set(device.axes[axis]?.[`${side}_steps`] ?? '');
-          field.show(units, designs[axis] ?? designs[active]);
+          field.show(units, scaled[axis] ?? scaled[0]);
         }
       });
       before = entries().map((one) => JSON.stringify(one));

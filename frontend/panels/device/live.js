@@ -36,7 +36,7 @@ export function createLive() {
   return {
     element: element('div', { className: 'live-box' }, readouts, old, shuttle, limits, beyond, unknown),
     /** @param {Context} context */
-    show({ known: device, axis, design, situation }) {
+    show({ known: device, axis, situation }) {
       const state = device?.axes[axis] ?? null;
       const isLost = device?.state === 'lost';
       const isOld = state !== null && (isLost || situation.link !== 'there' || situation.age !== null);
@@ -48,6 +48,7 @@ export function createLive() {
       showText(shuttle, isLost ? '' : shuttleText(device));
       shuttle.hidden = shuttle.textContent === '';
       const { units } = situation;
+      const design = situation.scaled[axis];
       const isInSteps = unitsFor(units, design).length === 'steps';
       const length = (/** @type {number} */ steps) =>
         isInSteps ? formatFixed(steps) : formatFigures(shownValue(units, design, 'length', steps), 6);

@@ -6,7 +6,7 @@ import { refusalText } from '../../model/messages.js';
 import { plainField } from '../../ui/plain_field.js';
 import { quantityField } from '../../ui/quantity_field.js';
 import { showAtPlaces } from '../../ui/refusal.js';
-import { able, can, otherRampText } from './section.js';
+import { able, can, otherRampText, scaleText } from './section.js';
 
 /** @typedef {import('../../model/types.js').Device} Device */
 /** @typedef {import('./section.js').Context} Context */
@@ -56,10 +56,11 @@ export function createMoveSection({ go }) {
     element('label', { className: 'line-axis' }, element('span', { textContent: `Axis ${axis}` }), field.element),
   );
   const lineProblems = rows.map(() => element('div', { className: 'problem' }));
+  const linesInSteps = rows.map((_, axis) => element('p', { className: 'reason', id: `line-${axis}-in-steps` }));
   const several = element(
     'div',
     { className: 'line-axes' },
-    ...rows.flatMap((row, axis) => [row, lineProblems[axis]]),
+    ...rows.flatMap((row, axis) => [row, lineProblems[axis], linesInSteps[axis]]),
   );
   const repeat = element('div', { className: 'line' }, times.element, pause.element);
   const move = element('button', {
@@ -69,6 +70,7 @@ export function createMoveSection({ go }) {
     'aria-describedby': 'move-reason',
   });
   const inSteps = element('p', { className: 'reason', id: 'move-in-steps' });
+  const scale = element('p', { className: 'reason', id: 'move-scale' });
   const otherRamp = element('p', { className: 'reason warns', id: 'move-ramp' });
   const reason = element('p', { className: 'reason', id: 'move-reason' });
   const problem = element('div', { className: 'problem' });
@@ -85,6 +87,7 @@ export function createMoveSection({ go }) {
     element('div', { className: 'line' }, distance.element, move),
     problem,
     inSteps,
+    scale,
     otherRamp,
     reason,
   );
@@ -116,32 +119,42 @@ export function createMoveSection({ go }) {
   }
 
   function showSteps() {
-    inSteps.textContent = shownKind() === 'line' ? '' : distance.inSteps();
+    const isLine = shownKind() === 'line';
+    showStepsOf(distance, inSteps, !isLine);
+    lines.forEach((field, axis) => showStepsOf(field, linesInSteps[axis], isLine && !rows[axis].hidden));
+  }
+
+  /** @param {ReturnType<typeof quantityField>} field @param {HTMLElement} place @param {boolean} isShown */
+  function showStepsOf(field, place, isShown) {
+    showText(place, isShown ? field.inSteps() : '');
     // What is refused says what it was taken for.
-    inSteps.hidden = inSteps.textContent === '' || distance.input.getAttribute('aria-invalid') === 'true';
+    place.hidden = place.textContent === '' || field.input.getAttribute('aria-invalid') === 'true';
   }
 
   /** @param {Context} present */
   function show(present) {
     context = present;
-    const { device, known, situation, design, inTheWay, notAtRest } = present;
+    const { device, known, situation, axis: chosen, inTheWay, notAtRest } = present;
+    const { units, scaled } = situation;
     const count = device?.axes.length ?? 1;
     const lineButton = /** @type {HTMLElement} */ (kinds.element.querySelector('[data-value="line"]'));
     lineButton.hidden = count < 2 || !can(known, 'line');
     const shown = shownKind();
     kinds.press(shown);
-    distance.show(situation.units, design);
+    distance.show(units, scaled[chosen]);
     lines.forEach((field, axis) => {
-      field.show(situation.units, situation.designs[axis] ?? design);
+      field.show(units, scaled[axis] ?? scaled[chosen]);
       rows[axis].hidden = axis >= count;
     });
     several.hidden = shown !== 'line';
     repeat.hidden = shown !== 'back';
     distance.element.hidden = shown === 'line';
     // The plots may show another axis than the one that is chosen here.
-    showText(move, count > 1 && shown !== 'line' ? `${BUTTONS[shown]} axis ${present.axis}` : BUTTONS[shown]);
+    showText(move, count > 1 && shown !== 'line' ? `${BUTTONS[shown]} axis ${chosen}` : BUTTONS[shown]);
     const noRamp = device && !device.ramp ? 'Push a ramp first.' : '';
     able([move], reason, inTheWay || notAtRest || noRamp, situation.isBusy);
+    showText(scale, scaleText(present, shown === 'line' && device ? device.axes.map(({ axis }) => axis) : [chosen]));
+    scale.hidden = scale.textContent === '';
     showText(otherRamp, otherRampText(present));
     otherRamp.hidden = otherRamp.textContent === '';
     showSteps();

@@ -2,7 +2,7 @@
 // What the sections of the device panel share.
 
 import { formatFigures } from '../../model/numbers.js';
-import { shownValue, unitWord } from '../../model/units.js';
+import { shownValue, stepsPerUnit, unitsFor, unitWord } from '../../model/units.js';
 
 /** @typedef {import('../../model/types.js').Device} Device */
 /** @typedef {import('../../model/types.js').Design} Design */
@@ -18,6 +18,9 @@ import { shownValue, unitWord } from '../../model/units.js';
  * @property {string} notAtRest      why nothing can be begun; empty: it is at rest
  * @property {import('../../model/types.js').Situation} situation */
 
+/** As many as controllers tell. */
+const SCALE_FIGURES = 7;
+
 /** The part of the panel for one kind of work.
  * @typedef {object} Section
  * @property {HTMLElement} element
@@ -27,8 +30,8 @@ import { shownValue, unitWord } from '../../model/units.js';
 
 /** What is to be known before a motion is begun: it is made with the ramp that the device has, be the design another one.
  * @param {Context} context @returns {string} empty: the device has the ramp of the design, as far as is known */
-export function otherRampText({ device, axis, design, situation }) {
-  const { preview, lastPushed, units, isDesignValid, isAwaited, isChanged } = situation;
+export function otherRampText({ device, axis, situation }) {
+  const { preview, lastPushed, units, scaled, isDesignValid, isAwaited, isChanged } = situation;
   if (device === null || !device.ramp || isAwaited) return '';
   const differs = preview === null ? isChanged : !preview.same;
   if (isDesignValid && !differs) return '';
@@ -37,10 +40,22 @@ export function otherRampText({ device, axis, design, situation }) {
     item.unit === 'steps/s' && item.on_device !== null && (item.axis ?? axis) === axis ? [item.on_device] : [],
   );
   const speed = pushed ? Number(pushed.ramp.slew_speed_steps_per_s) : Math.max(...speeds);
-  const upTo = Number.isFinite(speed) ? `, up to ${told(units, design, speed)}` : '';
+  const upTo = Number.isFinite(speed) ? `, up to ${told(units, scaled[axis], speed)}` : '';
   return isDesignValid
     ? `The device has another ramp than the design${upTo}: push first, or it moves with that one.`
     : 'The design can’t be computed: the device moves with the ramp that it has.';
+}
+
+/** That lengths of some axes are shown by the controller's scale, where the design has another; '' where none are.
+ * @param {Context} context @param {number[]} axes of the device */
+export function scaleText({ situation: { units, played, scaled } }, axes) {
+  const perMm = (/** @type {Design} */ { axis }) => String(Number(stepsPerUnit(axis).toPrecision(SCALE_FIGURES)));
+  const others = axes.filter((axis) => played[axis] !== scaled[axis] && unitsFor(units, scaled[axis]).length === 'mm');
+  const words = others.map((axis) => {
+    const [own, designs] = [perMm(scaled[axis]), perMm(played[axis])];
+    return axes.length > 1 ? `axis ${axis} has ${own} steps/mm, its design ${designs}` : `${own} steps/mm; the design has ${designs}`;
+  });
+  return words.length === 0 ? '' : `Lengths here are the machine’s: ${words.join('; ')}.`;
 }
 
 /** @param {import('../../model/units.js').Units} units @param {Design} design @param {number} speed [steps/s] */
