@@ -25,6 +25,7 @@ ELEMENTS = """
         const plain = {tag, children: [], dataset: {}, value: '', textContent: '', hidden: false, options: [],
             open: false, classList: {toggle() {}, add() {}, remove() {}},
             addEventListener(name, act) { heard[name] = act; }, emit(name, event) { heard[name]?.(event); },
+            get lastElementChild() { return this.children.at(-1) ?? null; },
             append(...more) { this.children.push(...more); }, replaceChildren(...more) { this.children = more; },
             setAttribute(name, value) { this[name] = value; }, getAttribute(name) { return this[name] ?? null; },
             removeAttribute(name) { delete this[name]; }, toggleAttribute() {},

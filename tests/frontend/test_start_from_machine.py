@@ -226,3 +226,13 @@ def test_soft_limits_are_set_by_the_scale_of_their_axis(modules: Modules) -> Non
         return [0, 1].flatMap((at) => [byId(`limit-${at}-lowest`).value, byId(`limit-${at}-highest`).value]); """
     )
     assert run(modules, script) == ["-4", "40", "-2.5", "25"]
+
+
+def test_soft_limits_that_are_not_in_force_are_told_by_the_scale_of_their_axis(modules: Modules) -> None:
+    script = (
+        SCALED
+        + """ const kept = {axis: 1, lowest_steps: 0, highest_steps: 4000};
+        dispatch(COMMANDS.device.limitsKept, 'sim://', [kept]); tell([250, 400]);
+        return textOf(byId('limits-offer')); """
+    )
+    assert "axis 1 0 to 10 mm" in run(modules, script)

@@ -4,7 +4,7 @@
 import { chooseAxis, chooseFamily, choosePort, chooseSection, refused as refuse, setTracing } from '../../app/commands/device.js';
 import { tell } from '../../app/commands/told.js';
 import { axesOffered, deviceAxisOf, deviceOf, familiesOf, familyOf, playedOf, portChoicesOf, portOf, situationOf } from '../../app/devices.js';
-import { designOf, machineOf } from '../../app/selectors.js';
+import { machineOf } from '../../app/selectors.js';
 import { whenChanged, whenever } from '../../app/state.js';
 import { shownState } from '../../devices/state_words.js';
 import { memory } from '../../documents/memory.js';
@@ -288,7 +288,7 @@ export function createDevice(root, dispatch, act) {
 
   /** Offer to bring back into force the soft limits that are remembered of a port, of each axis that has others or none.
    * @param {State} now @param {Device | null} present @param {Situation} situation */
-  function showForgottenLimits(now, present, { designs, active, units, isBusy }) {
+  function showForgottenLimits(now, present, { scaled, units, isBusy }) {
     const axes = present?.axes ?? [];
     const kept = (present ? (now.devices.softLimits[present.port] ?? []) : []).filter(({ axis, lowest_steps, highest_steps }) => {
       const one = axes[axis];
@@ -297,7 +297,7 @@ export function createDevice(root, dispatch, act) {
     limitsOffer.hidden = kept.length === 0;
     if (present === null || kept.length === 0) return;
     const spans = kept.map((one) => {
-      const span = limitsText(units, designs[one.axis] ?? designs[active], one);
+      const span = limitsText(units, scaled[one.axis], one);
       return axes.length === 1 ? span : `axis ${one.axis} ${span}`;
     });
     const text = `Soft limits of this port, ${spans.join(', ')}, are not in force.`;
@@ -327,7 +327,7 @@ export function createDevice(root, dispatch, act) {
   const shows = [
     whenChanged(({ devices }) => [devices.list, devices.link], settings.follow),
     whenChanged(
-      (now) => [now.devices.rejections, now.units, now.devices.rejections.length > 0 ? designOf(now) : null],
+      (now) => [now.devices.rejections, now.units, now.devices.rejections.length > 0 ? scaledDesignOf(now) : null],
       showRejections,
     ),
     whenever(
@@ -349,6 +349,10 @@ export function createDevice(root, dispatch, act) {
     },
   };
 }
+
+/** The design that the chosen axis' lengths are converted by; null: there is none.
+ * @param {State} state */
+const scaledDesignOf = (state) => situationOf(state)?.scaled[deviceAxisOf(state)] ?? null;
 
 /** Whether the first line of a section is in sight, and nothing lies over it.
  * @param {HTMLElement} section */
