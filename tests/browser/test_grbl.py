@@ -183,3 +183,20 @@ def test_lengths_are_those_of_the_machine_where_its_scale_is_another(
         expect(page.locator(f"#line-{axis}-in-steps")).to_have_text(text)
     page.locator("#move").click()
     until(lambda: grbl.position == [1500, 250, 400])
+
+
+def test_the_report_of_a_push_keeps_the_scale_it_was_made_with(attached: StepRampPage, cable: GrblOnACable) -> None:
+    page = attached.page
+    connect_in_mm(attached, cable)
+    page.locator('#time-unit [data-value="min"]').click()
+    page.locator("#use-scale").click()
+    expect(page.locator("#machine-scale")).to_be_hidden()
+    attached.push()
+    row = page.locator("#push-report tbody tr").first
+    told = row.inner_text()
+    page.locator("#restore-backup").click()
+    until(lambda: cable.grbl.eeprom.settings == Eeprom().settings)
+    expect(attached.state).to_have_text("ready")
+    attached.edit_and_wait("axis.travel_per_rev", "8")
+    expect(page.locator("#machine-scale")).to_contain_text("the design has")
+    assert row.inner_text() == told

@@ -37,16 +37,29 @@ export function createPushReport() {
   });
   /** The push that is reported. */
   let shown = '';
+  /** By device, the designs that its report is of: they are known no more once it has another ramp, but their scale is that of the
+   * figures as long as it is shown.
+   * @type {Map<string, {push: string, designs: import('../../model/types.js').Design[]}>} */
+  const reported = new Map();
+
+  /** @param {Device} device @param {import('../../model/types.js').Situation} situation */
+  function reportedDesigns({ id }, { lastPushed, toPush }) {
+    const before = reported.get(id);
+    const designs = lastPushed ?? (before?.push === shown ? before.designs : toPush);
+    reported.set(id, { push: shown, designs });
+    return designs;
+  }
 
   /** @param {import('../../model/types.js').Push} pushed @param {string[]} warnings @param {boolean} isChanged
    * @param {import('../../model/types.js').Design[] | null} lastPushed  null: another page has pushed it
-   * @param {boolean} isReplaced @param {import('../../model/types.js').Situation} situation */
-  function showDetails(pushed, warnings, isChanged, lastPushed, isReplaced, { units, toPush }) {
+   * @param {boolean} isReplaced @param {import('../../model/units.js').Units} units
+   * @param {import('../../model/types.js').Design[]} designs */
+  function showDetails(pushed, warnings, isChanged, lastPushed, isReplaced, units, designs) {
     const what = [
       ...(lastPushed ? [pushedWords(lastPushed)] : []),
       ...(pushed.sequence === null ? [] : [`ramp ${pushed.sequence}`]),
     ].join(' · ');
-    const rows = pushed.items.map((item) => reportRow(item, figuresOf(item, units, lastPushed ?? toPush)));
+    const rows = pushed.items.map((item) => reportRow(item, figuresOf(item, units, designs)));
     details.replaceChildren(
       element(
         'div',
@@ -87,7 +100,7 @@ export function createPushReport() {
     element: element('div', { className: 'push-report', id: 'push-report' }, bar, details),
     /** @param {Device | null} device @param {import('../../model/types.js').Situation} situation */
     show(device, situation) {
-      const { isPushing, isChanged, preview, lastPushed, units, toPush } = situation;
+      const { isPushing, isChanged, preview, lastPushed, units } = situation;
       const pushed = device?.pushed ?? null;
       const reached = isPushing ? 1 : pushed === null ? 0 : pushed.verified ? STAGES.length : STAGES.length - 1;
       stages.forEach((stage, index) => {
@@ -101,10 +114,11 @@ export function createPushReport() {
       const told = pushed ? warningsOf(pushed, units, lastPushed ?? toPush) : [];
       const warnings = told.filter((_, place) => !preview?.warnings.includes(pushed?.warnings[place] ?? ''));
       const isReplaced = device !== null && hasAnotherRamp(device, preview);
-      const state = JSON.stringify([pushed, warnings, isChanged, lastPushed && pushedWords(lastPushed), isReplaced, units, (lastPushed ?? toPush).map(({ axis }) => axis)]);
+      const designs = device === null ? [] : reportedDesigns(device, situation);
+      const state = JSON.stringify([pushed, warnings, isChanged, lastPushed && pushedWords(lastPushed), isReplaced, units, designs.map(({ axis }) => axis)]);
       if (state === known) return;
       known = state;
-      if (pushed) showDetails(pushed, warnings, isChanged, lastPushed, isReplaced, situation);
+      if (pushed) showDetails(pushed, warnings, isChanged, lastPushed, isReplaced, units, designs);
     },
   };
 }
