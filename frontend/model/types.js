@@ -359,6 +359,7 @@
  * @property {number | null} most_axes     how many axes it can have; null until it is connected
  * @property {Capability[]} capabilities   what it can do besides what all can
  * @property {string | null} backup        the name of the last that was saved of it; null for none
+ * @property {string | null} lacks_backup  the name of the one to restore, since it was lost half written; null for none
  * @property {'connecting' | 'ready' | 'moving' | 'stopping' | 'writing' | 'lost'} state
  * @property {string | null} message
  * @property {number} position_steps

@@ -185,6 +185,25 @@ def test_a_backup_is_kept_and_restored_only_as_it_is_in_view(modules: Modules) -
     assert seen == [["", True], ["of the new", False], ["", True], ["of the old", False]]
 
 
+def test_the_backup_that_is_lacking_is_offered_first(modules: Modules) -> None:
+    seen = run(
+        modules,
+        """const {createMachine} = await import('/panels/device/machine.js');
+        const machine = createMachine({startFrom() {}, restoreBackup() {},
+            listBackups: async () => [{name: 'new'}, {name: 'first'}, {name: 'older'}]}, () => {});
+        body.append(machine.element);
+        const seen = [];
+        for (const lacks_backup of [null, 'first', 'gone', null]) {
+            machine.show({device: {id: '1', backup: 'new', lacks_backup, axes: [], capabilities: ['backup']}, axis: 0,
+                design, inTheWay: '', notAtRest: '', situation: {isBusy: false}});
+            await settled();
+            seen.push(byId('backup').value);
+        }
+        return seen;""",
+    )
+    assert seen == ["new", "first", "new", "new"]
+
+
 def test_backups_that_come_late_are_not_those_of_the_device_in_view(modules: Modules) -> None:
     seen = run(
         modules,

@@ -205,6 +205,35 @@ def test_a_power_cut_while_it_is_written_to(client: TestClient, cable: GrblOnACa
     assert len(client.get(f"{route}/backups").json()["backups"]) == 3
 
 
+def test_cut_twice_what_it_had_at_first_is_to_be_restored(client: TestClient, cable: GrblOnACable) -> None:
+    eeprom = cable.grbl.eeprom
+    eeprom.settings |= {100: 80.0, 120: 200.0}
+    before = dict(eeprom.settings)
+    route = connected(client, cable.port, "grbl")
+    assert client.get(route).json()["lacks_backup"] is None
+    for writes, slew in ((2, 1000), (1, 800)):
+        cable.grbl.dies_at_write = eeprom.writes + writes
+        design = document(ramp__slew_speed_steps_per_s=slew)
+        error_of(client.post(f"{route}/push", json={"design": design}), 502)
+        wait_until(client, route, lambda device: device["state"] == "lost")
+        cable.grbl.power_up()
+        route = connected(client, cable.port, "grbl")
+    newest, first = (each["name"] for each in client.get(f"{route}/backups").json()["backups"])
+    device = client.get(route).json()
+    assert (device["lacks_backup"], device["backup"]) == (first, newest)
+    # The newest is of what the first push has left.
+    remarks = client.post(f"{route}/backups/{newest}/restore").json()["remarks"]
+    assert remarks[-1].endswith(f"Restore {first}, or an older one.")
+    device = client.get(route).json()
+    assert device["lacks_backup"] == first
+    assert f"saved as {first}: restore that." in device["message"]
+    remarks = client.post(f"{route}/backups/{first}/restore").json()["remarks"]
+    assert not any("still missing" in each for each in remarks)
+    device = client.get(route).json()
+    assert (device["lacks_backup"], device["message"]) == (None, None)
+    assert eeprom.settings == before
+
+
 def test_moving_stopping_and_halting(client: TestClient, cable: GrblOnACable, device: str) -> None:
     moving = client.post(f"{device}/move", json={"by_steps": -300}).json()
     assert (moving["state"], moving["target_steps"]) == ("moving", -300)

@@ -95,7 +95,9 @@ class DeviceView:
     backup: str | None = None
     """The name of the last backup that was saved over this connection, or that before it was lost."""
     half_written: str | None = None
-    """What to do about settings in the midst of which it was lost, until a backup is written."""
+    """What to do about settings in the midst of which it was lost, until what it had before is written."""
+    lacks_backup: str | None = None
+    """The name of the backup of what it had before; None for none."""
     progress: Progress | None = None
     """How far the push has come that is under way."""
     shuttle: Shuttle | None = None
@@ -164,6 +166,7 @@ class DeviceView:
             soft_limits=self.soft_limits,
             backup=self.backup,
             half_written=self.half_written,
+            lacks_backup=self.lacks_backup,
         )
 
     def limited(self, spans: Mapping[int, Span]) -> "DeviceView":
@@ -218,7 +221,13 @@ class DeviceView:
             return self
         saved = f" What it had is saved as {self.backup}: restore that." if self.backup else ""
         half_written = f"It was lost while it was given settings: some may be new, some old, or its defaults.{saved}"
-        return replace(self, half_written=half_written)
+        return replace(self, half_written=half_written, lacks_backup=self.backup)
+
+    def restored(self, name: str) -> "DeviceView":
+        """Return the device once a backup is written to it; one newer than it lacks may be of half written settings."""
+        if self.lacks_backup is not None and name > self.lacks_backup:
+            return self
+        return replace(self, half_written=None, lacks_backup=None)
 
     def let_go(self) -> "DeviceView":
         """Return the device as it is once it is disconnected on purpose.

@@ -29,6 +29,10 @@ C = TypeVar("C")
 Told = TypeVar("Told", PushReport, PushPreview)
 SendPush = Callable[[], PushReport]
 PlanPush = Callable[[], SendPush]
+STILL_LACKS = (
+    "What it had before it was lost is still missing: this backup is newer, and may be of what was half written. "
+    "Restore {name}, or an older one."
+)
 
 
 class Writing:
@@ -144,7 +148,9 @@ class Writing:
 
         def use(able: BacksUp) -> None:
             remarks.extend(able.use_backup(text))
-            self._view.change(lambda view: replace(view, half_written=None))
+            self._view.change(lambda view: view.restored(name))
+            if (lacking := self._view.now.lacks_backup) is not None:
+                remarks.append(STILL_LACKS.format(name=lacking))
 
         def restore(able: BacksUp) -> None:
             self._while_writing(lambda: use(able), unsaved=remarks.append)

@@ -324,6 +324,10 @@ class DeviceAnswer(Answer):
     backup: str | None = Field(
         description="The name of the last backup that was saved of it since it was connected first; null for none"
     )
+    lacks_backup: str | None = Field(
+        description="The name of the backup to restore, since it was lost while it was given settings: of what it had "
+        "before. Until that one, or one as old, is written; null for none"
+    )
     progress: ProgressAnswer | None = Field(description="How far the push has come that is under way; null for none")
     shuttle: ShuttleAnswer | None = Field(description="What goes there and back; null for nothing")
     unknown_positions: list[int] = Field(

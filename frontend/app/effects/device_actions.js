@@ -5,6 +5,7 @@ import { api, Ended, Refusal, ServerGone, UNPROCESSABLE } from '../../server/api
 import { download } from '../../ui/download.js';
 import { memory } from '../../documents/memory.js';
 import { pushText } from '../../model/messages.js';
+import { withSavedAt } from '../../model/saved_at.js';
 import { inShownUnits } from '../../model/told.js';
 import { answered, asks, chooseFamily, limitsKept, portsCame, previewCame, pushCutShort, pushed, refused, showMeasured } from '../commands/device.js';
 import { announce, tell } from '../commands/told.js';
@@ -23,6 +24,9 @@ export function rejectionsOf(error) {
   const message = error instanceof Error ? error.message : String(error);
   return [{ field: null, value: null, allowed: null, message }];
 }
+
+/** @param {string[]} remarks */
+const restoredText = (remarks) => withSavedAt(['Restored, and read back.', ...remarks].join(' '));
 
 /** @param {string[]} heard the first lines */
 function nothingFound(heard) {
@@ -154,14 +158,14 @@ export function createDeviceActions({ state, dispatch }, gestures, traced, previ
       request('restore', async () => {
         const { remarks } = await api.restoreBackup(device.id, name);
         dispatch(pushed, device.id, null);
-        dispatch(tell, ['Restored, and read back.', ...remarks].join(' '), false);
+        dispatch(tell, restoredText(remarks), false);
       }),
     /** @param {Device} device @param {string} source @param {string} name of a backup of it */
     restoreFrom: (device, source, name) =>
       request('restore', async () => {
         const { remarks } = await api.restoreFrom(device.id, source, name);
         dispatch(pushed, device.id, null);
-        dispatch(tell, ['Restored, and read back.', ...remarks].join(' '), false);
+        dispatch(tell, restoredText(remarks), false);
       }),
     /** Move. An axis that sets out from rest is traced, if it is wanted.
      * @param {Device} device @param {number} axis whose move is traced

@@ -64,7 +64,9 @@ export function createMachine(handlers, dispatch) {
 
   /** @param {Backup[]} found @param {string} why there are none to choose from; empty: there are none */
   function offer(found, why) {
-    choice.offer(found.map(({ name }) => [name, savedAtText(name)]), found[0]?.name ?? '');
+    // The newest may have been saved when settings were half written already.
+    const lacking = found.find(({ name }) => name === now?.device?.lacks_backup);
+    choice.offer(found.map(({ name }) => [name, savedAtText(name)]), (lacking ?? found[0])?.name ?? '');
     backups.hidden = found.length === 0;
     showText(unlisted, why);
     unlisted.hidden = why === '';
@@ -96,7 +98,7 @@ export function createMachine(handlers, dispatch) {
       const blocked = inTheWay !== '' || notAtRest !== '' || situation.isBusy;
       enable(restore, !blocked);
       enable(start, !blocked);
-      const wanted = isThere ? `${device.id} ${device.backup}` : '';
+      const wanted = isThere ? `${device.id} ${device.backup} ${device.lacks_backup}` : '';
       if (wanted === known) return;
       known = wanted;
       listing.cancel();
