@@ -33,15 +33,23 @@ export function kindOf(name, head) {
   return text.trimStart().startsWith('{') ? 'design' : null;
 }
 
-/** A line begins with blanks, and never with line ends: from each of many of those all the rest would be looked at.
- * What is found in a text that tells a controller's settings, all of each: as grbl lists them after $$, a Tic's settings file,
- * Klipper's printer.cfg, Marlin after M503, FluidNC's configuration. */
+/** A line begins with blanks, and never with line ends: from each of many of those all the rest would be looked at. No two
+ * rows of blanks follow each other, and each mark begins as no other does, for the same reason.
+ * What is found in a text that tells a controller's settings, all of each: as grbl lists them after $$, also with a terminal's
+ * marks before them, a Tic's settings file, also without a figure, Klipper's printer.cfg, Marlin after M503, of which a program
+ * has no line with its echo, FluidNC's configuration, and backups: of TMCL, of Klipper, and all that StepRamp has saved. */
 const LISTINGS = [
   [/^[ \t]*\$1[0-2]\d[ \t]*=/m],
+  [/^[ \t]*(?:(?:>+|<+|\$\$|\[[^\]\r\n]*\]|[A-Za-z]\w*:|[\d:.]+)[ \t]+)+\$1[0-2]\d=[\d.]/m],
   [/^[ \t]*max_speed[ \t]*:/m, /^[ \t]*max_accel[ \t]*:/m],
+  [/^[ \t]*max_(?:speed|accel)[ \t]*:/m, /^[ \t]*(?:starting_speed|max_decel|step_mode)[ \t]*:/m],
   [/^\[(?:printer|stepper_[xyz])\]/m],
-  ['M92', 'M201', 'M203'].map((code) => new RegExp(`^(?:echo:)?[ \\t]*${code} +[XYZE]`, 'm')),
+  ['M92', 'M201', 'M203'].map((code) => new RegExp(`^[ \\t]*(?:Recv:[ \\t]*)?(?:echo:[ \\t]*)?${code} +[XYZE]`, 'm')),
+  [/^[ \t]*(?:Recv:[ \t]*)?echo:[ \t]*M(?:92|201|203) +[XYZE]/m],
   [/^axes[ \t]*:/m, /^[ \t]+steps_per_mm[ \t]*:/m],
+  [/^[ \t]*axis \d parameter \d{1,3} = -?\d/m],
+  [/^[ \t]*(?:\{[ \t]*)?"backup_of"[ \t]*:[ \t]*"klipper"/m],
+  [/^\ufeff?# StepRamp backup\b/],
 ];
 
 /** Whether a text tells a controller's settings, whichever it is.

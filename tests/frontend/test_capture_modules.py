@@ -52,6 +52,19 @@ SIGROK = (
         ("printer.cfg", "# Mine\n[include mainsail.cfg]\n[stepper_x]\nmicrosteps: 16\n", "settings"),
         ("m503.txt", "echo:  M92 X80.00\necho:  M203 X50.00\necho:  M201 X200.00\n", "settings"),
         ("start.gcode", "M201 X500\nM203 X50\nG1 X10\n", None),
+        # With what a terminal puts before a line.
+        ("m503.txt", "Recv: echo:  M92 X80.00\nRecv: echo:  M203 X50.00\nRecv: echo:  M201 X200.00\n", "settings"),
+        ("pasted.txt", "> $100=80.000", "settings"),
+        ("pasted.txt", "[10:22:01] $100=80.000\n", "settings"),
+        ("pasted.txt", "10:22:01.123 >>> Recv: $100=80.000\n", "settings"),
+        ("pasted.txt", "[10:22:01]\n Price: $100 = cheap\n> $100 it was\n", None),
+        # What lacks something is for the server to refuse, which names it.
+        ("m503.txt", "echo:  M203 X50.00\necho:  M201 X200.00\n", "settings"),
+        ("tic.txt", "product: T825\nmax_accel: 40000\nstep_mode: 8\n", "settings"),
+        ("tmcl.txt", "module TMCM-1260\nfirmware 1.2\naxis 0 parameter 4 = 51200\n", "settings"),
+        ("klipper.txt", '{\n "backup_of": "klipper",\n "main": "printer.cfg"\n}\n', "settings"),
+        ("saved.txt", "# StepRamp backup, CRC-32 0badcafe of what follows\n[VER:1.1h]\n", "settings"),
+        ("notes.txt", "Of my StepRamp:\n# StepRamp backup, CRC-32 of it\n", None),
         ("notes.txt", "Buy a stepper [printer].", None),
         ("empty", "", None),
     ],
@@ -63,6 +76,18 @@ def test_the_kind_of_a_file_is_told_by_its_name_or_its_content(
         """async ([name, text]) => (await import('/documents/kinds.js')).kindOf(name, new TextEncoder().encode(text))"""
     )
     assert modules.evaluate(script, [name, text]) == kind
+
+
+@pytest.mark.parametrize(
+    "piece", ["\n", " ", "\t", "[", "[]", "[] ", "> ", ">", "a: ", "a", "1 ", "1", "$$ ", "Recv: ", "echo:", "\r\n"]
+)
+def test_no_text_keeps_the_page_long_from_saying_that_it_is_no_listing(modules: Modules, piece: str) -> None:
+    script = """async (piece) => { const {isListing} = await import('/documents/kinds.js');
+        const begun = performance.now(), found = isListing(piece.repeat(16384));
+        return [found, performance.now() - begun]; }"""
+    found, time_ms = modules.evaluate(script, piece)
+    assert not found
+    assert time_ms < 100
 
 
 def test_a_csv_of_a_spreadsheet_in_utf_16_is_a_capture(modules: Modules) -> None:
