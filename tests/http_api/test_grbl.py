@@ -327,5 +327,5 @@ def test_a_pasted_listing(client: TestClient) -> None:
     [marked] = client.post("/api/v1/import", json={"text": f"\ufeff{text}"}).json()["axes"]
     assert marked["design"] == axis["design"]
     unknown = error_of(client.post("/api/v1/import", json={"text": "\n  Dear all,\nnothing\n" + "x" * 5000}), 422)
-    assert unknown["message"].startswith("text is 'Dear all,'; allowed: what a controller tells of itself: ")
+    assert unknown["message"].startswith("What begins with 'Dear all,' is nothing that is known; allowed: what a")
     assert len(unknown["message"]) < 400

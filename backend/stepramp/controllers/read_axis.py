@@ -1,11 +1,11 @@
 """What a controller is set to, as designs: to start from a machine that is there."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from stepramp.design import Design
-from stepramp.errors import Rejected, Rejection
+from stepramp.errors import Count, Rejected, Rejection, shown
 
 
 @dataclass(frozen=True)
@@ -25,14 +25,40 @@ ReadSettings = Callable[[str, Design], list[ReadAxis]]
 [] for a text that no controller of the family tells. Raises Rejected for one that makes no sense."""
 
 
-def design_read(document: dict[str, Any], whose: str) -> Design:
-    """Return a design of what was read. whose: such as "axis X". Raises Rejected for what no design can have."""
+FIGURES = {
+    "axis.travel_per_rev": "the travel of a turn",
+    "axis.full_steps_per_rev": "the number of full steps",
+    "axis.microsteps": "the number of microsteps",
+    "ramp.base_speed_steps_per_s": "the base speed",
+    "ramp.slew_speed_steps_per_s": "the slew speed",
+    "ramp.acceleration_steps_per_s2": "the acceleration",
+    "ramp.deceleration_steps_per_s2": "the deceleration",
+}
+"""What people call the fields of a design that are read."""
+SCALE, SPEED, GAIN = "axis.travel_per_rev", "ramp.slew_speed_steps_per_s", "ramp.acceleration_steps_per_s2"
+
+
+def refused_setting(value: str, words: str, allowed: str) -> Rejection:
+    """Return the rejection of a text for a setting in it. words: what is wrong, in the controller's own names."""
+    return Rejection("text", value, allowed, reason=f"{shown(Count(words))}; allowed: {allowed}.")
+
+
+def design_read(document: dict[str, Any], whose: str, settings: Mapping[str, str]) -> Design:
+    """Return a design of what was read. Raises Rejected for what no design can have.
+
+    whose: such as "axis X". settings: those that fields of it are made of, as people know them.
+    """
     try:
         return Design.checked(document)
     except Rejected as error:
-        raise Rejected(
-            [
-                Rejection("text", each.value, f"settings of {whose} that a design can have: {each.message.rstrip('.')}")
-                for each in error.rejections
-            ]
-        ) from error
+        raise Rejected([_of_setting(each, whose, settings.get(each.field)) for each in error.rejections]) from error
+
+
+def _of_setting(found: Rejection, whose: str, setting: str | None) -> Rejection:
+    why = found.message.rstrip(".")
+    allowed = f"settings of {whose} that a design can have: {why}"
+    if setting is None:
+        return Rejection("text", found.value, allowed, reason=f"No design can be made of {whose}: {why}.")
+    figure = f"{found.value:,.10g}" if isinstance(found.value, int | float) else shown(found.value)
+    made = f"With {shown(Count(setting))} {FIGURES[found.field]} of {whose} is {figure}"
+    return Rejection("text", found.value, allowed, reason=f"{made}; allowed: {found.allowed}.")

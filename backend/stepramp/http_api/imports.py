@@ -3,7 +3,7 @@
 from fastapi import APIRouter
 
 from stepramp.devices.backups import unmarked
-from stepramp.errors import Rejected, Rejection
+from stepramp.errors import Rejected, Rejection, shown
 from stepramp.http_api.bodies import JsonRoute
 from stepramp.http_api.device_registry import Registry
 from stepramp.http_api.imports_models import ImportAnswer, ImportPayload
@@ -25,7 +25,9 @@ def designs_of_text(request: ImportPayload, devices: Registry) -> ImportAnswer:
         if family.read_settings is not None and (axes := family.read_settings(text, request.base)):
             return ImportAnswer.model_validate({"family": family.name, "axes": axes})
     known = "; ".join(f"{family.title}'s {family.reads}" for family in families if family.same_as is None)
-    raise Rejected([Rejection("text", _begun(text), f"what a controller tells of itself: {known}")])
+    allowed, begun = f"what a controller tells of itself: {known}", _begun(text)
+    reason = f"What begins with {shown(begun)} is nothing that is known; allowed: {allowed}."
+    raise Rejected([Rejection("text", begun, allowed, reason=reason)])
 
 
 def _begun(text: str) -> str:

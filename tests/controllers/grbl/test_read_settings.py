@@ -11,6 +11,7 @@ from designs import design
 from stepramp.controllers.grbl.ramp import GrblRamp
 from stepramp.controllers.grbl.read_settings import read_settings
 from stepramp.controllers.grbl.settings import Settings, kept_acceleration
+from stepramp.errors import Rejected
 
 
 def test_a_listing_becomes_designs() -> None:
@@ -79,6 +80,25 @@ def test_settings_that_no_design_has() -> None:
     [(field, _, allowed)] = fields_of(lambda: read_settings("$100=3200\n$110=99999999\n$120=5", design()))
     assert field == "text"
     assert "settings of axis X that a design can have" in allowed
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("$100=80\n$110=3000", "$120 isn't there; allowed: all settings of axis X, a line each."),
+        ("$100=80", "$110, $120 aren't there; allowed: all settings of axis X, a line each."),
+        ("$100=80\n$110=0\n$120=5", "$110=0 is listed; allowed: settings that axis X can move with: numbers above 0."),
+        (
+            "$100=3200\n$110=99999999\n$120=5",
+            "With $110=99999999 the slew speed of axis X is 5,333,333,333; allowed: a number from 0.001 to "
+            "1,000,000 steps/s.",
+        ),
+    ],
+)
+def test_what_is_refused_is_told_by_its_own_name(text: str, said: str) -> None:
+    with pytest.raises(Rejected) as refused:
+        read_settings(text, design())
+    assert str(refused.value) == said
 
 
 @pytest.mark.parametrize("listed", ["$120=0", "$110=-5", "$100=nan", "$120=fast"])

@@ -124,7 +124,7 @@ def test_what_is_no_configuration_is_left_to_others(text: str) -> None:
     [
         ("cartesian", "delta", "kinematics are delta"),
         ("max_velocity: 300", "max_velocity: 3OO", r"max_velocity of \[printer\] is '3OO'; allowed: a number from 0.0"),
-        ("max_velocity: 300", "max_velocity: 1e9", "axis X that a design can"),
+        ("max_velocity: 300", "max_velocity: 1e9", "slew speed of axis X is 8e"),
     ],
 )
 def test_a_configuration_that_no_design_can_be_made_of(old: str, new: str, words: str) -> None:

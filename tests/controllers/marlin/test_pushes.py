@@ -374,7 +374,10 @@ def test_pushing_what_was_read_changes_nothing(per_mm: object, speed: object, ga
 
 
 def test_settings_that_no_design_has() -> None:
-    field, _, allowed = only_rejection(lambda: read_settings("M92 X3200\nM203 X99999\nM201 X5", design()))
+    text = "M92 X3200\nM203 X99999\nM201 X5"
+    with pytest.raises(Rejected, match=r"^With M203 99999 the slew speed of axis X is 319,996,800; allowed: a nu"):
+        read_settings(text, design())
+    field, _, allowed = only_rejection(lambda: read_settings(text, design()))
     assert field == "text"
     assert "settings of axis X that a design can have" in allowed
 

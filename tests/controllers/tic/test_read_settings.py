@@ -10,6 +10,7 @@ from controllers.bench import only_rejection
 from designs import design
 from stepramp.controllers.tic.ramp import TicRamp
 from stepramp.controllers.tic.read_settings import read_settings, settings_of
+from stepramp.errors import Rejected
 
 AS_NEW = """# Pololu Tic USB Stepper Controller settings file.
 # https://www.pololu.com/docs/0J71
@@ -62,6 +63,23 @@ def test_what_is_left_out() -> None:
 @pytest.mark.parametrize("text", ["", "max_speed: 2000000", "[printer]\nmax_velocity: 300\nmax_accel: 3000", "$110=5"])
 def test_what_is_no_settings_file(text: str) -> None:
     assert read_settings(text, design()) == []
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (AS_NEW + "max_speed: 0", "With max_speed 0 the slew speed of a Tic is 0; allowed: a number from 0.001 to"),
+        (AS_NEW + "starting_speed: 3000000", "With starting_speed 3000000 the base speed of a Tic is 300; allowed: a"),
+        (AS_NEW + "max_speed: fast", "max_speed is fast; allowed: whole numbers of a Tic's units."),
+        (AS_NEW + "step_mode: 3", "step_mode is 3; allowed: a step mode of a Tic: full, half"),
+        ("product: T825\nmax_accel: 40000\nstep_mode: 8", "max_speed isn't there; allowed: a whole settings file of"),
+    ],
+)
+def test_what_makes_no_sense_is_told_by_its_own_name(text: str, said: str) -> None:
+    with pytest.raises(Rejected) as refused:
+        read_settings(text, design())
+    assert str(refused.value).startswith(said)
+    assert refused.value.rejections[0].field == "text"
 
 
 @pytest.mark.parametrize(

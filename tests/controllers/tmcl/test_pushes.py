@@ -289,6 +289,6 @@ def test_accelerations_below_v1_are_told_and_lost(bench: Bench, controller: Tmcl
 
 def test_settings_that_no_design_can_have_are_rejected(controller: TmclController) -> None:
     text = controller.backup().replace("parameter 19 = 0", "parameter 19 = 200000")
-    with pytest.raises(Rejected, match="settings of axis 0 that a design can have"):
+    with pytest.raises(Rejected, match="With VSTART 200000 the base speed of axis 0 is 200,000; allowed"):
         read_settings(text, design())
     assert read_settings("M92 X80", design()) == []

@@ -9,9 +9,9 @@ from stepramp.controllers.fluidnc.memory import file_in
 from stepramp.controllers.given_numbers import no_less
 from stepramp.controllers.grbl.numbers import exact
 from stepramp.controllers.grbl.settings import AxisSettings, speed_of
-from stepramp.controllers.read_axis import ReadAxis
+from stepramp.controllers.read_axis import GAIN, SCALE, SPEED, ReadAxis, design_read, refused_setting
 from stepramp.design import Design
-from stepramp.errors import Rejected, Rejection
+from stepramp.errors import Rejected, shown
 
 MOST_AXES_READ = 4
 _WHOLE = re.compile(r"[1-9][0-9]{0,5}")
@@ -28,12 +28,13 @@ def read_settings(text: str, base: Design) -> list[ReadAxis]:
     configuration = Configuration.of(lines).with_scales_of(Configuration.of(file_in(lines)))
     tabbed = next((line for line in lines if _INDENTED_BY_TABS.match(line)), None)
     if tabbed is not None:
-        raise Rejected([Rejection("text", tabbed, "items that are indented by blanks: FluidNC takes no tabs")])
+        allowed = "items that are indented by blanks: FluidNC takes no tabs"
+        raise Rejected([refused_setting(tabbed, f"The line {shown(tabbed.strip())} is indented by tabs", allowed)])
     read = range(min(MOST_AXES_READ, len(configuration.axes)))
     senseless = [item for item in map(configuration.senseless, read) if item is not None]
     if senseless:
         allowed = f"axes with numbers from {LEAST:g} to {MOST:,.0f}"
-        raise Rejected([Rejection("text", item, allowed) for item in senseless])
+        raise Rejected([refused_setting(item, f"{item} is there", allowed) for item in senseless])
     found = [(axis, configuration.axis(axis)) for axis in read]
     return [_axis(axis, settings, configuration, base) for axis, settings in found if settings is not None]
 
@@ -55,15 +56,12 @@ def _axis(axis: int, settings: AxisSettings, configuration: Configuration, base:
         "acceleration_steps_per_s2": no_less(exact(settings.acceleration) * exact(settings.most_steps_per_mm)),
         "deceleration_steps_per_s2": None,
     }
-    try:
-        design = Design.checked(document)
-    except Rejected as error:
-        raise Rejected(
-            [
-                Rejection("text", each.value, f"items of axis {letter} that a design can have: {each.message}")
-                for each in error.rejections
-            ]
-        ) from error
+    made_of = {
+        SCALE: f"steps_per_mm {float(per_mm):.10g}",
+        SPEED: f"max_rate_mm_per_min {float(settings.most_rate):.10g}",
+        GAIN: f"acceleration_mm_per_sec2 {float(settings.acceleration):.10g}",
+    }
+    design = design_read(document, f"axis {letter.upper()}", made_of)
     return ReadAxis(letter.upper(), design, tuple(_remarks(design, settings)))
 
 

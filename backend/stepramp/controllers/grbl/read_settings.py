@@ -3,10 +3,19 @@
 from dataclasses import replace
 
 from stepramp.controllers.given_numbers import no_less
-from stepramp.controllers.grbl.settings import LETTERS, AxisSettings, Settings, acceleration_of, speed_of
-from stepramp.controllers.read_axis import ReadAxis, design_read
+from stepramp.controllers.grbl.settings import (
+    ACCELERATION,
+    LETTERS,
+    MOST_RATE,
+    STEPS_PER_MM,
+    AxisSettings,
+    Settings,
+    acceleration_of,
+    speed_of,
+)
+from stepramp.controllers.read_axis import GAIN, SCALE, SPEED, ReadAxis, design_read, refused_setting
 from stepramp.design import Design
-from stepramp.errors import Count, Rejected, Rejection
+from stepramp.errors import Count, Rejected
 
 MOST_AXES_READ = 4
 
@@ -21,16 +30,19 @@ def read_settings(text: str, base: Design) -> list[ReadAxis]:
     settings = Settings.pasted(text.splitlines())
     found = [(axis, settings.axis(axis)) for axis in range(MOST_AXES_READ)]
     senseless = [(LETTERS[axis], listed) for axis in range(MOST_AXES_READ) if (listed := settings.senseless(axis))]
-    axes = [_axis(axis, scale, base) for axis, scale in found if scale is not None]
+    axes = [_axis(axis, scale, settings, base) for axis, scale in found if scale is not None]
     if senseless and not axes:
         letter, listed = senseless[0]
-        raise Rejected([Rejection("text", listed, f"settings that axis {letter} can move with: numbers above 0")])
+        allowed = f"settings that axis {letter} can move with: numbers above 0"
+        raise Rejected([refused_setting(listed, f"{listed} is listed", allowed)])
     partial = {
         LETTERS[axis]: ", ".join(missing) for axis in range(MOST_AXES_READ) if (missing := settings.missing(axis))
     }
     if partial and not axes:
         letter, lacking = next(iter(partial.items()))
-        raise Rejected([Rejection("text", Count(f"without {lacking}"), f"all settings of axis {letter}, a line each")])
+        words = f"{lacking} {'aren' if ',' in lacking else 'isn'}'t there"
+        allowed = f"all settings of axis {letter}, a line each"
+        raise Rejected([refused_setting(Count(f"without {lacking}"), words, allowed)])
     if axes:
         left_out = [f"Axis {letter} is left out: with {listed} it can't move." for letter, listed in senseless]
         left_out += [f"Axis {letter} is left out: {lacking} isn't there." for letter, lacking in partial.items()]
@@ -38,7 +50,7 @@ def read_settings(text: str, base: Design) -> list[ReadAxis]:
     return axes
 
 
-def _axis(axis: int, scale: AxisSettings, base: Design) -> ReadAxis:
+def _axis(axis: int, scale: AxisSettings, settings: Settings, base: Design) -> ReadAxis:
     per_mm = float(scale.steps_per_mm)
     document = base.model_dump(mode="json", by_alias=True)
     document["name"] = f"grbl axis {LETTERS[axis]}"
@@ -49,7 +61,9 @@ def _axis(axis: int, scale: AxisSettings, base: Design) -> ReadAxis:
         "acceleration_steps_per_s2": no_less(acceleration_of(scale.acceleration, scale.most_steps_per_mm)),
         "deceleration_steps_per_s2": None,
     }
-    design = design_read(document, f"axis {LETTERS[axis]}")
+    numbers = {SCALE: STEPS_PER_MM + axis, SPEED: MOST_RATE + axis, GAIN: ACCELERATION + axis}
+    made_of = {field: f"${number}={settings.values[number]}" for field, number in numbers.items()}
+    design = design_read(document, f"axis {LETTERS[axis]}", made_of)
     return ReadAxis(
         LETTERS[axis],
         design,

@@ -7,7 +7,7 @@ from stepramp.controllers.given_numbers import no_less
 from stepramp.controllers.klipper.backup import Backup, pasted
 from stepramp.controllers.klipper.configuration import Configuration
 from stepramp.controllers.klipper.machine import LETTERS, PRINTER, Machine, Senseless, Stepper
-from stepramp.controllers.read_axis import ReadAxis
+from stepramp.controllers.read_axis import GAIN, SCALE, SPEED, ReadAxis, design_read
 from stepramp.design import Design
 from stepramp.errors import Refused, Rejected, Rejection
 
@@ -53,15 +53,13 @@ def _axis(machine: Machine, axis: int, stepper: Stepper, base: Design) -> ReadAx
         "deceleration_steps_per_s2": None,
     }
     letter = LETTERS[axis].upper()
-    try:
-        design = Design.checked(document)
-    except Rejected as error:
-        raise Rejected(
-            [
-                Rejection("text", each.value, f"settings of axis {letter} that a design can have: {each.message}")
-                for each in error.rejections
-            ]
-        ) from error
+    speed, gain = float(machine.limits.velocity_of(axis)), float(machine.limits.accel_of(axis))
+    made_of = {
+        SCALE: f"rotation_distance {float(stepper.travel_per_rev):.10g}",
+        SPEED: f"a velocity of {speed:.10g} mm/s",
+        GAIN: f"an acceleration of {gain:.10g} mm/s²",
+    }
+    design = design_read(document, f"axis {letter}", made_of)
     return ReadAxis(letter, design, () if machine.remark is None or letter == "Z" else (machine.remark,))
 
 

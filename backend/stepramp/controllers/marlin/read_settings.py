@@ -8,9 +8,9 @@ from fractions import Fraction
 
 from stepramp.controllers.given_numbers import typed
 from stepramp.controllers.marlin.settings import EXTRUDER, LETTERS, OF_AN_AXIS, AxisSettings, Settings, unreadable
-from stepramp.controllers.read_axis import ReadAxis
+from stepramp.controllers.read_axis import GAIN, SCALE, SPEED, ReadAxis, design_read, refused_setting
 from stepramp.design import Design
-from stepramp.errors import Count, Rejected, Rejection
+from stepramp.errors import Count, Rejected, shown
 
 OTHER_LETTERS = "ABCIJKUVW"
 """Of axes that Marlin may have besides."""
@@ -27,17 +27,19 @@ def read_settings(text: str, base: Design) -> list[ReadAxis]:
     """
     lines = text.splitlines()
     if bad := unreadable(lines):
-        raise Rejected([Rejection("text", line, "numbers with a point, as M503 tells them") for line in bad])
+        allowed = "numbers with a point, as M503 tells them"
+        raise Rejected([refused_setting(line, f"The line {shown(line)} can't be read", allowed) for line in bad])
     settings = Settings.of(lines)
     told = {code for code, _ in settings.commands}
     if len(told & set(OF_AN_AXIS)) < LEAST_CODES:
         return []
     if settings.is_in_inches:
-        raise Rejected([Rejection("text", "G20", "settings in mm (G21)")])
+        raise Rejected([refused_setting("G20", "The settings are in inches (G20)", "settings in mm (G21)")])
     axes = settings.axes()
     if not axes:
         lacks = [lack for code in OF_AN_AXIS if (lack := _lack(settings, code, "X")) is not None]
-        raise Rejected([Rejection("text", Count(lack), "M92, M203 and M201 of axis X, above 0") for lack in lacks])
+        allowed = "M92, M203 and M201 of axis X, above 0"
+        raise Rejected([refused_setting(Count(lack), lack, allowed) for lack in lacks])
     left = _left_out(settings, [axis.letter for axis in axes])
     read = [_axis(axis, settings.shared_by(axis.letter), base) for axis in axes]
     return [replace(read[0], remarks=(*read[0].remarks, *left)), *read[1:]]
@@ -78,15 +80,9 @@ def _axis(axis: AxisSettings, shared: str, base: Design) -> ReadAxis:
         "acceleration_steps_per_s2": _no_less(axis.effective_acceleration * axis.most_steps_per_mm),
         "deceleration_steps_per_s2": None,
     }
-    try:
-        design = Design.checked(document)
-    except Rejected as error:
-        raise Rejected(
-            [
-                Rejection("text", each.value, f"settings of axis {axis.letter} that a design can have: {each.message}")
-                for each in error.rejections
-            ]
-        ) from error
+    speed, gain = float(axis.speed), float(axis.effective_acceleration)
+    made_of = {SCALE: f"M92 {per_mm:.10g}", SPEED: f"M203 {speed:.10g}", GAIN: f"an acceleration of {gain:.10g} mm/s²"}
+    design = design_read(document, f"axis {axis.letter}", made_of)
     return ReadAxis(axis.letter, design, tuple(_remarks(axis, shared, design, base)))
 
 

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterator
 
-from stepramp.controllers.read_axis import ReadAxis, design_read
+from stepramp.controllers.read_axis import GAIN, SPEED, ReadAxis, design_read, refused_setting
 from stepramp.controllers.tic.ramp import TicRamp
 from stepramp.controllers.tic.variables import MICROSTEPS
 from stepramp.design import Design
@@ -12,9 +12,14 @@ from stepramp.errors import Rejected, Rejection
 _LINE = re.compile(r"(?P<name>[a-z_]+) *:(?P<value>[^#]*)(?:#.*)?")
 FIGURES = ("starting_speed", "max_speed", "max_decel", "max_accel")
 """In the order of TicRamp; of those left out a Tic has what it comes with."""
+FIELDS = ("ramp.base_speed_steps_per_s", SPEED, "ramp.deceleration_steps_per_s2", GAIN)
+"""What each becomes."""
 ALLOWED = "speeds up to 500,000,000, accelerations from 100 to 2,147,483,647, max_decel also 0"
 NEEDED = frozenset({"max_speed", "max_accel"})
 """What every settings file has, and other texts don't."""
+OF_A_TIC = frozenset({"starting_speed", "max_decel", "step_mode"})
+"""Beside one of these, what is missing of those is told."""
+WHOLE = "a whole settings file of a Tic, a line for each setting"
 NEW = {"starting_speed": "0", "max_decel": "0"}
 STEP_MODES = {"full": 1, "half": 2, "2_100p": 2, **{str(each): each for each in sorted(set(MICROSTEPS.values()))}}
 """Names of step modes, and how many steps each makes of a full step."""
@@ -35,6 +40,9 @@ def read_settings(text: str, base: Design) -> list[ReadAxis]:
     """
     told = told_by(text)
     if not told.keys() >= NEEDED:
+        if told.keys() & NEEDED and told.keys() & OF_A_TIC:
+            [lacking] = NEEDED - told.keys()
+            raise Rejected([refused_setting(f"without {lacking}", f"{lacking} isn't there", WHOLE)])
         return []
     ramp, microsteps = ramp_told(told), microsteps_told(told)
     document = base.model_dump(mode="json", by_alias=True)
@@ -48,7 +56,8 @@ def read_settings(text: str, base: Design) -> list[ReadAxis]:
         "acceleration_steps_per_s2": gain,
         "deceleration_steps_per_s2": None if loss == gain else loss,
     }
-    design = design_read(document, "a Tic")
+    made_of = {field: f"{name} {told.get(name, NEW.get(name))}" for field, name in zip(FIELDS, FIGURES, strict=True)}
+    design = design_read(document, "a Tic", made_of)
     return [ReadAxis("Tic", design, tuple(_remarks(microsteps)))]
 
 
@@ -63,13 +72,16 @@ def ramp_told(settings: dict[str, str]) -> TicRamp:
     told = NEW | settings
     bad = [each for each in FIGURES if not re.fullmatch(r"\d{1,10}", told[each])]
     if bad:
-        raise Rejected([Rejection("text", f"{each}: {told[each]}", "whole numbers of a Tic's units") for each in bad])
+        allowed = "whole numbers of a Tic's units"
+        raise Rejected([refused_setting(f"{each}: {told[each]}", f"{each} is {told[each]}", allowed) for each in bad])
     limits = {each: int(told[each]) for each in FIGURES}
     try:
         return TicRamp.told(*limits.values())
     except ValueError as error:
         wrong = ", ".join(f"{name}: {value}" for name, value in limits.items())
-        raise Rejected([Rejection("text", wrong, ALLOWED)]) from error
+        raise Rejected(
+            [Rejection("text", wrong, ALLOWED, reason=f"No Tic has {wrong}; allowed: {ALLOWED}.")]
+        ) from error
 
 
 def microsteps_told(settings: dict[str, str]) -> int | None:
@@ -77,7 +89,8 @@ def microsteps_told(settings: dict[str, str]) -> int | None:
     step_mode = settings.get("step_mode")
     if step_mode is None or step_mode in STEP_MODES:
         return None if step_mode is None else STEP_MODES[step_mode]
-    raise Rejected([Rejection("text", f"step_mode: {step_mode}", f"a step mode of a Tic: {', '.join(STEP_MODES)}")])
+    allowed = f"a step mode of a Tic: {', '.join(STEP_MODES)}"
+    raise Rejected([refused_setting(f"step_mode: {step_mode}", f"step_mode is {step_mode}", allowed)])
 
 
 def _remarks(microsteps: int | None) -> Iterator[str]:

@@ -1,6 +1,6 @@
 """Designs of what a module has told as a backup."""
 
-from stepramp.controllers.read_axis import ReadAxis, design_read
+from stepramp.controllers.read_axis import GAIN, SPEED, ReadAxis, design_read
 from stepramp.controllers.tmcl.backup import Backup
 from stepramp.controllers.tmcl.ramp import TmclRamp
 from stepramp.controllers.tmcl.units import Units
@@ -43,7 +43,14 @@ def _axis(axis: int, ramp: TmclRamp, units: Units, backup: Backup, base: Design)
         "acceleration_steps_per_s2": gain,
         "deceleration_steps_per_s2": None if loss == gain else loss,
     }
-    design = design_read(document, f"axis {axis}")
+    made_of = {
+        "ramp.base_speed_steps_per_s": f"VSTART {ramp.vstart}",
+        SPEED: f"VMAX {ramp.vmax}",
+        GAIN: f"AMAX {ramp.amax}",
+        "ramp.deceleration_steps_per_s2": f"DMAX {ramp.dmax}",
+        "axis.full_steps_per_rev": f"parameter {FULL_STEPS} {full_steps}",
+    }
+    design = design_read(document, f"axis {axis}", made_of)
     return ReadAxis(str(axis), design, tuple(_remarks(ramp, units)))
 
 
