@@ -62,6 +62,23 @@ def test_of_a_device_that_is_not_told_any_more_nothing_is_known(modules: Modules
     assert after(modules, [*known, ["device.heard", [{**DEVICE, "id": "2"}], {}]], look) == [["2"], ["2"], None]
 
 
+def test_what_was_refused_by_a_device_that_was_lost_is_over_once_it_is_back(modules: Modules) -> None:
+    refused = ["device.refused", [{"field": None, "value": None, "allowed": None, "message": "It does not answer."}]]
+    look = "({devices: {rejections}}) => rejections.length"
+
+    def left(*states: str) -> int:
+        told = [["device.heard", [{**DEVICE, "state": state}], {}] for state in states]
+        found: int = after(modules, [*told[:1], refused, *told[1:]], look)
+        return found
+
+    assert left("ready", "lost", "connecting", "lost") == 1
+    assert left("ready", "lost", "connecting", "ready") == left("lost", "ready") == 0
+    # What a device that is there refuses stays, whatever it does.
+    assert left("ready", "writing", "ready") == 1
+    beside = [["device.heard", [DEVICE, {**DEVICE, "id": "2", "state": state}], {}] for state in ("lost", "ready")]
+    assert after(modules, [beside[0], refused, beside[1]], look) == 1, "of another device"
+
+
 def had(crc: int | None, state: str = "ready", heard_s: float = 30) -> list[object]:
     ramp = None if crc is None else {"sequence": 3, "crc": crc}
     return ["device.heard", [{**DEVICE, "state": state, "ramp": ramp, "heard_s": heard_s}], {}]

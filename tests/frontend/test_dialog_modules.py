@@ -22,8 +22,8 @@ ELEMENTS = """
         addEventListener: globalThis.addEventListener, setTimeout: globalThis.setTimeout,
         clearTimeout: globalThis.clearTimeout};
     const made = (tag) => { const heard = {};
-        const plain = {tag, children: [], dataset: {}, value: '', textContent: '', hidden: false, options: [],
-            open: false, classList: {toggle() {}, add() {}, remove() {}},
+        const plain = {tag, children: [], dataset: {}, style: {}, value: '', textContent: '',
+            hidden: false, options: [], open: false, classList: {toggle() {}, add() {}, remove() {}},
             addEventListener(name, act) { heard[name] = act; }, emit(name, event) { heard[name]?.(event); },
             get lastElementChild() { return this.children.at(-1) ?? null; },
             append(...more) { this.children.push(...more); }, replaceChildren(...more) { this.children = more; },

@@ -236,3 +236,56 @@ def test_soft_limits_that_are_not_in_force_are_told_by_the_scale_of_their_axis(m
         return textOf(byId('limits-offer')); """
     )
     assert "axis 1 0 to 10 mm" in run(modules, script)
+
+
+SHOWN = """
+    const {FIRST_STATE, createStore} = await import('/app/state.js');
+    const {COMMANDS} = await import('/app/commands/commands.js');
+    const {createDevice} = await import('/panels/device/device.js');
+    const store = createStore(FIRST_STATE, (error) => { throw error; });
+    const {dispatch} = store;
+    dispatch(COMMANDS.work.begin, {axes: [design], together: 'independent', ids: [5], active: 0, kept: null});
+    const panel = createDevice(body, dispatch, {jog: {end() {}, steer() {}}});
+    dispatch(COMMANDS.device.linked, 'there');
+    const tell = (told) => {
+        dispatch(COMMANDS.device.heard, [{id: '1', port: 'sim://', name: 'Simulated', family: 'grbl', state: 'ready',
+            axes: [{axis: 0, state: 'ready', position_steps: 7, target_steps: 7, speed_steps_per_s: 0,
+                steps_per_mm: 80, lowest_steps: null, highest_steps: null}],
+            most_axes: 1, stops: 0, capabilities: [], in_control: null, unknown_positions: [], shuttle: null,
+            progress: null, ramp: null, message: null, timer_hz: null, ...told}], {});
+        panel.show(store.state()); };
+    """
+
+
+def test_a_cause_is_said_once(modules: Modules) -> None:
+    told = (
+        SHOWN
+        + """
+    const refuse = (message) => dispatch(COMMANDS.device.refused, [{field: null, value: null, allowed: null, message}]);
+    const problem = find(body, (one) => one.className === 'problem');
+    const seen = [];
+    refuse('It does not answer.'); tell({state: 'lost', message: 'It does not answer. It was given settings.'});
+    seen.push(textOf(problem).trim());
+    refuse('Not so.'); tell({state: 'lost', message: 'It does not answer.'}); seen.push(textOf(problem).trim());
+    tell({message: 'Unlock it.'}); seen.push(textOf(problem).trim());
+    return seen;"""
+    )
+    first, other, back = run(modules, told)
+    assert first == "It does not answer. It was given settings. It is connected again once it is back."
+    assert other == "It does not answer. It is connected again once it is back. Not so."
+    assert back == "Unlock it."
+
+
+def test_a_controller_that_works_its_ramps_out_itself_is_told_no_segments(modules: Modules) -> None:
+    told = (
+        SHOWN
+        + """
+    const seen = [];
+    for (const timer_hz of [null, 1_000_000]) {
+        tell({state: 'writing', timer_hz, progress: {stage: 'planning', bytes_done: 0, bytes_total: 0}});
+        seen.push(textOf(byId('push-progress')).trim());
+    }
+    tell({});
+    return seen;"""
+    )
+    assert run(modules, told) == ["Reading its settings …", "Working out the segments …"]

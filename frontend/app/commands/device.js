@@ -36,7 +36,16 @@ export function heard(state, list, runs) {
     traces: onlyOf(told, traces),
     preview: preview !== null && told.has(preview.question.id) ? preview : null,
   };
-  return following(knowing(state, known));
+  return following(knowing(state, isBack(state, list) ? { ...known, rejections: [] } : known));
+}
+
+/** Whether the device in view was lost and is heard again: what was refused before is over.
+ * @param {State} state @param {Device[]} list */
+function isBack(state, list) {
+  const before = deviceOf(state);
+  const now = before && list.find(({ id }) => id === before.id);
+  const isAway = (/** @type {Device} */ one) => one.state === 'lost' || one.state === 'connecting';
+  return now ? isAway(before) && !isAway(now) : false;
 }
 
 /** What is known of some devices; the same object when it is of no other.

@@ -280,7 +280,7 @@ export function createDevice(root, dispatch, act) {
     takeOver.disabled = !now.mayAct;
     const message = present?.message ?? '';
     const trouble = present?.state === 'lost' ? `${message || 'It is lost.'} It is connected again once it is back.` : message;
-    showProblem(withSavedAt(trouble), refused === message ? '' : refused);
+    showProblem(withSavedAt(trouble), message.includes(refused) ? '' : refused);
     showForgottenLimits(shown, isConnected && !now.isOthers ? present : null, now);
     showAxes(shown);
     showSections(shown, now);

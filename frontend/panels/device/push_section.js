@@ -22,6 +22,8 @@ const STAGES = {
   storing: { text: 'Storing', from: 0.6, to: 0.8 },
   reading_back: { text: 'Reading back', from: 0.8, to: 1 },
 };
+/** What a push begins with to a controller that works its ramps out itself. */
+const READING = 'Reading its settings';
 
 /**
  * @param {{push: (device: Device, mode: 'keep' | 'try') => void,
@@ -61,10 +63,13 @@ export function createPushSection(handlers, dispatch) {
   const waitsLong = ratherLong();
   const progress = element('div', { className: 'push-progress', id: 'push-progress' }, bar, stage);
 
-  /** @param {import('../../model/types.js').Progress} now */
-  function showProgress({ stage: name, bytes_done, bytes_total }) {
-    const isLong = waitsLong.isSo(name === 'planning', () => showProgress({ stage: name, bytes_done, bytes_total }));
-    const { text, from, to } = STAGES[name];
+  /** @param {import('../../model/types.js').Progress} now @param {boolean} takesSegments */
+  function showProgress(now, takesSegments) {
+    const { stage: name, bytes_done, bytes_total } = now;
+    const isPlanning = name === 'planning';
+    const isLong = waitsLong.isSo(isPlanning && takesSegments, () => showProgress(now, takesSegments));
+    const { text: usual, from, to } = STAGES[name];
+    const text = isPlanning && !takesSegments ? READING : usual;
     const part = bytes_total > 0 ? bytes_done / bytes_total : 0;
     const percent = Math.round(100 * (from + (to - from) * part));
     filled.style.width = `${percent}%`;
@@ -140,7 +145,8 @@ export function createPushSection(handlers, dispatch) {
       showText(by, situation.isPushing ? '' : ` ${methods}`);
       const now = present?.progress ?? null;
       progress.hidden = now === null;
-      if (now) showProgress(now);
+      // Those without a step timer are given no segments.
+      if (now) showProgress(now, (present?.timer_hz ?? null) !== null);
       else waitsLong.end();
       changes.hidden = situation.preview === null || now !== null;
       if (situation.preview) showChanges(situation.preview, situation);
