@@ -111,10 +111,10 @@ export function createPushReport() {
       bar.hidden = shown === closed;
       details.hidden = isPushing || pushed === null || shown === closed;
       // What is said of the next push is not said of the last one again.
-      const told = pushed ? warningsOf(pushed, units, lastPushed ?? toPush) : [];
+      const designs = device === null ? [] : reportedDesigns(device, situation);
+      const told = pushed ? warningsOf(pushed, units, designs) : [];
       const warnings = told.filter((_, place) => !preview?.warnings.includes(pushed?.warnings[place] ?? ''));
       const isReplaced = device !== null && hasAnotherRamp(device, preview);
-      const designs = device === null ? [] : reportedDesigns(device, situation);
       const state = JSON.stringify([pushed, warnings, isChanged, lastPushed && pushedWords(lastPushed), isReplaced, units, designs.map(({ axis }) => axis)]);
       if (state === known) return;
       known = state;
