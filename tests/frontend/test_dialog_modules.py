@@ -185,6 +185,43 @@ def test_a_backup_is_kept_and_restored_only_as_it_is_in_view(modules: Modules) -
     assert seen == [["", True], ["of the new", False], ["", True], ["of the old", False]]
 
 
+@pytest.mark.parametrize(
+    ("device", "saved", "chosen"),
+    [
+        (None, [], "klipper-other 2026-d"),
+        ({"family": "grbl"}, ["2026-b"], "grbl-mine 2026-b"),
+        ({"family": "grbl", "lacks_backup": "2026-a"}, ["2026-b", "2026-a"], "grbl-mine 2026-a"),
+        # Of that one nothing is saved yet: there may be backups of before it was plugged in elsewhere.
+        ({"family": "grbl"}, [], "grbl-other 2026-c"),
+        ({"family": "fluidnc"}, [], "grbl-other 2026-c"),
+        ({"family": "tic"}, [], "klipper-other 2026-d"),
+    ],
+)
+def test_backups_of_the_device_in_view_are_shown_first(
+    modules: Modules, device: dict[str, object] | None, saved: list[str], chosen: str
+) -> None:
+    state = {"state": "ready", "id": "1", "port": "sim://", "capabilities": ["backup"]}
+    told = json.dumps([] if device is None else [{**state, **device}])
+    seen = run(
+        modules,
+        f"""const {{createBackups}} = await import('/panels/backups/backups.js');
+        const {{FIRST_STATE}} = await import('/app/state.js');
+        const families = Object.entries({{grbl: 'grbl', fluidnc: 'grbl', tic: 'tic'}})
+            .map(([name, kind]) => ({{name, kind}}));
+        const state = {{...FIRST_STATE, devices: {{...FIRST_STATE.devices, families, list: {told}}}}};
+        const of = (name, ...backups) => ({{name, family: name.split('-')[0], plugged_in: '',
+            backups: backups.map((one) => ({{name: one}}))}});
+        const dialog = createBackups({{state: () => state}}, {{restoreFrom() {{}}}}, {{
+            archive: async () => ({{sources: [of('klipper-other', '2026-d'), of('grbl-other', '2026-c'),
+                of('grbl-mine', '2026-b', '2026-a')]}}),
+            backups: async () => ({{backups: {json.dumps([{"name": name} for name in saved])}}}),
+            archived: async (from, name) => `${{from}} ${{name}}`}});
+        dialog.open(); await settled(); await settled();
+        return [byId('backup-source').value, byId('backup-text').textContent];""",
+    )
+    assert seen == [chosen.split(maxsplit=1)[0], chosen]
+
+
 def test_the_backup_that_is_lacking_is_offered_first(modules: Modules) -> None:
     seen = run(
         modules,

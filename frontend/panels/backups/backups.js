@@ -18,7 +18,7 @@ const NONE = 'Nothing was saved yet: what a controller has is saved before it is
 
 /** @param {Pick<import('../../app/state.js').Store, 'state'>} store
  * @param {{restoreFrom: (device: Device, source: string, name: string) => void}} act
- * @param {Pick<typeof api, 'archive' | 'archived'>} [server] */
+ * @param {Pick<typeof api, 'archive' | 'archived' | 'backups'>} [server] */
 export function createBackups({ state }, act, server = api) {
   /** @type {BackupSource[]} */
   let sources = [];
@@ -62,11 +62,24 @@ export function createBackups({ state }, act, server = api) {
   async function list() {
     const found = await asked(() => server.archive());
     sources = found?.sources ?? [];
+    const first = await firstShown(deviceOf(state()));
     source.element.hidden = name.element.hidden = sources.length === 0;
     if (found && sources.length === 0) showText(note, NONE);
     const titles = new Map(state().devices.families.map((one) => [one.name, one.title]));
-    source.offer(sources.map((one) => [one.name, `${titles.get(one.family) ?? one.family}, ${one.plugged_in}`]), sources[0]?.name ?? '');
+    source.offer(sources.map((one) => [one.name, `${titles.get(one.family) ?? one.family}, ${one.plugged_in}`]), first?.name ?? '');
     showNames();
+  }
+
+  /** The source of what was saved of the device in view; until something was, one of its family, or that with the newest.
+   * @param {Device | null} device */
+  async function firstShown(device) {
+    if (device === null) return sources[0];
+    const own = device.capabilities.includes('backup') ? await asked(() => server.backups(device.id)) : null;
+    const names = new Set(own?.backups.map((one) => one.name));
+    const isOfDevice = (/** @type {BackupSource} */ from) => from.backups.some((one) => names.has(one.name));
+    const isOfFamily = (/** @type {BackupSource} */ from) => from.family === device.family;
+    const isOfKind = (/** @type {BackupSource} */ from) => kindOf(from.family) === kindOf(device.family);
+    return sources.find(isOfDevice) ?? sources.find(isOfFamily) ?? sources.find(isOfKind) ?? sources[0];
   }
 
   /** @param {string} family a name, also of one that there isn't any more */
@@ -76,7 +89,8 @@ export function createBackups({ state }, act, server = api) {
 
   function showNames() {
     const saved = chosen()?.backups ?? [];
-    name.offer(saved.map((one) => [one.name, savedAtText(one.name)]), saved[0]?.name ?? '');
+    const lacking = saved.find((one) => one.name === deviceOf(state())?.lacks_backup);
+    name.offer(saved.map((one) => [one.name, savedAtText(one.name)]), (lacking ?? saved[0])?.name ?? '');
     return read();
   }
 
