@@ -23,6 +23,13 @@ ODD_TEXTS = {
     "other blanks": "[printer]\na" + "\u2003" * LONG + "b: 1",
     "brackets": "$110=1" + " (" * (LONG // 2) + ")",
     "tabs before nothing": "\t" * LONG,
+    "tabs before something": "\t" * LONG + "!",
+    "blanks before something": " " * LONG + "!",
+    "blanks behind a terminal's mark": "Recv:" + " " * LONG + "!",
+    **{
+        f"{piece!r} again and again": piece * (LONG // len(piece)) + "!"
+        for piece in ("> ", "echo:", "[1] ", "a: ", "$1=", "# ", "axis 0 ", "22:10 ", ">", "[", "$$ ")
+    },
 }
 READERS = {name: family.read_settings for name, family in FAMILIES.items() if family.read_settings is not None}
 

@@ -15,7 +15,7 @@ from stepramp.errors import Rejected, shown
 
 MOST_AXES_READ = 4
 _WHOLE = re.compile(r"[1-9][0-9]{0,5}")
-_INDENTED_BY_TABS = re.compile(rf"\s*\t\s*(?:{'|'.join(ITEMS)})\s*:")
+_INDENTED_BY_TABS = re.compile(rf"(?=[^\S\t]*\t)\s*(?:{'|'.join(ITEMS)})\s*:")
 
 
 def read_settings(text: str, base: Design) -> list[ReadAxis]:
