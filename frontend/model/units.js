@@ -99,8 +99,14 @@ const SAME_SCALE = 1e-5;
  * @returns {Design} the same one where its scale is the machine's */
 export function atScale(design, stepsPerMm) {
   const { axis } = design;
-  const isOther = stepsPerMm !== null && axis.travel_unit === 'mm' && Math.abs(stepsPerUnit(axis) / stepsPerMm - 1) > SAME_SCALE;
-  if (!isOther) return design;
-  const travel = (Number(axis.full_steps_per_rev) * Number(axis.microsteps)) / stepsPerMm;
-  return { ...design, axis: { ...axis, travel_per_rev: travel } };
+  if (stepsPerMm === null || axis.travel_unit !== 'mm' || !isOtherScale(design, stepsPerMm)) return design;
+  return { ...design, axis: { ...axis, travel_per_rev: travelAt(design, stepsPerMm) } };
 }
+
+/** Whether a scale is another one than a design's.
+ * @param {Design} design @param {number} stepsPerMm */
+export const isOtherScale = ({ axis }, stepsPerMm) => Math.abs(stepsPerUnit(axis) / stepsPerMm - 1) > SAME_SCALE;
+
+/** How far a turn leads at a scale [mm].
+ * @param {Design} design @param {number} stepsPerMm */
+export const travelAt = ({ axis }, stepsPerMm) => (Number(axis.full_steps_per_rev) * Number(axis.microsteps)) / stepsPerMm;

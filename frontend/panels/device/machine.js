@@ -6,15 +6,13 @@ import { mend } from '../../app/commands/work.js';
 import { createQuestion, laterText } from '../../app/effects/question.js';
 import { DEVICE_LOST, NOT_FOUND } from '../../server/api.js';
 import { savedAtText } from '../../model/saved_at.js';
-import { stepsPerUnit } from '../../model/units.js';
+import { isOtherScale, stepsPerUnit, travelAt } from '../../model/units.js';
 import { enable } from './section.js';
 
 /** @typedef {import('../../model/types.js').Backup} Backup */
 /** @typedef {import('../../model/types.js').Device} Device */
 /** @typedef {import('../../model/types.js').Design} Design */
 
-/** So far apart two scales are the same, written with as many figures as controllers tell. */
-const SAME_SCALE = 1e-5;
 const FIGURES = 7;
 
 /**
@@ -89,7 +87,7 @@ export function createMachine(handlers, dispatch) {
       const isThere = device !== null && device.capabilities.includes('backup');
       const canTell = device !== null && device.capabilities.includes('import');
       const scale = device?.axes[axis]?.steps_per_mm ?? null;
-      const isOther = scale !== null && Math.abs(stepsPerUnit(design.axis) / scale - 1) > SAME_SCALE;
+      const isOther = scale !== null && isOtherScale(design, scale);
       const isOfDegrees = design.axis.travel_unit !== 'mm';
       showText(scaleLine, scale === null || !(isOther || isOfDegrees) ? '' : scaleWords(scale, design));
       scaleLine.hidden = useScale.hidden = scaleLine.textContent === '';
@@ -119,11 +117,10 @@ const scaleText = (scale) => String(Number(scale.toPrecision(FIGURES)));
 
 /** What gives a design the scale of a controller: full steps and microsteps stay.
  * @param {Design} design @param {number} scale */
-function scaleChanges({ axis }, scale) {
-  const travel = (Number(axis.full_steps_per_rev) * Number(axis.microsteps)) / scale;
+function scaleChanges(design, scale) {
   return [
     { field: 'axis.travel_unit', value: 'mm' },
-    { field: 'axis.travel_per_rev', value: Number(travel.toPrecision(12)) },
+    { field: 'axis.travel_per_rev', value: Number(travelAt(design, scale).toPrecision(12)) },
   ];
 }
 
