@@ -9,6 +9,7 @@ import pytest
 
 from designs import design
 from stepramp.controllers.families import FAMILIES
+from stepramp.controllers.grbl.backup import Backup
 from stepramp.errors import Rejected
 
 LONG = 100_000
@@ -22,6 +23,8 @@ ODD_TEXTS = {
     "blanks in a value": "[printer]\na: b" + " " * LONG + "c",
     "other blanks": "[printer]\na" + "\u2003" * LONG + "b: 1",
     "brackets": "$110=1" + " (" * (LONG // 2) + ")",
+    "brackets that stay open": "$N0=" + " (" * (LONG // 2) + "!",
+    "blanks in a start-up line": "$N0=G54" + " " * LONG + "!",
     "tabs before nothing": "\t" * LONG,
     "tabs before something": "\t" * LONG + "!",
     "blanks before something": " " * LONG + "!",
@@ -43,6 +46,13 @@ def test_every_text_is_read_to_its_end(family: str, text: str) -> None:
         assert [each.field for each in rejected.rejections] == ["text"]
     else:
         assert axes == []
+
+
+@pytest.mark.parametrize("text", ODD_TEXTS.values(), ids=ODD_TEXTS.keys())
+def test_every_text_is_read_to_its_end_as_a_backup_of_grbl(text: str) -> None:
+    with pytest.raises(Rejected) as rejected:
+        Backup.of(text)
+    assert [each.field for each in rejected.value.rejections] == ["text"]
 
 
 NUMBERS = ["0", "-1", "nan", "inf", "1e308", "1e-308", "5e-324", "9" * 37, "9" * 400, "1_0", "1.2.3", "0x10", "", "-"]

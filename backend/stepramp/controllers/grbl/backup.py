@@ -26,10 +26,8 @@ from stepramp.errors import Count, Rejected, Rejection
 
 _PLACE = re.compile(r"\[G(?P<code>5[4-9]):(?P<numbers>[-\d.,]+)\]")
 _STARTUP = re.compile(r"\$N(?P<number>[01])=(?P<block>.*)")
-_NAMED = re.compile(
-    rf"(?P<setting>[$](?:\d{{1,4}}|N[01]))=(?P<value>.*?)(?: *[(].*[)])?|{_PLACE.pattern}",
-)
-"""Whatever a backup tells by a name."""
+_NAME = re.compile(r"[$](?:\d{1,4}|N[01])")
+"""Of a setting or a start-up line."""
 _HIDDEN = re.compile(r"[*]+")
 """What grblHAL tells in place of a password."""
 ALLOWED = "a backup of a grbl: the lines that it tells after $$"
@@ -122,15 +120,23 @@ def _entry(name: str, line: str, *, is_hidden: bool = False, moves: bool = False
 def _told_twice(text: str) -> Iterator[Rejection]:
     """Yield what a text tells twice, and differently: which of both it was nobody knows."""
     values: dict[str, list[str]] = {}
-    for found in map(_NAMED.fullmatch, map(str.strip, text.splitlines())):
-        if found is not None:
-            told = values.setdefault(found["setting"] or f"G{found['code']}", [])
-            value = found["value"] if found["setting"] else found["numbers"]
-            if value not in told:
-                told.append(value)
+    for name, value in filter(None, map(_named, map(str.strip, text.splitlines()))):
+        told = values.setdefault(name, [])
+        if value not in told:
+            told.append(value)
     for name, told in values.items():
         if len(told) > 1:
             yield Rejection(name, Count(" and ".join(told)), "each setting once in a backup")
+
+
+def _named(line: str) -> tuple[str, str] | None:
+    """Return what a line tells by a name, without the comment behind it; None where it tells nothing."""
+    if (place := _PLACE.fullmatch(line)) is not None:
+        return f"G{place['code']}", place["numbers"]
+    name, _, value = line.partition("=")
+    if _NAME.fullmatch(name) is None:
+        return None
+    return name, value.partition("(")[0].rstrip(" ") if line.endswith(")") else value
 
 
 def _senseless(settings: Settings) -> Iterator[Rejection]:
