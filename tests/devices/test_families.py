@@ -112,6 +112,7 @@ def test_what_keeps_a_motor_from_moving_is_told_until_it_is_over(plain: Device, 
         (lambda device: device.zero([0], 5), "zero gauges"),
         (Device.backups, "be backed up"),
         (Device.back_up, "be backed up"),
+        (Device.prove, "be started anew to prove what it has stored"),
         (lambda device: device.present_designs(design()), "tell settings that designs can be made of"),
     ],
 )
@@ -127,7 +128,7 @@ def test_what_only_others_can_do_is_refused_in_plain_words(
 def test_a_controller_of_ours_can_do_all(devices: Devices, plug_in: Callable) -> None:
     view = devices.connect(plug_in(VirtualController())).view
     assert (view.family, view.capabilities) == ("stepramp", ALL)
-    assert tuple(each.name for each in CAPABILITIES) == (*ALL, "backup", "import")
+    assert tuple(each.name for each in CAPABILITIES) == (*ALL, "backup", "import", "prove")
 
 
 def test_there_is_no_such_family(devices: Devices) -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from controllers.grbl.emulator import GrblOnACable
 from controllers.tic.emulator import TicEmulator, TicOnACable
 from controllers.usb_board import UsbBoard
 from designs import design
@@ -16,7 +17,7 @@ from devices.ser2net import Ser2net
 from stepramp.devices.device import Device
 from stepramp.devices.registry import Devices
 from stepramp.devices.view import DeviceState
-from stepramp.errors import DeviceLost
+from stepramp.errors import DeviceLost, Refused
 from stepramp.link.remote_ports import RemotePorts
 
 PROMISED_S = 5.0
@@ -106,6 +107,26 @@ def test_a_stop_that_a_hanging_network_holds_up_is_told_and_comes_first_afterwar
         host.thaw()
         wait_for(device, DeviceState.READY)
         assert device.view.position_steps < LONG_MOVE
+
+
+@pytest.mark.parametrize("scheme", ["rfc2217", "socket"])
+def test_what_a_grbl_far_away_has_stored(tmp_path: Path, scheme: str) -> None:
+    with GrblOnACable() as cable, Ser2net(scheme, cable.port, 115_200, tmp_path) as host:
+        devices = Devices(remote_ports=RemotePorts.named([host.host]), data=tmp_path)
+        device = devices.connect(host.address, "grbl")
+        device.push([design()], 0)
+        if scheme == "rfc2217":
+            device.prove()
+            assert device.view.proof is not None
+            assert (device.view.unproven, device.view.proof.not_kept) == ((), ())
+        else:
+            # What listens there may greet whoever connects, as a grblHAL on a network does.
+            with pytest.raises(Refused, match="only bytes travel, and nothing that starts the controller anew"):
+                device.prove()
+            device.disconnect()
+            device.connect()
+            assert (device.view.unproven, device.view.proof) == (("$110", "$120"), None)
+        devices.close()
 
 
 def test_what_is_no_controller_behind_it_is_told_and_its_port_is_free_again(tmp_path: Path) -> None:

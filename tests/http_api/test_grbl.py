@@ -51,7 +51,7 @@ def test_connecting_asks_and_moves_nothing(client: TestClient, cable: GrblOnACab
     cable.grbl.boot_s = 0.5
     device = client.get(connected(client, cable.port, "grbl")).json()
     assert (device["family"], device["state"]) == ("grbl", "ready")
-    assert device["capabilities"] == ["keep", "line", "backup", "import"]
+    assert device["capabilities"] == ["keep", "line", "backup", "import", "prove"]
     assert (device["firmware_version"], device["most_axes"], device["clocks_hz"]) == ("1.1h", 3, [])
     assert [axis["steps_per_mm"] for axis in device["axes"]] == [250, 250, 250]
     assert set(cable.grbl.lines) == {"$I", "$$", "$N"}

@@ -1,6 +1,6 @@
 """What only some controllers can do: each capability is a protocol, and a controller has those that it derives from."""
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, Protocol, TypeVar, runtime_checkable
 
@@ -101,7 +101,34 @@ class BacksUp(TellsSettings, Protocol):
         """
 
 
-CapabilityName = Literal["keep", "try", "restore", "settings", "trace", "line", "zero", "backup", "import"]
+@runtime_checkable
+class ProvenByStart(Protocol):
+    """A controller that uses at once what it is given, and what it has stored only from its next start on.
+
+    A start is what opening its port does with many boards: it forgets where it is by that.
+    """
+
+    @property
+    def has_started(self) -> bool:
+        """Whether it was heard to start as its port was opened: then what it had at first is what it has stored."""
+
+    def take_given(self) -> Mapping[str, str | None]:
+        """Return what settings were given since this was last asked, by name, as they were sent.
+
+        None: a setting is wanted as it was already, or whether it was taken isn't known.
+        """
+
+    def others(self, given: Mapping[str, str]) -> Mapping[str, str | None]:
+        """Return those of these settings that were others when they were last read, with what they were.
+
+        None: it isn't there.
+        """
+
+    def refuse_start(self) -> None:
+        """Refused unless it may be started anew from here: it rests, and moves nothing by that."""
+
+
+CapabilityName = Literal["keep", "try", "restore", "settings", "trace", "line", "zero", "backup", "import", "prove"]
 
 
 @dataclass(frozen=True)
@@ -126,6 +153,7 @@ CAPABILITIES = (
     Capability("zero", ZeroesGauges, "zero gauges"),
     Capability("backup", BacksUp, "be backed up"),
     Capability("import", TellsSettings, "tell settings that designs can be made of"),
+    Capability("prove", ProvenByStart, "be started anew to prove what it has stored"),
 )
 
 

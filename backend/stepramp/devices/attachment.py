@@ -3,18 +3,20 @@
 import threading
 from contextlib import suppress
 from dataclasses import replace
+from time import sleep
 
-from stepramp.controllers.capabilities import capabilities_of
+from stepramp.controllers.capabilities import ProvenByStart, capabilities_of
 from stepramp.controllers.families import Family
 from stepramp.devices.contact import Contact
 from stepramp.devices.leases import Leases
 from stepramp.devices.live_view import LiveView
 from stepramp.devices.permit import Permit
+from stepramp.devices.proving import Proving
 from stepramp.devices.runs import Runs
 from stepramp.devices.shared_attempt import SharedAttempt
 from stepramp.devices.stopping import LAST_STOP_S, Stopping
 from stepramp.devices.to_and_fro import ToAndFro
-from stepramp.devices.view import DeviceState
+from stepramp.devices.view import DeviceState, DeviceView
 from stepramp.devices.watch import IDLE_POLL_S, Watch
 from stepramp.devices.writing import Writing
 from stepramp.errors import DeviceLost, Refused, StepRampError
@@ -22,6 +24,9 @@ from stepramp.link.connection import Connection
 from stepramp.link.ports import Port, find_again, known_port, location_of, port_name
 from stepramp.link.remote_ports import RemotePorts
 from stepramp.link.worker import Worker
+
+CLOSED_S = 0.25
+"""So long a port stays closed whose controller is started anew by that: its DTR falls, and systems let go of it [s]."""
 
 
 class Attachment:
@@ -45,6 +50,7 @@ class Attachment:
         runs: Runs,
         to_and_fro: ToAndFro,
         writing: Writing,
+        proving: Proving,
     ) -> None:
         self._known = known
         self._family = family
@@ -58,12 +64,14 @@ class Attachment:
         self._runs = runs
         self._to_and_fro = to_and_fro
         self._writing = writing
+        self._proving = proving
         self._connecting = threading.Lock()
         self._attempt = SharedAttempt(self._connect_unless_done)
         self._connection: Connection | None = None
         self._location: str | None = None
         self._let_go = False
         self._has_ended = False
+        self._starts_anew = False
 
     @property
     def identity(self) -> object:
@@ -103,6 +111,21 @@ class Attachment:
             self._let_go = True
             self._close()
 
+    def start_anew(self) -> None:
+        """Close the port and open it again, by which many controllers start anew; as connect.
+
+        Refused where the controller isn't a ProvenByStart, moves, or may move by that.
+        """
+        with self._connecting:
+            before = self._view.now
+            try:
+                self._contact.ask_one_who(ProvenByStart, self._end_to_start_anew)
+                self._close()
+            finally:
+                self._starts_anew = False
+            sleep(CLOSED_S)
+            self._connect(before.port, before)
+
     def refuse_from_now_on(self) -> None:
         """Connect no more: for the end of the program."""
         self._has_ended = True
@@ -119,9 +142,10 @@ class Attachment:
             if not self.is_connected:
                 self._connect(self._view.now.port)
 
-    def _connect(self, port: str) -> None:
+    def _connect(self, port: str, known: DeviceView | None = None) -> None:
+        """Connect, or leave the device lost as it was known before; None: as it is now."""
         name = port_name(port)
-        before = self._view.now
+        before = known or self._view.now
         self._view.change(lambda view: view.anew(port, name))
         worker = Worker(port, self.poll, self._ended)
         self._contact.begin(worker)
@@ -169,6 +193,7 @@ class Attachment:
                 capabilities=capabilities_of(controller),
             )
         )
+        self._proving.look(controller)
         self._watch.show(status)
         self._runs.end_those_of_nobody(status)
         version = controller.firmware_version
@@ -177,6 +202,13 @@ class Attachment:
     def _end_at_rest(self) -> None:
         """End the thread in the same call that looks whether the motor moves, so that no move slips in between."""
         self._watch.refuse_under_way()
+        self._close()
+
+    def _end_to_start_anew(self, controller: ProvenByStart) -> None:
+        """As _end_at_rest, but for a while."""
+        self._watch.refuse_under_way()
+        controller.refuse_start()
+        self._starts_anew = True
         self._close()
 
     def _ended(self, loss: DeviceLost | None) -> None:
@@ -189,5 +221,9 @@ class Attachment:
         self._location = None
         self._leases.drop()
         self._contact.end()
-        self._view.change(lambda view: view.let_go() if loss is None else view.lost(str(loss)))
-        self._view.log("%s", "let go of" if loss is None else f"lost: {loss}")
+        if loss is not None:
+            self._view.change(lambda view: view.lost(str(loss)))
+        else:
+            self._view.change(DeviceView.starting_anew if self._starts_anew else DeviceView.let_go)
+        why = "closed to start it anew" if self._starts_anew else "let go of"
+        self._view.log("%s", why if loss is None else f"lost: {loss}")

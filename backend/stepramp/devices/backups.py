@@ -143,18 +143,9 @@ class Backups:
         Raises Refused when it can't be written.
         """
         name = datetime.now(UTC).strftime("%Y-%m-%dT%H-%M-%S.%fZ")
-        part = self.folder / f".{name}.part"
         try:
-            _make(self.folder)
-            with part.open("x", encoding="utf-8", newline="\n") as file:
-                file.write(marked(text))
-                file.flush()
-                os.fsync(file.fileno())
-            part.replace(self.folder / f"{name}{ENDING}")
-            _sync(self.folder)
+            write_whole(self.folder / f"{name}{ENDING}", marked(text))
         except OSError as error:
-            with suppress(OSError):
-                part.unlink()
             reason = error.strerror or str(error)
             raise Refused(
                 f"What the device has now can't be saved in {self.folder} ({reason}): nothing was written to it."
@@ -168,6 +159,23 @@ class Backups:
     def read(self, name: str) -> str:
         """Return the text of a backup; NotFound when there is none of that name."""
         return _read(self.folder, name, "of this device")
+
+
+def write_whole(file: Path, text: str) -> None:
+    """Write a file so that it is there whole or not at all, also after a power cut; OSError when it can't be."""
+    part = file.with_name(f".{file.stem}.part")
+    try:
+        _make(file.parent)
+        with part.open("w", encoding="utf-8", newline="\n") as opened:
+            opened.write(text)
+            opened.flush()
+            os.fsync(opened.fileno())
+        part.replace(file)
+        _sync(file.parent)
+    except OSError:
+        with suppress(OSError):
+            part.unlink()
+        raise
 
 
 def _make(folder: Path) -> None:

@@ -20,6 +20,7 @@ from stepramp.devices.live_view import LiveView
 from stepramp.devices.motions import Motions
 from stepramp.devices.owed_stops import OwedStops
 from stepramp.devices.permit import Permit
+from stepramp.devices.proving import Proving
 from stepramp.devices.runs import Runs
 from stepramp.devices.setting_out import SettingOut
 from stepramp.devices.shuttle import Shuttle
@@ -28,6 +29,7 @@ from stepramp.devices.stopping import Stopping
 from stepramp.devices.stops import Order, Stops
 from stepramp.devices.to_and_fro import ToAndFro
 from stepramp.devices.traces import Traces
+from stepramp.devices.unproven import Unproven
 from stepramp.devices.view import DeviceView
 from stepramp.devices.watch import Watch
 from stepramp.devices.writing import PlanPush, SendPush, Writing
@@ -75,12 +77,26 @@ class Device:
         control = Control(live)
         runs = Runs(live, contact, leases, stopping)
         to_and_fro = ToAndFro(live, contact, watch, control, setting_out, stops)
-        writing = Writing(live, contact, watch, leases, Backups(data, family.name, known), family.play_own)
-        self._live, self._control, self._stopping, self._runs = live, control, stopping, runs
+        backups = Backups(data, family.name, known)
+        proving = Proving(live, Unproven(backups.folder))
+        writing = Writing(live, contact, watch, leases, backups, proving, family.play_own)
+        self._live, self._control, self._stopping, self._runs, self._proving = live, control, stopping, runs, proving
         self._to_and_fro, self._writing, self._traces = to_and_fro, writing, Traces(contact, watch)
         self._motions = Motions(live, contact, watch, leases, control, setting_out)
         self._attachment = Attachment(
-            known, family, remote_ports, live, contact, watch, leases, permit, stopping, runs, to_and_fro, writing
+            known,
+            family,
+            remote_ports,
+            live,
+            contact,
+            watch,
+            leases,
+            permit,
+            stopping,
+            runs,
+            to_and_fro,
+            writing,
+            proving,
         )
 
     @property
@@ -198,6 +214,16 @@ class Device:
             of = f"a source of the family {self._family.kind}, as the device is"
             raise Rejected([Rejection("source", source.name, of)])
         return self._writing.restore_text(text, name)
+
+    def prove(self) -> None:
+        """Start the controller anew, and see whether it has stored what it was given: its view tells that.
+
+        It forgets where it is by that. Refused while the motor moves, where something may move by a start, and where
+        nothing is to be proven; also afterwards, when it wasn't heard to start. Else as connect.
+        """
+        self._proving.refuse_unneeded()
+        self._attachment.start_anew()
+        self._proving.refuse_unseen()
 
     def present_designs(self, base: Design) -> list[ReadAxis]:
         """Return what the controller has now as designs, one for each axis; Refused when its family can't be read.

@@ -8,6 +8,7 @@ from time import monotonic
 from stepramp.controllers.capabilities import CapabilityName
 from stepramp.controllers.contract import Activity, AxisStatus, ControllerStatus, PushReport, StoredRamp
 from stepramp.controllers.progress import Progress
+from stepramp.devices.proof import Proof
 from stepramp.devices.shuttle import Shuttle
 from stepramp.devices.soft_limits import FREE, Span
 
@@ -98,6 +99,10 @@ class DeviceView:
     """What to do about settings in the midst of which it was lost, until what it had before is written."""
     lacks_backup: str | None = None
     """The name of the backup of what it had before; None for none."""
+    unproven: tuple[str, ...] = ()
+    """Settings that it was given, and of which its next start proves whether they are stored."""
+    proof: Proof | None = None
+    """What its last start has shown of such; None for nothing."""
     progress: Progress | None = None
     """How far the push has come that is under way."""
     shuttle: Shuttle | None = None
@@ -126,6 +131,7 @@ class DeviceView:
         """Return the device as its controller now says it is."""
         first = status.axes[0]
         resting = {axis.axis: axis.position_steps for axis in status.axes if axis.activity is Activity.READY}
+        not_kept = None if self.proof is None else self.proof.trouble
         arrived = [axis for axis in self.zeroing if resting.get(axis) == 0]
         return replace(
             self,
@@ -138,7 +144,7 @@ class DeviceView:
             on_trial=status.on_trial,
             motors_on=status.motors_on,
             starved=status.starved,
-            message=" ".join(each for each in (status.trouble, self.half_written) if each) or None,
+            message=" ".join(each for each in (status.trouble, self.half_written, not_kept) if each) or None,
             midst=(),
             zeroing=tuple(axis for axis in self.zeroing if axis not in resting),
         ).with_known_positions(arrived)
@@ -167,7 +173,13 @@ class DeviceView:
             backup=self.backup,
             half_written=self.half_written,
             lacks_backup=self.lacks_backup,
+            proof=self.proof,
         )
+
+    def starting_anew(self) -> "DeviceView":
+        """Return the device as it is while its controller is started anew: where it was, that forgets."""
+        unknown = tuple(sorted({*self.unknown_positions, *(axis.axis for axis in self.axes)}))
+        return replace(self.anew(self.port, self.name), unknown_positions=unknown)
 
     def limited(self, spans: Mapping[int, Span]) -> "DeviceView":
         """Return the device with these soft limits, besides those that other axes have."""

@@ -20,6 +20,7 @@ from stepramp.devices.backups import Backup, Backups, checked
 from stepramp.devices.contact import Contact
 from stepramp.devices.leases import Leases
 from stepramp.devices.live_view import LiveView
+from stepramp.devices.proving import Proving
 from stepramp.devices.view import UNDER_WAY, DeviceState, DeviceView
 from stepramp.devices.watch import Watch
 from stepramp.errors import DeviceLost, Refused
@@ -39,7 +40,14 @@ class Writing:
     """Gives a controller ramps and settings, at rest. From any thread; see Device for what each call does."""
 
     def __init__(
-        self, view: LiveView, contact: Contact, watch: Watch, leases: Leases, backups: Backups, play_own: PlayOwn | None
+        self,
+        view: LiveView,
+        contact: Contact,
+        watch: Watch,
+        leases: Leases,
+        backups: Backups,
+        proving: Proving,
+        play_own: PlayOwn | None,
     ) -> None:
         """play_own: what controllers of its family play that work the intervals out themselves, if that is known."""
         self._view = view
@@ -47,6 +55,7 @@ class Writing:
         self._watch = watch
         self._leases = leases
         self._backups = backups
+        self._proving = proving
         self._play_own = play_own
         self._saved: Controller | None = None
         """The controller of the last connection over which a backup was saved."""
@@ -199,6 +208,8 @@ class Writing:
         except DeviceLost:
             self._view.change(DeviceView.left_half_written)
             raise
+        finally:
+            self._proving.note(self._contact.controller)
 
     def _save_first(self, unsaved: Callable[[str], None] | None) -> None:
         """Save what the controller has, before it is written to for the first time over this connection."""

@@ -10,7 +10,7 @@ from stepramp.http_api.bodies import JsonRoute
 from stepramp.http_api.device_registry import Acting, Registry
 from stepramp.http_api.devices_models import DeviceAnswer
 from stepramp.http_api.imports_models import BasePayload, ImportAnswer
-from stepramp.http_api.lanes import ACTING, PUSHING
+from stepramp.http_api.lanes import ACTING, CONNECTING, PUSHING
 
 router = APIRouter(route_class=JsonRoute)
 
@@ -68,6 +68,20 @@ def restore_any_backup(request: RestorePayload, device: Acting, devices: Registr
     text = devices.archive.read(request.source, request.name)
     remarks = device.restore_from(devices.archive.source(request.source), request.name, text)
     return RestoredAnswer(device=DeviceAnswer.model_validate(device.view), remarks=list(remarks))
+
+
+@router.post("/devices/{device_id}/prove")
+@CONNECTING.serves
+def prove(device: Acting) -> DeviceAnswer:
+    """Start the controller anew, by closing its port and opening it again, and compare what it has stored.
+
+    It forgets where it is by that: its axes have `unknown_positions` then. This takes up to 5 s, in which it is
+    `connecting`: a stop that comes then is carried out as soon as it is there again. What has come of it `proof` tells.
+    Refused with 409 while a motor moves, where start-up lines may move something, where nothing is `unproven`, over
+    `socket://`, and when it wasn't heard to start: then it is proven at its next start.
+    """
+    device.prove()
+    return DeviceAnswer.model_validate(device.view)
 
 
 @router.post("/devices/{device_id}/import")

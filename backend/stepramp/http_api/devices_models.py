@@ -269,6 +269,16 @@ class AxisAnswer(Answer):
     )
 
 
+class ProofAnswer(Answer):
+    """What a start of a controller has shown of settings that it was given before."""
+
+    proven: list[str] = Field(description="Settings that it had as they were written: it has stored them")
+    not_kept: list[str] = Field(
+        description="Settings that are others: they weren't kept, or were set by somebody else since"
+    )
+    words: str = Field(description="The same as sentences, with what was written when, and what it has")
+
+
 class DeviceAnswer(Answer):
     """A device as it is now."""
 
@@ -279,7 +289,8 @@ class DeviceAnswer(Answer):
     capabilities: list[CapabilityName] = Field(
         description="What it can do besides what all controllers can; none until it is connected. keep: store pushed "
         "ramps. try: use them without that, and roll back. restore: bring back those before. settings; trace; line; "
-        "zero: as the requests of that name. backup: its settings are saved before they are written to. "
+        "zero: as the requests of that name. backup: its settings are saved before they are written to. prove: it "
+        "proves by a start that it has stored them. "
         "What it can't do is refused with 409"
     )
     state: DeviceState = Field(
@@ -287,7 +298,8 @@ class DeviceAnswer(Answer):
         "connected again when it comes back"
     )
     message: str | None = Field(
-        description="Why it is lost, what keeps its motors from being moved, or which backup it lacks"
+        description="Why it is lost, what keeps its motors from being moved, which backup it lacks, or "
+        "which settings it hasn't got since its start"
     )
     position_steps: int = Field(
         description="Where the motor of axis 0 is; of what is lost, where it was when it was last heard of, which is "
@@ -327,6 +339,13 @@ class DeviceAnswer(Answer):
     lacks_backup: str | None = Field(
         description="The name of the backup to restore, since it was lost while it was given settings: of what it had "
         "before. Until that one, or one as old, is written; null for none"
+    )
+    unproven: list[str] = Field(
+        description="Settings that it was given, also before it was connected now, and of which only its next start "
+        "proves whether it has stored them, or `POST /devices/{id}/prove`"
+    )
+    proof: ProofAnswer | None = Field(
+        description="What its last start has shown of such settings, until they are written again; null for nothing"
     )
     progress: ProgressAnswer | None = Field(description="How far the push has come that is under way; null for none")
     shuttle: ShuttleAnswer | None = Field(description="What goes there and back; null for nothing")

@@ -90,9 +90,6 @@ class FluidNcEmulator(GrblEmulator):
         self.eeprom.startup = [self._macro(name) for name in ("startup_line0", "startup_line1", "after_reset")]
         super()._begin_anew(after_s)
 
-    def _load_by_reset(self) -> None:
-        """Keep what is in use: it reads its file only as it is switched on."""
-
     def _load(self) -> None:
         super()._load()
         for axis, letter in enumerate("xyz"):

@@ -46,7 +46,9 @@ class Eeprom:
     unreadable: str = ""
     """What a power cut has left broken, by the command that lists it."""
     is_broken: bool = False
-    """What is written is not kept."""
+    """What is written doesn't reach it."""
+    is_worn: bool = False
+    """A cell doesn't keep what was written: at the next start its checksum is wrong, and it goes back to defaults."""
 
 
 class GrblEmulator:
@@ -58,6 +60,8 @@ class GrblEmulator:
         self.banner = "Grbl 1.1h ['$' for help]"
         self.version = ["[VER:1.1h.20190830:]", "[OPT:V,15,128]"]
         self.starts_on_open = True
+        self.greets_after_s: float | None = None
+        """Where it goes on as the port is opened: when it greets all the same, as grblHAL with USB of its own."""
         self.boot_s = 0.0
         self.alarm_told: int | None = None
         """The code that grblHAL tells with its state; None: it doesn't, as grbl 1.1."""
@@ -86,14 +90,20 @@ class GrblEmulator:
             self.is_on = True
             self.position, self._mm = [0, 0, 0], [0.0, 0.0, 0.0]
             self.state, self.part = "Idle", 0
+            is_whole = self._is_whole()
             self._load()
             self._begin_anew(self.boot_s)
+            if not is_whole:
+                said = "".join(f"{line}\r\n" for line in ("error:7", *self._listing()))
+                self._said.insert(0, (self._now_s + self.boot_s, said.encode()))
 
     def opened(self) -> None:
         """Start anew, since the port's DTR does that to many boards."""
         with self._lock:
             if self.starts_on_open and self.is_on:
                 self.power_up()
+            elif self.greets_after_s is not None and self.is_on:
+                self._said.append((self._now_s + self.greets_after_s, f"\r\n{self.banner}\r\n".encode()))
 
     def _begin_anew(self, after_s: float) -> None:
         # Only now it counts by steps per mm that were set since.
@@ -114,8 +124,15 @@ class GrblEmulator:
             if line:
                 self._say(f">{line}:{self._run_block(line)}", after_s)
 
+    def _is_whole(self) -> bool:
+        """Look whether its EEPROM's checksum is right, as it does only here; else put it to its defaults."""
+        if not self.eeprom.is_worn:
+            return True
+        self.eeprom.settings, self.eeprom.startup = Eeprom().settings, ["", ""]
+        return False
+
     def _load(self) -> None:
-        """Take what it keeps."""
+        """Take what it keeps: a reset by 0x18 doesn't."""
         self.settings = dict(self.eeprom.settings)
 
     @property
@@ -123,11 +140,7 @@ class GrblEmulator:
         scales = [self.settings[100 + axis] for axis in range(3)]
         return [step / scale if scale else 0.0 for step, scale in zip(self.position, scales, strict=True)]
 
-    def _load_by_reset(self) -> None:
-        self._load()
-
     def _reset(self) -> None:
-        self._load_by_reset()
         alarm = 3 if self.state in ("Run", "Jog") else 6 if self.state == "Home" else None
         if alarm:
             self.state = "Alarm"

@@ -1,4 +1,4 @@
-"""Pushing designs to a grbl: two settings an axis, rounded down, read back after a reset, and backed up before."""
+"""Pushing designs to a grbl: two settings an axis, rounded down, read back, and backed up before."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from controllers.grbl.bench import Bench, by, to
 from controllers.grbl.emulator import Eeprom
 from designs import design
 from stepramp.controllers.contract import OwnTerms, PushReport
-from stepramp.controllers.grbl.controller import GrblController
+from stepramp.controllers.grbl.controller import IN_USE, GrblController
 from stepramp.controllers.grbl.push import PushPlan
 from stepramp.controllers.grbl.ramp import GrblRamp, grbl_losses
 from stepramp.controllers.grbl.read_settings import read_settings
@@ -38,15 +38,15 @@ def fields_of(ask: Callable[[], object]) -> list[tuple[str, object, str]]:
 
 def test_what_is_sent_and_read_back(bench: Bench, controller: GrblController) -> None:
     report = push(controller, design(), axis=1)
-    # 1000 steps/s · 60 / 250 = 240 mm/min; 5000 / 250 = 20 mm/s². The second listing is that after a reset.
-    assert bench.grbl.lines == ["$$", "$N", "$111=240.000", "$121=20.000", "$$", "$N", "$$", "$N"]
+    # 1000 steps/s · 60 / 250 = 240 mm/min; 5000 / 250 = 20 mm/s². A reset would show the same list again.
+    assert bench.grbl.lines == ["$$", "$N", "$111=240.000", "$121=20.000", "$$", "$N"]
     assert (bench.grbl.eeprom.settings[121], bench.grbl.eeprom.settings[111]) == (20.0, 240.0)
     speed, gain = report.items
     assert (speed.requested, speed.sent, speed.read_back, speed.unit, speed.axis) == (1000, 1000, 1000, "steps/s", 1)
     assert speed.own == OwnTerms("$111", "mm/min", 240.0, 240.0)
     assert gain.own == OwnTerms("$121", "mm/s²", 20.0, 20.0)
     assert (report.verified, report.kept, report.sequence, report.segments) == (True, True, None, None)
-    assert report.warnings == (OWN_INTERVALS, SCALE)
+    assert report.warnings == (OWN_INTERVALS, SCALE, IN_USE)
     assert bench.grbl.steps == 0
     assert controller.steps_to_rest(1, 1000) == 100 + 60
 
@@ -201,34 +201,90 @@ def test_one_setting_at_a_time_so_that_none_is_lost(bench: Bench, controller: Gr
     assert bench.grbl.eeprom.writes == 6
 
 
-def test_what_its_eeprom_did_not_keep_is_found_by_the_reset(bench: Bench, controller: GrblController) -> None:
-    bench.grbl.eeprom.is_broken = True
-    report = push(controller, design())
-    assert not report.verified
-    assert [item.read_back for item in report.items] == [pytest.approx(2083.333333), 2500]
-    assert "Restore a backup" in report.warnings[-1]
-
-
-def test_where_a_reset_would_move_something_it_isnt_reset(bench: Bench) -> None:
-    bench.grbl.starts_on_open = False
-    bench.grbl.eeprom.startup[0] = "G0 X10"
+def started_again(bench: Bench) -> GrblController:
+    """Open the port again, which starts it anew, and return the client that is connected then."""
+    bench.port.close()
+    bench.reopen()
     bench.controller.connect()
-    report = push(bench.controller, design())
+    assert isinstance(bench.controller, GrblController)
+    return bench.controller
+
+
+def test_what_is_stored_is_seen_at_its_next_start(bench: Bench, controller: GrblController) -> None:
+    assert controller.has_started
+    push(controller, design())
+    given = controller.take_given()
+    assert given == {"$110": "240.000", "$120": "20.000"}
+    assert controller.take_given() == {}
+    again = started_again(bench)
+    assert again.has_started
+    assert again.others({"$110": "240.000", "$120": "20"}) == {}
+
+
+@pytest.mark.parametrize("fault", ["is_broken", "is_worn"])
+def test_what_its_eeprom_did_not_keep_is_found_by_its_next_start(
+    bench: Bench, controller: GrblController, fault: str
+) -> None:
+    setattr(bench.grbl.eeprom, fault, True)
+    report = push(controller, design())
+    # It tells what it has in use, also after a reset by 0x18.
     assert report.verified
-    assert "isn't proven" in report.warnings[-1]
-    bench.pass_time(2)
-    assert bench.grbl.steps == 0
+    assert "Whether it is stored, too, is seen when the controller next starts" in report.warnings[-1]
+    bench.grbl.exchange(b"\x18")
+    assert bench.grbl.settings[110] == 240
+    again = started_again(bench)
+    assert again.others({"$110": "240.000", "$120": "20.000"}) == {"$110": "500.000", "$120": "10.000"}
+    assert again.others({"$113": "1"}) == {"$113": None}
 
 
-def test_positions_outlast_the_reset_of_a_push(bench: Bench, controller: GrblController) -> None:
+def test_one_that_goes_on_and_greets_has_not_started(bench: Bench, controller: GrblController) -> None:
+    push(controller, design())
+    bench.grbl.eeprom.settings[110] = 77.0
+    bench.grbl.starts_on_open, bench.grbl.greets_after_s = False, 0.003
+    again = started_again(bench)
+    assert again._conversation.banner is not None
+    assert not again.has_started
+    assert not again.others({"$110": "240.000"})
+
+
+def test_a_push_resets_nothing_and_positions_stay(bench: Bench, controller: GrblController) -> None:
     controller.move_by([by(700)])
     bench.rest()
     controller.set_position([to(50)])
+    bench.grbl.on_the_way_in = lambda data: data.replace(b"\x18", b"it is reset\n")
     push(controller, design())
     assert controller.status().axes[0].position_steps == 50
     controller.move_by([by(1)])
     bench.rest()
     assert bench.grbl.position[0] == 701
+    assert "ITISRESET" not in bench.grbl.lines
+
+
+def test_it_is_started_anew_only_where_that_moves_nothing(bench: Bench, controller: GrblController) -> None:
+    controller.refuse_start()
+    # Somebody has stored it since it was connected.
+    bench.grbl.eeprom.startup[0] = "G0 X10"
+    with pytest.raises(Refused, match=r"start-up lines \(\$N\) as it starts, which may move something"):
+        controller.refuse_start()
+    bench.grbl.eeprom.startup[0] = "G54"
+    controller.refuse_start()
+    controller.move_by([by(20_000)])
+    with pytest.raises(Refused, match="only at rest"):
+        controller.refuse_start()
+
+
+def test_what_was_given_is_told_as_far_as_that_is_known(bench: Bench, controller: GrblController) -> None:
+    bench.grbl.most[120] = 15.0
+    with pytest.raises(Refused):
+        push(controller, design())
+    assert controller.take_given() == {"$110": "240.000", "$120": None}
+    text = controller.backup().replace("$110=240.000", "$110=300.000").replace("$1=25", "$1=30")
+    restored(bench, text)
+    given = controller.take_given()
+    # What is as in the backup already was given nothing, and other settings than those of axes aren't told.
+    assert given["$110"] == "300.000"
+    assert {name: value for name, value in given.items() if value} == {"$110": "300.000"}
+    assert set(given) == {f"${number}" for number in bench.grbl.settings if number >= 100}
 
 
 @pytest.mark.parametrize("later", [500.0, 100.0])
@@ -331,7 +387,7 @@ def test_restoring_writes_only_what_differs(bench: Bench, controller: GrblContro
     remarks = restored(bench, text)
     assert bench.grbl.eeprom.settings == Eeprom().settings
     assert bench.grbl.eeprom.writes == writes + 2
-    assert remarks == ("What G28 and G30 go to can't be written again: go there, and say G28.1 or G30.1.",)
+    assert remarks == (IN_USE, "What G28 and G30 go to can't be written again: go there, and say G28.1 or G30.1.")
     assert controller.preview_push([design()], 0).items[0].on_device == pytest.approx(2083.333333)
 
 
@@ -355,7 +411,7 @@ def test_a_power_cut_in_the_midst_of_a_push_is_restored(bench: Bench, controller
     bench.reopen()
     bench.controller.connect()
     assert eeprom.settings != before[0]
-    assert restored(bench, text)[:-1] == ()
+    assert restored(bench, text)[:-1] == (IN_USE,)
     assert (eeprom.settings, eeprom.startup, eeprom.offsets) == before
 
 

@@ -8,7 +8,7 @@ from controllers.grbl.bench import Bench, by
 from controllers.grbl.emulator import Eeprom
 from designs import design
 from stepramp.controllers.contract import Activity
-from stepramp.controllers.grbl.controller import GrblController
+from stepramp.controllers.grbl.controller import IN_USE, GrblController
 from stepramp.errors import Refused, Rejected
 
 G28_AND_G30 = "What G28 and G30 go to can't be written again: go there, and say G28.1 or G30.1."
@@ -35,7 +35,7 @@ def restored(bench: Bench, text: str) -> tuple[str, ...]:
 def test_settings_without_sense_are_written_again(bench: Bench, left: dict[int, float]) -> None:
     text = saved(bench)
     bench.grbl.eeprom.settings |= left
-    assert restored(bench, text) == (G28_AND_G30,)
+    assert restored(bench, text) == (IN_USE, G28_AND_G30)
     assert bench.grbl.eeprom.settings == Eeprom().settings
     assert bench.controller.status().trouble is None
     assert bench.controller.most_axes == 3
@@ -93,7 +93,7 @@ def test_what_a_backup_tells_twice_is_refused_by_its_name(bench: Bench, controll
 
 def test_soft_limits_come_after_homing_which_they_need(bench: Bench, controller: GrblController) -> None:
     text = saved(bench).replace("$20=0", "$20=1").replace("$22=0", "$22=1")
-    assert controller.use_backup(text) == (G28_AND_G30,)
+    assert controller.use_backup(text) == (IN_USE, G28_AND_G30)
     assert [bench.grbl.eeprom.settings[number] for number in (20, 22)] == [1, 1]
 
 
@@ -105,6 +105,7 @@ def test_what_is_refused_keeps_nothing_else_from_being_written(bench: Bench, con
     assert remarks == (
         "The controller refuses '$0=1': a step pulse must last at least 3 µs (error:6).",
         "The controller refuses '$99=1': it knows no such statement (error:3).",
+        IN_USE,
         G28_AND_G30,
     )
 
@@ -119,6 +120,7 @@ def test_one_that_is_locked_takes_its_settings_and_says_what_it_does_not_take(be
     assert remarks == (
         "The controller refuses 'G21G10L2P1X5.000Y0.000Z0.000': it is locked (error:9).",
         "The controller refuses '$N0=G55': it takes that only at rest (error:8).",
+        IN_USE,
         G28_AND_G30,
     )
 

@@ -106,7 +106,7 @@ def test_a_push(connect: Connect) -> None:
     controller = connect(
         ("?", RESTS), ("$$\n", LISTING), ("$N\n", STARTUP), ("?", RESTS),
         ("$110=240.000\n", "ok\r\n"), ("$120=20.000\n", "ok\r\n"), ("$$\n", kept), ("$N\n", STARTUP),
-        ("?", RESTS), ("\x18", BANNER), ("$$\n", kept), ("$N\n", STARTUP), ("?", RESTS),
+        ("?", RESTS),
     )  # fmt: skip
     assert controller.prepare_push([design()], 0)().verified
 

@@ -3,10 +3,10 @@
 It answers each line, and is asked how it fares. What it keeps is written only by a push, and by what restores a backup.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from time import sleep
 
-from stepramp.controllers.capabilities import BacksUp, StoresRamps
+from stepramp.controllers.capabilities import BacksUp, ProvenByStart, StoresRamps
 from stepramp.controllers.contract import (
     PushMode,
     PushPreview,
@@ -26,14 +26,18 @@ from stepramp.design import Design
 from stepramp.errors import Refused
 from stepramp.link.connection import Connection
 
-UNPROVEN = (
-    "That it is stored isn't proven: a reset would have carried out the controller's start-up lines ($N), which may "
-    "move something."
+IN_USE = (
+    "It is in use. Whether it is stored, too, is seen when the controller next starts: until then it tells what it "
+    "uses."
+)
+MAY_MOVE = (
+    "The controller isn't started anew from here: it carries out its start-up lines ($N) as it starts, which may move "
+    "something. What it has stored is proven when it is next started at the machine."
 )
 RESTORE = "The settings are not those that were sent. Restore a backup of this device, or push again."
 
 
-class GrblController(GrblMachine, StoresRamps, BacksUp):
+class GrblController(GrblMachine, StoresRamps, BacksUp, ProvenByStart):
     """A client of grbl 1.1 and grblHAL; see Controller for what its calls do."""
 
     def __init__(
@@ -92,10 +96,10 @@ class GrblController(GrblMachine, StoresRamps, BacksUp):
             self._tell(Progress(PushStage.SENDING, 0, plan.bytes))
             with self._known_again_on_refusal():
                 self._memory.write(plan.lines(self._memory.settings))
-            remarks = self._read_back()
+            self._read_back()
             unlike = unlike_words(plan.other_scales(self._memory.settings))
             verified = not self._memory.differing(plan.wanted) and not unlike
-            said = remarks if verified else (*remarks, *unlike, RESTORE)
+            said = (IN_USE,) if verified else (*unlike, RESTORE)
             return plan.report(self._memory.settings, said, verified=verified)
 
         return push
@@ -115,18 +119,43 @@ class GrblController(GrblMachine, StoresRamps, BacksUp):
         return self._memory.everything()
 
     def use_backup(self, text: str) -> tuple[str, ...]:
-        """Write what differs of a backup, one setting at a time, and read it back after a reset; see BacksUp."""
+        """Write what differs of a backup, one setting at a time, and read it back; see BacksUp."""
         backup = Backup.of(text)
         self._memory.refuse_unready()
+        self._memory.leave(backup.settings.values)
         reasons, present = {}, Backup.told(self._memory.everything())
         for entry in backup.differing(present):
             reasons[entry.name] = entry.obstacle or self._memory.refusal(entry.line)
-        remarks = self._read_back()
+        self._read_back()
         left = [entry.name for entry in backup.differing(Backup.told(self._memory.everything()))]
         unlike = [reasons.get(name) or f"{name} is not as in the backup." for name in left]
         lacking = ", ".join(backup.lacking(present))
         left_alone = (f"The backup doesn't have {lacking}: that is left as it was.",) if lacking else ()
-        return (*unlike, *left_alone, *remarks, NOT_WRITTEN)
+        # Offsets and start-up lines it reads from its EEPROM whenever it lists them.
+        taken = (name for name, reason in reasons.items() if reason is None and name[1:].isdecimal())
+        in_use = (IN_USE,) if any(taken) else ()
+        return (*unlike, *left_alone, *in_use, NOT_WRITTEN)
+
+    @property
+    def has_started(self) -> bool:
+        """Whether it was heard to start as the port was opened; see ProvenByStart."""
+        return self._conversation.has_started
+
+    def take_given(self) -> Mapping[str, str | None]:
+        """Return what settings of axes were given since this was last asked; see ProvenByStart."""
+        return self._memory.take_given()
+
+    def others(self, given: Mapping[str, str]) -> Mapping[str, str | None]:
+        """Return those of these settings that are others, with what they are; see ProvenByStart."""
+        differing = self._memory.differing({int(name[1:]): value for name, value in given.items()})
+        return {f"${number}": self._memory.settings.values.get(number) for number in differing}
+
+    def refuse_start(self) -> None:
+        """Refused unless it rests, and starts without moving anything; its start-up lines are read again for that."""
+        self._memory.refuse_unready()
+        self._read_again()
+        if not self._memory.may_reset:
+            raise Refused(MAY_MOVE)
 
     def _said_of_itself(self) -> list[str]:
         """Return the answer to $I; asked twice where the beginning of a line was still there from somebody before."""
@@ -135,12 +164,7 @@ class GrblController(GrblMachine, StoresRamps, BacksUp):
         except Answered:
             return self._conversation.ask("$I")
 
-    def _read_back(self) -> tuple[str, ...]:
-        """Read what was written, after a reset if nothing sets out by that; return what there is to say."""
+    def _read_back(self) -> None:
+        """Read what is in use, and where the axes rest by that."""
         self._tell(Progress(PushStage.READING_BACK, 0, 0))
-        self._memory.learn()
-        is_proven = self._memory.start_anew()
-        if is_proven:
-            self._memory.learn()
-        self._know_places()
-        return () if is_proven else (UNPROVEN,)
+        self._read_again()

@@ -64,6 +64,8 @@ class Conversation:
         self._reports = self._starts = self._own_starts = 0
         self.banner: Banner | None = None
         """Of its last start, as far as it was heard."""
+        self.has_started = False
+        """It was heard to start as the port was opened. One that goes on answers first, and some greet after that."""
         self.alarm: int | None = None
         """Code of the last alarm since it was started; None for none."""
 
@@ -167,6 +169,7 @@ class Conversation:
             elif report.part:
                 self.alarm = report.part
         elif (banner := banner_of(line)) is not None:
+            self.has_started = self.has_started or not (self._starts or self._reports)
             self.banner, self.alarm = banner, None if self._starts == self._own_starts else self.alarm
             self._starts += 1
             self._end_exchange(None)

@@ -1,11 +1,15 @@
-"""What a grbl keeps: its settings and start-up lines, read, written one at a time, and proven to outlast a reset."""
+"""What a grbl keeps: its settings and start-up lines, read, and written one at a time.
+
+It reads its settings as it is powered up or reset by its pin, and no more: what it tells of them after that is what it
+has in use, also after a reset by 0x18. Offsets and start-up lines it reads whenever it lists them.
+"""
 
 from collections.abc import Iterable, Mapping
 
 from stepramp.controllers.grbl.conversation import UNREADABLE, Answered, Conversation
 from stepramp.controllers.grbl.dialect import DEAF_ALARMS, State, moves_nothing
 from stepramp.controllers.grbl.listings import Listings
-from stepramp.controllers.grbl.settings import STEPS_PER_MM, Settings, is_told_same
+from stepramp.controllers.grbl.settings import STEPS_PER_MM, TRAVEL, Settings, is_told_same
 from stepramp.errors import Refused
 
 VERSION, SETTINGS, PLACES, STARTUP = "$I", "$$", "$#", "$N"
@@ -20,6 +24,7 @@ class Memory:
         self._listings = Listings(conversation)
         self.settings = Settings({})
         self._startup: list[str] | None = None
+        self._given: dict[str, str | None] = {}
 
     @property
     def may_reset(self) -> bool:
@@ -68,7 +73,7 @@ class Memory:
         after = ""
         for line in lines:
             try:
-                self._conversation.ask(line)
+                self._give(line)
             except Answered as error:
                 raise Answered(error.line, error.code, after) from error
             after = TAKEN
@@ -77,7 +82,7 @@ class Memory:
         """Write a setting, or something else of a backup; return why it is refused, as a sentence, or None."""
         for is_last in (False, True):
             try:
-                self._conversation.ask(line)
+                self._give(line)
             except Answered as error:
                 # What it couldn't read it has put to its default by then: so it can be written.
                 if is_last or error.code != UNREADABLE:
@@ -86,17 +91,32 @@ class Memory:
                 break
         return None
 
-    def start_anew(self) -> bool:
-        """Start the controller anew, so that what it tells next is what it has stored; return whether that was done."""
-        report = self._conversation.look()
-        if not self.may_reset or report.state not in (State.IDLE, State.ALARM):
-            return False
-        self._conversation.reset()
-        return True
+    def leave(self, numbers: Iterable[int]) -> None:
+        """Note that settings are wanted as they may be already: then they aren't written."""
+        self._given |= {f"${number}": None for number in numbers if _is_of_axis(number)}
+
+    def take_given(self) -> Mapping[str, str | None]:
+        """Return what settings of axes were given since this was last asked; see ProvenByStart."""
+        given, self._given = self._given, {}
+        return given
 
     def differing(self, wanted: Mapping[int, str]) -> list[int]:
         """Return the numbers of settings that are others than wanted, as they were last read."""
         return [number for number, value in wanted.items() if not is_told_same(self.settings.values.get(number), value)]
+
+    def _give(self, line: str) -> None:
+        """Send what is to be stored. Until it is answered nobody knows which value a setting has."""
+        name, _, value = line.partition("=")
+        is_of_axis = name[1:].isdecimal() and _is_of_axis(int(name[1:]))
+        if is_of_axis:
+            self._given[name] = None
+        self._conversation.ask(line)
+        if is_of_axis:
+            self._given[name] = value
+
+
+def _is_of_axis(number: int) -> bool:
+    return STEPS_PER_MM <= number < TRAVEL + 10
 
 
 def _block_of(line: str) -> str:

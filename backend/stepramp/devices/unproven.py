@@ -1,0 +1,63 @@
+"""What a device was given whose storing isn't proven yet: a file beside its backups, which outlasts the program."""
+
+import json
+import logging
+import os
+from collections.abc import Collection, Mapping
+from dataclasses import asdict, dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+from stepramp.devices.backups import write_whole
+
+FILE = "unproven.json"
+
+_logger = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class Given:
+    """What a setting was given. at: when, in UTC, for people."""
+
+    value: str
+    at: str
+
+
+class Unproven:
+    """The settings of one device by name. Not for two threads at once.
+
+    folder: that of its backups. Where that can't be written, they are known as long as the program runs.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._file = folder / FILE
+        self.given: Mapping[str, Given] = self._read()
+
+    def note(self, given: Mapping[str, str | None]) -> None:
+        """Note what settings were given just now; of those that are None nothing is to be proven any more."""
+        at = datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC")
+        left = {name: each for name, each in self.given.items() if name not in given}
+        self._keep(left | {name: Given(value, at) for name, value in given.items() if value is not None})
+
+    def drop(self, names: Collection[str]) -> None:
+        """Note that these settings are proven."""
+        self._keep({name: each for name, each in self.given.items() if name not in names})
+
+    def _keep(self, given: Mapping[str, Given]) -> None:
+        if given == self.given:
+            return
+        self.given = given
+        try:
+            write_whole(self._file, json.dumps({name: asdict(each) for name, each in given.items()}, indent=1))
+        except OSError as error:
+            _logger.warning("What isn't proven yet can't be kept in %s: %s", self._file, error.strerror or error)
+
+    def _read(self) -> Mapping[str, Given]:
+        try:
+            told = json.loads(self._file.read_text(encoding="utf-8"))
+            return {str(name): Given(str(each["value"]), str(each["at"])) for name, each in told.items()}
+        except FileNotFoundError:
+            return {}
+        except (OSError, ValueError, TypeError, KeyError, AttributeError) as error:
+            _logger.warning("What isn't proven yet can't be read from %s: %s", os.fspath(self._file), error)
+            return {}
