@@ -222,7 +222,7 @@
  * @typedef {{ports: Port[], families: Family[]}} Ports */
 
 /** What only some controllers can do.
- * @typedef {'keep' | 'try' | 'restore' | 'settings' | 'trace' | 'line' | 'zero' | 'backup' | 'import'} Capability */
+ * @typedef {'keep' | 'try' | 'restore' | 'settings' | 'trace' | 'line' | 'zero' | 'backup' | 'import' | 'prove'} Capability */
 
 /** A figure as the controller itself has it, such as $120.
  * @typedef {{term: string, unit: string, sent: number | null, on_device: number | null}} OwnTerms */
@@ -360,6 +360,8 @@
  * @property {Capability[]} capabilities   what it can do besides what all can
  * @property {string | null} backup        the name of the last that was saved of it; null for none
  * @property {string | null} lacks_backup  the name of the one to restore, since it was lost half written; null for none
+ * @property {string[]} unproven           settings that it was given, and of which its next start shows whether they are stored
+ * @property {{proven: string[], not_kept: string[], words: string} | null} proof  what its last start has shown of such
  * @property {'connecting' | 'ready' | 'moving' | 'stopping' | 'writing' | 'lost'} state
  * @property {string | null} message
  * @property {number} position_steps

@@ -150,6 +150,50 @@ def test_the_whole_path_with_a_grbl(attached: StepRampPage, cable: GrblOnACable)
     see_backups(attached, grbl)
 
 
+def test_what_a_push_has_stored_is_proven_by_a_restart(
+    attached: StepRampPage, cable: GrblOnACable, watch: Watch
+) -> None:
+    page, grbl = attached.page, cable.grbl
+    # What a push would change may be asked as it goes, before that is heard.
+    watch.expected.append(r"status of 409.*/push/preview")
+    page.locator("#port").select_option(cable.port)
+    page.locator("#family").select_option("grbl")
+    page.locator("#connect").click()
+    expect(attached.state).to_have_text("ready")
+    attached.edit_and_wait(SLEW_SPEED, "900")
+    attached.push()
+    expect(page.locator("#push-report")).to_contain_text("Whether it is stored, too, is seen")
+    proof, ask, dialog = page.locator("#proof"), page.locator("#prove"), page.locator("#prove-dialog")
+    expect(proof).to_have_text("Whether $110, $120 are stored is seen when the controller next starts.")
+    ask.click()
+    expect(dialog).to_contain_text("This restarts the controller: it forgets where it is.")
+    dialog.get_by_role("button", name="Cancel").click()
+    assert grbl.starts == 1
+    ask.click()
+    page.locator("#prove-restart").click()
+    expect(proof).to_have_text("Stored: after a start the controller had $110, $120 as written.")
+    expect(page.locator("#notice")).to_contain_text("Stored: after a start the controller had $110, $120")
+    expect(ask).to_be_hidden()
+    expect(attached.state).to_have_text("ready")
+    assert grbl.starts == 2
+    # What it doesn't keep is told, and a restore offered.
+    grbl.eeprom.is_broken = True
+    attached.edit_and_wait(SLEW_SPEED, "800")
+    attached.push()
+    expect(page.locator("#push-failed")).to_be_hidden()
+    ask.click()
+    page.locator("#prove-restart").click()
+    expect(page.locator(".device-body > .problem")).to_contain_text(
+        "Since its start the controller has $110=216.000 where 192.000 was written"
+    )
+    expect(page.locator("#push-failed")).to_be_visible()
+    grbl.eeprom.is_broken = False
+    attached.edit_and_wait(SLEW_SPEED, "900")
+    attached.push()
+    expect(page.locator("#push-failed")).to_be_hidden()
+    expect(page.locator(".device-body > .problem")).to_have_text("")
+
+
 def connect_in_mm(stepramp: StepRampPage, cable: GrblOnACable) -> None:
     """Have a design of 50 steps/mm in hand, shown in mm, beside a grbl."""
     page = stepramp.page

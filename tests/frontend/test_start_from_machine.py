@@ -77,7 +77,7 @@ PRESSED = """
         speed_steps_per_s: 0, steps_per_mm, lowest_steps: null, highest_steps: null}));
     dispatch(COMMANDS.device.heard, [{id: '1', port: 'sim://', name: 'Simulated', family: 'grbl', state: 'ready', axes,
         most_axes: MOST, stops: 0, capabilities: ['import'], in_control: null,
-        unknown_positions: [], shuttle: null, progress: null, ramp: null}], {});
+        unknown_positions: [], shuttle: null, progress: null, unproven: [], proof: null, ramp: null}], {});
     dispatch(COMMANDS.device.linked, 'there');
     dispatch(COMMANDS.device.chooseAxis, 1);
     const panel = createDevice(body, dispatch, {startFrom: (...told) => started.push(told.slice(1)),
@@ -122,7 +122,7 @@ LOST = """
             axes: [{axis: 0, state: 'ready', position_steps: 7, target_steps: 7, speed_steps_per_s: 0,
                 steps_per_mm: 80, lowest_steps: null, highest_steps: null}],
             most_axes: 1, stops: 0, capabilities: [], in_control: null, unknown_positions: [0], shuttle: null,
-            progress: null, ramp: null}], {});
+            progress: null, unproven: [], proof: null, ramp: null}], {});
         panel.show(store.state());
         return byId('unknown-position').hidden; });"""
 
@@ -146,7 +146,7 @@ SCALED = """
         axes: scales.map((steps_per_mm, axis) => ({axis, state: 'ready', position_steps: 500, target_steps: 500,
             speed_steps_per_s: 0, steps_per_mm, lowest_steps: -1000, highest_steps: 10_000})), most_axes: 2, stops: 0,
         capabilities: ['line'], in_control: null, unknown_positions: [], shuttle: null, progress: null,
-        ramp: {sequence: null, crc: null}});
+        unproven: [], proof: null, ramp: {sequence: null, crc: null}});
     const tell = (...told) => { dispatch(COMMANDS.device.heard, [device(...told)], {}); panel.show(store.state()); };
     const root = made('div');
     body.append(root);
@@ -252,7 +252,7 @@ SHOWN = """
             axes: [{axis: 0, state: 'ready', position_steps: 7, target_steps: 7, speed_steps_per_s: 0,
                 steps_per_mm: 80, lowest_steps: null, highest_steps: null}],
             most_axes: 1, stops: 0, capabilities: [], in_control: null, unknown_positions: [], shuttle: null,
-            progress: null, ramp: null, message: null, timer_hz: null, ...told}], {});
+            progress: null, unproven: [], proof: null, ramp: null, message: null, timer_hz: null, ...told}], {});
         panel.show(store.state()); };
     """
 

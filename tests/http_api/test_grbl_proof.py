@@ -59,7 +59,7 @@ def test_it_is_proven_as_it_is_next_connected(
     assert (device["unproven"], device["proof"], device["message"]) == (GIVEN, None, None)
     assert unproven_file(tmp_path)["$110"]["value"] == "240.000"
     device = again(client, cable, route)
-    words = "It has stored $110, $120 as written: so it was after a start."
+    words = "Stored: after a start the controller had $110, $120 as written."
     assert (device["unproven"], device["message"]) == ([], None)
     assert device["proof"] == {"proven": GIVEN, "not_kept": [], "words": words}
     assert unproven_file(tmp_path) == {}

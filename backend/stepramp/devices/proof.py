@@ -50,7 +50,7 @@ class Proof:
     def words(self) -> str:
         """What it says, as sentences."""
         names = ", ".join(self.proven)
-        kept = f"It has stored {names} as written: so it was after a start." if names else None
+        kept = f"Stored: after a start the controller had {names} as written." if names else None
         return " ".join(each for each in (kept, self.trouble) if each)
 
     def without(self, names: Collection[str]) -> "Proof | None":

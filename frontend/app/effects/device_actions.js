@@ -25,6 +25,10 @@ export function rejectionsOf(error) {
   return [{ field: null, value: null, allowed: null, message }];
 }
 
+/** Whether only its next start shows what it has stored.
+ * @param {Device} device */
+const isShownByStart = ({ capabilities }) => capabilities.includes('prove');
+
 /** @param {string[]} remarks */
 const restoredText = (remarks) => withSavedAt(['Restored, and read back.', ...remarks].join(' '));
 
@@ -126,7 +130,7 @@ export function createDeviceActions({ state, dispatch }, gestures, traced, previ
         dispatch(
           announce,
           report.verified
-            ? `Ramp pushed ${mode === 'try' ? 'on trial' : 'and stored'}, and read back as sent`
+            ? `Ramp pushed${mode === 'try' ? ' on trial' : isShownByStart(device) ? '' : ' and stored'}, and read back as sent`
             : 'The ramp read back is not the one sent',
         );
       }),
@@ -136,6 +140,13 @@ export function createDeviceActions({ state, dispatch }, gestures, traced, previ
         await api.act(device.id, what);
         if (what !== 'keep') dispatch(pushed, device.id, null);
         dispatch(announce, { keep: 'Kept', roll_back: 'Rolled back', restore: 'Restored' }[what]);
+      }),
+    /** Have a controller start anew, and see whether it has stored what it was given.
+     * @param {Device} device */
+    prove: (device) =>
+      request('prove', async () => {
+        const { proof } = await api.act(device.id, 'prove');
+        if (proof !== null) dispatch(tell, proof.words, proof.not_kept.length > 0);
       }),
     /** Give a design what an axis of the controller has.
      * @param {Device} device @param {number} axis of the device @param {Design} design

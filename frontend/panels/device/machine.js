@@ -92,7 +92,7 @@ export function createMachine(handlers, dispatch) {
       showText(scaleLine, scale === null || !(isOther || isOfDegrees) ? '' : scaleWords(scale, design));
       scaleLine.hidden = useScale.hidden = scaleLine.textContent === '';
       start.hidden = !canTell;
-      failed.hidden = !isThere || !device.pushed || device.pushed.verified;
+      failed.hidden = !isThere || !hasOthers(device);
       const blocked = inTheWay !== '' || notAtRest !== '' || situation.isBusy;
       enable(restore, !blocked);
       enable(start, !blocked);
@@ -105,6 +105,10 @@ export function createMachine(handlers, dispatch) {
     },
   };
 }
+
+/** Whether it has something else than was sent, as it was read back or since its start.
+ * @param {Device} device */
+const hasOthers = ({ pushed, proof }) => pushed?.verified === false || (proof?.not_kept ?? []).length > 0;
 
 /** @param {number} scale @param {Design} design */
 function scaleWords(scale, { axis }) {

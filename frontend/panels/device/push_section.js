@@ -5,6 +5,7 @@ import { element, icon, messageLine, showText } from '../../ui/dom.js';
 import { formatFixed } from '../../model/numbers.js';
 import { figureCell, figureHead, figuresOf, sizeText, tableHead, unseen } from './figures.js';
 import { mend } from '../../app/commands/work.js';
+import { createProof } from './proof.js';
 import { createPushReport } from './push_report.js';
 import { createRefusals } from './push_refusals.js';
 import { pushedParts, ratherLong, warningsOf } from './push_words.js';
@@ -26,7 +27,7 @@ const STAGES = {
 const READING = 'Reading its settings';
 
 /**
- * @param {{push: (device: Device, mode: 'keep' | 'try') => void,
+ * @param {{push: (device: Device, mode: 'keep' | 'try') => void, prove: (device: Device) => void,
  *   store: (device: Device, what: 'keep' | 'roll_back' | 'restore') => void}} handlers
  * @param {import('../../app/state.js').Dispatch} dispatch
  */
@@ -34,6 +35,7 @@ export function createPushSection(handlers, dispatch) {
   /** @type {Device | null} */
   let device = null;
   const report = createPushReport();
+  const proof = createProof(handlers);
   const push = button('push', 'button primary grow', () => device && handlers.push(device, device.capabilities.includes('keep') ? 'keep' : 'try'));
   // Where there is no room for both, the name of the design is cut, and the method is read.
   const [what, by] = [element('span'), element('span', { className: 'by' })];
@@ -122,10 +124,12 @@ export function createPushSection(handlers, dispatch) {
       changes,
       onTrial,
       report.element,
+      proof.element,
       element('div', { className: 'line' }, restore),
     ),
     /** @param {Context} context */
-    show({ device: present, known, situation, inTheWay, notAtRest }) {
+    show(context) {
+      const { device: present, known, situation, inTheWay, notAtRest } = context;
       device = present;
       const blocked = inTheWay || notAtRest;
       const isInvalid = situation.isDesignValid || situation.isAwaited ? '' : ['Correct the design first.', situation.nameProblem].filter(Boolean).join(' ');
@@ -152,6 +156,7 @@ export function createPushSection(handlers, dispatch) {
       if (situation.preview) showChanges(situation.preview, situation);
       refusals.show(situation);
       report.show(present, situation);
+      proof.show(context);
     },
   };
 }

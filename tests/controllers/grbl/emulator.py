@@ -75,7 +75,7 @@ class GrblEmulator:
         self.lines: list[str] = []
         """All that were obeyed, or refused."""
         self.bytes_lost = 0
-        self.steps = 0
+        self.steps = self.starts = 0
         self._lock = threading.RLock()
         self._now_s = clock()
         self.position = [0, 0, 0]
@@ -101,6 +101,7 @@ class GrblEmulator:
         """Start anew, since the port's DTR does that to many boards."""
         with self._lock:
             if self.starts_on_open and self.is_on:
+                self.starts += 1
                 self.power_up()
             elif self.greets_after_s is not None and self.is_on:
                 self._said.append((self._now_s + self.greets_after_s, f"\r\n{self.banner}\r\n".encode()))
