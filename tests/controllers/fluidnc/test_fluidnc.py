@@ -133,6 +133,22 @@ def test_steps_per_mm_that_others_set_are_noticed_before_a_push_and_a_motion(
     assert fluidnc.position == [900, 250, 0]
 
 
+def test_steps_per_mm_that_others_set_at_rest_are_told_at_once(
+    bench: Bench, controller: FluidNcController, fluidnc: FluidNcEmulator
+) -> None:
+    controller.move_by([by(300), by(100, 1)])
+    bench.rest()
+    fluidnc.lines.clear()
+    bench.ask_for(3)
+    assert fluidnc.lines == [], "what was begun here, and rests, takes no more questions"
+    fluidnc.settings[101] = 100.0
+    status = bench.ask_for(3)
+    assert [(axis.position_steps, axis.steps_per_mm) for axis in status.axes] == [(300, 250), (100, 100), (0, 250)]
+    assert "axes/y/steps_per_mm has changed from 250 to 100, so Y may" in (status.trouble or "")
+    asked = [f"$/AXES/{letter}/STEPS_PER_MM" for letter in "XY"]
+    assert fluidnc.lines == [*asked, "$CD"], "once for each change"
+
+
 @pytest.mark.parametrize("has_file_system", [True, False])
 def test_its_file_has_the_steps_per_mm_that_it_tells_rounded(
     bench: Bench, fluidnc: FluidNcEmulator, has_file_system: bool

@@ -233,6 +233,72 @@ def test_nothing_moves_by_steps_per_mm_that_the_controller_has_no_more(
     assert grbl.position == [800, 600, 0]
 
 
+def told_of(controller: GrblController) -> list[tuple[int, float | None]]:
+    return [(axis.position_steps, axis.steps_per_mm) for axis in controller.status().axes]
+
+
+def test_steps_per_mm_that_others_set_at_rest_are_told_at_once(
+    bench: Bench, grbl: GrblEmulator, controller: GrblController
+) -> None:
+    controller.move_by([by(500, 1)])
+    bench.rest()
+    grbl.lines.clear()
+    bench.ask_for(3)
+    assert grbl.lines == [], "what was begun here, and rests, takes no more questions"
+    grbl.settings[101] = 500.0
+    # It counts steps: they stay.
+    assert told_of(controller) == [(0, 250), (500, 500), (0, 250)]
+    assert "$101 has changed from 250 to 500, so Y may be at another place" in (controller.status().trouble or "")
+    bench.ask_for(3)
+    assert grbl.lines == ["$$", "$$", "$N"], "once for each change"
+    with pytest.raises(Refused, match=r"\$101 has changed from 250 to 500"):
+        controller.move_by([by(800)])
+    grbl.lines.clear()
+    grbl.run_program("G0 X5")
+    bench.pass_time(30)
+    assert told_of(controller)[0] == (1250, 250)
+    bench.ask_for(3)
+    assert grbl.lines == ["$$"], "others may have moved it: the scales are as they were"
+
+
+def test_steps_per_mm_set_where_it_counts_from_are_told_once_others_have_moved_it(
+    bench: Bench, grbl: GrblEmulator, controller: GrblController
+) -> None:
+    bench.ask_for(1)
+    grbl.settings[100] = 500.0
+    bench.ask_for(1)
+    grbl.run_program("G0 X5")
+    bench.pass_time(30)
+    assert told_of(controller)[0] == (2500, 500)
+
+
+def test_places_that_are_told_in_inches_from_now_on_are_the_same(
+    bench: Bench, grbl: GrblEmulator, controller: GrblController
+) -> None:
+    controller.move_by([by(500)])
+    bench.rest()
+    grbl.settings[13] = 1.0
+    assert told_of(controller)[0] == (500, 250)
+    assert controller.status().trouble is None
+
+
+def test_what_takes_no_line_is_asked_for_no_steps_per_mm(
+    bench: Bench, grbl: GrblEmulator, controller: GrblController
+) -> None:
+    """After a limit switch was hit; nor what isn't at rest."""
+    controller.move_by([by(500)])
+    bench.rest()
+    grbl.lines.clear()
+    for state, alarm in (("Hold", None), ("Sleep", None), ("Alarm", 1)):
+        grbl.state, grbl.alarm_told = state, alarm
+        grbl.position[0] += 100
+        bench.ask_for(1)
+    assert grbl.lines == []
+    grbl.state = "Idle"
+    bench.ask_for(1)
+    assert grbl.lines == ["$$"]
+
+
 def test_steps_per_mm_that_were_heard_wrong_move_nothing(bench: Bench, grbl: GrblEmulator) -> None:
     grbl.starts_on_open = False
     grbl.exchange(b"")

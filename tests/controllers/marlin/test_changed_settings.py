@@ -11,7 +11,7 @@ from controllers.bench import at, by, to
 from controllers.marlin.bench import Bench
 from controllers.marlin.emulator import DEFAULTS, MarlinEmulator
 from designs import design
-from stepramp.controllers.contract import Activity
+from stepramp.controllers.contract import Activity, AxisCommand
 from stepramp.controllers.marlin.controller import MarlinController
 from stepramp.errors import Refused, Rejected
 
@@ -119,6 +119,26 @@ def test_other_steps_per_mm_move_nothing_other_than_asked(
     way = {"by": 800, "to": 900}[begin]
     assert bench.marlin.position[0] - 800 == way
     assert status.axes[0].position_steps == 300 + way
+
+
+@pytest.mark.usefixtures("_tells")
+@pytest.mark.parametrize(("axis", "letter", "now"), [(0, "X", 90.0), (2, "Z", 420.0)])
+def test_steps_per_mm_set_at_the_display_are_told_at_once_however_near_it_rests_to_0(
+    bench: Bench, controller: MarlinController, axis: int, letter: str, now: float
+) -> None:
+    """Of 10 steps it makes 11, and of 40 42: less than the hundredths of mm tell of a motion."""
+    way = {"X": 10, "Z": 40}[letter]
+    controller.move_by([AxisCommand(axis, way, "by_steps")])
+    bench.rest()
+    bench.marlin.lines.clear()
+    bench.ask_for(3)
+    assert set(bench.marlin.lines) == {"M114"}, "what was begun here, and rests, takes no more questions"
+    bench.marlin.change_at_the_display("M92", letter, now)
+    status = bench.ask_for(3)
+    assert (status.axes[axis].position_steps, status.axes[axis].steps_per_mm) == (way, now)
+    assert f"Steps per mm (M92) were changed at the machine: {letter} from" in (status.trouble or "")
+    asked = [line for line in bench.marlin.lines if line != "M114"]
+    assert asked in (["M92", "M503", "M503"], ["M503", "M503", "M503"]), "once for each change"
 
 
 def test_a_run_ends_at_its_soft_limits_with_other_steps_per_mm(bench: Bench, controller: MarlinController) -> None:

@@ -98,6 +98,7 @@ class GrblMachine(Controller, DrawsLines):
             report = self._moves.look()
             self._stopping.note(report)
             self._moves.go_on(report)
+            self._heed_others(report)
             # What was seen before a stop in the midst doesn't go with what was seen after it.
             if self._stopping.count == stops:
                 break
@@ -191,6 +192,19 @@ class GrblMachine(Controller, DrawsLines):
         """Ask for the steps per mm again: somebody else may have set them. Known of others are they all the same."""
         if not self._remembers.has_scales(len(self._places.axes)):
             self._read_again()
+
+    def _heed_others(self, report: Report) -> None:
+        """Ask for the steps per mm again once axes are told to rest elsewhere, though nothing was begun here."""
+        is_deaf = report.state is State.ALARM and self._conversation.alarm in DEAF_ALARMS
+        if report.state not in (State.IDLE, State.ALARM) or is_deaf:
+            return
+        if self._places.is_elsewhere(report):
+            try:
+                self._ask_for_scales()
+            except Answered:
+                # It tells them only at rest, and has set out by now: the next status asks.
+                return
+        self._places.note_rest(report)
 
     def _begun_anew(self, report: Report) -> Report:
         """Have it start anew once its steps per mm have changed, and return how it fares then.

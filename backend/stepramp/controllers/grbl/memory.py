@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from stepramp.controllers.grbl.conversation import UNREADABLE, Answered, Conversation
 from stepramp.controllers.grbl.dialect import DEAF_ALARMS, State, moves_nothing
 from stepramp.controllers.grbl.listings import Listings
-from stepramp.controllers.grbl.settings import STEPS_PER_MM, TRAVEL, Settings, is_told_same
+from stepramp.controllers.grbl.settings import REPORTS_INCHES, STEPS_PER_MM, TRAVEL, Settings, is_told_same
 from stepramp.errors import Refused
 
 VERSION, SETTINGS, PLACES, STARTUP = "$I", "$$", "$#", "$N"
@@ -50,7 +50,8 @@ class Memory:
     def has_scales(self, axes: int) -> bool:
         """Ask again, and return whether the steps per mm of so many axes are those that were last read."""
         told = Settings.of(self._listings.heard(SETTINGS)).values
-        numbers = range(STEPS_PER_MM, STEPS_PER_MM + axes)
+        # And the unit that places are told in.
+        numbers = (REPORTS_INCHES, *range(STEPS_PER_MM, STEPS_PER_MM + axes))
         return all(told.get(number) == self.settings.values.get(number) for number in numbers)
 
     def everything(self) -> str:

@@ -25,6 +25,8 @@ class Places:
         self.changed: dict[int, str] = {}
         """Axes whose steps per mm have changed since it was known where they are, and how, as part of a sentence."""
         self._work_offset: tuple[float, ...] | None = None
+        self._rested_at: list[float] | None = None
+        """Where they were last seen to rest [mm]; None: they were sent elsewhere since."""
         self.trouble: str | None = None
         """Which axes can't be used, and why, as a sentence; None: all can."""
         self.mm_per_unit, self._told_mm = 1.0, MM_TOLD
@@ -69,14 +71,17 @@ class Places:
             self._work_offset = report.offset
         return not report.is_of_work or self._work_offset is not None
 
+    def note_rest(self, report: Report) -> None:
+        """Note where the axes are told to rest."""
+        self._rested_at = self._lengths(report)
+
+    def is_elsewhere(self, report: Report) -> bool:
+        """Tell whether axes rest elsewhere than they did, though nothing was begun here: other steps per mm do that."""
+        return self._rested_at not in (None, self._lengths(report))
+
     def counted(self, report: Report) -> list[int]:
         """Return where the axes are as the controller counts [steps]."""
-        added = self._work_offset if report.is_of_work and self._work_offset is not None else (0.0,) * len(self.axes)
-        lengths = (
-            (told + offset) * self.mm_per_unit
-            for told, offset in zip(report.position[: len(self.axes)], added[: len(self.axes)], strict=True)
-        )
-        return [self._step_at(axis, length) for axis, length in enumerate(lengths)]
+        return [self._step_at(axis, length) for axis, length in enumerate(self._lengths(report))]
 
     def called(self, counted: Sequence[int]) -> list[int]:
         """Return what places are called here [steps]."""
@@ -95,10 +100,17 @@ class Places:
     def aim(self, targets: Mapping[int, int]) -> None:
         """Note where axes are sent to, as the controller counts [steps]."""
         self._known |= targets
+        self._rested_at = None
 
     def forget(self) -> None:
         """Know no more of the axes than they tell: they were stopped on their way."""
         self._known.clear()
+
+    def _lengths(self, report: Report) -> list[float]:
+        """Return where the axes are told to be [mm]."""
+        added = self._work_offset if report.is_of_work and self._work_offset is not None else (0.0,) * len(self.axes)
+        pairs = zip(report.position[: len(self.axes)], added[: len(self.axes)], strict=True)
+        return [(told + offset) * self.mm_per_unit for told, offset in pairs]
 
     def _step_at(self, axis: int, length_mm: float) -> int:
         per_mm = float(exact(self.axes[axis].steps_per_mm))

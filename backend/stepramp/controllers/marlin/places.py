@@ -27,6 +27,8 @@ class Places:
         """By how much what it tells differs from that [mm]: G92, and offsets of its own."""
         self._last: dict[int, tuple[float, int]] = {}
         """Where it last told axes to rest [mm, steps]."""
+        self._sent: set[int] = set()
+        """Axes that were sent elsewhere since."""
 
     def learn(self, axes: tuple[AxisSettings, ...]) -> None:
         """Take the scales that a controller has."""
@@ -43,13 +45,16 @@ class Places:
         """Tell whether steps and mm have changed by other amounts since the last rest: other steps per mm do that."""
         for axis, (length, count) in self._last.items():
             letter, per_mm = self.axes[axis].letter, float(self.axes[axis].steps_per_mm)
-            gone = (place.lengths.get(letter, length) - length) * per_mm
-            if abs(place.counts.get(letter, count) - count - gone) > 1 + TOLD_MM * per_mm:
+            told, counted = place.lengths.get(letter, length), place.counts.get(letter, count)
+            # Where nothing was begun here, and the mm are the same, the steps are, too.
+            slack = 0.0 if told == length and axis not in self._sent else 1 + TOLD_MM * per_mm
+            if abs(counted - count - (told - length) * per_mm) > slack:
                 return True
         return False
 
     def note_rest(self, place: Place, counted: Sequence[int]) -> None:
         """Note where axes rest, and what it takes them to be: it may have been told something else by somebody else."""
+        self._sent.clear()
         for axis, scale in enumerate(self.axes):
             told = place.lengths.get(scale.letter, 0.0)
             if scale.letter in place.counts:
@@ -85,6 +90,7 @@ class Places:
         length = self._lengths.get(axis, np.float32(Fraction(counted) / self.axes[axis].steps_per_mm))
         self._lengths[axis] = np.float32(length + np.float32(way))
         self._known[axis] = target
+        self._sent.add(axis)
 
     def forget(self) -> None:
         """Take axes to be where they are told to be: a quick stop has the controller do so, too."""
