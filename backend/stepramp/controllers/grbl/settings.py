@@ -8,7 +8,7 @@ from typing import Protocol
 
 import numpy as np
 
-from stepramp.controllers.grbl.numbers import DECIMALS, exact, is_same, read
+from stepramp.controllers.grbl.numbers import DECIMALS, ULPS, exact, is_same, read
 from stepramp.units import SECONDS_PER_MINUTE
 
 STEPS_PER_MM, MOST_RATE, ACCELERATION, TRAVEL = 100, 110, 120, 130
@@ -41,8 +41,10 @@ class AxisSettings:
 
     @property
     def most_steps_per_mm(self) -> np.float32:
-        """As many as they may be."""
-        return np.float32(float(self.steps_per_mm) + self.slack_per_mm)
+        """As many as they may be: rounded, and read in float32 arithmetic."""
+        if not self.slack_per_mm:
+            return self.steps_per_mm
+        return np.float32(float(self.steps_per_mm) + self.slack_per_mm + ULPS * float(np.spacing(self.steps_per_mm)))
 
     @property
     def rounding_words(self) -> str | None:
@@ -52,7 +54,7 @@ class AxisSettings:
         way_mm = ROUNDED_STEP / self.slack_per_mm
         return (
             f"{float(self.steps_per_mm):,.7g} steps/mm are told rounded: speeds and accelerations are worked out with "
-            f"the {float(self.most_steps_per_mm):,.7g} that they may be. Further than {way_mm:,.7g} mm, "
+            f"the {float(self.steps_per_mm) + self.slack_per_mm:,.7g} that they may be. Further than {way_mm:,.7g} mm, "
             f"{round(way_mm * float(self.steps_per_mm)):,} steps, from where the controller counts from, places "
             "may be off by a step or more."
         )
