@@ -18,7 +18,7 @@ def missing_compiler() -> list[str]:
 
 
 @cache
-def build(main: str) -> Path:
+def build(main: str, *, with_inputs: bool = False) -> Path:
     """Build the firmware with a program around it, a file or a folder here, once a process; return the program."""
     folder = tempfile.TemporaryDirectory(prefix="stepramp-controller-")
     _build_folders.append(folder)
@@ -29,6 +29,7 @@ def build(main: str) -> Path:
         "gcc",
         *_FLAGS,
         "-fno-sanitize-recover=all",
+        f"-DHAS_INPUTS={int(with_inputs)}",
         f"-I{_SOURCES}",
         f"-I{_HERE}",
         "-o",
@@ -44,10 +45,9 @@ def build(main: str) -> Path:
 class Driver:
     """A running driver. A crash, or anything that a sanitizer finds, fails the next `ask`."""
 
-    def __init__(self) -> None:
-        self._process = subprocess.Popen(
-            [str(build("protocol_driver.c"))], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
-        )
+    def __init__(self, *, with_inputs: bool = False) -> None:
+        program = build("protocol_driver.c", with_inputs=with_inputs)
+        self._process = subprocess.Popen([str(program)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
 
     def ask(self, *words: object) -> str:
         assert self._process.stdin

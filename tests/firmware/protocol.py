@@ -3,7 +3,7 @@
 import struct
 import time
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import astuple, dataclass
+from dataclasses import astuple, dataclass, field
 from typing import Self
 
 import serial
@@ -13,13 +13,13 @@ Segment = tuple[int, int, int]
 
 HELLO, STATUS, REPORT, TRACE = range(0x01, 0x05)
 BEGIN, DATA, END, COMMIT, READ, TRY, ROLL_BACK, READ_SETTINGS, WRITE_SETTINGS = range(0x10, 0x19)
-MOVE_BY, MOVE_TO, RUN, LINE, SET_POSITION, ZERO = range(0x20, 0x26)
+MOVE_BY, MOVE_TO, RUN, LINE, SET_POSITION, ZERO, ACKNOWLEDGE, HOME = range(0x20, 0x28)
 STOP, HALT = 0x30, 0x31
 REPORT_NOTICE, TRACE_NOTICE = 0xC0, 0xC1
 OK, UNKNOWN_KIND, BAD_LENGTH, STALE, MOVING, NO_RAMP, OUT_OF_RANGE, OUT_OF_ORDER, BAD_CRC, BAD_RAMP, BUSY, VERSION = (
     range(12)
 )
-TOO_FAST = 12
+TOO_FAST, STOPPED, AT_LIMIT = 12, 13, 14
 IDLE, IN_MOTION, STOPPING, WRITING = range(4)
 STORED, RAM, PREVIOUS = range(3)
 NO_RAMP_IN_USE, STORED_IN_USE, TRIAL_IN_USE = range(3)
@@ -149,6 +149,40 @@ class Settings:
 
     def packed(self) -> bytes:
         return struct.pack("<6B3H", *astuple(self))
+
+
+# ---- inputs
+
+EMERGENCY_STOP, DRIVER_FAULT, LOW_LIMIT, HIGH_LIMIT = 1, 2, 8, 12
+AT_ONCE, ACTIVE_HIGH, NO_PULL_UP = 0x20, 0x40, 0x80
+BY_EMERGENCY_STOP, BY_DRIVER_FAULT = 1, 2
+
+
+@dataclass(frozen=True)
+class InputSettings:
+    """What follows the settings of the outputs; roles by input."""
+
+    silence: int = 4
+    silence_flags: int = 0
+    looks: int = 4
+    roles: Mapping[int, int] = field(default_factory=dict)
+
+    def packed(self) -> bytes:
+        return bytes([self.silence, self.silence_flags, self.looks, *(self.roles.get(i, 0) for i in range(9))])
+
+
+@dataclass(frozen=True)
+class InputsStatus:
+    """The end of a status of version 3, of a controller with inputs."""
+
+    active: int
+    stopped_by: int
+    known: int
+    homing: int
+
+    @classmethod
+    def unpack(cls, body: bytes) -> Self:
+        return cls(*struct.unpack("<HBBB", body))
 
 
 # ---- messages

@@ -13,6 +13,8 @@
  *   eeprom [BYTES]        its EEPROM; or set it
  *   cut WRITE [VALUE]     the EEPROM write, counted from 1, in whose middle the power fails, and what that leaves there
  *   writes                EEPROM writes so far
+ *   levels BITS           with inputs: the levels of their pins, a bit each
+ *   switch INPUT AXIS BACKWARD AT   with inputs: a switch that pulls its pin down where the axis is there or beyond
  *   steps                 steps that the pins have shown, of each axis
  */
 #include <stdio.h>
@@ -156,6 +158,23 @@ static void set_cut(void)
     port_cut_value = value ? (int)strtol(value, NULL, 10) : EEPROM_ERASED;
 }
 
+#if HAS_INPUTS
+static void set_levels(void)
+{
+    port_levels = (uint16_t)next_number();
+    port_look_at_edges();
+}
+
+static void add_switch(void)
+{
+    struct port_switch *one = &port_switches[port_switch_count++];
+    one->input = (uint8_t)next_number();
+    one->axis = (uint8_t)next_number();
+    one->backward = next_number() != 0;
+    one->at = (int32_t)strtol(next_word(), NULL, 10);
+}
+#endif
+
 static void show_steps(void)
 {
     for (int i = 0; i < PORT_AXES; i++) {
@@ -187,6 +206,9 @@ static const struct {
     {"begin", port_begin},          {"serial", serial},       {"run", run},            {"poll", poll_rounds},
     {"eeprom", show_or_set_eeprom}, {"cut", set_cut},         {"writes", show_writes}, {"steps", show_steps},
     {"hand", hand_over},            {"pass", pass},
+#if HAS_INPUTS
+    {"levels", set_levels},         {"switch", add_switch},
+#endif
 };
 
 static bool obey(const char *command)

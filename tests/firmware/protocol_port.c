@@ -7,7 +7,10 @@
 #include "boards/polled/polled_engine.h"
 #include "stepramp/edge/board.h"
 #include "stepramp/edge/engine.h"
+#include "stepramp/edge/inputs.h"
+#include "stepramp/edge/step_queue.h"
 #include "stepramp/protocol/controller.h"
+#include "stepramp/store/driver_settings.h"
 
 enum { BYTE_TICKS = 1389 /* a byte at 115200 baud, at 16 MHz */, ROUNDS_A_BYTE = 4 };
 enum { TICKS_A_MILLISECOND = 16000 };
@@ -21,6 +24,9 @@ int32_t port_steps[PORT_AXES];
 
 static uint64_t now_ticks, eeprom_busy_until;
 static uint8_t backward; /* direction pins, a bit for each axis */
+#if HAS_INPUTS
+static struct settings used;
+#endif
 
 /* ---- pins ---- */
 
@@ -40,6 +46,9 @@ static void on_turn(uint8_t axes)
 
 void board_configure(const struct settings *settings)
 {
+#if HAS_INPUTS
+    used = *settings;
+#endif
     (void)settings;
     backward = 0;
 }
@@ -58,6 +67,69 @@ void board_enable(bool on)
 {
     (void)on;
 }
+
+#if HAS_INPUTS
+/* ---- inputs ---- */
+
+uint16_t port_levels = 0xFFFF;
+struct port_switch port_switches[PORT_SWITCHES];
+uint8_t port_switch_count;
+static bool emergency;
+
+uint16_t inputs_read(void)
+{
+    uint16_t levels = port_levels, active = 0;
+    for (uint8_t i = 0; i < port_switch_count; i++) {
+        const struct port_switch *one = &port_switches[i];
+        int32_t position = port_steps[one->axis];
+        if (one->backward ? position <= one->at : position >= one->at) {
+            levels &= (uint16_t)~(1u << one->input);
+        }
+    }
+    for (uint8_t i = 0; i < INPUTS; i++) {
+        uint8_t role = used.roles[i];
+        bool is_high = (levels >> i & 1) != 0;
+        if ((role & ROLE_BITS) != ROLE_NONE && is_high == ((role & INPUT_ACTIVE_HIGH) != 0)) {
+            active |= (uint16_t)(1u << i);
+        }
+    }
+    return active;
+}
+
+static bool is_pressed(void)
+{
+    uint16_t active = inputs_read();
+    for (uint8_t i = 0; i < INPUTS; i++) {
+        if ((active >> i & 1) != 0 && (used.roles[i] & ROLE_BITS) == ROLE_EMERGENCY_STOP) {
+            return true;
+        }
+    }
+    return false;
+}
+
+void emergency_latch(void)
+{
+    emergency = true;
+    step_queue_halt(0xFF);
+}
+
+void port_look_at_edges(void)
+{
+    if (is_pressed()) {
+        emergency_latch();
+    }
+}
+
+bool emergency_is_latched(void)
+{
+    return emergency;
+}
+
+void emergency_release(void)
+{
+    emergency = is_pressed();
+}
+#endif
 
 /* ---- clock and EEPROM ---- */
 
@@ -156,6 +228,11 @@ void port_begin(void)
     eeprom_busy_until = 0;
     next_to_send = NULL;
     memset(port_steps, 0, sizeof port_steps);
+#if HAS_INPUTS
+    emergency = false;
+    port_levels = 0xFFFF;
+    port_switch_count = 0;
+#endif
     controller_begin();
     polled_engine_set_outputs(on_step, on_turn);
 }

@@ -6,6 +6,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "stepramp/edge/build_options.h"
+
 enum { EEPROM_BYTES = 1024, EEPROM_ERASED = 0xFF, PORT_AXES = 4 };
 
 extern uint8_t port_eeprom[EEPROM_BYTES];
@@ -21,6 +23,24 @@ extern uint32_t port_eeprom_write_ticks;
 
 /* Steps made by each axis, forward less backward, as the pins show them. */
 extern int32_t port_steps[PORT_AXES];
+
+#if HAS_INPUTS
+/* The levels of the inputs' pins, a bit each, besides what switches say. A pin that nobody pulls down is high. */
+extern uint16_t port_levels;
+
+/* A switch that pulls its pin down while an axis is at `at` or beyond, backward or forward. */
+struct port_switch {
+    uint8_t input, axis;
+    bool backward;
+    int32_t at;
+};
+enum { PORT_SWITCHES = 8 };
+extern struct port_switch port_switches[PORT_SWITCHES];
+extern uint8_t port_switch_count;
+
+/* The pins' levels may have changed: an edge of an emergency stop is obeyed at once, as in an interrupt. */
+void port_look_at_edges(void);
+#endif
 
 /* Switches on: the controller begins. */
 void port_begin(void);

@@ -270,10 +270,10 @@ def until_made(client: Client, steps: int, axis: int = 0) -> Status:
     return status
 
 
-def controller_in(folder: Path, **options: Any) -> SimulatedController:
-    """Make a simulated controller that has its files in a folder of its own."""
+def controller_in(folder: Path, *, build: Sequence[str] = (), **options: Any) -> SimulatedController:
+    """Make a simulated controller that has its files in a folder of its own. build: options of its Makefile."""
     folder.mkdir(exist_ok=True)
-    return SimulatedController(build_firmware(), folder, **options)
+    return SimulatedController(build_firmware(*build), folder, **options)
 
 
 def at_the_same_time(*jobs: Callable[[], Played]) -> list[Played]:

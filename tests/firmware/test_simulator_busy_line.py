@@ -47,6 +47,8 @@ from simulator.avr import Conversation, Frame, TimedFrame, build_firmware, build
 from tools import require
 
 CYCLES_PER_MS = CYCLES_PER_S // 1000
+WITH_INPUTS = "INPUTS=yes"
+"""The build that looks at inputs all the time, in place of ramps by formula."""
 SESSION, OTHER_SESSION = 0x5354, 7
 LONGEST_BLOB = 128
 STOPS = 40
@@ -93,8 +95,9 @@ class Talk:
         for axis in range(axes):
             self.ask(STATUS, bytes([axis]), wait_ms=20)
 
-    def play(self, folder: Path) -> Conversation:
-        return converse(build_firmware(), folder, self.asked)
+    def play(self, folder: Path, *, with_inputs: bool = False) -> Conversation:
+        build = [WITH_INPUTS] if with_inputs else []
+        return converse(build_firmware(*build), folder, self.asked)
 
 
 def answers(conversation: Conversation) -> list[tuple[Frame, bytes]]:
@@ -205,10 +208,19 @@ def just_keeping_pace(axes: int, slew: int, segments: int = SEGMENTS) -> Ramp:
 
 
 @pytest.mark.parametrize(
-    ("axes", "slew", "both_edges"), [(1, 106, 0), (2, 133, 0b1111), (3, 160, 0), (4, 177, 0), (4, 177, 0b1111)]
+    ("axes", "slew", "both_edges", "with_inputs"),
+    [
+        (1, 106, 0, False),
+        (2, 133, 0b1111, False),
+        (3, 160, 0, False),
+        (4, 177, 0, False),
+        (4, 177, 0b1111, False),
+        (2, 136, 0b1111, True),
+        (4, 184, 0, True),
+    ],
 )
 def test_a_stop_of_a_line_at_its_highest_speed_is_quick(
-    tmp_path: Path, record_property: Callable[..., None], axes: int, slew: int, both_edges: int
+    tmp_path: Path, record_property: Callable[..., None], axes: int, slew: int, both_edges: int, *, with_inputs: bool
 ) -> None:
     """In the midst of all that keeps the processor busy, also behind the longest request that a client can send, and
     where a piece of the line ends."""
@@ -235,7 +247,7 @@ def test_a_stop_of_a_line_at_its_highest_speed_is_quick(
         asked.append((len(talk.asked) - 1, struct.pack("<BHB", kind, SESSION, talk.tag)))
         talk.ask(HALT, wait_ms=60)
     talk.end(axes)
-    judge_stops(talk.play(tmp_path), asked, axes, record_property)
+    judge_stops(talk.play(tmp_path, with_inputs=with_inputs), asked, axes, record_property)
 
 
 # ---- stops where a long ramp would have to be searched
@@ -290,8 +302,10 @@ def test_a_halt_is_obeyed_right_before_another_stop(tmp_path: Path, second: int)
 
 
 @pytest.mark.parametrize("count", SPEEDS)
-@pytest.mark.parametrize("seed", range(FLOODS))
-def test_motors_never_wait_for_a_flood(tmp_path: Path, count: int, seed: int) -> None:
+@pytest.mark.parametrize(
+    ("seed", "with_inputs"), [*((seed, False) for seed in range(FLOODS)), *((seed, True) for seed in range(3))]
+)
+def test_motors_never_wait_for_a_flood(tmp_path: Path, count: int, seed: int, *, with_inputs: bool) -> None:
     """It begins at any time of a move, and has pauses too short to catch up in."""
     talk = Talk(random.Random(seed))
     plan = RampDesign(SPEEDS[count], 30 * SPEEDS[count], 40 * SPEEDS[count])
@@ -306,18 +320,28 @@ def test_motors_never_wait_for_a_flood(tmp_path: Path, count: int, seed: int) ->
         talk.asked.append(TimedFrame(blob, wait_cycles=int(pause_ms * CYCLES_PER_MS)))
     talk.ask(STATUS, b"\0", wait_ms=300)
     talk.end(count)
-    played = talk.play(tmp_path)
+    played = talk.play(tmp_path, with_inputs=with_inputs)
     assert starved(played) == 0
     assert [axis_of(played.edges, axis).steps.size for axis in range(count)] == [abs(steps) for steps in STEPS[:count]]
 
 
-@pytest.mark.parametrize(("seed", "damaged_stops"), [(9, 0.0), (35, 0.0), (59, 0.0), (1, 0.5), (9, 0.5), (11, 0.5)])
-def test_a_line_of_four_never_waits_for_a_flood(tmp_path: Path, seed: int, damaged_stops: float) -> None:
+@pytest.mark.parametrize(
+    ("seed", "damaged_stops", "with_inputs"),
+    [
+        *((seed, 0.0, False) for seed in (9, 35, 59)),
+        *((seed, 0.5, False) for seed in (1, 9, 11)),
+        (9, 0.0, True),
+        (9, 0.5, True),
+    ],
+)
+def test_a_line_of_four_never_waits_for_a_flood(
+    tmp_path: Path, seed: int, damaged_stops: float, *, with_inputs: bool
+) -> None:
     """At its highest speed, where nearly all of the processor is taken, and a status asks how far each axis goes; nor
     when so many of the frames are stops that a disturbed line has damaged, to each of which a request gives way."""
     talk = Talk(random.Random(seed))
     steps = (70_000, -23_456, 69_999, -69_998)
-    talk.begin(image([RampDesign(90_396, 4_500_000, 4_500_000)] * 4))
+    talk.begin(image([RampDesign(86_956 if with_inputs else 90_396, 4_500_000, 4_500_000)] * 4))
     talk.ask(LINE, bytes([0b1111, 0]) + struct.pack("<4i", *steps), wait_ms=talk.random.random() * 40)
     longest_pause_ms = talk.random.choice([0, 0, 1, 3])
     for _ in range(110):
@@ -332,7 +356,7 @@ def test_a_line_of_four_never_waits_for_a_flood(tmp_path: Path, seed: int, damag
         talk.asked.append(TimedFrame(blob, wait_cycles=int(pause_ms * CYCLES_PER_MS)))
     talk.ask(STATUS, b"\0", wait_ms=300)
     talk.end(4)
-    played = talk.play(tmp_path)
+    played = talk.play(tmp_path, with_inputs=with_inputs)
     assert starved(played) == 0
     assert [axis_of(played.edges, axis).travel for axis in range(4)] == list(steps)
 
@@ -340,8 +364,8 @@ def test_a_line_of_four_never_waits_for_a_flood(tmp_path: Path, seed: int, damag
 # ---- stops that a disturbed line has damaged
 
 
-@pytest.mark.parametrize("seed", range(3))
-def test_motors_never_wait_for_what_only_looks_like_a_stop(tmp_path: Path, seed: int) -> None:
+@pytest.mark.parametrize(("seed", "with_inputs"), [(0, False), (1, False), (2, False), (0, True), (1, True)])
+def test_motors_never_wait_for_what_only_looks_like_a_stop(tmp_path: Path, seed: int, *, with_inputs: bool) -> None:
     """Right behind a move that has all four motors turn back: an axis with little time left queues its steps first."""
     plan, talk = RampDesign(30_000, 600_000, 600_000), Talk(random.Random(seed))
     axes = range(4)
@@ -357,4 +381,4 @@ def test_motors_never_wait_for_what_only_looks_like_a_stop(tmp_path: Path, seed:
         talk.ask(STATUS, b"\0", wait_ms=20)
         talk.ask(HALT, wait_ms=40)
     talk.end(4)
-    assert starved(talk.play(tmp_path)) == 0
+    assert starved(talk.play(tmp_path, with_inputs=with_inputs)) == 0

@@ -238,14 +238,24 @@ class Conversation:
     statistics: dict[str, Any]
 
 
-def converse(firmware_elf: Path, workdir: Path, asked: Iterable[TimedFrame]) -> Conversation:
+def converse(
+    firmware_elf: Path,
+    workdir: Path,
+    asked: Iterable[TimedFrame],
+    presses: Sequence[tuple[int, float, float]] = (),
+    switches: Sequence[str] = (),
+) -> Conversation:
     """Let a controller answer some frames, as fast as this machine can, and always in the same way to the cycle.
+
+    presses: pins that are connected to ground, from when to when [ms]. switches: limit switches, such as 9:0<-40.
 
     RuntimeError when the simulator fails.
     """
     requests, log, edges = (workdir / name for name in ("requests.txt", "log.txt", "edges.bin"))
     requests.write_text("".join(one.line for one in asked))
     command = [str(build_harness()), "--requests", str(requests), "--log", str(log), "--edges", str(edges)]
+    command += ["--press", ",".join(f"{pin}:{begin}-{end}" for pin, begin, end in presses)] if presses else []
+    command += ["--switch", ",".join(switches)] if switches else []
     result = subprocess.run([*command, str(firmware_elf)], capture_output=True, text=True, check=False)
     if result.returncode:
         raise RuntimeError(f"The simulator ended with {result.returncode}: {result.stderr}")

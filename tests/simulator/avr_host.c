@@ -26,7 +26,9 @@ static const char help[] =
     "  --cut-power-at N  cut the power in the middle of EEPROM write N, counted from 1\n"
     "  --boot-loader FILE  begin in this boot loader, after each reset, too: it ends where the memory does\n"
     "  --boot-ms N       opening the terminal resets the processor, which then is deaf for N ms (0: no reset)\n"
-    "  --press PIN:A-B   press a button between a pin, 14 to 19, and ground from A to B ms\n"
+    "  --press PIN:A-B   press a button between a pin, 9 to 13 or 14 to 19, and ground from A to B ms; more after commas\n"
+    "  --switch PIN:X<P  a limit switch connects a pin to ground where axis X is at P or below, or with > above; more\n"
+    "                    after commas\n"
     "  --free-running    run as fast as possible (default: in real time)\n"
     "  --batch           no terminal: run as fast as possible until the program sleeps for good, say what was counted\n"
     "  --data FILE       with --batch: put the bytes of FILE into the program memory, from 0x4000 on\n"
@@ -43,7 +45,7 @@ enum { DATA_BEGINS = 0x4000, MCUSR = 0x54, POWER_ON = 1, EXTERNAL_RESET = 2, TIM
 #define LONGEST_BATCH_CYCLES (600 * CLOCK_HZ)
 
 struct options {
-    const char *link, *edges, *eeprom, *firmware, *press, *boot_loader;
+    const char *link, *edges, *eeprom, *firmware, *press, *switches, *boot_loader;
     long cut_power_at;
     unsigned boot_ms;
     bool free_running, batch, busy;
@@ -137,7 +139,7 @@ static bool parse_options(int count, char **words, struct options *options)
         {"sent", required_argument, NULL, 's'},    {"busy", no_argument, NULL, 'y'},
         {"requests", required_argument, NULL, 'r'}, {"log", required_argument, NULL, 'g'},
         {"boot-loader", required_argument, NULL, 'o'},
-        {"press", required_argument, NULL, 'p'},   {"help", no_argument, NULL, 'h'},
+        {"press", required_argument, NULL, 'p'},   {"switch", required_argument, NULL, 'w'},   {"help", no_argument, NULL, 'h'},
         {NULL, 0, NULL, 0}};
     int option;
     while ((option = getopt_long(count, words, "", names, NULL)) != -1) {
@@ -155,6 +157,7 @@ static bool parse_options(int count, char **words, struct options *options)
         case 'r': options->requests = optarg; break;
         case 'g': options->log = optarg; break;
         case 'p': options->press = optarg; break;
+        case 'w': options->switches = optarg; break;
         case 'o': options->boot_loader = optarg; break;
         case 'h': fputs(help, stdout); exit(0);
         default: return false;
@@ -254,7 +257,8 @@ static bool load(const struct options *options)
     interrupts_attach(avr);
     avr_register_io(avr, &resetting);
     return eeprom_attach(avr, options->eeprom, options->cut_power_at, on_power_cut) &&
-           edges_attach(avr, options->edges) && (!options->press || button_attach(avr, options->press)) &&
+           edges_attach(avr, options->edges) && button_attach(avr, options->press) &&
+           switch_attach(avr, options->switches) &&
            attach_line(options);
 }
 

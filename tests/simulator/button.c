@@ -1,48 +1,60 @@
-/* A button between a pin and ground, pressed once. */
+/* Buttons between a pin and ground. */
 #include <stdio.h>
+#include <stdlib.h>
 
-#include <simavr/avr_ioport.h>
 #include <simavr/sim_cycle_timers.h>
 
 #include "host.h"
 
-enum { FIRST_PIN_OF_PORT_C = 14 };
+enum { MOST_PRESSES = 256 };
 
-static int bit;
-static avr_cycle_count_t released_at;
+static struct press {
+    unsigned pin;
+    avr_cycle_count_t begin, end;
+} presses[MOST_PRESSES];
+static unsigned count;
 
-/* What is outside holds the pin down; otherwise its own pull-up has it. */
-static void hold(avr_t *avr, bool is_down)
+static avr_cycle_count_t on_release(avr_t *avr, avr_cycle_count_t when, void *one)
 {
-    avr_ioport_external_t outside = {.name = 'C', .mask = 1u << bit, .value = is_down ? 0 : 1u << bit};
-    avr_ioctl(avr, AVR_IOCTL_IOPORT_SET_EXTERNAL('C'), &outside);
-    avr_raise_irq(avr_io_getirq(avr, AVR_IOCTL_IOPORT_GETIRQ('C'), bit), !is_down);
-}
-
-static avr_cycle_count_t on_release(avr_t *avr, avr_cycle_count_t when, void *unused)
-{
-    (void)when, (void)unused;
-    hold(avr, false);
+    (void)when;
+    ground_pin(avr, ((struct press *)one)->pin, false);
     return 0;
 }
 
-static avr_cycle_count_t on_press(avr_t *avr, avr_cycle_count_t when, void *unused)
+static avr_cycle_count_t on_press(avr_t *avr, avr_cycle_count_t when, void *one)
 {
-    (void)unused;
-    hold(avr, true);
-    avr_cycle_timer_register(avr, released_at - when, on_release, NULL);
+    struct press *press = one;
+    ground_pin(avr, press->pin, true);
+    avr_cycle_timer_register(avr, press->end - when, on_release, press);
     return 0;
+}
+
+static bool add(avr_t *avr, const char *text)
+{
+    struct press *press = &presses[count];
+    double from_ms, to_ms;
+    if (count == MOST_PRESSES || sscanf(text, "%u:%lf-%lf", &press->pin, &from_ms, &to_ms) != 3 || !ground_has_pin(press->pin) ||
+        to_ms <= from_ms) {
+        return false;
+    }
+    press->begin = (avr_cycle_count_t)(from_ms * (double)(CLOCK_HZ / 1000)) + 1;
+    press->end = (avr_cycle_count_t)(to_ms * (double)(CLOCK_HZ / 1000)) + 1;
+    ground_pin(avr, press->pin, false);
+    avr_cycle_timer_register(avr, press->begin, on_press, press);
+    count++;
+    return true;
 }
 
 bool button_attach(avr_t *avr, const char *press)
 {
-    unsigned pin, from_ms, to_ms;
-    if (sscanf(press, "%u:%u-%u", &pin, &from_ms, &to_ms) != 3 || pin < FIRST_PIN_OF_PORT_C || to_ms <= from_ms) {
-        return false;
+    for (const char *one = press; one != NULL && *one != 0;) {
+        char *end;
+        if (!add(avr, one)) {
+            return false;
+        }
+        for (end = (char *)one; *end != 0 && *end != ','; end++) {
+        }
+        one = *end == 0 ? end : end + 1;
     }
-    bit = (int)(pin - FIRST_PIN_OF_PORT_C);
-    released_at = (avr_cycle_count_t)to_ms * (CLOCK_HZ / 1000);
-    hold(avr, false);
-    avr_cycle_timer_register(avr, (avr_cycle_count_t)from_ms * (CLOCK_HZ / 1000) + 1, on_press, NULL);
     return true;
 }

@@ -25,6 +25,7 @@ static void log_edge(int pin, uint8_t value)
         return;
     }
     values[pin] = value;
+    switch_note_edge(pin, value != 0);
     count++;
     counts[pin]++;
     if (is_step_pin(pin)) {

@@ -87,8 +87,23 @@ avr_cycle_count_t edges_last_step(void);
 
 /* ---- button.c ---- */
 
-/* `press` as "16:200-300": pin 16, of A0 to A5, is connected to ground from 200 to 300 ms. Returns false when it isn't. */
+/* `press` as "16:200-300,9:1000.05-1001": pin 16, of 9 to 13 and A0 to A5, is connected to ground from 200 to 300 ms, and so on. Returns
+ * false when it can't be. */
 bool button_attach(avr_t *avr, const char *press);
+
+/* ---- switch.c ---- */
+
+/* `switches` as "9:0<-40,10:0>500": pin 9 is connected to ground while axis 0 is at -40 or below, pin 10 at 500 or above. Returns
+ * false when it can't be. */
+bool switch_attach(avr_t *avr, const char *switches);
+/* Called at each edge of a pin. */
+void switch_note_edge(int pin, bool is_high);
+
+/* ---- ground.c ---- */
+
+bool ground_has_pin(unsigned pin);
+/* Connects a pin to ground, or lets go of it: then its pull-up has it. */
+void ground_pin(avr_t *avr, unsigned pin, bool is_down);
 
 /* ---- conversation.c: requests at moments that are the same each time ---- */
 

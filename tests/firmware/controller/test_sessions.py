@@ -33,8 +33,8 @@ def test_hello_tells_the_limits(controller: Controller) -> None:
 
 
 def test_hello_refuses_other_versions_and_no_session(controller: Controller) -> None:
-    assert controller.refused(p.HELLO, b"\1") == (p.VERSION, 2)
-    assert controller.refused(p.HELLO, b"\3") == (p.VERSION, 2)
+    assert controller.refused(p.HELLO, b"\1") == (p.VERSION, 3)
+    assert controller.refused(p.HELLO, b"\4") == (p.VERSION, 3)
     assert controller.refused(p.HELLO, b"\2", session=0) == (p.OUT_OF_RANGE, 0)
     assert controller.status().state == p.IDLE
 
@@ -104,4 +104,4 @@ def test_a_refusal_is_repeated_too(controller: Controller) -> None:
 
 def test_a_second_hello_with_the_same_tag_is_no_repeat(controller: Controller) -> None:
     assert controller.send(p.HELLO, b"\2", tag=0)[0] == p.OK
-    assert controller.refused(p.HELLO, b"\1", tag=0) == (p.VERSION, 2)
+    assert controller.refused(p.HELLO, b"\1", tag=0) == (p.VERSION, 3)

@@ -8,6 +8,7 @@
  *  - the ramp in use is one that was stored, or tried, whole; the stored one and the one before it too;
  *  - the positions change only by the steps that the pins show, and by set_position and zero;
  *  - the settings in use are allowed ones;
+ *  - with inputs: no step is made between an emergency stop and its acknowledgement;
  *  - a request that comes twice gets the same reply. */
 #define _POSIX_C_SOURCE 200809L /* alarm */
 
@@ -19,6 +20,7 @@
 #include "chance.h"
 #include "damage.h"
 #include "images.h"
+#include "inputs.h"
 #include "model.h"
 #include "must.h"
 #include "protocol_port.h"
@@ -79,8 +81,10 @@ int main(int count, char **words)
         if (frame_number % HELLO_EVERY == 0) {
             send_a_good_hello();
         }
+        inputs_change();
         send_a_frame();
         talk_let_time_pass();
+        inputs_check();
         model_check();
     }
     send_a_good_hello();

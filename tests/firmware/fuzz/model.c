@@ -4,7 +4,9 @@
 
 #include "chance.h"
 #include "must.h"
+#include "stepramp/motion/homing.h"
 #include "stepramp/motion/machine.h"
+#include "stepramp/motion/machine_inputs.h"
 #include "stepramp/protocol/message.h"
 #include "stepramp/store/driver_settings.h"
 #include "stepramp/store/eeprom_slots.h"
@@ -43,8 +45,24 @@ static void check_slots(void)
     }
 }
 
+/* Homing that has come to its end has set the position. */
+static void note_homed(void)
+{
+#if HAS_INPUTS
+    static uint8_t homed_before;
+    uint8_t ended = homed_before & (uint8_t)~homing_axes() & stepramp_known_positions;
+    homed_before = homing_axes();
+    for (uint8_t i = 0; i < PORT_AXES; i++) {
+        if ((ended >> i & 1) != 0) {
+            model.zero[i] = (uint32_t)machine_report(i).position - (uint32_t)port_steps[i];
+        }
+    }
+#endif
+}
+
 static void check_positions(void)
 {
+    note_homed();
     for (uint8_t i = 0; i < PORT_AXES; i++) {
         uint32_t position = (uint32_t)machine_report(i).position;
         must(position == model.zero[i] + (uint32_t)port_steps[i], "a position isn't that of the motor");

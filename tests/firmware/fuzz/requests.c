@@ -52,9 +52,26 @@ static uint8_t make_data(uint8_t *body)
 
 static uint8_t make_settings(uint8_t *body)
 {
-    struct settings settings = {(uint8_t)one_in(8), (uint8_t)below(16), (uint8_t)below(16), (uint8_t)below(16),
-                                (uint8_t)below(2),  (uint8_t)below(5),  (uint16_t)(20 + below(100)),
-                                (uint16_t)below(4), (uint16_t)below(5)};
+    struct settings settings = settings_default();
+    settings.outputs = (uint8_t)one_in(8);
+    settings.both_edges = (uint8_t)below(16);
+    settings.step_inverted = (uint8_t)below(16);
+    settings.direction_inverted = (uint8_t)below(16);
+    settings.enable_flags = (uint8_t)below(2);
+    settings.pulse_width_us = (uint8_t)below(5);
+    settings.direction_setup_us = (uint16_t)(20 + below(100));
+    settings.enable_lead_ms = (uint16_t)below(4);
+    settings.enable_hold_ms = (uint16_t)below(5);
+#if HAS_INPUTS
+    static const uint8_t roles[INPUTS] = {ROLE_EMERGENCY_STOP, ROLE_DRIVER_FAULT,  ROLE_LOW_LIMIT,
+                                          ROLE_LOW_LIMIT + 1,  ROLE_HIGH_LIMIT,    ROLE_HIGH_LIMIT + 1,
+                                          ROLE_LOW_LIMIT + 2,  ROLE_HIGH_LIMIT + 3, ROLE_LOW_LIMIT + 3};
+    settings.looks = (uint8_t)(1 + below(4));
+    settings.silence_flags = (uint8_t)below(2);
+    for (uint8_t i = 0; i < INPUTS; i++) {
+        settings.roles[i] = one_in(3) ? 0 : roles[i];
+    }
+#endif
     settings_pack(&settings, body);
     if (one_in(4)) {
         body[below(SETTINGS_BYTES)] = (uint8_t)chance();
@@ -72,6 +89,10 @@ static uint32_t some_interval(void)
 static uint8_t make_for_axes(uint8_t kind, uint8_t *body)
 {
     uint8_t at = 1;
+    if (kind == KIND_HOME) {
+        at = put_u32(body, at, one_in(10) ? some_number() : 3000 + below(9000));
+        at = put_u16(body, at, below(30));
+    }
     body[0] = (uint8_t)(one_in(20) ? chance() : 1 + below(15) % ((1u << (ramp_keeper_axes() | 1)) - 1));
     if (kind == KIND_ZERO) {
         return put_u16(body, at, below(3000));
@@ -81,7 +102,7 @@ static uint8_t make_for_axes(uint8_t kind, uint8_t *body)
     }
     for (uint8_t i = 0; i < 8; i++) {
         if ((body[0] >> i & 1) != 0) {
-            at = put_u32(body, at, kind == KIND_RUN ? some_interval() : some_number());
+            at = put_u32(body, at, kind == KIND_RUN || kind == KIND_HOME ? some_interval() : some_number());
         }
     }
     return at;
@@ -118,7 +139,7 @@ static uint8_t make_body(uint8_t kind, uint8_t *body)
         body[0] = (uint8_t)below(17);
         return (uint8_t)below(2);
     default:
-        return kind >= KIND_MOVE_BY && kind <= KIND_ZERO ? make_for_axes(kind, body) : 0;
+        return (kind >= KIND_MOVE_BY && kind <= KIND_ZERO) || kind == KIND_HOME ? make_for_axes(kind, body) : 0;
     }
 }
 
@@ -140,7 +161,11 @@ static uint8_t some_kind(void)
         KIND_HELLO,         KIND_STATUS,  KIND_STATUS,  KIND_REPORT,  KIND_TRACE,     KIND_TRACE,        KIND_BEGIN,
         KIND_BEGIN,         KIND_END,     KIND_COMMIT,  KIND_READ,    KIND_READ,      KIND_TRY,          KIND_ROLL_BACK,
         KIND_READ_SETTINGS, KIND_MOVE_BY, KIND_MOVE_BY, KIND_MOVE_TO, KIND_RUN,       KIND_SET_POSITION, KIND_ZERO,
-        KIND_LINE,          KIND_LINE,    KIND_STOP,    KIND_HALT,    KIND_HALT,      KIND_WRITE_SETTINGS};
+        KIND_LINE,          KIND_LINE,    KIND_STOP,    KIND_HALT,    KIND_HALT,      KIND_WRITE_SETTINGS,
+#if HAS_INPUTS
+        KIND_ACKNOWLEDGE,   KIND_ACKNOWLEDGE, KIND_ACKNOWLEDGE, KIND_HOME, KIND_HOME,
+#endif
+    };
     if (model.is_delivered_to && !one_in(20)) {
         return next_of_delivery();
     }

@@ -11,6 +11,7 @@
 #include <avr/io.h>
 
 #include "boards/avr/step_interrupt.h"
+#include "stepramp/edge/build_options.h"
 #include "stepramp/edge/step_rings.h"
 
 #define PLAYER(axis, field) (stepramp_axis_players + (axis) * AXIS_PLAYER_BYTES + (field))
@@ -195,6 +196,7 @@ program_\channel:
 	brmi again_\channel
 	LEAVE
 again_\channel:
+	LEAVE_IF_STOPPED
 	ldi  r24, 1 << \flag                 /* its compare match may have come as well: it isn't to be served twice */
 	out  TIFR1, r24
 	rjmp dispatch_\channel
@@ -310,8 +312,13 @@ lengthen_pulse:
 	sei
 	WAIT_UNITS
 	cli
+#if HAS_INPUTS
+	lds  r25, stepramp_emergency
+	tst  r25
+	brne 6f                              /* none come any more */
+#endif
 	sts  TIMSK1, r27
-	pop  r27
+6:	pop  r27
 	rjmp 4b
 
 /* ---- starting ---- */
@@ -377,9 +384,17 @@ engine_start_at:
 	out  SREG, r21
 	ldi  r24, 0
 	ret
-3:	START_CHANNEL 0, 2, OCR1AL, OCF1A, OCIE1A, A_SHARED, A_SECOND
+3:
+#if HAS_INPUTS
+	lds  r18, stepramp_emergency
+	tst  r18
+	breq 2f
+	rjmp 4f                              /* they stay where they are */
+2:
+#endif
+	START_CHANNEL 0, 2, OCR1AL, OCF1A, OCIE1A, A_SHARED, A_SECOND
 	START_CHANNEL 1, 3, OCR1BL, OCF1B, OCIE1B, B_SHARED, B_SECOND
-	out  SREG, r21
+4:	out  SREG, r21
 	ldi  r24, 1
 	ret
 

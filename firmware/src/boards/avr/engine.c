@@ -13,6 +13,7 @@
 #include "boards/avr/gauge.h"
 #include "boards/avr/pins.h"
 #include "boards/avr/step_interrupt.h"
+#include "stepramp/edge/inputs.h"
 #include "stepramp/edge/out_of_line.h"
 #include "stepramp/edge/step_rings.h"
 
@@ -205,6 +206,16 @@ static void OUT_OF_LINE prepare_line(uint16_t setup_ticks)
     stepramp_line_player.empty = 0;
 }
 
+/* Asked with interrupts blocked, by whoever is about to enable those of the timer. */
+static inline bool may_start(void)
+{
+#if HAS_INPUTS
+    return !emergency_is_latched();
+#else
+    return true;
+#endif
+}
+
 /* In engine.S */
 bool engine_start_at(uint16_t start, uint16_t latest, uint8_t axes);
 
@@ -234,7 +245,7 @@ static void start_line(uint16_t setup_ticks)
     {
         OCR1A = TCNT1 + start_delay_ticks;
         TIFR1 = _BV(OCF1A);
-        TIMSK1 = _BV(OCIE1A);
+        TIMSK1 = may_start() ? _BV(OCIE1A) : 0;
     }
 }
 

@@ -10,6 +10,7 @@
 #include "boards/avr/enable_pin.h"
 #include "boards/avr/pins.h"
 #include "stepramp/edge/board.h"
+#include "stepramp/edge/inputs.h"
 #include "stepramp/edge/play_event.h"
 
 /* One turn of the rotor's magnet has six states; these are their coils, the first pin in bit 0. */
@@ -118,7 +119,11 @@ void gauges_start(uint8_t axes, uint16_t delay_ticks)
             TIFR1 = _BV(OCF1B);
         }
         running |= axes;
+#if HAS_INPUTS
+        TIMSK1 = emergency_is_latched() ? 0 : _BV(OCIE1B);
+#else
         TIMSK1 = _BV(OCIE1B);
+#endif
     }
 }
 

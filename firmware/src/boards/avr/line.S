@@ -11,6 +11,7 @@
 
 #include "boards/avr/pins.h"
 #include "boards/avr/step_interrupt.h"
+#include "stepramp/edge/build_options.h"
 #include "stepramp/edge/step_rings.h"
 
 	.section .bss
@@ -117,6 +118,7 @@ next_is_known:
 	brmi line_again
 	LEAVE
 line_again:
+	LEAVE_IF_STOPPED
 	ldi  r24, 1 << OCF1A                 /* its compare match may have come as well: it isn't to be served twice */
 	out  TIFR1, r24
 	rjmp line_event

@@ -6,6 +6,7 @@
 
 #include "boards/avr/enable_pin.h"
 #include "boards/avr/gauge.h"
+#include "boards/avr/inputs.h"
 #include "boards/avr/pins.h"
 #include "boards/avr/step_interrupt.h"
 #include "stepramp/edge/board.h"
@@ -104,6 +105,15 @@ static void release_gauge_pins(void)
     PORTB &= (uint8_t)~pins;
 }
 
+static inline void configure_inputs(const struct settings *settings, bool has_port_b)
+{
+#if HAS_INPUTS
+    inputs_configure(settings, has_port_b);
+#else
+    (void)settings, (void)has_port_b;
+#endif
+}
+
 void board_configure(const struct settings *settings)
 {
     step_queue_clear(0xFF);
@@ -112,6 +122,7 @@ void board_configure(const struct settings *settings)
         GPIOR0 = _BV(OTHER_MODE);
         both_edges = 0;
         gauges_configure();
+        configure_inputs(settings, false);
         return;
     }
     release_gauge_pins();
@@ -125,6 +136,7 @@ void board_configure(const struct settings *settings)
     configure_width(settings->pulse_width_us);
     enable_active_high = (settings->enable_flags & ENABLE_ACTIVE_HIGH) != 0;
     drive_enable_pin();
+    configure_inputs(settings, true);
 }
 
 void board_enable(bool on)

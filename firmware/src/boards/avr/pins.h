@@ -17,6 +17,10 @@
 #define GAUGE_PINS_D 0xFC
 #define GAUGE_PINS_B 0x3F
 
+/* Inputs: PC0 to PC5 (A0 to A5), and PB1 to PB3 (D9 to D11) where no gauges are. */
+#define FIRST_INPUT_BIT_B 1
+#define INPUT_PINS_B 0x0E
+
 /* Only gauges have D9: as long as it is an output, the pins are coils, and compare B serves all axes. */
 #define GAUGE_OUTPUTS ((DDRB & 1 << 1) != 0)
 

@@ -88,6 +88,17 @@
 	reti
 .endm
 
+/* While a wide pulse was waited for the emergency stop may have come. Uses r24. */
+.macro LEAVE_IF_STOPPED
+#if HAS_INPUTS
+	lds  r24, stepramp_emergency
+	tst  r24
+	breq 9f
+	LEAVE
+9:
+#endif
+.endm
+
 /* r27:r26 = time of the event after this one; interval += add. 22 cycles. Uses r24, r25. */
 .macro ADVANCE interval, add, ocr
 	lds  r24, \interval

@@ -6,6 +6,7 @@
 #include <stddef.h>
 
 #include "stepramp/edge/engine.h"
+#include "stepramp/edge/inputs.h"
 #include "stepramp/edge/play_event.h"
 
 /* From step_queue_start to the first event: at least 20 us [ticks]. */
@@ -144,6 +145,11 @@ static void start_axis(uint8_t axis, uint16_t first, uint16_t setup_ticks)
 
 void step_queue_start(uint8_t axes, uint16_t setup_ticks)
 {
+#if HAS_INPUTS
+    if (emergency_is_latched()) {
+        return;
+    }
+#endif
     uint16_t first = (uint16_t)(timer + start_delay_ticks);
     if (is_line) {
         start_line(first, setup_ticks);

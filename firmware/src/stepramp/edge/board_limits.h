@@ -11,7 +11,8 @@
 extern "C" {
 #endif
 
-#define PROTOCOL_VERSION 2
+#define PROTOCOL_VERSION 3
+#define OLDEST_PROTOCOL_VERSION 2
 #define FIRMWARE_MAJOR 0
 #define FIRMWARE_MINOR 2
 #define FIRMWARE_PATCH 0
@@ -39,6 +40,9 @@ enum board_limit {
     LIMIT_START_US = 38,
     BOARD_LIMITS_BYTES = 40
 };
+
+/* What a build has, as its hello tells. */
+enum capability { HAS_FORMULA_RAMPS = 1, HAS_GAUGE_OUTPUTS = 2, HAS_MACHINE_INPUTS = 4, KEEPS_WITHOUT_POWER = 8 };
 
 /* Little-endian bytes of a number. */
 #define BYTES_U16(number) (number) & 0xFF, (number) >> 8

@@ -19,6 +19,11 @@
 #define HAS_FORMULAS 1
 #endif
 
+/* Emergency stop, drivers' faults, limit switches, homing: inputs.h. */
+#ifndef HAS_INPUTS
+#define HAS_INPUTS 0
+#endif
+
 /* Of an axis. */
 #ifndef QUEUE_SEGMENTS
 #define QUEUE_SEGMENTS 16

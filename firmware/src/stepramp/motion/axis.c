@@ -315,9 +315,14 @@ static void go_on(struct axis *axis, struct piece *piece)
     }
 }
 
+static inline bool sets_out_backward(const struct axis *axis)
+{
+    return axis->target < (axis->runs ? 0 : axis->position);
+}
+
 static void set_out(struct axis *axis)
 {
-    axis->backward = axis->target < (axis->runs ? 0 : axis->position);
+    axis->backward = sets_out_backward(axis);
     axis->shortest = UINT32_MAX;
     if (axis_is_by_formula(axis)) {
         formula_rest(&axis->formula);
@@ -327,6 +332,23 @@ static void set_out(struct axis *axis)
     }
     axis->phase = PHASE_UP;
 }
+
+#if HAS_INPUTS
+bool axis_goes_backward(const struct axis *axis)
+{
+    return axis->phase == PHASE_REST ? sets_out_backward(axis) : axis->backward;
+}
+
+uint32_t axis_slowest(const struct axis *axis)
+{
+    if (axis_is_by_formula(axis)) {
+        return formula_creep_interval(axis->constants);
+    }
+    struct ramp_cursor first;
+    cursor_begin(&first, &axis->up_list);
+    return first.count == 0 ? axis->level : first.first;
+}
+#endif
 
 bool axis_is_at_rest(const struct axis *axis)
 {

@@ -107,6 +107,14 @@ static inline bool axis_is_by_formula(const struct axis *axis)
     return HAS_FORMULAS && axis->is_by_formula;
 }
 
+#if HAS_INPUTS
+/* The direction of its next step, or of its last where it is about to turn. */
+bool axis_goes_backward(const struct axis *axis);
+
+/* [ticks] The longest interval of its ramp up: slower it may be halted without losing a step. */
+uint32_t axis_slowest(const struct axis *axis);
+#endif
+
 /* Moves a position by some steps, past the last one to the first. */
 void axis_move_position(int32_t *position, bool backward, uint32_t steps);
 

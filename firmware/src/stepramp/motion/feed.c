@@ -4,6 +4,7 @@
 #include "stepramp/edge/line.h"
 #include "stepramp/edge/out_of_line.h"
 #include "stepramp/edge/step_queue.h"
+#include "stepramp/motion/machine_inputs.h"
 #include "stepramp/protocol/trace.h"
 
 /* A long interval is waited for in parts: the first has what is left of it, 13,616 ticks or more, the others are equal.
@@ -344,6 +345,11 @@ static void parked(struct feed *feed)
     if (has_run_dry && starved != UINT8_MAX) {
         starved++;
     }
+#if HAS_INPUTS
+    if (has_run_dry) {
+        stepramp_known_positions &= line_is_on() ? 0 : (uint8_t)~feed->bit;
+    }
+#endif
     feed->stage = FEED_WAITING;
     feed->end_time = 0;
     feed->end_ticks = 0;

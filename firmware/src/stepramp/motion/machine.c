@@ -9,6 +9,7 @@
 #include "stepramp/edge/step_queue.h"
 #include "stepramp/motion/feed.h"
 #include "stepramp/motion/machine_axes.h"
+#include "stepramp/motion/machine_inputs.h"
 #include "stepramp/motion/share.h"
 #include "stepramp/store/driver_settings.h"
 #include "stepramp/store/ramp_image.h"
@@ -90,6 +91,30 @@ static void begin_order(struct feed *feed, uint32_t interval, int32_t value, boo
     feed_set_out(feed);
 }
 
+#if HAS_INPUTS
+/* Nothing keeps the axes of the mask from setting out: STATUS_OK, or what does. An axis that stays where it is doesn't. */
+static uint8_t check_ways(uint8_t mask, const int32_t *values, bool is_run, uint16_t *detail)
+{
+    uint8_t status = STATUS_OK;
+    for (uint8_t axis = 0; mask != 0 && status == STATUS_OK; axis++, mask >>= 1, values++) {
+        if ((mask & 1) == 0 || !machine_way_may_be_blocked(axis)) {
+            continue;
+        }
+        int32_t from = is_run ? 0 : machine_report(axis).position; /* which takes a while */
+        if (*values != from) {
+            status = machine_check_way(axis, *values < from, detail);
+        }
+    }
+    return status;
+}
+#else
+static inline uint8_t check_ways(uint8_t mask, const int32_t *values, bool is_run, uint16_t *detail)
+{
+    (void)mask, (void)values, (void)is_run, (void)detail;
+    return STATUS_OK;
+}
+#endif
+
 /* Moves the axes of the mask to positions, or runs them at intervals with a sign. */
 static uint8_t order(uint8_t mask, const int32_t values[MOST_AXES], bool is_run, uint16_t *detail)
 {
@@ -109,7 +134,10 @@ static uint8_t order(uint8_t mask, const int32_t values[MOST_AXES], bool is_run,
             return STATUS_OUT_OF_RANGE;
         }
     }
-    status = share_check(stepramp_feeds, stepramp_axis_count, requested, detail);
+    status = check_ways(mask, values, is_run, detail);
+    if (status == STATUS_OK) {
+        status = share_check(stepramp_feeds, stepramp_axis_count, requested, detail);
+    }
     if (status != STATUS_OK) {
         return status;
     }
@@ -134,12 +162,18 @@ uint8_t machine_run(uint8_t mask, const int32_t intervals[MOST_AXES], uint16_t *
 
 void machine_set_position(uint8_t mask, const int32_t positions[MOST_AXES])
 {
+#if HAS_INPUTS
+    uint8_t known = mask;
+#endif
     for (struct feed *feed = stepramp_feeds; mask != 0; feed++, mask >>= 1, positions++) {
         if ((mask & 1) != 0) {
             feed->played.position = *positions;
             axis_halt(&feed->axis, *positions);
         }
     }
+#if HAS_INPUTS
+    stepramp_known_positions |= known;
+#endif
 }
 
 uint8_t machine_zero(uint8_t mask, uint16_t steps, uint16_t *detail)
@@ -150,6 +184,9 @@ uint8_t machine_zero(uint8_t mask, uint16_t steps, uint16_t *detail)
         if ((mask & 1) != 0) {
             feed->played.position = steps;
             feed->axis.position = steps; /* it has not set out yet */
+#if HAS_INPUTS
+            stepramp_known_positions |= feed->bit;
+#endif
         }
     }
     return status;
@@ -212,6 +249,24 @@ void machine_stop_runs(void)
     for_each(ALL_AXES, stop_run);
 }
 
+#if HAS_INPUTS
+/* Where a motor is that was halted faster than its ramp begins nobody knows. On a line that is so of all. */
+static void forget_fast(uint8_t mask)
+{
+    for (const struct feed *feed = stepramp_feeds; mask != 0; feed++, mask >>= 1) {
+        uint32_t interval = (mask & 1) != 0 && feed_is_moving(feed) ? feed_step_interval(feed) : 0;
+        if (interval != 0 && interval < axis_slowest(&feed->axis)) {
+            stepramp_known_positions &= line_is_on() ? 0 : (uint8_t)~feed->bit;
+        }
+    }
+}
+#else
+static inline void forget_fast(uint8_t mask)
+{
+    (void)mask;
+}
+#endif
+
 void machine_halt(uint8_t mask)
 {
     mask = axes_meant(mask);
@@ -219,6 +274,7 @@ void machine_halt(uint8_t mask)
         return;
     }
     step_queue_halt(mask);
+    forget_fast(mask);
     for_each(mask, feed_halted);
     if (line_is_on()) {
         machine_end_line();
@@ -261,6 +317,9 @@ void machine_use(const uint8_t *new_image, const struct settings *settings)
     stepramp_machine_settings = settings;
     stepramp_axis_count = stepramp_image == NULL ? 0 : ramp_image_axes(stepramp_image);
     machine_make_pins_ready();
+#if HAS_INPUTS
+    machine_inputs_configure();
+#endif
     if (stepramp_image != NULL) {
         bool is_fast = ramp_image_is_fast(stepramp_image);
         step_queue_set_clock(is_fast);

@@ -6,6 +6,7 @@
 #include "stepramp/edge/out_of_line.h"
 #include "stepramp/motion/feed.h"
 #include "stepramp/motion/machine_axes.h"
+#include "stepramp/motion/machine_inputs.h"
 #include "stepramp/motion/share.h"
 #include "stepramp/store/ramp_image.h"
 
@@ -81,6 +82,16 @@ uint8_t machine_line(uint8_t mask, uint8_t ramp_axis, const int32_t steps[MOST_A
     if (*detail != MOST_AXES) {
         return STATUS_OUT_OF_RANGE;
     }
+#if HAS_INPUTS
+    for (uint8_t axis = 0; axis < MOST_AXES && status == STATUS_OK; axis++) {
+        if (plan.lengths[axis] != 0) {
+            status = machine_check_way(axis, (plan.backward >> axis & 1) != 0, detail);
+        }
+    }
+    if (status != STATUS_OK) {
+        return status;
+    }
+#endif
     if (plan.count != 0) {
         struct image_ramp ramp = ramp_image_ramp(stepramp_image, ramp_axis);
         status = share_check_line(ramp.slew_interval, plan.count, detail);

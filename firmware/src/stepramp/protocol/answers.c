@@ -1,9 +1,13 @@
 #include "stepramp/protocol/answers.h"
 
+#include <string.h>
+
 #include "stepramp/edge/board.h"
 #include "stepramp/edge/board_limits.h"
 #include "stepramp/edge/out_of_line.h"
+#include "stepramp/motion/homing.h"
 #include "stepramp/motion/machine.h"
+#include "stepramp/motion/machine_inputs.h"
 #include "stepramp/protocol/message.h"
 #include "stepramp/protocol/reply.h"
 #include "stepramp/protocol/report.h"
@@ -16,6 +20,13 @@
 bool stepramp_answer_gave_way;
 uint8_t stepramp_answered_kind, stepramp_answered_tag;
 uint16_t stepramp_session = NO_SESSION;
+static bool speaks_oldest; /* version of the protocol: the client does */
+
+/* Of a reply to `status`: its status byte included, and what inputs add. */
+enum { INPUTS_STATUS_BYTES = 5, STATUS_BYTES = 27 + (HAS_INPUTS ? INPUTS_STATUS_BYTES : 0) };
+
+/* What this build has. */
+enum { CAPABILITIES = (HAS_FORMULAS ? HAS_FORMULA_RAMPS : 0) | HAS_GAUGE_OUTPUTS | (HAS_INPUTS ? HAS_MACHINE_INPUTS : 0) | KEEPS_WITHOUT_POWER };
 
 /* ---- what is known of the controller; `body` has the length that the request demands ---- */
 
@@ -27,7 +38,8 @@ static void reply_ramp_in_use(void)
 
 static void reply_limits(void)
 {
-    for (uint8_t i = 0; i < TOLD_LIMITS_BYTES; i++) {
+    reply_u8(speaks_oldest ? OLDEST_PROTOCOL_VERSION : PROTOCOL_VERSION);
+    for (uint8_t i = 1; i < TOLD_LIMITS_BYTES; i++) {
         reply_u8(stepramp_board_limits[i]);
     }
 }
@@ -35,7 +47,7 @@ static void reply_limits(void)
 /* A client that begins anew gets no notices that another one has asked for. */
 static void answer_hello(const uint8_t *body, uint16_t new_session)
 {
-    if (body[0] != PROTOCOL_VERSION) {
+    if ((uint8_t)(body[0] - OLDEST_PROTOCOL_VERSION) > PROTOCOL_VERSION - OLDEST_PROTOCOL_VERSION) {
         reply_refusal(STATUS_BAD_VERSION, PROTOCOL_VERSION);
         return;
     }
@@ -44,6 +56,7 @@ static void answer_hello(const uint8_t *body, uint16_t new_session)
         return;
     }
     stepramp_session = new_session;
+    speaks_oldest = body[0] == OLDEST_PROTOCOL_VERSION;
     report_start(0, 0);
     trace_off();
     notice_drop();
@@ -51,7 +64,22 @@ static void answer_hello(const uint8_t *body, uint16_t new_session)
     reply_u8(board_reset_cause());
     reply_ramp_in_use();
     reply_u8((uint8_t)ramp_keeper_in_use());
+    if (!speaks_oldest) {
+        reply_u8(CAPABILITIES);
+        reply_u8(SETTINGS_BYTES);
+        reply_u8(STATUS_BYTES);
+    }
 }
+
+#if HAS_INPUTS
+static void reply_inputs(void)
+{
+    reply_u16(machine_active_inputs());
+    reply_u8(machine_stopped_by());
+    reply_u8(stepramp_known_positions);
+    reply_u8(homing_axes());
+}
+#endif
 
 static void answer_status(const uint8_t *body)
 {
@@ -73,6 +101,11 @@ static void answer_status(const uint8_t *body)
     reply_ramp_in_use();
     reply_u8(machine_is_enabled() ? ramp_keeper_flags() | FLAG_ENABLED : ramp_keeper_flags());
     reply_u8(machine_starved());
+#if HAS_INPUTS
+    if (!speaks_oldest) {
+        reply_inputs();
+    }
+#endif
 }
 
 static void answer_report(const uint8_t *body)
@@ -140,13 +173,16 @@ static void answer_read(const uint8_t *body)
     }
 }
 
-static void answer_write_settings(const uint8_t *body)
+static OUT_OF_LINE void answer_write_settings(const uint8_t *body, uint8_t length)
 {
-    uint8_t bad = settings_check(body);
+    uint8_t settings[SETTINGS_BYTES];
+    memcpy(settings, ramp_keeper_settings(), SETTINGS_BYTES);
+    memcpy(settings, body, length);
+    uint8_t bad = settings_check(settings);
     if (bad != SETTINGS_BYTES) {
         reply_refusal(STATUS_OUT_OF_RANGE, bad);
     } else {
-        ramp_keeper_use_settings(body);
+        ramp_keeper_use_settings(settings);
     }
 }
 
@@ -206,6 +242,12 @@ static uint8_t move(uint8_t kind, uint8_t axes, const uint8_t *body, uint16_t *d
     if (kind == KIND_RUN) {
         return machine_run(axes, values, detail);
     }
+#if HAS_INPUTS
+    if (kind == KIND_HOME) {
+        read_values(axes, body + HOMING_BYTES, values);
+        return homing_begin(axes, values, read_u32(body), read_u16(body + 4), detail);
+    }
+#endif
     if (kind == KIND_SET_POSITION) {
         machine_set_position(axes, values);
         return STATUS_OK;
@@ -241,6 +283,12 @@ static void answer_for_axes(uint8_t kind, const uint8_t *body)
     if (!mask_is_good(axes)) {
         return;
     }
+#if HAS_INPUTS
+    if ((homing_axes() & (kind == KIND_LINE ? UINT8_MAX : axes)) != 0) {
+        reply_refusal(STATUS_MOVING, 0);
+        return;
+    }
+#endif
     uint8_t status = kind == KIND_ZERO ? machine_zero(axes, read_u16(body), &detail) : move(kind, axes, body, &detail);
     if (status != STATUS_OK) {
         reply_refusal(status, detail);
@@ -256,6 +304,9 @@ static void answer_stop_or_halt(uint8_t kind, const uint8_t *body, uint8_t lengt
     if (length != 0 && !mask_is_good(axes)) {
         return;
     }
+#if HAS_INPUTS
+    homing_end(axes);
+#endif
     if (kind == KIND_STOP) {
         machine_stop(axes);
     } else {
@@ -317,11 +368,18 @@ static void answer_known(uint8_t kind, uint16_t its_session, const uint8_t *body
         }
         break;
     case KIND_READ_SETTINGS:
-        reply_bytes(ramp_keeper_settings(), SETTINGS_BYTES);
+        reply_bytes(ramp_keeper_settings(), speaks_oldest ? OUTPUT_SETTINGS_BYTES : SETTINGS_BYTES);
         break;
     case KIND_WRITE_SETTINGS:
-        answer_write_settings(body);
+        answer_write_settings(body, length);
         break;
+#if HAS_INPUTS
+    case KIND_ACKNOWLEDGE:
+        if (!machine_acknowledge()) {
+            reply_refusal(STATUS_STOPPED, machine_active_inputs());
+        }
+        break;
+#endif
     case KIND_STOP:
     case KIND_HALT:
         answer_stop_or_halt(kind, body, length);

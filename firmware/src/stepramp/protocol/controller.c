@@ -1,7 +1,9 @@
 #include "stepramp/protocol/controller.h"
 
 #include "stepramp/edge/board.h"
+#include "stepramp/motion/homing.h"
 #include "stepramp/motion/machine.h"
+#include "stepramp/motion/machine_inputs.h"
 #include "stepramp/protocol/answers.h"
 #include "stepramp/protocol/message.h"
 #include "stepramp/protocol/reply.h"
@@ -10,12 +12,10 @@
 #include "stepramp/protocol/trace.h"
 #include "stepramp/store/ramp_keeper.h"
 
-/* A run has no end of its own: it ends when nobody has asked for anything for so long [256 ms]. A program that has died,
- * or a cable that has been pulled, leaves no motor running. */
-enum { MOST_SILENCE = 4 };
-
 /* So long motors that need all of the time keep requests and notices waiting [ms]. */
 enum { MOST_PATIENCE_MS = 40 };
+
+enum { ALL_AXES = (1 << AXES) - 1 };
 
 static bool is_written; /* the reply to the request that waits, which is not a frame yet */
 static uint8_t heard;                       /* when the last request came: board_milliseconds() / 256 */
@@ -81,13 +81,31 @@ void controller_begin(void)
     ramp_keeper_begin();
 }
 
+/* A run has no end of its own: it ends when nobody has asked for anything for so long. A program that has died, or a cable that
+ * has been pulled, leaves no motor running. */
+static void end_in_silence(uint8_t silence)
+{
+#if HAS_INPUTS
+    if (silence <= stepramp_machine_settings->silence) {
+        return;
+    }
+    homing_end(ALL_AXES);
+    if ((stepramp_machine_settings->silence_flags & SILENCE_ENDS_MOVES) != 0) {
+        machine_stop(ALL_AXES);
+    }
+#else
+    if (silence <= USUAL_SILENCE) {
+        return;
+    }
+#endif
+    machine_stop_runs();
+}
+
 /* Goes on with what can wait until motors have what they need. Reports come at fixed times, so they go before traces,
  * which have room for all that waits in the meantime. */
 static void go_on(uint16_t now_ms)
 {
-    if ((uint8_t)((now_ms >> 8) - heard) > MOST_SILENCE) {
-        machine_stop_runs();
-    }
+    end_in_silence((uint8_t)((now_ms >> 8) - heard));
     ramp_keeper_poll();
     if (!answer_waiting() && !report_poll(stepramp_session, now_ms)) {
         trace_poll(stepramp_session, now_ms);
@@ -99,6 +117,9 @@ void controller_poll(void)
     static uint8_t had_time_ms;
     reply_poll();
     uint16_t now_ms = board_milliseconds();
+#if HAS_INPUTS
+    machine_watch_inputs(now_ms);
+#endif
     if (machine_poll() || (uint8_t)(now_ms - had_time_ms) >= MOST_PATIENCE_MS) {
         had_time_ms = (uint8_t)now_ms;
         go_on(now_ms);

@@ -37,6 +37,8 @@ enum kind {
     KIND_LINE = 0x23,
     KIND_SET_POSITION = 0x24,
     KIND_ZERO = 0x25,
+    KIND_ACKNOWLEDGE = 0x26,
+    KIND_HOME = 0x27,
     KIND_STOP = 0x30,
     KIND_HALT = 0x31
 };
@@ -65,7 +67,9 @@ enum status {
     STATUS_BAD_RAMP = 9,
     STATUS_WRITING = 10,
     STATUS_BAD_VERSION = 11,
-    STATUS_TOO_FAST = 12
+    STATUS_TOO_FAST = 12,
+    STATUS_STOPPED = 13,
+    STATUS_AT_LIMIT = 14
 };
 
 /* What a controller does, as `status` reports it. */

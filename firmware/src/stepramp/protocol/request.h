@@ -8,6 +8,7 @@
 
 #include "stepramp/edge/board_limits.h"
 #include "stepramp/protocol/message.h"
+#include "stepramp/store/driver_settings.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -15,8 +16,12 @@ extern "C" {
 
 enum { VALUE_BYTES = 4 };
 
-/* A line of all axes is the longest request of which all bytes are kept. Those of a delivery go to the ramp store. */
-enum { KEPT_BYTES = MESSAGE_HEADER_BYTES + 2 + VALUE_BYTES * AXES, DATA_AT = MESSAGE_HEADER_BYTES + 2 };
+/* A line of all axes is the longest request of which all bytes are kept; with inputs those of settings, and homing, are longer. Those
+ * of a delivery go to the ramp store. */
+enum { KEPT_BYTES = MESSAGE_HEADER_BYTES + (HAS_INPUTS ? SETTINGS_BYTES : 2 + VALUE_BYTES * AXES), DATA_AT = MESSAGE_HEADER_BYTES + 2 };
+
+/* The slow approach's interval and the steps to back off, of homing, between the mask and the values. */
+enum { HOMING_BYTES = 6 };
 
 /* A stop or halt, the only request that is looked at while another one waits. */
 enum { URGENT_BYTES = MESSAGE_HEADER_BYTES + 1 };

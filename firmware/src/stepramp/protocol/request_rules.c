@@ -25,13 +25,17 @@ static const IN_FLASH uint8_t known_requests[] = {
     [KIND_TRY] = BODY(0) | DISTURBS,
     [KIND_ROLL_BACK] = BODY(0) | DISTURBS,
     [KIND_READ_SETTINGS] = BODY(0),
-    [KIND_WRITE_SETTINGS] = BODY(SETTINGS_BYTES) | DISTURBS,
+    [KIND_WRITE_SETTINGS] = BODY(OUTPUT_SETTINGS_BYTES) | DISTURBS, /* see request_length_is_good */
     [KIND_MOVE_BY] = BODY(1) | VALUES | DISTURBS | IN_FLIGHT,
     [KIND_MOVE_TO] = BODY(1) | VALUES | DISTURBS | IN_FLIGHT,
     [KIND_RUN] = BODY(1) | VALUES | DISTURBS | IN_FLIGHT,
     [KIND_LINE] = BODY(2) | VALUES | DISTURBS,
     [KIND_SET_POSITION] = BODY(1) | VALUES | DISTURBS,
     [KIND_ZERO] = BODY(3) | DISTURBS,
+#if HAS_INPUTS
+    [KIND_ACKNOWLEDGE] = BODY(0),
+    [KIND_HOME] = BODY(1 + HOMING_BYTES) | VALUES | DISTURBS,
+#endif
     [KIND_STOP] = BODY(0) | FROM_ANYONE, /* see request_length_is_good */
     [KIND_HALT] = BODY(0) | FROM_ANYONE,
 };
@@ -49,6 +53,9 @@ bool request_length_is_good(uint8_t kind, uint8_t known, const uint8_t *body, ui
     }
     if (is_urgent(kind)) {
         return length <= 1;
+    }
+    if (HAS_INPUTS && kind == KIND_WRITE_SETTINGS && length == SETTINGS_BYTES) {
+        return true;
     }
     length = BODY(length);
     if ((known & VALUES) != 0) {

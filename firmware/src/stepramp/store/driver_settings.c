@@ -1,5 +1,7 @@
 #include "stepramp/store/driver_settings.h"
 
+#include "stepramp/edge/board_limits.h"
+
 enum { AXIS_BITS = 0x0F };
 enum { LONGEST_PULSE_US = 100, SHORTEST_SETUP_US = 20, LONGEST_SETUP_US = 15000, LONGEST_LEAD_MS = 1000 };
 
@@ -15,6 +17,49 @@ static uint8_t largest(uint8_t offset)
                                     : AXIS_BITS;
 }
 
+#if HAS_INPUTS
+enum { LEAST_SILENCE = 2, MOST_SILENCE = 200, MOST_LOOKS = 10 };
+enum input_offset { SILENCE = OUTPUT_SETTINGS_BYTES, SILENCE_FLAGS, LOOKS, ROLES };
+
+static bool role_is_good(uint8_t role, uint8_t input)
+{
+    uint8_t flags = role & (uint8_t)~ROLE_BITS;
+    role &= ROLE_BITS;
+    if (role == ROLE_NONE) {
+        return flags == 0;
+    }
+    if (role >= ROLE_LOW_LIMIT) {
+        return role < ROLE_HIGH_LIMIT + AXES;
+    }
+    bool is_there = role == ROLE_DRIVER_FAULT || (role == ROLE_EMERGENCY_STOP && input < EMERGENCY_INPUTS);
+    return is_there && (flags & INPUT_STOPS_AT_ONCE) == 0;
+}
+
+static uint8_t check_inputs(const uint8_t *bytes)
+{
+    if ((uint8_t)(bytes[SILENCE] - LEAST_SILENCE) > MOST_SILENCE - LEAST_SILENCE) {
+        return SILENCE;
+    }
+    if (bytes[SILENCE_FLAGS] > SILENCE_ENDS_MOVES) {
+        return SILENCE_FLAGS;
+    }
+    if ((uint8_t)(bytes[LOOKS] - 1) >= MOST_LOOKS) {
+        return LOOKS;
+    }
+    uint8_t input = 0;
+    while (input < INPUTS && role_is_good(bytes[ROLES + input], input)) {
+        input++;
+    }
+    return (uint8_t)(ROLES + input);
+}
+#else
+static uint8_t check_inputs(const uint8_t *bytes)
+{
+    (void)bytes;
+    return SETTINGS_BYTES;
+}
+#endif
+
 uint8_t settings_check(const uint8_t bytes[SETTINGS_BYTES])
 {
     for (uint8_t i = OUTPUTS; i <= PULSE_WIDTH; i++) {
@@ -26,5 +71,5 @@ uint8_t settings_check(const uint8_t bytes[SETTINGS_BYTES])
     if (above_us > LONGEST_SETUP_US - SHORTEST_SETUP_US) {
         return DIRECTION_SETUP;
     }
-    return read_u16(bytes + ENABLE_LEAD) > LONGEST_LEAD_MS ? ENABLE_LEAD : SETTINGS_BYTES;
+    return read_u16(bytes + ENABLE_LEAD) > LONGEST_LEAD_MS ? ENABLE_LEAD : check_inputs(bytes);
 }

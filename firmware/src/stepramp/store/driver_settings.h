@@ -1,4 +1,4 @@
-/* The settings of a machine: what its motors' drivers want of the pins. Stored next to the ramps. */
+/* The settings of a machine: what its motors' drivers want of the pins, and what its inputs are for. Stored next to the ramps. */
 #ifndef STEPRAMP_DRIVER_SETTINGS_H
 #define STEPRAMP_DRIVER_SETTINGS_H
 
@@ -6,6 +6,7 @@
 #include <stdint.h>
 #include <string.h>
 
+#include "stepramp/edge/inputs.h"
 #include "stepramp/protocol/message.h"
 
 #ifdef __cplusplus
@@ -18,7 +19,26 @@ enum { ENABLE_ACTIVE_HIGH = 1 };
 
 enum { HOLD_FOR_EVER = 0xFFFF };
 
-enum { SETTINGS_BYTES = 12 }; /* packed, as they travel and are stored */
+/* Packed, as they travel and are stored; the first of them are those of the outputs, which are all without inputs. */
+enum { OUTPUT_SETTINGS_BYTES = 12, SETTINGS_BYTES = HAS_INPUTS ? OUTPUT_SETTINGS_BYTES + 3 + INPUTS : OUTPUT_SETTINGS_BYTES };
+
+/* Of an input; a limit's axis is added to it. */
+enum input_role {
+    ROLE_NONE = 0,
+    ROLE_EMERGENCY_STOP = 1,
+    ROLE_DRIVER_FAULT = 2,
+    ROLE_LOW_LIMIT = 8,
+    ROLE_HIGH_LIMIT = 12,
+    ROLE_BITS = 0x1F
+};
+
+/* Added to a role. */
+enum input_flags { INPUT_STOPS_AT_ONCE = 0x20, INPUT_ACTIVE_HIGH = 0x40, INPUT_WITHOUT_PULL_UP = 0x80 };
+
+enum { SILENCE_ENDS_MOVES = 1 };
+
+/* A client that has not been heard for so long runs no motor, unless the settings say another time [256 ms]. */
+enum { USUAL_SILENCE = 4 };
 
 struct settings {
     uint8_t outputs;             /* enum outputs */
@@ -30,6 +50,12 @@ struct settings {
     uint16_t direction_setup_us; /* 20..15000: from the direction to the pulse */
     uint16_t enable_lead_ms;     /* 0..1000: from enabling to the first pulse */
     uint16_t enable_hold_ms;     /* from the last motor's rest to disabling, or HOLD_FOR_EVER: stays on once on */
+#if HAS_INPUTS
+    uint8_t silence;       /* 2..200: runs end when nobody has been heard for longer [256 ms] */
+    uint8_t silence_flags; /* SILENCE_ENDS_MOVES, or 0 */
+    uint8_t looks;         /* 1..10: so many in a row, until an input has changed */
+    uint8_t roles[INPUTS]; /* enum input_role and flags */
+#endif
 };
 
 /* What holds as long as nothing is stored. */
@@ -40,6 +66,10 @@ static inline struct settings settings_default(void)
     settings.direction_setup_us = 30;
     settings.enable_lead_ms = 1;
     settings.enable_hold_ms = HOLD_FOR_EVER;
+#if HAS_INPUTS
+    settings.silence = USUAL_SILENCE;
+    settings.looks = 4;
+#endif
     return settings;
 }
 

@@ -8,7 +8,10 @@
 #include "stepramp/protocol/message.h"
 #include "stepramp/store/ramp_image.h"
 
-enum { MAGIC = 0x53, SLOT_FORMAT = 2, ERASED = 0xFF };
+enum { MAGIC = 0x53, ERASED = 0xFF };
+
+/* The first format has the settings of the outputs only. */
+enum { FORMAT_OF_OUTPUTS = 2, FORMAT_WITH_INPUTS = 3, SLOT_FORMAT = HAS_INPUTS ? FORMAT_WITH_INPUTS : FORMAT_OF_OUTPUTS };
 
 /* Where the parts of a header lie. */
 enum header_offset { AT_MAGIC = 0, AT_FORMAT = 1, AT_LENGTH = 2, AT_SEQUENCE = 4, AT_CRC = 8, AT_HEADER_CRC = 10 };
@@ -25,6 +28,7 @@ enum { HAS_ACTIVE = 1 << ACTIVE_SLOT, HAS_PREVIOUS = 1 << PREVIOUS_SLOT, HAS_BEE
 static uint8_t active_slot; /* 0 or 1 */
 static uint8_t known;       /* HAS_BEEN_WRITTEN: the next byte, which is yet to be checked */
 static uint8_t stage;       /* enum stage */
+static bool rolls_back;     /* only the header is written */
 static uint16_t left;       /* bytes left in this stage */
 
 static uint8_t slot_of(enum slot_choice choice)
@@ -51,7 +55,13 @@ static OUT_OF_LINE void read_bytes(uint8_t slot, uint16_t offset, uint8_t *bytes
 static bool read_header(uint8_t slot, uint8_t header[SLOT_HEADER_BYTES])
 {
     read_bytes(slot, 0, header, SLOT_HEADER_BYTES);
-    return header[AT_MAGIC] == MAGIC && header[AT_FORMAT] == SLOT_FORMAT;
+    return header[AT_MAGIC] == MAGIC && (header[AT_FORMAT] == SLOT_FORMAT || header[AT_FORMAT] == FORMAT_OF_OUTPUTS);
+}
+
+/* So many bytes of a slot with this header are settings. */
+static uint8_t settings_in(const uint8_t header[SLOT_HEADER_BYTES])
+{
+    return header[AT_FORMAT] == SLOT_FORMAT ? SETTINGS_BYTES : OUTPUT_SETTINGS_BYTES;
 }
 
 /* The sequence number of a slot. Rolling back changes it, and the header's CRC, in place. When the power was cut
@@ -81,6 +91,19 @@ static uint8_t *content_bytes(void)
     return (uint8_t *)&stepramp_slot_content;
 }
 
+/* Of a slot of the first format what is new in the settings gets its default. */
+static void complete_settings(uint8_t length)
+{
+#if HAS_INPUTS
+    struct settings settings = settings_default();
+    uint8_t packed[SETTINGS_BYTES];
+    settings_pack(&settings, packed);
+    memcpy(content_bytes() + length, packed + length, (uint8_t)(SETTINGS_BYTES - length));
+#else
+    (void)length;
+#endif
+}
+
 /* Loads the slot if it holds something good. */
 static bool load(uint8_t slot)
 {
@@ -89,13 +112,19 @@ static bool load(uint8_t slot)
     if (read_header(slot, header)) {
         length = read_u16(header + AT_LENGTH);
     }
-    if (length <= SETTINGS_BYTES || length > SETTINGS_BYTES + board_limit(LIMIT_IMAGE_BYTES)) {
+    uint8_t settings_length = settings_in(header);
+    if (length <= settings_length || length > settings_length + board_limit(LIMIT_IMAGE_BYTES)) {
         return false;
     }
-    read_bytes(slot, SLOT_HEADER_BYTES, content_bytes(), length);
-    stepramp_slot_image_length = (uint16_t)(length - SETTINGS_BYTES);
-    return frame_crc16(content_bytes(), length) == read_u16(header + AT_CRC) &&
-           settings_check(content_bytes()) == SETTINGS_BYTES &&
+    stepramp_slot_image_length = (uint16_t)(length - settings_length);
+    read_bytes(slot, SLOT_HEADER_BYTES, content_bytes(), settings_length);
+    read_bytes(slot, (uint16_t)(SLOT_HEADER_BYTES + settings_length), stepramp_slot_content.image, stepramp_slot_image_length);
+    uint16_t crc = frame_crc16(content_bytes(), settings_length);
+    for (uint16_t i = 0; i < stepramp_slot_image_length; i++) {
+        crc = frame_crc16_update(crc, stepramp_slot_content.image[i]);
+    }
+    complete_settings(settings_length);
+    return crc == read_u16(header + AT_CRC) && settings_check(content_bytes()) == SETTINGS_BYTES &&
            ramp_image_check(stepramp_slot_content.image, stepramp_slot_image_length).good;
 }
 
@@ -134,12 +163,17 @@ uint16_t eeprom_slots_image_length(enum slot_choice choice)
 {
     uint8_t header[SLOT_HEADER_BYTES];
     read_header(slot_of(choice), header);
-    return eeprom_slots_hold(choice) ? (uint16_t)(read_u16(header + AT_LENGTH) - SETTINGS_BYTES) : 0;
+    return eeprom_slots_hold(choice) ? (uint16_t)(read_u16(header + AT_LENGTH) - settings_in(header)) : 0;
 }
 
 uint8_t eeprom_slots_read(enum slot_choice choice, uint16_t offset)
 {
-    return board_eeprom_read(address_of(slot_of(choice), SLOT_HEADER_BYTES + SETTINGS_BYTES + offset));
+    uint8_t slot = slot_of(choice);
+    uint8_t settings_length = SETTINGS_BYTES;
+    if (HAS_INPUTS && board_eeprom_read(address_of(slot, AT_FORMAT)) != SLOT_FORMAT) {
+        settings_length = OUTPUT_SETTINGS_BYTES;
+    }
+    return board_eeprom_read(address_of(slot, (uint16_t)(SLOT_HEADER_BYTES + settings_length + offset)));
 }
 
 uint16_t eeprom_slots_image_crc(enum slot_choice choice)
@@ -167,12 +201,14 @@ static OUT_OF_LINE void begin_stage(uint8_t next)
 void eeprom_slots_begin_roll_back(void)
 {
     known &= HAS_ACTIVE;
+    rolls_back = true;
     begin_stage(WRITE_HEADER);
 }
 
 void eeprom_slots_begin_write(void)
 {
     eeprom_slots_begin_roll_back();
+    rolls_back = false;
     begin_stage(INVALIDATE_HEADER);
 }
 
@@ -181,15 +217,18 @@ bool eeprom_slots_are_writing(void)
     return stage != REST;
 }
 
-/* A byte of the header to be written. It takes a while, as it needs the content's CRC, but so does writing a byte. */
+/* A byte of the header to be written; rolling back, one that tells of the same content, in its own format. It takes a while, as it needs the content's CRC, but so does writing a byte. */
 static uint8_t header_byte(uint8_t index)
 {
     uint8_t header[SLOT_HEADER_BYTES];
-    header[AT_MAGIC] = MAGIC;
-    header[AT_FORMAT] = SLOT_FORMAT;
-    write_u16(header + AT_LENGTH, content_length());
+    read_header(slot_of(PREVIOUS_SLOT), header);
+    if (!rolls_back) {
+        header[AT_MAGIC] = MAGIC;
+        header[AT_FORMAT] = SLOT_FORMAT;
+        write_u16(header + AT_LENGTH, content_length());
+        write_u16(header + AT_CRC, frame_crc16(content_bytes(), content_length()));
+    }
     write_u32(header + AT_SEQUENCE, eeprom_slots_sequence() + 1);
-    write_u16(header + AT_CRC, frame_crc16(content_bytes(), content_length()));
     write_u16(header + AT_HEADER_CRC, frame_crc16(header, AT_HEADER_CRC));
     return header[index];
 }

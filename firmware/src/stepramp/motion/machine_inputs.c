@@ -1,0 +1,202 @@
+#include "stepramp/motion/machine_inputs.h"
+
+#if HAS_INPUTS
+
+#include <string.h>
+
+#include "stepramp/edge/line.h"
+#include "stepramp/motion/homing.h"
+#include "stepramp/motion/machine.h"
+#include "stepramp/motion/machine_axes.h"
+#include "stepramp/store/driver_settings.h"
+
+enum { ALL_AXES = (1 << MOST_AXES) - 1 };
+
+uint8_t stepramp_known_positions;
+
+static uint16_t active;         /* a bit each */
+static uint16_t seen;           /* the same as last looked at */
+static uint8_t changed[INPUTS]; /* for so many looks in a row it has been another than it counts as */
+static uint8_t stopped_by;
+static uint16_t looked_ms;
+
+uint16_t machine_active_inputs(void)
+{
+    return active;
+}
+
+uint8_t machine_stopped_by(void)
+{
+    return stopped_by;
+}
+
+/* The inputs of each role, a bit each: limits by their end, low first. */
+static uint16_t emergency_inputs, fault_inputs, limit_inputs[2][MOST_AXES];
+
+void machine_inputs_configure(void)
+{
+    emergency_inputs = fault_inputs = 0;
+    memset(limit_inputs, 0, sizeof limit_inputs);
+    uint16_t bit = 1;
+    for (uint8_t input = 0; input < INPUTS; input++, bit = (uint16_t)(bit << 1)) {
+        uint8_t role = stepramp_machine_settings->roles[input] & ROLE_BITS;
+        if (role >= ROLE_LOW_LIMIT) {
+            limit_inputs[role >= ROLE_HIGH_LIMIT][role & (MOST_AXES - 1)] |= bit;
+        } else if (role == ROLE_EMERGENCY_STOP) {
+            emergency_inputs |= bit;
+        } else if (role == ROLE_DRIVER_FAULT) {
+            fault_inputs |= bit;
+        }
+    }
+}
+
+static inline uint16_t limits_at(uint8_t axis, bool backward)
+{
+    return limit_inputs[backward ? 0 : 1][axis];
+}
+
+uint8_t machine_limit_at(uint8_t axis, bool backward)
+{
+    uint8_t input = NO_INPUT;
+    for (uint16_t there = active & limits_at(axis, backward); there != 0; there >>= 1) {
+        input++;
+        if ((there & 1) != 0) {
+            break;
+        }
+    }
+    return input;
+}
+
+bool machine_sees_limit(uint8_t axis, bool backward)
+{
+    return (seen & limits_at(axis, backward)) != 0;
+}
+
+bool machine_has_limit(uint8_t axis, bool backward)
+{
+    return limits_at(axis, backward) != 0;
+}
+
+static bool is_at_a_limit(uint8_t axis)
+{
+    return (active & (limits_at(axis, true) | limits_at(axis, false))) != 0;
+}
+
+bool machine_way_may_be_blocked(uint8_t axis)
+{
+    return stopped_by != 0 || emergency_is_latched() || is_at_a_limit(axis);
+}
+
+uint8_t machine_check_way(uint8_t axis, bool backward, uint16_t *detail)
+{
+    if (stopped_by != 0 || emergency_is_latched()) {
+        *detail = active;
+        return STATUS_STOPPED;
+    }
+    uint8_t input = machine_limit_at(axis, backward);
+    if (input != NO_INPUT) {
+        *detail = (uint16_t)(input << 8 | axis);
+        return STATUS_AT_LIMIT;
+    }
+    return STATUS_OK;
+}
+
+/* ---- what stops everything ---- */
+
+static void stop_all(uint8_t cause)
+{
+    stopped_by |= cause;
+    homing_end(ALL_AXES);
+    machine_halt(ALL_AXES);
+}
+
+static void look_for_stops(void)
+{
+    if ((active & emergency_inputs) != 0) {
+        emergency_latch();
+    }
+    if (emergency_is_latched() && (stopped_by & BY_EMERGENCY_STOP) == 0) {
+        stop_all(BY_EMERGENCY_STOP);
+    }
+    if ((active & fault_inputs) != 0 && (stopped_by & BY_DRIVER_FAULT) == 0) {
+        stop_all(BY_DRIVER_FAULT);
+    }
+}
+
+bool machine_acknowledge(void)
+{
+    if ((active & fault_inputs) != 0 || ((active | inputs_read()) & emergency_inputs) != 0) {
+        return false;
+    }
+    stopped_by = 0;
+    emergency_release();
+    return true;
+}
+
+/* ---- limit switches ---- */
+
+/* It is about to move, or moves, backward. */
+static bool is_backward(uint8_t axis)
+{
+    const struct feed *feed = &stepramp_feeds[axis];
+    return line_follows(axis) ? feed->pin_backward : axis_goes_backward(&feed->axis);
+}
+
+static void look_at_limits(void)
+{
+    for (uint8_t axis = 0; axis < stepramp_axis_count; axis++) {
+        if (!is_at_a_limit(axis) || !machine_axis_is_moving(axis)) {
+            continue;
+        }
+        uint8_t input = machine_limit_at(axis, is_backward(axis));
+        if (input == NO_INPUT) {
+            continue;
+        }
+        if ((stepramp_machine_settings->roles[input] & INPUT_STOPS_AT_ONCE) != 0) {
+            machine_halt((uint8_t)(1u << axis));
+        } else {
+            machine_stop((uint8_t)(1u << axis));
+        }
+    }
+}
+
+/* ---- looking ---- */
+
+static void look(void)
+{
+    static bool is_changing;
+    seen = inputs_read();
+    if (seen == active && !is_changing) { /* as it is nearly always */
+        return;
+    }
+    is_changing = false;
+    uint16_t bit = 1;
+    for (uint8_t input = 0; input < INPUTS; input++, bit = (uint16_t)(bit << 1)) {
+        if (((seen ^ active) & bit) == 0) {
+            changed[input] = 0;
+        } else if (++changed[input] >= stepramp_machine_settings->looks) {
+            changed[input] = 0;
+            active ^= bit;
+        } else {
+            is_changing = true;
+        }
+    }
+}
+
+void machine_watch_inputs(uint16_t now_ms)
+{
+    if (now_ms != looked_ms) {
+        looked_ms = now_ms;
+        look();
+        homing_go_on();
+        if (active != 0) {
+            look_for_stops();
+            look_at_limits();
+        }
+    }
+    if (emergency_is_latched() && (stopped_by & BY_EMERGENCY_STOP) == 0) {
+        look_for_stops();
+    }
+}
+
+#endif

@@ -1,0 +1,59 @@
+/* What a machine's inputs do to its axes: they stop them, and keep them from setting out; and whose position is known. Where a
+ * build has no inputs nothing of it is there. */
+#ifndef STEPRAMP_MACHINE_INPUTS_H
+#define STEPRAMP_MACHINE_INPUTS_H
+
+#include "stepramp/edge/inputs.h"
+#include "stepramp/motion/feed.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#if HAS_INPUTS
+
+/* What has stopped all axes, bits. */
+enum stopped_by { BY_EMERGENCY_STOP = 1, BY_DRIVER_FAULT = 2 };
+
+enum { NO_INPUT = 0xFF };
+
+/* The settings' roles are in use from now on. */
+void machine_inputs_configure(void);
+
+/* To be called in each round of the main loop, which has little time when motors are at their limits. */
+void machine_watch_inputs(uint16_t now_ms);
+
+/* Those that are active, a bit each. */
+uint16_t machine_active_inputs(void);
+
+/* By what, and not acknowledged: bits of enum stopped_by. */
+uint8_t machine_stopped_by(void);
+
+/* Motions are taken again. Returns false when what stopped them is still there. */
+bool machine_acknowledge(void);
+
+/* Something keeps the axis from setting out, one way or the other. */
+bool machine_way_may_be_blocked(uint8_t axis);
+
+/* Whether a motion of an axis may set out: STATUS_OK, STATUS_STOPPED or STATUS_AT_LIMIT. */
+uint8_t machine_check_way(uint8_t axis, bool backward, uint16_t *detail);
+
+/* The number of an active limit switch at that end of the axis, or NO_INPUT. */
+uint8_t machine_limit_at(uint8_t axis, bool backward);
+
+/* An axis has a limit switch at that end. */
+bool machine_has_limit(uint8_t axis, bool backward);
+
+/* That switch is active at this moment, seen once. */
+bool machine_sees_limit(uint8_t axis, bool backward);
+
+/* The axes whose position is known, a bit each. */
+extern uint8_t stepramp_known_positions;
+
+#endif
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,254 @@
+"""An emergency stop, a driver's fault and limit switches stop motors, and keep them from setting out."""
+
+import pytest
+
+from firmware import protocol as p
+from firmware.inputs.machine import (
+    FAULT_INPUT,
+    FOUR_AXES,
+    HIGH_INPUT,
+    LOW_INPUT,
+    ROLES,
+    STOP_INPUT,
+    Machine,
+)
+from firmware.protocol import InputSettings, Settings, for_axes, values_of
+
+MOTIONS = [
+    (p.MOVE_BY, for_axes({0: 100})),
+    (p.MOVE_TO, for_axes({0: 5000})),
+    (p.RUN, for_axes({0: 3000})),
+    (p.LINE, bytes([1, 0]) + values_of({0: 100})),
+    (p.ZERO, bytes([1, 50, 0])),
+    (p.HOME, bytes([1]) + (20_000).to_bytes(4, "little") + bytes([5, 0]) + values_of({0: -3000})),
+]
+WHILE_SETTLING_MS = 4 + 3
+
+
+@pytest.mark.parametrize(("number", "cause"), [(STOP_INPUT, p.BY_EMERGENCY_STOP), (FAULT_INPUT, p.BY_DRIVER_FAULT)])
+def test_it_stops_all_until_it_is_released_and_acknowledged(machine: Machine, number: int, cause: int) -> None:
+    machine.ok(p.RUN, for_axes({0: 3000}))
+    machine.pass_ms(300)
+    machine.pull_down(number)
+    machine.pass_ms(WHILE_SETTLING_MS)
+    there = machine.steps()
+    assert there[0] > 50
+    machine.go_on_ms(400)
+    assert machine.steps() == there
+    status = machine.inputs()
+    assert (status.active, status.stopped_by, status.known & 1) == (1 << number, cause, 0)
+    assert machine.status().position == there[0]
+    for kind, body in MOTIONS:
+        assert machine.refused(kind, body) == (p.STOPPED, 1 << number), hex(kind)
+    assert machine.refused(p.ACKNOWLEDGE) == (p.STOPPED, 1 << number)
+    machine.pull_down()
+    machine.pass_ms(WHILE_SETTLING_MS)
+    assert machine.inputs().stopped_by == cause
+    for kind, body in MOTIONS:
+        assert machine.refused(kind, body) == (p.STOPPED, 0), hex(kind)
+    machine.ok(p.ACKNOWLEDGE)
+    assert machine.inputs().stopped_by == 0
+    machine.ok(p.MOVE_BY, for_axes({0: 10}))
+    machine.go_to_rest()
+    assert machine.steps()[0] == there[0] + 10
+
+
+def test_an_emergency_stop_is_final_however_short_it_is(machine: Machine) -> None:
+    machine.ok(p.RUN, for_axes({0: 3000}))
+    machine.pass_ms(300)
+    machine.pull_down(STOP_INPUT)
+    machine.pull_down()
+    there = machine.steps()
+    machine.go_on_ms(400)
+    assert machine.steps() == there
+    assert machine.inputs().stopped_by == p.BY_EMERGENCY_STOP
+    assert machine.refused(p.MOVE_BY, for_axes({0: 1})) == (p.STOPPED, 0)
+
+
+def test_an_emergency_stop_that_is_there_from_the_beginning_is_seen(machine: Machine) -> None:
+    machine.give(InputSettings())
+    machine.pull_down(STOP_INPUT)
+    machine.pass_ms(20)
+    assert machine.inputs().stopped_by == 0
+    machine.give()
+    machine.pass_ms(WHILE_SETTLING_MS)
+    assert machine.inputs().stopped_by == p.BY_EMERGENCY_STOP
+
+
+def test_between_a_request_and_its_start_it_stops_as_well(machine: Machine) -> None:
+    """A motion that waits for its start, at each moment of the first milliseconds."""
+    for rounds in range(1, 60):
+        machine.pull_down()
+        machine.pass_ms(WHILE_SETTLING_MS)
+        machine.ok(p.ACKNOWLEDGE)
+        before = machine.steps()[0]
+        machine.ok(p.MOVE_BY, for_axes({0: 40}))
+        machine.run(rounds)
+        machine.pull_down(STOP_INPUT)
+        there = machine.steps()[0]
+        machine.pass_ms(100)
+        assert machine.steps()[0] == there, rounds
+        assert machine.status().position == there
+        assert before <= there < before + 40
+
+
+def test_settings_forget_no_emergency_stop(machine: Machine) -> None:
+    machine.pull_down(STOP_INPUT)
+    machine.pull_down()
+    machine.pass_ms(20)
+    machine.give(InputSettings())
+    assert machine.inputs().stopped_by == p.BY_EMERGENCY_STOP
+    assert machine.refused(p.MOVE_BY, for_axes({0: 1}))[0] == p.STOPPED
+
+
+def test_a_fault_has_to_last_for_as_many_looks_as_set(machine: Machine) -> None:
+    for looks in (1, 4, 10):
+        machine.give(InputSettings(looks=looks, roles=ROLES))
+        machine.pass_ms(20)
+        machine.pull_down(FAULT_INPUT)
+        machine.pass_ms(looks - 1)
+        machine.pull_down()
+        machine.pass_ms(20)
+        assert machine.inputs().stopped_by == 0
+        machine.pull_down(FAULT_INPUT)
+        machine.pass_ms(looks + 2)
+        machine.pull_down()
+        machine.pass_ms(20)
+        assert machine.inputs().stopped_by == p.BY_DRIVER_FAULT
+        machine.ok(p.ACKNOWLEDGE)
+
+
+def test_a_limit_stops_with_the_ramp_and_the_way_back_is_free(machine: Machine) -> None:
+    machine.ok(p.SET_POSITION, for_axes({0: 0}))
+    machine.add_switch(LOW_INPUT, 0, -100, is_backward=True)
+    machine.ok(p.RUN, for_axes({0: -3000}))
+    status = machine.go_to_rest()
+    assert -160 < status.position < -100
+    assert machine.steps()[0] == status.position
+    assert (machine.inputs().active, machine.inputs().known & 1) == (1 << LOW_INPUT, 1)
+    detail = LOW_INPUT << 8 | 0
+    for kind, body in [
+        (p.MOVE_BY, for_axes({0: -1})),
+        (p.MOVE_TO, for_axes({0: status.position - 1})),
+        (p.RUN, for_axes({0: -3000})),
+        (p.LINE, bytes([1, 0]) + values_of({0: -5})),
+    ]:
+        assert machine.refused(kind, body) == (p.AT_LIMIT, detail)
+    machine.ok(p.MOVE_BY, for_axes({0: 0}))
+    machine.ok(p.MOVE_TO, for_axes({0: 0}))
+    assert machine.go_to_rest().position == 0
+    assert machine.inputs().active == 0
+
+
+def test_a_limit_stops_at_once_where_its_role_says_so(machine: Machine) -> None:
+    machine.ok(p.SET_POSITION, for_axes({0: 0}))
+    machine.add_switch(HIGH_INPUT, 0, 200, is_backward=False)
+    machine.ok(p.MOVE_TO, for_axes({0: 5000}))
+    status = machine.go_to_rest()
+    # At up to 8000 steps/s, four looks a millisecond apart.
+    assert 200 <= status.position <= 240
+    assert machine.steps()[0] == status.position
+    assert machine.inputs().known & 1 == 0
+    assert machine.refused(p.MOVE_BY, for_axes({0: 1})) == (p.AT_LIMIT, HIGH_INPUT << 8)
+
+
+def test_a_switch_at_the_other_end_stops_nothing(machine: Machine) -> None:
+    machine.pull_down(LOW_INPUT)
+    machine.pass_ms(20)
+    machine.ok(p.MOVE_BY, for_axes({0: 300}))
+    assert machine.go_to_rest().position == 300
+
+
+def test_a_limit_of_one_axis_stops_a_line_as_a_whole(machine: Machine) -> None:
+    machine.push(FOUR_AXES)
+    machine.give(InputSettings(roles={LOW_INPUT: p.LOW_LIMIT + 2}))
+    machine.add_switch(LOW_INPUT, 2, -300, is_backward=True)
+    machine.ok(p.LINE, bytes([15, 0]) + values_of({0: 4000, 1: 2000, 2: -1000, 3: 0}))
+    machine.go_to_rest()
+    steps = machine.steps()
+    assert -400 < steps[2] < -300
+    assert [abs(steps[axis] - round(-4 * share * steps[2])) <= 2 for axis, share in ((0, 1), (1, 0.5))] == [True, True]
+    for axis in range(4):
+        assert machine.status(axis).position == steps[axis]
+    detail = LOW_INPUT << 8 | 2
+    assert machine.refused(p.LINE, bytes([15, 0]) + values_of({0: 5, 1: 5, 2: -1, 3: 0})) == (p.AT_LIMIT, detail)
+    machine.ok(p.LINE, bytes([15, 0]) + values_of({0: 5, 1: 5, 2: 1, 3: 0}))
+
+
+def test_a_motion_that_turns_round_into_a_limit_is_stopped(machine: Machine) -> None:
+    """It was asked for while the switch was inactive, and the switch comes while it still slows down the other way."""
+    machine.ok(p.RUN, for_axes({0: 3000}))
+    machine.go_on_ms(400)
+    machine.ok(p.MOVE_TO, for_axes({0: -2000}))
+    machine.pull_down(LOW_INPUT)
+    status = machine.go_to_rest()
+    assert status.position > -20
+
+
+def test_switches_that_open_are_active_high(machine: Machine) -> None:
+    machine.pull_down(FAULT_INPUT)
+    machine.give(InputSettings(roles={FAULT_INPUT: p.DRIVER_FAULT | p.ACTIVE_HIGH}))
+    machine.pass_ms(20)
+    assert machine.inputs().active == 0
+    machine.pull_down()
+    machine.pass_ms(20)
+    assert (machine.inputs().active, machine.inputs().stopped_by) == (1 << FAULT_INPUT, p.BY_DRIVER_FAULT)
+
+
+@pytest.mark.parametrize(
+    ("settings", "bad"),
+    [
+        (InputSettings(silence=1), 12),
+        (InputSettings(silence=201), 12),
+        (InputSettings(silence_flags=2), 13),
+        (InputSettings(looks=0), 14),
+        (InputSettings(looks=11), 14),
+        (InputSettings(roles={0: 3}), 15),
+        (InputSettings(roles={1: p.AT_ONCE}), 16),
+        (InputSettings(roles={2: p.EMERGENCY_STOP | p.AT_ONCE}), 17),
+        (InputSettings(roles={3: 16}), 18),
+        (InputSettings(roles={6: p.EMERGENCY_STOP}), 21),
+        (InputSettings(roles={8: 7}), 23),
+    ],
+)
+def test_bad_settings_of_inputs_are_refused(machine: Machine, settings: InputSettings, bad: int) -> None:
+    assert machine.refused(p.WRITE_SETTINGS, Settings().packed() + settings.packed()) == (p.OUT_OF_RANGE, bad)
+    assert machine.settings() == Settings().packed() + InputSettings(roles=ROLES).packed()
+
+
+def test_silence_ends_runs_after_the_time_set_and_moves_when_set(machine: Machine) -> None:
+    machine.give(InputSettings(silence=10, roles=ROLES))
+    machine.ok(p.RUN, for_axes({0: 3000}))
+    machine.pass_ms(2000)
+    assert machine.status().axis_state == p.IN_MOTION
+    machine.pass_ms(4000)
+    assert machine.status().state == p.IDLE
+    machine.ok(p.MOVE_BY, for_axes({0: 5000}))
+    machine.pass_ms(8000)
+    assert machine.status().position == machine.status().target
+    machine.give(InputSettings(silence=2, silence_flags=1, roles=ROLES))
+    machine.ok(p.SET_POSITION, for_axes({0: 0}))
+    machine.ok(p.MOVE_BY, for_axes({0: 50_000}))
+    machine.pass_ms(2000)
+    status = machine.status()
+    assert (status.state, status.position < 8000) == (p.IDLE, True)
+    assert machine.inputs().known & 1
+
+
+def test_the_position_is_known_once_it_is_set_and_until_a_halt_at_speed(machine: Machine) -> None:
+    assert machine.inputs().known == 0
+    machine.ok(p.SET_POSITION, for_axes({0: 0}))
+    assert machine.inputs().known == 1
+    machine.ok(p.MOVE_BY, for_axes({0: 3000}))
+    machine.pass_ms(500)
+    machine.ok(p.STOP)
+    machine.go_to_rest()
+    assert machine.inputs().known == 1
+    machine.ok(p.RUN, for_axes({0: 30_000}))
+    machine.go_on_ms(400)
+    machine.ok(p.HALT)
+    assert machine.inputs().known == 1
+    machine.ok(p.RUN, for_axes({0: 3000}))
+    machine.go_on_ms(400)
+    machine.ok(p.HALT)
+    assert machine.inputs().known == 0
