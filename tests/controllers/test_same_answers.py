@@ -51,7 +51,7 @@ from tools import require
 
 SESSION = 0xBEEF
 GRANTED, OUT_OF_RANGE, TOO_FAST = 0, 6, 12
-ALONE = {1: 106, 2: 246, 3: 380, 4: 533}
+ALONE = {1: 106, 2: 246, 3: 388, 4: 533}
 ON_A_LINE = {1: 106, 2: 133, 3: 160, 4: 177}
 BY_FORMULA = 1600
 ROUND_S = 1389 / 16e6
@@ -283,13 +283,13 @@ def test_any_axes_near_the_limit(both: Both, seed: int) -> None:
 def test_axes_that_move_already_take_their_share(both: Both) -> None:
     both.use(*(segments(600),) * 4)
     both.settings(pulse_width_us=3, enable_lead_ms=1000)
-    # Two need 246 + 2 · 96 = 438 fast ticks, three 380 + 3 · 96 = 668.
+    # Two need 246 + 2 · 96 = 438 fast ticks, three 388 + 3 · 96 = 676.
     both.ok(RunRequest(3, (600, 600)))
-    assert both.ask(RunRequest(4, (600,))) == (TOO_FAST, 668 * 100 // 600)
-    # Two of 600 ticks have 2 · 668 / (3 · 600) of it.
-    assert both.ask(RunRequest(4, (855,)))[0] == TOO_FAST
+    assert both.ask(RunRequest(4, (600,))) == (TOO_FAST, 676 * 100 // 600)
+    # Two of 600 ticks have 2 · 676 / (3 · 600) of it.
+    assert both.ask(RunRequest(4, (895,)))[0] == TOO_FAST
     assert both.ask(MoveToRequest(4, (900,)))[0] == TOO_FAST
-    both.ok(RunRequest(4, (866,)))
+    both.ok(RunRequest(4, (910,)))
 
 
 @pytest.mark.parametrize("width_us", [0, 100])

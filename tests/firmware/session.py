@@ -51,7 +51,7 @@ from stepramp.controllers.stepramp.formula_image import encode_formula
 from stepramp.ramp.on_chip import OnChipRamp
 from stepramp.shapes.constant import ConstantAcceleration as Slope
 
-LIMITS = (106, 246, 380, 533)
+LIMITS = (106, 246, 388, 533)
 LINE_LIMITS = (106, 133, 160, 177)
 FORMULA_LIMIT = 1600
 """[fast ticks] as hello tells them."""

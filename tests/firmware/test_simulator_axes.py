@@ -9,7 +9,7 @@ from firmware.checker import assert_good, lateness_us
 from firmware.protocol import HALT, IN_MOTION, MOVE_BY, STOP, for_axes
 from firmware.rig import BusyClient, Make, RampDesign, image, move_by, play, request, until_made
 
-SPEEDS = {2: 65_040, 3: 42_106, 4: 30_019}
+SPEEDS = {2: 65_040, 3: 41_237, 4: 30_019}
 """[steps/s] of each axis, when so many move: as fast as the limits in whole ticks allow."""
 LATE_US = {2: 15, 3: 25, 4: 50}
 """Most of it where several axes load a segment at the same instant."""

@@ -215,14 +215,14 @@ def test_a_line_within_the_range_of_positions(host: Host) -> None:
         (1, 106, OK),
         (2, 246, OK),
         (2, 245, TOO_FAST),
-        (3, 380, OK),
-        (3, 379, TOO_FAST),
+        (3, 388, OK),
+        (3, 387, TOO_FAST),
         (4, 533, OK),
         (4, 532, TOO_FAST),
     ],
 )
 def test_the_fastest_axes_together(host: Host, axes: int, interval: int, status: int) -> None:
-    """65,000, 42,000 and 30,000 steps/s each."""
+    """65,000, 41,000 and 30,000 steps/s each."""
     machine = Machine(host, image_of(*[StoredRamp((), interval, ())] * axes, fast=True), round_ticks=1000)
     assert machine.move(*[100] * axes)[0] == status
     machine.rest()

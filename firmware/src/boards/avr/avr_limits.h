@@ -8,7 +8,7 @@
  * loop, which keeps the queues filled and the serial port read, need of the processor. */
 #define SHORTEST_INTERVAL_1_AXIS_TICKS 106u
 #define SHORTEST_INTERVAL_2_AXES_TICKS 246u
-#define SHORTEST_INTERVAL_3_AXES_TICKS 380u
+#define SHORTEST_INTERVAL_3_AXES_TICKS 388u
 #define SHORTEST_INTERVAL_4_AXES_TICKS 533u
 
 /* Shortest interval [fast ticks] of the axis with most steps, on a straight line of 2, 3, 4 axes. */
