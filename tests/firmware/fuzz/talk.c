@@ -97,12 +97,32 @@ static uint8_t await_reply(uint8_t reply[LONGEST_MESSAGE])
     return length;
 }
 
-void talk_send(const uint8_t *bytes, size_t count)
+/* What stops in place of a frame is answered as a request without a session and a tag. */
+static void hear_stop_answered(uint8_t byte)
 {
     uint8_t reply[LONGEST_MESSAGE];
+    may_be_cut = true;
+    uint8_t length = await_reply(reply);
+    must(length == MESSAGE_HEADER_BYTES + 1, "a byte that stops isn't answered");
+    must(reply[0] == (KIND_REPLY | (byte == STOP_BYTE ? KIND_STOP : KIND_HALT)), "and not as a stop is");
+    memset(last_header, 0, sizeof last_header);
+}
+
+void talk_send(const uint8_t *bytes, size_t count)
+{
+    static unsigned of_frame; /* bytes so far */
+    static uint8_t first;
+    uint8_t reply[LONGEST_MESSAGE];
     for (size_t i = 0; i < count; i++) {
+        bool stops = bytes[i] == 0 && of_frame == 1 && first >= HALT_BYTE;
+        first = of_frame == 0 ? bytes[i] : first;
+        of_frame = bytes[i] == 0 ? 0 : of_frame + 1;
         uint8_t length = message_receive(&as_received, bytes[i]);
         controller_receive(bytes[i]);
+        if (stops) {
+            hear_stop_answered(first);
+            continue;
+        }
         if (length >= MESSAGE_HEADER_BYTES) {
             may_be_cut = as_received.bytes[0] == KIND_STOP || as_received.bytes[0] == KIND_HALT;
             uint8_t reply_length = await_reply(reply);

@@ -13,6 +13,8 @@
 #define EMPTY_COUNT 3
 #define LONGEST_COUNT 59
 #define HAS_BYTE 0xFF
+#define STOPS 0xFE
+#define HALT_BYTE 0xFE
 
 /* The CRC in \high and \low continued by what \high has been xored with. Uses \high, \scratch; the next one is in
  * \scratch (low) and \low (high). 14 cycles. */
@@ -87,6 +89,8 @@ goes_on:
 end_of_frame:
 	std  Z+COUNT, r1
 	std  Z+GROUP_LEFT, r1
+	cpi  r25, 1
+	breq one_byte
 	ld   r18, Z
 	ldd  r19, Z+TAIL+1
 	ldd  r20, Z+CRC
@@ -101,6 +105,13 @@ end_of_frame:
 	brne goes_on
 	mov  r24, r25
 	ldi  r25, 0
+	ret
+
+one_byte:
+	cpi  r24, HALT_BYTE-1
+	brcs goes_on
+	mov  r25, r24
+	ldi  r24, STOPS
 	ret
 
 	.section .text.frame_crc16_update, "ax", @progbits

@@ -43,6 +43,9 @@ enum kind {
     KIND_HALT = 0x31
 };
 
+/* In place of a frame, between two zero bytes: a stop, a halt, of all axes. No frame is so long that it begins so. */
+enum { HALT_BYTE = 0xFE, STOP_BYTE = 0xFF };
+
 /* Obeyed whoever asks for it, and whatever is being sent. */
 static inline bool is_urgent(uint8_t kind)
 {

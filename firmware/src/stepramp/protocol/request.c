@@ -1,5 +1,8 @@
 #include "stepramp/protocol/request.h"
 
+#include <string.h>
+
+#include "stepramp/edge/out_of_line.h"
 #include "stepramp/protocol/frame.h"
 #include "stepramp/store/ramp_keeper.h"
 
@@ -27,12 +30,25 @@ static void keep(uint8_t index, uint8_t byte)
     }
 }
 
+/* What stops in place of a frame is a request without a session and a tag. Returns its length. */
+static OUT_OF_LINE uint8_t receive_stop(uint8_t byte)
+{
+    stepramp_requests.is_beside = stepramp_requests.waiting_length != 0;
+    uint8_t *message = stepramp_requests.is_beside ? stepramp_requests.urgent : stepramp_requests.kept;
+    memset(message, 0, MESSAGE_HEADER_BYTES);
+    message[0] = byte == STOP_BYTE ? KIND_STOP : KIND_HALT;
+    return MESSAGE_HEADER_BYTES;
+}
+
 uint8_t request_receive(uint8_t byte)
 {
     uint16_t received = frame_receive(&receiver, byte);
     if ((uint8_t)received == FRAME_HAS_BYTE) {
         keep(frame_byte_index(&receiver), (uint8_t)(received >> 8));
         return 0;
+    }
+    if ((uint8_t)received == FRAME_STOPS) {
+        return receive_stop((uint8_t)((received >> 8) + 1));
     }
     return (uint8_t)received < MESSAGE_HEADER_BYTES ? 0 : (uint8_t)received;
 }
