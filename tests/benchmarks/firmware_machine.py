@@ -24,7 +24,7 @@ RATES = {
     "4 axes": (20_000, 25_000, 30_019),
     "line of 2": (80_000, 100_000, 120_301),
     "line of 3": (70_000, 85_000, 100_000),
-    "line of 4": (60_000, 75_000, 90_396),
+    "line of 4": (60_000, 75_000, 88_395),
 }
 """[steps/s] of each axis, the last one as fast as the firmware allows. Beyond that it refuses to move."""
 SLEW_S, RAMP_S = 0.15, 0.025

@@ -170,7 +170,7 @@ def test_axes_that_cant_all_move_at_once_are_told() -> None:
 
 
 def test_which_pulse_width_would_do_is_told() -> None:
-    """By hand, in fast ticks: 20,000 steps/s are 800. Four axes need 533 + 128 w, a line 177 + 32 w, one 106 + 32 w."""
+    """By hand, in fast ticks: 20,000 steps/s are 800. Four axes need 533 + 128 w, a line 181 + 32 w, one 106 + 32 w."""
     quick = design(**FAST, ramp__slew_speed_steps_per_s=20_000, ramp__acceleration_steps_per_s2=1e9)
     plan = planned(quick, quick, quick, quick, settings=StepRampSettings(pulse_width_us=10))
     [warning] = plan.report(plan.image.encode(), 1, kept=True).warnings

@@ -52,7 +52,7 @@ from stepramp.ramp.on_chip import OnChipRamp
 from stepramp.shapes.constant import ConstantAcceleration as Slope
 
 LIMITS = (106, 246, 388, 533)
-LINE_LIMITS = (106, 133, 160, 177)
+LINE_LIMITS = (106, 133, 160, 181)
 FORMULA_LIMIT = 1600
 """[fast ticks] as hello tells them."""
 SEGMENT_S = 350e-6

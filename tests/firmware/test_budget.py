@@ -46,7 +46,7 @@ GENEROUS = 1.05
 FOUR = RampDesign(30_019, 900_000, 900_000)
 LINE = {
     build: RampDesign(speed, 4_500_000, 4_500_000)
-    for build, speed in (("memory", 90_396), ("memory_with_inputs", 86_956))
+    for build, speed in (("memory", 88_395), ("memory_with_inputs", 86_956))
 }
 WIDE = RampDesign(1000, 20_000, 20_000)
 GAUGE = Ramp([(4000, 6, 0), (2500, 20, 0), (1500, 40, 0)], 1000, [(4000, 6, 0), (2500, 20, 0), (1500, 40, 0)])

@@ -213,8 +213,8 @@ def just_keeping_pace(axes: int, slew: int, segments: int = SEGMENTS) -> Ramp:
         (1, 106, 0, False),
         (2, 133, 0b1111, False),
         (3, 160, 0, False),
-        (4, 177, 0, False),
-        (4, 177, 0b1111, False),
+        (4, 181, 0, False),
+        (4, 181, 0b1111, False),
         (2, 136, 0b1111, True),
         (4, 184, 0, True),
     ],
@@ -341,7 +341,7 @@ def test_a_line_of_four_never_waits_for_a_flood(
     when so many of the frames are stops that a disturbed line has damaged, to each of which a request gives way."""
     talk = Talk(random.Random(seed))
     steps = (70_000, -23_456, 69_999, -69_998)
-    talk.begin(image([RampDesign(86_956 if with_inputs else 90_396, 4_500_000, 4_500_000)] * 4))
+    talk.begin(image([RampDesign(86_956 if with_inputs else 88_395, 4_500_000, 4_500_000)] * 4))
     talk.ask(LINE, bytes([0b1111, 0]) + struct.pack("<4i", *steps), wait_ms=talk.random.random() * 40)
     longest_pause_ms = talk.random.choice([0, 0, 1, 3])
     for _ in range(110):

@@ -12,7 +12,7 @@ from firmware.rig import BusyClient, Make, Played, RampDesign, Work, along_a_lin
 PLANS = {
     2: RampDesign(120_301, 6_000_000, 6_000_000),
     3: RampDesign(100_000, 5_000_000, 5_000_000),
-    4: RampDesign(90_396, 4_500_000, 4_500_000),
+    4: RampDesign(88_395, 4_500_000, 4_500_000),
 }
 """As fast as a line of so many axes may be."""
 STEPS = (20_000, -19_999, 12_345, -3)

@@ -19,7 +19,7 @@
 #else
 #define SHORTEST_INTERVAL_LINE_2_TICKS 133u
 #define SHORTEST_INTERVAL_LINE_3_TICKS 160u
-#define SHORTEST_INTERVAL_LINE_4_TICKS 177u
+#define SHORTEST_INTERVAL_LINE_4_TICKS 181u
 #endif
 
 /* Shortest interval [fast ticks] of a ramp that is computed while it is played: faster, its queue may run dry while a
