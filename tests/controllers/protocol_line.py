@@ -44,8 +44,10 @@ class Line:
         self.hello()
 
     def hello(self) -> HelloReply:
+        """Say hello, to a controller of an older version in that one."""
         self._tag = 0
-        return self.good(HelloRequest(), HelloReply)
+        said = self.ask(HelloRequest(), HelloReply)
+        return said if isinstance(said, HelloReply) else self.good(HelloRequest(said.detail), HelloReply)
 
     def write(self, data: bytes) -> None:
         self.port.write(data)

@@ -9,13 +9,20 @@ from stepramp.controllers.stepramp.messages.axes import axes_of, mask_of
 from stepramp.controllers.stepramp.messages.body import DoneReply, Reply
 from stepramp.controllers.stepramp.messages.kinds import NOTICE_KINDS, REQUESTS, unpack_notice
 from stepramp.controllers.stepramp.messages.message import REPLY, Message
-from stepramp.controllers.stepramp.messages.motion import HaltRequest, LineRequest, MoveByRequest, TargetsReply
+from stepramp.controllers.stepramp.messages.motion import (
+    AcknowledgeRequest,
+    HaltRequest,
+    HomeRequest,
+    LineRequest,
+    MoveByRequest,
+    TargetsReply,
+)
 from stepramp.controllers.stepramp.messages.ramps import DataReply, DataRequest, EndReply, ReadReply
 from stepramp.controllers.stepramp.messages.reply import Refusal, ReplyStatus, pack_reply, unpack_reply
 from stepramp.controllers.stepramp.messages.report import ReportNotice
 from stepramp.controllers.stepramp.messages.session import HelloReply
 from stepramp.controllers.stepramp.messages.settings import SettingsReply, WriteSettingsRequest
-from stepramp.controllers.stepramp.messages.status import AxisState, StatusReply
+from stepramp.controllers.stepramp.messages.status import AxisState, InputsStatus, StatusReply
 from stepramp.controllers.stepramp.messages.trace import TraceNotice, TraceReply
 
 FRAMES = json.loads((Path(__file__).parent.parent / "reference" / "protocol_frames.json").read_text())["frames"]
@@ -42,6 +49,8 @@ REPLIES: dict[int, type[Reply]] = {
     0x23: TargetsReply,
     0x24: DoneReply,
     0x25: DoneReply,
+    0x26: DoneReply,
+    0x27: DoneReply,
     0x30: DoneReply,
     0x31: DoneReply,
 }
@@ -131,9 +140,10 @@ def test_a_stop_names_axes_or_none() -> None:
     assert (HaltRequest().pack(), HaltRequest(bytes([5])).pack()) == (b"", b"\x05")
 
 
-def test_settings_are_12_bytes() -> None:
-    assert WriteSettingsRequest.unpack(bytes(range(12))).settings == bytes(range(12))
-    for length in (11, 13):
+def test_settings_are_12_bytes_or_more() -> None:
+    for length in (12, 24, 51):
+        assert WriteSettingsRequest.unpack(bytes(range(length))).settings == bytes(range(length))
+    for length in (11, 52):
         with pytest.raises(ValueError, match="WriteSettingsRequest"):
             WriteSettingsRequest.unpack(bytes(length))
 
@@ -168,3 +178,42 @@ def test_a_hello_without_sense(place: int, value: bytes) -> None:
 
 def test_refusals_carry_a_detail() -> None:
     assert unpack_reply(DoneReply, b"\x0c\x8f\x00") == Refusal(ReplyStatus.TOO_FAST, 143)
+
+
+def test_a_hello_of_version_3() -> None:
+    body = HelloReply(2, 0, 2, 0, 16_000_000, 2_000_000, (1, 2, 3, 4), (5, 6, 7), 9, 8, 488, 250, 4, 1, 0, 0, 0).pack()
+    third = b"\x00" + b"\x03" + body[1:] + bytes.fromhex("0f 18 20")
+    said = unpack_reply(HelloReply, third)
+    assert isinstance(said, HelloReply)
+    assert (len(third), said.protocol_version, said.has_inputs, said.more) == (48, 3, True, b"\x0f\x18\x20")
+    assert unpack_reply(HelloReply, third + b"\x99").more == b"\x0f\x18\x20\x99"
+    assert not unpack_reply(HelloReply, third[:45] + bytes.fromhex("0b 0c 1b")).has_inputs
+    assert not unpack_reply(HelloReply, b"\x00" + body).has_inputs
+    with pytest.raises(ValueError, match="version 3 with 2 bytes"):
+        unpack_reply(HelloReply, third[:-1])
+
+
+def test_a_status_with_inputs() -> None:
+    plain = bytes.fromhex("00 01 01 88ffffff d0070000 a00f0000 78000000 03000000 3412 06 02")
+    assert (len(plain), unpack_reply(StatusReply, plain).inputs) == (27, None)
+    said = unpack_reply(StatusReply, plain + bytes.fromhex("0301 02 05 08"))
+    assert said.inputs == InputsStatus(active=0x103, stopped_by=2, known_axes=0b101, homing_axes=0b1000)
+    later = unpack_reply(StatusReply, plain + bytes.fromhex("0301 02 05 08 ffff"))
+    assert (later.inputs, later.pack()) == (said.inputs, plain[1:] + bytes.fromhex("0301 02 05 08 ffff"))
+
+
+def test_what_is_asked_of_inputs() -> None:
+    assert (AcknowledgeRequest.KIND, AcknowledgeRequest().pack()) == (0x26, b"")
+    home = HomeRequest(0b101, 40_000, 50, (-5000, 4000))
+    assert (home.KIND, home.pack().hex(" ")) == (0x27, "05 40 9c 00 00 32 00 78 ec ff ff a0 0f 00 00")
+    assert HomeRequest.unpack(home.pack()).by_axis == {0: -5000, 2: 4000}
+    with pytest.raises(ValueError, match="values for"):
+        HomeRequest(0b1, 40_000, 50, ())
+    # Carried out a second time they might undo a stop that came in between.
+    assert not AcknowledgeRequest.HARMLESS_TWICE
+    assert not HomeRequest.HARMLESS_TWICE
+
+
+def test_refusals_of_inputs() -> None:
+    assert unpack_reply(DoneReply, b"\x0d\x01\x01") == Refusal(ReplyStatus.STOPPED, 0x101)
+    assert unpack_reply(DoneReply, b"\x0e\x02\x07") == Refusal(ReplyStatus.AT_LIMIT, 0x702)

@@ -67,7 +67,7 @@ class Both:
         self._virtual = VirtualController(self._clock)
         self._tag = 0
         driver.ask("begin")
-        self._exchange(HelloRequest())
+        self._exchange(HelloRequest(2))
 
     def ask(self, request: Request) -> tuple[int, int]:
         """Return the status and its detail, 0 when the request was granted."""

@@ -21,11 +21,11 @@ DEVICE_FIELDS = {
     "id", "port", "name", "family", "capabilities", "state", "message", "position_steps", "target_steps",
     "speed_steps_per_s", "axes", "timer_hz", "clocks_hz", "most_axes", "firmware_version", "ramp", "on_trial", "backup",
     "lacks_backup", "motors_on", "starved", "pushed", "progress", "shuttle", "unknown_positions", "in_control",
-    "in_control_at", "stops", "heard_s", "age_s", "unproven", "proof",
+    "in_control_at", "stops", "heard_s", "age_s", "unproven", "proof", "inputs", "stopped_by",
 }  # fmt: skip
 AXIS_FIELDS = {
     "axis", "state", "position_steps", "target_steps", "speed_steps_per_s", "steps_made", "lowest_steps",
-    "highest_steps", "is_beyond_limits", "steps_per_mm",
+    "highest_steps", "is_beyond_limits", "steps_per_mm", "limits_hold", "position_known", "homing",
 }  # fmt: skip
 _numbers = itertools.count()
 
@@ -86,7 +86,7 @@ def test_connecting(client: TestClient, port: str) -> None:
     assert (device["ramp"], device["pushed"], device["message"]) == (None, None, None)
     assert (device["clocks_hz"], device["on_trial"], device["most_axes"]) == ([16_000_000, 2_000_000], False, 4)
     assert device["family"] == "stepramp"
-    assert set(device["capabilities"]) == {"keep", "try", "restore", "settings", "trace", "line", "zero"}
+    assert set(device["capabilities"]) == {"keep", "try", "restore", "settings", "trace", "line", "zero", "inputs"}
     [axis] = device["axes"]
     assert set(axis) == AXIS_FIELDS
     assert 0 <= device.pop("age_s") < PATIENCE_S

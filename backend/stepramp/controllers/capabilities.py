@@ -128,7 +128,26 @@ class ProvenByStart(Protocol):
         """Refused unless it may be started anew from here: it rests, and moves nothing by that."""
 
 
-CapabilityName = Literal["keep", "try", "restore", "settings", "trace", "line", "zero", "backup", "import", "prove"]
+@runtime_checkable
+class HasInputs(Protocol):
+    """A controller that inputs stop, such as limit switches, and that finds its axes' places by them."""
+
+    def acknowledge(self) -> None:
+        """Take motions again after an emergency stop or a driver's fault; Refused while one of them is still there."""
+
+    def home(self, fast: Sequence[AxisCommand], slow: AxisCommand, back_off_steps: int) -> None:
+        """Begin to find axes' limit switches: position 0 is then where they are not active, just before.
+
+        fast: towards which, and how fast, negative for backwards [steps/s]. slow: without sign, of all [steps/s].
+        back_off_steps: so far each goes from its switch before it comes back slowly.
+
+        Rejected for an axis without a switch at that end. It goes on only as long as the controller is asked things.
+        """
+
+
+CapabilityName = Literal[
+    "keep", "try", "restore", "settings", "trace", "line", "zero", "inputs", "backup", "import", "prove"
+]
 
 
 @dataclass(frozen=True)
@@ -151,6 +170,7 @@ CAPABILITIES = (
     Capability("trace", TracesMoves, "trace moves"),
     Capability("line", DrawsLines, "move axes along a straight line"),
     Capability("zero", ZeroesGauges, "zero gauges"),
+    Capability("inputs", HasInputs, "tell of inputs, nor be homed from here"),
     Capability("backup", BacksUp, "be backed up"),
     Capability("import", TellsSettings, "tell settings that designs can be made of"),
     Capability("prove", ProvenByStart, "be started anew to prove what it has stored"),
@@ -159,7 +179,7 @@ CAPABILITIES = (
 
 def capabilities_of(controller: Controller) -> tuple[CapabilityName, ...]:
     """Return the names of what a controller can do besides what all can."""
-    return tuple(each.name for each in CAPABILITIES if isinstance(controller, each.of))
+    return tuple(each.name for each in CAPABILITIES if _has(controller, each.of))
 
 
 def capable(controller: Controller, kind: type[C], called: str, family: str) -> C:
@@ -169,10 +189,19 @@ def capable(controller: Controller, kind: type[C], called: str, family: str) -> 
     """
     if not isinstance(controller, kind):
         raise refusal(kind, called, family)
+    if kind in controller.lacks:
+        raise Refused(f"{called} can't {_words(kind)}: its firmware is without that, or older.")
     return controller
 
 
 def refusal(kind: type, called: str, family: str) -> Refused:
     """Return what is raised when a controller hasn't got a capability; as capable."""
-    words = next(each.words for each in CAPABILITIES if each.of is kind)
-    return Refused(f"{called} can't {words}: no controller of its family, {family}, can.")
+    return Refused(f"{called} can't {_words(kind)}: no controller of its family, {family}, can.")
+
+
+def _has(controller: Controller, kind: type) -> bool:
+    return isinstance(controller, kind) and kind not in controller.lacks
+
+
+def _words(kind: type) -> str:
+    return next(each.words for each in CAPABILITIES if each.of is kind)

@@ -9,6 +9,7 @@ from typing import Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from stepramp.controllers.inputs import InputsState
 from stepramp.controllers.remark import told_in
 from stepramp.design import Design
 from stepramp.errors import Refused, Told
@@ -53,6 +54,10 @@ class AxisStatus:
     """Since it last set out from rest."""
     steps_per_mm: float | None = None
     """What the controller itself is set to; None for one that counts in steps only."""
+    position_known: bool | None = None
+    """Whether it is known that it is there; None for a controller that doesn't tell."""
+    homing: bool | None = None
+    """Whether it is being homed; None for a controller that doesn't tell."""
 
     @property
     def runs(self) -> bool:
@@ -75,6 +80,8 @@ class ControllerStatus:
     """How often a motor's next step was not known in time since the controller started; None: it doesn't count that."""
     trouble: str | None = None
     """What keeps the motors from being moved, or has cut their last motion short, as a sentence for people."""
+    of_inputs: InputsState | None = None
+    """What its inputs do; None for a controller without any."""
 
 
 FigureUnit = Literal["", "steps", "steps/s", "steps/s²", "µs", "Hz", "CRC-16"]
@@ -239,6 +246,11 @@ class Controller(Protocol):
     Calls that ask something of axes raise Rejected when a value leads too far or too fast, or there is no such axis,
     and Refused when it can't be done now. Not for two threads at once: the port's worker makes all calls.
     """
+
+    @property
+    def lacks(self) -> tuple[type, ...]:
+        """The protocols of what others of its family can and this one can't, known once connected."""
+        return ()
 
     @property
     def clocks_hz(self) -> tuple[int, ...]:

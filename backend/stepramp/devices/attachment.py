@@ -8,6 +8,7 @@ from time import sleep
 from stepramp.controllers.capabilities import ProvenByStart, capabilities_of
 from stepramp.controllers.families import Family
 from stepramp.devices.contact import Contact
+from stepramp.devices.homing import Homings
 from stepramp.devices.leases import Leases
 from stepramp.devices.live_view import LiveView
 from stepramp.devices.permit import Permit
@@ -49,6 +50,7 @@ class Attachment:
         stopping: Stopping,
         runs: Runs,
         to_and_fro: ToAndFro,
+        homings: Homings,
         writing: Writing,
         proving: Proving,
     ) -> None:
@@ -63,6 +65,7 @@ class Attachment:
         self._stopping = stopping
         self._runs = runs
         self._to_and_fro = to_and_fro
+        self._homings = homings
         self._writing = writing
         self._proving = proving
         self._connecting = threading.Lock()
@@ -172,6 +175,7 @@ class Attachment:
         self._runs.let_end()
         self._watch.look()
         self._to_and_fro.go_on()
+        self._homings.go_on()
         return self._watch.pause_s
 
     def _open(self) -> None:

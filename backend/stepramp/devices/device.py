@@ -15,6 +15,7 @@ from stepramp.devices.attachment import Attachment
 from stepramp.devices.backups import Backup, Backups, Source
 from stepramp.devices.contact import Contact
 from stepramp.devices.control import Control
+from stepramp.devices.homing import Homing, Homings
 from stepramp.devices.leases import Lease, Leases
 from stepramp.devices.live_view import LiveView
 from stepramp.devices.motions import Motions
@@ -77,6 +78,7 @@ class Device:
         control = Control(live)
         runs = Runs(live, contact, leases, stopping)
         to_and_fro = ToAndFro(live, contact, watch, control, setting_out, stops)
+        self._homings = Homings(live, contact, watch, leases, control, setting_out)
         backups = Backups(data, family.name, known)
         proving = Proving(live, Unproven(backups.folder))
         writing = Writing(live, contact, watch, leases, backups, proving, family.play_own)
@@ -95,6 +97,7 @@ class Device:
             stopping,
             runs,
             to_and_fro,
+            self._homings,
             writing,
             proving,
         )
@@ -292,6 +295,20 @@ class Device:
     def zero(self, axes: Collection[int], steps: int, request_number: int | None = None) -> None:
         """Call the places where axes are so many steps and move them to 0; see ZeroesGauges."""
         self._motions.zero(axes, steps, request_number)
+
+    def home(self, homing: Homing, lease: Lease, request_number: int | None = None) -> None:
+        """Have axes find their limit switches as long as a lease holds; see HasInputs.
+
+        Soft limits don't hold meanwhile. Refused when the lease ran out before it came to that.
+        """
+        self._homings.begin(homing, lease, request_number)
+
+    def acknowledge(self, request_number: int | None = None) -> None:
+        """Let motions be taken again after an emergency stop or a driver's fault; see HasInputs.
+
+        Refused when a stop came after it was asked for, as a motion: nobody may have meant it any more.
+        """
+        self._homings.acknowledge(request_number)
 
     def trace_moves(self, axis: int | None, every_steps: int) -> NextTrace:
         """Trace every so many-th step of each move of an axis from now on; see TracesMoves."""

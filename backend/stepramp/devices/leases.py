@@ -13,12 +13,21 @@ class Lease:
     """What axes run on, for any thread. Once it has run out or was ended, nothing brings it back.
 
     speeds: those of the axes that run on it, negative for backwards [steps/s]. lasts_s: how long, and how long again
-    after each renewal [s]. page: whose it is, if a page's: it holds only while that page is in control.
+    after each renewal [s]. page: whose it is, if a page's: it holds only while that page is in control. is_to_home:
+    they run until they have found their switches.
     """
 
-    def __init__(self, speeds: Mapping[int, float], lasts_s: float = JOG_S, page: str | None = None) -> None:
+    def __init__(
+        self,
+        speeds: Mapping[int, float],
+        lasts_s: float = JOG_S,
+        page: str | None = None,
+        *,
+        is_to_home: bool = False,
+    ) -> None:
         self.speeds = {axis: speed for axis, speed in speeds.items() if speed}
         self.page = page
+        self.is_to_home = is_to_home
         self._lasts_s = lasts_s
         self._lock = threading.Lock()
         self._until_s = monotonic() + lasts_s
@@ -73,5 +82,5 @@ class Leases:
 
     @property
     def speeds(self) -> dict[int, float]:
-        """Speeds that axes run at on a lease, negative for backwards [steps/s]."""
-        return {axis: lease.speeds[axis] for axis, lease in self._of_axes.items()}
+        """Speeds that axes run at on a lease, negative for backwards [steps/s]; of those being homed none is known."""
+        return {axis: lease.speeds[axis] for axis, lease in self._of_axes.items() if not lease.is_to_home}

@@ -44,7 +44,7 @@ class Runs:
 
         It runs on because we ask the controller what it does, and nobody would end it.
         """
-        axes = [axis.axis for axis in status.axes if axis.runs]
+        axes = [axis.axis for axis in status.axes if axis.runs or axis.homing]
         if axes:
             self._stopping.take_back(axes)
             self._view.log("axes %s ran for nobody: slowed down", axes)

@@ -103,6 +103,12 @@ class SettingOut:
             with self._taken_back_on_failure(axes):
                 self._watch.refresh()
 
+    def allow(self, request_number: int | None, job: Callable[[], None]) -> None:
+        """Do what moves nothing itself, but lets motions be taken again, unless a stop has come since."""
+        with self._permit.given(self.moment(request_number)):
+            job()
+        self._watch.refresh()
+
     @contextmanager
     def _taken_back_on_failure(self, axes: Collection[int]) -> Iterator[None]:
         """Stop axes that have set out when what follows fails: whoever asked is told that, and expects no motion."""

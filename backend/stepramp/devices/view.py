@@ -7,6 +7,7 @@ from time import monotonic
 
 from stepramp.controllers.capabilities import CapabilityName
 from stepramp.controllers.contract import Activity, AxisStatus, ControllerStatus, PushReport, StoredRamp
+from stepramp.controllers.inputs import InputStatus, StopCause
 from stepramp.controllers.progress import Progress
 from stepramp.devices.proof import Proof
 from stepramp.devices.shuttle import Shuttle
@@ -43,6 +44,15 @@ class AxisView:
     lowest_steps: int | None = None
     """Soft limits; None for none."""
     highest_steps: int | None = None
+    position_known: bool | None = None
+    """Whether it is known that it is there; None for a controller that doesn't tell."""
+    homing: bool | None = None
+    """Whether it is being homed; None for a controller that doesn't tell."""
+
+    @property
+    def limits_hold(self) -> bool:
+        """Whether it has soft limits and is kept within them: to be homed is to go wherever the switch is."""
+        return not self.homing and Span(self.lowest_steps, self.highest_steps) != FREE
 
     @property
     def is_beyond_limits(self) -> bool:
@@ -111,6 +121,12 @@ class DeviceView:
     """Axes that may be elsewhere than they count, since the device was lost."""
     zeroing: tuple[int, ...] = ()
     """Axes on their way to the stop of a gauge, which says where they are once they have come there."""
+    after_homing: Mapping[int, int] = field(default_factory=dict)
+    """Axes that are being homed, and what the place that they find is to be called [steps]."""
+    inputs: tuple[InputStatus, ...] | None = None
+    """Those that are for something; None for a controller without any."""
+    stopped_by: tuple[StopCause, ...] | None = None
+    """What has stopped all motion, until it is acknowledged; None for a controller without inputs."""
     in_control: str | None = None
     """The page that is in control of the device."""
     in_control_at: str | None = None
@@ -146,6 +162,8 @@ class DeviceView:
             starved=status.starved,
             message=" ".join(each for each in (status.trouble, self.half_written, not_kept) if each) or None,
             midst=(),
+            inputs=None if status.of_inputs is None else status.of_inputs.inputs,
+            stopped_by=None if status.of_inputs is None else status.of_inputs.stopped_by,
             zeroing=tuple(axis for axis in self.zeroing if axis not in resting),
         ).with_known_positions(arrived)
 
@@ -156,7 +174,16 @@ class DeviceView:
     def without_errand(self, axes: Collection[int] | None) -> "DeviceView":
         """Return the device once axes, or all, go somewhere else than they were on their way to by themselves."""
         zeroing = () if axes is None else tuple(axis for axis in self.zeroing if axis not in axes)
-        return replace(self, shuttle=None, zeroing=zeroing)
+        return replace(self, shuttle=None, zeroing=zeroing).without_homing(axes)
+
+    def with_homing(self, positions_steps: Mapping[int, int]) -> "DeviceView":
+        """Return the device once axes are being homed, with what the places that they find are to be called [steps]."""
+        return replace(self, after_homing={**self.after_homing, **positions_steps})
+
+    def without_homing(self, axes: Collection[int] | None) -> "DeviceView":
+        """Return the device once nothing is to be done any more after axes, or all, were homed."""
+        left = {} if axes is None else {axis: at for axis, at in self.after_homing.items() if axis not in axes}
+        return replace(self, after_homing=left)
 
     def anew(self, port: str, name: str) -> "DeviceView":
         """Return the device as it is while it is connected again: what is known of it stays, what it said doesn't."""
@@ -212,6 +239,7 @@ class DeviceView:
             unknown_positions=tuple(sorted({*self.unknown_positions, *(axis.axis for axis in self.axes)})),
             progress=None,
             shuttle=None,
+            after_homing={},
         )
 
     def still_lost(self, message: str, now: "DeviceView") -> "DeviceView":
@@ -271,4 +299,6 @@ def _axis_view(status: AxisStatus, span: Span) -> AxisView:
         steps_per_mm=status.steps_per_mm,
         lowest_steps=span.lowest_steps,
         highest_steps=span.highest_steps,
+        position_known=status.position_known,
+        homing=status.homing,
     )

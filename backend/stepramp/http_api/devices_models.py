@@ -8,6 +8,7 @@ from stepramp.controllers.axes import MOST_AXES
 from stepramp.controllers.capabilities import CapabilityName
 from stepramp.controllers.contract import FigureUnit, PushReport
 from stepramp.controllers.families import FAMILIES, USUAL_FAMILY
+from stepramp.controllers.inputs import End, Level, LimitStop, RoleName, StopCause
 from stepramp.controllers.progress import PushStage
 from stepramp.design import Design
 from stepramp.devices.view import DeviceState
@@ -263,6 +264,14 @@ class AxisAnswer(Answer):
     )
     lowest_steps: int | None = Field(description="Soft limit: the lowest position; null for none [steps]")
     highest_steps: int | None = Field(description="Soft limit: the highest position; null for none [steps]")
+    limits_hold: bool = Field(
+        description="Whether it has soft limits and is kept within them just now: while it is homed it isn't"
+    )
+    position_known: bool | None = Field(
+        description="Whether it is known that its motor is there: since it was homed, or its position set. Not after a "
+        "reset, nor once it was halted at speed. It moves all the same. null where the controller doesn't tell"
+    )
+    homing: bool | None = Field(description="Whether it is being homed; null where the controller doesn't tell")
     is_beyond_limits: bool = Field(
         description="Whether it is beyond its soft limits: then only moves that end within them, and runs towards "
         "them, are taken"
@@ -279,6 +288,23 @@ class ProofAnswer(Answer):
     words: str = Field(description="The same as sentences, with what was written when, and what it has")
 
 
+class InputAnswer(Answer):
+    """An input that is for something."""
+
+    input: str = Field(description="Its name on the board, such as A0")
+    role: RoleName = Field(
+        description="emergency_stop: halts all axes. driver_fault: as well. limit: a switch at an end of an axis"
+    )
+    is_active: bool = Field(description="Whether it is active now")
+    active: Level = Field(description="The level at which it is active")
+    pull_up: bool = Field(description="Whether the controller's own pull-up is on")
+    axis: int | None = Field(description="Of a limit: of which axis; null for other roles")
+    end: End | None = Field(description="Of a limit: at which end of the axis; null for other roles")
+    stops: LimitStop | None = Field(
+        description="Of a limit: how it stops the axis, with its ramp or at once; null for other roles"
+    )
+
+
 class DeviceAnswer(Answer):
     """A device as it is now."""
 
@@ -289,8 +315,8 @@ class DeviceAnswer(Answer):
     capabilities: list[CapabilityName] = Field(
         description="What it can do besides what all controllers can; none until it is connected. keep: store pushed "
         "ramps. try: use them without that, and roll back. restore: bring back those before. settings; trace; line; "
-        "zero: as the requests of that name. backup: its settings are saved before they are written to. prove: it "
-        "proves by a start that it has stored them. "
+        "zero: as the requests of that name. inputs: it tells them, and can be homed and acknowledged. backup: its "
+        "settings are saved before they are written to. prove: it proves by a start that it has stored them. "
         "What it can't do is refused with 409"
     )
     state: DeviceState = Field(
@@ -331,6 +357,13 @@ class DeviceAnswer(Answer):
     starved: int | None = Field(
         description="How often a motor's next step was not known in time since it started; 0 when all is well, null "
         "for a controller that doesn't count that"
+    )
+    inputs: list[InputAnswer] | None = Field(
+        description="Its inputs that are for something, as its settings say; null for a controller without any"
+    )
+    stopped_by: list[StopCause] | None = Field(
+        description="What has stopped all motion, and has to be acknowledged before anything moves again; empty for "
+        "nothing, null for a controller without inputs"
     )
     pushed: PushAnswer | None = Field(description="The last push over this connection; null for none")
     backup: str | None = Field(

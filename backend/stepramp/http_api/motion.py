@@ -11,6 +11,7 @@ from stepramp.http_api.devices_models import DeviceAnswer
 from stepramp.http_api.json_response import JsonResponse
 from stepramp.http_api.lanes import ACTING
 from stepramp.http_api.motion_models import (
+    HomePayload,
     LinePayload,
     MovePayload,
     PositionPayload,
@@ -86,6 +87,35 @@ def position(request: PositionPayload, device: Acting) -> DeviceAnswer:
 def zero(request: ZeroPayload, device: Acting, request_number: RequestNumber) -> DeviceAnswer:
     """Move gauges backwards against their stop, which is position 0 from then on."""
     device.zero(request.axes, request.steps, request_number)
+    return DeviceAnswer.model_validate(device.view)
+
+
+@router.post("/devices/{device_id}/home")
+@ACTING.serves
+def home(request: HomePayload, device: Acting, request_number: RequestNumber, page: Page) -> DeviceAnswer:
+    """Begin to find limit switches, from rest: fast towards them, slowly away until they let go, slowly back to them.
+
+    The place of the last step before the switch is active again is position 0 then, or what `position_steps` says, as
+    soon as all axes rest; and it is known. `axes[].homing` tells how long it takes, `axes[].position_known` whether it
+    has come to that: a stop, an emergency stop, or a switch that doesn't let go ends it, and the position is unknown.
+
+    It ends after `for_s`, and with the page that began it, as a run does. Soft limits don't hold while an axis is
+    homed, since it isn't known where they are: the answer says so by `axes[].limits_hold`. Which switches there are the
+    settings say; towards an end without one it is refused.
+    """
+    device.home(request.homing, request.lease(page), request_number)
+    return DeviceAnswer.model_validate(device.view)
+
+
+@router.post("/devices/{device_id}/acknowledge")
+@ACTING.serves
+def acknowledge(device: Acting, request_number: RequestNumber) -> DeviceAnswer:
+    """Let motions be taken again after an emergency stop or a driver's fault; nothing moves by that.
+
+    Refused while one of their inputs is active: release the emergency stop, or mend the fault, first. `stopped_by` says
+    what is to be acknowledged; with nothing it is harmless.
+    """
+    device.acknowledge(request_number)
     return DeviceAnswer.model_validate(device.view)
 
 

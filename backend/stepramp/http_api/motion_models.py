@@ -7,6 +7,7 @@ from pydantic import Field, model_validator
 
 from stepramp.controllers.axes import MOST_AXES, AxisNumber, AxisNumbersAsGiven
 from stepramp.controllers.contract import AxisCommand, Trace
+from stepramp.devices.homing import Homing
 from stepramp.devices.leases import Lease
 from stepramp.devices.shuttle import Shuttle
 from stepramp.devices.soft_limits import Span
@@ -237,6 +238,63 @@ class ZeroPayload(Document):
     def _some(self) -> Self:
         refuse_own_axes(self.axes, {})
         return self
+
+
+class AxisHome(Document):
+    """How one axis is to find its limit switch."""
+
+    axis: AxisNumber = Field(description=AXIS)
+    fast_steps_per_s: Speed = Field(
+        description="Speed towards the switch, negative for the one at its low end, not 0, up to its ramp's slew speed "
+        "[steps/s]",
+        json_schema_extra={"not": {"const": 0}},
+    )
+    position_steps: Steps = Field(0, description="What the place that it finds is to be called afterwards [steps]")
+
+
+class HomePayload(Document):
+    """How axes are to find their limit switches: each by itself."""
+
+    axes: Annotated[list[AxisHome], ListOf("axes and how they find their switches", most=MOST_AXES, least=1)] = Field(
+        description="The axes, and towards which switch"
+    )
+    slow_steps_per_s: Annotated[float, Within(0, 1_000_000, "steps/s", ", but not 0")] = Field(
+        description="Speed of all of them away from the switch, and back to it: the slower, the more exact [steps/s]",
+        json_schema_extra={"not": {"const": 0}},
+    )
+    back_off_steps: Annotated[int, Within(0, 65_535, "steps")] = Field(
+        50, description="How far they go on from where the switch lets go, before they come back slowly [steps]"
+    )
+    for_s: Annotated[float, Within(0.05, 86_400, "s")] = Field(
+        60.0, description="How long it may take; then the axes slow down, and where they are stays unknown [s]"
+    )
+
+    @model_validator(mode="after")
+    def _some(self) -> Self:
+        refuse_own_axes(self.axes, {})
+        axes = [each.axis for each in self.axes]
+        for number, each in enumerate(self.axes):
+            if each.axis in axes[:number]:
+                refuse(f"axes.{number}.axis", each.axis, "each axis once")
+            if not each.fast_steps_per_s:
+                refuse(f"axes.{number}.fast_steps_per_s", 0, "a speed in steps/s towards the switch, but not 0")
+        if not self.slow_steps_per_s:
+            refuse("slow_steps_per_s", 0, "a speed in steps/s, but not 0")
+        return self
+
+    @property
+    def homing(self) -> Homing:
+        """What is asked of the axes."""
+        return Homing(
+            _commands(self.axes, "fast_steps_per_s", None),
+            AxisCommand(0, self.slow_steps_per_s, "slow_steps_per_s"),
+            self.back_off_steps,
+            {each.axis: each.position_steps for each in self.axes},
+        )
+
+    def lease(self, page: str | None) -> Lease:
+        """Return what the axes run on, for whoever asks."""
+        return Lease({each.axis: each.fast_steps_per_s for each in self.axes}, self.for_s, page, is_to_home=True)
 
 
 class TracePayload(Document):

@@ -24,11 +24,13 @@ def settings(device_id: str, devices: Registry) -> Document:
 @router.put("/devices/{device_id}/settings", response_model=ANSWERED)
 @ACTING.serves
 def use_settings(request: AnySettings, device: Acting) -> Document | Response:
-    """Use other settings, what isn't given being the default; they are on trial until they are kept."""
-    model = device.settings_model
+    """Use other settings, what isn't given being the default; they are on trial until they are kept.
+
+    Those of inputs stay as they are when they aren't given, or null: nobody loses an emergency stop who doesn't know of
+    it. For a controller without inputs they are refused unless they are null, as it answers them.
+    """
     try:
-        settings = model.checked(request.model_extra)
+        device.use_settings(device.settings_model.checked(request.model_extra))
     except Rejected as error:
         return error_response(error)  # Whatever the fields are called, they are none of a design.
-    device.use_settings(settings)
     return device.settings()

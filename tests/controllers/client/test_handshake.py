@@ -98,9 +98,12 @@ def test_nothing_answers(connect: Connect) -> None:
 
 def test_another_version_of_the_protocol(connect: Connect) -> None:
     script = Script()
-    script.pairs = [(script.pairs[0][0], replied(HelloRequest(), Refusal(ReplyStatus.BAD_VERSION, 1), 0))]
-    with pytest.raises(Refused, match="speaks version 1 of the protocol, this program version 2"):
-        connect(script)
+    for version in (1, 4):
+        script.pairs = [(script.pairs[0][0], replied(HelloRequest(), Refusal(ReplyStatus.BAD_VERSION, version), 0))]
+        with pytest.raises(Refused, match=f"speaks version {version} of the protocol, this program version 3"):
+            connect(script)
+        script = Script()
+    script.pairs = []
 
 
 def test_a_clock_of_0_hz_makes_no_sense(connect: Connect) -> None:

@@ -17,14 +17,16 @@ from stepramp.controllers.stepramp.messages.status import MachineState, StatusRe
 
 def test_hello(line: Line) -> None:
     said = line.hello()
-    assert (said.protocol_version, said.fast_clock_hz, said.slow_clock_hz, said.axes) == (2, 16_000_000, 2_000_000, 4)
+    assert (said.fast_clock_hz, said.slow_clock_hz, said.axes) == (16_000_000, 2_000_000, 4)
     assert (said.shortest_intervals, said.shortest_line_intervals) == ((106, 246, 388, 533), (133, 160, 181))
     assert (said.longest_interval_ticks, said.largest_image_bytes, said.most_segments) == (2**28 - 1, 440, 250)
     assert (said.ramp_sequence, said.image_crc, said.ramp_in_use) == (0, 0, 0)
 
 
 def test_a_version_that_is_not_spoken(line: Line) -> None:
-    refused(line, HelloRequest(1), ReplyStatus.BAD_VERSION, 2)
+    newest = line.hello().protocol_version
+    refused(line, HelloRequest(1), ReplyStatus.BAD_VERSION, newest)
+    refused(line, HelloRequest(newest + 1), ReplyStatus.BAD_VERSION, newest)
     assert line.status().state == MachineState.IDLE
 
 

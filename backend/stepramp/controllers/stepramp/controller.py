@@ -5,6 +5,7 @@ from time import sleep
 
 from stepramp.controllers.capabilities import (
     DrawsLines,
+    HasInputs,
     HasSettings,
     RestoresRamps,
     StoresRamps,
@@ -29,7 +30,9 @@ from stepramp.controllers.stepramp.conversation import Conversation
 from stepramp.controllers.stepramp.messages.axes import AxesRequest, mask_of
 from stepramp.controllers.stepramp.messages.body import DoneReply
 from stepramp.controllers.stepramp.messages.motion import (
+    AcknowledgeRequest,
     HaltRequest,
+    HomeRequest,
     LineRequest,
     MoveByRequest,
     MoveToRequest,
@@ -65,6 +68,7 @@ class StepRampController(
     TracesMoves,
     DrawsLines,
     ZeroesGauges,
+    HasInputs,
 ):
     """A client of the protocol; see Controller, and the capabilities, for what its calls do."""
 
@@ -92,6 +96,11 @@ class StepRampController(
         if self._hello is None:
             raise DeviceLost(f"Port {self._port_name} is not connected.")
         return self._hello
+
+    @property
+    def lacks(self) -> tuple[type, ...]:
+        """The protocols of what controllers with other firmware can; see Controller."""
+        return () if self.identity.has_inputs else (HasInputs,)
 
     @property
     def clocks_hz(self) -> tuple[int, int]:
@@ -141,7 +150,9 @@ class StepRampController(
         replies = self._status_replies()
         # What was reported before these replies is older than they are.
         self._take_notices()
-        status = status_of(replies, self.timer_hz, has_ramp=self._storage.image is not None)
+        status = status_of(
+            replies, self.timer_hz, self._storage.settings.inputs or (), has_ramp=self._storage.image is not None
+        )
         self._checks.run_no_more(axis.axis for axis in status.axes if axis.activity is Activity.READY)
         self._status, self._report = status, None
         return status
@@ -254,6 +265,25 @@ class StepRampController(
         self._checks.run_no_more(axes)
         self._tracing.moves(dict.fromkeys(axes, -steps), self._checks.playbacks, self.timer_hz)
 
+    def acknowledge(self) -> None:
+        """Take motions again after an emergency stop or a driver's fault; see HasInputs."""
+        self._conversation.ask(AcknowledgeRequest(), DoneReply)
+
+    def home(self, fast: Sequence[AxisCommand], slow: AxisCommand, back_off_steps: int) -> None:
+        """Begin to find axes' limit switches; see HasInputs."""
+        intervals = self._checks.intervals_of(fast)
+        slow_interval = self._checks.slow_interval(slow, intervals)
+        rejected = self._checks.unless_not_to_home(self._moving, fast, intervals)
+        ordered = tuple(intervals[axis] for axis in sorted(intervals))
+        self._tracing.prepare(intervals, self._hear)
+        self._conversation.ask(
+            HomeRequest(mask_of(intervals), slow_interval, back_off_steps, ordered), DoneReply, rejected
+        )
+        self._checks.running |= {axis: abs(interval) for axis, interval in intervals.items()}
+        self._tracing.runs(intervals, self._checks.playbacks, self.timer_hz)
+        # Only its first approach is a run: where that ends is for the switch to say.
+        self._tracing.change(intervals)
+
     def stop(self, axes: Collection[int] | None = None) -> None:
         """Begin to slow down with the ramp."""
         self._tracing.change(axes)
@@ -325,3 +355,4 @@ class StepRampController(
     def _use(self) -> None:
         """Check what is asked against the ramps and settings in use."""
         self._checks.use(self._storage.image, self.identity, self._storage.settings)
+        self._conversation.roles = self._storage.settings.inputs or ()

@@ -2,17 +2,23 @@
 
 import secrets
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from time import monotonic
 from typing import TypeVar
 
 from stepramp.controllers.contract import AnswerUnknown
 from stepramp.controllers.stepramp.frames import FrameSplitter, encode_frame
+from stepramp.controllers.stepramp.input_roles import InputRole
 from stepramp.controllers.stepramp.messages.body import Notice, Reply, Request
 from stepramp.controllers.stepramp.messages.kinds import NOTICE_KINDS, unpack_notice
 from stepramp.controllers.stepramp.messages.message import REPLY, Message
 from stepramp.controllers.stepramp.messages.reply import Refusal, ReplyStatus, unpack_reply
-from stepramp.controllers.stepramp.messages.session import HelloReply, HelloRequest
+from stepramp.controllers.stepramp.messages.session import (
+    OLDEST_VERSION,
+    PROTOCOL_VERSION,
+    HelloReply,
+    HelloRequest,
+)
 from stepramp.controllers.stepramp.refusals import exception_for
 from stepramp.errors import DeviceLost, Rejection
 from stepramp.link.connection import Connection
@@ -45,9 +51,12 @@ class Conversation:
         self._inbox: deque[Message] = deque()
         self._notices: deque[Notice] = deque()
         self._session = 0
+        self._version = PROTOCOL_VERSION
         self._tag = 0xFF
         self._requests_made = 0
         self._heard_bytes = self._heard_messages = 0
+        self.roles: Sequence[InputRole] = ()
+        """What the controller's inputs are for: refusals name those that are in the way."""
 
     @property
     def requests_made(self) -> int:
@@ -57,24 +66,39 @@ class Conversation:
     def begin(self) -> HelloReply:
         """Shake hands: drop what a reset left on the line, then say hello until it is answered.
 
+        With a controller of an older version that is known here, it goes on in that.
+
         Later once more: in the same session, so that the controller knows what more urgent calls say meanwhile.
         Raises DeviceLost when nothing answers or what talks there is no StepRamp controller, Refused when another
         protocol version does.
         """
         if not self._session:
             self._session = _new_session()
-        message = _harmless_hello(self._session, self._tag)
-        self._tag = message.tag
         began = monotonic()
         while monotonic() < began + MOST_GARBAGE_S and (garbage := self._port.read(GARBAGE_S)):
             self._heard_bytes += len(garbage)
+        reply = self._say_hello()
+        if isinstance(reply, Refusal) and self._speaks_older(reply):
+            self._version = reply.detail
+            reply = self._say_hello()
+        if isinstance(reply, Refusal):
+            raise exception_for(reply, None)
+        return reply
+
+    def _speaks_older(self, refusal: Refusal) -> bool:
+        is_older = OLDEST_VERSION <= refusal.detail < self._version
+        return refusal.status is ReplyStatus.BAD_VERSION and is_older
+
+    def _say_hello(self) -> HelloReply | Refusal:
+        message = _harmless_hello(self._session, self._tag, self._version)
+        self._tag = message.tag
         for _ in range(MOST_HELLOS):
             self._give_way(0.0)
             # The lone zero ends whatever noise the board took for the beginning of a frame.
             self._port.write(b"\0" + encode_frame(message.pack()))
             reply = self._await_reply(message, HELLO_INTERVAL_S)
             if reply is not None:
-                return self._understood(reply, HelloReply, None)
+                return self._unpacked(reply, HelloReply)
         if self._heard_bytes and not self._heard_messages:
             raise DeviceLost(f"Something talks at {self._port.name}, but it is not a StepRamp controller.")
         raise DeviceLost(f"Nothing answers at {self._port.name}: is it a StepRamp controller, and has it power?")
@@ -145,15 +169,18 @@ class Conversation:
 
     def _understood(self, message: Message, reply_type: type[R], rejected: Callable[[Refusal], Rejection] | None) -> R:
         """Return a reply's body; a refusal becomes the exception that says so."""
-        try:
-            reply = unpack_reply(reply_type, message.body)
-        except ValueError as error:
-            raise DeviceLost(f"The controller at {self._port.name} gives answers without sense: {error}") from error
+        reply = self._unpacked(message, reply_type)
         if not isinstance(reply, Refusal):
             return reply
         if reply.status is ReplyStatus.STALE_SESSION:
             raise DeviceLost(f"The controller at {self._port.name} was restarted: its position is no longer known.")
-        raise exception_for(reply, rejected)
+        raise exception_for(reply, rejected, self.roles)
+
+    def _unpacked(self, message: Message, reply_type: type[R]) -> R | Refusal:
+        try:
+            return unpack_reply(reply_type, message.body)
+        except ValueError as error:
+            raise DeviceLost(f"The controller at {self._port.name} gives answers without sense: {error}") from error
 
 
 def _new_session() -> int:
@@ -162,11 +189,11 @@ def _new_session() -> int:
     return number // FIRST_COMMAND << 8 | number % FIRST_COMMAND
 
 
-def _harmless_hello(session: int, last_tag: int) -> Message:
+def _harmless_hello(session: int, last_tag: int, version: int) -> Message:
     """Return a hello with the next tag whose frame sets nothing in motion where it meets a controller of another kind.
 
     Each session that _new_session returns has several such tags.
     """
-    body = HelloRequest().pack()
+    body = HelloRequest(version).pack()
     hellos = (Message(HelloRequest.KIND, session, (last_tag + count) % 256, body) for count in range(1, 257))
     return next(each for each in hellos if max(encode_frame(each.pack())) < FIRST_COMMAND)

@@ -2,9 +2,11 @@
 
 import math
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from dataclasses import replace
 from fractions import Fraction
 
 from stepramp.controllers.contract import AxisCommand, values_of
+from stepramp.controllers.inputs import End
 from stepramp.controllers.speed_ranges import too_fast_for, too_slow_for
 from stepramp.controllers.stepramp.messages.reply import Refusal, ReplyStatus
 from stepramp.controllers.stepramp.messages.session import HelloReply
@@ -85,6 +87,28 @@ class MotionChecks:
             if abs(interval_ticks(each.value, self._timer_hz)) < slew:
                 raise Rejected([too_fast_for(each, slowest, fastest, "the slew speed of the axis' ramp")])
         return {axis: interval_ticks(speed, self._timer_hz) for axis, speed in values_of(speeds).items()}
+
+    def slow_interval(self, slow: AxisCommand, axes: Iterable[int]) -> int:
+        """Return the interval of one speed of several axes [ticks]; Rejected when a ramp of theirs is too slow."""
+        (interval,) = {interval for axis in axes for interval in self.intervals_of([replace(slow, axis=axis)]).values()}
+        return interval
+
+    def unless_not_to_home(
+        self, moving: Moving, fast: Sequence[AxisCommand], intervals: Mapping[int, int]
+    ) -> Rejecting:
+        """Reject axes that have no limit switch where they are sent; returns as unless_too_fast does."""
+        limits = {(role.axis, role.end) for role in self._limits_in_use.settings.inputs or ()}
+        astray = [each for each in fast if (each.axis, _end_of(each)) not in limits]
+        if astray:
+            raise Rejected([_no_switch(each) for each in astray])
+        rejecting = self.unless_too_fast(moving, fast, intervals)
+
+        def rejection(refusal: Refusal) -> Rejection:
+            if refusal.status is ReplyStatus.TOO_FAST:
+                return rejecting(refusal)
+            return _no_switch(next((each for each in fast if each.axis == refusal.detail), fast[0]))
+
+        return rejection
 
     def run_no_more(self, axes: Iterable[int]) -> None:
         """Note that axes are at rest, or on their way to a target."""
@@ -178,6 +202,19 @@ class MotionChecks:
     def _speed(self, interval: int) -> str:
         """Return an interval [ticks] as the speed that it allows, rounded down."""
         return f"{math.floor(speed_from_interval(interval, self._timer_hz)):,} steps/s"
+
+
+def _end_of(fast: AxisCommand) -> End:
+    return "high" if fast.value > 0 else "low"
+
+
+def _no_switch(fast: AxisCommand) -> Rejection:
+    end = _end_of(fast)
+    allowed = (
+        f"a speed towards an end of axis {fast.axis} where the settings name a limit switch; "
+        f"at its {end} end none is named"
+    )
+    return Rejection(fast.field, fast.value, allowed)
 
 
 def _axis_field(field: str) -> str:

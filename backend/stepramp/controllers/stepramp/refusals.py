@@ -1,7 +1,9 @@
 """What a controller's refusals mean to people."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
+from stepramp.controllers.inputs import at_limit_words, stopped_words
+from stepramp.controllers.stepramp.input_roles import INPUTS, InputRole
 from stepramp.controllers.stepramp.messages.reply import Refusal, ReplyStatus
 from stepramp.controllers.stepramp.messages.session import PROTOCOL_VERSION
 from stepramp.errors import Refused, Rejected, Rejection, StepRampError
@@ -17,11 +19,16 @@ WORDS = {
     ),
     ReplyStatus.TOO_FAST: "The axes are too fast together: they would take {detail} % of the controller's time.",
 }
+OF_INPUTS = (ReplyStatus.STOPPED, ReplyStatus.AT_LIMIT)
 OF_VALUES = (ReplyStatus.OUT_OF_RANGE, ReplyStatus.TOO_FAST)
 
 
-def exception_for(refusal: Refusal, rejected: Callable[[Refusal], Rejection] | None) -> StepRampError:
-    """Return a refusal as the exception that says so; see Conversation.ask."""
+def exception_for(
+    refusal: Refusal, rejected: Callable[[Refusal], Rejection] | None, roles: Sequence[InputRole] = ()
+) -> StepRampError:
+    """Return a refusal as the exception that says so; see Conversation.ask. roles: what the inputs are for."""
+    if refusal.status in OF_INPUTS:
+        return Refused(_of_inputs(refusal, roles))
     if refusal.status in OF_VALUES and rejected is not None:
         return Rejected([rejected(refusal)])
     if refusal.status is ReplyStatus.BAD_RAMP:
@@ -31,3 +38,12 @@ def exception_for(refusal: Refusal, rejected: Callable[[Refusal], Rejection] | N
         return Refused(f"The controller refuses {where}; it keeps the ramps it had.")
     unexpected = f"The controller refuses: {refusal.status.name.lower()} ({{detail}})."
     return Refused(WORDS.get(refusal.status, unexpected).format(detail=refusal.detail))
+
+
+def _of_inputs(refusal: Refusal, roles: Sequence[InputRole]) -> str:
+    if refusal.status is ReplyStatus.STOPPED:
+        active = [role.status(is_active=True) for role in roles if refusal.detail >> INPUTS.index(role.input) & 1]
+        return stopped_words([each for each in active if each.role != "limit"])
+    number, axis = divmod(refusal.detail, 256)
+    name = INPUTS[number] if number < len(INPUTS) else None
+    return at_limit_words(axis, name, next((role.end for role in roles if role.input == name), None))

@@ -4,8 +4,17 @@ from collections.abc import Container, Sequence
 from dataclasses import replace
 
 from stepramp.controllers.contract import UNDER_WAY, Activity, AxisStatus, ControllerStatus, StoredRamp
+from stepramp.controllers.inputs import InputsState, StopCause
+from stepramp.controllers.stepramp.input_roles import INPUTS, InputRole
 from stepramp.controllers.stepramp.messages.report import ReportNotice
-from stepramp.controllers.stepramp.messages.status import AxisState, MachineState, StatusFlag, StatusReply
+from stepramp.controllers.stepramp.messages.status import (
+    AxisState,
+    InputsStatus,
+    MachineState,
+    StatusFlag,
+    StatusReply,
+    StopBit,
+)
 from stepramp.units import speed_from_interval
 
 ACTIVITIES = {
@@ -14,11 +23,19 @@ ACTIVITIES = {
     AxisState.STOPPING: Activity.STOPPING,
 }
 
+CAUSES: dict[StopBit, StopCause] = {
+    StopBit.EMERGENCY_STOP: "emergency_stop",
+    StopBit.DRIVER_FAULT: "driver_fault",
+}
 
-def status_of(replies: Sequence[StatusReply], timer_hz: int, *, has_ramp: bool) -> ControllerStatus:
-    """Return the status that the replies for each axis tell."""
-    first = replies[0]
-    axes = tuple(_axis_status(axis, reply, timer_hz) for axis, reply in enumerate(replies))
+
+def status_of(
+    replies: Sequence[StatusReply], timer_hz: int, roles: Sequence[InputRole] = (), *, has_ramp: bool
+) -> ControllerStatus:
+    """Return the status that the replies for each axis tell. roles: what the inputs are for."""
+    first, of_inputs = replies[0], replies[-1].inputs
+    axes = tuple(_axis_status(axis, reply, of_inputs, timer_hz) for axis, reply in enumerate(replies))
+    state = None if of_inputs is None else _inputs_state(of_inputs, roles)
     return ControllerStatus(
         activity=Activity.WRITING if first.state == MachineState.WRITING else _activity_of(axes),
         axes=axes,
@@ -26,6 +43,8 @@ def status_of(replies: Sequence[StatusReply], timer_hz: int, *, has_ramp: bool) 
         on_trial=bool(first.flags & StatusFlag.ON_TRIAL),
         motors_on=bool(first.flags & StatusFlag.ENABLED),
         starved=max(reply.starved for reply in replies),
+        trouble=None if state is None else state.trouble,
+        of_inputs=state,
     )
 
 
@@ -47,14 +66,24 @@ def status_after(
     return replace(before, axes=axes)
 
 
-def _axis_status(axis: int, reply: StatusReply, timer_hz: int) -> AxisStatus:
+def _inputs_state(said: InputsStatus, roles: Sequence[InputRole]) -> InputsState:
+    inputs = tuple(role.status(is_active=bool(said.active >> INPUTS.index(role.input) & 1)) for role in roles)
+    return InputsState(inputs, tuple(cause for bit, cause in CAUSES.items() if said.stopped_by & bit))
+
+
+def _axis_status(axis: int, reply: StatusReply, of_inputs: InputsStatus | None, timer_hz: int) -> AxisStatus:
+    homing = None if of_inputs is None else bool(of_inputs.homing_axes >> axis & 1)
+    activity = ACTIVITIES[AxisState(reply.axis_state)]
     return AxisStatus(
         axis=axis,
-        activity=ACTIVITIES[AxisState(reply.axis_state)],
+        # Where it turns round it rests for a moment, and yet isn't ready.
+        activity=Activity.MOVING if homing and activity is Activity.READY else activity,
         position_steps=reply.position_steps,
         target_steps=reply.target_steps,
         speed_steps_per_s=_speed(reply.interval_ticks, timer_hz),
         steps_made=reply.steps_made,
+        position_known=None if of_inputs is None else bool(of_inputs.known_axes >> axis & 1),
+        homing=homing,
     )
 
 

@@ -8,12 +8,17 @@ from stepramp.controllers.stepramp.conversation import Conversation
 from stepramp.controllers.stepramp.messages.body import DoneReply
 from stepramp.controllers.stepramp.messages.ramps import ReadSource, RollBackRequest
 from stepramp.controllers.stepramp.messages.session import RampInUse
-from stepramp.controllers.stepramp.messages.settings import ReadSettingsRequest, SettingsReply, WriteSettingsRequest
+from stepramp.controllers.stepramp.messages.settings import (
+    SETTINGS_BYTES,
+    ReadSettingsRequest,
+    SettingsReply,
+    WriteSettingsRequest,
+)
 from stepramp.controllers.stepramp.messages.status import StatusReply, StatusRequest
 from stepramp.controllers.stepramp.ramp_image import BadRampImage, RampImage
 from stepramp.controllers.stepramp.settings import StepRampSettings
 from stepramp.controllers.stepramp.transfer import Transfer
-from stepramp.errors import DeviceLost, Refused, Rejected
+from stepramp.errors import Count, DeviceLost, Refused, Rejected, Rejection
 
 
 class Storage:
@@ -40,6 +45,7 @@ class Storage:
         """The ramps in use."""
         self.settings = StepRampSettings()
         """Those in use."""
+        self._packed = self.settings.pack()
 
     def store(self, image: bytes) -> tuple[bytes, int]:
         """Store a ramp image: send, read back from RAM, commit, read back from EEPROM.
@@ -89,15 +95,24 @@ class Storage:
         """Ask for the settings in use."""
         reply = self._conversation.ask(ReadSettingsRequest(), SettingsReply)
         try:
-            return StepRampSettings.unpack(reply.settings)
+            settings = StepRampSettings.unpack(reply.settings)
         except (Rejected, ValueError) as error:
             # Not the client's fault: a Rejected would name a field that nobody sent.
             raise DeviceLost(f"The controller at {self._port_name} has settings without sense: {error}") from error
+        self._packed = reply.settings
+        return settings
 
     def use_settings(self, settings: StepRampSettings) -> None:
-        """Use other settings until a roll back or a reset."""
-        self._conversation.ask(WriteSettingsRequest(settings.pack()), DoneReply)
-        self._note_settings(settings)
+        """Use other settings until a roll back or a reset; Rejected for those of inputs where there are none."""
+        given, present = settings.given_of_inputs, self._packed
+        if given and len(present) == SETTINGS_BYTES:
+            allowed = f"null: the controller at {self._port_name} has no inputs, as its firmware is without, or older"
+            raise Rejected([Rejection(name, _told(settings, name), allowed) for name in given])
+        # Without these the first bytes alone are sent: the others stay as they are, whatever they have become.
+        packed = settings.pack(present if given else b"")
+        self._conversation.ask(WriteSettingsRequest(packed), DoneReply)
+        self._packed = packed + present[len(packed) :]
+        self._note_settings(StepRampSettings.unpack(self._packed))
 
     def learn_settings(self) -> None:
         """Learn which settings are in use."""
@@ -136,3 +151,8 @@ class Storage:
                 self._transfer.await_written()
             self._look_again()
             raise
+
+
+def _told(settings: StepRampSettings, name: str) -> object:
+    value = getattr(settings, name)
+    return Count(f"{len(value)} inputs") if isinstance(value, tuple) else value

@@ -6,15 +6,18 @@ Its memory outlives that, so that its ramps are still there after the next conne
 
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import Any
 
 from stepramp.controllers.stepramp.frames import FrameSplitter, encode_frame
-from stepramp.controllers.stepramp.messages.axes import ALL_AXES, MOST_AXES, AxesRequest, axes_of
+from stepramp.controllers.stepramp.messages.axes import ALL_AXES, MOST_AXES, AxesRequest, axes_of, mask_of
 from stepramp.controllers.stepramp.messages.body import DoneReply, Notice, Reply, Request
 from stepramp.controllers.stepramp.messages.kinds import REQUESTS
 from stepramp.controllers.stepramp.messages.message import REPLY, Message
 from stepramp.controllers.stepramp.messages.motion import (
+    AcknowledgeRequest,
     HaltRequest,
+    HomeRequest,
     LineRequest,
     MoveByRequest,
     MoveToRequest,
@@ -35,19 +38,39 @@ from stepramp.controllers.stepramp.messages.ramps import (
 )
 from stepramp.controllers.stepramp.messages.reply import Refusal, ReplyStatus, pack_reply
 from stepramp.controllers.stepramp.messages.report import MOST_REPORTS_HZ, ReportNotice, ReportRequest
-from stepramp.controllers.stepramp.messages.session import PROTOCOL_VERSION, HelloReply, HelloRequest
-from stepramp.controllers.stepramp.messages.settings import ReadSettingsRequest, SettingsReply, WriteSettingsRequest
-from stepramp.controllers.stepramp.messages.status import MachineState, StatusFlag, StatusReply, StatusRequest
+from stepramp.controllers.stepramp.messages.session import (
+    OLDEST_VERSION,
+    PROTOCOL_VERSION,
+    Ability,
+    HelloReply,
+    HelloRequest,
+)
+from stepramp.controllers.stepramp.messages.settings import (
+    SETTINGS_BYTES,
+    ReadSettingsRequest,
+    SettingsReply,
+    WriteSettingsRequest,
+)
+from stepramp.controllers.stepramp.messages.status import (
+    InputsStatus,
+    MachineState,
+    StatusFlag,
+    StatusReply,
+    StatusRequest,
+)
 from stepramp.controllers.stepramp.messages.trace import TRACE_OFF, TraceReply, TraceRequest
 from stepramp.controllers.stepramp.ramp_image import FAST_CLOCK_HZ, SLOW_CLOCK_HZ
 from stepramp.controllers.stepramp.settings import OFFSETS, StepRampSettings
 from stepramp.controllers.virtual.machine import VirtualMachine
 from stepramp.controllers.virtual.memory import LARGEST_IMAGE_BYTES, VirtualMemory
-from stepramp.controllers.virtual.store import VirtualStore
+from stepramp.controllers.virtual.store import USUAL, VirtualStore
 from stepramp.controllers.virtual.streams import ReportClock, TraceRecorder
+from stepramp.controllers.virtual.world import VirtualWorld
 from stepramp.errors import Rejected
 
 TRACE_VALUES_A_SECOND = 1000
+STATUS_BYTES = 32
+"""Of the reply to `status`, with its own status and what is said of inputs."""
 HELLO = HelloReply(
     protocol_version=PROTOCOL_VERSION,
     firmware_major=0,
@@ -66,6 +89,7 @@ HELLO = HelloReply(
     ramp_sequence=0,
     image_crc=0,
     ramp_in_use=0,
+    more=bytes([Ability.FORMULAS | Ability.GAUGES | Ability.INPUTS | Ability.KEEPS, len(USUAL), STATUS_BYTES]),
 )
 """What it is and can do: as the firmware in `firmware/src/boards/avr/avr_limits.h`."""
 AT_REST_ONLY = (
@@ -79,9 +103,10 @@ AT_REST_ONLY = (
     SetPositionRequest,
     ZeroRequest,
     LineRequest,
+    HomeRequest,
 )
 IN_FLIGHT = (MoveByRequest, MoveToRequest, RunRequest)
-FOR_AXES = (AxesRequest, LineRequest, ZeroRequest)
+FOR_AXES = (AxesRequest, LineRequest, ZeroRequest, HomeRequest)
 ALWAYS_OBEYED = (HelloRequest.KIND, StopRequest.KIND, HaltRequest.KIND)
 """Kinds that are obeyed whoever asks, and each time that they come."""
 
@@ -95,18 +120,22 @@ class VirtualController:
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock = clock
         self.memory = VirtualMemory()
+        self.world = VirtualWorld()
+        self._machine = VirtualMachine(clock, HELLO, self.world)
         self.opened()
 
     def opened(self) -> None:
-        """Reset: all but the memory is forgotten."""
+        """Reset: all but the memory is forgotten; the axes stay where they are in the world."""
+        self.world.places = [self._machine.place(axis) for axis in range(MOST_AXES)]
         self.memory.settle(self._clock())
         self.memory.cut_power()
         self._splitter = FrameSplitter()
         self._session = 0
+        self._version = PROTOCOL_VERSION
         self._last_answer: dict[tuple[int, int, int], Message] = {}
         self._reports = ReportClock()
         self._notice_tags = {ReportNotice.KIND: 0}
-        self._machine = VirtualMachine(self._clock, HELLO)
+        self._machine = VirtualMachine(self._clock, HELLO, self.world)
         self._store = VirtualStore(self.memory, self._clock, HELLO, self._machine.use)
         self._handlers = self._handlers_of(self._store, self._machine)
 
@@ -117,7 +146,7 @@ class VirtualController:
             StatusRequest: self._status,
             ReportRequest: self._report,
             TraceRequest: self._trace,
-            ReadSettingsRequest: lambda _: SettingsReply(store.settings.pack()),
+            ReadSettingsRequest: lambda _: SettingsReply(store.packed[: self._settings_bytes]),
             WriteSettingsRequest: self._write_settings,
             BeginRequest: store.begin,
             DataRequest: store.data,
@@ -132,6 +161,8 @@ class VirtualController:
             LineRequest: lambda request: _targets(machine.line(request.by_axis, request.ramp_axis)),
             SetPositionRequest: self._set_position,
             ZeroRequest: lambda request: machine.zero(axes_of(request.axes), request.steps) or DoneReply(),
+            AcknowledgeRequest: lambda _: machine.acknowledge() or DoneReply(),
+            HomeRequest: self._home,
             StopRequest: lambda request: self._stop_or_halt(request, machine.stop),
             HaltRequest: lambda request: self._stop_or_halt(request, machine.halt),
         }
@@ -192,13 +223,16 @@ class VirtualController:
         """Refuse what would disturb a move or a write, and what names axes that have no ramp."""
         machine = self._machine
         in_flight, at_rest = isinstance(request, IN_FLIGHT), isinstance(request, AT_REST_ONLY)
-        if (at_rest and machine.moving) or (in_flight and machine.on_a_line):
+        if (at_rest and machine.moving) or (in_flight and (machine.on_a_line or self._are_homed(request))):
             return Refusal(ReplyStatus.MOVING)
         if (at_rest or in_flight) and self._store.writing:
             return Refusal(ReplyStatus.WRITING)
         if isinstance(request, FOR_AXES):
             return self._refused_axes(request.axes)
         return None
+
+    def _are_homed(self, request: Request) -> bool:
+        return isinstance(request, AxesRequest) and bool(request.axes & mask_of(self._machine.homing))
 
     def _refused_axes(self, mask: int) -> Refusal | None:
         if not self._store.make_ready():
@@ -208,14 +242,15 @@ class VirtualController:
         return None
 
     def _hello(self, request: HelloRequest, session: int) -> Reply | Refusal:
-        if request.protocol_version != PROTOCOL_VERSION:
+        if request.protocol_version not in (OLDEST_VERSION, PROTOCOL_VERSION):
             return Refusal(ReplyStatus.BAD_VERSION, PROTOCOL_VERSION)
         if not session:
             return Refusal(ReplyStatus.OUT_OF_RANGE)
-        self._session = session
+        self._session, self._version = session, request.protocol_version
         self._reports.start(0, 0.0)
         self._machine.watch(None)
-        return self._store.introduced(HELLO)
+        more = HELLO.more if self._version == PROTOCOL_VERSION else b""
+        return replace(self._store.introduced(HELLO), protocol_version=self._version, more=more)
 
     def _status(self, request: StatusRequest) -> Reply | Refusal:
         machine, store, axis = self._machine, self._store, request.axis
@@ -234,7 +269,13 @@ class VirtualController:
             image_crc=store.image_crc,
             flags=flags | (StatusFlag.ENABLED if machine.enabled else 0),
             starved=0,
+            more=self._inputs_status() if self._version == PROTOCOL_VERSION else b"",
         )
+
+    def _inputs_status(self) -> bytes:
+        machine = self._machine
+        inputs = machine.inputs
+        return InputsStatus(inputs.active, inputs.stopped_by, mask_of(machine.known), mask_of(machine.homing)).pack()
 
     def _report(self, request: ReportRequest) -> Reply | Refusal:
         if request.rate_hz > MOST_REPORTS_HZ:
@@ -254,13 +295,24 @@ class VirtualController:
         return TraceReply(every)
 
     def _write_settings(self, request: WriteSettingsRequest) -> Reply | Refusal:
+        if len(request.settings) not in (SETTINGS_BYTES, self._settings_bytes):
+            return Refusal(ReplyStatus.BAD_LENGTH, len(request.settings))
+        packed = request.settings + self._store.packed[len(request.settings) :]
         try:
-            settings = StepRampSettings.unpack(request.settings)
+            StepRampSettings.unpack(packed[: OFFSETS["inputs"]])
+            StepRampSettings.unpack(packed)
         except Rejected as error:
-            first = min(OFFSETS[each.field.split(".")[0]] for each in error.rejections)
-            return Refusal(ReplyStatus.OUT_OF_RANGE, first)
-        self._store.use_settings(settings)
+            return Refusal(ReplyStatus.OUT_OF_RANGE, min(_offset(each.field) for each in error.rejections))
+        self._store.use_settings(packed)
         return DoneReply()
+
+    @property
+    def _settings_bytes(self) -> int:
+        return len(USUAL) if self._version == PROTOCOL_VERSION else SETTINGS_BYTES
+
+    def _home(self, request: HomeRequest) -> Reply | Refusal:
+        refused = self._machine.home(request.by_axis, request.slow_interval_ticks, request.back_off_steps)
+        return refused or DoneReply()
 
     def _set_position(self, request: SetPositionRequest) -> Reply:
         self._machine.set_position(request.by_axis)
@@ -275,6 +327,12 @@ class VirtualController:
             return Refusal(ReplyStatus.OUT_OF_RANGE, mask)
         do(iter(axes_of(mask)))
         return DoneReply()
+
+
+def _offset(field: str) -> int:
+    """Return where a setting lies when packed, or what an input is for [bytes]."""
+    name, _, number = field.partition(".")
+    return OFFSETS[name] + (int(number) if name == "inputs" else 0)
 
 
 def _targets(result: dict[int, int] | Refusal) -> Reply | Refusal:

@@ -63,6 +63,15 @@ class VirtualLine:
         """Return where an axis that goes along will come to rest [steps]."""
         return self._at(axis, self._leader.target)
 
+    @property
+    def due_ticks(self) -> int:
+        """When the leader's present interval ends."""
+        return self._leader.due_ticks
+
+    def direction(self, axis: int) -> int:
+        """Return which way an axis goes, by its sign; 0 for one that doesn't."""
+        return self._steps.get(axis, 0)
+
     def leads(self, axis: int) -> bool:
         """Tell whether an axis goes along."""
         return axis in self._steps

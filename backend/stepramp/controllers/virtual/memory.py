@@ -10,11 +10,13 @@ from dataclasses import dataclass
 
 from stepramp.controllers.stepramp.frames import crc16
 from stepramp.controllers.stepramp.messages.settings import SETTINGS_BYTES
+from stepramp.controllers.stepramp.settings import USUAL_OF_INPUTS
 
 SLOT_BYTES = 512
 SLOTS = (0, SLOT_BYTES)
 MAGIC = 0x53
-FORMAT = 2
+SETTINGS_OF = {2: SETTINGS_BYTES, 3: SETTINGS_BYTES + len(USUAL_OF_INPUTS)}
+"""Length of the settings by the format of a slot [bytes]: without inputs and with them."""
 WRITE_TIME_S = 0.0034
 """Time that one changed byte takes [s]: the ATmega328P's."""
 ERASED = 0xFF
@@ -66,12 +68,12 @@ class VirtualMemory:
         """Begin to write settings and an image to the slot that isn't active."""
         start, content = self._inactive(), settings + image
         body = enumerate(content, start + HEADER_BYTES)
-        self._begin([(start, ERASED), *body, *self._header(start, content)], now_s)
+        self._begin([(start, ERASED), *body, *self._header(start, settings, image)], now_s)
 
     def begin_restore(self, now_s: float) -> None:
         """Begin to make the previous content, which must be there, the active one: its number and CRC change."""
         previous, start = self.previous(), self._inactive()
-        self._begin(self._header(start, previous.settings + previous.image), now_s)
+        self._begin(self._header(start, previous.settings, previous.image), now_s)
 
     def settle(self, now_s: float) -> None:
         """Write the bytes for which there was time until now [s]; bytes that stay the same take none."""
@@ -92,9 +94,11 @@ class VirtualMemory:
     def _inactive(self) -> int:
         return min(SLOTS, key=lambda start: self._slot(start).age)
 
-    def _header(self, start: int, content: bytes) -> list[tuple[int, int]]:
+    def _header(self, start: int, settings: bytes, image: bytes) -> list[tuple[int, int]]:
         """Return the cells of a header that makes a content the active one, the first byte last."""
-        fields = _HEADER.pack(MAGIC, FORMAT, len(content), self.active().sequence + 1, crc16(content))
+        content = settings + image
+        slot_format = next(each for each, length in SETTINGS_OF.items() if length == len(settings))
+        fields = _HEADER.pack(MAGIC, slot_format, len(content), self.active().sequence + 1, crc16(content))
         header = fields + crc16(fields).to_bytes(_CRC_BYTES, "little")
         return list(reversed(list(enumerate(header, start))))
 
@@ -102,7 +106,8 @@ class VirtualMemory:
         header = bytes(self.cells[start : start + HEADER_BYTES])
         magic, slot_format, length, sequence, crc = _HEADER.unpack_from(header)
         content = bytes(self.cells[start + HEADER_BYTES : start + HEADER_BYTES + length])
-        if (magic, slot_format) != (MAGIC, FORMAT) or len(content) != length or crc16(content) != crc:
+        if magic != MAGIC or slot_format not in SETTINGS_OF or len(content) != length or crc16(content) != crc:
             return Slot()
         numbered = crc16(header[:-_CRC_BYTES]) == int.from_bytes(header[-_CRC_BYTES:], "little")
-        return Slot(sequence if numbered else 0, content[:SETTINGS_BYTES], content[SETTINGS_BYTES:])
+        of_settings = SETTINGS_OF[slot_format]
+        return Slot(sequence if numbered else 0, content[:of_settings], content[of_settings:])

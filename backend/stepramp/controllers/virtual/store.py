@@ -19,9 +19,11 @@ from stepramp.controllers.stepramp.messages.ramps import (
 from stepramp.controllers.stepramp.messages.reply import Refusal, ReplyStatus
 from stepramp.controllers.stepramp.messages.session import HelloReply, RampInUse
 from stepramp.controllers.stepramp.ramp_image import BadRampImage, IntervalLimits, RampImage
-from stepramp.controllers.stepramp.settings import StepRampSettings
+from stepramp.controllers.stepramp.settings import USUAL_OF_INPUTS, StepRampSettings
 from stepramp.controllers.virtual.memory import VirtualMemory
 
+USUAL = StepRampSettings().pack() + USUAL_OF_INPUTS
+"""The settings of a controller that has stored none."""
 Use = Callable[[RampImage | None, StepRampSettings], None]
 
 
@@ -53,8 +55,14 @@ class VirtualStore:
         self._use = use
         self._announced = BeginRequest(0, 0)
         self.writing = False
-        self.settings = StepRampSettings()
+        self.packed = USUAL
+        """The settings in use, as they travel."""
         self._load_stored()
+
+    @property
+    def settings(self) -> StepRampSettings:
+        """The settings in use."""
+        return StepRampSettings.unpack(self.packed)
 
     @property
     def sequence(self) -> int:
@@ -97,9 +105,9 @@ class VirtualStore:
             self._load(with_settings=False)
         return self._content in PLAYABLE
 
-    def use_settings(self, settings: StepRampSettings) -> None:
+    def use_settings(self, packed: bytes) -> None:
         """Use other settings from now on."""
-        self.settings, self._settings_are_stored = settings, False
+        self.packed, self._settings_are_stored = packed, False
         self._use_all()
 
     def begin(self, request: BeginRequest) -> Reply | Refusal:
@@ -144,7 +152,7 @@ class VirtualStore:
         """Begin to store the image in RAM and the settings in use."""
         if self._content is not Content.CHECKED and self._content not in PLAYABLE:
             return self._out_of_order()
-        self._memory.begin_write(self.settings.pack(), bytes(self._ram), self._clock())
+        self._memory.begin_write(self.packed, bytes(self._ram), self._clock())
         self.writing = True
         return DoneReply()
 
@@ -185,7 +193,8 @@ class VirtualStore:
         self._ram = bytearray(stored.image)
         self._content = Content.STORED if stored.sequence else Content.NOTHING
         if with_settings:
-            self.settings = StepRampSettings.unpack(stored.settings) if stored.sequence else StepRampSettings()
+            known = stored.settings if stored.sequence else b""
+            self.packed = known + USUAL[len(known) :]
             self._settings_are_stored = True
         self._use_all()
 

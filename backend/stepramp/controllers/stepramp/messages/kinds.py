@@ -3,7 +3,9 @@
 from stepramp.controllers.stepramp.messages.body import Notice, Request
 from stepramp.controllers.stepramp.messages.message import Message
 from stepramp.controllers.stepramp.messages.motion import (
+    AcknowledgeRequest,
     HaltRequest,
+    HomeRequest,
     LineRequest,
     MoveByRequest,
     MoveToRequest,
@@ -49,6 +51,8 @@ REQUESTS: dict[int, type[Request]] = {
         LineRequest,
         SetPositionRequest,
         ZeroRequest,
+        AcknowledgeRequest,
+        HomeRequest,
         StopRequest,
         HaltRequest,
     )

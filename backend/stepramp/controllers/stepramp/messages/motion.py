@@ -79,6 +79,39 @@ class ZeroRequest(Request):
 
 
 @dataclass(frozen=True)
+class AcknowledgeRequest(Request):
+    """Take motions again after an emergency stop or a driver's fault."""
+
+    KIND = 0x26
+    # A repeat that is a new one might acknowledge what has stopped motion since.
+    HARMLESS_TWICE = False
+
+
+@dataclass(frozen=True)
+class HomeRequest(Request):
+    """Find axes' limit switches: at these intervals towards them [ticks], negative for backwards."""
+
+    KIND = 0x27
+    HARMLESS_TWICE = False
+    LAYOUT = "<BIH"
+    TAIL = range(9)
+    EACH = "i"
+    axes: int
+    slow_interval_ticks: int
+    back_off_steps: int
+    fast_intervals_ticks: tuple[int, ...]
+
+    def __post_init__(self) -> None:
+        if self.axes.bit_count() != len(self.fast_intervals_ticks):
+            raise ValueError(f"{len(self.fast_intervals_ticks)} values for {self.axes.bit_count()} axes.")
+
+    @property
+    def by_axis(self) -> dict[int, int]:
+        """The intervals of the fast approach by their axes."""
+        return dict(zip(axes_of(self.axes), self.fast_intervals_ticks, strict=True))
+
+
+@dataclass(frozen=True)
 class StopRequest(Request):
     """Slow down with the ramp: all axes, or those of a mask."""
 

@@ -24,6 +24,8 @@ class ReplyStatus(IntEnum):
     WRITING = 10
     BAD_VERSION = 11
     TOO_FAST = 12
+    STOPPED = 13
+    AT_LIMIT = 14
 
 
 @dataclass(frozen=True)

@@ -1,13 +1,18 @@
 """Beginning a session: what the controller is and can do."""
 
 from dataclasses import dataclass
-from enum import IntEnum
+from enum import IntEnum, IntFlag
 from typing import ClassVar
 
 from stepramp.controllers.stepramp.messages.axes import MOST_AXES
 from stepramp.controllers.stepramp.messages.body import Reply, Request
 
-PROTOCOL_VERSION = 2
+PROTOCOL_VERSION = 3
+OLDEST_VERSION = 2
+"""Spoken with a controller that doesn't speak the newest."""
+
+
+_MORE_BYTES = 3
 
 
 class RampInUse(IntEnum):
@@ -16,6 +21,15 @@ class RampInUse(IntEnum):
     NONE = 0
     STORED = 1
     ON_TRIAL = 2
+
+
+class Ability(IntFlag):
+    """What a controller can do, from version 3 on; bits that aren't named mean nothing."""
+
+    FORMULAS = 1
+    GAUGES = 2
+    INPUTS = 4
+    KEEPS = 8
 
 
 @dataclass(frozen=True)
@@ -29,9 +43,10 @@ class HelloRequest(Request):
 
 @dataclass(frozen=True)
 class HelloReply(Reply):
-    """What the controller is, what it can do, and which ramp it has."""
+    """What the controller is, what it can do, and which ramp it has. One of version 2 says nothing more."""
 
     LAYOUT = "<4B 2I 4H 3H I HH 3B I H B"
+    TAIL = range(8)
     TUPLES: ClassVar[dict[str, int]] = {"shortest_intervals": MOST_AXES, "shortest_line_intervals": MOST_AXES - 1}
     protocol_version: int
     firmware_major: int
@@ -55,6 +70,13 @@ class HelloReply(Reply):
     ramp_sequence: int
     image_crc: int
     ramp_in_use: int
+    more: bytes = b""
+    """From version 3 on: what it can do, how long its settings are and its status, and what later versions may add."""
+
+    @property
+    def has_inputs(self) -> bool:
+        """Whether it has inputs, and all that goes with them."""
+        return bool(self.more) and bool(self.more[0] & Ability.INPUTS)
 
     def __post_init__(self) -> None:
         if not self.fast_clock_hz or not self.slow_clock_hz or self.fast_clock_hz % self.slow_clock_hz:
@@ -65,3 +87,5 @@ class HelloReply(Reply):
         if not all(intervals):
             raise ValueError(f"Intervals of 0 ticks among {', '.join(map(str, intervals))}.")
         RampInUse(self.ramp_in_use)
+        if self.protocol_version > OLDEST_VERSION and len(self.more) < _MORE_BYTES:
+            raise ValueError(f"A hello of version {self.protocol_version} with {len(self.more)} bytes of its own.")

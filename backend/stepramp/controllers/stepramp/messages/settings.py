@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from stepramp.controllers.stepramp.messages.body import Reply, Request
 
 SETTINGS_BYTES = 12
+"""Of a controller without inputs; one with inputs has more, and these first."""
+MOST_SETTINGS_BYTES = 51
 
 
 @dataclass(frozen=True)
@@ -18,14 +20,14 @@ class ReadSettingsRequest(Request):
 class SettingsReply(Reply):
     """The settings in use, packed."""
 
-    LAYOUT = f"<{SETTINGS_BYTES}s"
+    TAIL = range(SETTINGS_BYTES, MOST_SETTINGS_BYTES + 1)
     settings: bytes
 
 
 @dataclass(frozen=True)
 class WriteSettingsRequest(Request):
-    """Use other settings from now on, without storing them."""
+    """Use other settings from now on, without storing them: all of them, or the first ones only."""
 
     KIND = 0x18
-    LAYOUT = f"<{SETTINGS_BYTES}s"
+    TAIL = range(SETTINGS_BYTES, MOST_SETTINGS_BYTES + 1)
     settings: bytes

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from enum import IntEnum, IntFlag
 
-from stepramp.controllers.stepramp.messages.body import Reply, Request
+from stepramp.controllers.stepramp.messages.body import Body, Reply, Request
 
 
 class MachineState(IntEnum):
@@ -30,6 +30,29 @@ class StatusFlag(IntFlag):
     ENABLED = 4
 
 
+class StopBit(IntFlag):
+    """What has stopped motion and has not been acknowledged."""
+
+    EMERGENCY_STOP = 1
+    DRIVER_FAULT = 2
+
+
+INPUTS_BYTES = 5
+
+
+@dataclass(frozen=True)
+class InputsStatus(Body):
+    """What a status says of inputs and homing: all of them masks, of inputs or of axes."""
+
+    LAYOUT = "<HBBB"
+    active: int
+    stopped_by: int
+    """Bits of StopBit."""
+    known_axes: int
+    """Whose position is known."""
+    homing_axes: int
+
+
 @dataclass(frozen=True)
 class StatusRequest(Request):
     """Ask what the controller and one of its axes are doing."""
@@ -44,6 +67,7 @@ class StatusReply(Reply):
     """What the controller and one of its axes are doing."""
 
     LAYOUT = "<BBiiIIIHBB"
+    TAIL = range(26)
     state: int
     axis_state: int
     position_steps: int
@@ -54,7 +78,14 @@ class StatusReply(Reply):
     image_crc: int
     flags: int
     starved: int
+    more: bytes = b""
+    """What inputs, homing and later versions of the protocol add."""
 
     def __post_init__(self) -> None:
         MachineState(self.state)
         AxisState(self.axis_state)
+
+    @property
+    def inputs(self) -> InputsStatus | None:
+        """What it says of inputs and homing; None for a controller without inputs."""
+        return InputsStatus.unpack(self.more[:INPUTS_BYTES]) if len(self.more) >= INPUTS_BYTES else None
