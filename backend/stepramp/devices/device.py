@@ -10,6 +10,7 @@ from stepramp.controllers.capabilities import HasSettings, TellsSettings, refusa
 from stepramp.controllers.contract import AxisCommand, NextTrace, PushMode, PushPreview, PushReport, Trace
 from stepramp.controllers.families import FAMILIES, Family
 from stepramp.controllers.read_axis import ReadAxis
+from stepramp.controllers.virtual.world import Surroundings, SurroundingsChange
 from stepramp.design import Design
 from stepramp.devices.attachment import Attachment
 from stepramp.devices.backups import Backup, Backups, Source
@@ -28,6 +29,7 @@ from stepramp.devices.shuttle import Shuttle
 from stepramp.devices.soft_limits import Span
 from stepramp.devices.stopping import Stopping
 from stepramp.devices.stops import Order, Stops
+from stepramp.devices.surroundings import VirtualSurroundings
 from stepramp.devices.to_and_fro import ToAndFro
 from stepramp.devices.traces import Traces
 from stepramp.devices.unproven import Unproven
@@ -78,6 +80,7 @@ class Device:
         control = Control(live)
         runs = Runs(live, contact, leases, stopping)
         to_and_fro = ToAndFro(live, contact, watch, control, setting_out, stops)
+        self._surroundings = VirtualSurroundings(live, contact, watch)
         self._homings = Homings(live, contact, watch, leases, control, setting_out)
         backups = Backups(data, family.name, known)
         proving = Proving(live, Unproven(backups.folder))
@@ -309,6 +312,14 @@ class Device:
         Refused when a stop came after it was asked for, as a motion: nobody may have meant it any more.
         """
         self._homings.acknowledge(request_number)
+
+    def surroundings(self) -> Surroundings:
+        """Return what is around a virtual device; Refused of any other."""
+        return self._surroundings.now()
+
+    def change_surroundings(self, change: SurroundingsChange) -> Surroundings:
+        """Press, release and put elsewhere what is around a virtual device; Refused of any other."""
+        return self._surroundings.change(change)
 
     def trace_moves(self, axis: int | None, every_steps: int) -> NextTrace:
         """Trace every so many-th step of each move of an axis from now on; see TracesMoves."""

@@ -8,7 +8,7 @@ from fastapi import APIRouter, WebSocket
 
 from stepramp.devices.registry import Devices
 from stepramp.errors import Refused
-from stepramp.http_api import backups, jog, motion, settings, stopping
+from stepramp.http_api import backups, jog, motion, settings, stopping, surroundings
 from stepramp.http_api.bodies import JsonRoute
 from stepramp.http_api.device_registry import Acting, Page, Registry
 from stepramp.http_api.devices_models import (
@@ -47,6 +47,7 @@ router.include_router(stopping.router)
 router.include_router(motion.router)
 router.include_router(jog.router)
 router.include_router(settings.router)
+router.include_router(surroundings.router)
 router.include_router(backups.router)
 
 

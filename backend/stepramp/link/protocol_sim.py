@@ -45,6 +45,11 @@ def registered(port: str) -> bool:
     return port in _devices
 
 
+def device_at(port: str) -> VirtualDevice | None:
+    """Return the virtual device that answers at this port; None for none."""
+    return _devices.get(port)
+
+
 class Serial(serial.SerialBase):
     """A port to a virtual device, as exclusive as a real one. Replies have no travel time."""
 

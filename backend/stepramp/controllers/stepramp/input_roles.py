@@ -39,6 +39,13 @@ class InputRole(Document):
         None, description="Of a limit: how it stops, with the ramp, also when null, or at once; null for other roles"
     )
 
+    @model_validator(mode="before")
+    @classmethod
+    def _with_the_ramp(cls, document: object) -> object:
+        """Let a limit stop with the ramp when nothing else is said."""
+        is_usual = isinstance(document, dict) and document.get("role") == "limit" and document.get("stops") is None
+        return {**document, "stops": "ramp"} if is_usual and isinstance(document, dict) else document
+
     @model_validator(mode="after")
     def _fits(self) -> Self:
         if self.role == "emergency_stop" and self.input not in EMERGENCY_INPUTS:
@@ -64,8 +71,7 @@ class InputRole(Document):
 
     def status(self, *, is_active: bool) -> InputStatus:
         """Return what a status says of it."""
-        stops = (self.stops or "ramp") if self.role == "limit" else None
-        return InputStatus(self.input, self.role, is_active, self.active, self.pull_up, self.axis, self.end, stops)
+        return InputStatus(self.input, self.role, is_active, self.active, self.pull_up, self.axis, self.end, self.stops)
 
 
 def unpacked_roles(packed: bytes) -> tuple[InputRole, ...]:

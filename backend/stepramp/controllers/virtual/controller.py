@@ -65,7 +65,7 @@ from stepramp.controllers.virtual.machine import VirtualMachine
 from stepramp.controllers.virtual.memory import LARGEST_IMAGE_BYTES, VirtualMemory
 from stepramp.controllers.virtual.store import USUAL, VirtualStore
 from stepramp.controllers.virtual.streams import ReportClock, TraceRecorder
-from stepramp.controllers.virtual.world import VirtualWorld
+from stepramp.controllers.virtual.world import AxisSurroundings, Surroundings, SurroundingsChange, VirtualWorld
 from stepramp.errors import Rejected
 
 TRACE_VALUES_A_SECOND = 1000
@@ -166,6 +166,20 @@ class VirtualController:
             StopRequest: lambda request: self._stop_or_halt(request, machine.stop),
             HaltRequest: lambda request: self._stop_or_halt(request, machine.halt),
         }
+
+    @property
+    def surroundings(self) -> Surroundings:
+        """What is around it now."""
+        self._settle()
+        places = ((axis, self._machine.place(axis), self.world.switches[axis]) for axis in range(MOST_AXES))
+        axes = tuple(AxisSurroundings(axis, place, at.low_steps, at.high_steps) for axis, place, at in places)
+        return Surroundings(self.world.emergency_stop, self.world.driver_fault, axes)
+
+    def change_surroundings(self, change: SurroundingsChange) -> None:
+        """Press, release and put elsewhere what is around it, which its inputs notice at once."""
+        self._settle()
+        self.world.change(change)
+        self._machine.look()
 
     def exchange(self, sent: bytes) -> bytes:
         """Take bytes, if any, and return the frames they are answered with, then those that nobody asked for."""

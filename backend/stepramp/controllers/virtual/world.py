@@ -3,7 +3,7 @@
 They are wired to whichever inputs the settings name for them.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 
 from stepramp.controllers.stepramp.input_roles import INPUTS, InputRole
@@ -32,6 +32,35 @@ class Switches:
         return at is not None and (place <= at if end == "low" else place >= at)
 
 
+@dataclass(frozen=True)
+class AxisSurroundings:
+    """An axis in its world: where it is, and its switches [steps]."""
+
+    axis: int
+    place_steps: int
+    low_steps: int | None
+    high_steps: int | None
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """The world at one moment."""
+
+    emergency_stop: bool
+    driver_fault: bool
+    axes: tuple[AxisSurroundings, ...]
+
+
+@dataclass(frozen=True)
+class SurroundingsChange:
+    """What is to be otherwise; None for what stays as it is."""
+
+    emergency_stop: bool | None = None
+    driver_fault: bool | None = None
+    switches: Mapping[int, Switches] = field(default_factory=dict)
+    """Of the axes whose switches are put elsewhere."""
+
+
 @dataclass
 class VirtualWorld:
     """Places of axes are counted from where they were at first, whatever the controller calls its positions."""
@@ -42,6 +71,15 @@ class VirtualWorld:
     switches: list[Switches] = field(default_factory=lambda: [Switches()] * MOST_AXES)
     places: list[int] = field(default_factory=lambda: [0] * MOST_AXES)
     """Where the axes are [steps], as long as nothing moves them."""
+
+    def change(self, change: SurroundingsChange) -> None:
+        """Press, release and put elsewhere what is to be."""
+        if change.emergency_stop is not None:
+            self.emergency_stop = change.emergency_stop
+        if change.driver_fault is not None:
+            self.driver_fault = change.driver_fault
+        for axis, switches in change.switches.items():
+            self.switches[axis] = switches
 
 
 class VirtualInputs:
