@@ -15,6 +15,7 @@ from devices.motion import PATIENCE_S
 from stepramp.controllers.contract import AxisCommand
 from stepramp.controllers.stepramp.messages.motion import (
     HaltRequest,
+    HomeRequest,
     LineRequest,
     MoveByRequest,
     MoveToRequest,
@@ -22,8 +23,10 @@ from stepramp.controllers.stepramp.messages.motion import (
     StopRequest,
     ZeroRequest,
 )
+from stepramp.controllers.virtual.world import SurroundingsChange, Switches
 from stepramp.devices.attachment import Attachment
 from stepramp.devices.device import Device
+from stepramp.devices.homing import Homing
 from stepramp.devices.leases import Lease
 from stepramp.devices.registry import Devices
 from stepramp.devices.view import DeviceState
@@ -31,7 +34,8 @@ from stepramp.devices.watch import Watch
 from stepramp.errors import Refused
 from stepramp.link.worker import Worker
 
-MOTIONS = {each.KIND for each in (MoveByRequest, MoveToRequest, RunRequest, LineRequest, ZeroRequest)}
+MOTIONS = {each.KIND for each in (MoveByRequest, MoveToRequest, RunRequest, LineRequest, ZeroRequest, HomeRequest)}
+ROLES = [{"input": "A0", "role": "emergency_stop"}, {"input": "A1", "role": "limit", "axis": 0, "end": "low"}]
 STOPS = {StopRequest.KIND, HaltRequest.KIND}
 POLL = Attachment.poll
 
@@ -101,9 +105,17 @@ class Bench:
         self.watch.is_view_old = True
         self.worker.call(lambda: POLL(self.device._attachment))
 
+    def put_switch(self, steps_ahead: int | None) -> None:
+        """Put the switch at the low end of axis 0 so many steps from where that is; None: there is none."""
+        virtual = self.witness.controller
+        place = virtual.surroundings.axes[0].place_steps
+        low = None if steps_ahead is None else place - steps_ahead
+        virtual.change_surroundings(SurroundingsChange(switches={0: Switches(low, None)}))
+
     def reset(self) -> None:
         self.places.chosen = None
         self.witness.loses = None
+        self.put_switch(None)
         self.device.stop().result(PATIENCE_S)
         self.settle()
         with suppress(Refused):
@@ -133,3 +145,11 @@ def by(steps: int, axis: int = 0) -> AxisCommand:
 
 def run(bench: Bench, asked: int, *, lasts_s: float = 1e6) -> None:
     bench.device.run([AxisCommand(0, 400.0, "speed_steps_per_s")], Lease({0: 400.0}, lasts_s), asked)
+
+
+def home(bench: Bench, asked: int | None = None, *, lasts_s: float = 1e6, position_steps: int = 0) -> None:
+    """Home axis 0 with a switch 200 steps from where it is."""
+    bench.put_switch(200)
+    fast, slow = AxisCommand(0, -800.0, "axes.0.fast_steps_per_s"), AxisCommand(0, 400.0, "slow_steps_per_s")
+    lease = Lease({0: -800.0}, lasts_s, is_to_home=True)
+    bench.device.home(Homing([fast], slow, 20, {0: position_steps}), lease, asked)

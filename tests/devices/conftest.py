@@ -7,9 +7,10 @@ import pytest
 
 from controllers.conftest import Clock, clock, controller, plug_in, virtual
 from controllers.usb_board import Cable
-from devices.bench import Bench, Places, push
+from devices.bench import ROLES, Bench, Places, push
 from devices.boards import UnpluggedAt, Witness
 from stepramp.controllers.stepramp import conversation, tracing
+from stepramp.controllers.stepramp.settings import StepRampSettings
 from stepramp.controllers.virtual.controller import VirtualController
 from stepramp.devices.attachment import Attachment
 from stepramp.devices.registry import Devices
@@ -64,6 +65,7 @@ def bench(clock: Clock, places: Places, plug_in: Callable, monkeypatch: pytest.M
     monkeypatch.setattr(Attachment, "poll", lambda _: 60.0)
     device = devices.connect(plug_in(witness))
     push(device, clock)
+    device.use_settings(StepRampSettings.checked({"inputs": ROLES}))
     yield Bench(devices, device, witness, clock, places)
     devices.close()
 

@@ -13,7 +13,7 @@ from contextlib import ExitStack, suppress
 import pytest
 
 from designs import design
-from devices.bench import MOTIONS, STOPS, Bench, by, run
+from devices.bench import MOTIONS, STOPS, Bench, by, home, run
 from devices.motion import PATIENCE_S
 from stepramp.controllers.contract import AxisCommand
 from stepramp.controllers.stepramp.messages.motion import MoveByRequest, StopRequest
@@ -62,6 +62,17 @@ def push_then_move(bench: Bench, asked: int) -> None:
     bench.device.move_by([by(300)], asked)
 
 
+def homed_and_called(bench: Bench, asked: int) -> None:
+    home(bench, asked, position_steps=1000)
+    for _ in range(3):
+        bench.clock.now_s += 0.5
+        bench.poll()
+    if not bench.places.chosen:
+        return
+    axis = bench.device.view.axes[0]
+    assert (axis.position_known, axis.position_steps) == (True, 999), "it was not homed where nothing stopped it"
+
+
 SCENARIOS: dict[str, Callable[[Bench, int], None]] = {
     "move": lambda bench, asked: bench.device.move_by([by(300), by(-200, 1)], asked),
     "change": changed_on_its_way,
@@ -71,6 +82,7 @@ SCENARIOS: dict[str, Callable[[Bench, int], None]] = {
     "shuttle": there_and_back,
     "trace": traced_move,
     "push": push_then_move,
+    "home": homed_and_called,
     "zero": lambda bench, asked: bench.device.zero([0], 90, asked),
 }
 
@@ -142,7 +154,7 @@ def test_a_stop_at_any_place_is_final(bench: Bench, name: str, stop: str) -> Non
     assert 16 <= tried < MOST_PLACES
 
 
-@pytest.mark.parametrize("name", ["move", "line", "run", "trace", "zero"])
+@pytest.mark.parametrize("name", ["move", "line", "run", "trace", "home", "zero"])
 def test_a_stop_at_any_place_is_final_when_answers_are_lost(bench: Bench, name: str) -> None:
     for loses in range(3):
         place = 0
