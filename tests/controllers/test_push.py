@@ -391,6 +391,12 @@ def test_a_formula_that_the_controller_computes_takes_no_segments() -> None:
     assert next(item for item in report.items if item.name == "Axis 0: up ramp steps").read_back == 100
 
 
+def test_a_formula_is_sent_as_segments_to_a_controller_that_computes_none() -> None:
+    plan = planned(by_formula(), hello=limits(more=bytes([0b1110, 24, 32])))
+    assert segments_of(plan).up
+    assert isinstance(planned(by_formula(), hello=limits(protocol_version=2, more=b"")).image.axes[0], FormulaRamp)
+
+
 def test_a_formula_that_is_too_fast_to_be_computed_is_sent_as_segments() -> None:
     quick = by_formula(**FAST, ramp__slew_speed_steps_per_s=40_000, ramp__acceleration_steps_per_s2=1e7)
     assert isinstance(planned(quick).image.axes[0], SegmentRamp)

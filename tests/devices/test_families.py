@@ -17,6 +17,8 @@ from stepramp.controllers.families import FAMILIES, Family
 from stepramp.controllers.stepramp.settings import StepRampSettings
 from stepramp.controllers.virtual.controller import VirtualController
 from stepramp.devices.device import Device
+from stepramp.devices.homing import Homing
+from stepramp.devices.leases import Lease
 from stepramp.devices.registry import Devices
 from stepramp.devices.soft_limits import Span
 from stepramp.devices.view import DeviceState
@@ -24,7 +26,8 @@ from stepramp.errors import DeviceLost, Refused, Rejected
 
 BY = [AxisCommand(0, 5, "by_steps")]
 AT_SERIAL_PORTS = [name for name in FAMILIES if name != "klipper"]
-ALL = ("keep", "try", "restore", "settings", "trace", "line", "zero")
+HOMING = Homing([AxisCommand(0, -9.0, "fast")], AxisCommand(0, 5.0, "slow"), 5, {0: 0})
+ALL = ("keep", "try", "restore", "settings", "trace", "line", "zero", "inputs")
 
 
 @pytest.fixture
@@ -110,6 +113,8 @@ def test_what_keeps_a_motor_from_moving_is_told_until_it_is_over(plain: Device, 
         (lambda device: device.trace_moves(0, 1), "trace moves"),
         (lambda device: device.line(BY), "move axes along a straight line"),
         (lambda device: device.zero([0], 5), "zero gauges"),
+        (Device.acknowledge, "tell of inputs, nor be homed from here"),
+        (lambda device: device.home(HOMING, Lease({0: -9.0})), "tell of inputs, nor be homed from here"),
         (Device.backups, "be backed up"),
         (Device.back_up, "be backed up"),
         (Device.prove, "be started anew to prove what it has stored"),

@@ -55,6 +55,9 @@ def test_the_first_page_that_acts_is_in_control_until_it_is_gone(client: TestCli
             ("POST", "/push", {"design": document()}),
             ("POST", "/run", {"speed_steps_per_s": 100}),
             ("PUT", "/settings", {}),
+            ("POST", "/home", {"axes": [{"axis": 0, "fast_steps_per_s": -100}], "slow_steps_per_s": 50}),
+            ("POST", "/acknowledge", None),
+            ("PUT", "/surroundings", {}),
             ("POST", "/keep", None),
             ("DELETE", "", None),
         ]:

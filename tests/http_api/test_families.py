@@ -88,6 +88,9 @@ def test_one_of_another_family_is_disconnected_first(client: TestClient, route: 
     assert client.get(route).json()["state"] == "ready"
 
 
+HOME = {"axes": [{"axis": 0, "fast_steps_per_s": -100}], "slow_steps_per_s": 50}
+
+
 @pytest.mark.parametrize(
     ("method", "path", "body", "words"),
     [
@@ -101,6 +104,8 @@ def test_one_of_another_family_is_disconnected_first(client: TestClient, route: 
         ("PUT", "settings", {"pulse_width_us": -1}, "be given settings"),
         ("POST", "line", {"axes": MOVE}, "move axes along a straight line"),
         ("POST", "zero", {"axes": [0], "steps": 5}, "zero gauges"),
+        ("POST", "home", HOME, "tell of inputs, nor be homed from here"),
+        ("POST", "acknowledge", None, "tell of inputs, nor be homed from here"),
         ("GET", "trace", None, "trace moves"),
         ("PUT", "trace", {"traced_axis": 0}, "trace moves"),
         ("GET", "backups", None, "be backed up"),
@@ -114,3 +119,15 @@ def test_what_it_cant_do_is_refused(
     refused = client.request(method, f"{route}/{path}", json=body)
     assert refused.status_code == 409
     assert f"can't {words}: no controller of its family, Plain, can." in refused.json()["errors"][0]["message"]
+
+
+@pytest.mark.parametrize(("method", "body"), [("GET", None), ("PUT", {"emergency_stop": True})])
+def test_what_is_around_it_is_real(client: TestClient, route: str, method: str, body: Any) -> None:
+    refused = client.request(method, f"{route}/surroundings", json=body)
+    assert refused.status_code == 409
+    assert "is not virtual: what is at its inputs can't be pressed from here" in refused.text
+    device = client.get(route).json()
+    assert (device["inputs"], device["stopped_by"]) == (None, None)
+    assert {(axis["position_known"], axis["homing"], axis["limits_hold"]) for axis in device["axes"]} == {
+        (None, None, False)
+    }

@@ -29,6 +29,7 @@ MOTIONS: list[tuple[str, dict[str, object]]] = [
     ("line", {"axes": [{"axis": 0, "by_steps": 10}]}),
     ("there_and_back", {"by_steps": 10}),
     ("zero", {"steps": 10}),
+    ("home", {"axes": [{"axis": 0, "fast_steps_per_s": -100}], "slow_steps_per_s": 50}),
 ]
 _numbers = itertools.count()
 

@@ -2,7 +2,7 @@
 
 from typing import Annotated, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, StrictBool, model_validator
 
 from stepramp.controllers.axes import MOST_AXES, AxisNumber
 from stepramp.controllers.virtual.world import SurroundingsChange, Switches
@@ -30,8 +30,8 @@ class AxisSwitches(Document):
 class SurroundingsPayload(Document):
     """What is to change around a virtual controller; what isn't given, or null, stays as it is."""
 
-    emergency_stop: bool | None = Field(None, description="Whether the emergency stop is pressed")
-    driver_fault: bool | None = Field(None, description="Whether a driver has a fault")
+    emergency_stop: StrictBool | None = Field(None, description="Whether the emergency stop is pressed")
+    driver_fault: StrictBool | None = Field(None, description="Whether a driver has a fault")
     axes: Annotated[list[AxisSwitches] | None, ListOrNull("axes and their switches", most=MOST_AXES, least=1)] = Field(
         None, description="Axes whose switches are put elsewhere"
     )

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from typing import Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, StrictBool, model_validator
 
 from stepramp.controllers.axes import MOST_AXES, AxisNumber
 from stepramp.controllers.inputs import End, InputStatus, Level, LimitStop, RoleName
@@ -30,7 +30,7 @@ class InputRole(Document):
     active: Level = Field(
         "low", description="Level at which it is active. high, for switches that open, also stops when a wire breaks"
     )
-    pull_up: bool = Field(True, description="Whether the controller's own pull-up is on")
+    pull_up: StrictBool = Field(True, description="Whether the controller's own pull-up is on")
     axis: AxisNumber | None = Field(None, description="Of a limit: which axis, from 0; null for other roles")
     end: End | None = Field(
         None, description="Of a limit: at which end, low stops it while it moves backwards; null for other roles"

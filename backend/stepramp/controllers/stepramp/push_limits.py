@@ -27,7 +27,7 @@ class PushLimits:
     of_segments: range
     """Intervals of a ramp of segments [ticks]."""
     by_formula: range
-    """Intervals of a ramp that is computed while it is played [ticks]."""
+    """Intervals of a ramp that is computed while it is played [ticks]; none of a controller that computes none."""
     most_segments: int
     """Of one ramp."""
     largest_image_bytes: int
@@ -44,7 +44,7 @@ class PushLimits:
             fast_clock=fast,
             timer_hz=timer_hz,
             of_segments=range(max(segments.start, of_segments), segments.stop),
-            by_formula=range(max(formula.start, by_formula), formula.stop),
+            by_formula=range(max(formula.start, by_formula), formula.stop if hello.computes_formulas else 0),
             most_segments=min(hello.most_segments, MOST_SEGMENTS),
             largest_image_bytes=hello.largest_image_bytes,
             speeds=speeds,

@@ -3,7 +3,7 @@
 import struct
 from typing import Annotated, Literal, Self
 
-from pydantic import AfterValidator, Field
+from pydantic import AfterValidator, Field, StrictBool
 
 from stepramp.controllers.axes import AxisNumbers
 from stepramp.controllers.inputs import Level
@@ -95,7 +95,7 @@ class StepRampSettings(Document):
         "0.256 s more. It is taken in steps of 0.256 s, the nearest; the answer tells which. null: it stays as it is; "
         "in an answer, the controller has no such setting [s]",
     )
-    silence_ends_moves: bool | None = Field(
+    silence_ends_moves: StrictBool | None = Field(
         None, description="Whether such a silence ends moves and lines, too; null as in silence_s"
     )
     looks: Looks | None = Field(

@@ -78,6 +78,11 @@ class HelloReply(Reply):
         """Whether it has inputs, and all that goes with them."""
         return bool(self.more) and bool(self.more[0] & Ability.INPUTS)
 
+    @property
+    def computes_formulas(self) -> bool:
+        """Whether it plays ramps that it computes itself: one of version 2 doesn't say that it doesn't."""
+        return not self.more or bool(self.more[0] & Ability.FORMULAS)
+
     def __post_init__(self) -> None:
         if not self.fast_clock_hz or not self.slow_clock_hz or self.fast_clock_hz % self.slow_clock_hz:
             raise ValueError(f"Clocks of {self.fast_clock_hz} Hz and {self.slow_clock_hz} Hz.")

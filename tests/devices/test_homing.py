@@ -1,0 +1,165 @@
+"""Homing as the server sees to it: on a lease, with what is known afterwards, and what stops everything."""
+
+from __future__ import annotations
+
+import pytest
+
+from devices.bench import ROLES, Bench, by, home
+from stepramp.controllers.contract import AxisCommand
+from stepramp.controllers.stepramp.messages.motion import AcknowledgeRequest, HomeRequest, StopRequest
+from stepramp.controllers.stepramp.settings import StepRampSettings
+from stepramp.controllers.virtual.world import SurroundingsChange
+from stepramp.devices.homing import Homing
+from stepramp.devices.leases import Lease
+from stepramp.devices.soft_limits import Span
+from stepramp.devices.view import AxisView, DeviceState
+from stepramp.errors import Refused
+
+
+@pytest.fixture(autouse=True)
+def _from_rest(bench: Bench) -> None:
+    bench.reset()
+
+
+def axis_of(bench: Bench) -> AxisView:
+    return bench.device.view.axes[0]
+
+
+def go_on(bench: Bench, time_s: float) -> None:
+    for _ in range(round(time_s / 0.1)):
+        bench.clock.now_s += 0.1
+        bench.poll()
+
+
+def press(bench: Bench, *, pressed: bool) -> None:
+    bench.witness.controller.change_surroundings(SurroundingsChange(emergency_stop=pressed))
+    bench.look()
+
+
+def test_what_is_shown_of_a_homing(bench: Bench) -> None:
+    home(bench)
+    assert (axis_of(bench).homing, axis_of(bench).position_known) == (True, False)
+    assert bench.device.view.state is DeviceState.MOVING
+    go_on(bench, 2.0)
+    axis = axis_of(bench)
+    assert (axis.homing, axis.position_known, axis.position_steps) == (False, True, -1)
+    assert (bench.device.view.state, bench.device.view.after_homing) == (DeviceState.READY, {})
+    assert StopRequest.KIND not in bench.witness.seen, "its lease ends with it"
+
+
+def test_what_is_found_is_called_as_asked_and_the_way_that_the_switch_took_counts(bench: Bench) -> None:
+    home(bench, position_steps=5000)
+    go_on(bench, 2.0)
+    assert (axis_of(bench).position_steps, axis_of(bench).position_known) == (4999, True)
+
+
+def test_it_is_called_nothing_when_it_was_stopped(bench: Bench) -> None:
+    home(bench, position_steps=5000)
+    go_on(bench, 0.2)
+    bench.device.stop().result(5.0)
+    go_on(bench, 2.0)
+    assert (axis_of(bench).position_known, axis_of(bench).homing) == (False, False)
+    assert -200 < axis_of(bench).position_steps < 0
+    assert bench.device.view.after_homing == {}
+
+
+def test_it_ends_with_its_lease(bench: Bench) -> None:
+    lease = Lease({0: -800.0}, 1e6, is_to_home=True)
+    bench.put_switch(10_000)
+    fast, slow = AxisCommand(0, -800.0, "axes.0.fast_steps_per_s"), AxisCommand(0, 100.0, "slow_steps_per_s")
+    bench.device.home(Homing([fast], slow, 20, {0: 0}), lease)
+    go_on(bench, 0.5)
+    assert axis_of(bench).homing
+    bench.device.end_run(lease)
+    go_on(bench, 1.0)
+    assert (axis_of(bench).homing, axis_of(bench).position_known) == (False, False)
+    with pytest.raises(Refused, match="before it began"):
+        bench.device.home(Homing([fast], slow, 20, {0: 0}), lease)
+    assert bench.witness.seen.count(HomeRequest.KIND) == 1
+
+
+def test_it_ends_with_the_page_that_began_it(bench: Bench) -> None:
+    bench.put_switch(10_000)
+    fast, slow = AxisCommand(0, -800.0, "axes.0.fast_steps_per_s"), AxisCommand(0, 100.0, "slow_steps_per_s")
+    homing = Homing([fast], slow, 20, {0: 0})
+    with pytest.raises(Refused, match="its page is gone"):
+        bench.device.home(homing, Lease({0: -800.0}, 1e6, "one", is_to_home=True))
+    bench.device.take_control("one")
+    bench.device.home(homing, Lease({0: -800.0}, 1e6, "one", is_to_home=True))
+    go_on(bench, 0.5)
+    bench.device.leave_control("one")
+    go_on(bench, 1.0)
+    assert (axis_of(bench).homing, bench.device.view.state) == (False, DeviceState.READY)
+
+
+def test_soft_limits_do_not_hold_while_it_is_homed_and_hold_again_from_where_it_is(bench: Bench) -> None:
+    bench.device.limit({0: Span(-50, 300)})
+    assert axis_of(bench).limits_hold
+    home(bench)
+    assert not axis_of(bench).limits_hold
+    go_on(bench, 2.0)
+    assert (axis_of(bench).position_steps, axis_of(bench).limits_hold) == (-1, True)
+    bench.device.move_by([by(200)])
+    bench.settle()
+    bench.device.limit({0: Span()})
+
+
+def test_where_limits_are_is_known_once_it_was_homed(bench: Bench) -> None:
+    bench.device.limit({0: Span(-50, 300)})
+    bench.device.disconnect()
+    bench.device.connect()
+    # They were on trial only.
+    bench.device.use_settings(StepRampSettings.checked({"inputs": ROLES}))
+    assert bench.device.view.unknown_positions == (0,)
+    with pytest.raises(Refused, match="may be elsewhere than counted"):
+        bench.device.move_by([by(5)])
+    home(bench, position_steps=100)
+    go_on(bench, 2.0)
+    assert (bench.device.view.unknown_positions, axis_of(bench).position_steps) == ((), 99)
+    bench.device.move_by([by(5)])
+    bench.settle()
+
+
+def test_what_is_found_being_homed_for_nobody_is_stopped(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+    bench.put_switch(10_000)
+    home(bench)
+    # As a board with a supply of its own that opening its port doesn't reset.
+    monkeypatch.setattr(type(bench.witness), "opened", lambda _: None)
+    bench.put_switch(10_000)
+    bench.device.shut_down()
+    bench.witness.seen.clear()
+    bench.device.connect()
+    assert StopRequest.KIND in bench.witness.seen
+
+
+def test_an_emergency_stop_is_shown_and_acknowledged(bench: Bench) -> None:
+    bench.device.move_by([by(3000)])
+    bench.clock.now_s += 0.3
+    press(bench, pressed=True)
+    view = bench.device.view
+    assert (view.state, view.stopped_by) == (DeviceState.READY, ("emergency_stop",))
+    assert [(each.input, each.is_active) for each in view.inputs or ()] == [("A0", True), ("A1", False)]
+    assert view.message == ("Nothing moves: the emergency stop at A0 is active. First release it, then acknowledge.")
+    for ask in (lambda: bench.device.move_by([by(5)]), bench.device.acknowledge, lambda: home(bench)):
+        with pytest.raises(Refused, match="the emergency stop at A0 is active"):
+            ask()
+    press(bench, pressed=False)
+    assert (
+        bench.device.view.message == "Nothing moves: the emergency stop has stopped all axes. Acknowledge that first."
+    )
+    bench.device.acknowledge()
+    assert (bench.device.view.stopped_by, bench.device.view.message) == ((), None)
+    bench.device.move_by([by(5)])
+    bench.settle()
+
+
+def test_what_was_to_be_acknowledged_before_a_stop_is_not_afterwards(bench: Bench) -> None:
+    press(bench, pressed=True)
+    press(bench, pressed=False)
+    asked = bench.devices.order.next()
+    bench.device.stop().result(5.0)
+    with pytest.raises(Refused, match="A stop came first"):
+        bench.device.acknowledge(asked)
+    assert AcknowledgeRequest.KIND not in bench.witness.seen
+    bench.device.acknowledge()
+    assert bench.device.view.stopped_by == ()
