@@ -2,24 +2,33 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 
 import pytest
 
 from controllers.client.script import BYTES, IDLE, NO_RAMP, SESSION, Connect, Script, replied, said, stored
 from controllers.ramps import four_axes
+from stepramp.controllers.capabilities import HasInputs
 from stepramp.controllers.contract import Activity, StoredRamp
 from stepramp.controllers.stepramp import conversation
 from stepramp.controllers.stepramp.controller import StepRampController
-from stepramp.controllers.stepramp.frames import encode_frame
-from stepramp.controllers.stepramp.messages.body import DoneReply
+from stepramp.controllers.stepramp.frames import FrameSplitter, encode_frame
+from stepramp.controllers.stepramp.messages.body import DoneReply, Reply
 from stepramp.controllers.stepramp.messages.message import Message
+from stepramp.controllers.stepramp.messages.motion import AcknowledgeRequest
 from stepramp.controllers.stepramp.messages.reply import Refusal, ReplyStatus, pack_reply
 from stepramp.controllers.stepramp.messages.report import ReportNotice, ReportRequest
 from stepramp.controllers.stepramp.messages.session import HelloReply, HelloRequest
+from stepramp.controllers.stepramp.messages.settings import (
+    ReadSettingsRequest,
+    SettingsReply,
+    WriteSettingsRequest,
+)
 from stepramp.controllers.stepramp.messages.status import StatusReply, StatusRequest
+from stepramp.controllers.stepramp.settings import StepRampSettings
 from stepramp.controllers.virtual.controller import HELLO
-from stepramp.errors import DeviceLost, Refused
+from stepramp.errors import DeviceLost, Refused, Rejected
 from stepramp.link.serial_port import SerialPort
 
 
@@ -136,3 +145,81 @@ def test_what_a_status_means(connect: Connect) -> None:
 def test_without_a_ramp_there_is_still_one_axis(connect: Connect) -> None:
     status = connect(Script().then(StatusRequest(0), NO_RAMP)).status()
     assert (len(status.axes), status.ramp, status.activity) == (1, None, Activity.READY)
+
+
+class Recorded:
+    """A controller of version 2, as it answered once: frames by frames, and nothing to any other."""
+
+    def __init__(self, answers: dict[bytes, Reply | Refusal]) -> None:
+        self.answers = answers
+        self.asked: list[bytes] = []
+
+    def opened(self) -> None:
+        pass
+
+    def exchange(self, data: bytes) -> bytes:
+        answer = b""
+        for frame in filter(None, data.split(b"\0")):
+            self.asked.append(frame)
+            message = Message.unpack(next(iter(FrameSplitter().feed(frame + b"\0"))))
+            assert message is not None
+            body = pack_reply(self.answers[message.pack()])
+            answer += encode_frame(Message(message.kind | 0x80, message.session, message.tag, body).pack())
+        return answer
+
+
+def test_with_a_controller_of_version_2_its_version_is_spoken(plug_in: Callable) -> None:
+    second = HelloReply(**{**vars(HELLO), "protocol_version": 2, "more": b""})
+    assert len(pack_reply(second)) == 1 + 44
+    board = Recorded(
+        {
+            bytes.fromhex("01 3412 00 03"): Refusal(ReplyStatus.BAD_VERSION, 2),
+            bytes.fromhex("01 3412 01 02"): second,
+            bytes.fromhex("17 3412 02"): SettingsReply(bytes.fromhex("0000000000001e000100ffff")),
+            bytes.fromhex("03 3412 03 32"): DoneReply(),
+            bytes.fromhex("02 3412 04 00"): NO_RAMP,
+            bytes.fromhex("18 3412 05 0000000000091e000100ffff"): DoneReply(),
+        }
+    )
+    port = SerialPort(plug_in(board))
+    controller = StepRampController(port)
+    controller.connect()
+    assert controller.lacks == (HasInputs,)
+    status = controller.status()
+    assert (status.of_inputs, status.axes[0].position_known, status.axes[0].homing) == (None, None, None)
+    with pytest.raises(Rejected, match=r"looks is 3; allowed: null: the controller at sim://.* has no inputs"):
+        controller.use_settings(StepRampSettings(looks=3))
+    controller.use_settings(StepRampSettings(pulse_width_us=9))
+    port.close()
+
+
+def test_settings_of_inputs_are_written_over_those_in_use_with_what_isnt_known(connect: Connect) -> None:
+    in_use = bytes.fromhex("0000000000001e000100ffff 06010a 018200000000000000 abcd")
+    script = Script()
+    script.pairs[1] = (script.pairs[1][0], replied(ReadSettingsRequest(), SettingsReply(in_use), 1))
+    changed = bytes.fromhex("0000000000091e000100ffff 06010a 010000000000000000 abcd")
+    script.then(WriteSettingsRequest(bytes.fromhex("0000000000091e000100ffff")), DoneReply())
+    script.then(WriteSettingsRequest(changed), DoneReply())
+    controller = connect(script)
+    controller.use_settings(StepRampSettings(pulse_width_us=9))
+    stop = {"input": "A0", "role": "emergency_stop"}
+    controller.use_settings(StepRampSettings.checked({"pulse_width_us": 9, "inputs": [stop]}))
+
+
+def test_refusals_name_input_and_axis(connect: Connect) -> None:
+    in_use = bytes.fromhex("0000000000001e000100ffff 04000a 0182000000000000 0d")
+    script = stored()
+    script.pairs[1] = (script.pairs[1][0], replied(ReadSettingsRequest(), SettingsReply(in_use), 1))
+    refusals = {
+        Refusal(ReplyStatus.STOPPED, 0b1_0000_0001): "the emergency stop at A0 is active. First release it, then ack",
+        Refusal(ReplyStatus.STOPPED, 0b11): "the emergency stop at A0 and the driver's fault at A1 are active. First",
+        Refusal(ReplyStatus.STOPPED, 0): "an emergency stop or a driver's fault has stopped all axes. Acknowledge that",
+        Refusal(ReplyStatus.AT_LIMIT, 0x0801): "Axis 1 is on the limit switch of its high end at D11 and goes no",
+        Refusal(ReplyStatus.AT_LIMIT, 0x0903): "Axis 3 is on a limit switch and goes no further that way: move it the",
+    }
+    for refusal in refusals:
+        script.then(AcknowledgeRequest(), refusal)
+    controller = connect(script)
+    for words in refusals.values():
+        with pytest.raises(Refused, match=re.escape(words)):
+            controller.acknowledge()
