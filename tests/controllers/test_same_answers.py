@@ -67,6 +67,7 @@ class Both:
         self._virtual = VirtualController(self._clock)
         self._tag = 0
         driver.ask("begin")
+        # In version 3 a build with inputs says more than one without.
         self._exchange(HelloRequest(2))
 
     def ask(self, request: Request) -> tuple[int, int]:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import pytest
 
 from designs import design
-from stepramp.controllers.stepramp.settings import StepRampSettings
+from stepramp.controllers.stepramp.settings import USUAL_OF_INPUTS, StepRampSettings
 from stepramp.devices.device import Device
 from stepramp.devices.registry import Devices
 from stepramp.devices.view import DeviceState
@@ -59,7 +59,8 @@ def test_nothing_is_under_way_once_it_is_answered(devices: Devices, port: str, e
 
 def test_settings(devices: Devices, port: str) -> None:
     device = devices.connect(port)
-    assert device.settings() == StepRampSettings()
+    usual = StepRampSettings.unpack(StepRampSettings().pack() + USUAL_OF_INPUTS)
+    assert device.settings() == usual
     device.use_settings(StepRampSettings(pulse_width_us=8))
     assert (device.settings().pulse_width_us, device.view.on_trial) == (8, True)
     with pytest.raises(Refused, match="push a design first"):

@@ -17,7 +17,7 @@ from stepramp.controllers.stepramp.messages.status import MachineState, StatusRe
 
 def test_hello(line: Line) -> None:
     said = line.hello()
-    assert (said.fast_clock_hz, said.slow_clock_hz, said.axes) == (16_000_000, 2_000_000, 4)
+    assert (said.protocol_version, said.fast_clock_hz, said.slow_clock_hz, said.axes) == (3, 16_000_000, 2_000_000, 4)
     assert (said.shortest_intervals, said.shortest_line_intervals) == ((106, 246, 388, 533), (133, 160, 181))
     assert (said.longest_interval_ticks, said.largest_image_bytes, said.most_segments) == (2**28 - 1, 440, 250)
     assert (said.ramp_sequence, said.image_crc, said.ramp_in_use) == (0, 0, 0)
