@@ -35,6 +35,14 @@ export function inShownUnits(units, designs) {
   };
 }
 
+/** Sentences about designs in the units that are shown.
+ * @param {Units} units @param {Design[]} designs as for inShownUnits
+ * @param {string[]} sentences @param {Told[][]} told the quantities of each @returns {string[]} */
+export function sentencesInUnits(units, designs, sentences, told) {
+  const shown = inShownUnits(units, designs);
+  return sentences.map((message, place) => shown({ field: null, message, told: told[place] }).message);
+}
+
 /** What a remedy is called on a button, in the units that are shown.
  * @param {Units} units @param {Design} design whose it is @param {import('./types.js').Remedy} remedy */
 export function remedyWords(units, design, { text, told }) {

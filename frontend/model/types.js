@@ -417,12 +417,16 @@
 
 export {};
 
+/** One axis of a controller, as a design, and what is not as the controller has it.
+ * @typedef {{design: Design, remarks: string[], remarks_told: Told[][]}} ReadAxis */
+
 /** What a machine that ramps by itself is given for a design, and what is lost of it.
  * @typedef {object} MachineSheet
  * @property {string} file_name
  * @property {string} text
  * @property {{name: string, unit: string, requested: number, sent: string}[]} settings
  * @property {string[]} remarks
+ * @property {Told[][]} remarks_told  the quantities of each remark
  * @property {string | null} unplayed  why it isn't known what it really plays; null: it is */
 
 /** Axes that begin together, each thinned.

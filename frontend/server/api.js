@@ -312,12 +312,12 @@ export const api = {
 
   /** What a controller lists of itself, as designs, one for each of its axes.
    * @param {string} text @param {Design | null} design holds where that says nothing
-   * @returns {Promise<{family: string, axes: {design: Design, remarks: string[]}[]}>} */
+   * @returns {Promise<{family: string, axes: import('../model/types.js').ReadAxis[]}>} */
   importText: (text, design) => request('POST', 'import', { text, design }),
 
   /** What a controller has now, as designs, one for each of its axes.
    * @param {string} id @param {Design} design holds where the controller says nothing
-   * @returns {Promise<{axes: {design: Design, remarks: string[]}[]}>} */
+   * @returns {Promise<{axes: import('../model/types.js').ReadAxis[]}>} */
   importDevice: (id, design) => request('POST', `${device(id)}/import`, { design }),
 
   /** What a controller of a family, or a machine, really plays of a design's move.

@@ -134,6 +134,20 @@ def test_what_a_machine_loses_is_shown_beside_what_it_is_given(dialog: ExportDia
     expect(remarks).to_be_hidden()
 
 
+def test_what_a_machine_loses_is_told_in_the_units_that_are_shown(stepramp: StepRampPage) -> None:
+    lost = stepramp.page.locator("#export-remarks li", has_text="Base speed")
+    text = "Base speed {start} is not kept: Marlin starts and ends at {own}."
+    for unit, start, own in (("mm", "0 mm/s", "2.4 mm/s"), ("steps", "0 steps/s", "120 steps/s")):
+        stepramp.page.locator(f'#length-unit [data-value="{unit}"]').click()
+        stepramp.page.locator("#head-export").click()
+        dialog = ExportDialog(stepramp.page)
+        dialog.choose("marlin")
+        expect(lost).to_have_text(text.format(start=start, own=own))
+        expect(dialog.preview).to_contain_text("120 steps/s")
+        stepramp.page.keyboard.press("Escape")
+        expect(dialog.element).to_be_hidden()
+
+
 def test_refusals_are_shown_and_what_is_right_again_is_exported(dialog: ExportDialog, watch: Watch) -> None:
     watch.expected.append(REFUSED_VALUE)
     dialog.choose("c_newton")

@@ -396,7 +396,8 @@ def test_what_a_machine_is_given_is_shown_with_what_it_loses(modules: Modules) -
         const {COMMANDS: {work}} = await import('/app/commands/commands.js');
         const {Refusal} = await import('/server/api.js');
         const asked = [];
-        let answer = async () => ({file_name: 'a.gcode', text: 'M92 X80', settings: [], remarks: ['No base speed.']});
+        let answer = async () => ({file_name: 'a.gcode', text: 'M92 X80', settings: [], remarks: ['No base speed.'],
+            remarks_told: [[]]});
         const store = createStore(FIRST_STATE, (error) => { throw error; });
         const panel = createExport(store, {report: gone, exportDesign: gone, machine: (name, wanted) => {
             asked.push([name, wanted.axis_letter]); return answer(); }});
@@ -420,6 +421,68 @@ def test_what_a_machine_is_given_is_shown_with_what_it_loses(modules: Modules) -
     assert seen[6] == [["marlin", "X"]] * 3
 
 
+LOST = """{text: '$100=80', file_name: 'a.gcode', settings: [],
+    remarks: ['Base speed 100 steps/s is not kept.', 'Another is.'],
+    remarks_told: [[{text: '100 steps/s', value: 100, unit: 'steps/s', rounding: 'nearest', axis: null}], []]}"""
+REFUSED = """new Refusal(422, [{field: 'design.ramp.slew_speed_steps_per_s', value: 0.5, allowed: 'a number',
+    message: 'no', limits: {lowest: 1, highest: null, is_whole: false, note: ' with it'}, unit: 'steps/s'}])"""
+OF_50_STEPS_PER_MM = ["Base speed 100 steps/s is not kept.", "Base speed 2 mm/s is not kept."]
+
+
+def test_what_a_machine_loses_and_refuses_is_told_in_the_units_that_are_shown(modules: Modules) -> None:
+    seen = run(
+        modules,
+        f"""const {{createExport}} = await import('/panels/export/export.js');
+        const {{createStore, FIRST_STATE}} = await import('/app/state.js');
+        const {{COMMANDS: {{work, view}}}} = await import('/app/commands/commands.js');
+        const {{Refusal}} = await import('/server/api.js');
+        let answer = async () => ({LOST});
+        const store = createStore(FIRST_STATE, (error) => {{ throw error; }});
+        const panel = createExport(store, {{report: gone, exportDesign: gone, machine: () => answer()}});
+        store.subscribe(panel.show);
+        store.dispatch(work.begin, {{axes: [design], together: 'independent'}});
+        panel.open('grbl'); await settled();
+        const lost = () => byId('export-remarks').children.map(textOf);
+        const seen = [lost()];
+        store.dispatch(view.setUnits, {{length: 'mm', time: 's'}}); await settled();
+        seen.push(lost(), textOf(byId('export-preview')));
+        answer = async () => {{ throw {REFUSED}; }};
+        store.dispatch(work.setName, 'Other'); await settled();
+        return [...seen, textOf(byId('export-preview')).trim()];""",
+    )
+    assert [lost[0] for lost in seen[:2]] == OF_50_STEPS_PER_MM
+    assert seen[1][1] == "Another is."
+    assert seen[2] == "$100=80", "the file is as it is"
+    assert seen[3] == "Slew speed is 0.01 mm/s (0.5 steps/s); allowed: at least 0.02 mm/s with it."
+
+
+def test_the_guide_tells_what_a_machine_loses_in_the_units_that_are_shown(modules: Modules) -> None:
+    seen = run(
+        modules,
+        f"""const {{createUseStep}} = await import('/panels/guide/use.js');
+        const {{createStore, FIRST_STATE}} = await import('/app/state.js');
+        const {{COMMANDS: {{work, guide, answers, view}}}} = await import('/app/commands/commands.js');
+        const {{axisOf}} = await import('/app/selectors.js');
+        const {{Refusal}} = await import('/server/api.js');
+        let answer = async () => ({LOST});
+        const step = createUseStep({{}}, {{machine: () => answer()}});
+        body.append(step.element);
+        const store = createStore(FIRST_STATE, (error) => {{ throw error; }});
+        store.subscribe(step.show);
+        store.dispatch(work.begin, {{axes: [design], together: 'independent'}});
+        store.dispatch(guide.setPlayer, 'grbl');
+        store.dispatch(answers.curvesCame, {{}}, axisOf(store.state())); await settled();
+        const seen = [textOf(body)];
+        store.dispatch(view.setUnits, {{length: 'mm', time: 's'}}); await settled();
+        seen.push(textOf(body));
+        answer = async () => {{ throw {REFUSED}; }};
+        store.dispatch(view.setUnits, {{length: 'mm', time: 'min'}}); await settled();
+        return [...seen, textOf(body)];""",
+    )
+    assert [told in text for told, text in zip(OF_50_STEPS_PER_MM, seen, strict=False)] == [True, True]
+    assert "allowed: at least 1.2 mm/min with it." in seen[2]
+
+
 def test_what_a_library_really_plays_is_said_and_drawn_if_wanted(modules: Modules) -> None:
     seen = run(
         modules,
@@ -431,7 +494,7 @@ def test_what_a_library_really_plays_is_said_and_drawn_if_wanted(modules: Module
         const press = (box) => { box.checked = !box.checked; box.onchange(); };
         const store = createStore(FIRST_STATE, (error) => { throw error; });
         const machine = async (name) => ({file_name: 'a.ino', text: 'void loop()', settings: [], remarks: [],
-            unplayed: name === 'fastaccelstepper' ? 'Nobody knows.' : null});
+            remarks_told: [], unplayed: name === 'fastaccelstepper' ? 'Nobody knows.' : null});
         const ramp = async (route) => { asked.push(route);
             return {max_relative_error: -0.594, max_error_step: 1, duration_s: 2.1, planned_duration_s: 2.2}; };
         const panel = createExport(store, {report: gone, exportDesign: gone, machine}, ramp);
@@ -482,7 +545,8 @@ def test_the_guide_has_its_lines_from_the_server_and_keeps_none_that_are_old(mod
         store.dispatch(answers.curvesCame, {}, axisOf(store.state())); await settled();
         const shown = () => [textOf(byId('guide-settings')), byId('guide-copy').disabled];
         const seen = [textOf(body).includes('The server does not answer'), ...shown()];
-        answer = async () => ({text: '; Mine.\\n$100=80\\n$110=6\\n', remarks: ['No base speed.']});
+        answer = async () => ({text: '; Mine.\\n$100=80\\n$110=6\\n', remarks: ['No base speed.'],
+            remarks_told: [[]]});
         pass(); await settled();
         seen.push(...shown(), textOf(body).includes('No base speed.'));
         answer = () => new Promise(nothing);

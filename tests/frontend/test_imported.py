@@ -2,18 +2,23 @@
 
 from datetime import UTC, datetime
 
+from designs import document
 from frontend.modules import Modules
 
 
 def test_a_remark_names_its_axis_where_it_is_not_of_all(modules: Modules) -> None:
     axes = [
-        {"design": {"name": "X"}, "remarks": ["No jerk is kept.", "The travel is unknown."]},
-        {"design": {"name": "Y"}, "remarks": ["No jerk is kept."]},
-        {"design": {"name": "Z"}, "remarks": ["No jerk is kept.", "The travel is unknown.", "It is slow."]},
+        {"design": document(name=name), "remarks": remarks, "remarks_told": [[] for _ in remarks]}
+        for name, remarks in (
+            ("X", ["No jerk is kept.", "The travel is unknown."]),
+            ("Y", ["No jerk is kept."]),
+            ("Z", ["No jerk is kept.", "The travel is unknown.", "It is slow."]),
+        )
     ]
-    told = modules.call("/model/imported.js", "remarksOf", axes)
+    units = {"length": "steps", "time": "s"}
+    told = modules.call("/model/imported.js", "remarksOf", axes, units)
     assert told == ["No jerk is kept.", "X: The travel is unknown.", "Z: The travel is unknown.", "Z: It is slow."]
-    alone = modules.call("/model/imported.js", "remarksOf", axes[:1])
+    alone = modules.call("/model/imported.js", "remarksOf", axes[:1], units)
     assert alone == ["No jerk is kept.", "The travel is unknown."]
 
 

@@ -22,7 +22,7 @@ START = """async ([design, found, meanwhile]) => {
     store.dispatch(COMMANDS.work.begin, {axes, together: 'independent', ids: [5, 7], active: 0, kept: null});
     api.importDevice = async () => {
         for (const [verb, ...args] of meanwhile) store.dispatch(COMMANDS.work[verb], ...args);
-        return {axes: [{design: found, remarks: []}]}; };
+        return {axes: [{design: found, remarks: [], remarks_told: []}]}; };
     const actions = createDeviceActions(store, createGestures(), new Map(), {outdate: () => {}});
     await actions.startFrom({id: '1', stops: 0}, 0, design, 5);
     api.importDevice = real;

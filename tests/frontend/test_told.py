@@ -8,7 +8,7 @@ import pytest
 from designs import design, document
 from frontend.modules import Modules
 from stepramp.controllers.losses import losses
-from stepramp.controllers.remark import of_axis, told_in
+from stepramp.controllers.remark import Remark, of_axis, quantity, told_in
 from stepramp.http_api.errors import ToldAnswer
 from stepramp.http_api.schedule_models import LimitAnswer
 from stepramp.ramp.profile import profile_of
@@ -106,6 +106,22 @@ def test_limits_are_told_in_the_unit_of_their_field_only(modules: Modules) -> No
     assert shown(modules, other, [FINE])["allowed"] == "as it is"
     # Of an axis that the page doesn't know nothing can be converted.
     assert shown(modules, said | {"unit": "steps/s", "allowed": "as it is"}, [FINE])["allowed"] == "as it is"
+
+
+def test_sentences_of_several_axes_are_told_in_the_units_of_each_and_once_where_they_are_the_same(
+    modules: Modules,
+) -> None:
+    """2,000 steps/s of 0.02 mm, and 1,000 of 0.04, are both 40 mm/s."""
+    axes = []
+    for name, axis, steps_per_s in (("X", FINE, 2000), ("Y", COARSE, 1000), ("Z", COARSE, 500)):
+        remark = Remark("Up to V1, ", quantity(steps_per_s, "steps/s"), ", all is as it was.")
+        told = [[ToldAnswer.model_validate(each).model_dump() for each in one] for one in told_in([remark])]
+        axes.append({"design": axis | {"name": name}, "remarks": [str(remark)], "remarks_told": told})
+    in_mm = [modules.call("/model/imported.js", "remarksOf", axes[:n], {"length": "mm", "time": "s"}) for n in (2, 3)]
+    assert in_mm[0] == ["Up to V1, 40 mm/s, all is as it was."]
+    assert in_mm[1][1:] == ["Y: Up to V1, 40 mm/s, all is as it was.", "Z: Up to V1, 20 mm/s, all is as it was."]
+    in_steps = modules.call("/model/imported.js", "remarksOf", axes[:2], {"length": "steps", "time": "s"})
+    assert in_steps[0] == "X: Up to V1, 2,000 steps/s, all is as it was."
 
 
 def test_warnings_of_a_push_are_told_in_the_units_that_are_shown(modules: Modules) -> None:

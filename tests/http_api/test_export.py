@@ -51,6 +51,8 @@ def test_a_machine_is_told_with_its_figures_and_what_is_lost(client: TestClient)
     # 200 · 2 / 8 = 50 steps/mm; 1000 / 50 = 20 mm/s.
     assert told["settings"][1] == {"name": "M203 Z", "unit": "mm/s", "requested": 20, "sent": "20"}
     assert told["remarks"][0] == "Base speed 100 steps/s is not kept: Marlin starts and ends at 120 steps/s."
+    assert [each["text"] for each in told["remarks_told"][0]] == ["100 steps/s", "120 steps/s"]
+    assert len(told["remarks_told"]) == len(told["remarks"])
 
 
 def test_what_a_library_really_plays(client: TestClient) -> None:

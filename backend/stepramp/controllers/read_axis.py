@@ -4,8 +4,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from stepramp.controllers.remark import told_in
 from stepramp.design import Design
-from stepramp.errors import Count, Rejected, Rejection, shown
+from stepramp.errors import Count, Rejected, Rejection, Told, shown
 
 
 @dataclass(frozen=True)
@@ -17,6 +18,11 @@ class ReadAxis:
     design: Design
     remarks: tuple[str, ...]
     """What is not as the controller has it, as sentences."""
+
+    @property
+    def remarks_told(self) -> tuple[tuple[Told, ...], ...]:
+        """The quantities of each remark that the design's axis converts."""
+        return told_in(self.remarks)
 
 
 ReadSettings = Callable[[str, Design], list[ReadAxis]]

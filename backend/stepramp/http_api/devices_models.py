@@ -14,7 +14,7 @@ from stepramp.design import Design
 from stepramp.devices.view import DeviceState
 from stepramp.errors import Count
 from stepramp.http_api.answer import Answer
-from stepramp.http_api.errors import ToldAnswer
+from stepramp.http_api.errors import TOLD_OF_EACH, ToldAnswer
 from stepramp.validation import Document, ListOrNull, Text, Within, refuse
 
 
@@ -140,9 +140,6 @@ class OwnTermsAnswer(Answer):
     )
 
 
-TOLD_OF_EACH = (
-    "Of each warning, the quantities that a design's axis converts, in their order, to be told in other units"
-)
 OWN = "The same in the controller's own terms; null where those are the same"
 UNIT = "Unit of the figures; CRC-16 for a checksum, nothing for a mere number"
 

@@ -57,6 +57,9 @@ class LimitsAnswer(Answer):
 
 
 TOLD = "The quantities of the message that a design's axis converts, in their order, to be told in other units"
+TOLD_OF_EACH = (
+    "Of each sentence, the quantities that a design's axis converts, in their order, to be told in other units"
+)
 
 
 class ToldAnswer(Answer):

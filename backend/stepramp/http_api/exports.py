@@ -10,6 +10,7 @@ from stepramp.errors import Refused
 from stepramp.exports.export import MEDIA_TYPES, FormatName, MachineName, Options, export, sheet_of
 from stepramp.exports.machines.machines import MACHINES
 from stepramp.http_api.bodies import JsonRoute
+from stepramp.http_api.errors import ToldAnswer
 from stepramp.http_api.exports_models import ExportPayload, MachineAnswer, SettingAnswer
 from stepramp.http_api.lanes import LONG_PLANNING, planning_lane
 from stepramp.http_api.own_ramps_models import UNPLAYED, OwnRampAnswer, OwnRampPayload
@@ -43,6 +44,7 @@ def settings_of_machine(machine: MachineName, request: ExportPayload) -> Machine
         text=sheet.text,
         settings=[SettingAnswer.model_validate(each) for each in sheet.settings],
         remarks=list(sheet.remarks),
+        remarks_told=[[ToldAnswer.model_validate(each) for each in one] for one in sheet.remarks_told],
         unplayed=MACHINES[machine].unplayed if MACHINES[machine].play_own is None else None,
     )
 

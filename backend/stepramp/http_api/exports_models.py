@@ -8,6 +8,7 @@ from stepramp.design import MOST_NAMES, Design, MethodName
 from stepramp.exports.machines.sheet import AxisLetter
 from stepramp.exports.names import NAME_RULE, is_identifier
 from stepramp.http_api.answer import Answer
+from stepramp.http_api.errors import TOLD_OF_EACH, ToldAnswer
 from stepramp.numerics.numbers import Arithmetic
 from stepramp.validation import Document, ListOf, Within, refuse
 
@@ -60,6 +61,7 @@ class MachineAnswer(Answer):
     text: str = Field(description="The file")
     settings: list[SettingAnswer]
     remarks: list[str] = Field(description="What of the design is lost, each with its figure, and what else to know")
+    remarks_told: list[list[ToldAnswer]] = Field(description=TOLD_OF_EACH)
     unplayed: str | None = Field(
         description="Why it isn't known what it really plays, as a sentence; null: `/machine/{machine}/ramp` tells it"
     )

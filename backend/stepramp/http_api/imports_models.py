@@ -7,6 +7,7 @@ from pydantic import Field
 from stepramp.design import Design
 from stepramp.examples import all_examples
 from stepramp.http_api.answer import Answer
+from stepramp.http_api.errors import TOLD_OF_EACH, ToldAnswer
 from stepramp.validation import Document, Text
 
 MOST_CHARACTERS = 100_000
@@ -38,6 +39,7 @@ class ReadAxisAnswer(Answer):
     name: str = Field(description="What the controller calls it")
     design: Design
     remarks: list[str] = Field(description="What is not as the controller has it, as sentences")
+    remarks_told: list[list[ToldAnswer]] = Field(description=TOLD_OF_EACH)
 
 
 class ImportAnswer(Answer):

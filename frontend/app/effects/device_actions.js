@@ -4,6 +4,7 @@
 import { api, Ended, Refusal, ServerGone, UNPROCESSABLE } from '../../server/api.js';
 import { download } from '../../ui/download.js';
 import { memory } from '../../documents/memory.js';
+import { remarksIn } from '../../model/imported.js';
 import { pushText } from '../../model/messages.js';
 import { withSavedAt } from '../../model/saved_at.js';
 import { inShownUnits } from '../../model/told.js';
@@ -160,7 +161,7 @@ export function createDeviceActions({ state, dispatch }, gestures, traced, previ
           return;
         }
         dispatch(mend, axisId, { changes: machineChanges(found.design) });
-        dispatch(tell, ['The design has what the controller has.', ...found.remarks].join(' '), false);
+        dispatch(tell, ['The design has what the controller has.', ...remarksIn(state().units)(found)].join(' '), false);
       }),
     /** @param {Device} device */
     listBackups: async (device) => (await api.backups(device.id)).backups,

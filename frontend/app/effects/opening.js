@@ -57,7 +57,7 @@ export function createDocuments({ state, dispatch, subscribe }) {
       }
       const title = state().devices.families.find(({ name }) => name === family)?.title ?? family;
       const document = { axes: axes.map(({ design }) => design), together: /** @type {const} */ ('independent') };
-      opening.open({ document, problem: null }, `the settings of ${title}`, remarksOf(axes));
+      opening.open({ document, problem: null }, `the settings of ${title}`, remarksOf(axes, state().units));
     } catch (error) {
       if (!(error instanceof Refusal || error instanceof ServerGone)) throw error;
       opening.open({ document: null, problem: error.message }, 'the settings');

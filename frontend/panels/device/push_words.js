@@ -2,7 +2,7 @@
 // What a push is called: by the designs and by the methods that their ramps are computed with.
 
 import { methodOf } from '../../model/methods.js';
-import { inShownUnits } from '../../model/told.js';
+import { sentencesInUnits } from '../../model/told.js';
 
 /** @typedef {import('../../model/types.js').Design} Design */
 
@@ -20,10 +20,7 @@ export function pushedParts(designs) {
 /** What works, but not as the designs say, in the units that are shown.
  * @param {Pick<import('../../model/types.js').Preview, 'warnings' | 'warnings_told'>} told of a push or its preview
  * @param {import('../../model/units.js').Units} units @param {Design[]} designs that are pushed @returns {string[]} */
-export function warningsOf({ warnings, warnings_told }, units, designs) {
-  const shown = inShownUnits(units, designs);
-  return warnings.map((message, place) => shown({ field: null, message, told: warnings_told[place] }).message);
-}
+export const warningsOf = ({ warnings, warnings_told }, units, designs) => sentencesInUnits(units, designs, warnings, warnings_told);
 
 /** The same in one.
  * @param {Design[]} designs */

@@ -16,9 +16,11 @@ import { createPlayed } from './played.js';
 import { pushRefusals, refusalText } from '../../model/messages.js';
 import { parseEntry } from '../../model/numbers.js';
 import { mapKey, OVERS } from '../../model/stall_map.js';
+import { inShownUnits, sentencesInUnits } from '../../model/told.js';
 import { unitsFor } from '../../model/units.js';
 
 /** @typedef {import('../../documents/exports.js').ExportFormat} ExportFormat */
+/** @typedef {import('../../model/types.js').Design} Design */
 /** @typedef {import('../../model/types.js').MethodName} MethodName */
 
 const MOST_LINES = 400;
@@ -77,9 +79,10 @@ export function createExport({ state, dispatch }, server = api, askOwn = api.own
   });
 
   const question = createQuestion({
-    ask: async (/** @type {{format: ExportFormat, body: object}} */ { format: asked, body }, ended) => {
+    ask: async (/** @type {{format: ExportFormat, body: {design: Design}}} */ { format: asked, body }, ended) => {
       if (asked.isOfMachine) {
-        const { file_name, text, remarks: lost, unplayed } = await server.machine(asked.name, { ...body }, ended);
+        const { file_name, text, remarks: said, remarks_told, unplayed } = await server.machine(asked.name, { ...body }, ended);
+        const lost = sentencesInUnits(state().units, [body.design], said, remarks_told);
         return { file: new Blob([text], { type: 'text/plain' }), name: file_name, text, remarks: lost, unplayed };
       }
       const { file, name } = await (asked.report ? server.report(asked.report, body, ended) : server.exportDesign(asked.name, { ...body }, ended));
@@ -92,7 +95,7 @@ export function createExport({ state, dispatch }, server = api, askOwn = api.own
       if (made.unplayed !== undefined && design !== null) played.show(asked, design, made.unplayed);
       dialog.element.dataset.shown = asked.name;
     },
-    refuse: ({ rejections }, { format: asked }) => showProblems(asked, rejections.map(problemText)),
+    refuse: ({ rejections }, { format: asked, body }) => showProblems(asked, rejections.map(inShownUnits(state().units, [body.design])).map(problemText)),
     miss: ({ format: asked }, error) => showProblems(asked, [laterText(error)]),
     isOnlyNewest: true,
   });
@@ -202,7 +205,7 @@ export function createExport({ state, dispatch }, server = api, askOwn = api.own
 }
 
 /** What a report is to be about: the design as it is looked at.
- * @param {import('../../app/state.js').State} state @param {import('../../model/types.js').Design} design */
+ * @param {import('../../app/state.js').State} state @param {Design} design */
 function reportOf(state, design) {
   return {
     design,
@@ -214,7 +217,7 @@ function reportOf(state, design) {
 }
 
 /** The stall maps of the design, as far as they are whole and still its own.
- * @param {import('../../app/state.js').State} state @param {import('../../model/types.js').Design} design */
+ * @param {import('../../app/state.js').State} state @param {Design} design */
 function mapsOf(state, design) {
   if (!design.motor) return [];
   return OVERS.flatMap(({ name: over }) => {

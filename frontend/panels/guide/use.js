@@ -4,13 +4,16 @@
 import { designOf, isDesignValid } from '../../app/selectors.js';
 import { createQuestion, laterText } from '../../app/effects/question.js';
 import { pushRefusals } from '../../model/messages.js';
+import { inShownUnits, sentencesInUnits } from '../../model/told.js';
 import { api } from '../../server/api.js';
 import { copyText } from '../../ui/clipboard.js';
 import { element, icon, messageLine, segmented, showText } from '../../ui/dom.js';
 
 /** @typedef {import('../../model/guide.js').Player} Player */
 /** @typedef {import('../../model/types.js').Design} Design */
+/** @typedef {import('../../model/units.js').Units} Units */
 /** @typedef {'grbl' | 'marlin'} Machine */
+/** @typedef {{design: Design, machine: Machine, units: Units}} Wanted */
 
 const NAMES = { grbl: 'grbl', marlin: 'Marlin' };
 /** Of the axes that each of them has. */
@@ -83,7 +86,7 @@ export function createUseStep({ goToDevice, openExport, saveFile, choosePlayer }
         for (const one of way.element.querySelectorAll('button')) one.disabled = !isValid && way.player !== 'controller';
       }
       settings.element.hidden = !isMachine || !isValid;
-      if (isMachine && isValid) settings.show(design, player);
+      if (isMachine && isValid) settings.show(design, player, state.units);
       else settings.cancel();
     },
   };
@@ -104,7 +107,7 @@ function button(id, text, onclick) {
 function createSettings(server) {
   let letter = AXIS_LETTERS[0];
   /** What is shown, or asked for.
-   * @type {{design: Design, machine: Machine} | null} */
+   * @type {Wanted | null} */
   let wanted = null;
   const choice = segmented('Axis of the machine', AXIS_LETTERS.map((one) => [one, one]), (one) => {
     letter = one;
@@ -117,13 +120,13 @@ function createSettings(server) {
   const copy = element('button', { className: 'button', id: 'guide-copy', type: 'button', onclick: take }, icon('copy'), 'Copy');
 
   const question = createQuestion({
-    ask: (/** @type {{machine: Machine, body: Record<string, unknown>}} */ { machine, body }, ended) => server.machine(machine, body, ended),
-    take({ text, remarks: told }) {
+    ask: (/** @type {Wanted & {letter: string}} */ { machine, design, letter: axis_letter }, ended) => server.machine(machine, { design, axis_letter }, ended),
+    take({ text, remarks: said, remarks_told }, { design, units }) {
       // Its comments say what is said here besides.
       const sent = text.split('\n').filter((line) => line !== '' && !line.startsWith(';'));
-      tell(sent.join('\n'), told, true);
+      tell(sent.join('\n'), sentencesInUnits(units, [design], said, remarks_told), true);
     },
-    refuse: ({ rejections }) => tell('', pushRefusals(rejections).map(({ text }) => text), false),
+    refuse: ({ rejections }, { design, units }) => tell('', pushRefusals(rejections.map(inShownUnits(units, [design]))).map(({ text }) => text), false),
     miss: (_, error) => tell('', [laterText(error)], false),
     isOnlyNewest: true,
   });
@@ -139,23 +142,23 @@ function createSettings(server) {
     showText(copied, (await copyText(lines.textContent ?? '')) ? 'Copied.' : 'The browser does not let this page copy: select the lines.');
   }
 
-  /** @param {{design: Design, machine: Machine}} about */
-  function ask({ design, machine }) {
+  /** @param {Wanted} about */
+  function ask(about) {
     choice.press(letter);
-    showText(intro, `Send these lines to ${NAMES[machine]}: steps per unit, speed, acceleration. What of the design it does otherwise is said below.`);
+    showText(intro, `Send these lines to ${NAMES[about.machine]}: steps per unit, speed, acceleration. What of the design it does otherwise is said below.`);
     showText(copied, '');
     // Lines of an earlier design are none to be copied.
     tell('', [], true);
-    question.want({ machine, body: { design, axis_letter: letter } });
+    question.want({ ...about, letter });
   }
 
   const foot = element('div', { className: 'guide-line' }, choice.element, copy, copied);
   return {
     element: element('section', {}, intro, lines, foot, remarks),
-    /** @param {Design} design @param {Machine} machine */
-    show(design, machine) {
-      if (wanted?.design === design && wanted.machine === machine) return;
-      wanted = { design, machine };
+    /** @param {Design} design @param {Machine} machine @param {Units} units */
+    show(design, machine, units) {
+      if (wanted?.design === design && wanted.machine === machine && wanted.units === units) return;
+      wanted = { design, machine, units };
       ask(wanted);
     },
     /** There is nothing to be asked. */

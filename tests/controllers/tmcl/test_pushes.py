@@ -284,7 +284,11 @@ def test_what_a_module_has_becomes_a_design_whose_push_changes_nothing(six: Benc
 def test_accelerations_below_v1_are_told_and_lost(bench: Bench, controller: TmclController) -> None:
     bench.module.motors[0].settings[16] = 500
     [axis] = read_settings(controller.backup(), design())
-    assert any("A1, D1" in remark for remark in axis.remarks)
+    [(remark, told)] = [each for each in zip(axis.remarks, axis.remarks_told, strict=True) if "A1, D1" in each[0]]
+    [v1] = told
+    assert remark.startswith(f"Up to V1, {v1.text}, the module")
+    # 500 · 16 MHz / 2²⁴, of which the module tells whole steps/s.
+    assert (v1.unit, v1.value) == ("steps/s", 476)
 
 
 def test_settings_that_no_design_can_have_are_rejected(controller: TmclController) -> None:

@@ -19,6 +19,7 @@ from stepramp.controllers.per_mm import PerMm, Terms
 from stepramp.errors import Rejected
 from stepramp.exports.export import Options, sheet_of
 from stepramp.exports.machines.accel_stepper import float_below
+from stepramp.exports.machines.machines import MACHINES
 
 NAMES = {
     "grbl": "grbl",
@@ -88,6 +89,31 @@ def test_a_drawn_ramp_becomes_the_least_from_its_largest_on() -> None:
     said = remarks("grbl", schema="stepramp/2", ramp__shape={"name": "drawn", "points": points})
     # 0.3 of 5,000 steps/s²; that it begins gently says nothing of the motor.
     assert "constant, 1,500 steps/s², the least that is drawn from its largest on." in said
+
+
+TO_CONVERT = LOSING | {"ramp__slew_speed_steps_per_s": 49_999.75, "ramp__base_speed_steps_per_s": 150}
+
+
+@pytest.mark.parametrize("machine", MACHINES)
+@pytest.mark.parametrize("changes", [TO_CONVERT, {}, {"ramp__base_speed_steps_per_s": 150}])
+def test_every_speed_and_rate_that_is_told_is_told_as_data_too(machine: str, changes: dict[str, Any]) -> None:
+    sheet = sheet_of(design(**changes), machine, Options(axis_letter="X"))[1]
+    assert len(sheet.remarks_told) == len(sheet.remarks)
+    for sentence, told in zip(sheet.remarks, sheet.remarks_told, strict=True):
+        rest, others = str(sentence), ""
+        for each in told:
+            other, found, rest = rest.partition(each.text)
+            others += other
+            assert found, "they are in their order"
+        # What a library can't go below is its own.
+        assert "steps/s" not in (others + rest).replace("below 1 step/s", "")
+
+
+def test_the_exported_text_stays_in_steps() -> None:
+    sheet = sheet_of(design(**TO_CONVERT), "accelstepper", Options())[1]
+    assert "Slew speed 49,999.75 steps/s is more than the 4,000 that AccelStepper" in " ".join(
+        line.strip(" *") for line in sheet.text.splitlines()
+    )
 
 
 def test_what_others_keep_is_not_named() -> None:

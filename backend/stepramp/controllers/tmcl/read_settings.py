@@ -1,6 +1,7 @@
 """Designs of what a module has told as a backup."""
 
 from stepramp.controllers.read_axis import GAIN, SPEED, ReadAxis, design_read
+from stepramp.controllers.remark import Remark, quantity
 from stepramp.controllers.tmcl.backup import Backup
 from stepramp.controllers.tmcl.ramp import TmclRamp
 from stepramp.controllers.tmcl.units import Units
@@ -59,7 +60,10 @@ def _remarks(ramp: TmclRamp, units: Units) -> list[str]:
     remarks = ["What a turn moves is not told: the design's own stays."]
     if ramp.v1:
         remarks.append(
-            f"Up to V1, {float(ramp.v1 * units.speed):,.10g} steps/s, the module has accelerations of their own (A1, "
-            "D1): the design has those above."
+            Remark(
+                "Up to V1, ",
+                quantity(float(ramp.v1 * units.speed), "steps/s"),
+                ", the module has accelerations of their own (A1, D1): the design has those above.",
+            )
         )
     return remarks

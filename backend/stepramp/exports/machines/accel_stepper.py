@@ -7,7 +7,9 @@ import numpy as np
 
 from stepramp.controllers.given_numbers import typed
 from stepramp.controllers.losses import losses, rounding, slower
+from stepramp.controllers.remark import Remark, quantity
 from stepramp.design import Design
+from stepramp.errors import Told
 from stepramp.exports.c_text import number
 from stepramp.exports.machines.sheet import Setting, Sheet
 from stepramp.exports.machines.sketch import of_a_library
@@ -46,10 +48,11 @@ def accel_stepper_losses(design: Design) -> Iterator[str]:
     yield from rounding("Slew speed", "steps/s", typed(ramp.slew_speed_steps_per_s), Fraction(float(speed)))
     yield from rounding("Acceleration", "steps/s²", slower(design), Fraction(float(rate)))
     if ramp.slew_speed_steps_per_s > USUAL_MOST:
-        yield (
-            f"Slew speed {ramp.slew_speed_steps_per_s:,.10g} steps/s is more than the {USUAL_MOST:,} that AccelStepper "
-            "makes with a clock of 16 MHz, as on an Uno: there each step comes later than told."
-        )
+        most = Told(f"{USUAL_MOST:,}", USUAL_MOST, "steps/s")
+        yield Remark(
+            "Slew speed ", quantity(ramp.slew_speed_steps_per_s, "steps/s"), " is more than the ", most, " that "
+            "AccelStepper makes with a clock of 16 MHz, as on an Uno: there each step comes later than told."
+        )  # fmt: skip
 
 
 def _remarks(design: Design) -> Iterator[str]:

@@ -7,8 +7,9 @@ from fractions import Fraction
 from stepramp.controllers.constant_rates import with_constant_rates
 from stepramp.controllers.given_numbers import typed
 from stepramp.controllers.losses import losses, rounding, slower
+from stepramp.controllers.remark import Remark, quantity
 from stepramp.design import Design
-from stepramp.errors import Limits, Rejected, Rejection
+from stepramp.errors import Limits, Rejected, Rejection, Told
 from stepramp.exports.machines.sheet import Setting, Sheet
 from stepramp.exports.machines.sketch import of_a_library
 
@@ -56,14 +57,15 @@ def _remarks(design: Design, milli_hz: int, rate: int, jump: int) -> Iterator[st
     yield from losses(design, "FastAccelStepper", has_base_speed=True)
     base = math.sqrt(2 * rate * jump)
     if ramp.base_speed_steps_per_s - base > 1e-9 * ramp.base_speed_steps_per_s:
-        yield (
-            f"Base speed {ramp.base_speed_steps_per_s:,.10g} steps/s becomes {base:,.6g} steps/s, the speed after "
-            f"{jump:,} whole steps at this acceleration, with which FastAccelStepper begins."
-        )
+        yield Remark(
+            "Base speed ", quantity(ramp.base_speed_steps_per_s, "steps/s"), " becomes ", quantity(base, "steps/s", 6),
+            f", the speed after {jump:,} whole steps at this acceleration, with which FastAccelStepper begins."
+        )  # fmt: skip
     yield from rounding("Slew speed", "steps/s", typed(ramp.slew_speed_steps_per_s), Fraction(milli_hz, SPEED_SCALE))
     yield from rounding("Acceleration", "steps/s²", slower(design), Fraction(rate))
     if ramp.slew_speed_steps_per_s > MOST_ON_AN_UNO:
-        yield (
-            f"Slew speed {ramp.slew_speed_steps_per_s:,.10g} steps/s is more than the {MOST_ON_AN_UNO:,} that "
+        most = Told(f"{MOST_ON_AN_UNO:,}", MOST_ON_AN_UNO, "steps/s")
+        yield Remark(
+            "Slew speed ", quantity(ramp.slew_speed_steps_per_s, "steps/s"), " is more than the ", most, " that "
             "FastAccelStepper makes on an Uno: there the sketch refuses to move. Faster boards may make it."
-        )
+        )  # fmt: skip

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 from textwrap import wrap
 from typing import Literal, get_args
 
+from stepramp.controllers.remark import told_in
 from stepramp.design import Design
-from stepramp.errors import Rejected, Rejection
+from stepramp.errors import Rejected, Rejection, Told
 from stepramp.exports.names import comment_text
 from stepramp.version import __version__
 
@@ -41,6 +42,11 @@ class Sheet:
     settings: tuple[Setting, ...]
     remarks: tuple[str, ...]
     """What of the design is lost, and what else there is to know, as sentences."""
+
+    @property
+    def remarks_told(self) -> tuple[tuple[Told, ...], ...]:
+        """The quantities of each remark that a design's axis converts."""
+        return told_in(self.remarks)
 
 
 def harmless(text: str) -> str:

@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator
 
 from stepramp.controllers.given_numbers import typed
+from stepramp.controllers.remark import Remark, quantity
 from stepramp.design import Design, Table
 from stepramp.errors import Count, Limits, Rejected, Rejection
 from stepramp.exports.machines.sheet import Setting, Sheet
@@ -80,10 +81,10 @@ def _check(table: Table, rows: Rows, steps: int) -> None:
 def _remarks(design: Design, rows: Rows) -> Iterator[str]:
     method, steps = design.method, abs(design.move.steps)
     if not method.plays_table:
-        yield (
+        yield Remark(
             f"The method {METHODS[method.name].label} is not kept, nor are base speed, slew speed and acceleration: "
-            f"SwitecX25 plays the lookup table, up to {1e6 / rows[-1][1]:,.6g} steps/s."
-        )
+            "SwitecX25 plays the lookup table, up to ", quantity(1e6 / rows[-1][1], "steps/s", 6), "."
+        )  # fmt: skip
     if steps % 2 == 0 and steps < 2 * rows[-1][0] - 1:
         yield (
             f"A move of {steps:,} steps goes one step too far and comes back: SwitecX25 does so with even moves "

@@ -8,6 +8,7 @@ from fractions import Fraction
 from stepramp.controllers.constant_rates import with_constant_rates
 from stepramp.controllers.given_numbers import typed
 from stepramp.controllers.losses import losses, rounding, slower
+from stepramp.controllers.remark import Remark, quantity
 from stepramp.design import Design
 from stepramp.errors import Limits, Rejected, Rejection
 from stepramp.exports.machines.sheet import Setting, Sheet
@@ -77,10 +78,10 @@ def teensy_step_losses(design: Design) -> Iterator[str]:
     )
     base = typed(ramp.base_speed_steps_per_s)
     if figures.pull_in > base:
-        yield (
-            f"Base speed {float(base):,.10g} steps/s becomes {figures.pull_in:,} steps/s, about that of the first step "
-            "from rest: TeensyStep never leaves a pull-in speed below 1 step/s."
-        )
+        yield Remark(
+            "Base speed ", quantity(float(base), "steps/s"), " becomes ", quantity(figures.pull_in, "steps/s"),
+            ", about that of the first step from rest: TeensyStep never leaves a pull-in speed below 1 step/s."
+        )  # fmt: skip
     yield from rounding("Base speed", "steps/s", base, Fraction(figures.pull_in))
     yield from rounding("Slew speed", "steps/s", typed(ramp.slew_speed_steps_per_s), Fraction(figures.speed))
     yield from rounding("Acceleration", "steps/s²", slower(design), Fraction(figures.acceleration))
