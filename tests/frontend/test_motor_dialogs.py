@@ -6,8 +6,8 @@ Plain objects stand in for elements.
 import json
 
 from designs import document
+from frontend.dialogs import NOBODY, run
 from frontend.modules import Modules
-from frontend.test_dialog_modules import NOBODY, run
 from frontend.test_motor_modules import ANSWER
 from motor.trains import NEMA_17
 

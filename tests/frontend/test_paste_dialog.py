@@ -5,8 +5,8 @@ from typing import Any
 import pytest
 
 from designs import document
+from frontend.dialogs import run
 from frontend.modules import Modules
-from frontend.test_dialog_modules import run
 from stepramp.design import Design
 from stepramp.errors import Rejected
 

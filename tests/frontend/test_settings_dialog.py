@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 
+from frontend.dialogs import run
 from frontend.modules import Modules
-from frontend.test_dialog_modules import run
 from stepramp.controllers.stepramp.settings import StepRampSettings
 from stepramp.errors import Rejected
 from stepramp.http_api.errors import ErrorItem, error_items

@@ -5,8 +5,8 @@ from typing import Any
 import pytest
 
 from designs import document
+from frontend.dialogs import run
 from frontend.modules import Modules
-from frontend.test_dialog_modules import run
 from stepramp.controllers.klipper.read_settings import read_settings as read_klipper
 from stepramp.design import Design
 

@@ -1,8 +1,8 @@
 """Where rows of tables come from, and those that others took the place of; without a page."""
 
 from designs import document
+from frontend.dialogs import run
 from frontend.modules import Modules
-from frontend.test_dialog_modules import run
 
 
 def test_rows_that_came_with_a_design_are_of_its_ramp_until_they_can_not_come_back(modules: Modules) -> None:
