@@ -15,12 +15,12 @@ import pytest
 from controllers.conftest import Clock
 from controllers.fluidnc.emulator import FluidNcEmulator
 from controllers.grbl.emulator import GrblEmulator
-from devices.bench import POLL, Places, by, worker_of
+from devices.bench import Places, by, worker_of
+from devices.line_bench import LineBench, Wire
 from devices.motion import PATIENCE_S
 from stepramp.controllers.contract import AxisCommand
 from stepramp.controllers.grbl import conversation
 from stepramp.devices.attachment import Attachment
-from stepramp.devices.device import Device
 from stepramp.devices.leases import Lease
 from stepramp.devices.registry import Devices
 from stepramp.devices.shuttle import Shuttle
@@ -33,35 +33,16 @@ REST_S = 2.0
 MOST_PLACES = 400
 
 
-class Wire:
-    """A grbl, or one that is spoken to as such, at a port; each exchange takes a while by its clock."""
-
-    def __init__(self, clock: Clock, grbl: GrblEmulator) -> None:
-        self.clock = clock
-        self.grbl = grbl
-
-    def opened(self) -> None:
-        self.grbl.opened()
-
-    def exchange(self, sent: bytes) -> bytes:
-        self.clock.now_s += EXCHANGE_S
-        return self.grbl.exchange(sent)
-
-
 @dataclass
-class Bench:
-    """A device that is a grbl."""
+class Bench(LineBench[GrblEmulator]):
+    """A device that is a grbl, or one that is spoken to as such."""
 
-    devices: Devices
-    device: Device
-    wire: Wire
-    places: Places
     jogs_at_answer: int = 0
     answered: threading.Event = field(default_factory=threading.Event)
 
     @property
     def grbl(self) -> GrblEmulator:
-        return self.wire.grbl
+        return self.wire.emulator
 
     @property
     def jogs(self) -> int:
@@ -73,10 +54,6 @@ class Bench:
 
     def look(self) -> None:
         worker_of(self.device).call(self.device._attachment._watch.refresh)
-
-    def poll(self) -> None:
-        self.device._attachment._watch.is_view_old = True
-        worker_of(self.device).call(lambda: POLL(self.device._attachment))
 
     def reset(self) -> None:
         """Rest at 0, unlocked."""
@@ -102,7 +79,8 @@ def bench(
     monkeypatch.setattr(conversation, "ANSWER_S", 0.1)
     monkeypatch.setattr(protocol_sim, "LISTEN_S", 0.0001)
     monkeypatch.setattr(Attachment, "poll", lambda _: 60.0)
-    devices, wire = Devices(), Wire(clock, FluidNcEmulator(clock) if family == "fluidnc" else GrblEmulator(clock))
+    grbl = FluidNcEmulator(clock) if family == "fluidnc" else GrblEmulator(clock)
+    devices, wire = Devices(), Wire(clock, grbl, EXCHANGE_S)
     device = devices.connect(plug_in(wire), family)
     yield Bench(devices, device, wire, places)
     devices.close()

@@ -14,12 +14,12 @@ import pytest
 
 from controllers.conftest import Clock
 from controllers.marlin.emulator import MarlinEmulator
-from devices.bench import POLL, Places, by, worker_of
+from devices.bench import Places, by
+from devices.line_bench import LineBench, Wire
 from devices.motion import PATIENCE_S
 from stepramp.controllers.contract import AxisCommand
 from stepramp.controllers.marlin import conversation, exchange, moves
 from stepramp.devices.attachment import Attachment
-from stepramp.devices.device import Device
 from stepramp.devices.leases import Lease
 from stepramp.devices.registry import Devices
 from stepramp.devices.view import DeviceState
@@ -32,38 +32,15 @@ REST_S = 3.0
 MOST_PLACES = 900
 
 
-class Wire:
-    """A Marlin at a port; each exchange takes a while by its clock."""
-
-    def __init__(self, clock: Clock, marlin: MarlinEmulator) -> None:
-        self.clock = clock
-        self.marlin = marlin
-
-    def opened(self) -> None:
-        self.marlin.opened()
-
-    def exchange(self, sent: bytes) -> bytes:
-        self.clock.now_s += EXCHANGE_S
-        return self.marlin.exchange(sent)
-
-
 @dataclass
-class Bench:
+class Bench(LineBench[MarlinEmulator]):
     """A device that is a Marlin."""
 
-    devices: Devices
-    device: Device
-    wire: Wire
-    places: Places
     lease: Lease
 
     @property
     def marlin(self) -> MarlinEmulator:
-        return self.wire.marlin
-
-    def poll(self) -> None:
-        self.device._attachment._watch.is_view_old = True
-        worker_of(self.device).call(lambda: POLL(self.device._attachment))
+        return self.wire.emulator
 
     def rest(self) -> None:
         """Let time go on while it is looked at, as often as a device is."""
@@ -95,7 +72,7 @@ def bench(
     monkeypatch.setattr(Attachment, "poll", lambda _: 60.0)
     marlin = MarlinEmulator(clock)
     marlin.has_emergency_parser = request.param
-    devices, wire = Devices(), Wire(clock, marlin)
+    devices, wire = Devices(), Wire(clock, marlin, EXCHANGE_S)
     device = devices.connect(plug_in(wire), "marlin")
     # It gives way several times before a line that was sent is carried out, and before that is answered.
     marlin.answers_after_s = ANSWERS_AFTER_S
