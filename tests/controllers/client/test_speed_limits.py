@@ -123,7 +123,7 @@ def test_a_line_that_is_too_fast(connect: Connect) -> None:
         HELLO,
         StepRampSettings(),
     ).image.encode()
-    with pytest.raises(Rejected, match="at most 90,395 steps/s, for a line of 4 axes") as caught:
+    with pytest.raises(Rejected, match="at most 88,397 steps/s, for a line of 4 axes") as caught:
         connect(stored(image)).line(by_steps(5, 5, 5, 5))
     assert caught.value.rejections[0].field == "ramp_axis"
 
