@@ -1,8 +1,8 @@
 #include "StepRamp.h"
 
 #include "boards/polled/arduino_board.h"
-#include "boards/polled/polled_engine.h"
 #include "stepramp/motion/machine.h"
+#include "stepramp/motion/machine_axes.h"
 #include "stepramp/protocol/message.h"
 #include "stepramp/store/driver_settings.h"
 #include "stepramp/store/ramp_image.h"
@@ -80,6 +80,7 @@ void StepRampClass::setGauge(uint8_t axis, uint8_t pin1, uint8_t pin2, uint8_t p
         const uint8_t pins[COIL_PINS] = {pin1, pin2, pin3, pin4};
         memcpy(stepramp_pins.coils[axis], pins, sizeof pins);
         settings_now.outputs = OUTPUTS_GAUGES;
+        arduino_use_gauges();
     }
 }
 
@@ -250,7 +251,7 @@ uint8_t StepRampClass::axes()
 
 uint32_t StepRampClass::ticksPerSecond()
 {
-    return polled_engine_is_fast() ? FAST_CLOCK_HZ : SLOW_CLOCK_HZ;
+    return machine_ticks_a_us() * 1000000ul;
 }
 
 uint32_t StepRampClass::delayedMicroseconds()

@@ -4,6 +4,7 @@
 #include <avr/pgmspace.h>
 #endif
 
+#include "boards/polled/arduino_board.h"
 #include "stepramp/edge/board_limits.h"
 #include "stepramp/motion/machine.h"
 #include "stepramp/store/ramp_maker.h"
@@ -27,11 +28,18 @@ const uint8_t IMAGE_FORMAT = 2, CLOCK_AT = 1, AXES_AT = 2, RAMPS_AT = 3, NUMBERS
 
 const float MOST_STEPS = 16777214.0f;
 
+/* [steps/s] Slower motors want the slow clock, whose intervals may be longer. */
+const float LEAST_FAST_SPEED = 1;
+
+const uint8_t CLOCK_IS_FAST = 1;
+
 uint8_t ramps[STEPRAMP_AXIS_RAMP_BYTES];
+
+uint32_t clock_hz = SLOW_CLOCK_HZ; /* of the ramps */
 
 uint32_t shortest_interval()
 {
-    const uint8_t fast_ticks = FAST_CLOCK_HZ / SLOW_CLOCK_HZ;
+    const uint8_t fast_ticks = (uint8_t)(FAST_CLOCK_HZ / clock_hz);
     return (board_limit(LIMIT_SHORTEST_1_AXIS) + fast_ticks - 1u) / fast_ticks;
 }
 
@@ -76,7 +84,7 @@ void StepRampAxis::useRampInFlash(const uint8_t *newImage, uint16_t newLength)
 
 float StepRampAxis::mostSpeed()
 {
-    return (float)SLOW_CLOCK_HZ / shortest_interval();
+    return (float)FAST_CLOCK_HZ / board_limit(LIMIT_SHORTEST_1_AXIS);
 }
 
 uint8_t StepRampAxis::imageByte(uint16_t at) const
@@ -91,23 +99,24 @@ uint8_t StepRampAxis::imageByte(uint16_t at) const
 
 StepRampProblem StepRampAxis::checkImage() const
 {
-    bool isOfOneAxis = length > RAMP_AT_OF_ONE_AXIS && imageByte(0) == IMAGE_FORMAT && imageByte(CLOCK_AT) == 0 &&
+    bool isForTheClock = (imageByte(CLOCK_AT) == CLOCK_IS_FAST) == (clock_hz == FAST_CLOCK_HZ);
+    bool isOfOneAxis = length > RAMP_AT_OF_ONE_AXIS && imageByte(0) == IMAGE_FORMAT && isForTheClock &&
                        imageByte(AXES_AT) == 1 && imageByte(RAMPS_AT) == 1 && imageByte(NUMBERS_AT) == 0;
     return isOfOneAxis ? STEPRAMP_READY : STEPRAMP_BAD_IMAGE;
 }
 
 StepRampProblem StepRampAxis::checkRamp() const
 {
-    if (!is_positive(speed) || SLOW_CLOCK_HZ / speed > LONGEST_INTERVAL_TICKS) {
+    if (!is_positive(speed) || clock_hz / speed > LONGEST_INTERVAL_TICKS) {
         return STEPRAMP_BAD_SPEED;
     }
-    if (ramp_maker_interval(speed) < shortest_interval()) {
+    if (ramp_maker_interval(clock_hz, speed) < shortest_interval()) {
         return STEPRAMP_SPEED_TOO_HIGH;
     }
     if (!(baseSpeed >= 0 && baseSpeed < speed)) {
         return STEPRAMP_BAD_BASE_SPEED;
     }
-    const ramp_wish wish = {speed, baseSpeed, acceleration, deceleration};
+    const ramp_wish wish = {speed, baseSpeed, acceleration, deceleration, clock_hz};
     bool isGood = is_positive(acceleration) && is_positive(deceleration) &&
                   ramp_maker_steps(&wish, acceleration) <= MOST_STEPS && ramp_maker_steps(&wish, deceleration) <= MOST_STEPS;
     return isGood ? STEPRAMP_READY : STEPRAMP_BAD_ACCELERATION;
@@ -133,7 +142,7 @@ StepRampProblem StepRampAxis::check() const
 uint16_t StepRampAxis::write(uint8_t *bytes, uint16_t room) const
 {
     if (source == COMPUTED) {
-        const ramp_wish wish = {speed, baseSpeed, acceleration, deceleration};
+        const ramp_wish wish = {speed, baseSpeed, acceleration, deceleration, clock_hz};
         return ramp_maker_write(&wish, bytes, room);
     }
     uint16_t rampBytes = (uint16_t)(length - RAMP_AT_OF_ONE_AXIS);
@@ -164,13 +173,34 @@ StepRampProblem StepRampAxis::beginAll()
         end = (uint16_t)(end + written);
         StepRamp.setStepper(i, all[i]->stepPin, all[i]->directionPin);
     }
-    const uint8_t head[NUMBERS_AT] = {IMAGE_FORMAT, 0, axes, number};
+    const uint8_t head[NUMBERS_AT] = {IMAGE_FORMAT, (uint8_t)(clock_hz == FAST_CLOCK_HZ ? CLOCK_IS_FAST : 0), axes, number};
     memcpy(ramps, head, sizeof head);
     return StepRamp.begin(ramps, end) ? STEPRAMP_READY : STEPRAMP_BAD_IMAGE;
 }
 
+/* Its ramp can't be played at the fast clock. */
+bool StepRampAxis::wantsSlowClock() const
+{
+    if (source == COMPUTED) {
+        return speed < LEAST_FAST_SPEED;
+    }
+    return source != NOTHING && length > CLOCK_AT && imageByte(CLOCK_AT) != CLOCK_IS_FAST;
+}
+
+/* One clock for all axes: the fast one where a timer makes the steps, unless one of them wants the slow one. */
+void StepRampAxis::chooseClock()
+{
+    clock_hz = arduino_has_timer() ? FAST_CLOCK_HZ : SLOW_CLOCK_HZ;
+    for (uint8_t i = 0; i < STEPRAMP_AXES && all[i] != nullptr; i++) {
+        if (all[i]->wantsSlowClock()) {
+            clock_hz = SLOW_CLOCK_HZ;
+        }
+    }
+}
+
 StepRampProblem StepRampAxis::begin()
 {
+    chooseClock();
     found = check();
     if (found == STEPRAMP_READY && StepRamp.isMoving()) {
         found = STEPRAMP_STILL_MOVING;
@@ -223,7 +253,7 @@ StepRampResult StepRampAxis::move(int32_t steps)
 
 StepRampResult StepRampAxis::runAt(float newSpeed)
 {
-    float most = (float)LONGEST_INTERVAL_TICKS, ticks = newSpeed == 0 ? 0 : SLOW_CLOCK_HZ / newSpeed;
+    float most = (float)LONGEST_INTERVAL_TICKS, ticks = newSpeed == 0 ? 0 : clock_hz / newSpeed;
     if (found != STEPRAMP_READY) {
         return STEPRAMP_NO_RAMP;
     }

@@ -85,8 +85,10 @@ public:
 private:
     enum Source : uint8_t { NOTHING, COMPUTED, EXPORTED, EXPORTED_IN_FLASH };
 
+    static void chooseClock();
     static StepRampProblem beginAll();
     StepRampProblem check() const;
+    bool wantsSlowClock() const;
     StepRampProblem checkRamp() const;
     StepRampProblem checkImage() const;
     uint16_t write(uint8_t *bytes, uint16_t room) const;

@@ -15,6 +15,7 @@ static const uint8_t *next_to_send; /* null: nothing */
 
 void StepRampControllerClass::begin(Stream &its_port)
 {
+    arduino_use_gauges();
     port = &its_port;
     tells_room = its_port.availableForWrite() > 0;
     arduino_begin();

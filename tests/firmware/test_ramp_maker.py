@@ -14,6 +14,7 @@ from tools import require
 HERE = Path(__file__).parent
 SOURCES = HERE.parents[1] / "firmware" / "src"
 TICKS_HZ = 2_000_000
+FAST_TICKS_HZ = 16_000_000
 HEADER = struct.Struct("<BHBBBIH")
 FINENESS = (512, 256, 128, 64)
 
@@ -49,15 +50,15 @@ def intervals_in(data: bytes) -> list[int]:
     return intervals
 
 
-def exact_intervals(speed: float, base: float, acceleration: float) -> list[mpmath.mpf]:
+def exact_intervals(speed: float, base: float, acceleration: float, ticks_hz: int = TICKS_HZ) -> list[mpmath.mpf]:
     """Return those of constant acceleration: the time from one step to the next [ticks]."""
     steps = int((speed**2 - base**2) / (2 * acceleration))
-    slew = round(TICKS_HZ / speed)
+    slew = round(ticks_hz / speed)
 
     def time(step: int) -> mpmath.mpf:
         return (mpmath.sqrt(mpmath.mpf(base) ** 2 + 2 * mpmath.mpf(acceleration) * step) - base) / acceleration
 
-    return [max((time(i + 1) - time(i)) * TICKS_HZ, mpmath.mpf(slew)) for i in range(steps)]
+    return [max((time(i + 1) - time(i)) * ticks_hz, mpmath.mpf(slew)) for i in range(steps)]
 
 
 def fineness_of(made: list[int], exact: list[mpmath.mpf]) -> int:
@@ -72,9 +73,9 @@ def fineness_of(made: list[int], exact: list[mpmath.mpf]) -> int:
     return max(kept, default=0)
 
 
-def made_ramp(maker: Host, *wish: float, room: int) -> tuple[int, list[int], list[int]]:
+def made_ramp(maker: Host, *wish: float, room: int, ticks_hz: int = TICKS_HZ) -> tuple[int, list[int], list[int]]:
     """Return slew interval and both lists [ticks]."""
-    data = bytes.fromhex(maker.ask(*wish, room))
+    data = bytes.fromhex(maker.ask(*wish, ticks_hz, room))
     kind, length, flags, up_segments, down_segments, slew, up_bytes = HEADER.unpack_from(data)
     lists = data[HEADER.size :]
     assert (kind, length) == (0, len(data) - 3)
@@ -108,18 +109,28 @@ def test_a_ramp_is_that_of_constant_acceleration(maker: Host, wish: tuple[float,
     assert min([slew, *up, *down]) == slew
 
 
+@pytest.mark.parametrize("wish", [(100_000, 0, 200_000, 400_000), (25_000, 500, 1e6, 1e6), (50_000, 0, 10_000, 10_000)])
+def test_a_ramp_for_the_fast_clock(maker: Host, wish: tuple[float, ...]) -> None:
+    speed, base, acceleration, deceleration = wish
+    slew, up, down = made_ramp(maker, *wish, room=1000, ticks_hz=FAST_TICKS_HZ)
+    assert slew == round(FAST_TICKS_HZ / speed)
+    assert fineness_of(up, exact_intervals(speed, base, acceleration, FAST_TICKS_HZ)) >= 64
+    assert fineness_of(down, exact_intervals(speed, base, deceleration, FAST_TICKS_HZ)) >= 64
+    assert min([slew, *up, *down]) == slew
+
+
 def test_with_less_room_it_is_coarser_and_at_last_there_is_none(maker: Host) -> None:
     exact = exact_intervals(1500, 0, 10_000)
     found = {}
     for room in (120, 100, 80, 70, 60, 55, 50, 45, 40):
-        answer = maker.ask(1500, 0, 10_000, 10_000, room)
+        answer = maker.ask(1500, 0, 10_000, 10_000, TICKS_HZ, room)
         if answer != "-":
             found[room] = fineness_of(made_ramp(maker, 1500, 0, 10_000, 10_000, room=room)[1], exact)
     assert found[120] == 512
     assert sorted(found.values(), reverse=True) == list(found.values())
     assert min(found.values()) in {64, 128}
-    assert maker.ask(1500, 0, 10_000, 10_000, 20) == "-"
+    assert maker.ask(1500, 0, 10_000, 10_000, TICKS_HZ, 20) == "-"
 
 
 def test_a_ramp_of_too_many_steps_has_no_room(maker: Host) -> None:
-    assert maker.ask(2000, 0, 2, 2, 1000) == "-"
+    assert maker.ask(2000, 0, 2, 2, TICKS_HZ, 1000) == "-"

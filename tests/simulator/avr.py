@@ -1,4 +1,4 @@
-"""The real firmware in a simulated ATmega328P behind a pseudo-terminal, and its pins' edges."""
+"""The real firmware in a simulated ATmega328P behind a pseudo-terminal, or a sketch on a board, and its pins' edges."""
 
 import json
 import os
@@ -26,6 +26,18 @@ _CONTROLLER = _HERE.parent.parent / "firmware" / "controller"
 _SIMAVR_HEADER = Path("/usr/include/simavr/sim_avr.h")
 _LIBRARIES = ["-lsimavrparts", "-lsimavr", "-lelf", "-lpthread", "-lutil"]
 _POWER_CUT_EXIT = 3
+
+
+@dataclass(frozen=True)
+class Chip:
+    """What is simulated. `timer`: the one that plays steps."""
+
+    name: str = "atmega328p"
+    timer: int = 1
+
+    @property
+    def options(self) -> list[str]:
+        return ["--chip", self.name, "--timer", str(self.timer)]
 
 
 class BuildError(RuntimeError):
@@ -104,8 +116,9 @@ class SimulatedController:
     `boot_ms`: opening the port resets it, and it is deaf for so long, like an Arduino Uno (0: opening does nothing).
     `real_time`: at 16 MHz; otherwise as fast as this machine can. `eeprom`: the file that keeps its EEPROM (default: a
     new one in `workdir`). `cut_power_at_write`: the power fails in the middle of that EEPROM write, counted from 1;
-    `start` runs it again, with the power on for good. `press`: a button between pin 14 to 19 and ground, from when to
+    `start` runs it again, with the power on for good. `press`: a button between a pin and ground, from when to
     when it is pressed [ms]. `boot_loader`: the bytes, in a file, of one that it begins in, after each reset.
+    `chip`: on which it runs.
     """
 
     def __init__(
@@ -119,6 +132,7 @@ class SimulatedController:
         cut_power_at_write: int | None = None,
         press: tuple[int, int, int] | None = None,
         boot_loader: Path | None = None,
+        chip: Chip | None = None,
     ) -> None:
         self.port = str(workdir / "avr-tty")
         self.eeprom = eeprom or workdir / "eeprom.bin"
@@ -131,6 +145,7 @@ class SimulatedController:
         self._cut_power_at_write = cut_power_at_write
         self._press = press
         self._boot_loader = boot_loader
+        self._chip = chip or Chip()
         self._process: subprocess.Popen[str] | None = None
 
     def start(self) -> None:
@@ -138,7 +153,7 @@ class SimulatedController:
         if self._process:
             raise RuntimeError("The simulated controller runs already.")
         command = [str(build_harness()), "--link", self.port, "--edges", str(self._edges), "--eeprom", str(self.eeprom)]
-        command += ["--boot-ms", str(self._boot_ms)]
+        command += ["--boot-ms", str(self._boot_ms), *self._chip.options]
         command += [] if self._real_time else ["--free-running"]
         if self._cut_power_at_write is not None:
             command += ["--cut-power-at", str(self._cut_power_at_write)]

@@ -1,4 +1,4 @@
-/* Runs the firmware of an ATmega328P at 16 MHz in libsimavr, behind a pseudo-terminal. See --help. */
+/* Runs the firmware of an ATmega328P, or a sketch on an Arduino board, at 16 MHz in libsimavr, behind a pseudo-terminal. See --help. */
 #include <errno.h>
 #include <getopt.h>
 #include <signal.h>
@@ -15,18 +15,22 @@
 
 static const char help[] =
     "usage: avr_host [options] firmware.elf\n"
-    "Runs the firmware of an ATmega328P at 16 MHz behind a pseudo-terminal. Prints `ready` after 50 ms of\n"
+    "Runs the firmware of an ATmega328P, or another chip's, at 16 MHz behind a pseudo-terminal. Prints `ready` after 50 ms of\n"
     "simulated time, and on SIGTERM, SIGINT or when the power has been cut what it counted, as a line of\n"
     "JSON. SIGUSR1 is the reset button; SIGUSR2 overwrites what is behind the last variable, as a stack does that\n"
     "has come so far.\n"
     "\n"
+    "  --chip NAME       atmega328p (the default), atmega2560 or atmega32u4\n"
+    "  --timer N         which timer's interrupts are counted as compare_a and compare_b (default: 1): A and B of an\n"
+    "                    atmega328p, else B and C\n"
     "  --link PATH       make PATH a symbolic link to the pseudo-terminal (default: avr-tty)\n"
-    "  --edges FILE      log each edge of pins 0 to 13 and A0 to A5 (14 to 19): i64 cycle, i8 pin, i8 value\n"
+    "  --edges FILE      log each edge of the pins of an Uno, Mega or Leonardo (A0 to A5 of an Uno\n"
+    "                    are 14 to 19): i64 cycle, i8 pin, i8 value\n"
     "  --eeprom FILE     keep the EEPROM in FILE\n"
     "  --cut-power-at N  cut the power in the middle of EEPROM write N, counted from 1\n"
     "  --boot-loader FILE  begin in this boot loader, after each reset, too: it ends where the memory does\n"
     "  --boot-ms N       opening the terminal resets the processor, which then is deaf for N ms (0: no reset)\n"
-    "  --press PIN:A-B   press a button between a pin, 9 to 13 or 14 to 19, and ground from A to B ms; more after commas\n"
+    "  --press PIN:A-B   press a button between a pin and ground from A to B ms; more after commas\n"
     "  --switch PIN:X<P  a limit switch connects a pin to ground where axis X is at P or below, or with > above; more\n"
     "                    after commas\n"
     "  --free-running    run as fast as possible (default: in real time)\n"
@@ -41,11 +45,11 @@ static const char help[] =
 enum { POLL_CYCLES = 1600 /* 100 us */, FLUSH_CYCLES = 160000 /* 10 ms */, LOOK_CYCLES = 64, PAINT = 0xA5, SRAM_BEGINS = 0x100 };
 enum { READY_CYCLES = 800000 /* 50 ms */ };
 enum { POWER_CUT_EXIT = 3 };
-enum { DATA_BEGINS = 0x4000, MCUSR = 0x54, POWER_ON = 1, EXTERNAL_RESET = 2, TIMER1_VECTORS = 11, RECEIVE_VECTOR = 18 };
+enum { DATA_BEGINS = 0x4000, MCUSR = 0x54, POWER_ON = 1, EXTERNAL_RESET = 2 };
 #define LONGEST_BATCH_CYCLES (600 * CLOCK_HZ)
 
 struct options {
-    const char *link, *edges, *eeprom, *firmware, *press, *switches, *boot_loader;
+    const char *chip, *timer, *link, *edges, *eeprom, *firmware, *press, *switches, *boot_loader;
     long cut_power_at;
     unsigned boot_ms;
     bool free_running, batch, busy;
@@ -109,9 +113,9 @@ static void finish(bool power_was_cut)
         fclose(sent_file);
     }
     printf("{");
-    print_interrupt("compare_a", interrupt_times(TIMER1_VECTORS));
-    print_interrupt("compare_b", interrupt_times(TIMER1_VECTORS + 1));
-    print_interrupt("receive", interrupt_times(RECEIVE_VECTOR));
+    print_interrupt("compare_a", interrupt_times(chip_step_vector()));
+    print_interrupt("compare_b", interrupt_times(chip_step_vector() + 1));
+    print_interrupt("receive", interrupt_times(chip->receive_vector));
     printf("\"resets\": %ld, \"cycles\": %llu, \"received_bytes\": %ld, \"lost_bytes\": %ld, \"sent_bytes\": %ld, "
            "\"longest_answer_cycles\": %llu, \"eeprom_writes\": %ld, "
            "\"edges\": %ld, \"longest_interrupt_cycles\": %llu, \"stack_bytes\": %u, \"untouched_stack_bytes\": %u, "
@@ -132,6 +136,7 @@ static void on_power_cut(void)
 static bool parse_options(int count, char **words, struct options *options)
 {
     static const struct option names[] = {
+        {"chip", required_argument, NULL, 'C'},    {"timer", required_argument, NULL, 'T'},
         {"link", required_argument, NULL, 'l'},    {"edges", required_argument, NULL, 'e'},
         {"eeprom", required_argument, NULL, 'm'},  {"cut-power-at", required_argument, NULL, 'c'},
         {"boot-ms", required_argument, NULL, 'b'}, {"free-running", no_argument, NULL, 'f'},
@@ -144,6 +149,8 @@ static bool parse_options(int count, char **words, struct options *options)
     int option;
     while ((option = getopt_long(count, words, "", names, NULL)) != -1) {
         switch (option) {
+        case 'C': options->chip = optarg; break;
+        case 'T': options->timer = optarg; break;
         case 'l': options->link = optarg; break;
         case 'e': options->edges = optarg; break;
         case 'm': options->eeprom = optarg; break;
@@ -229,7 +236,7 @@ static void on_reset(avr_io_t *unused)
 {
     (void)unused;
     resets++;
-    timer1_reset();
+    step_timers_reset();
     other_timers_reset();
     interrupts_reset();
     edges_reset();
@@ -244,7 +251,7 @@ static bool load(const struct options *options)
         return false;
     }
     firmware.frequency = CLOCK_HZ;
-    avr = avr_make_mcu_by_name("atmega328p");
+    avr = avr_make_mcu_by_name(chip->name);
     avr_init(avr);
     avr_load_firmware(avr, &firmware);
     memset(avr->data + stack_begins(), PAINT, avr->ramend + 1 - stack_begins());
@@ -252,7 +259,7 @@ static bool load(const struct options *options)
     if (options->boot_loader && !load_boot_loader(options->boot_loader)) {
         return false;
     }
-    timer1_attach(avr);
+    step_timers_attach(avr);
     other_timers_attach(avr);
     interrupts_attach(avr);
     avr_register_io(avr, &resetting);
@@ -385,8 +392,8 @@ static bool run_conversation(void)
 
 int main(int count, char **words)
 {
-    struct options options = {.link = "avr-tty"};
-    if (!parse_options(count, words, &options)) {
+    struct options options = {.chip = "atmega328p", .timer = "1", .link = "avr-tty"};
+    if (!parse_options(count, words, &options) || !chip_choose(options.chip, options.timer[0])) {
         fputs(help, stderr);
         return 2;
     }

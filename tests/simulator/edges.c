@@ -4,15 +4,14 @@
 
 #include "host.h"
 
-enum { PINS = 20, FIRST_PIN_OF_PORT_B = 8, FIRST_PIN_OF_PORT_C = 14 };
-enum { TRANSMITTER_PIN = 1, UCSR0B = 0xC1, TXEN = 1 << 3 };
+enum { TRANSMITTER_PIN = 1, CONTROL = 1 /* of the UART's registers */, TXEN = 1 << 3 };
 
 static avr_t *avr;
 static FILE *log_file;
 static long count;
-static long counts[PINS];
+static long counts[MOST_PINS];
 static avr_cycle_count_t last_step;
-static uint8_t values[PINS];
+static uint8_t values[MOST_PINS];
 
 static bool is_step_pin(int pin)
 {
@@ -43,20 +42,15 @@ static void on_pin(avr_irq_t *irq, uint32_t value, void *its_value)
 {
     (void)irq;
     int pin = (int)((uint8_t *)its_value - values);
-    if (pin != TRANSMITTER_PIN || !(avr->data[UCSR0B] & TXEN)) {
+    if (pin != TRANSMITTER_PIN || !(avr->data[chip->uart_registers + CONTROL] & TXEN)) {
         log_edge(pin, (uint8_t)value);
     }
 }
 
 static avr_irq_t *irq_of(int pin)
 {
-    if (pin < FIRST_PIN_OF_PORT_B) {
-        return avr_io_getirq(avr, AVR_IOCTL_IOPORT_GETIRQ('D'), pin);
-    }
-    if (pin < FIRST_PIN_OF_PORT_C) {
-        return avr_io_getirq(avr, AVR_IOCTL_IOPORT_GETIRQ('B'), pin - FIRST_PIN_OF_PORT_B);
-    }
-    return avr_io_getirq(avr, AVR_IOCTL_IOPORT_GETIRQ('C'), pin - FIRST_PIN_OF_PORT_C);
+    struct port_bit place = chip_pin(pin);
+    return avr_io_getirq(avr, AVR_IOCTL_IOPORT_GETIRQ(place.port), place.bit);
 }
 
 bool edges_attach(avr_t *mcu, const char *file)
@@ -66,7 +60,7 @@ bool edges_attach(avr_t *mcu, const char *file)
         perror(file);
         return false;
     }
-    for (int pin = 0; pin < PINS; pin++) {
+    for (int pin = 0; pin < chip_pins(); pin++) {
         avr_irq_register_notify(irq_of(pin), on_pin, values + pin);
     }
     return true;
@@ -75,7 +69,7 @@ bool edges_attach(avr_t *mcu, const char *file)
 /* simavr remembers a pin's level through a reset, and tells only of changes: so it is told too. */
 void edges_reset(void)
 {
-    for (int pin = 0; pin < PINS; pin++) {
+    for (int pin = 0; pin < chip_pins(); pin++) {
         avr_raise_irq(irq_of(pin), 0);
         log_edge(pin, 0);
     }

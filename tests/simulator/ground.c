@@ -3,23 +3,23 @@
 
 #include "host.h"
 
-enum { FIRST_PIN_OF_PORT_B = 8, FIRST_PIN_OF_PORT_C = 14, PINS = 20 };
+enum { PORTS = 'L' - 'A' + 1 };
 
-static uint8_t used[2], high[2]; /* of ports B and C */
+static uint8_t used[PORTS], high[PORTS];
 
 bool ground_has_pin(unsigned pin)
 {
-    return pin > FIRST_PIN_OF_PORT_B && pin < PINS;
+    return (int)pin < chip_pins();
 }
 
 /* What is outside holds the pin down; otherwise its own pull-up has it. */
 void ground_pin(avr_t *avr, unsigned pin, bool is_down)
 {
-    unsigned port = pin >= FIRST_PIN_OF_PORT_C, bit = pin - (port ? FIRST_PIN_OF_PORT_C : FIRST_PIN_OF_PORT_B);
-    char name = port ? 'C' : 'B';
-    used[port] |= (uint8_t)(1u << bit);
-    high[port] = (uint8_t)(is_down ? high[port] & ~(1u << bit) : high[port] | 1u << bit);
-    avr_ioport_external_t outside = {.name = (unsigned long)name, .mask = used[port], .value = high[port]};
-    avr_ioctl(avr, AVR_IOCTL_IOPORT_SET_EXTERNAL(name), &outside);
-    avr_raise_irq(avr_io_getirq(avr, AVR_IOCTL_IOPORT_GETIRQ(name), bit), !is_down);
+    struct port_bit place = chip_pin((int)pin);
+    unsigned port = (unsigned)(place.port - 'A');
+    used[port] |= (uint8_t)(1u << place.bit);
+    high[port] = (uint8_t)(is_down ? high[port] & ~(1u << place.bit) : high[port] | 1u << place.bit);
+    avr_ioport_external_t outside = {.name = (unsigned long)place.port, .mask = used[port], .value = high[port]};
+    avr_ioctl(avr, AVR_IOCTL_IOPORT_SET_EXTERNAL(place.port), &outside);
+    avr_raise_irq(avr_io_getirq(avr, AVR_IOCTL_IOPORT_GETIRQ(place.port), place.bit), !is_down);
 }

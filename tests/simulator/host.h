@@ -10,10 +10,39 @@
 
 #define CLOCK_HZ 16000000ULL
 
-/* ---- timer1.c: Timer1 in normal mode with compare A and B, to the cycle ---- */
+/* ---- chips.c ---- */
 
-void timer1_attach(avr_t *avr);
-void timer1_reset(void);
+enum { MOST_STEP_TIMERS = 4, MOST_CHANNELS = 3, MOST_PINS = 70 };
+
+struct chip {
+    const char *name;
+    const char *timers; /* those of 16 bits, by their numbers */
+    unsigned timer_channels;
+    char uart; /* whose line is simulated */
+    avr_io_addr_t uart_registers;
+    bool has_timer2;
+    unsigned response_cycles; /* to an interrupt, and from it */
+    int receive_vector;
+    int step_vectors[MOST_STEP_TIMERS]; /* the first one that plays steps, of each timer; the other is the next */
+    const char *pins;                   /* port and bit of each, in the board's order */
+};
+
+extern const struct chip *chip;
+
+/* `timer`: which plays steps. Returns false when there is no such chip or timer. */
+bool chip_choose(const char *name, char timer);
+int chip_pins(void);
+struct port_bit {
+    char port;
+    int bit;
+};
+struct port_bit chip_pin(int pin);
+int chip_step_vector(void);
+
+/* ---- step_timers.c: the 16-bit timers in normal mode with their compare channels, to the cycle ---- */
+
+void step_timers_attach(avr_t *avr);
+void step_timers_reset(void);
 
 /* ---- other_timers.c: Timer0 standing still, Timer2 counting ---- */
 
@@ -33,7 +62,7 @@ void interrupts_reset(void);
 /* Begins to count anew. */
 void interrupts_forget(void);
 struct interrupt_times interrupt_times(int vector);
-/* [cycles] of compare A or B. */
+/* [cycles] of both. */
 uint64_t longest_step_interrupt(void);
 
 /* ---- eeprom.c: EEPROM that takes its time, keeps its bytes in a file and can lose power ---- */
@@ -73,7 +102,7 @@ struct serial_counts serial_line_counts(void);
 
 /* ---- edges.c: a log of the pins ---- */
 
-/* Each edge of Arduino pins 0 to 13 and A0 to A5, which are 14 to 19, becomes a record of 10 bytes: i64 cycle, i8 pin, i8 value. `file` may be NULL.
+/* Each edge of the board's pins, on an Uno 0 to 13 and A0 to A5, which are 14 to 19, becomes a record of 10 bytes: i64 cycle, i8 pin, i8 value. `file` may be NULL.
  * Pin 1 while the transmitter has it is left out. */
 bool edges_attach(avr_t *avr, const char *file);
 /* A reset lets go of all pins. */
@@ -87,7 +116,7 @@ avr_cycle_count_t edges_last_step(void);
 
 /* ---- button.c ---- */
 
-/* `press` as "16:200-300,9:1000.05-1001": pin 16, of 9 to 13 and A0 to A5, is connected to ground from 200 to 300 ms, and so on. Returns
+/* `press` as "16:200-300,9:1000.05-1001": pin 16 is connected to ground from 200 to 300 ms, and so on. Returns
  * false when it can't be. */
 bool button_attach(avr_t *avr, const char *press);
 

@@ -1,4 +1,4 @@
-/* Charges the four cycles that the processor takes to accept an interrupt, which simavr doesn't, and counts what
+/* Charges the four or five cycles that the processor takes to accept an interrupt, which simavr doesn't, and counts what
  * interrupts take: from acceptance to the end of reti. */
 #include <string.h>
 
@@ -7,8 +7,7 @@
 
 #include "host.h"
 
-enum { RESPONSE_CYCLES = 4, RETI_CYCLES = 4, VECTORS = 64, DEEPEST = 8 };
-enum { TIMER1_COMPARE_A = 11, TIMER1_COMPARE_B = 12 };
+enum { VECTORS = 64, DEEPEST = 8 };
 
 static avr_t *avr;
 static struct interrupt_times times[VECTORS];
@@ -23,7 +22,7 @@ static void begin(void)
     if (depth < DEEPEST) {
         stack[depth++] = (struct running){avr->cycle, 0};
     }
-    avr->cycle += RESPONSE_CYCLES;
+    avr->cycle += chip->response_cycles;
 }
 
 static void end(struct interrupt_times *of)
@@ -32,7 +31,7 @@ static void end(struct interrupt_times *of)
         return;
     }
     struct running *ended = &stack[--depth];
-    uint64_t whole = avr->cycle + RETI_CYCLES - ended->began;
+    uint64_t whole = avr->cycle + chip->response_cycles - ended->began;
     uint64_t own = whole - ended->of_others;
     if (depth > 0) {
         stack[depth - 1].of_others += whole;
@@ -79,6 +78,6 @@ struct interrupt_times interrupt_times(int vector)
 
 uint64_t longest_step_interrupt(void)
 {
-    uint64_t a = times[TIMER1_COMPARE_A].longest, b = times[TIMER1_COMPARE_B].longest;
+    uint64_t a = times[chip_step_vector()].longest, b = times[chip_step_vector() + 1].longest;
     return a > b ? a : b;
 }

@@ -88,8 +88,10 @@ void other_timers_attach(avr_t *mcu)
         own[address - TCNT0].read_parameter = avr->io[io].r.param;
         replace(address, on_timer0_write, on_timer0_read);
     }
-    replace(TCCR2B, on_clock_select, NULL);
-    replace(TCNT2, on_plain_write, on_count_read);
+    if (chip->has_timer2) {
+        replace(TCCR2B, on_clock_select, NULL);
+        replace(TCNT2, on_plain_write, on_count_read);
+    }
 }
 
 void other_timers_reset(void)

@@ -14,7 +14,8 @@
 
 #include "host.h"
 
-enum { UBRR0L = 0xC4, UBRR0H = 0xC5, UCSR0A = 0xC0, UCSR0B = 0xC1, U2X = 2, RXEN = 1 << 4, RXCIE = 1 << 7 };
+/* Of the UART's registers. */
+enum { STATUS = 0, CONTROL = 1, RATE_LOW = 4, RATE_HIGH = 5, U2X = 2, RXEN = 1 << 4, RXCIE = 1 << 7 };
 enum { FIRST_BUSY_BYTE_CYCLES = 1000 };
 enum { BITS_OF_BYTE = 10, UART_HOLDS = 3, QUEUE_BYTES = 65536 };
 
@@ -33,7 +34,7 @@ static struct termios raw;
 static struct queue to_avr, to_terminal;
 static avr_cycle_count_t deaf_until;
 static avr_cycle_count_t asked_at; /* when the last zero byte, which ends a frame, arrived; 0: answered */
-static uint8_t control; /* UCSR0B as it was written last */
+static uint8_t control; /* the control register as it was written last */
 static struct serial_counts counts;
 static void (*sent_to)(uint8_t byte);
 
@@ -41,8 +42,8 @@ static void (*sent_to)(uint8_t byte);
 static void on_baud_write(avr_t *mcu, avr_io_addr_t address, uint8_t value, void *unused)
 {
     (void)address, (void)unused;
-    unsigned divider = (mcu->data[UBRR0H] << 8 | value) + 1;
-    uart->cycles_per_byte = (avr_cycle_count_t)BITS_OF_BYTE * divider * (mcu->data[UCSR0A] & U2X ? 8 : 16);
+    unsigned divider = (mcu->data[chip->uart_registers + RATE_HIGH] << 8 | value) + 1;
+    uart->cycles_per_byte = (avr_cycle_count_t)BITS_OF_BYTE * divider * (mcu->data[chip->uart_registers + STATUS] & U2X ? 8 : 16);
 }
 
 static unsigned bytes_in_uart(void)
@@ -83,7 +84,7 @@ static avr_cycle_count_t on_byte_arrived(avr_t *mcu, avr_cycle_count_t when, voi
 static avr_cycle_count_t on_busy_byte(avr_t *mcu, avr_cycle_count_t when, void *unused)
 {
     (void)unused;
-    if (!(mcu->data[UCSR0B] & RXEN)) {
+    if (!(mcu->data[chip->uart_registers + CONTROL] & RXEN)) {
         return when + uart->cycles_per_byte;
     }
     if (bytes_in_uart() >= UART_HOLDS) {
@@ -155,15 +156,15 @@ static void attach_uart(avr_t *mcu)
 {
     uint32_t no_flags = 0; /* neither an echo on the console nor a sleep at each poll */
     avr = mcu;
-    avr_ioctl(avr, AVR_IOCTL_UART_SET_FLAGS('0'), &no_flags);
+    avr_ioctl(avr, AVR_IOCTL_UART_SET_FLAGS(chip->uart), &no_flags);
     for (avr_io_t *io = avr->io_port; io; io = io->next) {
-        if (strcmp(io->kind, "uart") == 0) {
+        if (strcmp(io->kind, "uart") == 0 && ((avr_uart_t *)io)->name == chip->uart) {
             uart = (avr_uart_t *)io;
         }
     }
-    avr_register_io_write(avr, UBRR0L, on_baud_write, &counts);
-    avr_register_io_write(avr, UCSR0B, on_control_write, &control);
-    uart_input = avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_INPUT);
+    avr_register_io_write(avr, chip->uart_registers + RATE_LOW, on_baud_write, &counts);
+    avr_register_io_write(avr, chip->uart_registers + CONTROL, on_control_write, &control);
+    uart_input = avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ(chip->uart), UART_IRQ_INPUT);
 }
 
 bool serial_line_attach(avr_t *mcu, const char *link, unsigned boot_ms)
@@ -172,14 +173,14 @@ bool serial_line_attach(avr_t *mcu, const char *link, unsigned boot_ms)
     link_name = link;
     opening_resets = boot_ms > 0;
     was_open = !opening_resets;
-    avr_irq_register_notify(avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_OUTPUT), on_byte_sent, NULL);
+    avr_irq_register_notify(avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ(chip->uart), UART_IRQ_OUTPUT), on_byte_sent, NULL);
     return open_terminal();
 }
 
 void serial_line_attach_to_file(avr_t *mcu, FILE *sent, bool is_busy)
 {
     attach_uart(mcu);
-    avr_irq_t *output = avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_OUTPUT);
+    avr_irq_t *output = avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ(chip->uart), UART_IRQ_OUTPUT);
     avr_irq_register_notify(output, on_byte_sent_to_file, sent);
     if (is_busy) {
         avr_cycle_timer_register(avr, FIRST_BUSY_BYTE_CYCLES, on_busy_byte, NULL);
@@ -190,7 +191,7 @@ void serial_line_attach_to(avr_t *mcu, void (*on_sent)(uint8_t byte))
 {
     attach_uart(mcu);
     sent_to = on_sent;
-    avr_irq_register_notify(avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_OUTPUT), on_byte_sent_on, NULL);
+    avr_irq_register_notify(avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ(chip->uart), UART_IRQ_OUTPUT), on_byte_sent_on, NULL);
 }
 
 void serial_line_send(const uint8_t *bytes, unsigned count)

@@ -1,6 +1,7 @@
 """The Arduino library built for boards as the Arduino IDE builds it, with Debian's package of Arduino's AVR core."""
 
 import subprocess
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -31,15 +32,18 @@ class Board:
     variant: str
     flash_bytes: int
     ram_bytes: int
+    more: tuple[str, ...] = ()
 
     @property
     def flags(self) -> list[str]:
         core = [f"-I{_HARDWARE}/cores/arduino", f"-I{_HARDWARE}/variants/{self.variant}"]
-        return [f"-mmcu={self.chip}", "-DF_CPU=16000000L", f"-DARDUINO_AVR_{self.name}", *_COMMON, *core]
+        return [f"-mmcu={self.chip}", "-DF_CPU=16000000L", f"-DARDUINO_AVR_{self.name}", *_COMMON, *core, *self.more]
 
 
 UNO = Board("UNO", "atmega328p", "standard", 32_256, 2048)
 MEGA = Board("MEGA2560", "atmega2560", "mega", 253_952, 8192)
+_USB = ("-DUSB_VID=0x2341", "-DUSB_PID=0x8036", '-DUSB_MANUFACTURER="Unknown"', '-DUSB_PRODUCT="Leonardo"')
+LEONARDO = Board("LEONARDO", "atmega32u4", "leonardo", 28_672, 2560, _USB)
 
 
 @dataclass(frozen=True)
@@ -111,15 +115,24 @@ def build(example: str, board: Board = UNO) -> Sketch:
 
 def build_sketch(source: Path, board: Board = UNO, *, with_library: bool = True) -> Sketch:
     """Build a sketch of one file. AssertionError as above."""
-    objects, warnings = _library(board) if with_library else ([], "")
     folder = _folder(board, source.stem)
     sketch = folder / "sketch.cpp"
     sketch.write_text(f'#include <Arduino.h>\n#line 1 "{source}"\n{source.read_text()}')
+    return build_files([sketch], folder, board, with_library=with_library)
+
+
+def build_files(
+    sources: Sequence[Path], folder: Path, board: Board, *options: str, with_library: bool = True
+) -> Sketch:
+    """Build a sketch of some files, compiled with options of their own. AssertionError as above."""
+    objects, warnings = _library(board) if with_library else ([], "")
     includes = [f"-I{LIBRARY / 'src'}"] if with_library else []
-    warnings += _compile(board, sketch, folder / "sketch.o", *_WARNINGS, *includes)
+    own = [folder / f"{source.name}.o" for source in sources]
+    for source, target in zip(sources, own, strict=True):
+        warnings += _compile(board, source, target, *_WARNINGS, *includes, *options)
     elf = folder / "sketch.elf"
     link = ["avr-gcc", "-w", "-Os", f"-mmcu={board.chip}", "-flto", "-fuse-linker-plugin", "-Wl,--gc-sections"]
-    command = [*link, "-o", str(elf), str(folder / "sketch.o"), *map(str, objects), str(_core(board)), "-lm"]
+    command = [*link, "-o", str(elf), *map(str, own), *map(str, objects), str(_core(board)), "-lm"]
     result = subprocess.run(command, capture_output=True, text=True, check=False)
     assert result.returncode == 0, result.stderr
     sizes = subprocess.run(["avr-size", str(elf)], capture_output=True, text=True, check=True).stdout.splitlines()[1]

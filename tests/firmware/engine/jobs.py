@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from simulator.avr import EDGE, build_harness, build_program, folder_of_builds
+from firmware.arduino.board import LEONARDO, MEGA, UNO, Board, build_files
+from simulator.avr import EDGE, Chip, build_harness, build_program, folder_of_builds
 
 AXES, LINE, GAUGES = range(3)
 STEP_PINS = (2, 3, 4, 12)
@@ -22,6 +23,8 @@ HALT_PIN = 14
 NEVER = 0xFFFF
 LONGEST_WAIT = 30_000
 RESULT_BYTES = 86
+CORE_INTERRUPTS = 300
+"""Cycles for which Arduino's core may block ours: Timer0's, a byte received and one sent."""
 
 _HERE = Path(__file__).parent
 _FIRMWARE = _HERE.parents[2] / "firmware"
@@ -143,9 +146,42 @@ def chip_sources() -> list[Path]:
     return [_SETTINGS, *(SOURCES / "boards" / "avr" / name for name in _ON_THE_CHIP), *controller]
 
 
+@dataclass(frozen=True)
+class Engine:
+    """An engine on a chip: the controller's, or the library's with one of a board's timers."""
+
+    board: Board | None = None
+    timer: int = 1
+
+    @property
+    def chip(self) -> Chip:
+        return Chip(self.board.chip, self.timer) if self.board else Chip()
+
+    def late(self, controllers: int) -> int:
+        """Return how late an event may be [cycles] that may be so late on the controller.
+
+        In a sketch each interrupt takes a third more, and up to three of Arduino's core come one after the other.
+        """
+        return controllers * 4 // 3 + CORE_INTERRUPTS if self.board else controllers
+
+    @property
+    def name(self) -> str:
+        return f"{self.board.name}-{self.timer}" if self.board else "controller"
+
+
+CONTROLLER = Engine()
+IN_SKETCHES = (Engine(UNO), Engine(MEGA), Engine(MEGA, 5), Engine(LEONARDO, 3))
+
+
 @cache
-def chip_program() -> Path:
-    return build_program("play_job", [_HERE / "play_job.c", _HERE / "play_job_chip.c", *chip_sources()])
+def chip_program(engine: Engine = CONTROLLER) -> Path:
+    if engine.board is None:
+        return build_program("play_job", [_HERE / "play_job.c", _HERE / "play_job_chip.c", *chip_sources()])
+    folder = folder_of_builds() / f"play_job-{engine.name}"
+    folder.mkdir()
+    sources = [_HERE / "play_job_sketch.cpp", _HERE / "play_job.c"]
+    options = [f"-I{_HERE}", f'-DTIMER_HEADER="StepRampTimer{engine.timer}.h"']
+    return build_files(sources, folder, engine.board, *options).elf
 
 
 def play_in_twin(job: Job, folder: Path) -> Played:
@@ -178,12 +214,12 @@ def run_on_chip(
     return json.loads(output), edges, (folder / "sent").read_bytes()
 
 
-def play_on_chip(job: Job, folder: Path) -> Played:
+def play_on_chip(job: Job, folder: Path, engine: Engine = CONTROLLER) -> Played:
     (folder / "job").write_bytes(job.packed())
-    options = ["--data", folder / "job", *(["--busy"] if job.busy else [])]
-    statistics, edges, sent = run_on_chip(chip_program(), folder, *options)
-    # The direction pins first take their resting levels.
-    begun = edges["cycle"][0] + 2000 if edges.size else 0
+    options = ["--data", folder / "job", *(["--busy"] if job.busy else []), *engine.chip.options]
+    statistics, edges, sent = run_on_chip(chip_program(engine), folder, *options)
+    # The direction pins, or the coils', first take their resting levels.
+    begun = edges["cycle"][0] + (6000 if job.mode == GAUGES else 2000) if edges.size else 0
     moved = edges[edges["cycle"] > begun]
     steps, turns = {}, {}
     for axis in range(4):

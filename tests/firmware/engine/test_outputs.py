@@ -10,6 +10,7 @@ from firmware.engine.jobs import (
     DIRECTION_PINS,
     GAUGES,
     STEP_PINS,
+    Engine,
     Job,
     Segment,
     chip_sources,
@@ -21,6 +22,8 @@ from simulator.avr import build_program
 
 CYCLES_PER_US = 16
 ENABLE_PIN, CLOCK_PIN = 8, 14
+BETWEEN_EVENTS = 200
+"""Cycles: coils that change together do so within less."""
 RAMP = [Segment(2500, 40, -20), Segment(1700, 2, is_step=False), Segment(1700, 40, 20, turns=True)]
 FOUR_AXES = [RAMP] * 4
 COIL_STATES = [(1, 0, 0, 1), (1, 0, 0, 0), (1, 1, 1, 0), (0, 1, 1, 0), (0, 1, 1, 1), (0, 0, 0, 1)]
@@ -29,14 +32,14 @@ COIL_STATES = [(1, 0, 0, 1), (1, 0, 0, 0), (1, 1, 1, 0), (0, 1, 1, 0), (0, 1, 1,
 
 @pytest.mark.parametrize("inverted", [0b0000, 0b1010, 0b1111])
 @pytest.mark.parametrize("width_us", [0, 3, 10, 60])
-def test_pulses(tmp_path: Path, inverted: int, width_us: int) -> None:
+def test_pulses(tmp_path: Path, engine: Engine, inverted: int, width_us: int) -> None:
     job = Job(
         FOUR_AXES if width_us < 60 else [RAMP],
         step_inverted=inverted,
         direction_inverted=inverted,
         pulse_width_us=width_us,
     )
-    chip = play_on_chip(job, tmp_path)
+    chip = play_on_chip(job, tmp_path, engine)
     for axis in range(len(job.axes)):
         widths = pulse_widths(chip.edges, STEP_PINS[axis], inverted >> axis & 1)
         assert len(chip.steps[axis]) == len(widths) == 80
@@ -48,8 +51,8 @@ def test_pulses(tmp_path: Path, inverted: int, width_us: int) -> None:
         assert chip.steps[axis][40] - turn["cycle"][0] > 1000
 
 
-def test_each_edge_a_step(tmp_path: Path) -> None:
-    chip = play_on_chip(Job(FOUR_AXES, both_edges=0b0101), tmp_path)
+def test_each_edge_a_step(tmp_path: Path, engine: Engine) -> None:
+    chip = play_on_chip(Job(FOUR_AXES, both_edges=0b0101), tmp_path, engine)
     for axis in range(4):
         assert len(chip.steps[axis]) == 80
         assert (chip.edges["pin"] == STEP_PINS[axis]).sum() == (80 if axis in (0, 2) else 160)
@@ -61,16 +64,16 @@ def coil_states(edges: np.ndarray, gauge: int) -> list[int]:  # type: ignore[typ
     own = edges[(edges["pin"] >= 2 + 4 * gauge) & (edges["pin"] < 6 + 4 * gauge)]
     for i, edge in enumerate(own):
         levels[edge["pin"] - 2 - 4 * gauge] = edge["value"]
-        if i + 1 == len(own) or own["cycle"][i + 1] - edge["cycle"] > 100:
+        if i + 1 == len(own) or own["cycle"][i + 1] - edge["cycle"] > BETWEEN_EVENTS:
             states.append(COIL_STATES.index(tuple(levels)))
     return states
 
 
-def test_gauges(tmp_path: Path) -> None:
+def test_gauges(tmp_path: Path, engine: Engine) -> None:
     """Three at once, each through the six states in both directions, and never by more than one state."""
     forth_and_back = [Segment(2000, 20, -10), Segment(2000, 3, is_step=False), Segment(1800, 13, 10, turns=True)]
     job = Job([forth_and_back, forth_and_back[:1], [*forth_and_back, *forth_and_back]], fast=False, mode=GAUGES)
-    chip = play_on_chip(job, tmp_path)
+    chip = play_on_chip(job, tmp_path, engine)
     for gauge, end in enumerate((7, 20, 20 - 13 + -20 + 13)):
         states = coil_states(chip.edges, gauge)
         moves = [(after - before + 3) % 6 - 3 for before, after in pairwise(states)]
@@ -79,9 +82,9 @@ def test_gauges(tmp_path: Path) -> None:
     assert chip.empty == (1, 1, 1, 0)
 
 
-def test_halted_gauges(tmp_path: Path) -> None:
+def test_halted_gauges(tmp_path: Path, engine: Engine) -> None:
     job = Job([[Segment(2000, 50)] * 4] * 3, fast=False, mode=GAUGES, halted=0b011, halt_loads=2)
-    chip = play_on_chip(job, tmp_path)
+    chip = play_on_chip(job, tmp_path, engine)
     for gauge in range(3):
         assert len(coil_states(chip.edges, gauge)) - 1 == chip.positions[gauge]
     assert 0 < chip.positions[0] < 200

@@ -14,15 +14,19 @@
 #include "stepramp/edge/build_options.h"
 #include "stepramp/edge/step_rings.h"
 
-#define PLAYER(axis, field) (stepramp_axis_players + (axis) * AXIS_PLAYER_BYTES + (field))
+#include "boards/avr/pins.h"
+
 #define QUEUE(axis) (stepramp_queues + (axis) * QUEUE_BYTES)
 
 /* ---- memory ---- */
 
 	.section .bss
-	.global stepramp_axis_players, stepramp_end_masks, stepramp_pulse_masks, stepramp_extra_width
+	.global stepramp_end_masks, stepramp_pulse_masks, stepramp_extra_width
+#ifndef STEPRAMP_IN_A_SKETCH
+	.global stepramp_axis_players
 stepramp_axis_players:
 	.zero MOST_AXES * AXIS_PLAYER_BYTES
+#endif
 stepramp_end_masks:                            /* what ends the pulse of an axis: step_mask, or 0 when each edge is a step */
 	.zero MOST_AXES
 stepramp_pulse_masks:                          /* what of an axis' step_mask ends its pulses: all ones, or 0 */
@@ -38,8 +42,7 @@ stepramp_extra_width:                          /* of pulses, when WIDE is set [8
 
 /* The edge, and then r27:r26 = time of the next event. 25 cycles, the edge at the third. Uses r24, r25. */
 .macro BEGIN_EVENT axis, pins, ocr
-	lds  r24, PLAYER(\axis, STEP_MASK)
-	out  \pins, r24
+	BEGIN_EDGE \axis, \pins
 	ADVANCE PLAYER(\axis, INTERVAL), PLAYER(\axis, ADD), \ocr
 .endm
 
@@ -56,7 +59,7 @@ stepramp_extra_width:                          /* of pulses, when WIDE is set [8
 	lds  r24, stepramp_end_masks + \axis
 	sbic GPIOR0, WIDE
 	rcall lengthen_pulse
-	out  \pins, r24
+	END_EDGE \pins
 .endm
 
 /* Every 256th event: the high byte of the count. Goes back to `counted` unless that runs over too. Uses r24. */
@@ -75,14 +78,13 @@ stepramp_extra_width:                          /* of pulses, when WIDE is set [8
 load_\axis:
 	lds  r26, TCNT1L                     /* always so long after the edge: what is traced */
 	lds  r27, TCNT1H
-	push r30
-	push r31
+	FREE_Z
 	END_PULSE \axis, \pins
 	lds  r30, PLAYER(\axis, TAIL)
 	lds  r24, PLAYER(\axis, HEAD)
 	cp   r30, r24
 	breq park_\axis
-	ldi  r31, hi8(QUEUE(\axis))
+	POINT_INTO QUEUE(\axis)
 	COPY_INTERVAL PLAYER(\axis, INTERVAL)
 	COPY PLAYER(\axis, ADD)
 	COPY PLAYER(\axis, ADD + 1)
@@ -93,16 +95,11 @@ load_\axis:
 	and  r24, r25
 	sts  stepramp_end_masks + \axis, r24
 	ld   r24, Z+
-	out  \pins, r24                      /* the direction turns */
-.if \axis & 1                           /* around, within a half of 256 bytes */
-	ori  r30, QUEUE_BYTES
-.else
-	andi r30, QUEUE_BYTES - 1
-.endif
+	TURN_EDGE \axis, \pins
+	NEXT_TAIL \axis
 	sts  PLAYER(\axis, TAIL), r30
 	clt
-	pop  r31
-	pop  r30
+	RESTORE_Z
 	ret
 park_\axis:
 	ldi  r24, 0
@@ -275,8 +272,7 @@ park:
 	inc  r24
 	std  Z + EMPTY - INTERVAL, r24
 	set
-	pop  r31
-	pop  r30
+	RESTORE_Z
 	ret
 
 /* 8 cycles each, as many as r25 says, but for the last: 7. */

@@ -47,10 +47,12 @@ extern uint8_t stepramp_end_masks[MOST_AXES];
 
 static uint16_t start_delay_ticks;
 
+#ifndef STEPRAMP_IN_A_SKETCH
 static uint8_t offset_of(const void *queue)
 {
     return (uint8_t)(uintptr_t)queue;
 }
+#endif
 
 void step_queue_set_clock(bool fast)
 {
@@ -62,13 +64,17 @@ void step_queue_begin(void)
 {
     TIMSK1 = 0;
     TCCR1A = 0;
+#ifndef STEPRAMP_IN_A_SKETCH
     TCCR0B = 0; /* Timer0 stands still: see SAVED_R25 */
+#endif
     GPIOR0 = 0;
     step_queue_set_clock(true);
+#ifndef STEPRAMP_IN_A_SKETCH /* there, offsets begin with 0 */
     for (uint8_t axis = 0; axis < MOST_AXES; axis++) {
         stepramp_axis_players[axis].tail = offset_of(stepramp_queues[axis]);
     }
     stepramp_line_player.tail = offset_of(stepramp_line_queue);
+#endif
     step_queue_clear(0xFF);
 }
 
@@ -90,7 +96,7 @@ static inline bool is_line(void)
  *
  * A channel is named by the bit of its first axis: 1 is A, 2 is B. All its other bits are a shift away. */
 
-_Static_assert(OCIE1A == 1 && OCIE1B == 2 && A_SECOND == 1 && B_SECOND == 2 && A_SHARED == 3 && B_SHARED == 4,
+_Static_assert(OCIE1B == OCIE1A + 1 && OCF1A == OCIE1A && A_SECOND == 1 && B_SECOND == 2 && A_SHARED == 3 && B_SHARED == 4,
                "a shift away");
 
 enum { CHANNEL_A = 1, CHANNEL_B = 2 };
@@ -114,7 +120,7 @@ static inline uint8_t shared_flag(uint8_t channel)
 /* In TIMSK1, and of the flag in TIFR1 */
 static inline uint8_t enable_flag(uint8_t channel)
 {
-    return (uint8_t)(channel << 1);
+    return (uint8_t)(channel << OCIE1A);
 }
 
 static inline volatile uint16_t *compare_of(uint8_t channel)

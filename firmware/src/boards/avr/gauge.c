@@ -13,6 +13,8 @@
 #include "stepramp/edge/inputs.h"
 #include "stepramp/edge/play_event.h"
 
+#ifndef STEPRAMP_IN_A_SKETCH
+
 /* One turn of the rotor's magnet has six states; these are their coils, the first pin in bit 0. */
 enum { STATES = 6 };
 static const uint8_t state_pins[STATES] PROGMEM = {0x9, 0x1, 0x7, 0x6, 0xE, 0x8};
@@ -20,8 +22,18 @@ static const uint8_t state_pins[STATES] PROGMEM = {0x9, 0x1, 0x7, 0x6, 0xE, 0x8}
 /* Where each gauge is. It outlives a reset by the watchdog, so that no needle jumps then. */
 static uint8_t states[GAUGES] __attribute__((section(".noinit")));
 
+#else
+
+/* In arduino_board.cpp */
+void arduino_begin_gauges(void);
+void arduino_step_gauge(uint8_t gauge, bool is_backward);
+
+#endif
+
 static uint8_t backward; /* a bit for each gauge */
 static volatile uint8_t running;
+
+#ifndef STEPRAMP_IN_A_SKETCH
 
 /* Puts all coils to their states. D2..D13 are twelve bits in a row over two ports. Both ports change within half a
  * microsecond, which is nothing to a coil. */
@@ -51,13 +63,31 @@ void gauges_configure(void)
     DDRB |= GAUGE_PINS_B;
 }
 
+#else
+
+static void write_coils(void)
+{
+}
+
+void gauges_configure(void)
+{
+    backward = 0;
+    arduino_begin_gauges();
+}
+
+#endif
+
 /* Returns false when it is parked from now on. */
 static bool play_gauge(uint8_t gauge, uint8_t bit, uint16_t now)
 {
     uint8_t result = play_event(&stepramp_axis_players[gauge], stepramp_queues[gauge], now);
     if ((result & EVENT_STEP) != 0) {
+#ifdef STEPRAMP_IN_A_SKETCH
+        arduino_step_gauge(gauge, (backward & bit) != 0);
+#else
         uint8_t state = (uint8_t)(states[gauge] + ((backward & bit) != 0 ? STATES - 1 : 1));
         states[gauge] = (uint8_t)(state < STATES ? state : state - STATES);
+#endif
     }
     if ((result & EVENT_TURN) != 0) {
         backward ^= bit;
@@ -87,8 +117,13 @@ static bool play_due_gauges(void)
     return (int16_t)((uint16_t)(now + (uint16_t)wait) - TCNT1) > 0;
 }
 
+#ifdef STEPRAMP_IN_A_SKETCH
+/* See timer_gauges.c. */
+static void play_gauges(void)
+#else
 /* The step interrupt jumps here; the name pleases the compiler. */
 ISR(__vector_gauges)
+#endif
 {
     while (running != 0 && !play_due_gauges()) {
     }

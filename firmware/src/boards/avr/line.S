@@ -9,25 +9,21 @@
 #define __SFR_OFFSET 0
 #include <avr/io.h>
 
-#include "boards/avr/pins.h"
 #include "boards/avr/step_interrupt.h"
 #include "stepramp/edge/build_options.h"
 #include "stepramp/edge/step_rings.h"
 
+#include "boards/avr/pins.h"
+
 	.section .bss
-	.global stepramp_line_player, stepramp_line_pulse_pins
+	.global stepramp_line_pulse_pins
+#ifndef STEPRAMP_IN_A_SKETCH
+	.global stepramp_line_player
 stepramp_line_player:
 	.zero LINE_PLAYER_BYTES
+#endif
 stepramp_line_pulse_pins:                             /* pins whose pulses end: not those of which each edge is a step */
 	.zero 1
-
-/* Toggles the pins in \pins, port B one instruction later. 5 cycles. Uses \scratch; the flags stay. */
-.macro TOGGLE pins, scratch
-	ldi  \scratch, 1 << AXIS_3_STEP_BIT
-	out  PIND, \pins
-	sbrc \pins, LINE_AXIS_3_BIT
-	out  PINB, \scratch
-.endm
 
 /* Of those pins whose pulses end. 12 cycles. Uses r24, r25. */
 .macro END_LINE_PULSE
@@ -69,9 +65,11 @@ follower_\k\()_waits:
 
 	.section .text.step_interrupt, "ax", @progbits
 
+#ifndef STEPRAMP_IN_A_SKETCH
 /* Steps on the way of branches that don't reach far enough. They stand here so that what is frequent costs no jump. */
 to_count_high:
 	rjmp line_count_high
+#endif
 
 	.global line_interrupt
 line_interrupt:
@@ -97,7 +95,12 @@ line_event:
 	lds  r24, stepramp_line_player + LINE_COUNT
 	subi r24, 1
 	sts  stepramp_line_player + LINE_COUNT, r24
+#ifdef STEPRAMP_IN_A_SKETCH
+	brcc line_counted
+	rjmp line_count_high
+#else
 	brcs to_count_high
+#endif
 line_counted:
 	lds  r27, stepramp_line_player + LINE_LEADER_PINS
 	sbis GPIOR0, LINE_FOLLOWED           /* silent, then the followers wait too, or there are none */
@@ -139,13 +142,12 @@ to_park_line:
 line_load:
 	lds  r26, TCNT1L                     /* always so long after the edge: what is traced */
 	lds  r27, TCNT1H
-	push r30
-	push r31
+	FREE_Z
 	lds  r30, stepramp_line_player + LINE_TAIL
 	lds  r24, stepramp_line_player + LINE_HEAD
 	cp   r30, r24
 	breq to_park_line
-	ldi  r31, hi8(stepramp_line_queue)
+	POINT_INTO stepramp_line_queue
 	COPY_INTERVAL stepramp_line_player + LINE_INTERVAL
 	ldi  r26, lo8(stepramp_line_player + LINE_ADD)
 	ldi  r27, hi8(stepramp_line_player + LINE_ADD)
@@ -217,10 +219,10 @@ begin_piece:
 	st   X+, r24
 	in   r24, GPIOR0
 	andi r24, ~(1 << LINE_TWO | 1 << LINE_THREE | 1 << LINE_FOLLOWED)
-	cpi  r26, lo8(stepramp_line_player + LINE_FOLLOWER_PINS + 1) /* X is in the first 256 bytes behind the queues */
+	COMPARE_FOLLOWERS 1
 	brcs 2f
 	ori  r24, 1 << LINE_FOLLOWED
-	cpi  r26, lo8(stepramp_line_player + LINE_FOLLOWER_PINS + 2)
+	COMPARE_FOLLOWERS 2
 	brcs 2f
 	breq 1f
 	ori  r24, 1 << LINE_THREE
@@ -229,24 +231,13 @@ begin_piece:
 
 /* r25: the leaders in bits 0 to 3, the followers above, both 0 when silent. The axes that turn come next in the queue. */
 set_leaders:
-	andi r25, 0x0F
-	lsl  r25
-	lsl  r25
-	bst  r25, FIRST_STEP_BIT + 3
-	bld  r25, LINE_AXIS_3_BIT
-	andi r25, STEP_PINS_D | 1 << LINE_AXIS_3_BIT
+	AXES_TO_PINS
 	sts  stepramp_line_player + LINE_LEADER_PINS, r25
 	ld   r24, Z+
-	swap r24
-	andi r24, 0xF0
-	lsl  r24                             /* axes 0 to 2 are at their pins now, and axis 3 is in the carry */
-	ldi  r25, 1 << AXIS_3_DIRECTION_BIT
-	out  PIND, r24
-	brcc 1f
-	out  PINB, r25
-1:	sts  stepramp_line_player + LINE_TAIL, r30    /* the queue has 256 bytes: the offset wraps by itself */
-	pop  r31
-	pop  r30
+	TURN_AXES
+	NEXT_LINE_TAIL
+	sts  stepramp_line_player + LINE_TAIL, r30    /* the queue has 256 bytes: the offset wraps by itself */
+	RESTORE_Z
 	rjmp line_counted
 
 park_line:
@@ -268,8 +259,7 @@ park_line:
 	std  Z + LINE_LEADER_PINS, r24
 	std  Z + LINE_PINS, r24
 	sts  TIMSK1, r24                     /* on a line nothing else uses this timer's interrupts */
-	pop  r31
-	pop  r30
+	RESTORE_Z
 	LEAVE
 
 #endif

@@ -1,4 +1,5 @@
-/* What the step interrupts have in common, in assembly (engine.S, line.S) and in C.
+/* What the step interrupts have in common, in assembly (engine.S, line.S) and in C. They are the controller's and, with
+ * another timer and any pins, those of a sketch (boards/timer/): how pins are moved and registers saved is in pins.h.
  *
  * Timer1 counts freely. Compare A serves axes 0 and 2, compare B axes 1 and 3: two channels with up to two axes each.
  * Invariants outside of an interrupt:
@@ -22,14 +23,6 @@
 #define LINE_THREE A_SHARED /* and a third */
 #define LINE_STEADY B_SECOND /* its interval stays as it is: at full speed there is no time to add 0 */
 
-/* Registers that an interrupt uses are saved where that takes one cycle. Timer0 stands still, so its registers are
- * just bytes. Step interrupts don't nest, and nothing else uses these. */
-#define SAVED_R24 GPIOR1
-#define SAVED_SREG GPIOR2
-#define SAVED_R25 OCR0A
-#define SAVED_R26 OCR0B
-#define SAVED_R27 TCNT0
-
 /* Offsets in struct axis_player */
 #define DUE 0
 #define INTERVAL 2
@@ -39,6 +32,8 @@
 #define TAIL 9
 #define HEAD 10
 #define EMPTY 11
+
+#define PLAYER(axis, field) (stepramp_axis_players + (axis) * AXIS_PLAYER_BYTES + (field))
 
 /* Offsets in struct line_player */
 #define LINE_INTERVAL 0
@@ -61,32 +56,7 @@
 #define DUE_TO_STEP 4
 #define LINE_FOLLOWER_BYTES 6
 
-/* In `pins` and such of a line, axis 0, 1, 2 have their bits of port D. Axis 3, which is on port B, has bit 1: on port D
- * that is the serial transmitter's pin, which takes no notice of the port. */
-#define LINE_AXIS_3_BIT 1
-
 #ifdef __ASSEMBLER__
-
-/* 6 cycles. r24 to r27 are free then. */
-.macro ENTER
-	out  SAVED_R24, r24
-	in   r24, SREG
-	out  SAVED_SREG, r24
-	out  SAVED_R25, r25
-	out  SAVED_R26, r26
-	out  SAVED_R27, r27
-.endm
-
-/* 6 cycles and 4 */
-.macro LEAVE
-	in   r27, SAVED_R27
-	in   r26, SAVED_R26
-	in   r25, SAVED_R25
-	in   r24, SAVED_SREG
-	out  SREG, r24
-	in   r24, SAVED_R24
-	reti
-.endm
 
 /* While a wide pulse was waited for the emergency stop may have come. Uses r24. */
 .macro LEAVE_IF_STOPPED

@@ -4,6 +4,7 @@
 
 #include "boards/polled/arduino_limits.h"
 #include "boards/polled/polled_engine.h"
+#include "boards/polled/replaceable.h"
 #include "stepramp/edge/board.h"
 #include "stepramp/edge/engine.h"
 #include "stepramp/edge/step_queue.h"
@@ -37,8 +38,15 @@ uint32_t delayed_us;     /* and whole microseconds */
 
 /* ---- pins ---- */
 
+struct gauge_functions {
+    void (*begin)();
+    void (*step)(uint8_t gauge, bool is_backward);
+    void (*release)();
+};
+
+const struct gauge_functions *gauges; /* none before arduino_use_gauges() */
 bool are_gauges;
-bool is_enabled, enable_is_active_high;
+bool is_enabled, enable_is_active_high, has_enable_pin;
 uint8_t both_edges, direction_inverted; /* a bit for each axis */
 uint8_t step_levels;                    /* the step pins' resting levels, or their present ones where each edge is a step */
 uint8_t backward;
@@ -60,32 +68,10 @@ void write_pin(uint8_t pin, bool high)
     }
 }
 
-/* A pin gets its level before it becomes an output. */
-void begin_pin(uint8_t pin, bool high)
-{
-    if (pin != NO_PIN) {
-        digitalWrite(pin, high ? HIGH : LOW);
-        pinMode(pin, OUTPUT);
-    }
-}
-
 uint8_t coils_of(uint8_t state)
 {
     static const uint8_t COILS[STATES] = {0x9, 0x1, 0x7, 0x6, 0xE, 0x8};
     return COILS[state];
-}
-
-void step_gauge(uint8_t axis)
-{
-    uint8_t before = coils_of(gauge_states[axis]);
-    uint8_t state = (uint8_t)(gauge_states[axis] + (has(backward, axis) ? STATES - 1 : 1));
-    gauge_states[axis] = state >= STATES ? (uint8_t)(state - STATES) : state;
-    uint8_t coils = coils_of(gauge_states[axis]);
-    for (uint8_t i = 0; i < COIL_PINS; i++) {
-        if (has(coils ^ before, i)) {
-            write_pin(stepramp_pins.coils[axis][i], has(coils, i));
-        }
-    }
 }
 
 /* The direction must have been there for long enough, also when poll() was late. */
@@ -129,7 +115,7 @@ void make_steps(uint8_t axes)
     }
     for (uint8_t axis = 0; axis < GAUGES; axis++) {
         if (has(axes, axis)) {
-            step_gauge(axis);
+            gauges->step(axis, has(backward, axis));
         }
     }
 }
@@ -148,26 +134,8 @@ void turn(uint8_t axes)
 
 void drive_enable_pin()
 {
-    begin_pin(stepramp_pins.enable, is_enabled == enable_is_active_high);
-}
-
-void configure_gauges()
-{
-    for (uint8_t axis = 0; axis < GAUGES; axis++) {
-        for (uint8_t i = 0; i < COIL_PINS; i++) {
-            begin_pin(stepramp_pins.coils[axis][i], has(coils_of(gauge_states[axis]), i));
-        }
-    }
-}
-
-void release_coils()
-{
-    for (uint8_t axis = 0; axis < GAUGES; axis++) {
-        for (uint8_t i = 0; i < COIL_PINS; i++) {
-            if (stepramp_pins.coils[axis][i] != NO_PIN) {
-                pinMode(stepramp_pins.coils[axis][i], INPUT);
-            }
-        }
+    if (has_enable_pin) {
+        arduino_begin_pin(stepramp_pins.enable, is_enabled == enable_is_active_high);
     }
 }
 
@@ -179,8 +147,8 @@ void configure_steppers(const struct settings *settings)
     step_inverted = settings->step_inverted;
     step_levels = (uint8_t)((step_levels & kept) | (step_inverted & ~kept));
     for (uint8_t axis = 0; axis < AXES; axis++) {
-        begin_pin(stepramp_pins.step[axis], has(step_levels, axis));
-        begin_pin(stepramp_pins.direction[axis], !has(settings->direction_inverted, axis));
+        arduino_begin_pin(stepramp_pins.step[axis], has(step_levels, axis));
+        arduino_begin_pin(stepramp_pins.direction[axis], !has(settings->direction_inverted, axis));
     }
     both_edges = settings->both_edges;
 }
@@ -206,20 +174,79 @@ void note_delay(uint32_t ticks)
 
 } // namespace
 
-void arduino_begin()
+REPLACEABLE void arduino_begin(void)
 {
     looked_us = micros();
     polled_engine_set_outputs(make_steps, turn);
 }
 
-uint32_t arduino_delayed_us()
+void arduino_begin_pin(uint8_t pin, bool high)
+{
+    if (pin != NO_PIN) {
+        digitalWrite(pin, high ? HIGH : LOW);
+        pinMode(pin, OUTPUT);
+    }
+}
+
+void arduino_use_enable_pin(bool is_used, bool is_active_high)
+{
+    has_enable_pin = is_used;
+    enable_is_active_high = is_active_high;
+    drive_enable_pin();
+}
+
+void arduino_begin_gauges(void)
+{
+    for (uint8_t axis = 0; axis < GAUGES; axis++) {
+        for (uint8_t i = 0; i < COIL_PINS; i++) {
+            arduino_begin_pin(stepramp_pins.coils[axis][i], has(coils_of(gauge_states[axis]), i));
+        }
+    }
+}
+
+void arduino_release_gauges(void)
+{
+    for (uint8_t axis = 0; axis < GAUGES; axis++) {
+        for (uint8_t i = 0; i < COIL_PINS; i++) {
+            if (stepramp_pins.coils[axis][i] != NO_PIN) {
+                pinMode(stepramp_pins.coils[axis][i], INPUT);
+            }
+        }
+    }
+}
+
+void arduino_step_gauge(uint8_t gauge, bool is_backward)
+{
+    uint8_t before = coils_of(gauge_states[gauge]);
+    uint8_t state = (uint8_t)(gauge_states[gauge] + (is_backward ? STATES - 1 : 1));
+    gauge_states[gauge] = state >= STATES ? (uint8_t)(state - STATES) : state;
+    uint8_t coils = coils_of(gauge_states[gauge]);
+    for (uint8_t i = 0; i < COIL_PINS; i++) {
+        if (has(coils ^ before, i)) {
+            write_pin(stepramp_pins.coils[gauge][i], has(coils, i));
+        }
+    }
+}
+
+REPLACEABLE void arduino_use_gauges(void)
+{
+    static const struct gauge_functions functions = {arduino_begin_gauges, arduino_step_gauge, arduino_release_gauges};
+    gauges = &functions;
+}
+
+REPLACEABLE bool arduino_has_timer(void)
+{
+    return false;
+}
+
+REPLACEABLE uint32_t arduino_delayed_us(void)
 {
     return delayed_us;
 }
 
 /* An event that is so late that it isn't caught up with is played as if it were just due: time stood still until now.
  * At rest, time only has to go on. */
-void arduino_play()
+REPLACEABLE void arduino_play(void)
 {
     if (is_playing) {
         return;
@@ -241,18 +268,19 @@ void arduino_play()
 
 /* ---- board.h ---- */
 
-void board_configure(const struct settings *settings)
+REPLACEABLE void board_configure(const struct settings *settings)
 {
     step_queue_clear(0xFF);
     backward = 0;
     turned = 0;
     if (are_gauges && settings->outputs != OUTPUTS_GAUGES) {
-        release_coils();
+        gauges->release();
     }
-    are_gauges = settings->outputs == OUTPUTS_GAUGES;
+    are_gauges = gauges != nullptr && settings->outputs == OUTPUTS_GAUGES;
     if (are_gauges) {
         both_edges = 0;
-        configure_gauges();
+        arduino_use_enable_pin(false, false);
+        gauges->begin();
         return;
     }
     configure_steppers(settings);
@@ -260,18 +288,17 @@ void board_configure(const struct settings *settings)
     setup_us = settings->direction_setup_us;
     pulse_us = settings->pulse_width_us > STEPRAMP_SHORTEST_PULSE_US ? settings->pulse_width_us
                                                                      : STEPRAMP_SHORTEST_PULSE_US;
-    enable_is_active_high = (settings->enable_flags & ENABLE_ACTIVE_HIGH) != 0;
-    drive_enable_pin();
+    arduino_use_enable_pin(true, (settings->enable_flags & ENABLE_ACTIVE_HIGH) != 0);
 }
 
 /* Asked for at each segment that is queued: planning the next ones takes long, and events may be due meanwhile. */
-uint8_t engine_step_mask(uint8_t axis)
+REPLACEABLE uint8_t engine_step_mask(uint8_t axis)
 {
     arduino_play();
     return (uint8_t)(1u << axis);
 }
 
-uint8_t engine_turn_mask(uint8_t axis)
+REPLACEABLE uint8_t engine_turn_mask(uint8_t axis)
 {
     return (uint8_t)(1u << axis);
 }
@@ -279,12 +306,10 @@ uint8_t engine_turn_mask(uint8_t axis)
 void board_enable(bool on)
 {
     is_enabled = on;
-    if (!are_gauges) {
-        drive_enable_pin();
-    }
+    drive_enable_pin();
 }
 
-uint16_t board_time(void)
+REPLACEABLE uint16_t board_time(void)
 {
     arduino_play();
     return (uint16_t)(time_ticks >> TIME_BITS);

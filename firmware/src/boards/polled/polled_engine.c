@@ -1,10 +1,11 @@
-/* The engine in C, for every machine but the ATmega328P. */
+/* The engine in C, for every machine but the stand-alone controller on an ATmega328P. A sketch may put that of a timer in its place. */
 #ifndef STEPRAMP_IN_ASSEMBLY
 
 #include "boards/polled/polled_engine.h"
 
 #include <stddef.h>
 
+#include "boards/polled/replaceable.h"
 #include "stepramp/edge/engine.h"
 #include "stepramp/edge/inputs.h"
 #include "stepramp/edge/play_event.h"
@@ -59,7 +60,7 @@ static void park_line(void)
     stepramp_line_player.leader_pins = 0;
 }
 
-void step_queue_clear(uint8_t axes)
+REPLACEABLE void step_queue_clear(uint8_t axes)
 {
     for (uint8_t axis = 0; axis < MOST_AXES; axis++) {
         if ((axes & ~running & 1 << axis) != 0) {
@@ -74,7 +75,7 @@ void step_queue_clear(uint8_t axes)
     }
 }
 
-void step_queue_set_clock(bool fast)
+REPLACEABLE void step_queue_set_clock(bool fast)
 {
     is_fast = fast;
     start_delay_ticks = fast ? FAST_START_DELAY_TICKS : SLOW_START_DELAY_TICKS;
@@ -85,13 +86,13 @@ bool polled_engine_is_fast(void)
     return is_fast;
 }
 
-void engine_set_line(bool line)
+REPLACEABLE void engine_set_line(bool line)
 {
     is_line = line;
     step_queue_clear(0xFF);
 }
 
-void step_queue_begin(void)
+REPLACEABLE void step_queue_begin(void)
 {
     running = 0;
     step_queue_set_clock(true);
@@ -99,17 +100,17 @@ void step_queue_begin(void)
     engine_set_line(false);
 }
 
-uint8_t engine_running(void)
+REPLACEABLE uint8_t engine_running(void)
 {
     return running;
 }
 
-uint16_t engine_now(void)
+REPLACEABLE uint16_t engine_now(void)
 {
     return timer;
 }
 
-struct engine_progress engine_progress(uint8_t axis)
+REPLACEABLE struct engine_progress engine_progress(uint8_t axis)
 {
     if (is_line) {
         return (struct engine_progress){stepramp_line_player.count_less_1, stepramp_line_player.tail, stepramp_line_player.empty};
@@ -143,7 +144,7 @@ static void start_axis(uint8_t axis, uint16_t first, uint16_t setup_ticks)
     running |= (uint8_t)(1 << axis);
 }
 
-void step_queue_start(uint8_t axes, uint16_t setup_ticks)
+REPLACEABLE void step_queue_start(uint8_t axes, uint16_t setup_ticks)
 {
 #if HAS_INPUTS
     if (emergency_is_latched()) {
@@ -163,7 +164,7 @@ void step_queue_start(uint8_t axes, uint16_t setup_ticks)
     }
 }
 
-void step_queue_halt(uint8_t axes)
+REPLACEABLE void step_queue_halt(uint8_t axes)
 {
     running = is_line ? 0 : (uint8_t)(running & ~axes);
 }

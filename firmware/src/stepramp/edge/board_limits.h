@@ -61,7 +61,13 @@ enum capability { HAS_FORMULA_RAMPS = 1, HAS_GAUGE_OUTPUTS = 2, HAS_MACHINE_INPU
             BYTES_U16(START_US)                                                                                        \
     }
 
+#if defined(ARDUINO) && defined(__AVR__)
+/* A sketch that has chosen a timer has another table: this tells which one it is, in flash. */
+const void *arduino_limits(void);
+#define stepramp_board_limits ((const IN_FLASH uint8_t *)arduino_limits())
+#else
 extern const IN_FLASH uint8_t stepramp_board_limits[BOARD_LIMITS_BYTES];
+#endif
 
 /* One of two bytes. */
 uint16_t board_limit(uint8_t at);

@@ -25,6 +25,7 @@ struct side {
     float doubled;      /* [steps/s^2] twice the acceleration */
     uint32_t steps;
     float slew; /* [ticks] */
+    float doubled_clock_hz;
     uint16_t fineness;
 };
 
@@ -36,9 +37,9 @@ struct list {
     int16_t add;       /* [ticks] of the last segment */
 };
 
-uint32_t ramp_maker_interval(float speed)
+uint32_t ramp_maker_interval(uint32_t clock_hz, float speed)
 {
-    return (uint32_t)(SLOW_CLOCK_HZ / speed + 0.5f);
+    return (uint32_t)((float)clock_hz / speed + 0.5f);
 }
 
 float ramp_maker_steps(const struct ramp_wish *wish, float acceleration)
@@ -51,7 +52,7 @@ static float interval_of(const struct side *side, uint32_t i)
 {
     float begins = sqrtf(side->base_squared + side->doubled * (float)i);
     float ends = sqrtf(side->base_squared + side->doubled * (float)(i + 1));
-    float interval = 2 * SLOW_CLOCK_HZ / (begins + ends);
+    float interval = side->doubled_clock_hz / (begins + ends);
     return interval > side->slew ? interval : side->slew;
 }
 
@@ -158,7 +159,8 @@ static struct side side_of(const struct ramp_wish *wish, float acceleration, uin
     return (struct side){.base_squared = wish->base_speed * wish->base_speed,
                          .doubled = 2 * acceleration,
                          .steps = (uint32_t)ramp_maker_steps(wish, acceleration),
-                         .slew = (float)ramp_maker_interval(wish->speed),
+                         .slew = (float)ramp_maker_interval(wish->clock_hz, wish->speed),
+                         .doubled_clock_hz = 2 * (float)wish->clock_hz,
                          .fineness = fineness};
 }
 
@@ -199,6 +201,6 @@ uint16_t ramp_maker_write(const struct ramp_wish *wish, uint8_t *bytes, uint16_t
     uint16_t length = (uint16_t)(end - bytes);
     bytes[KIND_AT] = RAMP_OF_SEGMENTS;
     write_u16(bytes + LENGTH_AT, (uint16_t)(length - FLAGS_AT));
-    write_u32(bytes + SLEW_AT, ramp_maker_interval(wish->speed));
+    write_u32(bytes + SLEW_AT, ramp_maker_interval(wish->clock_hz, wish->speed));
     return length;
 }

@@ -13,15 +13,16 @@ struct ramp_wish {
     float base_speed;   /* [steps/s] at which it begins and ends: at least 0, below the speed */
     float acceleration; /* [steps/s^2] > 0 */
     float deceleration; /* [steps/s^2] > 0 */
+    uint32_t clock_hz;  /* of the ticks that it is made of */
 };
 
-/* Of the slow clock [ticks], rounded to the nearest. */
-uint32_t ramp_maker_interval(float speed);
+/* [ticks], rounded to the nearest. */
+uint32_t ramp_maker_interval(uint32_t clock_hz, float speed);
 
 /* [steps] from the base speed to the speed. */
 float ramp_maker_steps(const struct ramp_wish *wish, float acceleration);
 
-/* Writes the ramp, of segments for the slow clock: each interval within 1/512 of the exact one and a tick, or within 1/256,
+/* Writes the ramp, of segments: each interval within 1/512 of the exact one and a tick, or within 1/256,
  * 1/128 or 1/64 where there is less room. Returns its length [bytes], or 0: even so there is no room. */
 uint16_t ramp_maker_write(const struct ramp_wish *wish, uint8_t *bytes, uint16_t room);
 
