@@ -18,6 +18,9 @@ static_assert((uint8_t)STEPRAMP_MOVING == STATUS_MOVING && (uint8_t)STEPRAMP_NO_
 
 namespace {
 
+/* Of poll(), at most: enough to fill all queues. */
+enum { MOST_ROUNDS = 8 };
+
 struct settings settings_now = {OUTPUTS_STEP_AND_DIRECTION, 0, 0, 0, 0, 0, 30, 1, HOLD_FOR_EVER};
 const uint8_t *image; /* that is used; none before begin() */
 bool has_begun;
@@ -141,9 +144,13 @@ bool StepRampClass::begin(const uint8_t *ramp, uint16_t length)
     return true;
 }
 
+/* A sketch with a timer may have come late: then there is more to be queued than in one round, and no step waits meanwhile. */
 void StepRampClass::poll()
 {
-    machine_poll();
+    uint8_t left = arduino_has_timer() ? MOST_ROUNDS : 1;
+    while (left != 0 && !machine_poll()) {
+        left--;
+    }
     arduino_play();
 }
 

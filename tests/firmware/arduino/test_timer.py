@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from firmware.arduino.board import LEONARDO, MEGA, UNO
 from firmware.arduino.timed import BUSY, ENGINES, MARK, MARK_MS, SPEEDS, UNTIL_REST, Played, move_all, run, source_of
-from firmware.checker import CYCLES_PER_S, CYCLES_PER_US, assert_good, axis_of, lateness_us
+from firmware.checker import CYCLES_PER_S, CYCLES_PER_US, assert_good, axis_of, faults, lateness_us
 from firmware.engine.jobs import Engine
 from firmware.rig import RampDesign, image
 
@@ -16,8 +17,8 @@ pytestmark = pytest.mark.usefixtures("arduino_tools")
 
 LATE_US = {1: 12, 2: 30, 3: 50, 4: 50}
 BEHIND_OTHERS_US = 12
-"""Timer1's interrupts go before Timer0's and the serial port's, those of Timer3, 4 and 5 behind: then steps are later by so
-much. Most of the rest is where several axes load a segment at the same instant."""
+"""Timer1's interrupts go before Timer0's and the serial port's, those of Timer3, 4 and 5 behind: then steps are later.
+Most of the rest is where several axes load a segment at the same instant."""
 
 
 @pytest.fixture(params=ENGINES, ids=lambda engine: engine.name)
@@ -61,3 +62,110 @@ def test_axes_at_their_highest_speed(
     assert played.statistics["lost_bytes"] == 0
     # The line carries 11,520 bytes/s.
     assert played.statistics["sent_bytes"] > 5000 * played.statistics["cycles"] / CYCLES_PER_S
+
+
+@pytest.mark.parametrize("inverted", [False, True])
+@pytest.mark.parametrize("both_edges", [False, True])
+@pytest.mark.parametrize("width_us", [0, 20])
+def test_pins_are_as_the_settings_want_them(tmp_path: Path, inverted: bool, both_edges: bool, width_us: int) -> None:
+    """Pulses, pauses, levels and the time from the direction to the pulse; on pins of three ports."""
+    engine, axes, steps = Engine(MEGA, 3), 2, [1500, -1700]
+    plan = RampDesign(5000, 40_000, 60_000)
+    calls = {"StepInverted": inverted, "DirectionInverted": inverted, "BothEdges": both_edges}
+    settings = "".join(f"StepRamp.set{name}({axis}); " for name, on in calls.items() if on for axis in range(axes))
+    settings += f"StepRamp.setPulseWidth({width_us}); StepRamp.setDirectionSetup(200);"
+    there = move_all(steps)
+    source = source_of(engine, image([plan] * axes), there, BUSY + UNTIL_REST, axes=axes, settings=settings)
+    played = run(engine, source, tmp_path)
+    late_us = 30 + 2 * width_us
+    for axis, count in enumerate(steps):
+        limits = plan.limits(
+            count,
+            late_us=late_us,
+            setup_us=200.0,
+            pulse_us=max(width_us, 1),
+            step_inverted=inverted,
+            direction_inverted=inverted,
+            both_edges=both_edges,
+        )
+        assert_good(played.edges, limits, axis)
+
+
+IN_FLIGHT = """
+  static uint8_t stage;
+  static unsigned long since = millis();
+  unsigned long passed = millis() - since;
+  if (stage == 0 && passed >= 40) { StepRamp.moveTo(0, -1500); stage++; }
+  else if (stage == 1 && passed >= 200) { StepRamp.stop(); stage++; }
+  else if (stage == 2 && !StepRamp.isMoving()) { StepRamp.moveTo(0, 9000); since = millis(); stage++; }
+  else if (stage == 3 && passed >= 60) {
+    StepRamp.halt();
+    digitalWrite(14, HIGH);
+    PORT.println(StepRamp.position(0));
+    since = millis();
+    stage++;
+  }
+  else if (stage == 4 && passed >= 20) end();
+"""
+"""Back in flight, a stop in flight, another move, and a halt, marked by pin 14 as soon as it returns."""
+
+
+def test_moves_change_in_flight_and_a_halt_ends_all(tmp_path: Path, engine: Engine) -> None:
+    plan = RampDesign(60_000, 900_000, 900_000)
+    source = source_of(engine, image([plan]), "StepRamp.moveTo(0, 5000);", IN_FLIGHT, axes=1)
+    played = run(engine, source, tmp_path, busy=False)
+    made, edges = axis_of(played.edges), played.edges
+    [marked] = edges["cycle"][edges["pin"] == MARK]
+    assert (made.steps < marked).all()
+    assert int(played.sent.split()[-1]) == made.travel
+    assert -1000 < made.travel < 8000
+    turns = [int(turn) for turn in made.turns if made.steps[0] < turn < made.steps[-1]]
+    assert len(turns) == 2
+    parts = np.split(made.steps, np.searchsorted(made.steps, turns))
+    for turn, part in zip(turns, parts[1:], strict=True):
+        assert part[0] - turn >= 30 * CYCLES_PER_US
+    for number, part in enumerate(parts):
+        own = edges[(edges["cycle"] >= part[0]) & (edges["cycle"] <= part[-1] + 100)]
+        limits = plan.limits(part.size, late_us=12 + BEHIND_OTHERS_US, is_one_way=False)
+        found = [fault for fault in faults(own, limits) if "direction" not in fault]
+        # The halt takes the last part at its speed.
+        assert [fault for fault in found if number < 2 or "last interval" not in fault] == []
+
+
+LINE_PLAN = RampDesign(50_000, 1_500_000, 1_500_000)
+LINES = [(6000, -2500), (6000, 5999, -1), (3000, -6000, 5000, 1777)]
+
+
+@pytest.mark.parametrize("steps", LINES, ids=len)
+def test_lines_are_straight_and_each_step_is_in_time(
+    tmp_path: Path, engine: Engine, steps: tuple[int, ...], record_property: Callable[..., None]
+) -> None:
+    """As fast as the same number of single axes, and faster: the leader keeps to its ramp, the others to the line."""
+    plan, late_us = LINE_PLAN, 20 + BEHIND_OTHERS_US
+    line = f"const int32_t by[] = {{{', '.join(map(str, steps))}}};\n  if (StepRamp.lineBy(by) != STEPRAMP_OK) end();"
+    source = source_of(engine, image([plan] * len(steps)), line, BUSY + UNTIL_REST, axes=len(steps))
+    played = run(engine, source, tmp_path, busy=False)
+    check_millis(played)
+    made = [axis_of(played.edges, axis) for axis in range(len(steps))]
+    assert [one.travel for one in made] == list(steps)
+    leader = int(np.abs(steps).argmax())
+    latest = float(lateness_us(made[leader].steps, plan.ramp.intervals(abs(steps[leader])), plan.cycles_per_tick).max())
+    record_property("late_us", latest)
+    assert latest <= late_us
+    assert_good(played.edges, plan.limits(steps[leader], late_us=late_us), leader)
+    for one in made:
+        # With each step of the leader, within half a step of the line.
+        done = np.searchsorted(one.steps, made[leader].steps + 40, side="right")
+        exact = np.arange(1, abs(steps[leader]) + 1) * one.steps.size / abs(steps[leader])
+        assert np.abs(done - exact).max() <= 0.5 + 1e-9
+
+
+@pytest.mark.parametrize("count", [1, 4])
+@pytest.mark.parametrize("engine", [Engine(UNO), Engine(MEGA, 3), Engine(LEONARDO, 3)], ids=lambda engine: engine.name)
+def test_loop_may_take_two_milliseconds_at_the_highest_speed(tmp_path: Path, engine: Engine, count: int) -> None:
+    """Where it takes 0.2 s to that speed: with shorter ramps the queue of an Uno holds less time."""
+    plan = RampDesign(SPEEDS[count], 5 * SPEEDS[count], 5 * SPEEDS[count])
+    steps = [(-1) ** axis * (SPEEDS[count] // 2 + 200 * axis) for axis in range(count)]
+    work = "unsigned long from = micros(); while (micros() - from < 2000) {}"
+    source = source_of(engine, image([plan] * count), move_all(steps), work + UNTIL_REST, axes=count)
+    check_axes(run(engine, source, tmp_path, busy=False), plan, steps, LATE_US[count] + BEHIND_OTHERS_US)
