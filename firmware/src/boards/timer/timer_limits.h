@@ -3,6 +3,7 @@
 #define STEPRAMP_TIMER_LIMITS_H
 
 #include "boards/polled/arduino_limits.h"
+#include "stepramp/edge/build_options.h"
 
 #undef SHORTEST_INTERVAL_1_AXIS_TICKS
 #undef SHORTEST_INTERVAL_2_AXES_TICKS
@@ -11,6 +12,7 @@
 #undef SHORTEST_INTERVAL_LINE_2_TICKS
 #undef SHORTEST_INTERVAL_LINE_3_TICKS
 #undef SHORTEST_INTERVAL_LINE_4_TICKS
+#undef SHORTEST_GAUGE_INTERVAL_TICKS
 #undef START_US
 
 /* Shortest interval [fast ticks] when 1, 2, 3, 4 axes move at the same time: 100,000, 50,000, 33,333 and 25,000 steps/s. */
@@ -23,6 +25,15 @@
 #define SHORTEST_INTERVAL_LINE_2_TICKS 240u
 #define SHORTEST_INTERVAL_LINE_3_TICKS 280u
 #define SHORTEST_INTERVAL_LINE_4_TICKS 320u
+
+/* Of an axis with gauge outputs. */
+#define SHORTEST_GAUGE_INTERVAL_TICKS 6400u
+
+/* Of a ramp that is computed while it is played; several such axes share it. */
+#if HAS_FORMULAS
+#undef SHORTEST_FORMULA_INTERVAL_TICKS
+#define SHORTEST_FORMULA_INTERVAL_TICKS 3200u
+#endif
 
 /* From the start of a queue to its first segment [us]: time to queue some more. */
 #define START_US 200
