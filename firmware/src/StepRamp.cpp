@@ -1,6 +1,7 @@
 #include "StepRamp.h"
 
 #include "boards/polled/arduino_board.h"
+#include "stepramp/motion/feed.h"
 #include "stepramp/motion/machine.h"
 #include "stepramp/motion/machine_axes.h"
 #include "stepramp/protocol/message.h"
@@ -19,7 +20,7 @@ static_assert((uint8_t)STEPRAMP_MOVING == STATUS_MOVING && (uint8_t)STEPRAMP_NO_
 namespace {
 
 /* Of poll(), at most: enough to fill all queues. */
-enum { MOST_ROUNDS = 8 };
+enum { MOST_ROUNDS = 3 };
 
 struct settings settings_now = {OUTPUTS_STEP_AND_DIRECTION, 0, 0, 0, 0, 0, 30, 1, HOLD_FOR_EVER};
 const uint8_t *image; /* that is used; none before begin() */
@@ -259,6 +260,11 @@ uint8_t StepRampClass::axes()
 uint32_t StepRampClass::ticksPerSecond()
 {
     return machine_ticks_a_us() * 1000000ul;
+}
+
+uint8_t StepRampClass::ranDry()
+{
+    return feed_starved();
 }
 
 uint32_t StepRampClass::delayedMicroseconds()

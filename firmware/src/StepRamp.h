@@ -9,7 +9,14 @@
  *   }
  *   void loop() { StepRamp.poll(); }
  *
- * Nothing here waits: poll() makes the steps that are due. Call it as often as you can, and don't use delay(). */
+ * Nothing here waits. Without more, poll() makes the steps that are due, on any board: call it as often as you can, and don't use
+ * delay(). On an Uno, Nano, Mega, Leonardo or Micro a timer's interrupt makes them when the sketch says so, in one of its files:
+ *
+ *   #include <StepRampTimer1.h>                       // Uno, Nano, Mega, Leonardo, Micro
+ *   #include <StepRampTimer3.h>                       // or Mega, Leonardo, Micro; StepRampTimer4.h, StepRampTimer5.h: Mega
+ *
+ * Then poll() only plans: at the highest speeds, 100,000 steps/s, it is wanted each 2 ms, at a tenth of them each 5 ms. That timer, the
+ * PWM of its pins and the registers GPIOR0 to GPIOR2 are StepRamp's then. */
 #ifndef STEPRAMP_H
 #define STEPRAMP_H
 
@@ -56,7 +63,7 @@ public:
      * setting, isn't good: then nothing moves. At rest it may be called again. */
     bool begin(const uint8_t *ramp, uint16_t length);
 
-    /* Makes the steps that are due, and plans further ones. */
+    /* Plans further steps, and makes those that are due unless a timer does. */
     void poll();
 
     /* ---- moves. A new one may come while the last one is under way: the motor goes on from the speed it has ---- */
@@ -100,8 +107,12 @@ public:
     /* Of the ramp image's intervals. */
     uint32_t ticksPerSecond();
 
-    /* So long, all in all, motion has been delayed because poll() was called too late. */
+    /* So long, all in all, motion has been delayed because poll() was called too late. With a timer always 0: see ranDry(). */
     uint32_t delayedMicroseconds();
+
+    /* So often a motor has stood still in the midst of a move, because nothing was planned any more when poll() was called. No step is
+     * lost by that, but a fast motor may slip. 255 stays 255. */
+    uint8_t ranDry();
 };
 
 extern StepRampClass StepRamp;

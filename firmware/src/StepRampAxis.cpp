@@ -231,7 +231,7 @@ const __FlashStringHelper *StepRampAxis::problem() const
     case STEPRAMP_BAD_BASE_SPEED:
         return F("the base speed must be 0 or more, and below the speed");
     case STEPRAMP_BAD_IMAGE:
-        return F("the exported ramp is damaged, for several axes, for the fast clock or too fast, or a setting is out of range");
+        return F("the exported ramp is damaged, for several axes, for another clock or too fast, or a setting is out of range");
     case STEPRAMP_NO_ROOM:
         return F("the ramps need more than STEPRAMP_AXIS_RAMP_BYTES");
     default:

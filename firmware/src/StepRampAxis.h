@@ -27,8 +27,8 @@ enum StepRampProblem : uint8_t {
     STEPRAMP_SPEED_TOO_HIGH,   /* for this board: see mostSpeed() */
     STEPRAMP_BAD_ACCELERATION, /* or deceleration: it is not above 0, or takes more than 16 million steps to the speed */
     STEPRAMP_BAD_BASE_SPEED,   /* it is below 0, or not below the speed */
-    STEPRAMP_BAD_IMAGE,        /* an exported ramp is damaged, for several axes, for the fast clock or too fast; or one of
-                                * StepRamp's settings is out of its range */
+    STEPRAMP_BAD_IMAGE,        /* an exported ramp is damaged, for several axes, too fast, or for another clock: for the fast one
+                                * where no timer makes the steps; or one of StepRamp's settings is out of its range */
     STEPRAMP_NO_ROOM,          /* the ramps of all axes need more memory than there is for them */
     STEPRAMP_STILL_MOVING      /* begin() is for motors at rest */
 };
@@ -69,7 +69,7 @@ public:
     void stop(); /* slows down with the ramp */
     void halt(); /* no further step. A motor that was fast may slip */
 
-    /* Makes the steps of all axes that are due: call it as often as you can. Returns isMoving(). */
+    /* StepRamp.poll(), for all axes: call it as often as you can. Returns isMoving(). */
     bool run();
 
     /* ---- what it does ---- */

@@ -18,6 +18,7 @@ from benchmarks.captures import captures
 from benchmarks.firmware_engine import firmware_engine
 from benchmarks.firmware_machine import firmware_machine
 from benchmarks.frame_times import frame_times
+from benchmarks.library_timer import library_timer
 from benchmarks.motor import motor
 from benchmarks.stop_latency import stop_latency
 from browser.server import CHROMIUM
@@ -175,6 +176,7 @@ def firmware() -> None:
         print(f"Left out: {', '.join(missing)} missing.")
         return
     firmware_engine()
+    library_timer()
     print()
     firmware_machine()
 

@@ -9,7 +9,17 @@ from typing import Any
 
 import numpy as np
 
-from firmware.engine.jobs import LINE, SOURCES, Job, LineSegment, Segment, chip_sources, play_on_chip
+from firmware.engine.jobs import (
+    CONTROLLER,
+    LINE,
+    SOURCES,
+    Engine,
+    Job,
+    LineSegment,
+    Segment,
+    chip_sources,
+    play_on_chip,
+)
 from simulator.avr import CLOCK_HZ, folder_of_builds
 
 CYCLES_PER_US = 16
@@ -39,10 +49,10 @@ class Run:
         return 1 - taken / self.span_cycles
 
 
-def judged(job: Job, ideals: dict[int, np.ndarray[Any, Any]]) -> Run:
+def judged(job: Job, ideals: dict[int, np.ndarray[Any, Any]], engine: Engine = CONTROLLER) -> Run:
     """Play a job; compare the steps with their ideal times [cycles from anywhere]."""
     with tempfile.TemporaryDirectory() as folder:
-        chip = play_on_chip(job, Path(folder))
+        chip = play_on_chip(job, Path(folder), engine)
     is_complete = all(len(chip.steps[axis]) == len(ideal) for axis, ideal in ideals.items())
     is_complete = is_complete and chip.statistics["lost_bytes"] == 0 and max(chip.empty) == 1
     if not is_complete:
@@ -51,10 +61,18 @@ def judged(job: Job, ideals: dict[int, np.ndarray[Any, Any]]) -> Run:
     late_us = (late - late.min()) / CYCLES_PER_US
     first = min(chip.steps[axis][0] for axis in ideals)
     span = max(chip.steps[axis][-1] for axis in ideals) - first
-    return Run(bool(late_us.max() <= MOST_LATE_US), late_us, chip.statistics, int(span))
+    most_us = engine.late(MOST_LATE_US * CYCLES_PER_US) / CYCLES_PER_US
+    return Run(bool(late_us.max() <= most_us), late_us, chip.statistics, int(span))
 
 
-def axes_run(axes: Sequence[int], interval: int, spread: bool, segments: int = SEGMENTS, fast: bool = True) -> Run:
+def axes_run(
+    axes: Sequence[int],
+    interval: int,
+    spread: bool,
+    segments: int = SEGMENTS,
+    fast: bool = True,
+    engine: Engine = CONTROLLER,
+) -> Run:
     """All of the axes at one rate, in step or spread over the interval."""
     cycles_per_tick = 1 if fast else 8
     ticks = interval // cycles_per_tick
@@ -65,21 +83,24 @@ def axes_run(axes: Sequence[int], interval: int, spread: bool, segments: int = S
         wait = 1000 + (ticks * i // len(axes) if spread else 0)
         lists[axis] = [Segment(wait, is_step=False), *[Segment(ticks, STEPS_A_SEGMENT)] * segments]
         ideals[axis] = (wait + ticks * np.arange(steps)) * cycles_per_tick
-    return judged(Job(lists, fast=fast, busy=True), ideals)
+    return judged(Job(lists, fast=fast, busy=True), ideals, engine)
 
 
-def worst_of_axes(count: int, interval: int) -> Run:
-    runs = [axes_run(AXES_OF[count], interval, spread) for spread in ((False, True) if count > 1 else (False,))]
+def worst_of_axes(count: int, interval: int, engine: Engine = CONTROLLER) -> Run:
+    runs = [
+        axes_run(AXES_OF[count], interval, spread, engine=engine)
+        for spread in ((False, True) if count > 1 else (False,))
+    ]
     return min(runs, key=lambda run: (run.is_good, -run.late_us.max()))
 
 
-def line_run(count: int, interval: int) -> Run:
+def line_run(count: int, interval: int, engine: Engine = CONTROLLER) -> Run:
     """One line, as along a ramp: its followers step at nearly every event of the leader."""
     steps = STEPS_A_SEGMENT * SEGMENTS
     followers = tuple((axis, steps - axis) for axis in range(1, count))
     begin = LineSegment(interval, STEPS_A_SEGMENT, leaders=1, total=steps, followers=followers)
     line = [begin, *[LineSegment(interval, STEPS_A_SEGMENT)] * (SEGMENTS - 1)]
-    return judged(Job([line], mode=LINE, busy=True), {0: interval * np.arange(steps)})
+    return judged(Job([line], mode=LINE, busy=True), {0: interval * np.arange(steps)}, engine)
 
 
 def shortest_interval(run: Callable[[int], Run]) -> int:

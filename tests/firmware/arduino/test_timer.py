@@ -169,3 +169,18 @@ def test_loop_may_take_two_milliseconds_at_the_highest_speed(tmp_path: Path, eng
     work = "unsigned long from = micros(); while (micros() - from < 2000) {}"
     source = source_of(engine, image([plan] * count), move_all(steps), work + UNTIL_REST, axes=count)
     check_axes(run(engine, source, tmp_path, busy=False), plan, steps, LATE_US[count] + BEHIND_OTHERS_US)
+
+
+def test_a_loop_that_comes_much_too_late_loses_no_step_and_is_told_of(tmp_path: Path) -> None:
+    plan = RampDesign(40_000, 400_000, 400_000)
+    work = "delay(30); if (!StepRamp.isMoving()) { PORT.print(StepRamp.ranDry()); PORT.print(' '); "
+    work += "PORT.print(StepRamp.position(0)); end(); }"
+    played = run(
+        Engine(UNO),
+        source_of(Engine(UNO), image([plan]), "StepRamp.moveTo(0, 5000);", work, axes=1),
+        tmp_path,
+        busy=False,
+    )
+    dry, position = played.sent.split()
+    assert int(dry) > 0
+    assert int(position) == axis_of(played.edges).travel == 5000

@@ -24,6 +24,15 @@
 #define HAS_INPUTS 0
 #endif
 
+/* So long is queued ahead [64 us]: 8 ms, and 12 ms in a sketch, whose loop() has other things to do. */
+#ifndef TICKS_AHEAD
+#ifdef ARDUINO
+#define TICKS_AHEAD 187
+#else
+#define TICKS_AHEAD 125
+#endif
+#endif
+
 /* Of an axis. */
 #ifndef QUEUE_SEGMENTS
 #define QUEUE_SEGMENTS 16

@@ -1,6 +1,7 @@
 #include "stepramp/motion/feed.h"
 
 #include "stepramp/edge/board.h"
+#include "stepramp/edge/build_options.h"
 #include "stepramp/edge/line.h"
 #include "stepramp/edge/out_of_line.h"
 #include "stepramp/edge/step_queue.h"
@@ -24,18 +25,18 @@ enum { FAST_BITS = 10, SLOW_TICK_BITS = 3 };
 /* The longest piece of several steps [ticks]: some 4 ms. So none of their intervals is a long one. */
 enum { FAST_PIECE_TICKS = 2u * LONGEST_WAIT_TICKS, SLOW_PIECE_TICKS = 8000 };
 
-/* [64 us] Time to queue ahead: 8 ms, enough for the main loop's longest round when interrupts take nearly all of the
+/* [64 us] Time to queue ahead: 8 ms (in a sketch TICKS_AHEAD says more), enough for the main loop's longest round when interrupts take nearly all of the
  * processor, and little enough to begin a stop soon. With less than HURRY_TIME, 4 ms and still longer than such a round,
  * something must be queued now. */
-enum { TIME_AHEAD = 125, HURRY_TIME = 62 };
+enum { TIME_AHEAD = TICKS_AHEAD, HURRY_TIME = 62 };
 
 /* [64 us] With so much in the queue, 6 ms, it can wait until other things have been done: the queues of other axes, a
  * request and a stop. A trace makes segments short, which takes time, so it needs more of it. */
-enum { WAITING_TIME = 96, TRACING_TIME = 100 };
+enum { WAITING_TIME = TICKS_AHEAD - 29, TRACING_TIME = TICKS_AHEAD - 25 };
 
 /* With so much in the queue of a line, 5 ms, a stop is read first: to read it, answer it and turn to the ramp down takes 4 ms
  * of a line of four at its highest speed. One axis queues for all, and is soon asked again. */
-enum { LINE_WAITING_TIME = 79 };
+enum { LINE_WAITING_TIME = TICKS_AHEAD - 46 };
 
 /* A segment is loaded at the beginning of the interval before it, so that some must be there however long that is: where
  * the direction turns, the silence that ends a move, that in which the direction settles, a pulse, and the next. */
