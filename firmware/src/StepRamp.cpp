@@ -19,8 +19,8 @@ static_assert((uint8_t)STEPRAMP_MOVING == STATUS_MOVING && (uint8_t)STEPRAMP_NO_
 
 namespace {
 
-/* Of poll(), at most: enough to fill all queues. */
-enum { MOST_ROUNDS = 3 };
+/* Of poll(), at most: loop() has other things to do. */
+enum { MOST_ROUNDS = 2 };
 
 struct settings settings_now = {OUTPUTS_STEP_AND_DIRECTION, 0, 0, 0, 0, 0, 30, 1, HOLD_FOR_EVER};
 const uint8_t *image; /* that is used; none before begin() */

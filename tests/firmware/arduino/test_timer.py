@@ -19,6 +19,8 @@ LATE_US = {1: 12, 2: 30, 3: 50, 4: 50}
 BEHIND_OTHERS_US = 12
 """Timer1's interrupts go before Timer0's and the serial port's, those of Timer3, 4 and 5 behind: then steps are later.
 Most of the rest is where several axes load a segment at the same instant."""
+LONGEST_ROUND_MS = 15
+"""Of loop(), while four axes at their highest speed leave it a fifth of the processor."""
 
 
 @pytest.fixture(params=ENGINES, ids=lambda engine: engine.name)
@@ -40,11 +42,13 @@ def check_axes(played: Played, plan: RampDesign, steps: list[int], late_us: floa
 
 
 def check_millis(played: Played) -> None:
-    """millis() goes as the crystal does."""
+    """millis() goes as the crystal does: what loop() marks late is late by its own rounds, and no more and more so."""
     marks = played.edges["cycle"][played.edges["pin"] == MARK] / (1000 * CYCLES_PER_US)
     assert marks.size > 20
     late = marks - marks[0] - MARK_MS * np.arange(marks.size)
-    assert late.max() - late.min() <= MARK_MS
+    first, second = np.array_split(late, 2)
+    assert abs(first.min() - second.min()) <= 2
+    assert late.max() <= LONGEST_ROUND_MS
 
 
 @pytest.mark.parametrize("count", SPEEDS)
