@@ -15,7 +15,7 @@
  *   #include <StepRampTimer1.h>                       // Uno, Nano, Mega, Leonardo, Micro
  *   #include <StepRampTimer3.h>                       // or Mega, Leonardo, Micro; StepRampTimer4.h, StepRampTimer5.h: Mega
  *
- * Then poll() only plans: at the highest speeds, 100,000 steps/s, it is wanted each 2 ms, at a tenth of them each 5 ms. That timer, the
+ * Then poll() only plans: at the highest speeds, 100,000 steps/s, it is wanted each 2 ms, at a tenth of that each 4 ms. That timer, the
  * PWM of its pins and the registers GPIOR0 to GPIOR2 are StepRamp's then. */
 #ifndef STEPRAMP_H
 #define STEPRAMP_H
