@@ -10,7 +10,7 @@
 #include <util/atomic.h>
 #include <util/delay_basic.h>
 
-#include "boards/avr/inputs.h"
+#include "boards/avr/input_pins.h"
 #include "boards/avr/pins.h"
 
 /* Between two looks at the emergency stop, in loops of four cycles: with them 4 us. */

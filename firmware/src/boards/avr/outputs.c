@@ -6,7 +6,7 @@
 
 #include "boards/avr/enable_pin.h"
 #include "boards/avr/gauge.h"
-#include "boards/avr/inputs.h"
+#include "boards/avr/input_pins.h"
 #include "boards/avr/pins.h"
 #include "boards/avr/step_interrupt.h"
 #include "stepramp/edge/board.h"
