@@ -55,6 +55,8 @@ class TicEmulator:
         self.soft_error_response = DECELERATE_TO_HOLD
         self.soft_error_position = 0
         self.stored_ramp = [0, 2_000_000, 0, 40_000]
+        self.kept = bytearray(0x5D)
+        """Settings that change nothing here, by their places."""
         self.step_mode = 0
         self.low_vin = self.driver_fault = self.kill_switch = self.err_line_high = False
         self.forward_limit = self.reverse_limit = False
@@ -258,7 +260,8 @@ class TicEmulator:
         return bytes(memory)
 
     def _settings(self) -> bytes:
-        memory = bytearray(0x60)
+        memory = bytearray(0x5D)
+        memory[: len(self.kept)] = self.kept
         memory[0x01], memory[0x03] = self.control_mode, self.disable_safe_start
         struct.pack_into("<H", memory, 0x09, self.command_timeout_ms)
         memory[0x0B] = self.crc_for_commands | self.crc_for_responses << 1

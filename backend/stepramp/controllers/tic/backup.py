@@ -1,10 +1,11 @@
-"""A backup of a Tic: the ramp and the step mode that it had in use, as lines of a settings file."""
+"""A backup of a Tic: the ramp and step mode that it had in use, as lines of a settings file, and all that it kept."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
 
 from stepramp.controllers.tic.ramp import TicRamp
 from stepramp.controllers.tic.read_settings import FIGURES, NEEDED, microsteps_told, ramp_told, told_by
+from stepramp.controllers.tic.stored_settings import stored_in
 from stepramp.errors import Count, Rejected, Rejection
 
 ALLOWED = "a backup of a Tic, or its settings file: lines 'max_speed: …' and 'max_accel: …'"
@@ -17,6 +18,8 @@ class Backup:
     ramp: TicRamp
     microsteps: int | None
     """None: it isn't told."""
+    stored: bytes | None
+    """All that the Tic kept without power; None: it isn't told."""
     others: tuple[str, ...]
     """Names of settings that have nothing to do with the ramp: a settings file has them, no backup."""
 
@@ -27,7 +30,7 @@ class Backup:
         if not told.keys() >= NEEDED:
             raise Rejected([Rejection("text", Count(f"{len(text.splitlines())} lines"), ALLOWED)])
         others = tuple(name for name in told if name not in (*FIGURES, "step_mode", "product"))
-        return cls(ramp_told(told), microsteps_told(told), others)
+        return cls(ramp_told(told), microsteps_told(told), stored_in(text), others)
 
     def left(self, microsteps: int) -> Iterator[str]:
         """Yield what can't be written, as sentences. microsteps: what the Tic makes of a full step."""

@@ -30,6 +30,7 @@ from stepramp.controllers.tic.ramp_in_use import RampInUse
 from stepramp.controllers.tic.read_settings import settings_of
 from stepramp.controllers.tic.setting_out import SettingOut
 from stepramp.controllers.tic.stopping import Stopping
+from stepramp.controllers.tic.stored_settings import differing, lines_of
 from stepramp.controllers.tic.targets import of_the_axis, target_of, velocity_of, within_32_bits
 from stepramp.controllers.tic.variables import Flag, Input, InputState, PlanningMode, Variables
 from stepramp.controllers.tic.wire import Write, write
@@ -144,9 +145,10 @@ class TicController(Controller, TriesRamps, ZeroesGauges, BacksUp):
         self._ramp_in_use.use(self._ramp_in_use.stored_ramp)
 
     def backup(self) -> str:
-        """Ask for the ramp and the step mode in use, as lines of a Tic's settings file."""
+        """Ask for the ramp and the step mode in use, as lines of a Tic's settings file, and all that it keeps."""
         self._ramp_in_use.look()
-        return "\n".join(settings_of(self._ramp_in_use.ramp, self._ramp_in_use.microsteps)) + "\n"
+        in_use = settings_of(self._ramp_in_use.ramp, self._ramp_in_use.microsteps)
+        return "\n".join([*in_use, *lines_of(self._memory.stored())]) + "\n"
 
     def use_backup(self, text: str) -> tuple[str, ...]:
         """Use the ramp of a backup, or of a settings file, and read it back; see BacksUp."""
@@ -155,7 +157,8 @@ class TicController(Controller, TriesRamps, ZeroesGauges, BacksUp):
         self._ramp_in_use.use(backup.ramp)
         self._ramp_in_use.learn()
         forgotten = (VOLATILE,) if self._ramp_in_use.is_on_trial else ()
-        return (*backup.left(self._ramp_in_use.microsteps), *forgotten)
+        kept = () if backup.stored is None else differing(backup.stored, self._memory.stored())
+        return (*backup.left(self._ramp_in_use.microsteps), *kept, *forgotten)
 
     def move_by(self, steps: Sequence[AxisCommand]) -> None:
         """Begin to move by so many steps from the target; Refused while the motor runs at a speed, or slows down."""

@@ -6,6 +6,7 @@ from typing import TypeVar
 
 from stepramp.controllers.tic.conversation import MOST_REPEATS, Conversation
 from stepramp.controllers.tic.ramp import TicRamp
+from stepramp.controllers.tic.stored_settings import BLOCKS
 from stepramp.controllers.tic.variables import (
     COMMAND_TIMEOUT,
     CONTROL_MODE,
@@ -26,7 +27,7 @@ from stepramp.controllers.tic.variables import (
     PlanningMode,
     Variables,
 )
-from stepramp.errors import DeviceLost
+from stepramp.errors import DeviceLost, Refused
 
 T = TypeVar("T")
 
@@ -58,6 +59,15 @@ class Memory:
     def stored_ramp(self) -> TicRamp:
         """Return the ramp that is in use after a reset."""
         return self._ramp_of(STORED_RAMP)
+
+    def stored(self) -> bytes:
+        """Return all that the Tic keeps without power; Refused when it isn't told the same twice."""
+        told = b""
+        for _ in range(2 + MOST_REPEATS):
+            before, told = told, bytes(value for block in BLOCKS for value in self._conversation.read(block))
+            if told == before:
+                return told
+        raise Refused("The Tic tells other settings each time: is its serial line disturbed?")
 
     def input(self) -> Input:
         """Return what the Tic was last told."""
