@@ -27,10 +27,10 @@ def test_before_anything_else_was_said(driver: Driver, byte: bytes) -> None:
 
 def test_a_stop_slows_all_axes_down_and_a_halt_ends_all(controller: Controller) -> None:
     controller.push(SLOW.image(4))
-    for byte in REPLIES:
+    for byte, reply in REPLIES.items():
         controller.ok(p.RUN, for_axes(dict.fromkeys(range(4), 3000)))
         controller.run(9000)
-        assert controller.replies_to(byte) == [REPLIES[byte]]
+        assert controller.replies_to(byte) == [reply]
         assert controller.status().axis_state == (p.STOPPING if byte == STOP_BYTE else p.IDLE)
         there = controller.steps()
         assert controller.run_until_idle().state == p.IDLE
