@@ -6,7 +6,7 @@ import { areSameRamps } from '../model/design.js';
 import { areEqual } from '../model/equal.js';
 import { nameText, pushRefusals } from '../model/messages.js';
 import { inShownUnits } from '../model/told.js';
-import { atScale } from '../model/units.js';
+import { atScale, scaleOf } from '../model/units.js';
 import { PAGE } from '../server/api.js';
 import { axisOf, designOf, isDesignValid, machineOf, messagesOf, stalenessOf } from './selectors.js';
 import { remembering } from './state.js';
@@ -140,14 +140,14 @@ const toPush = remembering(
 function axisDesignsOf(state, machine) {
   const axes = deviceOf(state)?.axes ?? [];
   const places = Math.max(axesOffered(state), axes.length);
-  const scales = Array.from({ length: places }, (_, axis) => axes[axis]?.steps_per_mm ?? null);
+  const scales = Array.from({ length: places }, (_, axis) => scaleOf(axes[axis]));
   return axisDesigns(machine, designsToPush(state).length === machine.axes.length, JSON.stringify(scales));
 }
 
 // The scales as a text: the devices are told anew with all that moves.
 const axisDesigns = remembering(
   (/** @type {import('../model/workbench.js').Machine} */ { axes, active }, /** @type {boolean} */ areAll, /** @type {string} */ scales) => {
-    const told = /** @type {(number | null)[]} */ (JSON.parse(scales));
+    const told = /** @type {import('../model/units.js').Scale[]} */ (JSON.parse(scales));
     const played = told.map((_, axis) => (areAll && axes[axis]) || axes[active]);
     return { played, scaled: played.map((design, axis) => atScale(design, told[axis])) };
   },

@@ -94,14 +94,26 @@ export const stepsPerUnit = ({ full_steps_per_rev, microsteps, travel_per_rev })
 /** So far apart two scales are the same, written with as many figures as controllers tell. */
 const SAME_SCALE = 1e-5;
 
+/** What a machine tells of its own steps; null: it doesn't tell.
+ * @typedef {{stepsPerMm: number | null, microsteps: number | null}} Scale */
+
+/** What an axis of a device tells of its own steps.
+ * @param {import('./types.js').AxisState | undefined} axis @returns {Scale} */
+export const scaleOf = (axis) => ({ stepsPerMm: axis?.steps_per_mm ?? null, microsteps: axis?.microsteps ?? null });
+
 /** A design as a machine of such a scale moves it, to convert by: what a motor is sent are steps. A travel in degrees is none in mm.
- * @param {Design} design @param {number | null} stepsPerMm of the machine; null: it counts in steps only
- * @returns {Design} the same one where its scale is the machine's */
-export function atScale(design, stepsPerMm) {
+ * @param {Design} design @param {Scale} scale of the machine @returns {Design} the same one where its scale is the machine's */
+export function atScale(design, { stepsPerMm, microsteps }) {
   const { axis } = design;
+  if (microsteps !== null && hasOtherMicrosteps(design, microsteps)) return { ...design, axis: { ...axis, microsteps } };
   if (stepsPerMm === null || axis.travel_unit !== 'mm' || !isOtherScale(design, stepsPerMm)) return design;
   return { ...design, axis: { ...axis, travel_per_rev: travelAt(design, stepsPerMm) } };
 }
+
+/** Whether a machine makes another number of steps of a full step than a design.
+ * @param {Design} design @param {number} microsteps */
+export const hasOtherMicrosteps = ({ axis }, microsteps) =>
+  Number(axis.microsteps) > 0 && Number(axis.microsteps) !== microsteps;
 
 /** Whether a scale is another one than a design's.
  * @param {Design} design @param {number} stepsPerMm */

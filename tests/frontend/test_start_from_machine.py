@@ -219,6 +219,78 @@ def test_a_scale_that_is_the_designs_or_not_known_says_nothing(modules: Modules)
     assert run(modules, script) == [["10.0000", ""]] * 3
 
 
+# The same of a device that counts in microsteps of its own, so many of a full step.
+FINER = SCALED.replace("scales.map((steps_per_mm, axis)", "scales.map((microsteps, axis)").replace(
+    "steps_per_mm, lowest_steps", "steps_per_mm: null, microsteps, lowest_steps"
+)
+
+
+def test_lengths_of_a_device_are_shown_and_sent_by_the_microsteps_that_its_controller_tells(modules: Modules) -> None:
+    """The design has 2 of a full step, 50 steps/mm: of 16 an eighth of the way would be moved."""
+    script = (
+        FINER
+        + """ tell([16, 2]); section('move');
+        typed('move-steps', '5'); form.oninput(); submit();
+        const move = shown('live-position', 'live-limits', 'move-in-steps', 'move-scale');
+        section('jog'); typed('jog-speed', '2'); typed('set-position', '5'); byId('run-ahead').onclick();
+        byId('set-position-button').onclick();
+        const jog = shown('jog-scale'); axis(1);
+        return [asked.map(([, what, sent]) => sent.by_steps ?? sent.axes?.[0].speed_steps_per_s ?? sent), move, jog,
+            shown('live-position', 'jog-scale')]; """
+    )
+    sent, move, jog, second = run(modules, script)
+    assert sent == [2000, 800, 2000]
+    note = "Lengths here are the machine’s: 16 microsteps; the design has 2."
+    assert move == ["1.25000", "Soft limits: \u22122.5 to 25 mm", "2,000 steps", note]
+    assert jog == [note]
+    assert second == ["10.0000", ""]
+
+
+@pytest.mark.parametrize(("unit", "asked", "place"), [("deg", 36, "56.2500"), ("rev", 0.1, "0.156250")])
+def test_degrees_and_turns_are_by_the_microsteps_too(modules: Modules, unit: str, asked: float, place: str) -> None:
+    """3200 steps a turn, the design has 400."""
+    script = (
+        FINER
+        + f""" tell([16, 16]); dispatch(COMMANDS.view.setUnits, {{length: '{unit}', time: 's'}});
+        panel.show(store.state()); section('move'); typed('move-steps', '{asked}'); form.oninput(); submit();
+        return [asked[0][2].by_steps, ...shown('live-position', 'move-scale')]; """
+    )
+    assert run(modules, script) == [320, place, "Lengths here are the machine’s: 16 microsteps; the design has 2."]
+
+
+def test_each_axis_of_a_line_has_its_own_microsteps(modules: Modules) -> None:
+    script = (
+        FINER
+        + """ tell([16, 2]); section('move');
+        find(body, (each) => each['data-value'] === 'line').onclick();
+        for (const at of [0, 1]) typed(`line-${at}`, '1');
+        form.oninput(); submit();
+        return [asked[0][2].axes.map(({by_steps}) => by_steps), ...shown('move-scale')]; """
+    )
+    told = "Lengths here are the machine’s: axis 0 has 16 microsteps, its design 2."
+    assert run(modules, script) == [[400, 50], told]
+
+
+def test_microsteps_that_are_the_designs_or_not_known_say_nothing(modules: Modules) -> None:
+    script = (
+        FINER
+        + """ return [2, null].map((microsteps) => {
+        tell([microsteps]); section('move'); return shown('live-position', 'move-scale', 'machine-scale'); }); """
+    )
+    assert run(modules, script) == [["10.0000", "", ""]] * 2
+
+
+def test_a_design_takes_the_microsteps_of_a_machine(modules: Modules) -> None:
+    script = (
+        FINER
+        + """ tell([16]); const told = shown('machine-scale'); byId('use-scale').onclick(); panel.show(store.state());
+        const {microsteps, travel_per_rev} = store.state().history.present.axes[0].axis;
+        return [...told, microsteps, travel_per_rev, ...shown('machine-scale', 'use-scale')]; """
+    )
+    told = "The controller is set to 16 microsteps, the design has 2."
+    assert run(modules, script) == [told, 16, 8, "", ""]
+
+
 def test_soft_limits_are_set_by_the_scale_of_their_axis(modules: Modules) -> None:
     script = (
         SCALED

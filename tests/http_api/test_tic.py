@@ -91,6 +91,26 @@ def test_pushing(client: TestClient, cable: TicOnACable, device: str) -> None:
     assert cable.tic.ramp == [0, 2_000_000, 40_000, 40_000]
 
 
+def test_its_microsteps_are_told_and_no_move_is_made_by_others(
+    client: TestClient, cable: TicOnACable, device: str
+) -> None:
+    """Whoever reckons a way in mm does so by what was told."""
+    assert client.get(device).json()["axes"][0]["microsteps"] == 1
+    ok(client.post(f"{device}/move", json={"by_steps": 100}))
+    at_rest(client, device)
+    cable.tic.step_mode = 4
+    assert (
+        "makes 16 steps of a full step"
+        in error_of(client.post(f"{device}/move", json={"by_steps": 100}), 409)["message"]
+    )
+    told = wait_until(client, device, lambda device: device["axes"][0]["microsteps"] == 16)
+    assert (cable.tic.position, told["axes"][0]["position_steps"]) == (100, 100)
+    assert "Set the position here." in told["message"]
+    ok(client.post(f"{device}/position", json={"position_steps": 0}))
+    ok(client.post(f"{device}/move", json={"by_steps": 160}))
+    assert at_rest(client, device)["position_steps"] == cable.tic.position == 160
+
+
 def test_starting_from_this_machine(client: TestClient, cable: TicOnACable, device: str) -> None:
     """A push of what was read changes nothing."""
     cable.tic.step_mode = 4

@@ -54,6 +54,8 @@ class AxisStatus:
     """Since it last set out from rest."""
     steps_per_mm: float | None = None
     """What the controller itself is set to; None for one that counts in steps only."""
+    microsteps: int | None = None
+    """How many of its steps the controller makes of a full step; None where it doesn't tell."""
     position_known: bool | None = None
     """Whether it is known that it is there; None for a controller that doesn't tell."""
     homing: bool | None = None

@@ -41,6 +41,8 @@ class AxisView:
     steps_made: int
     steps_per_mm: float | None = None
     """As the controller itself is set; None for one that counts in steps only."""
+    microsteps: int | None = None
+    """How many of its steps the controller makes of a full step; None where it doesn't tell."""
     lowest_steps: int | None = None
     """Soft limits; None for none."""
     highest_steps: int | None = None
@@ -297,6 +299,7 @@ def _axis_view(status: AxisStatus, span: Span) -> AxisView:
         speed_steps_per_s=status.speed_steps_per_s,
         steps_made=status.steps_made,
         steps_per_mm=status.steps_per_mm,
+        microsteps=status.microsteps,
         lowest_steps=span.lowest_steps,
         highest_steps=span.highest_steps,
         position_known=status.position_known,

@@ -259,6 +259,9 @@ class AxisAnswer(Answer):
     steps_per_mm: float | None = Field(
         description="As the controller itself is set; null for one that counts in steps only [steps/mm]"
     )
+    microsteps: int | None = Field(
+        description="How many of its steps the controller makes of a full step; null where it doesn't tell"
+    )
     lowest_steps: int | None = Field(description="Soft limit: the lowest position; null for none [steps]")
     highest_steps: int | None = Field(description="Soft limit: the highest position; null for none [steps]")
     limits_hold: bool = Field(

@@ -6,7 +6,7 @@ import { mend } from '../../app/commands/work.js';
 import { createQuestion, laterText } from '../../app/effects/question.js';
 import { DEVICE_LOST, NOT_FOUND } from '../../server/api.js';
 import { savedAtText } from '../../model/saved_at.js';
-import { isOtherScale, stepsPerUnit, travelAt } from '../../model/units.js';
+import { hasOtherMicrosteps, isOtherScale, scaleOf, stepsPerUnit, travelAt } from '../../model/units.js';
 import { enable } from './section.js';
 
 /** @typedef {import('../../model/types.js').Backup} Backup */
@@ -47,8 +47,8 @@ export function createMachine(handlers, dispatch) {
 
   /** @param {import('./section.js').Context} context */
   function takeScale({ device, axis, design, axisId }) {
-    const scale = device?.axes[axis]?.steps_per_mm ?? null;
-    if (scale !== null) dispatch(mend, axisId, { changes: scaleChanges(design, scale) });
+    const changes = scaleChanges(design, scaleOf(device?.axes[axis]));
+    if (changes.length > 0) dispatch(mend, axisId, { changes });
   }
 
   /** Cancelled when another device is in view: a backup of one is none of the other. */
@@ -86,10 +86,7 @@ export function createMachine(handlers, dispatch) {
       const { device, axis, design, inTheWay, notAtRest, situation } = context;
       const isThere = device !== null && device.capabilities.includes('backup');
       const canTell = device !== null && device.capabilities.includes('import');
-      const scale = device?.axes[axis]?.steps_per_mm ?? null;
-      const isOther = scale !== null && isOtherScale(design, scale);
-      const isOfDegrees = design.axis.travel_unit !== 'mm';
-      showText(scaleLine, scale === null || !(isOther || isOfDegrees) ? '' : scaleWords(scale, design));
+      showText(scaleLine, scaleWords(scaleOf(device?.axes[axis]), design));
       scaleLine.hidden = useScale.hidden = scaleLine.textContent === '';
       start.hidden = !canTell;
       failed.hidden = !isThere || !hasOthers(device);
@@ -110,21 +107,30 @@ export function createMachine(handlers, dispatch) {
  * @param {Device} device */
 const hasOthers = ({ pushed, proof }) => pushed?.verified === false || (proof?.not_kept ?? []).length > 0;
 
-/** @param {number} scale @param {Design} design */
-function scaleWords(scale, { axis }) {
-  const own = axis.travel_unit === 'mm' ? `${scaleText(stepsPerUnit(axis))} steps/mm` : 'a travel in degrees';
-  return `The controller is set to ${scaleText(scale)} steps/mm, the design has ${own}.`;
+/** That the controller's steps are others than the design's; '' where they aren't, as far as is known.
+ * @param {import('../../model/units.js').Scale} scale @param {Design} design */
+function scaleWords({ stepsPerMm, microsteps }, design) {
+  const { axis } = design;
+  if (microsteps !== null && hasOtherMicrosteps(design, microsteps)) {
+    return `The controller is set to ${microsteps} microsteps, the design has ${axis.microsteps}.`;
+  }
+  const isOfDegrees = axis.travel_unit !== 'mm';
+  if (stepsPerMm === null || !(isOfDegrees || isOtherScale(design, stepsPerMm))) return '';
+  const own = isOfDegrees ? 'a travel in degrees' : `${scaleText(stepsPerUnit(axis))} steps/mm`;
+  return `The controller is set to ${scaleText(stepsPerMm)} steps/mm, the design has ${own}.`;
 }
 
 /** @param {number} scale */
 const scaleText = (scale) => String(Number(scale.toPrecision(FIGURES)));
 
-/** What gives a design the scale of a controller: full steps and microsteps stay.
- * @param {Design} design @param {number} scale */
-function scaleChanges(design, scale) {
+/** What gives a design the scale of a controller: the microsteps that it tells, or else the travel that makes so many steps/mm.
+ * @param {Design} design @param {import('../../model/units.js').Scale} scale */
+function scaleChanges(design, { stepsPerMm, microsteps }) {
+  if (microsteps !== null) return [{ field: 'axis.microsteps', value: microsteps }];
+  if (stepsPerMm === null) return [];
   return [
     { field: 'axis.travel_unit', value: 'mm' },
-    { field: 'axis.travel_per_rev', value: Number(travelAt(design, scale).toPrecision(12)) },
+    { field: 'axis.travel_per_rev', value: Number(travelAt(design, stepsPerMm).toPrecision(12)) },
   ];
 }
 

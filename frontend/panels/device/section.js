@@ -50,10 +50,15 @@ export function otherRampText({ device, axis, situation }) {
  * @param {Context} context @param {number[]} axes of the device */
 export function scaleText({ situation: { units, played, scaled } }, axes) {
   const perMm = (/** @type {Design} */ { axis }) => String(Number(stepsPerUnit(axis).toPrecision(SCALE_FIGURES)));
-  const others = axes.filter((axis) => played[axis] !== scaled[axis] && unitsFor(units, scaled[axis]).length === 'mm');
-  const words = others.map((axis) => {
-    const [own, designs] = [perMm(scaled[axis]), perMm(played[axis])];
-    return axes.length > 1 ? `axis ${axis} has ${own} steps/mm, its design ${designs}` : `${own} steps/mm; the design has ${designs}`;
+  const words = axes.flatMap((axis) => {
+    const { length } = unitsFor(units, scaled[axis]);
+    const [ofMachine, ofDesign] = [scaled[axis].axis.microsteps, played[axis].axis.microsteps];
+    const areOther = ofMachine !== ofDesign;
+    // Degrees and turns are the same by any steps/mm.
+    if (played[axis] === scaled[axis] || length === 'steps' || (!areOther && length !== 'mm')) return [];
+    const own = areOther ? `${ofMachine} microsteps` : `${perMm(scaled[axis])} steps/mm`;
+    const designs = areOther ? ofDesign : perMm(played[axis]);
+    return axes.length > 1 ? `axis ${axis} has ${own}, its design ${designs}` : `${own}; the design has ${designs}`;
   });
   return words.length === 0 ? '' : `Lengths here are the machine’s: ${words.join('; ')}.`;
 }

@@ -5,6 +5,7 @@ targets are absolute.
 """
 
 from collections.abc import Callable, Collection, Sequence
+from dataclasses import replace
 from time import sleep
 
 from stepramp.controllers.capabilities import BacksUp, TriesRamps, ZeroesGauges
@@ -19,6 +20,7 @@ from stepramp.controllers.contract import (
     PushReport,
     StoredRamp,
 )
+from stepramp.controllers.microsteps import Microsteps
 from stepramp.controllers.progress import Progress, PushStage, Tell
 from stepramp.controllers.tic.backup import Backup
 from stepramp.controllers.tic.conversation import MOST_REPEATS, Conversation
@@ -61,6 +63,7 @@ class TicController(Controller, TriesRamps, ZeroesGauges, BacksUp):
         self._course = Course(self._conversation, self._memory, self._stopping)
         self._setting_out = SettingOut(self._conversation, self._memory, self._stopping, self._course, give_way)
         self._ramp_in_use = RampInUse(self._conversation, self._memory, self._stopping, tell)
+        self._microsteps = Microsteps("The Tic", "its step mode")
 
     @property
     def clocks_hz(self) -> tuple[int, ...]:
@@ -95,6 +98,7 @@ class TicController(Controller, TriesRamps, ZeroesGauges, BacksUp):
             )
         greeted()
         self._ramp_in_use.learn()
+        self._microsteps.learn(self._memory.microsteps())
         self._setting_out.learn_timeout()
         self._course.learn(self._memory.look())
 
@@ -121,19 +125,19 @@ class TicController(Controller, TriesRamps, ZeroesGauges, BacksUp):
         mode: PushMode = "keep",  # noqa: ARG002  # what isn't stored is always tried
     ) -> Callable[[], PushReport]:
         """Work out the four figures of the ramp, and return the call that sends them; see Controller."""
-        plan = PushPlan.of(designs, first_axis, self._ramp_in_use.microsteps)
+        plan = PushPlan.of(designs, first_axis, self._microsteps.count)
 
         def push() -> PushReport:
-            self._refuse_moving()
+            self._read_microsteps(self._at_rest())
             self._tell(Progress(PushStage.SENDING, 0, plan.bytes))
             self._ramp_in_use.use(plan.ramp)
-            return plan.report(self._ramp_in_use.ramp)
+            return replace(plan, microsteps=self._microsteps.count).report(self._ramp_in_use.ramp)
 
         return push
 
     def preview_push(self, designs: Sequence[Design], first_axis: int | None = None) -> PushPreview:
         """Work out what a push would change; see Controller."""
-        plan = PushPlan.of(designs, first_axis, self._ramp_in_use.microsteps)
+        plan = PushPlan.of(designs, first_axis, self._microsteps.count)
         return plan.preview(self._ramp_in_use.ramp)
 
     def roll_back(self) -> None:
@@ -141,24 +145,24 @@ class TicController(Controller, TriesRamps, ZeroesGauges, BacksUp):
         self._ramp_in_use.learn()
         if not self._ramp_in_use.is_on_trial:
             raise Refused("Nothing is on trial: the ramp of the Tic's settings is in use.")
-        self._refuse_moving()
+        self._at_rest()
         self._ramp_in_use.use(self._ramp_in_use.stored_ramp)
 
     def backup(self) -> str:
         """Ask for the ramp and the step mode in use, as lines of a Tic's settings file, and all that it keeps."""
         self._ramp_in_use.look()
-        in_use = settings_of(self._ramp_in_use.ramp, self._ramp_in_use.microsteps)
+        in_use = settings_of(self._ramp_in_use.ramp, self._memory.microsteps())
         return "\n".join([*in_use, *lines_of(self._memory.stored())]) + "\n"
 
     def use_backup(self, text: str) -> tuple[str, ...]:
         """Use the ramp of a backup, or of a settings file, and read it back; see BacksUp."""
         backup = Backup.of(text)
-        self._refuse_moving()
+        self._at_rest()
         self._ramp_in_use.use(backup.ramp)
         self._ramp_in_use.learn()
         forgotten = (VOLATILE,) if self._ramp_in_use.is_on_trial else ()
         kept = () if backup.stored is None else differing(backup.stored, self._memory.stored())
-        return (*backup.left(self._ramp_in_use.microsteps), *kept, *forgotten)
+        return (*backup.left(self._memory.microsteps()), *kept, *forgotten)
 
     def move_by(self, steps: Sequence[AxisCommand]) -> None:
         """Begin to move by so many steps from the target; Refused while the motor runs at a speed, or slows down."""
@@ -176,7 +180,9 @@ class TicController(Controller, TriesRamps, ZeroesGauges, BacksUp):
         asked, stops = of_the_axis(speeds), self._stopping.count
         units = velocity_of(asked, self._ramp_in_use.ramp)
         if units:
-            self._setting_out.at_velocity(units, self._memory.look(), stops)
+            seen = self._memory.look()
+            self._refuse_other_microsteps(seen)
+            self._setting_out.at_velocity(units, seen, stops)
         else:
             self.stop()
 
@@ -184,11 +190,12 @@ class TicController(Controller, TriesRamps, ZeroesGauges, BacksUp):
         """Call the place where the motor rests a position [steps]."""
         asked = of_the_axis(positions)
         position = within_32_bits(asked, int(asked.value))
-        self._refuse_moving()
+        self._microsteps.refuse_changed(self._memory.microsteps(), self._at_rest().position)
         for _ in range(1 + MOST_REPEATS):
             self._conversation.send(write(Write.HALT_AND_SET_POSITION, position))
             if self._memory.input() == Input(InputState.HALT, 0) and self._memory.look().position == position:
                 self._course.count_from(position)
+                self._microsteps.learn(self._microsteps.count)
                 return
         raise Refused("The Tic doesn't take the position: is its serial line disturbed?")
 
@@ -212,11 +219,25 @@ class TicController(Controller, TriesRamps, ZeroesGauges, BacksUp):
         return self._ramp_in_use.ramp.steps_to_rest(speed_steps_per_s)
 
     def _move(self, asked: AxisCommand, target: int, seen: Variables, stops: int) -> None:
-        self._setting_out.to_position(target_of(asked, target, seen.position), seen, stops)
+        target = target_of(asked, target, seen.position)
+        self._refuse_other_microsteps(seen)
+        self._setting_out.to_position(target, seen, stops)
 
-    def _refuse_moving(self) -> None:
-        if self._memory.look().is_under_way:
+    def _at_rest(self) -> Variables:
+        """Return how the Tic fares; Refused while the motor moves."""
+        if (seen := self._memory.look()).is_under_way:
             raise Refused("The motor moves: stop it first.")
+        return seen
+
+    def _read_microsteps(self, seen: Variables) -> None:
+        """Read the step mode: whoever is at the Tic's USB port may have changed it."""
+        self._microsteps.note(self._memory.microsteps(), seen.position)
+
+    def _refuse_other_microsteps(self, seen: Variables) -> None:
+        """Refused where the step mode is another one than was told, or the place isn't known since it has changed."""
+        self._microsteps.refuse_changed(self._memory.microsteps(), seen.position)
+        if (trouble := self._microsteps.trouble) is not None:
+            raise Refused(trouble)
 
     def _status(self) -> ControllerStatus:
         general = self._memory.general()
@@ -227,14 +248,17 @@ class TicController(Controller, TriesRamps, ZeroesGauges, BacksUp):
         if axis.activity is Activity.READY:
             # Whoever is at its USB port may have changed it.
             self._ramp_in_use.look()
+            self._read_microsteps(seen)
             self._setting_out.learn_timeout()
         return ControllerStatus(
             activity=axis.activity,
-            axes=(axis,),
+            axes=(replace(axis, microsteps=self._microsteps.count),),
             ramp=StoredRamp(sequence=None, crc=self._ramp_in_use.ramp.crc),
             on_trial=self._ramp_in_use.is_on_trial,
             motors_on=Flag.ENERGIZED in general.flags,
-            trouble=self._setting_out.inability(general.conditions) or self._course.past_trouble,
+            trouble=(
+                self._setting_out.inability(general.conditions) or self._microsteps.trouble or self._course.past_trouble
+            ),
         )
 
     def _axis_status(self, seen: Variables) -> AxisStatus:

@@ -18,7 +18,6 @@ class RampInUse:
         self._stopping = stopping
         self._tell = tell
         self._ramp = self._stored_ramp = TicRamp(0, 0, 1, 1)
-        self._microsteps = 1
 
     @property
     def ramp(self) -> TicRamp:
@@ -31,11 +30,6 @@ class RampInUse:
         return self._stored_ramp
 
     @property
-    def microsteps(self) -> int:
-        """How many of its steps are a full step."""
-        return self._microsteps
-
-    @property
     def is_on_trial(self) -> bool:
         """Whether another ramp is in use than that of the Tic's settings."""
         return self._ramp != self._stored_ramp
@@ -46,9 +40,8 @@ class RampInUse:
         self._stored_ramp = self._memory.stored_ramp()
 
     def look(self) -> None:
-        """Ask for the ramp and the step mode in use: whoever is at the Tic's USB port may have changed them."""
+        """Ask for the ramp in use: whoever is at the Tic's USB port may have changed it."""
         self._ramp = self._memory.ramp()
-        self._microsteps = self._memory.microsteps()
 
     def use(self, ramp: TicRamp) -> None:
         """Have the Tic use a ramp, and see that it does; Refused when it doesn't.

@@ -5,6 +5,7 @@ It answers each command, and is asked whether it has what it was told. That may 
 
 import binascii
 from collections.abc import Callable, Collection, Sequence
+from dataclasses import replace
 from time import sleep
 
 from stepramp.controllers.axes import MOST_AXES, refuse_axes
@@ -109,6 +110,9 @@ class TmclController(Controller, StoresRamps, TriesRamps, BacksUp):
             axes = tuple(there.motions.status(number) for number in range(len(there.axes)))
             activities = {axis.activity for axis in axes}
             activity = next((each for each in UNDER_WAY if each in activities), Activity.READY)
+            if activity is Activity.READY:
+                there.ramps.look_at_microsteps_in_turn([axis.position_steps for axis in axes])
+            axes = tuple(replace(axis, microsteps=there.ramps.microsteps[axis.axis].count) for axis in axes)
             program = RUNS if activity is Activity.READY and there.program.runs else None
             # What was seen before a stop in the midst doesn't go with what was seen after it.
             if there.stopping.count == stops:
@@ -136,6 +140,7 @@ class TmclController(Controller, StoresRamps, TriesRamps, BacksUp):
 
         def push() -> PushReport:
             there.motions.refuse_moving()
+            there.ramps.look_at_microsteps()
             self._tell(Progress(PushStage.SENDING, 0, plan.bytes))
             try:
                 there.ramps.use(plan.ramps)
@@ -143,7 +148,8 @@ class TmclController(Controller, StoresRamps, TriesRamps, BacksUp):
                 # What was sent before that is in use.
                 there.ramps.look()
                 raise
-            report = plan.report(there.ramps.in_use, mode)
+            microsteps = [each.count for each in there.ramps.microsteps]
+            report = replace(plan, microsteps=microsteps).report(there.ramps.in_use, mode)
             if report.kept:
                 there.ramps.keep(plan.ramps)
             return report

@@ -76,7 +76,7 @@ class Motions:
                     f"Axis {number} can't move: it has the acceleration of a halt that was cut short. Push a ramp, or "
                     "roll back."
                 )
-        return None
+        return next(filter(None, (each.trouble for each in self._ramps.microsteps)), None)
 
     def refuse_moving(self) -> None:
         """Raise Refused when an axis moves, or a program may move one."""
@@ -124,6 +124,8 @@ class Motions:
         }
         running = {number: speed for number, speed in units.items() if speed}
         if running:
+            for number in running:
+                self._ramps.refuse_other_microsteps(number, self._axes[number].look().position)
             self._refuse_unable()
         for number, speed in running.items():
             axis = self._axes[number]
@@ -136,6 +138,8 @@ class Motions:
         """Call the places where axes rest positions [steps]."""
         called = {each.axis: within_32_bits(each, int(each.value)) for each in positions}
         self.refuse_moving()
+        for number in called:
+            self._ramps.refuse_other_microsteps(number, self._axes[number].look().position)
         for number, position in called.items():
             axis = self._axes[number]
             # One that has a target would go there from its new place. Only once it has that it is given a target.
@@ -147,12 +151,15 @@ class Motions:
             if not all(any(tell() for _ in range(1 + MOST_REPEATS)) for tell in told):
                 raise Refused("The module doesn't take the position: is its serial line disturbed?")
             self._courses[number] = Course(set_out_at=position)
+            self._ramps.microsteps[number].learn(self._ramps.microsteps[number].count)
         self.past_trouble = None
 
     def _to(self, targets: Sequence[tuple[AxisCommand, int]], stops: int) -> None:
         """Begin to move axes to positions. stops: how many had come when that was asked for."""
         seen = {asked.axis: self._axes[asked.axis].look() for asked, _ in targets}
         wanted = {asked.axis: target_of(asked, target, seen[asked.axis].position) for asked, target in targets}
+        for number in wanted:
+            self._ramps.refuse_other_microsteps(number, seen[number].position)
         self._refuse_unable()
         for number, target in wanted.items():
             axis = self._axes[number]

@@ -65,7 +65,7 @@ class PushPlan:
             axis: TmclRamp.of(design, known.units[axis], "" if first_axis is not None else f"axes.{axis}.")
             for axis, design in by_axis.items()
         }
-        return cls(by_axis, ramps, known.units, known.microsteps, known.parameters)
+        return cls(by_axis, ramps, known.units, [each.count for each in known.microsteps], known.parameters)
 
     @property
     def bytes(self) -> int:

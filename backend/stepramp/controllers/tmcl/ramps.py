@@ -1,8 +1,10 @@
 """The ramps that a module's axes use, others in their place, and those that are stored."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from functools import partial
 
+from stepramp.controllers.microsteps import Microsteps
 from stepramp.controllers.order import lowered_first
 from stepramp.controllers.progress import Progress, PushStage, Tell
 from stepramp.controllers.tmcl.axis import Axis
@@ -35,8 +37,12 @@ class Ramps:
         self._tell = tell
         self.units: list[Units] = []
         """Of each axis."""
-        self.microsteps: list[int] = []
-        """Of each axis, for a full step."""
+        self.microsteps = [
+            Microsteps(f"Axis {axis.number}", f"axis parameter {axis.parameters.resolution}") for axis in axes
+        ]
+        """Of each axis."""
+        self._in_turn = 0
+        """The axis that is asked for its microsteps next, at rest."""
         self.in_use: list[TmclRamp] = []
         self._told: dict[int, list[str]] = {}
         """In which order axes were last told their figures: in that they are stored."""
@@ -44,9 +50,33 @@ class Ramps:
         """Whether other ramps are in use than those that are stored, as far as this connection knows."""
 
     def learn(self) -> None:
-        """Ask for units and ramps; Refused when an axis has units that aren't known."""
+        """Ask for all that is known of the axes; Refused when one has units that aren't."""
+        for known, axis in zip(self.microsteps, self._axes, strict=True):
+            known.learn(axis.microsteps())
+        self._learn_units()
+
+    def learn_again(self) -> None:
+        """Ask for the same once others may be in use: where axes are isn't known any more with other microsteps."""
+        self.look_at_microsteps()
+        self._learn_units()
+
+    def look_at_microsteps(self) -> None:
+        """Ask for the microsteps of all axes, at rest: others may have changed them."""
+        for known, axis in zip(self.microsteps, self._axes, strict=True):
+            known.note(axis.microsteps(), axis.look().position)
+
+    def look_at_microsteps_in_turn(self, positions: Sequence[int]) -> None:
+        """Ask one axis, each in its turn, for its microsteps: each question takes as long as where an axis is."""
+        number, self._in_turn = self._in_turn, (self._in_turn + 1) % len(self._axes)
+        with suppress(Refused):
+            self.microsteps[number].note(self._axes[number].microsteps(), positions[number])
+
+    def refuse_other_microsteps(self, number: int, position: int) -> None:
+        """Refused where an axis makes another number of steps of a full step than was told."""
+        self.microsteps[number].refuse_changed(self._axes[number].microsteps(), position)
+
+    def _learn_units(self) -> None:
         self.units = [axis.units() for axis in self._axes]
-        self.microsteps = [axis.microsteps() for axis in self._axes]
         self.look()
 
     def look(self) -> None:

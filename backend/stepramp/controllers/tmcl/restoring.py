@@ -23,7 +23,7 @@ class Restoring:
         remarks = [
             remark for axis in self._axes for remark in self._of_axis(axis, backup.settings.get(axis.number, {}))
         ]
-        self._ramps.learn()
+        self._ramps.learn_again()
         self._ramps.on_trial = bool(remarks)
         return tuple(dict.fromkeys(remarks))
 
