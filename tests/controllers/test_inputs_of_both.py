@@ -15,8 +15,8 @@ from stepramp.controllers.capabilities import capabilities_of
 from stepramp.controllers.contract import Activity, AxisCommand, AxisStatus, ControllerStatus
 from stepramp.controllers.stepramp.controller import StepRampController
 from stepramp.controllers.stepramp.settings import StepRampSettings
+from stepramp.controllers.surroundings import SurroundingsChange, Switches
 from stepramp.controllers.virtual.controller import VirtualController
-from stepramp.controllers.virtual.world import SurroundingsChange, Switches
 from stepramp.errors import Refused
 from stepramp.link.protocol_sim import VirtualDevice
 from stepramp.link.serial_port import SerialPort

@@ -11,8 +11,8 @@ from stepramp.controllers.capabilities import HasInputs, capabilities_of, capabl
 from stepramp.controllers.contract import Activity, AxisCommand, AxisStatus, ControllerStatus
 from stepramp.controllers.stepramp.controller import StepRampController
 from stepramp.controllers.stepramp.settings import StepRampSettings
+from stepramp.controllers.surroundings import Surroundings, SurroundingsChange, Switches
 from stepramp.controllers.virtual.controller import VirtualController
-from stepramp.controllers.virtual.world import Surroundings, SurroundingsChange, Switches
 from stepramp.errors import Refused
 
 LOW, HIGH = -500, 900

@@ -23,7 +23,7 @@ from stepramp.controllers.stepramp.messages.motion import (
     StopRequest,
     ZeroRequest,
 )
-from stepramp.controllers.virtual.world import SurroundingsChange, Switches
+from stepramp.controllers.surroundings import SurroundingsChange, Switches
 from stepramp.devices.attachment import Attachment
 from stepramp.devices.device import Device
 from stepramp.devices.homing import Homing

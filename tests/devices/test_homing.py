@@ -8,7 +8,7 @@ from devices.bench import ROLES, Bench, by, home
 from stepramp.controllers.contract import AxisCommand
 from stepramp.controllers.stepramp.messages.motion import AcknowledgeRequest, HomeRequest, StopRequest
 from stepramp.controllers.stepramp.settings import StepRampSettings
-from stepramp.controllers.virtual.world import SurroundingsChange
+from stepramp.controllers.surroundings import SurroundingsChange
 from stepramp.devices.homing import Homing
 from stepramp.devices.leases import Lease
 from stepramp.devices.soft_limits import Span

@@ -10,7 +10,7 @@ from stepramp.controllers.capabilities import HasSettings, TellsSettings, refusa
 from stepramp.controllers.contract import AxisCommand, NextTrace, PushMode, PushPreview, PushReport, Trace
 from stepramp.controllers.families import FAMILIES, Family
 from stepramp.controllers.read_axis import ReadAxis
-from stepramp.controllers.virtual.world import Surroundings, SurroundingsChange
+from stepramp.controllers.surroundings import Surroundings, SurroundingsChange
 from stepramp.design import Design
 from stepramp.devices.attachment import Attachment
 from stepramp.devices.backups import Backup, Backups, Source

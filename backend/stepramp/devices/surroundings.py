@@ -4,8 +4,7 @@ from collections.abc import Callable
 from typing import TypeVar
 
 from stepramp.controllers.contract import Controller
-from stepramp.controllers.virtual.controller import VirtualController
-from stepramp.controllers.virtual.world import Surroundings, SurroundingsChange
+from stepramp.controllers.surroundings import HasSurroundings, Surroundings, SurroundingsChange
 from stepramp.devices.contact import Contact
 from stepramp.devices.live_view import LiveView
 from stepramp.devices.watch import Watch
@@ -30,17 +29,17 @@ class VirtualSurroundings:
     def change(self, change: SurroundingsChange) -> Surroundings:
         """Press, release or move something; see now."""
 
-        def changed(virtual: VirtualController) -> Surroundings:
+        def changed(virtual: HasSurroundings) -> Surroundings:
             virtual.change_surroundings(change)
             self._watch.refresh()
             return virtual.surroundings
 
         return self._with(changed)
 
-    def _with(self, job: Callable[[VirtualController], T]) -> T:
+    def _with(self, job: Callable[[HasSurroundings], T]) -> T:
         view = self._view.now
         virtual = protocol_sim.device_at(view.port)
-        if not isinstance(virtual, VirtualController):
+        if not isinstance(virtual, HasSurroundings):
             raise Refused(f"{view.name} is not virtual: what is at its inputs can't be pressed from here.")
 
         def done(_: Controller) -> T:

@@ -5,7 +5,7 @@ from typing import Annotated, Self
 from pydantic import Field, StrictBool, model_validator
 
 from stepramp.controllers.axes import MOST_AXES, AxisNumber
-from stepramp.controllers.virtual.world import SurroundingsChange, Switches
+from stepramp.controllers.surroundings import SurroundingsChange, Switches
 from stepramp.errors import Limits
 from stepramp.http_api.answer import Answer
 from stepramp.http_api.motion_models import AXIS, Steps

@@ -61,11 +61,12 @@ from stepramp.controllers.stepramp.messages.status import (
 from stepramp.controllers.stepramp.messages.trace import TRACE_OFF, TraceReply, TraceRequest
 from stepramp.controllers.stepramp.ramp_image import FAST_CLOCK_HZ, SLOW_CLOCK_HZ
 from stepramp.controllers.stepramp.settings import OFFSETS, StepRampSettings
+from stepramp.controllers.surroundings import AxisSurroundings, Surroundings, SurroundingsChange
 from stepramp.controllers.virtual.machine import VirtualMachine
 from stepramp.controllers.virtual.memory import LARGEST_IMAGE_BYTES, VirtualMemory
 from stepramp.controllers.virtual.store import USUAL, VirtualStore
 from stepramp.controllers.virtual.streams import ReportClock, TraceRecorder
-from stepramp.controllers.virtual.world import AxisSurroundings, Surroundings, SurroundingsChange, VirtualWorld
+from stepramp.controllers.virtual.world import VirtualWorld
 from stepramp.errors import Rejected
 
 TRACE_VALUES_A_SECOND = 1000
