@@ -222,7 +222,7 @@
  * @typedef {{ports: Port[], families: Family[]}} Ports */
 
 /** What only some controllers can do.
- * @typedef {'keep' | 'try' | 'restore' | 'settings' | 'trace' | 'line' | 'zero' | 'backup' | 'import' | 'prove'} Capability */
+ * @typedef {'keep' | 'try' | 'restore' | 'settings' | 'trace' | 'line' | 'zero' | 'backup' | 'import' | 'prove' | 'inputs'} Capability */
 
 /** A figure as the controller itself has it, such as $120.
  * @typedef {{term: string, unit: string, sent: number | null, on_device: number | null}} OwnTerms */
@@ -342,6 +342,9 @@
 /** What is asked for: numbers, or the text that is none; null for no limit.
  * @typedef {{axis: number, lowest_steps: Entry | null, highest_steps: Entry | null}} SoftLimits */
 
+/** @typedef {{input: string, role: 'emergency_stop' | 'driver_fault' | 'limit', is_active: boolean, axis: number | null,
+ *   end: 'low' | 'high' | null}} DeviceInput */
+
 /** @typedef {object} Device
  * @property {AxisState[]} axes
  * @property {boolean} on_trial
@@ -364,6 +367,8 @@
  * @property {string[]} unproven           settings that it was given, and of which its next start shows whether they are stored
  * @property {{proven: string[], not_kept: string[], words: string} | null} proof  what its last start has shown of such
  * @property {'connecting' | 'ready' | 'moving' | 'stopping' | 'writing' | 'lost'} state
+ * @property {DeviceInput[] | null} inputs what each is for, and whether it is active; null for one without
+ * @property {string[] | null} stopped_by  'emergency_stop' and 'driver_fault', until it is acknowledged; null for one without inputs
  * @property {string | null} message
  * @property {number} position_steps
  * @property {number} target_steps

@@ -286,7 +286,7 @@ export const api = {
     request('POST', `${device(id)}/push/preview`, wanted, { withinMs: PUSH_WITHIN_MS, ended }),
 
   /** Have a device do something else that moves nothing and has a route of its own.
-   * @param {string} id @param {'position' | 'keep' | 'roll_back' | 'restore' | 'prove' | 'control'} what
+   * @param {string} id @param {'position' | 'keep' | 'roll_back' | 'restore' | 'prove' | 'acknowledge' | 'control'} what
    * @param {unknown} [body] @returns {Promise<Device>} */
   act: (id, what, body) => request('POST', `${device(id)}/${what}`, body, { withinMs: PUSH_WITHIN_MS }),
 

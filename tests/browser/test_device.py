@@ -188,6 +188,37 @@ def at_rest(pushed: StepRampPage) -> int:
     return position
 
 
+def test_what_stops_a_machine_is_shown_and_acknowledged(pushed: StepRampPage, watch: Watch) -> None:
+    page, device = pushed.page, device_of(pushed)["id"]
+    roles = [{"input": "A0", "role": "emergency_stop"}, {"input": "D9", "role": "limit", "axis": 0, "end": "low"}]
+
+    def press(*, down: bool) -> None:
+        pushed.ask(pushed.url, "PUT", f"devices/{device}/surroundings", {"emergency_stop": down})
+
+    pushed.ask(pushed.url, "PUT", f"devices/{device}/settings", {"inputs": roles})
+    expect(page.locator("#inputs summary")).to_have_text("Inputs: none is active")
+    expect(page.locator("#stopped-by")).to_be_hidden()
+    press(down=True)
+    expect(page.locator("#stopped-by")).to_contain_text("Stopped by an emergency stop.")
+    expect(page.locator("#inputs summary")).to_have_text("Inputs: A0 is active")
+    page.locator("#inputs summary").click()
+    expect(page.locator("#inputs li")).to_have_text(
+        ["A0: emergency stop, active", "D9: limit switch at the low end of axis 0, inactive"]
+    )
+    expect(page.locator(".device-body > .problem")).to_contain_text("A0")
+    watch.expected.append(REFUSED)
+    pushed.device_section("move")
+    page.locator("#acknowledge").click()
+    expect(page.locator(".device-body > .problem")).to_contain_text("emergency stop")
+    expect(page.locator("#stopped-by")).to_be_visible()
+    press(down=False)
+    expect(page.locator("#inputs summary")).to_have_text("Inputs: none is active")
+    page.locator("#acknowledge").click()
+    expect(page.locator("#stopped-by")).to_be_hidden()
+    pushed.ask(pushed.url, "PUT", f"devices/{device}/settings", {"inputs": []})
+    expect(page.locator("#inputs")).to_be_hidden()
+
+
 def test_a_jog_lasts_as_long_as_the_button_is_held(pushed: StepRampPage) -> None:
     pushed.device_section("jog")
 

@@ -149,6 +149,13 @@ export function createDeviceActions({ state, dispatch }, gestures, traced, previ
         const { proof } = await api.act(device.id, 'prove');
         if (proof !== null) dispatch(tell, proof.words, proof.not_kept.length > 0);
       }),
+    /** Have it take motions again after what stopped it.
+     * @param {Device} device */
+    acknowledge: (device) =>
+      request('acknowledge', async () => {
+        await api.act(device.id, 'acknowledge');
+        dispatch(announce, 'Acknowledged: it takes motions again');
+      }),
     /** Give a design what an axis of the controller has.
      * @param {Device} device @param {number} axis of the device @param {Design} design
      * @param {number} axisId of the page's axis that has the design, whichever is in hand when the answer comes */

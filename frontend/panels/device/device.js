@@ -12,6 +12,7 @@ import { closeButton, element, icon, messageLine, picker, segmented, showText } 
 import { pushText } from '../../model/messages.js';
 import { withSavedAt } from '../../model/saved_at.js';
 import { inShownUnits } from '../../model/told.js';
+import { createInputs } from './inputs.js';
 import { createJogSection } from './jog_section.js';
 import { limitsText } from './limits.js';
 import { createLive } from './live.js';
@@ -96,6 +97,7 @@ export function createDevice(root, dispatch, act) {
   const setLimits = element('button', { className: 'button small', id: 'set-limits', type: 'button', textContent: 'Set' });
   const limitsOffer = element('div', { className: 'others', id: 'limits-offer', role: 'status' }, forgotten, setLimits);
   const live = createLive();
+  const inputs = createInputs(act);
   const machine = createMachine(act, dispatch);
   const cannotList = element('ul');
   const cannot = element('details', { id: 'cannot' }, element('summary', { textContent: 'What it can’t do' }), cannotList);
@@ -141,6 +143,7 @@ export function createDevice(root, dispatch, act) {
       control,
       limitsOffer,
       live.element,
+      inputs.element,
       element('div', { className: 'line' }, tabs.element, axisChoice.element),
       otherDesign,
       ...SECTIONS.map(([name]) => sections[name].element),
@@ -235,6 +238,7 @@ export function createDevice(root, dispatch, act) {
       situation,
     };
     live.show(context);
+    inputs.show(context);
     machine.show(context);
     machine.element.hidden = now.devices.section !== 'push';
     tabs.press(now.devices.section);
