@@ -4,7 +4,7 @@ import re
 from collections.abc import Callable, Iterator
 
 import pytest
-from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Page, expect, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Page, Route, expect, sync_playwright
 
 from browser.server import CHROMIUM, CHROMIUM_ARGUMENTS, Server
 from browser.stepramp_page import StepRampPage
@@ -87,7 +87,7 @@ def watch(server: Server) -> Iterator[Watch]:
 def context(browser: Browser, shared_server: Server) -> Iterator[BrowserContext]:
     """Return one browser profile for all pages, and one process, so that Plotly is compiled once."""
     made = browser.new_context(base_url=shared_server.url)
-    # The process lives for as long as one of its pages does.
+    # The process lives for as long as one of its pages does; what the browser keeps is cleared from this one.
     made.new_page().goto(f"{shared_server.url}favicon.svg")
     yield made
     made.close()
@@ -95,18 +95,37 @@ def context(browser: Browser, shared_server: Server) -> Iterator[BrowserContext]
 
 @pytest.fixture
 def open_page(context: BrowserContext, server: Server, watch: Watch) -> Iterator[Callable[..., StepRampPage]]:
-    """Return a function that opens the page as if the browser had never seen it."""
+    """Return a function that opens the page as if the browser had never seen it.
+
+    prepare: what is done with the empty tab before, such as routes that answer for the server.
+    """
 
     pages: list[Page] = []
 
-    def opened(size: tuple[int, int] = DESKTOP, theme: str = "dark") -> StepRampPage:
+    def opened(
+        size: tuple[int, int] = DESKTOP, theme: str = "dark", prepare: Callable[[Page], None] = lambda _: None
+    ) -> StepRampPage:
         page = new_page(context, watch, size, theme)
         pages.append(page)
+        prepare(page)
         return StepRampPage(page, server.url).open()
 
     yield opened
     for page in pages:
         page.close()
+
+
+def finding(port: str, name: str) -> Callable[[Page], None]:
+    """Return what lets a page find a port of any family, and the virtual one."""
+
+    def told(route: Route) -> None:
+        answer = route.fetch(max_retries=2)  # a connection that was kept may just have been closed
+        known = answer.json()
+        others = [family["name"] for family in known["families"]]
+        known["ports"].insert(0, {"port": port, "name": name, "virtual": False, "families": others})
+        route.fulfill(response=answer, json=known)
+
+    return lambda page: page.route("**/api/v1/ports", told)
 
 
 @pytest.fixture(scope="module")
@@ -130,8 +149,7 @@ def new_page(context: BrowserContext, watch: Watch, size: tuple[int, int] = DESK
     page.set_default_timeout(PATIENCE_MS)
     page.set_viewport_size({"width": size[0], "height": size[1]})
     page.emulate_media(color_scheme=theme)
-    page.goto(f"{watch.base_url}favicon.svg")
-    page.evaluate("localStorage.clear()")
+    context.pages[0].evaluate("localStorage.clear()")
     # Never a dialog of the system: it is asked for here, before anything can open one.
     page.on("filechooser", lambda _: None)
     watch.follow(page)

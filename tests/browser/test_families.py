@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Callable
 
 import pytest
-from playwright.sync_api import Route, WebSocketRoute, expect
+from playwright.sync_api import Page, Route, WebSocketRoute, expect
 
 from browser.conftest import Watch
 from browser.stepramp_page import StepRampPage
@@ -16,7 +17,7 @@ REFUSED = r"status of 422"
 
 
 @pytest.fixture
-def several(stepramp: StepRampPage) -> StepRampPage:
+def several(open_page: Callable[..., StepRampPage]) -> StepRampPage:
     """Return a page that hears of one more family than there is, and of devices that can do no more than all can."""
 
     def told(route: Route) -> None:
@@ -36,10 +37,11 @@ def several(stepramp: StepRampPage) -> StepRampPage:
 
         socket.connect_to_server().on_message(pass_on)
 
-    stepramp.page.route("**/api/v1/ports", told)
-    stepramp.page.route_web_socket(re.compile(r"/devices/events"), heard)
-    stepramp.reload()
-    return stepramp
+    def prepare(page: Page) -> None:
+        page.route("**/api/v1/ports", told)
+        page.route_web_socket(re.compile(r"/devices/events"), heard)
+
+    return open_page(prepare=prepare)
 
 
 def test_the_family_of_a_controller_is_chosen_where_there_are_several(several: StepRampPage, watch: Watch) -> None:
@@ -58,7 +60,7 @@ def test_the_family_of_a_controller_is_chosen_where_there_are_several(several: S
 
 
 def test_a_port_of_another_machine_is_chosen_from_the_list_and_refused_once_it_is_not_named_any_more(
-    stepramp: StepRampPage, watch: Watch
+    open_page: Callable[..., StepRampPage], watch: Watch
 ) -> None:
     """The list is from before the server was started anew without it."""
 
@@ -70,8 +72,7 @@ def test_a_port_of_another_machine_is_chosen_from_the_list_and_refused_once_it_i
         known["ports"].insert(0, far_away | {"virtual": False, "families": families})
         route.fulfill(response=answer, json=known)
 
-    stepramp.page.route("**/api/v1/ports", told)
-    stepramp.reload()
+    stepramp = open_page(prepare=lambda page: page.route("**/api/v1/ports", told))
     stepramp.show_panel("device")
     watch.expected.append(REFUSED)
     stepramp.page.locator("#port").select_option(label="shop.local:2217 on the network, RFC 2217")
@@ -82,15 +83,14 @@ def test_a_port_of_another_machine_is_chosen_from_the_list_and_refused_once_it_i
     assert stepramp.devices() == []
 
 
-def test_one_family_needs_no_choice(stepramp: StepRampPage) -> None:
+def test_one_family_needs_no_choice(open_page: Callable[..., StepRampPage]) -> None:
     def told(route: Route) -> None:
         answer = route.fetch()
         known = answer.json()
         del known["families"][1:]
         route.fulfill(response=answer, json=known)
 
-    stepramp.page.route("**/api/v1/ports", told)
-    stepramp.reload()
+    stepramp = open_page(prepare=lambda page: page.route("**/api/v1/ports", told))
     stepramp.show_panel("device")
     expect(stepramp.page.locator("#port")).to_be_visible()
     expect(stepramp.page.locator("#family")).to_be_hidden()

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import pytest
-from playwright.sync_api import Route, expect
+from playwright.sync_api import expect
 
-from browser.conftest import Watch
+from browser.conftest import Watch, finding
 from browser.stepramp_page import LOST, SLEW_SPEED, StepRampPage, until
 from controllers.grbl.emulator import Eeprom, GrblEmulator, GrblOnACable
 
@@ -20,18 +20,9 @@ def cable(watch: Watch) -> Iterator[GrblOnACable]:
 
 
 @pytest.fixture
-def attached(stepramp: StepRampPage, cable: GrblOnACable) -> StepRampPage:
+def attached(open_page: Callable[..., StepRampPage], cable: GrblOnACable) -> StepRampPage:
     """Return a page that finds the grbl's port, and the virtual one."""
-
-    def told(route: Route) -> None:
-        answer = route.fetch(max_retries=2)
-        known = answer.json()
-        others = [family["name"] for family in known["families"]]
-        known["ports"].insert(0, {"port": cable.port, "name": "A grbl", "virtual": False, "families": others})
-        route.fulfill(response=answer, json=known)
-
-    stepramp.page.route("**/api/v1/ports", told)
-    stepramp.reload()
+    stepramp = open_page(prepare=finding(cable.port, "A grbl"))
     stepramp.show_panel("device")
     return stepramp
 

@@ -10,9 +10,9 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 
 import pytest
-from playwright.sync_api import Browser, Page, Route, expect
+from playwright.sync_api import Browser, Page, expect
 
-from browser.conftest import Watch
+from browser.conftest import Watch, finding
 from browser.server import Server
 from browser.stepramp_page import GUIDE_CLOSED, LOST, SLEW_SPEED, StepRampPage, until
 from browser.test_tic import cut_off
@@ -66,16 +66,8 @@ def plugged(request: pytest.FixtureRequest, watch: Watch) -> Iterator[Plugged]:
 
 
 @pytest.fixture
-def connected(stepramp: StepRampPage, plugged: Plugged) -> StepRampPage:
-    def told(route: Route) -> None:
-        answer = route.fetch(max_retries=2)
-        known = answer.json()
-        others = [family["name"] for family in known["families"]]
-        known["ports"].insert(0, {"port": plugged.port, "name": "A controller", "virtual": False, "families": others})
-        route.fulfill(response=answer, json=known)
-
-    stepramp.page.route("**/api/v1/ports", told)
-    stepramp.reload()
+def connected(open_page: Callable[..., StepRampPage], plugged: Plugged) -> StepRampPage:
+    stepramp = open_page(prepare=finding(plugged.port, "A controller"))
     connect(stepramp, plugged.port, plugged.family)
     return stepramp
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
-from playwright.sync_api import Page, Route, expect
+from playwright.sync_api import Page, expect
 
-from browser.conftest import Watch
+from browser.conftest import Watch, finding
 from browser.stepramp_page import ACCELERATION, LOST, REFUSED_VALUE, SLEW_SPEED, StepRampPage, until
 from controllers.tic.emulator import TicOnACable
 
@@ -26,18 +26,9 @@ def cable(watch: Watch) -> Iterator[TicOnACable]:
 
 
 @pytest.fixture
-def attached(stepramp: StepRampPage, cable: TicOnACable) -> StepRampPage:
+def attached(open_page: Callable[..., StepRampPage], cable: TicOnACable) -> StepRampPage:
     """Return a page that finds the Tic's port, and the virtual one."""
-
-    def told(route: Route) -> None:
-        answer = route.fetch(max_retries=2)  # a connection that was kept may just have been closed
-        known = answer.json()
-        others = [family["name"] for family in known["families"]]
-        known["ports"].insert(0, {"port": cable.port, "name": "A Tic", "virtual": False, "families": others})
-        route.fulfill(response=answer, json=known)
-
-    stepramp.page.route("**/api/v1/ports", told)
-    stepramp.reload()
+    stepramp = open_page(prepare=finding(cable.port, "A Tic"))
     stepramp.show_panel("device")
     return stepramp
 
