@@ -24,7 +24,7 @@ HAS_MOVED = 400
 
 
 class Board:
-    """A board of either kind. set_mode: what makes so many times 2 steps of a full step."""
+    """A board of either kind. set_mode: has it make so many of a full step, as a power of 2."""
 
     def __init__(self, bench: BoardBench[Any], set_mode: Callable[[int], None], place: Callable[[], int]) -> None:
         self.bench, self.set_mode, self.place = bench, set_mode, place
