@@ -161,6 +161,24 @@ def test_a_settings_file(client: TestClient) -> None:
     assert (answer["family"], answer["axes"][0]["design"]["ramp"]["slew_speed_steps_per_s"]) == ("tic", 200)
 
 
+def test_a_backup_is_a_settings_file_with_all_that_the_tic_keeps(
+    client: TestClient, cable: TicOnACable, device: str
+) -> None:
+    cable.tic.command_timeout_ms = 2000
+    name = ok(client.post(f"{device}/backups"))["backups"][0]["name"]
+    [source] = [each["name"] for each in ok(client.get("/api/v1/backups"))["sources"] if each["family"] == "tic"]
+    text = client.get(f"/api/v1/backups/{source}/{name}").text
+    lines = text.splitlines()
+    assert lines[0].startswith("# StepRamp backup, CRC-32 ")
+    assert {"command_timeout: 2000", "max_speed: 2000000", "# in use: max_speed: 10000000"} <= set(lines)
+    for file in (text, text.replace("#T834 ", "")):
+        answer = ok(client.post("/api/v1/import", json={"text": file}))
+        assert (answer["family"], answer["axes"][0]["design"]["ramp"]["slew_speed_steps_per_s"]) == ("tic", 1000)
+    cable.tic.command_timeout_ms = 3000
+    [remark, _] = ok(client.post(f"{device}/backups/{name}/restore"))["remarks"]
+    assert "command_timeout 3000 (in the backup 2000). ticcmd --settings FILE or the Tic Control Center" in remark
+
+
 def test_what_a_tic_cant_play_names_the_field(client: TestClient, device: str) -> None:
     too_fast = document(ramp__slew_speed_steps_per_s=50_001)
     for path in ("push", "push/preview"):

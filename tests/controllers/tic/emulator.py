@@ -28,6 +28,17 @@ CURRENT_STEADY_S = 0.01
 AT_HOME_S = 0.02
 FRAMING, FORMAT, CRC = 1 << 16, 1 << 18, 1 << 19
 DEENERGIZE, HALT_AND_HOLD, DECELERATE_TO_HOLD, GO_TO_POSITION = range(4)
+NEW_SETTINGS = (
+    ("<BBBBHBBH", 0x01, (0, 0, 0, 0, 1249, 14, 1, 1000)),
+    ("<BHHHHhHHBB", 0x0B, (0, 250, 6000, 6500, 35000, 0, 100, 500, 2, 0)),
+    ("<HHBBHHHHiBHBiB", 0x1C, (0, 4095, 0, 0, 0, 2015, 2080, 4095, -200, 1, 0, 255, 200, 0)),
+    ("<IBBBBBBBBIIII", 0x37, (1, 0, 0, 0, 0, 0, 6, 0, 0, 0, 2_000_000, 0, 40_000)),
+    ("<BiIBBB", 0x53, (DECELERATE_TO_HOLD, 0, 1, 0, 0, 0)),
+    ("<BBIIBH", 0x5F, (0, 0, 1_000_000, 500_000, 0, 0)),
+)
+"""What a T825 keeps when it is new, section 6: how, from which address on, and what."""
+SETTINGS_END = 0x100
+"""Its EEPROM is larger than what a product has settings for."""
 
 
 def crc_7(message: bytes) -> int:
@@ -55,12 +66,15 @@ class TicEmulator:
         self.soft_error_response = DECELERATE_TO_HOLD
         self.soft_error_position = 0
         self.stored_ramp = [0, 2_000_000, 0, 40_000]
-        self.kept = bytearray(0x5D)
-        """Settings that change nothing here, by their places."""
-        self.step_mode = 0
+        self.step_mode, self.current_limit, self.decay_mode = 0, 6, 0
+        """Those in use."""
         self.low_vin = self.driver_fault = self.kill_switch = self.err_line_high = False
         self.forward_limit = self.reverse_limit = False
         self.homing_speed_towards = self.homing_speed_away = 1_000_000
+        self.other_settings: dict[int, int] = {}
+        """Bytes by address, in the place of those that it has when it is new."""
+        self.settings_end = SETTINGS_END
+        """From where on it is silent; whether old ones are the guide doesn't say."""
         self.targets_end_homing = True
         """Whether they do the guide doesn't say."""
         self.on_the_way_in: Callable[[bytes], bytes] = lambda data: data
@@ -188,6 +202,8 @@ class TicEmulator:
         command = whole[0]
         if command in READ:
             memory = self._settings() if command == 0xA8 else self._variables()
+            if whole[1] + whole[2] > len(memory):
+                return b""
             answer = memory[whole[1] : whole[1] + whole[2]]
             if command == 0xA2:
                 self.errors_occurred = self.errors
@@ -254,19 +270,24 @@ class TicEmulator:
         struct.pack_into("<Bii", memory, 0x09, self.planning, self._target_position, self._target_velocity)
         struct.pack_into("<4Iii", memory, 0x12, *self._ramp, self.position, self.velocity)
         struct.pack_into("<I", memory, 0x35, round((self._now_s - self._up_since_s) * 1000) % 2**32)
-        memory[0x49] = self.step_mode
+        memory[0x49:0x4C] = self.step_mode, self.current_limit, self.decay_mode
         struct.pack_into("<B", memory, 0x4C, self._input[0])
         struct.pack_into("<i", memory, 0x51, self._input[1])
         return bytes(memory)
 
     def _settings(self) -> bytes:
-        memory = bytearray(0x5D)
-        memory[: len(self.kept)] = self.kept
+        memory = bytearray(SETTINGS_END)
+        for layout, start, values in NEW_SETTINGS:
+            struct.pack_into(layout, memory, start, *values)
         memory[0x01], memory[0x03] = self.control_mode, self.disable_safe_start
         struct.pack_into("<H", memory, 0x09, self.command_timeout_ms)
         memory[0x0B] = self.crc_for_commands | self.crc_for_responses << 1
         struct.pack_into("<4I", memory, 0x43, *self.stored_ramp)
-        return bytes(memory)
+        struct.pack_into("<Bi", memory, 0x53, self.soft_error_response, self.soft_error_position)
+        struct.pack_into("<II", memory, 0x61, self.homing_speed_towards, self.homing_speed_away)
+        for address, byte in self.other_settings.items():
+            memory[address] = byte
+        return bytes(memory[: self.settings_end])
 
     # Time, errors, and what they do.
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from controllers.bench import only_rejection
 from designs import design
 from stepramp.controllers.tic.ramp import TicRamp
-from stepramp.controllers.tic.read_settings import read_settings, settings_of
+from stepramp.controllers.tic.read_settings import read_settings
 from stepramp.errors import Rejected
 
 AS_NEW = """# Pololu Tic USB Stepper Controller settings file.
@@ -47,7 +47,8 @@ def test_a_settings_file_as_ticcmd_writes_it() -> None:
 )
 def test_what_is_read_is_sent_again_to_the_last_unit(start: int, more: int, down: int, up: int) -> None:
     told = TicRamp(start, start + more, down, up)
-    [axis] = read_settings("\n".join(settings_of(told, 8)), design())
+    text = f"starting_speed: {start}\nmax_speed: {start + more}\nmax_decel: {down}\nmax_accel: {up}\nstep_mode: 8\n"
+    [axis] = read_settings(text, design())
     assert TicRamp.of(axis.design) == told
     assert axis.design.axis.microsteps == 8
 

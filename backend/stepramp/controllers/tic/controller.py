@@ -22,17 +22,16 @@ from stepramp.controllers.contract import (
 )
 from stepramp.controllers.microsteps import Microsteps
 from stepramp.controllers.progress import Progress, PushStage, Tell
-from stepramp.controllers.tic.backup import Backup
+from stepramp.controllers.tic.backup import Backup, backup_text
 from stepramp.controllers.tic.conversation import MOST_REPEATS, Conversation
 from stepramp.controllers.tic.course import Course
 from stepramp.controllers.tic.memory import Memory
 from stepramp.controllers.tic.push import VOLATILE, PushPlan
 from stepramp.controllers.tic.ramp import steps_per_s
 from stepramp.controllers.tic.ramp_in_use import RampInUse
-from stepramp.controllers.tic.read_settings import settings_of
 from stepramp.controllers.tic.setting_out import SettingOut
+from stepramp.controllers.tic.settings import Settings
 from stepramp.controllers.tic.stopping import Stopping
-from stepramp.controllers.tic.stored_settings import differing, lines_of
 from stepramp.controllers.tic.targets import of_the_axis, target_of, velocity_of, within_32_bits
 from stepramp.controllers.tic.variables import Flag, Input, InputState, PlanningMode, Variables
 from stepramp.controllers.tic.wire import Write, write
@@ -149,20 +148,18 @@ class TicController(Controller, TriesRamps, ZeroesGauges, BacksUp):
         self._ramp_in_use.use(self._ramp_in_use.stored_ramp)
 
     def backup(self) -> str:
-        """Ask for the ramp and the step mode in use, as lines of a Tic's settings file, and all that it keeps."""
+        """Ask for all settings, as a settings file, and for what is in use beside them."""
         self._ramp_in_use.look()
-        in_use = settings_of(self._ramp_in_use.ramp, self._memory.microsteps())
-        return "\n".join([*in_use, *lines_of(self._memory.stored())]) + "\n"
+        return backup_text(self._settings(), self._memory.in_use())
 
     def use_backup(self, text: str) -> tuple[str, ...]:
         """Use the ramp of a backup, or of a settings file, and read it back; see BacksUp."""
-        backup = Backup.of(text)
+        backup, now = Backup.of(text), self._settings()
         self._at_rest()
         self._ramp_in_use.use(backup.ramp)
         self._ramp_in_use.learn()
         forgotten = (VOLATILE,) if self._ramp_in_use.is_on_trial else ()
-        kept = () if backup.stored is None else differing(backup.stored, self._memory.stored())
-        return (*backup.left(self._memory.microsteps()), *kept, *forgotten)
+        return (*backup.left(self._memory.microsteps(), now), *forgotten)
 
     def move_by(self, steps: Sequence[AxisCommand]) -> None:
         """Begin to move by so many steps from the target; Refused while the motor runs at a speed, or slows down."""
@@ -217,6 +214,10 @@ class TicController(Controller, TriesRamps, ZeroesGauges, BacksUp):
     def steps_to_rest(self, axis: int, speed_steps_per_s: float) -> int:  # noqa: ARG002  # as stop
         """Return how many steps slowing down from a speed [steps/s] takes."""
         return self._ramp_in_use.ramp.steps_to_rest(speed_steps_per_s)
+
+    def _settings(self) -> Settings:
+        """Ask for all settings, which takes so long that a Tic that holds its motor might time out meanwhile."""
+        return self._memory.settings(lambda: self._course.prolong(self._memory.general()))
 
     def _move(self, asked: AxisCommand, target: int, seen: Variables, stops: int) -> None:
         target = target_of(asked, target, seen.position)

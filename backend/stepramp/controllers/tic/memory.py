@@ -6,10 +6,11 @@ from typing import TypeVar
 
 from stepramp.controllers.tic.conversation import MOST_REPEATS, Conversation
 from stepramp.controllers.tic.ramp import TicRamp
-from stepramp.controllers.tic.stored_settings import BLOCKS
+from stepramp.controllers.tic.settings import END, FIRST, LATER, PRODUCT, STEP_MODES, Settings, blocks
 from stepramp.controllers.tic.variables import (
     COMMAND_TIMEOUT,
     CONTROL_MODE,
+    DRIVER,
     GENERAL,
     INPUT,
     LAST_OF_ERRORS,
@@ -60,14 +61,34 @@ class Memory:
         """Return the ramp that is in use after a reset."""
         return self._ramp_of(STORED_RAMP)
 
-    def stored(self) -> bytes:
-        """Return all that the Tic keeps without power; Refused when it isn't told the same twice."""
-        told = b""
-        for _ in range(2 + MOST_REPEATS):
-            before, told = told, bytes(value for block in BLOCKS for value in self._conversation.read(block))
-            if told == before:
-                return told
-        raise Refused("The Tic tells other settings each time: is its serial line disturbed?")
+    def settings(self, between: Callable[[], None] = lambda: None) -> Settings:
+        """Return all settings; those are missing that an old Tic doesn't tell. Refused on a disturbed line.
+
+        between: called after each block, since they take about a second together.
+        """
+        told = self._agreed(FIRST, LATER, between)
+        for start, end in ((LATER, PRODUCT), (PRODUCT, END)):
+            # What is silent about settings that it doesn't know, answers other questions.
+            with suppress(DeviceLost):
+                told |= self._agreed(start, end, between)
+        self.general()
+        return Settings(told)
+
+    def in_use(self) -> dict[str, str]:
+        """Return what a Tic has in use, which may be another than its settings, by their names, and where it rests."""
+        (starting, fastest), (loss, gain) = (self._twice(block) for block in RAMP)
+        step_mode, current_limit, decay_mode = self._twice(DRIVER)
+        used = {
+            "starting_speed": str(starting),
+            "max_speed": str(fastest),
+            "max_accel": str(gain),
+            "max_decel": str(loss),
+            "step_mode": dict(enumerate(STEP_MODES)).get(step_mode, f"code {step_mode}"),
+            "current_limit": f"code {current_limit}",
+            "decay_mode": f"code {decay_mode}",
+        }
+        at_rest = not self.look().is_under_way
+        return used | ({"position": str(self._twice(MOTION)[0])} if at_rest else {})
 
     def input(self) -> Input:
         """Return what the Tic was last told."""
@@ -107,6 +128,23 @@ class Memory:
         return self._sensible(
             lambda: TicRamp.told(*(value for block in blocks for value in self._conversation.read(block)))
         )
+
+    def _agreed(self, start: int, end: int, between: Callable[[], None]) -> dict[int, int]:
+        """Return the bytes of the settings between two addresses."""
+        told: dict[int, int] = {}
+        for block in blocks(start, end):
+            told.update(enumerate(self._twice(block), block.offset))
+            between()
+        return told
+
+    def _twice(self, block: Block) -> tuple[int, ...]:
+        """Return a block that was read twice in a row: without a CRC a bit that was flipped is another number."""
+        last: tuple[int, ...] | None = None
+        for _ in range(1 + MOST_REPEATS):
+            before, last = last, self._conversation.read(block)
+            if last == before:
+                return last
+        raise Refused("The Tic tells something else each time: is its serial line disturbed?")
 
     def _refuse_restarted(self) -> None:
         # Noted at once: something more urgent may look, too, before the next question.

@@ -20,16 +20,11 @@ NEEDED = frozenset({"max_speed", "max_accel"})
 OF_A_TIC = frozenset({"starting_speed", "max_decel", "step_mode"})
 """Beside one of these, what is missing of those is told."""
 WHOLE = "a whole settings file of a Tic, a line for each setting"
+IN_USE = "# in use: "
+"""What the lines of a backup begin with that say what the Tic had in use, beside what it had stored."""
 NEW = {"starting_speed": "0", "max_decel": "0"}
 STEP_MODES = {"full": 1, "half": 2, "2_100p": 2, **{str(each): each for each in sorted(set(MICROSTEPS.values()))}}
 """Names of step modes, and how many steps each makes of a full step."""
-
-
-def settings_of(ramp: TicRamp, microsteps: int) -> Iterator[str]:
-    """Yield the lines of a settings file that say a ramp and a step mode."""
-    limits = (ramp.starting_speed, ramp.max_speed, ramp.max_deceleration, ramp.max_acceleration)
-    yield from (f"{name}: {value}" for name, value in zip(FIGURES, limits, strict=True))
-    yield f"step_mode: {microsteps}"
 
 
 def read_settings(text: str, base: Design) -> list[ReadAxis]:
@@ -38,7 +33,8 @@ def read_settings(text: str, base: Design) -> list[ReadAxis]:
     base: what holds where a Tic says nothing, as motor, timer and method. A push of such a design changes nothing.
     Raises Rejected for settings that no Tic, or no design, can have.
     """
-    told = told_by(text)
+    stored, in_use = told_by(text), in_use_by(text)
+    told = stored | in_use
     if not told.keys() >= NEEDED:
         if told.keys() & NEEDED and told.keys() & OF_A_TIC:
             [lacking] = NEEDED - told.keys()
@@ -58,13 +54,20 @@ def read_settings(text: str, base: Design) -> list[ReadAxis]:
     }
     made_of = {field: f"{name} {told.get(name, NEW.get(name))}" for field, name in zip(FIELDS, FIGURES, strict=True)}
     design = design_read(document, "a Tic", made_of)
-    return [ReadAxis("Tic", design, tuple(_remarks(microsteps)))]
+    is_another = bool(in_use) and _limits(stored) != _limits(told)
+    return [ReadAxis("Tic", design, tuple(_remarks(microsteps, is_another)))]
 
 
 def told_by(text: str) -> dict[str, str]:
     """Return the settings that a text tells, by name, as they are written."""
     found = filter(None, map(_LINE.fullmatch, (line.strip() for line in text.splitlines())))
     return {each["name"]: each["value"].strip().strip("\"'") for each in found}
+
+
+def in_use_by(text: str) -> dict[str, str]:
+    """Return what a backup tells that was in use, by name; {} for a settings file, and for those of older versions."""
+    lines = (line.strip() for line in text.splitlines())
+    return told_by("\n".join(line.removeprefix(IN_USE) for line in lines if line.startswith(IN_USE)))
 
 
 def ramp_told(settings: dict[str, str]) -> TicRamp:
@@ -93,7 +96,15 @@ def microsteps_told(settings: dict[str, str]) -> int | None:
     raise Rejected([refused_setting(f"step_mode: {step_mode}", f"step_mode is {step_mode}", allowed)])
 
 
-def _remarks(microsteps: int | None) -> Iterator[str]:
+def _limits(settings: dict[str, str]) -> list[str | None]:
+    """Return the figures of a ramp as they work: a deceleration of 0 is the same as the acceleration."""
+    told = NEW | settings
+    return [told.get("max_accel" if each == "max_decel" and told[each] == "0" else each) for each in FIGURES]
+
+
+def _remarks(microsteps: int | None, is_another: bool) -> Iterator[str]:
+    if is_another:
+        yield "The ramp in use is taken: the one that the Tic has stored, and uses after a reset, is another."
     if microsteps is None:
         yield "The step mode is not told: the design's own steps of a full step stay."
     yield "Full steps of a turn and what it moves are not told: the design's own stay."

@@ -95,6 +95,8 @@ RAMP = (Block(Read.VARIABLES, 0x12, "<II"), Block(Read.VARIABLES, 0x1A, "<II"))
 STORED_RAMP = (Block(Read.SETTINGS, 0x43, "<II"), Block(Read.SETTINGS, 0x4B, "<II"))
 """The same as they are after a reset."""
 STEP_MODE = Block(Read.VARIABLES, 0x49, "<B")
+DRIVER = Block(Read.VARIABLES, 0x49, "<BBB")
+"""Step mode, current limit, decay mode."""
 MICROSTEPS = {0: 1, 1: 2, 2: 4, 3: 8, 4: 16, 5: 32, 6: 2, 7: 64, 8: 128, 9: 256}
 """How many a step mode makes of a full step; 6 is half steps at full current."""
 CONTROL_MODE = Block(Read.SETTINGS, 0x01, "<B")
