@@ -63,6 +63,25 @@ def test_it_is_called_nothing_when_it_was_stopped(bench: Bench) -> None:
     assert bench.device.view.after_homing == {}
 
 
+def test_soft_limits_are_not_kept_by_places_that_have_no_name_yet(bench: Bench) -> None:
+    """After a STOP in its midst, or a name that leads out of all numbers, it is to be said where the axis is."""
+    for position_steps, stops in ((5000, True), (-(2**31), False)):
+        bench.device.limit({0: Span(4900, 6000) if stops else Span(None, 6000)})
+        home(bench, position_steps=position_steps)
+        go_on(bench, 0.2 if stops else 2.0)
+        if stops:
+            bench.device.stop().result(5.0)
+            go_on(bench, 2.0)
+        assert bench.device.view.state is DeviceState.READY
+        assert bench.device.view.unknown_positions == (0,)
+        for ask in (lambda: bench.device.move_by([by(50)]), lambda: bench.device.move_to([by(5900)])):
+            with pytest.raises(Refused, match=r"may be elsewhere than counted, since .* it wasn't homed to the end"):
+                ask()
+        bench.device.limit({0: Span()})
+        bench.device.set_position([AxisCommand(0, 0, "axes.0.position_steps")])
+        assert bench.device.view.unknown_positions == ()
+
+
 def test_it_ends_with_its_lease(bench: Bench) -> None:
     lease = Lease({0: -800.0}, 1e6, is_to_home=True)
     bench.put_switch(10_000)

@@ -13,7 +13,7 @@ from stepramp.devices.permit import LetGo
 from stepramp.devices.setting_out import SettingOut
 from stepramp.devices.view import AxisView, DeviceState
 from stepramp.devices.watch import Watch
-from stepramp.errors import Refused
+from stepramp.errors import Refused, Rejected
 
 
 @dataclass(frozen=True)
@@ -110,7 +110,8 @@ class Homings:
         try:
             if renamed:
                 self._contact.controller.set_position(renamed)
-        except Refused as refused:
+        except (Refused, Rejected) as refused:
+            # Where they are stays unknown then.
             self._view.log("homed, but not called %s: %s", dict(called), refused)
             return
         self._view.change(lambda view: view.with_known_positions([axis.axis for axis in homed]))

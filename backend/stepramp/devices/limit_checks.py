@@ -88,11 +88,13 @@ def too_near(view: DeviceView, leases: Leases, steps_to_rest: StepsToRest) -> li
 def _refuse_unknown(view: DeviceView, axes: Iterable[int]) -> None:
     """Refused for axes with soft limits that may be elsewhere than they count: limits would be at other places."""
     lost = sorted(set(axes) & set(view.unknown_positions) & set(view.soft_limits))
+    if any(axis.homing for axis in view.axes if axis.axis in lost):
+        raise Refused("The motor moves: it is being homed. Stop it first, or wait.")
     if lost:
         which = f"Axis {lost[0]}" if len(lost) == 1 else f"Axes {', '.join(map(str, lost))}"
         raise Refused(
-            f"{which} may be elsewhere than counted, since the device was lost or disconnected, so soft limits can't "
-            "be kept: set the position, or take the limits away."
+            f"{which} may be elsewhere than counted, since the device was lost or disconnected, or it wasn't homed "
+            "to the end, so soft limits can't be kept: set the position, or take the limits away."
         )
 
 

@@ -7,10 +7,13 @@ from collections.abc import Collection, Mapping
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import ClassVar
 
 from stepramp.devices.backups import write_whole
 
 FILE = "unproven.json"
+MOST_CHARACTERS = 40
+"""Of a name, a value and a time."""
 
 _logger = logging.getLogger(__name__)
 
@@ -28,6 +31,9 @@ class Unproven:
 
     folder: that of its backups. Where that can't be written, they are known as long as the program runs.
     """
+
+    _unwritten: ClassVar[dict[Path, Mapping[str, Given]]] = {}
+    """What couldn't be written, by the file that is older now."""
 
     def __init__(self, folder: Path) -> None:
         self._file = folder / FILE
@@ -49,15 +55,28 @@ class Unproven:
         self.given = given
         try:
             write_whole(self._file, json.dumps({name: asdict(each) for name, each in given.items()}, indent=1))
+            self._unwritten.pop(self._file, None)
         except OSError as error:
+            self._unwritten[self._file] = given
             _logger.warning("What isn't proven yet can't be kept in %s: %s", self._file, error.strerror or error)
 
     def _read(self) -> Mapping[str, Given]:
+        if self._file in self._unwritten:
+            return self._unwritten[self._file]
         try:
             told = json.loads(self._file.read_text(encoding="utf-8"))
-            return {str(name): Given(str(each["value"]), str(each["at"])) for name, each in told.items()}
+            return {
+                _sensible(name): Given(_sensible(each["value"]), _sensible(each["at"])) for name, each in told.items()
+            }
         except FileNotFoundError:
             return {}
-        except (OSError, ValueError, TypeError, KeyError, AttributeError) as error:
+        except (OSError, ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
             _logger.warning("What isn't proven yet can't be read from %s: %s", os.fspath(self._file), error)
             return {}
+
+
+def _sensible(told: object) -> str:
+    """Return a text of the file; ValueError for one that this program has not written: the file is damaged."""
+    if not isinstance(told, str) or not 0 < len(told) <= MOST_CHARACTERS or not (told.isascii() and told.isprintable()):
+        raise ValueError(f"{str(told)[:MOST_CHARACTERS]!r} makes no sense there")
+    return told

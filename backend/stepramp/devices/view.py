@@ -179,8 +179,12 @@ class DeviceView:
         return replace(self, shuttle=None, zeroing=zeroing).without_homing(axes)
 
     def with_homing(self, positions_steps: Mapping[int, int]) -> "DeviceView":
-        """Return the device once axes are being homed, with what the places that they find are to be called [steps]."""
-        return replace(self, after_homing={**self.after_homing, **positions_steps})
+        """Return the device once axes are being homed, with what the places that they find are to be called [steps].
+
+        Until those have their names where they are isn't known: soft limits would hold at other places.
+        """
+        unknown = tuple(sorted({*self.unknown_positions, *positions_steps}))
+        return replace(self, after_homing={**self.after_homing, **positions_steps}, unknown_positions=unknown)
 
     def without_homing(self, axes: Collection[int] | None) -> "DeviceView":
         """Return the device once nothing is to be done any more after axes, or all, were homed."""

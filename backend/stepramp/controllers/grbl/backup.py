@@ -119,11 +119,9 @@ def _entry(name: str, line: str, *, is_hidden: bool = False, moves: bool = False
 
 def _told_twice(text: str) -> Iterator[Rejection]:
     """Yield what a text tells twice, and differently: which of both it was nobody knows."""
-    values: dict[str, list[str]] = {}
+    values: dict[str, dict[str, None]] = {}
     for name, value in filter(None, map(_named, map(str.strip, text.splitlines()))):
-        told = values.setdefault(name, [])
-        if value not in told:
-            told.append(value)
+        values.setdefault(name, {})[value] = None
     for name, told in values.items():
         if len(told) > 1:
             yield Rejection(name, Count(" and ".join(told)), "each setting once in a backup")

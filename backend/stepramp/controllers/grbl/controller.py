@@ -3,6 +3,7 @@
 It answers each line, and is asked how it fares. What it keeps is written only by a push, and by what restores a backup.
 """
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from time import sleep
 
@@ -35,6 +36,8 @@ MAY_MOVE = (
     "something. What it has stored is proven when it is next started at the machine."
 )
 RESTORE = "The settings are not those that were sent. Restore a backup of this device, or push again."
+
+_NUMBERED = re.compile(r"[$][0-9]{1,4}")
 
 
 class GrblController(GrblMachine, StoresRamps, BacksUp, ProvenByStart):
@@ -147,7 +150,8 @@ class GrblController(GrblMachine, StoresRamps, BacksUp, ProvenByStart):
 
     def others(self, given: Mapping[str, str]) -> Mapping[str, str | None]:
         """Return those of these settings that are others, with what they are; see ProvenByStart."""
-        differing = self._memory.differing({int(name[1:]): value for name, value in given.items()})
+        numbered = {int(name[1:]): value for name, value in given.items() if _NUMBERED.fullmatch(name)}
+        differing = self._memory.differing(numbered)
         return {f"${number}": self._memory.settings.values.get(number) for number in differing}
 
     def refuse_start(self) -> None:

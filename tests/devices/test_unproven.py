@@ -1,0 +1,43 @@
+"""What is kept of settings that aren't proven: damaged files are none; what can't be written isn't forgotten."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from stepramp.devices.unproven import FILE, Unproven
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "[]",
+        "[" * 100_000,
+        '{"$110": {"value": null, "at": "2026-11-28 04:00 UTC"}}',
+        '{"": {"value": "1", "at": "then"}}',
+        '{"$\\u00b2": {"value": "1", "at": "then"}}',
+        '{"\\ud800": {"value": "1", "at": "then"}}',
+        '{"$110": {"value": "' + "1" * 5000 + '", "at": "then"}}',
+        '{"$110": {"value": "1"}}',
+    ],
+    ids=range(9),
+)
+def test_a_damaged_file_is_none(tmp_path: Path, text: str) -> None:
+    (tmp_path / FILE).write_text(text)
+    assert Unproven(tmp_path).given == {}
+
+
+def test_what_can_not_be_written_is_known_as_long_as_the_program_runs(tmp_path: Path) -> None:
+    Unproven(tmp_path).note({"$110": "216.000"})
+    kept = (tmp_path / FILE).read_text()
+    # Nothing can be written there: what would be the file is a folder.
+    blocked = tmp_path / "other"
+    (blocked / FILE).mkdir(parents=True)
+    Unproven(blocked).note({"$110": "168.000"})
+    assert Unproven(blocked).given["$110"].value == "168.000"
+    Unproven(blocked).drop(["$110"])
+    assert Unproven(blocked).given == {}
+    assert Unproven(tmp_path).given["$110"].value == "216.000"
+    assert (tmp_path / FILE).read_text() == kept
