@@ -6,8 +6,8 @@ any Tic on the line obeys, whatever its device number.
 
 from enum import IntEnum
 
-MOST_BLOCK_BYTES = 15
-"""A Tic answers with no more at a time."""
+MOST_BLOCK_BYTES = 14
+"""A Tic answers with 15 at a time, and where a CRC follows maybe with one less."""
 CRC_POLYNOMIAL = 0x91
 
 
