@@ -72,9 +72,9 @@ def section_bytes(build: str) -> dict[str, int]:
     return {words[0]: int(words[1]) for line in lines if len(words := line.split()) == 3 and words[1].isdigit()}
 
 
-def keeps_to(name: str, measured: int, budget: int) -> None:
+def keeps_to(name: str, measured: int, budget: int, generous: float = GENEROUS) -> None:
     assert measured <= budget, f"{name}: {measured}, the budget is {budget}"
-    assert budget <= max(GENEROUS * measured, measured + 4), f"{name}: {measured}, but the budget is {budget}"
+    assert budget <= max(generous * measured, measured + 4), f"{name}: {measured}, but the budget is {budget}"
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -144,4 +144,5 @@ def test_stack(played: list[Played], build: str) -> None:
 def test_longest_interrupts(played: list[Played], vector: str) -> None:
     """Of axes and a line at their limits: wide pulses are waited for in the interrupt, and gauges are slow."""
     longest = max(one.statistics[vector]["longest"] for one in played[:2])
-    keeps_to(vector, longest, BUDGET["longest_interrupt"][vector])
+    # How often the longest come together is a matter of what else the machine does meanwhile.
+    keeps_to(vector, longest, BUDGET["longest_interrupt"][vector], generous=1.5)

@@ -1,4 +1,4 @@
-"""A stop, or a halt, of one byte, in place of a frame."""
+"""A stop, or a halt, of a byte twice, in place of a frame."""
 
 import struct
 
@@ -11,7 +11,7 @@ from firmware.controller_host import Driver
 from firmware.protocol import Ramp, for_axes
 
 SLOW = Ramp([(60_000, 300, -190)], 3000, [(60_000, 300, -190)])
-STOP_BYTE, HALT_BYTE = b"\xff\0", b"\xfe\0"
+STOP_BYTE, HALT_BYTE = b"\xff\xff\0", b"\xfe\xfe\0"
 REPLIES = {
     STOP_BYTE: struct.pack("<BHBB", p.STOP | 0x80, 0, 0, p.OK),
     HALT_BYTE: struct.pack("<BHBB", p.HALT | 0x80, 0, 0, p.OK),
@@ -66,8 +66,8 @@ def test_what_waits_does_not_begin(controller: Controller) -> None:
         assert controller.run_until_idle().position < 3000
 
 
-def test_a_byte_that_goes_on_is_none(controller: Controller) -> None:
+def test_what_only_looks_like_one_is_none(controller: Controller) -> None:
     """The beginning of a frame that was lost may look so."""
-    for more in (b"\xff\xff\0", b"\xfe\x01\0", b"\xfd\0"):
+    for more in (b"\xff\0", b"\xfe\0", b"\xff\xfe\0", b"\xfe\xff\0", b"\xff\xff\xff\0", b"\xfd\xfd\0"):
         assert controller.replies_to(b"\0" + more) == []
     assert controller.status().state == p.IDLE

@@ -111,11 +111,12 @@ static void hear_stop_answered(uint8_t byte)
 void talk_send(const uint8_t *bytes, size_t count)
 {
     static unsigned of_frame; /* bytes so far */
-    static uint8_t first;
+    static uint8_t first, last;
     uint8_t reply[LONGEST_MESSAGE];
     for (size_t i = 0; i < count; i++) {
-        bool stops = bytes[i] == 0 && of_frame == 1 && first >= HALT_BYTE;
+        bool stops = bytes[i] == 0 && of_frame == 2 && first >= HALT_BYTE && last == first;
         first = of_frame == 0 ? bytes[i] : first;
+        last = bytes[i];
         of_frame = bytes[i] == 0 ? 0 : of_frame + 1;
         uint8_t length = message_receive(&as_received, bytes[i]);
         controller_receive(bytes[i]);

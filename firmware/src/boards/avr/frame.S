@@ -89,8 +89,8 @@ goes_on:
 end_of_frame:
 	std  Z+COUNT, r1
 	std  Z+GROUP_LEFT, r1
-	cpi  r25, 1
-	breq one_byte
+	cpi  r25, 2
+	breq two_bytes
 	ld   r18, Z
 	ldd  r19, Z+TAIL+1
 	ldd  r20, Z+CRC
@@ -107,10 +107,13 @@ end_of_frame:
 	ldi  r25, 0
 	ret
 
-one_byte:
-	cpi  r24, HALT_BYTE-1
+two_bytes:
+	ldd  r25, Z+TAIL+1
+	subi r24, -2                         /* the first one */
+	cp   r24, r25
+	brne goes_on
+	cpi  r25, HALT_BYTE
 	brcs goes_on
-	mov  r25, r24
 	ldi  r24, STOPS
 	ret
 

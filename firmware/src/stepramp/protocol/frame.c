@@ -31,12 +31,12 @@ static uint8_t finished_length(const struct frame_receiver *receiver)
 uint16_t frame_receive(struct frame_receiver *receiver, uint8_t byte)
 {
     if (byte == 0) {
-        uint8_t group_left = receiver->group_left;
-        bool stops = receiver->count == 1 && group_left >= HALT_BYTE - 1;
+        uint8_t last = receiver->tail[1];
+        bool stops = receiver->count == 2 && last >= HALT_BYTE && receiver->group_left == last - 2;
         uint8_t length = finished_length(receiver);
         receiver->count = 0;
         receiver->group_left = 0;
-        return stops ? (uint16_t)(group_left << 8 | FRAME_STOPS) : length;
+        return stops ? (uint16_t)(last << 8 | FRAME_STOPS) : length;
     }
     uint8_t count = receiver->count;
     if (receiver->group_left-- == 0) {

@@ -36,7 +36,7 @@ enum { FRAME_GOES_ON = 0, FRAME_STOPS = 0xFE, FRAME_HAS_BYTE = 0xFF };
 
 /* Takes one byte from the line. Returns, in its lower byte, FRAME_HAS_BYTE when it gives one more byte of the message, which
  * is the upper one, the length of the message when it ends a good frame, or FRAME_GOES_ON. A damaged frame may give bytes,
- * but no length. FRAME_STOPS: it was HALT_BYTE or STOP_BYTE alone, less 1 in the upper byte. */
+ * but no length. FRAME_STOPS: it was HALT_BYTE or STOP_BYTE twice, which is the upper byte. */
 uint16_t frame_receive(struct frame_receiver *receiver, uint8_t byte);
 
 /* The byte's place in the message, after FRAME_HAS_BYTE. */

@@ -43,7 +43,8 @@ enum kind {
     KIND_HALT = 0x31
 };
 
-/* In place of a frame, between two zero bytes: a stop, a halt, of all axes. No frame is so long that it begins so. */
+/* Twice in place of a frame, between two zero bytes: a stop, a halt, of all axes. No frame is so long that it begins so; one
+ * alone may be what is left of a frame whose beginning was lost. */
 enum { HALT_BYTE = 0xFE, STOP_BYTE = 0xFF };
 
 /* Obeyed whoever asks for it, and whatever is being sent. */

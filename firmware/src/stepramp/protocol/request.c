@@ -48,7 +48,7 @@ uint8_t request_receive(uint8_t byte)
         return 0;
     }
     if ((uint8_t)received == FRAME_STOPS) {
-        return receive_stop((uint8_t)((received >> 8) + 1));
+        return receive_stop((uint8_t)(received >> 8));
     }
     return (uint8_t)received < MESSAGE_HEADER_BYTES ? 0 : (uint8_t)received;
 }
