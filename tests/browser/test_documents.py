@@ -372,5 +372,6 @@ def test_a_phone_reaches_everything_in_the_menu(open_page: Callable[..., StepRam
     expect(page.locator("html")).to_have_attribute("data-theme", "light")
     page.get_by_role("button", name="Menu").click()
     for item in ("Share a link", "Export", "Lead-screw stage", "Gauge"):
-        expect(page.locator("#menu-list").get_by_role("button", name=item)).to_be_in_viewport()
+        # Behind the examples there may be designs of other tabs, of the same name.
+        expect(page.locator("#menu-list").get_by_role("button", name=item).first).to_be_in_viewport()
     assert watch.errors == []

@@ -156,17 +156,19 @@ def test_what_a_push_has_stored_is_proven_by_a_restart(
     expect(page.locator("#push-report")).to_contain_text("Whether it is stored, too, is seen")
     proof, ask, dialog = page.locator("#proof"), page.locator("#prove"), page.locator("#prove-dialog")
     expect(proof).to_have_text("Whether $110, $120 are stored is seen when the controller next starts.")
+    # On a busy machine it may have been opened twice until it was heard.
+    starts = grbl.starts
     ask.click()
     expect(dialog).to_contain_text("This restarts the controller: it forgets where it is.")
     dialog.get_by_role("button", name="Cancel").click()
-    assert grbl.starts == 1
+    assert grbl.starts == starts
     ask.click()
     page.locator("#prove-restart").click()
     expect(proof).to_have_text("Stored: after a start the controller had $110, $120 as written.")
     expect(page.locator("#notice")).to_contain_text("Stored: after a start the controller had $110, $120")
     expect(ask).to_be_hidden()
     expect(attached.state).to_have_text("ready")
-    assert grbl.starts == 2
+    assert grbl.starts == starts + 1
     # What it doesn't keep is told, and a restore offered.
     grbl.eeprom.is_broken = True
     attached.edit_and_wait(SLEW_SPEED, "800")
