@@ -335,6 +335,7 @@
  * @property {number} steps_made
  * @property {number | null} steps_per_mm   as the controller itself is set; null: it counts in steps only
  * @property {number | null} microsteps     that it makes of a full step; null: it doesn't tell
+ * @property {boolean | null} homing         whether it is being homed; null: it doesn't tell
  * @property {number | null} lowest_steps   soft limit; null: none
  * @property {number | null} highest_steps
  * @property {boolean} is_beyond_limits     whether it is where they let nothing send it */

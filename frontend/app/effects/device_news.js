@@ -15,6 +15,10 @@ import { rejectionsOf } from './device_actions.js';
 const LINK_WORDS = { there: 'The server is back', silent: 'The server is silent', gone: 'The server is gone' };
 const CONFLICT = 409;
 
+/** Whether it has told where it is.
+ * @param {Device} device */
+const hasPlace = ({ state }) => state !== 'lost' && state !== 'connecting';
+
 /**
  * @param {import('../state.js').Store} store
  * @param {import('../../server/gestures.js').Gestures} gestures
@@ -38,7 +42,7 @@ export function createDeviceNews({ state, dispatch }, gestures, traced, { endJog
       const before = known.find((one) => one.id === device.id);
       follower.follow(device);
       if (before && shownState(before) === shownState(device)) continue;
-      dispatch(announce, `${device.name}: ${shownState(device)}${device.state === 'lost' ? '' : ` at ${device.position_steps} steps`}`);
+      dispatch(announce, `${device.name}: ${shownState(device)}${hasPlace(device) ? ` at ${device.position_steps} steps` : ''}`);
       // What was being traced before a loss, or by a server that has ended, is not told any more.
       if (before === undefined || device.state === 'lost') traced.delete(device.id);
       const move = traced.get(device.id);

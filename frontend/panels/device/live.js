@@ -18,7 +18,7 @@ export function createLive() {
     'div',
     { id: 'unknown-position' },
     messageLine({
-      text: 'It was lost and is back: this is what the controller now counts. Look where the axis is, then set its position under Jog.',
+      text: 'Since it was lost, restarted or homed in part only, this is what the controller counts, and may not be where it is. Look where the axis is, then set its position under Jog.',
       isWarning: true,
     }),
   );
@@ -66,7 +66,7 @@ export function createLive() {
       const text = span && `Soft limits: ${span}${isUnknown ? '. It moves once its position is set' : ''}`;
       if (limits.textContent !== text) limits.textContent = text;
       limits.hidden = text === '';
-      unknown.hidden = !isUnknown || isLost;
+      unknown.hidden = !isUnknown || isLost || device?.state === 'connecting' || (state?.homing ?? false);
       beyond.hidden = isUnknown || !state?.is_beyond_limits;
     },
   };
