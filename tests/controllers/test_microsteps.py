@@ -73,10 +73,13 @@ def test_a_status_tells_them(board: Board) -> None:
     assert board.controller.status().trouble is None, "0 is the same place with any"
 
 
+@pytest.mark.parametrize("is_seen", [False, True], ids=["asked at once", "a status looked before"])
 @pytest.mark.parametrize("begin", BEGUN)
-def test_what_was_asked_for_with_others_is_refused_once(board: Board, begin: str) -> None:
-    board.controller.status()
+def test_what_was_asked_for_with_others_is_refused_once(board: Board, begin: str, is_seen: bool) -> None:
+    board.told()
     board.set_mode(4)
+    if is_seen:
+        assert board.told() == (0, 16)
     words = (
         r"makes 16 steps of a full step by now, and made 8 \(.*\): it was changed meanwhile\. Nothing was moved: ask"
     )
@@ -113,6 +116,28 @@ def test_where_it_is_is_to_be_said_once_it_counts_by_others(board: Board, begin:
     assert board.place() >= HAS_MOVED
 
 
+@pytest.mark.parametrize("board", ["tic"], indirect=True)
+def test_zero_goes_no_way_that_was_made_steps_by_others(board: Board) -> None:
+    board.controller.move_by(by(400))
+    board.bench.rest()
+    board.set_mode(4)
+    assert "Set the position here." in (board.controller.status().trouble or "")
+    with pytest.raises(Refused, match="it was changed meanwhile"):
+        board.bench.controller.zero([0], 400)
+    board.bench.pass_time(2)
+    assert board.place() == 400
+
+
+def test_a_run_at_no_speed_stops_whatever_was_changed(board: Board) -> None:
+    board.controller.run(at(500))
+    board.bench.pass_time(0.5)
+    board.set_mode(4)
+    board.controller.run(at(0))
+    place = board.bench.rest().axes[0].position_steps
+    board.bench.pass_time(2)
+    assert board.place() == place
+
+
 def test_set_back_it_is_where_it_counts(board: Board) -> None:
     board.controller.move_by(by(400))
     board.bench.rest()
@@ -129,6 +154,23 @@ def test_a_push_tells_those_that_it_has_by_then(board: Board) -> None:
     send = board.controller.prepare_push([design(axis__microsteps=8)], 0, "try")
     board.set_mode(4)
     assert any("The design has 8 steps a full step, the" in words for words in send().warnings)
+
+
+def test_of_two_axes_none_moves_when_one_has_others(
+    clock: Clock, plug_in: PlugIn, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(tmcl_conversation, "ANSWER_S", ANSWER_S)
+    bench = TmclBench(clock, plug_in, TmclEmulator(clock, number=6212, axes=6))
+    bench.controller.connect()
+    bench.controller.prepare_push([design(), design()], None, "try")()
+    bench.module.motors[1].settings[RESOLUTION] = 5
+    for ask in (bench.controller.move_by, bench.controller.run):
+        bench.module.commands.clear()
+        with pytest.raises(Refused, match=r"Axis 1 makes .* steps of a full step by now"):
+            ask([*at(100), *at(100, 1)])
+        assert not bench.told()
+        bench.module.motors[1].settings[RESOLUTION] += 1
+    bench.port.close()
 
 
 def test_a_module_is_asked_for_one_axis_each_time(

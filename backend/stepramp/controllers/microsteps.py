@@ -14,10 +14,12 @@ class Microsteps:
         self.count = 1
         self._counted_by = 1
         """By these the axis has counted where it is."""
+        self._asked_by = 1
+        """By these whoever moves the axis has made steps of lengths, as far as was said."""
 
     def learn(self, count: int) -> None:
         """Take so many as those by which the axis counts where it is: at first, and once its position is set."""
-        self.count = self._counted_by = count
+        self.count = self._counted_by = self._asked_by = count
 
     def note(self, count: int, position: int) -> None:
         """Take so many as read at rest, or in between, at a position [steps]: 0 is the same place with any."""
@@ -27,8 +29,11 @@ class Microsteps:
             self._counted_by = count
 
     def refuse_changed(self, count: int, position: int) -> None:
-        """Note so many, too; Refused where they are others than are known, since lengths were made steps by those."""
-        before = self.count
+        """Note so many, too; Refused, once, where lengths may have been made steps by others.
+
+        That a status has told them is no reason not to: who moves the axis need not have read it.
+        """
+        before, self._asked_by = self._asked_by, count
         self.note(count, position)
         if count != before:
             raise Refused(

@@ -265,7 +265,8 @@ class AxisAnswer(Answer):
     lowest_steps: int | None = Field(description="Soft limit: the lowest position; null for none [steps]")
     highest_steps: int | None = Field(description="Soft limit: the highest position; null for none [steps]")
     limits_hold: bool = Field(
-        description="Whether it has soft limits and is kept within them just now: while it is homed it isn't"
+        description="Whether it has soft limits and is kept within them just now, as its position is counted: "
+        "`position_known` tells whether it is there. While it is homed it isn't"
     )
     position_known: bool | None = Field(
         description="Whether it is known that its motor is there: since it was homed, or its position set. Not after a "

@@ -187,12 +187,14 @@ class TicController(Controller, TriesRamps, ZeroesGauges, BacksUp):
         """Call the place where the motor rests a position [steps]."""
         asked = of_the_axis(positions)
         position = within_32_bits(asked, int(asked.value))
-        self._microsteps.refuse_changed(self._memory.microsteps(), self._at_rest().position)
+        count, seen = self._memory.microsteps(), self._at_rest()
+        if position:
+            self._microsteps.refuse_changed(count, seen.position)
         for _ in range(1 + MOST_REPEATS):
             self._conversation.send(write(Write.HALT_AND_SET_POSITION, position))
             if self._memory.input() == Input(InputState.HALT, 0) and self._memory.look().position == position:
                 self._course.count_from(position)
-                self._microsteps.learn(self._microsteps.count)
+                self._microsteps.learn(count)
                 return
         raise Refused("The Tic doesn't take the position: is its serial line disturbed?")
 

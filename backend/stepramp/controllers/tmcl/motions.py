@@ -138,8 +138,10 @@ class Motions:
         """Call the places where axes rest positions [steps]."""
         called = {each.axis: within_32_bits(each, int(each.value)) for each in positions}
         self.refuse_moving()
-        for number in called:
-            self._ramps.refuse_other_microsteps(number, self._axes[number].look().position)
+        counts = {number: self._axes[number].microsteps() for number in called}
+        for number, position in called.items():
+            if position:
+                self._ramps.microsteps[number].refuse_changed(counts[number], self._axes[number].look().position)
         for number, position in called.items():
             axis = self._axes[number]
             # One that has a target would go there from its new place. Only once it has that it is given a target.
@@ -151,7 +153,7 @@ class Motions:
             if not all(any(tell() for _ in range(1 + MOST_REPEATS)) for tell in told):
                 raise Refused("The module doesn't take the position: is its serial line disturbed?")
             self._courses[number] = Course(set_out_at=position)
-            self._ramps.microsteps[number].learn(self._ramps.microsteps[number].count)
+            self._ramps.microsteps[number].learn(counts[number])
         self.past_trouble = None
 
     def _to(self, targets: Sequence[tuple[AxisCommand, int]], stops: int) -> None:
