@@ -73,6 +73,21 @@ def test_a_board_is_known_again_by_its_serial_number_wherever_it_comes_back(monk
     assert find_again(lost) == "/dev/ttyACM2"
 
 
+@pytest.mark.parametrize(("kind", "serial_number"), [(UNO, "A1"), ((0x10C4, 0xEA60), "0001")])
+def test_a_serial_number_that_two_have_tells_neither(
+    monkeypatch: pytest.MonkeyPatch, kind: tuple[int, int], serial_number: str
+) -> None:
+    """Cheap boards have the same one, and adapters with a CP210x that which its maker delivers."""
+    attached = [found(f"/dev/ttyUSB{number}", usb=kind, serial_number=serial_number) for number in range(2)]
+    monkeypatch.setattr(list_ports, "comports", lambda: attached)
+    one, other = (known_port(f"/dev/ttyUSB{number}") for number in range(2))
+    assert (one.identity, other.identity) == ("/dev/ttyUSB0", "/dev/ttyUSB1")
+    del attached[0]
+    assert find_again(one) is None
+    if serial_number == "0001":
+        assert known_port("/dev/ttyUSB1").identity == "/dev/ttyUSB1"
+
+
 def test_a_board_without_a_serial_number_is_known_by_its_port_and_kind(monkeypatch: pytest.MonkeyPatch) -> None:
     attached = [found("/dev/ttyUSB0", usb=(0x1A86, 0x7523))]
     monkeypatch.setattr(list_ports, "comports", lambda: attached)

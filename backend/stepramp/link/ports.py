@@ -37,6 +37,8 @@ BOARDS = {
 }
 """USB vendor and product to the board or cable. They tell what is plugged in, not which firmware runs on it."""
 
+SILICON_LABS = 0x10C4
+
 
 @dataclass(frozen=True)
 class Port:
@@ -46,7 +48,7 @@ class Port:
     name: str
     virtual: bool = False
     usb: tuple[int, int, str | None] | None = field(default=None, compare=False)
-    """USB vendor, product and serial number of what is plugged in, as far as they are known."""
+    """USB vendor, product and serial number of what is plugged in, as far as they are known and its own."""
 
     @property
     def identity(self) -> object:
@@ -62,7 +64,12 @@ _TRAVELS = {"rfc2217": "RFC 2217", "socket": "bytes only", "moonraker": "Klipper
 def list_serial_ports(remote: Iterable[RemotePort] = ()) -> list[Port]:
     """Return the ports of this machine in order of their names, then those of other machines, the virtual one last."""
     found = sorted(list_ports.comports(), key=lambda info: info.device)
-    real = [Port(info.device, _board_name(info), usb=_usb_of(info)) for info in found if _is_attached(info)]
+    usb = [_usb_of(info) for info in found]
+    real = [
+        Port(info.device, _board_name(info), usb=each if usb.count(each) == 1 or each is None else (*each[:2], None))
+        for info, each in zip(found, usb, strict=True)
+        if _is_attached(info)
+    ]
     far_away = [Port(str(each), f"{each.host} on the network, {_TRAVELS[each.scheme]}") for each in remote]
     return [*real, *far_away, Port(VIRTUAL_PORT, "Virtual (nothing attached)", virtual=True)]
 
@@ -112,7 +119,11 @@ def find_again(lost: Port) -> str | None:
 
 
 def _usb_of(info: ListPortInfo) -> tuple[int, int, str | None] | None:
-    return None if info.vid is None or info.pid is None else (info.vid, info.pid, info.serial_number)
+    if info.vid is None or info.pid is None:
+        return None
+    # Most adapters with a CP210x have the serial number that Silicon Labs delivers: it tells none from another.
+    is_own = (info.vid, info.serial_number) != (SILICON_LABS, "0001")
+    return info.vid, info.pid, info.serial_number if is_own else None
 
 
 def _is_attached(info: ListPortInfo) -> bool:
