@@ -57,15 +57,15 @@ def why_unreadable(error: ValueError) -> str:
     return f"It can't be read from line {error.lineno}, column {error.colno} on."
 
 
-def parsed_json(text: str) -> object:
+def parsed_json(text: str, most_values: int = MOST_VALUES) -> object:
     """Return JSON as objects; ValueError when it is none, is nested too deeply, or has numbers of too many digits.
 
-    Raises Rejected for more values than any document has, before it is parsed. For a field that is given more than
+    Raises Rejected for more values than most_values, before it is parsed. For a field that is given more than
     once: which of its values is meant? And for half a surrogate pair: UTF-8 can't carry it, so nothing that holds it
     could be answered.
     """
-    if (count := most_values_in(text)) > MOST_VALUES:
-        raise Rejected([Rejection("document", Count(f"{count:,} values"), f"at most {MOST_VALUES:,} values")])
+    if (count := most_values_in(text)) > most_values:
+        raise Rejected([Rejection("document", Count(f"{count:,} values"), f"at most {most_values:,} values")])
     are_repeated = False
 
     def named(pairs: list[tuple[str, object]]) -> dict[str, object]:

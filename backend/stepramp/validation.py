@@ -121,7 +121,7 @@ def is_none(value: object) -> bool:
 
 
 def refuse(field: str, value: object, allowed: str | Limits | Choices, told: tuple[Told, ...] = ()) -> NoReturn:
-    """Refuse a value from within a validator; field is its path below the model that is validated.
+    """Refuse a value from within a validator; field is its path below what is validated, empty for that itself.
 
     told: see Rejection.
     """
@@ -284,7 +284,7 @@ def _rejection(error: ErrorDetails, skip: int) -> Rejection:
     path = list(error["loc"][skip:])
     value = context.get("value", error["input"])
     is_null = value is None and "value" not in context and error["type"] != "missing"
-    if "field" in context:
+    if context.get("field"):
         path.append(str(context["field"]))
     match error["type"]:
         case "refused":

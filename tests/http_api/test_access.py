@@ -153,7 +153,7 @@ def test_every_route_that_changes_something_asks_for_the_role(server: TestClient
     asked = [(path, method) for path, methods in paths.items() for method in methods if method not in ("get", "head")]
     assert len(asked) > 30
     for path, method in asked:
-        if path in COMPUTES or path.endswith(("/stop", "/halt", "/push/preview", "/library/search")):
+        if path in COMPUTES or path.endswith(("/stop", "/halt", "/push/preview", "/library/search", "/pushes/search")):
             continue
         filled = path.replace("{device_id}", "1").replace("{name}", "x").replace("{", "").replace("}", "")
         assert server.request(method, filled, json={}, headers=LOOKS_ON).status_code == 403, (method, path)

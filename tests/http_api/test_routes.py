@@ -20,6 +20,7 @@ from stepramp.validation import Document
 
 FILES = {
     "/export/{format}",
+    "/library/file",
     "/devices/{device_id}/backups/{name}",
     "/backups/{source}/{name}",
     "/devices/{device_id}/trace.csv",

@@ -62,7 +62,12 @@ def url(request: pytest.FixtureRequest) -> str | None:
 
 
 @pytest.fixture
-def library(tmp_path: Path, url: str | None) -> Iterator[Library]:
-    made = Library(Database(tmp_path, url))
+def database(tmp_path: Path, url: str | None) -> Iterator[Database]:
+    made = Database(tmp_path, url)
     yield made
     made.close()
+
+
+@pytest.fixture
+def library(database: Database) -> Library:
+    return Library(database)

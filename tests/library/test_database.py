@@ -40,8 +40,8 @@ NEWER = """
 import sqlalchemy as sa
 from alembic import op
 
-revision = "0002"
-down_revision = "0001"
+revision = "0003"
+down_revision = "0002"
 
 
 def upgrade():
@@ -135,7 +135,7 @@ def test_a_copy_is_kept_before_the_tables_change(tmp_path: Path, monkeypatch: py
     kept = Library(Database(data)).add(design(), About("Lift"))
     newer = tmp_path / "newer"
     shutil.copytree(database._SCRIPTS.dir, newer)
-    (newer / "versions" / "v0002_more.py").write_text(NEWER)
+    (newer / "versions" / "v0003_more.py").write_text(NEWER)
     monkeypatch.setattr(database, "_SCRIPTS", ScriptDirectory(str(newer)))
     assert Library(Database(data)).get(kept.id)[0] == kept
     [copy] = data.glob("library-*.sqlite3")
@@ -150,7 +150,7 @@ def test_tables_that_cannot_be_changed_stay_as_they_were(tmp_path: Path, monkeyp
     kept = Library(Database(data)).add(design(), About("Lift"))
     newer = tmp_path / "newer"
     shutil.copytree(database._SCRIPTS.dir, newer)
-    (newer / "versions" / "v0002_more.py").write_text(NEWER + '    op.execute("no SQL")\n')
+    (newer / "versions" / "v0003_more.py").write_text(NEWER + '    op.execute("no SQL")\n')
     with monkeypatch.context() as patch:
         patch.setattr(database, "_SCRIPTS", ScriptDirectory(str(newer)))
         with pytest.raises(Unavailable, match="syntax error"):

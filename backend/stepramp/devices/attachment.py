@@ -82,6 +82,11 @@ class Attachment:
         return self._known.identity
 
     @property
+    def called(self) -> str:
+        """The same in words; see Port."""
+        return self._known.called
+
+    @property
     def location(self) -> str | None:
         """Where the port leads that it holds, whatever name it was given; None: it holds none."""
         return self._location

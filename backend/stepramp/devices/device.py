@@ -111,6 +111,11 @@ class Device:
         return self._live.now
 
     @property
+    def called(self) -> str:
+        """What tells it apart, as people read it: its USB serial number, else its port or host."""
+        return self._attachment.called
+
+    @property
     def identity(self) -> object:
         """What tells apart what is plugged in, and of what kind of controller it is taken to be; see Port."""
         return self._family.kind, self._attachment.identity

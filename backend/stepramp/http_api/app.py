@@ -25,9 +25,11 @@ from stepramp.http_api import (
     curves,
     devices,
     exports,
+    history,
     imports,
     jobs,
     library,
+    library_file,
     methods,
     motor,
     motor_fastest,
@@ -50,6 +52,7 @@ from stepramp.http_api.client_limits import ClientLimits
 from stepramp.http_api.connections import Connections
 from stepramp.http_api.door import Door
 from stepramp.http_api.errors import ErrorList, handle_errors
+from stepramp.http_api.history_keeper import HistoryKeeper
 from stepramp.http_api.job_registry import Jobs
 from stepramp.http_api.journal import Journal
 from stepramp.http_api.news import News
@@ -57,7 +60,10 @@ from stepramp.http_api.request_numbers import RequestNumbering
 from stepramp.http_api.security import OwnPagesOnly, with_policy
 from stepramp.http_api.sign_in import SignIn
 from stepramp.library.database import URL_VARIABLE, Database
+from stepramp.library.history import History
 from stepramp.library.library import Library
+from stepramp.library.records import Records
+from stepramp.library.whole import Whole
 from stepramp.link.remote_ports import RemotePorts
 from stepramp.link.serial_port import NO_REMOTE_PORTS
 from stepramp.motor.warm_up import warm_up_motor
@@ -99,6 +105,8 @@ PARTS = (
     imports,
     roles,
     library,
+    library_file,
+    history,
     devices,
 )
 """Modules with routes, in the order in which the description of the API has them."""
@@ -114,8 +122,9 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     yield
     publishing.cancel()
     app.state.jobs.close()
-    app.state.library.close()
     app.state.devices.close()
+    app.state.history_keeper.close()
+    app.state.library.close()
     if app.state.audit is not None:
         app.state.audit.close()
 
@@ -171,7 +180,13 @@ def create_app(
     app.state.devices = Devices(families, remote_ports, data)
     app.state.connections = Connections()
     app.state.jobs = Jobs()
-    app.state.library = Library(Database(app.state.devices.data, os.environ.get(URL_VARIABLE)))
+    database = Database(app.state.devices.data, os.environ.get(URL_VARIABLE))
+    app.state.library, app.state.records, app.state.whole_library = (
+        Library(database),
+        Records(database),
+        Whole(database),
+    )
+    app.state.history_keeper = HistoryKeeper(History(database))
     app.state.audit = None
     app.router.routes.extend(_routes())
     handle_errors(app)

@@ -8,6 +8,8 @@ from starlette.requests import HTTPConnection
 from stepramp.devices.device import Device
 from stepramp.devices.registry import Devices
 from stepramp.http_api.bodies import refuse_repeated
+from stepramp.http_api.history_keeper import HistoryKeeper
+from stepramp.http_api.sign_in import client_of
 
 
 async def registry(connection: HTTPConnection) -> Devices:
@@ -36,6 +38,22 @@ async def asking_page(
     return page
 
 
+async def history_keeper(connection: HTTPConnection) -> HistoryKeeper:
+    """Return who notes devices and pushes."""
+    keeper: HistoryKeeper = connection.app.state.history_keeper
+    return keeper
+
+
+Keeper = Annotated[HistoryKeeper, Depends(history_keeper)]
+
+
+async def asking_client(connection: HTTPConnection) -> str | None:
+    """Return what who asks is called; None where nobody is told apart."""
+    client = client_of(connection.scope)
+    return None if client is None else client.name
+
+
+ClientName = Annotated[str | None, Depends(asking_client)]
 Page = Annotated[str | None, Depends(asking_page)]
 
 

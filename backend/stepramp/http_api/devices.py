@@ -10,7 +10,7 @@ from stepramp.devices.registry import Devices
 from stepramp.errors import Refused
 from stepramp.http_api import backups, jog, motion, settings, stopping, surroundings
 from stepramp.http_api.bodies import JsonRoute
-from stepramp.http_api.device_registry import Acting, Page, Registry
+from stepramp.http_api.device_registry import Acting, ClientName, Keeper, Page, Registry
 from stepramp.http_api.devices_models import (
     ConnectPayload,
     DeviceAnswer,
@@ -81,12 +81,13 @@ async def all_devices(devices: Registry) -> DevicesAnswer:
 
 @router.post("/devices")
 @CONNECTING.serves
-def connect(request: ConnectPayload, devices: Registry, page: Page) -> DeviceAnswer:
+def connect(request: ConnectPayload, devices: Registry, page: Page, keeper: Keeper) -> DeviceAnswer:
     """Connect to a port, which takes up to 5 s, and return its device. Nothing moves.
 
     A device that was lost is connected again by itself, as one of the family that it was connected as.
     """
     device = devices.connect(request.port, request.family)
+    keeper.note_device(device)
     with suppress(Refused):  # It was connected already, and another page is in control: it stays so.
         devices.acting(device.view.id, page)
     return DeviceAnswer.model_validate(device.view)
@@ -116,10 +117,15 @@ async def take_over(device_id: str, devices: Registry, page: Page) -> DeviceAnsw
 
 @router.post("/devices/{device_id}/push")
 @PUSHING.serves
-def push(request: PushPayload, device: Acting) -> PushedAnswer:
-    """Have the controller use designs' ramps, stored or on trial, and read them back; refused while a motor moves."""
-    report = device.push(request.designs, request.first_axis, request.mode, PLANNING.wait_for)
-    return PushedAnswer.of(report, device.view.heard_s)
+def push(request: PushPayload, device: Acting, keeper: Keeper, client: ClientName) -> PushedAnswer:
+    """Have the controller use designs' ramps, stored or on trial, and read them back; refused while a motor moves.
+
+    What came of it is kept in the library: `POST /library/pushes/search`.
+    """
+    with keeper.noting(device, request.designs, request.first_axis, request.mode, client) as pushing:
+        report = device.push(request.designs, request.first_axis, request.mode, PLANNING.wait_for)
+        pushing.report = PushedAnswer.of(report, device.view.heard_s)
+        return pushing.report
 
 
 @router.post("/devices/{device_id}/push/preview")

@@ -19,11 +19,16 @@ from stepramp.http_api.library_models import (
     KeptAnswer,
     KeptWithRevisionsAnswer,
     NewDesignPayload,
+    RecordAnswer,
+    RecordContentAnswer,
+    RecordPayload,
+    RecordsAnswer,
     RevisionPayload,
     SearchPayload,
 )
 from stepramp.library.differences import differences
 from stepramp.library.library import About, Kept, Library
+from stepramp.library.records import Records
 
 _OTHERS: dict[int | str, dict[str, Any]] = {
     404: {"model": ErrorList, "description": "There is no such design, or revision"},
@@ -36,6 +41,11 @@ router = APIRouter(prefix="/library", tags=["library"], route_class=JsonRoute, r
 def _library(request: Request) -> Library:
     library: Library = request.app.state.library
     return library
+
+
+def _records(request: Request) -> Records:
+    records: Records = request.app.state.records
+    return records
 
 
 def _version(if_match: Annotated[str | None, Header(description="The ETag that the design had")] = None) -> int:
@@ -66,6 +76,7 @@ def _other(other: Annotated[str, _A_NUMBER]) -> int:
 Number = Annotated[int, Depends(_number)]
 Other = Annotated[int, Depends(_other)]
 TheLibrary = Annotated[Library, Depends(_library)]
+TheRecords = Annotated[Records, Depends(_records)]
 Version = Annotated[int, Depends(_version)]
 
 
@@ -128,6 +139,28 @@ def compared(design_id: str, number: Number, other: Other, library: TheLibrary) 
 def duplicate(design_id: str, request: DuplicatePayload, library: TheLibrary) -> JsonResponse[KeptAnswer]:
     """Keep a copy of the newest revision as a design of its own."""
     return _answer(library.duplicate(design_id, request.name))
+
+
+@router.post("/designs/{design_id}/records")
+@LIBRARY.serves
+def keep_record(design_id: str, request: RecordPayload, records: TheRecords) -> RecordAnswer:
+    """Keep a trace, a capture or a stall map with the revision that it is of."""
+    record = records.add(design_id, request.revision, request.kind, request.document, request.note)
+    return RecordAnswer.model_validate(record)
+
+
+@router.get("/designs/{design_id}/records")
+@LIBRARY.serves
+def all_records(design_id: str, records: TheRecords) -> RecordsAnswer:
+    """Return what was kept with a design."""
+    return RecordsAnswer.model_validate({"records": records.all(design_id)})
+
+
+@router.get("/designs/{design_id}/records/{record_id}")
+@LIBRARY.serves
+def record(design_id: str, record_id: str, records: TheRecords) -> RecordContentAnswer:
+    """Return the document of what was kept."""
+    return RecordContentAnswer.model_validate({"document": records.content(design_id, record_id)})
 
 
 def _answer(kept: Kept) -> JsonResponse[KeptAnswer]:

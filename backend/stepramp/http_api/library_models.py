@@ -1,6 +1,6 @@
 """What the routes over the library take and answer."""
 
-from typing import Annotated
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
@@ -109,3 +109,48 @@ class FoundAnswer(Answer):
 
     count: int = Field(description="How many there are, also those that aren't told")
     designs: list[KeptAnswer] = Field(description="Those changed last first")
+
+
+class RecordPayload(Document):
+    """What was measured of a revision."""
+
+    revision: Annotated[int, Within(1, 2**31 - 1)] = Field(description="Of the design, counted from 1")
+    kind: Literal["trace", "capture", "stall_map"] = Field(description="What it is")
+    note: Note = Field("", description="What is to be known of it")
+    document: dict[str, Any] = Field(description="As it was answered when it was measured or computed")
+
+
+class RecordAnswer(Answer):
+    """What was measured of a revision."""
+
+    id: str = Field(description="What the routes call it")
+    revision: int = Field(description="Of the design, counted from 1")
+    kind: str = Field(description="trace, capture or stall_map")
+    note: str
+    kept_at: str = Field(description="In UTC")
+
+
+class RecordsAnswer(Answer):
+    """What was measured of a design."""
+
+    records: list[RecordAnswer] = Field(description="The newest first")
+
+
+class RecordContentAnswer(Answer):
+    """The document of a record."""
+
+    document: dict[str, object] = Field(description="As it was kept")
+
+
+class ImportedAnswer(Answer):
+    """What a file has added to the library."""
+
+    designs: int = Field(description="Designs that were added")
+    revisions: int = Field(description="Revisions that were added, also to designs that were there")
+    devices: int = Field(description="Devices that were added")
+    pushes: int = Field(description="Pushes that were added")
+    records: int = Field(description="Traces, captures and stall maps that were added")
+    there_already: int = Field(description="Of all these, what the library had already")
+    copies: list[str] = Field(
+        description="Names of designs that the library has otherwise: those of the file were added beside them"
+    )

@@ -27,7 +27,7 @@ LOOKS_ON = (
 )
 ACTS = re.compile(r"/api/v1/(devices|ports|library)(/|$)")
 """Where what changes something for others is asked for; all else that isn't reading only computes."""
-ONLY_TOLD = re.compile(r"/api/v1/(devices/[^/]+/push/preview|library/search)")
+ONLY_TOLD = re.compile(r"/api/v1/(devices/[^/]+/push/preview|library/search|library/pushes/search)")
 """Where it is only told what would be changed."""
 READS = ("GET", "HEAD", "OPTIONS")
 EVENTS = "/api/v1/devices/events"

@@ -40,8 +40,10 @@ class Database:
 
     @contextmanager
     def reading(self) -> Iterator[Connection]:
-        """Yield a connection in a transaction; it raises Unavailable when the database can't be used."""
-        with _unavailable(), self._opened().connect() as connection, connection.begin():
+        """Yield a connection that sees one moment; it raises Unavailable when the database can't be used."""
+        # In a transaction SQLite shows nothing else.
+        options = {} if self._url is None else {"isolation_level": "REPEATABLE READ"}
+        with _unavailable(), self._opened().connect().execution_options(**options) as connection, connection.begin():
             yield connection
 
     @contextmanager

@@ -1,21 +1,18 @@
 """Designs that are kept: named, tagged, with notes, and with every save as a revision of its own."""
 
-import hashlib
 import json
-import re
 import uuid
 from collections.abc import Sequence
 from dataclasses import dataclass
-from datetime import UTC, datetime
 
 from sqlalchemy import Connection, RowMapping, delete, func, insert, select, update
 
 from stepramp.design import Design
-from stepramp.errors import NotFound, Outdated, Rejected, Rejection, shown
+from stepramp.errors import NotFound, Outdated, shown
 from stepramp.library.database import Database
 from stepramp.library.schema import DESIGNS, REVISIONS, TAGS
+from stepramp.library.texts import ID, content_of, hash_of, now, refuse_nul
 
-_ID = re.compile("[0-9a-f]{32}")
 _NUMBERS = range(1, 2**31)
 """What databases can count."""
 
@@ -30,7 +27,7 @@ class About:
 
     def __post_init__(self) -> None:
         given = {"name": self.name, "notes": self.notes} | {f"tags.{at}": tag for at, tag in enumerate(self.tags)}
-        _refuse_nul(given)
+        refuse_nul(given)
 
 
 @dataclass(frozen=True)
@@ -70,16 +67,16 @@ class Library:
         """Keep a design, as revision 1; return it."""
         with self._database.writing() as connection:
             made = _add(connection, about)
-            _add_revision(connection, made, 1, _content(design), note)
-            return _kept(connection, made)
+            _add_revision(connection, made, 1, content_of(design), note)
+            return kept_of(connection, made)
 
     def save(self, design_id: str, version: int, design: Design, note: str = "") -> Kept:
         """Keep another revision. version: see describe."""
         with self._database.writing() as connection:
             _count_change(connection, design_id, version)
             last = select(func.max(REVISIONS.c.number)).where(REVISIONS.c.design_id == design_id)
-            _add_revision(connection, design_id, connection.execute(last).scalar_one() + 1, _content(design), note)
-            return _kept(connection, design_id)
+            _add_revision(connection, design_id, connection.execute(last).scalar_one() + 1, content_of(design), note)
+            return kept_of(connection, design_id)
 
     def describe(self, design_id: str, version: int, about: About) -> Kept:
         """Change what is said of a design.
@@ -91,36 +88,36 @@ class Library:
             connection.execute(update(DESIGNS).where(DESIGNS.c.id == design_id).values(_columns(about)))
             connection.execute(delete(TAGS).where(TAGS.c.design_id == design_id))
             _add_tags(connection, design_id, about.tags)
-            return _kept(connection, design_id)
+            return kept_of(connection, design_id)
 
     def duplicate(self, design_id: str, name: str) -> Kept:
         """Keep a copy under another name: the newest revision, as revision 1."""
         with self._database.writing() as connection:
-            source = _kept(connection, design_id)
-            content = _content_of(connection, design_id, source.revisions)
+            source = kept_of(connection, design_id)
+            content = revision_text(connection, design_id, source.revisions)
             made = _add(connection, About(name, source.notes, source.tags))
             _add_revision(connection, made, 1, content, f"Copy of revision {source.revisions} of {source.name}")
-            return _kept(connection, made)
+            return kept_of(connection, made)
 
     def get(self, design_id: str) -> tuple[Kept, list[Revision]]:
         """Return a design and its revisions, the newest first."""
         columns = (REVISIONS.c.number, REVISIONS.c.note, REVISIONS.c.content_hash, REVISIONS.c.saved_at)
         chosen = select(*columns).where(REVISIONS.c.design_id == design_id).order_by(REVISIONS.c.number.desc())
         with self._database.reading() as connection:
-            kept = _kept(connection, design_id)
+            kept = kept_of(connection, design_id)
             return kept, [Revision(**row) for row in connection.execute(chosen).mappings()]
 
     def content(self, design_id: str, number: int) -> object:
         """Return the design document of a revision, as it was saved."""
         with self._database.reading() as connection:
-            _kept(connection, design_id)
-            return json.loads(_content_of(connection, design_id, number))
+            kept_of(connection, design_id)
+            return json.loads(revision_text(connection, design_id, number))
 
     def search(
         self, text: str = "", tags: Sequence[str] = (), first: int = 0, most: int = 100
     ) -> tuple[int, list[Kept]]:
         """Return how many designs have all words of a text, and all of the tags, and some of them, newest first."""
-        _refuse_nul({"text": text} | {f"tags.{at}": tag for at, tag in enumerate(tags)})
+        refuse_nul({"text": text} | {f"tags.{at}": tag for at, tag in enumerate(tags)})
         chosen = select(DESIGNS)
         for word in text.casefold().split():
             chosen = chosen.where(DESIGNS.c.searched.contains(word, autoescape=True))
@@ -132,10 +129,15 @@ class Library:
             return count, [_told(connection, row) for row in connection.execute(newest).mappings().all()]
 
 
+def add_design(connection: Connection, design_id: str, about: About, version: int, saved_at: str) -> None:
+    """Keep what is said of a design that has no revision yet."""
+    connection.execute(insert(DESIGNS).values(id=design_id, version=version, saved_at=saved_at, **_columns(about)))
+    _add_tags(connection, design_id, about.tags)
+
+
 def _add(connection: Connection, about: About) -> str:
     made = uuid.uuid4().hex
-    connection.execute(insert(DESIGNS).values(id=made, version=1, saved_at=_now(), **_columns(about)))
-    _add_tags(connection, made, about.tags)
+    add_design(connection, made, about, 1, now())
     return made
 
 
@@ -146,27 +148,27 @@ def _add_tags(connection: Connection, design_id: str, tags: Sequence[str]) -> No
 
 
 def _add_revision(connection: Connection, design_id: str, number: int, content: str, note: str) -> None:
-    _refuse_nul({"note": note})
-    row = {"design_id": design_id, "number": number, "content": content, "note": note, "saved_at": _now()}
-    content_hash = hashlib.sha256(content.encode()).hexdigest()
-    connection.execute(insert(REVISIONS).values(**row, content_hash=content_hash))
+    refuse_nul({"note": note})
+    row = {"design_id": design_id, "number": number, "content": content, "note": note, "saved_at": now()}
+    connection.execute(insert(REVISIONS).values(**row, content_hash=hash_of(content)))
 
 
 def _count_change(connection: Connection, design_id: str, version: int) -> None:
     """Count a change made on a version; of two at the same time the database lets only the first."""
-    _kept(connection, design_id)
+    kept_of(connection, design_id)
     known = update(DESIGNS).where(DESIGNS.c.id == design_id, DESIGNS.c.version == version)
-    if connection.execute(known.values(version=version + 1, saved_at=_now())).rowcount == 0:
-        present = _kept(connection, design_id)  # On PostgreSQL somebody else's change may have come in between.
+    if connection.execute(known.values(version=version + 1, saved_at=now())).rowcount == 0:
+        present = kept_of(connection, design_id)  # On PostgreSQL somebody else's change may have come in between.
         raise Outdated(
             f"{shown(present.name)} was changed by somebody else meanwhile: you know its version {version}, "
             f"it is at {present.version}. Nothing was overwritten; look at it, and save again."
         )
 
 
-def _kept(connection: Connection, design_id: str) -> Kept:
+def kept_of(connection: Connection, design_id: str) -> Kept:
+    """Return a design; NotFound when there is none."""
     chosen = select(DESIGNS).where(DESIGNS.c.id == design_id)
-    row = connection.execute(chosen).mappings().one_or_none() if _ID.fullmatch(design_id) else None
+    row = connection.execute(chosen).mappings().one_or_none() if ID.fullmatch(design_id) else None
     if row is None:
         raise NotFound(f"There is no design {shown(design_id)} in the library.")
     return _told(connection, row)
@@ -182,7 +184,8 @@ def _told(connection: Connection, row: RowMapping) -> Kept:
     )
 
 
-def _content_of(connection: Connection, design_id: str, number: int) -> str:
+def revision_text(connection: Connection, design_id: str, number: int) -> str:
+    """Return the document of a revision; NotFound when there is none."""
     chosen = select(REVISIONS.c.content).where(REVISIONS.c.design_id == design_id, REVISIONS.c.number == number)
     content: str | None = connection.execute(chosen).scalar_one_or_none() if number in _NUMBERS else None
     if content is None:
@@ -190,21 +193,6 @@ def _content_of(connection: Connection, design_id: str, number: int) -> str:
     return content
 
 
-def _content(design: Design) -> str:
-    return json.dumps(design.model_dump(mode="json", by_alias=True), sort_keys=True, separators=(",", ":"))
-
-
 def _columns(about: About) -> dict[str, str]:
     searched = "\n".join([about.name, about.notes, *about.tags]).casefold()
     return {"name": about.name, "notes": about.notes, "searched": searched}
-
-
-def _refuse_nul(texts: dict[str, str]) -> None:
-    """Raise Rejected for texts with the character NUL, which PostgreSQL keeps none of."""
-    found = [Rejection(field, text, "text without the character NUL") for field, text in texts.items() if "\0" in text]
-    if found:
-        raise Rejected(found)
-
-
-def _now() -> str:
-    return datetime.now(UTC).isoformat(timespec="microseconds").replace("+00:00", "Z")

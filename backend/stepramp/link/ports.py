@@ -57,6 +57,14 @@ class Port:
             return str(remote.host)
         return self.port if self.usb is None or self.usb[2] is None else self.usb
 
+    @property
+    def called(self) -> str:
+        """The same as people read it."""
+        if not isinstance(self.identity, tuple):
+            return str(self.identity)
+        vendor, product, serial_number = self.identity
+        return f"USB {vendor:04X}:{product:04X}, serial number {escaped(serial_number)}"
+
 
 _TRAVELS = {"rfc2217": "RFC 2217", "socket": "bytes only", "moonraker": "Klipper's Moonraker"}
 

@@ -1,0 +1,102 @@
+"""Keeps what was pushed in the library, in a thread of its own: no push waits for a database, or fails by it."""
+
+import logging
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager, suppress
+from functools import partial
+
+from stepramp.design import Design
+from stepramp.devices.device import Device
+from stepramp.errors import Rejected, Unavailable
+from stepramp.http_api.devices_models import PushedAnswer
+from stepramp.library.history import Device as SeenDevice
+from stepramp.library.history import History, Push
+from stepramp.link.protocol_sim import VIRTUAL_PORT
+
+MOST_WAITING = 1000
+"""So many entries wait for a library that can't be used; then the oldest one is lost."""
+SETTLED_S = 10.0
+
+_logger = logging.getLogger(__name__)
+
+
+class Pushing:
+    """A push that goes on; report: what comes of it, once it has."""
+
+    report: PushedAnswer | None = None
+
+
+class HistoryKeeper:
+    """Notes devices and pushes, one after the other. What can't be written waits for the next one. From any thread."""
+
+    def __init__(self, history: History) -> None:
+        self.history = history
+        self._waiting: deque[Callable[[], object]] = deque(maxlen=MOST_WAITING)
+        self._pool = ThreadPoolExecutor(1, "history")
+
+    def note_device(self, device: Device) -> None:
+        """Have it noted that a device is there, unless it is the virtual one."""
+        if not _is_virtual(device):
+            self._later(partial(self.history.note_device, _seen(device)))
+
+    @contextmanager
+    def noting(
+        self, device: Device, designs: Sequence[Design], first_axis: int | None, mode: str, client: str | None
+    ) -> Iterator[Pushing]:
+        """Have a push noted as it ends, also by an exception, unless its designs were rejected."""
+        pushing, trouble = Pushing(), None
+        try:
+            yield pushing
+        except Rejected:
+            raise
+        except Exception as error:
+            trouble = str(error)
+            raise
+        finally:
+            if not _is_virtual(device) and (trouble is not None or pushing.report is not None):
+                push = Push(
+                    _seen(device),
+                    dict(enumerate(designs, start=first_axis or 0)),
+                    mode,
+                    client,
+                    None if pushing.report is None else pushing.report.model_dump(mode="json"),
+                    trouble,
+                    device.view.backup,
+                )
+                self._later(partial(self.history.note_push, push))
+
+    def settle(self) -> None:
+        """Wait until what was noted is written, or can't be."""
+        with suppress(TimeoutError):
+            self._pool.submit(self._write).result(SETTLED_S)
+
+    def close(self) -> None:
+        """Write what still waits, if that can be done."""
+        self._pool.submit(self._write)
+        self._pool.shutdown()
+
+    def _later(self, entry: Callable[[], object]) -> None:
+        self._pool.submit(self._write, entry)
+
+    def _write(self, *entries: Callable[[], object]) -> None:
+        self._waiting.extend(entries)
+        try:
+            while self._waiting:
+                self._waiting[0]()
+                self._waiting.popleft()
+        except Unavailable as error:
+            _logger.warning("The history of pushes waits for the library, %d so far. %s", len(self._waiting), error)
+        except Exception:
+            self._waiting.popleft()
+            _logger.exception("An entry of the history of pushes is lost.")
+
+
+def _is_virtual(device: Device) -> bool:
+    return device.view.port.startswith(VIRTUAL_PORT)
+
+
+def _seen(device: Device) -> SeenDevice:
+    view = device.view
+    return SeenDevice(view.family, device.called, view.name, view.port)

@@ -1,0 +1,244 @@
+"""The whole library as one file, and such a file into a library: nothing that is there is overwritten by it.
+
+A file is lines of JSON: what it is, then each design with its revisions, each device, each push with its axes, and each
+record; at last how many lines there were and the SHA-256 of them.
+"""
+
+import hashlib
+import json
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from sqlalchemy import Connection, RowMapping, Table, insert, select, update
+
+from stepramp.errors import Rejected, Rejection
+from stepramp.library.database import Database
+from stepramp.library.library import About, add_design
+from stepramp.library.schema import DESIGNS, DEVICES, PUSHED_AXES, PUSHES, RECORDS, REVISIONS, TAGS
+from stepramp.library.texts import as_text, hash_of, now
+from stepramp.library.whole_lines import (
+    FORMAT,
+    VERSION,
+    DesignLine,
+    DeviceLine,
+    Line,
+    PushedAxisLine,
+    PushLine,
+    RecordLine,
+    RevisionLine,
+    checked_lines,
+    whole_lines,
+)
+
+ROWS_AT_ONCE = 50
+
+
+@dataclass
+class Imported:
+    """What an import has added, and what was there already."""
+
+    designs: int = 0
+    revisions: int = 0
+    devices: int = 0
+    pushes: int = 0
+    records: int = 0
+    there_already: int = 0
+    copies: list[str] = field(default_factory=list)
+    """Names of designs that differ from what the library has of them, and were added beside those."""
+
+
+class Whole:
+    """The whole of one database. For any thread."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+
+    def lines(self) -> Iterator[bytes]:
+        """Yield the lines of a file with everything, as of one moment."""
+        digest, count = hashlib.sha256(), 0
+        with self._database.reading() as connection:
+            for each in _documents(connection):
+                line = as_text(each).encode() + b"\n"
+                digest.update(line)
+                count += 1
+                yield line
+        yield as_text({"end": {"lines": count, "sha256": digest.hexdigest()}}).encode() + b"\n"
+
+    def add(self, content: bytes) -> Imported:
+        """Add what a file has and the library hasn't: all of it, or nothing.
+
+        A design that is there gets the revisions that follow those it has; where it has other ones, that of the file is
+        added as a design of its own. Raises Rejected, naming the line, for a file that isn't whole or not such a one.
+        """
+        lines = whole_lines(content)
+        with self._database.writing() as connection:
+            return _Import(connection).add(checked_lines(lines))
+
+
+def _documents(connection: Connection) -> Iterator[dict[str, Any]]:
+    yield {FORMAT: VERSION, "saved_at": now()}
+    for row in _rows(connection, DESIGNS):
+        tags = select(TAGS.c.tag).where(TAGS.c.design_id == row["id"]).order_by(TAGS.c.place)
+        about = {name: row[name] for name in ("id", "name", "notes", "version", "saved_at")}
+        yield {"design": about | {"tags": list(connection.execute(tags).scalars())}}
+        saved = select(REVISIONS).where(REVISIONS.c.design_id == row["id"]).order_by(REVISIONS.c.number)
+        for each in connection.execute(saved).mappings():
+            about = {name: each[name] for name in ("design_id", "number", "note", "saved_at")}
+            yield {"revision": about | {"design": json.loads(each["content"])}}
+    for row in _rows(connection, DEVICES):
+        yield {"device": row}
+    for row in _rows(connection, PUSHES):
+        yield {"push": row | {"report": None if row["report"] is None else json.loads(row["report"])}}
+        chosen = select(PUSHED_AXES).where(PUSHED_AXES.c.push_id == row["id"]).order_by(PUSHED_AXES.c.axis)
+        for each in connection.execute(chosen).mappings():
+            about = {name: each[name] for name in ("push_id", "axis", "name")}
+            yield {"pushed_axis": about | {"design": json.loads(each["content"])}}
+    for row in _rows(connection, RECORDS):
+        yield {"record": row | {"content": json.loads(row["content"])}}
+
+
+def _rows(connection: Connection, table: Table) -> Iterator[dict[str, Any]]:
+    """Yield the rows of a table by their ids, not all at once."""
+    last = ""
+    chosen = select(table).order_by(table.c.id).limit(ROWS_AT_ONCE)
+    while found := [dict(row) for row in connection.execute(chosen.where(table.c.id > last)).mappings()]:
+        yield from found
+        last = found[-1]["id"]
+
+
+class _Import:
+    """Adds lines over a connection, within its transaction."""
+
+    def __init__(self, connection: Connection) -> None:
+        self._connection = connection
+        self._made = Imported()
+        self._called: dict[str, str] = {}
+        """What the designs of the file are called in the library."""
+        self._pushes: dict[str, bool] = {}
+        """Pushes of the file, and whether they were there."""
+        self._design: DesignLine | None = None
+        self._revisions: list[RevisionLine] = []
+
+    def add(self, lines: Iterable[Line]) -> Imported:
+        """Add all; raises Rejected for a revision, an axis or a record of nothing that comes before it."""
+        for line in lines:
+            if isinstance(line, RevisionLine):
+                self._take_revision(line)
+                continue
+            self._end_design()
+            match line:
+                case DesignLine():
+                    self._design = line
+                case DeviceLine():
+                    self._add_device(line)
+                case PushLine():
+                    self._add_push(line)
+                case PushedAxisLine():
+                    self._add_axis(line)
+                case RecordLine():
+                    self._add_record(line)
+        self._end_design()
+        return self._made
+
+    def _take_revision(self, line: RevisionLine) -> None:
+        if self._design is None or line.design_id != self._design.id:
+            raise _stray("revision.design_id", line.design_id, "the id of the design before it")
+        if line.number != len(self._revisions) + 1:
+            raise _stray("revision.number", line.number, f"{len(self._revisions) + 1:,}, as they are counted")
+        self._revisions.append(line)
+
+    def _end_design(self) -> None:
+        """Add the design whose revisions have all come."""
+        if self._design is None:
+            return
+        design, revisions = self._design, self._revisions
+        self._design, self._revisions = None, []
+        if not revisions:
+            raise _stray("design.id", design.id, "one with revisions after it")
+        given = [hash_of(as_text(each.design)) for each in revisions]
+        there = self._hashes(design.id)
+        if given[: len(there)] == there:
+            self._add_design(design, design.id, revisions, len(there))
+        elif there[: len(given)] == given:
+            self._called[design.id] = design.id
+            self._made.there_already += 1
+        else:
+            # The same file once more finds the copy.
+            copy = hash_of(as_text([design.id, given]))[:32]
+            if not self._hashes(copy):
+                self._made.copies.append(design.name)
+            self._add_design(design, copy, revisions, len(self._hashes(copy)))
+            self._called[design.id] = copy
+
+    def _hashes(self, design_id: str) -> list[str]:
+        chosen = select(REVISIONS.c.content_hash).where(REVISIONS.c.design_id == design_id).order_by(REVISIONS.c.number)
+        return list(self._connection.execute(chosen).scalars())
+
+    def _add_design(self, design: DesignLine, called: str, revisions: Sequence[RevisionLine], there: int) -> None:
+        """Add the revisions beyond those that are there, and the design where there are none."""
+        self._called[design.id] = called
+        more = revisions[there:]
+        if not there:
+            about = About(design.name, design.notes, design.tags)
+            add_design(self._connection, called, about, design.version, design.saved_at)
+            self._made.designs += 1
+        elif more:
+            count = update(DESIGNS).where(DESIGNS.c.id == called)
+            self._connection.execute(count.values(version=DESIGNS.c.version + len(more), saved_at=now()))
+        else:
+            self._made.there_already += 1
+        for each in more:
+            row = {"design_id": called, "number": each.number, "note": each.note, "saved_at": each.saved_at}
+            content = as_text(each.design)
+            self._connection.execute(insert(REVISIONS).values(**row, content=content, content_hash=hash_of(content)))
+        self._made.revisions += len(more)
+
+    def _add_device(self, line: DeviceLine) -> None:
+        there = self._row(DEVICES, line.id)
+        if there is None:
+            self._connection.execute(insert(DEVICES).values(line.model_dump()))
+            self._made.devices += 1
+            return
+        seen = {"first_seen_at": min(there["first_seen_at"], line.first_seen_at)}
+        if line.last_seen_at > there["last_seen_at"]:
+            seen |= {"last_seen_at": line.last_seen_at, "name": line.name, "port": line.port}
+        self._connection.execute(update(DEVICES).where(DEVICES.c.id == line.id).values(seen))
+        self._made.there_already += 1
+
+    def _add_push(self, line: PushLine) -> None:
+        if self._row(DEVICES, line.device_id) is None:
+            raise _stray("push.device_id", line.device_id, "the id of a device before it")
+        self._pushes[line.id] = self._row(PUSHES, line.id) is not None
+        if self._pushes[line.id]:
+            self._made.there_already += 1
+            return
+        report = None if line.report is None else as_text(line.report)
+        self._connection.execute(insert(PUSHES).values(line.model_dump() | {"report": report}))
+        self._made.pushes += 1
+
+    def _add_axis(self, line: PushedAxisLine) -> None:
+        if line.push_id not in self._pushes:
+            raise _stray("pushed_axis.push_id", line.push_id, "the id of a push before it")
+        if not self._pushes[line.push_id]:
+            content = as_text(line.design)
+            row = line.model_dump(exclude={"design"}) | {"content": content, "content_hash": hash_of(content)}
+            self._connection.execute(insert(PUSHED_AXES).values(row))
+
+    def _add_record(self, line: RecordLine) -> None:
+        design_id = self._called.get(line.design_id)
+        if design_id is None:
+            raise _stray("record.design_id", line.design_id, "the id of a design before it")
+        if self._row(RECORDS, line.id) is not None:
+            self._made.there_already += 1
+            return
+        row = line.model_dump() | {"design_id": design_id, "content": as_text(line.content)}
+        self._connection.execute(insert(RECORDS).values(row))
+        self._made.records += 1
+
+    def _row(self, table: Table, called: str) -> RowMapping | None:
+        return self._connection.execute(select(table).where(table.c.id == called)).mappings().one_or_none()
+
+
+def _stray(field: str, value: object, allowed: str) -> Rejected:
+    return Rejected([Rejection(f"file: {field}", value, allowed)])

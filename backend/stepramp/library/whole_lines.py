@@ -1,0 +1,180 @@
+"""The lines of a file with a whole library, and how they are checked before anything is added."""
+
+import hashlib
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from datetime import datetime
+from typing import Annotated, Any, Literal, TypeVar
+
+from pydantic import AfterValidator
+
+from stepramp.design import Design
+from stepramp.errors import Rejected, Rejection
+from stepramp.json_text import MOST_VALUES, parsed_json, why_unreadable
+from stepramp.library.texts import ID
+from stepramp.validation import Document, ListOf, Text, Within, refuse
+
+FORMAT = "stepramp_library"
+VERSION = 1
+MORE_VALUES = 100
+"""Around a document its line has so many more at most."""
+MOST_NUMBER = 2**31 - 1
+"""What databases can count."""
+
+T = TypeVar("T", str, str | None)
+
+
+def _id(text: str) -> str:
+    return text if ID.fullmatch(text) else refuse("", text, "32 of the letters 0 to 9 and a to f")
+
+
+def _time(text: str) -> str:
+    try:
+        is_utc = text.endswith("Z") and datetime.fromisoformat(text) is not None
+    except ValueError:
+        is_utc = False
+    return text if is_utc else refuse("", text, "a time in UTC, as 2026-01-31T12:00:00.000000Z")
+
+
+def _design(content: dict[str, Any]) -> dict[str, Any]:
+    """Return a design's document as it was saved: by what it was saved as, a push knows it."""
+    Design.checked(content)
+    return content
+
+
+def _text(text: T) -> T:
+    return refuse("", text, "text without the character NUL") if text is not None and "\0" in text else text
+
+
+Id = Annotated[str, Text(32), AfterValidator(_id)]
+Time = Annotated[str, Text(32), AfterValidator(_time)]
+Saved = Annotated[dict[str, Any], AfterValidator(_design)]
+Number = Annotated[int, Within(1, MOST_NUMBER)]
+Name = Annotated[str, Text(200), AfterValidator(_text)]
+Words = Annotated[str, Text(20_000), AfterValidator(_text)]
+WordsOrNull = Annotated[str | None, AfterValidator(_text)]
+
+
+class DesignLine(Document):
+    """A design without its revisions, which follow."""
+
+    id: Id
+    name: Name
+    notes: Words
+    version: Number
+    saved_at: Time
+    tags: Annotated[list[Name], ListOf("tags", most=30)]
+
+
+class RevisionLine(Document):
+    """A revision of the design before it."""
+
+    design_id: Id
+    number: Number
+    note: Words
+    saved_at: Time
+    design: Saved
+
+
+class DeviceLine(Document):
+    """A device."""
+
+    id: Id
+    family: Name
+    identity: Words
+    name: Words
+    port: Words
+    first_seen_at: Time
+    last_seen_at: Time
+
+
+class PushLine(Document):
+    """A push without its axes, which follow."""
+
+    id: Id
+    device_id: Id
+    pushed_at: Time
+    client: WordsOrNull
+    mode: Name
+    trouble: WordsOrNull
+    report: dict[str, Any] | None
+    backup: WordsOrNull
+
+
+class PushedAxisLine(Document):
+    """An axis of the push before it."""
+
+    push_id: Id
+    axis: Annotated[int, Within(0, MOST_NUMBER)]
+    name: Name
+    design: Saved
+
+
+class RecordLine(Document):
+    """A record of a design."""
+
+    id: Id
+    design_id: Id
+    revision: Number
+    kind: Literal["trace", "capture", "stall_map"]
+    note: Words
+    content: dict[str, Any]
+    kept_at: Time
+
+
+Line = DesignLine | RevisionLine | DeviceLine | PushLine | PushedAxisLine | RecordLine
+
+KINDS: dict[str, type[Line]] = {
+    "design": DesignLine,
+    "revision": RevisionLine,
+    "device": DeviceLine,
+    "push": PushLine,
+    "pushed_axis": PushedAxisLine,
+    "record": RecordLine,
+}
+
+
+def whole_lines(content: bytes) -> list[bytes]:
+    """Return the lines between the first and the last; Rejected for what is no such file, or not a whole one."""
+    *lines, end = content.rstrip(b"\n").split(b"\n") if content.strip() else [b""]
+    head = _read(lines[0] if lines else end)
+    if not isinstance(head, dict) or FORMAT not in head:
+        raise _refused(content[:100].decode("utf-8", "replace"), "a library that StepRamp has saved as a file")
+    if head[FORMAT] != VERSION:
+        raise Rejected([Rejection(f"lines.1.{FORMAT}", head[FORMAT], f"{VERSION}: the file is of a newer StepRamp")])
+    told = _read(end)
+    digest = hashlib.sha256(b"".join(line + b"\n" for line in lines)).hexdigest()
+    if told != {"end": {"lines": len(lines), "sha256": digest}}:
+        raise _refused(
+            f"{len(lines) + 1:,} lines",
+            "a whole file: its last line doesn't fit those before, so it was cut or changed",
+        )
+    return lines[1:]
+
+
+def checked_lines(lines: Sequence[bytes]) -> Iterator[Line]:
+    """Yield what lines say; Rejected, naming the line and the field, for what can't be."""
+    for number, line in enumerate(lines, start=2):
+        try:
+            document = parsed_json(line.decode(), MOST_VALUES + MORE_VALUES)
+            [(name, said)] = document.items() if isinstance(document, dict) and len(document) == 1 else [("", None)]
+            if name not in KINDS:
+                raise Rejected([Rejection("document", name, f"one of {', '.join(KINDS)}")])
+            yield KINDS[name].checked(said)
+        except Rejected as error:
+            raise Rejected([replace(each, field=f"lines.{number}.{each.field}") for each in error.rejections]) from None
+        except ValueError as error:
+            shown_text = line[:100].decode("utf-8", "replace")
+            raise Rejected([Rejection(f"lines.{number}", shown_text, f"JSON ({why_unreadable(error)})")]) from None
+
+
+def _read(line: bytes) -> object:
+    try:
+        return json.loads(line) if len(line) < 1000 else None
+    except ValueError:
+        return None
+
+
+def _refused(value: str, allowed: str) -> Rejected:
+    return Rejected([Rejection("file", value, allowed)])

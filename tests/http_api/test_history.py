@@ -1,0 +1,112 @@
+"""The history of pushes over the API: a controller on a cable, its library, and one that can't be used."""
+
+from __future__ import annotations
+
+import logging
+import sqlite3
+from collections.abc import Iterator
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+import pytest
+from starlette.testclient import TestClient
+
+from controllers.grbl.emulator import GrblOnACable
+from designs import document
+from http_api.families import DEVICES, connected, error_of, ok
+from stepramp.library import database
+
+LIBRARY = "/api/v1/library"
+TYPE = {"content-type": "application/octet-stream"}
+
+
+@pytest.fixture
+def cable() -> Iterator[GrblOnACable]:
+    with GrblOnACable() as cable:
+        yield cable
+
+
+def pushes(client: TestClient, **wanted: Any) -> list[dict[str, Any]]:
+    return list(ok(client.post(f"{LIBRARY}/pushes/search", json=wanted))["pushes"])
+
+
+def test_a_push_is_found_with_its_device_its_revision_and_its_backup(client: TestClient, cable: GrblOnACable) -> None:
+    kept = ok(client.post(f"{LIBRARY}/designs", json={"design": document(), "name": "Lift"}))
+    route = connected(client, cable.port, "grbl")
+    report = ok(client.post(f"{route}/push", json={"design": document()}))
+    [device] = ok(client.get(f"{LIBRARY}/devices"))["devices"]
+    assert (device["family"], device["identity"], device["port"], device["pushes"]) == ("grbl", *2 * (cable.port,), 1)
+    [pushed] = pushes(client, device_id=device["id"], design_id=kept["id"])
+    assert (pushed["device"], pushed["mode"], pushed["trouble"], pushed["client"]) == (
+        device["name"], "keep", None, None,
+    )  # fmt: skip
+    assert pushed["backup"] == client.get(route).json()["backup"] is not None
+    [axis] = pushed["axes"]
+    assert (axis["axis"], axis["name"]) == (0, "Test")
+    assert axis["revisions"] == [{"design_id": kept["id"], "name": "Lift", "number": 1}]
+    whole = ok(client.get(f"{LIBRARY}/pushes/{pushed['id']}"))
+    assert whole["report"] == report
+    assert whole["designs"][0]["design"]["move"] == {"steps": 2000}
+    assert pushes(client, device_id="none") == []
+    error_of(client.get(f"{LIBRARY}/pushes/none"), 404)
+
+
+def test_what_fails_is_in_it_and_what_was_rejected_is_not(client: TestClient, cable: GrblOnACable) -> None:
+    route = connected(client, cable.port, "grbl")
+    too_fast = {"design": document(ramp__slew_speed_steps_per_s=40_000_000)}
+    assert client.post(f"{route}/push", json=too_fast).status_code == 422
+    cable.unplug()
+    words = error_of(client.post(f"{route}/push", json={"design": document(), "to_axis": 1}), 502)["message"]
+    [pushed] = pushes(client)
+    assert (pushed["trouble"], pushed["axes"][0]["axis"]) == (words, 1)
+    assert ok(client.get(f"{LIBRARY}/pushes/{pushed['id']}"))["report"] is None
+
+
+def test_the_virtual_controller_is_in_no_history(client: TestClient) -> None:
+    route = f"{DEVICES}/{ok(client.post(DEVICES, json={'port': 'sim://'}))['id']}"
+    ok(client.post(f"{route}/push", json={"design": document()}))
+    assert pushes(client) == ok(client.get(f"{LIBRARY}/devices"))["devices"] == []
+
+
+def test_a_push_waits_for_no_library_and_is_written_once_that_is_back(
+    client: TestClient, cable: GrblOnACable, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+    caplog: pytest.LogCaptureFixture,
+) -> None:  # fmt: skip
+    monkeypatch.setattr(database, "LOCKED_S", 0.01)
+    route = connected(client, cable.port, "grbl")
+    assert pushes(client) == []
+    with closing(sqlite3.connect(tmp_path / database.FILE_NAME, isolation_level=None)) as other:
+        other.execute("BEGIN IMMEDIATE")
+        with caplog.at_level(logging.WARNING):
+            ok(client.post(f"{route}/push", json={"design": document(), "mode": "keep"}))
+            assert pushes(client) == []
+        assert "waits for the library, 1 so far" in caplog.text
+    assert [each["mode"] for each in pushes(client)] == ["keep"]
+
+
+def test_records_are_kept_with_their_design(client: TestClient) -> None:
+    kept = ok(client.post(f"{LIBRARY}/designs", json={"design": document()}))
+    place = f"{LIBRARY}/designs/{kept['id']}/records"
+    asked = {"revision": 1, "kind": "trace", "note": "at the mill", "document": {"ticks": [1, 2.5, None]}}
+    made = ok(client.post(place, json=asked))
+    assert ok(client.get(place)) == {"records": [made]}
+    assert ok(client.get(f"{place}/{made['id']}")) == {"document": asked["document"]}
+    error_of(client.post(place, json=asked | {"revision": 2}), 404)
+    assert error_of(client.post(place, json=asked | {"kind": "song"}), 422)["field"] == "kind"
+    error_of(client.get(f"{place}/none"), 404)
+
+
+def test_the_library_as_a_file_and_back(client: TestClient, cable: GrblOnACable) -> None:
+    ok(client.post(f"{LIBRARY}/designs", json={"design": document(), "name": "Lift"}))
+    ok(client.post(f"{connected(client, cable.port, 'grbl')}/push", json={"design": document()}))
+    assert len(pushes(client)) == 1
+    told = client.get(f"{LIBRARY}/file")
+    assert 'filename="stepramp-library.jsonl"' in told.headers["content-disposition"]
+    assert ok(client.post(f"{LIBRARY}/import", content=told.content, headers=TYPE)) == {
+        "designs": 0, "revisions": 0, "devices": 0, "pushes": 0, "records": 0, "there_already": 3, "copies": [],
+    }  # fmt: skip
+    half = client.post(f"{LIBRARY}/import", content=told.content[:-100], headers=TYPE)
+    error = error_of(half, 422)
+    assert (error["field"], error["allowed"][:13]) == ("file", "a whole file:")
+    assert client.post(f"{LIBRARY}/import", json={}).status_code == 415
