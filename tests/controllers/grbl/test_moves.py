@@ -318,11 +318,20 @@ def test_steps_per_mm_that_were_heard_wrong_move_nothing(bench: Bench, grbl: Grb
     assert (bench.rest().axes[0].position_steps, grbl.position[0], left) == (800, 1300, [])
 
 
-def test_where_it_counts_from_steps_per_mm_may_change(
-    bench: Bench, grbl: GrblEmulator, controller: GrblController
+@pytest.mark.parametrize("begin", MOTIONS)
+def test_where_it_counts_from_a_motion_is_refused_once_that_was_asked_for_by_other_steps_per_mm(
+    bench: Bench, grbl: GrblEmulator, controller: GrblController, begin: Callable[[GrblController], None]
 ) -> None:
+    """It is where it counts, but whoever asked in mm has worked the steps out with the former."""
     grbl.settings[100] = grbl.eeprom.settings[100] = 500.0
-    controller.move_by([by(800)])
+    with pytest.raises(Refused, match=r"\$100 has changed from 250 to 500, so .* Nothing was moved: ask again\."):
+        begin(controller)
+    bench.pass_time(3)
+    status = controller.status()
+    assert (grbl.steps, status.trouble, status.axes[0].steps_per_mm) == (0, None, 500)
+    begin(controller)
+    bench.ask_for(0.9)
+    controller.move_to([to(800)])
     assert (bench.rest().axes[0].position_steps, grbl.position) == (800, [800, 0, 0])
 
 

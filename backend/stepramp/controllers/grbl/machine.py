@@ -188,10 +188,12 @@ class GrblMachine(Controller, DrawsLines):
         self._remembers.learn_in_use()
         self._know_places()
 
-    def _ask_for_scales(self) -> None:
-        """Ask for the steps per mm again: somebody else may have set them. Known of others are they all the same."""
-        if not self._remembers.has_scales(len(self._places.axes)):
-            self._read_again()
+    def _ask_for_scales(self) -> Sequence[str]:
+        """Ask for the steps per mm again, which somebody else may have set; return how they have changed."""
+        if self._remembers.has_scales(len(self._places.axes)):
+            return ()
+        self._read_again()
+        return self._places.rescaled
 
     def _heed_others(self, report: Report) -> None:
         """Ask for the steps per mm again once axes are told to rest elsewhere, though nothing was begun here."""

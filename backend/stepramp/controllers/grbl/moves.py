@@ -45,7 +45,7 @@ class Moves:
     """Moves axes, unless a stop has come since that was asked for.
 
     slowest_steps_per_s: that the firmware makes. ask_for_scales: learns the steps per mm anew if they are others than
-    is known. called: what people call it.
+    is known, and returns how they have changed. called: what people call it.
     """
 
     def __init__(
@@ -54,7 +54,7 @@ class Moves:
         places: Places,
         stopping: Stopping,
         give_way: Callable[[float], None],
-        ask_for_scales: Callable[[], None],
+        ask_for_scales: Callable[[], Sequence[str]],
         called: str = "grbl",
     ) -> None:
         self._conversation = conversation
@@ -238,13 +238,14 @@ class Moves:
             report = self.look()
             if monotonic() > deadline_s:
                 raise Refused("What goes on doesn't come to rest: stop it first.")
-        if not goes_on:
-            # While it jogs nobody can set them.
-            self._ask_for_scales()
-            refuse_axes([AxisCommand(axis, 0, "axes") for axis in axes], len(self._places.axes))
+        # While it jogs nobody can set them.
+        rescaled = () if goes_on else self._ask_for_scales()
+        refuse_axes([AxisCommand(axis, 0, "axes") for axis in axes], len(self._places.axes))
         self._stopping.refuse_stopped(stops)
         if (reason := self.inability(report)) is not None:
             raise Refused(reason)
+        if rescaled:
+            raise Refused(f"{', '.join(rescaled)}, so lengths are others now. Nothing was moved: ask again.")
         return report
 
     def _ahead(self, speeds: Mapping[int, float], passed_s: float) -> dict[int, int]:

@@ -24,6 +24,8 @@ class Places:
         """Where axes were sent to, as the controller counts: what it tells is coarser."""
         self.changed: dict[int, str] = {}
         """Axes whose steps per mm have changed since it was known where they are, and how, as part of a sentence."""
+        self.rescaled: tuple[str, ...] = ()
+        """How steps per mm have changed by what was last learned, wherever the axes are, as parts of a sentence."""
         self._work_offset: tuple[float, ...] | None = None
         self._rested_at: list[float] | None = None
         """Where they were last seen to rest [mm]; None: they were sent elsewhere since."""
@@ -48,11 +50,14 @@ class Places:
         self.mm_per_unit = MM_PER_INCH if inches else 1.0
         self._told_mm = INCHES_TOLD * MM_PER_INCH if inches else MM_TOLD
         self.changed = {axis: words for axis, words in self.changed.items() if axis < len(self.axes)}
-        for axis, (was, now, place) in enumerate(zip(before, self.axes, self.counted(report), strict=False)):
-            # 0 is the same place by whatever steps per mm.
-            if was.steps_per_mm != now.steps_per_mm and place:
+        rescaled = {}
+        for axis, (was, now) in enumerate(zip(before, self.axes, strict=False)):
+            if was.steps_per_mm != now.steps_per_mm:
                 figures = f"from {float(was.steps_per_mm):,.7g} to {float(now.steps_per_mm):,.7g}"
-                self.changed[axis] = f"{settings.scale_name(axis)} has changed {figures}"
+                rescaled[axis] = f"{settings.scale_name(axis)} has changed {figures}"
+        self.rescaled = tuple(rescaled.values())
+        # 0 is the same place by whatever steps per mm.
+        self.changed |= {axis: words for axis, words in rescaled.items() if self.counted(report)[axis]}
 
     @property
     def change_words(self) -> str:
