@@ -346,6 +346,14 @@
 /** @typedef {{input: string, role: 'emergency_stop' | 'driver_fault' | 'limit', is_active: boolean, axis: number | null,
  *   end: 'low' | 'high' | null}} DeviceInput */
 
+/** What a start has shown of settings that were given before.
+ * @typedef {object} Proof
+ * @property {string[]} proven
+ * @property {string[]} not_kept
+ * @property {{name: string, written: string, at: string, now: string | null}[]} others  those that were not kept
+ * @property {string | null} stored        what is said of the proven ones
+ * @property {string} words                all of it */
+
 /** @typedef {object} Device
  * @property {AxisState[]} axes
  * @property {boolean} on_trial
@@ -366,7 +374,9 @@
  * @property {string | null} backup        the name of the last that was saved of it; null for none
  * @property {string | null} lacks_backup  the name of the one to restore, since it was lost half written; null for none
  * @property {string[]} unproven           settings that it was given, and of which its next start shows whether they are stored
- * @property {{proven: string[], not_kept: string[], words: string} | null} proof  what its last start has shown of such
+ * @property {string | null} unproven_words  the same as sentences, with what can be done; null for none
+ * @property {boolean} proving             it is started anew to prove them: all else is how it was before
+ * @property {Proof | null} proof          what its last start has shown of such
  * @property {'connecting' | 'ready' | 'moving' | 'stopping' | 'writing' | 'lost'} state
  * @property {DeviceInput[] | null} inputs what each is for, and whether it is active; null for one without
  * @property {string[] | null} stopped_by  'emergency_stop' and 'driver_fault', until it is acknowledged; null for one without inputs

@@ -153,9 +153,9 @@ def test_what_a_push_has_stored_is_proven_by_a_restart(
     expect(attached.state).to_have_text("ready")
     attached.edit_and_wait(SLEW_SPEED, "900")
     attached.push()
-    expect(page.locator("#push-report")).to_contain_text("Whether it is stored, too, is seen")
-    proof, ask, dialog = page.locator("#proof"), page.locator("#prove"), page.locator("#prove-dialog")
-    expect(proof).to_have_text("Whether $110, $120 are stored is seen when the controller next starts.")
+    report, ask, dialog = page.locator("#push-report"), page.locator("#prove"), page.locator("#prove-dialog")
+    expect(report).to_contain_text("Read back as sent")
+    expect(page.locator("#proof")).to_contain_text("$110, $120 are in use. What the controller has stored is proven at")
     # On a busy machine it may have been opened twice until it was heard.
     starts = grbl.starts
     ask.click()
@@ -163,8 +163,21 @@ def test_what_a_push_has_stored_is_proven_by_a_restart(
     dialog.get_by_role("button", name="Cancel").click()
     assert grbl.starts == starts
     ask.click()
+    # It stays away until it was seen so.
+    begun, heard = grbl.opened, grbl.exchange
+    silent = lambda _: b""  # noqa: E731
+    grbl.opened = lambda: setattr(grbl, "exchange", silent)  # type: ignore[method-assign]
     page.locator("#prove-restart").click()
-    expect(proof).to_have_text("Stored: after a start the controller had $110, $120 as written.")
+    expect(attached.state).to_have_text("restarting")
+    expect(report).to_contain_text("Restarts to prove it is stored")
+    expect(report.locator("tbody tr").first).to_contain_text("$110")
+    expect(page.locator("#device-axis")).to_be_visible()
+    expect(page.locator("#backup")).to_be_visible()
+    expect(page.locator("#stop")).to_be_enabled()
+    until(lambda: grbl.exchange is silent)
+    grbl.opened, grbl.exchange = begun, heard  # type: ignore[method-assign]
+    grbl.opened()
+    expect(report).to_contain_text("Stored: after a start the controller had $110, $120 as written.")
     expect(page.locator("#notice")).to_contain_text("Stored: after a start the controller had $110, $120")
     expect(ask).to_be_hidden()
     expect(attached.state).to_have_text("ready")
@@ -180,6 +193,8 @@ def test_what_a_push_has_stored_is_proven_by_a_restart(
         "Since its start the controller has $110=216.000 where 192.000 was written"
     )
     expect(page.locator("#push-failed")).to_be_visible()
+    expect(report).to_contain_text("Not as written since its start")
+    expect(report.locator(".others-found tbody")).to_have_text("$110192.000216.000")
     grbl.eeprom.is_broken = False
     attached.edit_and_wait(SLEW_SPEED, "900")
     attached.push()

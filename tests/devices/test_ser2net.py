@@ -121,7 +121,7 @@ def test_what_a_grbl_far_away_has_stored(tmp_path: Path, scheme: str) -> None:
             assert (device.view.unproven, device.view.proof.not_kept) == ((), ())
         else:
             # What listens there may greet whoever connects, as a grblHAL on a network does.
-            with pytest.raises(Refused, match="only bytes travel, and nothing that starts the controller anew"):
+            with pytest.raises(Refused, match="only bytes travel, and nothing that restarts the controller"):
                 device.prove()
             device.disconnect()
             device.connect()

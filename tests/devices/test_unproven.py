@@ -37,6 +37,8 @@ def test_what_can_not_be_written_is_known_as_long_as_the_program_runs(tmp_path: 
     (blocked / FILE).mkdir(parents=True)
     Unproven(blocked).note({"$110": "168.000"})
     assert Unproven(blocked).given["$110"].value == "168.000"
+    assert f"can't be written down in {blocked} (Is a directory)" in (Unproven(blocked).trouble or "")
+    assert Unproven(tmp_path).trouble is None
     Unproven(blocked).drop(["$110"])
     assert Unproven(blocked).given == {}
     assert Unproven(tmp_path).given["$110"].value == "216.000"

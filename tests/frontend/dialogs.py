@@ -13,7 +13,7 @@ ELEMENTS = """
         clearTimeout: globalThis.clearTimeout};
     const made = (tag) => { const heard = {};
         const plain = {tag, children: [], dataset: {}, style: {}, value: '', textContent: '',
-            hidden: false, options: [], open: false, classList: {toggle() {}, add() {}, remove() {}},
+            hidden: false, disabled: false, options: [], open: false, classList: {toggle() {}, add() {}, remove() {}},
             addEventListener(name, act) { heard[name] = act; }, emit(name, event) { heard[name]?.(event); },
             get lastElementChild() { return this.children.at(-1) ?? null; },
             append(...more) { this.children.push(...more); }, replaceChildren(...more) { this.children = more; },

@@ -7,6 +7,7 @@ import pytest
 from designs import document
 from frontend.dialogs import run
 from frontend.modules import Modules
+from stepramp.controllers.capabilities import MENDING
 from stepramp.controllers.klipper.read_settings import read_settings as read_klipper
 from stepramp.design import Design
 
@@ -361,3 +362,112 @@ def test_a_controller_that_works_its_ramps_out_itself_is_told_no_segments(module
     return seen;"""
     )
     assert run(modules, told) == ["Reading its settings …", "Working out the segments …"]
+
+
+# A grbl of two axes to which something was pushed; `sees()` what its panel says of whether that is stored.
+GIVEN = (
+    SHOWN.replace("capabilities: []", "capabilities: ['keep', 'backup', 'import', 'prove'], backup: 'saved'")
+    .replace(
+        "const panel = createDevice(body",
+        """dispatch(COMMANDS.device.chooseAxis, 1);
+    const root = made('div'); body.append(root);
+    const panel = createDevice(root""",
+    )
+    .replace(
+        "{jog: {end() {}, steer() {}}}",
+        "{jog: {end() {}, steer() {}}, listBackups: async () => [{name: '2026-11-28T06-00-00.000000Z'}]}",
+    )
+    .replace("most_axes: 1", "most_axes: 2")
+    + """
+    const axes = [0, 1].map((axis) => ({axis, state: 'ready', position_steps: 7, target_steps: 7, speed_steps_per_s: 0,
+        steps_per_mm: 80, lowest_steps: null, highest_steps: null}));
+    const item = {name: 'Full speed', unit: 'steps/s', axis: 1, requested: 900, sent: 900, read_back: 900,
+        own: {term: '$111', unit: 'mm/min', sent: 216, on_device: 216}};
+    const pushed = {items: [item], verified: true, segments: null, bytes: 25, largest_deviation_us: null,
+        sequence: null, warnings: [], warnings_told: []};
+    const pending = {axes, pushed, unproven: ['$111'], unproven_words: '$111 is in use. Wait, or restart it now.'};
+    const away = {...pending, state: 'connecting', proving: true};
+    const stored = {proven: ['$111'], not_kept: [], others: [], stored: 'Stored: $111.', words: 'Stored: $111.'};
+    const other = {proven: [], not_kept: ['$111'], stored: null, words: 'Another.',
+        others: [{name: '$111', written: '216.000', at: 'then', now: '500.000'}]};
+    const given = (id) => { const one = byId(id); return one.hidden ? '' : textOf(one).trim(); };
+    const report = () => { const [bar, details] = byId('push-report').children;
+        const [head, ...more] = details.children;
+        return {bar: bar.children.filter((one) => !one.hidden).map((one) => one.className),
+            head: details.hidden ? '' : textOf(head).trim(), more: details.hidden ? '' : more.map(textOf).join(' ')}; };
+    const pill = () => find(body, (one) => one.className === 'pill');
+    """
+)
+
+
+def test_while_a_controller_restarts_to_prove_what_it_has_stored_what_is_known_of_it_stays(modules: Modules) -> None:
+    script = (
+        GIVEN
+        + """
+    tell(pending); await settled();
+    const before = [report(), given('proof'), Boolean(byId('prove').disabled)];
+    tell(away);
+    const seen = {pill: textOf(pill()), state: pill().dataset.state, report: report(), proof: given('proof'),
+        reason: given('push-reason'), old: given('old-state'), axis: byId('device-axis').value,
+        backups: byId('backups').hidden, trial: find(body, (one) => one.textContent === 'Try').hidden,
+        can: ['push', 'prove-restart', 'restore-backup', 'start-from', 'settings', 'connect', 'move']
+            .filter((id) => !byId(id).disabled)};
+    tell({...pending, unproven: [], unproven_words: null, proof: stored}); const proven = report();
+    tell({...pending, unproven_words: null, proof: other}); const others = report();
+    return [before, seen, proven, others];"""
+    )
+    before, seen, proven, others = run(modules, script)
+    done = ["done"] * 4
+    assert (before[0]["bar"], before[1:]) == ([*done, ""], ["$111 is in use. Wait, or restart it now.", False])
+    assert "Full speed" in before[0]["more"]
+    assert (seen["pill"], seen["state"]) == ("restarting", "restarting")
+    assert (seen["report"]["bar"], seen["proof"]) == ([*done, "doing"], "")
+    assert seen["report"]["head"].startswith("Restarts to prove it is stored")
+    assert seen["report"]["more"] == before[0]["more"]
+    assert seen["reason"] == "It restarts to prove what it has stored."
+    assert seen["old"].endswith("It restarts: this is where it was.")
+    assert (seen["axis"], seen["backups"], seen["trial"], seen["can"]) == ("1", False, True, [])
+    assert (proven["bar"], others["bar"]) == ([*done, "done"], [*done, "failed"])
+    assert (proven["head"][:6], others["head"][:14]) == ("Stored", "Not as written")
+    assert "Stored: $111." in proven["more"]
+    assert "216.000 500.000" in others["more"]
+
+
+def test_what_was_pushed_before_it_was_connected_is_reported_once_a_start_has_shown_it(modules: Modules) -> None:
+    """As after it was unplugged: it looks as any that is connected, and knows of no push."""
+    script = (
+        GIVEN
+        + """
+    const seen = [];
+    for (const told of [{state: 'connecting', axes: [], unproven: ['$111']}, {proof: stored}, {proof: other}, {}]) {
+        tell({pushed: null, ...told});
+        seen.push([textOf(pill()), report(), find(body, (one) => one.textContent === 'Try').hidden]); }
+    tell({proof: stored}); await settled();
+    find(body, (one) => one['aria-label'] === 'Close the report').onclick(); tell({proof: stored});
+    return [...seen, [report().head, byId('push-report').children[0].hidden]];"""
+    )
+    back, kept, others, nothing, closed = run(modules, script)
+    assert back == ["waiting for the board", {"bar": [""] * 5, "head": "", "more": ""}, True]
+    assert (kept[1]["bar"], kept[1]["more"]) == (["done"] * 5, "Stored: $111.")
+    assert (others[1]["bar"], others[1]["head"][:14]) == ([*["done"] * 4, "failed"], "Not as written")
+    assert (nothing[1]["bar"], nothing[1]["head"]) == ([""] * 5, "")
+    assert closed == ["", True]
+
+
+def test_the_ways_out_are_said_in_one_wording(modules: Modules) -> None:
+    """The button, its question and where that is answered; the panel and the server."""
+    script = (
+        GIVEN
+        + """
+    tell({...pending, unknown_positions: [1], proof: other}); await settled();
+    const dialog = byId('prove-dialog');
+    return [textOf(byId('prove')), textOf(dialog), textOf(byId('prove-restart')), textOf(byId('unknown-position')),
+        textOf(byId('push-failed'))];"""
+    )
+    button, dialog, confirm, unknown, failed = run(modules, script)
+    assert button == confirm == "Restart and prove now"
+    assert dialog.count(button) == 2
+    position = "Look where each axis is, then set its position under Jog."
+    assert position in dialog
+    assert position in unknown
+    assert failed.strip().endswith(MENDING)

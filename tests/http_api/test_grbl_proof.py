@@ -57,11 +57,17 @@ def test_it_is_proven_as_it_is_next_connected(
 ) -> None:
     device = ok(client.get(route))
     assert (device["unproven"], device["proof"], device["message"]) == (GIVEN, None, None)
+    # It is said once, of the device, for as long as it holds.
+    way_out = "What the controller has stored is proven at its next start: wait for that, or restart it now."
+    words = f"$110, $120 are in use. {way_out}"
+    assert device["unproven_words"] == words
+    assert words not in device["pushed"]["warnings"]
     assert unproven_file(tmp_path)["$110"]["value"] == "240.000"
     device = again(client, cable, route)
     words = "Stored: after a start the controller had $110, $120 as written."
-    assert (device["unproven"], device["message"]) == ([], None)
-    assert device["proof"] == {"proven": GIVEN, "not_kept": [], "words": words}
+    assert (device["unproven"], device["unproven_words"], device["message"]) == ([], None, None)
+    assert device["proof"] == {"proven": GIVEN, "not_kept": [], "others": [], "stored": words, "words": words}
+    assert (device["pushed"], device["proving"]) == (None, False)
     assert unproven_file(tmp_path) == {}
     # Its backups are none the more by that.
     assert len(ok(client.get("/api/v1/backups"))["sources"]) == 1
@@ -76,6 +82,10 @@ def test_what_was_not_kept_is_told_and_mended_by_a_restore(client: TestClient, c
     route = connected(client, cable.port, "grbl")
     device = ok(client.get(route))
     assert device["unproven"] == device["proof"]["not_kept"] == GIVEN
+    assert (device["unproven_words"], device["proof"]["stored"]) == (None, None)
+    others = [(each["name"], each["written"], each["now"]) for each in device["proof"]["others"]]
+    assert [(name, written) for name, written, _ in others] == [("$110", "240.000"), ("$120", "20.000")]
+    assert all(f"{name}={now} where {written}" in device["message"] for name, written, now in others)
     assert device["message"] == device["proof"]["words"]
     speed, gain, mending = re.split(r", and |\. Either ", device["message"])
     assert re.fullmatch(rf"Since its start the controller has \$110=500\.000 where 240\.000 was written {SINCE}", speed)
@@ -108,6 +118,29 @@ def test_it_outlasts_the_program(cable: GrblOnACable, tmp_path: Path) -> None:
     assert device["unproven"] == ["$110"]
 
 
+def test_a_push_and_a_restore_say_that_what_is_to_be_proven_is_not_written_down(
+    client: TestClient, cable: GrblOnACable, route: str, tmp_path: Path
+) -> None:
+    [file] = tmp_path.rglob("unproven.json")
+    file.unlink()
+    file.mkdir()
+    words = rf"What is to be proven at its next start can't be written down in {file.parent} \(Is a directory\): it is "
+    pushed = ok(client.post(f"{route}/push", json={"design": document(ramp__slew_speed_steps_per_s=500)}))
+    *_, said, pending = pushed["warnings"]
+    assert re.match(words, said)
+    assert "are in use. What the controller has stored is proven at its next start" in pending
+    device = ok(client.get(route))
+    assert device["pushed"]["warnings"] == pushed["warnings"][:-1], "as long as it holds the device tells it"
+    [saved] = ok(client.get(f"{route}/backups"))["backups"]
+    cable.grbl.settings[110] = cable.grbl.eeprom.settings[110] = 77.0
+    assert re.match(words, ok(client.post(f"{route}/backups/{saved['name']}/restore"))["remarks"][-1])
+    # Once it can be written it is, also by what changes nothing.
+    file.rmdir()
+    ok(client.post(f"{route}/push", json={"design": document(), "to_axis": 1}))
+    assert not any(re.match(words, said) for said in ok(client.get(route))["pushed"]["warnings"])
+    assert "$111" in unproven_file(tmp_path)
+
+
 def test_a_file_that_makes_no_sense_keeps_nothing_from_being_connected(
     client: TestClient, cable: GrblOnACable, route: str, tmp_path: Path
 ) -> None:
@@ -128,7 +161,7 @@ def test_nothing_is_concluded_of_one_that_goes_on(
     device = again(client, cable, route)
     assert (device["unproven"], device["proof"]) == (GIVEN, None)
     error = error_of(client.post(f"{DEVICES}/{device['id']}/prove"), 409)
-    assert "doesn't start anew as its port is opened, so nothing is proven yet" in error["message"]
+    assert "doesn't restart as its port is opened, so nothing is proven yet. What the" in error["message"]
     device = ok(client.get(f"{DEVICES}/{device['id']}"))
     assert (device["state"], device["unproven"], device["proof"]) == ("ready", GIVEN, None)
     cable.grbl.starts_on_open = True
@@ -150,8 +183,11 @@ def test_it_is_started_anew_and_proven(client: TestClient, cable: GrblOnACable, 
     ok(client.post(f"{route}/move", json={"by_steps": 60}))
     wait_until(client, route, lambda device: device["position_steps"] == 60 and device["state"] == "ready")
     ok(client.post(f"{route}/position", json={"position_steps": 1000}))
+    pushed = ok(client.get(route))["pushed"]
     device = ok(client.post(f"{route}/prove"))
     assert (device["state"], device["unproven"], device["proof"]["proven"]) == ("ready", [], GIVEN)
+    # It is the same controller: what was pushed to it stays in view.
+    assert (device["pushed"], device["proving"]) == (pushed, False)
     # It has forgotten where it is, and so has StepRamp.
     assert (device["position_steps"], device["unknown_positions"]) == (0, [0, 1, 2])
     assert f"{DEVICES}/{device['id']}" == route
@@ -200,7 +236,7 @@ def test_one_that_does_not_come_back_is_lost_and_what_is_to_be_proven_stays(
     cable.grbl.opened = lambda: setattr(cable.grbl, "is_on", False)  # type: ignore[method-assign]
     assert "Nothing answers at" in error_of(client.post(f"{route}/prove"), 502)["message"]
     device = ok(client.get(route))
-    assert (device["state"], device["unknown_positions"]) == ("lost", [0, 1, 2])
+    assert (device["state"], device["unknown_positions"], device["proving"]) == ("lost", [0, 1, 2], False)
     cable.grbl.opened = opened  # type: ignore[method-assign]
     cable.grbl.power_up()
     connected(client, cable.port, "grbl")
@@ -229,7 +265,11 @@ def test_a_stop_while_it_is_away_is_owed_and_final(
     with ThreadPoolExecutor(1) as pool:
         proven = pool.submit(client.post, f"{route}/prove")
         assert closed.wait(20)
-        assert ok(client.get(route))["state"] == "connecting"
+        away = ok(client.get(route))
+        assert (away["state"], away["proving"], away["unproven"]) == ("connecting", True, GIVEN)
+        assert [axis["state"] for axis in away["axes"]] == ["connecting"] * 3
+        assert "prove" in away["capabilities"]
+        assert away["pushed"]["verified"]
         known = {"X-StepRamp-Stops": str(ok(client.get(route))["stops"])}
         assert "being connected" in error_of(client.post(f"{route}/stop"), 409)["message"]
         goes_on.set()

@@ -101,6 +101,13 @@ class BacksUp(TellsSettings, Protocol):
         """
 
 
+AT_NEXT_START = "What the controller has stored is proven at its next start"
+"""The beginning of every sentence on when that is known of a ProvenByStart."""
+WAIT_OR_RESTART = f"{AT_NEXT_START}: wait for that, or restart it now."
+MENDING = "Restore a backup of this device, or push again."
+"""What to do about one that has something else than was sent."""
+
+
 @runtime_checkable
 class ProvenByStart(Protocol):
     """A controller that uses at once what it is given, and what it has stored only from its next start on.

@@ -151,10 +151,9 @@ class Attachment:
                 self._connect(self._view.now.port)
 
     def _connect(self, port: str, known: DeviceView | None = None) -> None:
-        """Connect, or leave the device lost as it was known before; None: as it is now."""
-        name = port_name(port)
+        """Connect, or leave the device lost as it was known before; None: as it is now, and it may be another one."""
         before = known or self._view.now
-        self._view.change(lambda view: view.anew(port, name))
+        self._view.change(lambda view: view if view.proving else view.anew(port, port_name(port)))
         worker = Worker(port, self.poll, self._ended)
         self._contact.begin(worker)
         try:

@@ -3,7 +3,7 @@
 from collections.abc import Collection
 from dataclasses import dataclass, replace
 
-MENDING = "Restore a backup of this device, or push again."
+from stepramp.controllers.capabilities import MENDING, WAIT_OR_RESTART
 
 
 @dataclass(frozen=True)
@@ -47,14 +47,25 @@ class Proof:
         )
 
     @property
+    def stored(self) -> str | None:
+        """What is to be said of the proven ones; None for nothing."""
+        names = ", ".join(self.proven)
+        return f"Stored: after a start the controller had {names} as written." if names else None
+
+    @property
     def words(self) -> str:
         """What it says, as sentences."""
-        names = ", ".join(self.proven)
-        kept = f"Stored: after a start the controller had {names} as written." if names else None
-        return " ".join(each for each in (kept, self.trouble) if each)
+        return " ".join(each for each in (self.stored, self.trouble) if each)
 
     def without(self, names: Collection[str]) -> "Proof | None":
         """Return what is left of it once settings were written anew; None for nothing."""
         proven = tuple(each for each in self.proven if each not in names)
         others = tuple(each for each in self.others if each.name not in names)
         return replace(self, proven=proven, others=others) if proven or others else None
+
+
+def pending_words(names: Collection[str]) -> str | None:
+    """Return what is to be said of settings that are in use, and not proven yet; None for none."""
+    if not names:
+        return None
+    return f"{', '.join(names)} {'is' if len(names) == 1 else 'are'} in use. {WAIT_OR_RESTART}"

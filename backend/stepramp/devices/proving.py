@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from stepramp.controllers.capabilities import ProvenByStart
+from stepramp.controllers.capabilities import AT_NEXT_START, ProvenByStart
 from stepramp.controllers.contract import Controller
 from stepramp.devices.live_view import LiveView
 from stepramp.devices.proof import Other, Proof
@@ -12,12 +12,12 @@ from stepramp.link.remote_ports import RemotePort
 
 NOTHING = "Nothing is left to be proven of {name}: all that was written from here was there after a start."
 BYTES_ONLY = (
-    "Over {port} only bytes travel, and nothing that starts the controller anew; nor can it be known there whether it "
-    "has started. What it has stored is proven when it is next connected by a serial port, here or by rfc2217://."
+    "Over {port} only bytes travel, and nothing that restarts the controller; nor can it be known there whether it has "
+    f"started. {AT_NEXT_START} over a serial port, here or by rfc2217://."
 )
 GOES_ON = (
-    "The controller at {port} doesn't start anew as its port is opened, so nothing is proven yet. It is proven at its "
-    "next start, as by switching it off and on, where that is heard; set the positions of its axes again."
+    "The controller at {port} doesn't restart as its port is opened, so nothing is proven yet. "
+    f"{AT_NEXT_START}, as by switching it off and on, where that is heard. Set its position again."
 )
 
 
@@ -43,6 +43,11 @@ class Proving:
         """Refused where the last connection has not begun with a start of the controller."""
         if not self._has_seen_start:
             raise Refused(GOES_ON.format(port=self._view.now.port))
+
+    @property
+    def trouble(self) -> str | None:
+        """Why what is to be proven is known only as long as the program runs, as a sentence; None: it is written."""
+        return self._unproven.trouble
 
     # From here on: in the thread of the port.
 

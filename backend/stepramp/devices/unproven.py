@@ -32,12 +32,23 @@ class Unproven:
     folder: that of its backups. Where that can't be written, they are known as long as the program runs.
     """
 
-    _unwritten: ClassVar[dict[Path, Mapping[str, Given]]] = {}
-    """What couldn't be written, by the file that is older now."""
+    _unwritten: ClassVar[dict[Path, tuple[Mapping[str, Given], str]]] = {}
+    """What couldn't be written, and why, by the file that is older now."""
 
     def __init__(self, folder: Path) -> None:
         self._file = folder / FILE
         self.given: Mapping[str, Given] = self._read()
+
+    @property
+    def trouble(self) -> str | None:
+        """Why the file isn't as they are, and what comes of that, as a sentence; None: it is."""
+        if self._file not in self._unwritten:
+            return None
+        _, why = self._unwritten[self._file]
+        return (
+            f"What is to be proven at its next start can't be written down in {self._file.parent} ({why}): it is known "
+            "only as long as StepRamp runs."
+        )
 
     def note(self, given: Mapping[str, str | None]) -> None:
         """Note what settings were given just now; of those that are None nothing is to be proven any more."""
@@ -50,19 +61,19 @@ class Unproven:
         self._keep({name: each for name, each in self.given.items() if name not in names})
 
     def _keep(self, given: Mapping[str, Given]) -> None:
-        if given == self.given:
+        if given == self.given and self._file not in self._unwritten:
             return
         self.given = given
         try:
             write_whole(self._file, json.dumps({name: asdict(each) for name, each in given.items()}, indent=1))
             self._unwritten.pop(self._file, None)
         except OSError as error:
-            self._unwritten[self._file] = given
+            self._unwritten[self._file] = given, error.strerror or str(error)
             _logger.warning("What isn't proven yet can't be kept in %s: %s", self._file, error.strerror or error)
 
     def _read(self) -> Mapping[str, Given]:
         if self._file in self._unwritten:
-            return self._unwritten[self._file]
+            return self._unwritten[self._file][0]
         try:
             told = json.loads(self._file.read_text(encoding="utf-8"))
             return {

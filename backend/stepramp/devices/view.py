@@ -9,7 +9,7 @@ from stepramp.controllers.capabilities import CapabilityName
 from stepramp.controllers.contract import Activity, AxisStatus, ControllerStatus, PushReport, StoredRamp
 from stepramp.controllers.inputs import InputStatus, StopCause
 from stepramp.controllers.progress import Progress
-from stepramp.devices.proof import Proof
+from stepramp.devices.proof import Proof, pending_words
 from stepramp.devices.shuttle import Shuttle
 from stepramp.devices.soft_limits import FREE, Span
 
@@ -61,6 +61,12 @@ class AxisView:
         """Whether it is where its soft limits let nothing send it: they may be set wherever it is."""
         return not Span(self.lowest_steps, self.highest_steps).contains(self.position_steps)
 
+    def away(self) -> "AxisView":
+        """Return the axis as it is while its controller is started anew: it makes no steps, and was there."""
+        return replace(
+            self, state=DeviceState.CONNECTING, target_steps=self.position_steps, speed_steps_per_s=0.0, homing=None
+        )
+
     def limited(self, span: Span) -> "AxisView":
         """Return the axis with soft limits."""
         return replace(self, lowest_steps=span.lowest_steps, highest_steps=span.highest_steps)
@@ -104,7 +110,7 @@ class DeviceView:
     motors_on: bool = False
     starved: int | None = None
     pushed: PushReport | None = None
-    """The last push over this connection."""
+    """The last push over this connection, or before its controller was started anew from here."""
     backup: str | None = None
     """The name of the last backup that was saved over this connection, or that before it was lost."""
     half_written: str | None = None
@@ -115,6 +121,8 @@ class DeviceView:
     """Settings that it was given, and of which its next start proves whether they are stored."""
     proof: Proof | None = None
     """What its last start has shown of such; None for nothing."""
+    proving: bool = False
+    """Its controller is started anew from here to prove them; all else is how it was before."""
     progress: Progress | None = None
     """How far the push has come that is under way."""
     shuttle: Shuttle | None = None
@@ -139,6 +147,12 @@ class DeviceView:
     """Of the axes that have some."""
     heard_s: float = field(default=0.0, compare=False)
     """When the controller said so, by the monotonic clock; 0 before it has said anything [s]."""
+
+    @property
+    def unproven_words(self) -> str | None:
+        """What is to be said of the unproven ones that are in use; None for nothing."""
+        others = () if self.proof is None else self.proof.not_kept
+        return pending_words([name for name in self.unproven if name not in others])
 
     @property
     def age_s(self) -> float | None:
@@ -167,6 +181,7 @@ class DeviceView:
             inputs=None if status.of_inputs is None else status.of_inputs.inputs,
             stopped_by=None if status.of_inputs is None else status.of_inputs.stopped_by,
             zeroing=tuple(axis for axis in self.zeroing if axis not in resting),
+            proving=False,
         ).with_known_positions(arrived)
 
     def with_zeroing(self, axes: Collection[int]) -> "DeviceView":
@@ -198,6 +213,7 @@ class DeviceView:
             port,
             name,
             self.family,
+            capabilities=self.capabilities,
             unknown_positions=self.unknown_positions,
             in_control=self.in_control,
             in_control_at=self.in_control_at,
@@ -206,13 +222,26 @@ class DeviceView:
             backup=self.backup,
             half_written=self.half_written,
             lacks_backup=self.lacks_backup,
+            unproven=self.unproven,
             proof=self.proof,
         )
 
     def starting_anew(self) -> "DeviceView":
-        """Return the device as it is while its controller is started anew: where it was, that forgets."""
+        """Return the device as it is while its controller is started anew: where it was, that forgets.
+
+        It is known that it is the same one, so what was pushed to it, and what axes it has, stay in view.
+        """
         unknown = tuple(sorted({*self.unknown_positions, *(axis.axis for axis in self.axes)}))
-        return replace(self.anew(self.port, self.name), unknown_positions=unknown)
+        return replace(
+            self.anew(self.port, self.name),
+            axes=tuple(axis.away() for axis in self.axes),
+            most_axes=self.most_axes,
+            firmware_version=self.firmware_version,
+            ramp=self.ramp,
+            pushed=self.pushed,
+            proving=True,
+            unknown_positions=unknown,
+        )
 
     def limited(self, spans: Mapping[int, Span]) -> "DeviceView":
         """Return the device with these soft limits, besides those that other axes have."""
@@ -246,6 +275,7 @@ class DeviceView:
             progress=None,
             shuttle=None,
             after_homing={},
+            proving=False,
         )
 
     def still_lost(self, message: str, now: "DeviceView") -> "DeviceView":

@@ -1,6 +1,6 @@
 """Writing: the ramps and settings that a controller is given."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import TypeVar
 
@@ -163,6 +163,7 @@ class Writing:
 
         def restore(able: BacksUp) -> None:
             self._while_writing(lambda: use(able), unsaved=remarks.append)
+            remarks.extend(self._unwritten())
 
         self._contact.ask_one_who(BacksUp, restore)
         self._view.log("backup %s written", name)
@@ -181,9 +182,17 @@ class Writing:
     def _push(self, send: SendPush) -> PushReport:
         reports: list[PushReport] = []
         self._while_writing(lambda: reports.append(send()))
-        self._view.change(lambda view: replace(view, pushed=reports[0]))
-        self._view.log("ramps pushed, %d bytes, %s", reports[0].bytes, "kept" if reports[0].kept else "on trial")
-        return reports[0]
+        report = replace(reports[0], warnings=(*reports[0].warnings, *self._unwritten()))
+        self._view.change(lambda view: replace(view, pushed=report))
+        self._view.log("ramps pushed, %d bytes, %s", report.bytes, "kept" if report.kept else "on trial")
+        # Of the device that is told as long as it holds; the report of a push stays as it is.
+        pending = self._view.now.unproven_words
+        return replace(report, warnings=(*report.warnings, pending)) if pending else report
+
+    def _unwritten(self) -> Iterator[str]:
+        """Yield that what is to be proven isn't written down, where it isn't."""
+        if self._view.now.unproven and (trouble := self._proving.trouble) is not None:
+            yield trouble
 
     def _while_writing(self, job: Callable[[], None], unsaved: Callable[[str], None] | None = None) -> None:
         """Write at rest, once what the controller has is saved.

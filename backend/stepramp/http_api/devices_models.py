@@ -279,6 +279,15 @@ class AxisAnswer(Answer):
     )
 
 
+class OtherAnswer(Answer):
+    """A setting that is another since its start than was written."""
+
+    name: str = Field(description="What the controller calls it")
+    written: str = Field(description="What was written, as it was sent")
+    at: str = Field(description="When that was, in UTC, for people")
+    now: str | None = Field(description="What it had after its start, as it was told; null: it wasn't there")
+
+
 class ProofAnswer(Answer):
     """What a start of a controller has shown of settings that it was given before."""
 
@@ -286,7 +295,9 @@ class ProofAnswer(Answer):
     not_kept: list[str] = Field(
         description="Settings that are others: they weren't kept, or were set by somebody else since"
     )
-    words: str = Field(description="The same as sentences, with what was written when, and what it has")
+    others: list[OtherAnswer] = Field(description="The same settings, with both values")
+    stored: str | None = Field(description="What is said of the proven ones, as a sentence; null where none is")
+    words: str = Field(description="All of it as sentences, with what was written when, and what it has")
 
 
 class InputAnswer(Answer):
@@ -314,10 +325,10 @@ class DeviceAnswer(Answer):
     name: str = Field(description="What people call it")
     family: str = Field(description="The name of the family of controllers that it is of")
     capabilities: list[CapabilityName] = Field(
-        description="What it can do besides what all controllers can; none until it is connected. keep: store pushed "
-        "ramps. try: use them without that, and roll back. restore: bring back those before. settings; trace; line; "
-        "zero: as the requests of that name. inputs: it tells them, and can be homed and acknowledged. backup: its "
-        "settings are saved before they are written to. prove: it proves by a start that it has stored them. "
+        description="What it can do besides what all controllers can; none until it is connected first. keep: store "
+        "pushed ramps. try: use them without that, and roll back. restore: bring back those before. settings; trace; "
+        "line; zero: as the requests of that name. inputs: it tells them, and can be homed and acknowledged. backup: "
+        "its settings are saved before they are written to. prove: it proves by a start that it has stored them. "
         "What it can't do is refused with 409"
     )
     state: DeviceState = Field(
@@ -366,7 +377,10 @@ class DeviceAnswer(Answer):
         description="What has stopped all motion, and has to be acknowledged before anything moves again; empty for "
         "nothing, null for a controller without inputs"
     )
-    pushed: PushAnswer | None = Field(description="The last push over this connection; null for none")
+    pushed: PushAnswer | None = Field(
+        description="The last push over this connection, or before it was started anew to prove what it has stored; "
+        "null for none"
+    )
     backup: str | None = Field(
         description="The name of the last backup that was saved of it since it was connected first; null for none"
     )
@@ -377,6 +391,13 @@ class DeviceAnswer(Answer):
     unproven: list[str] = Field(
         description="Settings that it was given, also before it was connected now, and of which only its next start "
         "proves whether it has stored them, or `POST /devices/{id}/prove`"
+    )
+    unproven_words: str | None = Field(
+        description="The same as sentences, and what can be done; null for none but those that `proof` tells of"
+    )
+    proving: bool = Field(
+        description="Whether its controller is being started anew from here to prove them: its axes, what it can do, "
+        "and what was pushed to it, are told as they were before"
     )
     proof: ProofAnswer | None = Field(
         description="What its last start has shown of such settings, until they are written again; null for nothing"

@@ -41,6 +41,7 @@ const LINE_PX = 40;
 /** What people read for a state; all others are called what they are.
  * @type {Record<string, string>} */
 const STATE_WORDS = { none: 'not connected', connecting: 'waiting for the board' };
+const RESTARTS = 'It restarts to prove what it has stored.';
 
 /**
  * @param {HTMLElement} root
@@ -215,7 +216,7 @@ export function createDevice(root, dispatch, act) {
     if (!now.mayAct) return 'You look on: your link allows to see, to compute and to stop.';
     if (present === null || present.state === 'lost') return 'Connect a device first.';
     if (now.isOthers) return 'Another page is in control.';
-    if (present.state === 'connecting') return 'It is waiting for the board.';
+    if (present.state === 'connecting') return present.proving ? RESTARTS : 'It is waiting for the board.';
     return present.state === 'writing' ? 'It is writing its ramp.' : '';
   }
 
@@ -274,7 +275,7 @@ export function createDevice(root, dispatch, act) {
     if (pill.textContent !== word) pill.textContent = word;
     const waiting = shown.devices.asking === 'find' ? 'Listening…' : 'Connecting…';
     showText(connect, isConnected ? 'Disconnect' : now.isBusy && !present ? waiting : 'Connect');
-    connect.disabled = !isLive || now.isBusy || isMoving || portOf(shown) === '' || (isConnected && now.isOthers) || !now.mayAct;
+    connect.disabled = !isLive || now.isBusy || isMoving || state === 'restarting' || portOf(shown) === '' || (isConnected && now.isOthers) || !now.mayAct;
     find.disabled = !isLive || now.isBusy || !now.mayAct;
     connect.title = now.mayAct ? (isMoving ? 'Stop it first' : '') : 'You look on: your link allows no more';
     gear.disabled = hindrance(present, now) !== '' || isMoving || now.isBusy;
@@ -307,7 +308,7 @@ export function createDevice(root, dispatch, act) {
     const text = `Soft limits of this port, ${spans.join(', ')}, are not in force.`;
     const shown = /** @type {HTMLElement} */ (forgotten.lastElementChild);
     if (shown.textContent !== text) shown.textContent = text;
-    setLimits.disabled = isBusy;
+    setLimits.disabled = isBusy || present.state === 'connecting';
     setLimits.onclick = () => act.limitAgain(present, kept);
   }
 

@@ -2,7 +2,7 @@
 // Where an axis is and how fast it moves.
 
 import { agoText } from '../../devices/ages.js';
-import { shuttleText } from '../../devices/state_words.js';
+import { SET_POSITION, shownState, shuttleText } from '../../devices/state_words.js';
 import { element, messageLine, showText } from '../../ui/dom.js';
 import { formatFigures, formatFixed } from '../../model/numbers.js';
 import { shownValue, unitsFor, unitWord } from '../../model/units.js';
@@ -18,7 +18,7 @@ export function createLive() {
     'div',
     { id: 'unknown-position' },
     messageLine({
-      text: 'Since it was lost, restarted or homed in part only, this is what the controller counts, and may not be where it is. Look where the axis is, then set its position under Jog.',
+      text: `Since it was lost, restarted or homed in part only, this is what the controller counts, and may not be where it is. ${SET_POSITION}`,
       isWarning: true,
     }),
   );
@@ -39,11 +39,12 @@ export function createLive() {
     show({ known: device, axis, situation }) {
       const state = device?.axes[axis] ?? null;
       const isLost = device?.state === 'lost';
-      const isOld = state !== null && (isLost || situation.link !== 'there' || situation.age !== null);
+      const restarts = shownState(device) === 'restarting';
+      const isOld = state !== null && (isLost || restarts || situation.link !== 'there' || situation.age !== null);
       readouts.classList.toggle('old', isOld);
       old.hidden = !isOld;
       const when = situation.age === null ? 'a moment ago' : agoText(situation.age);
-      const oldText = isOld ? `Nothing is heard of it: this is how it was ${when}.` : '';
+      const oldText = !isOld ? '' : restarts ? 'It restarts: this is where it was.' : `Nothing is heard of it: this is how it was ${when}.`;
       if (old.textContent !== oldText) old.replaceChildren(messageLine({ text: oldText, isWarning: true }));
       showText(shuttle, isLost ? '' : shuttleText(device));
       shuttle.hidden = shuttle.textContent === '';
@@ -59,7 +60,7 @@ export function createLive() {
       ];
       position.show(state ? length(state.position_steps) : '–', unitWord(units, design, 'length'), notes.filter(Boolean).join(' · '));
       const shown = state ? shownValue(units, design, 'speed', state.speed_steps_per_s) : 0;
-      speed.show(state && !isLost ? (isInSteps ? formatFixed(shown) : formatFigures(shown)) : '–', unitWord(units, design, 'speed'), '');
+      speed.show(state && !isLost && !restarts ? (isInSteps ? formatFixed(shown) : formatFigures(shown)) : '–', unitWord(units, design, 'speed'), '');
       const span = state ? limitsText(units, design, state) : '';
       const isUnknown = device?.unknown_positions.includes(axis) ?? false;
       // Nobody knows where the limits are of what isn't where it counts: the server lets nothing move it.

@@ -14,6 +14,8 @@ import { enable } from './section.js';
 /** @typedef {import('../../model/types.js').Design} Design */
 
 const FIGURES = 7;
+/** In the server's words: it says the same where it tells what is amiss. */
+export const MENDING = 'Restore a backup of this device, or push again.';
 
 /**
  * @param {{startFrom: (device: Device, axis: number, design: Design, axisId: number) => void,
@@ -42,7 +44,7 @@ export function createMachine(handlers, dispatch) {
   const failed = element(
     'div',
     { id: 'push-failed' },
-    messageLine({ text: 'It has not got what was sent. Restore what it had before, or push again.', isWarning: true }),
+    messageLine({ text: `It has not got what was sent. ${MENDING}`, isWarning: true }),
   );
 
   /** @param {import('./section.js').Context} context */

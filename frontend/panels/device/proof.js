@@ -1,13 +1,16 @@
 // @ts-check
-// Whether what was pushed is stored, of a controller that shows it only by its next start: and to have it start for that.
+// What isn't proven yet of what was pushed, to a controller that shows it only by its next start: and to have it start for that.
 
+import { SET_POSITION, shownState } from '../../devices/state_words.js';
 import { element, showText } from '../../ui/dom.js';
 import { createDialog, dialogFoot } from '../../ui/dialog.js';
 import { enable } from './section.js';
 
 /** @typedef {import('../../model/types.js').Device} Device */
 
-const QUESTION = 'This restarts the controller: it forgets where it is. Home it, or set its zero again, before you move it.';
+/** On the button, as the title of what it asks, and where that is answered. */
+const RESTART = 'Restart and prove now';
+const QUESTION = `This restarts the controller: it forgets where it is. ${SET_POSITION}`;
 
 /** @param {{prove: (device: Device) => void}} handlers */
 export function createProof(handlers) {
@@ -18,21 +21,21 @@ export function createProof(handlers) {
     className: 'button small',
     id: 'prove',
     type: 'button',
-    textContent: 'Restart and prove now',
+    textContent: RESTART,
     onclick: () => dialog.open(restart),
   });
   const restart = element('button', {
     className: 'button primary',
     id: 'prove-restart',
     type: 'button',
-    textContent: 'Restart it',
+    textContent: RESTART,
     onclick() {
       dialog.close();
       if (now) handlers.prove(now);
     },
   });
   const dialog = createDialog(
-    { id: 'prove-dialog', title: 'Restart and prove' },
+    { id: 'prove-dialog', title: RESTART },
     element('p', { textContent: QUESTION }),
     dialogFoot(() => dialog.close(), restart),
   );
@@ -43,20 +46,14 @@ export function createProof(handlers) {
     /** @param {import('./section.js').Context} context */
     show({ device, inTheWay, notAtRest, situation }) {
       now = device;
-      showText(told, device === null ? '' : proofText(device));
+      const restarts = shownState(device) === 'restarting';
+      showText(told, restarts ? '' : (device?.unproven_words ?? ''));
       told.hidden = told.textContent === '';
-      line.hidden = device === null || device.unproven.length === 0;
+      // What isn't as it was written stays so, however often it starts.
+      line.hidden = told.hidden;
       const isFree = inTheWay === '' && notAtRest === '' && !situation.isBusy;
       enable(ask, isFree);
       enable(restart, isFree && !line.hidden);
     },
   };
-}
-
-/** What isn't as it was written the device's message tells.
- * @param {Device} device */
-function proofText({ unproven, proof }) {
-  const open = unproven.filter((name) => !proof?.not_kept.includes(name));
-  if (open.length > 0) return `Whether ${open.join(', ')} ${open.length > 1 ? 'are' : 'is'} stored is seen when the controller next starts.`;
-  return proof !== null && proof.not_kept.length === 0 ? proof.words : '';
 }

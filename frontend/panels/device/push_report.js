@@ -1,6 +1,7 @@
 // @ts-check
-// What the last push asked for, sent and read back, item by item.
+// What the last push asked for, sent and read back, item by item, and what a start has shown of that.
 
+import { shownState } from '../../devices/state_words.js';
 import { closeButton, element, icon, messageLine } from '../../ui/dom.js';
 import { formatFigures } from '../../model/numbers.js';
 import { pushedWords, warningsOf } from './push_words.js';
@@ -9,6 +10,20 @@ import { figureCell, figureHead, figuresOf, sizeText, tableHead, unseen } from '
 /** @typedef {import('../../model/types.js').Device} Device */
 
 const STAGES = ['requested', 'sent', 'read back', 'verified'];
+/** Of a controller that shows it only by a start. */
+const STORED = 'stored';
+
+/** What is known of whether a device has stored what it was given.
+ * @typedef {'none' | 'restarting' | 'pending' | 'stored' | 'others'} Standing */
+
+/** @param {Device | null} device @returns {Standing} none: it isn't asked, or nothing was given */
+function standingOf(device) {
+  if (device === null) return 'none';
+  if (shownState(device) === 'restarting') return 'restarting';
+  if ((device.proof?.others.length ?? 0) > 0) return 'others';
+  if (device.unproven.length > 0) return 'pending';
+  return device.proof === null ? 'none' : 'stored';
+}
 
 /** Whether the device has another ramp than the one that was pushed last: it was rolled back, or restored.
  * @param {Device} device @param {import('../../model/types.js').Preview | null} preview  also tells what is there now */
@@ -25,14 +40,16 @@ export function hasAnotherRamp({ pushed, ramp }, preview) {
 
 export function createPushReport() {
   const stages = STAGES.map((name) => element('div', { textContent: name }));
-  const bar = element('div', { className: 'stages', 'aria-hidden': 'true' }, ...stages);
+  const stored = element('div', { textContent: STORED });
+  const bar = element('div', { className: 'stages', 'aria-hidden': 'true' }, ...stages, stored);
   const details = element('div', { className: 'push-details' });
   let known = '';
-  /** The push whose report was closed.
+  /** The push, and what was proven of it, whose report was closed.
    * @type {string | null} */
   let closed = null;
+  let reportable = '';
   const close = closeButton('Close the report', () => {
-    closed = shown;
+    closed = reportable;
     details.hidden = bar.hidden = true;
   });
   /** The push that is reported. */
@@ -50,24 +67,33 @@ export function createPushReport() {
     return designs;
   }
 
-  /** @param {import('../../model/types.js').Push} pushed @param {string[]} warnings @param {boolean} isChanged
+  /** What a start has shown of what was given before it was connected: there is no push to tell of.
+   * @param {Device} device @param {Standing} standing */
+  function showProof({ proof }, standing) {
+    const [className, textContent] = HEADS[standing];
+    details.replaceChildren(
+      element('div', { className: 'push-head' }, element('b', { className, textContent }), close),
+      ...proofLines(proof),
+    );
+  }
+
+  /** @param {import('../../model/types.js').Push} pushed @param {Device} device @param {Standing} standing
+   * @param {string[]} warnings @param {boolean} isChanged
    * @param {import('../../model/types.js').Design[] | null} lastPushed  null: another page has pushed it
    * @param {boolean} isReplaced @param {import('../../model/units.js').Units} units
    * @param {import('../../model/types.js').Design[]} designs */
-  function showDetails(pushed, warnings, isChanged, lastPushed, isReplaced, units, designs) {
+  function showDetails(pushed, { proof }, standing, warnings, isChanged, lastPushed, isReplaced, units, designs) {
     const what = [
       ...(lastPushed ? [pushedWords(lastPushed)] : []),
       ...(pushed.sequence === null ? [] : [`ramp ${pushed.sequence}`]),
     ].join(' · ');
     const rows = pushed.items.map((item) => reportRow(item, figuresOf(item, units, designs)));
+    const [className, textContent] = pushed.verified ? HEADS[standing] : ['differs', 'Not as sent'];
     details.replaceChildren(
       element(
         'div',
         { className: 'push-head' },
-        element('b', {
-          className: pushed.verified ? 'verified' : 'differs',
-          textContent: pushed.verified ? 'Read back as sent' : 'Not as sent',
-        }),
+        element('b', { className, textContent }),
         element('span', { textContent: sizeText(pushed) }),
         close,
       ),
@@ -91,6 +117,7 @@ export function createPushReport() {
             }),
           ]
         : []),
+      ...proofLines(proof),
       ...warnings.map((text) => messageLine({ text, isWarning: true })),
       ...(isChanged ? [element('p', { className: 'reason', textContent: 'The design has changed since this push.' })] : []),
     );
@@ -101,26 +128,58 @@ export function createPushReport() {
     /** @param {Device | null} device @param {import('../../model/types.js').Situation} situation */
     show(device, situation) {
       const { isPushing, isChanged, preview, lastPushed, units } = situation;
-      const pushed = device?.pushed ?? null;
-      const reached = isPushing ? 1 : pushed === null ? 0 : pushed.verified ? STAGES.length : STAGES.length - 1;
+      const [pushed, standing] = [device?.pushed ?? null, isPushing ? 'none' : standingOf(device)];
+      const isShown = pushed !== null || standing === 'stored' || standing === 'others';
+      const reached = isPushing ? 1 : !isShown ? 0 : pushed?.verified === false ? STAGES.length - 1 : STAGES.length;
       stages.forEach((stage, index) => {
         stage.className = index < reached ? 'done' : isPushing && index < STAGES.length - 1 ? 'doing' : '';
       });
+      stored.hidden = !device?.capabilities.includes('prove');
+      stored.className = STORED_CLASSES[standing];
       shown = JSON.stringify(pushed);
+      reportable = JSON.stringify([pushed, device?.proof ?? null]);
       if (isPushing) closed = null;
-      bar.hidden = shown === closed;
-      details.hidden = isPushing || pushed === null || shown === closed;
+      bar.hidden = reportable === closed;
+      details.hidden = isPushing || !isShown || reportable === closed;
       // What is said of the next push is not said of the last one again.
       const designs = device === null ? [] : reportedDesigns(device, situation);
       const told = pushed ? warningsOf(pushed, units, designs) : [];
       const warnings = told.filter((_, place) => !preview?.warnings.includes(pushed?.warnings[place] ?? ''));
-      const isReplaced = device !== null && hasAnotherRamp(device, preview);
-      const state = JSON.stringify([pushed, warnings, isChanged, lastPushed && pushedWords(lastPushed), isReplaced, units, designs.map(({ axis }) => axis)]);
+      // Where a start has shown that, it tells more of it.
+      const isReplaced = device !== null && standing !== 'others' && hasAnotherRamp(device, preview);
+      const state = JSON.stringify([pushed, device?.proof, standing, warnings, isChanged, lastPushed && pushedWords(lastPushed), isReplaced, units, designs.map(({ axis }) => axis)]);
       if (state === known) return;
       known = state;
-      if (pushed) showDetails(pushed, warnings, isChanged, lastPushed, isReplaced, units, designs);
+      if (device && !pushed) showProof(device, standing);
+      if (device && pushed) showDetails(pushed, device, standing, warnings, isChanged, lastPushed, isReplaced, units, designs);
     },
   };
+}
+
+/** How the head of a report is written, and what it says.
+ * @type {Record<Standing, [string, string]>} */
+const HEADS = {
+  none: ['verified', 'Read back as sent'],
+  restarting: ['', 'Restarts to prove it is stored'],
+  pending: ['verified', 'Read back as sent'],
+  stored: ['verified', 'Stored, as a start has shown'],
+  others: ['differs', 'Not as written since its start'],
+};
+/** @type {Record<Standing, string>} */
+const STORED_CLASSES = { none: '', restarting: 'doing', pending: '', stored: 'done', others: 'failed' };
+
+/** What a start has shown: what was stored, and what is another, with both values in the controller's own terms.
+ * @param {import('../../model/types.js').Proof | null} proof @returns {HTMLElement[]} */
+function proofLines(proof) {
+  if (proof === null) return [];
+  const rows = proof.others.map(({ name, written, now }) =>
+    element('tr', {}, figureHead(name, ''), figureCell(written), figureCell(now ?? 'not there', null, 'differs')),
+  );
+  const head = tableHead([unseen('setting'), 'written', 'since its start']);
+  return [
+    ...(rows.length === 0 ? [] : [element('table', { className: 'others-found' }, head, element('tbody', {}, ...rows))]),
+    ...(proof.stored === null ? [] : [element('p', { className: 'reason', textContent: proof.stored })]),
+  ];
 }
 
 /** @param {import('../../model/types.js').PushItem} item @param {ReturnType<typeof figuresOf>} figures */

@@ -68,10 +68,12 @@ function told(units, design, speed) {
   return `${formatFigures(shownValue(units, design, 'speed', speed))} ${unitWord(units, design, 'speed')}`;
 }
 
-/** Whether a device can do what only some can; until it is known of a device, whether any can.
+/** Whether a device can do what only some can; until it is known of a device, whether any can. One that is connected again is
+ * taken to be what it was.
  * @param {Device | null} device @param {import('../../model/types.js').Capability} what */
 export function can(device, what) {
-  return device === null || device.state === 'connecting' || device.capabilities.includes(what);
+  const isUnknown = device === null || (device.state === 'connecting' && device.capabilities.length === 0);
+  return isUnknown || device.capabilities.includes(what);
 }
 
 /** The button that was disabled while it had the focus: browsers then take the focus away, some for good.

@@ -46,7 +46,7 @@ def test_what_is_sent_and_read_back(bench: Bench, controller: GrblController) ->
     assert speed.own == OwnTerms("$111", "mm/min", 240.0, 240.0)
     assert gain.own == OwnTerms("$121", "mm/s²", 20.0, 20.0)
     assert (report.verified, report.kept, report.sequence, report.segments) == (True, True, None, None)
-    assert report.warnings == (OWN_INTERVALS, SCALE, IN_USE)
+    assert report.warnings == (OWN_INTERVALS, SCALE)
     assert bench.grbl.steps == 0
     assert controller.steps_to_rest(1, 1000) == 100 + 60
 
@@ -229,7 +229,6 @@ def test_what_its_eeprom_did_not_keep_is_found_by_its_next_start(
     report = push(controller, design())
     # It tells what it has in use, also after a reset by 0x18.
     assert report.verified
-    assert "Whether it is stored, too, is seen when the controller next starts" in report.warnings[-1]
     bench.grbl.exchange(b"\x18")
     assert bench.grbl.settings[110] == 240
     again = started_again(bench)

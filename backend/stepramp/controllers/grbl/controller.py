@@ -7,7 +7,14 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from time import sleep
 
-from stepramp.controllers.capabilities import BacksUp, ProvenByStart, StoresRamps
+from stepramp.controllers.capabilities import (
+    AT_NEXT_START,
+    MENDING,
+    WAIT_OR_RESTART,
+    BacksUp,
+    ProvenByStart,
+    StoresRamps,
+)
 from stepramp.controllers.contract import (
     PushMode,
     PushPreview,
@@ -27,15 +34,12 @@ from stepramp.design import Design
 from stepramp.errors import Refused
 from stepramp.link.connection import Connection
 
-IN_USE = (
-    "It is in use. Whether it is stored, too, is seen when the controller next starts: until then it tells what it "
-    "uses."
-)
+IN_USE = f"It is in use. {WAIT_OR_RESTART}"
 MAY_MOVE = (
-    "The controller isn't started anew from here: it carries out its start-up lines ($N) as it starts, which may move "
-    "something. What it has stored is proven when it is next started at the machine."
+    "The controller isn't restarted from here: it carries out its start-up lines ($N) as it starts, which may move "
+    f"something. {AT_NEXT_START}, at the machine."
 )
-RESTORE = "The settings are not those that were sent. Restore a backup of this device, or push again."
+RESTORE = f"The settings are not those that were sent. {MENDING}"
 
 _NUMBERED = re.compile(r"[$][0-9]{1,4}")
 
@@ -102,7 +106,7 @@ class GrblController(GrblMachine, StoresRamps, BacksUp, ProvenByStart):
             self._read_back()
             unlike = unlike_words(plan.other_scales(self._memory.settings))
             verified = not self._memory.differing(plan.wanted) and not unlike
-            said = (IN_USE,) if verified else (*unlike, RESTORE)
+            said = () if verified else (*unlike, RESTORE)
             return plan.report(self._memory.settings, said, verified=verified)
 
         return push
