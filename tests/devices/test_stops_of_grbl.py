@@ -19,14 +19,14 @@ from devices.bench import Places, by, worker_of
 from devices.line_bench import LineBench, Wire
 from devices.motion import PATIENCE_S
 from stepramp.controllers.contract import AxisCommand
-from stepramp.controllers.grbl import conversation
+from stepramp.controllers.grbl import conversation, moves
 from stepramp.devices.attachment import Attachment
 from stepramp.devices.leases import Lease
 from stepramp.devices.registry import Devices
 from stepramp.devices.shuttle import Shuttle
 from stepramp.devices.view import DeviceState
 from stepramp.errors import StepRampError
-from stepramp.link import protocol_sim
+from stepramp.link import lines, protocol_sim, serial_port
 
 EXCHANGE_S = 0.03
 REST_S = 2.0
@@ -74,10 +74,12 @@ def family() -> str:
 def bench(
     clock: Clock, places: Places, plug_in: Callable, monkeypatch: pytest.MonkeyPatch, family: str
 ) -> Iterator[Bench]:
-    monkeypatch.setattr(conversation, "KNOCK_S", 0.02)
-    # Answers come at once or not at all.
-    monkeypatch.setattr(conversation, "ANSWER_S", 0.1)
-    monkeypatch.setattr(protocol_sim, "LISTEN_S", 0.0001)
+    # What waits for an answer waits by the grbl's clock, which goes on with each look for one.
+    for module in (conversation, moves, lines):
+        monkeypatch.setattr(module, "monotonic", clock)
+    monkeypatch.setattr(lines, "GIVE_WAY_S", 0.0)
+    monkeypatch.setattr(serial_port, "_READ_SLICE_S", 0.0)
+    monkeypatch.setattr(protocol_sim, "LISTEN_S", 0.0)
     monkeypatch.setattr(Attachment, "poll", lambda _: 60.0)
     grbl = FluidNcEmulator(clock) if family == "fluidnc" else GrblEmulator(clock)
     devices, wire = Devices(), Wire(clock, grbl, EXCHANGE_S)
