@@ -108,14 +108,15 @@ class TmclEmulator:
             if not sent or self.is_dead:
                 return b""
             said = sent if self.echoes else b""
+            # What comes at once comes without gaps, however long this machine takes over it.
+            if time.monotonic() - self._heard_s > GAP_S:
+                self._partial = b""
+            self._heard_s = time.monotonic()
             for byte in self.on_the_way_in(sent):
                 said += self._take(byte)
             return b"" if self.is_dead else self.on_the_way_out(said)
 
     def _take(self, byte: int) -> bytes:
-        if time.monotonic() - self._heard_s > GAP_S:
-            self._partial = b""
-        self._heard_s = time.monotonic()
         self._partial += bytes([byte])
         if len(self._partial) < 9:
             return b""
