@@ -335,6 +335,7 @@
  * @property {number} steps_made
  * @property {number | null} steps_per_mm   as the controller itself is set; null: it counts in steps only
  * @property {number | null} microsteps     that it makes of a full step; null: it doesn't tell
+ * @property {boolean | null} position_known whether it is known that it is there; null: it doesn't tell
  * @property {boolean | null} homing         whether it is being homed; null: it doesn't tell
  * @property {number | null} lowest_steps   soft limit; null: none
  * @property {number | null} highest_steps
@@ -343,8 +344,11 @@
 /** What is asked for: numbers, or the text that is none; null for no limit.
  * @typedef {{axis: number, lowest_steps: Entry | null, highest_steps: Entry | null}} SoftLimits */
 
-/** @typedef {{input: string, role: 'emergency_stop' | 'driver_fault' | 'limit', is_active: boolean, axis: number | null,
- *   end: 'low' | 'high' | null}} DeviceInput */
+/** What an input is for. axis, end and stops: of a limit switch.
+ * @typedef {{input: string, role: 'emergency_stop' | 'driver_fault' | 'limit', active: 'low' | 'high', pull_up: boolean,
+ *   axis: number | null, end: 'low' | 'high' | null, stops: 'ramp' | 'at_once' | null}} InputRole */
+
+/** @typedef {InputRole & {is_active: boolean}} DeviceInput */
 
 /** What a start has shown of settings that were given before.
  * @typedef {object} Proof

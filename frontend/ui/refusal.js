@@ -16,7 +16,7 @@ import { showMessage } from './dom.js';
 /** A field, and which rejections are about it.
  * @typedef {object} Place
  * @property {RegExp} path
- * @property {HTMLInputElement} input
+ * @property {HTMLInputElement | HTMLSelectElement} input
  * @property {HTMLElement} problem
  * @property {(rejection: Rejection) => string} text */
 

@@ -7,6 +7,7 @@ import pytest
 
 from frontend.dialogs import run
 from frontend.modules import Modules
+from stepramp.controllers.stepramp.input_roles import EMERGENCY_INPUTS, INPUTS
 from stepramp.controllers.stepramp.settings import StepRampSettings
 from stepramp.errors import Rejected
 from stepramp.http_api.errors import ErrorItem, error_items
@@ -269,3 +270,70 @@ def test_what_is_typed_stays_when_it_is_asked_for_again(modules: Modules) -> Non
         f"""{DIALOG} type('{HIGHEST}', '5'); await dialog.open({{...device}}, situation); await use(); return sent;""",
     )
     assert [what for what, _ in sent] == ["limits"]
+
+
+WITH_INPUTS = """await dialog.open({...device, id: 'b'}, situation); whole.close(); dialog.follow([], 'there');
+    api.settings = async () => ({outputs: 'gauges', both_edges: [], step_inverted: [], direction_inverted: [],
+        enable_level: 'low', pulse_width_us: 0, direction_setup_us: 30, enable_lead_ms: 1, enable_hold_ms: null,
+        silence_s: 1.024, silence_ends_moves: false, looks: 4, inputs: [
+            {input: 'D9', role: 'limit', active: 'high', pull_up: false, axis: 1, end: 'high', stops: 'at_once'}]});
+    await dialog.open(device, situation); api.settings = asked;
+    const choose = (id, value) => { const field = within(whole, id); field.value = value; field.onchange?.();
+        whole.emit('input', {target: field}); };"""
+
+
+def test_what_inputs_are_for_is_chosen_and_sent_as_a_whole(modules: Modules) -> None:
+    before, sent = run(
+        modules,
+        f"""{DIALOG} {WITH_INPUTS} await use(); const before = [...sent];
+        await dialog.open({{...device, id: 'c'}}, situation); api.settings = asked;
+        return [before, sent];""",
+    )
+    assert before == sent == [], "what was not changed is not sent"
+    [[what, settings]] = run(
+        modules,
+        f"""{DIALOG} {WITH_INPUTS} choose('input-A0-role', 'emergency_stop'); choose('input-A0-active', 'high');
+        type('setting-looks', '6'); await use(); return sent;""",
+    )
+    stop = {"input": "A0", "role": "emergency_stop", "active": "high", "pull_up": True}
+    limit = {"input": "D9", "role": "limit", "active": "high", "pull_up": False}
+    assert what == "settings"
+    assert settings["inputs"] == [
+        {**stop, "axis": None, "end": None, "stops": None},
+        {**limit, "axis": 1, "end": "high", "stops": "at_once"},
+    ]
+    assert (settings["looks"], settings["silence_s"], settings["silence_ends_moves"]) == (6, 1.024, False)
+    StepRampSettings.checked(settings)
+
+
+def test_a_refused_input_says_so_in_its_row(modules: Modules) -> None:
+    with pytest.raises(Rejected) as caught:
+        StepRampSettings.checked(
+            {"inputs": [{"input": "A1", "role": "driver_fault"}, {"input": "D9", "role": "emergency_stop"}]}
+        )
+    errors = [served(each) for each in error_items(caught.value)]
+    assert [each["field"] for each in errors] == ["inputs.1.input"]
+    here, other, below = run(
+        modules,
+        f"""{DIALOG} {WITH_INPUTS} answers.settings = () => {{ throw new Refusal(422, {json.dumps(errors)}); }};
+        choose('input-A1-role', 'driver_fault'); await use();
+        return [said('input-D9-role'), said('input-A1-role'), below()];""",
+    )
+    assert here.startswith("D9 is 'D9'; allowed: for an emergency stop one of A0")
+    assert (other, below) == ("", "")
+
+
+def test_settings_of_inputs_are_shown_only_where_there_are_any(modules: Modules) -> None:
+    fields = ["setting-silence_s", "setting-silence_ends_moves", "setting-looks"]
+    script = f"""const gone = () => [...{fields}.map((id) => find(whole, ({{className, children}}) =>
+        className === 'setting' && children.some(({{htmlFor}}) => htmlFor === id)).hidden),
+        find(whole, ({{className}}) => className === 'input-roles').hidden];"""
+    without = run(modules, f"{DIALOG} {script} return gone();")
+    with_some = run(modules, f"{DIALOG} {WITH_INPUTS} {script} return gone();")
+    assert (without, with_some) == ([True] * 4, [False] * 4)
+
+
+def test_the_page_knows_the_inputs_of_the_board(modules: Modules) -> None:
+    script = "async () => { const own = await import('/panels/device/input_fields.js'); return own; }"
+    known = modules.evaluate(script.replace("return own", "return [own.INPUTS, own.EMERGENCY_INPUTS]"), [])
+    assert known == [list(INPUTS), list(EMERGENCY_INPUTS)]

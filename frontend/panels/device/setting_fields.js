@@ -8,11 +8,13 @@ import { refusalText } from '../../model/messages.js';
 import { formatEntry, parseEntry } from '../../model/numbers.js';
 import { DEVICE_TAKES, refusalOf } from '../../model/taken.js';
 import { showAtPlaces } from '../../ui/refusal.js';
+import { createInputFields } from './input_fields.js';
 
 /** @typedef {import('../../model/types.js').Rejection} Rejection */
 /** @typedef {import('../../model/types.js').Settings} Settings */
-/** @typedef {{name: string, label: string, explained: string} & ({choices: [string, string][]} | {axes: true} |
- *   {unit: string, nullable?: string})} Setting */
+/** ofInputs: only controllers with inputs have it, for others it is null.
+ * @typedef {{name: string, label: string, explained: string, ofInputs?: true} & ({choices: [string, string][]} | {axes: true} |
+ *   {isYesOrNo: true} | {unit: string, nullable?: string})} Setting */
 
 /** @type {Setting[]} */
 const SETTINGS = [
@@ -41,6 +43,9 @@ const SETTINGS = [
   },
   { name: 'enable_lead_ms', label: 'Enable lead', explained: 'Time from switching the motors on to the first pulse.', unit: 'ms' },
   { name: 'enable_hold_ms', label: 'Enable hold', explained: 'Time from the last step to switching the motors off; empty: they stay on.', unit: 'ms', nullable: 'stay on' },
+  { name: 'silence_s', label: 'Lease', explained: 'Runs and homing slow down when the controller has heard nothing for so long. It is taken in steps of 0.256 s.', unit: 's', ofInputs: true },
+  { name: 'silence_ends_moves', label: 'Lease holds for moves', explained: 'Moves and lines slow down then, too.', isYesOrNo: true, ofInputs: true },
+  { name: 'looks', label: 'Debounce', explained: 'An input counts as changed once it was found so in so many looks in a row: 1 ms apart, at an emergency stop 4 µs.', unit: 'looks', ofInputs: true },
 ];
 const MOST_AXES = 4;
 
@@ -49,23 +54,27 @@ export function createSettingFields() {
    * @type {Settings | null} */
   let before = null;
   const controls = SETTINGS.map(controlOf);
+  const inputs = createInputFields();
 
   /** The settings as they are wanted; those that have no field here stay as they are.
    * @param {Settings} present */
   function wanted(present) {
-    const shown = controls.filter((control) => control.name in present);
-    return { ...present, ...Object.fromEntries(shown.map((control) => [control.name, control.value()])) };
+    const shown = controls.filter((control) => control.isIn(present));
+    const roles = present.inputs ? { inputs: inputs.value() } : {};
+    return { ...present, ...Object.fromEntries(shown.map((control) => [control.name, control.value()])), ...roles };
   }
 
   return {
-    elements: controls.map((control) => control.element),
+    elements: [...controls.map((control) => control.element), inputs.element],
     first: controls[0].first,
     /** @param {Settings} settings */
     show(settings) {
       for (const control of controls) {
-        control.element.hidden = !(control.name in settings);
+        control.element.hidden = !control.isIn(settings);
         control.show(settings[control.name]);
       }
+      inputs.element.hidden = !settings.inputs;
+      inputs.show(/** @type {import('../../model/types.js').InputRole[]} */ (settings.inputs ?? []));
       // As its fields say it: they know no order of axes, and no other spelling of a number.
       before = wanted(settings);
     },
@@ -86,11 +95,11 @@ export function createSettingFields() {
     /** What the server would refuse of changed ones.
      * @param {Settings} settings @returns {Rejection[]} */
     refusals: (settings) =>
-      controls.flatMap((control) => (control.name in settings ? control.refusal(settings[control.name]) : null) ?? []),
+      controls.flatMap((control) => (control.isIn(settings) ? control.refusal(settings[control.name]) : null) ?? []),
     /** Show what is wrong with a field at it.
      * @param {Rejection[]} rejections @returns {Rejection[]} those of no field here */
     reject(rejections) {
-      return showAtPlaces(rejections, controls.flatMap(({ place }) => place ?? []));
+      return showAtPlaces(rejections, [...controls.flatMap(({ place }) => place ?? []), ...inputs.places()]);
     },
   };
 }
@@ -100,9 +109,14 @@ function controlOf(setting) {
   const id = `setting-${setting.name}`;
   const hint = `${id}-hint`;
   const made =
-    'choices' in setting ? choice(id, hint, setting.choices) : 'axes' in setting ? axesBoxes(setting.label, hint) : number(id, hint, setting);
+    'choices' in setting ? choice(id, hint, setting.choices) : 'axes' in setting
+      ? axesBoxes(setting.label, hint)
+      : 'isYesOrNo' in setting
+        ? yesOrNo(id, hint)
+        : number(id, hint, setting);
   return {
     name: setting.name,
+    isIn: (/** @type {Settings} */ settings) => setting.name in settings && !(setting.ofInputs && settings[setting.name] === null),
     value: made.value,
     show: made.show,
     refusal: made.refusal,
@@ -137,6 +151,20 @@ function choice(id, hint, choices) {
     /** @param {unknown} value */
     show(value) {
       select.value = String(value);
+    },
+  };
+}
+
+/** @param {string} id @param {string} hint */
+function yesOrNo(id, hint) {
+  const box = element('input', { id, type: 'checkbox', 'aria-describedby': hint });
+  return {
+    ...NEVER_REFUSED,
+    element: /** @type {HTMLElement} */ (element('span', { className: 'line check' }, box)),
+    value: () => /** @type {unknown} */ (box.checked),
+    /** @param {unknown} value */
+    show(value) {
+      box.checked = value === true;
     },
   };
 }
