@@ -56,6 +56,7 @@ import { STEPS_AND_SECONDS } from '../model/units.js';
  * @property {Rejection[]} rejections          what was refused last
  * @property {Record<string, Pushed>} pushed   what was last pushed from this page, by device
  * @property {Record<string, CutShort>} cutShort  pushes that a STOP ended, of which nothing is known yet, by device
+ * @property {Record<string, import('../devices/homing.js').Homing>} homings  the last that this page began, by device
  * @property {boolean} isTracing
  * @property {Record<string, import('../model/types.js').Trace>} traces  by device
  * @property {MeasuredMove | null} measured    the move that was measured last
@@ -197,6 +198,7 @@ export const FIRST_STATE = {
     rejections: [],
     pushed: {},
     cutShort: {},
+    homings: {},
     isTracing: true,
     traces: {},
     measured: null,

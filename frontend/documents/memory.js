@@ -7,13 +7,18 @@ import { readText as read, writeText as write } from './storage.js';
 
 /** @typedef {import('../model/types.js').MethodName} MethodName */
 /** @typedef {import('../model/units.js').Units} Units */
+/** @typedef {import('../model/types.js').Entry} Entry */
 /** @typedef {import('../model/types.js').SoftLimits} SoftLimits */
+/** How axes are homed, in steps and seconds, as it was typed.
+ * @typedef {{axis: number, isChosen: boolean, end: 'low' | 'high', fast: Entry, position: Entry}} AxisHomeKept */
+/** @typedef {{axes: AxisHomeKept[], slow: Entry, backOff: Entry, seconds: Entry}} HomingKept */
 
 const UNITS = 'stepramp.units';
 const SHOWN = 'stepramp.shown';
 const THEME = 'stepramp.theme';
 const RUN_SECONDS = 'stepramp.run_seconds';
 const SOFT_LIMITS = 'stepramp.soft_limits';
+const HOMING = 'stepramp.homing';
 const FAMILIES = 'stepramp.families';
 const GUIDE = 'stepramp.guide';
 
@@ -36,6 +41,24 @@ function readSoftLimits() {
   } catch {
     return {};
   }
+}
+
+/** @returns {Record<string, HomingKept>} by port */
+function readHomings() {
+  try {
+    const entries = Object.entries(JSON.parse(read(HOMING) ?? '{}') ?? {});
+    return Object.fromEntries(entries.filter(([, kept]) => isHoming(kept)));
+  } catch {
+    return {};
+  }
+}
+
+const isEntry = (/** @type {unknown} */ value) => typeof value === 'number' || typeof value === 'string';
+
+/** @param {any} kept @returns {kept is HomingKept} */
+function isHoming(kept) {
+  const areAxes = Array.isArray(kept?.axes) && kept.axes.every((/** @type {any} */ one) => Number.isInteger(one?.axis) && [one.fast, one.position].every(isEntry));
+  return areAxes && [kept.slow, kept.backOff, kept.seconds].every(isEntry);
 }
 
 /** Whether an axis has a soft limit, and none that can't be one.
@@ -74,6 +97,11 @@ export const memory = {
     const others = (all[port] ?? []).filter(({ axis }) => !axes.some((one) => one.axis === axis));
     write(SOFT_LIMITS, JSON.stringify({ ...all, [port]: [...others, ...axes].filter(isLimited) }));
   },
+  /** How axes were last homed at a port; null: none were.
+   * @param {string} port */
+  homing: (port) => readHomings()[port] ?? null,
+  /** @param {string} port @param {HomingKept} homing */
+  keepHoming: (port, homing) => write(HOMING, JSON.stringify({ ...readHomings(), [port]: homing })),
   /** The family last chosen of the controller at each port. */
   families: readFamilies,
   /** @param {string} port @param {string} family */

@@ -326,7 +326,7 @@ export const api = {
   ownRamp: (player, design, stepsPerMm, ended) =>
     request('POST', `${player}/ramp`, { design, steps_per_mm: stepsPerMm }, { ended }),
 
-  /** @param {string} id @param {'move' | 'run' | 'line' | 'there_and_back' | 'zero'} what @param {unknown} body
+  /** @param {string} id @param {'move' | 'run' | 'line' | 'there_and_back' | 'zero' | 'home'} what @param {unknown} body
    * @param {Gesture} gesture @returns {Promise<Device>} */
   move: (id, what, body, gesture) =>
     request('POST', `${device(id)}/${what}`, body, { withinMs: PUSH_WITHIN_MS, gesture }),
@@ -339,6 +339,14 @@ export const api = {
 
   /** @param {string} id @param {unknown} settings @returns {Promise<import('../model/types.js').Settings>} */
   useSettings: (id, settings) => request('PUT', `${device(id)}/settings`, settings),
+
+  /** What is around a virtual controller.
+   * @param {string} id @returns {Promise<import('../devices/surroundings.js').Surroundings>} */
+  surroundings: (id) => request('GET', `${device(id)}/surroundings`),
+
+  /** @param {string} id @param {import('../devices/surroundings.js').SurroundingsChange} change
+   * @returns {Promise<import('../devices/surroundings.js').Surroundings>} */
+  changeSurroundings: (id, change) => request('PUT', `${device(id)}/surroundings`, change),
 
   /** Have the moves of an axis traced that begin from now on.
    * @param {string} id @param {number} axis @param {Gesture} gesture

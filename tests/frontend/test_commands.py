@@ -39,6 +39,7 @@ ARGUMENTS: dict[str, list[object]] = {
     "device.chooseFamily": ["sim://", "stepramp"],
     "device.choosePort": ["sim://"],
     "device.chooseSection": ["jog"],
+    "device.homingBegan": ["1", {"wish": {"axes": []}, "stops": 0, "heard_s": 1, "outcomes": None}],
     "device.heard": [[DEVICE], {}],
     "device.limitsKept": ["sim://", [{"axis": 0, "lowest_steps": 1, "highest_steps": None}]],
     "device.linked": ["gone"],

@@ -1,6 +1,7 @@
 // @ts-check
 // What the server tells of the devices, and what is chosen among them. Nothing here asks anything of a device.
 
+import { homingAfter } from '../../devices/homing.js';
 import { areEqual } from '../../model/equal.js';
 import { PAGE } from '../../server/api.js';
 import { deviceOf } from '../devices.js';
@@ -27,12 +28,13 @@ function following(state) {
 /** Of those that are not told any more nothing is known.
  * @param {State} state @param {Device[]} list @param {import('../state.js').Runs} runs @returns {State} */
 export function heard(state, list, runs) {
-  const { pushed, cutShort, traces, preview } = state.devices;
+  const { pushed, cutShort, homings, traces, preview } = state.devices;
   const told = new Set(list.map(({ id }) => id));
   const known = {
     list,
     runs,
     ...withWritten(list, stillThere(list, onlyOf(told, pushed)), onlyOf(told, cutShort)),
+    homings: homingsAfter(list, onlyOf(told, homings)),
     traces: onlyOf(told, traces),
     preview: preview !== null && told.has(preview.question.id) ? preview : null,
   };
@@ -55,6 +57,13 @@ function onlyOf(ids, known) {
   const entries = Object.entries(known);
   const told = entries.filter(([id]) => ids.has(id));
   return told.length === entries.length ? known : Object.fromEntries(told);
+}
+
+/** What has come of homings; the same object when nothing is new of them.
+ * @param {Device[]} list @param {Devices['homings']} homings @returns {Devices['homings']} */
+function homingsAfter(list, homings) {
+  const now = list.flatMap((device) => (homings[device.id] ? [/** @type {const} */ ([device.id, homingAfter(homings[device.id], device)])] : []));
+  return now.every(([id, homing]) => homing === homings[id]) ? homings : Object.fromEntries(now);
 }
 
 /** What was pushed and not replaced since; the same object when nothing is new of it.
@@ -144,6 +153,11 @@ export function pushCutShort(state, id, what) {
   const { list, pushed: before, cutShort } = state.devices;
   return knowing(state, withWritten(list, before, { ...cutShort, [id]: what }));
 }
+
+/** A device was asked to home axes, and does.
+ * @param {State} state @param {string} id of the device @param {import('../../devices/homing.js').Homing} homing
+ * @returns {State} */
+export const homingBegan = (state, id, homing) => knowing(state, { homings: { ...state.devices.homings, [id]: homing } });
 
 /** @param {State} state @param {boolean} isTracing whether moves are measured @returns {State} */
 export const setTracing = (state, isTracing) => knowing(state, { isTracing });

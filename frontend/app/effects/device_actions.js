@@ -1,6 +1,7 @@
 // @ts-check
 // What is asked of devices: one thing at a time, and only ever because somebody pressed for it.
 
+import { changeFor } from '../../devices/surroundings.js';
 import { api, Ended, Refusal, ServerGone, UNPROCESSABLE } from '../../server/api.js';
 import { download } from '../../ui/download.js';
 import { memory } from '../../documents/memory.js';
@@ -8,7 +9,7 @@ import { remarksIn } from '../../model/imported.js';
 import { pushText } from '../../model/messages.js';
 import { withSavedAt } from '../../model/saved_at.js';
 import { inShownUnits } from '../../model/told.js';
-import { answered, asks, chooseFamily, limitsKept, portsCame, previewCame, pushCutShort, pushed, refused, showMeasured } from '../commands/device.js';
+import { answered, asks, chooseFamily, homingBegan, limitsKept, portsCame, previewCame, pushCutShort, pushed, refused, showMeasured } from '../commands/device.js';
 import { announce, tell } from '../commands/told.js';
 import { mend } from '../commands/work.js';
 import { areSameQuestions, idsToPush, moveOf, previewQuestionOf } from '../devices.js';
@@ -206,6 +207,30 @@ export function createDeviceActions({ state, dispatch }, gestures, traced, previ
         if (state().devices.measured === before) dispatch(showMeasured, null);
       });
     },
+    /** Have axes find their switches; fails when it is refused.
+     * @param {Device} device @param {import('../../devices/homing.js').HomeWish} wish
+     * @returns {Promise<boolean>} whether it was asked for: not where something else is being asked */
+    async home(device, wish) {
+      if (state().devices.asking !== null) return false;
+      const gesture = gestures.begin(device);
+      dispatch(asks, 'home');
+      try {
+        const { heard_s } = await api.move(device.id, 'home', wish, gesture);
+        dispatch(homingBegan, device.id, { wish, stops: gesture.stops, heard_s, outcomes: null });
+        return true;
+      } catch (error) {
+        if (error instanceof Ended) return true;
+        throw error;
+      } finally {
+        dispatch(answered);
+      }
+    },
+    /** Press an input of a virtual controller, or let it go.
+     * @param {Device} device @param {import('../../model/types.js').DeviceInput} input @param {boolean} isPressed */
+    press: (device, input, isPressed) =>
+      request('surroundings', async () => {
+        await api.changeSurroundings(device.id, changeFor(input, isPressed, await api.surroundings(device.id)));
+      }),
     /** Save what was traced last, as logic analysers save what they capture.
      * @param {Device} device */
     saveTrace: (device) =>

@@ -12,6 +12,7 @@ import { closeButton, element, icon, messageLine, picker, segmented, showText } 
 import { pushText } from '../../model/messages.js';
 import { withSavedAt } from '../../model/saved_at.js';
 import { inShownUnits } from '../../model/told.js';
+import { createHome } from './home.js';
 import { createInputs } from './inputs.js';
 import { createJogSection } from './jog_section.js';
 import { limitsText } from './limits.js';
@@ -21,6 +22,7 @@ import { createMoveSection } from './move_section.js';
 import { createPushSection } from './push_section.js';
 import { withoutThatOf } from '../../ui/refusal.js';
 import { createSettingsDialog } from './settings_dialog.js';
+import { createSurroundings } from './surroundings.js';
 import { createTraceSection } from './trace_section.js';
 
 /** @typedef {import('../../model/types.js').Device} Device */
@@ -99,6 +101,8 @@ export function createDevice(root, dispatch, act) {
   const limitsOffer = element('div', { className: 'others', id: 'limits-offer', role: 'status' }, forgotten, setLimits);
   const live = createLive();
   const inputs = createInputs(act);
+  const home = createHome(act);
+  const surroundings = createSurroundings(act);
   const machine = createMachine(act, dispatch);
   const cannotList = element('ul');
   const cannot = element('details', { id: 'cannot' }, element('summary', { textContent: 'What it can’t do' }), cannotList);
@@ -145,6 +149,8 @@ export function createDevice(root, dispatch, act) {
       limitsOffer,
       live.element,
       inputs.element,
+      surroundings.element,
+      home.element,
       element('div', { className: 'line' }, tabs.element, axisChoice.element),
       otherDesign,
       ...SECTIONS.map(([name]) => sections[name].element),
@@ -235,11 +241,15 @@ export function createDevice(root, dispatch, act) {
       design: designs[place],
       axisId: ids[place],
       inTheWay: hindrance(found, situation),
+      isVirtual: now.devices.ports.some(({ port, virtual }) => virtual && port === found?.port),
+      homing: found ? (now.devices.homings[found.id] ?? null) : null,
       notAtRest: isMoving ? 'Wait until it is at rest, or stop it.' : '',
       situation,
     };
     live.show(context);
     inputs.show(context);
+    surroundings.show(context);
+    home.show(context);
     machine.show(context);
     machine.element.hidden = now.devices.section !== 'push';
     tabs.press(now.devices.section);

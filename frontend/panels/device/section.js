@@ -1,7 +1,7 @@
 // @ts-check
 // What the sections of the device panel share.
 
-import { formatFigures } from '../../model/numbers.js';
+import { formatFigures, formatFixed } from '../../model/numbers.js';
 import { shownValue, stepsPerUnit, unitsFor, unitWord } from '../../model/units.js';
 
 /** @typedef {import('../../model/types.js').Device} Device */
@@ -15,6 +15,8 @@ import { shownValue, stepsPerUnit, unitsFor, unitWord } from '../../model/units.
  * @property {Design} design         of this axis, or the one in view where the device can't have those of all axes
  * @property {number} axisId         of the page's axis that has this design
  * @property {string} inTheWay       why nothing can be asked of the device now; empty: something can
+ * @property {boolean} isVirtual   whether there is no hardware, but a world that the page can change
+ * @property {import('../../devices/homing.js').Homing | null} homing  the last that this page began of it
  * @property {string} notAtRest      why nothing can be begun; empty: it is at rest
  * @property {import('../../model/types.js').Situation} situation */
 
@@ -40,7 +42,7 @@ export function otherRampText({ device, axis, situation }) {
     item.unit === 'steps/s' && item.on_device !== null && (item.axis ?? axis) === axis ? [item.on_device] : [],
   );
   const speed = pushed ? Number(pushed.ramp.slew_speed_steps_per_s) : Math.max(...speeds);
-  const upTo = Number.isFinite(speed) ? `, up to ${told(units, scaled[axis], speed)}` : '';
+  const upTo = Number.isFinite(speed) ? `, up to ${speedText(units, scaled[axis], speed)}` : '';
   return isDesignValid
     ? `The device has another ramp than the design${upTo}: push first, or it moves with that one.`
     : 'The design can’t be computed: the device moves with the ramp that it has.';
@@ -64,8 +66,16 @@ export function scaleText({ situation: { units, played, scaled } }, axes) {
 }
 
 /** @param {import('../../model/units.js').Units} units @param {Design} design @param {number} speed [steps/s] */
-function told(units, design, speed) {
+export function speedText(units, design, speed) {
   return `${formatFigures(shownValue(units, design, 'speed', speed))} ${unitWord(units, design, 'speed')}`;
+}
+
+/** A length or a position, such as "12.5 mm".
+ * @param {import('../../model/units.js').Units} units @param {Design} design @param {number} steps */
+export function lengthText(units, design, steps) {
+  const isInSteps = unitsFor(units, design).length === 'steps';
+  const figures = isInSteps ? formatFixed(steps) : formatFigures(shownValue(units, design, 'length', steps), 6);
+  return `${figures} ${unitWord(units, design, 'length')}`;
 }
 
 /** Whether a device can do what only some can; until it is known of a device, whether any can. One that is connected again is
