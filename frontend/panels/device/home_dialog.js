@@ -55,7 +55,7 @@ export function createHomeDialog({ home }) {
   const moves = element('ul', { id: 'home-moves' });
   const reason = element('p', { className: 'reason warns', id: 'home-reason' });
   const problem = element('div', { className: 'problem', role: 'alert' });
-  const go = element('button', { className: 'button primary', id: 'home-go', type: 'submit', 'aria-describedby': 'home-reason' });
+  const go = element('button', { className: 'button primary', id: 'home-go', type: 'submit', textContent: 'Home', 'aria-describedby': 'home-reason' });
   const dialog = createDialog(
     { id: 'home-dialog', title: 'Home', onSubmit: submitted },
     ...axes.map((one) => one.element),
