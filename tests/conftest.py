@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import pytest
 from hypothesis import settings
 
-from stepramp.devices.backups import FOLDER_VARIABLE
+from stepramp.data_folder import FOLDER_VARIABLE
 
 # The first example of a test may compile what it tests; and no test judges by the clock.
 settings.register_profile("stepramp", deadline=None)

@@ -14,7 +14,7 @@ class ServerProcess:
     """`stepramp` from a port on, or the next free one. Its requests go over a connection each."""
 
     def __init__(self, first_port: int, *options: str) -> None:
-        command = [sys.executable, "-m", "stepramp.cli", "--no-browser", "--port", str(first_port), *options]
+        command = [sys.executable, "-m", "stepramp", "--no-browser", "--port", str(first_port), *options]
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         assert self.process.stdout is not None
         self.address = urlsplit(self.process.stdout.readline().split()[3])

@@ -2,7 +2,7 @@
 
 import sys
 
-from stepramp.cli import main
+from stepramp.command_line.main import main
 
 if __name__ == "__main__":
     sys.exit(main())

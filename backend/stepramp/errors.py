@@ -8,7 +8,8 @@ StepRampError
 ├── Unauthorized        somebody who isn't known
 ├── TooOften            one client asks for more than its share
 ├── Overloaded          too much is asked for at the same time
-└── DeviceLost          the device doesn't answer, or its port is gone
+├── DeviceLost          the device doesn't answer, or its port is gone
+└── NoServer            to programs: no StepRamp answers there
 """
 
 import json
@@ -223,6 +224,10 @@ class TooOften(StepRampError):
 
 class DeviceLost(StepRampError):
     """The device doesn't answer, or its port is gone."""
+
+
+class NoServer(StepRampError):
+    """No StepRamp answers where one was asked."""
 
 
 def shown(value: object) -> str:

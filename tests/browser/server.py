@@ -35,7 +35,7 @@ class Server:
 
     def start(self) -> None:
         """Start the server and wait until it answers."""
-        command = [sys.executable, "-m", "stepramp.cli", "--port", str(self.port), "--no-browser", *self._options]
+        command = [sys.executable, "-m", "stepramp", "--port", str(self.port), "--no-browser", *self._options]
         out = subprocess.PIPE if self._lines else subprocess.DEVNULL
         self._process = subprocess.Popen(command, cwd=ROOT, stdout=out, text=True)
         if self._process.stdout is not None:

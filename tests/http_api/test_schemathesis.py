@@ -21,7 +21,7 @@ from schemathesis.config import SchemathesisConfig
 from schemathesis.generation import GenerationMode
 from schemathesis.specs.openapi.checks import negative_data_rejection
 
-from stepramp.cli import free_port
+from stepramp.command_line.serving import free_port
 from stepramp.controllers.families import FAMILIES
 from stepramp.http_api.app import create_app
 

@@ -8,13 +8,9 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
-import platformdirs
-
 from stepramp.errors import NotFound, Refused, shown
 from stepramp.link.ports import Port
 
-FOLDER_VARIABLE = "STEPRAMP_DATA"
-"""Names another folder for what is kept than the user's own."""
 ENDING = ".txt"
 MOST_SLUG = 60
 _MARK = "# StepRamp backup"
@@ -30,12 +26,6 @@ class Backup:
     name: str
     """When it was saved, in UTC: as its file is called, without the ending."""
     bytes: int
-
-
-def data_folder() -> Path:
-    """Return where what outlasts the program is kept."""
-    named = os.environ.get(FOLDER_VARIABLE)
-    return Path(named) if named else platformdirs.user_data_path("stepramp", appauthor=False)
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,8 @@ from contextlib import AbstractContextManager, contextmanager, nullcontext, supp
 from pathlib import Path
 
 from stepramp.controllers.families import FAMILIES, USUAL_FAMILY, Family, offer_virtual_controller
-from stepramp.devices.backups import Archive, data_folder
+from stepramp.data_folder import data_folder
+from stepramp.devices.backups import Archive
 from stepramp.devices.device import Device
 from stepramp.devices.finding import Found, find_family
 from stepramp.devices.owed_stops import OwedStops

@@ -1,0 +1,240 @@
+"""What a client can ask of devices. Nothing here moves a motor but `move`, `run`, `run_for` and `home`."""
+
+from collections.abc import Callable, Mapping, Sequence
+from time import monotonic
+from typing import Literal
+from urllib.parse import quote
+
+from stepramp.client.calls import CONNECTING_S, PUSHING_S, Call, Pause, Script, get, payload, post
+from stepramp.client.design_calls import ADesign
+from stepramp.http_api.backups_models import BackupsAnswer, RestoredAnswer
+from stepramp.http_api.devices_models import (
+    ConnectPayload,
+    DeviceAnswer,
+    DevicesAnswer,
+    DisconnectedAnswer,
+    PortsAnswer,
+    PreviewAnswer,
+    PushDesigns,
+    PushedAnswer,
+    PushPayload,
+)
+from stepramp.http_api.motion_models import (
+    HomePayload,
+    MovePayload,
+    PositionPayload,
+    RunPayload,
+    TraceAnswer,
+    TracePayload,
+    TracingAnswer,
+)
+
+STOPS_HEADER = "X-StepRamp-Stops"
+LEASE_S = 2.0
+"""So long an axis runs on after whoever makes it run is gone [s]."""
+RENEWED_EVERY_S = 0.5
+LOOKED_AT_EVERY_S = 0.05
+
+
+def ports() -> Call[PortsAnswer]:
+    """Return what can be connected to, and the families that a controller there may be of."""
+    return get("ports", PortsAnswer)
+
+
+def devices() -> Call[DevicesAnswer]:
+    """Return the devices that are connected, or were until they were lost."""
+    return get("devices", DevicesAnswer)
+
+
+def device(device_id: str) -> Call[DeviceAnswer]:
+    """Return a device as it is now."""
+    return get(_path(device_id), DeviceAnswer)
+
+
+def connect(port: str, family: str | None = None) -> Call[DeviceAnswer]:
+    """Connect to a port, and return its device. Nothing moves. family: of its controller; None: StepRamp's own."""
+    body = payload(ConnectPayload, port=port, family=family)
+    return post("devices", DeviceAnswer, body, patience_s=CONNECTING_S)
+
+
+def disconnect(device_id: str) -> Call[DisconnectedAnswer]:
+    """Let go of a device; refused while a motor of it moves."""
+    return Call("DELETE", _path(device_id), DisconnectedAnswer.model_validate_json, patience_s=CONNECTING_S)
+
+
+def preview_push(
+    device_id: str, design: ADesign | None = None, *, to_axis: int | None = None, axes: Sequence[ADesign] | None = None
+) -> Call[PreviewAnswer]:
+    """Return what a push would change; nothing is sent to the device."""
+    body = payload(PushDesigns, design=design, to_axis=to_axis, axes=None if axes is None else list(axes))
+    return post(_path(device_id, "push/preview"), PreviewAnswer, body, patience_s=PUSHING_S)
+
+
+def push(
+    device_id: str,
+    design: ADesign | None = None,
+    *,
+    to_axis: int | None = None,
+    axes: Sequence[ADesign] | None = None,
+    mode: Literal["keep", "try"] | None = None,
+) -> Call[PushedAnswer]:
+    """Have a device use a design's ramp, or those of all axes, stored or on trial, and read it back."""
+    given = None if axes is None else list(axes)
+    body = payload(PushPayload, design=design, to_axis=to_axis, axes=given, mode=mode)
+    return post(_path(device_id, "push"), PushedAnswer, body, patience_s=PUSHING_S)
+
+
+def keep(device_id: str) -> Call[DeviceAnswer]:
+    """Store the ramps and settings that are in use."""
+    return _told(device_id, "keep", PUSHING_S)
+
+
+def roll_back(device_id: str) -> Call[DeviceAnswer]:
+    """Drop the ramps and settings that are on trial."""
+    return _told(device_id, "roll_back", PUSHING_S)
+
+
+def restore(device_id: str) -> Call[DeviceAnswer]:
+    """Bring back the ramps and settings that were stored before the present ones."""
+    return _told(device_id, "restore", PUSHING_S)
+
+
+def backups(device_id: str) -> Call[BackupsAnswer]:
+    """Return what was saved of a device before it was written to, the newest first."""
+    return get(_path(device_id, "backups"), BackupsAnswer)
+
+
+def restore_backup(device_id: str, name: str) -> Call[RestoredAnswer]:
+    """Write what differs of a backup, one setting at a time, and read it back."""
+    path = _path(device_id, f"backups/{quote(name, safe='')}/restore")
+    return post(path, RestoredAnswer, patience_s=PUSHING_S)
+
+
+def move(
+    device_id: str,
+    *,
+    by_steps: int | None = None,
+    to_steps: int | None = None,
+    axes: Sequence[Mapping[str, int]] | None = None,
+    stops: int | None = None,
+) -> Call[DeviceAnswer]:
+    """Begin to move axis 0, or several: `axes=[{"axis": 1, "by_steps": 200}]`. It returns at once: see until_rest.
+
+    stops: the `stops` that the device told when the move was decided; after a stop since, it is refused.
+    """
+    body = payload(MovePayload, by_steps=by_steps, to_steps=to_steps, axes=_listed(axes))
+    return post(_path(device_id, "move"), DeviceAnswer, body, headers=_known(stops))
+
+
+def run(
+    device_id: str,
+    *,
+    speed_steps_per_s: float | None = None,
+    axes: Sequence[Mapping[str, float]] | None = None,
+    for_s: float | None = None,
+    stops: int | None = None,
+) -> Call[DeviceAnswer]:
+    """Run at speeds for so long, 2 s if nothing is said; asked again in time, it goes on. It returns at once."""
+    body = payload(RunPayload, speed_steps_per_s=speed_steps_per_s, axes=_listed(axes), for_s=for_s)
+    return post(_path(device_id, "run"), DeviceAnswer, body, headers=_known(stops))
+
+
+def home(
+    device_id: str,
+    axes: Sequence[Mapping[str, float]],
+    slow_steps_per_s: float,
+    *,
+    back_off_steps: int | None = None,
+    for_s: float | None = None,
+    stops: int | None = None,
+) -> Call[DeviceAnswer]:
+    """Begin to find limit switches: `axes=[{"axis": 0, "fast_steps_per_s": -400}]`. It returns at once."""
+    body = payload(
+        HomePayload,
+        axes=_listed(axes),
+        slow_steps_per_s=slow_steps_per_s,
+        back_off_steps=back_off_steps,
+        for_s=for_s,
+    )
+    return post(_path(device_id, "home"), DeviceAnswer, body, headers=_known(stops))
+
+
+def set_position(device_id: str, position_steps: int, axis: int = 0) -> Call[DeviceAnswer]:
+    """Call the place where an axis is at rest something else. Nothing moves."""
+    body = payload(PositionPayload, axes=[{"axis": axis, "position_steps": position_steps}])
+    return post(_path(device_id, "position"), DeviceAnswer, body)
+
+
+def acknowledge(device_id: str) -> Call[DeviceAnswer]:
+    """Let motions be taken again after an emergency stop or a driver's fault. Nothing moves."""
+    return _told(device_id, "acknowledge")
+
+
+def trace_moves(device_id: str, axis: int | None = 0, *, every_steps: int | None = None) -> Call[TracingAnswer]:
+    """Trace the moves of an axis that begin from now on; None: of none."""
+    body = TracePayload.checked({"traced_axis": axis, "every_steps": every_steps or 0}).model_dump_json().encode()
+    return Call("PUT", _path(device_id, "trace"), TracingAnswer.model_validate_json, body)
+
+
+def trace(device_id: str) -> Call[TraceAnswer]:
+    """Return when the steps of the last traced move were made."""
+    return get(_path(device_id, "trace"), TraceAnswer)
+
+
+def until_rest(
+    device_id: str, *, within_s: float | None = None, tell: Callable[[DeviceAnswer], None] = lambda _: None
+) -> Script[DeviceAnswer]:
+    """Wait until a device moves no more, and return it as it is then; or is lost, or so much time is over [s].
+
+    tell: called with it as it moves.
+    """
+    begin_s = monotonic()
+    while True:
+        now: DeviceAnswer = yield device(device_id)
+        tell(now)
+        is_over = within_s is not None and monotonic() - begin_s > within_s
+        if is_over or (now.state not in ("moving", "stopping") and now.shuttle is None):
+            return now
+        yield Pause(LOOKED_AT_EVERY_S)
+
+
+def run_for(
+    device_id: str,
+    axis: int,
+    speed_steps_per_s: float,
+    for_s: float,
+    *,
+    stops: int | None = None,
+    tell: Callable[[DeviceAnswer], None] = lambda _: None,
+) -> Script[DeviceAnswer]:
+    """Run an axis for so long, and wait until it rests. It slows down within 2 s of when whoever waits is gone.
+
+    After a stop, whoever asked for it, it is refused to go on.
+    """
+    if stops is None:
+        known: DeviceAnswer = yield device(device_id)
+        stops = known.stops
+    until_s = monotonic() + for_s
+    while (left_s := until_s - monotonic()) > 0:
+        asked_s = min(LEASE_S, max(left_s, 0.05))
+        axes = [{"axis": axis, "speed_steps_per_s": speed_steps_per_s}]
+        now: DeviceAnswer = yield run(device_id, axes=axes, for_s=asked_s, stops=stops)
+        tell(now)
+        yield Pause(min(RENEWED_EVERY_S, max(0.0, until_s - monotonic())))
+    return (yield from until_rest(device_id, tell=tell))
+
+
+def _path(device_id: str, what: str = "") -> str:
+    return f"devices/{quote(device_id, safe='')}" + (what and f"/{what}")
+
+
+def _told(device_id: str, what: str, patience_s: float = 20.0) -> Call[DeviceAnswer]:
+    return post(_path(device_id, what), DeviceAnswer, patience_s=patience_s)
+
+
+def _listed(axes: Sequence[Mapping[str, object]] | None) -> list[dict[str, object]] | None:
+    return None if axes is None else [dict(each) for each in axes]
+
+
+def _known(stops: int | None) -> dict[str, str]:
+    return {} if stops is None else {STOPS_HEADER: str(stops)}

@@ -1,0 +1,149 @@
+"""Servers of this machine: each leaves a note of where it is and how it is asked, for as long as it runs.
+
+Only what Python itself has is loaded here: a stop waits for it.
+"""
+
+import json
+import os
+import socket
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from urllib.parse import parse_qsl, urlsplit
+
+from stepramp.data_folder import data_folder
+from stepramp.errors import Rejected, Rejection
+
+if sys.platform != "win32":
+    import fcntl
+
+URL_VARIABLE = "STEPRAMP_URL"
+TOKEN_VARIABLE = "STEPRAMP_TOKEN"
+KNOCK_S = 0.5
+"""So long a server of this machine may take to accept a connection, which its system does for it [s]."""
+_FOLDER = "servers"
+_ALLOWED = "the address of a server, as http://127.0.0.1:8000"
+
+
+@dataclass(frozen=True)
+class Server:
+    """Where a server is, and how it is asked."""
+
+    url: str
+    """Without a slash at its end."""
+    token: str | None = None
+    certificate: str | None = None
+    """File with the certificate that it shows, where that is not one of those that the system trusts."""
+
+    @property
+    def place(self) -> tuple[str, int]:
+        """Its host and port."""
+        parts = urlsplit(self.url)
+        return parts.hostname or "", parts.port or (443 if parts.scheme == "https" else 80)
+
+
+def named(url: str | None = None, token: str | None = None, field: str = "url") -> Server | None:
+    """Return the server that is named here, or else by STEPRAMP_URL; None where none is. Raises Rejected for no URL.
+
+    The link that a server prints may stand for its address and its token. token: else that of the link, else
+    STEPRAMP_TOKEN's. field: what a refusal calls the url.
+    """
+    given = url if url is not None else os.environ.get(URL_VARIABLE)
+    if not given:
+        return None
+    name = field if url is not None else URL_VARIABLE
+    try:
+        parts = urlsplit(given.strip())
+        is_one = parts.scheme in ("http", "https") and bool(parts.hostname) and parts.port != 0
+        shown = dict(parse_qsl(parts.query))
+    except ValueError:
+        is_one, shown = False, {}
+    if not is_one or parts.fragment or parts.username is not None or set(shown) - {"token"}:
+        raise Rejected([Rejection(name, given, _ALLOWED)])
+    url = f"{parts.scheme}://{parts.netloc}{parts.path}".rstrip("/")
+    return Server(url, token or shown.get("token") or os.environ.get(TOKEN_VARIABLE) or None)
+
+
+def running(data: Path | None = None) -> list[Server]:
+    """Return the servers of this machine that run, the one that began last first.
+
+    data: the folder where they keep what outlasts them; None: the user's own.
+    """
+    folder = (data or data_folder()) / _FOLDER
+    try:
+        notes = sorted(folder.glob("*.json"), key=lambda note: note.stat().st_mtime_ns, reverse=True)
+    except OSError:  # One has just ended.
+        notes = list(folder.glob("*.json"))
+    servers = (_read(note) for note in notes)
+    return [server for server in servers if server is not None and _answers(server.place)]
+
+
+@contextmanager
+def noted(server: Server, data: Path | None = None) -> Iterator[None]:
+    """Leave a note of a server as long as the context lasts. Nobody but its user may read it: it has the token.
+
+    A folder that can't be written to leaves the server without a note, and keeps it from nothing.
+    """
+    folder = (data or data_folder()) / _FOLDER
+    note = folder / f"{server.place[1]}.json"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        unfinished = folder / f".{server.place[1]}.{os.getpid()}"
+        descriptor = os.open(unfinished, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600)
+    except OSError:
+        yield
+        return
+    with os.fdopen(descriptor, "w", encoding="utf-8") as file:
+        if sys.platform != "win32":
+            fcntl.flock(file, fcntl.LOCK_EX)
+        json.dump(asdict(server), file)
+        file.flush()
+        if sys.platform == "win32":
+            file.close()
+        unfinished.replace(note)
+        try:
+            yield
+        finally:
+            with suppress(OSError):
+                note.unlink()
+
+
+def _read(note: Path) -> Server | None:
+    """Return the server of a note; None where it has ended without taking that away, or isn't of this machine."""
+    try:
+        with note.open(encoding="utf-8") as file:
+            if sys.platform != "win32" and not _is_held(file.fileno()):
+                return None
+            server = Server(**json.load(file))
+        return server if _is_here(server.place[0]) else None
+    except (OSError, ValueError, TypeError, AttributeError):
+        return None
+
+
+def _is_held(descriptor: int) -> bool:
+    """Tell whether the server still has its note locked, as the system sees to until its process has ended."""
+    if sys.platform == "win32":
+        return True
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    return False
+
+
+def _is_here(host: str) -> bool:
+    """Tell whether an address is this machine's own: a token goes nowhere else unless somebody says so."""
+    try:
+        with socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET) as probe:
+            probe.bind((host, 0))
+    except OSError:
+        return False
+    return True
+
+
+def _answers(place: tuple[str, int]) -> bool:
+    with suppress(OSError), socket.create_connection(place, KNOCK_S):
+        return True
+    return False

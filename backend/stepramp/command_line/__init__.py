@@ -1,0 +1,1 @@
+"""The command line: `stepramp` starts the server, `stepramp COMMAND` does one thing."""

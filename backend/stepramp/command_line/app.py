@@ -1,0 +1,110 @@
+"""The program with all of its commands, and what it ends with."""
+
+import os
+import sys
+from collections.abc import Sequence
+from typing import Annotated, Any
+
+import typer
+
+from stepramp.command_line.exit_codes import FAILED, INTERRUPTED, MEANINGS, NOBODY_THERE, OK, WRONG_INPUT
+from stepramp.errors import DeviceLost, NoServer, Rejected, StepRampError, shown
+from stepramp.version import __version__
+
+NAME = "stepramp"
+_CODES = "  ".join(f"{code}: {meaning}." for code, meaning in MEANINGS.items())
+ABOUT = f"""Designs stepper-motor ramps. Without a command it starts the server and opens its page: see serve.
+
+Commands ask the server of this machine if one runs, or else do it by themselves. Exit codes: {_CODES}"""
+
+
+def program() -> typer.Typer:
+    """Return the program."""
+    # The others load what takes a while: `serve --help` and `stop --help` do without.
+    from stepramp.command_line import designs, device_list, exporting, motion, motors, pushing, ramps  # noqa: PLC0415
+    from stepramp.command_line.server_commands import add_serve, add_stop  # noqa: PLC0415
+
+    app = typer.Typer(name=NAME, help=ABOUT, rich_markup_mode=None, pretty_exceptions_enable=False)
+    app.callback()(_of_all)
+    add_serve(app)
+    for part in (ramps, motors, exporting, device_list, pushing, motion):
+        part.add(app)
+    add_stop(app)
+    of_library = typer.Typer(name=designs.GROUP, help="The library of designs.", rich_markup_mode=None)
+    designs.add(of_library)
+    app.add_typer(of_library)
+    return app
+
+
+def run(words: Sequence[str]) -> int:
+    """Do what the command line says; return the exit code."""
+    try:
+        made = _light() if words[:1] == ["serve"] or words == ["--version"] else program()
+        code = made(words, prog_name=NAME, standalone_mode=False)
+        sys.stdout.flush()
+        return code if isinstance(code, int) else OK
+    except StepRampError as error:
+        return _told(str(error), _code_of(error))
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    except BrokenPipeError:
+        # Who reads has read enough, as head does. What is still to be written is dropped quietly.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return OK
+    except Exception as error:
+        # Typer's own, whatever it is called in its version: an option that there isn't, an argument that is missing.
+        if not hasattr(error, "format_message"):
+            raise
+        return _told(_in_words(error), WRONG_INPUT)
+
+
+def _code_of(error: StepRampError) -> int:
+    if isinstance(error, Rejected):
+        return WRONG_INPUT
+    return NOBODY_THERE if isinstance(error, DeviceLost | NoServer) else FAILED
+
+
+def _light() -> typer.Typer:
+    """Return the program with nothing but its server, which need not wait for the rest."""
+    from stepramp.command_line.server_commands import add_serve  # noqa: PLC0415
+
+    app = typer.Typer(name=NAME, rich_markup_mode=None, pretty_exceptions_enable=False, add_completion=False)
+    app.callback()(_of_all)
+    add_serve(app)
+    return app
+
+
+def _tell_version(is_asked: bool) -> None:
+    if is_asked:
+        print(f"StepRamp {__version__}")
+        raise typer.Exit
+
+
+def _of_all(
+    version: Annotated[
+        bool, typer.Option("--version", is_eager=True, callback=_tell_version, help="tell the version")
+    ] = False,
+) -> None:
+    del version
+
+
+def _in_words(error: Any) -> str:
+    """Return what is wrong with the words of a command line: which one, and what is allowed."""
+    context = getattr(error, "ctx", None)
+    parameter = getattr(error, "param", None)
+    if (name := getattr(error, "option_name", None)) and context is not None and "requires" not in str(error):
+        there = sorted(option for each in context.command.params for option in each.opts if option.startswith("--"))
+        return f"{name} is no option of `{context.command_path}`; allowed: {', '.join(there)}."
+    if parameter is not None and type(error).__name__ == "MissingParameter":
+        label = next((each for each in parameter.opts if each.startswith("--")), parameter.metavar or parameter.name)
+        return f"{label} is missing; allowed: {parameter.help}."
+    if context is not None and getattr(context.command, "commands", None) and "command" in str(error).lower():
+        named = str(error).partition("'")[2].partition("'")[0]
+        return f"command is {shown(named or None)}; allowed: {', '.join(context.command.commands)}."
+    words = str(error.format_message())
+    return words if words.endswith(".") else f"{words}."
+
+
+def _told(words: str, code: int) -> int:
+    print(f"{NAME}: {words}", file=sys.stderr, flush=True)
+    return code

@@ -1,0 +1,95 @@
+"""Files that commands read and write; `-` stands for standard input and output."""
+
+import json
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from stepramp.design import Design
+from stepramp.errors import Rejected, Rejection
+from stepramp.json_text import parsed_json
+
+MOST_BYTES = 2_000_000
+"""Size of the largest file with a design, as of the largest body with one [bytes]."""
+DesignFile = Annotated[str, typer.Argument(metavar="DESIGN", help="file with a design document, - for standard input")]
+DesignFiles = Annotated[
+    list[str], typer.Argument(metavar="DESIGN...", help="files with a design document each, - for standard input")
+]
+
+
+def design_of(source: str, field: str = "design") -> Design:
+    """Return the design of a file. Raises Rejected when it can't be read, or is none."""
+    document = document_of(source, field, "a file with a design document")
+    return Design.checked(document)
+
+
+def designs_of(sources: list[str]) -> list[Design]:
+    """Return the designs of files; what is refused of one names its file."""
+    designs = []
+    for source in sources:
+        try:
+            designs.append(design_of(source))
+        except Rejected as error:
+            if len(sources) == 1:
+                raise
+            raise Rejected([each.within(f"{source}: ") for each in error.rejections], error.more) from None
+    return designs
+
+
+def document_of(source: str, field: str, allowed: str) -> object:
+    """Return the JSON of a file. Raises Rejected, with what is allowed, when it can't be read."""
+    try:
+        return parsed_json(text_of(source))
+    except (OSError, ValueError) as error:
+        if isinstance(error, Rejected):
+            raise
+        raise Rejected([Rejection(field, source, f"{allowed} ({why(error)})")]) from None
+
+
+def text_of(source: str) -> str:
+    """Return the text of a file that may be a design; ValueError when it is none, or larger than any."""
+    with sys.stdin.buffer if source == "-" else Path(source).open("rb") as file:
+        content = file.read(MOST_BYTES + 1)
+    if len(content) > MOST_BYTES:
+        raise ValueError(f"it is larger than {MOST_BYTES:,} bytes")
+    return content.decode(json.detect_encoding(content))
+
+
+def bytes_of(source: str, field: str) -> bytes:
+    """Return the content of a file of any kind. Raises Rejected when it can't be read."""
+    try:
+        with sys.stdin.buffer if source == "-" else Path(source).open("rb") as file:
+            return file.read()
+    except OSError as error:
+        raise Rejected([Rejection(field, source, f"a file that can be read ({why(error)})")]) from None
+
+
+def refuse_same(source: str, target: str) -> None:
+    """Refuse to overwrite the file that something was made of."""
+    if "-" not in (source, target) and Path(target).exists() and Path(source).samefile(target):
+        raise Rejected([Rejection("file", target, "another file than that of the design")])
+
+
+def write(target: str, content: bytes, field: str = "file") -> None:
+    """Write a file. Raises Rejected when it can't be written."""
+    try:
+        if target == "-":
+            sys.stdout.buffer.write(content)
+            sys.stdout.buffer.flush()
+        else:
+            Path(target).write_bytes(content)
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        raise Rejected([Rejection(field, target, f"a file that can be written ({why(error)})")]) from None
+
+
+def why(error: OSError | ValueError) -> str:
+    """Return why a file can't be read or written, in words without the program's own."""
+    if isinstance(error, UnicodeDecodeError):
+        return "it is no text in UTF-8 or UTF-16"
+    if isinstance(error, json.JSONDecodeError):
+        return f"it is no JSON: line {error.lineno:,}, column {error.colno:,}" if error.doc.strip() else "it is empty"
+    return (error.strerror if isinstance(error, OSError) else None) or str(error)

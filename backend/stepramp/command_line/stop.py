@@ -1,0 +1,180 @@
+"""`stepramp stop`: goes out first, and needs nothing but Python itself where a server runs.
+
+What can't be understood of it stops everything all the same, and is told afterwards.
+"""
+
+import json
+import sys
+import threading
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from stepramp.client.servers import Server, named, running
+from stepramp.client.urgent import ask_to_stop, stop_until_answered
+from stepramp.command_line.exit_codes import FAILED, INTERRUPTED, NOBODY_THERE, OK, WRONG_INPUT
+from stepramp.errors import NoServer, Rejected, StepRampError
+
+WITH_VALUE = ("--device", "--axis", "--server", "--port", "--family")
+HALT = "--halt"
+USUAL_FAMILY = "stepramp"
+STOP_BYTES = b"\x00\xff\xff\x00"
+"""A stop of all axes outside of all frames: docs/serial_protocol.md, Stop and halt."""
+SILENT_S = 2.5
+"""After so long it is told that it is still asked [s]."""
+
+
+@dataclass
+class Asked:
+    """What is to be stopped, and where."""
+
+    device: str | None = None
+    axes: list[int] | None = None
+    halt: bool = False
+    server: str | None = None
+    port: str | None = None
+    family: str = USUAL_FAMILY
+    not_understood: list[str] = field(default_factory=list)
+
+
+def asked_by(words: Sequence[str]) -> Asked:
+    """Return what the words after `stop` ask for; of words that aren't understood, all devices and axes."""
+    asked, left = Asked(), list(words)
+    while left:
+        name, equals, value = left.pop(0).partition("=")
+        if name == HALT and not equals:
+            asked.halt = True
+            continue
+        if name not in WITH_VALUE or not (equals or left):
+            asked.not_understood.append(name)
+            continue
+        value = value if equals else left.pop(0)
+        if name == "--axis":
+            if value in ("0", "1", "2", "3"):
+                asked.axes = [*(asked.axes or []), int(value)]
+            else:
+                asked.not_understood.append(f"--axis {value}")
+        else:
+            setattr(asked, name[2:], value)
+    if asked.not_understood or (asked.axes is not None and asked.device is None):
+        if not asked.not_understood:
+            asked.not_understood.append("--axis without --device")
+        asked.device = asked.axes = None
+    return asked
+
+
+def carry_out(asked: Asked) -> int:
+    """Stop, tell what came of it, and return the exit code."""
+    try:
+        servers = _servers(asked)
+        code = _stop_at_port(asked) if not servers else _ask_all(servers, asked)
+    except KeyboardInterrupt:
+        _tell("Given up before the stop was answered: whether it was carried out is not known.")
+        return INTERRUPTED
+    except StepRampError as error:
+        _tell(str(error))
+        return WRONG_INPUT if isinstance(error, Rejected) else NOBODY_THERE
+    if asked.not_understood:
+        words, allowed = ", ".join(asked.not_understood), ", ".join((*WITH_VALUE, HALT))
+        _tell(f"{words} was not understood; allowed: {allowed}. All were stopped.")
+        return code or WRONG_INPUT
+    return code
+
+
+def _servers(asked: Asked) -> list[Server]:
+    """Return who is asked; nobody where no server runs."""
+    try:
+        told = named(asked.server, field="--server")
+    except Rejected as error:
+        # All that run are stopped all the same.
+        asked.not_understood.append(str(error))
+        told = None
+    return [told] if told is not None else running()
+
+
+def _ask_all(servers: Sequence[Server], asked: Asked) -> int:
+    """Ask all servers at the same time; return the worst of what came of it."""
+    codes: list[int] = []
+    threads = [
+        threading.Thread(target=lambda each=server: codes.append(_ask(each, asked)), daemon=True) for server in servers
+    ]
+    for thread in threads:
+        thread.start()
+    waited_s = 0.0
+    for thread in threads:
+        while thread.is_alive():
+            thread.join(0.05)
+            waited_s += 0.05
+            if thread.is_alive() and SILENT_S <= waited_s < SILENT_S + 0.05:
+                _tell("No answer yet: the stop is asked for again and again (Ctrl+C gives up).")
+    return max(codes)
+
+
+def _ask(server: Server, asked: Asked) -> int:
+    try:
+        # Halting is for one device each: all are stopped first, whatever their names.
+        is_first_of_two = asked.halt and asked.device is None
+        status, content = stop_until_answered(
+            server, asked.device, asked.axes, halt=asked.halt and asked.device is not None
+        )
+        if is_first_of_two and status == 200:
+            for device in json.loads(content)["devices"]:
+                ask_to_stop(server, device["id"], halt=True)
+            status, content = ask_to_stop(server)
+        return _told(server, status, json.loads(content))
+    except NoServer as error:
+        _tell(str(error))
+        return NOBODY_THERE
+    except (OSError, ValueError, KeyError, TypeError):
+        _tell(f"What answers at {server.url} is no StepRamp.")
+        return NOBODY_THERE
+
+
+def _told(server: Server, status: int, answer: dict[str, Any]) -> int:
+    if status != 200:
+        for error in answer["errors"]:
+            _tell(error["message"])
+        return {404: FAILED, 502: NOBODY_THERE}.get(status, FAILED)
+    devices = answer.get("devices", [answer])
+    code = OK
+    for device in devices:
+        places = ", ".join(f"axis {axis['axis']} at {axis['position_steps']:,}" for axis in device["axes"])
+        if device["state"] in ("lost", "connecting"):
+            _tell(
+                f"Device {device['id']} at {device['port']} is {device['state']}: it is stopped as soon as it answers."
+            )
+            code = NOBODY_THERE
+        else:
+            print(f"Stopped: device {device['id']} at {device['port']}, {device['state']}, {places} steps.", flush=True)
+    if not devices:
+        print(f"Stopped: the server at {server.url}, which has no device.", flush=True)
+    return code
+
+
+def _stop_at_port(asked: Asked) -> int:
+    """Stop what is at a port, without a server."""
+    if asked.port is None:
+        raise NoServer("No server of this machine runs. What is at a port without one: stepramp stop --port PORT.")
+    if asked.family == USUAL_FAMILY and "://" not in asked.port:
+        _send_at_once(asked.port)
+    # It goes the usual way, too, which waits until it is granted: this takes a second to load.
+    from stepramp.command_line.stop_at_port import stop_at  # noqa: PLC0415
+
+    print(stop_at(asked.port, asked.family, halt=asked.halt), flush=True)
+    return OK
+
+
+def _send_at_once(port: str) -> None:
+    from stepramp.link.serial_port import SerialPort  # noqa: PLC0415
+
+    opened = SerialPort(port)
+    try:
+        opened.write(STOP_BYTES)
+        # What is still to be sent as a port is closed may be dropped.
+        opened.read(0.05)
+    finally:
+        opened.close()
+
+
+def _tell(words: str) -> None:
+    print(f"stepramp: {words}", file=sys.stderr, flush=True)

@@ -1,0 +1,174 @@
+"""Both clients against a real server: the same methods, answers and refusals."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import httpx2
+import numpy as np
+import pytest
+
+import stepramp
+from designs import design, document
+from event_loop import run
+from stepramp.client import AsyncClient, Client
+from stepramp.client.calls import Call, get
+from stepramp.client.design_calls import stall_map
+from stepramp.client.servers import Server
+from stepramp.errors import NoServer, NotFound, Outdated, Refused, Rejected, Unauthorized
+from stepramp.http_api.access import Access, Role
+from stepramp.http_api.app import create_app
+from stepramp.http_api.errors import in_body
+from stepramp.http_api.jobs_models import JobAnswer
+from stepramp.http_api.stall_map_models import StartedAnswer
+from stepramp.ramp.profile import profile_of
+
+TOO_SLOW = {"ramp__acceleration_steps_per_s2": 0.001, "move__steps": 10_000_000}
+
+
+def a_motor(**changes: Any) -> dict[str, Any]:
+    preset = stepramp.MOTORS["NEMA 17 · 17HS19-2004S1"]
+    return document(schema="stepramp/2", **changes) | {"motor": preset.motor.model_dump(), "drive": {"supply_v": 24}}
+
+
+def test_a_profile_is_the_one_of_one_s_own_process(client: Any) -> None:
+    answer = client.profile(design())
+    own = profile_of(design())
+    np.testing.assert_array_equal(answer.intervals_ticks, own.intervals_ticks)
+    assert answer.summary.duration_s == own.duration_s
+    assert len(client.profile(document(), max_points=50).step) < 100
+
+
+def test_what_the_server_refuses_is_raised_as_in_one_s_own_process(client: Any) -> None:
+    with pytest.raises(Rejected) as told:
+        client.profile(document(**TOO_SLOW))
+    with pytest.raises(Rejected) as own:
+        profile_of(design(**TOO_SLOW))
+    assert told.value.rejections == in_body(own.value).rejections
+
+
+def test_what_can_t_be_sent_is_refused_with_field_value_and_what_is_allowed(client: Any) -> None:
+    with pytest.raises(Rejected) as caught:
+        client.fit(document(), rows=0)
+    [rejection] = caught.value.rejections
+    assert (rejection.field, rejection.value, rejection.allowed) == ("rows", 0, "a whole number from 1 to 1,000 rows")
+    with pytest.raises(Rejected, match=r"design.timer.frequency_hz is 0; allowed: a number from 1,000"):
+        client.errors(document(timer__frequency_hz=0), ["newton"])
+
+
+def test_designs_are_computed_with(client: Any) -> None:
+    assert [each.method for each in client.errors(document(), ["newton"]).methods] == ["newton"]
+    assert client.fit(document(), rows=4).rows == 4
+    assert client.play_table({"rows": [[10, 5000]]}, 100, [(0, 20)]).stops[0].position == 20
+    assert client.schedule([document(), document(move__steps=100)], "line").leader == 0
+    assert client.torque(a_motor(), [0, 300]).pull_out_nm[0] > 0
+    assert client.simulate(a_motor(), with_proposals=False).verdict == "safe"
+    assert b"#include" in client.export(document(), "c_newton")
+    captured = b"Time [s],step\n" + b"".join(b"%.6f,%d\n" % (n * 0.001, n % 2) for n in range(20))
+    assert client.capture(captured, document(), edge="rising").steps == 10
+
+
+def test_a_job_is_awaited_and_told_of(client: Any) -> None:
+    told: list[float] = []
+    answer = client.stall_map(a_motor(), cells=8, tell=told.append)
+    assert len(answer.verdicts) == 9
+    assert not any(-1 in row for row in answer.verdicts)
+    assert told == sorted(told)
+    assert told[-1] == 1
+
+
+def test_a_job_whose_client_gives_up_is_cancelled() -> None:
+    script = stall_map(a_motor(), cells=8)
+    asked = next(script)
+    assert isinstance(asked, Call)
+    assert (asked.method, asked.path) == ("POST", "motor/map")
+    assert script.send(StartedAnswer(id="7")) == get("jobs/7", JobAnswer)
+    cancelled = script.throw(KeyboardInterrupt())
+    assert isinstance(cancelled, Call)
+    assert (cancelled.method, cancelled.path) == ("DELETE", "jobs/7")
+    with pytest.raises(KeyboardInterrupt):
+        script.send(None)
+
+
+def test_a_device_from_connecting_to_letting_go(client: Any) -> None:
+    device = client.connect("sim://").id
+    try:
+        assert [each.id for each in client.devices().devices] == [device]
+        wanted = document(ramp__slew_speed_steps_per_s=500)
+        assert client.preview_push(device, wanted).segments == client.preview_push(device, axes=[wanted]).segments
+        pushed = client.push(device, axes=[wanted], mode="try")
+        assert client.preview_push(device, wanted).same
+        assert (pushed.verified, pushed.kept) == (True, False)
+        assert client.keep(device).on_trial is False
+        client.trace_moves(device)
+        before = client.device(device).position_steps
+        assert client.move(device, by_steps=100).state == "moving"
+        with pytest.raises(Refused):
+            client.push(device, document())
+        assert client.until_rest(device).position_steps == before + 100
+        assert client.trace(device).step == list(range(1, 101))
+        rested = client.run_for(device, 0, 400, 0.2)
+        assert (rested.state, rested.position_steps > before + 100) == ("ready", True)
+        client.move(device, by_steps=1_000_000)
+        stopped = client.stop(device)
+        assert stopped.stops > rested.stops
+        client.halt(device, [0])
+        assert client.until_rest(device).state == "ready"
+        assert [each.id for each in client.stop_all().devices] == [device]
+    finally:
+        client.until_rest(device)
+        client.disconnect(device)
+    with pytest.raises(NotFound, match="There is no device"):
+        client.device(device)
+
+
+def test_what_runs_is_not_set_in_motion_again_after_a_stop(client: Any, url: str) -> None:
+    device = client.connect("sim://").id
+    client.push(device, document())
+
+    def stop_once(_: object) -> None:
+        with Client(url) as other:
+            other.stop(device)
+
+    with pytest.raises(Refused):
+        client.run_for(device, 0, 400, 3.0, tell=stop_once)
+    client.until_rest(device)
+    client.disconnect(device)
+
+
+def test_the_library_s_designs(client: Any) -> None:
+    kept = client.add_design(document(), name="Stage", tags=["gauge"])
+    assert kept.id in [each.id for each in client.search_designs("stage", ["gauge"]).designs]
+    newer = client.save_revision(kept.id, kept.version, document(move__steps=7), note="shorter")
+    with pytest.raises(Outdated):
+        client.save_revision(kept.id, kept.version, document())
+    [difference] = client.differences(kept.id, 1, 2).differences
+    assert (difference.field, difference.before, difference.after) == ("move.steps", 2000, 7)
+    assert client.describe_design(kept.id, newer.version, "Axis").name == "Axis"
+    assert client.revision(kept.id, 2).design["move"] == {"steps": 7}
+    assert client.duplicate_design(kept.id, "Copy").id != kept.id
+    assert [each.number for each in client.kept_design(kept.id).history] == [2, 1]
+
+
+def test_a_token_is_shown() -> None:
+    access = Access({Role.OPERATE: "o" * 24, Role.VIEW: "v" * 24})
+    transport = httpx2.ASGITransport(create_app(access=access))
+
+    async def asked(token: str | None) -> int:
+        async with AsyncClient(server=Server("http://shop.local", token), transport=transport) as client:
+            return len((await client.devices()).devices)
+
+    assert run(asked("v" * 24)) == 0
+    with pytest.raises(Unauthorized, match="wants a token"):
+        run(asked(None))
+
+
+def test_what_is_no_stepramp_is_told() -> None:
+    transport = httpx2.MockTransport(lambda _: httpx2.Response(200, content=json.dumps({"status": "fine"})))
+    with Client("http://127.0.0.1:1", transport=transport) as client, pytest.raises(NoServer, match="no StepRamp"):
+        client.health()
+    with Client("http://127.0.0.1:1") as client, pytest.raises(NoServer, match="No server answers at"):
+        client.health()
+    with pytest.raises(Rejected, match="url is 'ftp://x'; allowed: the address of a server"):
+        Client("ftp://x")

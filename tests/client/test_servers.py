@@ -1,0 +1,82 @@
+"""How servers of this machine are found, and which are not."""
+
+from __future__ import annotations
+
+import json
+import socket
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from stepramp.client.servers import Server, named, noted, running
+from stepramp.errors import Rejected
+
+
+@pytest.fixture
+def listening() -> Iterator[socket.socket]:
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        yield listener
+
+
+def url_of(listener: socket.socket) -> str:
+    return f"http://127.0.0.1:{listener.getsockname()[1]}"
+
+
+def test_a_server_is_found_as_long_as_it_runs_and_its_token_is_its_user_s_alone(
+    listening: socket.socket, tmp_path: Path
+) -> None:
+    server = Server(url_of(listening), "token")
+    assert running(tmp_path) == []
+    with noted(server, tmp_path):
+        assert running(tmp_path) == [server]
+        [note] = (tmp_path / "servers").glob("*.json")
+        if sys.platform != "win32":
+            assert note.stat().st_mode & 0o777 == 0o600
+    assert running(tmp_path) == []
+
+
+def test_the_one_that_began_last_comes_first(listening: socket.socket, tmp_path: Path) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as other:
+        older, newer = Server(url_of(listening)), Server(url_of(other))
+        with noted(older, tmp_path), noted(newer, tmp_path):
+            assert running(tmp_path) == [newer, older]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="locks of Unix")
+def test_a_note_of_a_server_that_was_killed_is_ignored(listening: socket.socket, tmp_path: Path) -> None:
+    """Whoever listens at its port now is somebody else, who gets no token."""
+    folder = tmp_path / "servers"
+    folder.mkdir()
+    (folder / "1.json").write_text(json.dumps({"url": url_of(listening), "token": "token", "certificate": None}))
+    (folder / "2.json").write_text("{")
+    assert running(tmp_path) == []
+
+
+def test_a_server_that_listens_no_more_is_ignored(listening: socket.socket, tmp_path: Path) -> None:
+    with noted(Server(url_of(listening)), tmp_path):
+        listening.close()
+        assert running(tmp_path) == []
+
+
+def test_another_machine_s_address_is_not_asked_unless_it_is_named(tmp_path: Path) -> None:
+    with noted(Server("http://192.0.2.7:8000", "token"), tmp_path):
+        assert running(tmp_path) == []
+
+
+def test_a_server_is_named_by_its_address_its_link_or_the_surroundings(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert named() is None
+    monkeypatch.setenv("STEPRAMP_URL", "http://127.0.0.1:8000/")
+    monkeypatch.setenv("STEPRAMP_TOKEN", "abc")
+    assert named() == Server("http://127.0.0.1:8000", "abc")
+    assert named("https://shop.local:8000/?token=xyz") == Server("https://shop.local:8000", "xyz")
+    for wrong in ("127.0.0.1:8000", "http://", "http://a:0", "http://me@a", "http://a/?b=c", "http://a:x"):
+        with pytest.raises(Rejected, match=r"--server is .*; allowed: the address of a server"):
+            named(wrong, field="--server")
+
+
+def test_a_folder_that_can_t_be_written_to_keeps_no_server_from_running(tmp_path: Path) -> None:
+    (tmp_path / "servers").write_text("")
+    with noted(Server("http://127.0.0.1:1"), tmp_path):
+        assert running(tmp_path) == []

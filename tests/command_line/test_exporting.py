@@ -1,0 +1,85 @@
+import json
+from pathlib import Path
+
+import pytest
+
+from designs import document
+from stepramp.command_line.main import main
+
+
+def test_a_design_is_exported_to_a_file(tmp_path: Path) -> None:
+    (tmp_path / "design.json").write_text(json.dumps(document(name="Stage", move__steps=7)))
+    assert main(["export", "csv", str(tmp_path / "design.json"), str(tmp_path / "steps.csv")]) == 0
+    assert len((tmp_path / "steps.csv").read_text().splitlines()) == 8
+    assert main(["export", "grbl", "--axis-letter", "Z", str(tmp_path / "design.json"), str(tmp_path / "z.txt")]) == 0
+    # 200 · 2 / 8 = 50 steps/mm.
+    assert "\n$102=50\n" in (tmp_path / "z.txt").read_text()
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be"])
+def test_a_design_is_read_in_whatever_encoding_an_editor_saved_it(tmp_path: Path, encoding: str) -> None:
+    text = json.dumps(document(name="Größe", move__steps=7), ensure_ascii=False)
+    (tmp_path / "design.json").write_text(text, encoding=encoding)
+    assert main(["export", "json", str(tmp_path / "design.json"), str(tmp_path / "again.json")]) == 0
+    assert json.loads((tmp_path / "again.json").read_bytes())["name"] == "Größe"
+
+
+@pytest.mark.skipif(not Path("/dev/zero").exists(), reason="has no file without an end")
+def test_a_file_without_an_end_is_no_design(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["export", "csv", "/dev/zero", "-"]) == 2
+    assert "(it is larger than 2,000,000 bytes)" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("way", ["the same", "another spelling", "a link"])
+def test_a_design_is_not_overwritten_by_what_is_made_of_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], way: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    text = json.dumps(document())
+    Path("design.json").write_text(text)
+    Path("link.json").symlink_to("design.json")
+    target = {"the same": "design.json", "another spelling": f"../{tmp_path.name}/design.json", "a link": "link.json"}
+    assert main(["export", "c_newton", "design.json", target[way]]) == 2
+    told = f"stepramp: file is {target[way]!r}; allowed: another file than that of the design.\n"
+    assert capsys.readouterr().err == told
+    assert Path("design.json").read_text() == text
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["pdf", "design.json", "-"], "format is 'pdf'; allowed: c_table, c_table_progmem"),
+        (["grbl", "design.json", "-", "--axis-letter", "z"], "--axis-letter is 'z'; allowed: X, Y, Z, A, B, C."),
+        (["csv", "absent.json", "-"], "design is 'absent.json'; allowed: a file with a design document (No such"),
+        (
+            ["csv", "text.json", "-"],
+            "design is 'text.json'; allowed: a file with a design document (it is no JSON: line 1",
+        ),
+        (
+            ["csv", "latin.json", "-"],
+            "design is 'latin.json'; allowed: a file with a design document (it is no text in UTF-8 or UTF-16).",
+        ),
+        (
+            ["csv", "large.json", "-"],
+            "design is 'large.json'; allowed: a file with a design document (it is larger than 2,000,000 bytes).",
+        ),
+        (["csv", "empty.json", "-"], "design is 'empty.json'; allowed: a file with a design document (it is empty)."),
+        (["csv", "design.json", "."], "file is '.'; allowed: a file that can be written (Is a directory)."),
+        (["csv", "twice.json", "-"], 'name is ["A", "B"]; allowed: one value, given once.'),
+        (["csv", "wrong.json", "-"], "timer.frequency_hz is 0; allowed: a number from 1,000"),
+        (["csv", "design.json", "absent/steps.csv"], "file is 'absent/steps.csv'; allowed: a file that can be written"),
+    ],
+)
+def test_what_can_t_be_exported_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], words: list[str], message: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("design.json").write_text(json.dumps(document()))
+    Path("text.json").write_text("not JSON")
+    Path("latin.json").write_bytes(b'{"name": "Rampe f\xfcr Zeiger"}')
+    Path("large.json").write_bytes(b" " * 2_000_001)
+    Path("empty.json").write_text("\n")
+    Path("twice.json").write_text('{"name": "A", "name": "B"}')
+    Path("wrong.json").write_text(json.dumps(document(timer__frequency_hz=0)))
+    assert main(["export", *words]) == 2
+    assert capsys.readouterr().err.startswith(f"stepramp: {message}")
