@@ -32,7 +32,8 @@ class Described:
     example: str
 
 
-COMMANDS: list[Described] = []
+COMMANDS: dict[str, Described] = {}
+"""All that there are, by their names, once the program was made."""
 
 
 def command(app: typer.Typer, name: str, *, example: str, group: str = "") -> Callable[[F], F]:
@@ -57,7 +58,8 @@ def command(app: typer.Typer, name: str, *, example: str, group: str = "") -> Ca
         run.__annotations__ = {each.name: each.annotation for each in parameters}
         setattr(run, "__signature__", inspect.Signature(parameters))  # noqa: B010  # functions may have one of their own
         app.command(name, epilog=f"Example: {example}")(run)
-        COMMANDS.append(Described(f"{group} {name}".strip(), example))
+        full = f"{group} {name}".strip()
+        COMMANDS[full] = Described(full, example)
         return function
 
     return register
@@ -67,7 +69,7 @@ def renamed(error: Rejected, labels: dict[str, str]) -> Rejected:
     """Return a rejection with fields called as on the command line; those of designs as in their file."""
     rejections = []
     for each in error.rejections:
-        field = each.field.removeprefix("design.")
+        field = each.field.removeprefix("design.").removeprefix("axes.0.")
         rejections.append(replace(each, field=labels.get(field, field)))
     return Rejected(rejections, error.more)
 

@@ -12,6 +12,7 @@ from typing import Annotated, Any
 
 import typer
 
+from stepramp.client import device_calls
 from stepramp.command_line.commands import command
 from stepramp.command_line.device_list import axes_of
 from stepramp.command_line.exit_codes import FAILED
@@ -61,19 +62,13 @@ def move(
         asked["by_steps"] = by_steps
     if to_steps is not None:
         asked["to_steps"] = to_steps
-    far = (
-        f"by {by_steps:,} steps"
-        if by_steps is not None
-        else f"to position {to_steps:,}"
-        if to_steps is not None
-        else ""
-    )
+    far = f"to position {to_steps or 0:,}" if by_steps is None else f"by {by_steps:,} steps"
+    planned = device_calls.move(device.id, axes=[asked], stops=device.stops)
     with stopping(where, device):
         if trace_file is not None:
             client.trace_moves(device.id, axis)
-        if far:
-            tell(f"axis {axis} of {device.name} at {device.port} moves {far}; Ctrl+C stops it")
-        now = client.move(device.id, axes=[asked], stops=device.stops)
+        tell(f"axis {axis} of {device.name} at {device.port} moves {far}; Ctrl+C stops it")
+        now = client.send(planned)
         if no_wait:
             show(format, now, axes_of(now))
             return

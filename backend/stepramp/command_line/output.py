@@ -57,7 +57,8 @@ def write_csv(rows: Rows) -> None:
 
 def as_table(rows: Rows) -> Table:
     """Return rows as a table for people."""
-    table = Table(title=Text(rows.title) if rows.title else None, title_justify="left", box=None, pad_edge=False, show_edge=False)
+    title = Text(rows.title) if rows.title else None
+    table = Table(title=title, title_justify="left", box=None, pad_edge=False, show_edge=False)
     listed = [list(row) for row in rows.rows]
     for number, column in enumerate(rows.columns):
         is_number = all(isinstance(row[number], int | float) or row[number] is None for row in listed)

@@ -21,7 +21,7 @@ def add(app: typer.Typer) -> None:
     command(app, "push", example="stepramp push design.json --port sim:// --yes")(push)
     command(app, "keep", example="stepramp keep --port sim://")(keep)
     command(app, "rollback", example="stepramp rollback --port sim://")(rollback)
-    command(app, "backups", example="stepramp backups --port sim://")(backups)
+    command(app, "backups", example="stepramp backups --port /dev/ttyUSB0 --family grbl")(backups)
     command(app, "restore", example="stepramp restore --port sim:// --yes")(restore)
 
 

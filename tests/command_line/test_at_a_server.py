@@ -1,0 +1,169 @@
+"""Commands that ask a running server: what they print, what they refuse, and what they end with."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from command_line.conftest import Ask, begun
+from designs import design, document
+from stepramp.design import Design
+from stepramp.ramp.profile import profile_of
+
+pytestmark = pytest.mark.usefixtures("server", "folder")
+unix_only = pytest.mark.skipif(sys.platform == "win32", reason="signals and pseudo-terminals of Unix")
+
+
+@pytest.fixture
+def device(ask: Ask) -> str:
+    """Connect the virtual controller, with a ramp."""
+    assert ask("push design.json --port sim:// --yes").code == 0
+    return "--port sim://"
+
+
+def test_a_format_is_for_people_spreadsheets_or_programs(ask: Ask) -> None:
+    own = profile_of(design())
+    assert "peak speed" in ask("profile design.json").out
+    answer = json.loads(ask("profile design.json --format json").out)
+    assert answer["intervals_ticks"] == own.intervals_ticks.tolist()
+    rows = list(csv.DictReader(io.StringIO(ask("profile design.json --format csv").out)))
+    assert [int(row["intervals_ticks"]) for row in rows] == own.intervals_ticks.tolist()
+
+
+def test_a_design_may_come_over_standard_input(ask: Ask, monkeypatch: pytest.MonkeyPatch) -> None:
+    class Piped:
+        buffer = io.BytesIO(json.dumps(document(move__steps=7)).encode())
+
+    monkeypatch.setattr(sys, "stdin", Piped())
+    assert len(ask("profile - --format csv").out.splitlines()) == 8
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "told"),
+    [
+        ("profile design.json --points x", 2, "--points is 'x'; allowed: a whole number."),
+        ("profile design.json --points 1", 2, "--points is 1; allowed: a whole number from 10 to"),
+        ("profile absent.json", 2, "design is 'absent.json'; allowed: a file with a design document (No such file"),
+        ("profile", 2, "DESIGN is missing; allowed: file with a design document"),
+        ("profile design.json --format xml", 2, "--format is 'xml'; allowed: table, csv, json."),
+        ("profile design.json --loud", 2, "--loud is no option of `stepramp profile`; allowed: --alone, --format"),
+        ("errors design.json --method best", 2, "methods.0 is 'best'; allowed: "),
+        ("fit design.json", 2, "--rows is missing; allowed: exactly one of rows, largest_relative_error, bytes"),
+        ("fit design.json --error 2", 2, "--error is 2.0; allowed: a number from 1e-06 to 1"),
+        ("play design.json --range 9 --target now", 2, "--target is 'now'; allowed: an instant [µs], a colon and"),
+        ("run --speed 400 --for 0", 2, "--for is 0.0; allowed: a number from 0.05 to 86,400 s."),
+        ("status --for 3", 2, "--for is 3.0; allowed: nothing without --watch."),
+        ("status --device 99", 1, "There is no device '99'."),
+        ("bogus", 2, "command is 'bogus'; allowed: serve, profile, "),
+        ("profile design.json --server ftp://a", 2, "--server is 'ftp://a'; allowed: the address of a server"),
+        ("profile design.json --server http://127.0.0.1:1", 3, "No server answers at http://127.0.0.1:1."),
+        ("profile design.json --server http://a --alone", 2, "--server is 'http://a'; allowed: nothing, since --alone"),
+        ("torque design.json", 2, "motor is missing; allowed: "),
+        ("designs diff none 1 2", 1, "There is no design"),
+    ],
+)
+def test_a_refusal_names_the_option_or_field_and_what_is_allowed(
+    ask: Ask, device: str, words: str, code: int, told: str
+) -> None:
+    del device
+    came_to = ask(words)
+    assert (came_to.code, came_to.out) == (code, "")
+    assert came_to.err.startswith(f"stepramp: {told}"), came_to.err
+
+
+def test_a_push_needs_a_yes_where_nobody_can_be_asked(ask: Ask, device: str) -> None:
+    del device
+    told = ask("push other.json")
+    assert told.code == 2
+    assert "--yes is missing; allowed: --yes, since there is no terminal to ask at." in told.err
+
+
+def test_a_push_tells_what_differs_and_what_was_read_back(ask: Ask, device: str) -> None:
+    Path("slow.json").write_text(json.dumps(document(ramp__slew_speed_steps_per_s=500)))
+    told = ask(f"push slow.json --try --yes {device}")
+    assert told.code == 0, told.err
+    assert "Slew interval" in told.err
+    assert "read back as sent, on trial" in told.err
+    assert "2,000" in told.out
+    assert ask(f"push slow.json --try --yes {device}").err.count("nothing was sent") == 1
+    assert ask(f"rollback {device}").code == 0
+    refused = ask(f"rollback {device}")
+    assert (refused.code, refused.err) == (
+        1,
+        "stepramp: Nothing is on trial: the stored ramps and settings are in use.\n",
+    )
+
+
+def test_a_move_says_what_it_is_about_to_do_and_where_it_ended(ask: Ask, device: str) -> None:
+    before = json.loads(ask(f"status {device} --format json").out)["position_steps"]
+    told = ask(f"move --by -30 --trace steps.csv {device} --format json")
+    assert told.code == 0, told.err
+    assert told.err == "stepramp: axis 0 of Virtual controller at sim:// moves by -30 steps; Ctrl+C stops it\n"
+    assert json.loads(told.out)["position_steps"] == before - 30
+    assert len(Path("steps.csv").read_text().splitlines()) == 31
+    both = ask(f"move --by 3 --to 4 {device}")
+    assert (both.code, "--to is 4; allowed: nothing, since " in both.err) == (2, True), both.err
+    assert ask(f"move --by 400 --no-wait {device}").code == 0
+    assert ask("stop").code == 0
+
+
+def test_a_watched_device_is_told_as_it_changes(ask: Ask, device: str) -> None:
+    told = ask(f"status --watch --for 0.3 --format csv {device}")
+    assert (told.code, told.out.splitlines()[0].split(",")[:3]) == (0, ["device", "axis", "state"])
+    assert ask(f"status --watch --for 0.3 {device}").code == 0
+
+
+def test_a_design_of_the_library_is_written_as_it_was_saved(ask: Ask) -> None:
+    kept = json.loads(ask("designs save design.json --tag gauge --format json").out)["id"]
+    assert ask(f"designs show {kept} --output again.json").code == 0
+    assert Design.checked(json.loads(Path("again.json").read_text())) == design()
+    assert ask(f"designs save motor.json --to {kept} --note quieter").code == 0
+    differing = ask(f"designs diff {kept} 1 2").out
+    assert "motor.rated_current_a" in differing or "motor" in differing
+    assert ask("designs list --tag none").out.startswith("0 of 0 designs")
+
+
+@unix_only
+@pytest.mark.parametrize(
+    ("words", "ending"), [("move --by 5000000", signal.SIGINT), ("run --speed 900 --for 3600", signal.SIGTERM)]
+)
+def test_a_motion_that_is_interrupted_is_stopped(ask: Ask, device: str, words: str, ending: signal.Signals) -> None:
+    with begun(f"{words} {device}", stderr=subprocess.PIPE) as process:
+        assert process.stderr is not None
+        assert "Ctrl+C stops it" in process.stderr.readline()
+        while json.loads(ask(f"status {device} --format json").out)["state"] != "moving":
+            pass
+        process.send_signal(ending)
+        assert "stopped: sim://, axis 0 at " in process.stderr.read()
+    assert process.returncode == 130
+    assert json.loads(ask(f"status {device} --format json").out)["state"] in ("stopping", "ready")
+
+
+@unix_only
+@pytest.mark.parametrize(("answer", "code", "last"), [("n", 1, "nothing was sent"), ("y", 0, "read back as sent")])
+def test_at_a_terminal_a_push_is_asked_about(device: str, answer: str, code: int, last: str) -> None:
+    Path("asked.json").write_text(json.dumps(document(ramp__slew_speed_steps_per_s=700 if answer == "y" else 600)))
+    ours, theirs = os.openpty()
+    with begun(f"push asked.json {device}", stdin=theirs, stdout=subprocess.DEVNULL, stderr=theirs) as process:
+        os.close(theirs)
+        said = ""
+        while "[y/N]" not in said:
+            said += os.read(ours, 4096).decode()
+        assert "Slew interval" in said
+        os.write(ours, f"{answer}\n".encode())
+        said = ""
+        while True:
+            try:
+                said += os.read(ours, 4096).decode()
+            except OSError:  # It has ended.
+                break
+    os.close(ours)
+    assert (process.returncode, last in said) == (code, True), said
