@@ -67,6 +67,9 @@ def test_what_needs_a_server_or_a_device_says_so(ask: Ask, port: str) -> None:
     refused = ask(f"move --by 10 --no-wait --port {port}")
     assert (refused.code, "--no-wait is true; allowed: a server that goes on" in refused.err) == (2, True), refused.err
     assert ask("status --port /dev/none").code == 3
+    # What can't be used is told before a port is opened.
+    for wrong in ("push absent.json --yes", "push design.json", "move", "run --speed 9 --for 0", "restore"):
+        assert ask(f"{wrong} --port /dev/none").code == 2, wrong
     assert "Nothing listens at 127.0.0.1:1" in ask("status --port socket://127.0.0.1:1").err
 
 

@@ -13,6 +13,7 @@ from event_loop import run
 from server_process import ServerProcess
 from stepramp.command_line.main import main
 from stepramp.command_line.serving import free_port, port_number
+from stepramp.data_folder import FOLDER_VARIABLE
 from stepramp.errors import Rejected
 from tools import require
 
@@ -93,7 +94,9 @@ def test_files_for_tls_that_make_no_sense_are_refused(
         assert told in capsys.readouterr().err
 
 
-def test_it_is_spoken_to_over_tls_with_the_token_that_it_prints(tmp_path: Path) -> None:
+def test_it_is_spoken_to_over_tls_with_the_token_that_it_prints(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     require(*([] if shutil.which("openssl") else ["openssl"]))
     cert, key = str(tmp_path / "cert.pem"), str(tmp_path / "key.pem")
     subject = ["-subj", "/CN=localhost", "-addext", "subjectAltName=IP:127.0.0.1"]
@@ -111,6 +114,11 @@ def test_it_is_spoken_to_over_tls_with_the_token_that_it_prints(tmp_path: Path) 
             with connection.getresponse() as response:
                 assert (response.status, "operate" in response.read().decode()) == (status, status == 200)
         connection.close()
+        # Commands of its user know its token and its certificate, by its note; who has another folder knows neither.
+        monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path / "data"))
+        assert (main(["devices"]), main(["stop"])) == (0, 0)
+        monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path))
+        assert main(["devices", "--server", f"http://127.0.0.1:{server.address.port}"]) == 3
         server.process.terminate()
         assert server.ended() == ""
 

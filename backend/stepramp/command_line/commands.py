@@ -6,15 +6,18 @@ import types
 from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
 
 import typer
 
 from stepramp.command_line.where import Where
 from stepramp.errors import Rejected, Rejection
+from stepramp.http_api.devices_models import DeviceAnswer
 
 F = TypeVar("F", bound=Callable[..., None])
-Read = Callable[[str], object]
+Find = Callable[[], DeviceAnswer]
+"""Returns the device that is meant."""
 
 SERVER_HELP = "address of the server to ask, also as its printed link; else STEPRAMP_URL's, else one of this machine"
 ALONE_HELP = "ask no server: do it in this program"
@@ -40,7 +43,8 @@ def command(app: typer.Typer, name: str, *, example: str, group: str = "") -> Ca
     """Make a command of a function.
 
     Numbers and choices are given as text and read here. A parameter `where` stands for --server and --alone, a
-    parameter `device` for --device, --port and --family; the function is given a Where, and a device that is there.
+    parameter `find` for --device, --port and --family: calling it returns the device that is meant, connected to if
+    need be, so that what can't be used is refused before a port is opened.
     """
 
     def register(function: F) -> F:
@@ -81,9 +85,8 @@ def _call(function: Callable[..., None], values: dict[str, Any]) -> None:
         return
     port = values.get("port")
     with Where(values.pop("server"), alone=values.pop("alone"), port=port) as where:
-        if "device" in hints:
-            named = values.pop("device"), values.pop("port"), values.pop("family")
-            values["device"] = where.device(*named)
+        if "find" in hints:
+            values["find"] = partial(where.device, values.pop("device"), values.pop("port"), values.pop("family"))
         function(where=where, **values)
 
 
@@ -95,7 +98,7 @@ def _parameters(function: Callable[..., None]) -> tuple[list[inspect.Parameter],
     for name, parameter in inspect.signature(function).parameters.items():
         if name == "where":
             told += [_option("server", str | None, None, SERVER_HELP, "URL"), _option("alone", bool, False, ALONE_HELP)]
-        elif name == "device":
+        elif name == "find":
             told += [
                 _option("device", str | None, None, DEVICE_HELP, "ID"),
                 _option("port", str | None, None, PORT_HELP, "PORT"),

@@ -7,7 +7,7 @@ import typer
 from rich.console import Console
 from rich.live import Live
 
-from stepramp.command_line.commands import FAMILY_HELP, command
+from stepramp.command_line.commands import FAMILY_HELP, Find, command
 from stepramp.command_line.output import Format, Rows, as_table, show, tell, warn, write_csv
 from stepramp.command_line.where import Where
 from stepramp.errors import Rejected, Rejection
@@ -54,14 +54,15 @@ def connect(
     show(format, answer, listing(DevicesAnswer(devices=[answer])))
 
 
-def disconnect(where: Where, device: DeviceAnswer, format: Format = "table") -> None:
+def disconnect(where: Where, find: Find, format: Format = "table") -> None:
     """Have the server let go of a device; refused while a motor of it moves."""
+    device = find()
     show(format, where.client.disconnect(device.id), Rows(("let go of",), [(device.port,)]))
 
 
 def status(
     where: Where,
-    device: DeviceAnswer,
+    find: Find,
     watch: Annotated[bool, typer.Option("--watch", help="show it as it changes, until Ctrl+C")] = False,
     for_s: Annotated[float | None, typer.Option("--for", help="watch for so long [s]")] = None,
     format: Format = "table",
@@ -69,6 +70,7 @@ def status(
     """Show where the axes of a device are, and what they do."""
     if for_s is not None and not watch:
         raise Rejected([Rejection("--for", for_s, "nothing without --watch")])
+    device = find()
     warn([device.message] if device.message else [])
     if watch:
         _watch(where, device, for_s, format)

@@ -13,7 +13,7 @@ from typing import Annotated, Any
 import typer
 
 from stepramp.client import device_calls
-from stepramp.command_line.commands import command
+from stepramp.command_line.commands import Find, command
 from stepramp.command_line.device_list import axes_of
 from stepramp.command_line.exit_codes import FAILED
 from stepramp.command_line.files import write
@@ -38,7 +38,7 @@ def add(app: typer.Typer) -> None:
 
 def move(
     where: Where,
-    device: DeviceAnswer,
+    find: Find,
     by_steps: Annotated[int | None, typer.Option("--by", help="how far, negative for backwards [steps]")] = None,
     to_steps: Annotated[int | None, typer.Option("--to", help="to which position [steps]")] = None,
     axis: Axis = 0,
@@ -52,18 +52,21 @@ def move(
     format: Format = "table",
 ) -> None:
     """MOVE a motor, and wait until it rests. Ctrl+C stops it."""
-    if no_wait and (where.is_alone or trace_file is not None):
-        allowed = (
-            "nothing with --trace" if trace_file is not None else "a server that goes on: this program's end stops it"
-        )
-        raise Rejected([Rejection("--no-wait", True, allowed)])
-    client, asked = where.client, {"axis": axis}
+    asked = {"axis": axis}
     if by_steps is not None:
         asked["by_steps"] = by_steps
     if to_steps is not None:
         asked["to_steps"] = to_steps
-    far = f"to position {to_steps or 0:,}" if by_steps is None else f"by {by_steps:,} steps"
+    device_calls.move("", axes=[asked])  # What can't be used is refused before a port is opened.
+    client = where.client
+    if no_wait and trace_file is not None:
+        raise Rejected([Rejection("--no-wait", True, "nothing with --trace")])
+    if no_wait and where.is_alone:
+        allowed = "a server that goes on: the end of this program stops what it has set in motion"
+        raise Rejected([Rejection("--no-wait", True, allowed)])
+    device = find()
     planned = device_calls.move(device.id, axes=[asked], stops=device.stops)
+    far = f"to position {to_steps or 0:,}" if by_steps is None else f"by {by_steps:,} steps"
     with stopping(where, device):
         if trace_file is not None:
             client.trace_moves(device.id, axis)
@@ -85,7 +88,7 @@ def move(
 
 def run(
     where: Where,
-    device: DeviceAnswer,
+    find: Find,
     speed_steps_per_s: Annotated[float, typer.Option("--speed", help="negative for backwards [steps/s]")],
     for_s: Annotated[float, typer.Option("--for", help="how long [s]")],
     axis: Axis = 0,
@@ -97,7 +100,7 @@ def run(
     """
     if not 0.05 <= for_s <= 86_400:
         raise Rejected([Rejection("--for", for_s, "a number from 0.05 to 86,400 s")])
-    begin_s = time.monotonic()
+    device, begin_s = find(), time.monotonic()
     with stopping(where, device):
         tell(
             f"axis {axis} of {device.name} at {device.port} runs at {speed_steps_per_s:,.6g} steps/s "
@@ -117,7 +120,7 @@ def run(
 
 def home(
     where: Where,
-    device: DeviceAnswer,
+    find: Find,
     fast_steps_per_s: Annotated[
         float, typer.Option("--fast", help="towards the switch, negative for the one at the low end [steps/s]")
     ],
@@ -130,6 +133,8 @@ def home(
 ) -> None:
     """MOVE an axis until it has found its limit switch. Ctrl+C stops it."""
     asked = {"axis": axis, "fast_steps_per_s": fast_steps_per_s, "position_steps": position_steps}
+    device_calls.home("", [asked], slow_steps_per_s, back_off_steps=back_off_steps, for_s=for_s)
+    device = find()
     with stopping(where, device):
         tell(f"axis {axis} of {device.name} at {device.port} looks for its limit switch; Ctrl+C stops it")
         where.client.home(
@@ -142,9 +147,9 @@ def home(
         raise typer.Exit(FAILED)
 
 
-def trace(where: Where, device: DeviceAnswer, format: Format = "table") -> None:
+def trace(where: Where, find: Find, format: Format = "table") -> None:
     """Show when the steps of the last traced move were made. CSV is what `stepramp capture` reads of steps."""
-    traced = where.client.trace(device.id)
+    traced = where.client.trace(find().id)
     _warn_of(traced)
     rows = zip(traced.step, traced.planned_ticks, traced.measured_ticks, traced.deviation_us, strict=True)
     listed = Rows(("step", "planned_ticks", "measured_ticks", "deviation_us"), rows)

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from stepramp.command_line.commands import command
+from stepramp.command_line.commands import Find, command
 from stepramp.command_line.exit_codes import FAILED
 from stepramp.command_line.files import DesignFiles, designs_of
 from stepramp.command_line.output import Format, FormatName, Rows, as_table, progress_asked, show, tell, warn
@@ -28,7 +28,7 @@ def add(app: typer.Typer) -> None:
 def push(
     where: Where,
     designs: DesignFiles,
-    device: DeviceAnswer,
+    find: Find,
     to_axis: Annotated[
         int | None, typer.Option("--to-axis", help="which axis one design is for, the others keep theirs; else 0")
     ] = None,
@@ -44,6 +44,7 @@ def push(
     """
     refuse_unasked(yes)
     planned = designs_of(designs)
+    device = find()
     one, many = (planned[0], None) if len(planned) == 1 else (None, planned)
     preview = where.client.preview_push(device.id, one, to_axis=to_axis, axes=many)
     warn(preview.warnings)
@@ -105,25 +106,25 @@ def _part_done(where: Where, device_id: str) -> float | None:
     return progress.bytes_done / progress.bytes_total
 
 
-def keep(where: Where, device: DeviceAnswer, format: Format = "table") -> None:
+def keep(where: Where, find: Find, format: Format = "table") -> None:
     """Store the ramps and settings that a controller uses on trial."""
-    _told(where.client.keep(device.id), "stored", format)
+    _told(where.client.keep(find().id), "stored", format)
 
 
-def rollback(where: Where, device: DeviceAnswer, format: Format = "table") -> None:
+def rollback(where: Where, find: Find, format: Format = "table") -> None:
     """Drop the ramps and settings that are on trial: the stored ones are used again."""
-    _told(where.client.roll_back(device.id), "rolled back", format)
+    _told(where.client.roll_back(find().id), "rolled back", format)
 
 
-def backups(where: Where, device: DeviceAnswer, format: Format = "table") -> None:
+def backups(where: Where, find: Find, format: Format = "table") -> None:
     """List what was saved of a device before it was written to."""
-    answer = where.client.backups(device.id)
+    answer = where.client.backups(find().id)
     show(format, answer, Rows(("backup", "bytes"), [(each.name, each.bytes) for each in answer.backups]))
 
 
 def restore(
     where: Where,
-    device: DeviceAnswer,
+    find: Find,
     backup: Annotated[
         str | None,
         typer.Option("--backup", metavar="NAME", help="one of `stepramp backups`; else what was stored before"),
@@ -133,6 +134,7 @@ def restore(
 ) -> None:
     """Bring back what a controller had stored before, or a backup of it. Nothing moves."""
     refuse_unasked(yes)
+    device = find()
     what = "what was stored before" if backup is None else f"the backup {backup}"
     if not yes and not asked(f"Restore {what} to {device.name} at {device.port}?"):
         raise typer.Exit(FAILED)
