@@ -16,16 +16,20 @@ array([20000, 14142, 11547])
 from typing import TYPE_CHECKING, Any
 
 from stepramp.errors import Rejected, StepRampError
-from stepramp.version import __version__
 
 if TYPE_CHECKING:
     from stepramp.notebook import MOTORS, Design, PlannedMove, PlayedMove
+    from stepramp.version import __version__
 
 __all__ = ["MOTORS", "Design", "PlannedMove", "PlayedMove", "Rejected", "StepRampError", "__version__"]
 
 
 def __getattr__(name: str) -> Any:
-    """Load the numerics when they are first asked for: the command line's --help does without them."""
+    """Load the numerics, and even the version, when they are first asked for: a stop does without them."""
+    if name == "__version__":
+        from stepramp import version  # noqa: PLC0415  # loading it here is the purpose
+
+        return version.__version__
     if name in ("MOTORS", "Design", "PlannedMove", "PlayedMove"):
         from stepramp import notebook  # noqa: PLC0415  # loading it here is the purpose
 

@@ -15,6 +15,7 @@ import pytest
 
 from command_line.conftest import Ask, begun
 from designs import design, document
+from stepramp.command_line.main import main
 from stepramp.design import Design
 from stepramp.ramp.profile import profile_of
 
@@ -145,6 +146,28 @@ def test_a_motion_that_is_interrupted_is_stopped(ask: Ask, device: str, words: s
         assert "stopped: sim://, axis 0 at " in process.stderr.read()
     assert process.returncode == 130
     assert json.loads(ask(f"status {device} --format json").out)["state"] in ("stopping", "ready")
+
+
+@unix_only
+def test_who_reads_may_have_read_enough() -> None:
+    with begun("profile design.json --format csv", stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        assert process.stdout is not None
+        assert process.stderr is not None
+        process.stdout.close()
+        assert process.stderr.read() == ""
+    assert process.returncode == 0
+
+
+def test_the_shell_completes_commands_and_choices(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("_STEPRAMP_COMPLETE", "complete_bash")
+    for words, number, completed in (("stepramp pus", "1", "push"), ("stepramp fit --kind l", "3", "linear")):
+        monkeypatch.setenv("COMP_WORDS", words)
+        monkeypatch.setenv("COMP_CWORD", number)
+        with pytest.raises(SystemExit):
+            main([])
+        assert capsys.readouterr().out.split() == [completed]
 
 
 @unix_only

@@ -1,6 +1,5 @@
 """The program with all of its commands, and what it ends with."""
 
-import os
 import sys
 from collections.abc import Sequence
 from typing import Annotated, Any
@@ -48,8 +47,9 @@ def run(words: Sequence[str]) -> int:
     except KeyboardInterrupt:
         return INTERRUPTED
     except BrokenPipeError:
-        # Who reads has read enough, as head does. What is still to be written is dropped quietly.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        from stepramp.command_line.output import drop_output  # noqa: PLC0415
+
+        drop_output()
         return OK
     except Exception as error:
         # Typer's own, whatever it is called in its version: an option that there isn't, an argument that is missing.

@@ -11,6 +11,7 @@ from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 
 import typer
 
+from stepramp.command_line.output import drop_output
 from stepramp.command_line.where import Where
 from stepramp.errors import Rejected, Rejection
 from stepramp.http_api.devices_models import DeviceAnswer
@@ -56,6 +57,8 @@ def command(app: typer.Typer, name: str, *, example: str, group: str = "") -> Ca
                 _call(function, values)
             except Rejected as error:
                 raise renamed(error, labels) from None
+            except BrokenPipeError:
+                drop_output()
 
         labels = {each.name: _label(each) for each in parameters}
         run.__name__, run.__doc__ = function.__name__, function.__doc__

@@ -1,6 +1,7 @@
 """What commands print: tables for people, CSV and JSON for programs; what is only told goes to standard error."""
 
 import csv
+import os
 import sys
 import threading
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -80,6 +81,11 @@ def figure(value: object) -> str:
 def tell(words: str) -> None:
     """Tell something that is no result."""
     print(f"stepramp: {words}", file=sys.stderr, flush=True)
+
+
+def drop_output() -> None:
+    """Drop what is still to be written: who reads has read enough, as head does."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def warn(warnings: Iterable[str]) -> None:
