@@ -13,6 +13,7 @@ from urllib.parse import urlunsplit
 import pytest
 
 import stepramp
+from controllers.grbl.emulator import GrblOnACable
 from designs import document
 from server_process import ServerProcess
 from stepramp.command_line.main import main
@@ -82,6 +83,14 @@ def server(data: Path) -> Iterator[str]:
             running.process.terminate()
             running.ended()
         assert list((data / "servers").iterdir()) == []
+
+
+@pytest.fixture(scope="module")
+def grbl(server: str) -> Iterator[str]:
+    """Return the port of a grbl."""
+    del server
+    with GrblOnACable() as cable:
+        yield cable.port
 
 
 @pytest.fixture

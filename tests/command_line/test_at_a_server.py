@@ -116,6 +116,19 @@ def test_a_move_says_what_it_is_about_to_do_and_where_it_ended(ask: Ask, device:
     assert ask("stop").code == 0
 
 
+def test_another_family_is_pushed_to_and_restored(ask: Ask, grbl: str) -> None:
+    device = f"--port {grbl} --family grbl"
+    told = ask(f"push design.json {device} --yes")
+    assert (told.code, "read back as sent" in told.err) == (0, True), told.err
+    assert "warning: " in told.err
+    both = ask("status")
+    assert (both.code, "--device is missing; allowed: one of " in both.err) == (2, True), both.err
+    saved = json.loads(ask(f"backups {device} --format json").out)["backups"][-1]["name"]
+    restored = ask(f"restore {device} --backup '{saved}' --yes")
+    assert restored.code == 0, restored.err
+    assert ask(f"disconnect {device}").code == 0
+
+
 def test_a_watched_device_is_told_as_it_changes(ask: Ask, device: str) -> None:
     told = ask(f"status --watch --for 0.3 --format csv {device}")
     assert (told.code, told.out.splitlines()[0].split(",")[:3]) == (0, ["device", "axis", "state"])

@@ -5,14 +5,13 @@ from __future__ import annotations
 import importlib.util
 import json
 import urllib.request
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from command_line.conftest import Ask
-from controllers.grbl.emulator import GrblOnACable
 from stepramp.command_line.app import program
 from stepramp.command_line.commands import COMMANDS
 from stepramp.command_line.server_commands import STOP_EXAMPLE
@@ -26,14 +25,6 @@ def put(url: str, body: object) -> Any:
     request = urllib.request.Request(url, json.dumps(body).encode(), {"content-type": "application/json"}, method="PUT")
     with urllib.request.urlopen(request, timeout=60) as answer:
         return json.load(answer)
-
-
-@pytest.fixture(scope="module")
-def cable(server: str) -> Iterator[str]:
-    """Return the port of a grbl."""
-    del server
-    with GrblOnACable() as cable:
-        yield cable.port
 
 
 @pytest.fixture
@@ -66,9 +57,9 @@ def prepare(ask: Ask, server: str, folder: Path) -> Callable[[str], str]:
 
 
 @pytest.mark.parametrize("described", COMMANDS.values(), ids=lambda each: each.name)
-def test_the_example_of_the_help_runs(ask: Ask, prepare: Callable[[str], str], cable: str, described: Any) -> None:
+def test_the_example_of_the_help_runs(ask: Ask, prepare: Callable[[str], str], grbl: str, described: Any) -> None:
     kept = prepare(described.name)
-    words = described.example.removeprefix("stepramp ").replace("ID", kept).replace("/dev/ttyUSB0", cable)
+    words = described.example.removeprefix("stepramp ").replace("ID", kept).replace("/dev/ttyUSB0", grbl)
     told = ask(words)
     assert told.code == 0, told.err
     assert told.out or told.err or Path(words.split()[-1]).stat().st_size

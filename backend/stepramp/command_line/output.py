@@ -63,7 +63,7 @@ def as_table(rows: Rows) -> Table:
     listed = [list(row) for row in rows.rows]
     for number, column in enumerate(rows.columns):
         is_number = all(isinstance(row[number], int | float) or row[number] is None for row in listed)
-        table.add_column(Text(column), justify="right" if is_number and listed else "left", no_wrap=True)
+        table.add_column(Text(column), justify="right" if is_number and listed else "left", overflow="fold")
     for row in listed:
         table.add_row(*(Text(figure(value)) for value in row))
     return table
