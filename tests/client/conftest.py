@@ -11,9 +11,9 @@ from server_process import ServerProcess
 from stepramp.client import AsyncClient, Client
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def url(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """Return the address of a server of this module."""
+    """Return the address of a server that these tests share."""
     with ServerProcess(8700, "--data-folder", str(tmp_path_factory.mktemp("data"))) as server:
         yield urlunsplit(server.address)
 
