@@ -151,7 +151,7 @@ def test_limits_are_kept_to_only_where_it_is_known_what_they_are_counted_from(
         lambda: device.go_there_and_back(Shuttle(0, 50, 1, 0.0), by(50)),
     ]
     for motion in motions:
-        with pytest.raises(Refused, match=r"Axis 0 may be elsewhere .* set the position, or take the limits away"):
+        with pytest.raises(Refused, match=r"Axis 0 may be elsewhere .* set its position, or take the limits away"):
             motion()
     assert not MOTIONS & set(board.seen[board.seen.index(HelloRequest.KIND, 1) :])
     device.move_by([by(5, 1)])
