@@ -21,7 +21,8 @@ DEVICE_FIELDS = {
     "id", "port", "name", "family", "capabilities", "state", "message", "position_steps", "target_steps",
     "speed_steps_per_s", "axes", "timer_hz", "clocks_hz", "most_axes", "firmware_version", "ramp", "on_trial", "backup",
     "lacks_backup", "motors_on", "starved", "pushed", "progress", "shuttle", "unknown_positions", "in_control",
-    "in_control_at", "stops", "heard_s", "age_s", "unproven", "proof", "inputs", "stopped_by",
+    "in_control_at", "stops", "heard_s", "age_s", "unproven", "unproven_words", "proving", "proof",
+    "inputs", "stopped_by",
 }  # fmt: skip
 AXIS_FIELDS = {
     "axis", "state", "position_steps", "target_steps", "speed_steps_per_s", "steps_made", "lowest_steps",
