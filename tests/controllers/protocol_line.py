@@ -28,7 +28,7 @@ from stepramp.link.serial_port import SerialPort
 
 SESSION = 0xBEEF
 REPLY_TIMEOUT_S = 2.0
-PATIENCE_S = 20.0
+PATIENCE_S = 60.0
 
 
 class Line:

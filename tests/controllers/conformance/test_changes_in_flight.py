@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import time
 from itertools import takewhile
 
 import pytest
@@ -28,7 +27,7 @@ from stepramp.ramp.segments import Segment
 def test_a_target_that_changes_in_flight_is_reached(line: Line, target: int, wait_s: float) -> None:
     line.use(IMAGE)
     moved(line, MoveByRequest(1, (150,)))
-    time.sleep(wait_s)
+    line.hear(wait_s)
     assert moved(line, MoveToRequest(1, (target,))) == (target,)
     status = line.wait_for_rest()
     assert status.position_steps == status.target_steps == target

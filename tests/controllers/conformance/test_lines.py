@@ -1,7 +1,5 @@
 from __future__ import annotations
 
-import time
-
 import pytest
 
 from controllers.conformance.answers import LONG_MOVE, moved, refused
@@ -48,7 +46,7 @@ def test_axes_keep_to_the_line(line: Line) -> None:
 def test_a_halt_ends_a_line(line: Line) -> None:
     line.use(four_axes())
     moved(line, LineRequest(3, 1, (3000, 3000)))
-    time.sleep(0.1)
+    line.hear(0.1)
     line.good(HaltRequest())
     assert line.status().state == MachineState.IDLE
     assert 0 < line.status(0).position_steps == line.status(1).position_steps < 3000

@@ -1,7 +1,5 @@
 from __future__ import annotations
 
-import time
-
 import pytest
 
 from controllers.conformance.answers import LONG_MOVE, moved, refused
@@ -18,7 +16,7 @@ from stepramp.ramp.segments import Segment
 def test_a_stop_follows_the_ramp_down(line: Line, wait_s: float) -> None:
     line.use(IMAGE)
     moved(line, MoveByRequest(1, (-LONG_MOVE,)))
-    time.sleep(wait_s)
+    line.hear(wait_s)
     before = line.status()
     line.good(StopRequest())
     after = line.status()
@@ -56,7 +54,7 @@ def test_one_axis_stops_and_the_other_goes_on(line: Line) -> None:
 def test_a_move_after_a_stop_in_flight_goes_on(line: Line) -> None:
     line.use(IMAGE)
     moved(line, MoveByRequest(1, (LONG_MOVE,)))
-    time.sleep(0.05)
+    line.hear(0.05)
     line.good(StopRequest())
     moved(line, MoveToRequest(1, (400,)))
     assert line.wait_for_rest().position_steps == 400
@@ -65,7 +63,7 @@ def test_a_move_after_a_stop_in_flight_goes_on(line: Line) -> None:
 def test_a_halt_is_at_once_and_keeps_the_position(line: Line) -> None:
     line.use(IMAGE)
     moved(line, MoveByRequest(1, (LONG_MOVE,)))
-    time.sleep(0.1)
+    line.hear(0.1)
     line.good(HaltRequest())
     status = line.status()
     assert (status.state, status.interval_ticks) == (MachineState.IDLE, 0)
