@@ -2,8 +2,8 @@
 
 import re
 from collections.abc import Callable
+from typing import Literal
 
-import pytest
 from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import expect
 
@@ -13,11 +13,18 @@ from capture.writers import pulses, saleae_csv
 
 SIZES = {"wide": (1440, 900), "tablet": (1024, 768), "phone": (390, 844), "on its side": (844, 390)}
 """The tablet has all tabs and all buttons: from there each state is reached."""
-THEMES = {"dark": ("wide", "phone"), "light": ("tablet",), "forced": ("tablet",)}
-"""At which sizes each is looked at in every state. All but the colours is the same in all: the first shows it."""
+LOOKED_AT = ("wide", "phone")
+"""At which sizes each state is looked at. All but the colours is the same in all themes: the dark one shows it."""
+OTHER_THEMES: dict[str, tuple[Literal["light", "dark"], Literal["active", "none"]]] = {
+    "light": ("light", "none"),
+    "forced": ("dark", "active"),
+}
+"""Colour scheme and forced colours: there each state is looked at as the tablet shows it."""
 ABOUT_COLOURS = ("color-contrast", "link-in-text-block")
-RUN = """async ([part, only]) => {
-    const rules = {'label-content-name-mismatch': {enabled: true}};
+PANELS = ("#parameters", "#table", "#device")
+RUN = """async ([part, only, without]) => {
+    const off = Object.fromEntries(without.map((rule) => [rule, {enabled: false}]));
+    const rules = {'label-content-name-mismatch': {enabled: true}, ...off};
     const options = {resultTypes: ['violations'], ...(only.length ? {runOnly: only} : {rules})};
     const found = await axe.run(part, options);
     return found.violations.flatMap(({id, nodes}) =>
@@ -32,26 +39,44 @@ DIALOGS = {"fit-table": "fit-dialog", "paste-table": "paste-dialog"}
 class Inspection:
     """What axe-core finds in each state of a page, gathered over all of them."""
 
-    def __init__(self, stepramp: StepRampPage, theme: str) -> None:
+    def __init__(self, stepramp: StepRampPage) -> None:
         self.page = stepramp.page
-        self.sizes = THEMES[theme]
-        self._only = () if theme == "dark" else ABOUT_COLOURS
-        self._present = "tablet"
+        self._present = ""
         self.findings: list[str] = []
         self.page.evaluate(Axe().axe_script)
+        # Colours are judged as they come to be, not on their way.
+        self.page.emulate_media(color_scheme="dark", forced_colors="none", reduced_motion="reduce")
 
     def inspect(self, state: str, part: str = WHOLE, *, is_everywhere: bool = False) -> None:
-        """Take note of what is found at the theme's sizes or everywhere; a finding of several states is kept once.
+        """Take note of what is found in each theme, at the usual sizes or everywhere.
 
-        part: what the state shows that those before did not. The rest of the page is looked at with it once.
+        part: what the state shows that those before did not. The rest of the page is looked at with it once; its
+        colours too, unless the part lies over it and leaves it as it was.
         """
-        for size in SIZES if is_everywhere else self.sizes:
+        for size in SIZES if is_everywhere else LOOKED_AT:
             self._resize(size)
-            is_first = size == self.sizes[0] and not self._only
-            for text in self.page.evaluate(RUN, [WHOLE if is_first else part, list(self._only)]):
-                if not any(finding.endswith(text) for finding in self.findings):
-                    self.findings.append(f"{state}, {size}: {text}")
+            if size != LOOKED_AT[0] or part == WHOLE:
+                self._note(f"{state}, {size}", part)
+            elif part in PANELS:
+                self._note(f"{state}, {size}", WHOLE)
+            else:
+                self._note(f"{state}, {size}", WHOLE, without=ABOUT_COLOURS)
+                self._note(f"{state}, {size}", part, only=ABOUT_COLOURS)
         self._resize("tablet")
+        for theme, (scheme, forced) in OTHER_THEMES.items():
+            self._dress(scheme, forced)
+            self._note(f"{state}, {theme}", part, only=ABOUT_COLOURS)
+        self._dress("dark", "none")
+
+    def _note(self, where: str, part: str, only: tuple[str, ...] = (), without: tuple[str, ...] = ()) -> None:
+        """Take note of what is found; a finding of several states is kept once."""
+        for text in self.page.evaluate(RUN, [part, list(only), list(without)]):
+            if not any(finding.endswith(text) for finding in self.findings):
+                self.findings.append(f"{where}: {text}")
+
+    def _dress(self, scheme: Literal["light", "dark"], forced: Literal["active", "none"]) -> None:
+        self.page.emulate_media(color_scheme=scheme, forced_colors=forced)
+        expect(self.page.locator("html")).to_have_attribute("data-theme", scheme)
 
     def _resize(self, size: str) -> None:
         if size == self._present:
@@ -60,19 +85,13 @@ class Inspection:
         self.page.set_viewport_size({"width": SIZES[size][0], "height": SIZES[size][1]})
 
 
-@pytest.mark.parametrize("theme", THEMES)
-def test_axe_finds_nothing(open_page: Callable[..., StepRampPage], watch: Watch, theme: str) -> None:
+def test_axe_finds_nothing(open_page: Callable[..., StepRampPage], watch: Watch) -> None:
     watch.expected.append(REFUSED_VALUE)
     stepramp = open_page(SIZES["tablet"])
-    page, seen = stepramp.page, Inspection(stepramp, theme)
-    # Colours are judged as they come to be, not on their way.
-    scheme = "light" if theme == "light" else "dark"
-    forced = "active" if theme == "forced" else "none"
-    page.emulate_media(color_scheme=scheme, forced_colors=forced, reduced_motion="reduce")
+    page, seen = stepramp.page, Inspection(stepramp)
     for panel in ("parameters", "table", "device"):
         stepramp.show_panel(panel)
-        part = WHOLE if panel == "parameters" else f"#{panel}"
-        seen.inspect(f"idle, {panel}", part, is_everywhere=theme == "dark")
+        seen.inspect(f"idle, {panel}", WHOLE if panel == "parameters" else f"#{panel}", is_everywhere=True)
     inspect_export(stepramp, seen)
     inspect_capture(stepramp, seen)
     stepramp.show_panel("table")

@@ -28,7 +28,7 @@ def test_from_the_motor_to_the_settings_of_grbl(first_visit: StepRampPage, watch
     watch.expected.append(REFUSED_VALUE)
     page, guide = first_visit.page, first_visit.page.locator("#guide")
     heading, following = guide.locator("h2"), guide.locator("#guide-next")
-    seen = Inspection(first_visit, "dark")
+    seen = Inspection(first_visit)
     page.set_viewport_size({"width": 1440, "height": 900})
     expect(heading).to_have_text("1 of 4: Your motor")
     expect(page.locator("#device")).to_be_hidden()
