@@ -21,6 +21,8 @@ from stepramp.errors import MOST_TOLD, Choices, Count, Limits, Rejected, Rejecti
 
 LONGEST_NAME = 100
 """Length of the longest field name that is told whole [characters]."""
+LONGEST_TOLD = 1_000
+"""Of a longer text it is told how long it is [characters]."""
 
 
 class Document(BaseModel):
@@ -257,9 +259,19 @@ class Text(_Allowance):
     longest: int
 
     def __get_pydantic_core_schema__(self, source: type, handler: GetCoreSchemaHandler) -> CoreSchema:
-        self.allowed = f"a text of up to {self.longest} characters"
+        self.allowed = f"a text of up to {self.longest:,} characters"
         self.limits = Limits(0, self.longest, "characters", is_whole=True)
-        return self._guard(core_schema.str_schema(strict=True, max_length=self.longest))
+        return core_schema.no_info_wrap_validator_function(
+            self._check, core_schema.str_schema(strict=True, max_length=self.longest)
+        )
+
+    def _check(self, value: object, validate: ValidatorFunctionWrapHandler) -> Any:
+        try:
+            return validate(value)
+        except ValidationError:
+            is_long = isinstance(value, str) and len(value) > LONGEST_TOLD
+            told = {"value": Count(f"{len(str(value)):,} characters")} if is_long else {}
+            raise PydanticCustomError("refused", "allowed: {allowed}", self._context | told) from None
 
 
 def _whole(value: object) -> object:

@@ -168,7 +168,9 @@ function pushQuestionOf(state) {
   if (state.devices.link !== 'there' || device?.state !== 'ready') return null;
   const { id, ramp, on_trial, timer_hz, in_control } = device;
   const designs = designsToPush(state);
-  return { id, state: [ramp, on_trial, timer_hz, in_control], axis: deviceAxisOf(state), designs, ids: idsToPush(state) };
+  // What a push warns of depends on its scale, too, which somebody else may set meanwhile.
+  const scales = device.axes.map(({ steps_per_mm, microsteps }) => `${steps_per_mm} ${microsteps}`).join();
+  return { id, state: [ramp, on_trial, timer_hz, in_control, scales], axis: deviceAxisOf(state), designs, ids: idsToPush(state) };
 }
 
 /** The ids of the axes whose designs a push sends.

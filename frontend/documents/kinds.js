@@ -44,8 +44,8 @@ const LISTINGS = [
   [/^[ \t]*max_speed[ \t]*:/m, /^[ \t]*max_accel[ \t]*:/m],
   [/^[ \t]*max_(?:speed|accel)[ \t]*:/m, /^[ \t]*(?:starting_speed|max_decel|step_mode)[ \t]*:/m],
   [/^\[(?:printer|stepper_[xyz])\]/m],
-  ['M92', 'M201', 'M203'].map((code) => new RegExp(`^[ \\t]*(?:Recv:[ \\t]*)?(?:echo:[ \\t]*)?${code} +[XYZE]`, 'm')),
-  [/^[ \t]*(?:Recv:[ \t]*)?echo:[ \t]*M(?:92|201|203) +[XYZE]/m],
+  ['M92', 'M201', 'M203'].map((code) => new RegExp(`^[ \\t]*(?:[\\d:.]+[ \\t]+)?(?:[<>]+[ \\t]*)?(?:Recv:[ \\t]*)?(?:echo:[ \\t]*)?${code} +[XYZE]`, 'm')),
+  [/^[ \t]*(?:[\d:.]+[ \t]+)?(?:[<>]+[ \t]*)?(?:Recv:[ \t]*)?echo:[ \t]*M(?:92|201|203) +[XYZE]/m],
   [/^axes[ \t]*:/m, /^[ \t]+steps_per_mm[ \t]*:/m],
   [/^[ \t]*axis \d parameter \d{1,3} = -?\d/m],
   [/^[ \t]*(?:\{[ \t]*)?"backup_of"[ \t]*:[ \t]*"klipper"/m],
@@ -54,7 +54,11 @@ const LISTINGS = [
 
 /** Whether a text tells a controller's settings, whichever it is.
  * @param {string} text */
-export const isListing = (text) => LISTINGS.some((lines) => lines.every((line) => line.test(text.slice(0, HEAD_BYTES))));
+export function isListing(text) {
+  // What is copied from a page may have spaces that don't break.
+  const head = text.slice(0, HEAD_BYTES).replaceAll('\u00a0', ' ');
+  return LISTINGS.some((lines) => lines.every((line) => line.test(head)));
+}
 
 /** Whether a text is what an analyser or a simulator writes: VCD, or rows of levels, and not of steps and their delays.
  * @param {string} text */

@@ -77,6 +77,14 @@ export function formatFigures(value, figures = 4) {
   return formatFixed(value, Math.min(6, Math.max(0, figures - 1 - magnitude)));
 }
 
+/** Write a value that is a figure of a machine, such as "250" and "1,066.667": no more than is known of it, and no zeros at its end.
+ * @param {number} value @param {number} figures significant ones that are known */
+export function formatKnown(value, figures) {
+  const [whole, fraction] = formatFigures(Number(value.toPrecision(figures)), figures).split('.');
+  const kept = fraction?.replace(/0+$/, '') ?? '';
+  return kept === '' ? whole : `${whole}.${kept}`;
+}
+
 /** The same of a greatest value: never more than it is.
  * @param {number} value 0 or more @param {number} [figures] */
 export function formatHighest(value, figures = 4) {

@@ -212,8 +212,9 @@
 /** @typedef {{port: string, name: string, virtual: boolean, families: string[]}} Port  families: that one there may be of */
 
 /** A family of controllers. cannot: what they can't take of a design, or do. plays_own: whether it is known what they play
- * that work their intervals out themselves. kind: the family that its controllers are of, whatever way they are reached.
- * @typedef {{name: string, title: string, kind: string, cannot: string[], plays_own: boolean, reads_settings: boolean}} Family */
+ * that work their intervals out themselves. capabilities: those that they have at most. kind: the family that its controllers are of, whatever way they are reached.
+ * @typedef {{name: string, title: string, kind: string, capabilities: Capability[], cannot: string[], plays_own: boolean,
+ *   reads_settings: boolean}} Family */
 
 /** What a page may do of a server that others may use, too: view is to see, to compute and to stop.
  * @typedef {{role: 'view' | 'operate', is_shared: boolean, place: string | null}} Access */

@@ -11,7 +11,7 @@ import pytest
 from controllers.plain_controller import NoWire, PlainController
 from stepramp.controllers.capabilities import BacksUp
 from stepramp.controllers.families import Family
-from stepramp.devices.backups import Source
+from stepramp.devices.backups import Archive, Source
 from stepramp.devices.device import Device
 from stepramp.devices.registry import Devices
 from stepramp.errors import NotFound, Refused
@@ -143,3 +143,10 @@ def test_one_of_an_older_version_is_restored_and_said_to_be_unchecked(
         "All is well.",
     )
     assert made[-1].text == "figure 2\n"
+
+
+def test_backups_that_cant_be_listed_are_told(tmp_path: Path) -> None:
+    assert Archive(tmp_path).sources() == []
+    (tmp_path / "backups").write_text("in the folder's place")
+    with pytest.raises(Refused, match=r"The backups in .*backups can't be listed: Not a directory"):
+        Archive(tmp_path).sources()

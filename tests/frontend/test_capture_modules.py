@@ -61,6 +61,8 @@ SIGROK = (
         ("m503.txt", "Recv: echo:  M92 X80.00\nRecv: echo:  M203 X50.00\nRecv: echo:  M201 X200.00\n", "settings"),
         ("pasted.txt", "> $100=80.000", "settings"),
         ("pasted.txt", "[10:22:01] $100=80.000\n", "settings"),
+        ("m503.txt", "12:00:01.123 > echo: M92 X80.00 Y80.00\n", "settings"),
+        ("web.txt", "$100\u00a0=\u00a080.000\n", "settings"),
         ("pasted.txt", "10:22:01.123 >>> Recv: $100=80.000\n", "settings"),
         ("pasted.txt", "[10:22:01]\n Price: $100 = cheap\n> $100 it was\n", None),
         # What lacks something is for the server to refuse, which names it.

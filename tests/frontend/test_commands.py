@@ -67,6 +67,7 @@ ARGUMENTS: dict[str, list[object]] = {
     "others.othersCame": [[{"id": "b", "at_ms": 1, "isOpen": False, "machine": MACHINE}]],
     "told.announce": ["Undone"],
     "told.closeFault": [],
+    "told.closeNotice": [],
     "told.setAside": [MACHINE],
     "told.saved": ["full"],
     "told.showLink": ["#d=1"],

@@ -35,11 +35,23 @@ def route(client: TestClient) -> str:
 def test_the_families_are_told_with_the_ports(client: TestClient) -> None:
     families = client.get("/api/v1/ports").json()["families"]
     nothing = {"cannot": [], "plays_own": False, "reads_settings": False}
-    assert families[0] == {"name": "stepramp", "title": "StepRamp", "kind": "stepramp", **nothing}
-    assert families[-1] == {"name": "plain", "title": "Plain", "kind": "plain", **nothing}
+    ours = {"name": "stepramp", "title": "StepRamp", "kind": "stepramp", **nothing}
+    assert families[0] == {**ours, "capabilities": list(FAMILIES["stepramp"].capabilities)}
+    assert families[-1] == {"name": "plain", "title": "Plain", "kind": "plain", "capabilities": [], **nothing}
     grbl = next(family for family in families if family["name"] == "grbl")
     assert "Base speed: grbl starts from 0." in grbl["cannot"]
     assert (grbl["plays_own"], grbl["reads_settings"]) == (True, True)
+
+
+def test_a_family_tells_what_its_controllers_can_do(client: TestClient) -> None:
+    """As each tells itself once it is connected: see what is asserted of that in each family's own tests."""
+    told = {each["name"]: each["capabilities"] for each in client.get("/api/v1/ports").json()["families"]}
+    for family in FAMILIES.values():
+        assert told[family.name] == list(family.capabilities)
+    assert told["grbl"] == ["keep", "line", "backup", "import", "prove"]
+    assert told["fluidnc"] == ["try", "line", "backup", "import"]
+    assert told["klipper"] == told["marlin"] == ["keep", "try", "line", "backup", "import"]
+    assert told["tmcl"] == ["keep", "try", "backup", "import"]
 
 
 def test_each_port_tells_the_families_that_it_takes(client: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -189,6 +189,11 @@ def capabilities_of(controller: Controller) -> tuple[CapabilityName, ...]:
     return tuple(each.name for each in CAPABILITIES if _has(controller, each.of))
 
 
+def capabilities_of_class(made: type) -> tuple[CapabilityName, ...]:
+    """Return the names of what controllers of a class can do at most; what one lacks is known once it is connected."""
+    return tuple(each.name for each in CAPABILITIES if all(hasattr(made, member) for member in _members(each.of)))
+
+
 def capable(controller: Controller, kind: type[C], called: str, family: str) -> C:
     """Return a controller as one that has a capability, given as its protocol; Refused when it hasn't.
 
@@ -208,6 +213,10 @@ def refusal(kind: type, called: str, family: str) -> Refused:
 
 def _has(controller: Controller, kind: type) -> bool:
     return isinstance(controller, kind) and kind not in controller.lacks
+
+
+def _members(kind: type) -> list[str]:
+    return [name for name in vars(kind) if not name.startswith("_")]
 
 
 def _words(kind: type) -> str:

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import cast
 
+from stepramp.controllers.capabilities import CapabilityName, capabilities_of_class
 from stepramp.controllers.contract import Controller
 from stepramp.controllers.fluidnc import ramp as fluidnc
 from stepramp.controllers.fluidnc.controller import FluidNcController
@@ -82,6 +83,8 @@ class Family:
     """What that text is, as people know it, if there is such."""
     same_as: str | None = None
     """Name of the family whose controllers these are, too, reached in another way; None: it is one of its own."""
+    controller: type | None = None
+    """The class of what make makes; None: make is that."""
     names_itself: Callable[[str], bool] | None = None
     """Tells whether a line that a controller says as it starts names this family; None: they say nothing unasked."""
 
@@ -89,6 +92,11 @@ class Family:
     def kind(self) -> str:
         """What its backups can be written to: controllers of a family of the same kind."""
         return self.same_as or self.name
+
+    @property
+    def capabilities(self) -> tuple[CapabilityName, ...]:
+        """What its controllers can do at most, besides what all can."""
+        return capabilities_of_class(self.controller or cast(type, self.make))
 
     @property
     def plays_own(self) -> bool:
@@ -181,6 +189,7 @@ FAMILIES = {
             read_settings=klipper_read_settings,
             reads="printer.cfg ([stepper_x])",
             is_behind_moonraker=True,
+            controller=KlipperController,
         ),
         *(
             Family(

@@ -48,8 +48,13 @@ class Archive:
         self._folder = data / "backups"
 
     def sources(self) -> list[Source]:
-        """Return what there are backups of, that with the newest one first."""
-        folders = [each for each in self._folder.glob("*-*-*") if each.is_dir()] if self._folder.is_dir() else []
+        """Return what there are backups of, that with the newest one first; Refused when that can't be looked at."""
+        try:
+            folders = [each for each in self._folder.iterdir() if each.match("*-*-*") and each.is_dir()]
+        except FileNotFoundError:
+            return []
+        except OSError as error:
+            raise Refused(f"The backups in {self._folder} can't be listed: {error.strerror or error}.") from error
         found = [_source(each) for each in folders]
         return sorted((each for each in found if each.backups), key=lambda each: each.backups[0].name, reverse=True)
 

@@ -97,6 +97,9 @@ class FamilyAnswer(Answer):
         description="Name of the family whose controllers its are, its own or another one: backups of one can be "
         "restored to the other"
     )
+    capabilities: list[str] = Field(
+        description="What its controllers can do at most, besides what all can; one that is connected tells its own"
+    )
     cannot: list[str] = Field(description="What its controllers can't take of a design, or do, as sentences")
     plays_own: bool = Field(
         description="Whether its controllers work the intervals out themselves, and it is known how: "

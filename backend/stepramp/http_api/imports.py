@@ -19,7 +19,8 @@ router = APIRouter(tags=["planning"], route_class=JsonRoute)
 def designs_of_text(request: ImportPayload, devices: Registry) -> ImportAnswer:
     """Return designs of what a controller lists of itself, as grbl after `$$`: one for each of its axes."""
     # Some editors begin files with a byte order mark.
-    text = unmarked(request.text.removeprefix("\ufeff"))
+    # What is copied from a page may have spaces that don't break.
+    text = unmarked(request.text.removeprefix("\ufeff")).replace("\N{NO-BREAK SPACE}", " ")
     families = [each for each in devices.families.values() if each.read_settings is not None]
     for family in families:
         if family.read_settings is not None and (axes := family.read_settings(text, request.base)):

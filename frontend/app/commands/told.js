@@ -18,6 +18,10 @@ export const announce = (state, text) => telling(state, { announced: { text } })
  * @param {State} state @param {string} text @param {boolean} hasFailed @returns {State} */
 export const tell = (state, text, hasFailed) => telling(state, { announced: { text }, notice: { text, hasFailed } });
 
+/** What came of something before is no answer to what is asked now.
+ * @param {State} state @returns {State} */
+export const closeNotice = (state) => telling(state, { notice: null });
+
 /** What went wrong in the page itself stays until it is closed.
  * @param {State} state @param {string} fault @returns {State} */
 export const tellFault = (state, fault) => telling(state, { fault, announced: { text: fault } });

@@ -10,7 +10,7 @@ import { pushText } from '../../model/messages.js';
 import { withSavedAt } from '../../model/saved_at.js';
 import { inShownUnits } from '../../model/told.js';
 import { answered, asks, chooseFamily, homingBegan, limitsKept, portsCame, previewCame, pushCutShort, pushed, refused, showMeasured } from '../commands/device.js';
-import { announce, tell } from '../commands/told.js';
+import { announce, closeNotice, tell } from '../commands/told.js';
 import { mend } from '../commands/work.js';
 import { areSameQuestions, idsToPush, moveOf, previewQuestionOf } from '../devices.js';
 import { machineOf } from '../selectors.js';
@@ -53,6 +53,7 @@ export function createDeviceActions({ state, dispatch }, gestures, traced, previ
   async function request(what, ask) {
     if (state().devices.asking !== null) return;
     dispatch(asks, what);
+    dispatch(closeNotice);
     try {
       await ask();
     } catch (error) {

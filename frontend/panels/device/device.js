@@ -194,7 +194,7 @@ export function createDevice(root, dispatch, act) {
     const choices = offered.map(({ name, title }) => /** @type {[string, string]} */ ([name, title]));
     familyChoice.offer(choices, chosen);
     onlyFamily.hidden = isChoice;
-    const family = families.find(({ name }) => name === chosen);
+    const family = familyShown(now, present);
     const title = family?.title ?? '';
     showCannot(family?.cannot ?? []);
     if (onlyFamily.textContent !== title) onlyFamily.textContent = title;
@@ -237,6 +237,7 @@ export function createDevice(root, dispatch, act) {
     const context = {
       device: present,
       known: found,
+      family: familyShown(now, found),
       axis,
       design: designs[place],
       axisId: ids[place],
@@ -295,7 +296,7 @@ export function createDevice(root, dispatch, act) {
     takeOver.disabled = !now.mayAct;
     const message = present?.message ?? '';
     const trouble = present?.state === 'lost' ? `${message || 'It is lost.'} It is connected again once it is back.` : message;
-    showProblem(withSavedAt(trouble), message.includes(refused) ? '' : refused);
+    showProblem(withSavedAt(trouble), message.includes(refused) ? '' : withSavedAt(refused));
     showForgottenLimits(shown, isConnected && !now.isOthers ? present : null, now);
     showAxes(shown);
     showSections(shown, now);
@@ -384,6 +385,13 @@ function otherDesignText(state) {
   if (machine === null || played === null || played === machine.active) return '';
   const tab = (/** @type {number} */ place) => `tab ${place}, ${machine.axes[place].name || 'unnamed'}`;
   return `Axis ${deviceAxisOf(state)} plays the design of ${tab(played)}. The one in hand is ${tab(machine.active)}.`;
+}
+
+/** The family of a device, or the one chosen for what is to be connected.
+ * @param {State} state @param {Device | null} present */
+function familyShown(state, present) {
+  const chosen = present?.family ?? familyOf(state);
+  return state.devices.families.find(({ name }) => name === chosen) ?? null;
 }
 
 /** @param {string} id @param {string} label @param {'gear' | 'listen' | 'refresh'} drawing @param {() => void} onclick */

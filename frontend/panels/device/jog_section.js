@@ -173,7 +173,7 @@ export function createJogSection(jog, handlers) {
       able([runBack, runAhead], reason, inTheWay || noRamp, situation.isBusy);
       if (!isHeld) able([back, ahead], reason, inTheWay || noRamp, situation.isBusy);
       // A gauge is a pointer that turns.
-      const isGauge = known !== null && can(known, 'zero') && design.axis.travel_unit === 'deg';
+      const isGauge = known !== null && can(present, 'zero') && design.axis.travel_unit === 'deg';
       for (const one of [gauge, gaugeExplained, dialProblem]) one.hidden = !isGauge;
       if (!isGauge) dialNote.hidden = true;
       able([set, zero], placeReason, inTheWay || notAtRest || noRamp, situation.isBusy);

@@ -5,6 +5,7 @@ import { element, messageLine, picker, showText } from '../../ui/dom.js';
 import { mend } from '../../app/commands/work.js';
 import { createQuestion, laterText } from '../../app/effects/question.js';
 import { DEVICE_LOST, NOT_FOUND } from '../../server/api.js';
+import { counted, formatKnown } from '../../model/numbers.js';
 import { savedAtText } from '../../model/saved_at.js';
 import { hasOtherMicrosteps, isOtherScale, scaleOf, stepsPerUnit, travelAt } from '../../model/units.js';
 import { enable } from './section.js';
@@ -114,7 +115,7 @@ const hasOthers = ({ pushed, proof }) => pushed?.verified === false || (proof?.n
 function scaleWords({ stepsPerMm, microsteps }, design) {
   const { axis } = design;
   if (microsteps !== null && hasOtherMicrosteps(design, microsteps)) {
-    return `The controller is set to ${microsteps} microsteps, the design has ${axis.microsteps}.`;
+    return `The controller is set to ${counted(microsteps, 'microstep')}, the design has ${axis.microsteps}.`;
   }
   const isOfDegrees = axis.travel_unit !== 'mm';
   if (stepsPerMm === null || !(isOfDegrees || isOtherScale(design, stepsPerMm))) return '';
@@ -123,7 +124,7 @@ function scaleWords({ stepsPerMm, microsteps }, design) {
 }
 
 /** @param {number} scale */
-const scaleText = (scale) => String(Number(scale.toPrecision(FIGURES)));
+const scaleText = (scale) => formatKnown(scale, FIGURES);
 
 /** What gives a design the scale of a controller: the microsteps that it tells, or else the travel that makes so many steps/mm.
  * @param {Design} design @param {import('../../model/units.js').Scale} scale */

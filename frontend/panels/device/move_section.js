@@ -94,7 +94,7 @@ export function createMoveSection({ go }) {
 
   /** Several axes along a line only where there are several. */
   function shownKind() {
-    const isLine = (context?.device?.axes.length ?? 1) > 1 && can(context?.known ?? null, 'line');
+    const isLine = (context?.device?.axes.length ?? 1) > 1 && (context === null || can(context, 'line'));
     return kind === 'line' && !isLine ? 'by' : kind;
   }
 
@@ -134,11 +134,11 @@ export function createMoveSection({ go }) {
   /** @param {Context} present */
   function show(present) {
     context = present;
-    const { device, known, situation, axis: chosen, inTheWay, notAtRest } = present;
+    const { device, situation, axis: chosen, inTheWay, notAtRest } = present;
     const { units, scaled } = situation;
     const count = device?.axes.length ?? 1;
     const lineButton = /** @type {HTMLElement} */ (kinds.element.querySelector('[data-value="line"]'));
-    lineButton.hidden = count < 2 || !can(known, 'line');
+    lineButton.hidden = count < 2 || !can(present, 'line');
     const shown = shownKind();
     kinds.press(shown);
     distance.show(units, scaled[chosen]);

@@ -129,7 +129,7 @@ export function createPushSection(handlers, dispatch) {
     ),
     /** @param {Context} context */
     show(context) {
-      const { device: present, known, situation, inTheWay, notAtRest } = context;
+      const { device: present, situation, inTheWay, notAtRest } = context;
       device = present;
       const blocked = inTheWay || notAtRest;
       const isInvalid = situation.isDesignValid || situation.isAwaited ? '' : ['Correct the design first.', situation.nameProblem].filter(Boolean).join(' ');
@@ -140,10 +140,10 @@ export function createPushSection(handlers, dispatch) {
       if (onTrial.hidden) handOn([keep, rollBack], push);
       for (const other of [keep, rollBack]) enable(other, isFree);
       enable(restore, isFree && !present?.on_trial && (present?.ramp?.sequence ?? 0) >= 2);
-      restore.hidden = !present?.ramp || !can(known, 'restore');
-      keep.hidden = !present?.ramp || !can(known, 'keep');
-      rollBack.hidden = !can(known, 'try');
-      trial.hidden = !can(known, 'keep') || !can(known, 'try');
+      restore.hidden = !present?.ramp || !can(context, 'restore');
+      keep.hidden = !present?.ramp || !can(context, 'keep');
+      rollBack.hidden = !can(context, 'try');
+      trial.hidden = !can(context, 'keep') || !can(context, 'try');
       const [design, methods] = pushedParts(situation.toPush);
       showText(what, situation.isPushing ? 'Pushing…' : `Push ${design}`);
       showText(by, situation.isPushing ? '' : ` ${methods}`);

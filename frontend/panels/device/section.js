@@ -1,7 +1,7 @@
 // @ts-check
 // What the sections of the device panel share.
 
-import { formatFigures, formatFixed } from '../../model/numbers.js';
+import { counted, formatFigures, formatFixed, formatKnown } from '../../model/numbers.js';
 import { shownValue, stepsPerUnit, unitsFor, unitWord } from '../../model/units.js';
 
 /** @typedef {import('../../model/types.js').Device} Device */
@@ -11,6 +11,7 @@ import { shownValue, stepsPerUnit, unitsFor, unitWord } from '../../model/units.
  * @typedef {object} Context
  * @property {Device | null} device  null: none, or it is lost
  * @property {Device | null} known   the same, also while it is lost
+ * @property {import('../../model/types.js').Family | null} family  of it, or the one chosen for what is to be connected
  * @property {number} axis
  * @property {Design} design         of this axis, or the one in view where the device can't have those of all axes
  * @property {number} axisId         of the page's axis that has this design
@@ -51,14 +52,14 @@ export function otherRampText({ device, axis, situation }) {
 /** That lengths of some axes are shown by the controller's scale, where the design has another; '' where none are.
  * @param {Context} context @param {number[]} axes of the device */
 export function scaleText({ situation: { units, played, scaled } }, axes) {
-  const perMm = (/** @type {Design} */ { axis }) => String(Number(stepsPerUnit(axis).toPrecision(SCALE_FIGURES)));
+  const perMm = (/** @type {Design} */ { axis }) => formatKnown(stepsPerUnit(axis), SCALE_FIGURES);
   const words = axes.flatMap((axis) => {
     const { length } = unitsFor(units, scaled[axis]);
     const [ofMachine, ofDesign] = [scaled[axis].axis.microsteps, played[axis].axis.microsteps];
     const areOther = ofMachine !== ofDesign;
     // Degrees and turns are the same by any steps/mm.
     if (played[axis] === scaled[axis] || length === 'steps' || (!areOther && length !== 'mm')) return [];
-    const own = areOther ? `${ofMachine} microsteps` : `${perMm(scaled[axis])} steps/mm`;
+    const own = areOther ? counted(Number(ofMachine), 'microstep') : `${perMm(scaled[axis])} steps/mm`;
     const designs = areOther ? ofDesign : perMm(played[axis]);
     return axes.length > 1 ? `axis ${axis} has ${own}, its design ${designs}` : `${own}; the design has ${designs}`;
   });
@@ -78,12 +79,12 @@ export function lengthText(units, design, steps) {
   return `${figures} ${unitWord(units, design, 'length')}`;
 }
 
-/** Whether a device can do what only some can; until it is known of a device, whether any can. One that is connected again is
- * taken to be what it was.
- * @param {Device | null} device @param {import('../../model/types.js').Capability} what */
-export function can(device, what) {
-  const isUnknown = device === null || (device.state === 'connecting' && device.capabilities.length === 0);
-  return isUnknown || device.capabilities.includes(what);
+/** Whether a device can do what only some can; until it is known of a device, whether those of its family can. One that is
+ * connected again is taken to be what it was.
+ * @param {Pick<Context, 'known' | 'family'>} context @param {import('../../model/types.js').Capability} what */
+export function can({ known, family }, what) {
+  const isUnknown = known === null || (known.state === 'connecting' && known.capabilities.length === 0);
+  return isUnknown ? (family?.capabilities.includes(what) ?? true) : known.capabilities.includes(what);
 }
 
 /** The button that was disabled while it had the focus: browsers then take the focus away, some for good.

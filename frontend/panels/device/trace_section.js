@@ -49,9 +49,10 @@ export function createTraceSection(onTrace, act) {
       note,
     ),
     /** @param {Context} context */
-    show({ known, situation }) {
+    show(context) {
+      const { known, situation } = context;
       device = known;
-      box.disabled = !can(known, 'trace');
+      box.disabled = !can(context, 'trace');
       box.checked = situation.isTracing && !box.disabled;
       const { trace } = situation;
       const shown = trace ? figuresOf(trace) : [];

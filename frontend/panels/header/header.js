@@ -156,7 +156,7 @@ export function createHeader(root, dispatch, act) {
       (state) => [toldDeviceOf(state), state.devices.isHaltNext, state.devices.stopFate, state.devices.link === 'there', toldAgeOf(state)],
       device.show,
     ),
-    whenChanged(({ told }) => [told.notice], (told) => told && notice.show(told.text, told.hasFailed)),
+    whenChanged(({ told }) => [told.notice], (told) => (told ? notice.show(told.text, told.hasFailed) : notice.close())),
     whenChanged(({ told }) => [told.fault], notice.showFault),
     whenChanged(({ told }) => [told.link], (link) => link && linkDialog.open(link.text)),
   ];

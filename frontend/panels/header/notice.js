@@ -38,6 +38,11 @@ export function createNotice(onClose) {
       fill(text, hasFailed);
       timer = setTimeout(settle, SHOWN_MS);
     },
+    /** End what passes: something else is asked for by now. */
+    close() {
+      clearTimeout(timer);
+      settle();
+    },
     /** @param {string | null} text null: it was closed */
     showFault(text) {
       fault = text;

@@ -68,6 +68,17 @@ def test_a_listing_is_read_as_people_copy_it(line: str) -> None:
     assert (axis.design.axis.travel_per_rev, axis.design.ramp.slew_speed_steps_per_s) == (5.0, 4000)
 
 
+def test_what_is_listed_twice_is_told() -> None:
+    [axis] = read_settings("$100=80\n$110=3000\n$120=200\n$120=200\n$100=90.5", design())
+    assert axis.remarks[-1] == "$100=80 and $100=90.5 are listed: the last holds."
+    assert axis.design.axis.steps_per_rev / axis.design.axis.travel_per_rev == pytest.approx(90.5)
+
+
+def test_a_comma_for_the_point_is_told() -> None:
+    [(_, value, allowed)] = fields_of(lambda: read_settings("$100=80,000\n$110=3000\n$120=200", design()))
+    assert (value, allowed[-41:]) == ("$100=80,000", "numbers above 0, with a point for the comma"[-41:])
+
+
 def test_an_axis_of_which_a_setting_is_missing_is_told() -> None:
     text = "$101=80\n$110=3000\n$111=3000\n$120=200\n$121=200\n$132=200"
     [axis] = read_settings(text, design())

@@ -31,9 +31,10 @@ def remarks(text: str) -> str:
         "\n".join(f"Recv: {line}" for line in LISTING.splitlines()),
         "\ufeff" + LISTING,
         "\ufeff" + LISTING.partition("\n")[2].replace("echo:", ""),
+        "\n".join(f"12:00:01.123 > {line}" for line in LISTING.splitlines()),
         "Send: M503\r\n" + "\r\n".join(f"Recv: {line}" for line in LISTING.splitlines()),
     ],
-    ids=["a host's terminal", "a mark at its beginning", "before its first number", "with what was sent"],
+    ids=["a host's terminal", "a mark at its beginning", "before its first number", "a time", "with what was sent"],
 )
 def test_whatever_stands_before_its_lines(text: str) -> None:
     assert [axis.name for axis in read_settings(text, design())] == ["X", "Y", "Z", "E"]

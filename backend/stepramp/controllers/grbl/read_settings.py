@@ -34,6 +34,8 @@ def read_settings(text: str, base: Design) -> list[ReadAxis]:
     if senseless and not axes:
         letter, listed = senseless[0]
         allowed = f"settings that axis {letter} can move with: numbers above 0"
+        if "," in listed:
+            allowed += ", with a point for the comma"
         raise Rejected([refused_setting(listed, f"{listed} is listed", allowed)])
     partial = {
         LETTERS[axis]: ", ".join(missing) for axis in range(MOST_AXES_READ) if (missing := settings.missing(axis))
@@ -46,6 +48,7 @@ def read_settings(text: str, base: Design) -> list[ReadAxis]:
     if axes:
         left_out = [f"Axis {letter} is left out: with {listed} it can't move." for letter, listed in senseless]
         left_out += [f"Axis {letter} is left out: {lacking} isn't there." for letter, lacking in partial.items()]
+        left_out += [f"{each} are listed: the last holds." for each in Settings.told_twice(text.splitlines())]
         axes[0] = replace(axes[0], remarks=(*axes[0].remarks, *left_out))
     return axes
 

@@ -1,7 +1,7 @@
 """The settings of a grbl, as it lists them after `$$`: a number each."""
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Protocol
@@ -98,8 +98,17 @@ class Settings:
     @classmethod
     def pasted(cls, lines: Iterable[str]) -> "Settings":
         """Return the same of lines as people copy them, with what their programs put around them."""
-        found = (_PASTED.fullmatch(line.strip()) for line in lines)
-        return cls({int(each["number"]): each["value"] for each in found if each is not None})
+        return cls(dict(_pasted(lines)))
+
+    @staticmethod
+    def told_twice(lines: Iterable[str]) -> list[str]:
+        """Return what such lines list more than once, with different values, as they are listed."""
+        listed: dict[int, dict[str, None]] = {}
+        for number, value in _pasted(lines):
+            listed.setdefault(number, {})[value] = None
+        return [
+            " and ".join(f"${number}={value}" for value in each) for number, each in listed.items() if len(each) > 1
+        ]
 
     def missing(self, axis: int) -> list[str]:
         """Return the names of settings that an axis lacks, of which another one is there."""
@@ -189,3 +198,9 @@ def kept_acceleration(acceleration: np.float32) -> Fraction:
 def acceleration_of(acceleration: np.float32, steps_per_mm: np.float32) -> Fraction:
     """Return what grbl makes of an acceleration [mm/s²], in steps/s², exactly."""
     return kept_acceleration(acceleration) * exact(steps_per_mm)
+
+
+def _pasted(lines: Iterable[str]) -> Iterator[tuple[int, str]]:
+    for line in lines:
+        if (found := _PASTED.fullmatch(line.strip())) is not None:
+            yield int(found["number"]), found["value"]

@@ -24,8 +24,8 @@ ULPS = 2
 OF_AN_AXIS = (STEPS_PER_MM, SPEED, ACCELERATION)
 """What is needed of each axis."""
 
-_BEFORE = r"\ufeff?\s*(?:Recv:\s*)?(?:echo:\s*)?"
-"""What a file begins with, a host's terminal puts before a line, and Marlin itself."""
+_BEFORE = r"\ufeff?\s*(?:[\d:.]+\s+)?(?:[<>]+\s*)?(?:Recv:\s*)?(?:echo:\s*)?"
+"""What a file begins with, a host's terminal puts before a line, as a time, and Marlin itself."""
 _COMMAND = re.compile(_BEFORE + r"(?P<code>[GM]\d+)(?P<words>(?: +[A-Z](?:-?(?:\d+(?:\.\d*)?|\.\d+))?)*)\s*(?:;.*)?")
 _LIKE_AN_AXIS = re.compile(_BEFORE + r"(?P<line>(?:M92|M201|M203) +[A-Z][-+\d.,].*)")
 _WORD = re.compile(r"(?P<letter>[A-Z])(?P<value>-?[\d.]+)")

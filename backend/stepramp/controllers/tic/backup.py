@@ -85,7 +85,8 @@ class Backup:
         """Return it; Rejected for a text that is none, or tells a ramp that no Tic can have."""
         told, in_use = told_by(text), in_use_by(text)
         if not told.keys() >= NEEDED:
-            raise Rejected([Rejection("text", Count(f"{len(text.splitlines())} lines"), ALLOWED)])
+            reason = f"This is no backup of a Tic, and none of its settings files; allowed: {ALLOWED}."
+            raise Rejected([Rejection("text", Count(f"{len(text.splitlines()):,} lines"), ALLOWED, reason=reason)])
         product = told.pop("product", None)
         used = told | in_use
         kept = _bytes_by(text)
