@@ -96,6 +96,13 @@ export function quantityField({ id, label, quantity, start, toWhole = nearestWho
       between = null;
       write();
     },
+    /** Have what it begins with again. */
+    reset() {
+      entry = typeof start === 'function' ? (shown === null ? '' : start(shown.design)) : start;
+      isTyped = false;
+      between = null;
+      write();
+    },
     /** What the server says is wrong with it.
      * @param {import('../model/types.js').Rejection} rejection @param {string} label */
     refusal(rejection, label) {

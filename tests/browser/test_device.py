@@ -238,6 +238,13 @@ def test_inputs_from_their_roles_to_an_emergency_stop_that_is_acknowledged(pushe
 
     page.locator("#home").click()
     expect(page.locator("#home-moves")).to_contain_text("Axis 0: backwards at")
+    # A sign would turn it round: which way it goes the switch says.
+    page.locator("#home-0-fast").fill("-250")
+    expect(page.locator("#home-moves")).to_be_empty()
+    page.locator("#home-go").click()
+    expect(page.locator("#home-dialog")).to_contain_text("a speed above 0: which way it goes the switch says")
+    expect(page.locator("#home-0-fast")).to_be_focused()
+    page.locator("#home-0-fast").fill("250")
     page.locator("#home-slow").fill("200")
     page.locator("#home-0-position").fill("-40")
     page.locator("#home-go").click()

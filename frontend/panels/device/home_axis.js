@@ -46,6 +46,14 @@ export function createHomeAxis(axis) {
     isChosen,
     /** @returns {AxisHomeKept} */
     kept: () => ({ axis, isChosen: box.checked, end: end.value === 'high' ? 'high' : 'low', fast: fast.value(), position: position.value() }),
+    /** What can't be sent: which way it goes its end says, so that a sign would turn it round.
+     * @param {number} at its place among those that are asked for @returns {import('../../model/types.js').Rejection[]} */
+    refused(at) {
+      const value = fast.value();
+      if (typeof value !== 'number' || value > 0) return [];
+      const allowed = 'a speed above 0: which way it goes the switch says';
+      return [{ field: `axes.${at}.fast_steps_per_s`, value, allowed, message: `The fast speed of axis ${axis} is ${value}; allowed: ${allowed}.` }];
+    },
     /** @returns {{axis: number, fast_steps_per_s: unknown, position_steps: unknown}} */
     wish() {
       const speed = fast.value();
@@ -63,7 +71,7 @@ export function createHomeAxis(axis) {
       if (kept) {
         fast.set(kept.fast);
         position.set(kept.position);
-      }
+      } else for (const field of [fast, position]) field.reset();
     },
     /** @param {import('../../model/units.js').Units} units @param {import('../../model/types.js').Design} design */
     show(units, design) {

@@ -19,6 +19,7 @@ import { able, lengthText, speedText } from './section.js';
 /** @typedef {import('./section.js').Context} Context */
 
 const MOST_AXES = 4;
+const SECONDS = '60';
 const NO_SWITCH = 'No input is a limit switch yet: say in the settings of the device, by the button at its head, which one is, and at which end.';
 
 /** @param {{home: (device: Device, wish: HomeWish) => Promise<boolean>}} handlers  home: false where it was not asked for */
@@ -33,7 +34,7 @@ export function createHomeDialog({ home }) {
   const axes = Array.from({ length: MOST_AXES }, (_, axis) => createHomeAxis(axis));
   const slow = quantityField({ id: 'home-slow', label: 'Slow speed', quantity: 'speed', start: 50 });
   const backOff = quantityField({ id: 'home-back-off', label: 'Back-off', quantity: 'length', start: 50 });
-  const seconds = plainField({ id: 'home-for', label: 'Time at most', unit: 's', value: '60' });
+  const seconds = plainField({ id: 'home-for', label: 'Time at most', unit: 's', value: SECONDS });
   const [slowProblem, backOffProblem, secondsProblem] = [slow, backOff, seconds].map(() => element('div', { className: 'problem' }));
   const common = element(
     'div',
@@ -107,7 +108,8 @@ export function createHomeDialog({ home }) {
     slow.show(units, first);
     backOff.show(units, first);
     common.hidden = axes.every((one) => one.element.hidden);
-    const told = places.length === 0 ? [] : movesText(wish(), context);
+    const isWrong = places.some((one, at) => one.refused(at).length > 0);
+    const told = places.length === 0 || isWrong ? [] : movesText(wish(), context);
     if (moves.dataset.told !== told.join('\n')) {
       moves.dataset.told = told.join('\n');
       moves.replaceChildren(...told.map((textContent) => element('li', { textContent })));
@@ -126,7 +128,9 @@ export function createHomeDialog({ home }) {
     if (!device || device.id !== id || go.disabled) return;
     const { slow_steps_per_s, back_off_steps, for_s } = wish();
     memory.keepHoming(device.port, { axes: axes.map((one) => one.kept()), slow: slow_steps_per_s, backOff: back_off_steps, seconds: for_s });
-    reject([]);
+    const wrong = chosen().flatMap((one, at) => one.refused(at));
+    reject(wrong);
+    if (wrong.length > 0) return showWrong();
     try {
       if (await home(device, wish())) dialog.close();
     } catch (error) {
@@ -134,8 +138,12 @@ export function createHomeDialog({ home }) {
       const unknown = isNo(error) ? '' : ' Whether it moves isn’t known: press STOP if it may.';
       const message = `${error instanceof Error ? error.message : error}${unknown}`;
       reject(error instanceof Refusal && unknown === '' ? error.rejections : [{ field: null, value: null, allowed: null, message }]);
-      /** @type {HTMLElement | null} */ (dialog.element.querySelector('[aria-invalid="true"]'))?.focus();
+      showWrong();
     }
+  }
+
+  function showWrong() {
+    /** @type {HTMLElement | null} */ (dialog.element.querySelector('[aria-invalid="true"]'))?.focus();
   }
 
   return {
@@ -150,6 +158,9 @@ export function createHomeDialog({ home }) {
         slow.set(kept.slow);
         backOff.set(kept.backOff);
         seconds.input.value = String(kept.seconds);
+      } else {
+        for (const field of [slow, backOff]) field.reset();
+        seconds.input.value = SECONDS;
       }
       dialog.entitle(`Home ${device.name}`);
       reject([]);
