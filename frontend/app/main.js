@@ -12,6 +12,7 @@ import { createExport } from '../panels/export/export.js';
 import { createFlight } from '../panels/flight/flight.js';
 import { createGuide } from '../panels/guide/guide.js';
 import { createHeader } from '../panels/header/header.js';
+import { createLibraryPanel } from '../panels/library/library.js';
 import { createMotorDialogs } from '../panels/motor/motor.js';
 import { createOffer } from '../panels/offer/offer.js';
 import { createParameters } from '../panels/parameters/parameters.js';
@@ -39,6 +40,7 @@ import { guideFirstVisit } from './effects/guide.js';
 import { watchKeys } from './effects/keys.js';
 import { createDocuments } from './effects/opening.js';
 import { watchOtherTabs } from './effects/other_tabs.js';
+import { createLibrary } from './effects/library.js';
 import { askForMotor } from './effects/motor.js';
 import { askForOwnRamp } from './effects/own_ramp.js';
 import { askForPreviews } from './effects/previews.js';
@@ -87,6 +89,7 @@ const { stop } = createStopping(store, endMotions, gestures.hear);
 const news = createDeviceNews(store, gestures, traced, { endJog: jog.end, endMotions });
 const keys = watchKeys(store, stop);
 const documents = createDocuments(store);
+const library = createLibrary(store, documents);
 const theme = createTheme(store);
 
 // ---- panels ----
@@ -94,9 +97,10 @@ const theme = createTheme(store);
 const exporting = createExport(store);
 const backups = createBackups(store, devices);
 const flight = createFlight(api.playInFlight, dispatch);
-const motor = createMotorDialogs(dispatch, createStallMaps(store, tab.id));
+const motor = createMotorDialogs(dispatch, { ...createStallMaps(store, tab.id), ...library });
+const librarian = createLibraryPanel(store, { ...library, openBackups: backups.open, openMap: motor.openMapOver });
 const panels = [
-  createHeader(part('header'), dispatch, { ...keys, ...documents, ...theme, stop, openExport: exporting.open, openBackups: backups.open }),
+  createHeader(part('header'), dispatch, { ...keys, ...documents, ...theme, stop, openExport: exporting.open, openBackups: backups.open, openLibrary: librarian.open }),
   createTabs(part('tabs'), dispatch),
   createGuide(part('guide'), dispatch, { openExport: exporting.open, saveFile: documents.saveFile }),
   createOffer(part('offer'), dispatch, documents),
@@ -105,12 +109,13 @@ const panels = [
   createSummary(part('summary'), dispatch),
   createPlots(part('figure'), dispatch),
   createTable(part('table'), dispatch, api),
-  createDevice(part('device'), dispatch, { ...devices, jog }),
-  createCapture(dispatch, { ...documents, ...capture }),
+  createDevice(part('device'), dispatch, { ...devices, jog, ...library }),
+  createCapture(dispatch, { ...documents, ...capture, ...library }),
   createStatus(part('status')),
   createAnnouncements(part('announcements')),
   exporting,
   backups,
+  librarian,
   flight,
   motor,
 ];

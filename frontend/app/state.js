@@ -106,6 +106,11 @@ import { STEPS_AND_SECONDS } from '../model/units.js';
  * @property {{text: string} | null} tableText  in which there may be tables, to look at
  * @property {import('../documents/storage.js').Keeping | null} keeping  whether the browser keeps the design; null: not tried yet */
 
+/** What the page knows of the library.
+ * @typedef {object} OfLibrary
+ * @property {Record<number, import('../model/library.js').Link>} links  which revision each axis began with, by its id
+ * @property {{key: string, label: string, design: Design, curves: Answer | null}[]} beside  what is laid beside the design in hand */
+
 /** What another tab of the browser keeps, be it open or closed.
  * @typedef {{id: string, at_ms: number, isOpen: boolean, machine: Machine}} OtherTab */
 /** @typedef {object} OtherTabs
@@ -136,6 +141,7 @@ import { STEPS_AND_SECONDS } from '../model/units.js';
  * @property {import('../model/flight.js').Told[] | null} inFlight  what the motor is told while it moves; null: nothing yet
  * @property {boolean} isCaptureOpen           whether its dialog is
  * @property {Machine | null} replaced         what an example, a file or a link took the place of
+ * @property {OfLibrary} library
  * @property {import('../model/guide.js').Guide} guide
  * @property {OtherTabs} otherTabs
  * @property {number} firstId                  from which on no axis of any tab has an id
@@ -179,6 +185,7 @@ export const FIRST_STATE = {
   isCaptureOpen: false,
   inFlight: null,
   replaced: null,
+  library: { links: {}, beside: [] },
   guide: FIRST_GUIDE,
   otherTabs: { list: [], offered: null, declined: [] },
   firstId: 0,

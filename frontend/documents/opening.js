@@ -19,10 +19,14 @@ import { decodeLink, isLink } from './link.js';
  */
 export function createOpening({ state, isOwn, aside, putAside, put, tell }) {
   /** @param {Work & {ids?: number[]}} work */
-  function replace(work) {
+  const replace = (work) => replacing(() => put(work));
+
+  /** What takes the place of what is in hand, which is kept.
+   * @param {() => void} act */
+  function replacing(act) {
     const before = state();
     const isMissed = before !== null && isOwn();
-    put(work);
+    act();
     if (isMissed) putAside(before);
   }
 
@@ -39,6 +43,7 @@ export function createOpening({ state, isOwn, aside, putAside, put, tell }) {
 
   return {
     replace,
+    replacing,
     open,
     /** Open what the address carries, if anything, and take it out of the address: it is kept elsewhere from now on. */
     async openAddress() {

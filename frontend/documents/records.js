@@ -5,6 +5,7 @@
 import { isDesign } from '../model/design.js';
 import { areTold } from '../model/flight.js';
 import { knownAnswers } from '../model/guide.js';
+import { isLink } from '../model/library.js';
 import { knownMethods, SHOWN_AT_FIRST } from '../model/methods.js';
 import { unitsNamed, unitsText } from '../model/units.js';
 import { MOST_AXES } from '../model/workbench.js';
@@ -25,7 +26,8 @@ import { keysAfter, readText, removeText, writeText } from './storage.js';
  * @property {boolean} areAllShown
  * @property {[number, number] | null} allZoom
  * @property {Pick<import('../model/guide.js').Guide, 'drive' | 'player'>} guide  what no design can hold of its answers
- * @property {import('../model/flight.js').Told[] | null} inFlight  what the motor is told while it moves */
+ * @property {import('../model/flight.js').Told[] | null} inFlight  what the motor is told while it moves
+ * @property {Record<number, import('../model/library.js').Link>} links  which revision of the library each axis began with */
 
 /** @typedef {{id: string, record: TabRecord}} Kept */
 
@@ -74,7 +76,7 @@ export function parseRecord(text) {
     return null;
   }
   if (!Number.isFinite(kept?.at_ms) || !isMachine(kept.machine)) return null;
-  const { at_ms, isOwn, isExample, machine, replaced, units, shown, views, areAllShown, allZoom, guide, inFlight } = kept;
+  const { at_ms, isOwn, isExample, machine, replaced, units, shown, views, areAllShown, allZoom, guide, inFlight, links } = kept;
   return {
     at_ms,
     isOwn: isOwn !== false,
@@ -88,6 +90,7 @@ export function parseRecord(text) {
     allZoom: isZoom(allZoom) ? allZoom : null,
     guide: knownAnswers(guide),
     inFlight: areTold(inFlight) ? inFlight : null,
+    links: Object.fromEntries(Object.entries(links ?? {}).filter(([, one]) => isLink(one))),
   };
 }
 

@@ -46,6 +46,10 @@ const LABELS = new Map([
     (field) => /** @type {[string, string]} */ ([field.path, field.label]),
   ),
 ]);
+/** What the page calls a field of a design; of one that it shows nowhere, its path.
+ * @param {string} path */
+export const labelOf = (path) => LABELS.get(path) ?? path;
+
 /** What is about several axes calls their designs by their places. */
 const OF_AXIS = /^(?:designs|axes)\.(\d+)\.(.*)$/;
 /** So does a push; of one design there is no place. */
@@ -100,7 +104,7 @@ function choicesText({ names, because: { field, value }, is_need }) {
 
 /** What the page calls a method, a shape or another choice.
  * @param {unknown} value */
-const nameOf = (value) => [...METHODS, ...SHAPES].find(({ name }) => name === value)?.label ?? String(value);
+export const nameOf = (value) => [...METHODS, ...SHAPES].find(({ name }) => name === value)?.label ?? String(value);
 
 /** What is wrong with a design's name: how long it is says more than what it begins with.
  * @param {Message | undefined} problem @param {string} name of which a refusal has the beginning only

@@ -86,6 +86,14 @@ export function replaced(history, { axes, together, ids = axes.map((_, index) =>
   return { ...next, nextId: history.nextId + axes.length };
 }
 
+/** Another axis in the place of the one in hand, which an undo brings back as what it was.
+ * @param {History} history @param {Design} design @returns {History} */
+export function withAxisInPlace(history, design) {
+  const { present, nextId } = history;
+  const { axes, ids, active } = present;
+  return { ...changed(history, { ...present, axes: axes.with(active, design), ids: ids.with(active, nextId) }), nextId: nextId + 1 };
+}
+
 /** The ids of all axes that are in hand, or may come back.
  * @param {History} history @returns {Set<number>} */
 export const idsOf = (history) => new Set(machinesOf(history).flatMap(({ ids }) => ids));
@@ -112,11 +120,11 @@ export function redone(history) {
 }
 
 /** Another axis after the last one, alike the one in hand. Nothing happens when there are four.
- * @param {History} history @returns {History} */
-export function withAxis(history) {
+ * @param {History} history @param {Design} [design] @returns {History} */
+export function withAxis(history, design = history.present.axes[history.present.active]) {
   const { present, nextId } = history;
   if (present.axes.length === MOST_AXES) return history;
-  const axes = [...present.axes, present.axes[present.active]];
+  const axes = [...present.axes, design];
   const next = changed(history, { ...present, axes, ids: [...present.ids, nextId], active: present.axes.length });
   return { ...next, nextId: nextId + 1 };
 }

@@ -29,6 +29,7 @@ import { isOfMotion, onePlot, PLOTS, plotsShowing, plotsThere } from './plots.js
  * @property {Third} [third]
  * @property {boolean} [acceleration]        whether the velocity plot shows the implied acceleration too
  * @property {Curve | null} [pinned]           of the pinned design
+ * @property {(Curve | null)[]} [beside]      revisions of the library that are laid beside it
  * @property {OwnCurve | null} [own]         what the controller in view plays itself
  * @property {Measured | null} [measured]
  * @property {import('./captured.js').CapturedCurve | null} [captured]
@@ -195,8 +196,8 @@ function phasesOf({ answer, curves }) {
 
 /** The range that a view shows.
  * @param {Scene} scene @param {Frame['phases']} phases @returns {Range} */
-function fullRange({ curves, against, view, axes, pinned, captured, own }, phases) {
-  const beside = axes ? [] : [pinned, captured, own].flatMap((one) => (one && one.x.length > 0 ? [one] : []));
+function fullRange({ curves, against, view, axes, pinned, beside: laid = [], captured, own }, phases) {
+  const beside = axes ? [] : [pinned, ...laid, captured, own].flatMap((one) => (one && one.x.length > 0 ? [one] : []));
   const all = [...(axes ?? entriesOf(curves).map(([, curve]) => curve)), ...beside];
   const ends = all.flatMap((curve) => [curve.x[0], curve.x[curve.x.length - 1]]);
   const [first, last] = [Math.min(...ends, 0), Math.max(...ends, 0)];
@@ -245,7 +246,7 @@ function readable(scene, ends, span) {
  * @returns {[number, number]} */
 function withoutFarOff(scene, [low, high], span) {
   const near = new Set([...scene.shown].filter((method) => method !== 'table' || method === scene.answer.design.method.name));
-  const others = extremes(listsOf({ ...scene, shown: near, pinned: null }, 'error'), span);
+  const others = extremes(listsOf({ ...scene, shown: near, pinned: null, beside: [] }, 'error'), span);
   const largest = Math.max(Math.abs(others[0]), Math.abs(others[1]));
   const most = Math.max(MOST_FAR_OFF * largest, NOT_FAR_OFF_PERCENT);
   return largest > 0 ? [Math.max(low, -most), Math.min(high, most)] : [low, high];
@@ -276,11 +277,11 @@ export function activeCurve({ answer, curves }) {
 /** The lists of x and y that a plot draws.
  * @param {Scene} scene @param {PlotName} name @returns {[number[], number[]][]} */
 function listsOf(scene, name) {
-  const { curves, shown: names, axes, pinned, third, own } = scene;
+  const { curves, shown: names, axes, pinned, beside = [], third, own } = scene;
   const { curve, measured: ofMeasured, own: ofOwn, ofAxis } = plotOf(name, third);
   if (axes) return ofAxis === null ? [] : axes.map((one) => [one.x, ofAxis(one)]);
   const drawn = entriesOf(curves).filter(([method]) => names.has(method));
-  const all = [...(drawn.length > 0 ? drawn.map(([, curve]) => curve) : [activeCurve(scene)]), ...(pinned ? [pinned] : [])];
+  const all = [...(drawn.length > 0 ? drawn.map(([, curve]) => curve) : [activeCurve(scene)]), ...[pinned, ...beside].flatMap((one) => one ?? [])];
   const measured = [scene.measured, scene.captured].flatMap((one) => one ?? []);
   if (name === 'error' && third === 'deviation') return measured.map((one) => pair(one.x, one.deviation));
   const { x, parts, error } = activeCurve(scene);

@@ -34,6 +34,8 @@ import { METHODS, methodOf, REFERENCE } from '../model/methods.js';
 // So far apart, steps are seen as steps and not as a curve [px].
 const STEP_SEEN_PX = 5;
 const PINNED_DASH = '4px, 3px';
+/** Of revisions that are laid beside the design in hand, in their order: each told from the others, and from what is pinned. */
+export const BESIDE_DASHES = ['1px, 2px', '9px, 3px', '9px, 3px, 2px, 3px', '2px, 5px'];
 const OWN_LOOK = { dash: '6px, 2px', width: 1.6 };
 const STALE_DASH = '2px, 3px';
 // Lines that join fewer samples would show corners of a ramp where there are none.
@@ -75,7 +77,7 @@ function areStepsSeen(scene, frame) {
 
 /** @param {Scene} scene @param {Frame} frame @returns {Line[]} */
 function methodLines(scene, frame) {
-  const { answer, curves, shown, colours, dashes, third = 'error', pinned, measured, live, own } = scene;
+  const { answer, curves, shown, colours, dashes, third = 'error', pinned, beside = [], measured, live, own } = scene;
   const active = answer.design.method.name;
   // An interval follows its pulse in time; over steps it lies about its step.
   const step = areStepsSeen(scene, frame) ? (scene.against === 'time' ? 'hv' : 'hvh') : 'linear';
@@ -83,6 +85,10 @@ function methodLines(scene, frame) {
   const lines = [];
   if (pinned)
     lines.push(...inAllPlots('pinned', pinned, { colour: colours.pinned, dash: PINNED_DASH, width: 1.5 }, step, true, third));
+  beside.forEach((curve, index) => {
+    const look = { colour: colours.pinned, dash: BESIDE_DASHES[index], width: 1.5 };
+    lines.push(...inAllPlots(`beside-${index}`, curve ?? undefined, look, step, true, third));
+  });
   if (own) lines.push(...ownLines(own, third, colours, step));
   for (const name of drawingOrder(active)) {
     const look = {

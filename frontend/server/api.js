@@ -1,5 +1,5 @@
 // @ts-check
-// The only module that talks to the server.
+// All that is said to the server, but for its library (library.js), which says it through this one.
 
 import { createConversation } from './conversation.js';
 import { createEvents } from './events.js';
@@ -26,6 +26,8 @@ const MOST_REQUESTS = 4;
 /** The status of what is understood but can't be done. */
 export const UNPROCESSABLE = 422;
 export const NOT_FOUND = 404;
+/** The status of a change of what somebody else has changed meanwhile. */
+export const CHANGED_MEANWHILE = 412;
 /** No larger file is read [bytes]. */
 const MOST_FILE_BYTES = 268_435_456;
 /** From here on it is the server that can't, not the question that is wrong … */
@@ -65,7 +67,8 @@ const gate = createGate(MOST_REQUESTS);
  * @property {(response: Response) => Promise<any>} [read] what makes the answer of a response that is no refusal
  * @property {Gesture} [gesture]    what it is a part of
  * @property {AbortSignal} [ended]  what ends it
- * @property {boolean} [isUrgent]   it stands in no line */
+ * @property {boolean} [isUrgent]   it stands in no line
+ * @property {number} [version]     of what it is a change of: where that has another by now, it is refused (412) */
 
 /**
  * @param {'GET' | 'POST' | 'PUT' | 'DELETE'} method
@@ -74,11 +77,12 @@ const gate = createGate(MOST_REQUESTS);
  * @param {Manner} [manner]
  * @returns {Promise<any>}
  */
-async function request(method, path, body, manner = {}) {
-  const { withinMs = ANSWER_WITHIN_MS, read = readJson, gesture, ended = gesture?.ended, isUrgent = false } = manner;
+export async function request(method, path, body, manner = {}) {
+  const { withinMs = ANSWER_WITHIN_MS, read = readJson, gesture, ended = gesture?.ended, isUrgent = false, version } = manner;
   /** @type {Record<string, string>} */
   const headers = { 'X-StepRamp-Page': PAGE };
   if (gesture) headers['X-StepRamp-Stops'] = String(gesture.stops);
+  if (version !== undefined) headers['If-Match'] = `"${version}"`;
   if (body !== undefined) headers['Content-Type'] = 'application/json';
   const options = { method, headers, body: body === undefined ? undefined : JSON.stringify(body) };
   const exchange = async (/** @type {AbortSignal} */ signal) => {
@@ -109,7 +113,7 @@ const rejection = (message, field = null) => ({ field, value: null, allowed: nul
 /** Have a file looked at. A server that can't answer now is one to ask again.
  * @param {string} path @param {File} file @param {AbortSignal} ended @param {import('./upload.js').OnSent} onSent
  * @returns {Promise<any>} */
-async function sendFile(path, file, ended, onSent) {
+export async function sendFile(path, file, ended, onSent) {
   if (file.size > MOST_FILE_BYTES) {
     const [size, limit] = [file.size, MOST_FILE_BYTES].map((count) => count.toLocaleString('en-US'));
     throw new Refusal(UNPROCESSABLE, [rejection(`“${file.name}” has ${size} bytes; at most ${limit} are read.`, 'file')]);
@@ -157,7 +161,7 @@ function readJson(response) {
 }
 
 /** @param {Response} response @returns {Promise<{file: Blob, name: string}>} */
-async function readFile(response) {
+export async function readFile(response) {
   const name = /filename="([^"]+)"/.exec(response.headers.get('Content-Disposition') ?? '')?.[1] ?? 'stepramp';
   return { file: await response.blob(), name };
 }

@@ -21,6 +21,8 @@ STATE = """const {FIRST_STATE} = await import('/app/state.js');
         capture: {file: {name: 'one.csv', size: 9}, axis: 5, wish: {step_channel: 'D0', edge: 'falling', move_number: 2,
             direction_channel: '', alignment: 'best_fit', shortest_pulse_us: 2, longest_wait_us: null},
             stage: 'refused', sent: 0.5, answer: null, of: null, rejections: [], before: null},
+        library: {links: {7: {id: 'a', name: 'A', number: 1, version: 1, design}},
+            beside: [{key: 'a 1', label: 'A, revision 1', design, curves: null}]},
         guide: {...FIRST_STATE.guide, isOpen: true},
         devices: {...structuredClone(FIRST_STATE.devices), asking: 'connect'},
         history: {past: [machine('before')], present: machine('A'), future: [machine('after')], dropped: [],

@@ -38,8 +38,8 @@ def test_a_push_is_found_with_its_device_its_revision_and_its_backup(client: Tes
     [device] = ok(client.get(f"{LIBRARY}/devices"))["devices"]
     assert (device["family"], device["identity"], device["port"], device["pushes"]) == ("grbl", *2 * (cable.port,), 1)
     [pushed] = pushes(client, device_id=device["id"], design_id=kept["id"])
-    assert (pushed["device"], pushed["mode"], pushed["trouble"], pushed["client"]) == (
-        device["name"], "keep", None, None,
+    assert (pushed["device"], pushed["mode"], pushed["trouble"], pushed["client"], pushed["verified"]) == (
+        device["name"], "keep", None, None, report["verified"],
     )  # fmt: skip
     assert pushed["backup"] == client.get(route).json()["backup"] is not None
     [axis] = pushed["axes"]
@@ -59,7 +59,7 @@ def test_what_fails_is_in_it_and_what_was_rejected_is_not(client: TestClient, ca
     cable.unplug()
     words = error_of(client.post(f"{route}/push", json={"design": document(), "to_axis": 1}), 502)["message"]
     [pushed] = pushes(client)
-    assert (pushed["trouble"], pushed["axes"][0]["axis"]) == (words, 1)
+    assert (pushed["trouble"], pushed["verified"], pushed["axes"][0]["axis"]) == (words, None, 1)
     assert ok(client.get(f"{LIBRARY}/pushes/{pushed['id']}"))["report"] is None
 
 

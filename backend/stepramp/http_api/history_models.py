@@ -63,6 +63,7 @@ class PushedToAnswer(Answer):
     client: str | None = Field(description="Who asked for it, on a shared server; null: nobody is told apart")
     mode: str = Field(description="keep: to be stored; try: until it is rolled back")
     trouble: str | None = Field(description="Why it failed; null: it didn't")
+    verified: bool | None = Field(description="Whether all that was read back is as sent; null: nothing was, it failed")
     backup: str | None = Field(description="The last backup that was saved before; null for none")
     axes: list[PushedAxisAnswer] = Field(description="Of each axis that was given a ramp")
 

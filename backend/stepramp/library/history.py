@@ -93,6 +93,7 @@ class Pushed:
     client: str | None
     mode: str
     trouble: str | None
+    verified: bool | None
     backup: str | None
     axes: list[PushedAxis]
 
@@ -157,18 +158,16 @@ class History:
     def push(self, push_id: str) -> tuple[Pushed, object, dict[int, object]]:
         """Return a push, its report, and the design of each axis; NotFound when there is none."""
         designs = select(PUSHED_AXES.c.axis, PUSHED_AXES.c.content).where(PUSHED_AXES.c.push_id == push_id)
-        report = select(PUSHES.c.report).where(PUSHES.c.id == push_id)
         with self._database.reading() as connection:
             row = connection.execute(_PUSHES.where(PUSHES.c.id == push_id)).mappings().one_or_none()
             if row is None or not ID.fullmatch(push_id):
                 raise NotFound(f"There is no push {shown(push_id)} in the library.")
-            text = connection.execute(report).scalar_one()
             contents = {axis: json.loads(content) for axis, content in connection.execute(designs)}
-            return _pushed(connection, row), None if text is None else json.loads(text), contents
+            return _pushed(connection, row), _report(row), contents
 
 
 _PUSHES: Select[tuple[object, ...]] = select(
-    *(PUSHES.c[name] for name in ("id", "device_id", "pushed_at", "client", "mode", "trouble", "backup")),
+    *(PUSHES.c[name] for name in ("id", "device_id", "pushed_at", "client", "mode", "trouble", "report", "backup")),
     DEVICES.c.name.label("device"),
 ).join(DEVICES)
 
@@ -199,7 +198,13 @@ def _pushed(connection: Connection, row: RowMapping) -> Pushed:
         PushedAxis(axis, name, content_hash, _revisions(connection, content_hash))
         for axis, name, content_hash in connection.execute(chosen)
     ]
-    return Pushed(**row, axes=axes)
+    told = {name: value for name, value in row.items() if name != "report"}
+    report = _report(row)
+    return Pushed(**told, verified=report.get("verified") is True if isinstance(report, dict) else None, axes=axes)
+
+
+def _report(row: RowMapping) -> object:
+    return None if row["report"] is None else json.loads(row["report"])
 
 
 def _revisions(connection: Connection, content_hash: str) -> list[KeptRevision]:

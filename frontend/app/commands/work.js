@@ -19,6 +19,7 @@ import {
   replaced,
   undone,
   withAxis,
+  withAxisInPlace,
   withAxisInHand,
   withoutAxis,
 } from '../../model/workbench.js';
@@ -122,10 +123,17 @@ export const undo = (state) => changed(state, undone);
 /** @param {State} state @returns {State} */
 export const redo = (state) => changed(state, redone);
 
-/** @param {State} state @returns {State} */
-export function addAxis(state) {
+/** An axis in the place of the one in hand, looked at as that was.
+ * @param {State} state @param {Design} design @returns {State} */
+export const openInPlace = (state, design) => withNewAxis(state, (history) => withAxisInPlace(history, design));
+
+/** @param {State} state @param {Design} [design] alike the one in hand without one @returns {State} */
+export const addAxis = (state, design) => withNewAxis(state, (history) => withAxis(history, design));
+
+/** @param {State} state @param {Parameters<typeof changed>[1]} change after which the new axis is in hand @returns {State} */
+function withNewAxis(state, change) {
   const view = { ...chosenViewOf(state), zoom: null, range: null };
-  const next = changed(state, withAxis);
+  const next = changed(state, change);
   const added = axisOf(next);
   return next === state || added === null ? next : { ...next, views: { ...next.views, [added]: view } };
 }

@@ -22,10 +22,11 @@ export function rememberedState({ id, record }, firstId) {
   const shown = memory.shown() ?? FIRST_STATE.shown;
   const first = { ...FIRST_STATE, units: memory.units(), shown, devices, firstId, stallMaps: keptMaps(id) };
   if (record === null) return first;
-  const { machine, isExample, replaced, views, areAllShown, allZoom, inFlight } = record;
+  const { machine, isExample, replaced, views, areAllShown, allZoom, inFlight, links } = record;
   const lastExample = isExample ? machine.axes[0] : null;
   const guide = { ...FIRST_GUIDE, ...record.guide };
-  return { ...first, units: record.units, shown: record.shown, lastExample, replaced, views, areAllShown, allZoom, guide, inFlight };
+  const library = { ...first.library, links };
+  return { ...first, library, units: record.units, shown: record.shown, lastExample, replaced, views, areAllShown, allZoom, guide, inFlight };
 }
 
 /** What the tab keeps; null: there is nothing yet.
@@ -35,10 +36,11 @@ export function recordOf(state) {
   if (machine === null) return null;
   const { replaced, units, shown, areAllShown, allZoom, inFlight } = state;
   const views = Object.fromEntries(machine.ids.flatMap((id) => (state.views[id] ? [[id, state.views[id]]] : [])));
+  const links = Object.fromEntries(machine.ids.flatMap((id) => (state.library.links[id] ? [[id, state.library.links[id]]] : [])));
   const isExample = !isOwnWork(state);
   const isOwn = !isExample || replaced !== null;
   const guide = knownAnswers(state.guide);
-  return { at_ms: Date.now(), isOwn, isExample, machine, replaced, units, shown, views, areAllShown, allZoom, guide, inFlight };
+  return { at_ms: Date.now(), isOwn, isExample, machine, replaced, units, shown, views, areAllShown, allZoom, guide, inFlight, links };
 }
 
 /** @param {import('../state.js').Store} store @param {string} tab its id */
@@ -78,7 +80,7 @@ export function saveByItself({ state, dispatch, subscribe }, tab) {
   save('shown', (now) => [now.shown], memory.keepShown);
   subscribe(
     whenever(
-      (now) => [machineOf(now), now.replaced, now.units, now.shown, now.views, now.areAllShown, now.allZoom, now.inFlight, now.examples, now.guide.drive, now.guide.player],
+      (now) => [machineOf(now), now.replaced, now.units, now.shown, now.views, now.areAllShown, now.allZoom, now.inFlight, now.library.links, now.examples, now.guide.drive, now.guide.player],
       () => soon('record', writeRecord),
       state(),
     ),

@@ -74,6 +74,7 @@ export function createDocuments({ state, dispatch, subscribe }) {
     goBack: opening.goBack,
     /** @param {Work} work such as an example's */
     openWork: opening.replace,
+    replacing: opening.replacing,
     /** An unnamed design as at first; nothing happens until the examples are there. */
     startNew() {
       const [first] = state().examples;

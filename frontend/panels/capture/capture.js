@@ -2,7 +2,8 @@
 // The dialog of measured steps: the file that a logic analyser wrote, what is taken of it, and what it says of the ramp.
 
 import { removeCapture, showCapture, wishCapture } from '../../app/commands/capture.js';
-import { isCaptureStale, shownCaptureOf } from '../../app/selectors.js';
+import { mayKeep } from '../../app/library.js';
+import { isCaptureStale, machineOf, shownCaptureOf } from '../../app/selectors.js';
 import { whenChanged } from '../../app/state.js';
 import { formatBytes } from '../../documents/exports.js';
 import { formatFixed } from '../../model/numbers.js';
@@ -20,8 +21,10 @@ const FORMATS = /** @type {Record<string, string>} */ ({
   vcd: 'VCD',
 });
 
-/** @param {import('../../app/state.js').Dispatch} dispatch @param {{openCaptureFile: () => void, cancel: () => void}} act */
+/** @param {import('../../app/state.js').Dispatch} dispatch @param {{openCaptureFile: () => void, cancel: () => void} & Pick<import('../../app/effects/library.js').LibraryActions, 'keepRecord'>} act */
 export function createCapture(dispatch, act) {
+  /** @type {import('../../app/state.js').State | null} */
+  let state = null;
   const about = element('p', {
     className: 'muted',
     textContent:
@@ -57,7 +60,15 @@ export function createCapture(dispatch, act) {
     onclick: () => dispatch(removeCapture),
   });
   const close = element('button', { className: 'button primary', id: 'capture-close', type: 'button', onclick: () => dialog.close() });
-  const foot = dialogFoot(null, remove, open, close);
+  const keep = element('button', {
+    className: 'button',
+    id: 'capture-keep',
+    type: 'button',
+    textContent: 'Keep in library',
+    title: 'With the design that it is held against',
+    onclick: keepInLibrary,
+  });
+  const foot = dialogFoot(null, remove, keep, open, close);
   const dialog = createDialog(
     { id: 'capture-dialog', title: 'Measured steps' },
     about,
@@ -71,6 +82,16 @@ export function createCapture(dispatch, act) {
     foot,
   );
   dialog.element.addEventListener('close', () => dispatch(showCapture, false));
+
+  /** What was found, with the design that it is of, as it is now: an answer of an earlier one is not offered. */
+  function keepInLibrary() {
+    const capture = state?.capture;
+    if (!state || !capture?.answer) return;
+    const { answer, axis, file } = capture;
+    const machine = machineOf(state);
+    const place = machine ? machine.ids.indexOf(axis) : -1;
+    act.keepRecord('capture', answer, { axis: place < 0 ? null : axis, design: machine?.axes[place] ?? null, note: file.name });
+  }
 
   /** @param {Capture} capture */
   function showFile({ file: { name, size }, answer }) {
@@ -103,13 +124,15 @@ export function createCapture(dispatch, act) {
     return answer?.remarks.join(' ') ?? '';
   }
 
-  /** @param {Capture | null} capture @param {boolean} isStale @param {boolean} isShown whether the plots show it */
-  function show(capture, isStale, isShown) {
+  /** @param {Capture | null} capture @param {boolean} isStale @param {boolean} isShown whether the plots show it
+   * @param {boolean} isKept whether this page may write to the library */
+  function show(capture, isStale, isShown, isKept) {
     const answer = capture?.answer ?? null;
     about.hidden = capture !== null;
     for (const part of [file, remove, close]) part.hidden = capture === null;
     open.textContent = capture === null ? 'Open a file …' : 'Open another file …';
     kept.hidden = !isShown;
+    keep.hidden = !isKept || isStale || !answer?.move;
     close.textContent = isShown ? 'Show the plots' : 'Close';
     fields.element.hidden = answer === null;
     figures.element.hidden = !answer?.move;
@@ -129,7 +152,7 @@ export function createCapture(dispatch, act) {
 
   const shows = [
     whenChanged(
-      (/** @type {import('../../app/state.js').State} */ state) => [state.capture, isCaptureStale(state), shownCaptureOf(state) !== null],
+      (/** @type {import('../../app/state.js').State} */ state) => [state.capture, isCaptureStale(state), shownCaptureOf(state) !== null, mayKeep(state)],
       show,
     ),
     whenChanged(
@@ -141,9 +164,10 @@ export function createCapture(dispatch, act) {
     ),
   ];
   return {
-    /** @param {import('../../app/state.js').State} state */
-    show(state) {
-      for (const one of shows) one(state);
+    /** @param {import('../../app/state.js').State} now */
+    show(now) {
+      state = now;
+      for (const one of shows) one(now);
     },
   };
 }

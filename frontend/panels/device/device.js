@@ -49,7 +49,7 @@ const RESTARTS = 'It restarts to prove what it has stored.';
  * @param {HTMLElement} root
  * @param {import('../../app/state.js').Dispatch} dispatch
  * @param {import('../../app/effects/device_actions.js').DeviceActions &
- *   {jog: Parameters<typeof createJogSection>[0]}} act  what can be asked of a device
+ *   {jog: Parameters<typeof createJogSection>[0]} & Pick<import('../../app/effects/library.js').LibraryActions, 'keepRecord'>} act  what can be asked of a device
  */
 export function createDevice(root, dispatch, act) {
   /** What is shown.
@@ -120,7 +120,7 @@ export function createDevice(root, dispatch, act) {
     }, dispatch),
     move: createMoveSection(act),
     jog: createJogSection(act.jog, { ...act, refuse: (rejections) => dispatch(refuse, rejections) }),
-    trace: createTraceSection((wanted) => dispatch(setTracing, wanted), act),
+    trace: createTraceSection((wanted) => dispatch(setTracing, wanted), { ...act, keepTrace }),
   };
   const tabs = segmented('Work with the device', SECTIONS, (name) => {
     dispatch(chooseSection, name);
@@ -165,6 +165,13 @@ export function createDevice(root, dispatch, act) {
   });
 
   const device = () => state && deviceOf(state);
+
+  /** Keep a trace with the design that was moved, as far as anybody knows which.
+   * @param {import('../../model/types.js').Trace} trace */
+  function keepTrace(trace) {
+    const { axis = null, design = null } = state?.devices.measured?.of ?? {};
+    act.keepRecord('trace', trace, { axis, design, note: `Axis ${trace.traced_axis} of ${device()?.name ?? 'a controller'}` });
+  }
 
   /** @param {(device: Device) => void} ask */
   function withDevice(ask) {

@@ -8,7 +8,7 @@ import { can } from './section.js';
 /** @typedef {import('../../model/types.js').Device} Device */
 /** @typedef {import('./section.js').Context} Context */
 
-/** @param {(wanted: boolean) => void} onTrace @param {{saveTrace: (device: Device) => void}} act */
+/** @param {(wanted: boolean) => void} onTrace @param {{saveTrace: (device: Device) => void, keepTrace: (trace: import('../../model/types.js').Trace) => void}} act */
 export function createTraceSection(onTrace, act) {
   /** @type {Device | null} */
   let device = null;
@@ -22,6 +22,17 @@ export function createTraceSection(onTrace, act) {
     textContent: 'Save as CSV',
     title: 'When each step was made, as logic analysers save it: it can be opened here, too',
     onclick: () => device && act.saveTrace(device),
+  });
+
+  /** @type {import('../../model/types.js').Trace | null} */
+  let present = null;
+  const keep = element('button', {
+    className: 'button small',
+    id: 'trace-keep',
+    type: 'button',
+    textContent: 'Keep in library',
+    title: 'With the design that was moved',
+    onclick: () => present && act.keepTrace(present),
   });
 
   /** @param {import('../../model/types.js').Trace} trace */
@@ -45,7 +56,7 @@ export function createTraceSection(onTrace, act) {
       { className: 'section' },
       element('label', { className: 'line check' }, box, element('span', { textContent: 'Measure moves begun here' })),
       figures,
-      element('div', { className: 'line' }, save),
+      element('div', { className: 'line' }, save, keep),
       note,
     ),
     /** @param {Context} context */
@@ -56,7 +67,9 @@ export function createTraceSection(onTrace, act) {
       box.checked = situation.isTracing && !box.disabled;
       const { trace } = situation;
       const shown = trace ? figuresOf(trace) : [];
+      present = trace;
       save.hidden = trace === null;
+      keep.hidden = trace === null || !situation.mayAct;
       save.disabled = situation.isBusy;
       const text = JSON.stringify(shown);
       if (figures.dataset.known !== text) {

@@ -39,6 +39,7 @@ const FATES = {
  * @param {() => void} act.shareLink
  * @param {(format?: string) => void} act.openExport
  * @param {() => void} act.openBackups
+ * @param {() => void} act.openLibrary
  * @param {() => void} act.startNew
  * @param {() => void} act.duplicate
  * @param {(work: import('../../model/workbench.js').Work & {ids?: number[]}) => void} act.openWork
@@ -82,6 +83,7 @@ export function createHeader(root, dispatch, act) {
     ['Light or dark', act.switchTheme],
     ['Keyboard shortcuts', shortcuts.open],
   ], [
+    ['Library …', act.openLibrary],
     ['Guide: from the motor to the ramp', guide],
     ['Documentation', () => window.open('/help/', '_blank', 'noopener')],
     ['Report …', () => act.openExport('report_pdf')],

@@ -3,11 +3,12 @@
 // is a point on it, which can be dragged.
 
 import { endGesture, setValues } from '../../app/commands/work.js';
+import { mayKeep } from '../../app/library.js';
 import { axisOf, designOf, motorOf } from '../../app/selectors.js';
 import { whenever } from '../../app/state.js';
 import { textOf } from '../../model/messages.js';
 import { NOT_COVERED, VERDICTS } from '../../model/motor_words.js';
-import { changesTo, MAP_VERDICTS, mapKey, mapText, OVERS, pictureOf, placeOf, UNKNOWN, verdictAt } from '../../model/stall_map.js';
+import { changesTo, MAP_VERDICTS, mapKey, mapText, overOf, OVERS, pictureOf, placeOf, UNKNOWN, verdictAt } from '../../model/stall_map.js';
 import { SLIDE_GESTURE, STEP_GESTURE } from '../../model/workbench.js';
 import { createDialog, dialogFoot } from '../../ui/dialog.js';
 import { element, icon, messageLine, segmented, showText } from '../../ui/dom.js';
@@ -24,8 +25,9 @@ const POINT = 'stall-map';
 const MEANINGS = [': no step is lost', ': nearly lost, or too little torque kept back', ': steps are lost', ': refused, as beyond the timer'];
 
 /** @param {import('../../app/state.js').Dispatch} dispatch
- * @param {{computeMap: (over: Over) => void, cancelMap: (axis: number, over: Over) => void}} act */
-export function createMap(dispatch, { computeMap, cancelMap }) {
+ * @param {{computeMap: (over: Over) => void, cancelMap: (axis: number, over: Over) => void}
+ *   & Pick<import('../../app/effects/library.js').LibraryActions, 'keepRecord'>} act */
+export function createMap(dispatch, { computeMap, cancelMap, keepRecord }) {
   /** @type {State | null} */
   let state = null;
   /** @type {Over} */
@@ -54,6 +56,14 @@ export function createMap(dispatch, { computeMap, cancelMap }) {
   const readOut = element('p', { className: 'map-read', id: 'map-read', role: 'status' });
   const summary = element('p', { className: 'muted', id: 'map-summary' });
   const close = element('button', { className: 'button', type: 'button', textContent: 'Close', onclick: () => dialog.close() });
+  const keep = element('button', {
+    className: 'button',
+    id: 'map-keep',
+    type: 'button',
+    textContent: 'Keep in library',
+    title: 'With the design that it is of',
+    onclick: keepInLibrary,
+  });
   const dialog = createDialog(
     { id: 'map-dialog', title: 'Stall map' },
     element('p', {
@@ -67,8 +77,15 @@ export function createMap(dispatch, { computeMap, cancelMap }) {
     legend,
     element('div', { className: 'dialog-row' }, readOut, summary),
     element('p', { className: 'muted', textContent: NOT_COVERED }),
-    dialogFoot(null, close),
+    dialogFoot(null, keep, close),
   );
+
+  function keepInLibrary() {
+    const design = state && designOf(state);
+    if (!state || !design) return;
+    const { result, isOld } = pictureOf(present(), mapKey(design, over));
+    if (result && !isOld) keepRecord('stall_map', result, { axis: axisOf(state), design, note: `Over ${overOf(over).label.toLowerCase()}` });
+  }
 
   /** @param {Over} chosen */
   function choose(chosen) {
@@ -109,6 +126,7 @@ export function createMap(dispatch, { computeMap, cancelMap }) {
     showText(compute, result && !isOld ? 'Refresh' : 'Compute');
     compute.classList.toggle('primary', isOld || result === null);
     stale.hidden = !isOld;
+    keep.hidden = !mayKeep(state) || isOld || result === null || isRunning;
     tellProblem(map?.key === key ? map : undefined, design);
     chart.show(result, isOld, placeOf(design, over), state.units, design, over);
     unknown.hidden = !result?.verdicts.some((row) => row.includes(UNKNOWN));
@@ -141,10 +159,12 @@ export function createMap(dispatch, { computeMap, cancelMap }) {
     showText(summary, result ? mapText(result.verdicts, isOld) : '');
   }
 
-  const shows = [whenever((now) => [now.stallMaps, designOf(now), axisOf(now), now.units, motorOf(now)], draw)];
+  const shows = [whenever((now) => [now.stallMaps, designOf(now), axisOf(now), now.units, motorOf(now), mayKeep(now)], draw)];
 
   return {
-    open() {
+    /** @param {Over} [wanted] */
+    open(wanted = over) {
+      over = wanted;
       dialog.open();
       draw();
       begin();

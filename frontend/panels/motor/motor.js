@@ -10,7 +10,9 @@ export function createMotorDialogs(dispatch, act) {
   const [rotor, map, fastest] = [createRotor(), createMap(dispatch, act), createFastest(dispatch)];
   return {
     openRotor: rotor.open,
-    openMap: map.open,
+    openMap: () => map.open(),
+    /** What was kept of the axis in hand comes in view. */
+    openMapOver: map.open,
     openFastest: fastest.open,
     /** @param {import('../../app/state.js').State} state */
     show(state) {

@@ -3,6 +3,7 @@
 
 import { runningMoveOf, samplesOf } from '../../app/devices.js';
 import { axisMovesOf, measuredOf, pinnedOf, shownCaptureOf, shownOwnRampOf } from '../../app/selectors.js';
+import { besideOf } from '../../app/library.js';
 import { METHODS } from '../../model/methods.js';
 import { capturedOver } from '../../plotting/captured.js';
 import { curveOf, liveOver, measuredOver, ownOver } from '../../plotting/curves.js';
@@ -14,7 +15,7 @@ import { curveOf, liveOver, measuredOver, ownOver } from '../../plotting/curves.
 /** @typedef {import('../../app/state.js').State} State */
 
 /** @typedef {Partial<Record<MethodName, Curve>>} Curves */
-/** @typedef {Pick<Scene, 'pinned' | 'own' | 'axes' | 'measured' | 'captured' | 'live'>} Extras */
+/** @typedef {Pick<Scene, 'pinned' | 'beside' | 'own' | 'axes' | 'measured' | 'captured' | 'live'>} Extras */
 
 /** The curves of the methods that are shown, and of that which is chosen.
  * @param {Answer} answer @param {ReadonlySet<MethodName>} shown @param {Scene['against']} against @returns {Curves} */
@@ -35,6 +36,7 @@ export function extrasOver(state, answer, against) {
   const [live, captured] = [restingSamplesOf(state), shownCaptureOf(state)];
   return {
     pinned: pinned && curveOf({ ...pinned, units: state.units }, pinned.design.method.name, against),
+    beside: besideOf(state).map(({ curves }) => curves && curveOf({ ...curves, units: state.units }, curves.design.method.name, against)),
     axes: axes && axes.map(({ time_s, speed, delay_us, ...one }) => ({ ...one, x: time_s, velocity: speed, delay: delay_us })),
     own: own && ownOver(answer, against, own),
     measured: measured && measuredOver(answer, against, measured),

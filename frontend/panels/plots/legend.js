@@ -4,6 +4,7 @@
 import { shapeOf } from '../../model/shapes.js';
 import { element, icon, showText } from '../../ui/dom.js';
 import { deviationText, markedStepsText, MARKS } from '../../plotting/captured.js';
+import { BESIDE_DASHES } from '../../plotting/lines.js';
 import { METHODS, REFERENCE } from '../../model/methods.js';
 import { formatFixed, formatSignedPercent } from '../../model/numbers.js';
 import { lineSwatch, methodSwatch } from '../../ui/swatch.js';
@@ -12,8 +13,9 @@ import { watchStrip } from '../../ui/strip.js';
 /** @typedef {import('../../model/types.js').Answer} Answer */
 /** @typedef {import('../../model/types.js').MethodName} MethodName */
 
-/** @param {(name: MethodName) => void} onSwitch @param {() => void} onOwn @param {{onOpen: () => void, onRemove: () => void}} capture */
-export function createLegend(onSwitch, onOwn, { onOpen, onRemove }) {
+/** @param {(name: MethodName) => void} onSwitch @param {() => void} onOwn @param {{onOpen: () => void, onRemove: () => void}} capture
+ * @param {(key: string) => void} onTakeAway of what is laid beside */
+export function createLegend(onSwitch, onOwn, { onOpen, onRemove }, onTakeAway) {
   const chips = METHODS.map(({ name, label, plays_table: playsTable }) => {
     const figure = element('em');
     const chip = element(
@@ -67,6 +69,7 @@ export function createLegend(onSwitch, onOwn, { onOpen, onRemove }) {
     captureChip,
     element('button', { ...removal, onclick: onRemove }, icon('remove')),
   );
+  const beside = element('span', { className: 'beside-chips', hidden: true });
   const legend = element(
     'div',
     { className: 'legend strip', role: 'group', 'aria-label': 'Methods shown' },
@@ -74,6 +77,7 @@ export function createLegend(onSwitch, onOwn, { onOpen, onRemove }) {
     own,
     trace,
     capture,
+    beside,
   );
   watchStrip(legend);
   return {
@@ -111,6 +115,11 @@ export function createLegend(onSwitch, onOwn, { onOpen, onRemove }) {
       showText(captureFigure, text);
       captureChip.title = `What a logic analyser measured: ${words}`;
     },
+    /** @param {import('../../app/state.js').State['library']['beside']} laid revisions of the library that are laid beside */
+    showBeside(laid) {
+      beside.hidden = laid.length === 0;
+      beside.replaceChildren(...laid.map(({ key, label }, index) => besideChip(label, BESIDE_DASHES[index], () => onTakeAway(key))));
+    },
     /** @param {Answer | null} answer @param {ReadonlySet<MethodName>} shown @param {MethodName} active */
     show(answer, shown, active) {
       for (const { name, label, playsTable, chip, figure } of chips) {
@@ -143,6 +152,18 @@ export function createLegend(onSwitch, onOwn, { onOpen, onRemove }) {
       }
     },
   };
+}
+
+/** @param {string} label of a revision @param {string} dash of its line @param {() => void} onclick */
+function besideChip(label, dash, onclick) {
+  const removal = `Unpin “${label}”`;
+  return element(
+    'span',
+    { className: 'chip beside', title: `Pinned from the library: ${label}` },
+    lineSwatch('--pinned', dash),
+    element('span', { textContent: label }),
+    element('button', { className: 'remove', type: 'button', title: removal, 'aria-label': removal, onclick }, icon('remove')),
+  );
 }
 
 /** What is wrong with the steps, or else how far they are off: in signs, and in words.

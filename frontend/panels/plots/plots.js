@@ -2,9 +2,11 @@
 // The three plots in one figure, with zoom, views and cursor.
 
 import { removeCapture, showCapture } from '../../app/commands/capture.js';
+import { takeAway } from '../../app/commands/library.js';
 import { look as lookOtherwise, read as tellReading, selectRow, switchMethod, switchOwn, wantPoints, zoomTo } from '../../app/commands/view.js';
 import { pin, setTable, unpin } from '../../app/commands/work.js';
 import { ownPlayerOf, runningMoveOf, samplesOf } from '../../app/devices.js';
+import { besideOf } from '../../app/library.js';
 import {
   areAxesShown,
   axisMovesOf,
@@ -104,7 +106,7 @@ export function createPlots(root, dispatch) {
   const legend = createLegend((name) => dispatch(switchMethod, name), () => dispatch(switchOwn), {
     onOpen: () => dispatch(showCapture, true),
     onRemove: () => dispatch(removeCapture),
-  });
+  }, (key) => dispatch(takeAway, key));
   const overlay = createOverlay(switches.elements);
   const cursor = createCursor(
     overlay,
@@ -327,6 +329,7 @@ export function createPlots(root, dispatch) {
     switches.show(view, isMeasured || captured !== null, areAllShown);
     legend.showTrace(isMeasured || samplesOf(now) !== null, isMeasured && !isMeasuredOfDesign(now));
     legend.showCapture(captured);
+    legend.showBeside(besideOf(now));
     legend.showOwn(areAllShown ? null : (now.answers.ownRamp?.ramp ?? null), ownPlayerOf(now)?.title ?? '', now.isOwnShown);
     if (!hasAnswer) legend.show(null, shown, designOf(now)?.method.name ?? REFERENCE);
   }
@@ -342,6 +345,7 @@ export function createPlots(root, dispatch) {
         samplesOf(now) === null,
         axisMovesOf(now),
         pinnedOf(now),
+        besideOf(now),
         now.answers.ownRamp,
         now.isOwnShown,
         shownCurvesOf(now) === null,
@@ -350,7 +354,7 @@ export function createPlots(root, dispatch) {
       showChoices,
     ),
     whenever(
-      (now) => [viewOf(now), now.shown, now.units, now.theme, measuredOf(now), shownCaptureOf(now), pinnedOf(now), isSliding(now)],
+      (now) => [viewOf(now), now.shown, now.units, now.theme, measuredOf(now), shownCaptureOf(now), pinnedOf(now), besideOf(now), isSliding(now)],
       redrawAnew,
     ),
     whenever((now) => [shownCurvesOf(now), axisMovesOf(now), restingSamplesOf(now), shownOwnRampOf(now)], drawAnew),

@@ -1,0 +1,68 @@
+// @ts-check
+// The form that saves the design in hand: as another revision of the one that it began with, or as a new one.
+
+import { tagsOf } from '../../model/library.js';
+import { LONGEST_NAME } from '../../model/design.js';
+import { element, segmented, showText } from '../../ui/dom.js';
+import { textArea, textField } from './rows.js';
+
+/** @typedef {import('../../model/library.js').About} About */
+/** @typedef {import('../../model/library.js').Link} Link */
+
+/** @param {{saveRevision: (note: string) => void, saveNew: (about: About & {note: string}) => void, onCancel: () => void}} act */
+export function createSaving({ saveRevision, saveNew, onCancel }) {
+  /** @type {'revision' | 'new'} */
+  let as = 'new';
+  /** @type {Link | null} */
+  let linked = null;
+  const choice = segmented('Save as', /** @type {['revision' | 'new', string][]} */ ([['revision', 'Another revision'], ['new', 'A new design']]), choose); // prettier-ignore
+  const of = element('p', { className: 'muted', id: 'library-save-of' });
+  const name = textField('library-save-name', 'Name', { maxLength: LONGEST_NAME });
+  const tags = textField('library-save-tags', 'Tags, with commas between', { placeholder: 'x axis, quiet' });
+  const notes = textArea('library-save-notes', 'Notes: what is to be known of the design');
+  const note = textField('library-save-note', 'Note: what is new in this revision', { maxLength: 1000 });
+  const save = element('button', { className: 'button primary', id: 'library-save', type: 'submit' });
+  const cancel = element('button', { className: 'button', type: 'button', textContent: 'Cancel', onclick: onCancel });
+  const form = element(
+    'form',
+    { className: 'library-form', id: 'library-saving', onsubmit: submit, noValidate: true },
+    element('h3', { textContent: 'Save this design' }),
+    choice.element,
+    of,
+    name.element,
+    tags.element,
+    notes.element,
+    note.element,
+    element('div', { className: 'library-foot' }, cancel, save),
+  );
+
+  /** @param {'revision' | 'new'} wanted */
+  function choose(wanted) {
+    as = wanted;
+    choice.press(as);
+    choice.element.hidden = linked === null;
+    const isNew = as === 'new';
+    for (const field of [name, tags, notes]) field.element.hidden = !isNew;
+    showText(save, isNew ? 'Save as new' : 'Save revision');
+    showText(of, isNew ? 'Kept as revision 1 of a design of its own.' : `Kept as the next revision of “${linked?.name}”; those before stay as they are.`);
+  }
+
+  /** @param {SubmitEvent} event */
+  function submit(event) {
+    event.preventDefault();
+    if (as === 'revision') saveRevision(note.input.value.trim());
+    else saveNew({ name: name.input.value.trim(), tags: tagsOf(tags.input.value), notes: notes.input.value.trim(), note: note.input.value.trim() });
+  }
+
+  return {
+    element: form,
+    /** @param {Link | null} link what the design in hand began with @param {string} called the design's own name */
+    begin(link, called) {
+      linked = link;
+      name.input.value = called;
+      tags.input.value = notes.input.value = note.input.value = '';
+      choose(link === null ? 'new' : 'revision');
+      (link === null ? name : note).input.focus();
+    },
+  };
+}
