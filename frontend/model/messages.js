@@ -48,7 +48,7 @@ const LABELS = new Map([
 ]);
 /** What the page calls a field of a design; of one that it shows nowhere, its path.
  * @param {string} path */
-export const labelOf = (path) => LABELS.get(path) ?? path;
+export const labelOf = (path) => LABELS.get(path) ?? LABELS.get(path.split('.')[0]) ?? path;
 
 /** What is about several axes calls their designs by their places. */
 const OF_AXIS = /^(?:designs|axes)\.(\d+)\.(.*)$/;

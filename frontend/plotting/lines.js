@@ -35,7 +35,7 @@ import { METHODS, methodOf, REFERENCE } from '../model/methods.js';
 const STEP_SEEN_PX = 5;
 const PINNED_DASH = '4px, 3px';
 /** Of revisions that are laid beside the design in hand, in their order: each told from the others, and from what is pinned. */
-export const BESIDE_DASHES = ['1px, 2px', '9px, 3px', '9px, 3px, 2px, 3px', '2px, 5px'];
+export const BESIDE_DASHES = ['2px, 2px', '9px, 3px', '9px, 3px, 2px, 3px', '2px, 5px'];
 const OWN_LOOK = { dash: '6px, 2px', width: 1.6 };
 const STALE_DASH = '2px, 3px';
 // Lines that join fewer samples would show corners of a ramp where there are none.

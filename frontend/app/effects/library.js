@@ -29,8 +29,8 @@ import { createQuestion } from './question.js';
 
 /** @param {import('../state.js').Store} store
  * @param {Pick<ReturnType<typeof import('./opening.js').createDocuments>, 'openWork' | 'replacing'>} documents
- * @param {typeof library} [ask] */
-export function createLibrary({ state, dispatch, subscribe }, documents, ask = library) {
+ * @param {typeof library} [ask] @param {typeof calculate} [compute] */
+export function createLibrary({ state, dispatch, subscribe }, documents, ask = library, compute = calculate) {
   /** A design as the page has it; a Refusal where it can't be read here.
    * @param {unknown} content */
   function readDesign(content) {
@@ -80,6 +80,16 @@ export function createLibrary({ state, dispatch, subscribe }, documents, ask = l
       linked ? ask.save(linked.id, linked.version, design, note) : ask.add(design, { name: design.name || 'unnamed', notes: '', tags: [], note }),
     );
     return { id: kept.id, name: kept.name, number: kept.revisions, isNew: true };
+  }
+
+  /** @param {Design} design @param {AbortSignal} ended @returns {Promise<Answer | null>} null: the server refuses it */
+  async function curvesOf(design, ended) {
+    try {
+      return await compute(design, [design.method.name], { ...NO_DETAILS, motion: true }, ended);
+    } catch (error) {
+      if (!(error instanceof Refusal) || isForLater(error)) throw error;
+      return null;
+    }
   }
 
   const curves = createQuestion({
@@ -177,16 +187,6 @@ export function createLibrary({ state, dispatch, subscribe }, documents, ask = l
       }
     },
   };
-}
-
-/** @param {Design} design @param {AbortSignal} ended @returns {Promise<Answer | null>} null: the server refuses it */
-async function curvesOf(design, ended) {
-  try {
-    return await calculate(design, [design.method.name], { ...NO_DETAILS, motion: true }, ended);
-  } catch (error) {
-    if (!(error instanceof Refusal) || isForLater(error)) throw error;
-    return null;
-  }
 }
 
 /** @typedef {ReturnType<typeof createLibrary>} LibraryActions */

@@ -53,7 +53,10 @@ export function createLibraryPanel({ state, dispatch }, act, server = library) {
     duplicate,
     showRecord,
     saveRecord,
-    onBack: () => showPane('nothing'),
+    onBack() {
+      showPane('nothing');
+      handFocus(list.words);
+    },
     compare: (kept, one, other) => compared(kept, one, other),
     pin: (kept, numbers) =>
       told(async () => {
@@ -166,6 +169,13 @@ export function createLibraryPanel({ state, dispatch }, act, server = library) {
     for (const [name, part] of Object.entries(shown)) part.hidden = name !== pane;
   }
 
+  /** The keyboard must not lose its place when what had the focus gives way.
+   * @param {HTMLElement | null} next */
+  function handFocus(next) {
+    const focused = /** @type {HTMLElement | null} */ (document.activeElement);
+    if (dialog.isOpen() && focused?.offsetParent === null) next?.focus();
+  }
+
   /** Show a design, with what was measured of it and its pushes.
    * @param {string} id */
   async function look(id) {
@@ -180,6 +190,7 @@ export function createLibraryPanel({ state, dispatch }, act, server = library) {
     showPane('one');
     list.choose(id);
     detail.show(found, { mayKeep: mayKeep(state()), axes: machineOf(state())?.axes.length ?? 0, mostAxes: MOST_AXES, inHand: numberInHand(id) });
+    handFocus(detail.element.querySelector('#library-open'));
   }
 
   /** Which revision of a design the axis in hand is of; null: none.
@@ -240,6 +251,7 @@ export function createLibraryPanel({ state, dispatch }, act, server = library) {
     showPane('conflict');
     say('');
     conflict.show(answer.conflict, linked, text, (machineOf(state())?.axes.length ?? 0) < MOST_AXES);
+    handFocus(conflict.element.querySelector('button'));
   }
 
   /** @param {KeptWithRevisions} kept @param {About} about */

@@ -50,7 +50,7 @@ export function createPushes(act) {
     const { count, pushes } = found;
     showText(note, pushes.length < count ? `The last ${pushes.length} of ${count.toLocaleString('en')} pushes.` : '');
     note.hidden = note.textContent === '';
-    rows.replaceChildren(section('Pushes', pushes.map((push) => pushRow(push, act, choice.select.value === '')), NONE));
+    rows.replaceChildren(section('Pushes', pushes.map((push) => pushRow(push, act, choice.select.value === '')), NONE, 'h3'));
   }
 
   return {

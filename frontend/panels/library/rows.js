@@ -28,10 +28,11 @@ export function textArea(id, label, more = {}) {
 const labelled = (id, label, input) => element('div', { className: 'library-field' }, element('label', { htmlFor: id, textContent: label }), input);
 
 /** A part of the detail with its title; empty, it says so.
- * @param {string} title @param {Node[]} rows @param {string} none @param {...Node} more beneath */
-export function section(title, rows, none, ...more) {
+ * @param {string} title @param {Node[]} rows @param {string} none
+ * @param {'h3' | 'h4'} [level] of its title */
+export function section(title, rows, none, level = 'h4') {
   const list = rows.length > 0 ? element('ul', { className: 'library-rows' }, ...rows) : element('p', { className: 'muted', textContent: none });
-  return element('section', { className: 'library-section' }, element('h4', { textContent: title }), list, ...more);
+  return element('section', { className: 'library-section' }, element(level, { textContent: title }), list);
 }
 
 /** A row: what it is, what there is to say of it, and what can be done with it.
