@@ -46,8 +46,9 @@ class Library:
     def save_elsewhere(self, name: str, note: str) -> None:
         """Save the same again as somebody else does."""
         kept = self.design(name)
-        route = f"{self.stepramp.url}api/v1/library/designs/{kept['id']}/revisions"
-        newest = self.stepramp.ask(route.split("api/")[0], "GET", route.split("v1/")[1] + f"/{kept['revisions']}")
+        revisions = f"library/designs/{kept['id']}/revisions"
+        newest = self.stepramp.ask(self.stepramp.url, "GET", f"{revisions}/{kept['revisions']}")
+        route = f"{self.stepramp.url}api/v1/{revisions}"
         content = json.dumps({"design": newest["design"], "note": note}).encode()
         headers = {"Content-Type": "application/json", "If-Match": f'"{kept["version"]}"'}
         urllib.request.urlopen(urllib.request.Request(route, content, headers, method="POST"), timeout=60).close()
@@ -120,7 +121,7 @@ def test_two_editors_are_told_of_each_other_and_nothing_is_overwritten(library: 
     library.inspect()
     conflict.get_by_role("button", name="Open theirs beside mine").click()
     expect(library.note).to_contain_text("Theirs is another axis now")
-    assert len(stepramp.kept()["machine"]["axes"]) == 2 or until(lambda: len(stepramp.kept()["machine"]["axes"]) == 2)
+    until(lambda: len(stepramp.kept()["machine"]["axes"]) == 2)
     page.locator("#head-undo").click()
     conflict.get_by_role("button", name="Save mine as revision 4").click()
     expect(library.note).to_have_text("Saved as revision 4 of “Panel stage”.")
@@ -147,7 +148,8 @@ def test_all_goes_out_as_a_file_and_a_file_comes_back(library: Library) -> None:
         page.locator("#library-export").click()
     with page.expect_file_chooser() as chooser:
         page.locator("#library-import").click()
-    chooser.value.set_files({"name": "library.jsonl", "mimeType": "application/jsonl", "buffer": saved.value.path().read_bytes()})
+    content = saved.value.path().read_bytes()
+    chooser.value.set_files({"name": "library.jsonl", "mimeType": "application/jsonl", "buffer": content})
     expect(library.note).to_contain_text("Nothing was added. There already:")
     page.locator('#library-dialog [data-value="pushes"]').click()
     expect(page.locator("#library-pushes")).to_contain_text("Nothing was pushed yet")
@@ -191,3 +193,37 @@ def test_who_looks_on_searches_and_opens_but_is_offered_nothing_else(library: Li
         expect(page.locator(f"#{button}")).to_be_hidden()
     expect(page.locator("#library-open")).to_be_visible()
     page.unroute("**/api/v1/access")
+
+
+TRACE = {
+    "step": [1, 2, 3], "measured_ticks": [0, 900, 1500], "timer_hz": 1000, "deviation_us": [0, 5, -5],
+    "traced_axis": 0, "every_steps": 1, "complete": True, "changed": False,
+}  # fmt: skip
+PUSH = {
+    "id": "p", "device_id": "d", "device": "Bench", "pushed_at": "2026-11-28T07:10:47Z", "client": "Ada", "mode": "keep",
+    "trouble": "Nothing was read back.", "verified": None, "backup": "b",
+    "axes": [{"axis": 0, "name": "Panel stage", "content_hash": "", "revisions": []}],
+}  # fmt: skip
+
+
+def test_what_was_measured_and_pushed_is_shown_with_its_design(library: Library) -> None:
+    page, stepramp = library.page, library.stepramp
+    kept = library.design("Panel stage 2 copy")
+    record = {"revision": 1, "kind": "trace", "note": "Axis 0", "document": TRACE}
+    stepramp.ask(stepramp.url, "POST", f"library/designs/{kept['id']}/records", record)
+    page.route("**/library/pushes/search", lambda route: route.fulfill(json={"count": 1, "pushes": [PUSH]}))
+    stepramp.reload()
+    library.open()
+    page.locator("#library-search").fill("copy")
+    page.locator(".library-design b", has_text="Panel stage 2 copy").click()
+    row = page.locator(".library-rows li", has_text="Trace, revision 1")
+    expect(page.locator(".library-outcome")).to_have_text("Failed: Nothing was read back.")
+    library.inspect()
+    with page.expect_download() as saved:
+        row.get_by_role("button", name="Download the trace of revision 1").click()
+    assert json.loads(saved.value.path().read_text()) == TRACE
+    row.get_by_role("button", name="Show").click()
+    expect(library.note).to_have_text("The trace lies over the plots now.")
+    page.unroute("**/library/pushes/search")
+    library.close()
+    expect(page.locator(".chip.trace")).to_be_visible()

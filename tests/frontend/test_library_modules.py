@@ -92,8 +92,7 @@ def test_what_a_file_has_added_is_told(modules: Modules) -> None:
     assert modules.call(MODULE, "importedText", none) == "Nothing was added. There already: 12."
     some = {**none, "designs": 1, "revisions": 3, "pushes": 1, "there_already": 0, "copies": ["Lift"]}
     assert modules.call(MODULE, "importedText", some) == (
-        "Added: 1 design, 3 revisions, 1 push. "
-        "Beside what the library has under the same name, as it differs: “Lift”."
+        "Added: 1 design, 3 revisions, 1 push. Beside what the library has under the same name, as it differs: “Lift”."
     )
 
 
@@ -134,7 +133,8 @@ DESK = f"""{STATE}
         revision: async (id, number) => ({{number, design: {{...design, name: `of ${{number}}`}}}}),
         keepRecord: async () => ({{}}),
         push: async () => ({{device: 'Bench', pushed_at: '', designs: [{{axis: 0, design}}, {{axis: 1, design}}],
-            axes: [{{axis: 0, revisions: [{{design_id: 'a', name: 'Lift', number: 2}}]}}, {{axis: 1, revisions: []}}]}}),
+            axes: [{{axis: 0, revisions: [{{design_id: 'a', name: 'Lift', number: 2}}]}},
+                {{axis: 1, revisions: []}}]}}),
     }};
     const heard = Object.fromEntries(Object.entries(answers).map(([name, answer]) =>
         [name, (...given) => {{ asked.push([name, ...given]); return answers[name](...given); }}]));

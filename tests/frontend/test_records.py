@@ -66,6 +66,7 @@ RECORD: dict[str, Any] = {
     "areAllShown": True,
     "allZoom": [0, 1.5],
     "guide": {"drive": "wheel", "player": "marlin"},
+    "links": {"0": {"id": "a", "name": "Lift", "number": 2, "version": 5, "design": document()}},
     "inFlight": [{"atMs": 0, "kind": "target", "value": 500}, {"atMs": "soon", "kind": "speed", "value": -20}],
 }
 

@@ -1,0 +1,65 @@
+"""Parts of the library's dialog, with elements to stand in for a page's."""
+
+from __future__ import annotations
+
+from frontend.dialogs import run
+from frontend.modules import Modules
+
+PUSH = """{id: 'p', device_id: 'd2', device: 'Bench', pushed_at: '2026-11-28T07:10:47Z', client: 'Ada', mode: 'keep',
+    trouble: null, verified: true, backup: 'b', axes: [{axis: 0, name: 'Lift', revisions: []}]}"""
+
+
+def test_pushes_to_the_device_in_view_come_first(modules: Modules) -> None:
+    seen = run(
+        modules,
+        f"""const {{createPushes}} = await import('/panels/library/pushes.js');
+        const asked = [], opened = [], found = {{count: 1, pushes: [{PUSH}]}};
+        const pushes = createPushes({{
+            devices: async () => ['d1', 'd2'].map((id) => ({{id, family: 'grbl', name: id, port: `/dev/${{id}}`}})),
+            pushes: async (device) => {{ asked.push(device); return found; }},
+            present: () => ({{family: 'grbl', port: '/dev/d2'}}),
+            openPush: ({{id}}) => opened.push(id), openBackups: () => opened.push('backups')}});
+        body.append(pushes.element);
+        await pushes.open();
+        const all = (one) => [one, ...one.children.flatMap((child) => typeof child === 'string' ? [] : all(child))];
+        for (const button of all(byId('library-pushes')).filter(({{tag}}) => tag === 'button')) button.onclick();
+        return [asked, opened, textOf(byId('library-pushes'))];""",
+    )
+    assert seen[:2] == [["d2"], ["backups", "p"]]
+    for words in ("“Lift”, in no revision", "Read back as sent, to be kept", "by Ada"):
+        assert words in seen[2]
+
+
+def test_what_is_found_late_is_not_what_was_typed_since(modules: Modules) -> None:
+    seen = run(
+        modules,
+        """const {createList} = await import('/panels/library/list.js');
+        const answers = {};
+        const list = createList({search: (text) => new Promise((done) => { answers[text] = done; }), onChoose() {}});
+        body.append(list.element);
+        const found = (name) => ({count: 1, designs: [{id: name, name, tags: [], revisions: 1, saved_at: 0}]});
+        const type = (text) => { list.words.value = text; list.words.oninput(); pass(); };
+        type('li'); type('lift');
+        answers.lift(found('Lift')); await settled();
+        answers.li(found('Lid')); await settled();
+        return [textOf(byId('library-list')).includes('Lift'), textOf(byId('library-list')).includes('Lid'),
+            byId('library-count').textContent];""",
+    )
+    assert seen == [True, False, "1 design found"]
+
+
+def test_a_trace_is_offered_to_be_kept_only_to_who_may(modules: Modules) -> None:
+    seen = run(
+        modules,
+        """const {createTraceSection} = await import('/panels/device/trace_section.js');
+        const kept = [];
+        const section = createTraceSection(() => {}, {saveTrace() {}, keepTrace: (trace) => kept.push(trace.step)});
+        body.append(section.element);
+        const trace = {step: [1], measured_ticks: [5], timer_hz: 1, deviation_us: [0], traced_axis: 0, every_steps: 1};
+        const show = (given, mayAct) => { section.show({known: {capabilities: ['trace']},
+            situation: {trace: given, mayAct, isBusy: false, isTracing: true}}); return byId('trace-keep').hidden; };
+        const seen = [show(null, true), show(trace, false), show(trace, true)];
+        byId('trace-keep').onclick();
+        return [seen, kept];""",
+    )
+    assert seen == [[True, True, False], [[1]]]
