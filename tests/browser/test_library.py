@@ -200,8 +200,8 @@ TRACE = {
     "traced_axis": 0, "every_steps": 1, "complete": True, "changed": False,
 }  # fmt: skip
 PUSH = {
-    "id": "p", "device_id": "d", "device": "Bench", "pushed_at": "2026-11-28T07:10:47Z", "client": "Ada", "mode": "keep",
-    "trouble": "Nothing was read back.", "verified": None, "backup": "b",
+    "id": "p", "device_id": "d", "device": "Bench", "pushed_at": "2026-11-28T07:10:47Z", "client": "Ada",
+    "mode": "keep", "trouble": "Nothing was read back.", "verified": None, "backup": "b",
     "axes": [{"axis": 0, "name": "Panel stage", "content_hash": "", "revisions": []}],
 }  # fmt: skip
 
