@@ -54,6 +54,7 @@ export function createSaving({ saveRevision, saveNew, onCancel }) {
     else saveNew({ name: name.input.value.trim(), tags: tagsOf(tags.input.value), notes: notes.input.value.trim(), note: note.input.value.trim() });
   }
 
+  choose(as);
   return {
     element: form,
     /** @param {Link | null} link what the design in hand began with @param {string} called the design's own name */
