@@ -23,7 +23,7 @@ def several(open_page: Callable[..., StepRampPage]) -> StepRampPage:
     def told(route: Route) -> None:
         answer = route.fetch()
         known = answer.json()
-        known["families"].append({"name": "plain", "title": "Plain"})
+        known["families"].append({"name": "plain", "title": "Plain", "capabilities": []})
         for port in known["ports"]:
             port["families"] = [family["name"] for family in known["families"]]
         route.fulfill(response=answer, json=known)

@@ -150,7 +150,7 @@ export function createPushReport() {
       const state = JSON.stringify([pushed, device?.proof, standing, warnings, isChanged, lastPushed && pushedWords(lastPushed), isReplaced, units, designs.map(({ axis }) => axis)]);
       if (state === known) return;
       known = state;
-      if (device && !pushed) showProof(device, standing);
+      if (device && !pushed && isShown) showProof(device, standing);
       if (device && pushed) showDetails(pushed, device, standing, warnings, isChanged, lastPushed, isReplaced, units, designs);
     },
   };
