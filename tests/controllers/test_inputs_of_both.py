@@ -226,3 +226,44 @@ def test_firmware_without_inputs(plug_in: PlugIn) -> None:
         assert controller.settings().given_of_inputs == []
         assert (controller.status().of_inputs, controller.status().axes[0].homing) == (None, None)
         assert only_rejection(lambda: controller.use_settings(StepRampSettings(inputs=())))[0] == "inputs"
+        named = [{"axis": 0, "lowest_steps": 0}, {"axis": 1, "highest_steps": 0}]
+        limits = StepRampSettings.checked({"soft_limits": named})
+        field, given, allowed = only_rejection(lambda: controller.use_settings(limits))
+        assert (field, given) == ("soft_limits", "2 limited axes")
+        assert "keeps none" in allowed
+
+
+def test_soft_limits_of_its_own(rig: Rig) -> None:
+    limits = [{"axis": 1, "lowest_steps": -5}, {"axis": 0, "lowest_steps": -200, "highest_steps": 300}]
+    rig.controller.use_settings(StepRampSettings.checked({"soft_limits": limits}))
+    taken = rig.controller.settings()
+    assert taken.inputs == StepRampSettings.checked({"inputs": ROLES}).inputs
+    assert taken.soft_limits == StepRampSettings.checked({"soft_limits": limits}).soft_limits
+    # They hold once the position is known.
+    rig.controller.move_to(to(310))
+    assert rig.rest().position_steps == 310
+    rig.controller.set_position([*to(0), *to(0, 1)])
+    beyond = [
+        lambda: rig.controller.move_by(by(301)),
+        lambda: rig.controller.move_to(to(301)),
+        lambda: rig.controller.line([*by(301), *by(5, 1)]),
+    ]
+    for motion in beyond:
+        with pytest.raises(Refused, match=r"beyond the highest position of axis 0 .*, 300 steps: nothing has moved"):
+            motion()
+    with pytest.raises(Refused, match=r"beyond the lowest position of axis 1 .*, -5 steps"):
+        rig.controller.move_by([*by(1), *by(-6, 1)])
+    for speed, end in ((700.0, 300), (-333.0, -200)):
+        rig.controller.run(at(speed))
+        axis = rig.rest()
+        assert (axis.position_steps, axis.target_steps, axis.position_known) == (end, end, True)
+        with pytest.raises(Refused, match=r"beyond the (highest|lowest) position of axis 0"):
+            rig.controller.run(at(speed))
+    # Whoever doesn't know of them takes none away; whoever does, may.
+    rig.controller.use_settings(StepRampSettings(pulse_width_us=3))
+    assert rig.controller.settings().soft_limits == taken.soft_limits
+    rig.controller.use_settings(StepRampSettings(soft_limits=()))
+    assert rig.controller.settings().soft_limits == ()
+    rig.controller.use_settings(taken)
+    rig.controller.roll_back()
+    assert rig.controller.settings().soft_limits == ()

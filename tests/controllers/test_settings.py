@@ -3,6 +3,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from stepramp.controllers.stepramp.settings import OFFSETS, StepRampSettings
+from stepramp.controllers.stepramp.soft_limits import NO_LIMITS
 from stepramp.errors import Rejected
 
 AXES = st.lists(st.integers(0, 3), max_size=6)
@@ -59,7 +60,7 @@ def test_settings_byte_by_byte() -> None:
     )
     assert settings.pack().hex() == "0109020601" + "64" + "983a" + "e803" + "0001"
     assert settings.direction_inverted == (1, 2)
-    assert [OFFSETS[name] for name in StepRampSettings.model_fields] == [0, 1, 2, 3, 4, 5, 6, 8, 10, 12, 13, 14, 15]
+    assert [*OFFSETS.values()] == [0, 1, 2, 3, 4, 5, 6, 8, 10, 12, 13, 14, 15]
 
 
 @given(INPUT_SETTINGS)
@@ -85,6 +86,20 @@ def test_settings_of_inputs_byte_by_byte() -> None:
     assert settings.pack(USUAL) == USUAL[:12] + bytes.fromhex("06 01 0a  01 82 00 00 00 41 0a 00 6f")
     assert settings.silence_s == 1.536
     assert [role.input for role in settings.inputs or ()] == ["A0", "A1", "A5", "D9", "D11"]
+
+
+def test_soft_limits_byte_by_byte() -> None:
+    limits = [{"axis": 3, "highest_steps": 1}, {"axis": 0, "lowest_steps": -2}, {"axis": 2}]
+    settings = StepRampSettings.checked({"soft_limits": limits})
+    none = "00000080" + "ffffff7f"
+    packed = bytes.fromhex("feffffff" + "ffffff7f" + none + none + "00000080" + "01000000")
+    assert settings.pack_limits(NO_LIMITS) == packed
+    assert StepRampSettings.unpack(USUAL, packed).soft_limits == settings.soft_limits
+    assert [limit.axis for limit in settings.soft_limits or ()] == [0, 3]
+    # What isn't given stays as it is.
+    assert StepRampSettings().pack_limits(packed) == packed
+    assert StepRampSettings(soft_limits=()).pack_limits(packed) == NO_LIMITS
+    assert StepRampSettings.unpack(USUAL).soft_limits is None
 
 
 def test_what_isnt_given_stays_as_it_is_and_what_isnt_known_too() -> None:
@@ -148,6 +163,18 @@ def test_packed_settings_out_of_range(packed: str, field: str) -> None:
             {"inputs": [{"input": "A2", "role": "driver_fault"}, {"input": "A2", "role": "emergency_stop"}]},
             "inputs.1.input",
             "each input once",
+        ),
+        ({"soft_limits": [{"axis": 4}]}, "soft_limits.0.axis", "a whole number from 0 to 3"),
+        ({"soft_limits": [{"axis": 1}, {"axis": 1}]}, "soft_limits.1.axis", "each axis once"),
+        (
+            {"soft_limits": [{"axis": 0, "highest_steps": 2**31}]},
+            "soft_limits.0.highest_steps",
+            "a whole number from -2,147,483,648 to 2,147,483,647 steps, or null: no limit on that side",
+        ),
+        (
+            {"soft_limits": [{"axis": 0, "lowest_steps": 8, "highest_steps": 7}]},
+            "soft_limits.0.lowest_steps",
+            "at most highest_steps, which is 7",
         ),
     ],
 )

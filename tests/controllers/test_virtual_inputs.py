@@ -229,10 +229,13 @@ def test_the_silence_is_that_of_the_settings_and_ends_moves_if_told_to(bench: Be
 def test_settings_are_kept_with_what_inputs_are_for(bench: Bench) -> None:
     clock = bench.clock
     bench.controller._storage._transfer._give_way = lambda pause_s: setattr(clock, "now_s", clock.now_s + pause_s)
+    limits = StepRampSettings.checked({"soft_limits": [{"axis": 1, "lowest_steps": -9, "highest_steps": 9}]})
+    bench.controller.use_settings(limits)
     bench.controller.keep()
     bench.virtual.opened()
     bench.controller.connect()
     assert bench.controller.settings().inputs == StepRampSettings.checked({"inputs": ROLES}).inputs
+    assert bench.controller.settings().soft_limits == limits.soft_limits
 
 
 def test_a_controller_without_inputs_is_told_apart(bench: Bench) -> None:

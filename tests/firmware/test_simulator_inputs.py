@@ -17,6 +17,7 @@ from firmware.checker import CYCLES_PER_S
 from firmware.flight.exchange import Exchange, exchanges
 from firmware.protocol import (
     ACKNOWLEDGE,
+    AT_LIMIT,
     BEGIN,
     BY_EMERGENCY_STOP,
     DATA,
@@ -30,9 +31,11 @@ from firmware.protocol import (
     OK,
     REPORT,
     RUN,
+    SET_POSITION,
     STATUS,
     STOPPED,
     TRY,
+    WRITE_LIMITS,
     WRITE_SETTINGS,
     InputSettings,
     InputsStatus,
@@ -250,3 +253,27 @@ def position(edges: npt.NDArray[np.void]) -> int:
         elif edge["value"]:
             at += 1 if is_forward else -1
     return at
+
+
+def test_runs_of_all_axes_end_at_their_soft_limits(tmp_path: Path) -> None:
+    """Four at the limits of what may move at the same time."""
+    work, talk = runs(4, 30_000), Talk()
+    talk.begin(work.ramps, InputSettings(roles=ROLES))
+    highest = [20_000, 20_001, 17_345, 15_000]
+    for axis, most in enumerate(highest):
+        talk.ask(WRITE_LIMITS, struct.pack("<Bii", axis, -5, most))
+    talk.ask(SET_POSITION, for_axes(dict.fromkeys(range(4), 0)))
+    talk.ask(REPORT, bytes([50]))
+    talk.ask(RUN, work.body)
+    for axis in (0, 0, 0, 0, 1, 2, 3):
+        talk.ask(STATUS, bytes([axis]), wait_ms=250)
+    talk.ask(RUN, work.body)
+    played = converse(build_firmware("INPUTS=yes"), tmp_path, talk.asked)
+    told = exchanges(played.frames)
+    ends = [Status.unpack(each.reply[:OUTPUT_STATUS_BYTES]) for each in told if each.kind == STATUS][3:]
+    assert [end.position for end in ends] == highest
+    assert [end.starved for end in ends] == [0] * 4
+    edges = played.edges
+    made = [np.sum((edges["pin"] == pin) & (edges["value"] == 1)) for pin in (2, 3, 4, 12)]
+    assert made == highest
+    assert [each.status for each in told if each.kind == RUN] == [OK, AT_LIMIT]

@@ -71,3 +71,13 @@ def at_limit_words(axis: int, switch: str | None, end: End | None) -> str:
     which = "a limit switch" if end is None else f"the limit switch of its {end} end"
     at = "" if switch is None else f" at {switch}"
     return f"Axis {axis} is on {which}{at} and goes no further that way: move it the other way."
+
+
+def at_soft_limit_words(axis: int, end: End, at_steps: int | None) -> str:
+    """Return that a motion leads beyond a soft limit that the controller keeps. at_steps: None where it isn't known."""
+    which = "lowest" if end == "low" else "highest"
+    where = "" if at_steps is None else f", {at_steps:,} steps"
+    return (
+        f"This leads beyond the {which} position of axis {axis} in the controller's settings{where}: "
+        "nothing has moved. Stay within it, or change that soft limit."
+    )

@@ -205,6 +205,7 @@ void model_note_accepted(const uint8_t *message, uint8_t length)
         has_rolled_back();
         break;
     case KIND_WRITE_SETTINGS:
+    case KIND_WRITE_LIMITS:
         model.settings_on_trial = true;
         break;
     case KIND_SET_POSITION:

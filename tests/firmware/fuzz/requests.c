@@ -79,6 +79,16 @@ static uint8_t make_settings(uint8_t *body)
     return SETTINGS_BYTES;
 }
 
+#if HAS_INPUTS
+/* Near enough that motions come to them. */
+static uint8_t make_limits(uint8_t *body)
+{
+    body[0] = (uint8_t)below(5);
+    put_u32(body, 1, one_in(3) ? (uint32_t)NO_LOWEST : below(2000) - 1500);
+    return put_u32(body, 5, one_in(3) ? (uint32_t)NO_HIGHEST : below(2000) - 500);
+}
+#endif
+
 /* An interval that is often one that the ramp allows. */
 static uint32_t some_interval(void)
 {
@@ -134,6 +144,13 @@ static uint8_t make_body(uint8_t kind, uint8_t *body)
         return 4;
     case KIND_WRITE_SETTINGS:
         return make_settings(body);
+#if HAS_INPUTS
+    case KIND_READ_LIMITS:
+        body[0] = (uint8_t)below(5);
+        return 1;
+    case KIND_WRITE_LIMITS:
+        return make_limits(body);
+#endif
     case KIND_STOP:
     case KIND_HALT:
         body[0] = (uint8_t)below(17);
@@ -164,6 +181,7 @@ static uint8_t some_kind(void)
         KIND_LINE,          KIND_LINE,    KIND_STOP,    KIND_HALT,    KIND_HALT,      KIND_WRITE_SETTINGS,
 #if HAS_INPUTS
         KIND_ACKNOWLEDGE,   KIND_ACKNOWLEDGE, KIND_ACKNOWLEDGE, KIND_HOME, KIND_HOME,
+        KIND_READ_LIMITS,   KIND_WRITE_LIMITS,
 #endif
     };
     if (model.is_delivered_to && !one_in(20)) {

@@ -7,7 +7,7 @@ from firmware.controller_host import Driver
 from firmware.inputs.machine import ROLES, Machine
 from firmware.protocol import InputSettings, Settings
 
-FORMULAS, GAUGES, INPUTS, KEEPS = 1, 2, 4, 8
+FORMULAS, GAUGES, INPUTS, KEEPS, SOFT_LIMITS = 1, 2, 4, 8, 16
 SLOT_BYTES = 512
 
 
@@ -15,7 +15,7 @@ def test_hello_tells_capabilities_and_lengths(machine: Machine) -> None:
     reply = machine.ok(p.HELLO, b"\3")
     assert len(reply) == 47
     assert reply[0] == 3
-    assert list(reply[44:]) == [FORMULAS | GAUGES | INPUTS | KEEPS, 24, 32]
+    assert list(reply[44:]) == [FORMULAS | GAUGES | INPUTS | KEEPS | SOFT_LIMITS, 24, 32]
     assert len(machine.ok(p.STATUS, b"\0")) == 31
     assert len(machine.ok(p.READ_SETTINGS)) == 24
 
@@ -29,6 +29,8 @@ def test_without_inputs_it_says_so() -> None:
         assert len(controller.ok(p.STATUS, b"\0")) == 26
         assert len(controller.ok(p.READ_SETTINGS)) == 12
         assert controller.refused(p.ACKNOWLEDGE) == (p.UNKNOWN_KIND, p.ACKNOWLEDGE)
+        assert controller.refused(p.READ_LIMITS, b"\0") == (p.UNKNOWN_KIND, p.READ_LIMITS)
+        assert controller.refused(p.WRITE_LIMITS, bytes(9)) == (p.UNKNOWN_KIND, p.WRITE_LIMITS)
         assert controller.refused(p.HOME, bytes(11))[0] == p.UNKNOWN_KIND
         long = Settings().packed() + InputSettings().packed()
         assert controller.refused(p.WRITE_SETTINGS, long) == (p.BAD_LENGTH, 24)
@@ -86,7 +88,7 @@ def test_what_a_controller_without_inputs_has_kept_is_found(driver: Driver) -> N
     machine.run(WHOLE_COMMIT)
     assert machine.read(p.PREVIOUS) == RAMP.image()
     slots = bytes.fromhex(driver.ask("eeprom"))
-    assert (slots[1], slots[SLOT_BYTES + 1]) == (2, 3)
+    assert (slots[1], slots[SLOT_BYTES + 1]) == (2, 4)
     machine.ok(p.ROLL_BACK)
     machine.run(WHOLE_COMMIT)
     assert machine.settings() == Settings(enable_lead_ms=77).packed() + InputSettings().packed()

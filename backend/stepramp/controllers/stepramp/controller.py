@@ -136,6 +136,7 @@ class StepRampController(
         greeted: called in between: a stop need not wait until all is learnt.
         """
         self._hello = self._conversation.begin()
+        self._storage.has_soft_limits = self._hello.has_soft_limits
         greeted()
         self._storage.learn_settings()
         self._storage.learn_image(RampInUse(self._hello.ramp_in_use))
@@ -356,3 +357,4 @@ class StepRampController(
         """Check what is asked against the ramps and settings in use."""
         self._checks.use(self._storage.image, self.identity, self._storage.settings)
         self._conversation.roles = self._storage.settings.inputs or ()
+        self._conversation.soft_limits = self._storage.settings.soft_limits or ()

@@ -20,6 +20,7 @@ from stepramp.controllers.stepramp.messages.session import (
     HelloRequest,
 )
 from stepramp.controllers.stepramp.refusals import exception_for
+from stepramp.controllers.stepramp.soft_limits import SoftLimit
 from stepramp.errors import DeviceLost, Rejection
 from stepramp.link.connection import Connection
 
@@ -57,6 +58,8 @@ class Conversation:
         self._heard_bytes = self._heard_messages = 0
         self.roles: Sequence[InputRole] = ()
         """What the controller's inputs are for: refusals name those that are in the way."""
+        self.soft_limits: Sequence[SoftLimit] = ()
+        """Those that the controller keeps: refusals tell them."""
 
     @property
     def requests_made(self) -> int:
@@ -174,7 +177,7 @@ class Conversation:
             return reply
         if reply.status is ReplyStatus.STALE_SESSION:
             raise DeviceLost(f"The controller at {self._port.name} was restarted: its position is no longer known.")
-        raise exception_for(reply, rejected, self.roles)
+        raise exception_for(reply, rejected, self.roles, self.soft_limits)
 
     def _unpacked(self, message: Message, reply_type: type[R]) -> R | Refusal:
         try:

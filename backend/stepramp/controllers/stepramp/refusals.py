@@ -2,10 +2,11 @@
 
 from collections.abc import Callable, Sequence
 
-from stepramp.controllers.inputs import at_limit_words, stopped_words
+from stepramp.controllers.inputs import at_limit_words, at_soft_limit_words, stopped_words
 from stepramp.controllers.stepramp.input_roles import INPUTS, InputRole
 from stepramp.controllers.stepramp.messages.reply import Refusal, ReplyStatus
 from stepramp.controllers.stepramp.messages.session import PROTOCOL_VERSION
+from stepramp.controllers.stepramp.soft_limits import AT_HIGHEST, AT_LOWEST, SoftLimit
 from stepramp.errors import Refused, Rejected, Rejection, StepRampError
 
 WORDS = {
@@ -24,9 +25,17 @@ OF_VALUES = (ReplyStatus.OUT_OF_RANGE, ReplyStatus.TOO_FAST)
 
 
 def exception_for(
-    refusal: Refusal, rejected: Callable[[Refusal], Rejection] | None, roles: Sequence[InputRole] = ()
+    refusal: Refusal,
+    rejected: Callable[[Refusal], Rejection] | None,
+    roles: Sequence[InputRole] = (),
+    soft_limits: Sequence[SoftLimit] = (),
 ) -> StepRampError:
-    """Return a refusal as the exception that says so; see Conversation.ask. roles: what the inputs are for."""
+    """Return a refusal as the exception that says so; see Conversation.ask.
+
+    roles: what the inputs are for. soft_limits: those that the controller keeps.
+    """
+    if refusal.status is ReplyStatus.AT_LIMIT and refusal.detail >> 8 in (AT_LOWEST, AT_HIGHEST):
+        return Refused(_at_soft_limit(refusal, soft_limits))
     if refusal.status in OF_INPUTS:
         return Refused(_of_inputs(refusal, roles))
     if refusal.status in OF_VALUES and rejected is not None:
@@ -47,3 +56,10 @@ def _of_inputs(refusal: Refusal, roles: Sequence[InputRole]) -> str:
     number, axis = divmod(refusal.detail, 256)
     name = INPUTS[number] if number < len(INPUTS) else None
     return at_limit_words(axis, name, next((role.end for role in roles if role.input == name), None))
+
+
+def _at_soft_limit(refusal: Refusal, soft_limits: Sequence[SoftLimit]) -> str:
+    end, axis = divmod(refusal.detail, 256)
+    limit = next((each for each in soft_limits if each.axis == axis), SoftLimit(axis=axis))
+    at_steps = limit.lowest_steps if end == AT_LOWEST else limit.highest_steps
+    return at_soft_limit_words(axis, "low" if end == AT_LOWEST else "high", at_steps)

@@ -10,6 +10,7 @@ from stepramp.controllers.inputs import Level
 from stepramp.controllers.stepramp.input_roles import INPUTS, InputRole, packed_roles, unpacked_roles
 from stepramp.controllers.stepramp.messages.axes import axes_of, mask_of
 from stepramp.controllers.stepramp.messages.settings import SETTINGS_BYTES
+from stepramp.controllers.stepramp.soft_limits import SoftLimits, packed_limits, unpacked_limits
 from stepramp.validation import Document, ListOrNull, Within, refuse
 
 Outputs = Literal["step_and_direction", "gauges"]
@@ -108,6 +109,11 @@ class StepRampSettings(Document):
         description="What inputs are for; those that aren't named are left alone. null: all stay as they are, or there "
         "are none. With gauge outputs D9 to D11 are a gauge's",
     )
+    soft_limits: SoftLimits = Field(
+        None,
+        description="How far the controller lets axes go, whoever asks, as long as their positions are known; axes "
+        "that aren't named have no limits. null: all stay as they are; in an answer, the controller keeps none",
+    )
 
     @property
     def given_of_inputs(self) -> list[str]:
@@ -121,6 +127,10 @@ class StepRampSettings(Document):
         every controller has is packed.
         """
         return self._packed_outputs() + self._packed_inputs(before[SETTINGS_BYTES:])
+
+    def pack_limits(self, before: bytes) -> bytes:
+        """Return the soft limits of all axes as they are stored; before: those in use, which stay if none are given."""
+        return before if self.soft_limits is None else packed_limits(self.soft_limits)
 
     def _packed_inputs(self, before: bytes) -> bytes:
         packed = bytearray(before)
@@ -151,8 +161,11 @@ class StepRampSettings(Document):
         )
 
     @classmethod
-    def unpack(cls, packed: bytes) -> Self:
-        """Return packed settings. Raises Rejected when one is out of its range, ValueError when bytes are missing."""
+    def unpack(cls, packed: bytes, limits: bytes = b"") -> Self:
+        """Return packed settings, and soft limits where there are any.
+
+        Raises Rejected when one is out of its range, ValueError when bytes are missing.
+        """
         if len(packed) < SETTINGS_BYTES or SETTINGS_BYTES < len(packed) < SETTINGS_BYTES + _ROLES:
             raise ValueError(f"Settings of {len(packed)} bytes; allowed: {SETTINGS_BYTES}, or 24 and more.")
         outputs, both_edges, step, direction, enable, *times, hold = _LAYOUT.unpack_from(packed)
@@ -166,6 +179,7 @@ class StepRampSettings(Document):
                 **dict(zip(("pulse_width_us", "direction_setup_us", "enable_lead_ms"), times, strict=True)),
                 "enable_hold_ms": None if hold == HOLD_FOR_EVER else hold,
                 **_of_inputs(packed[SETTINGS_BYTES:]),
+                "soft_limits": unpacked_limits(limits) if limits else None,
             }
         )
 
@@ -183,5 +197,5 @@ def _of_inputs(packed: bytes) -> dict[str, object]:
     }
 
 
-OFFSETS = dict(zip(StepRampSettings.model_fields, (0, 1, 2, 3, 4, 5, 6, 8, 10, 12, 13, 14, 15), strict=True))
+OFFSETS = dict(zip(StepRampSettings.model_fields, (0, 1, 2, 3, 4, 5, 6, 8, 10, 12, 13, 14, 15), strict=False))
 """Where each setting lies when packed [bytes]."""

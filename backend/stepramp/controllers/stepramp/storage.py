@@ -5,18 +5,23 @@ from contextlib import contextmanager, suppress
 
 from stepramp.controllers.contract import AnswerUnknown, ControllerStatus
 from stepramp.controllers.stepramp.conversation import Conversation
+from stepramp.controllers.stepramp.messages.axes import MOST_AXES
 from stepramp.controllers.stepramp.messages.body import DoneReply
 from stepramp.controllers.stepramp.messages.ramps import ReadSource, RollBackRequest
 from stepramp.controllers.stepramp.messages.session import RampInUse
 from stepramp.controllers.stepramp.messages.settings import (
     SETTINGS_BYTES,
+    LimitsReply,
+    ReadLimitsRequest,
     ReadSettingsRequest,
     SettingsReply,
+    WriteLimitsRequest,
     WriteSettingsRequest,
 )
 from stepramp.controllers.stepramp.messages.status import StatusReply, StatusRequest
 from stepramp.controllers.stepramp.ramp_image import BadRampImage, RampImage
 from stepramp.controllers.stepramp.settings import StepRampSettings
+from stepramp.controllers.stepramp.soft_limits import bounds_of
 from stepramp.controllers.stepramp.transfer import Transfer
 from stepramp.errors import Count, DeviceLost, Refused, Rejected, Rejection
 
@@ -46,6 +51,9 @@ class Storage:
         self.settings = StepRampSettings()
         """Those in use."""
         self._packed = self.settings.pack()
+        self.has_soft_limits = False
+        """Whether it keeps axes within some."""
+        self._limits = b""
 
     def store(self, image: bytes) -> tuple[bytes, int]:
         """Store a ramp image: send, read back from RAM, commit, read back from EEPROM.
@@ -94,13 +102,22 @@ class Storage:
     def read_settings(self) -> StepRampSettings:
         """Ask for the settings in use."""
         reply = self._conversation.ask(ReadSettingsRequest(), SettingsReply)
+        limits = self._read_limits()
         try:
-            settings = StepRampSettings.unpack(reply.settings)
+            settings = StepRampSettings.unpack(reply.settings, limits)
         except (Rejected, ValueError) as error:
             # Not the client's fault: a Rejected would name a field that nobody sent.
             raise DeviceLost(f"The controller at {self._port_name} has settings without sense: {error}") from error
-        self._packed = reply.settings
+        self._packed, self._limits = reply.settings, limits
         return settings
+
+    def _read_limits(self) -> bytes:
+        """Ask for the soft limits in use, of all axes; none are kept: nothing."""
+        if not self.has_soft_limits:
+            return b""
+        return b"".join(
+            self._conversation.ask(ReadLimitsRequest(axis), LimitsReply).pack() for axis in range(MOST_AXES)
+        )
 
     def use_settings(self, settings: StepRampSettings) -> None:
         """Use other settings until a roll back or a reset; Rejected for those of inputs where there are none."""
@@ -108,11 +125,21 @@ class Storage:
         if given and len(present) == SETTINGS_BYTES:
             allowed = f"null: the controller at {self._port_name} has no inputs, as its firmware is without, or older"
             raise Rejected([Rejection(name, _told(settings, name), allowed) for name in given])
+        if settings.soft_limits and not self.has_soft_limits:
+            allowed = f"null: the controller at {self._port_name} keeps none, as its firmware is without, or older"
+            raise Rejected([Rejection("soft_limits", _told(settings, "soft_limits"), allowed)])
         # Without these the first bytes alone are sent: the others stay as they are, whatever they have become.
         packed = settings.pack(present if given else b"")
         self._conversation.ask(WriteSettingsRequest(packed), DoneReply)
         self._packed = packed + present[len(packed) :]
-        self._note_settings(StepRampSettings.unpack(self._packed))
+        self._write_limits(settings.pack_limits(self._limits))
+        self._note_settings(StepRampSettings.unpack(self._packed, self._limits))
+
+    def _write_limits(self, limits: bytes) -> None:
+        for axis in range(MOST_AXES if self.has_soft_limits else 0):
+            if bounds_of(limits, axis) != bounds_of(self._limits, axis):
+                self._conversation.ask(WriteLimitsRequest(axis, *bounds_of(limits, axis)), DoneReply)
+        self._limits = limits if self.has_soft_limits else b""
 
     def learn_settings(self) -> None:
         """Learn which settings are in use."""
@@ -155,4 +182,5 @@ class Storage:
 
 def _told(settings: StepRampSettings, name: str) -> object:
     value = getattr(settings, name)
-    return Count(f"{len(value)} inputs") if isinstance(value, tuple) else value
+    called = "limited axes" if name == "soft_limits" else "inputs"
+    return Count(f"{len(value)} {called}") if isinstance(value, tuple) else value

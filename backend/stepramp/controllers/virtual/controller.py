@@ -47,8 +47,11 @@ from stepramp.controllers.stepramp.messages.session import (
 )
 from stepramp.controllers.stepramp.messages.settings import (
     SETTINGS_BYTES,
+    LimitsReply,
+    ReadLimitsRequest,
     ReadSettingsRequest,
     SettingsReply,
+    WriteLimitsRequest,
     WriteSettingsRequest,
 )
 from stepramp.controllers.stepramp.messages.status import (
@@ -61,6 +64,7 @@ from stepramp.controllers.stepramp.messages.status import (
 from stepramp.controllers.stepramp.messages.trace import TRACE_OFF, TraceReply, TraceRequest
 from stepramp.controllers.stepramp.ramp_image import FAST_CLOCK_HZ, SLOW_CLOCK_HZ
 from stepramp.controllers.stepramp.settings import OFFSETS, StepRampSettings
+from stepramp.controllers.stepramp.soft_limits import bounds_of
 from stepramp.controllers.surroundings import AxisSurroundings, Surroundings, SurroundingsChange
 from stepramp.controllers.virtual.machine import VirtualMachine
 from stepramp.controllers.virtual.memory import LARGEST_IMAGE_BYTES, VirtualMemory
@@ -90,7 +94,13 @@ HELLO = HelloReply(
     ramp_sequence=0,
     image_crc=0,
     ramp_in_use=0,
-    more=bytes([Ability.FORMULAS | Ability.GAUGES | Ability.INPUTS | Ability.KEEPS, len(USUAL), STATUS_BYTES]),
+    more=bytes(
+        [
+            Ability.FORMULAS | Ability.GAUGES | Ability.INPUTS | Ability.KEEPS | Ability.SOFT_LIMITS,
+            len(USUAL),
+            STATUS_BYTES,
+        ]
+    ),
 )
 """What it is and can do: as the firmware in `firmware/src/boards/avr/avr_limits.h`."""
 AT_REST_ONLY = (
@@ -101,6 +111,7 @@ AT_REST_ONLY = (
     TryRequest,
     RollBackRequest,
     WriteSettingsRequest,
+    WriteLimitsRequest,
     SetPositionRequest,
     ZeroRequest,
     LineRequest,
@@ -149,6 +160,8 @@ class VirtualController:
             TraceRequest: self._trace,
             ReadSettingsRequest: lambda _: SettingsReply(store.packed[: self._settings_bytes]),
             WriteSettingsRequest: self._write_settings,
+            ReadLimitsRequest: self._read_limits,
+            WriteLimitsRequest: self._write_limits,
             BeginRequest: store.begin,
             DataRequest: store.data,
             EndRequest: lambda _: store.end(),
@@ -319,6 +332,17 @@ class VirtualController:
         except Rejected as error:
             return Refusal(ReplyStatus.OUT_OF_RANGE, min(_offset(each.field) for each in error.rejections))
         self._store.use_settings(packed)
+        return DoneReply()
+
+    def _read_limits(self, request: ReadLimitsRequest) -> Reply | Refusal:
+        if request.axis >= MOST_AXES:
+            return Refusal(ReplyStatus.OUT_OF_RANGE, request.axis)
+        return LimitsReply(*bounds_of(self._store.limits, request.axis))
+
+    def _write_limits(self, request: WriteLimitsRequest) -> Reply | Refusal:
+        if request.axis >= MOST_AXES or request.lowest_steps > request.highest_steps:
+            return Refusal(ReplyStatus.OUT_OF_RANGE, request.axis)
+        self._store.use_limits(request.axis, LimitsReply(request.lowest_steps, request.highest_steps).pack())
         return DoneReply()
 
     @property

@@ -15,6 +15,7 @@ from stepramp.controllers.stepramp.speed_limits import Pace, SpeedLimits
 from stepramp.controllers.virtual.homing import Stage, VirtualHoming
 from stepramp.controllers.virtual.line import VirtualLine
 from stepramp.controllers.virtual.motor_state import state_of
+from stepramp.controllers.virtual.soft_limits import VirtualSoftLimits
 from stepramp.controllers.virtual.streams import TraceRecorder
 from stepramp.controllers.virtual.world import VirtualInputs, VirtualWorld
 from stepramp.ramp.playback.motor import Motor
@@ -40,6 +41,7 @@ class VirtualMachine:
         self.inputs = VirtualInputs(world, self.place)
         self._homing: dict[int, VirtualHoming] = {}
         self._known: set[int] = set()
+        self._soft_limits = VirtualSoftLimits(self._known, self.position)
         self._settled = 0
         self._ramps: Sequence[AxisRamp] = ()
         self._timer_hz = hello.slow_clock_hz
@@ -98,6 +100,7 @@ class VirtualMachine:
         self._motors = [self._motor(axis) for axis in range(len(self._playbacks))]
         self._ramps = image.axes if image else ()
         self._settled = self._now()
+        self._soft_limits.use(settings.soft_limits or ())
         roles = settings.inputs or ()
         self.inputs.use(
             role for role in roles if settings.outputs != "gauges" or role.input not in INPUTS[-MOST_GAUGES:]
@@ -163,14 +166,18 @@ class VirtualMachine:
         refusal = (
             self._without_pins(targets)
             or self._blocked({axis: target - self.position(axis) for axis, target in targets.items()})
+            or self._soft_limits.refuse_targets(targets)
             or self._too_fast({axis: self._playbacks[axis].slew_interval for axis in targets})
         )
         if refusal is None:
-            ready = self._ready()
-            for axis, target in targets.items():
-                self._motors[axis].move_to(target, ready)
-            self._enable()
+            self._begin(targets)
         return refusal or targets
+
+    def _begin(self, targets: Mapping[int, int]) -> None:
+        ready = self._ready()
+        for axis, target in targets.items():
+            self._motors[axis].move_to(target, ready)
+        self._enable()
 
     def run(self, intervals: Mapping[int, int]) -> Refusal | None:
         """Run axes at intervals [ticks], negative for backwards; 0: stop."""
@@ -180,12 +187,17 @@ class VirtualMachine:
         for axis, interval in running.items():
             if not self._playbacks[axis].slew_interval <= abs(interval) <= self._hello.longest_interval_ticks:
                 return Refusal(ReplyStatus.OUT_OF_RANGE, axis)
-        refusal = self._blocked(running) or self._too_fast({axis: abs(each) for axis, each in running.items()})
+        refusal = (
+            self._blocked(running)
+            or self._soft_limits.refuse_runs(running)
+            or self._too_fast({axis: abs(each) for axis, each in running.items()})
+        )
         if refusal is None:
             self.stop(axis for axis in intervals if axis not in running)
             ready = self._ready()
             for axis, interval in running.items():
-                self._motors[axis].run(abs(interval), 1 if interval > 0 else -1, ready)
+                direction = 1 if interval > 0 else -1
+                self._motors[axis].run(abs(interval), direction, ready, self._soft_limits.end(axis, direction))
             self._enable()
         return refusal
 
@@ -198,7 +210,12 @@ class VirtualMachine:
         if ramp_axis >= self.axes or self._settings.outputs == "gauges":
             return Refusal(ReplyStatus.OUT_OF_RANGE, ramp_axis)
         paces = [Pace(self._playbacks[ramp_axis].slew_interval, line_axes=len(going))] if going else []
-        refusal = self._out_of_range(targets) or self._blocked(steps) or self._too_much(paces)
+        refusal = (
+            self._out_of_range(targets)
+            or self._blocked(steps)
+            or self._soft_limits.refuse_targets({axis: targets[axis] for axis in going})
+            or self._too_much(paces)
+        )
         if refusal is None and going:
             watches = {self.trace.axis: self.trace} if self.trace and self.trace.axis in going else {}
             led = {axis: self._motors[axis] for axis in going}
@@ -213,7 +230,7 @@ class VirtualMachine:
         for axis, position in positions.items():
             self._origins[axis] += self._motors[axis].position - position
             self._motors[axis].set_position(position)
-        self._known |= positions.keys()
+        self._known.update(positions)
 
     def zero(self, axes: Collection[int], steps: int) -> Refusal | None:
         """Call the places of axes at rest so many steps, and move them to 0."""
@@ -221,7 +238,7 @@ class VirtualMachine:
         refusal = self._without_pins(axes) or self._blocked(dict.fromkeys(axes, -1)) or self._too_fast(slew_intervals)
         if refusal is None:
             self.set_position(dict.fromkeys(axes, steps))
-            self.move_to(dict.fromkeys(axes, 0))
+            self._begin(dict.fromkeys(axes, 0))
         return refusal
 
     def home(self, intervals: Mapping[int, int], slow_interval: int, back_off_steps: int) -> Refusal | None:

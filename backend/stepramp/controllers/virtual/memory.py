@@ -11,12 +11,14 @@ from dataclasses import dataclass
 from stepramp.controllers.stepramp.frames import crc16
 from stepramp.controllers.stepramp.messages.settings import SETTINGS_BYTES
 from stepramp.controllers.stepramp.settings import USUAL_OF_INPUTS
+from stepramp.controllers.stepramp.soft_limits import NO_LIMITS
 
 SLOT_BYTES = 512
 SLOTS = (0, SLOT_BYTES)
 MAGIC = 0x53
-SETTINGS_OF = {2: SETTINGS_BYTES, 3: SETTINGS_BYTES + len(USUAL_OF_INPUTS)}
-"""Length of the settings by the format of a slot [bytes]: without inputs and with them."""
+WITH_INPUTS_BYTES = SETTINGS_BYTES + len(USUAL_OF_INPUTS)
+SETTINGS_OF = {2: SETTINGS_BYTES, 3: WITH_INPUTS_BYTES, 4: WITH_INPUTS_BYTES + len(NO_LIMITS)}
+"""Length of the settings by the format of a slot [bytes]: without inputs, with them, and with soft limits, too."""
 WRITE_TIME_S = 0.0034
 """Time that one changed byte takes [s]: the ATmega328P's."""
 ERASED = 0xFF

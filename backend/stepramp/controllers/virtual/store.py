@@ -20,6 +20,7 @@ from stepramp.controllers.stepramp.messages.reply import Refusal, ReplyStatus
 from stepramp.controllers.stepramp.messages.session import HelloReply, RampInUse
 from stepramp.controllers.stepramp.ramp_image import BadRampImage, IntervalLimits, RampImage
 from stepramp.controllers.stepramp.settings import USUAL_OF_INPUTS, StepRampSettings
+from stepramp.controllers.stepramp.soft_limits import NO_LIMITS
 from stepramp.controllers.virtual.memory import VirtualMemory
 
 USUAL = StepRampSettings().pack() + USUAL_OF_INPUTS
@@ -57,12 +58,14 @@ class VirtualStore:
         self.writing = False
         self.packed = USUAL
         """The settings in use, as they travel."""
+        self.limits = NO_LIMITS
+        """The soft limits in use, of all axes, as they are stored."""
         self._load_stored()
 
     @property
     def settings(self) -> StepRampSettings:
         """The settings in use."""
-        return StepRampSettings.unpack(self.packed)
+        return StepRampSettings.unpack(self.packed, self.limits)
 
     @property
     def sequence(self) -> int:
@@ -110,6 +113,13 @@ class VirtualStore:
         self.packed, self._settings_are_stored = packed, False
         self._use_all()
 
+    def use_limits(self, axis: int, limit: bytes) -> None:
+        """Use other soft limits of an axis from now on."""
+        at = axis * len(limit)
+        self.limits = self.limits[:at] + limit + self.limits[at + len(limit) :]
+        self._settings_are_stored = False
+        self._use_all()
+
     def begin(self, request: BeginRequest) -> Reply | Refusal:
         """Take an image from now on."""
         if request.length > self._largest_image_bytes:
@@ -152,7 +162,7 @@ class VirtualStore:
         """Begin to store the image in RAM and the settings in use."""
         if self._content is not Content.CHECKED and self._content not in PLAYABLE:
             return self._out_of_order()
-        self._memory.begin_write(self.packed, bytes(self._ram), self._clock())
+        self._memory.begin_write(self.packed + self.limits, bytes(self._ram), self._clock())
         self.writing = True
         return DoneReply()
 
@@ -194,7 +204,8 @@ class VirtualStore:
         self._content = Content.STORED if stored.sequence else Content.NOTHING
         if with_settings:
             known = stored.settings if stored.sequence else b""
-            self.packed = known + USUAL[len(known) :]
+            self.packed = known[: len(USUAL)] + USUAL[len(known) :]
+            self.limits = known[len(USUAL) :] or NO_LIMITS
             self._settings_are_stored = True
         self._use_all()
 

@@ -52,6 +52,8 @@ class Motor:
         self._level: int | None = None
         self._run_direction = 0
         """Of a run at a speed; 0: it goes to its destination."""
+        self._run_ends = False
+        """At its destination, at the latest."""
         self.position = position
         self.moving = False
         self.stopping = False
@@ -80,8 +82,12 @@ class Motor:
 
     @property
     def running(self) -> bool:
-        """Whether it goes on and on at a speed."""
+        """Whether it goes on at a speed, without a target that was asked for."""
         return self._run_direction != 0
+
+    @property
+    def _endless(self) -> bool:
+        return self.running and not self._run_ends
 
     def shortest_interval(self, commanded: int | None) -> int:
         """Return the shortest interval that it may come to when this one is asked for; None: left to what it does."""
@@ -93,7 +99,7 @@ class Motor:
         while self.moving and self._due <= now:
             if self._trajectory:
                 self._play(now)
-            elif not self.running and self.position == self._destination:
+            elif not self._endless and self.position == self._destination:
                 self._rest()
             else:
                 # It has passed its target, or turns: it goes on the other way.
@@ -104,8 +110,14 @@ class Motor:
         self._destination = target
         self._go(0, None, ready)
 
-    def run(self, interval: int, direction: int, ready: int) -> None:
-        """Go on and on with an interval, not shorter than the ramp's slew interval [ticks]; positions go round."""
+    def run(self, interval: int, direction: int, ready: int, end: int | None = None) -> None:
+        """Go on and on with an interval, not shorter than the ramp's slew interval [ticks]; positions go round.
+
+        end: a position ahead where it comes to rest at the latest; None: nowhere.
+        """
+        if end is not None:
+            self._destination = end
+        self._run_ends = end is not None
         self._go(direction, interval, ready)
 
     def stop(self) -> None:
@@ -154,7 +166,7 @@ class Motor:
         """Plan what comes after the present interval."""
         if not self._ramp_position.interval:
             self._direction = self._run_direction or (1 if self._destination > self.position else -1)
-        distance = ENDLESS_STEPS * self._run_direction if self.running else self._destination - self.position
+        distance = ENDLESS_STEPS * self._run_direction if self._endless else self._destination - self.position
         self._trajectory = self._playback.trajectory(
             self._ramp_position, max(0, distance * self._direction), self._level
         )

@@ -42,7 +42,7 @@ enum board_limit {
 };
 
 /* What a build has, as its hello tells. */
-enum capability { HAS_FORMULA_RAMPS = 1, HAS_GAUGE_OUTPUTS = 2, HAS_MACHINE_INPUTS = 4, KEEPS_WITHOUT_POWER = 8 };
+enum capability { HAS_FORMULA_RAMPS = 1, HAS_GAUGE_OUTPUTS = 2, HAS_MACHINE_INPUTS = 4, KEEPS_WITHOUT_POWER = 8, HAS_SOFT_LIMITS = 16 };
 
 /* Little-endian bytes of a number. */
 #define BYTES_U16(number) (number) & 0xFF, (number) >> 8

@@ -317,7 +317,7 @@ static void go_on(struct axis *axis, struct piece *piece)
 
 static inline bool sets_out_backward(const struct axis *axis)
 {
-    return axis->target < (axis->runs ? 0 : axis->position);
+    return axis->target < (axis_is_endless(axis) ? 0 : axis->position);
 }
 
 static void set_out(struct axis *axis)
@@ -352,7 +352,7 @@ uint32_t axis_slowest(const struct axis *axis)
 
 bool axis_is_at_rest(const struct axis *axis)
 {
-    return axis->phase == PHASE_REST && !axis->runs && axis->target == axis->position;
+    return axis->phase == PHASE_REST && !axis_is_endless(axis) && axis->target == axis->position;
 }
 
 void axis_next(struct axis *axis, struct piece *piece)
@@ -405,7 +405,16 @@ void axis_run(struct axis *axis, bool backward, uint32_t interval, bool is_slewi
     axis_move_to(axis, interval, backward ? -1 : 1);
     axis->is_slewing = is_slewing;
     axis->runs = true;
+    axis->ends = false;
 }
+
+#if HAS_INPUTS
+void axis_end_run(struct axis *axis, int32_t end)
+{
+    axis->target = end;
+    axis->ends = true;
+}
+#endif
 
 /* Turns to the shortest ramp down, or, when no step has been given yet, is at rest again. */
 static void turn_to_rest(struct axis *axis)

@@ -38,7 +38,8 @@ struct axis {
     bool is_slewing : 1; /* the commanded speed is the ramp's slew speed */
     bool backward : 1;
     bool stopping : 1; /* to rest, which has been asked for */
-    bool runs : 1; /* at a speed, without a target */
+    bool runs : 1; /* at a speed, without a target that was asked for */
+    bool ends : 1; /* a run, at a target all the same: a soft limit */
     union {
         struct {
             struct packed_list up_list;
@@ -101,6 +102,17 @@ void axis_stop(struct axis *axis);
 
 /* At rest from now on, at a position that it had before its last pieces. */
 void axis_halt(struct axis *axis, int32_t position);
+
+#if HAS_INPUTS
+/* A run that has just been asked for comes to rest at this position at the latest. It lies ahead. */
+void axis_end_run(struct axis *axis, int32_t end);
+#endif
+
+/* It goes on and on. */
+static inline bool axis_is_endless(const struct axis *axis)
+{
+    return axis->runs && !(HAS_INPUTS && axis->ends);
+}
 
 static inline bool axis_is_by_formula(const struct axis *axis)
 {

@@ -2,7 +2,7 @@
 
 uint32_t axis_steps_left(const struct axis *axis)
 {
-    if (axis->runs) {
+    if (axis_is_endless(axis)) {
         return axis->backward == (axis->target < 0) ? INT32_MAX : 0;
     }
     uint32_t distance = (uint32_t)axis->target - (uint32_t)axis->position;

@@ -328,6 +328,9 @@ static bool is_done(const struct feed *feed)
 static void become_idle(struct feed *feed)
 {
     feed->stage = FEED_IDLE;
+#if HAS_INPUTS
+    feed->axis.runs = false; /* it has come to a soft limit */
+#endif
     trace_end_move(feed->index);
 }
 

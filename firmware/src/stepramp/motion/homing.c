@@ -79,15 +79,17 @@ uint8_t homing_begin(uint8_t axes, const int32_t intervals[MOST_AXES], uint32_t 
         bool is_there = machine_limit_at(axis, goes_backward) != NO_INPUT;
         first[axis] = !is_there ? intervals[axis] : goes_backward ? (int32_t)slow_interval : -(int32_t)slow_interval;
     }
+    uint8_t known = stepramp_known_positions;
+    stepramp_known_positions &= (uint8_t)~axes; /* soft limits don't hold meanwhile */
     uint8_t status = machine_run(axes, first, detail);
     if (status != STATUS_OK) {
+        stepramp_known_positions = known;
         return status;
     }
     slow = slow_interval;
     back_off = steps_back;
     backward = ways;
     is_any = true;
-    stepramp_known_positions &= (uint8_t)~axes;
     for (uint8_t axis = 0; axis < MOST_AXES; axis++) {
         if ((axes >> axis & 1) != 0) {
             stages[axis] = is_at_switch(axis) ? BACKING_OFF : APPROACHING;

@@ -85,6 +85,12 @@ static void begin_order(struct feed *feed, uint32_t interval, int32_t value, boo
     }
     if (is_run) {
         axis_run(&feed->axis, value < 0, interval, interval == slew_interval_of(feed));
+#if HAS_INPUTS
+        int32_t end = machine_soft_limit(feed->index, value < 0);
+        if (!is_no_limit(end)) {
+            axis_end_run(&feed->axis, end);
+        }
+#endif
     } else {
         axis_move_to(&feed->axis, interval, value);
     }
@@ -92,17 +98,25 @@ static void begin_order(struct feed *feed, uint32_t interval, int32_t value, boo
 }
 
 #if HAS_INPUTS
-/* Nothing keeps the axes of the mask from setting out: STATUS_OK, or what does. An axis that stays where it is doesn't. */
+/* Nothing keeps an axis from setting out: STATUS_OK, or what does. One that stays where it is sets out nowhere. */
+static uint8_t check_way(uint8_t axis, int32_t value, bool is_run, uint16_t *detail)
+{
+    if (!machine_way_may_be_blocked(axis)) {
+        return STATUS_OK;
+    }
+    int32_t from = is_run ? 0 : machine_report(axis).position; /* which takes a while */
+    return value != from ? machine_check_way(axis, value < from, detail) : STATUS_OK;
+}
+
 static uint8_t check_ways(uint8_t mask, const int32_t *values, bool is_run, uint16_t *detail)
 {
     uint8_t status = STATUS_OK;
     for (uint8_t axis = 0; mask != 0 && status == STATUS_OK; axis++, mask >>= 1, values++) {
-        if ((mask & 1) == 0 || !machine_way_may_be_blocked(axis)) {
-            continue;
-        }
-        int32_t from = is_run ? 0 : machine_report(axis).position; /* which takes a while */
-        if (*values != from) {
-            status = machine_check_way(axis, *values < from, detail);
+        if ((mask & 1) != 0) {
+            status = check_way(axis, *values, is_run, detail);
+            if (status == STATUS_OK) {
+                status = is_run ? machine_check_run(axis, *values, detail) : machine_check_end(axis, *values, detail);
+            }
         }
     }
     return status;
@@ -179,14 +193,18 @@ void machine_set_position(uint8_t mask, const int32_t positions[MOST_AXES])
 uint8_t machine_zero(uint8_t mask, uint16_t steps, uint16_t *detail)
 {
     const int32_t zeros[MOST_AXES] = {0};
+#if HAS_INPUTS
+    uint8_t known = stepramp_known_positions;
+    stepramp_known_positions = 0; /* it goes to wherever a stop is */
+#endif
     uint8_t status = machine_move_to(mask, zeros, detail);
+#if HAS_INPUTS
+    stepramp_known_positions = status == STATUS_OK ? known | mask : known;
+#endif
     for (struct feed *feed = stepramp_feeds; status == STATUS_OK && mask != 0; feed++, mask >>= 1) {
         if ((mask & 1) != 0) {
             feed->played.position = steps;
             feed->axis.position = steps; /* it has not set out yet */
-#if HAS_INPUTS
-            stepramp_known_positions |= feed->bit;
-#endif
         }
     }
     return status;

@@ -101,6 +101,36 @@ uint8_t machine_check_way(uint8_t axis, bool backward, uint16_t *detail)
     return STATUS_OK;
 }
 
+/* ---- soft limits ---- */
+
+int32_t machine_soft_limit(uint8_t axis, bool backward)
+{
+    if ((stepramp_known_positions >> axis & 1) == 0) {
+        return backward ? NO_LOWEST : NO_HIGHEST;
+    }
+    return (int32_t)read_u32(stepramp_machine_settings->soft_limits[axis] + (backward ? 0 : 4));
+}
+
+static uint8_t at_soft_limit(uint8_t axis, bool backward, uint16_t *detail)
+{
+    *detail = (uint16_t)((backward ? LOWEST_POSITION : HIGHEST_POSITION) << 8 | axis);
+    return STATUS_AT_LIMIT;
+}
+
+uint8_t machine_check_end(uint8_t axis, int32_t end, uint16_t *detail)
+{
+    bool is_low = end < machine_soft_limit(axis, true);
+    return is_low || end > machine_soft_limit(axis, false) ? at_soft_limit(axis, is_low, detail) : STATUS_OK;
+}
+
+uint8_t machine_check_run(uint8_t axis, int32_t interval, uint16_t *detail)
+{
+    bool backward = interval < 0;
+    int32_t limit = machine_soft_limit(axis, backward), from = stepramp_feeds[axis].axis.position;
+    bool is_free = interval == 0 || is_no_limit(limit) || (backward ? from > limit : from < limit);
+    return is_free ? STATUS_OK : at_soft_limit(axis, backward, detail);
+}
+
 /* ---- what stops everything ---- */
 
 static void stop_all(uint8_t cause)

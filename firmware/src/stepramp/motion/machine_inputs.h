@@ -5,6 +5,7 @@
 
 #include "stepramp/edge/inputs.h"
 #include "stepramp/motion/feed.h"
+#include "stepramp/store/driver_settings.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -15,7 +16,8 @@ extern "C" {
 /* What has stopped all axes, bits. */
 enum stopped_by { BY_EMERGENCY_STOP = 1, BY_DRIVER_FAULT = 2 };
 
-enum { NO_INPUT = 0xFF };
+/* In place of an input's number where there is none: and of a switch where a soft limit is in the way. */
+enum { NO_INPUT = 0xFF, LOWEST_POSITION = 0xFE, HIGHEST_POSITION = 0xFF };
 
 /* The settings' roles are in use from now on. */
 void machine_inputs_configure(void);
@@ -37,6 +39,19 @@ bool machine_way_may_be_blocked(uint8_t axis);
 
 /* Whether a motion of an axis may set out: STATUS_OK, STATUS_STOPPED or STATUS_AT_LIMIT. */
 uint8_t machine_check_way(uint8_t axis, bool backward, uint16_t *detail);
+
+/* [steps] An axis' soft limit, or where positions end: there are none as long as its position isn't known. */
+int32_t machine_soft_limit(uint8_t axis, bool backward);
+
+static inline bool is_no_limit(int32_t position)
+{
+    return position == NO_LOWEST || position == NO_HIGHEST;
+}
+
+/* Whether an axis may come to rest there, or run that way from where it is: STATUS_OK or STATUS_AT_LIMIT. `interval`: with
+ * the sign of the direction; 0: a stop. */
+uint8_t machine_check_end(uint8_t axis, int32_t end, uint16_t *detail);
+uint8_t machine_check_run(uint8_t axis, int32_t interval, uint16_t *detail);
 
 /* The number of an active limit switch at that end of the axis, or NO_INPUT. */
 uint8_t machine_limit_at(uint8_t axis, bool backward);

@@ -86,6 +86,9 @@ uint8_t machine_line(uint8_t mask, uint8_t ramp_axis, const int32_t steps[MOST_A
     for (uint8_t axis = 0; axis < MOST_AXES && status == STATUS_OK; axis++) {
         if (plan.lengths[axis] != 0) {
             status = machine_check_way(axis, (plan.backward >> axis & 1) != 0, detail);
+            if (status == STATUS_OK) {
+                status = machine_check_end(axis, stepramp_feeds[axis].played.position + steps[axis], detail);
+            }
         }
     }
     if (status != STATUS_OK) {

@@ -26,7 +26,7 @@ static bool speaks_oldest; /* version of the protocol: the client does */
 enum { INPUTS_STATUS_BYTES = 5, STATUS_BYTES = 27 + (HAS_INPUTS ? INPUTS_STATUS_BYTES : 0) };
 
 /* What this build has. */
-enum { CAPABILITIES = (HAS_FORMULAS ? HAS_FORMULA_RAMPS : 0) | HAS_GAUGE_OUTPUTS | (HAS_INPUTS ? HAS_MACHINE_INPUTS : 0) | KEEPS_WITHOUT_POWER };
+enum { CAPABILITIES = (HAS_FORMULAS ? HAS_FORMULA_RAMPS : 0) | HAS_GAUGE_OUTPUTS | (HAS_INPUTS ? HAS_MACHINE_INPUTS | HAS_SOFT_LIMITS : 0) | KEEPS_WITHOUT_POWER };
 
 /* ---- what is known of the controller; `body` has the length that the request demands ---- */
 
@@ -185,6 +185,22 @@ static OUT_OF_LINE void answer_write_settings(const uint8_t *body, uint8_t lengt
         ramp_keeper_use_settings(settings);
     }
 }
+
+#if HAS_INPUTS
+/* Both requests name an axis; what is written has its lowest and highest position. */
+static void answer_limits(uint8_t kind, const uint8_t *body)
+{
+    uint8_t axis = *body++;
+    bool writes = kind == KIND_WRITE_LIMITS;
+    if (axis >= AXES || (writes && (int32_t)read_u32(body) > (int32_t)read_u32(body + 4))) {
+        reply_refusal(STATUS_OUT_OF_RANGE, axis);
+    } else if (writes) {
+        ramp_keeper_use_limits(axis, body);
+    } else {
+        reply_bytes(ramp_keeper_settings() + SETTINGS_BYTES + axis * SOFT_LIMITS_BYTES, SOFT_LIMITS_BYTES);
+    }
+}
+#endif
 
 /* ---- moves; the axes of the mask are known to be there ---- */
 
@@ -374,6 +390,10 @@ static void answer_known(uint8_t kind, uint16_t its_session, const uint8_t *body
         answer_write_settings(body, length);
         break;
 #if HAS_INPUTS
+    case KIND_READ_LIMITS:
+    case KIND_WRITE_LIMITS:
+        answer_limits(kind, body);
+        break;
     case KIND_ACKNOWLEDGE:
         if (!machine_acknowledge()) {
             reply_refusal(STATUS_STOPPED, machine_active_inputs());

@@ -6,6 +6,7 @@
 #include <stdint.h>
 #include <string.h>
 
+#include "stepramp/edge/board_limits.h"
 #include "stepramp/edge/inputs.h"
 #include "stepramp/protocol/message.h"
 
@@ -21,6 +22,9 @@ enum { HOLD_FOR_EVER = 0xFFFF };
 
 /* Packed, as they travel and are stored; the first of them are those of the outputs, which are all without inputs. */
 enum { OUTPUT_SETTINGS_BYTES = 12, SETTINGS_BYTES = HAS_INPUTS ? OUTPUT_SETTINGS_BYTES + 3 + INPUTS : OUTPUT_SETTINGS_BYTES };
+
+/* Soft limits follow as they are stored; they travel on their own, an axis at a time. */
+enum { SOFT_LIMITS_BYTES = 8, STORED_SETTINGS_BYTES = SETTINGS_BYTES + (HAS_INPUTS ? SOFT_LIMITS_BYTES * AXES : 0) };
 
 /* Of an input; a limit's axis is added to it. */
 enum input_role {
@@ -55,8 +59,11 @@ struct settings {
     uint8_t silence_flags; /* SILENCE_ENDS_MOVES, or 0 */
     uint8_t looks;         /* 1..10: so many in a row, until an input has changed */
     uint8_t roles[INPUTS]; /* enum input_role and flags */
+    uint8_t soft_limits[AXES][SOFT_LIMITS_BYTES]; /* the lowest and the highest position [steps], packed; each may be no limit */
 #endif
 };
+
+enum { NO_LOWEST = INT32_MIN, NO_HIGHEST = INT32_MAX };
 
 /* What holds as long as nothing is stored. */
 static inline struct settings settings_default(void)
@@ -69,6 +76,10 @@ static inline struct settings settings_default(void)
 #if HAS_INPUTS
     settings.silence = USUAL_SILENCE;
     settings.looks = 4;
+    for (uint8_t axis = 0; axis < AXES; axis++) {
+        write_u32(settings.soft_limits[axis], (uint32_t)NO_LOWEST);
+        write_u32(settings.soft_limits[axis] + 4, NO_HIGHEST);
+    }
 #endif
     return settings;
 }
@@ -77,7 +88,8 @@ static inline struct settings settings_default(void)
  * SETTINGS_BYTES when all are good. */
 uint8_t settings_check(const uint8_t bytes[SETTINGS_BYTES]);
 
-/* Packed settings lie in the order of the struct and without gaps. Only their numbers may need to be turned round. */
+/* Packed settings lie in the order of the struct and without gaps. Only their numbers may need to be turned round. Soft limits
+ * are packed already, and left to others. */
 static inline void settings_pack(const struct settings *settings, uint8_t bytes[SETTINGS_BYTES])
 {
     memcpy(bytes, settings, SETTINGS_BYTES);
@@ -90,7 +102,7 @@ static inline void settings_pack(const struct settings *settings, uint8_t bytes[
 
 static inline struct settings settings_unpack(const uint8_t bytes[SETTINGS_BYTES])
 {
-    struct settings settings;
+    struct settings settings = settings_default();
     memcpy(&settings, bytes, SETTINGS_BYTES);
     settings.direction_setup_us = read_u16(bytes + offsetof(struct settings, direction_setup_us));
     settings.enable_lead_ms = read_u16(bytes + offsetof(struct settings, enable_lead_ms));

@@ -10,8 +10,8 @@
 
 enum { MAGIC = 0x53, ERASED = 0xFF };
 
-/* The first format has the settings of the outputs only. */
-enum { FORMAT_OF_OUTPUTS = 2, FORMAT_WITH_INPUTS = 3, SLOT_FORMAT = HAS_INPUTS ? FORMAT_WITH_INPUTS : FORMAT_OF_OUTPUTS };
+/* The first format has the settings of the outputs only, the second one those of inputs, too, the third one soft limits. */
+enum { FORMAT_OF_OUTPUTS = 2, FORMAT_WITH_INPUTS = 3, FORMAT_WITH_LIMITS = 4, SLOT_FORMAT = HAS_INPUTS ? FORMAT_WITH_LIMITS : FORMAT_OF_OUTPUTS };
 
 /* Where the parts of a header lie. */
 enum header_offset { AT_MAGIC = 0, AT_FORMAT = 1, AT_LENGTH = 2, AT_SEQUENCE = 4, AT_CRC = 8, AT_HEADER_CRC = 10 };
@@ -55,13 +55,20 @@ static OUT_OF_LINE void read_bytes(uint8_t slot, uint16_t offset, uint8_t *bytes
 static bool read_header(uint8_t slot, uint8_t header[SLOT_HEADER_BYTES])
 {
     read_bytes(slot, 0, header, SLOT_HEADER_BYTES);
-    return header[AT_MAGIC] == MAGIC && (header[AT_FORMAT] == SLOT_FORMAT || header[AT_FORMAT] == FORMAT_OF_OUTPUTS);
+    return header[AT_MAGIC] == MAGIC && (uint8_t)(header[AT_FORMAT] - FORMAT_OF_OUTPUTS) <= SLOT_FORMAT - FORMAT_OF_OUTPUTS;
 }
 
-/* So many bytes of a slot with this header are settings. */
-static uint8_t settings_in(const uint8_t header[SLOT_HEADER_BYTES])
+/* So many bytes of a slot of this format are settings. */
+static uint8_t settings_in(uint8_t format)
 {
-    return header[AT_FORMAT] == SLOT_FORMAT ? SETTINGS_BYTES : OUTPUT_SETTINGS_BYTES;
+#if HAS_INPUTS
+    if (format != FORMAT_OF_OUTPUTS) {
+        return format == FORMAT_WITH_INPUTS ? SETTINGS_BYTES : STORED_SETTINGS_BYTES;
+    }
+#else
+    (void)format;
+#endif
+    return OUTPUT_SETTINGS_BYTES;
 }
 
 /* The sequence number of a slot. Rolling back changes it, and the header's CRC, in place. When the power was cut
@@ -91,52 +98,65 @@ static uint8_t *content_bytes(void)
     return (uint8_t *)&stepramp_slot_content;
 }
 
-/* Of a slot of the first format what is new in the settings gets its default. */
-static void complete_settings(uint8_t length)
+void eeprom_slots_use_defaults(void)
 {
-#if HAS_INPUTS
     struct settings settings = settings_default();
-    uint8_t packed[SETTINGS_BYTES];
-    settings_pack(&settings, packed);
-    memcpy(content_bytes() + length, packed + length, (uint8_t)(SETTINGS_BYTES - length));
-#else
-    (void)length;
-#endif
+    stepramp_slot_content.settings = settings;
+    if (!IS_LITTLE_ENDIAN) {
+        settings_pack(&settings, content_bytes());
+    }
 }
 
-/* Loads the slot if it holds something good. */
-static bool load(uint8_t slot)
+/* Loads the slot if it holds something good, or all but its settings. What is new in the settings since its format gets its
+ * default. */
+static bool load(uint8_t slot, bool has_settings)
 {
     uint8_t header[SLOT_HEADER_BYTES];
     uint16_t length = 0;
     if (read_header(slot, header)) {
         length = read_u16(header + AT_LENGTH);
     }
-    uint8_t settings_length = settings_in(header);
+    uint8_t settings_length = settings_in(header[AT_FORMAT]);
     if (length <= settings_length || length > settings_length + board_limit(LIMIT_IMAGE_BYTES)) {
         return false;
     }
     stepramp_slot_image_length = (uint16_t)(length - settings_length);
-    read_bytes(slot, SLOT_HEADER_BYTES, content_bytes(), settings_length);
-    read_bytes(slot, (uint16_t)(SLOT_HEADER_BYTES + settings_length), stepramp_slot_content.image, stepramp_slot_image_length);
-    uint16_t crc = frame_crc16(content_bytes(), settings_length);
-    for (uint16_t i = 0; i < stepramp_slot_image_length; i++) {
-        crc = frame_crc16_update(crc, stepramp_slot_content.image[i]);
+    if (has_settings) {
+        eeprom_slots_use_defaults();
     }
-    complete_settings(settings_length);
+    uint16_t crc = CRC16_START, address = address_of(slot, SLOT_HEADER_BYTES);
+    for (uint16_t i = 0; i < length; i++) {
+        uint8_t byte = board_eeprom_read(address++);
+        crc = frame_crc16_update(crc, byte);
+        if (i >= settings_length) {
+            stepramp_slot_content.image[i - settings_length] = byte;
+        } else if (has_settings) {
+            content_bytes()[i] = byte;
+        }
+    }
     return crc == read_u16(header + AT_CRC) && settings_check(content_bytes()) == SETTINGS_BYTES &&
            ramp_image_check(stepramp_slot_content.image, stepramp_slot_image_length).good;
 }
 
-bool eeprom_slots_load(enum slot_choice choice)
+static bool load_known(enum slot_choice choice, bool has_settings)
 {
     uint8_t bit = choice == ACTIVE_SLOT ? HAS_ACTIVE : HAS_PREVIOUS;
     known &= (uint8_t)~bit;
-    if (!load(slot_of(choice))) {
+    if (!load(slot_of(choice), has_settings)) {
         return false;
     }
     known |= bit;
     return true;
+}
+
+bool eeprom_slots_load(enum slot_choice choice)
+{
+    return load_known(choice, true);
+}
+
+bool eeprom_slots_load_image(void)
+{
+    return load_known(ACTIVE_SLOT, false);
 }
 
 /* Loads the older slot first, only to know whether it is good, then the newer one; without that, the older one is the
@@ -163,16 +183,13 @@ uint16_t eeprom_slots_image_length(enum slot_choice choice)
 {
     uint8_t header[SLOT_HEADER_BYTES];
     read_header(slot_of(choice), header);
-    return eeprom_slots_hold(choice) ? (uint16_t)(read_u16(header + AT_LENGTH) - settings_in(header)) : 0;
+    return eeprom_slots_hold(choice) ? (uint16_t)(read_u16(header + AT_LENGTH) - settings_in(header[AT_FORMAT])) : 0;
 }
 
 uint8_t eeprom_slots_read(enum slot_choice choice, uint16_t offset)
 {
     uint8_t slot = slot_of(choice);
-    uint8_t settings_length = SETTINGS_BYTES;
-    if (HAS_INPUTS && board_eeprom_read(address_of(slot, AT_FORMAT)) != SLOT_FORMAT) {
-        settings_length = OUTPUT_SETTINGS_BYTES;
-    }
+    uint8_t settings_length = settings_in(HAS_INPUTS ? board_eeprom_read(address_of(slot, AT_FORMAT)) : SLOT_FORMAT);
     return board_eeprom_read(address_of(slot, (uint16_t)(SLOT_HEADER_BYTES + settings_length + offset)));
 }
 
@@ -189,7 +206,7 @@ uint16_t eeprom_slots_image_crc(enum slot_choice choice)
 
 static uint16_t content_length(void)
 {
-    return SETTINGS_BYTES + stepramp_slot_image_length;
+    return STORED_SETTINGS_BYTES + stepramp_slot_image_length;
 }
 
 static OUT_OF_LINE void begin_stage(uint8_t next)

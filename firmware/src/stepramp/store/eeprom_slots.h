@@ -45,6 +45,12 @@ uint16_t eeprom_slots_image_crc(enum slot_choice choice);
 /* Loads a slot. Returns false when it holds nothing, or nothing good: it holds nothing then from now on. */
 bool eeprom_slots_load(enum slot_choice choice);
 
+/* The active slot's image alone: the settings in RAM stay as they are. */
+bool eeprom_slots_load_image(void);
+
+/* The settings in RAM are those that hold as long as nothing is stored. */
+void eeprom_slots_use_defaults(void);
+
 /* Begins to store the content in RAM, which must stay as it is until the write has ended. */
 void eeprom_slots_begin_write(void);
 

@@ -36,6 +36,9 @@ static const struct settings *settings_in_use(void)
 #else
     static struct settings settings;
     settings = settings_unpack(ramp_keeper_settings());
+#if HAS_INPUTS
+    memcpy(settings.soft_limits, stepramp_slot_content.settings.soft_limits, sizeof settings.soft_limits);
+#endif
     return &settings;
 #endif
 }
@@ -60,8 +63,7 @@ static void use_stored(bool is_there)
 {
     flags &= (uint8_t)~FLAG_ON_TRIAL;
     if (!is_there) {
-        struct settings settings = settings_default();
-        settings_pack(&settings, (uint8_t *)&stepramp_slot_content.settings);
+        eeprom_slots_use_defaults();
     }
     use_stored_image(is_there);
 }
@@ -114,10 +116,7 @@ uint16_t ramp_keeper_trace_every(uint8_t axis)
 bool ramp_keeper_make_ready(void)
 {
     if (!is_playable() && eeprom_slots_hold(ACTIVE_SLOT)) {
-        struct settings in_use = stepramp_slot_content.settings;
-        bool is_there = eeprom_slots_load(ACTIVE_SLOT);
-        stepramp_slot_content.settings = in_use;
-        use_stored_image(is_there);
+        use_stored_image(eeprom_slots_load_image());
     }
     return is_playable();
 }
@@ -127,12 +126,24 @@ const uint8_t *ramp_keeper_settings(void)
     return (const uint8_t *)&stepramp_slot_content.settings;
 }
 
-void ramp_keeper_use_settings(const uint8_t bytes[SETTINGS_BYTES])
+static OUT_OF_LINE void use_bytes(uint8_t offset, const uint8_t *bytes, uint8_t count)
 {
-    memcpy(&stepramp_slot_content.settings, bytes, SETTINGS_BYTES);
+    memcpy((uint8_t *)&stepramp_slot_content.settings + offset, bytes, count);
     flags |= FLAG_ON_TRIAL;
     use();
 }
+
+void ramp_keeper_use_settings(const uint8_t bytes[SETTINGS_BYTES])
+{
+    use_bytes(0, bytes, SETTINGS_BYTES);
+}
+
+#if HAS_INPUTS
+void ramp_keeper_use_limits(uint8_t axis, const uint8_t bytes[SOFT_LIMITS_BYTES])
+{
+    use_bytes((uint8_t)(SETTINGS_BYTES + axis * SOFT_LIMITS_BYTES), bytes, SOFT_LIMITS_BYTES);
+}
+#endif
 
 /* ---- delivery ---- */
 

@@ -48,6 +48,11 @@ const uint8_t *ramp_keeper_settings(void);
 /* Uses settings that have been checked, from now on, in RAM. */
 void ramp_keeper_use_settings(const uint8_t bytes[SETTINGS_BYTES]);
 
+#if HAS_INPUTS
+/* The same of an axis' soft limits. */
+void ramp_keeper_use_limits(uint8_t axis, const uint8_t bytes[SOFT_LIMITS_BYTES]);
+#endif
+
 /* ---- delivery ---- */
 
 /* Begins a delivery; the length is at most the board's limit. */

@@ -25,7 +25,12 @@ from stepramp.controllers.stepramp.messages.ramps import (
 )
 from stepramp.controllers.stepramp.messages.report import ReportNotice, ReportRequest
 from stepramp.controllers.stepramp.messages.session import HelloRequest
-from stepramp.controllers.stepramp.messages.settings import ReadSettingsRequest, WriteSettingsRequest
+from stepramp.controllers.stepramp.messages.settings import (
+    ReadLimitsRequest,
+    ReadSettingsRequest,
+    WriteLimitsRequest,
+    WriteSettingsRequest,
+)
 from stepramp.controllers.stepramp.messages.status import StatusRequest
 from stepramp.controllers.stepramp.messages.trace import TraceNotice, TraceRequest
 
@@ -45,6 +50,8 @@ REQUESTS: dict[int, type[Request]] = {
         RollBackRequest,
         ReadSettingsRequest,
         WriteSettingsRequest,
+        ReadLimitsRequest,
+        WriteLimitsRequest,
         MoveByRequest,
         MoveToRequest,
         RunRequest,

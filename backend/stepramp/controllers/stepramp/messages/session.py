@@ -30,6 +30,7 @@ class Ability(IntFlag):
     GAUGES = 2
     INPUTS = 4
     KEEPS = 8
+    SOFT_LIMITS = 16
 
 
 @dataclass(frozen=True)
@@ -77,6 +78,11 @@ class HelloReply(Reply):
     def has_inputs(self) -> bool:
         """Whether it has inputs, and all that goes with them."""
         return bool(self.more) and bool(self.more[0] & Ability.INPUTS)
+
+    @property
+    def has_soft_limits(self) -> bool:
+        """Whether it keeps axes within soft limits of its own."""
+        return bool(self.more) and bool(self.more[0] & Ability.SOFT_LIMITS)
 
     @property
     def computes_formulas(self) -> bool:

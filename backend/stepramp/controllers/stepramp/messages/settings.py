@@ -31,3 +31,32 @@ class WriteSettingsRequest(Request):
     KIND = 0x18
     TAIL = range(SETTINGS_BYTES, MOST_SETTINGS_BYTES + 1)
     settings: bytes
+
+
+@dataclass(frozen=True)
+class ReadLimitsRequest(Request):
+    """Ask for an axis' soft limits."""
+
+    KIND = 0x19
+    LAYOUT = "<B"
+    axis: int
+
+
+@dataclass(frozen=True)
+class LimitsReply(Reply):
+    """An axis' lowest and highest position [steps]; where positions end, there is no limit."""
+
+    LAYOUT = "<ii"
+    lowest_steps: int
+    highest_steps: int
+
+
+@dataclass(frozen=True)
+class WriteLimitsRequest(Request):
+    """Use other soft limits of an axis from now on, without storing them."""
+
+    KIND = 0x1A
+    LAYOUT = "<Bii"
+    axis: int
+    lowest_steps: int
+    highest_steps: int
