@@ -5,7 +5,7 @@
 import { deviceOf } from '../../app/devices.js';
 import { whenever } from '../../app/state.js';
 import { api, Refusal, ServerGone } from '../../server/api.js';
-import { savedAtText } from '../../model/saved_at.js';
+import { savedAtText, withSavedAt } from '../../model/saved_at.js';
 import { createDialog, dialogFoot } from '../../ui/dialog.js';
 import { element, icon, picker, showText } from '../../ui/dom.js';
 import { download as saveFile } from '../../ui/download.js';
@@ -54,7 +54,7 @@ export function createBackups({ state }, act, server = api) {
       return await ask();
     } catch (error) {
       if (!(error instanceof Refusal || error instanceof ServerGone)) throw error;
-      showText(note, error.message);
+      showText(note, withSavedAt(error.message));
       return null;
     }
   }
