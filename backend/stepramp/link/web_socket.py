@@ -45,7 +45,7 @@ class WebSocket:
         self._socket, self._write_s, self._host = connection, write_s, url
         self._protocol = ClientProtocol(parse_uri(url), max_size=LARGEST, logger=_SILENT)
         self._messages: deque[bytes] = deque()
-        self._begun = b""
+        self._begun = bytearray()
         self._has_ended = False
         try:
             self._shake_hands(headers, deadline_s)
@@ -130,10 +130,10 @@ class WebSocket:
         for event in events:
             if not isinstance(event, Frame) or event.opcode not in (Opcode.TEXT, Opcode.BINARY, Opcode.CONT):
                 continue
-            self._begun += bytes(event.data)
+            self._begun += event.data
             if event.fin:
-                self._messages.append(self._begun)
-                self._begun = b""
+                self._messages.append(bytes(self._begun))
+                self._begun = bytearray()
 
     def _flush(self) -> None:
         self._socket.settimeout(self._write_s)

@@ -14,6 +14,7 @@ from controllers.interruption import interruptions
 from designs import design
 from stepramp.controllers.contract import Activity, AnswerUnknown, AxisCommand
 from stepramp.controllers.grbl.controller import GrblController
+from stepramp.controllers.grbl.jog import furthest
 from stepramp.controllers.grbl.machine import GrblMachine
 from stepramp.errors import DeviceLost, Refused
 
@@ -177,6 +178,35 @@ def test_what_is_held_is_not_dropped_where_a_reset_would_move_something(bench: B
     assert bench.grbl.state == "Hold"
     assert trouble is not None
     assert "on hold" in trouble
+
+
+@pytest.mark.parametrize("may_reset", [True, False])
+def test_what_goes_on_as_its_door_was_closed_is_reset_or_the_stop_is_refused(
+    bench: Bench, controller: GrblController, monkeypatch: pytest.MonkeyPatch, may_reset: bool
+) -> None:
+    """In these states grbl takes no hold: what it does next would go on after a stop that was answered."""
+    monkeypatch.setattr(bench.grbl, "state", "Door")
+    monkeypatch.setattr(bench.grbl, "part", 3)
+    monkeypatch.setattr(controller._stopping, "_may_reset", lambda: may_reset)
+    if may_reset:
+        controller.stop()
+        assert bench.grbl.state in ("Alarm", "Idle")
+        return
+    with pytest.raises(Refused, match="takes no stop meanwhile: open the door, or cut the power"):
+        controller.stop()
+
+
+def test_a_run_that_comes_to_the_furthest_place_that_can_be_told_ends(bench: Bench, controller: GrblController) -> None:
+    [scale, *_] = controller._places.axes
+    begin = furthest(scale) - 2000
+    bench.grbl.position[0], bench.grbl._mm[0] = begin, begin / float(scale.steps_per_mm)
+    controller.status()
+    controller.run([at(1000)])
+    for _ in range(30):
+        status = controller.status()
+        bench.pass_time(0.3)
+    assert status.activity is Activity.READY
+    assert bench.grbl.position[0] > begin
 
 
 def test_homing_is_ended_by_a_reset(bench: Bench, controller: GrblController) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+import re
 from collections.abc import Callable
 from contextlib import suppress
 
@@ -112,6 +113,36 @@ def stays(bench: Bench, where: object) -> None:
     assert (bench.marlin.steps, bench.marlin.is_moving) == (steps, False), where
     bench.controller.status()
     assert not bench.marlin._is_relative, where
+
+
+@pytest.mark.parametrize("has_parser", [False, True])
+def test_a_number_that_has_lost_a_digit_has_no_line_carried_out_twice(bench: Bench, has_parser: bool) -> None:
+    """The question after a way is damaged, and so is the number of the line that Marlin then asks for again."""
+    bench.marlin.has_emergency_parser = has_parser
+    bench.controller.connect()
+    bench.controller.move_by(by(8000))
+    bench.rest()
+    lost: list[bytes] = []
+
+    def way_in(said: bytes) -> bytes:
+        if b"M119" not in said or lost:
+            return said
+        lost.append(said)
+        return said.replace(b"M119", b"M11\x7f")
+
+    def way_out(said: bytes) -> bytes:
+        if b"Resend:" not in said or len(lost) != 1:
+            return said
+        lost.append(said)
+        return re.sub(rb"Resend: (\d)\d+", rb"Resend: \1", said)
+
+    bench.marlin.on_the_way_in, bench.marlin.on_the_way_out = way_in, way_out
+    bench.marlin.lines.clear()
+    bench.controller.move_by(by(800))
+    status = bench.rest()
+    assert len(lost) == 2
+    assert [line for line in bench.marlin.lines if line.startswith("G1")] == ["G1 X10.00000 F60000"]
+    assert status.axes[0].position_steps == bench.marlin.position[0] == 8800
 
 
 def test_a_place_that_has_lost_a_letter_is_asked_again(bench: Bench) -> None:

@@ -219,6 +219,17 @@ def test_a_cold_extruder_is_told(bench: Bench, marlin: MarlinEmulator, controlle
     assert bench.rest().activity is Activity.READY
 
 
+def test_an_extruder_that_cools_as_it_runs_comes_to_rest(
+    bench: Bench, marlin: MarlinEmulator, controller: MarlinController
+) -> None:
+    controller.run(at(400, 3))
+    bench.ask_for(0.6)
+    marlin.is_hot = False
+    status = bench.rest()
+    assert "cold extrusion prevented" in (status.trouble or "")
+    assert bench.marlin.position[3] > 0
+
+
 def test_a_way_that_is_refused_leaves_it_taking_places(bench: Bench, controller: MarlinController) -> None:
     bench.marlin.has_errors = True
     with pytest.raises(Refused, match=r"refuses 'G1 X1\.25000 F60000': Printer stopped due to errors"):

@@ -310,6 +310,9 @@ def test_a_power_cut_while_it_stores_is_restored(bench: Bench, with_an_older_one
         ("M92 X80\nM203 X500\n", "text"),
         ("M92 X80\nM203 X500\nM201 X0\n", "M201 X"),
         ("M92 X80 Y0\nM203 X500 Y5\nM201 X5 Y5\n", "M92 Y"),
+        ("M92 X80\nM203 X500\nM201 X0.50\n", "M201 X"),
+        ("M92 X80\nM203 X0.001\nM201 X5\n", "M203 X"),
+        ("M92 X80\nM203 X500\nM201 X5\nM204 P500 R500 T0.00\n", "M204 T"),
         ("G20\nM92 X80\nM203 X500\nM201 X5\n", "text"),
     ],
 )

@@ -26,7 +26,7 @@ from stepramp.controllers.grbl.jog import fastest_feed, feed_of, jog_line, refus
 from stepramp.controllers.grbl.motion import SEGMENTS_PER_S
 from stepramp.controllers.grbl.places import Places
 from stepramp.controllers.grbl.stopping import Stopping
-from stepramp.errors import DeviceLost, Refused
+from stepramp.errors import DeviceLost, Refused, Rejected
 from stepramp.units import SECONDS_PER_MINUTE
 
 AHEAD_S = 1.5
@@ -138,8 +138,8 @@ class Moves:
         asked = [AxisCommand(axis, speed, "speed_steps_per_s") for axis, speed in running.items()]
         try:
             self._jog(targets, feed_of(running, self._places.axes), asked, stops)
-        except (Answered, AnswerUnknown):
-            # It ends at its soft limits, or where a stop has it end.
+        except (Answered, AnswerUnknown, Rejected):
+            # It ends at its soft limits, where a stop has it end, or at the furthest place that can be told.
             self._speeds = {}
 
     def axes(self, report: Report) -> tuple[AxisStatus, ...]:

@@ -6,7 +6,7 @@ from contextlib import suppress
 from stepramp.controllers.contract import AnswerUnknown
 from stepramp.controllers.grbl.conversation import Conversation
 from stepramp.controllers.grbl.dialect import HOLD, JOG_CANCEL, Report, State
-from stepramp.errors import DeviceLost
+from stepramp.errors import DeviceLost, Refused
 
 SURE = 2
 """So often a jog is told to end, each time with an answer after it: what it does not end then is no jog."""
@@ -56,6 +56,8 @@ class Stopping:
         self.slows_down = report.state is State.JOG
         if report.state in (State.RUN, State.HOME):
             self._hold()
+        elif report.state is State.DOOR and report.is_under_way:
+            self._end_at_door()
         self._drops = report.state in (State.RUN, State.HOLD)
 
     def halt(self) -> None:
@@ -97,6 +99,15 @@ class Stopping:
             self._conversation.send(HOLD)
             if self._conversation.look().state not in (State.RUN, State.HOME):
                 return
+        self._reset()
+
+    def _end_at_door(self) -> None:
+        """Have what goes on once its door was closed end: it is not put on hold meanwhile, only reset."""
+        if not self._may_reset():
+            raise Refused(
+                "It goes on with its program, as its door was closed, and takes no stop meanwhile: open the door, or "
+                "cut the power of its motors."
+            )
         self._reset()
 
     def _reset(self) -> None:

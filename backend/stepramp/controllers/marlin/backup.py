@@ -3,6 +3,8 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+import numpy as np
+
 from stepramp.controllers.given_numbers import as_float32
 from stepramp.controllers.marlin.settings import (
     ACCELERATION,
@@ -26,6 +28,8 @@ WRITABLE = frozenset(
 )
 """Commands that set something, by which nothing moves."""
 ABOVE_ZERO = (STEPS_PER_MM, ACCELERATION, SPEED)
+LEAST = {STEPS_PER_MM: ("XYZE", 0.0), SPEED: ("XYZE", 0.01), ACCELERATION: ("XYZE", 1.0), ACCELERATIONS: ("PRT", 1.0)}
+"""Letters of commands, and the least that they may have: [steps/mm], above 0; [mm/s]; [mm/s²]."""
 MODES = frozenset({"G20", "G21", "M149"})
 """How it tells numbers, not what it keeps."""
 
@@ -95,14 +99,16 @@ def _meaning(code: str, words: str) -> tuple[str, ...]:
 def _zeros(settings: Settings) -> list[Rejection]:
     return [
         Rejection(f"{code} {letter}", value, "a number above 0: the axis couldn't be moved without")
-        for code in ABOVE_ZERO
+        if not least
+        else Rejection(f"{code} {letter}", value, f"at least {least:g}: it would be told, or taken, as 0")
+        for code, (letters, least) in LEAST.items()
         for letter, value in settings.words(code).items()
-        if letter in "XYZE" and not _is_positive(value)
+        if letter in letters and not _is_at_least(value, least)
     ]
 
 
-def _is_positive(value: str) -> bool:
+def _is_at_least(value: str, least: float) -> bool:
     try:
-        return as_float32(value) > 0
+        return bool(as_float32(value) > 0 and as_float32(value) >= np.float32(least))
     except (ValueError, OverflowError):
         return False

@@ -60,6 +60,8 @@ SURE_S = 0.8
 """A line that may be answered late is sent again when nothing is said to it for so long [s]."""
 MOST_REPEATS = 3
 PLACES_ASKED = 3
+MOST_BEHIND = 8
+"""So many lines before the last one it may ask for again; a number that has lost a digit is further away."""
 MOST_LINES_AGAIN = 8
 """So often a line is sent again that arrives damaged."""
 PLACE = re.compile(r"X:.* Count.*")
@@ -217,6 +219,11 @@ class Conversation:
                 if time_s is None and self.is_busy and monotonic() >= self._patient_until_s:
                     raise busy(self.name)
                 left -= 1
+            elif not number - MOST_BEHIND <= exchange.resend <= number + 1:
+                # One that it can't want has lost a digit on its way: sent again, the line has it ask by the right one.
+                again -= 1
+                self._number, self._exchange = number, None
+                self._hear_rest_of_fault()
             else:
                 again -= 1
                 if self._take_up(exchange, exchange.resend, number):

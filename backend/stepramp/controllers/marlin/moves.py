@@ -291,6 +291,9 @@ class Moves:
                 self._tell(targets, course.targets, feed, stops, course.longer(targets))
         except Answered as error:
             self.trouble = str(error)
+        except Refused as error:
+            # As of an extruder that has cooled meanwhile: what it was told already it still does.
+            self.trouble, self._speeds = str(error), {}
 
     def _look_at_rest(self) -> Seen:
         """Return where the axes rest, or that something else goes on, which keeps it from answering."""
