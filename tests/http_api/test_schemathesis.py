@@ -99,6 +99,8 @@ def test_the_api_keeps_to_its_description(
 ) -> None:
     if mode.is_negative and not operation.body:
         pytest.skip("Nothing can be wrong with what takes no body.")
+    if mode.is_negative and operation.path == "/api/v1/library/import":
+        pytest.skip("Any bytes are a file: what is wrong with them isn't said by the description.")
 
     @settings(max_examples=EXAMPLES, deadline=None, suppress_health_check=list(HealthCheck))
     @given(case=operation.as_strategy(generation_mode=mode))
