@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from controllers.ramps import IMAGE, four_axes
 from designs import design
@@ -22,13 +23,15 @@ from stepramp.controllers.stepramp.messages.ramps import (
 )
 from stepramp.controllers.stepramp.messages.reply import Refusal, pack_reply
 from stepramp.controllers.stepramp.messages.report import ReportRequest
-from stepramp.controllers.stepramp.messages.session import HelloReply, HelloRequest
+from stepramp.controllers.stepramp.messages.session import Ability, HelloReply, HelloRequest
 from stepramp.controllers.stepramp.messages.settings import ReadSettingsRequest, SettingsReply
 from stepramp.controllers.stepramp.messages.status import StatusReply, StatusRequest
 from stepramp.controllers.stepramp.push import plan_push
 from stepramp.controllers.stepramp.settings import StepRampSettings
-from stepramp.controllers.virtual.controller import HELLO
+from stepramp.controllers.virtual.controller import HELLO as WITH_ALL
 
+HELLO = replace(WITH_ALL, more=bytes([WITH_ALL.more[0] & ~Ability.SOFT_LIMITS, *WITH_ALL.more[1:]]))
+"""Of a controller without soft limits of its own, which are four questions more."""
 SESSION = 0x1234
 BYTES = IMAGE.encode()
 IDLE = StatusReply(0, 0, 0, 0, 0, 0, 1, crc16(BYTES), 0, 0)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import pytest
 
-from controllers.client.script import BYTES, IDLE, NO_RAMP, SESSION, Connect, Script, replied, said, stored
+from controllers.client.script import BYTES, HELLO, IDLE, NO_RAMP, SESSION, Connect, Script, replied, said, stored
 from controllers.ramps import four_axes
 from stepramp.controllers.capabilities import HasInputs
 from stepramp.controllers.contract import Activity, StoredRamp
@@ -27,7 +27,6 @@ from stepramp.controllers.stepramp.messages.settings import (
 )
 from stepramp.controllers.stepramp.messages.status import StatusReply, StatusRequest
 from stepramp.controllers.stepramp.settings import StepRampSettings
-from stepramp.controllers.virtual.controller import HELLO
 from stepramp.errors import DeviceLost, Refused, Rejected
 from stepramp.link.serial_port import SerialPort
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import pytest
 
-from controllers.client.script import BYTES, IDLE, NO_RAMP, Connect, Script, stored
+from controllers.client.script import BYTES, HELLO, IDLE, NO_RAMP, Connect, Script, stored
 from controllers.ramps import four_axes
 from designs import design
 from stepramp.controllers.stepramp import transfer
@@ -29,7 +29,6 @@ from stepramp.controllers.stepramp.messages.settings import ReadSettingsRequest,
 from stepramp.controllers.stepramp.messages.status import StatusReply, StatusRequest
 from stepramp.controllers.stepramp.push import plan_push
 from stepramp.controllers.stepramp.settings import StepRampSettings
-from stepramp.controllers.virtual.controller import HELLO
 from stepramp.errors import Refused
 from stepramp.link.serial_port import SerialPort
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from controllers.client.script import IDLE, Connect, by_steps, fast_image, four, stored
+from controllers.client.script import HELLO, IDLE, Connect, by_steps, fast_image, four, stored
 from designs import design
 from stepramp.controllers.contract import AxisCommand
 from stepramp.controllers.stepramp.controller import StepRampController
@@ -14,7 +14,6 @@ from stepramp.controllers.stepramp.messages.reply import Refusal, ReplyStatus
 from stepramp.controllers.stepramp.messages.status import StatusReply, StatusRequest
 from stepramp.controllers.stepramp.push import plan_push
 from stepramp.controllers.stepramp.settings import StepRampSettings
-from stepramp.controllers.virtual.controller import HELLO
 from stepramp.errors import Rejected
 
 
