@@ -21,7 +21,7 @@ from stepramp.controllers.stepramp.messages.ramps import DataReply, DataRequest,
 from stepramp.controllers.stepramp.messages.reply import Refusal, ReplyStatus, pack_reply, unpack_reply
 from stepramp.controllers.stepramp.messages.report import ReportNotice
 from stepramp.controllers.stepramp.messages.session import HelloReply
-from stepramp.controllers.stepramp.messages.settings import SettingsReply, WriteSettingsRequest
+from stepramp.controllers.stepramp.messages.settings import LimitsReply, SettingsReply, WriteSettingsRequest
 from stepramp.controllers.stepramp.messages.status import AxisState, InputsStatus, StatusReply
 from stepramp.controllers.stepramp.messages.trace import TraceNotice, TraceReply
 
@@ -53,6 +53,8 @@ REPLIES: dict[int, type[Reply]] = {
     0x27: DoneReply,
     0x30: DoneReply,
     0x31: DoneReply,
+    0x19: LimitsReply,
+    0x1A: DoneReply,
 }
 
 
