@@ -184,7 +184,7 @@ def test_families_and_ports_that_go_together() -> None:
 
 
 def test_the_key_is_sent_and_told_nowhere(caplog: pytest.LogCaptureFixture) -> None:
-    caplog.set_level(logging.DEBUG)
+    caplog.set_level(logging.DEBUG, "stepramp")
     with MoonrakerServer(key=KEY) as server:
         for keys in ("", f"{server.host}=wrong", f"127.0.0.1:1={KEY}"):
             with pytest.raises(Refused, match=f"without its API key: start StepRamp with the variable {KEYS_VARIABLE}"):
