@@ -4,13 +4,15 @@ import re
 from collections.abc import Callable, Iterator
 
 import pytest
-from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Page, Route, expect, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Page, Request, Route, expect, sync_playwright
 
 from browser.server import CHROMIUM, CHROMIUM_ARGUMENTS, Server
-from browser.stepramp_page import StepRampPage
+from browser.stepramp_page import GUIDE_CLOSED, StepRampPage
 from tools import require
 
 DESKTOP = (1440, 900)
+OUTSIDE = (-9, -9)
+"""Where a pointer is over nothing of a page."""
 # A machine that is busy is slow, not wrong.
 PATIENCE_MS = 60_000
 expect.set_options(timeout=PATIENCE_MS)
@@ -24,12 +26,20 @@ class Watch:
         self.expected: list[str] = []
         self.errors: list[str] = []
         self.elsewhere: list[str] = []
+        self._heard = {"pageerror": self._page_error, "console": self._console, "request": self._request}
 
     def follow(self, page: Page) -> None:
         """Take note of what happens in a page."""
-        page.on("pageerror", lambda error: self.errors.append(f"page error: {error}"))
-        page.on("console", self._console)
-        page.on("request", lambda request: self._request(request.url))
+        for event, heard in self._heard.items():
+            page.on(event, heard)  # type: ignore[call-overload]
+
+    def leave(self, page: Page) -> None:
+        """Let a page do as it likes from here on."""
+        for event, heard in self._heard.items():
+            page.remove_listener(event, heard)
+
+    def _page_error(self, error: object) -> None:
+        self.errors.append(f"page error: {error}")
 
     def _console(self, message: ConsoleMessage) -> None:
         url = message.location["url"]
@@ -40,7 +50,8 @@ class Watch:
         if message.type == "error" and not is_late:
             self.errors.append(f"{message.text} {url}")
 
-    def _request(self, url: str) -> None:
+    def _request(self, request: Request) -> None:
+        url = request.url
         if not url.startswith((self.base_url, "data:", "blob:")):
             self.elsewhere.append(url)
 
@@ -93,8 +104,53 @@ def context(browser: Browser, shared_server: Server) -> Iterator[BrowserContext]
     made.close()
 
 
+class Tabs:
+    """Tabs of one browser that has kept nothing: a page comes twice as quickly into one that had a page before.
+
+    One at most is kept for that, and none beside one in use: what is behind another tab goes slowly.
+    """
+
+    def __init__(self, context: BrowserContext, url: str) -> None:
+        self._context, self._url = context, url
+        self._free: Page | None = None
+        self._used: list[Page] = []
+
+    def take(self, watch: Watch, size: tuple[int, int] = DESKTOP, theme: str = "dark") -> Page:
+        """Return an empty tab, in which the guide is closed."""
+        page, self._free = self._free, None
+        if page is None:
+            page = new_page(self._context, watch, size, theme)
+            page.add_init_script(GUIDE_CLOSED)
+        else:
+            make_ready(page, watch, size, theme)
+            page.bring_to_front()
+        self._used.append(page)
+        return page
+
+    def give_back(self, page: Page, watch: Watch) -> None:
+        """Empty a tab of its page and of all that was set for it; one that was closed meanwhile is gone."""
+        watch.leave(page)
+        self._used.remove(page)
+        if self._used:
+            page.close()
+            self._used[-1].bring_to_front()
+        elif not page.is_closed():
+            page.unroute_all()
+            page.mouse.up()
+            page.goto(f"{self._url}favicon.svg")
+            page.evaluate("sessionStorage.clear()")
+            page.mouse.move(*OUTSIDE)
+            page.emulate_media(media="null", color_scheme="null", forced_colors="null", reduced_motion="null")
+            self._free = page
+
+
+@pytest.fixture(scope="session")
+def tabs(context: BrowserContext, shared_server: Server) -> Tabs:
+    return Tabs(context, shared_server.url)
+
+
 @pytest.fixture
-def open_page(context: BrowserContext, server: Server, watch: Watch) -> Iterator[Callable[..., StepRampPage]]:
+def open_page(tabs: Tabs, server: Server, watch: Watch) -> Iterator[Callable[..., StepRampPage]]:
     """Return a function that opens the page as if the browser had never seen it.
 
     prepare: what is done with the empty tab before, such as routes that answer for the server.
@@ -105,14 +161,14 @@ def open_page(context: BrowserContext, server: Server, watch: Watch) -> Iterator
     def opened(
         size: tuple[int, int] = DESKTOP, theme: str = "dark", prepare: Callable[[Page], None] = lambda _: None
     ) -> StepRampPage:
-        page = new_page(context, watch, size, theme)
+        page = tabs.take(watch, size, theme)
         pages.append(page)
         prepare(page)
-        return StepRampPage(page, server.url).open()
+        return StepRampPage(page, server.url).load()
 
     yield opened
     for page in pages:
-        page.close()
+        tabs.give_back(page, watch)
 
 
 def finding(port: str, name: str) -> Callable[[Page], None]:
@@ -136,24 +192,29 @@ def module_watch(shared_server: Server) -> Iterator[Watch]:
 
 
 @pytest.fixture(scope="module")
-def module_page(context: BrowserContext, shared_server: Server, module_watch: Watch) -> Iterator[StepRampPage]:
+def module_page(tabs: Tabs, shared_server: Server, module_watch: Watch) -> Iterator[StepRampPage]:
     """Return one page for all tests of a module that start over instead of loading it again."""
-    page = new_page(context, module_watch)
-    yield StepRampPage(page, shared_server.url).open()
-    page.close()
+    page = tabs.take(module_watch)
+    yield StepRampPage(page, shared_server.url).load()
+    tabs.give_back(page, module_watch)
 
 
 def new_page(context: BrowserContext, watch: Watch, size: tuple[int, int] = DESKTOP, theme: str = "dark") -> Page:
     """Return an empty tab of a browser that has kept nothing."""
     page = context.new_page()
-    page.set_default_timeout(PATIENCE_MS)
-    page.set_viewport_size({"width": size[0], "height": size[1]})
-    page.emulate_media(color_scheme=theme)
-    context.pages[0].evaluate("localStorage.clear()")
     # Never a dialog of the system: it is asked for here, before anything can open one.
     page.on("filechooser", lambda _: None)
-    watch.follow(page)
+    page.set_default_timeout(PATIENCE_MS)
+    make_ready(page, watch, size, theme)
     return page
+
+
+def make_ready(page: Page, watch: Watch, size: tuple[int, int], theme: str) -> None:
+    """Let an empty tab look as it is wanted, and the browser have kept nothing."""
+    page.set_viewport_size({"width": size[0], "height": size[1]})
+    page.emulate_media(color_scheme=theme)
+    page.context.pages[0].evaluate("localStorage.clear()")
+    watch.follow(page)
 
 
 @pytest.fixture

@@ -49,6 +49,9 @@ class StepRampPage:
     def open(self) -> Self:
         """Open it as somebody who has closed the guide; that of a first visit has tests of its own."""
         self.page.add_init_script(GUIDE_CLOSED)
+        return self.load()
+
+    def load(self) -> Self:
         self.page.goto(self.url)
         self.wait_for_plots()
         return self

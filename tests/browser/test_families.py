@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import pytest
 from playwright.sync_api import Page, Route, WebSocketRoute, expect
@@ -17,7 +17,7 @@ REFUSED = r"status of 422"
 
 
 @pytest.fixture
-def several(open_page: Callable[..., StepRampPage]) -> StepRampPage:
+def several(open_page: Callable[..., StepRampPage]) -> Iterator[StepRampPage]:
     """Return a page that hears of one more family than there is, and of devices that can do no more than all can."""
 
     def told(route: Route) -> None:
@@ -41,7 +41,9 @@ def several(open_page: Callable[..., StepRampPage]) -> StepRampPage:
         page.route("**/api/v1/ports", told)
         page.route_web_socket(re.compile(r"/devices/events"), heard)
 
-    return open_page(prepare=prepare)
+    stepramp = open_page(prepare=prepare)
+    yield stepramp
+    stepramp.page.close()  # No other page may hear this.
 
 
 def test_the_family_of_a_controller_is_chosen_where_there_are_several(several: StepRampPage, watch: Watch) -> None:
