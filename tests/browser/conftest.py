@@ -130,7 +130,7 @@ class Tabs:
     def give_back(self, page: Page, watch: Watch) -> None:
         """Empty a tab of its page and of all that was set for it; one that was closed meanwhile is gone."""
         watch.leave(page)
-        self._used.remove(page)
+        self._used = [one for one in self._used if one is not page and not one.is_closed()]
         if self._used:
             page.close()
             self._used[-1].bring_to_front()
