@@ -154,7 +154,8 @@ def test_there_and_back(pushed: StepRampPage) -> None:
     page.locator('.panel.device [data-value="back"]').click()
     page.locator("#move-steps").fill("60")
     page.locator("#move-times").fill("2")
-    page.locator("#move-pause").fill("0.1")
+    # Long enough for its target to be seen on a busy machine, too.
+    page.locator("#move-pause").fill("0.5")
     page.locator("#move").click()
     expect(page.locator("#live-shuttle")).to_contain_text("of 2 done")
     until(lambda: device_of(pushed)["target_steps"] == 60)
