@@ -384,7 +384,7 @@
  * @property {Proof | null} proof          what its last start has shown of such
  * @property {'connecting' | 'ready' | 'moving' | 'stopping' | 'writing' | 'lost'} state
  * @property {DeviceInput[] | null} inputs what each is for, and whether it is active; null for one without
- * @property {string[] | null} stopped_by  'emergency_stop' and 'driver_fault', until it is acknowledged; null for one without inputs
+ * @property {string[] | null} stopped_by  'emergency_stop', 'driver_fault' and 'stepped_late', until it is acknowledged; null for one without inputs
  * @property {string | null} message
  * @property {number} position_steps
  * @property {number} target_steps

@@ -210,7 +210,14 @@ def test_what_ends_a_homing(rig: Rig, end: str) -> None:
 
 
 def test_homings_that_cant_be(rig: Rig) -> None:
-    assert only_rejection(lambda: rig.home(slow=1500.0))[0] == "slow_steps_per_s"
+    field, _, allowed = only_rejection(lambda: rig.home(slow=1500.0))
+    assert field == "slow_steps_per_s"
+    assert allowed.endswith("to 1,000 steps/s, without a sign")
+    for speed in (0.0, -1500.0, 1e-9):
+        fast = [AxisCommand(0, speed, "axes.0.fast_steps_per_s")]
+        field, _, allowed = only_rejection(lambda: rig.controller.home(fast, AxisCommand(0, 50.0, "slow"), 20))  # noqa: B023
+        assert field == "axes.0.fast_steps_per_s"
+        assert allowed.endswith("to 1,000 steps/s either way: the sign is the switch's end")
     fast = [AxisCommand(1, -700.0, "axes.0.fast_steps_per_s")]
     field, _, allowed = only_rejection(lambda: rig.controller.home(fast, AxisCommand(0, 50.0, "slow_steps_per_s"), 20))
     assert (field, "at its low end none is named" in allowed) == ("axes.0.fast_steps_per_s", True)
@@ -267,3 +274,55 @@ def test_soft_limits_of_its_own(rig: Rig) -> None:
     rig.controller.use_settings(taken)
     rig.controller.roll_back()
     assert rig.controller.settings().soft_limits == ()
+
+
+def test_steps_that_came_late(plug_in: PlugIn) -> None:
+    require(*missing_compiler())
+    with Driver(with_inputs=True) as driver:
+        rig = Rig(FirmwareBoard(driver), plug_in)
+        rig.controller.set_position([*to(0), *to(0, 1)])
+        rig.controller.run(at(300.0))
+        rig.go_on(300)
+        driver.ask("late", 255)
+        status = rig.go_on(100)
+        assert status.activity is Activity.READY
+        assert status.of_inputs is not None
+        assert status.of_inputs.stopped_by == ("stepped_late",)
+        assert status.trouble == (
+            "Nothing moves: steps came late, which has stopped all axes, and motors may have lost some: no position is "
+            "known. Acknowledge that first."
+        )
+        assert [axis.position_known for axis in status.axes] == [False, False]
+        with pytest.raises(Refused, match=r"steps that came late have stopped all axes. Acknowledge that first"):
+            rig.controller.move_by(by(1))
+        rig.controller.acknowledge()
+        rig.controller.move_by(by(1))
+        assert rig.rest().position_steps == status.axes[0].position_steps + 1
+
+
+def test_gauges_take_no_inputs_whose_pins_are_theirs(rig: Rig) -> None:
+    field, value, allowed = only_rejection(lambda: rig.controller.use_settings(StepRampSettings(outputs="gauges")))
+    assert (field, value) == ("outputs", "gauges")
+    assert "D9, the limit switch" in allowed
+    asked = StepRampSettings.checked({"outputs": "gauges", "inputs": ROLES})
+    field, value, allowed = only_rejection(lambda: rig.controller.use_settings(asked))
+    assert (field, value) == ("inputs.2.input", "D9")
+    assert "for the limit switch one of A0, A1, A2, A3, A4, A5: with gauges, D9 is a coil's pin" in allowed
+    rig.controller.use_settings(StepRampSettings.checked({"outputs": "gauges", "inputs": ROLES[:2]}))
+
+
+def test_an_emergency_stop_keeps_its_input_until_it_is_acknowledged(rig: Rig) -> None:
+    rig.board.press("A0")
+    rig.go_on(100)
+    without = StepRampSettings.checked({"inputs": ROLES[1:]})
+    for change in (lambda: rig.controller.use_settings(without), rig.controller.roll_back):
+        with pytest.raises(Refused, match=r"the emergency stop at A0 is active. First release it, then acknowledge"):
+            change()
+    rig.controller.use_settings(StepRampSettings(pulse_width_us=4))
+    rig.board.press()
+    rig.go_on(100)
+    with pytest.raises(Refused, match="Acknowledge that first"):
+        rig.controller.use_settings(without)
+    rig.controller.acknowledge()
+    rig.controller.use_settings(without)
+    assert rig.controller.settings().inputs == without.inputs

@@ -22,6 +22,7 @@
 #include <string.h>
 
 #include "protocol_port.h"
+#include "stepramp/edge/step_rings.h"
 #include "stepramp/protocol/controller.h"
 #include "stepramp/store/driver_settings.h"
 #include "whole_message.h"
@@ -165,6 +166,11 @@ static void set_levels(void)
     port_look_at_edges();
 }
 
+static void be_late(void)
+{
+    stepramp_late = (uint8_t)next_number();
+}
+
 static void add_switch(void)
 {
     struct port_switch *one = &port_switches[port_switch_count++];
@@ -207,7 +213,7 @@ static const struct {
     {"eeprom", show_or_set_eeprom}, {"cut", set_cut},         {"writes", show_writes}, {"steps", show_steps},
     {"hand", hand_over},            {"pass", pass},
 #if HAS_INPUTS
-    {"levels", set_levels},         {"switch", add_switch},
+    {"levels", set_levels},         {"switch", add_switch}, {"late", be_late},
 #endif
 };
 

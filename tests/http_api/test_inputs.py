@@ -181,7 +181,27 @@ def test_homings_that_cant_be(client: TestClient, route: str, body: Any, field: 
         ({"emergency_stop": 1}, "emergency_stop"),
         ({"axes": [{"axis": 0, "low_steps": 5, "high_steps": 5}]}, "axes.0.high_steps"),
         ({"axes": [{"axis": 4}]}, "axes.0.axis"),
+        ({"axes": []}, "axes"),
+        ({"axes": [{"axis": 1, "low_steps": 1}, {"axis": 1, "low_steps": 2}]}, "axes.1.axis"),
     ],
 )
 def test_surroundings_that_cant_be(client: TestClient, route: str, body: Any, field: str) -> None:
     assert error_of(client.put(f"{route}/surroundings", json=body), 422)["field"] == field
+
+
+def test_what_is_null_of_surroundings_stays_and_of_a_named_axis_goes(client: TestClient, route: str) -> None:
+    def put(body: dict[str, Any]) -> dict[str, Any]:
+        answer: dict[str, Any] = client.put(f"{route}/surroundings", json=body).json()
+        return answer
+
+    put({"driver_fault": True, "axes": [{"axis": 1, "low_steps": -7, "high_steps": 7}]})
+    left = put({"emergency_stop": None, "driver_fault": None, "axes": None})
+    assert (left["driver_fault"], left["axes"][1]["low_steps"], left["axes"][1]["high_steps"]) == (True, -7, 7)
+    anew = put({"axes": [{"axis": 1, "high_steps": 9}]})
+    assert (anew["axes"][1]["low_steps"], anew["axes"][1]["high_steps"]) == (None, 9)
+    assert anew["axes"][0]["low_steps"] == left["axes"][0]["low_steps"]
+
+
+def test_a_homing_of_no_axis_says_what_it_wants(client: TestClient, route: str) -> None:
+    error = error_of(client.post(f"{route}/home", json={**HOME, "axes": []}), 422)
+    assert error["message"].endswith("a list of 1 to 4 axes, each with how it finds its switch.")

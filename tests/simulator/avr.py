@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -84,7 +85,7 @@ def build_firmware(*options: str) -> Path:
     options: of its Makefile.
     """
     _refuse_missing_tools()
-    build = folder_of_builds() / "-".join(["firmware", *options])
+    build = folder_of_builds() / re.sub(r"[^\w=]+", "-", "-".join(["firmware", *options]))
     _run(["make", "-C", str(_CONTROLLER), f"BUILD={build}", *options])
     return build / "stepramp.elf"
 

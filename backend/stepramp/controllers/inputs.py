@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 RoleName = Literal["emergency_stop", "driver_fault", "limit"]
-StopCause = Literal["emergency_stop", "driver_fault"]
+StopCause = Literal["emergency_stop", "driver_fault", "stepped_late"]
 Level = Literal["low", "high"]
 End = Literal["low", "high"]
 LimitStop = Literal["ramp", "at_once"]
@@ -13,6 +13,11 @@ CALLED: dict[RoleName, str] = {
     "emergency_stop": "the emergency stop",
     "driver_fault": "the driver's fault",
     "limit": "the limit switch",
+}
+CAUSED: dict[StopCause, str] = {
+    "emergency_stop": "the emergency stop has stopped all axes",
+    "driver_fault": "the driver's fault has stopped all axes",
+    "stepped_late": "steps came late, which has stopped all axes, and motors may have lost some: no position is known",
 }
 
 
@@ -62,8 +67,9 @@ def stopped_words(active: Sequence[InputStatus], stopped_by: tuple[StopCause, ..
         is_, it = ("is", "it") if len(active) == 1 else ("are", "them")
         todo = f"release {it}" if any(each.role == "emergency_stop" for each in active) else f"mend {it}"
         return f"Nothing moves: {there} {is_} active. First {todo}, then acknowledge."
-    causes = " and ".join(CALLED[each] for each in stopped_by) or "an emergency stop or a driver's fault"
-    return f"Nothing moves: {causes} has stopped all axes. Acknowledge that first."
+    unknown = "an emergency stop, a driver's fault or steps that came late have stopped all axes"
+    causes = "; ".join(CAUSED[each] for each in stopped_by) or unknown
+    return f"Nothing moves: {causes}. Acknowledge that first."
 
 
 def at_limit_words(axis: int, switch: str | None, end: End | None) -> str:

@@ -19,3 +19,10 @@ def too_fast_for(asked: AxisCommand, slowest: float, fastest: float, why: str) -
     most = highest(fastest, FIGURES)
     allowed = f"from {-fastest:,.10g} to {fastest:,.10g} steps/s{note}"
     return Rejection(asked.field, asked.value, allowed, Limits(-most, most, "steps/s", note=note))
+
+
+def homing_speed_for(asked: AxisCommand, slowest: float, fastest: float, note: str) -> Rejection:
+    """Return the rejection of a speed at which an axis isn't homed: 0 is none [steps/s]. note: which way it goes."""
+    return Rejection.outside(
+        asked.field, asked.value, Limits(lowest(slowest, FIGURES), highest(fastest, FIGURES), "steps/s", note=note)
+    )

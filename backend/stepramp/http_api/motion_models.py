@@ -255,7 +255,7 @@ class AxisHome(Document):
 class HomePayload(Document):
     """How axes are to find their limit switches: each by itself."""
 
-    axes: Annotated[list[AxisHome], ListOf("axes and how they find their switches", most=MOST_AXES, least=1)] = Field(
+    axes: Annotated[list[AxisHome], ListOf("axes, each with how it finds its switch", most=MOST_AXES, least=1)] = Field(
         description="The axes, and towards which switch"
     )
     slow_steps_per_s: Annotated[float, Within(0, 1_000_000, "steps/s", ", but not 0")] = Field(

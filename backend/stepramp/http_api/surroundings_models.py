@@ -28,13 +28,24 @@ class AxisSwitches(Document):
 
 
 class SurroundingsPayload(Document):
-    """What is to change around a virtual controller; what isn't given, or null, stays as it is."""
+    """What is to change around a virtual controller; what isn't given, or null, stays as it is.
+
+    An axis that is named has both of its switches anew: one that isn't given, or null, is taken away.
+    """
 
     emergency_stop: StrictBool | None = Field(None, description="Whether the emergency stop is pressed")
     driver_fault: StrictBool | None = Field(None, description="Whether a driver has a fault")
     axes: Annotated[list[AxisSwitches] | None, ListOrNull("axes and their switches", most=MOST_AXES, least=1)] = Field(
-        None, description="Axes whose switches are put elsewhere"
+        None, description="Axes whose switches are put elsewhere, each once; those of others stay. null: of all"
     )
+
+    @model_validator(mode="after")
+    def _each_once(self) -> Self:
+        axes = [each.axis for each in self.axes or ()]
+        for number, axis in enumerate(axes):
+            if axis in axes[:number]:
+                refuse(f"axes.{number}.axis", axis, "each axis once")
+        return self
 
     @property
     def change(self) -> SurroundingsChange:

@@ -55,7 +55,7 @@ export function createInputs(handlers) {
 }
 
 /** @type {Record<string, string>} */
-const CAUSES = { emergency_stop: 'an emergency stop', driver_fault: 'a driver’s fault' };
+const CAUSES = { emergency_stop: 'an emergency stop', driver_fault: 'a driver’s fault', stepped_late: 'steps that came late' };
 
 /** @param {DeviceInput[]} inputs */
 function summaryText(inputs) {

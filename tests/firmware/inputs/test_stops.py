@@ -96,9 +96,22 @@ def test_settings_forget_no_emergency_stop(machine: Machine) -> None:
     machine.pull_down(STOP_INPUT)
     machine.pull_down()
     machine.pass_ms(20)
-    machine.give(InputSettings())
-    assert machine.inputs().stopped_by == p.BY_EMERGENCY_STOP
+    packed = Settings(enable_lead_ms=9).packed()
+    for pressed in ((), (STOP_INPUT,)):
+        machine.pull_down(*pressed)
+        machine.pass_ms(20)
+        refusal = (p.STOPPED, sum(1 << each for each in pressed))
+        assert machine.refused(p.WRITE_SETTINGS, packed + InputSettings().packed()) == refusal
+        assert machine.refused(p.ROLL_BACK) == refusal
+    # All else may be set.
+    machine.ok(p.WRITE_SETTINGS, packed)
+    machine.give(outputs=Settings(enable_lead_ms=3))
+    assert machine.refused(p.ACKNOWLEDGE) == (p.STOPPED, 1 << STOP_INPUT)
     assert machine.refused(p.MOVE_BY, for_axes({0: 1}))[0] == p.STOPPED
+    machine.pull_down()
+    machine.pass_ms(20)
+    machine.ok(p.ACKNOWLEDGE)
+    machine.give(InputSettings())
 
 
 def test_a_fault_has_to_last_for_as_many_looks_as_set(machine: Machine) -> None:

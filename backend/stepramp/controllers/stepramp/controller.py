@@ -272,7 +272,7 @@ class StepRampController(
 
     def home(self, fast: Sequence[AxisCommand], slow: AxisCommand, back_off_steps: int) -> None:
         """Begin to find axes' limit switches; see HasInputs."""
-        intervals = self._checks.intervals_of(fast)
+        intervals = self._checks.homing_intervals(fast)
         slow_interval = self._checks.slow_interval(slow, intervals)
         rejected = self._checks.unless_not_to_home(self._moving, fast, intervals)
         ordered = tuple(intervals[axis] for axis in sorted(intervals))

@@ -13,7 +13,8 @@ from stepramp.validation import Document, refuse
 InputName = Literal["A0", "A1", "A2", "A3", "A4", "A5", "D9", "D10", "D11"]
 INPUTS: tuple[InputName, ...] = ("A0", "A1", "A2", "A3", "A4", "A5", "D9", "D10", "D11")
 """By their numbers."""
-EMERGENCY_INPUTS = INPUTS[:6]
+EMERGENCY_INPUTS, GAUGE_INPUTS = INPUTS[:6], INPUTS[6:]
+"""Those that can be an emergency stop, and those whose pins are a gauge's with gauge outputs."""
 _ROLE_BITS, _AT_ONCE, _ACTIVE_HIGH, _WITHOUT_PULL_UP = 0x1F, 0x20, 0x40, 0x80
 _ALONE: dict[int, RoleName] = {1: "emergency_stop", 2: "driver_fault"}
 _LOW_LIMIT, _HIGH_LIMIT = 8, 12

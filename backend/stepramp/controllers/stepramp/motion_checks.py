@@ -7,7 +7,7 @@ from fractions import Fraction
 
 from stepramp.controllers.contract import AxisCommand, values_of
 from stepramp.controllers.inputs import End
-from stepramp.controllers.speed_ranges import too_fast_for, too_slow_for
+from stepramp.controllers.speed_ranges import homing_speed_for, too_fast_for, too_slow_for
 from stepramp.controllers.stepramp.messages.reply import Refusal, ReplyStatus
 from stepramp.controllers.stepramp.messages.session import HelloReply
 from stepramp.controllers.stepramp.playback import playback_of
@@ -88,9 +88,25 @@ class MotionChecks:
                 raise Rejected([too_fast_for(each, slowest, fastest, "the slew speed of the axis' ramp")])
         return {axis: interval_ticks(speed, self._timer_hz) for axis, speed in values_of(speeds).items()}
 
+    def homing_intervals(self, fast: Sequence[AxisCommand]) -> dict[int, int]:
+        """Return the intervals of axes that are homed [ticks]; Rejected for a speed that their ramps don't lead to."""
+        self.known_axes(fast)
+        return {each.axis: self._homing_interval(each, " either way: the sign is the switch's end") for each in fast}
+
     def slow_interval(self, slow: AxisCommand, axes: Iterable[int]) -> int:
         """Return the interval of one speed of several axes [ticks]; Rejected when a ramp of theirs is too slow."""
-        (interval,) = {interval for axis in axes for interval in self.intervals_of([replace(slow, axis=axis)]).values()}
+        (interval,) = {self._homing_interval(replace(slow, axis=axis), ", without a sign") for axis in axes}
+        return interval
+
+    def _homing_interval(self, asked: AxisCommand, note: str) -> int:
+        try:
+            interval = self.intervals_of([asked])[asked.axis]
+        except Rejected:
+            interval = 0
+        if not interval:
+            slew = self.playbacks[asked.axis].slew_interval
+            slowest, fastest = (speed_from_interval(ticks, self._timer_hz) for ticks in (self._longest_ticks, slew))
+            raise Rejected([homing_speed_for(asked, slowest, fastest, note)])
         return interval
 
     def unless_not_to_home(

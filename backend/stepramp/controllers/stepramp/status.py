@@ -26,6 +26,7 @@ ACTIVITIES = {
 CAUSES: dict[StopBit, StopCause] = {
     StopBit.EMERGENCY_STOP: "emergency_stop",
     StopBit.DRIVER_FAULT: "driver_fault",
+    StopBit.LATENESS: "stepped_late",
 }
 
 

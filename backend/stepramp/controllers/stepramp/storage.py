@@ -4,7 +4,9 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 
 from stepramp.controllers.contract import AnswerUnknown, ControllerStatus
+from stepramp.controllers.inputs import CALLED
 from stepramp.controllers.stepramp.conversation import Conversation
+from stepramp.controllers.stepramp.input_roles import EMERGENCY_INPUTS, GAUGE_INPUTS
 from stepramp.controllers.stepramp.messages.axes import MOST_AXES
 from stepramp.controllers.stepramp.messages.body import DoneReply
 from stepramp.controllers.stepramp.messages.ramps import ReadSource, RollBackRequest
@@ -128,6 +130,7 @@ class Storage:
         if settings.soft_limits and not self.has_soft_limits:
             allowed = f"null: the controller at {self._port_name} keeps none, as its firmware is without, or older"
             raise Rejected([Rejection("soft_limits", _told(settings, "soft_limits"), allowed)])
+        _refuse_inputs_of_gauges(settings, StepRampSettings.unpack(settings.pack(present)))
         # Without these the first bytes alone are sent: the others stay as they are, whatever they have become.
         packed = settings.pack(present if given else b"")
         self._conversation.ask(WriteSettingsRequest(packed), DoneReply)
@@ -184,3 +187,24 @@ def _told(settings: StepRampSettings, name: str) -> object:
     value = getattr(settings, name)
     called = "limited axes" if name == "soft_limits" else "inputs"
     return Count(f"{len(value)} {called}") if isinstance(value, tuple) else value
+
+
+def _refuse_inputs_of_gauges(asked: StepRampSettings, merged: StepRampSettings) -> None:
+    """Reject what an input is for whose pin is a gauge's: nothing would come of it. merged: with what stays."""
+    if merged.outputs != "gauges":
+        return
+    taken = [role for role in merged.inputs or () if role.input in GAUGE_INPUTS]
+    if taken and asked.inputs is None:
+        told = " and ".join(f"{role.input}, {CALLED[role.role]}" for role in taken)
+        allowed = f"step_and_direction as long as inputs are named whose pins are the gauges': {told}"
+        raise Rejected([Rejection("outputs", asked.outputs, allowed)])
+    rejections = [
+        Rejection(
+            f"inputs.{(asked.inputs or ()).index(role)}.input",
+            role.input,
+            f"for {CALLED[role.role]} one of {', '.join(EMERGENCY_INPUTS)}: with gauges, {role.input} is a coil's pin",
+        )
+        for role in taken
+    ]
+    if rejections:
+        raise Rejected(rejections)

@@ -168,7 +168,7 @@ class VirtualController:
             CommitRequest: lambda _: store.commit(),
             ReadRequest: store.read,
             TryRequest: lambda _: store.try_out(),
-            RollBackRequest: lambda _: store.roll_back(),
+            RollBackRequest: lambda _: machine.emergency() or store.roll_back(),
             MoveByRequest: lambda request: _targets(machine.move_by(request.by_axis)),
             MoveToRequest: lambda request: _targets(machine.move_to(request.by_axis)),
             RunRequest: lambda request: machine.run(request.by_axis) or DoneReply(),
@@ -331,6 +331,8 @@ class VirtualController:
             StepRampSettings.unpack(packed)
         except Rejected as error:
             return Refusal(ReplyStatus.OUT_OF_RANGE, min(_offset(each.field) for each in error.rejections))
+        if packed[SETTINGS_BYTES:] != self._store.packed[SETTINGS_BYTES:] and (refusal := self._machine.emergency()):
+            return refusal
         self._store.use_settings(packed)
         return DoneReply()
 

@@ -265,6 +265,11 @@ class VirtualMachine:
         self._enable()
         return None
 
+    def emergency(self) -> Refusal | None:
+        """Refuse to change what inputs are for: an emergency stop may be pressed still."""
+        pressed = self.inputs.stopped_by & StopBit.EMERGENCY_STOP
+        return Refusal(ReplyStatus.STOPPED, self.inputs.active) if pressed else None
+
     def acknowledge(self) -> Refusal | None:
         """Let motions be taken again."""
         if self.inputs.active_stops:

@@ -162,7 +162,7 @@ sharing_\axis:
 .endm
 
 /* What is rare. loaded_alone: a segment of the only axis was loaded, or not. find_next: which of two axes has the next event? program: it is at r27:r26. again: it is past. */
-.macro CHANNEL_PARTS channel, first_axis, second_axis, ocr, flag, enable_bit, second
+.macro CHANNEL_PARTS channel, first_axis, second_axis, ocr, flag, enable_bit, shared, second
 loaded_alone_\channel:
 	brts 1f
 	lds  r26, \ocr
@@ -194,9 +194,31 @@ program_\channel:
 	LEAVE
 again_\channel:
 	LEAVE_IF_STOPPED
+#if COUNTS_LATENESS
+	GO_IF_LATE late_\channel
+again_soon_\channel:
+#endif
 	ldi  r24, 1 << \flag                 /* its compare match may have come as well: it isn't to be served twice */
 	out  TIFR1, r24
 	rjmp dispatch_\channel
+#if COUNTS_LATENESS
+/* What was missed isn't made up for: the next event comes an interval from now, and so do those behind it. */
+late_\channel:
+	CONFIRM_LATE again_soon_\channel
+	COUNT_LATE \flag
+	sbic GPIOR0, \second
+	rjmp 2f
+	FROM_NOW PLAYER(\first_axis, INTERVAL)
+	sts  PLAYER(\first_axis, DUE), r26
+	sts  PLAYER(\first_axis, DUE + 1), r27
+	rjmp 3f
+2:	FROM_NOW PLAYER(\second_axis, INTERVAL)
+	sts  PLAYER(\second_axis, DUE), r26
+	sts  PLAYER(\second_axis, DUE + 1), r27
+3:	sbic GPIOR0, \shared
+	rjmp find_next_\channel
+	rjmp program_\channel
+#endif
 .endm
 
 /* ---- the interrupts ---- */
@@ -231,7 +253,7 @@ TIMER1_COMPA_vect:
 	DISPATCH a, 0, 2, A_SHARED, A_SECOND
 	SHARING_AXIS 0, 2, PIND, a, OCR1AL, sbi, A_SHARED, A_SECOND
 	SHARING_AXIS 2, 0, PIND, a, OCR1AL, cbi, A_SHARED, A_SECOND
-	CHANNEL_PARTS a, 0, 2, OCR1AL, OCF1A, OCIE1A, A_SECOND
+	CHANNEL_PARTS a, 0, 2, OCR1AL, OCF1A, OCIE1A, A_SHARED, A_SECOND
 
 	.global TIMER1_COMPB_vect
 TIMER1_COMPB_vect:
@@ -247,7 +269,7 @@ TIMER1_COMPB_vect:
 	DISPATCH b, 1, 3, B_SHARED, B_SECOND
 	SHARING_AXIS 1, 3, PIND, b, OCR1BL, sbi, B_SHARED, B_SECOND
 	SHARING_AXIS 3, 1, PINB, b, OCR1BL, cbi, B_SHARED, B_SECOND
-	CHANNEL_PARTS b, 1, 3, OCR1BL, OCF1B, OCIE1B, B_SECOND
+	CHANNEL_PARTS b, 1, 3, OCR1BL, OCF1B, OCIE1B, B_SHARED, B_SECOND
 gauges:
 	jmp  __vector_gauges
 

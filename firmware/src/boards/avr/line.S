@@ -122,9 +122,25 @@ next_is_known:
 	LEAVE
 line_again:
 	LEAVE_IF_STOPPED
+#if COUNTS_LATENESS
+	GO_IF_LATE line_late
+line_again_soon:
+#endif
 	ldi  r24, 1 << OCF1A                 /* its compare match may have come as well: it isn't to be served twice */
 	out  TIFR1, r24
 	rjmp line_event
+#if COUNTS_LATENESS
+line_late:                                   /* as of an axis alone */
+	CONFIRM_LATE line_again_soon
+	COUNT_LATE OCF1A
+	FROM_NOW stepramp_line_player + LINE_INTERVAL
+	PROGRAM OCR1AL
+	lpm  r24, Z                          /* 8 cycles, as COMPARE_WITH_TIMER wants */
+	lpm  r24, Z
+	COMPARE_WITH_TIMER
+	brmi line_again
+	LEAVE
+#endif
 
 	WAIT 0
 	WAIT 1

@@ -69,6 +69,54 @@
 #endif
 .endm
 
+/* Where the program has inputs it can tell that steps came late: see step_rings.h. */
+#if HAS_INPUTS && defined(STEPRAMP_COUNTS_LATENESS)
+#define COUNTS_LATENESS 1
+#define LEAST_LATE 3 /* [256 ticks] machine_inputs.c never makes up for less */
+#else
+#define COUNTS_LATENESS 0
+#endif
+
+/* The event at r27:r26 is past: may it be so by more than is made up for? Then to \late. r25 is the timer's high byte, or
+ * anything where a wide pulse was waited for. 3 cycles, as many as there are to spare here. */
+.macro GO_IF_LATE late
+	sub  r25, r27
+	cpi  r25, LEAST_LATE
+	brsh \late
+.endm
+
+/* r25 = by how much [256 ticks]; back to \soon when it isn't late after all. Uses r24. */
+.macro CONFIRM_LATE soon
+	lds  r24, TCNT1L
+	lds  r25, TCNT1H
+	sub  r24, r26
+	sbc  r25, r27
+	lds  r24, stepramp_late_from
+	cp   r25, r24
+	brlo \soon
+.endm
+
+/* Adds r25 to what is counted, and forgets a compare match that has come meanwhile. Uses r24, r25. */
+.macro COUNT_LATE flag
+	lds  r24, stepramp_late
+	add  r24, r25
+	brcc 1f
+	ldi  r24, 0xFF
+1:	sts  stepramp_late, r24
+	ldi  r24, 1 << \flag
+	out  TIFR1, r24
+.endm
+
+/* r27:r26 = so long from now. 10 cycles. Uses r24, r25. */
+.macro FROM_NOW interval
+	lds  r26, TCNT1L
+	lds  r27, TCNT1H
+	lds  r24, \interval
+	lds  r25, \interval + 1
+	add  r26, r24
+	adc  r27, r25
+.endm
+
 /* r27:r26 = time of the event after this one; interval += add. 22 cycles. Uses r24, r25. */
 .macro ADVANCE interval, add, ocr
 	lds  r24, \interval

@@ -344,6 +344,9 @@ void machine_use(const uint8_t *new_image, const struct settings *settings)
         stepramp_feed_clock.is_fast = is_fast;
         stepramp_feed_clock.setup_ticks = (uint32_t)(stepramp_machine_settings->direction_setup_us + latest_turn_us()) * machine_ticks_a_us();
         for_each((uint8_t)((1u << stepramp_axis_count) - 1), machine_begin_axis);
+#if HAS_INPUTS
+        machine_lateness_configure();
+#endif
     }
 }
 

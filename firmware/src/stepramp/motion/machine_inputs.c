@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "stepramp/edge/line.h"
+#include "stepramp/edge/step_rings.h"
 #include "stepramp/motion/homing.h"
 #include "stepramp/motion/machine.h"
 #include "stepramp/motion/machine_axes.h"
@@ -153,6 +154,41 @@ static void look_for_stops(void)
     }
 }
 
+/* ---- lateness ---- */
+
+volatile uint8_t stepramp_late, stepramp_late_from;
+
+/* Other axes' steps make one late by 33 us at most, and by their pulses: that is made up for. When motion has come to be late
+ * by more than some 1 ms in all, motors may have lost steps where they stood still, and what is queued lasts longer than the
+ * main loop knows. [us], and [256 ticks] for each tick of a microsecond */
+enum { MADE_UP_FOR_US = 64, PULSES_MADE_UP_FOR = 4, MOST_LATE = 4 };
+
+/* [256 ticks] An engine has no time to look for less. */
+enum { LEAST_MADE_UP_FOR = 3 };
+
+void machine_lateness_configure(void)
+{
+    uint16_t late_us = (uint16_t)(MADE_UP_FOR_US + PULSES_MADE_UP_FOR * stepramp_machine_settings->pulse_width_us);
+    uint8_t from = (uint8_t)(((uint16_t)(late_us * machine_ticks_a_us()) >> 8) + 1);
+    stepramp_late_from = from < LEAST_MADE_UP_FOR ? LEAST_MADE_UP_FOR : from;
+}
+
+static void look_at_lateness(void)
+{
+    if (stepramp_late >= machine_ticks_a_us() * MOST_LATE) {
+        stop_all(BY_LATENESS);
+        stepramp_known_positions = 0;
+    }
+    if (!machine_is_moving()) {
+        stepramp_late = 0;
+    }
+}
+
+bool machine_is_in_emergency(void)
+{
+    return (stopped_by & BY_EMERGENCY_STOP) != 0 || emergency_is_latched();
+}
+
 bool machine_acknowledge(void)
 {
     if ((active & fault_inputs) != 0 || ((active | inputs_read()) & emergency_inputs) != 0) {
@@ -218,6 +254,9 @@ void machine_watch_inputs(uint16_t now_ms)
     if (now_ms != looked_ms) {
         looked_ms = now_ms;
         look();
+        if (stepramp_late != 0) { /* as it nearly never is */
+            look_at_lateness();
+        }
         homing_go_on();
         if (active != 0) {
             look_for_stops();

@@ -14,13 +14,16 @@ extern "C" {
 #if HAS_INPUTS
 
 /* What has stopped all axes, bits. */
-enum stopped_by { BY_EMERGENCY_STOP = 1, BY_DRIVER_FAULT = 2 };
+enum stopped_by { BY_EMERGENCY_STOP = 1, BY_DRIVER_FAULT = 2, BY_LATENESS = 4 };
 
 /* In place of an input's number where there is none: and of a switch where a soft limit is in the way. */
 enum { NO_INPUT = 0xFF, LOWEST_POSITION = 0xFE, HIGHEST_POSITION = 0xFF };
 
 /* The settings' roles are in use from now on. */
 void machine_inputs_configure(void);
+
+/* The engine's clock is set: how late steps may be from now on. */
+void machine_lateness_configure(void);
 
 /* To be called in each round of the main loop, which has little time when motors are at their limits. */
 void machine_watch_inputs(uint16_t now_ms);
@@ -30,6 +33,9 @@ uint16_t machine_active_inputs(void);
 
 /* By what, and not acknowledged: bits of enum stopped_by. */
 uint8_t machine_stopped_by(void);
+
+/* By an emergency stop, which may be there still: what its input is for stays as it is until then. */
+bool machine_is_in_emergency(void);
 
 /* Motions are taken again. Returns false when what stopped them is still there. */
 bool machine_acknowledge(void);

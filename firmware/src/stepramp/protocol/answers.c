@@ -173,6 +173,21 @@ static void answer_read(const uint8_t *body)
     }
 }
 
+/* Nobody takes an emergency stop's role away while it is pressed. */
+static bool takes_roles_in_emergency(const uint8_t *settings)
+{
+#if HAS_INPUTS
+    enum { ROLES_AT = OUTPUT_SETTINGS_BYTES, ROLES_BYTES = SETTINGS_BYTES - OUTPUT_SETTINGS_BYTES };
+    if (machine_is_in_emergency() &&
+        (settings == NULL || memcmp(settings + ROLES_AT, ramp_keeper_settings() + ROLES_AT, ROLES_BYTES) != 0)) {
+        reply_refusal(STATUS_STOPPED, machine_active_inputs());
+        return true;
+    }
+#endif
+    (void)settings;
+    return false;
+}
+
 static OUT_OF_LINE void answer_write_settings(const uint8_t *body, uint8_t length)
 {
     uint8_t settings[SETTINGS_BYTES];
@@ -181,7 +196,7 @@ static OUT_OF_LINE void answer_write_settings(const uint8_t *body, uint8_t lengt
     uint8_t bad = settings_check(settings);
     if (bad != SETTINGS_BYTES) {
         reply_refusal(STATUS_OUT_OF_RANGE, bad);
-    } else {
+    } else if (!takes_roles_in_emergency(settings)) {
         ramp_keeper_use_settings(settings);
     }
 }
@@ -379,7 +394,7 @@ static void answer_known(uint8_t kind, uint16_t its_session, const uint8_t *body
         answer_read(body);
         break;
     case KIND_ROLL_BACK:
-        if (!ramp_keeper_roll_back()) {
+        if (!takes_roles_in_emergency(NULL) && !ramp_keeper_roll_back()) {
             reply_refusal(STATUS_NO_RAMP, 0);
         }
         break;

@@ -35,6 +35,7 @@ class StopBit(IntFlag):
 
     EMERGENCY_STOP = 1
     DRIVER_FAULT = 2
+    LATENESS = 4
 
 
 INPUTS_BYTES = 5
