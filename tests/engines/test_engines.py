@@ -144,7 +144,7 @@ def test_the_device_is_reached_and_a_motor_moved_by_the_keys_alone(page: EngineP
     page.tab_to("#connect", 6)
     page.press("Enter")
     page.wait_for_text(".panel.device .pill", "ready")
-    page.tab_to("#push", 7)
+    page.tab_to("#push", 9)
     page.press("Enter")
     page.wait_for(".push-head .verified")
     page.tab_to('#device-sections [data-value="move"]', 6, "Shift+Tab")
