@@ -83,7 +83,7 @@ export const EXPORT_GROUPS = [
       {
         name: 'arduino_library',
         label: 'Sketch, with the library',
-        help: 'The same with the StepRamp library, for any pins and slower motors: at least 400 µs between two steps.',
+        help: 'The same with the StepRamp library, for any pins: from loop() down to 400 µs between two steps, and by Timer1 down to 10 µs.',
         kind: 'text',
         options: ['name', 'segment_bound_ticks'],
       },

@@ -27,8 +27,10 @@ CLOCK_SELECTS = {
 """How Timer1 is told its prescaler."""
 SHORTEST_US = 50.0
 """Of the sketch alone: what its interrupt takes, and another one before it, is over by then [µs]."""
-SHORTEST_WITH_LIBRARY_US = 400.0
-"""What the library plays on an Uno: arduino_limits.h [µs]."""
+SHORTEST_BY_POLLING_US = 400.0
+"""What the library plays on an Uno from loop(): arduino_limits.h [µs]. Shorter ones want a timer."""
+SHORTEST_BY_TIMER_US = 10.0
+"""The same by a timer: timer_limits.h [µs]."""
 MOST_SEGMENTS = 3500
 """What an Uno's program memory has room for beside the sketch, 8 bytes each."""
 MOST_IMAGE_BYTES = 256
@@ -92,7 +94,7 @@ def arduino_library_sketch(design: Design, name: str, bound_ticks: int) -> str:
         # Before encoded_ramp tells a bound that would do for controllers with more memory.
         raise Rejected([_too_many_bytes(bound_ticks, f"{least_bytes:,} or more")])
     image = encoded_ramp(design, bound_ticks)
-    _refuse_intervals(design, ramp, SHORTEST_WITH_LIBRARY_US)
+    _refuse_intervals(design, ramp, SHORTEST_BY_TIMER_US)
     if len(image) > MOST_IMAGE_BYTES:
         raise Rejected([_too_many_bytes(bound_ticks, f"{len(image):,}")])
     return filled(
@@ -100,8 +102,29 @@ def arduino_library_sketch(design: Design, name: str, bound_ticks: int) -> str:
         _values(design, name, bound_ticks, ramp) | {
             "bytes": lines_of_bytes(image, indent=2),
             "button": filled("button.ino", {}),
-        },
+        } | _steps_by(us_from_ticks(_ends(ramp)[0], design.timer.frequency_hz)),
     )  # fmt: skip
+
+
+def _steps_by(shortest_us: float) -> dict[str, str]:
+    """Return what the sketch with the library says of who makes its steps: loop(), or above what that can do Timer1."""
+    if shortest_us >= SHORTEST_BY_POLLING_US:
+        return {"timer": "", "played": _BY_POLLING, "pulse": "5; /* a pulse lasts so long at least */"}
+    return {
+        "timer": "#include <StepRampTimer1.h>\n",
+        "played": _BY_TIMER,
+        "pulse": "0; /* 0: 2.6 us; wider ones leave no time for the highest speeds */",
+    }
+
+
+_BY_POLLING = """\
+ * plans; the library plays it by polling, so that a pulse may come some tenths of a millisecond late. To the tick is
+ * the sketch without the library."""
+_BY_TIMER = """\
+ * plans. That is too fast for loop(), so that Timer1 makes the steps (Uno, Nano, Mega, Leonardo or Micro), each up to
+ * 10 us late. Taken are Timer1, so that Servo and analogWrite() on an Uno's pins 9 and 10 don't work beside it, and the
+ * registers GPIOR0 to GPIOR2; loop() must come round each 2 ms. To the tick is the sketch without the library, which
+ * goes up to 20,000 steps/s."""
 
 
 def _too_many_bytes(bound_ticks: int, count: str) -> Rejection:

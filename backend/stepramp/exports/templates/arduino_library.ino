@@ -11,12 +11,11 @@
  * Method $method in $arithmetic, rounded: $rounding. F $timer_hz Hz, v0 $base_speed, v $slew_speed steps/s,
  * a $acceleration, d $deceleration steps/s^2$shape. Steps are the pulses of the driver, microsteps if it makes such.
  * Fastest $fastest steps/s, slowest $slowest steps/s. No interval of the ramp is more than $bound from what StepRamp
- * plans; the library plays it by polling, so that a pulse may come some tenths of a millisecond late. To the tick is the
- * sketch without the library.
+$played
  *
  * The Arduino IDE wants this file in a folder of its name: ${name}_library/${name}_library.ino. */
 #include <StepRamp.h>
-
+$timer
 /* ---- what you may change ---- */
 
 const int32_t STEPS = $steps; /* below 0: backward first; shorter moves keep to the ramp */
@@ -25,7 +24,7 @@ const uint8_t DIRECTION_PIN = 5; /* high is forward */
 const uint8_t ENABLE_PIN = 8; /* low enables the driver, from the first move on */
 const uint8_t START_PIN = A2; /* a button to ground */
 const unsigned long REST_MS = 500; /* before the way back */
-const uint8_t PULSE_US = 5; /* a pulse lasts so long at least */
+const uint8_t PULSE_US = $pulse
 const unsigned long STEADY_MS = 20; /* so long a button must be pressed, or released, to count */
 
 /* ---- the ramp: the motor is driven from these bytes, they stay in RAM ---- */
