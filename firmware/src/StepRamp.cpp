@@ -1,9 +1,12 @@
 #include "StepRamp.h"
 
 #include "boards/polled/arduino_board.h"
+#include "stepramp/edge/board.h"
 #include "stepramp/motion/feed.h"
+#include "stepramp/motion/homing.h"
 #include "stepramp/motion/machine.h"
 #include "stepramp/motion/machine_axes.h"
+#include "stepramp/motion/machine_inputs.h"
 #include "stepramp/protocol/message.h"
 #include "stepramp/store/driver_settings.h"
 #include "stepramp/store/ramp_image.h"
@@ -13,16 +16,26 @@ StepRampClass StepRamp;
 static_assert((uint8_t)STEPRAMP_AXES == AXES && (uint8_t)STEPRAMP_GAUGES == GAUGES, "StepRamp.h and board_limits.h differ");
 static_assert((uint8_t)STEPRAMP_NO_PIN == (uint8_t)NO_PIN, "StepRamp.h and arduino_board.h differ");
 static_assert((uint16_t)STEPRAMP_HOLD == (uint16_t)HOLD_FOR_EVER, "StepRamp.h and driver_settings.h differ");
+static_assert((uint8_t)STEPRAMP_STOPPED == STATUS_STOPPED && (uint8_t)STEPRAMP_AT_LIMIT == STATUS_AT_LIMIT,
+              "StepRamp.h and message.h differ");
 static_assert((uint8_t)STEPRAMP_MOVING == STATUS_MOVING && (uint8_t)STEPRAMP_NO_RAMP == STATUS_NO_RAMP &&
                   (uint8_t)STEPRAMP_OUT_OF_RANGE == STATUS_OUT_OF_RANGE && (uint8_t)STEPRAMP_TOO_FAST == STATUS_TOO_FAST,
               "StepRamp.h and message.h differ");
 
+#if HAS_INPUTS
+struct settings stepramp_sketch_settings = {OUTPUTS_STEP_AND_DIRECTION, 0, 0, 0, 0, 0, 30, 1, HOLD_FOR_EVER, USUAL_SILENCE, 0, 4, {0},
+                                             {PACKED_NO_LIMITS, PACKED_NO_LIMITS, PACKED_NO_LIMITS, PACKED_NO_LIMITS}};
+#else
+struct settings stepramp_sketch_settings = {OUTPUTS_STEP_AND_DIRECTION, 0, 0, 0, 0, 0, 30, 1, HOLD_FOR_EVER};
+#endif
+
 namespace {
+
+struct settings &settings_now = stepramp_sketch_settings;
 
 /* Of poll(), at most: loop() has other things to do. */
 enum { MOST_ROUNDS = 2 };
 
-struct settings settings_now = {OUTPUTS_STEP_AND_DIRECTION, 0, 0, 0, 0, 0, 30, 1, HOLD_FOR_EVER};
 const uint8_t *image; /* that is used; none before begin() */
 bool has_begun;
 
@@ -48,10 +61,46 @@ bool settings_are_good()
     return settings_check(packed) == SETTINGS_BYTES;
 }
 
+/* The axes of the mask that are being homed. */
+uint8_t homing_of(uint8_t mask)
+{
+#if HAS_INPUTS
+    return has_homing() ? WITH_HOMING(homing_axes)() & mask : 0;
+#else
+    return (void)mask, 0;
+#endif
+}
+
+void end_homing(uint8_t mask)
+{
+#if HAS_INPUTS
+    if (has_homing()) {
+        WITH_HOMING(homing_end)(mask);
+    }
+#else
+    (void)mask;
+#endif
+}
+
+bool inputs_are_good()
+{
+#if HAS_INPUTS
+    return !has_inputs() || WITH_INPUTS(arduino_inputs_are_good)();
+#else
+    return true;
+#endif
+}
+
+/* Nothing else is to be said to these axes now. */
+bool are_taken(uint8_t mask)
+{
+    return machine_is_on_a_line() || homing_of(mask) != 0;
+}
+
 StepRampResult move_to(uint8_t mask, const int32_t targets[AXES])
 {
     uint16_t detail;
-    return machine_is_on_a_line() ? STEPRAMP_MOVING : (StepRampResult)machine_move_to(mask, targets, &detail);
+    return are_taken(mask) ? STEPRAMP_MOVING : (StepRampResult)machine_move_to(mask, targets, &detail);
 }
 
 /* `from` + `steps`, unless that is beyond what a position can be. */
@@ -134,10 +183,10 @@ bool StepRampClass::begin(const uint8_t *ramp, uint16_t length)
         has_begun = true;
         arduino_begin();
         machine_begin();
-    } else if (machine_is_moving()) {
+    } else if (isMoving()) {
         return false;
     }
-    if (!settings_are_good() || !ramp_image_check(ramp, length).good) {
+    if (!settings_are_good() || !inputs_are_good() || !ramp_image_check(ramp, length).good) {
         return false;
     }
     image = ramp;
@@ -148,6 +197,11 @@ bool StepRampClass::begin(const uint8_t *ramp, uint16_t length)
 /* A sketch with a timer may have come late: then there is more to be queued than in one round, and no step waits meanwhile. */
 void StepRampClass::poll()
 {
+#if HAS_INPUTS
+    if (has_inputs()) {
+        WITH_INPUTS(machine_watch_inputs)(board_milliseconds());
+    }
+#endif
     uint8_t left = arduino_has_timer() ? MOST_ROUNDS : 1;
     while (left != 0 && !machine_poll()) {
         left--;
@@ -181,14 +235,14 @@ StepRampResult StepRampClass::lineBy(const int32_t steps[], uint8_t rampAxis)
     uint16_t detail;
     int32_t by[AXES] = {0};
     memcpy(by, steps, machine_axes() * sizeof by[0]);
-    return machine_is_moving() ? STEPRAMP_MOVING : (StepRampResult)machine_line(all_axes(), rampAxis, by, &detail);
+    return isMoving() ? STEPRAMP_MOVING : (StepRampResult)machine_line(all_axes(), rampAxis, by, &detail);
 }
 
 StepRampResult StepRampClass::run(uint8_t axis, int32_t interval)
 {
     uint16_t detail;
     int32_t intervals[AXES] = {interval, interval, interval, interval};
-    return machine_is_on_a_line() ? STEPRAMP_MOVING : (StepRampResult)machine_run(bit_of(axis), intervals, &detail);
+    return are_taken(bit_of(axis)) ? STEPRAMP_MOVING : (StepRampResult)machine_run(bit_of(axis), intervals, &detail);
 }
 
 StepRampResult StepRampClass::zero(uint8_t axis, uint16_t steps)
@@ -199,21 +253,25 @@ StepRampResult StepRampClass::zero(uint8_t axis, uint16_t steps)
 
 void StepRampClass::stop()
 {
+    end_homing(all_axes());
     machine_stop(all_axes());
 }
 
 void StepRampClass::stop(uint8_t axis)
 {
+    end_homing(bit_of(axis));
     machine_stop(bit_of(axis));
 }
 
 void StepRampClass::halt()
 {
+    end_homing(all_axes());
     machine_halt(all_axes());
 }
 
 void StepRampClass::halt(uint8_t axis)
 {
+    end_homing(bit_of(axis));
     machine_halt(bit_of(axis));
 }
 
@@ -221,12 +279,12 @@ void StepRampClass::halt(uint8_t axis)
 
 bool StepRampClass::isMoving()
 {
-    return machine_is_moving();
+    return machine_is_moving() || homing_of(all_axes()) != 0;
 }
 
 bool StepRampClass::isMoving(uint8_t axis)
 {
-    return axis < AXES && machine_axis_is_moving(axis);
+    return axis < AXES && (machine_axis_is_moving(axis) || homing_of(bit_of(axis)) != 0);
 }
 
 int32_t StepRampClass::position(uint8_t axis)

@@ -15,6 +15,10 @@
  *   #include <StepRampTimer1.h>                       // Uno, Nano, Mega, Leonardo, Micro
  *   #include <StepRampTimer3.h>                       // or Mega, Leonardo, Micro; StepRampTimer4.h, StepRampTimer5.h: Mega
  *
+ * and, when the emergency stop is at a pin without an interrupt of its own, but with one of pin changes:
+ *
+ *   #include <StepRampPinChange.h>                    // beside one of the above
+ *
  * Then poll() only plans: at the highest speeds, 100,000 steps/s, it is wanted each 2 ms, at a tenth of that each 4 ms. That timer, the
  * PWM of its pins and the registers GPIOR0 to GPIOR2 are StepRamp's then. */
 #ifndef STEPRAMP_H
@@ -28,12 +32,30 @@ enum StepRampResult : uint8_t {
     STEPRAMP_MOVING = 4,       /* not while something moves, or not while a line is drawn */
     STEPRAMP_NO_RAMP = 5,      /* begin() has had no good ramp */
     STEPRAMP_OUT_OF_RANGE = 6, /* there is no such axis, or no such position, or the interval is too short or too long */
-    STEPRAMP_TOO_FAST = 12     /* together, these axes need more time than the board has */
+    STEPRAMP_TOO_FAST = 12,    /* together, these axes need more time than the board has */
+    STEPRAMP_STOPPED = 13,     /* an emergency stop or a driver's fault: see stoppedBy() */
+    STEPRAMP_AT_LIMIT = 14     /* a limit switch at that end is active; the other way is free */
+};
+
+/* What an input's switch is like, and what it does; they can be added. */
+enum StepRampSwitch : uint8_t {
+    STEPRAMP_CLOSES = 0,      /* it connects the pin to ground when it is pressed */
+    STEPRAMP_AT_ONCE = 0x20,  /* a limit: no further step, instead of slowing down with the ramp */
+    STEPRAMP_OPENS = 0x40,    /* it leaves the pin to its pull-up when it is pressed: a wire that breaks stops, too */
+    STEPRAMP_NO_PULL_UP = 0x80 /* the chip's own pull-up stays off */
+};
+
+/* What has stopped all axes; both may have. */
+enum StepRampCause : uint8_t {
+    STEPRAMP_BY_NOTHING = 0,
+    STEPRAMP_BY_EMERGENCY_STOP = 1,
+    STEPRAMP_BY_DRIVER_FAULT = 2
 };
 
 constexpr uint8_t STEPRAMP_AXES = 4;
 constexpr uint8_t STEPRAMP_GAUGES = 3;
 constexpr uint8_t STEPRAMP_NO_PIN = 255;
+constexpr uint8_t STEPRAMP_INPUTS = 9;
 constexpr uint16_t STEPRAMP_HOLD = 0xFFFF; /* for setEnableHold: motors stay enabled */
 
 class StepRampClass {
@@ -47,6 +69,29 @@ public:
 
     /* A gauge such as the X25: its coils' four pins, which it drives itself. With a gauge, all axes are gauges. */
     void setGauge(uint8_t axis, uint8_t pin1, uint8_t pin2, uint8_t pin3, uint8_t pin4);
+
+    /* ---- inputs: before begin(). Nine at most. A sketch that calls none of these has nothing of them in it ---- */
+
+    /* No step after it, until it is released and acknowledged. Six at most. Where a timer makes the steps, the pin's own interrupt stops
+     * them; returns false when the pin has none, or no timer does: then poll() has to see it. */
+    bool setEmergencyStop(uint8_t pin, uint8_t how = STEPRAMP_CLOSES);
+
+    /* A driver's fault output, often open drain: STEPRAMP_CLOSES. No step after poll() has seen it, as above. */
+    void setDriverFault(uint8_t pin, uint8_t how = STEPRAMP_CLOSES);
+
+    /* At an axis' low end, where positions are small, or at its high end: nothing moves on into it. */
+    void setLowLimit(uint8_t axis, uint8_t pin, uint8_t how = STEPRAMP_CLOSES);
+    void setHighLimit(uint8_t axis, uint8_t pin, uint8_t how = STEPRAMP_CLOSES);
+
+    /* [steps] While an axis' position is known, see isHomed(), it goes nowhere beyond, and a run ends there. With
+     * the lowest above the highest it goes nowhere. */
+    void setSoftLimits(uint8_t axis, int32_t lowest, int32_t highest);
+
+    /* So many looks in a row, 1 to 10, until an input has changed: 1 ms apart, of an emergency stop 4 us. At first 4. */
+    void setInputLooks(uint8_t looks);
+
+    /* For a StepRampController: where its input of this number is, 0 to 8. What it is for, the host says. Emergency stops can be 0 to 5. */
+    void setInputPin(uint8_t input, uint8_t pin);
 
     /* ---- settings: before begin(). With a StepRampController the host sets them ---- */
 
@@ -83,6 +128,10 @@ public:
     /* A gauge: back against its stop by so many steps, which then is position 0. */
     StepRampResult zero(uint8_t axis, uint16_t steps);
 
+    /* To the limit switch that lies that way: at an interval as run() has it, back off by some steps beyond the switch, and again slowly
+     * [ticks]; where it is seen then is position 0. It is moving until that is done; stop() and halt() end it. */
+    StepRampResult home(uint8_t axis, int32_t interval, uint32_t slowInterval, uint16_t stepsBack = 20);
+
     /* Slows down. */
     void stop();
     void stop(uint8_t axis);
@@ -90,6 +139,23 @@ public:
     /* No further step. A motor that was fast may slip. */
     void halt();
     void halt(uint8_t axis);
+
+    /* ---- what inputs have done ---- */
+
+    /* By STEPRAMP_BY_EMERGENCY_STOP, STEPRAMP_BY_DRIVER_FAULT, or both: nothing moves until acknowledge(). */
+    uint8_t stoppedBy();
+
+    /* Motions are taken again; somebody should have looked before. Returns false while the input is active. */
+    bool acknowledge();
+
+    /* A limit switch of the axis is active. */
+    bool isAtLimit(uint8_t axis);
+
+    bool isHoming(uint8_t axis);
+
+    /* Its position is known: it has been homed, or setPosition() called, and no more after a halt, or a stop by an input, at a speed at
+     * which a motor may slip. Only with inputs. */
+    bool isHomed(uint8_t axis);
 
     /* ---- what it does ---- */
 
@@ -113,9 +179,17 @@ public:
     /* So often a motor has stood still in the midst of a move, because nothing was planned any more when poll() was called. No step is
      * lost by that, but a fast motor may slip. 255 stays 255. */
     uint8_t ranDry();
+
+private:
+    typedef void (*Attach)(uint8_t interrupt, void (*look)(), int mode);
+
+    bool addEmergencyStop(uint8_t pin, uint8_t how, Attach attach);
+    void addInput(uint8_t input, uint8_t pin, Attach attach);
 };
 
 extern StepRampClass StepRamp;
+
+#include "boards/polled/pin_interrupts.h"
 
 /* A StepRamp controller: speaks the serial protocol with the StepRamp program, which sends it ramps and settings and
  * moves its motors. The pins are those that StepRamp.setStepper() and the like have been told. On an AVR with 1 KB of

@@ -173,6 +173,11 @@ StepRampProblem StepRampAxis::beginAll()
         end = (uint16_t)(end + written);
         StepRamp.setStepper(i, all[i]->stepPin, all[i]->directionPin);
     }
+#if HAS_INPUTS
+    if (has_inputs() && !WITH_INPUTS(arduino_inputs_are_good)()) {
+        return STEPRAMP_BAD_PINS;
+    }
+#endif
     const uint8_t head[NUMBERS_AT] = {IMAGE_FORMAT, (uint8_t)(clock_hz == FAST_CLOCK_HZ ? CLOCK_IS_FAST : 0), axes, number};
     memcpy(ramps, head, sizeof head);
     return StepRamp.begin(ramps, end) ? STEPRAMP_READY : STEPRAMP_BAD_IMAGE;
@@ -217,21 +222,21 @@ const __FlashStringHelper *StepRampAxis::problem() const
     case STEPRAMP_READY:
         return F("ready");
     case STEPRAMP_TOO_MANY:
-        return F("there are more than four axes");
+        return F("over four axes");
     case STEPRAMP_BAD_PINS:
         return F("a pin is used twice");
     case STEPRAMP_RAMP_MISSING:
-        return F("begin() needs setRamp() before");
+        return F("no ramp: setRamp() first");
     case STEPRAMP_BAD_SPEED:
-        return F("the speed must be 0.0075 steps/s or more");
+        return F("the speed is below 0.0075 steps/s");
     case STEPRAMP_SPEED_TOO_HIGH:
-        return F("the speed is too high for this board: see mostSpeed()");
+        return F("the speed is above this board's mostSpeed()");
     case STEPRAMP_BAD_ACCELERATION:
-        return F("acceleration and deceleration must be above 0, and take 16777214 steps or fewer");
+        return F("acceleration and deceleration must be above 0, for 16777214 steps at most");
     case STEPRAMP_BAD_BASE_SPEED:
-        return F("the base speed must be 0 or more, and below the speed");
+        return F("the base speed is below 0 or not below the speed");
     case STEPRAMP_BAD_IMAGE:
-        return F("the exported ramp is damaged, for several axes, for another clock or too fast, or a setting is out of range");
+        return F("the exported ramp is damaged, of several axes, of another clock or too fast, or a setting is wrong");
     case STEPRAMP_NO_ROOM:
         return F("the ramps need more than STEPRAMP_AXIS_RAMP_BYTES");
     default:
@@ -251,13 +256,17 @@ StepRampResult StepRampAxis::move(int32_t steps)
     return found == STEPRAMP_READY ? StepRamp.moveBy(index, steps) : STEPRAMP_NO_RAMP;
 }
 
+/* [ticks] of a speed, with its sign: 0 of none; of one that is too slow, more than may be. */
+int32_t StepRampAxis::intervalOf(float itsSpeed)
+{
+    const float tooLong = (float)LONGEST_INTERVAL_TICKS + 1;
+    float ticks = itsSpeed == 0 ? 0 : clock_hz / itsSpeed;
+    return ticks >= -tooLong && ticks <= tooLong ? lroundf(ticks) : INT32_MAX;
+}
+
 StepRampResult StepRampAxis::runAt(float newSpeed)
 {
-    float most = (float)LONGEST_INTERVAL_TICKS, ticks = newSpeed == 0 ? 0 : clock_hz / newSpeed;
-    if (found != STEPRAMP_READY) {
-        return STEPRAMP_NO_RAMP;
-    }
-    return ticks >= -most && ticks <= most ? StepRamp.run(index, lroundf(ticks)) : STEPRAMP_OUT_OF_RANGE;
+    return found == STEPRAMP_READY ? StepRamp.run(index, intervalOf(newSpeed)) : STEPRAMP_NO_RAMP;
 }
 
 void StepRampAxis::stop()

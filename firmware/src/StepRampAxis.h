@@ -21,7 +21,8 @@
 enum StepRampProblem : uint8_t {
     STEPRAMP_READY,
     STEPRAMP_TOO_MANY,         /* there are more than four axes */
-    STEPRAMP_BAD_PINS,         /* the step pin and the direction pin are the same, or one of them is another axis' */
+    STEPRAMP_BAD_PINS,         /* the step pin and the direction pin are the same, or one of them is another axis' or an input's;
+                                * or there are more than nine inputs, or six emergency stops */
     STEPRAMP_RAMP_MISSING,     /* neither setRamp() nor useRamp() has been called */
     STEPRAMP_BAD_SPEED,        /* it is below 0.0075 steps/s */
     STEPRAMP_SPEED_TOO_HIGH,   /* for this board: see mostSpeed() */
@@ -49,6 +50,14 @@ public:
     void useRamp(const uint8_t *image, uint16_t length);
     void useRampInFlash(const uint8_t *image, uint16_t length);
 
+    /* ---- limit switches, before begin(): where positions are small, and at the other end; STEPRAMP_NO_PIN: none ---- */
+
+    void setLimitSwitches(uint8_t lowPin, uint8_t highPin = STEPRAMP_NO_PIN, uint8_t how = STEPRAMP_CLOSES);
+
+    /* [steps] While its position is known, see isHomed(), it goes nowhere beyond, and a run ends there. With
+     * the lowest above the highest it goes nowhere. */
+    void setSoftLimits(int32_t lowest, int32_t highest);
+
     /* Makes all axes ready whose ramp is set, at rest: this one and those that have begun before. */
     StepRampProblem begin();
 
@@ -66,6 +75,10 @@ public:
     /* At a speed [steps/s], no higher than the ramp's, until stop(); below 0 backward. */
     StepRampResult runAt(float speed);
 
+    /* To a limit switch at this speed [steps/s], which is the low one below 0; back off, and again slowly: there is position 0. It moves
+     * until that is done, and isHomed() then. */
+    StepRampResult home(float speed, float slowSpeed, uint16_t stepsBack = 20);
+
     void stop(); /* slows down with the ramp */
     void halt(); /* no further step. A motor that was fast may slip */
 
@@ -78,6 +91,9 @@ public:
     int32_t position();
     int32_t target();
     int32_t stepsToGo();
+    bool isHoming();
+    bool isHomed();
+    bool isAtLimit();
 
     /* At rest: says where the motor is. */
     StepRampResult setPosition(int32_t position);
@@ -93,6 +109,7 @@ private:
     StepRampProblem checkImage() const;
     uint16_t write(uint8_t *bytes, uint16_t room) const;
     uint8_t imageByte(uint16_t at) const;
+    static int32_t intervalOf(float speed);
 
     static StepRampAxis *all[STEPRAMP_AXES];
     static uint8_t count; /* of all, those that are too many as well */

@@ -30,6 +30,7 @@ def build(main: str, *, with_inputs: bool = False) -> Path:
         *_FLAGS,
         "-fno-sanitize-recover=all",
         f"-DHAS_INPUTS={int(with_inputs)}",
+        *(["-DSTEPRAMP_COUNTS_LATENESS"] if with_inputs else []),
         f"-I{_SOURCES}",
         f"-I{_HERE}",
         "-o",

@@ -119,7 +119,7 @@ class SimulatedController:
     new one in `workdir`). `cut_power_at_write`: the power fails in the middle of that EEPROM write, counted from 1;
     `start` runs it again, with the power on for good. `press`: a button between a pin and ground, from when to
     when it is pressed [ms]. `boot_loader`: the bytes, in a file, of one that it begins in, after each reset.
-    `chip`: on which it runs.
+    `chip`: on which it runs. `surroundings`: more options of the simulator, such as its limit switches.
     """
 
     def __init__(
@@ -134,6 +134,7 @@ class SimulatedController:
         press: tuple[int, int, int] | None = None,
         boot_loader: Path | None = None,
         chip: Chip | None = None,
+        surroundings: Sequence[str] = (),
     ) -> None:
         self.port = str(workdir / "avr-tty")
         self.eeprom = eeprom or workdir / "eeprom.bin"
@@ -147,6 +148,7 @@ class SimulatedController:
         self._press = press
         self._boot_loader = boot_loader
         self._chip = chip or Chip()
+        self._surroundings = surroundings
         self._process: subprocess.Popen[str] | None = None
 
     def start(self) -> None:
@@ -160,6 +162,7 @@ class SimulatedController:
             command += ["--cut-power-at", str(self._cut_power_at_write)]
             self._cut_power_at_write = None
         command += [] if self._press is None else ["--press", "{}:{}-{}".format(*self._press)]
+        command += self._surroundings
         command += [] if self._boot_loader is None else ["--boot-loader", str(self._boot_loader)]
         self._process = subprocess.Popen([*command, str(self._firmware)], stdout=subprocess.PIPE, text=True)
         if self._process.stdout is None or self._process.stdout.readline() != "ready\n":

@@ -47,6 +47,11 @@ SCENARIOS = [
     "too_many_axes",
     "shared_pins",
     "for_75_minutes",
+    "emergency_stop",
+    "home",
+    "short_stop",
+    "bad_inputs",
+    "soft_limits",
 ]
 
 

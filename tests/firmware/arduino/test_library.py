@@ -65,7 +65,8 @@ def test_keywords_are_the_public_names() -> None:
 
 
 def test_each_example_is_in_a_folder_of_its_name() -> None:
-    assert EXAMPLES == ["Controller", "ExportedRamp", "LeadScrewStage", "LineOfTwoMotors", "OneMotor", "ThreeGauges"]
+    moving = ["ExportedRamp", "LeadScrewStage", "LineOfTwoMotors", "OneMotor", "StopInFlight", "ThreeGauges"]
+    assert sorted(["Controller", "EmergencyStop", "Homing", *moving]) == EXAMPLES
     for name in EXAMPLES:
         text = (LIBRARY / "examples" / name / f"{name}.ino").read_text()
         assert text.startswith("/*")

@@ -59,7 +59,7 @@ def test_a_second_file_with_it_is_told_of_by_the_linker(tmp_path: Path) -> None:
         build_files([first, second], tmp_path, UNO)
 
 
-COMPUTED = ["OneMotor", "LineOfTwoMotors", "Controller"]
+COMPUTED = ["OneMotor", "LineOfTwoMotors", "StopInFlight", "EmergencyStop", "Controller"]
 """Examples with more than a Leonardo's flash has room for, with a timer."""
 EXPORTED = ["LeadScrewStage", "ExportedRamp", "ThreeGauges"]
 
@@ -67,6 +67,7 @@ EXPORTED = ["LeadScrewStage", "ExportedRamp", "ThreeGauges"]
 @pytest.mark.parametrize(
     ("board", "example"),
     [(board, example) for board in (UNO, MEGA) for example in COMPUTED + EXPORTED]
+    + [(MEGA, "Homing")]
     + [(LEONARDO, example) for example in EXPORTED],
     ids=lambda value: getattr(value, "name", value),
 )

@@ -104,14 +104,14 @@ def source_of(
     )
 
 
-def run(engine: Engine, source: str, folder: Path, *, busy: bool = True) -> Played:
-    """Build a sketch and run it to its end."""
+def run(engine: Engine, source: str, folder: Path, *more: str, busy: bool = True) -> Played:
+    """Build a sketch and run it to its end; `more`: options of the simulator."""
     assert engine.board is not None
     file = folder / f"sketch-{abs(hash((engine, source)))}.ino"
     file.write_text(source)
     sketch = build_sketch(file, engine.board)
     assert sketch.warnings == "", sketch.warnings
-    options = [*engine.chip.options, *(["--busy"] if busy else [])]
+    options = [*engine.chip.options, *more, *(["--busy"] if busy else [])]
     statistics, edges, sent = run_on_chip(sketch.elf, folder, *options)
     return Played(sketch, edges, statistics, sent)
 

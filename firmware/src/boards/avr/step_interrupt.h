@@ -10,6 +10,8 @@
 #ifndef STEPRAMP_STEP_INTERRUPT_H
 #define STEPRAMP_STEP_INTERRUPT_H
 
+#include "stepramp/edge/build_options.h"
+
 /* Bits of GPIOR0: a test is one instruction, and so is setting one. engine.c counts on the places of the next four. */
 #define OTHER_MODE 0     /* compare A plays the line, or compare B the gauges: GAUGE_OUTPUTS of pins.h tells */
 #define A_SECOND 1       /* channel A's next event is axis 2's */
@@ -70,12 +72,7 @@
 .endm
 
 /* Where the program has inputs it can tell that steps came late: see step_rings.h. */
-#if HAS_INPUTS && defined(STEPRAMP_COUNTS_LATENESS)
-#define COUNTS_LATENESS 1
 #define LEAST_LATE 3 /* [256 ticks] machine_inputs.c never makes up for less */
-#else
-#define COUNTS_LATENESS 0
-#endif
 
 /* The event at r27:r26 is past: may it be so by more than is made up for? Then to \late. r25 is the timer's high byte, or
  * anything where a wide pulse was waited for. 3 cycles, as many as there are to spare here. */

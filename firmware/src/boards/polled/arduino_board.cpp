@@ -15,7 +15,8 @@ struct arduino_pins stepramp_pins = {{NO_PIN, NO_PIN, NO_PIN, NO_PIN},
                                     {{NO_PIN, NO_PIN, NO_PIN, NO_PIN},
                                      {NO_PIN, NO_PIN, NO_PIN, NO_PIN},
                                      {NO_PIN, NO_PIN, NO_PIN, NO_PIN}},
-                                    NO_PIN};
+                                    NO_PIN,
+                                    {NO_PIN, NO_PIN, NO_PIN, NO_PIN, NO_PIN, NO_PIN, NO_PIN, NO_PIN, NO_PIN}};
 
 namespace {
 
@@ -244,6 +245,17 @@ REPLACEABLE uint32_t arduino_delayed_us(void)
     return delayed_us;
 }
 
+REPLACEABLE void arduino_end_events(void)
+{
+    step_queue_halt(UINT8_MAX);
+}
+
+REPLACEABLE bool arduino_watch_pin(uint8_t pin)
+{
+    (void)pin;
+    return false;
+}
+
 /* An event that is so late that it isn't caught up with is played as if it were just due: time stood still until now.
  * At rest, time only has to go on. */
 REPLACEABLE void arduino_play(void)
@@ -252,6 +264,11 @@ REPLACEABLE void arduino_play(void)
         return;
     }
     is_playing = true;
+#if HAS_INPUTS
+    if (has_inputs() && engine_running() != 0 && WITH_INPUTS(arduino_sees_stop)()) {
+        emergency_latch();
+    }
+#endif
     const uint16_t most_late = STEPRAMP_MOST_CATCH_UP_US << (polled_engine_is_fast() ? US_BITS : US_BITS - SLOW_TICK_BITS);
     uint32_t ticks = passing_ticks();
     if (ticks > (uint32_t)wait_ticks + most_late) {
@@ -273,6 +290,7 @@ REPLACEABLE void board_configure(const struct settings *settings)
     step_queue_clear(0xFF);
     backward = 0;
     turned = 0;
+    arduino_begin_inputs(settings);
     if (are_gauges && settings->outputs != OUTPUTS_GAUGES) {
         gauges->release();
     }

@@ -5,6 +5,8 @@
 #include <stdint.h>
 
 #include "stepramp/edge/board_limits.h"
+#include "stepramp/edge/inputs.h"
+#include "stepramp/store/driver_settings.h"
 
 enum { GAUGES = 3, COIL_PINS = 4, NO_PIN = 255 };
 
@@ -14,9 +16,14 @@ struct arduino_pins {
     uint8_t direction[AXES];
     uint8_t coils[GAUGES][COIL_PINS];
     uint8_t enable;
+    uint8_t inputs[INPUTS];
 };
 
 extern struct arduino_pins stepramp_pins;
+
+/* What a sketch without a host has set. */
+extern struct settings stepramp_sketch_settings;
+
 
 /* A pin gets its level before it becomes an output. */
 void arduino_begin_pin(uint8_t pin, bool high);
@@ -34,6 +41,40 @@ void arduino_begin(void);
 
 /* Steps are made by a timer's interrupt, which the sketch has chosen. */
 bool arduino_has_timer(void);
+
+/* There are no more inputs than there may be, and none has a pin of an axis. */
+bool arduino_inputs_are_good(void);
+
+/* The inputs' pins become what the settings say. */
+void arduino_configure_inputs(const struct settings *settings);
+
+/* The same, where there are inputs. */
+static inline void arduino_begin_inputs(const struct settings *settings)
+{
+#if HAS_INPUTS
+    if (has_inputs()) {
+        WITH_INPUTS(arduino_configure_inputs)(settings);
+    }
+#else
+    (void)settings;
+#endif
+}
+
+/* An emergency stop's input is active, in as many looks in a row as the settings say; they are 4 us apart. */
+bool arduino_sees_stop(void);
+
+/* No axis has an event any more. Called with interrupts blocked. */
+void arduino_end_events(void);
+
+/* attachInterrupt of Arduino's core, once a sketch has handed it over. */
+extern void (*stepramp_attach_interrupt)(uint8_t interrupt, void (*look)(void), int mode);
+
+/* Has the pin's own interrupt look at the emergency stops, where a timer makes the steps and the pin has one. Returns false where it
+ * has none: there poll() looks. */
+bool arduino_watch_pin(uint8_t pin);
+
+/* The same, by the interrupts that several pins share, where the sketch has chosen that (StepRampPinChange.h). */
+bool arduino_watch_pin_change(uint8_t pin);
 
 /* The coils' pins become outputs, with all gauges where they were. */
 void arduino_begin_gauges(void);

@@ -99,6 +99,7 @@ void stepramp_timer_configure(const struct settings *settings)
 {
     stepramp_timer_clear(0xFF);
     find_pins();
+    arduino_begin_inputs(settings);
     if (stepramp_has_coils && settings->outputs != OUTPUTS_GAUGES) {
         stepramp_gauges->release();
     }

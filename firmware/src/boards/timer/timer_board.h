@@ -33,6 +33,10 @@ uint16_t stepramp_timer_time(void);
 void stepramp_timer_use_gauges(void);
 void stepramp_timer_play_gauges(void);
 
+void stepramp_timer_end_events(void);
+bool stepramp_timer_watch_pin(uint8_t pin);
+void stepramp_timer_look_at_stops(void);
+
 /* The table of what it can do, in flash. */
 const void *stepramp_timer_limits(void);
 

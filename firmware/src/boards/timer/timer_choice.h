@@ -126,6 +126,16 @@ const void *arduino_limits(void)
     return stepramp_timer_limits();
 }
 
+void arduino_end_events(void)
+{
+    stepramp_timer_end_events();
+}
+
+bool arduino_watch_pin(uint8_t pin)
+{
+    return stepramp_timer_watch_pin(pin);
+}
+
 /* There is nothing to be done in loop(). */
 void arduino_begin(void)
 {

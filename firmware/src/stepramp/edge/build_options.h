@@ -19,9 +19,21 @@
 #define HAS_FORMULAS 1
 #endif
 
-/* Emergency stop, drivers' faults, limit switches, homing: inputs.h. */
+/* Emergency stop, drivers' faults, limit switches, homing: inputs.h. A sketch has them, and as long as it asks for none the
+ * linker leaves them out. */
 #ifndef HAS_INPUTS
+#ifdef ARDUINO
+#define HAS_INPUTS 1
+#else
 #define HAS_INPUTS 0
+#endif
+#endif
+
+/* Whether a program with inputs can tell that its steps came late: step_rings.h. */
+#if HAS_INPUTS && defined(STEPRAMP_COUNTS_LATENESS)
+#define COUNTS_LATENESS 1
+#else
+#define COUNTS_LATENESS 0
 #endif
 
 /* So long is queued ahead [64 us]: 8 ms, and 12 ms in a sketch, whose loop() has other things to do. */

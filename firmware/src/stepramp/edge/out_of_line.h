@@ -1,4 +1,5 @@
-/* A function that takes less room where it is called than in its place, though the compiler thinks otherwise. */
+/* A function that takes less room where it is called than in its place, though the compiler thinks otherwise: in a sketch it would put
+ * nearly all into loop(). */
 #ifndef STEPRAMP_OUT_OF_LINE_H
 #define STEPRAMP_OUT_OF_LINE_H
 

@@ -5,6 +5,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "stepramp/edge/out_of_line.h"
 #include "stepramp/edge/step_queue.h"
 #include "stepramp/motion/axis.h"
 
@@ -64,7 +65,7 @@ void feed_set_out(struct feed *feed);
 
 /* Goes on, for a short time, with an axis that isn't idle. Returns false when its queue is still short: then nothing else
  * should be done for long. */
-bool feed_poll(struct feed *feed);
+OUT_OF_LINE bool feed_poll(struct feed *feed);
 
 /* It has made a step since the last start: before that it waits for it, or for the direction to settle. */
 bool feed_has_stepped(const struct feed *feed);

@@ -77,6 +77,17 @@ static void stop(struct feed *feed)
     }
 }
 
+#if HAS_INPUTS
+/* At a soft limit, if there is one. */
+IN_TABLE void machine_end_run(struct feed *feed, bool backward)
+{
+    int32_t end = machine_soft_limit(feed->index, backward);
+    if (!is_no_limit(end)) {
+        axis_end_run(&feed->axis, end);
+    }
+}
+#endif
+
 static void begin_order(struct feed *feed, uint32_t interval, int32_t value, bool is_run)
 {
     if (interval == 0) {
@@ -86,9 +97,8 @@ static void begin_order(struct feed *feed, uint32_t interval, int32_t value, boo
     if (is_run) {
         axis_run(&feed->axis, value < 0, interval, interval == slew_interval_of(feed));
 #if HAS_INPUTS
-        int32_t end = machine_soft_limit(feed->index, value < 0);
-        if (!is_no_limit(end)) {
-            axis_end_run(&feed->axis, end);
+        if (has_inputs()) {
+            WITH_INPUTS(machine_end_run)(feed, value < 0);
         }
 #endif
     } else {
@@ -108,7 +118,7 @@ static uint8_t check_way(uint8_t axis, int32_t value, bool is_run, uint16_t *det
     return value != from ? machine_check_way(axis, value < from, detail) : STATUS_OK;
 }
 
-static uint8_t check_ways(uint8_t mask, const int32_t *values, bool is_run, uint16_t *detail)
+IN_TABLE uint8_t machine_check_ways(uint8_t mask, const int32_t *values, bool is_run, uint16_t *detail)
 {
     uint8_t status = STATUS_OK;
     for (uint8_t axis = 0; mask != 0 && status == STATUS_OK; axis++, mask >>= 1, values++) {
@@ -121,13 +131,18 @@ static uint8_t check_ways(uint8_t mask, const int32_t *values, bool is_run, uint
     }
     return status;
 }
-#else
+#endif
+
 static inline uint8_t check_ways(uint8_t mask, const int32_t *values, bool is_run, uint16_t *detail)
 {
+#if HAS_INPUTS
+    if (has_inputs()) {
+        return WITH_INPUTS(machine_check_ways)(mask, values, is_run, detail);
+    }
+#endif
     (void)mask, (void)values, (void)is_run, (void)detail;
     return STATUS_OK;
 }
-#endif
 
 /* Moves the axes of the mask to positions, or runs them at intervals with a sign. */
 static uint8_t order(uint8_t mask, const int32_t values[MOST_AXES], bool is_run, uint16_t *detail)
@@ -269,7 +284,7 @@ void machine_stop_runs(void)
 
 #if HAS_INPUTS
 /* Where a motor is that was halted faster than its ramp begins nobody knows. On a line that is so of all. */
-static void forget_fast(uint8_t mask)
+IN_TABLE void machine_forget_fast(uint8_t mask)
 {
     for (const struct feed *feed = stepramp_feeds; mask != 0; feed++, mask >>= 1) {
         uint32_t interval = (mask & 1) != 0 && feed_is_moving(feed) ? feed_step_interval(feed) : 0;
@@ -278,12 +293,17 @@ static void forget_fast(uint8_t mask)
         }
     }
 }
-#else
+#endif
+
 static inline void forget_fast(uint8_t mask)
 {
+#if HAS_INPUTS
+    if (has_inputs()) {
+        WITH_INPUTS(machine_forget_fast)(mask);
+    }
+#endif
     (void)mask;
 }
-#endif
 
 void machine_halt(uint8_t mask)
 {
@@ -336,7 +356,9 @@ void machine_use(const uint8_t *new_image, const struct settings *settings)
     stepramp_axis_count = stepramp_image == NULL ? 0 : ramp_image_axes(stepramp_image);
     machine_make_pins_ready();
 #if HAS_INPUTS
-    machine_inputs_configure();
+    if (has_inputs()) {
+        WITH_INPUTS(machine_inputs_configure)();
+    }
 #endif
     if (stepramp_image != NULL) {
         bool is_fast = ramp_image_is_fast(stepramp_image);
@@ -344,7 +366,7 @@ void machine_use(const uint8_t *new_image, const struct settings *settings)
         stepramp_feed_clock.is_fast = is_fast;
         stepramp_feed_clock.setup_ticks = (uint32_t)(stepramp_machine_settings->direction_setup_us + latest_turn_us()) * machine_ticks_a_us();
         for_each((uint8_t)((1u << stepramp_axis_count) - 1), machine_begin_axis);
-#if HAS_INPUTS
+#if COUNTS_LATENESS
         machine_lateness_configure();
 #endif
     }

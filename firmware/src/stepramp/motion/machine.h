@@ -6,6 +6,7 @@
 #include <stdint.h>
 
 #include "stepramp/edge/line.h"
+#include "stepramp/edge/out_of_line.h"
 #include "stepramp/edge/step_queue.h"
 #include "stepramp/motion/feed.h"
 #include "stepramp/protocol/message.h"
@@ -81,7 +82,7 @@ static inline uint8_t machine_starved(void)
 bool machine_is_enabled(void);
 
 /* To be called in each round of the main loop. Returns true when there is time for other things. */
-bool machine_poll(void);
+OUT_OF_LINE bool machine_poll(void);
 
 #ifdef __cplusplus
 }

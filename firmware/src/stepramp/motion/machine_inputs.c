@@ -132,13 +132,27 @@ uint8_t machine_check_run(uint8_t axis, int32_t interval, uint16_t *detail)
     return is_free ? STATUS_OK : at_soft_limit(axis, backward, detail);
 }
 
+uint8_t machine_check_part(uint8_t axis, bool backward, int32_t steps, uint16_t *detail)
+{
+    uint8_t status = machine_check_way(axis, backward, detail);
+    return status == STATUS_OK ? machine_check_end(axis, stepramp_feeds[axis].played.position + steps, detail) : status;
+}
+
 /* ---- what stops everything ---- */
 
 static void stop_all(uint8_t cause)
 {
     stopped_by |= cause;
-    homing_end(ALL_AXES);
+    if (has_homing()) {
+        WITH_HOMING(homing_end)(ALL_AXES);
+    }
     machine_halt(ALL_AXES);
+}
+
+/* An emergency stop that has been latched since the inputs were looked at: the axes have no events, but don't know it yet. */
+static bool is_unseen_stop(void)
+{
+    return emergency_is_latched() && (stopped_by & BY_EMERGENCY_STOP) == 0;
 }
 
 static void look_for_stops(void)
@@ -146,7 +160,7 @@ static void look_for_stops(void)
     if ((active & emergency_inputs) != 0) {
         emergency_latch();
     }
-    if (emergency_is_latched() && (stopped_by & BY_EMERGENCY_STOP) == 0) {
+    if (is_unseen_stop()) {
         stop_all(BY_EMERGENCY_STOP);
     }
     if ((active & fault_inputs) != 0 && (stopped_by & BY_DRIVER_FAULT) == 0) {
@@ -154,6 +168,7 @@ static void look_for_stops(void)
     }
 }
 
+#if COUNTS_LATENESS
 /* ---- lateness ---- */
 
 volatile uint8_t stepramp_late, stepramp_late_from;
@@ -184,13 +199,19 @@ static void look_at_lateness(void)
     }
 }
 
+#endif
+
 bool machine_is_in_emergency(void)
 {
     return (stopped_by & BY_EMERGENCY_STOP) != 0 || emergency_is_latched();
 }
 
+/* What nobody has been told yet nobody acknowledges. */
 bool machine_acknowledge(void)
 {
+    if (is_unseen_stop()) {
+        return false;
+    }
     if ((active & fault_inputs) != 0 || ((active | inputs_read()) & emergency_inputs) != 0) {
         return false;
     }
@@ -254,16 +275,20 @@ void machine_watch_inputs(uint16_t now_ms)
     if (now_ms != looked_ms) {
         looked_ms = now_ms;
         look();
+#if COUNTS_LATENESS
         if (stepramp_late != 0) { /* as it nearly never is */
             look_at_lateness();
         }
-        homing_go_on();
+#endif
+        if (has_homing()) {
+            WITH_HOMING(homing_go_on)();
+        }
         if (active != 0) {
             look_for_stops();
             look_at_limits();
         }
     }
-    if (emergency_is_latched() && (stopped_by & BY_EMERGENCY_STOP) == 0) {
+    if (is_unseen_stop()) {
         look_for_stops();
     }
 }

@@ -59,6 +59,20 @@ static inline bool is_no_limit(int32_t position)
 uint8_t machine_check_end(uint8_t axis, int32_t end, uint16_t *detail);
 uint8_t machine_check_run(uint8_t axis, int32_t interval, uint16_t *detail);
 
+/* Whether an axis at rest may go so many steps on a line, which are in that direction: STATUS_OK or what keeps it. */
+uint8_t machine_check_part(uint8_t axis, bool backward, int32_t steps, uint16_t *detail);
+
+#ifdef ARDUINO
+/* Of several axes, to places or at intervals. An axis that stays where it is isn't kept from it. */
+uint8_t machine_check_ways(uint8_t mask, const int32_t *values, bool is_run, uint16_t *detail);
+
+/* A run ends at a soft limit, if there is one. */
+void machine_end_run(struct feed *feed, bool backward);
+
+/* Where a motor is that was halted faster than its ramp begins nobody knows. */
+void machine_forget_fast(uint8_t mask);
+#endif
+
 /* The number of an active limit switch at that end of the axis, or NO_INPUT. */
 uint8_t machine_limit_at(uint8_t axis, bool backward);
 

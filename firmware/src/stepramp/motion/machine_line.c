@@ -83,16 +83,13 @@ uint8_t machine_line(uint8_t mask, uint8_t ramp_axis, const int32_t steps[MOST_A
         return STATUS_OUT_OF_RANGE;
     }
 #if HAS_INPUTS
-    for (uint8_t axis = 0; axis < MOST_AXES && status == STATUS_OK; axis++) {
+    for (uint8_t axis = 0; has_inputs() && axis < MOST_AXES; axis++) {
         if (plan.lengths[axis] != 0) {
-            status = machine_check_way(axis, (plan.backward >> axis & 1) != 0, detail);
-            if (status == STATUS_OK) {
-                status = machine_check_end(axis, stepramp_feeds[axis].played.position + steps[axis], detail);
+            status = WITH_INPUTS(machine_check_part)(axis, (plan.backward >> axis & 1) != 0, steps[axis], detail);
+            if (status != STATUS_OK) {
+                return status;
             }
         }
-    }
-    if (status != STATUS_OK) {
-        return status;
     }
 #endif
     if (plan.count != 0) {

@@ -23,10 +23,10 @@ uint16_t stepramp_session = NO_SESSION;
 static bool speaks_oldest; /* version of the protocol: the client does */
 
 /* Of a reply to `status`: its status byte included, and what inputs add. */
-enum { INPUTS_STATUS_BYTES = 5, STATUS_BYTES = 27 + (HAS_INPUTS ? INPUTS_STATUS_BYTES : 0) };
+enum { INPUTS_STATUS_BYTES = 5, STATUS_BYTES = 27 };
 
-/* What this build has. */
-enum { CAPABILITIES = (HAS_FORMULAS ? HAS_FORMULA_RAMPS : 0) | HAS_GAUGE_OUTPUTS | (HAS_INPUTS ? HAS_MACHINE_INPUTS | HAS_SOFT_LIMITS : 0) | KEEPS_WITHOUT_POWER };
+/* What each build like this one has, besides inputs. */
+enum { CAPABILITIES = (HAS_FORMULAS ? HAS_FORMULA_RAMPS : 0) | HAS_GAUGE_OUTPUTS | KEEPS_WITHOUT_POWER };
 
 /* ---- what is known of the controller; `body` has the length that the request demands ---- */
 
@@ -65,19 +65,19 @@ static void answer_hello(const uint8_t *body, uint16_t new_session)
     reply_ramp_in_use();
     reply_u8((uint8_t)ramp_keeper_in_use());
     if (!speaks_oldest) {
-        reply_u8(CAPABILITIES);
-        reply_u8(SETTINGS_BYTES);
-        reply_u8(STATUS_BYTES);
+        reply_u8(has_inputs() ? CAPABILITIES | HAS_MACHINE_INPUTS | HAS_SOFT_LIMITS : CAPABILITIES);
+        reply_u8(has_inputs() ? SETTINGS_BYTES : OUTPUT_SETTINGS_BYTES);
+        reply_u8(has_inputs() ? STATUS_BYTES + INPUTS_STATUS_BYTES : STATUS_BYTES);
     }
 }
 
 #if HAS_INPUTS
 static void reply_inputs(void)
 {
-    reply_u16(machine_active_inputs());
-    reply_u8(machine_stopped_by());
+    reply_u16(WITH_INPUTS(machine_active_inputs)());
+    reply_u8(WITH_INPUTS(machine_stopped_by)());
     reply_u8(stepramp_known_positions);
-    reply_u8(homing_axes());
+    reply_u8(has_homing() ? WITH_HOMING(homing_axes)() : 0);
 }
 #endif
 
@@ -102,7 +102,7 @@ static void answer_status(const uint8_t *body)
     reply_u8(machine_is_enabled() ? ramp_keeper_flags() | FLAG_ENABLED : ramp_keeper_flags());
     reply_u8(machine_starved());
 #if HAS_INPUTS
-    if (!speaks_oldest) {
+    if (has_inputs() && !speaks_oldest) {
         reply_inputs();
     }
 #endif
@@ -178,9 +178,9 @@ static bool takes_roles_in_emergency(const uint8_t *settings)
 {
 #if HAS_INPUTS
     enum { ROLES_AT = OUTPUT_SETTINGS_BYTES, ROLES_BYTES = SETTINGS_BYTES - OUTPUT_SETTINGS_BYTES };
-    if (machine_is_in_emergency() &&
+    if (has_inputs() && WITH_INPUTS(machine_is_in_emergency)() &&
         (settings == NULL || memcmp(settings + ROLES_AT, ramp_keeper_settings() + ROLES_AT, ROLES_BYTES) != 0)) {
-        reply_refusal(STATUS_STOPPED, machine_active_inputs());
+        reply_refusal(STATUS_STOPPED, WITH_INPUTS(machine_active_inputs)());
         return true;
     }
 #endif
@@ -274,9 +274,9 @@ static uint8_t move(uint8_t kind, uint8_t axes, const uint8_t *body, uint16_t *d
         return machine_run(axes, values, detail);
     }
 #if HAS_INPUTS
-    if (kind == KIND_HOME) {
+    if (has_homing() && kind == KIND_HOME) {
         read_values(axes, body + HOMING_BYTES, values);
-        return homing_begin(axes, values, read_u32(body), read_u16(body + 4), detail);
+        return WITH_HOMING(homing_begin)(axes, values, read_u32(body), read_u16(body + 4), detail);
     }
 #endif
     if (kind == KIND_SET_POSITION) {
@@ -315,7 +315,7 @@ static void answer_for_axes(uint8_t kind, const uint8_t *body)
         return;
     }
 #if HAS_INPUTS
-    if ((homing_axes() & (kind == KIND_LINE ? UINT8_MAX : axes)) != 0) {
+    if (has_homing() && (WITH_HOMING(homing_axes)() & (kind == KIND_LINE ? UINT8_MAX : axes)) != 0) {
         reply_refusal(STATUS_MOVING, 0);
         return;
     }
@@ -336,7 +336,9 @@ static void answer_stop_or_halt(uint8_t kind, const uint8_t *body, uint8_t lengt
         return;
     }
 #if HAS_INPUTS
-    homing_end(axes);
+    if (has_homing()) {
+        WITH_HOMING(homing_end)(axes);
+    }
 #endif
     if (kind == KIND_STOP) {
         machine_stop(axes);
@@ -399,7 +401,7 @@ static void answer_known(uint8_t kind, uint16_t its_session, const uint8_t *body
         }
         break;
     case KIND_READ_SETTINGS:
-        reply_bytes(ramp_keeper_settings(), speaks_oldest ? OUTPUT_SETTINGS_BYTES : SETTINGS_BYTES);
+        reply_bytes(ramp_keeper_settings(), speaks_oldest || !has_inputs() ? OUTPUT_SETTINGS_BYTES : SETTINGS_BYTES);
         break;
     case KIND_WRITE_SETTINGS:
         answer_write_settings(body, length);
@@ -410,8 +412,8 @@ static void answer_known(uint8_t kind, uint16_t its_session, const uint8_t *body
         answer_limits(kind, body);
         break;
     case KIND_ACKNOWLEDGE:
-        if (!machine_acknowledge()) {
-            reply_refusal(STATUS_STOPPED, machine_active_inputs());
+        if (has_inputs() && !WITH_INPUTS(machine_acknowledge)()) {
+            reply_refusal(STATUS_STOPPED, WITH_INPUTS(machine_active_inputs)());
         }
         break;
 #endif

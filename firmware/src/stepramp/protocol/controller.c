@@ -89,7 +89,9 @@ static void end_in_silence(uint8_t silence)
     if (silence <= stepramp_machine_settings->silence) {
         return;
     }
-    homing_end(ALL_AXES);
+    if (has_homing()) {
+        WITH_HOMING(homing_end)(ALL_AXES);
+    }
     if ((stepramp_machine_settings->silence_flags & SILENCE_ENDS_MOVES) != 0) {
         machine_stop(ALL_AXES);
     }
@@ -118,7 +120,9 @@ void controller_poll(void)
     reply_poll();
     uint16_t now_ms = board_milliseconds();
 #if HAS_INPUTS
-    machine_watch_inputs(now_ms);
+    if (has_inputs()) {
+        WITH_INPUTS(machine_watch_inputs)(now_ms);
+    }
 #endif
     if (machine_poll() || (uint8_t)(now_ms - had_time_ms) >= MOST_PATIENCE_MS) {
         had_time_ms = (uint8_t)now_ms;

@@ -44,6 +44,12 @@ static const IN_FLASH uint8_t known_requests[] = {
 
 uint8_t request_rules(uint8_t kind)
 {
+#if HAS_INPUTS
+    bool is_of_inputs = kind == KIND_ACKNOWLEDGE || kind == KIND_READ_LIMITS || kind == KIND_WRITE_LIMITS;
+    if ((is_of_inputs && !has_inputs()) || (kind == KIND_HOME && !has_homing())) {
+        return 0;
+    }
+#endif
     return kind < sizeof known_requests ? known_requests[kind] : 0;
 }
 
@@ -56,7 +62,7 @@ bool request_length_is_good(uint8_t kind, uint8_t known, const uint8_t *body, ui
     if (is_urgent(kind)) {
         return length <= 1;
     }
-    if (HAS_INPUTS && kind == KIND_WRITE_SETTINGS && length == SETTINGS_BYTES) {
+    if (has_inputs() && kind == KIND_WRITE_SETTINGS && length == SETTINGS_BYTES) {
         return true;
     }
     length = BODY(length);

@@ -35,7 +35,7 @@ static bool role_is_good(uint8_t role, uint8_t input)
     return is_there && (flags & INPUT_STOPS_AT_ONCE) == 0;
 }
 
-static uint8_t check_inputs(const uint8_t *bytes)
+IN_TABLE uint8_t settings_check_inputs(const uint8_t *bytes)
 {
     if ((uint8_t)(bytes[SILENCE] - LEAST_SILENCE) > MOST_SILENCE - LEAST_SILENCE) {
         return SILENCE;
@@ -52,13 +52,18 @@ static uint8_t check_inputs(const uint8_t *bytes)
     }
     return (uint8_t)(ROLES + input);
 }
-#else
-static uint8_t check_inputs(const uint8_t *bytes)
+#endif
+
+static inline uint8_t check_inputs(const uint8_t *bytes)
 {
+#if HAS_INPUTS
+    if (has_inputs()) {
+        return WITH_INPUTS(settings_check_inputs)(bytes);
+    }
+#endif
     (void)bytes;
     return SETTINGS_BYTES;
 }
-#endif
 
 uint8_t settings_check(const uint8_t bytes[SETTINGS_BYTES])
 {

@@ -64,6 +64,7 @@ struct settings {
 };
 
 enum { NO_LOWEST = INT32_MIN, NO_HIGHEST = INT32_MAX };
+#define PACKED_NO_LIMITS {0, 0, 0, 0x80, 0xFF, 0xFF, 0xFF, 0x7F}
 
 /* What holds as long as nothing is stored. */
 static inline struct settings settings_default(void)
@@ -87,6 +88,11 @@ static inline struct settings settings_default(void)
 /* Checks packed settings. Returns the index of the first byte of the first setting that is out of its range, or
  * SETTINGS_BYTES when all are good. */
 uint8_t settings_check(const uint8_t bytes[SETTINGS_BYTES]);
+
+#if HAS_INPUTS && defined(ARDUINO)
+/* The part of it that inputs have. */
+uint8_t settings_check_inputs(const uint8_t *bytes);
+#endif
 
 /* Packed settings lie in the order of the struct and without gaps. Only their numbers may need to be turned round. Soft limits
  * are packed already, and left to others. */

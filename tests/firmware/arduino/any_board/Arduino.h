@@ -12,13 +12,14 @@
 #error "The C library's limits.h is hidden by the library's."
 #endif
 
-enum { LOW = 0, HIGH = 1, INPUT = 0, OUTPUT = 1 };
+enum { LOW = 0, HIGH = 1, INPUT = 0, OUTPUT = 1, INPUT_PULLUP = 2 };
 
 extern "C" {
 unsigned long micros(void);
 unsigned long millis(void);
 void delayMicroseconds(unsigned int microseconds);
 void digitalWrite(uint8_t pin, uint8_t level);
+int digitalRead(uint8_t pin);
 void pinMode(uint8_t pin, uint8_t mode);
 }
 

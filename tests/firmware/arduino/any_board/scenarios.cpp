@@ -16,19 +16,24 @@
     } while (false)
 
 enum { PINS = 32, STEP = 2, DIRECTION = 5, ENABLE = 8, SLEW_US = 1000 };
+enum { STOP_PIN = 20, FAULT_PIN = 21, LOW_SWITCH = 22, HIGH_SWITCH = 23 };
 
 static unsigned long now_us;
 static int level[PINS], edges[PINS];
-static bool is_output[PINS];
+static bool is_output[PINS], is_pulled_up[PINS], is_grounded[PINS];
 static unsigned long rose_us[PINS], shortest_us[PINS], shortest_pulse_us;
 static uint8_t image[256];
 static uint16_t image_bytes;
+static int place; /* of the motor at STEP, by its pins */
+static unsigned long grounds_us = ULONG_MAX; /* the emergency stop is pressed then */
+static int low_switch_at = -1000000, high_switch_at = 1000000;
 
 /* ---- the Arduino API ---- */
 
 /* 32 bits, as on every board: they come round after 71.6 minutes, those of millis() after 49.7 days. */
 unsigned long micros()
 {
+    is_grounded[STOP_PIN] |= now_us == grounds_us;
     return (uint32_t)++now_us;
 }
 
@@ -45,6 +50,14 @@ void delayMicroseconds(unsigned int microseconds)
 void pinMode(uint8_t pin, uint8_t mode)
 {
     is_output[pin] = mode == OUTPUT;
+    is_pulled_up[pin] = mode == INPUT_PULLUP;
+}
+
+/* A pin that nothing drives is high by its pull-up, or low. */
+int digitalRead(uint8_t pin)
+{
+    bool is_switched = (pin == LOW_SWITCH && place <= low_switch_at) || (pin == HIGH_SWITCH && place >= high_switch_at);
+    return is_pulled_up[pin] && !is_grounded[pin] && !is_switched ? HIGH : LOW;
 }
 
 void digitalWrite(uint8_t pin, uint8_t value)
@@ -61,6 +74,7 @@ void digitalWrite(uint8_t pin, uint8_t value)
         unsigned long since_us = now_us - rose_us[pin];
         shortest_us[pin] = shortest_us[pin] == 0 || since_us < shortest_us[pin] ? since_us : shortest_us[pin];
         rose_us[pin] = now_us;
+        place += pin != STEP ? 0 : level[DIRECTION] == HIGH ? 1 : -1;
     } else if (pin == STEP && (shortest_pulse_us == 0 || now_us - rose_us[pin] < shortest_pulse_us)) {
         shortest_pulse_us = now_us - rose_us[pin];
     }
@@ -216,7 +230,7 @@ static void gauge()
 static void axes()
 {
     static StepRampAxis x(STEP, DIRECTION), y(STEP + 1, DIRECTION + 1), z(14, 15);
-    CHECK(x.begin() == STEPRAMP_RAMP_MISSING && strcmp((const char *)x.problem(), "begin() needs setRamp() before") == 0);
+    CHECK(x.begin() == STEPRAMP_RAMP_MISSING && strcmp((const char *)x.problem(), "no ramp: setRamp() first") == 0);
     CHECK(x.moveTo(1) == STEPRAMP_NO_RAMP && x.setPosition(1) == STEPRAMP_NO_RAMP && x.runAt(1) == STEPRAMP_NO_RAMP);
     x.setRamp(0, 2000);
     CHECK(x.begin() == STEPRAMP_BAD_SPEED);
@@ -262,6 +276,128 @@ static void axis_in_flight()
     poll_for(500000);
     x.halt();
     CHECK(!x.isMoving());
+}
+
+/* An emergency stop: no step comes after it, nor before it is released and acknowledged. */
+static void emergency_stop()
+{
+    static StepRampAxis x(STEP, DIRECTION);
+    CHECK(!StepRamp.setEmergencyStop(STOP_PIN)); /* only poll() sees it here */
+    StepRamp.setDriverFault(FAULT_PIN);
+    x.setRamp(1000, 2000);
+    CHECK(x.begin() == STEPRAMP_READY && is_pulled_up[STOP_PIN] && is_pulled_up[FAULT_PIN]);
+    CHECK(StepRamp.stoppedBy() == STEPRAMP_BY_NOTHING && x.setPosition(0) == STEPRAMP_OK && x.isHomed());
+    for (uint8_t pin = STOP_PIN; pin <= FAULT_PIN; pin++) {
+        uint8_t cause = pin == STOP_PIN ? STEPRAMP_BY_EMERGENCY_STOP : STEPRAMP_BY_DRIVER_FAULT;
+        CHECK(x.runAt(900) == STEPRAMP_OK);
+        poll_for(700000);
+        is_grounded[pin] = true;
+        poll_for(pin == STOP_PIN ? 30 : 6000);
+        int there = place;
+        CHECK(!x.isMoving() && StepRamp.stoppedBy() == cause && x.position() == there);
+        poll_for(20000);
+        CHECK(place == there && !x.isHomed() && !StepRamp.acknowledge() && x.move(5) == STEPRAMP_STOPPED);
+        is_grounded[pin] = false;
+        poll_for(20000);
+        CHECK(StepRamp.stoppedBy() == cause && x.moveTo(0) == STEPRAMP_STOPPED && x.runAt(10) == STEPRAMP_STOPPED);
+        CHECK(StepRamp.acknowledge() && StepRamp.stoppedBy() == STEPRAMP_BY_NOTHING && x.move(5) == STEPRAMP_OK);
+        poll_until_rest();
+        CHECK(place == there + 5 && x.position() == place);
+    }
+}
+
+/* Pressed at each moment of a round, released and acknowledged before the next one: what isn't told yet can't be acknowledged. */
+static void short_stop()
+{
+    static StepRampAxis x(STEP, DIRECTION);
+    StepRamp.setEmergencyStop(STOP_PIN);
+    x.setRamp(1000, 8000);
+    CHECK(x.begin() == STEPRAMP_READY);
+    for (unsigned long after_us = 1; after_us < 40; after_us++) {
+        CHECK(x.runAt(900) == STEPRAMP_OK);
+        poll_for(150000);
+        grounds_us = now_us + after_us;
+        StepRamp.poll();
+        grounds_us = ULONG_MAX;
+        is_grounded[STOP_PIN] = false;
+        int there = place;
+        StepRamp.acknowledge();
+        poll_for(20000);
+        CHECK(x.isMoving() == (place > there + 10));
+        x.stop();
+        poll_until_rest();
+        poll_for(6000);
+        CHECK(StepRamp.acknowledge() && x.position() == place);
+    }
+}
+
+/* Homing comes to the same step each time; the way into a switch is closed, the way back is free. */
+static void home()
+{
+    static StepRampAxis x(STEP, DIRECTION), y(STEP + 1, DIRECTION + 1);
+    low_switch_at = -37;
+    high_switch_at = 900;
+    x.setLimitSwitches(LOW_SWITCH, HIGH_SWITCH, STEPRAMP_AT_ONCE);
+    x.setRamp(1000, 4000);
+    CHECK(x.home(-500, 100) == STEPRAMP_NO_RAMP && x.begin() == STEPRAMP_READY && !x.isHomed() && !y.isHomed());
+    CHECK(x.home(-500, 0) == STEPRAMP_OUT_OF_RANGE && x.home(0, 100) == STEPRAMP_OUT_OF_RANGE);
+    CHECK(x.home(-1100, 100) == STEPRAMP_OUT_OF_RANGE && x.home(-500, 1100) == STEPRAMP_OUT_OF_RANGE);
+    CHECK(StepRamp.home(1, -8000, 40000) == STEPRAMP_OUT_OF_RANGE && StepRamp.home(2, -8000, 40000) == STEPRAMP_OUT_OF_RANGE);
+    for (int way = 0; way < 5; way++) {
+        CHECK(x.move(50 + 31 * way) == STEPRAMP_OK);
+        poll_until_rest();
+        CHECK(x.home(-500, 100) == STEPRAMP_OK && x.isHoming() && x.isMoving() && !x.isHomed());
+        CHECK(x.move(1) == STEPRAMP_MOVING && x.setPosition(1) == STEPRAMP_MOVING && x.home(-500, 100) == STEPRAMP_MOVING);
+        poll_until_rest();
+        CHECK(x.isHomed() && !x.isHoming() && place - x.position() == -36);
+    }
+    CHECK(x.runAt(-500) == STEPRAMP_AT_LIMIT || !x.isAtLimit());
+    CHECK(x.moveTo(5000) == STEPRAMP_OK);
+    poll_until_rest();
+    CHECK(x.isAtLimit() && place >= 900 && place < 910 && x.move(1) == STEPRAMP_AT_LIMIT && !x.isHomed());
+    CHECK(x.home(500, 100, 10) == STEPRAMP_OK);
+    poll_for(30000);
+    x.stop();
+    poll_until_rest();
+    CHECK(!x.isHoming() && !x.isHomed() && x.moveTo(0) == STEPRAMP_OK);
+    poll_until_rest();
+}
+
+/* While the position is known: nowhere beyond, and a run comes to rest at the last step that is allowed. */
+static void soft_limits()
+{
+    static StepRampAxis x(STEP, DIRECTION);
+    x.setSoftLimits(-50, 300);
+    x.setRamp(1000, 4000);
+    CHECK(x.begin() == STEPRAMP_READY && !x.isHomed() && x.moveTo(310) == STEPRAMP_OK);
+    poll_until_rest();
+    CHECK(place == 310 && x.setPosition(310) == STEPRAMP_OK && x.isHomed());
+    CHECK(x.moveTo(301) == STEPRAMP_AT_LIMIT && x.runAt(500) == STEPRAMP_AT_LIMIT && x.moveTo(-51) == STEPRAMP_AT_LIMIT);
+    CHECK(x.runAt(-500) == STEPRAMP_OK);
+    poll_until_rest();
+    CHECK(x.position() == -50 && place == -50 && x.move(-1) == STEPRAMP_AT_LIMIT && x.moveTo(300) == STEPRAMP_OK);
+    poll_until_rest();
+    CHECK(place == 300);
+}
+
+/* What inputs can't be is found by begin(). */
+static void bad_inputs()
+{
+    static StepRampAxis x(STEP, DIRECTION);
+    x.setRamp(1000, 2000);
+    x.setLimitSwitches(LOW_SWITCH);
+    StepRamp.setInputLooks(11);
+    CHECK(x.begin() == STEPRAMP_BAD_IMAGE);
+    StepRamp.setInputLooks(10);
+    CHECK(x.begin() == STEPRAMP_READY);
+    for (uint8_t pin = 10; pin < 16; pin++) {
+        StepRamp.setEmergencyStop(pin);
+    }
+    CHECK(x.begin() == STEPRAMP_READY);
+    StepRamp.setHighLimit(0, STEP);
+    CHECK(x.begin() == STEPRAMP_BAD_PINS);
+    StepRamp.setEmergencyStop(16);
+    CHECK(x.begin() == STEPRAMP_BAD_PINS && !StepRamp.begin(image, image_bytes));
 }
 
 /* 75 minutes of motion, past the last position, too: micros() comes round at their beginning, and once more. poll() is called
@@ -316,7 +452,8 @@ int main(int count, char **words)
     } SCENARIOS[] = {{"refuse", refuse}, {"move", move},           {"run", run},
                      {"set", set},       {"delay_loop", delay_loop}, {"gauge", gauge},
                      {"axes", axes},     {"axis_in_flight", axis_in_flight}, {"too_many_axes", too_many_axes},
-                     {"shared_pins", shared_pins}, {"for_75_minutes", for_75_minutes}};
+                     {"shared_pins", shared_pins}, {"for_75_minutes", for_75_minutes},
+                     {"emergency_stop", emergency_stop}, {"home", home}, {"soft_limits", soft_limits}, {"short_stop", short_stop}, {"bad_inputs", bad_inputs}};
     CHECK(count == 3);
     unsigned byte;
     for (const char *text = words[2]; sscanf(text, "%2x", &byte) == 1; text += 2) {
