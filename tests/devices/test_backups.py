@@ -3,26 +3,50 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import pytest
 
 from controllers.plain_controller import NoWire, PlainController
-from stepramp.controllers.capabilities import BacksUp
+from designs import design
+from stepramp.controllers.capabilities import BacksUp, StoresRamps
+from stepramp.controllers.contract import ControllerStatus, PushMode, PushReport
 from stepramp.controllers.families import Family
+from stepramp.design import Design
 from stepramp.devices.backups import Archive, Source
 from stepramp.devices.device import Device
 from stepramp.devices.registry import Devices
-from stepramp.errors import NotFound, Refused
+from stepramp.devices.view import DeviceState
+from stepramp.errors import DeviceLost, NotFound, Refused
 
 
-class Keeper(PlainController, BacksUp):
+class Keeper(PlainController, StoresRamps, BacksUp):
     """One that keeps a text. log: what is done with it, and with the disk."""
 
     log: list[str]
     text = "figure 1\n"
     is_broken = False
+    is_gone = False
+    is_gone_once_written = False
+
+    def status(self) -> ControllerStatus:
+        if self.is_gone:
+            raise DeviceLost("Nothing answers at a wire.")
+        return super().status()
+
+    def prepare_push(
+        self,
+        designs: Sequence[Design],  # noqa: ARG002
+        first_axis: int | None = None,  # noqa: ARG002
+        mode: PushMode = "keep",  # noqa: ARG002
+    ) -> Callable[[], PushReport]:
+        return self._written
+
+    def _written(self) -> PushReport:
+        self.log.append("pushed")
+        self.is_gone = self.is_gone_once_written
+        return PushReport((), True, None, 8, None, None, True, ())
 
     def backup(self) -> str:
         if self.is_broken:
@@ -32,7 +56,7 @@ class Keeper(PlainController, BacksUp):
 
     def use_backup(self, text: str) -> tuple[str, ...]:
         self.log.append("written")
-        self.text, self.is_broken = text, False
+        self.text, self.is_broken, self.is_gone = text, False, self.is_gone_once_written
         return ("All is well.",)
 
 
@@ -98,6 +122,36 @@ def test_nothing_else_is_written_to_one_that_cant_be_read(device: Device, made: 
     made[-1].is_broken = True
     with pytest.raises(Refused, match="What it keeps can't be read"):
         device.back_up()
+
+
+def test_what_is_written_is_reported_though_the_device_is_lost_just_then(device: Device, made: list[Keeper]) -> None:
+    """What was read back is known, and nothing is half written: that it was lost tells its state, as soon as that."""
+    device.back_up()
+    [saved] = device.backups()
+    made[-1].is_gone_once_written = True
+    assert device.restore_backup(saved.name) == ("All is well.",)
+    assert (device.view.state, device.view.message) == (DeviceState.LOST, "Nothing answers at a wire.")
+    device.connect()
+    made[-1].is_gone_once_written = True
+    report = device.push([design()])
+    assert report.verified
+    assert (device.view.state, device.view.message) == (DeviceState.LOST, "Nothing answers at a wire.")
+    assert (device.view.pushed, device.view.half_written) == (report, None)
+    device.connect()
+    assert device.view.state is DeviceState.READY
+
+
+def test_why_something_was_refused_is_told_though_the_device_is_lost_just_then(
+    device: Device, made: list[Keeper], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse() -> None:
+        made[-1].is_gone = True
+        raise Refused("Nothing is on trial.")
+
+    monkeypatch.setattr(made[-1], "keep", refuse)
+    with pytest.raises(Refused, match="Nothing is on trial"):
+        device.keep()
+    assert device.view.state is DeviceState.LOST
 
 
 def test_a_backup_that_is_damaged_or_gone_is_refused_in_words(device: Device, tmp_path: Path) -> None:

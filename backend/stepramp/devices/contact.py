@@ -9,7 +9,7 @@ from stepramp.controllers.contract import Controller
 from stepramp.controllers.families import Family
 from stepramp.devices.live_view import LiveView
 from stepramp.devices.view import DeviceState
-from stepramp.errors import DeviceLost, Refused
+from stepramp.errors import DeviceLost, Refused, StepRampError
 from stepramp.link.worker import Worker
 
 C = TypeVar("C")
@@ -59,6 +59,13 @@ class Contact:
         """Let nobody ask the controller any more."""
         with self._lock:
             self._controller = None
+
+    def lose(self, why: StepRampError) -> None:
+        """Have the device be lost once the present call is done: in the thread of its port."""
+        with self._lock:
+            worker = self._worker
+        assert worker is not None
+        worker.lose(why)
 
     def ready(self) -> tuple[Controller, Worker]:
         """Return controller and worker; raises DeviceLost or Refused when there are none to be asked."""

@@ -23,7 +23,7 @@ from stepramp.devices.live_view import LiveView
 from stepramp.devices.proving import Proving
 from stepramp.devices.view import UNDER_WAY, DeviceState, DeviceView
 from stepramp.devices.watch import Watch
-from stepramp.errors import DeviceLost, Refused
+from stepramp.errors import DeviceLost, Refused, StepRampError
 from stepramp.validation import Document
 
 C = TypeVar("C")
@@ -209,7 +209,15 @@ class Writing:
         finally:
             self._watch.is_writing = False
             self._show(None)
+            self._look_again()
+
+    def _look_again(self) -> None:
+        """Show how the controller fares once it was written to; that it is lost by then takes no report away."""
+        try:
             self._watch.refresh()
+        except StepRampError as error:
+            self._view.change(lambda view: replace(view, state=DeviceState.READY))
+            self._contact.lose(error)
 
     def _give(self, job: Callable[[], None]) -> None:
         try:

@@ -9,6 +9,7 @@ import threading
 from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Future
+from functools import partial
 from time import monotonic
 from typing import Any, TypeVar
 
@@ -21,7 +22,7 @@ _Call = tuple[Future[Any], Callable[[], Any]]
 
 
 class Worker:
-    """The thread of one port. It ends when it is closed, or when a call or a poll raises DeviceLost.
+    """The thread of one port. It ends when it is closed, when a call or a poll raises DeviceLost, or a call says so.
 
     poll: called when nothing else is to be done; returns after how many seconds it wants to be called again.
     ended: called once, last, in the thread: with the loss that ended it, or None when it was closed.
@@ -35,6 +36,8 @@ class Worker:
         self._waiting: deque[_Call] = deque()
         self._closed = False
         self._loss: DeviceLost | None = None
+        self._last_words: list[Callable[[], None]] = []
+        """Tell callers what has come of calls in the midst of which the device was lost."""
         self._in_urgent_call = False
         self._says_farewell = False
         self._thread = threading.Thread(target=self._run, name=f"port {name}", daemon=True)
@@ -79,6 +82,14 @@ class Worker:
                 self._in_urgent_call = False
         if self._loss is not None or self._closed:
             raise self._end_error()
+
+    def lose(self, why: StepRampError) -> None:
+        """End the thread as of a lost device once the present call is done, whose caller is given what comes of it.
+
+        For a call, in the thread, that has done what it was for when it finds that out.
+        """
+        with self._changed:
+            self._loss = why if isinstance(why, DeviceLost) else DeviceLost(str(why))
 
     def close(self, wait_s: float | None = None) -> None:
         """End the thread once its present call is done or gives way, and wait for that; calls that wait are refused.
@@ -140,15 +151,22 @@ class Worker:
                 self._loss = loss
                 self._waiting.append(call)
         except Exception as error:
-            future.set_exception(error)
+            self._tell(partial(future.set_exception, error))
         else:
-            future.set_result(result)
+            self._tell(partial(future.set_result, result))
+
+    def _tell(self, tell: Callable[[], None]) -> None:
+        """Tell a caller what has come of a call: last, where the device was lost, as above."""
+        if self._loss is None:
+            tell()
+        else:
+            self._last_words.append(tell)
 
     def _poll_once(self) -> float:
         try:
             return self._poll()
         except StepRampError as error:
-            self._loss = error if isinstance(error, DeviceLost) else DeviceLost(str(error))
+            self.lose(error)
             return 0.0
 
     def _end(self) -> None:
@@ -161,6 +179,8 @@ class Worker:
             self._ended(self._loss)
         except Exception:
             _logger.exception("The end of a port's thread could not be told.")
+        for tell in self._last_words:
+            tell()
         for future, _ in left:
             future.set_exception(self._end_error())
 
