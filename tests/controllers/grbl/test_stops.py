@@ -8,6 +8,7 @@ from itertools import count
 
 import pytest
 
+from controllers.bench import only_rejection
 from controllers.grbl.bench import Bench, at, by, to
 from controllers.grbl.emulator import GrblEmulator
 from controllers.interruption import interruptions
@@ -16,6 +17,7 @@ from stepramp.controllers.contract import Activity, AnswerUnknown, AxisCommand
 from stepramp.controllers.grbl.controller import GrblController
 from stepramp.controllers.grbl.jog import furthest
 from stepramp.controllers.grbl.machine import GrblMachine
+from stepramp.controllers.grbl.numbers import target
 from stepramp.errors import DeviceLost, Refused
 
 MOTIONS: dict[str, Callable[[GrblMachine], None]] = {
@@ -207,6 +209,22 @@ def test_a_run_that_comes_to_the_furthest_place_that_can_be_told_ends(bench: Ben
         bench.pass_time(0.3)
     assert status.activity is Activity.READY
     assert bench.grbl.position[0] > begin
+
+
+def test_a_run_beyond_the_furthest_place_is_refused_by_its_speed(bench: Bench, controller: GrblController) -> None:
+    [scale, *_] = controller._places.axes
+    way = controller._moves._ahead({0: 1000, 1: 100}, 0.0)[0]
+    begins = count(furthest(scale) - way + 1)
+    begin = next(place for place in begins if target(place + way, scale.steps_per_mm) is None)
+    bench.grbl.position[0], bench.grbl._mm[0] = begin, begin / float(scale.steps_per_mm)
+    controller.status()
+    bench.grbl.lines.clear()
+    field, value, allowed = only_rejection(lambda: controller.run([at(1000), at(100, 1)]))
+    assert (field, value) == ("speed_steps_per_s", 1000)
+    most = allowed.removeprefix("no faster than ").partition(" ")[0]
+    assert f"that way, or the other way: each place up to {furthest(scale):,} steps" in allowed
+    assert not any(line.startswith("$J") for line in bench.grbl.lines)
+    controller.run([at(float(most)), at(100, 1)])
 
 
 def test_homing_is_ended_by_a_reset(bench: Bench, controller: GrblController) -> None:

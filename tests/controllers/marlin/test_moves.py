@@ -151,6 +151,27 @@ def test_places_that_float32_cant_tell_are_refused_by_name(bench: Bench, control
     assert bench.told() == []
 
 
+def test_a_run_beyond_the_furthest_place_is_refused_by_its_speed(bench: Bench, controller: MarlinController) -> None:
+    controller.move_to(to(-(2**22) + 900))
+    bench.pass_time(10_000)
+    controller.status()
+    bench.marlin.lines.clear()
+    field, value, allowed = only_rejection(lambda: controller.run(at(-2000)))
+    assert (field, value) == ("speed_steps_per_s", -2000)
+    assert allowed.startswith("no faster than ")
+    assert bench.told() == []
+    controller.run(at(-float(allowed.removeprefix("no faster than ").partition(" ")[0])))
+    status = bench.ask_for(10)
+    assert status.activity is Activity.READY
+    assert -(2**22) <= status.axes[0].position_steps < -(2**22) + 900
+    controller.move_to(to(-(2**22)))
+    bench.pass_time(10)
+    controller.status()
+    _, _, allowed = only_rejection(lambda: controller.run(at(-2000)))
+    assert allowed.startswith("0, or the other way: each place up to 4,194,304 steps from where the controller counts")
+    controller.run(at(2000))
+
+
 def test_axes_that_are_not_there(controller: MarlinController) -> None:
     two = [AxisCommand(0, 5, "axes.0.by_steps"), AxisCommand(4, 5, "axes.1.by_steps")]
     assert only_rejection(lambda: controller.move_by(two)) == ("axes.1.axis", 4, "an axis of this controller: 0 to 3")

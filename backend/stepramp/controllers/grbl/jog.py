@@ -3,12 +3,13 @@
 import math
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
+from functools import partial
 
 from stepramp.controllers.contract import AxisCommand
 from stepramp.controllers.grbl.numbers import MOST_DIGITS, below, exact, read, target
 from stepramp.controllers.grbl.ramp import LEAST_RATE
 from stepramp.controllers.grbl.settings import LETTERS, AxisSettings, rate_of, speed_of
-from stepramp.controllers.speed_ranges import too_fast_for, too_slow_for
+from stepramp.controllers.speed_ranges import Ahead, too_far_for, too_fast_for, too_slow_for
 from stepramp.errors import Limits, Rejected, Rejection
 
 FINE = 1e-6
@@ -48,14 +49,44 @@ def refuse_speeds(asked: Sequence[AxisCommand], scales: Sequence[AxisSettings], 
     bad = []
     for each in asked:
         scale = scales[each.axis]
-        fastest = scale.speed_steps_per_s
-        slowest = max(slowest_steps_per_s, float(LEAST_RATE * exact(scale.steps_per_mm) / 60))
+        fastest, slowest = scale.speed_steps_per_s, slowest_of(scale, slowest_steps_per_s)
         if abs(Fraction(each.value)) > speed_of(scale.most_rate, scale.steps_per_mm):
             bad.append(too_fast_for(each, slowest, fastest, "the highest rate of the axis"))
         elif each.value and abs(each.value) < slowest:
             bad.append(too_slow_for(each, slowest, fastest))
     if bad:
         raise Rejected(bad)
+
+
+def slowest_of(scale: AxisSettings, slowest_steps_per_s: float) -> float:
+    """Return the speed nearest to 0 that an axis runs at, where the firmware makes none nearer to it [steps/s]."""
+    return max(slowest_steps_per_s, float(LEAST_RATE * exact(scale.steps_per_mm) / 60))
+
+
+def refuse_runs_too_far(
+    asked: Sequence[AxisCommand],
+    speeds: Mapping[int, float],
+    ahead: Ahead,
+    scales: Sequence[AxisSettings],
+    slowest_steps_per_s: float,
+) -> None:
+    """Reject speeds of axes that run [steps/s] by which one is sent to a place that grbl can't be told to the step."""
+    fields, bad = {each.axis: each for each in asked}, []
+    for axis, place in ahead(speeds).items():
+        scale = scales[axis]
+        can_be_told = partial(_can_be_told, scale)
+        if can_be_told(place):
+            continue
+        # One that runs already is named by none of those that are asked for now.
+        named = fields.get(axis) or AxisCommand(axis, speeds[axis], asked[0].field)
+        slowest = slowest_of(scale, slowest_steps_per_s)
+        bad.append(too_far_for(named, speeds, ahead, can_be_told, furthest(scale), slowest, scale.speed_steps_per_s))
+    if bad:
+        raise Rejected(bad)
+
+
+def _can_be_told(scale: AxisSettings, place: int) -> bool:
+    return target(place, scale.steps_per_mm) is not None
 
 
 def _too_far(asked: AxisCommand, place: int, scale: AxisSettings) -> Rejection:

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from time import monotonic
 
 from stepramp.controllers.axes import refuse_axes
@@ -22,7 +23,7 @@ from stepramp.controllers.grbl.dialect import (
     State,
     alarm_words,
 )
-from stepramp.controllers.grbl.jog import fastest_feed, feed_of, jog_line, refuse_speeds
+from stepramp.controllers.grbl.jog import fastest_feed, feed_of, jog_line, refuse_runs_too_far, refuse_speeds
 from stepramp.controllers.grbl.motion import SEGMENTS_PER_S
 from stepramp.controllers.grbl.places import Places
 from stepramp.controllers.grbl.stopping import Stopping
@@ -119,7 +120,9 @@ class Moves:
             return
         report = self._at_rest(asked, stops)
         self._set_out_at = self._places.counted(report)
-        self._jog(self._ahead(wanted, 0.0), feed_of(wanted, self._places.axes), speeds, stops)
+        scales, ahead = self._places.axes, partial(self._ahead, passed_s=0.0)
+        refuse_runs_too_far(speeds, wanted, ahead, scales, self.slowest_steps_per_s)
+        self._jog(ahead(wanted), feed_of(wanted, scales), speeds, stops)
         self._speeds = wanted
 
     def go_on(self, report: Report) -> None:

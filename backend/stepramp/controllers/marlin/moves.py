@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from time import monotonic
 
 from stepramp.controllers.axes import refuse_axes
@@ -33,7 +34,15 @@ from stepramp.controllers.marlin.off_target import off_target
 from stepramp.controllers.marlin.places import Places
 from stepramp.controllers.marlin.settings import AxisSettings
 from stepramp.controllers.marlin.stopping import Stopping
-from stepramp.controllers.marlin.way import fastest_feed, feed_of, refuse_places, refuse_speeds, way_line
+from stepramp.controllers.marlin.way import (
+    can_be_told,
+    fastest_feed,
+    feed_of,
+    refuse_places,
+    refuse_runs_too_far,
+    refuse_speeds,
+    way_line,
+)
 from stepramp.errors import DeviceLost, Refused
 from stepramp.units import SECONDS_PER_MINUTE
 
@@ -158,12 +167,9 @@ class Moves:
             raise Refused("Axes that run keep their speeds: stop them first.")
         counted = self._ready(stops)
         feed = feed_of(wanted, self._places.axes)
-        brakes_s = max(abs(speed) / self._places.axes[axis].acceleration_steps_per_s2 for axis, speed in wanted.items())
-        called = dict(enumerate(self._places.called(counted)))
-        lasts_s = min(brakes_s + AHEAD_S + FURTHER_S, lasts_until_end_s(self.ends, called, wanted))
-        targets = {axis: counted[axis] + round(speed * lasts_s) for axis, speed in wanted.items()}
-        refuse_places(speeds, {each.axis: targets.get(each.axis, 0) for each in speeds})
-        self._go(targets, feed, stops, counted, speed=float(feed) / SECONDS_PER_MINUTE)
+        ahead = partial(self._ahead, counted)
+        refuse_runs_too_far(speeds, wanted, ahead, self._places.axes)
+        self._go(ahead(wanted), feed, stops, counted, speed=float(feed) / SECONDS_PER_MINUTE)
         self._speeds = wanted
 
     def axes(self, seen: Seen) -> tuple[AxisStatus, ...]:
@@ -203,6 +209,14 @@ class Moves:
         going = {axis: place for axis, place in targets.items() if place != counted[axis]}
         if going:
             self._go(going, fastest_feed(list(going), self._places.axes), stops, counted)
+
+    def _ahead(self, counted: Sequence[int], speeds: Mapping[int, float]) -> dict[int, int]:
+        """Return where axes that begin to run from places are sent to first [steps]."""
+        scales = self._places.axes
+        brakes_s = max(abs(speed) / scales[axis].acceleration_steps_per_s2 for axis, speed in speeds.items())
+        called = dict(enumerate(self._places.called(counted)))
+        lasts_s = min(brakes_s + AHEAD_S + FURTHER_S, lasts_until_end_s(self.ends, called, speeds))
+        return {axis: counted[axis] + round(speed * lasts_s) for axis, speed in speeds.items()}
 
     def _ready(self, stops: int) -> list[int]:
         """Return where the axes rest [steps]; Refused while something moves, or when a stop has come meanwhile."""
@@ -285,6 +299,10 @@ class Moves:
         if lasts_s <= 0:
             return
         targets = {axis: course.targets[axis] + round(speed * lasts_s) for axis, speed in self._speeds.items()}
+        if not all(map(can_be_told, targets.values())):
+            # It comes to rest near the furthest place that can be told.
+            self._speeds = {}
+            return
         feed = feed_of(self._speeds, self._places.axes)
         try:
             with suppress(AnswerUnknown):

@@ -9,7 +9,7 @@ from stepramp.controllers.given_numbers import rounded_down
 from stepramp.controllers.marlin.dialect import MOTION
 from stepramp.controllers.marlin.motion import FEED_OVER_SPEED
 from stepramp.controllers.marlin.settings import AxisSettings
-from stepramp.controllers.speed_ranges import too_fast_for, too_slow_for
+from stepramp.controllers.speed_ranges import Ahead, too_far_for, too_fast_for, too_slow_for
 from stepramp.errors import Limits, Rejected, Rejection
 from stepramp.units import SECONDS_PER_MINUTE
 
@@ -36,17 +36,38 @@ def feed_of(speeds: Mapping[int, float], scales: Sequence[AxisSettings]) -> str:
     return rounded_down(Fraction(along) * SECONDS_PER_MINUTE, FEED_DECIMALS)
 
 
+def can_be_told(place: int) -> bool:
+    """Whether a place, as Marlin counts, can be told it to the step [steps]."""
+    return abs(place) <= FURTHEST
+
+
 def refuse_places(asked: Sequence[AxisCommand], targets: Mapping[int, int]) -> None:
     """Reject places [steps], as the controller counts, that it can't be told to the step."""
     bad = []
     for each in asked:
         target = targets[each.axis]
-        if abs(target) <= FURTHEST:
+        if can_be_told(target):
             continue
         origin = target - int(each.value)
         limits = Limits(-FURTHEST - origin, FURTHEST - origin, "steps", is_whole=True)
         allowed = f"a place up to {FURTHEST:,} steps from where Marlin counts from: it keeps lengths as float32"
         bad.append(Rejection(each.field, int(each.value), allowed, limits))
+    if bad:
+        raise Rejected(bad)
+
+
+def refuse_runs_too_far(
+    asked: Sequence[AxisCommand], speeds: Mapping[int, float], ahead: Ahead, scales: Sequence[AxisSettings]
+) -> None:
+    """Reject speeds of axes that run [steps/s] by which one is sent to a place that it can't be told to the step."""
+    targets = ahead(speeds)
+    bad = [
+        too_far_for(
+            each, speeds, ahead, can_be_told, FURTHEST, SLOWEST_STEPS_PER_S, scales[each.axis].speed_steps_per_s
+        )
+        for each in asked
+        if not can_be_told(targets.get(each.axis, 0))
+    ]
     if bad:
         raise Rejected(bad)
 
