@@ -14,8 +14,13 @@ from stepramp.controllers.contract import Activity
 from stepramp.controllers.tic import conversation
 from stepramp.controllers.tic.controller import TicController
 from stepramp.controllers.virtual.controller import VirtualController
+from stepramp.devices.registry import Devices
+from stepramp.devices.view import DeviceState
 from stepramp.errors import DeviceLost, Refused
 from stepramp.link.serial_port import SerialPort
+
+RUN_ON = bytes([0xE3, 0, 0, 0, 0x10, 0])
+"""At 104.9 steps/s."""
 
 
 @pytest.mark.parametrize("for_commands", [False, True])
@@ -55,6 +60,24 @@ def test_what_an_earlier_program_left_is_not_gone_on_with(bench: Bench) -> None:
         bench.controller.status()
         bench.pass_time(POLL_S)
     assert tic.steps == steps
+
+
+@pytest.mark.parametrize(("told", "answer"), [(TARGET_FAR_AWAY, []), (RUN_ON, [0xE3])])
+def test_what_runs_when_a_device_is_connected_is_slowed_down(
+    bench: Bench, plug_in: PlugIn, told: bytes, answer: list[int]
+) -> None:
+    """Nobody is there any more who asked for it; what is on its way to a target goes on to that."""
+    tic = bench.tic
+    tic.disable_safe_start, tic.command_timeout_ms = True, 0
+    tic.power_up()
+    bench.exchange(told)
+    bench.pass_time(1)
+    tic.commands.clear()
+    devices = Devices()
+    device = devices.connect(plug_in(bench), "tic")
+    assert device.view.state is (DeviceState.STOPPING if answer else DeviceState.MOVING)
+    assert bench.told() == answer
+    devices.close()
 
 
 def test_a_stop_that_is_owed_comes_first_and_leaves_no_target(bench: Bench) -> None:

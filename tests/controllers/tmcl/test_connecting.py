@@ -6,16 +6,18 @@ from collections.abc import Callable
 
 import pytest
 
-from controllers.bench import POLL_S, PlugIn, by
+from controllers.bench import POLL_S, PlugIn, by, to
 from controllers.conftest import Clock
 from controllers.tmcl.bench import Bench
-from controllers.tmcl.emulator import MVP, TmclEmulator
+from controllers.tmcl.emulator import MST, MVP, TmclEmulator
 from designs import design
 from stepramp.controllers.contract import Activity
 from stepramp.controllers.tmcl import conversation
 from stepramp.controllers.tmcl.controller import TmclController
 from stepramp.controllers.tmcl.modules import MODULES
 from stepramp.controllers.virtual.controller import VirtualController
+from stepramp.devices.registry import Devices
+from stepramp.devices.view import DeviceState
 from stepramp.errors import DeviceLost, Refused
 from stepramp.link.serial_port import SerialPort
 
@@ -93,6 +95,21 @@ def test_what_moves_when_it_is_connected_is_told_and_not_stopped(bench: Bench) -
     with pytest.raises(Refused, match="it isn't known yet where it comes to rest"):
         bench.controller.move_by(by(5))
     assert bench.told() == []
+
+
+def test_what_moves_when_a_device_is_connected_is_slowed_down(bench: Bench, plug_in: PlugIn) -> None:
+    """Also what is on its way to a target: it isn't asked what it was told."""
+    chip = bench.module.chip
+    bench.controller.connect()
+    bench.controller.move_to(to(1_000_000))
+    bench.pass_time(1)
+    assert chip.speed > 0
+    bench.module.commands.clear()
+    devices = Devices()
+    device = devices.connect(plug_in(bench), "tmcl")
+    assert device.view.state is DeviceState.STOPPING
+    assert set(bench.told()) == {MST}
+    devices.close()
 
 
 def test_a_module_that_was_restarted_is_lost(bench: Bench, controller: TmclController) -> None:
