@@ -14,11 +14,12 @@ from stepramp.controllers.capabilities import BacksUp, StoresRamps
 from stepramp.controllers.contract import ControllerStatus, PushMode, PushReport
 from stepramp.controllers.families import Family
 from stepramp.design import Design
-from stepramp.devices.backups import Archive, Source
+from stepramp.devices.backups import Archive, Backups, Source, unmarked
 from stepramp.devices.device import Device
 from stepramp.devices.registry import Devices
 from stepramp.devices.view import DeviceState
 from stepramp.errors import DeviceLost, NotFound, Refused
+from stepramp.link.ports import known_port
 
 
 class Keeper(PlainController, StoresRamps, BacksUp):
@@ -204,3 +205,21 @@ def test_backups_that_cant_be_listed_are_told(tmp_path: Path) -> None:
     (tmp_path / "backups").write_text("in the folder's place")
     with pytest.raises(Refused, match=r"The backups in .*backups can't be listed: Not a directory"):
         Archive(tmp_path).sources()
+
+
+def test_backups_are_of_a_port_by_all_its_names_and_those_by_the_name_alone_are_found(
+    tmp_path: Path,
+) -> None:
+    port, link = tmp_path / "ttyUSB0", tmp_path / "by-id"
+    port.touch()
+    link.symlink_to(port)
+    by_link, by_name = (Backups(tmp_path, "grbl", known_port(str(each))) for each in (link, port))
+    assert by_link.folder == by_name.folder
+    name = by_name.save("figure 1")
+    # As an older version called it.
+    [former] = by_link.former
+    former.mkdir()
+    (former / "2026-01-01.txt").write_text("figure 2")
+    assert [each.name for each in by_link.all()] == [name, "2026-01-01"]
+    assert (unmarked(by_link.read(name)), by_link.read("2026-01-01")) == ("figure 1", "figure 2")
+    assert [each.name for each in by_name.all()] == [name]

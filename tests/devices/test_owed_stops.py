@@ -6,13 +6,16 @@ import threading
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
+from pathlib import Path
 
 import pytest
 
 from controllers.conftest import Clock
+from controllers.usb_board import Cable
+from designs import design
 from devices.bench import MOTIONS, STOPS, Bench, by, push, worker_of
 from devices.boards import HeldUp, OwnSupply, UnpluggedAt
-from devices.motion import PATIENCE_S
+from devices.motion import LONG_MOVE, PATIENCE_S, by_steps, wait_for
 from stepramp.controllers.stepramp import conversation
 from stepramp.controllers.stepramp.messages.motion import HaltRequest, MoveByRequest, StopRequest
 from stepramp.controllers.stepramp.messages.session import HelloRequest
@@ -26,7 +29,7 @@ from stepramp.devices.stops import Order
 from stepramp.devices.view import DeviceState
 from stepramp.errors import DeviceLost, Refused, StepRampError
 from stepramp.link import protocol_sim
-from stepramp.link.ports import Port
+from stepramp.link.ports import Port, known_port
 
 
 def test_a_stop_that_finds_no_connection_is_owed(clock: Clock, plug_in: Callable) -> None:
@@ -285,3 +288,38 @@ def test_a_stop_in_the_last_moment_of_connecting_is_carried_out(clock: Clock, pl
     assert asked
     assert StopRequest.KIND in late.seen
     devices.close()
+
+
+@pytest.mark.parametrize("is_link_first", [False, True])
+def test_a_stop_is_owed_by_whichever_of_its_names_a_port_is_connected(cable: Cable, is_link_first: bool) -> None:
+    """The device is the same one, too."""
+    assert cable.board is not None
+    names = [str(cable.port), cable.board.port]
+    devices = Devices()
+    device = devices.connect(names[not is_link_first])
+    device.push([design()])
+    device.move_by(by_steps(LONG_MOVE))
+    cable.board.mute()
+    wait_for(device, DeviceState.LOST)
+    with pytest.raises(DeviceLost):
+        device.stop()
+    cable.board.speak()
+    cable.board.requests.clear()
+    assert devices.connect(names[is_link_first]) is device
+    assert StopRequest.KIND in cable.board.requests
+    devices.close()
+
+
+def test_what_is_owed_by_one_name_of_a_port_is_settled_by_another(tmp_path: Path) -> None:
+    port, link = tmp_path / "ttyUSB0", tmp_path / "by-id"
+    port.touch()
+    link.symlink_to(port)
+    by_link, by_name = known_port(str(link)), known_port(str(port))
+    owed = OwedStops(Order())
+    owed.settle(by_name, owed.owe(by_link), of_all_axes=True)
+    assert (owed.newest(by_link), owed.newest(by_name)) == (None, None)
+    # Once the link leads elsewhere, what moves there is another one.
+    number = owed.owe(by_link)
+    link.unlink()
+    owed.settle(by_name, number, of_all_axes=True)
+    assert (owed.newest(by_name), owed.newest(Port(str(link), "by-id"))) == (None, number)

@@ -43,3 +43,13 @@ def test_what_can_not_be_written_is_known_as_long_as_the_program_runs(tmp_path: 
     assert Unproven(blocked).given == {}
     assert Unproven(tmp_path).given["$110"].value == "216.000"
     assert (tmp_path / FILE).read_text() == kept
+
+
+def test_what_an_older_version_noted_by_another_name_is_claimed_once(tmp_path: Path) -> None:
+    former, folder = tmp_path / "by-name", tmp_path / "by-port"
+    Unproven(former).note({"$110": "216.000"})
+    found = Unproven(folder, [former])
+    assert found.given["$110"].value == "216.000"
+    found.note({"$111": "5.000"})
+    assert set(Unproven(folder, [former]).given) == {"$110", "$111"}
+    assert Unproven(former).given == {}

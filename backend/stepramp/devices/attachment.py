@@ -77,9 +77,9 @@ class Attachment:
         self._starts_anew = False
 
     @property
-    def identity(self) -> object:
+    def board(self) -> object:
         """What tells what is plugged in apart; see Port."""
-        return self._known.identity
+        return self._known.board
 
     @property
     def called(self) -> str:

@@ -125,12 +125,22 @@ def checked(text: str, name: str) -> tuple[str, tuple[str, ...]]:
 
 
 class Backups:
-    """Those of one device: a folder for its family and for what is plugged in there. For any thread."""
+    """Those of one device: a folder for its family and for what is plugged in there. For any thread.
+
+    Where older versions called that by the name that its port was given, or by its port alone, what they have saved is
+    there as well.
+    """
 
     def __init__(self, data: Path, family: str, known: Port) -> None:
-        identity = repr(known.identity)
-        slug = re.sub(r"[^A-Za-z0-9]+", "-", identity).strip("-")[:MOST_SLUG]
-        self.folder = data / "backups" / f"{family}-{slug}-{zlib.crc32(identity.encode()):08x}"
+        def of(identity: object) -> Path:
+            text = repr(identity)
+            slug = re.sub(r"[^A-Za-z0-9]+", "-", text).strip("-")[:MOST_SLUG]
+            return data / "backups" / f"{family}-{slug}-{zlib.crc32(text.encode()):08x}"
+
+        self.folder = of(known.board)
+        former = () if known.unit else (known.identity, known.port)
+        self.former = tuple(each for each in dict.fromkeys(map(of, former)) if each != self.folder)
+        """Folders of older versions."""
 
     def save(self, text: str) -> str:
         """Write a backup so that it is there whole or not at all, also after a power cut; return its name.
@@ -149,11 +159,13 @@ class Backups:
 
     def all(self) -> list[Backup]:
         """Return what there is, the newest first."""
-        return _all(self.folder)
+        found = [backup for folder in (self.folder, *self.former) for backup in _all(folder)]
+        return sorted(found, key=lambda each: each.name, reverse=True)
 
     def read(self, name: str) -> str:
         """Return the text of a backup; NotFound when there is none of that name."""
-        return _read(self.folder, name, "of this device")
+        formerly = (each for each in self.former if name in {backup.name for backup in _all(each)})
+        return _read(next(formerly, self.folder), name, "of this device")
 
 
 def write_whole(file: Path, text: str) -> None:

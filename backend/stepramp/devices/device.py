@@ -37,7 +37,7 @@ from stepramp.devices.view import DeviceView
 from stepramp.devices.watch import Watch
 from stepramp.devices.writing import PlanPush, SendPush, Writing
 from stepramp.errors import Rejected, Rejection
-from stepramp.link.ports import Port
+from stepramp.link.ports import Port, location_of
 from stepramp.link.remote_ports import RemotePorts
 from stepramp.validation import Document
 
@@ -83,7 +83,7 @@ class Device:
         self._surroundings = VirtualSurroundings(live, contact, watch)
         self._homings = Homings(live, contact, watch, leases, control, setting_out)
         backups = Backups(data, family.name, known)
-        proving = Proving(live, Unproven(backups.folder))
+        proving = Proving(live, Unproven(backups.folder, backups.former))
         writing = Writing(live, contact, watch, leases, backups, proving, family.play_own)
         self._live, self._control, self._stopping, self._runs, self._proving = live, control, stopping, runs, proving
         self._to_and_fro, self._writing, self._traces = to_and_fro, writing, Traces(contact, watch)
@@ -118,12 +118,12 @@ class Device:
     @property
     def identity(self) -> object:
         """What tells apart what is plugged in, and of what kind of controller it is taken to be; see Port."""
-        return self._family.kind, self._attachment.identity
+        return self._family.kind, self._attachment.board
 
     @property
-    def location(self) -> str | None:
-        """Where the port leads that it holds, whatever name it was given; None: it holds none."""
-        return self._attachment.location
+    def location(self) -> str:
+        """Where its port leads, whatever name it was given: that which it holds, or which it would be connected at."""
+        return self._attachment.location or location_of(self.view.port)
 
     @property
     def connected(self) -> bool:

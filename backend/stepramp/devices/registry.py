@@ -248,7 +248,7 @@ class Devices:
                 raise Refused("StepRamp is ending: nothing is connected any more.")
             self._last_id += 1
             device_id = str(self._last_id)
-            before = self._let_go.get((family.kind, known.identity))
+            before = self._let_go.get((family.kind, known.board))
             device = Device(
                 device_id,
                 known,

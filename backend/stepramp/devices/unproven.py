@@ -29,15 +29,18 @@ class Given:
 class Unproven:
     """The settings of one device by name. Not for two threads at once.
 
-    folder: that of its backups. Where that can't be written, they are known as long as the program runs.
+    folder: that of its backups. former: where older versions have noted them, in whose place they are noted here from
+    the next change on. Where that can't be written, they are known as long as the program runs.
     """
 
     _unwritten: ClassVar[dict[Path, tuple[Mapping[str, Given], str]]] = {}
     """What couldn't be written, and why, by the file that is older now."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, former: Collection[Path] = ()) -> None:
         self._file = folder / FILE
-        self.given: Mapping[str, Given] = self._read()
+        self._former = [each / FILE for each in former]
+        noted = next((each for each in [self._file, *self._former] if each.exists()), self._file)
+        self.given: Mapping[str, Given] = self._read(noted)
 
     @property
     def trouble(self) -> str | None:
@@ -67,22 +70,24 @@ class Unproven:
         try:
             write_whole(self._file, json.dumps({name: asdict(each) for name, each in given.items()}, indent=1))
             self._unwritten.pop(self._file, None)
+            for each in self._former:
+                each.unlink(missing_ok=True)
         except OSError as error:
             self._unwritten[self._file] = given, error.strerror or str(error)
             _logger.warning("What isn't proven yet can't be kept in %s: %s", self._file, error.strerror or error)
 
-    def _read(self) -> Mapping[str, Given]:
+    def _read(self, file: Path) -> Mapping[str, Given]:
         if self._file in self._unwritten:
             return self._unwritten[self._file][0]
         try:
-            told = json.loads(self._file.read_text(encoding="utf-8"))
+            told = json.loads(file.read_text(encoding="utf-8"))
             return {
                 _sensible(name): Given(_sensible(each["value"]), _sensible(each["at"])) for name, each in told.items()
             }
         except FileNotFoundError:
             return {}
         except (OSError, ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
-            _logger.warning("What isn't proven yet can't be read from %s: %s", os.fspath(self._file), error)
+            _logger.warning("What isn't proven yet can't be read from %s: %s", os.fspath(file), error)
             return {}
 
 

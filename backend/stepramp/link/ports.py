@@ -50,19 +50,39 @@ class Port:
     usb: tuple[int, int, str | None] | None = field(default=None, compare=False)
     """USB vendor, product and serial number of what is plugged in, as far as they are known and its own."""
 
+    leads_to: str | None = field(default=None, compare=False)
+    """Where its name led when that was looked at, which a link doesn't tell any more once it is gone; None: unknown."""
+
+    @property
+    def location(self) -> str:
+        """Where it leads, or led, whatever name it was given; see location_of."""
+        return location_of(self.port) if self.leads_to is None else self.leads_to
+
+    @property
+    def unit(self) -> tuple[int, int, str] | None:
+        """USB vendor, product and serial number of what is plugged in, where they tell it from all others."""
+        if self.usb is None or RemotePort.of(self.port) is not None:
+            return None
+        vendor, product, serial_number = self.usb
+        return None if serial_number is None else (vendor, product, serial_number)
+
     @property
     def identity(self) -> object:
-        """What tells what is plugged in apart: its USB serial number where it has one, else the port's name or host."""
-        if (remote := RemotePort.of(self.port)) is not None:
-            return str(remote.host)
-        return self.port if self.usb is None or self.usb[2] is None else self.usb
+        """What tells what is plugged in apart: its USB serial number where it has one, else where the port leads."""
+        return self.unit or self.location
+
+    @property
+    def board(self) -> object:
+        """The same, with the kind of board where that and the port are all that is known of it."""
+        return self.identity if self.unit or self.usb is None else (self.location, *self.usb[:2])
 
     @property
     def called(self) -> str:
-        """The same as people read it."""
-        if not isinstance(self.identity, tuple):
-            return str(self.identity)
-        vendor, product, serial_number = self.identity
+        """What tells what is plugged in apart, as people read it: its USB serial number, else its port or host."""
+        if self.unit is None:
+            remote = RemotePort.of(self.port)
+            return self.port if remote is None else str(remote.host)
+        vendor, product, serial_number = self.unit
         return f"USB {vendor:04X}:{product:04X}, serial number {escaped(serial_number)}"
 
 
@@ -99,15 +119,18 @@ def known_port(port: str) -> Port:
     A link to it is the same port, and called as it was asked for.
     """
     listed = {location_of(each.port): each for each in list_serial_ports() if not each.virtual}
-    found = listed.get(location_of(port))
-    return Port(port, port_name(port)) if found is None else replace(found, port=port)
+    location = location_of(port)
+    found = listed.get(location)
+    known = Port(port, port_name(port)) if found is None else replace(found, port=port)
+    return replace(known, leads_to=location)
 
 
 def location_of(port: str) -> str:
     """Return what all names of a port have in common: links lead to one file, addresses to a host or to none."""
     if (remote := RemotePort.of(port)) is not None:
         return str(remote.host)
-    return os.path.realpath(port) if port.isprintable() and "://" not in port else port
+    is_file = port.isprintable() and "://" not in port and (os.path.isabs(port) or os.path.exists(port))
+    return os.path.realpath(port) if is_file else port
 
 
 def find_again(lost: Port) -> str | None:
