@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import pytest
 
 from controllers.conftest import Clock
+from controllers.grbl.emulator import Eeprom, GrblOnACable
 from controllers.usb_board import Cable, UsbBoard
 from designs import design
 from devices.bench import push, worker_of
@@ -18,12 +20,15 @@ from stepramp.controllers.stepramp.messages.motion import MoveByRequest
 from stepramp.controllers.stepramp.messages.ramps import CommitRequest, DataRequest
 from stepramp.controllers.stepramp.messages.status import StatusRequest
 from stepramp.controllers.virtual.controller import VirtualController
+from stepramp.devices import attachment, registry
 from stepramp.devices.device import Device
 from stepramp.devices.leases import Lease
 from stepramp.devices.registry import Devices
+from stepramp.devices.soft_limits import Span
 from stepramp.devices.view import DeviceState
 from stepramp.devices.writing import SendPush
 from stepramp.errors import DeviceLost, Refused, StepRampError
+from stepramp.link.ports import Port
 
 
 def unplugged_while_idle(board: UsbBoard, _: Device) -> None:
@@ -229,4 +234,84 @@ def test_a_push_that_was_planned_for_a_lost_connection_is_not_sent_over_the_next
         device.push([design()], planned=across_a_loss)
     worker_of(device).call(device._attachment._watch.refresh)
     assert (device.view.state, len(device.view.axes)) == (DeviceState.READY, 2)
+    devices.close()
+
+
+class ChangedBoards(GrblOnACable):
+    """A grbl that starts as its port is opened. serial_number: that of the board that is plugged in; None: none is."""
+
+    serial_number: str | None = "A1"
+
+    def exchange(self, data: bytes) -> bytes:
+        said = super().exchange(data if self.serial_number else b"")
+        return said if self.serial_number else b""
+
+    def change(self, device: Device, serial_number: str) -> None:
+        """Pull the board out, and plug another one in."""
+        self.serial_number = None
+        wait_for(device, DeviceState.LOST)
+        self.serial_number = serial_number
+        self.grbl.eeprom = Eeprom()
+        self.grbl.power_up()
+
+
+@pytest.fixture
+def changed_boards(monkeypatch: pytest.MonkeyPatch) -> Iterator[ChangedBoards]:
+    with ChangedBoards() as cable:
+
+        def known(port: str) -> Port:
+            return Port(port, "CH340 adapter", usb=(0x1A86, 0x7523, cable.serial_number), leads_to=port)
+
+        for module in (registry, attachment):
+            monkeypatch.setattr(module, "known_port", known)
+        yield cable
+
+
+def test_another_board_at_the_port_of_a_lost_one_is_another_device(
+    changed_boards: ChangedBoards, tmp_path: Path
+) -> None:
+    """It has nothing of the other's, and takes nothing from it: no limits, no backups, no proof."""
+    devices = Devices(data=tmp_path)
+    first = devices.connect(changed_boards.port, "grbl")
+    first.push([design()])
+    first.limit({0: Span(0, 1000)})
+    pending, saved = first.view.unproven, first.backups()
+    assert pending
+    changed_boards.change(first, "B2")
+    second = devices.connect(changed_boards.port, "grbl")
+    assert (second.view.id, second.view.soft_limits, second.view.unproven, second.view.proof) == ("2", {}, (), None)
+    assert second.backups() == []
+    second.back_up()
+    # Whoever has the first one's id is told, and nothing is done by another board in its place.
+    with pytest.raises(
+        DeviceLost, match=r"Another board is at its port now, USB 1A86:7523, serial number B2: .* device 2"
+    ):
+        first.back_up()
+    assert (first.backups(), first.view.unproven) == (saved, pending)
+    assert first.called != second.called
+    # The same board back is the same device.
+    changed_boards.change(second, "A1")
+    assert devices.connect(changed_boards.port, "grbl") is first
+    assert (first.view.state, first.view.soft_limits) == (DeviceState.READY, {0: Span(0, 1000)})
+    assert first.view.proof is not None
+    assert set(first.view.proof.not_kept) == set(pending)
+    assert devices.get("2").view.state is DeviceState.LOST
+    devices.close()
+
+
+def test_a_board_that_is_changed_just_as_it_is_connected_again_is_refused(
+    changed_boards: ChangedBoards, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nothing is sent to it: only once the port is held it is known what is plugged in there."""
+    devices = Devices(data=tmp_path)
+    first = devices.connect(changed_boards.port, "grbl")
+    changed_boards.change(first, "A1")
+    monkeypatch.setattr(attachment, "known_port", lambda port: Port(port, "x", usb=(0x1A86, 0x7523, "B2")))
+    changed_boards.grbl.lines.clear()
+    with pytest.raises(
+        Refused, match=r"Another board is plugged in .* than the one that was there before, USB 1A86:7523"
+    ):
+        devices.connect(changed_boards.port, "grbl")
+    assert first.view.state is DeviceState.LOST
+    assert changed_boards.grbl.lines == []
     devices.close()

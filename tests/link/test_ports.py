@@ -97,6 +97,25 @@ def test_a_board_without_a_serial_number_is_known_by_its_port_and_kind(monkeypat
     assert find_again(lost) is None
 
 
+@pytest.mark.parametrize(
+    ("before", "now", "is_other"),
+    [
+        ((*UNO, "A1"), (*UNO, "B2"), True),
+        ((*UNO, None), (0x1A86, 0x7523, None), True),
+        ((*UNO, "A1"), (*UNO, "A1"), False),
+        ((*UNO, None), (*UNO, None), False),
+        # Another one with the same number is plugged in as well, or isn't any more; or nothing is known.
+        ((*UNO, "A1"), (*UNO, None), False),
+        ((*UNO, None), (*UNO, "A1"), False),
+        ((*UNO, "A1"), None, False),
+    ],
+)
+def test_another_board_is_told_by_its_kind_and_serial_number(
+    before: tuple[int, int, str | None], now: tuple[int, int, str | None] | None, is_other: bool
+) -> None:
+    assert Port("p", "p", usb=now).is_other_than(Port("p", "p", usb=before)) == is_other
+
+
 def test_a_link_to_a_port_is_known_as_what_is_plugged_in_there(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """What is owed to a board, or known of it, holds by whichever of its names it is connected."""
     port, link = tmp_path / "ttyACM0", tmp_path / "by-id"

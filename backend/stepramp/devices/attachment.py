@@ -29,6 +29,11 @@ from stepramp.link.worker import Worker
 CLOSED_S = 0.25
 """So long a port stays closed whose controller is started anew by that: its DTR falls, and systems let go of it [s]."""
 
+OTHER = (
+    "Another board is plugged in at {port} than the one that was there before, {called}: connect it again, as a device "
+    "of its own."
+)
+
 
 class Attachment:
     """Connects a device to its port, and sees to what goes on while it is connected. For any thread.
@@ -85,6 +90,10 @@ class Attachment:
     def called(self) -> str:
         """The same in words; see Port."""
         return self._known.called
+
+    def is_other(self, known: Port) -> bool:
+        """Whether another board than that of this device is plugged in at a port."""
+        return known.is_other_than(self._known)
 
     @property
     def location(self) -> str | None:
@@ -188,6 +197,8 @@ class Attachment:
         self._location = location_of(port)
         # Only now that the port is held nothing else can come to be plugged in there.
         known = known_port(port)
+        if self.is_other(known):
+            raise Refused(OTHER.format(port=port, called=self.called))
         controller = self._family.make(self._connection, self._runs.give_way, self._writing.note_progress)
         controller.connect(lambda: self._stopping.greet(controller, known))
         status = controller.status()

@@ -33,7 +33,7 @@ from stepramp.devices.surroundings import VirtualSurroundings
 from stepramp.devices.to_and_fro import ToAndFro
 from stepramp.devices.traces import Traces
 from stepramp.devices.unproven import Unproven
-from stepramp.devices.view import DeviceView
+from stepramp.devices.view import DeviceState, DeviceView
 from stepramp.devices.watch import Watch
 from stepramp.devices.writing import PlanPush, SendPush, Writing
 from stepramp.errors import Rejected, Rejection
@@ -124,6 +124,14 @@ class Device:
     def location(self) -> str:
         """Where its port leads, whatever name it was given: that which it holds, or which it would be connected at."""
         return self._attachment.location or location_of(self.view.port)
+
+    def is_other(self, known: Port) -> bool:
+        """Whether it is lost, and another board is plugged in at a port where it would be connected again."""
+        return self.view.state is DeviceState.LOST and self._attachment.is_other(known)
+
+    def note_other(self, known: Port, device_id: str) -> None:
+        """Tell, while it is lost, that another board is at its port, and as which device."""
+        self._live.change(lambda view: view.displaced(known.called if known.unit else known.name, device_id))
 
     @property
     def connected(self) -> bool:

@@ -126,7 +126,7 @@ class Devices:
 
         Raises as find_family, and Refused where a device is connected there, or was until it was lost.
         """
-        if (device := self._present_at(port, location_of(port))) is not None:
+        if (device := self._present_at(port, location_of(port), known_port(port))) is not None:
             title = self.families[device.view.family].title
             raise Refused(f"The device at {port} is connected as one of the family {title}: disconnect it first.")
         return find_family(port, (self.families[each] for each in self.families_at(port)), self._remote_ports)
@@ -137,7 +137,8 @@ class Devices:
         family: of its controller. Whoever asks has to know it: what one family takes for a greeting may be a motion for
         another one, so none is tried.
 
-        A lost device is connected again under its id. Raises as Device.connect; a new device that can't be connected
+        A lost device is connected again under its id; where another board is at its port, that is a new device, and the
+        lost one stays lost. Raises as Device.connect; a new device that can't be connected
         is forgotten, a lost one stays lost. Rejected for a family that there isn't, or not at such a port; Refused
         while the device there counts as one of another family.
         """
@@ -159,6 +160,8 @@ class Devices:
         with self._lock:
             # Another call may have failed at the same port, and forgotten the device, just before this one succeeded.
             self._devices.setdefault(device.view.id, device)
+        if is_new:
+            self._tell_displaced(device)
         return device
 
     def disconnect(self, device_id: str) -> None:
@@ -237,12 +240,9 @@ class Devices:
 
     def _at(self, port: str, family: Family) -> tuple[Device, bool]:
         # Without the lock: this may take a while, as does listing the machine's ports, and a stop must not wait for it.
-        location = location_of(port)
-        if (device := self._present_at(port, location)) is not None:
-            return device, False
-        known = known_port(port)
+        location, known = location_of(port), known_port(port)
         with self._lock:
-            if (device := self._one_at(port, location)) is not None:
+            if (device := self._one_at(port, location, known)) is not None:
                 return device, False
             if self._has_ended:
                 raise Refused("StepRamp is ending: nothing is connected any more.")
@@ -265,13 +265,27 @@ class Devices:
         self._tell()
         return device, True
 
-    def _present_at(self, port: str, location: str) -> Device | None:
+    def _present_at(self, port: str, location: str, known: Port) -> Device | None:
         with self._lock:
-            return self._one_at(port, location)
+            return self._one_at(port, location, known)
 
-    def _one_at(self, port: str, location: str) -> Device | None:
-        named = (device for device in self._devices.values() if device.view.port == port)
-        return next(named, None) or next((each for each in self._devices.values() if each.location == location), None)
+    def _one_at(self, port: str, location: str, known: Port) -> Device | None:
+        """Return the device at a port, by that name rather than by another: the one that holds it, or was lost there.
+
+        known: what is plugged in there. A lost one that is another board is not there.
+        """
+        at = [each for each in self._devices.values() if each.view.port == port or each.location == location]
+        at = sorted((each for each in at if not each.is_other(known)), key=lambda each: each.view.port != port)
+        held = (each for each in at if each.view.state is not DeviceState.LOST)
+        return next(held, None) or next(iter(at), None)
+
+    def _tell_displaced(self, device: Device) -> None:
+        """Tell of lost devices that another one is at their port."""
+        port, location = device.view.port, device.location
+        known = known_port(port)
+        for each in self._lost():
+            if (each.view.port == port or each.location == location) and each.is_other(known):
+                each.note_other(known, device.view.id)
 
     def _forget(self, device: Device) -> None:
         with self._lock:

@@ -278,6 +278,16 @@ class DeviceView:
             proving=False,
         )
 
+    def displaced(self, by: str, device_id: str) -> "DeviceView":
+        """Return the device as it is while it is lost, and another board is at its port; not one that is back."""
+        if self.state is not DeviceState.LOST:
+            return self
+        other = (
+            f"Another board is at its port now, {by}: that is device {device_id}. This one is connected again once it "
+            "is back."
+        )
+        return replace(self, message=" ".join(each for each in (self.message, other) if each))
+
     def still_lost(self, message: str, now: "DeviceView") -> "DeviceView":
         """Return the device as it was before an attempt to connect it failed; what it doesn't say itself is of now."""
         return replace(

@@ -76,6 +76,13 @@ class Port:
         """The same, with the kind of board where that and the port are all that is known of it."""
         return self.identity if self.unit or self.usb is None else (self.location, *self.usb[:2])
 
+    def is_other_than(self, before: "Port") -> bool:
+        """Whether another board is plugged in than before, as far as USB tells: of another kind or serial number."""
+        if self.usb is None or before.usb is None:
+            return False
+        (*kind, number), (*former_kind, former_number) = self.usb, before.usb
+        return kind != former_kind or (None not in (number, former_number) and number != former_number)
+
     @property
     def called(self) -> str:
         """What tells what is plugged in apart, as people read it: its USB serial number, else its port or host."""
