@@ -233,7 +233,7 @@ class KlipperController(Controller, StoresRamps, TriesRamps, DrawsLines, BacksUp
         """
         self._stopping.note()
         self._stopping.let_end()
-        if not self._is_ready:
+        if not self._is_ready or self._rests_until_ready:
             return
         deadline_s = monotonic() + LEFT_S
         while self._moves.is_others(seen := self._look()):
@@ -244,11 +244,12 @@ class KlipperController(Controller, StoresRamps, TriesRamps, DrawsLines, BacksUp
     def halt(self, axes: Collection[int] | None = None) -> None:  # noqa: ARG002  # as stop
         """Make no further step: Klipper is shut down, unless it rests. It has to be restarted and homed then."""
         self._stopping.note()
-        if not self._is_ready:
+        if not self._is_ready or self._rests_until_ready:
             return
         seen = self._look()
         if self._conversation.awaits_script or self._moves.is_under_way(seen) or seen.is_printing or seen.is_busy:
             self._stopping.shut_down()
+            self._memory.was_halted = True
 
     def steps_to_rest(self, axis: int, speed_steps_per_s: float) -> int:
         """Return how many steps slowing down from a speed [steps/s] takes."""
@@ -264,12 +265,17 @@ class KlipperController(Controller, StoresRamps, TriesRamps, DrawsLines, BacksUp
         """Whether it was ready when it was connected."""
         return self._memory.trouble is None
 
+    @property
+    def _rests_until_ready(self) -> bool:
+        """Whether it starts anew, as it was told here, and isn't ready yet, so that nothing moves; asked now."""
+        return self._memory.is_starting and self._conversation.state() != READY
+
     def _refuse_unready(self) -> None:
         if not self._is_ready:
             raise Refused(f"Klipper isn't ready: {self._memory.trouble}")
 
     def _refuse_restarted(self) -> None:
-        if self._conversation.restarts:
+        if self._conversation.restarts and not self._memory.is_starting:
             raise DeviceLost(f"Klipper at {self._conversation.name} was restarted: its position is no longer known.")
 
     def _look(self) -> Seen:

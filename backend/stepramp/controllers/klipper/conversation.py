@@ -7,7 +7,7 @@ from math import inf
 from time import monotonic
 from typing import Protocol
 
-from stepramp.controllers.klipper.seen import OBJECTS, READY, STARTUP, Seen
+from stepramp.controllers.klipper.seen import OBJECTS, READY, SHUTDOWN, STARTUP, Seen
 from stepramp.controllers.klipper.told import told_json
 from stepramp.errors import DeviceLost, Refused
 from stepramp.link.connection import Connection
@@ -120,10 +120,14 @@ class Conversation:
         deadline_s = monotonic() + within_s
         while True:
             self.wait(AGAIN_S)
-            info = self.ask("server.info")
-            state = str(info.get("klippy_state")) if isinstance(info, dict) else ""
-            if state == READY or monotonic() > deadline_s:
+            state = self.state()
+            if state in (READY, SHUTDOWN) or monotonic() > deadline_s:
                 return state
+
+    def state(self) -> str:
+        """Return the state of Klipper as Moonraker knows it, which answers also while Klipper doesn't."""
+        info = self.ask("server.info")
+        return str(info.get("klippy_state")) if isinstance(info, dict) else ""
 
     def subscribe(self) -> Seen:
         """Have it tell what changes from now on, and return what it tells first; see Seen."""

@@ -14,7 +14,7 @@ from stepramp.controllers.klipper.configuration import Configuration, Place, Sec
 from stepramp.controllers.klipper.conversation import Answered, Conversation
 from stepramp.controllers.klipper.files import Files
 from stepramp.controllers.klipper.machine import PRINTER, Limits, Machine, Senseless
-from stepramp.controllers.klipper.seen import READY, Seen
+from stepramp.controllers.klipper.seen import READY, SHUTDOWN, Seen
 from stepramp.controllers.order import lowered_first
 from stepramp.errors import Refused, Rejected, Rejection
 
@@ -44,6 +44,10 @@ class Memory:
         self.version: str | None = None
         self.trouble: str | None = None
         """What it says while it isn't ready; None while it is."""
+        self.is_starting = False
+        """It starts anew, as it was told here."""
+        self.was_halted = False
+        """It was shut down from here meanwhile."""
 
     @property
     def machine(self) -> Machine:
@@ -143,6 +147,15 @@ class Memory:
 
         A restart switches motors off and forgets where they are. Raises Refused when it doesn't start.
         """
+        self.is_starting, self.was_halted = True, False
+        try:
+            yield from self._start_anew(seen)
+        finally:
+            # It was told to, and may have said so only by now.
+            self._conversation.restarts = 0
+            self.is_starting = False
+
+    def _start_anew(self, seen: Seen) -> Iterator[str]:
         reason = self._reason_to_leave(seen)
         if reason is not None:
             yield f"Klipper was not restarted, so that it starts with this is known of its file only: {reason}."
@@ -153,8 +166,12 @@ class Memory:
             yield "Klipper refuses to be restarted: that it starts with this is known of its file only."
             return
         state = self._conversation.await_ready(RESTART_S)
-        self._conversation.restarts = 0
         self.learn()
+        if state == SHUTDOWN and self.was_halted:
+            raise Refused(
+                "All is written, and Klipper was halted before it was seen to start with it: say FIRMWARE_RESTART, and "
+                "see whether it does."
+            )
         if state != READY:
             raise Refused(f"Klipper doesn't start: {self.trouble} Restore a backup of this device.")
         self._conversation.subscribe()
