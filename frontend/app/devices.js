@@ -5,6 +5,7 @@ import { isEndless } from '../devices/traces.js';
 import { areSameRamps } from '../model/design.js';
 import { areEqual } from '../model/equal.js';
 import { nameText, pushRefusals } from '../model/messages.js';
+import { lengthText } from '../model/places.js';
 import { inShownUnits } from '../model/told.js';
 import { atScale, scaleOf } from '../model/units.js';
 import { PAGE } from '../server/api.js';
@@ -282,6 +283,17 @@ export function toldDeviceOf(state) {
   const { list } = state.devices;
   const moving = list.find(({ state: does }) => does === 'moving' || does === 'stopping');
   return moving ?? list.find(({ shuttle }) => shuttle) ?? deviceOf(state);
+}
+
+/** Where a device is, as its panel shows it, to go on with after its state: the axis in view of the device in view, the
+ * first one of another; empty: it isn't known.
+ * @param {State} state @param {Device} device */
+export function placeTextOf(state, device) {
+  const axis = deviceOf(state)?.id === device.id ? deviceAxisOf(state) : 0;
+  const [one, design] = [device.axes[axis], situationOf(state)?.played[axis] ?? designOf(state)];
+  if (!one || !design || device.state === 'lost' || device.state === 'connecting') return '';
+  const which = device.axes.length > 1 ? `, axis ${axis}` : '';
+  return `${which} at ${lengthText(state.units, atScale(design, scaleOf(one)), one.position_steps)}`;
 }
 
 /** How old what is known of that device is [whole s]; null: it is new.

@@ -2,6 +2,7 @@
 
 import pytest
 
+from designs import document
 from frontend.modules import Modules
 
 READ = """async ([answers, overAt]) => {
@@ -152,6 +153,50 @@ def test_only_the_trace_of_the_move_that_was_asked_for_is_shown_as_its_own(
     modules: Modules, motions: tuple[int, int], states: list[str], numbers: list[int], shown: list[int] | None
 ) -> None:
     assert modules.evaluate(HEARD, [*motions, states, numbers]) == shown
+
+
+ANNOUNCED = (
+    HEARD.partition("const of =")[0].replace("async ([first, last, states, numbers])", "async ([design, told, axis])")
+    + """
+    const {COMMANDS} = await import('/app/commands/commands.js');
+    store.dispatch(COMMANDS.work.begin, {axes: [design], together: 'independent', ids: [5], active: 0, kept: null});
+    store.dispatch(COMMANDS.device.chooseAxis, axis);
+    createDeviceNews(store, createGestures(), new Map(), {endJog() {}, endMotions() {}}).watch();
+    const words = told.map(([unit, device]) => {
+        store.dispatch(COMMANDS.view.setUnits, {length: unit, time: 's'});
+        socket.onmessage({data: JSON.stringify({devices: [{id: '1', port: 'p', name: 'Grbl', stops: 5, heard_s: 1,
+            age_s: 0, shuttle: null, ramp: null, unknown_positions: [], ...device}]})});
+        return store.state().told.announced.text; });
+    Object.assign(globalThis, real);
+    return words; }"""
+)
+
+
+def axis_at(position_steps: int, **own: object) -> dict[str, object]:
+    fixed = {"axis": 0, "state": "ready", "target_steps": position_steps, "speed_steps_per_s": 0, "microsteps": None}
+    return fixed | {"position_steps": position_steps, "steps_per_mm": None} | own
+
+
+@pytest.mark.parametrize(
+    ("unit", "axis", "axes", "place"),
+    [
+        # The design has 50 steps/mm.
+        ("steps", 0, [axis_at(-1500)], " at \u22121,500 steps"),
+        ("mm", 0, [axis_at(1500)], " at 30.0000 mm"),
+        ("deg", 0, [axis_at(100)], " at 90.0000 °"),
+        ("mm", 0, [axis_at(1500, steps_per_mm=250)], " at 6.00000 mm"),
+        # The axis that the panel shows.
+        ("mm", 1, [axis_at(0), axis_at(-500, steps_per_mm=250)], ", axis 1 at \u22122.00000 mm"),
+        ("mm", 0, [], ""),
+    ],
+)
+def test_a_device_is_announced_where_its_panel_shows_it(
+    modules: Modules, unit: str, axis: int, axes: list[dict[str, object]], place: str
+) -> None:
+    moved_by_mm = document(axis__travel_per_rev=8, axis__travel_unit="mm")
+    states = [[unit, {"axes": axes, "state": state}] for state in ("ready", "moving", "lost", "connecting")]
+    told = [f"Grbl: ready{place}", f"Grbl: moving{place}", "Grbl: lost", "Grbl: connecting"]
+    assert modules.evaluate(ANNOUNCED, [moved_by_mm, states, axis]) == told
 
 
 def test_of_there_and_back_each_leg_has_a_number(modules: Modules) -> None:

@@ -8,16 +8,13 @@ import { shownState } from '../../devices/state_words.js';
 import { createFollower, measuredFrom, untilComplete } from '../../devices/traces.js';
 import { heard, linked, refused, showMeasured, traceCame } from '../commands/device.js';
 import { announce, urge } from '../commands/told.js';
+import { placeTextOf } from '../devices.js';
 import { rejectionsOf } from './device_actions.js';
 
 /** @typedef {import('../../model/types.js').Device} Device */
 
 const LINK_WORDS = { there: 'The server is back', silent: 'The server is silent', gone: 'The server is gone' };
 const CONFLICT = 409;
-
-/** Whether it has told where it is.
- * @param {Device} device */
-const hasPlace = ({ state }) => state !== 'lost' && state !== 'connecting';
 
 /**
  * @param {import('../state.js').Store} store
@@ -37,12 +34,14 @@ export function createDeviceNews({ state, dispatch }, gestures, traced, { endJog
     const known = state().devices.list;
     /** @type {[string, import('../state.js').TracedMove][]} */
     const measured = [];
+    /** @type {Device[]} */
+    const changed = [];
     follower.forgetOthers(told);
     for (const device of told) {
       const before = known.find((one) => one.id === device.id);
       follower.follow(device);
       if (before && shownState(before) === shownState(device)) continue;
-      dispatch(announce, `${device.name}: ${shownState(device)}${hasPlace(device) ? ` at ${device.position_steps} steps` : ''}`);
+      changed.push(device);
       // What was being traced before a loss, or by a server that has ended, is not told any more.
       if (before === undefined || device.state === 'lost') traced.delete(device.id);
       const move = traced.get(device.id);
@@ -53,6 +52,7 @@ export function createDeviceNews({ state, dispatch }, gestures, traced, { endJog
       if (device.state === 'lost') endJog();
     }
     dispatch(heard, told, follower.runs());
+    for (const device of changed) dispatch(announce, `${device.name}: ${shownState(device)}${placeTextOf(state(), device)}`);
     ended.follow(told);
     tellEnded();
     for (const [id, move] of measured) readTrace(id, move);

@@ -2,9 +2,10 @@
 // Homing of a device that can be: the button, whether it is known where axes are, how it goes on and what came of it.
 
 import { outcomeText } from '../../devices/homing.js';
+import { lengthText } from '../../model/places.js';
 import { element, messageLine, showText } from '../../ui/dom.js';
 import { createHomeDialog } from './home_dialog.js';
-import { enable, lengthText } from './section.js';
+import { enable } from './section.js';
 
 /** @typedef {import('./section.js').Context} Context */
 

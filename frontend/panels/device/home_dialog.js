@@ -5,13 +5,14 @@ import { isNo, Refusal } from '../../server/api.js';
 import { farthestSteps } from '../../devices/homing.js';
 import { memory } from '../../documents/memory.js';
 import { refusalText } from '../../model/messages.js';
+import { lengthText } from '../../model/places.js';
 import { createDialog, dialogFoot } from '../../ui/dialog.js';
 import { element, messageLine, showText } from '../../ui/dom.js';
 import { plainField } from '../../ui/plain_field.js';
 import { quantityField } from '../../ui/quantity_field.js';
 import { showAtPlaces, withoutThatOf } from '../../ui/refusal.js';
 import { createHomeAxis } from './home_axis.js';
-import { able, lengthText, speedText } from './section.js';
+import { able, speedText } from './section.js';
 
 /** @typedef {import('../../model/types.js').Device} Device */
 /** @typedef {import('../../model/types.js').Rejection} Rejection */

@@ -5,6 +5,7 @@ import { agoText } from '../../devices/ages.js';
 import { SET_POSITION, shownState, shuttleText } from '../../devices/state_words.js';
 import { element, messageLine, showText } from '../../ui/dom.js';
 import { formatFigures, formatFixed } from '../../model/numbers.js';
+import { lengthFigures } from '../../model/places.js';
 import { shownValue, unitsFor, unitWord } from '../../model/units.js';
 import { limitsText } from './limits.js';
 
@@ -51,8 +52,7 @@ export function createLive() {
       const { units } = situation;
       const design = situation.scaled[axis];
       const isInSteps = unitsFor(units, design).length === 'steps';
-      const length = (/** @type {number} */ steps) =>
-        isInSteps ? formatFixed(steps) : formatFigures(shownValue(units, design, 'length', steps), 6);
+      const length = (/** @type {number} */ steps) => lengthFigures(units, design, steps);
       const isUnderWay = state !== null && state.target_steps !== state.position_steps;
       const notes = [
         state && !isInSteps ? `${formatFixed(state.position_steps)} steps` : '',

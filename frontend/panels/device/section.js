@@ -1,7 +1,7 @@
 // @ts-check
 // What the sections of the device panel share.
 
-import { counted, formatFigures, formatFixed, formatKnown } from '../../model/numbers.js';
+import { counted, formatFigures, formatKnown } from '../../model/numbers.js';
 import { shownValue, stepsPerUnit, unitsFor, unitWord } from '../../model/units.js';
 
 /** @typedef {import('../../model/types.js').Device} Device */
@@ -69,14 +69,6 @@ export function scaleText({ situation: { units, played, scaled } }, axes) {
 /** @param {import('../../model/units.js').Units} units @param {Design} design @param {number} speed [steps/s] */
 export function speedText(units, design, speed) {
   return `${formatFigures(shownValue(units, design, 'speed', speed))} ${unitWord(units, design, 'speed')}`;
-}
-
-/** A length or a position, such as "12.5 mm".
- * @param {import('../../model/units.js').Units} units @param {Design} design @param {number} steps */
-export function lengthText(units, design, steps) {
-  const isInSteps = unitsFor(units, design).length === 'steps';
-  const figures = isInSteps ? formatFixed(steps) : formatFigures(shownValue(units, design, 'length', steps), 6);
-  return `${figures} ${unitWord(units, design, 'length')}`;
 }
 
 /** Whether a device can do what only some can; until it is known of a device, whether those of its family can. One that is
