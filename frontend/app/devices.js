@@ -291,7 +291,7 @@ export function toldDeviceOf(state) {
 export function placeTextOf(state, device) {
   const axis = deviceOf(state)?.id === device.id ? deviceAxisOf(state) : 0;
   const [one, design] = [device.axes[axis], situationOf(state)?.played[axis] ?? designOf(state)];
-  if (!one || !design || device.state === 'lost' || device.state === 'connecting') return '';
+  if (!one?.position_told || !design || device.state === 'lost' || device.state === 'connecting') return '';
   const which = device.axes.length > 1 ? `, axis ${axis}` : '';
   return `${which} at ${lengthText(state.units, atScale(design, scaleOf(one)), one.position_steps)}`;
 }

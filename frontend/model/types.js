@@ -337,6 +337,7 @@
  * @property {number | null} steps_per_mm   as the controller itself is set; null: it counts in steps only
  * @property {number | null} microsteps     that it makes of a full step; null: it doesn't tell
  * @property {boolean | null} position_known whether it is known that it is there; null: it doesn't tell
+ * @property {boolean} position_told        whether the controller tells where it is
  * @property {boolean | null} homing         whether it is being homed; null: it doesn't tell
  * @property {number | null} lowest_steps   soft limit; null: none
  * @property {number | null} highest_steps

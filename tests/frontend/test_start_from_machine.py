@@ -144,10 +144,10 @@ SCALED = """
     dispatch(COMMANDS.view.setUnits, {length: 'mm', time: 's'});
     dispatch(COMMANDS.device.linked, 'there');
     const device = (scales, state = 'ready') => ({id: '1', port: 'sim://', name: 'Simulated', family: 'grbl', state,
-        axes: scales.map((steps_per_mm, axis) => ({axis, state: 'ready', position_steps: 500, target_steps: 500,
-            speed_steps_per_s: 0, steps_per_mm, lowest_steps: -1000, highest_steps: 10_000})), most_axes: 2, stops: 0,
-        capabilities: ['line'], in_control: null, unknown_positions: [], shuttle: null, progress: null,
-        unproven: [], proof: null, ramp: {sequence: null, crc: null}});
+        axes: scales.map((steps_per_mm, axis) => ({axis, state: 'ready', position_told: true, position_steps: 500,
+            target_steps: 500, speed_steps_per_s: 0, steps_per_mm, lowest_steps: -1000, highest_steps: 10_000})),
+        most_axes: 2, stops: 0, capabilities: ['line'], in_control: null, unknown_positions: [], shuttle: null,
+        progress: null, unproven: [], proof: null, ramp: {sequence: null, crc: null}});
     const tell = (...told) => { dispatch(COMMANDS.device.heard, [device(...told)], {}); panel.show(store.state()); };
     const root = made('div');
     body.append(root);
@@ -182,6 +182,17 @@ def test_lengths_of_a_device_are_shown_and_sent_by_the_scale_that_its_controller
     assert move == ["2.00000", "Soft limits: \u22124 to 40 mm", "1,250 steps", note]
     assert jog == [note]
     assert second == ["1.25000", "Lengths here are the machine’s: 400 steps/mm; the design has 50."]
+
+
+def test_a_place_that_the_controller_does_not_tell_is_none(modules: Modules) -> None:
+    script = (
+        SCALED
+        + """ tell([50]); const told = shown('live-position', 'beyond-limits');
+        const untold = device([50]); untold.axes[0].position_told = false;
+        dispatch(COMMANDS.device.heard, [untold], {}); panel.show(store.state());
+        return [...told, ...shown('live-position', 'live-speed'), textOf(body).includes('not told')]; """
+    )
+    assert run(modules, script) == ["10.0000", "", "–", "0.000", True]
 
 
 def test_each_axis_of_a_line_has_its_own_scale(modules: Modules) -> None:

@@ -173,7 +173,14 @@ ANNOUNCED = (
 
 
 def axis_at(position_steps: int, **own: object) -> dict[str, object]:
-    fixed = {"axis": 0, "state": "ready", "target_steps": position_steps, "speed_steps_per_s": 0, "microsteps": None}
+    fixed = {
+        "axis": 0,
+        "state": "ready",
+        "position_told": True,
+        "target_steps": position_steps,
+        "speed_steps_per_s": 0,
+        "microsteps": None,
+    }
     return fixed | {"position_steps": position_steps, "steps_per_mm": None} | own
 
 
@@ -188,6 +195,7 @@ def axis_at(position_steps: int, **own: object) -> dict[str, object]:
         # The axis that the panel shows.
         ("mm", 1, [axis_at(0), axis_at(-500, steps_per_mm=250)], ", axis 1 at \u22122.00000 mm"),
         ("mm", 0, [], ""),
+        ("mm", 0, [axis_at(0, position_told=False)], ""),
     ],
 )
 def test_a_device_is_announced_where_its_panel_shows_it(

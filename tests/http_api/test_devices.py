@@ -27,6 +27,7 @@ DEVICE_FIELDS = {
 AXIS_FIELDS = {
     "axis", "state", "position_steps", "target_steps", "speed_steps_per_s", "steps_made", "lowest_steps",
     "highest_steps", "is_beyond_limits", "steps_per_mm", "microsteps", "limits_hold", "position_known", "homing",
+    "position_told",
 }  # fmt: skip
 _numbers = itertools.count()
 

@@ -144,8 +144,8 @@ def axes_of(device: DeviceAnswer) -> Rows:
                 device.id,
                 axis.axis,
                 str(axis.state),
-                axis.position_steps,
-                axis.target_steps,
+                axis.position_steps if axis.position_told else None,
+                axis.target_steps if axis.position_told else None,
                 axis.speed_steps_per_s,
                 _limits(axis.lowest_steps, axis.highest_steps),
             )

@@ -60,6 +60,13 @@ class AxisStatus:
     """Whether it is known that it is there; None for a controller that doesn't tell."""
     homing: bool | None = None
     """Whether it is being homed; None for a controller that doesn't tell."""
+    position_told: bool = True
+    """Whether the controller tells where it is; otherwise position and target say nothing."""
+
+    @classmethod
+    def untold(cls, activity: Activity = Activity.READY) -> "AxisStatus":
+        """Return the first axis of a controller that tells nothing of its axes: a status has one in any case."""
+        return cls(0, activity, 0, 0, 0.0, 0, position_told=False)
 
     @property
     def runs(self) -> bool:

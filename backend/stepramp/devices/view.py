@@ -50,6 +50,8 @@ class AxisView:
     """Whether it is known that it is there; None for a controller that doesn't tell."""
     homing: bool | None = None
     """Whether it is being homed; None for a controller that doesn't tell."""
+    position_told: bool = True
+    """Whether the controller tells where it is; otherwise position and target say nothing."""
 
     @property
     def limits_hold(self) -> bool:
@@ -59,7 +61,7 @@ class AxisView:
     @property
     def is_beyond_limits(self) -> bool:
         """Whether it is where its soft limits let nothing send it: they may be set wherever it is."""
-        return not Span(self.lowest_steps, self.highest_steps).contains(self.position_steps)
+        return self.position_told and not Span(self.lowest_steps, self.highest_steps).contains(self.position_steps)
 
     def away(self) -> "AxisView":
         """Return the axis as it is while its controller is started anew: it makes no steps, and was there."""
@@ -331,7 +333,8 @@ class DeviceView:
             yield "It was being given ramps or settings: it has the old ones or the new ones whole, never a mixture."
         for axis in self.axes:
             if axis.state in UNDER_WAY:
-                yield f"Axis {axis.axis} was moving, last heard of at {axis.position_steps:,} steps."
+                heard = f", last heard of at {axis.position_steps:,} steps" if axis.position_told else ""
+                yield f"Axis {axis.axis} was moving{heard}."
 
 
 def _axis_view(status: AxisStatus, span: Span) -> AxisView:
@@ -348,4 +351,5 @@ def _axis_view(status: AxisStatus, span: Span) -> AxisView:
         highest_steps=span.highest_steps,
         position_known=status.position_known,
         homing=status.homing,
+        position_told=status.position_told,
     )

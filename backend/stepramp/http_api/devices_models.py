@@ -275,6 +275,10 @@ class AxisAnswer(Answer):
         description="Whether it is known that its motor is there: since it was homed, or its position set. Not after a "
         "reset, nor once it was halted at speed. It moves all the same. null where the controller doesn't tell"
     )
+    position_told: bool = Field(
+        description="Whether the controller tells where it is. false where its settings make no sense or it isn't "
+        "ready, and of an axis that Klipper hasn't homed: then position and target say nothing"
+    )
     homing: bool | None = Field(description="Whether it is being homed; null where the controller doesn't tell")
     is_beyond_limits: bool = Field(
         description="Whether it is beyond its soft limits: then only moves that end within them, and runs towards "
@@ -344,7 +348,7 @@ class DeviceAnswer(Answer):
     )
     position_steps: int = Field(
         description="Where the motor of axis 0 is; of what is lost, where it was when it was last heard of, which is "
-        "age_s ago; 0 while age_s is null [steps]"
+        "age_s ago; 0 while age_s is null, and where its `position_told` is false [steps]"
     )
     target_steps: int = Field(description="Where axis 0 will come to rest, as in axes [steps]")
     speed_steps_per_s: float = Field(

@@ -53,12 +53,14 @@ export function createLive() {
       const design = situation.scaled[axis];
       const isInSteps = unitsFor(units, design).length === 'steps';
       const length = (/** @type {number} */ steps) => lengthFigures(units, design, steps);
-      const isUnderWay = state !== null && state.target_steps !== state.position_steps;
+      // Without a place its speed is what is known of it.
+      const place = state?.position_told ? state : null;
       const notes = [
-        state && !isInSteps ? `${formatFixed(state.position_steps)} steps` : '',
-        isUnderWay ? `to ${length(state.target_steps)}` : '',
+        state && !place ? 'not told' : '',
+        place && !isInSteps ? `${formatFixed(place.position_steps)} steps` : '',
+        place && place.target_steps !== place.position_steps ? `to ${length(place.target_steps)}` : '',
       ];
-      position.show(state ? length(state.position_steps) : '–', unitWord(units, design, 'length'), notes.filter(Boolean).join(' · '));
+      position.show(place ? length(place.position_steps) : '–', unitWord(units, design, 'length'), notes.filter(Boolean).join(' · '));
       const shown = state ? shownValue(units, design, 'speed', state.speed_steps_per_s) : 0;
       speed.show(state && !isLost && !restarts ? (isInSteps ? formatFixed(shown) : formatFigures(shown)) : '–', unitWord(units, design, 'speed'), '');
       const span = state ? limitsText(units, design, state) : '';

@@ -63,6 +63,7 @@ def test_one_without_a_first_axis_is_connected_and_moves_nothing(bench: Bench) -
     bench.controller.connect()
     [axis] = bench.controller.status().axes
     assert (axis.activity, axis.steps_per_mm, bench.controller.most_axes) == (Activity.READY, None, 0)
+    assert not axis.position_told
     for ask in (
         lambda: bench.controller.move_by([by(1)]),
         lambda: bench.controller.set_position([by(1)]),

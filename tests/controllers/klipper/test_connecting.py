@@ -56,6 +56,7 @@ def test_one_that_is_shut_down_is_shown_and_moves_nothing(bench: Bench) -> None:
     bench.controller.connect()
     status = bench.controller.status()
     assert status.trouble == "Klipper isn't ready: MCU 'mcu' shutdown: Timer too close"
+    assert [axis.position_told for axis in status.axes] == [False]
     with pytest.raises(Refused, match="Timer too close"):
         bench.controller.move_by([by(10)])
     bench.printer.restart()

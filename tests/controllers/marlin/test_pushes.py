@@ -261,14 +261,14 @@ def test_one_whose_settings_make_no_sense_is_connected_and_restored(bench: Bench
     again = bench.controller
     again.connect()
     status = again.status()
-    assert (len(status.axes), again.most_axes) == (1, 0)
+    assert ([axis.position_told for axis in status.axes], again.most_axes) == ([False], 0)
     assert "The settings of axis X make no sense" in str(status.trouble)
     for ask in (lambda: again.move_by(by(100)), lambda: again.preview_push([design()], 0)):
         with pytest.raises(Refused, match="The settings of axis X make no sense"):
             ask()
     assert again.use_backup(text) == ()
     assert stored(bench) == DEFAULTS
-    assert (len(again.status().axes), again.status().trouble) == (4, None)
+    assert ([axis.position_told for axis in again.status().axes], again.status().trouble) == ([True] * 4, None)
     again.move_by(by(100))
     bench.rest()
     assert bench.marlin.position[0] == 100

@@ -55,8 +55,8 @@ class Remembers(Protocol):
 
 
 def _unknown_axis(report: Report) -> AxisStatus:
-    """Return what is told of the first axis where its settings make no sense: a status has one in any case."""
-    return AxisStatus(0, Activity.MOVING if report.is_under_way else Activity.READY, 0, 0, 0.0, 0)
+    """Return what is told of the first axis where its settings make no sense."""
+    return AxisStatus.untold(Activity.MOVING if report.is_under_way else Activity.READY)
 
 
 class GrblMachine(Controller, DrawsLines):

@@ -321,7 +321,7 @@ class KlipperController(Controller, StoresRamps, TriesRamps, DrawsLines, BacksUp
         self._refuse_restarted()
         return ControllerStatus(
             activity=Activity.READY,
-            axes=(AxisStatus(0, Activity.READY, 0, 0, 0.0, 0),),
+            axes=(AxisStatus.untold(),),
             ramp=None,
             on_trial=False,
             motors_on=False,

@@ -177,7 +177,12 @@ class Moves:
                 end = route.goal[axis] if self._is_ours else self._told[axis]
                 rest += round(end * float(scale)) - counted[axis]
             made = abs(counted[axis] - self._set_out_at[axis]) if self._set_out_at else 0
-            found.append(AxisStatus(axis, activity, called[axis], rest, speed, made, steps_per_mm=float(scale)))
+            is_homed = LETTERS[axis] in seen.toolhead.homed_axes
+            found.append(
+                AxisStatus(
+                    axis, activity, called[axis], rest, speed, made, steps_per_mm=float(scale), position_told=is_homed
+                )
+            )
         return tuple(found)
 
     def steps_to_rest(self, axis: int, speed_steps_per_s: float) -> int:

@@ -104,7 +104,7 @@ class MarlinController(Controller, StoresRamps, TriesRamps, DrawsLines, BacksUp)
             if self._moves.stopping.count == stops:
                 break
         # One is told in any case, though it can't be moved.
-        axes = self._moves.axes(seen) or (AxisStatus(0, Activity.READY, 0, 0, 0.0, 0),)
+        axes = self._moves.axes(seen) or (AxisStatus.untold(),)
         activities = {axis.activity for axis in axes}
         activity = next((each for each in UNDER_WAY if each in activities), Activity.READY)
         return ControllerStatus(
