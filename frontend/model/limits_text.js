@@ -7,15 +7,18 @@ import { formatEntry } from './numbers.js';
 const FIGURES = 6;
 
 /** Limits in another unit are rounded inwards, so that what is told is allowed.
- * @param {import('./types.js').Limits} limits @param {string} unit @param {number} factor from the unit they are in */
-export function limitsInUnit({ lowest, highest, is_whole, note }, unit, factor) {
+ * @param {import('./types.js').Limits} limits @param {string} unit @param {number} factor from the unit they are in
+ * @param {unknown} [value] that was refused, in that unit */
+export function limitsInUnit({ lowest, highest, is_whole, note }, unit, factor, value) {
   const low = lowest === null ? null : formatEntry(roundedTo(lowest * factor, factor, Math.ceil));
   const high = highest === null ? null : formatEntry(roundedTo(highest * factor, factor, Math.floor));
-  // What is whole in another unit are steps.
-  const kind = !is_whole ? 'a number' : factor === 1 ? 'a whole number' : 'whole steps';
+  // What is whole in another unit are steps: any number that is typed is taken for the nearest of them.
+  const kind = is_whole && factor === 1 ? 'a whole number' : 'a number';
+  const isBetween = is_whole && factor !== 1 && typeof value === 'number' && !Number.isInteger(value);
+  const apart = isBetween ? `, in steps of ${formatEntry(Number(factor.toPrecision(FIGURES)))} ${unit}` : '';
   const ends =
     low !== null && high !== null ? `${kind} from ${low} to ${high}` : low !== null ? `at least ${low}` : `at most ${high}`;
-  return `${ends} ${unit}${note}`;
+  return `${ends} ${unit}${apart}${note}`;
 }
 
 /** A converted number with as many figures as are told.

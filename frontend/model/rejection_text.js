@@ -31,6 +31,6 @@ export function inUnit(message, field, unit, factor) {
     typeof value === 'number'
       ? `${shownEntry(value, factor)} ${unit} (${formatEntry(value)} ${refused.unit})`
       : undefined;
-  const allowed = limitsInUnit(refused.limits, unit, factor);
+  const allowed = limitsInUnit(refused.limits, unit, factor, value);
   return { ...message, text: refusalText(refused, field.label, { given, allowed }) };
 }

@@ -75,7 +75,7 @@ function limitWords({ field, value, limits, told, unit }, units, design) {
   const [factor, word] = [shownValue(units, design, quantity, 1), unitWord(units, design, quantity)];
   if (factor === 1) return {};
   const given = typeof value === 'number' ? { given: `${shownEntry(value, factor)} ${word} (${formatEntry(value)} ${own})` } : {};
-  return limits === undefined ? given : { ...given, allowed: limitsInUnit(limits, word, factor) };
+  return limits === undefined ? given : { ...given, allowed: limitsInUnit(limits, word, factor, value) };
 }
 
 /** The unit of a field, which its name tells; '' when it is none that an axis converts.

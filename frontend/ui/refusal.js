@@ -64,6 +64,6 @@ export function inShownUnit(rejection, label, quantity, units, design) {
     typeof value === 'number'
       ? `${formatEntry(Number((value * factor).toPrecision(MOST_FIGURES)))} ${word} (${formatEntry(value)} ${SERVER_UNITS[quantity]})`
       : undefined;
-  const allowed = limits && unit === SERVER_UNITS[quantity] ? limitsInUnit(limits, word, factor) : undefined;
+  const allowed = limits && unit === SERVER_UNITS[quantity] ? limitsInUnit(limits, word, factor, value) : undefined;
   return refusalText(told, label, { given, allowed });
 }

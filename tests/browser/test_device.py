@@ -564,7 +564,9 @@ def test_a_distance_below_a_step_is_refused_as_it_was_typed(pushed: StepRampPage
             expect(message).to_have_text(f"{typed} mm is less than half a step; the least is 0.02 mm.")
             expect(page.locator("#move-in-steps")).to_be_hidden()
     pushed.move("0")
-    expect(message).to_have_text("Distance is 0 mm (0 steps); allowed: a whole number of steps, but not 0.")
+    expect(message).to_have_text(
+        "Distance is 0 mm (0 steps); allowed: a number from -42,949,600 to 42,949,600 mm, but not 0."
+    )
     pushed.move("3.333")
     expect(page.locator("#move-in-steps")).to_have_text("3.333 mm would be 166.65 steps: it is 167, 3.34 mm.")
     until(lambda: device_of(pushed)["position_steps"] == 167)
@@ -601,7 +603,7 @@ def test_what_is_refused_stands_at_its_field_in_its_unit(pushed: StepRampPage, w
     page.get_by_label("Travel unit").select_option("deg")
     page.locator('#length-unit [data-value="deg"]').click()
     assert refused("#zero-steps", "-1", "#zero") == (
-        "Range is -1 ° (-50 steps); allowed: whole steps from 0.02 to 1,310.7 °."
+        "Range is -1 ° (-50 steps); allowed: a number from 0.02 to 1,310.7 °."
     )
     page.locator('#device-sections [data-value="move"]').click()
     page.locator('.panel.device [data-value="back"]').click()

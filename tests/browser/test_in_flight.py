@@ -145,7 +145,7 @@ def test_what_is_refused_is_told_at_its_row_in_the_units_that_are_shown(stepramp
     entry(dialog, "Time", 1).fill("0")
     entry(dialog, "Target", 1).fill("1e7")
     expect(rows.nth(0).locator(".problem").last).to_contain_text(
-        "Target is 10,000,000 mm (500,000,000 steps); allowed: whole steps from -200,000 to 200,000 mm"
+        "Target is 10,000,000 mm (500,000,000 steps); allowed: a number from -200,000 to 200,000 mm"
     )
     entry(dialog, "Target", 1).fill("10")
     expect(dialog.locator("#flight-result")).to_contain_text("At rest")

@@ -140,13 +140,19 @@ def limited(lowest: float | None, highest: float | None, note: str = "", *, is_w
             "length",
             600,
             limited(-50, 500, ", the soft limits of axis 1"),
-            "Steps is 12 mm (600 steps); allowed: whole steps from -1 to 10 mm, the soft limits of axis 1.",
+            "Steps is 12 mm (600 steps); allowed: a number from -1 to 10 mm, the soft limits of axis 1.",
         ),
         (
             "length",
             5,
             limited(10, None, ", the lowest"),
             "Steps is 0.1 mm (5 steps); allowed: at least 0.2 mm, the lowest.",
+        ),
+        (
+            "length",
+            2.5,
+            limited(-50, 500),
+            "Steps is 0.05 mm (2.5 steps); allowed: a number from -1 to 10 mm, in steps of 0.02 mm.",
         ),
         (
             "speed",
@@ -159,7 +165,7 @@ def limited(lowest: float | None, highest: float | None, note: str = "", *, is_w
             "abc",
             limited(-(2**31), 2**31 - 1),
             # A limit is rounded to the side that is allowed.
-            "Steps is 'abc'; allowed: whole steps from -42949600 to 42949600 mm.",
+            "Steps is 'abc'; allowed: a number from -42949600 to 42949600 mm.",
         ),
     ],
 )

@@ -328,7 +328,7 @@ SPEEDS = Limits(0.001, 1_000_000, "steps/s")
             STEPS,
             0,
             Limits(-10_000_000, 10_000_000, "steps", is_whole=True, note=", but not 0"),
-            "Distance is 0 mm (0 steps); allowed: whole steps from -200,000 to 200,000 mm, but not 0.",
+            "Distance is 0 mm (0 steps); allowed: a number from -200,000 to 200,000 mm, but not 0.",
         ),
         # What isn't in the field's unit is nothing that could be converted.
         (SLEW, 5, Limits(1, 2, "Hz"), "as the server tells it"),

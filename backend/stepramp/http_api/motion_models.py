@@ -15,7 +15,10 @@ from stepramp.errors import Limits
 from stepramp.http_api.answer import Answer, Numbers, WholeNumbers
 from stepramp.validation import Document, ListOf, ListOrNull, Within, refuse
 
-Steps = Annotated[int, Within(-(2**31), 2**31 - 1, "steps")]
+LEAST_STEPS, MOST_STEPS = -(2**31), 2**31 - 1
+NOT_ZERO = ", but not 0"
+Steps = Annotated[int, Within(LEAST_STEPS, MOST_STEPS, "steps")]
+StepsAway = Annotated[int, Within(LEAST_STEPS, MOST_STEPS, "steps", NOT_ZERO)]
 Speed = Annotated[float, Within(-1_000_000, 1_000_000, "steps/s")]
 AXIS = "Which axis, from 0"
 
@@ -49,7 +52,7 @@ class MovePayload(Document):
         if self.axes is None:
             _refuse_both_or_none(self.by_steps, self.to_steps)
             if self.by_steps == 0:
-                refuse("by_steps", 0, "a whole number of steps, but not 0")
+                refuse("by_steps", 0, _steps(NOT_ZERO))
             return self
         refuse_own_axes(self.axes, {"by_steps": self.by_steps, "to_steps": self.to_steps})
         relative = self.axes[0].by_steps is not None
@@ -75,7 +78,7 @@ class ShuttlePayload(Document):
     """How one axis is to go there and back."""
 
     axis: AxisNumber = Field(0, description=AXIS)
-    by_steps: Annotated[int, Within(-(2**31), 2**31 - 1, "steps", ", but not 0")] = Field(
+    by_steps: StepsAway = Field(
         description="How far it goes, from where it is at rest, negative for backwards [steps]",
         json_schema_extra={"not": {"const": 0}},
     )
@@ -85,7 +88,7 @@ class ShuttlePayload(Document):
     @model_validator(mode="after")
     def _somewhere(self) -> Self:
         if self.by_steps == 0:
-            refuse("by_steps", 0, "a whole number of steps, but not 0")
+            refuse("by_steps", 0, _steps(NOT_ZERO))
         return self
 
     def shuttle(self, page: str | None) -> Shuttle:
@@ -156,7 +159,7 @@ class LinePayload(Document):
     def _some(self) -> Self:
         refuse_own_axes(self.axes, {})
         if not any(each.by_steps for each in self.axes):
-            refuse("axes.0.by_steps", self.axes[0].by_steps, "a whole number of steps, not 0 for all axes")
+            refuse("axes.0.by_steps", self.axes[0].by_steps, _steps(", not 0 for all axes"))
         return self
 
     @property
@@ -357,6 +360,10 @@ def _commands(axes: Sequence[Document] | None, name: str, own: float | None) -> 
         return [] if own is None else [AxisCommand(0, own, name)]
     fields = [(getattr(each, "axis"), getattr(each, name)) for each in axes]  # noqa: B009  # of several models
     return [AxisCommand(axis, value, f"axes.{number}.{name}") for number, (axis, value) in enumerate(fields)]
+
+
+def _steps(note: str) -> Limits:
+    return Limits(LEAST_STEPS, MOST_STEPS, "steps", is_whole=True, note=note)
 
 
 def _refuse_both_or_none(by_steps: int | None, to_steps: int | None) -> None:
