@@ -81,6 +81,56 @@ def test_axes_that_are_left_out_are_named(old: str, new: str, read: str, said: s
     assert said in remarks(text)
 
 
+CUT = "is cut off, as it seems: the others of its line have 2 decimals"
+PERHAPS = "if the text was cut off there, that number may lack digits, too"
+
+
+@pytest.mark.parametrize(
+    ("upto", "read", "said"),
+    [
+        # A paste that ends in the midst of a number, or between two.
+        ("M201 X500.00 Y5", "X", f"Axis Y is left out: M201 Y5 {CUT}."),
+        ("M201 X500.00 Y500.", "X", f"Axis Y is left out: M201 Y500. {CUT}."),
+        ("M201 X500.00 Y500.00 Z100.00 E50", "XYZ", f"Axis E is left out: M201 E50 {CUT}."),
+        ("M201 X500.00 Y500.00 Z", "XY", "Axis Z is left out: M201 Z is not told."),
+        (
+            "M201 X500.00 Y500.00",
+            "XY",
+            f"M201 ends with Y500.00, and tells no Z, E: {PERHAPS}.",
+        ),
+        (
+            "M201 X5",
+            "X",
+            f"M201 ends with X5, and tells no Y, Z, E: {PERHAPS}.",
+        ),
+        ("Z100.00 E5000.00", "XYZE", "M204 T is not told: the acceleration is that of M201 alone."),
+        ("M204 P500.00 R10", "XYZ", f"Axis E is left out: M204 R10 {CUT}."),
+    ],
+)
+def test_a_listing_that_is_cut_off_gives_no_wrong_numbers_without_a_word(upto: str, read: str, said: str) -> None:
+    text = LISTING[: LISTING.index(upto) + len(upto)]
+    assert "".join(axis.name for axis in read_settings(text, design())) == read
+    assert said in remarks(text)
+
+
+def test_a_line_in_the_midst_that_is_cut_off_gives_none_either() -> None:
+    """As of a terminal that drops what comes while it scrolls."""
+    text = LISTING.replace(" Y500.00 Z5.00 E25.00", " Y3")
+    assert [axis.name for axis in read_settings(text, design())] == ["X"]
+    assert f"Axis Y is left out: M203 Y3 {CUT}. Axis Z is left out: M203 Z is not told." in remarks(text)
+    # What somebody has written has as many decimals as it needs.
+    by_hand = LISTING.replace("X500.00 Y500.00 Z5.00 E25.00", "X500 Y500.5 Z5.25 E25")
+    assert len(read_settings(by_hand, design())) == 4
+
+
+@pytest.mark.parametrize("upto", ["M204 P500.00 R1000.00 T5", "M204 P500.00 R1000.00 T500."])
+def test_what_is_cut_off_of_all_axes_is_refused(upto: str) -> None:
+    text = LISTING[: LISTING.index(upto) + len(upto)]
+    field, told, allowed = only_rejection(lambda: read_settings(text, design()))
+    assert (field, told) == ("text", f"M204 {upto.rpartition(' ')[2]} {CUT}")
+    assert allowed == "M92, M203 and M201 of axis X, above 0 and whole"
+
+
 def test_nothing_is_said_of_what_is_all_read() -> None:
     assert "left out" not in remarks(LISTING)
     assert read_settings("G21\nM92 X80\nG1 X5\n", design()) == []

@@ -5,9 +5,18 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
+from itertools import takewhile
 
 from stepramp.controllers.given_numbers import typed
-from stepramp.controllers.marlin.settings import EXTRUDER, LETTERS, OF_AN_AXIS, AxisSettings, Settings, unreadable
+from stepramp.controllers.marlin.settings import (
+    ACCELERATIONS,
+    EXTRUDER,
+    LETTERS,
+    OF_AN_AXIS,
+    AxisSettings,
+    Settings,
+    unreadable,
+)
 from stepramp.controllers.read_axis import GAIN, SCALE, SPEED, ReadAxis, design_read, refused_setting
 from stepramp.design import Design
 from stepramp.errors import Count, Rejected, shown
@@ -35,14 +44,15 @@ def read_settings(text: str, base: Design) -> list[ReadAxis]:
         return []
     if settings.is_in_inches:
         raise Rejected([refused_setting("G20", "The settings are in inches (G20)", "settings in mm (G21)")])
-    axes = settings.axes()
+    axes = list(takewhile(lambda axis: not any(_lacks(settings, axis.letter)), settings.axes()))
     if not axes:
-        lacks = [lack for code in OF_AN_AXIS if (lack := _lack(settings, code, "X")) is not None]
-        allowed = "M92, M203 and M201 of axis X, above 0"
+        lacks = list(_lacks(settings, "X"))
+        allowed = "M92, M203 and M201 of axis X, above 0 and whole"
         raise Rejected([refused_setting(Count(lack), lack, allowed) for lack in lacks])
-    left = _left_out(settings, [axis.letter for axis in axes])
+    letters = [axis.letter for axis in axes]
+    notes = [*_left_out(settings, letters), *_perhaps_cut(settings, letters)]
     read = [_axis(axis, settings.shared_by(axis.letter), base) for axis in axes]
-    return [replace(read[0], remarks=(*read[0].remarks, *left)), *read[1:]]
+    return [replace(read[0], remarks=(*read[0].remarks, *notes)), *read[1:]]
 
 
 def _left_out(settings: Settings, read: Sequence[str]) -> Iterator[str]:
@@ -50,8 +60,7 @@ def _left_out(settings: Settings, read: Sequence[str]) -> Iterator[str]:
     told = {letter for code in OF_AN_AXIS for letter in settings.words(code)}
     for letter in LETTERS:
         if letter in told and letter not in read:
-            lacks = [lack for code in OF_AN_AXIS if (lack := _lack(settings, code, letter)) is not None]
-            yield f"Axis {letter} is left out: {lacks[0] if lacks else 'one before it is'}."
+            yield f"Axis {letter} is left out: {next(_lacks(settings, letter), 'one before it is')}."
     if others := sorted(told & set(OTHER_LETTERS)):
         yield f"Axes other than X, Y, Z and E are left out: {', '.join(others)}."
     for code, words in settings.commands:
@@ -59,13 +68,32 @@ def _left_out(settings: Settings, read: Sequence[str]) -> Iterator[str]:
             yield f"{code} {words} is left out: of several extruders the first is read, not {found[0]}."
 
 
-def _lack(settings: Settings, code: str, letter: str) -> str | None:
-    """Return what is wrong with a number of an axis, in words; None for nothing."""
-    value = settings.words(code).get(letter)
-    if value is None:
-        return f"{code} {letter} is not told"
-    number = settings.number(code, letter)
-    return None if number is not None and number > 0 else f"{code} {letter}{value} is no number above 0"
+def _perhaps_cut(settings: Settings, read: Sequence[str]) -> Iterator[str]:
+    """Yield which number of axes that are read may lack digits: its line ends with it, and others go on."""
+    known = {letter for code in OF_AN_AXIS for letter in settings.words(code)}
+    for code in OF_AN_AXIS:
+        words = settings.words(code)
+        last = max((letter for letter in LETTERS if letter in words), key=LETTERS.index)
+        beyond = [letter for letter in LETTERS[LETTERS.index(last) + 1 :] if letter in known]
+        if beyond and last in read:
+            yield (
+                f"{code} ends with {last}{words[last]}, and tells no {', '.join(beyond)}: if the text was cut off "
+                "there, that number may lack digits, too."
+            )
+
+
+def _lacks(settings: Settings, letter: str) -> Iterator[str]:
+    """Yield what is wrong with the numbers of an axis, in words."""
+    for code in OF_AN_AXIS:
+        value, number = settings.words(code).get(letter), settings.number(code, letter)
+        if value is None:
+            yield f"{code} {letter} is not told"
+        elif number is None or number <= 0:
+            yield f"{code} {letter}{value} is no number above 0"
+    for code, each in (*((code, letter) for code in OF_AN_AXIS), (ACCELERATIONS, settings.shared_by(letter))):
+        if (decimals := settings.decimals_cut(code, each)) is not None:
+            value = settings.words(code)[each]
+            yield f"{code} {each}{value} is cut off, as it seems: the others of its line have {decimals} decimals"
 
 
 def _axis(axis: AxisSettings, shared: str, base: Design) -> ReadAxis:
@@ -91,6 +119,8 @@ def _remarks(axis: AxisSettings, shared: str, design: Design, base: Design) -> I
         f"Full steps and microsteps are not told: {base.axis.full_steps_per_rev:,} times {base.axis.microsteps:,} "
         f"steps a turn, {design.axis.travel_per_rev:,.10g} mm, are {float(axis.steps_per_mm):,.7g} steps/mm."
     )
+    if axis.shared_acceleration is None:
+        yield f"M204 {shared} is not told: the acceleration is that of M201 alone."
     if axis.effective_acceleration != axis.acceleration:
         alone = "on its own, whatever its M201 is" if axis.letter == EXTRUDER else "less than its M201"
         yield (f"The acceleration is that of M204 {shared}, {float(axis.effective_acceleration):,.7g} mm/s², {alone}.")

@@ -102,6 +102,18 @@ class Settings:
         except (KeyError, ValueError, OverflowError):
             return None
 
+    def decimals_cut(self, code: str, letter: str) -> int | None:
+        """Return how many decimals a number should have that ends its line with fewer than all others of it have.
+
+        None for one that has as many, and where the others differ: a person has written them.
+        """
+        for each, words in self.commands:
+            found = list(_WORD.finditer(words)) if each == code else []
+            if len(found) > 1 and found[-1]["letter"] == letter:
+                *others, last = (len(word["value"].partition(".")[2]) for word in found)
+                return others[0] if len(set(others)) == 1 and last < others[0] else None
+        return None
+
     def axis(self, letter: str) -> AxisSettings | None:
         """Return what is kept of an axis; None when it isn't there, or makes no sense."""
         numbers = [self.number(code, letter) for code in OF_AN_AXIS]
