@@ -64,6 +64,36 @@ def test_a_configuration_becomes_designs() -> None:
         assert read_settings(text, design()) == []
 
 
+ENDS = "The text ends within axis"
+MISSING = "if it was cut off there, what follows is missing, and its last number may lack digits."
+
+
+@pytest.mark.parametrize(
+    ("upto", "said"),
+    [
+        (
+            "steps_per_mm: 250\n    max_rate_mm_per_min: 5",
+            [
+                "axes/x/acceleration_mm_per_sec2 is taken as 25, as FluidNC does where it isn't told.",
+                "Axis X is found.",
+                f"{ENDS} X, at axes/x/max_rate_mm_per_min, before anything of its motor0: {MISSING}",
+            ],
+        ),
+        (
+            "max_travel_mm: 200",
+            ["Axis X is found.", f"{ENDS} X, at axes/x/max_travel_mm, before anything of its motor0: {MISSING}"],
+        ),
+        ("microsteps: 16", ["Axis X is found.", f"{ENDS} X, at axes/x/motor0/tmc_2209/microsteps: {MISSING}"]),
+        ("  y:", ["Axis X is found.", f"{ENDS} Y, at axes/y, before anything of its motor0: {MISSING}"]),
+        ("macro0:", ["Axes X, Y, Z are found."]),
+    ],
+)
+def test_a_configuration_that_is_cut_off_says_what_was_found_of_it(upto: str, said: list[str]) -> None:
+    first, *others = read_settings(FILE[: FILE.index(upto) + len(upto)], design())
+    assert list(first.remarks[1:]) == said
+    assert not any(len(axis.remarks) > 1 for axis in others)
+
+
 @given(st.decimals("1", "5000", places=3), st.decimals("10", "99999", places=3), st.decimals("1", "99999", places=3))
 def test_pushing_what_was_read_changes_nothing(per_mm: object, rate: object, gain: object) -> None:
     text = f"axes:\n  x:\n    steps_per_mm: {per_mm}\n    max_rate_mm_per_min: {rate}\n"

@@ -82,6 +82,15 @@ class Configuration:
         scale, rate, gain = map(np.float32, map(float, texts))
         return AxisSettings(scale, rate, gain, 0.0 if is_exact else rounding_slack(texts[0].strip()))
 
+    def untold(self, axis: int) -> list[str]:
+        """Return which items of an axis aren't there, and what is taken for them, as beginnings of sentences."""
+        paths = {item: f"axes/{LETTERS[axis]}/{item}" for item in ITEMS}
+        return [
+            f"{path} is taken as {_DEFAULTS[item]}"
+            for item, path in paths.items()
+            if not self.items.get(path, "").partition("#")[0]
+        ]
+
     def senseless(self, axis: int) -> str | None:
         """Return the first item of an axis with which it makes no sense, as it is told."""
         for item in ITEMS:

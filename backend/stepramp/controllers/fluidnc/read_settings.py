@@ -1,7 +1,8 @@
 """Designs of FluidNC's configuration: its file, or what `$CD` tells."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from fractions import Fraction
 
 from stepramp.controllers.fluidnc.configuration import ITEMS, LEAST, LETTERS, MOST, Configuration
@@ -36,7 +37,24 @@ def read_settings(text: str, base: Design) -> list[ReadAxis]:
         allowed = f"axes with numbers from {LEAST:g} to {MOST:,.0f}"
         raise Rejected([refused_setting(item, f"{item} is there", allowed) for item in senseless])
     found = [(axis, configuration.axis(axis)) for axis in read]
-    return [_axis(axis, settings, configuration, base) for axis, settings in found if settings is not None]
+    axes = [_axis(axis, settings, configuration, base) for axis, settings in found if settings is not None]
+    notes = _found(configuration, [axis.name for axis in axes]) if axes else ()
+    return [replace(axis, remarks=(*axis.remarks, *notes)) if axis is axes[0] else axis for axis in axes]
+
+
+def _found(configuration: Configuration, names: Sequence[str]) -> Iterator[str]:
+    """Yield which axes there are, and that the text ends among them: it may be cut off, and an axis' items optional."""
+    yield f"{'Axis' if len(names) == 1 else 'Axes'} {', '.join(names)} {'is' if len(names) == 1 else 'are'} found."
+    last = list(configuration.items)[-1]
+    section, *path = last.split("/")
+    if section != "axes" or not path or path[0] not in LETTERS:
+        return
+    motor = f"axes/{path[0]}/motor0"
+    lacks = "" if motor in configuration.sections else ", before anything of its motor0"
+    yield (
+        f"The text ends within axis {path[0].upper()}, at {last}{lacks}: if it was cut off there, what follows is "
+        "missing, and its last number may lack digits."
+    )
 
 
 def _axis(axis: int, settings: AxisSettings, configuration: Configuration, base: Design) -> ReadAxis:
@@ -62,7 +80,7 @@ def _axis(axis: int, settings: AxisSettings, configuration: Configuration, base:
         GAIN: f"acceleration_mm_per_sec2 {float(settings.acceleration):.10g}",
     }
     design = design_read(document, f"axis {letter.upper()}", made_of)
-    return ReadAxis(letter.upper(), design, tuple(_remarks(design, settings)))
+    return ReadAxis(letter.upper(), design, tuple(_remarks(design, settings, configuration.untold(axis))))
 
 
 def _microsteps(configuration: Configuration, letter: str) -> int | None:
@@ -73,10 +91,12 @@ def _microsteps(configuration: Configuration, letter: str) -> int | None:
     return None if found is None else int(texts[0])
 
 
-def _remarks(design: Design, settings: AxisSettings) -> Iterator[str]:
+def _remarks(design: Design, settings: AxisSettings, untold: Sequence[str]) -> Iterator[str]:
     yield (
         f"Full steps are not told: {design.axis.full_steps_per_rev:,} times {design.axis.microsteps:,} steps a turn, "
         f"{design.axis.travel_per_rev:,.10g} mm, are {float(settings.steps_per_mm):,.7g} steps/mm."
     )
     if settings.rounding_words is not None:
         yield settings.rounding_words
+    for words in untold:
+        yield f"{words}, as FluidNC does where it isn't told."
