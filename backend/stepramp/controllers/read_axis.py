@@ -1,7 +1,7 @@
 """What a controller is set to, as designs: to start from a machine that is there."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 from stepramp.controllers.remark import told_in
@@ -29,6 +29,12 @@ ReadSettings = Callable[[str, Design], list[ReadAxis]]
 """Makes a design of each axis that a text tells of; what it doesn't tell is that of another design.
 
 [] for a text that no controller of the family tells. Raises Rejected for one that makes no sense."""
+
+
+def with_notes(axes: Iterable[ReadAxis], notes: Iterable[str]) -> list[ReadAxis]:
+    """Return axes with remarks on the text as a whole: each of them has these, so that none is said of one axis."""
+    told = tuple(notes)
+    return [replace(axis, remarks=(*axis.remarks, *told)) for axis in axes]
 
 
 FIGURES = {

@@ -65,7 +65,7 @@ def test_a_configuration_becomes_designs() -> None:
 
 
 ENDS = "The text ends within axis"
-MISSING = "if it was cut off there, what follows is missing, and its last number may lack digits."
+MISSING = "Axis X is found: if it was cut off, others are missing, and its last number may lack digits."
 
 
 @pytest.mark.parametrize(
@@ -75,23 +75,21 @@ MISSING = "if it was cut off there, what follows is missing, and its last number
             "steps_per_mm: 250\n    max_rate_mm_per_min: 5",
             [
                 "axes/x/acceleration_mm_per_sec2 is taken as 25, as FluidNC does where it isn't told.",
-                "Axis X is found.",
-                f"{ENDS} X, at axes/x/max_rate_mm_per_min, before anything of its motor0: {MISSING}",
+                f"{ENDS} X, at axes/x/max_rate_mm_per_min, before anything of its motor0. {MISSING}",
             ],
         ),
         (
             "max_travel_mm: 200",
-            ["Axis X is found.", f"{ENDS} X, at axes/x/max_travel_mm, before anything of its motor0: {MISSING}"],
+            [f"{ENDS} X, at axes/x/max_travel_mm, before anything of its motor0. {MISSING}"],
         ),
-        ("microsteps: 16", ["Axis X is found.", f"{ENDS} X, at axes/x/motor0/tmc_2209/microsteps: {MISSING}"]),
-        ("  y:", ["Axis X is found.", f"{ENDS} Y, at axes/y, before anything of its motor0: {MISSING}"]),
-        ("macro0:", ["Axes X, Y, Z are found."]),
+        ("microsteps: 16", [f"{ENDS} X, at axes/x/motor0/tmc_2209/microsteps. {MISSING}"]),
+        ("  y:", [f"{ENDS} Y, at axes/y, before anything of its motor0. {MISSING}"]),
+        ("macro0:", []),
     ],
 )
 def test_a_configuration_that_is_cut_off_says_what_was_found_of_it(upto: str, said: list[str]) -> None:
-    first, *others = read_settings(FILE[: FILE.index(upto) + len(upto)], design())
-    assert list(first.remarks[1:]) == said
-    assert not any(len(axis.remarks) > 1 for axis in others)
+    for axis in read_settings(FILE[: FILE.index(upto) + len(upto)], design()):
+        assert list(axis.remarks[1:]) == said
 
 
 @given(st.decimals("1", "5000", places=3), st.decimals("10", "99999", places=3), st.decimals("1", "99999", places=3))

@@ -128,7 +128,7 @@ def test_what_is_cut_off_of_all_axes_is_refused(upto: str) -> None:
     text = LISTING[: LISTING.index(upto) + len(upto)]
     field, told, allowed = only_rejection(lambda: read_settings(text, design()))
     assert (field, told) == ("text", f"M204 {upto.rpartition(' ')[2]} {CUT}")
-    assert allowed == "M92, M203 and M201 of axis X, above 0 and whole"
+    assert allowed == "M92, M203 and M201 of axis X, above 0 and not cut off"
 
 
 def test_nothing_is_said_of_what_is_all_read() -> None:

@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from fractions import Fraction
 
 from stepramp.controllers.fluidnc.configuration import ITEMS, LEAST, LETTERS, MOST, Configuration
@@ -10,7 +9,7 @@ from stepramp.controllers.fluidnc.memory import file_in
 from stepramp.controllers.given_numbers import no_less
 from stepramp.controllers.grbl.numbers import exact
 from stepramp.controllers.grbl.settings import AxisSettings, speed_of
-from stepramp.controllers.read_axis import GAIN, SCALE, SPEED, ReadAxis, design_read, refused_setting
+from stepramp.controllers.read_axis import GAIN, SCALE, SPEED, ReadAxis, design_read, refused_setting, with_notes
 from stepramp.design import Design
 from stepramp.errors import Rejected, shown
 
@@ -38,13 +37,11 @@ def read_settings(text: str, base: Design) -> list[ReadAxis]:
         raise Rejected([refused_setting(item, f"{item} is there", allowed) for item in senseless])
     found = [(axis, configuration.axis(axis)) for axis in read]
     axes = [_axis(axis, settings, configuration, base) for axis, settings in found if settings is not None]
-    notes = _found(configuration, [axis.name for axis in axes]) if axes else ()
-    return [replace(axis, remarks=(*axis.remarks, *notes)) if axis is axes[0] else axis for axis in axes]
+    return with_notes(axes, _ending(configuration, [axis.name for axis in axes]) if axes else ())
 
 
-def _found(configuration: Configuration, names: Sequence[str]) -> Iterator[str]:
-    """Yield which axes there are, and that the text ends among them: it may be cut off, and an axis' items optional."""
-    yield f"{'Axis' if len(names) == 1 else 'Axes'} {', '.join(names)} {'is' if len(names) == 1 else 'are'} found."
+def _ending(configuration: Configuration, found: Sequence[str]) -> Iterator[str]:
+    """Yield that the text ends among its axes, and which there are: it may be cut off, and most items are optional."""
     last = list(configuration.items)[-1]
     section, *path = last.split("/")
     if section != "axes" or not path or path[0] not in LETTERS:
@@ -52,8 +49,9 @@ def _found(configuration: Configuration, names: Sequence[str]) -> Iterator[str]:
     motor = f"axes/{path[0]}/motor0"
     lacks = "" if motor in configuration.sections else ", before anything of its motor0"
     yield (
-        f"The text ends within axis {path[0].upper()}, at {last}{lacks}: if it was cut off there, what follows is "
-        "missing, and its last number may lack digits."
+        f"The text ends within axis {path[0].upper()}, at {last}{lacks}. {'Axes' if len(found) > 1 else 'Axis'} "
+        f"{', '.join(found)} {'are' if len(found) > 1 else 'is'} found: if it was cut off, others are missing, and its "
+        "last number may lack digits."
     )
 
 

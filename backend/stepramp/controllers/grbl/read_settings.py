@@ -1,7 +1,5 @@
 """Designs of what a grbl lists after `$$`."""
 
-from dataclasses import replace
-
 from stepramp.controllers.given_numbers import no_less
 from stepramp.controllers.grbl.settings import (
     ACCELERATION,
@@ -13,7 +11,7 @@ from stepramp.controllers.grbl.settings import (
     acceleration_of,
     speed_of,
 )
-from stepramp.controllers.read_axis import GAIN, SCALE, SPEED, ReadAxis, design_read, refused_setting
+from stepramp.controllers.read_axis import GAIN, SCALE, SPEED, ReadAxis, design_read, refused_setting, with_notes
 from stepramp.design import Design
 from stepramp.errors import Count, Rejected
 
@@ -49,7 +47,7 @@ def read_settings(text: str, base: Design) -> list[ReadAxis]:
         left_out = [f"Axis {letter} is left out: with {listed} it can't move." for letter, listed in senseless]
         left_out += [f"Axis {letter} is left out: {lacking} isn't there." for letter, lacking in partial.items()]
         left_out += [f"{each} are listed: the last holds." for each in Settings.told_twice(text.splitlines())]
-        axes[0] = replace(axes[0], remarks=(*axes[0].remarks, *left_out))
+        return with_notes(axes, left_out)
     return axes
 
 

@@ -3,7 +3,6 @@
 import math
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from fractions import Fraction
 from itertools import takewhile
 
@@ -17,7 +16,7 @@ from stepramp.controllers.marlin.settings import (
     Settings,
     unreadable,
 )
-from stepramp.controllers.read_axis import GAIN, SCALE, SPEED, ReadAxis, design_read, refused_setting
+from stepramp.controllers.read_axis import GAIN, SCALE, SPEED, ReadAxis, design_read, refused_setting, with_notes
 from stepramp.design import Design
 from stepramp.errors import Count, Rejected, shown
 
@@ -47,12 +46,11 @@ def read_settings(text: str, base: Design) -> list[ReadAxis]:
     axes = list(takewhile(lambda axis: not any(_lacks(settings, axis.letter)), settings.axes()))
     if not axes:
         lacks = list(_lacks(settings, "X"))
-        allowed = "M92, M203 and M201 of axis X, above 0 and whole"
+        allowed = "M92, M203 and M201 of axis X, above 0 and not cut off"
         raise Rejected([refused_setting(Count(lack), lack, allowed) for lack in lacks])
     letters = [axis.letter for axis in axes]
     notes = [*_left_out(settings, letters), *_perhaps_cut(settings, letters)]
-    read = [_axis(axis, settings.shared_by(axis.letter), base) for axis in axes]
-    return [replace(read[0], remarks=(*read[0].remarks, *notes)), *read[1:]]
+    return with_notes([_axis(axis, settings.shared_by(axis.letter), base) for axis in axes], notes)
 
 
 def _left_out(settings: Settings, read: Sequence[str]) -> Iterator[str]:
