@@ -31,3 +31,17 @@ def test_a_fault_of_the_page_stays_until_it_is_closed(modules: Modules) -> None:
     assert seen[1][0] == ""
     assert seen[2] == [fault, "false"], "and it can be closed by those who don't see it"
     assert [text for text, _ in seen[3:]] == ["Saved again", fault, ""]
+
+
+def test_what_takes_long_to_read_is_shown_for_longer(modules: Modules) -> None:
+    waits = run(
+        modules,
+        """const {createNotice} = await import('/panels/header/notice.js');
+        const notice = createNotice(() => {}), waits = [];
+        const own = globalThis.setTimeout;
+        globalThis.setTimeout = (_, ms) => waits.push(ms);
+        try { for (const text of ['Saved', 'x'.repeat(500)]) notice.show(text, false); }
+        finally { globalThis.setTimeout = own; }
+        return waits;""",
+    )
+    assert waits == [6000, 35_000]

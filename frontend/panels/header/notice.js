@@ -5,6 +5,8 @@
 import { closeButton, element, icon } from '../../ui/dom.js';
 
 const SHOWN_MS = 6000;
+/** What it takes to read a character: what an import says has several lines. */
+const READING_MS = 70;
 
 /** @param {() => void} onClose  the fault was read */
 export function createNotice(onClose) {
@@ -36,7 +38,7 @@ export function createNotice(onClose) {
     show(text, hasFailed) {
       clearTimeout(timer);
       fill(text, hasFailed);
-      timer = setTimeout(settle, SHOWN_MS);
+      timer = setTimeout(settle, Math.max(SHOWN_MS, text.length * READING_MS));
     },
     /** End what passes: something else is asked for by now. */
     close() {
