@@ -97,7 +97,7 @@ bool are_taken(uint8_t mask)
     return machine_is_on_a_line() || homing_of(mask) != 0;
 }
 
-StepRampResult move_to(uint8_t mask, const int32_t targets[AXES])
+StepRampResult move_to(uint8_t mask, const int32_t *targets)
 {
     uint16_t detail;
     return are_taken(mask) ? STEPRAMP_MOVING : (StepRampResult)machine_move_to(mask, targets, &detail);
@@ -213,8 +213,7 @@ void StepRampClass::poll()
 
 StepRampResult StepRampClass::moveTo(uint8_t axis, int32_t position)
 {
-    int32_t targets[AXES] = {position, position, position, position};
-    return move_to(bit_of(axis), targets);
+    return move_to(bit_of(axis), &position);
 }
 
 StepRampResult StepRampClass::moveBy(uint8_t axis, int32_t steps)
@@ -225,24 +224,19 @@ StepRampResult StepRampClass::moveBy(uint8_t axis, int32_t steps)
 
 StepRampResult StepRampClass::moveAllTo(const int32_t positions[])
 {
-    int32_t targets[AXES] = {0};
-    memcpy(targets, positions, machine_axes() * sizeof targets[0]);
-    return move_to(all_axes(), targets);
+    return move_to(all_axes(), positions);
 }
 
 StepRampResult StepRampClass::lineBy(const int32_t steps[], uint8_t rampAxis)
 {
     uint16_t detail;
-    int32_t by[AXES] = {0};
-    memcpy(by, steps, machine_axes() * sizeof by[0]);
-    return isMoving() ? STEPRAMP_MOVING : (StepRampResult)machine_line(all_axes(), rampAxis, by, &detail);
+    return isMoving() ? STEPRAMP_MOVING : (StepRampResult)machine_line(all_axes(), rampAxis, steps, &detail);
 }
 
 StepRampResult StepRampClass::run(uint8_t axis, int32_t interval)
 {
     uint16_t detail;
-    int32_t intervals[AXES] = {interval, interval, interval, interval};
-    return are_taken(bit_of(axis)) ? STEPRAMP_MOVING : (StepRampResult)machine_run(bit_of(axis), intervals, &detail);
+    return are_taken(bit_of(axis)) ? STEPRAMP_MOVING : (StepRampResult)machine_run(bit_of(axis), &interval, &detail);
 }
 
 StepRampResult StepRampClass::zero(uint8_t axis, uint16_t steps)
@@ -305,8 +299,7 @@ StepRampResult StepRampClass::setPosition(uint8_t axis, int32_t position)
     if (isMoving(axis) || machine_is_on_a_line()) {
         return STEPRAMP_MOVING;
     }
-    int32_t positions[AXES] = {position, position, position, position};
-    machine_set_position(bit_of(axis), positions);
+    machine_set_position(bit_of(axis), &position);
     return STEPRAMP_OK;
 }
 

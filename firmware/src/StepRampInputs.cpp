@@ -172,8 +172,7 @@ StepRampResult StepRampClass::home(uint8_t axis, int32_t interval, uint32_t slow
     }
     use_homing();
     uint16_t detail;
-    const int32_t intervals[AXES] = {interval, interval, interval, interval};
-    return (StepRampResult)homing_begin((uint8_t)(1u << axis), intervals, slowInterval, stepsBack, &detail);
+    return (StepRampResult)homing_begin((uint8_t)(1u << axis), &interval, slowInterval, stepsBack, &detail);
 }
 
 StepRampResult StepRampAxis::home(float fastSpeed, float slowSpeed, uint16_t stepsBack)

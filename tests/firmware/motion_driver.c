@@ -197,20 +197,32 @@ static void use(void)
     event_count = 0;
 }
 
+/* The values of the axes of a mask, one after the other, as they are asked for. */
+static void numbers_of(uint8_t mask, int32_t values[MOST_AXES])
+{
+    int32_t all[MOST_AXES];
+    numbers(all);
+    for (uint8_t axis = 0; axis < MOST_AXES; axis++) {
+        if ((mask >> axis & 1) != 0) {
+            *values++ = all[axis];
+        }
+    }
+}
+
 static void ask_machine(const char *command)
 {
     int32_t values[MOST_AXES];
     uint16_t detail = 0;
     uint8_t status = 0, mask = number();
     if (strcmp(command, "move") == 0) {
-        numbers(values);
+        numbers_of(mask, values);
         status = machine_move_to(mask, values, &detail);
     } else if (strcmp(command, "run") == 0) {
-        numbers(values);
+        numbers_of(mask, values);
         status = machine_run(mask, values, &detail);
     } else if (strcmp(command, "line") == 0) {
         uint8_t ramp = number();
-        numbers(values);
+        numbers_of(mask, values);
         status = machine_line(mask, ramp, values, &detail);
     } else {
         status = machine_zero(mask, (uint16_t)strtoul(strtok(NULL, " \n"), NULL, 10), &detail);
@@ -248,7 +260,7 @@ static void do_command(const char *command)
         printf("ok\n");
     } else if (strcmp(command, "position") == 0) {
         uint8_t mask = number();
-        numbers(values);
+        numbers_of(mask, values);
         machine_set_position(mask, values);
         printf("ok\n");
     } else if (strcmp(command, "stop") == 0) {

@@ -34,6 +34,7 @@ from firmware.protocol import (
     SET_POSITION,
     STATUS,
     STOPPED,
+    TRACE,
     TRY,
     WRITE_LIMITS,
     WRITE_SETTINGS,
@@ -228,6 +229,7 @@ def test_homing_comes_to_the_same_step_each_time(tmp_path: Path, slow_steps_per_
         for _ in range(24):
             talk.ask(STATUS, b"\0", wait_ms=150)
     played = converse(build_firmware("INPUTS=yes"), tmp_path, talk.asked, switches=["9:0<-250"])
+    assert played.statistics["untouched_stack_bytes"] >= LEAST_STACK_BYTES
     edges = played.edges
     ends = [each for each in exchanges(played.frames) if each.kind == STATUS][23::24]
     homes = [each for each in exchanges(played.frames) if each.kind == HOME]
@@ -242,6 +244,26 @@ def test_homing_comes_to_the_same_step_each_time(tmp_path: Path, slow_steps_per_
     assert len(places) == homings
     assert set(places) <= {-249, -248}
     assert max(places) - min(places) <= 1
+
+
+def test_four_axes_are_homed_at_once(tmp_path: Path) -> None:
+    """With wide pulses, reports and a trace: what takes most of the stack."""
+    limits = {1: LOW_LIMIT + 3, LOW_INPUT: LOW_LIMIT, LOW_INPUT + 1: LOW_LIMIT + 1, LOW_INPUT + 2: LOW_LIMIT + 2}
+    switches = ["9:0<-250", "10:1<-300", "11:2<-10", "15:3<-777"]
+    plan, axes = RampDesign(2000, 20_000, 20_000), dict.fromkeys(range(4), 0)
+    talk = Talk()
+    talk.begin(image([plan] * 4), InputSettings(roles=limits), Settings(pulse_width_us=40))
+    talk.ask(REPORT, bytes([50]))
+    talk.ask(TRACE, b"\0\1\0")
+    intervals = values_of({axis: -(plan.slew + 1000 * axis) for axis in axes})
+    talk.ask(HOME, struct.pack("<BIH", 15, CYCLES_PER_S // 400, 30) + intervals, wait_ms=400)
+    for _ in range(24):
+        talk.ask(STATUS, b"\0", wait_ms=150)
+    played = converse(build_firmware("INPUTS=yes"), tmp_path, talk.asked, switches=switches)
+    assert played.statistics["untouched_stack_bytes"] >= LEAST_STACK_BYTES
+    last = [each for each in exchanges(played.frames) if each.kind == STATUS][-1]
+    inputs = InputsStatus.unpack(last.reply[OUTPUT_STATUS_BYTES:])
+    assert (inputs.homing, inputs.known) == (0, 15)
 
 
 def position(edges: npt.NDArray[np.void]) -> int:

@@ -25,7 +25,7 @@ struct feed;     /* feed.h */
 /* A sketch reaches what has to do with inputs through this table, so that the linker leaves it out of one that has none. */
 struct inputs_functions {
     uint8_t (*machine_check_ways)(uint8_t mask, const int32_t *values, bool is_run, uint16_t *detail);
-    uint8_t (*machine_check_part)(uint8_t axis, bool backward, int32_t steps, uint16_t *detail);
+    uint8_t (*machine_check_part)(uint8_t axis, bool backward, uint32_t steps, uint16_t *detail);
     void (*machine_end_run)(struct feed *feed, bool backward);
     void (*machine_forget_fast)(uint8_t mask);
     void (*machine_inputs_configure)(void);
@@ -43,7 +43,7 @@ extern const struct inputs_functions *stepramp_inputs; /* NULL as long as it has
 
 /* The same of homing: a sketch may have inputs without. */
 struct homing_functions {
-    uint8_t (*homing_begin)(uint8_t axes, const int32_t *intervals, uint32_t slow_interval, uint16_t steps_back, uint16_t *detail);
+    uint8_t (*homing_begin)(uint8_t axes, int32_t *intervals, uint32_t slow_interval, uint16_t steps_back, uint16_t *detail);
     uint8_t (*homing_axes)(void);
     void (*homing_end)(uint8_t axes);
     void (*homing_go_on)(void);

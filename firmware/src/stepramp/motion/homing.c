@@ -3,6 +3,7 @@
 #if HAS_INPUTS
 
 #include "stepramp/edge/board_limits.h"
+#include "stepramp/edge/out_of_line.h"
 #include "stepramp/motion/machine.h"
 #include "stepramp/motion/machine_axes.h"
 #include "stepramp/motion/machine_inputs.h"
@@ -59,29 +60,31 @@ static int32_t interval_towards(bool goes_backward)
     return goes_backward ? -(int32_t)slow : (int32_t)slow;
 }
 
-uint8_t homing_begin(uint8_t axes, const int32_t intervals[MOST_AXES], uint32_t slow_interval, uint16_t steps_back,
+uint8_t homing_begin(uint8_t axes, int32_t *intervals, uint32_t slow_interval, uint16_t steps_back,
                      uint16_t *detail)
 {
-    int32_t first[MOST_AXES] = {0};
+    int32_t *interval = intervals;
     uint8_t ways = 0;
     for (uint8_t axis = 0; axis < MOST_AXES; axis++) {
         if ((axes >> axis & 1) == 0) {
             continue;
         }
-        bool goes_backward = intervals[axis] < 0;
+        bool goes_backward = *interval < 0;
         bool is_known = axis < stepramp_axis_count && machine_has_limit(axis, goes_backward);
-        if (!is_known || intervals[axis] == 0 || slow_interval < ramp_image_slew_interval(stepramp_image, axis) ||
+        if (!is_known || *interval == 0 || slow_interval < ramp_image_slew_interval(stepramp_image, axis) ||
             slow_interval > LONGEST_INTERVAL_TICKS) {
             *detail = axis;
             return STATUS_OUT_OF_RANGE;
         }
         ways |= (uint8_t)(goes_backward << axis);
-        bool is_there = machine_limit_at(axis, goes_backward) != NO_INPUT;
-        first[axis] = !is_there ? intervals[axis] : goes_backward ? (int32_t)slow_interval : -(int32_t)slow_interval;
+        if (machine_limit_at(axis, goes_backward) != NO_INPUT) { /* it is there already */
+            *interval = goes_backward ? (int32_t)slow_interval : -(int32_t)slow_interval;
+        }
+        interval++;
     }
     uint8_t known = stepramp_known_positions;
     stepramp_known_positions &= (uint8_t)~axes; /* soft limits don't hold meanwhile */
-    uint8_t status = machine_run(axes, first, detail);
+    uint8_t status = machine_run(axes, intervals, detail);
     if (status != STATUS_OK) {
         stepramp_known_positions = known;
         return status;
@@ -98,34 +101,33 @@ uint8_t homing_begin(uint8_t axes, const int32_t intervals[MOST_AXES], uint32_t 
     return STATUS_OK;
 }
 
+/* What follows has frames of its own: those of what isn't done at the time would take room on the stack that there is not. */
+
 /* Runs it slowly. Returns false when that can't be. */
-static bool run(uint8_t axis, bool goes_backward)
+static OUT_OF_LINE bool run(uint8_t axis, bool goes_backward)
 {
     uint16_t detail;
     int32_t interval = interval_towards(goes_backward);
-    const int32_t intervals[MOST_AXES] = {interval, interval, interval, interval};
-    return machine_run((uint8_t)(1u << axis), intervals, &detail) == STATUS_OK;
+    return machine_run((uint8_t)(1u << axis), &interval, &detail) == STATUS_OK;
 }
 
 /* On from where it is, away from the switch. Returns false when that can't be. */
-static bool clear(uint8_t axis)
+static OUT_OF_LINE bool clear(uint8_t axis)
 {
     uint16_t detail;
     int32_t target = machine_report(axis).position;
     axis_move_position(&target, !is_backward(axis), back_off);
-    const int32_t targets[MOST_AXES] = {target, target, target, target};
-    return machine_move_to((uint8_t)(1u << axis), targets, &detail) == STATUS_OK;
+    return machine_move_to((uint8_t)(1u << axis), &target, &detail) == STATUS_OK;
 }
 
 /* It has seen its switch: halted slowly, where it loses no step. */
-static void finish(uint8_t axis)
+static OUT_OF_LINE void finish(uint8_t axis)
 {
     uint8_t bit = (uint8_t)(1u << axis);
     machine_halt(bit);
     int32_t position = machine_report(axis).position;
     position = (int32_t)((uint32_t)position - (uint32_t)clear_at[axis]);
-    const int32_t positions[MOST_AXES] = {position, position, position, position};
-    machine_set_position(bit, positions);
+    machine_set_position(bit, &position);
     stages[axis] = NOT_HOMING;
 }
 
@@ -155,7 +157,7 @@ static uint8_t next_stage(uint8_t axis)
     }
 }
 
-static void return_to(uint8_t axis)
+static OUT_OF_LINE void return_to(uint8_t axis)
 {
     if (is_at_switch(axis)) {
         finish(axis);

@@ -121,11 +121,12 @@ static uint8_t check_way(uint8_t axis, int32_t value, bool is_run, uint16_t *det
 IN_TABLE uint8_t machine_check_ways(uint8_t mask, const int32_t *values, bool is_run, uint16_t *detail)
 {
     uint8_t status = STATUS_OK;
-    for (uint8_t axis = 0; mask != 0 && status == STATUS_OK; axis++, mask >>= 1, values++) {
+    for (uint8_t axis = 0; mask != 0 && status == STATUS_OK; axis++, mask >>= 1) {
         if ((mask & 1) != 0) {
-            status = check_way(axis, *values, is_run, detail);
+            int32_t value = *values++;
+            status = check_way(axis, value, is_run, detail);
             if (status == STATUS_OK) {
-                status = is_run ? machine_check_run(axis, *values, detail) : machine_check_end(axis, *values, detail);
+                status = is_run ? machine_check_run(axis, value, detail) : machine_check_end(axis, value, detail);
             }
         }
     }
@@ -145,7 +146,7 @@ static inline uint8_t check_ways(uint8_t mask, const int32_t *values, bool is_ru
 }
 
 /* Moves the axes of the mask to positions, or runs them at intervals with a sign. */
-static uint8_t order(uint8_t mask, const int32_t values[MOST_AXES], bool is_run, uint16_t *detail)
+static uint8_t order(uint8_t mask, const int32_t *values, bool is_run, uint16_t *detail)
 {
     uint32_t requested[MOST_AXES] = {0};
     uint8_t status = machine_check_mask(mask, detail);
@@ -155,8 +156,8 @@ static uint8_t order(uint8_t mask, const int32_t values[MOST_AXES], bool is_run,
     const int32_t *value = values;
     uint32_t *interval_of = requested;
     struct feed *feed = stepramp_feeds;
-    for (uint8_t left = stepramp_axis_count; left != 0; left--, feed++, value++) {
-        uint32_t interval = (mask & feed->bit) != 0 ? requested_interval(feed, *value, is_run) : 0;
+    for (uint8_t left = stepramp_axis_count; left != 0; left--, feed++) {
+        uint32_t interval = (mask & feed->bit) != 0 ? requested_interval(feed, *value++, is_run) : 0;
         *interval_of++ = interval;
         if (interval != 0 && (interval < slew_interval_of(feed) || interval > LONGEST_INTERVAL_TICKS)) {
             *detail = feed->index;
@@ -171,33 +172,34 @@ static uint8_t order(uint8_t mask, const int32_t values[MOST_AXES], bool is_run,
         return status;
     }
     interval_of = requested;
-    for (struct feed *feed = stepramp_feeds; mask != 0; feed++, mask >>= 1, interval_of++, values++) {
+    for (struct feed *feed = stepramp_feeds; mask != 0; feed++, mask >>= 1, interval_of++) {
         if ((mask & 1) != 0) {
-            begin_order(feed, *interval_of, *values, is_run);
+            begin_order(feed, *interval_of, *values++, is_run);
         }
     }
     return STATUS_OK;
 }
 
-uint8_t machine_move_to(uint8_t mask, const int32_t targets[MOST_AXES], uint16_t *detail)
+uint8_t machine_move_to(uint8_t mask, const int32_t *targets, uint16_t *detail)
 {
     return order(mask, targets, false, detail);
 }
 
-uint8_t machine_run(uint8_t mask, const int32_t intervals[MOST_AXES], uint16_t *detail)
+uint8_t machine_run(uint8_t mask, const int32_t *intervals, uint16_t *detail)
 {
     return order(mask, intervals, true, detail);
 }
 
-void machine_set_position(uint8_t mask, const int32_t positions[MOST_AXES])
+void machine_set_position(uint8_t mask, const int32_t *positions)
 {
 #if HAS_INPUTS
     uint8_t known = mask;
 #endif
-    for (struct feed *feed = stepramp_feeds; mask != 0; feed++, mask >>= 1, positions++) {
+    for (struct feed *feed = stepramp_feeds; mask != 0; feed++, mask >>= 1) {
         if ((mask & 1) != 0) {
-            feed->played.position = *positions;
-            axis_halt(&feed->axis, *positions);
+            int32_t position = *positions++;
+            feed->played.position = position;
+            axis_halt(&feed->axis, position);
         }
     }
 #if HAS_INPUTS

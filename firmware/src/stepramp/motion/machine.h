@@ -43,15 +43,15 @@ static inline bool machine_is_on_a_line(void)
     return line_is_on();
 }
 
-/* Each returns STATUS_OK, or why not and then changes nothing; arrays are indexed by axis, and only the axes of the
- * mask count. Without a ramp: STATUS_NO_RAMP. */
-uint8_t machine_move_to(uint8_t axes, const int32_t targets[MOST_AXES], uint16_t *detail);
-uint8_t machine_run(uint8_t axes, const int32_t intervals[MOST_AXES], uint16_t *detail);
-uint8_t machine_line(uint8_t axes, uint8_t ramp_axis, const int32_t steps[MOST_AXES], uint16_t *detail);
+/* Each returns STATUS_OK, or why not and then changes nothing; arrays have a value for each axis of the mask, in their order.
+ * Without a ramp: STATUS_NO_RAMP. */
+uint8_t machine_move_to(uint8_t axes, const int32_t *targets, uint16_t *detail);
+uint8_t machine_run(uint8_t axes, const int32_t *intervals, uint16_t *detail);
+uint8_t machine_line(uint8_t axes, uint8_t ramp_axis, const int32_t *steps, uint16_t *detail);
 uint8_t machine_zero(uint8_t axes, uint16_t steps, uint16_t *detail);
 
 /* At rest. */
-void machine_set_position(uint8_t axes, const int32_t positions[MOST_AXES]);
+void machine_set_position(uint8_t axes, const int32_t *positions);
 
 /* Slow down with the ramp. A line stops as a whole, when one of its axes is among them. */
 void machine_stop(uint8_t axes);

@@ -132,10 +132,12 @@ uint8_t machine_check_run(uint8_t axis, int32_t interval, uint16_t *detail)
     return is_free ? STATUS_OK : at_soft_limit(axis, backward, detail);
 }
 
-uint8_t machine_check_part(uint8_t axis, bool backward, int32_t steps, uint16_t *detail)
+uint8_t machine_check_part(uint8_t axis, bool backward, uint32_t steps, uint16_t *detail)
 {
+    int32_t end = stepramp_feeds[axis].played.position;
+    axis_move_position(&end, backward, steps);
     uint8_t status = machine_check_way(axis, backward, detail);
-    return status == STATUS_OK ? machine_check_end(axis, stepramp_feeds[axis].played.position + steps, detail) : status;
+    return status == STATUS_OK ? machine_check_end(axis, end, detail) : status;
 }
 
 /* ---- what stops everything ---- */

@@ -59,8 +59,8 @@ static inline bool is_no_limit(int32_t position)
 uint8_t machine_check_end(uint8_t axis, int32_t end, uint16_t *detail);
 uint8_t machine_check_run(uint8_t axis, int32_t interval, uint16_t *detail);
 
-/* Whether an axis at rest may go so many steps on a line, which are in that direction: STATUS_OK or what keeps it. */
-uint8_t machine_check_part(uint8_t axis, bool backward, int32_t steps, uint16_t *detail);
+/* Whether an axis at rest may go so many steps on a line: STATUS_OK or what keeps it. */
+uint8_t machine_check_part(uint8_t axis, bool backward, uint32_t steps, uint16_t *detail);
 
 #ifdef ARDUINO
 /* Of several axes, to places or at intervals. An axis that stays where it is isn't kept from it. */

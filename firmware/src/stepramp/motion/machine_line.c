@@ -24,17 +24,20 @@ static uint8_t plan_line(struct line_plan *plan, uint8_t mask, const int32_t *st
 {
     *plan = (struct line_plan){.leader = stepramp_feeds};
     uint32_t *length = plan->lengths;
-    for (struct feed *feed = stepramp_feeds; mask != 0; feed++, mask >>= 1, steps++, length++) {
-        if ((mask & 1) == 0 || *steps == 0) {
+    for (struct feed *feed = stepramp_feeds; mask != 0; feed++, mask >>= 1, length++) {
+        if ((mask & 1) == 0) {
             continue;
         }
-        int32_t target = feed->played.position;
-        if (!axis_add_steps(&target, *steps)) {
+        int32_t by = *steps++, target = feed->played.position;
+        if (by == 0) {
+            continue;
+        }
+        if (!axis_add_steps(&target, by)) {
             return feed->index;
         }
-        *length = machine_without_sign(*steps);
+        *length = machine_without_sign(by);
         plan->count++;
-        if (*steps < 0) {
+        if (by < 0) {
             plan->backward |= feed->bit;
         }
         if (*length > plan->longest) {
@@ -85,7 +88,7 @@ uint8_t machine_line(uint8_t mask, uint8_t ramp_axis, const int32_t steps[MOST_A
 #if HAS_INPUTS
     for (uint8_t axis = 0; has_inputs() && axis < MOST_AXES; axis++) {
         if (plan.lengths[axis] != 0) {
-            status = WITH_INPUTS(machine_check_part)(axis, (plan.backward >> axis & 1) != 0, steps[axis], detail);
+            status = WITH_INPUTS(machine_check_part)(axis, (plan.backward >> axis & 1) != 0, plan.lengths[axis], detail);
             if (status != STATUS_OK) {
                 return status;
             }

@@ -219,21 +219,17 @@ static void answer_limits(uint8_t kind, const uint8_t *body)
 
 /* ---- moves; the axes of the mask are known to be there ---- */
 
-/* Reads a value for each axis of a mask. */
-static void read_values(uint8_t axes, const uint8_t *bytes, int32_t values[MOST_AXES])
+/* Reads a value for each axis of a mask, one after the other. */
+static void read_values(uint8_t axes, const uint8_t *bytes, int32_t *values)
 {
-    for (uint8_t i = 0; i < MOST_AXES; i++, axes >>= 1) {
-        values[i] = 0;
-        if ((axes & 1) != 0) {
-            values[i] = (int32_t)read_u32(bytes);
-            bytes += VALUE_BYTES;
-        }
+    for (; axes != 0; axes &= (uint8_t)(axes - 1), bytes += VALUE_BYTES) {
+        *values++ = (int32_t)read_u32(bytes);
     }
 }
 
 /* Adds to each number of steps where that axis would come to rest, unless a stop comes in. Returns the first axis that
  * would leave the range, or MOST_AXES. */
-static uint8_t make_targets(uint8_t axes, int32_t values[MOST_AXES])
+static uint8_t make_targets(uint8_t axes, int32_t *values)
 {
     for (uint8_t i = 0; i < MOST_AXES; i++, axes >>= 1) {
         stepramp_answer_gave_way = board_skip_to_stop();
@@ -243,9 +239,9 @@ static uint8_t make_targets(uint8_t axes, int32_t values[MOST_AXES])
         if ((axes & 1) == 0) {
             continue;
         }
-        int32_t steps = values[i];
-        values[i] = machine_target(i);
-        if (!axis_add_steps(&values[i], steps)) {
+        int32_t steps = *values;
+        *values = machine_target(i);
+        if (!axis_add_steps(values++, steps)) {
             return i;
         }
     }
