@@ -14,7 +14,7 @@ from stepramp.controllers.capabilities import BacksUp, StoresRamps
 from stepramp.controllers.contract import ControllerStatus, PushMode, PushReport
 from stepramp.controllers.families import Family
 from stepramp.design import Design
-from stepramp.devices.backups import Archive, Backups, Source, unmarked
+from stepramp.devices.backups import Archive, Backups, Source, checked, marked, unmarked
 from stepramp.devices.device import Device
 from stepramp.devices.registry import Devices
 from stepramp.devices.view import DeviceState
@@ -185,6 +185,30 @@ def test_a_backup_is_whole_or_refused(device: Device, made: list[Keeper], tmp_pa
         with pytest.raises(Refused, match=f"The backup {file.stem!r} is not as it was saved: it is damaged, cut short"):
             device.restore_backup(file.stem)
     assert made[-1].text == "what it has"
+
+
+@pytest.mark.parametrize("put", ["", "X", "\n", "##"], ids=["lost", "other", "line end", "more"])
+def test_a_damaged_checksum_is_no_missing_one(put: str) -> None:
+    whole = marked("figure 1\n")
+    for place in range(len(whole) - len("\nfigure 1\n")):
+        with pytest.raises(Refused, match="is not as it was saved: it is damaged"):
+            checked(whole[:place] + put + whole[place + 1 :], "x")
+    # Several at once, and something before it.
+    for text in (whole.replace("e", "?").replace("R", "?"), "\n " + whole):
+        with pytest.raises(Refused, match="is not as it was saved: it is damaged"):
+            checked(text, "x")
+
+
+@pytest.mark.parametrize(
+    "first",
+    ["", "; $I", "# $I", "$100=250.000", "# All settings that a Pololu Tic keeps, as far as its serial port tells",
+     "{", "# backup of my machine, made by hand", "# of what follows only rates are new"],
+)  # fmt: skip
+def test_what_never_had_a_checksum_is_taken(first: str) -> None:
+    text = f"{first}\n$110=500.000\n"
+    rest, [said] = checked(text, "x")
+    assert rest == text
+    assert "has no checksum" in said
 
 
 def test_one_of_an_older_version_is_restored_and_said_to_be_unchecked(

@@ -6,6 +6,7 @@ import zlib
 from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from difflib import SequenceMatcher
 from pathlib import Path
 
 from stepramp.errors import NotFound, Refused, shown
@@ -16,6 +17,8 @@ MOST_SLUG = 60
 _MARK = "# StepRamp backup"
 _MARKED = re.compile(rf"{_MARK}, CRC-32 (?P<crc>[0-9a-f]{{8}}) of what follows\n")
 """The first line of a file. At its end it would be gone with what is cut off."""
+_LIKE_MARK = 0.6
+"""A text that begins with what is this much like the first line has that line, damaged. Others are at most half."""
 UNCHECKED = "Whether the backup {name} is whole can't be checked: it has no checksum, as those of older versions."
 
 
@@ -113,7 +116,7 @@ def checked(text: str, name: str) -> tuple[str, tuple[str, ...]]:
 
     Raises Refused for one that is not as it was saved.
     """
-    if not text.startswith(_MARK):
+    if not (text.startswith(_MARK) or _has_damaged_mark(text)):
         return text, (UNCHECKED.format(name=shown(name)),)
     mark, rest = _MARKED.match(text), unmarked(text)
     if mark is None or int(mark["crc"], 16) != zlib.crc32(rest.encode()):
@@ -122,6 +125,13 @@ def checked(text: str, name: str) -> tuple[str, tuple[str, ...]]:
             "checksum in its first line tells. Take another one; whoever has changed it deletes that line."
         )
     return rest, ()
+
+
+def _has_damaged_mark(text: str) -> bool:
+    """Whether a text begins nearly as one with a checksum: without that it would be taken for one of before."""
+    whole = marked("").rstrip("\n")
+    begins = text.lstrip()[: len(whole)]
+    return SequenceMatcher(None, whole, begins, autojunk=False).ratio() > _LIKE_MARK
 
 
 class Backups:

@@ -70,7 +70,7 @@ static void begin_line(const struct line_plan *plan, const struct image_ramp *ra
     feed_set_out(leader);
 }
 
-uint8_t machine_line(uint8_t mask, uint8_t ramp_axis, const int32_t steps[MOST_AXES], uint16_t *detail)
+uint8_t machine_line(uint8_t mask, uint8_t ramp_axis, const int32_t *steps, uint16_t *detail)
 {
     struct line_plan plan;
     uint8_t status = machine_check_mask(mask, detail);
