@@ -92,6 +92,31 @@ def test_what_a_backup_tells_twice_is_refused_by_its_name(bench: Bench, controll
         controller.use_backup(saved(bench).replace("$110=500.000", "$110=99999999999"))
 
 
+@pytest.mark.parametrize(
+    "offsets",
+    ["[G55:]", "[G55:,0.000,0.000]", "[G55:nan,1,2]", "[G55:1e5,1,2]", "[G55:1.5,2]", "[G55:1,2,3,4]",
+     "[G55:1.2.3,2,3]",
+     "[G55:99999999999,2,3]", "[G55:-100000000,2,3]", "[G55:1?,2!,3~]", "[G55:1X9,2,3]", "[G55:1,2,3", "[G55;1,2,3]",
+     "[G55:\u0663,2,3]", "[G55:1-,2,3]"],
+)  # fmt: skip
+def test_offsets_without_sense_are_refused_before_anything_is_written(
+    bench: Bench, controller: GrblController, offsets: str
+) -> None:
+    text = saved(bench).replace("$110=500.000", "$110=77.000").replace("[G55:0.000,0.000,0.000]", offsets)
+    with pytest.raises(Rejected) as caught:
+        controller.use_backup(text)
+    [rejection] = caught.value.rejections
+    assert (rejection.field, rejection.value) == ("G55", offsets)
+    assert rejection.allowed == "[G55:…] with 3 numbers up to 99,999,999, one for each axis"
+    assert bench.grbl.eeprom.writes == 0
+
+
+def test_offsets_that_grbl_tells_are_written_and_those_of_others_left(bench: Bench, controller: GrblController) -> None:
+    text = saved(bench).replace("[G55:0.000,0.000,0.000]", "[G55:-1.500,2.000,3.000]\n[G59.1:0.000,0.000]")
+    assert controller.use_backup(text) == (G28_AND_G30,)
+    assert bench.grbl.eeprom.offsets[2] == (-1.5, 2.0, 3.0)
+
+
 def test_soft_limits_come_after_homing_which_they_need(bench: Bench, controller: GrblController) -> None:
     text = saved(bench).replace("$20=0", "$20=1").replace("$22=0", "$22=1")
     assert controller.use_backup(text) == (IN_USE, G28_AND_G30)

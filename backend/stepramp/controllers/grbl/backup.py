@@ -25,6 +25,8 @@ from stepramp.controllers.order import lowered_first
 from stepramp.errors import Count, Rejected, Rejection
 
 _PLACE = re.compile(r"\[G(?P<code>5[4-9]):(?P<numbers>[-\d.,]+)\]")
+_ANY_PLACE = re.compile(r"\[G5[4-9](?![.\d])")
+"""How its line begins, whatever has become of the rest; grblHAL's G59.1 is another."""
 _STARTUP = re.compile(r"\$N(?P<number>[01])=(?P<block>.*)")
 _NAME = re.compile(r"[$](?:\d{1,4}|N[01])")
 """Of a setting or a start-up line."""
@@ -60,7 +62,7 @@ class Backup:
         backup = cls.told(text)
         if not backup.settings.values:
             raise Rejected([Rejection("text", Count(f"{len(text.splitlines())} lines"), ALLOWED)])
-        bad = [*_told_twice(text), *_senseless(backup.settings)]
+        bad = [*_told_twice(text), *_senseless(backup.settings), *_senseless_places(text, backup.settings)]
         if not bad and backup.settings.axis(0) is None:
             bad = [Rejection("text", Count(f"{len(text.splitlines())} lines"), ALLOWED)]
         if bad:
@@ -146,6 +148,27 @@ def _senseless(settings: Settings) -> Iterator[Rejection]:
                 yield Rejection(f"${number}", text, "a number above 0: grbl hangs without")
             elif abs(value) > MOST:
                 yield Rejection(f"${number}", text, f"a number up to {MOST:,}: no machine has more")
+
+
+def _senseless_places(text: str, settings: Settings) -> Iterator[Rejection]:
+    """Yield lines of offsets that no grbl with so many axes tells: what it would make of them nobody knows."""
+    axes = sum(number in settings.values for number in range(STEPS_PER_MM, STEPS_PER_MM + len(LETTERS)))
+    lines = [line for line in map(str.strip, text.splitlines()) if _ANY_PLACE.match(line)]
+    told = {line: [_number(each) for each in _numbers(line)] for line in lines}
+    counts = {len(numbers) for numbers in told.values()}
+    # Of more axes than there are settings of, where somebody has taken those out.
+    count = counts.pop() if len(counts) == 1 and max(counts) > axes else axes
+    for line, numbers in told.items():
+        # NaN is no less than anything.
+        if len(numbers) != count or not all(abs(each) <= MOST for each in numbers):
+            code = line[1:4]
+            yield Rejection(code, line, f"[{code}:…] with {count} numbers up to {MOST:,}, one for each axis")
+
+
+def _numbers(line: str) -> list[str]:
+    """Return the numbers of a line of offsets; none of one that is broken."""
+    place = _PLACE.fullmatch(line)
+    return [] if place is None else place["numbers"].split(",")
 
 
 def _number(text: str) -> float:

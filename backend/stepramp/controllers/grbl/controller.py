@@ -139,7 +139,7 @@ class GrblController(GrblMachine, StoresRamps, BacksUp, ProvenByStart):
         lacking = ", ".join(backup.lacking(present))
         left_alone = (f"The backup doesn't have {lacking}: that is left as it was.",) if lacking else ()
         # Offsets and start-up lines it reads from its EEPROM whenever it lists them.
-        taken = (name for name, reason in reasons.items() if reason is None and name[1:].isdecimal())
+        taken = (name for name, reason in reasons.items() if reason is None and _NUMBERED.fullmatch(name))
         in_use = (IN_USE,) if any(taken) else ()
         return (*unlike, *left_alone, *in_use, NOT_WRITTEN)
 
