@@ -1,4 +1,4 @@
-"""What is kept of settings that aren't proven: damaged files are none; what can't be written isn't forgotten."""
+"""What is kept of settings that aren't proven: damaged files are told; what can't be written isn't forgotten."""
 
 from __future__ import annotations
 
@@ -24,9 +24,15 @@ from stepramp.devices.unproven import FILE, Unproven
     ],
     ids=range(9),
 )
-def test_a_damaged_file_is_none(tmp_path: Path, text: str) -> None:
+def test_a_damaged_file_is_none_and_told_until_something_is_written(tmp_path: Path, text: str) -> None:
     (tmp_path / FILE).write_text(text)
-    assert Unproven(tmp_path).given == {}
+    unproven = Unproven(tmp_path)
+    assert unproven.given == {}
+    assert f"was noted in {tmp_path / FILE}, which can't be read (it is damaged)" in (unproven.damage or "")
+    # A restore of what it has already leaves nothing to be proven.
+    unproven.note({"$110": None})
+    assert unproven.damage is None
+    assert (Unproven(tmp_path).given, Unproven(tmp_path).damage) == ({}, None)
 
 
 def test_what_can_not_be_written_is_known_as_long_as_the_program_runs(tmp_path: Path) -> None:
@@ -35,10 +41,11 @@ def test_what_can_not_be_written_is_known_as_long_as_the_program_runs(tmp_path: 
     # Nothing can be written there: what would be the file is a folder.
     blocked = tmp_path / "other"
     (blocked / FILE).mkdir(parents=True)
+    assert "can't be read (Is a directory)" in (Unproven(blocked).damage or "")
     Unproven(blocked).note({"$110": "168.000"})
     assert Unproven(blocked).given["$110"].value == "168.000"
     assert f"can't be written down in {blocked} (Is a directory)" in (Unproven(blocked).trouble or "")
-    assert Unproven(tmp_path).trouble is None
+    assert (Unproven(tmp_path).trouble, Unproven(tmp_path).damage) == (None, None)
     Unproven(blocked).drop(["$110"])
     assert Unproven(blocked).given == {}
     assert Unproven(tmp_path).given["$110"].value == "216.000"

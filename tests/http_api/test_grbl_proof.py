@@ -141,7 +141,7 @@ def test_a_push_and_a_restore_say_that_what_is_to_be_proven_is_not_written_down(
     assert "$111" in unproven_file(tmp_path)
 
 
-def test_a_file_that_makes_no_sense_keeps_nothing_from_being_connected(
+def test_a_file_that_makes_no_sense_is_told_and_keeps_nothing_from_being_connected(
     client: TestClient, cable: GrblOnACable, route: str, tmp_path: Path
 ) -> None:
     [file] = tmp_path.rglob("unproven.json")
@@ -150,6 +150,14 @@ def test_a_file_that_makes_no_sense_keeps_nothing_from_being_connected(
         device = again(client, cable, route)
         route = f"{DEVICES}/{device['id']}"
         assert (device["unproven"], device["proof"]) == ([], None)
+        assert f"was noted in {file}, which can't be read (it is damaged)" in device["message"]
+        # Nothing is claimed of what isn't known, and the controller isn't restarted for that.
+        assert error_of(client.post(f"{route}/prove"), 409)["message"] == device["message"]
+    assert device["message"].endswith("Compare the settings that it has with a backup of this device, or push again.")
+    ok(client.post(f"{route}/push", json={"design": document()}))
+    device = ok(client.get(route))
+    assert (sorted(device["unproven"]), device["message"]) == (GIVEN, None)
+    assert sorted(ok(client.post(f"{route}/prove"))["proof"]["proven"]) == GIVEN
 
 
 @pytest.mark.parametrize("greets_after_s", [None, 0.2])

@@ -34,6 +34,8 @@ class Proving:
         now = self._view.now
         if "prove" not in now.capabilities:
             return  # It isn't there, or can't be started anew: that is said as of all that can't be asked.
+        if now.unproven_damage is not None:
+            raise Refused(now.unproven_damage)
         if not now.unproven:
             raise Refused(NOTHING.format(name=now.name))
         if _carries_bytes_only(now.port):
@@ -76,7 +78,9 @@ class Proving:
         self._show()
 
     def _show(self) -> None:
-        self._view.change(lambda view: replace(view, unproven=tuple(self._unproven.given)))
+        self._view.change(
+            lambda view: replace(view, unproven=tuple(self._unproven.given), unproven_damage=self._unproven.damage)
+        )
 
 
 def _carries_bytes_only(port: str) -> bool:

@@ -14,6 +14,11 @@ from stepramp.devices.backups import write_whole
 FILE = "unproven.json"
 MOST_CHARACTERS = 40
 """Of a name, a value and a time."""
+DAMAGED = (
+    "What was written from here and isn't proven to be stored was noted in {file}, which can't be read ({why}): "
+    "whether the controller has stored it isn't known. Compare the settings that it has with a backup of this device, "
+    "or push again."
+)
 
 _logger = logging.getLogger(__name__)
 
@@ -39,6 +44,8 @@ class Unproven:
     def __init__(self, folder: Path, former: Collection[Path] = ()) -> None:
         self._file = folder / FILE
         self._former = [each / FILE for each in former]
+        self.damage: str | None = None
+        """Why it isn't known what was given before, and what is to be done, as a sentence; None: it is."""
         noted = next((each for each in [self._file, *self._former] if each.exists()), self._file)
         self.given: Mapping[str, Given] = self._read(noted)
 
@@ -64,9 +71,9 @@ class Unproven:
         self._keep({name: each for name, each in self.given.items() if name not in names})
 
     def _keep(self, given: Mapping[str, Given]) -> None:
-        if given == self.given and self._file not in self._unwritten:
+        if given == self.given and self._file not in self._unwritten and self.damage is None:
             return
-        self.given = given
+        self.given, self.damage = given, None
         try:
             write_whole(self._file, json.dumps({name: asdict(each) for name, each in given.items()}, indent=1))
             self._unwritten.pop(self._file, None)
@@ -88,6 +95,8 @@ class Unproven:
             return {}
         except (OSError, ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
             _logger.warning("What isn't proven yet can't be read from %s: %s", os.fspath(file), error)
+            why = error.strerror if isinstance(error, OSError) and error.strerror else "it is damaged"
+            self.damage = DAMAGED.format(file=file, why=why)
             return {}
 
 

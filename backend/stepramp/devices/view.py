@@ -121,6 +121,8 @@ class DeviceView:
     """The name of the backup of what it had before; None for none."""
     unproven: tuple[str, ...] = ()
     """Settings that it was given, and of which its next start proves whether they are stored."""
+    unproven_damage: str | None = None
+    """Why it isn't known what of that it was given before, as a sentence; None: it is."""
     proof: Proof | None = None
     """What its last start has shown of such; None for nothing."""
     proving: bool = False
@@ -166,6 +168,7 @@ class DeviceView:
         first = status.axes[0]
         resting = {axis.axis: axis.position_steps for axis in status.axes if axis.activity is Activity.READY}
         not_kept = None if self.proof is None else self.proof.trouble
+        said = (status.trouble, self.half_written, not_kept, self.unproven_damage)
         arrived = [axis for axis in self.zeroing if resting.get(axis) == 0]
         return replace(
             self,
@@ -178,7 +181,7 @@ class DeviceView:
             on_trial=status.on_trial,
             motors_on=status.motors_on,
             starved=status.starved,
-            message=" ".join(each for each in (status.trouble, self.half_written, not_kept) if each) or None,
+            message=" ".join(each for each in said if each) or None,
             midst=(),
             inputs=None if status.of_inputs is None else status.of_inputs.inputs,
             stopped_by=None if status.of_inputs is None else status.of_inputs.stopped_by,
@@ -225,6 +228,7 @@ class DeviceView:
             half_written=self.half_written,
             lacks_backup=self.lacks_backup,
             unproven=self.unproven,
+            unproven_damage=self.unproven_damage,
             proof=self.proof,
         )
 
