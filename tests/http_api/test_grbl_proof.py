@@ -18,6 +18,7 @@ from controllers.fluidnc.emulator import FluidNcEmulator
 from controllers.grbl.emulator import GrblOnACable
 from designs import document
 from http_api.families import DEVICES, PATIENCE_S, connected, error_of, ok, wait_until
+from stepramp.controllers.grbl.controller import GrblController
 from stepramp.devices import attachment
 from stepramp.http_api.app import create_app
 
@@ -279,7 +280,9 @@ def test_a_stop_while_it_is_away_is_owed_and_final(
         assert "prove" in away["capabilities"]
         assert away["pushed"]["verified"]
         known = {"X-StepRamp-Stops": str(ok(client.get(route))["stops"])}
-        assert "being connected" in error_of(client.post(f"{route}/stop"), 409)["message"]
+        said = error_of(client.post(f"{route}/stop"), 409)["message"]
+        assert "is being restarted to prove what it has stored" in said
+        assert said.endswith("It is stopped as soon as it answers.")
         goes_on.set()
         proven.result()
     wait_until(client, route, lambda device: device["state"] in ("ready", "lost"))
@@ -294,3 +297,32 @@ def test_a_stop_while_it_is_away_is_owed_and_final(
     error_of(client.post(f"{route}/move", json={"by_steps": 5}, headers=known), 409)
     time.sleep(0.3)
     assert cable.grbl.steps == steps
+
+
+def test_what_waits_as_it_is_started_anew_is_told_why(
+    client: TestClient, cable: GrblOnACable, route: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    looks, goes_on, refuse_start = threading.Event(), threading.Event(), GrblController.refuse_start
+
+    def look(controller: GrblController) -> None:
+        refuse_start(controller)
+        looks.set()
+        assert goes_on.wait(20)
+
+    monkeypatch.setattr(GrblController, "refuse_start", look)
+    asked = [("push", {"design": document(ramp__slew_speed_steps_per_s=500)}), ("move", {"by_steps": 5})]
+    with ThreadPoolExecutor(3) as pool:
+        proven = pool.submit(client.post, f"{route}/prove")
+        assert looks.wait(20)
+        waiting = [pool.submit(client.post, f"{route}/{what}", json=body) for what, body in asked]
+        wait_until(client, route, lambda device: device["progress"] is not None)
+        time.sleep(0.2)
+        goes_on.set()
+        for each in waiting:
+            said = error_of(each.result(), 409)["message"]
+            assert said.endswith(
+                "is being restarted to prove what it has stored, which takes some seconds: ask again then."
+            )
+    assert ok(proven.result())["proof"]["proven"] == GIVEN
+    assert ok(client.post(f"{route}/push", json={"design": asked[0][1]["design"]}))["verified"]
+    assert cable.grbl.steps == 0

@@ -7,7 +7,7 @@ from time import sleep
 
 from stepramp.controllers.capabilities import ProvenByStart, capabilities_of
 from stepramp.controllers.families import Family
-from stepramp.devices.contact import Contact
+from stepramp.devices.contact import STARTED_ANEW, Contact
 from stepramp.devices.homing import Homings
 from stepramp.devices.leases import Leases
 from stepramp.devices.live_view import LiveView
@@ -24,7 +24,7 @@ from stepramp.errors import DeviceLost, Refused, StepRampError
 from stepramp.link.connection import Connection
 from stepramp.link.ports import Port, find_again, known_port, location_of, port_name
 from stepramp.link.remote_ports import RemotePorts
-from stepramp.link.worker import Worker
+from stepramp.link.worker import DISCONNECTED, Worker
 
 CLOSED_S = 0.25
 """So long a port stays closed whose controller is started anew by that: its DTR falls, and systems let go of it [s]."""
@@ -175,9 +175,9 @@ class Attachment:
             self._view.change(lambda view: before.still_lost(reason, view))
             raise
 
-    def _close(self) -> None:
+    def _close(self, why: str = DISCONNECTED) -> None:
         if (worker := self._contact.worker) is not None:
-            worker.close()
+            worker.close(why=why)
 
     # From here on: in the thread of the port.
 
@@ -228,7 +228,7 @@ class Attachment:
         self._watch.refuse_under_way()
         controller.refuse_start()
         self._starts_anew = True
-        self._close()
+        self._close(STARTED_ANEW.format(name=self._view.now.name))
 
     def _ended(self, loss: DeviceLost | None) -> None:
         if self._contact.is_there and loss is None:

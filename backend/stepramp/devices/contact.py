@@ -12,6 +12,8 @@ from stepramp.devices.view import DeviceState
 from stepramp.errors import DeviceLost, Refused, StepRampError
 from stepramp.link.worker import Worker
 
+STARTED_ANEW = "{name} is being restarted to prove what it has stored, which takes some seconds: ask again then."
+
 C = TypeVar("C")
 T = TypeVar("T")
 
@@ -75,6 +77,8 @@ class Contact:
         view = self._view.now
         if view.state is DeviceState.LOST:
             raise DeviceLost(view.message or f"Port {view.port} is not connected.")
+        if view.proving:
+            raise Refused(STARTED_ANEW.format(name=view.name))
         if controller is None or worker is None or view.state is DeviceState.CONNECTING:
             raise Refused(f"{view.name} is still being connected.")
         return controller, worker

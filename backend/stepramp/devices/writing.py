@@ -84,7 +84,7 @@ class Writing:
             if self._view.now.stops != stops:
                 raise Refused("A stop came before anything was sent: the controller has the ramps that it had.")
             if self._contact.ready() != connection:
-                raise Refused("The device was lost and connected again in the meantime: push again.")
+                raise Refused("The device was connected anew in the meantime, and nothing was sent: push again.")
             return worker.call(lambda: self._push(send))
         finally:
             self._show(None)

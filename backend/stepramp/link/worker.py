@@ -18,6 +18,7 @@ from stepramp.errors import DeviceLost, Refused, StepRampError
 _logger = logging.getLogger(__name__)
 
 T = TypeVar("T")
+DISCONNECTED = "The device was disconnected."
 _Call = tuple[Future[Any], Callable[[], Any]]
 
 
@@ -35,6 +36,8 @@ class Worker:
         self._urgent: deque[_Call] = deque()
         self._waiting: deque[_Call] = deque()
         self._closed = False
+        self._closed_since = DISCONNECTED
+        """Why it is closed, as a sentence for those who wait."""
         self._loss: DeviceLost | None = None
         self._last_words: list[Callable[[], None]] = []
         """Tell callers what has come of calls in the midst of which the device was lost."""
@@ -91,12 +94,14 @@ class Worker:
         with self._changed:
             self._loss = why if isinstance(why, DeviceLost) else DeviceLost(str(why))
 
-    def close(self, wait_s: float | None = None) -> None:
+    def close(self, wait_s: float | None = None, why: str = DISCONNECTED) -> None:
         """End the thread once its present call is done or gives way, and wait for that; calls that wait are refused.
 
-        wait_s: wait only so long [s].
+        wait_s: wait only so long [s]. why: a sentence for those who wait.
         """
         with self._changed:
+            if not self._closed:
+                self._closed_since = why
             self._closed = True
             self._changed.notify_all()
         if threading.current_thread() is not self._thread:
@@ -185,4 +190,4 @@ class Worker:
             future.set_exception(self._end_error())
 
     def _end_error(self) -> StepRampError:
-        return self._loss or Refused("The device was disconnected.")
+        return self._loss or Refused(self._closed_since)
