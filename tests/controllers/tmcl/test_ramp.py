@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from fractions import Fraction
 
 import pytest
@@ -43,7 +44,7 @@ def test_without_a_base_speed_there_is_still_a_stopping_speed() -> None:
         assert not any("VSTOP" in loss for loss in tmcl_losses(design(ramp__base_speed_steps_per_s=10), units))
 
 
-@given(st.decimals("1", "7999500", places=3), st.decimals("117", "7629000", places=3))
+@given(st.decimals("2", "7999500", places=3), st.decimals("117", "7629000", places=3))
 def test_figures_are_rounded_down_and_never_further_than_one_unit(speed: object, rate: object) -> None:
     typed = {"slew_speed_steps_per_s": float(str(speed)), "acceleration_steps_per_s2": float(str(rate))}
     v, a = Fraction(str(speed)), Fraction(str(rate))
@@ -60,7 +61,8 @@ def test_figures_are_rounded_down_and_never_further_than_one_unit(speed: object,
 @pytest.mark.parametrize(
     ("changes", "field", "allowed"),
     [
-        ({"slew_speed_steps_per_s": 0.5}, "slew_speed_steps_per_s", "a number from 1 to "),
+        ({"slew_speed_steps_per_s": 0.5}, "slew_speed_steps_per_s", "a number from 2 to "),
+        ({"slew_speed_steps_per_s": 1.9073}, "slew_speed_steps_per_s", "a number from 2 to "),
         ({"acceleration_steps_per_s2": 100}, "acceleration_steps_per_s2", "a number from 117 to 7,62"),
         ({"acceleration_steps_per_s2": 7_629_300}, "acceleration_steps_per_s2", "a number from 117 to 7,62"),
         ({"deceleration_steps_per_s2": 116}, "deceleration_steps_per_s2", "a number from 117 to 7,62"),
@@ -144,6 +146,32 @@ def test_a_stop_takes_as_many_steps_as_its_energy(speed: float, rate: int) -> No
     exact = Fraction(speed) ** 2 / (2 * rate)
     assert exact - Fraction(1, 10**6) <= ramp.steps_to_rest(speed, PPS) < exact + 1 + Fraction(1, 10**6)
     assert ramp.steps_to_rest(-speed, PPS) == ramp.steps_to_rest(speed, PPS)
+
+
+@pytest.mark.parametrize("clock_hz", [8_000_000, 12_000_000, 16_000_000, 16_777_216, 20_000_000])
+@given(data=st.data())
+def test_what_is_accepted_is_told_again_as_more_than_nothing(clock_hz: int, data: st.DataObject) -> None:
+    """Worked out here as the chip's data sheet has it: v · 2²⁴ / f, rounded down, and back the same way."""
+    units, unit = Units(UnitMode.STEPS, clock_hz), Fraction(clock_hz, 2**24)
+
+    def told(pps: int) -> int:
+        return math.floor(math.floor(pps / unit) * unit)
+
+    speed = data.draw(st.decimals("0.5", "9", places=3))
+    least = next(pps for pps in range(1, 9) if told(pps))
+    if speed < least:
+        with pytest.raises(Rejected, match=f"allowed: a number from {least} to"):
+            ramp_of(units, slew_speed_steps_per_s=float(speed))
+    else:
+        sent = ramp_of(units, slew_speed_steps_per_s=float(speed)).vmax
+        assert sent == math.floor(speed)
+        assert is_kept("vmax", sent, told(sent), units)
+
+
+def test_a_starting_speed_may_be_told_as_nothing() -> None:
+    """1 step/s is one of the chip's units, 0.954 steps/s."""
+    sent = ramp_of(PPS, base_speed_steps_per_s=1).vstart
+    assert (sent, is_kept("vstart", sent, 0, PPS), is_kept("vstart", 2, 0, PPS)) == (1, True, False)
 
 
 def test_what_is_told_as_nothing_is_never_taken_for_what_was_sent() -> None:

@@ -146,9 +146,9 @@ def in_units(name: str, in_steps: Fraction, units: Units) -> int:
 def is_kept(name: str, sent: int, back: int, units: Units) -> bool:
     """Whether a module that was sent a figure may tell it as another one: less by what its chip rounds away.
 
-    Never as 0: with no acceleration, or no speed, a move doesn't end.
+    Never as 0 but a starting speed: with no acceleration, or no speed, a move doesn't end.
     """
-    if sent == back or not back:
+    if sent == back or not (back or name == "vstart"):
         return sent == back
     ours, chip = (units.speed, units.chip_speed) if is_speed(name) else (units.acceleration, units.chip_acceleration)
     return ours != chip and 0 <= sent - back < chip / ours + 1
@@ -188,13 +188,22 @@ def _to_chip(name: str, value: int, units: Units) -> int:
     return units.chip_speed_units(value) if is_speed(name) else units.chip_acceleration_units(value)
 
 
+def _least(ours: Fraction, chip: Fraction) -> Fraction:
+    """Return the least figure that a module tells again as more than 0, in steps/s or steps/s².
+
+    ours, chip: the unit of the module, of which it tells whole ones, rounded down, and that of its chip.
+    """
+    in_chip = math.ceil(ours / chip) * chip
+    return math.ceil(in_chip / ours) * ours
+
+
 def _check(ramp: RampParameters, units: Units, path: str) -> None:
     """Reject speeds and accelerations beyond a module."""
     speeds = {
         "base_speed_steps_per_s": (Fraction(0), MOST_VSTART * units.chip_speed),
-        "slew_speed_steps_per_s": (max(units.speed, units.chip_speed), MOST_VMAX * units.chip_speed),
+        "slew_speed_steps_per_s": (_least(units.speed, units.chip_speed), MOST_VMAX * units.chip_speed),
     }
-    least = math.ceil(units.chip_acceleration / units.acceleration) * units.acceleration
+    least = _least(units.acceleration, units.chip_acceleration)
     rates = {"acceleration_steps_per_s2": (least, MOST_ACCELERATION * units.chip_acceleration)}
     if ramp.deceleration_steps_per_s2 is not None:
         rates["deceleration_steps_per_s2"] = rates["acceleration_steps_per_s2"]
