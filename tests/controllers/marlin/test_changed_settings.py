@@ -99,9 +99,9 @@ def test_other_steps_per_mm_move_nothing_other_than_asked(
     if is_seen:
         status = controller.status()
         assert "Steps per mm (M92) were changed at the machine: X from 80 to 160." in str(status.trouble)
-    else:
-        with pytest.raises(Refused, match=r"X from 80 to 160\. Nothing was moved: ask again"):
-            MOTIONS[begin](controller)
+    # Also then: who asks need not have read the status.
+    with pytest.raises(Refused, match=r"X from 80 to 160\. Nothing was moved: ask again"):
+        MOTIONS[begin](controller)
     status = controller.status()
     assert (status.axes[0].position_steps, status.axes[0].steps_per_mm) == (300, 160)
     assert bench.marlin.steps == made
@@ -145,7 +145,8 @@ def test_a_run_ends_at_its_soft_limits_with_other_steps_per_mm(bench: Bench, con
     controller.move_by(by(400))
     bench.rest()
     bench.marlin.change_at_the_display("M92", "X", 160.0)
-    controller.status()
+    with pytest.raises(Refused, match="ask again"):
+        controller.run(at(2000))
     controller.keep_within({0: (-1000, 1000)})
     controller.run(at(2000))
     bench.ask_for(3)
@@ -170,6 +171,9 @@ def test_where_it_rests_is_called_the_same_after_a_restore_of_other_steps_per_mm
     assert controller.use_backup(text) == ()
     status = controller.status()
     assert (status.axes[0].position_steps, status.axes[0].steps_per_mm, status.trouble) == (400, 160, None)
+    # It was asked for: the next motion is by these.
+    controller.move_by(by(160))
+    assert bench.rest().axes[0].position_steps == 560
 
 
 # Backups.

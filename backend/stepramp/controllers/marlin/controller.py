@@ -200,6 +200,8 @@ class MarlinController(Controller, StoresRamps, TriesRamps, DrawsLines, BacksUp)
             remarks += [NOT_ALL, VOLATILE]
         else:
             remarks += self._store()
+        # It was asked for, also where it has changed steps per mm.
+        self._moves.know_scales()
         return (*backup.left(Backup(self._memory.settings)), *remarks)
 
     def line(self, steps: Sequence[AxisCommand], ramp_axis: int | None = None) -> None:

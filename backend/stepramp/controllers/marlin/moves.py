@@ -31,7 +31,7 @@ from stepramp.controllers.marlin.dialect import (
 from stepramp.controllers.marlin.exchange import Answered, Exchange
 from stepramp.controllers.marlin.memory import Memory
 from stepramp.controllers.marlin.off_target import off_target
-from stepramp.controllers.marlin.places import Places
+from stepramp.controllers.marlin.places import Places, rescaled, rescaled_words
 from stepramp.controllers.marlin.settings import AxisSettings
 from stepramp.controllers.marlin.stopping import Stopping
 from stepramp.controllers.marlin.way import (
@@ -92,8 +92,8 @@ class Moves:
         self._set_out_at: list[int] = []
         self.ends: Mapping[int, Ends] = {}
         """Where runs end by themselves, as positions are called here [steps]."""
-        self._other_scales: str | None = None
-        """Which steps per mm were found changed since something was last to be moved, as a sentence."""
+        self._asked_by: tuple[AxisSettings, ...] = ()
+        """With these whoever moves axes has made steps of lengths, as far as was said."""
         self.trouble: str | None = None
         """What has cut the last motion short, as a sentence."""
 
@@ -121,15 +121,16 @@ class Moves:
         self.memory.learn()
         self._places.learn(self.memory.settings.axes())
         after = self._places.axes
-        changed = [axis for axis in range(min(len(before), len(after))) if _scale(before, axis) != _scale(after, axis)]
+        changed = rescaled(before, after)
         if rested and (changed or len(before) != len(after)):
             self._note_rest(self._conversation.place())
             self._places.call({axis: called[axis] for axis in changed}, self._at_rest)
             self._set_out_at = self._at_rest
-        if not changed:
-            return None
-        told = (f"{after[axis].letter} from {_scale(before, axis)} to {_scale(after, axis)}" for axis in changed)
-        return f"Steps per mm (M92) were changed at the machine: {', '.join(told)}."
+        return rescaled_words(before, after)
+
+    def know_scales(self) -> None:
+        """Take the steps per mm as known to whoever moves axes from now on."""
+        self._asked_by = self._places.axes
 
     def refuse_moving(self) -> None:
         """Refused while something moves, whoever has told it to."""
@@ -192,6 +193,7 @@ class Moves:
     def rest_at(self, place: Place) -> None:
         """Take where the axes are as where they set out from: when a connection begins, and positions are set."""
         self._places.forget()
+        self.know_scales()
         self._set_out_at = self._note_rest(place).counted
 
     def call(self, positions: Mapping[int, int]) -> None:
@@ -219,14 +221,18 @@ class Moves:
         return {axis: counted[axis] + round(speed * lasts_s) for axis, speed in speeds.items()}
 
     def _ready(self, stops: int) -> list[int]:
-        """Return where the axes rest [steps]; Refused while something moves, or when a stop has come meanwhile."""
-        self._other_scales = None
+        """Return where the axes rest [steps]; Refused while something moves, or when a stop has come meanwhile.
+
+        Once also with steps per mm by which nothing was asked for yet: who moves axes need not have read their status.
+        """
         self.refuse_moving()
         self.memory.refuse_printing()
         if self.memory.tells_other_scales():
-            self._other_scales = self.learn()
-        if self._other_scales is not None:
-            raise Refused(f"{self._other_scales} Nothing was moved: ask again, if it is to be done with these.")
+            self.trouble = self.learn()
+        words = rescaled_words(self._asked_by, self._places.axes)
+        self.know_scales()
+        if words is not None:
+            raise Refused(f"{words} Nothing was moved: ask again, if it is to be done with these.")
         self.stopping.refuse_stopped(stops)
         self.trouble = None
         return self._at_rest
@@ -378,7 +384,7 @@ class Moves:
     def _rests(self, place: Place) -> Seen:
         try:
             if self._places.is_counted_anew(place) and self.memory.tells_other_scales():
-                self.trouble = self._other_scales = self.learn()
+                self.trouble = self.learn()
         except Refused as error:
             # It can be looked at all the same, and stopped.
             self.trouble = str(error)
@@ -394,7 +400,3 @@ class Moves:
         self._course, self._speeds, self._pending = None, {}, None
         self._places.forget()
         self._note_rest(place)
-
-
-def _scale(axes: Sequence[AxisSettings], axis: int) -> str:
-    return f"{float(axes[axis].steps_per_mm):,.7g}"

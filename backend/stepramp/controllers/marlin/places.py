@@ -106,3 +106,21 @@ class Places:
         if letter == EXTRUDER and known is not None and abs(known / per_mm - told) <= TOLD_MM:
             return known
         return round(told * per_mm)
+
+
+def rescaled(before: Sequence[AxisSettings], after: Sequence[AxisSettings]) -> list[int]:
+    """Return the axes of which the steps per mm are told as others."""
+    return [axis for axis in range(min(len(before), len(after))) if _scale(before, axis) != _scale(after, axis)]
+
+
+def rescaled_words(before: Sequence[AxisSettings], after: Sequence[AxisSettings]) -> str | None:
+    """Return the same as a sentence; None for none."""
+    told = (
+        f"{after[axis].letter} from {_scale(before, axis)} to {_scale(after, axis)}" for axis in rescaled(before, after)
+    )
+    which = ", ".join(told)
+    return f"Steps per mm (M92) were changed at the machine: {which}." if which else None
+
+
+def _scale(axes: Sequence[AxisSettings], axis: int) -> str:
+    return f"{float(axes[axis].steps_per_mm):,.7g}"
