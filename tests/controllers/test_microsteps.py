@@ -126,6 +126,10 @@ def test_zero_goes_no_way_that_was_made_steps_by_others(board: Board) -> None:
         board.bench.controller.zero([0], 400)
     board.bench.pass_time(2)
     assert board.place() == 400
+    # Asked for again it says itself where the motor is.
+    board.bench.controller.zero([0], 800)
+    assert board.bench.rest().axes[0].position_steps == board.place() == 0
+    assert board.controller.status().trouble is None
 
 
 def test_a_run_at_no_speed_stops_whatever_was_changed(board: Board) -> None:
