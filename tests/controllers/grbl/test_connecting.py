@@ -13,6 +13,7 @@ from stepramp.controllers.grbl.controller import GrblController
 from stepramp.errors import DeviceLost, Refused
 from stepramp.link import lines
 
+KEEPS_RESTARTING = "started anew again while it was being connected.* keeps restarting: look at its power supply"
 QUESTIONS = {"$$", "$N", "$I"}
 
 
@@ -174,7 +175,8 @@ class Talker:
         (b"start\necho:Marlin 2.1\n", Refused, "Something talks .* but it is no grbl"),
         (b"<Idle|MPos:0.000,0.000,0.000|FS:0,0>\r\n", DeviceLost, "does not answer"),
         (b"<Idle|MPos:0.000,0.000,0.000|FS:0,0>\r\nok\r\n", Refused, "of a version that it does not tell"),
-        (b"Grbl 1.1h ['$' for help]\r\n", DeviceLost, "was restarted|does not answer"),
+        (b"Grbl 1.1h ['$' for help]\r\n", DeviceLost, KEEPS_RESTARTING),
+        (b"Grbl 1.1h ['$' for help]\r\n<Idle|MPos:0.000,0.000,0.000|FS:0,0>\r\nok\r\n", DeviceLost, KEEPS_RESTARTING),
         (b"error:8\r\n<Idle|MPos:0,0,0|FS:0,0>\n", Refused, "refuses '[$]I'"),
     ],
 )
@@ -201,6 +203,25 @@ def test_a_restart_in_between_is_noticed(bench: Bench, controller: GrblControlle
     bench.grbl.power_up()
     with pytest.raises(DeviceLost, match="was restarted: its position is no longer known"):
         controller.status()
+
+
+@pytest.mark.parametrize("question", [b"?", b"$I", b"$$", b"$N"])
+def test_one_that_restarts_while_it_is_connected_is_told_what_to_look_at(bench: Bench, question: bytes) -> None:
+    exchange, heard = bench.grbl.exchange, bytearray()
+
+    def restart(sent: bytes) -> bytes:
+        if b"?" in heard and question in sent:
+            bench.grbl.power_up()
+        heard.extend(sent)
+        return exchange(sent)
+
+    bench.grbl.exchange = restart  # type: ignore[method-assign]
+    with pytest.raises(DeviceLost, match=KEEPS_RESTARTING):
+        bench.controller.connect()
+    bench.grbl.exchange = exchange  # type: ignore[method-assign]
+    bench.port.close()
+    bench.reopen()
+    assert connected(bench).status().activity is Activity.READY
 
 
 def test_one_that_says_no_more_is_lost(bench: Bench, controller: GrblController, grbl: GrblEmulator) -> None:

@@ -77,6 +77,7 @@ class FluidNcController(GrblMachine, TriesRamps, BacksUp):
         self._version = found
         self._memory.learn()
         self._know_places()
+        self._conversation.end_connecting()
 
     def prepare_push(
         self,

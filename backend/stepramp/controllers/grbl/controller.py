@@ -85,6 +85,7 @@ class GrblController(GrblMachine, StoresRamps, BacksUp, ProvenByStart):
         self._memory.learn()
         self._know_places()
         self._moves.slowest_steps_per_s = 0.0 if self._identity.is_hal else SLOWEST_STEPS_PER_S
+        self._conversation.end_connecting()
 
     def prepare_push(
         self,

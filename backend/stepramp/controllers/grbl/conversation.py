@@ -15,6 +15,7 @@ from stepramp.controllers.grbl.dialect import (
     report_of,
     verdict_of,
 )
+from stepramp.controllers.restarts import restarted
 from stepramp.errors import DeviceLost, Refused
 from stepramp.link.connection import Connection
 from stepramp.link.lines import Line, Lines
@@ -62,6 +63,7 @@ class Conversation:
         self._exchange: _Exchange | None = None
         self._report: Report | None = None
         self._reports = self._starts = self._own_starts = 0
+        self._is_connecting = True
         self.banner: Banner | None = None
         """Of its last start, as far as it was heard."""
         self.has_started = False
@@ -103,6 +105,10 @@ class Conversation:
             f"Nothing answers at {self.name} as {self._called} does: has it power, is its baud rate 115200? A "
             "controller of another family is to be connected as that."
         )
+
+    def end_connecting(self) -> None:
+        """Note that what is there is known: if it starts anew from now on, it forgets where it is."""
+        self._is_connecting = False
 
     def send(self, command: bytes) -> None:
         """Send real-time commands."""
@@ -189,7 +195,7 @@ class Conversation:
 
     def _refuse_restarted(self) -> None:
         if self._starts > self._own_starts:
-            raise DeviceLost(f"The controller at {self.name} was restarted: its position is no longer known.")
+            raise restarted(self.name, is_connecting=self._is_connecting)
 
     def _lost(self) -> DeviceLost:
         return DeviceLost(f"The controller at {self.name} does not answer.")

@@ -34,7 +34,8 @@ from stepramp.controllers.marlin.dialect import (
     place_of,
 )
 from stepramp.controllers.marlin.exchange import Answered, Exchange, Missed
-from stepramp.controllers.marlin.refusals import busy, halted, no_axes, nobody, restarted, silent
+from stepramp.controllers.marlin.refusals import busy, halted, no_axes, nobody, silent
+from stepramp.controllers.restarts import restarted
 from stepramp.errors import DeviceLost, Refused
 from stepramp.link.connection import Connection
 from stepramp.link.lines import Line, Lines
@@ -402,6 +403,6 @@ class Conversation:
 
     def _refuse_restarted(self) -> None:
         if self._starts:
-            raise restarted(self.name)
+            raise restarted(self.name, is_connecting=self._patient_until_s < inf)
         if self.halted:
             raise halted(self.name)

@@ -25,11 +25,6 @@ def silent(port: str) -> DeviceLost:
     return DeviceLost(f"The controller at {port} does not answer.")
 
 
-def restarted(port: str) -> DeviceLost:
-    """Return what is raised where it has started anew."""
-    return DeviceLost(f"The controller at {port} was restarted: its position is no longer known.")
-
-
 def halted(port: str) -> DeviceLost:
     """Return what is raised where it takes nothing more until it is reset."""
     return DeviceLost(f"The controller at {port} has halted: reset it at the machine, then connect again.")
