@@ -230,7 +230,7 @@ def test_a_push_that_was_planned_for_a_lost_connection_is_not_sent_over_the_next
         devices.connect(device.view.port)
         return send
 
-    with pytest.raises(Refused, match="connected again in the meantime"):
+    with pytest.raises(Refused, match="connected anew in the meantime, and nothing was sent"):
         device.push([design()], planned=across_a_loss)
     worker_of(device).call(device._attachment._watch.refresh)
     assert (device.view.state, len(device.view.axes)) == (DeviceState.READY, 2)
