@@ -190,6 +190,10 @@ class Rejected(StepRampError, ValueError):
         return f"{self.more:,} more values can't be used." if self.more > 1 else "One more value can't be used."
 
 
+class NotAcceptable(Rejected):
+    """The answer can't be sent in any of the forms that are taken."""
+
+
 class NotFound(StepRampError, LookupError):
     """What was asked for does not exist."""
 

@@ -105,7 +105,7 @@ def test_bodies_that_are_no_request_are_refused(client: TestClient, route: str, 
 def test_unknown_fields_of_a_request_are_refused(client: TestClient) -> None:
     [error] = errors_of(client.post("/api/v1/profile", json={"design": document(), "points": 5}), 422)
     assert (error["field"], error["value"]) == ("points", 5)
-    assert error["allowed"] == "nothing; there is no such field, only design, max_points"
+    assert error["allowed"] == "nothing; there is no such field, only design, max_points, first_step, last_step"
 
 
 def test_a_field_under_another_name_is_one_mistake(client: TestClient) -> None:

@@ -18,6 +18,7 @@ from designs import document
 from event_loop import run
 from stepramp.errors import Rejected, Rejection
 from stepramp.http_api import planned
+from stepramp.http_api.formats import Format
 from stepramp.http_api.json_response import SLICE, json_pieces
 from stepramp.http_api.lanes import Lane
 from stepramp.http_api.planned import MOST_AHEAD, Planned
@@ -86,7 +87,7 @@ async def sent(answer: Planned, send: Any = None) -> list[Message]:
     async def receive() -> Message:
         raise AssertionError("nothing is read")
 
-    await answer({}, receive, send or keep)
+    await answer({"headers": []}, receive, send or keep)
     return messages
 
 
@@ -103,7 +104,7 @@ def test_what_goes_wrong_is_raised(after: int) -> None:
         run(sent(Planned(Lane("test", 1), job)))
 
 
-def test_no_more_is_written_than_is_taken_and_a_little(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_more_is_written_than_is_taken_and_a_little() -> None:
     """The rest is never written when the client goes, and only then is it the next one's turn."""
     lane, written, is_ahead = Lane("test", 1), list[int](), threading.Event()
 
@@ -119,7 +120,7 @@ def test_no_more_is_written_than_is_taken_and_a_little(monkeypatch: pytest.Monke
             await asyncio.Event().wait()
 
     async def work() -> None:
-        answer = asyncio.create_task(sent(Planned(lane, dict), never))
+        answer = asyncio.create_task(sent(Planned(lane, dict, Format("text/plain", counting)), never))
         assert await asyncio.to_thread(is_ahead.wait, PATIENCE_S)
         turn = asyncio.create_task(lane.run(lambda: len(written)))
         answer.cancel()
@@ -127,7 +128,6 @@ def test_no_more_is_written_than_is_taken_and_a_little(monkeypatch: pytest.Monke
             await answer
         assert MOST_AHEAD < await turn <= MOST_AHEAD + 4
 
-    monkeypatch.setattr(planned, "json_pieces", counting)
     run(work())
 
 

@@ -34,7 +34,7 @@ async def capture(request: Request) -> Planned[CaptureAnswer]:
     # Only now: a browser shows no refusal that comes before it has sent its file.
     payload = CapturePayload.of_parameters(request.query_params)
     wanted = Wanted()
-    return Planned(CAPTURING, partial(_answer, parts, payload, wanted), wanted)
+    return Planned(CAPTURING, partial(_answer, parts, payload, wanted), wanted=wanted)
 
 
 def _answer(parts: list[bytes], payload: CapturePayload, wanted: Wanted) -> CaptureAnswer:

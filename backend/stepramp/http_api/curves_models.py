@@ -10,13 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, StrictBool
 
-from stepramp.design import MOST_NAMES, MOST_STEPS, Design, MethodName
+from stepramp.design import MOST_NAMES, Design, MethodName
 from stepramp.errors import Rejected
 from stepramp.http_api.answer import Answer, Numbers, WholeNumbers
 from stepramp.http_api.planning_models import (
     ErrorFiguresAnswer,
     MethodFailure,
     PhaseAnswer,
+    StepOfMove,
     SummaryAnswer,
     WarningAnswer,
     figures,
@@ -26,8 +27,6 @@ from stepramp.ramp.drawing import Drawing, Drawn
 from stepramp.ramp.error_curves import Parts
 from stepramp.ramp.motion import Motion
 from stepramp.validation import Document, ListOf, Within
-
-StepOfMove = Annotated[int, Within(1, MOST_STEPS, "steps", ", or null")] | None
 
 
 class CurvesPayload(Document):

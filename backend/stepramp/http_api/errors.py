@@ -13,6 +13,7 @@ from stepramp.design import Design
 from stepramp.errors import (
     DeviceLost,
     Forbidden,
+    NotAcceptable,
     NotFound,
     Outdated,
     Overloaded,
@@ -31,6 +32,7 @@ from stepramp.http_api.json_response import JsonResponse
 from stepramp.validation import rejected
 
 STATUS: dict[type[StepRampError], int] = {
+    NotAcceptable: 406,
     Rejected: 422,
     NotFound: 404,
     Refused: 409,
@@ -148,7 +150,7 @@ def handle_errors(app: FastAPI) -> None:
 
     async def own(_: Request, error: Exception) -> Response:
         assert isinstance(error, StepRampError)
-        return error_response(in_body(error) if isinstance(error, Rejected) else error)
+        return error_response(in_body(error) if type(error) is Rejected else error)
 
     async def invalid(_: Request, error: Exception) -> Response:
         assert isinstance(error, RequestValidationError)

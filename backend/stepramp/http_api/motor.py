@@ -40,7 +40,7 @@ async def simulate(request: SimulatePayload) -> Planned[SimulateAnswer]:
         proposals = proposals_of(design, outcome, cause, wanted.is_so)
         return SimulateAnswer.of(design, outcome, proposals, request.max_points)
 
-    return Planned(LONG_PLANNING, answer, wanted)
+    return Planned(LONG_PLANNING, answer, wanted=wanted)
 
 
 @router.post("/gauge_table")

@@ -15,4 +15,4 @@ router = APIRouter(prefix="/motor", tags=["motor"], route_class=JsonRoute)
 async def fastest(request: FastestPayload) -> Planned[FastestAnswer]:
     """Find the fastest safe ramp of each shape with the same part of the torque kept back, and what torque gains."""
     design, margin, wanted = request.design, request.margin, Wanted()
-    return Planned(LONG_PLANNING, lambda: FastestAnswer.of(fastest_of(design, margin, wanted.is_so)), wanted)
+    return Planned(LONG_PLANNING, lambda: FastestAnswer.of(fastest_of(design, margin, wanted.is_so)), wanted=wanted)

@@ -1,14 +1,18 @@
 """Answers that are planned in their turn, and sent while they are still being written."""
 
 import asyncio
+import re
 import threading
-from collections.abc import Callable
+import zlib
+from collections.abc import Callable, Iterable, Iterator
+from itertools import chain, islice
 from typing import Generic, TypeVar
 
+from starlette.datastructures import Headers
 from starlette.responses import Response
 from starlette.types import Receive, Scope, Send
 
-from stepramp.http_api.json_response import json_pieces
+from stepramp.http_api.formats import FORMATS, JSON, Format
 from stepramp.http_api.lanes import Turns
 
 A = TypeVar("A")
@@ -55,18 +59,26 @@ class Planned(Response, Generic[A]):
     there are turns. What the job raises before is answered as by other routes.
     """
 
-    media_type = "application/json"
+    def __init__(
+        self, lane: Turns, job: Callable[[], A], form: Format | None = None, wanted: Wanted | None = None
+    ) -> None:
+        """Make an answer by a job.
 
-    def __init__(self, lane: Turns, job: Callable[[], A], wanted: Wanted | None = None) -> None:
-        """Make an answer by a job. wanted: what the job asks whether it is to go on, once the client may have left."""
+        form: how it is written; None: as JSON, whatever is asked for.
+        wanted: what the job asks whether it is to go on, once the client may have left.
+        """
+        self._form = form or FORMATS[JSON]
+        self.media_type = self._form.media_type
         self.status_code = 200
         self.background = None
         self.init_headers()
+        self.headers["vary"] = "accept-encoding" if form is None else "accept, accept-encoding"
         self._lane, self._job, self._wanted = lane, job, wanted
 
-    async def __call__(self, _: Scope, receive: Receive, send: Send) -> None:
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Send the answer in pieces as they come."""
-        written = _Pieces(self._job)
+        may_zip = takes_gzip(Headers(scope=scope).get("accept-encoding", ""))
+        written = _Pieces(lambda: self._form.pieces(self._job()), may_zip)
         making = asyncio.ensure_future(self._lane.run(written.make))
         making.add_done_callback(written.end)
         leaving = None if self._wanted is None else asyncio.ensure_future(_ended(self._wanted, receive))
@@ -85,6 +97,8 @@ class Planned(Response, Generic[A]):
     async def _send(self, written: "_Pieces", making: asyncio.Future[None], send: Send) -> None:
         piece = await written.take()
         following = await written.take() if piece else b""
+        if written.is_zipped:
+            self.headers["content-encoding"] = "gzip"
         if not following:
             await making
             self.headers["content-length"] = str(len(piece))
@@ -104,11 +118,37 @@ async def _ended(wanted: Wanted, receive: Receive) -> None:
     wanted.end()
 
 
-class _Pieces:
-    """Pieces of JSON on their way from the thread that writes them to the loop that sends them."""
+def takes_gzip(accept_encoding: str) -> bool:
+    """Tell whether an Accept-Encoding names gzip, and doesn't say that it is not taken."""
+    named = {
+        name.strip().lower(): quality
+        for name, _, quality in (each.partition(";") for each in accept_encoding.split(","))
+    }
+    quality = named.get("gzip", named.get("x-gzip", "q=0")).replace(" ", "")
+    return re.fullmatch(r"q=0(\.0*)?", quality) is None
 
-    def __init__(self, job: Callable[[], object]) -> None:
+
+def _zipped(pieces: Iterable[bytes]) -> Iterator[bytes]:
+    """Yield pieces compressed: quickly, as a network is quicker than what saves a few bytes more."""
+    # 16 more asks for gzip's own header and end.
+    packer = zlib.compressobj(1, zlib.DEFLATED, zlib.MAX_WBITS + 16)
+    for piece in pieces:
+        if packed := packer.compress(piece):
+            yield packed
+    yield packer.flush()
+
+
+class _Pieces:
+    """Pieces of an answer on their way from the thread that writes them to the loop that sends them.
+
+    A long one is compressed there, where that is taken: what fits into a piece isn't worth the time.
+    """
+
+    def __init__(self, job: Callable[[], Iterator[bytes]], may_zip: bool) -> None:
         self._job = job
+        self._may_zip = may_zip
+        self.is_zipped = False
+        """Known once the first piece has been taken."""
         self._loop = asyncio.get_running_loop()
         self._pieces: asyncio.Queue[bytes] = asyncio.Queue()
         self._room = threading.Semaphore(MOST_AHEAD)
@@ -116,7 +156,11 @@ class _Pieces:
 
     def make(self) -> None:
         """Do the job and write what it returns, as fast as it is taken."""
-        for piece in json_pieces(self._job()):
+        pieces = self._job()
+        begin = list(islice(pieces, 2))
+        self.is_zipped = self._may_zip and len(begin) > 1
+        pieces = chain(begin, pieces)
+        for piece in _zipped(pieces) if self.is_zipped else pieces:
             self._room.acquire()
             if not self._is_awaited:
                 return

@@ -4,6 +4,7 @@ from fastapi import APIRouter
 
 from stepramp.examples import all_examples
 from stepramp.http_api.bodies import JsonRoute
+from stepramp.http_api.formats import IN_ANY_FORMAT, AnyFormat
 from stepramp.http_api.lanes import planning_lane
 from stepramp.http_api.planned import Planned
 from stepramp.http_api.planning_models import (
@@ -22,19 +23,25 @@ from stepramp.version import __version__
 router = APIRouter(tags=["planning"], route_class=JsonRoute)
 
 
-@router.post("/profile")
-async def profile(request: ProfilePayload) -> Planned[ProfileAnswer]:
-    """Plan a design's move: intervals, times, positions and speeds of its steps, its phases, and a summary."""
-    design, points = request.design, request.max_points
-    lane = planning_lane([design], points=points)
-    return Planned(lane, lambda: ProfileAnswer.of(profile_of(design), tuning_report(design), points))
+@router.post("/profile", responses=IN_ANY_FORMAT)
+async def profile(request: ProfilePayload, as_wanted: AnyFormat) -> Planned[ProfileAnswer]:
+    """Plan a design's move: intervals, times, positions and speeds of its steps, its phases, and a summary.
+
+    `Accept: text/csv` or `application/x-npz` asks for the columns only.
+    """
+    design = request.design
+    lane = planning_lane([design], points=request.max_points)
+    return Planned(lane, lambda: ProfileAnswer.of(profile_of(design), tuning_report(design), request), as_wanted)
 
 
-@router.post("/errors")
-async def errors(request: ErrorsPayload) -> Planned[ErrorsAnswer]:
-    """Compare methods with a reference, step by step: relative error and error in ticks of each interval."""
+@router.post("/errors", responses=IN_ANY_FORMAT)
+async def errors(request: ErrorsPayload, as_wanted: AnyFormat) -> Planned[ErrorsAnswer]:
+    """Compare methods with a reference, step by step: relative error and error in ticks of each interval.
+
+    `Accept: text/csv` or `application/x-npz` asks for the columns only, with the method's name before them.
+    """
     lane = planning_lane([request.design], len(request.methods), request.max_points)
-    return Planned(lane, lambda: _errors(request))
+    return Planned(lane, lambda: _errors(request), as_wanted)
 
 
 @router.get("/examples", response_model_exclude_unset=True)
@@ -51,4 +58,4 @@ async def health() -> HealthAnswer:
 
 def _errors(request: ErrorsPayload) -> ErrorsAnswer:
     judged = all_error_curves(request.design, request.methods, request.reference, request.segment_bound_ticks)
-    return ErrorsAnswer.of(request.reference, judged, request.curves, request.max_points)
+    return ErrorsAnswer.of(judged, request)

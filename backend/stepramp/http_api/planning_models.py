@@ -1,16 +1,17 @@
 """What the planning routes take and answer."""
 
-from collections.abc import Iterable, Sequence
-from typing import Annotated, Any, Literal, Self
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Annotated, Any, Literal, Self, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from stepramp.design import MOST_NAMES, MOST_STEPS, Design, MethodName
-from stepramp.errors import Limits, Rejected
+from stepramp.errors import Limits, Rejected, Rejection
 from stepramp.http_api.answer import Answer, Numbers, WholeNumbers
 from stepramp.http_api.errors import TOLD, ErrorItem, ToldAnswer, error_items, in_body
+from stepramp.http_api.formats import Table
 from stepramp.methods import REFERENCE
 from stepramp.methods.common.method import TuningReport
 from stepramp.ramp.error_curves import ErrorCurves
@@ -32,6 +33,8 @@ CurveName = Literal[
     "compression_error_ticks",
 ]
 
+CURVE_NAMES: tuple[CurveName, ...] = get_args(CurveName)
+
 MostPoints = Annotated[
     Annotated[int, Within(10, MOST_STEPS, "points", ", or null for every step")] | None,
     Field(description="Thin the arrays to about so many steps that keep the curve's shape; null: every step"),
@@ -52,17 +55,42 @@ def refuse_more_numbers(arrays: int, moves: Sequence[Design], max_points: int | 
         refuse("max_points", max_points, Limits(10, most, "points", is_whole=True, note=why))
 
 
-class ProfilePayload(Document):
-    """A design whose move is to be planned."""
+StepOfMove = Annotated[int, Within(1, MOST_STEPS, "steps", ", or null")] | None
+
+
+class Stretch(Document):
+    """Which steps of a design's move are wanted."""
 
     design: Design
     max_points: MostPoints = None
+    first_step: StepOfMove = Field(
+        None, description="First step that is wanted, counted from 1; null: the move's first [steps]"
+    )
+    last_step: StepOfMove = Field(None, description="Last step that is wanted; null: the move's last [steps]")
+
+    @property
+    def span(self) -> tuple[int, int]:
+        """First and last step that are wanted, counted from 1."""
+        return self.first_step or 1, self.last_step or abs(self.design.move.steps)
+
+    @model_validator(mode="after")
+    def _is_of_the_move(self) -> Self:
+        steps = abs(self.design.move.steps)
+        if (self.first_step or 1) > steps:
+            refuse("first_step", self.first_step, Limits(1, steps, "steps", is_whole=True, note=", or null"))
+        first, last = self.span
+        if not first <= last <= steps:
+            refuse("last_step", self.last_step, Limits(first, steps, "steps", is_whole=True, note=", or null"))
+        return self
 
 
-class ErrorsPayload(Document):
+class ProfilePayload(Stretch):
+    """A design whose move is to be planned."""
+
+
+class ErrorsPayload(Stretch):
     """A design and the methods that are to be compared."""
 
-    design: Design
     methods: Annotated[list[MethodName], ListOf("method names", most=MOST_NAMES)] = Field(
         description="Methods to compare, each with the design's arithmetic or else the one usual for it"
     )
@@ -75,7 +103,6 @@ class ErrorsPayload(Document):
         description="Judge the move as a controller plays it from segments that keep to this bound [ticks]; null: as "
         "it is planned",
     )
-    max_points: MostPoints = None
 
     @model_validator(mode="after")
     def _can_be_answered(self) -> Self:
@@ -175,9 +202,9 @@ class ProfileAnswer(Answer):
     warnings: list[WarningAnswer]
 
     @classmethod
-    def of(cls, profile: Profile, tuning: TuningReport | None, most_points: int | None) -> Self:
-        """Return a profile as an answer, thinned to about so many points."""
-        kept = _kept(profile.intervals_ticks, profile, most_points)
+    def of(cls, profile: Profile, tuning: TuningReport | None, request: ProfilePayload) -> Self:
+        """Return a profile as an answer: the steps that are wanted of it."""
+        kept = _kept(profile.intervals_ticks, profile, request)
         return cls(
             step=kept + 1,
             intervals_ticks=profile.intervals_ticks[kept],
@@ -190,6 +217,12 @@ class ProfileAnswer(Answer):
             tuning=tuning,
             warnings=WarningAnswer.all_of(profile),
         )
+
+    @property
+    def tables(self) -> Iterator[Table]:
+        """Its columns."""
+        names = ("step", "intervals_ticks", "time_s", "position_steps", "speed_steps_per_s")
+        yield Table("", {name: np.asarray(getattr(self, name)) for name in names})
 
 
 class ExtremeAnswer(Answer):
@@ -234,9 +267,9 @@ class ErrorCurvesAnswer(ErrorFiguresAnswer):
     compression_error_ticks: Numbers | None = Field(None, description="Part of the segments [ticks]")
 
     @classmethod
-    def of(cls, judged: ErrorCurves, names: Sequence[CurveName], most_points: int | None) -> Self:
-        """Return a method's error curves of those names, thinned to about so many points."""
-        kept = _kept(judged.relative_error, judged.profile, most_points)
+    def of(cls, judged: ErrorCurves, request: ErrorsPayload) -> Self:
+        """Return a method's error curves that are wanted."""
+        kept, names = _kept(judged.relative_error, judged.profile, request), request.curves
         curves = {name: _curve(judged, name)[kept] for name in names}
         return cls(method=judged.method, step=kept + 1, **curves, **figures(judged))
 
@@ -261,21 +294,24 @@ class ErrorsAnswer(Answer):
     failures: list[MethodFailure] = Field(description="Methods that don't fit the design, and why")
 
     @classmethod
-    def of(
-        cls,
-        reference: MethodName,
-        judged: Iterable[tuple[MethodName, ErrorCurves | Rejected]],
-        names: Sequence[CurveName],
-        most_points: int | None,
-    ) -> Self:
-        """Return the error curves of those names, each thinned to about so many points."""
-        answer = cls(reference=reference, methods=[], failures=[])
+    def of(cls, judged: Iterable[tuple[MethodName, ErrorCurves | Rejected]], request: ErrorsPayload) -> Self:
+        """Return the error curves that are wanted."""
+        answer = cls(reference=request.reference, methods=[], failures=[])
         for method, each in judged:
             if isinstance(each, Rejected):
                 answer.failures.append(MethodFailure.of(method, each))
             else:
-                answer.methods.append(ErrorCurvesAnswer.of(each, names, most_points))
+                answer.methods.append(ErrorCurvesAnswer.of(each, request))
         return answer
+
+    @property
+    def tables(self) -> Iterator[Table]:
+        """The columns of each method. Raises Rejected for methods without any: only JSON can tell why."""
+        if self.failures:
+            raise Rejected([_as_sent(item) for failure in self.failures for item in failure.errors])
+        for each in self.methods:
+            columns = {name: each.content[name] for name in ("step", *CURVE_NAMES) if name in each.content}
+            yield Table(each.method, {name: np.asarray(column) for name, column in columns.items()})
 
 
 class ExampleAnswer(Answer):
@@ -321,7 +357,9 @@ def _curve(judged: ErrorCurves, name: CurveName) -> NDArray[np.float64]:
     return curve
 
 
-def _kept(
-    values: NDArray[np.int64] | NDArray[np.float64], profile: Profile, most_points: int | None
-) -> NDArray[np.int64]:
-    return kept_steps(values, profile.phases, most_points or values.size)
+def _kept(values: NDArray[np.int64] | NDArray[np.float64], profile: Profile, request: Stretch) -> NDArray[np.int64]:
+    return kept_steps(values, profile.phases, request.max_points or values.size, request.span)
+
+
+def _as_sent(item: ErrorItem) -> Rejection:
+    return Rejection(item.field or "methods", item.value, item.allowed or item.message)

@@ -14,7 +14,10 @@ REST_SHARE = 4
 
 
 def kept_steps(
-    curve: NDArray[np.int64] | NDArray[np.float64], phases: tuple[Phase, ...], most: int
+    curve: NDArray[np.int64] | NDArray[np.float64],
+    phases: tuple[Phase, ...],
+    most: int,
+    span: tuple[int, int] | None = None,
 ) -> NDArray[np.int64]:
     """Return about `most` steps, counted from 0 and increasing, that carry a curve's shape.
 
@@ -23,10 +26,12 @@ def kept_steps(
     a move, where a curve changes most from one step to the next; a level part keeps its two ends.
 
     curve: one value a step, shape (N,).
+    span: first and last step, counted from 1, of the only part that is wanted; None: the whole move.
     """
-    if curve.size <= most:
-        return counted(0, curve.size)
-    return _without_level_inside([curve], _thinned([curve], phases, most))
+    first, last = span or (1, curve.size)
+    if last - first < most:
+        return counted(first - 1, last - first + 1)
+    return _without_level_inside([curve], _thinned([curve], _within(phases, first, last), most))
 
 
 def kept_steps_of_all(

@@ -1,0 +1,127 @@
+"""In which form an answer with columns is sent: as JSON, or its columns only, as CSV or as a file of numpy's."""
+
+import csv
+import io
+import zipfile
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+import mimeparse
+import numpy as np
+from fastapi import Depends, Request
+from numpy.typing import NDArray
+
+from stepramp.errors import NotAcceptable, Rejection
+from stepramp.http_api.json_response import PIECE_BYTES, json_pieces
+
+Column = NDArray[np.int64] | NDArray[np.float64]
+Columns = Mapping[str, Column]
+"""Columns of the same length by their names."""
+
+JSON, CSV, NPZ = "application/json", "text/csv", "application/x-npz"
+OFFERED = (NPZ, CSV, JSON)
+"""The last of them is sent to who takes any."""
+ROWS = 2048
+"""So many rows of a table are written at a time, while which no other thread goes on for long."""
+
+
+@dataclass(frozen=True)
+class Table:
+    """Columns under the name of what they are of; a name of '' stands for a table that is the only one."""
+
+    name: str
+    columns: Columns
+
+
+@dataclass(frozen=True)
+class Format:
+    """A form in which answers are sent."""
+
+    media_type: str
+    pieces: Callable[[Any], Iterator[bytes]]
+    """What writes an answer, bit by bit; CSV and npz take what has `tables`."""
+
+
+def wanted_format(request: Request) -> Format:
+    """Return the form that a request's Accept likes best. Raises NotAcceptable where it takes none of them."""
+    accept = ", ".join(request.headers.getlist("accept")) or "*/*"
+    try:
+        media_type = mimeparse.best_match(OFFERED, accept)
+    except mimeparse.MimeTypeParseException:
+        media_type = ""
+    if not media_type:
+        raise NotAcceptable([Rejection("Accept", accept, f"one of {', '.join(reversed(OFFERED))}, or */*")])
+    return FORMATS[media_type]
+
+
+def csv_pieces(tables: Iterable[Table]) -> Iterator[bytes]:
+    """Yield tables that have the same columns as CSV, with a first column `name` where they are named."""
+    for number, table in enumerate(tables):
+        named = [table.name] if table.name else []
+        if number == 0:
+            yield _lines([[*(["name"] if named else []), *table.columns]])
+        arrays = list(table.columns.values())
+        for begin in range(0, arrays[0].size, ROWS):
+            # Python's own numbers: they are written with as many digits as tell them apart.
+            rows = zip(*(each[begin : begin + ROWS].tolist() for each in arrays), strict=True)
+            yield _lines([*named, *row] for row in rows)
+
+
+def npz_pieces(tables: Iterable[Table]) -> Iterator[bytes]:
+    """Yield tables as numpy.load reads them: an array a column, `name/column` where tables are named."""
+    sink = _Sink()
+    with zipfile.ZipFile(sink, "w", zipfile.ZIP_STORED) as archive:
+        for table in tables:
+            for column, values in table.columns.items():
+                name = f"{table.name}/{column}" if table.name else column
+                with archive.open(f"{name}.npy", "w", force_zip64=True) as file:
+                    header = np.lib.format.header_data_from_array_1_0(np.ascontiguousarray(values))
+                    np.lib.format.write_array_header_1_0(file, header)
+                    for begin in range(0, values.size, PIECE_BYTES // 8):
+                        file.write(np.ascontiguousarray(values[begin : begin + PIECE_BYTES // 8]).tobytes())
+                        yield from sink.taken()
+    yield from sink.taken()
+
+
+def _lines(rows: Iterable[Iterable[object]]) -> bytes:
+    text = io.StringIO()
+    csv.writer(text).writerows(rows)
+    return text.getvalue().encode()
+
+
+class _Sink(io.RawIOBase):
+    """What is written into it is taken out of it bit by bit; a file that can't be gone back in."""
+
+    def __init__(self) -> None:
+        self._bits: list[bytes] = []
+
+    def writable(self) -> bool:
+        return True
+
+    def write(self, bit: Any) -> int:
+        self._bits.append(bytes(bit))
+        return len(bit)
+
+    def taken(self) -> Iterator[bytes]:
+        if self._bits:
+            yield b"".join(self._bits)
+            self._bits = []
+
+
+FORMATS = {
+    JSON: Format(JSON, json_pieces),
+    CSV: Format("text/csv; charset=utf-8", lambda answer: csv_pieces(answer.tables)),
+    NPZ: Format(NPZ, lambda answer: npz_pieces(answer.tables)),
+}
+
+AnyFormat = Annotated[Format, Depends(wanted_format)]
+IN_ANY_FORMAT: dict[int | str, dict[str, Any]] = {
+    200: {
+        "content": {
+            CSV: {"schema": {"type": "string", "description": "The columns, with their names in the first line"}},
+            NPZ: {"schema": {"type": "string", "format": "binary", "description": "The columns, for numpy.load"}},
+        }
+    }
+}
+"""What a route that sends any of them answers, beside JSON."""
