@@ -7,11 +7,13 @@ from frontend.modules import Modules
 
 READ = """async ([answers, overAt]) => {
     const {untilComplete} = await import('/devices/traces.js');
+    const real = globalThis.setTimeout;
     globalThis.setTimeout = (act) => { queueMicrotask(act); return 0; };
     const taken = [];
     let looks = 0;
     const look = async () => answers[Math.min(looks++, answers.length - 1)];
     const last = await untilComplete(look, ({name}) => taken.push(name), () => looks >= overAt);
+    globalThis.setTimeout = real;
     return [taken, last?.name ?? null, looks]; }"""
 PART, WHOLE = {"name": "part", "complete": False}, {"name": "whole", "complete": True}
 NEVER = 100
@@ -167,6 +169,7 @@ ANNOUNCED = (
         socket.onmessage({data: JSON.stringify({devices: [{id: '1', port: 'p', name: 'Grbl', stops: 5, heard_s: 1,
             age_s: 0, shuttle: null, ramp: null, unknown_positions: [], ...device}]})});
         return store.state().told.announced.text; });
+    api.trace = own;
     Object.assign(globalThis, real);
     return words; }"""
 )
