@@ -16,7 +16,7 @@ from stepramp.client import AsyncClient, Client
 from stepramp.client.calls import Call, get
 from stepramp.client.design_calls import stall_map
 from stepramp.client.servers import Server
-from stepramp.errors import NoServer, NotFound, Outdated, Refused, Rejected, Unauthorized
+from stepramp.errors import NoServer, NotFound, Outdated, Refused, Rejected, StepRampError, Unauthorized
 from stepramp.http_api.access import Access, Role
 from stepramp.http_api.app import create_app
 from stepramp.http_api.errors import in_body
@@ -121,6 +121,31 @@ def test_a_device_from_connecting_to_letting_go(client: Any) -> None:
         client.disconnect(device)
     with pytest.raises(NotFound, match="There is no device"):
         client.device(device)
+
+
+def test_motions_are_waited_for_and_made_once_for_a_key(client: Any) -> None:
+    device = client.connect("sim://").id
+    try:
+        for _ in range(2):
+            assert client.push(device, document(ramp__slew_speed_steps_per_s=2000), key=f"push-{device}").verified
+        begin = client.device(device).position_steps
+        for _ in range(3):
+            assert client.move(device, by_steps=100, wait_s=60, key=f"move-{device}").state == "ready"
+        assert client.device(device).position_steps == begin + 100
+        line = client.line(device, [{"axis": 0, "by_steps": -40}], wait_s=60)
+        assert line.position_steps == begin + 60
+        assert client.there_and_back(device, 30, times=2, wait_s=60).position_steps == begin + 60
+        limits = [{"axis": 0, "lowest_steps": begin, "highest_steps": begin + 100}]
+        assert client.set_soft_limits(device, limits).axes[0].highest_steps == begin + 100
+        with pytest.raises(Rejected, match=r"by_steps is 41"):
+            client.move(device, by_steps=41)
+        with pytest.raises(Rejected, match="a key of its own for each request"):
+            client.line(device, [{"axis": 0, "by_steps": 1}], key=f"move-{device}")
+        with pytest.raises(StepRampError, match="steps is 0; allowed: a whole number from 1 to 65,535 steps"):
+            client.zero(device, 0)
+    finally:
+        client.set_soft_limits(device, [{"axis": 0}])
+        client.disconnect(device)
 
 
 def test_what_runs_is_not_set_in_motion_again_after_a_stop(client: Any, url: str) -> None:

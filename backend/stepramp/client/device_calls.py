@@ -1,11 +1,14 @@
-"""What a client can ask of devices. Nothing here moves a motor but `move`, `run`, `run_for` and `home`."""
+"""What a client can ask of devices.
+
+Nothing here moves a motor but `move`, `line`, `there_and_back`, `run`, `run_for`, `home` and `zero`.
+"""
 
 from collections.abc import Callable, Mapping, Sequence
 from time import monotonic
 from typing import Literal
 from urllib.parse import quote
 
-from stepramp.client.calls import CONNECTING_S, PUSHING_S, Call, Pause, Script, get, payload, post
+from stepramp.client.calls import CONNECTING_S, PUSHING_S, QUICK_S, Call, Pause, Script, get, payload, post
 from stepramp.client.design_calls import ADesign
 from stepramp.http_api.backups_models import BackupsAnswer, RestoredAnswer
 from stepramp.http_api.devices_models import (
@@ -21,15 +24,21 @@ from stepramp.http_api.devices_models import (
 )
 from stepramp.http_api.motion_models import (
     HomePayload,
+    LinePayload,
+    Motion,
     MovePayload,
     PositionPayload,
     RunPayload,
+    ShuttlePayload,
+    SoftLimitsPayload,
     TraceAnswer,
     TracePayload,
     TracingAnswer,
+    ZeroPayload,
 )
 
 STOPS_HEADER = "X-StepRamp-Stops"
+KEY_HEADER = "Idempotency-Key"
 LEASE_S = 2.0
 """So long an axis runs on after whoever makes it run is gone [s]."""
 RENEWED_EVERY_S = 0.5
@@ -77,11 +86,12 @@ def push(
     to_axis: int | None = None,
     axes: Sequence[ADesign] | None = None,
     mode: Literal["keep", "try"] | None = None,
+    key: str | None = None,
 ) -> Call[PushedAnswer]:
-    """Have a device use a design's ramp, or those of all axes, stored or on trial, and read it back."""
+    """Have a device use a design's ramp, or those of all axes, stored or on trial, and read it back. key: see move."""
     given = None if axes is None else list(axes)
     body = payload(PushPayload, design=design, to_axis=to_axis, axes=given, mode=mode)
-    return post(_path(device_id, "push"), PushedAnswer, body, patience_s=PUSHING_S)
+    return post(_path(device_id, "push"), PushedAnswer, body, patience_s=PUSHING_S, headers=_keyed(key))
 
 
 def keep(device_id: str) -> Call[DeviceAnswer]:
@@ -116,14 +126,18 @@ def move(
     by_steps: int | None = None,
     to_steps: int | None = None,
     axes: Sequence[Mapping[str, int]] | None = None,
+    wait_s: float | None = None,
     stops: int | None = None,
+    key: str | None = None,
 ) -> Call[DeviceAnswer]:
-    """Begin to move axis 0, or several: `axes=[{"axis": 1, "by_steps": 200}]`. It returns at once: see until_rest.
+    """Begin to move axis 0, or several: `axes=[{"axis": 1, "by_steps": 200}]`.
 
+    wait_s: how long the answer may wait until nothing moves any more; None: it comes at once, as of all motions.
     stops: the `stops` that the device told when the move was decided; after a stop since, it is refused.
+    key: what stands for this one move, however often it is asked for.
     """
-    body = payload(MovePayload, by_steps=by_steps, to_steps=to_steps, axes=_listed(axes))
-    return post(_path(device_id, "move"), DeviceAnswer, body, headers=_known(stops))
+    asked = {"by_steps": by_steps, "to_steps": to_steps, "axes": _listed(axes)}
+    return _motion(device_id, "move", MovePayload, asked, wait_s, stops, key)
 
 
 def run(
@@ -132,11 +146,57 @@ def run(
     speed_steps_per_s: float | None = None,
     axes: Sequence[Mapping[str, float]] | None = None,
     for_s: float | None = None,
+    wait_s: float | None = None,
     stops: int | None = None,
+    key: str | None = None,
 ) -> Call[DeviceAnswer]:
-    """Run at speeds for so long, 2 s if nothing is said; asked again in time, it goes on. It returns at once."""
-    body = payload(RunPayload, speed_steps_per_s=speed_steps_per_s, axes=_listed(axes), for_s=for_s)
-    return post(_path(device_id, "run"), DeviceAnswer, body, headers=_known(stops))
+    """Run at speeds for so long, 2 s if nothing is said; asked again in time, it goes on. The others: see move."""
+    asked = {"speed_steps_per_s": speed_steps_per_s, "axes": _listed(axes), "for_s": for_s}
+    return _motion(device_id, "run", RunPayload, asked, wait_s, stops, key)
+
+
+def line(
+    device_id: str,
+    axes: Sequence[Mapping[str, int]],
+    *,
+    ramp_axis: int | None = None,
+    wait_s: float | None = None,
+    stops: int | None = None,
+    key: str | None = None,
+) -> Call[DeviceAnswer]:
+    """Begin to move along a straight line: `axes=[{"axis": 0, "by_steps": 200}, …]`. The others: see move."""
+    asked = {"axes": _listed(axes), "ramp_axis": ramp_axis}
+    return _motion(device_id, "line", LinePayload, asked, wait_s, stops, key)
+
+
+def there_and_back(
+    device_id: str,
+    by_steps: int,
+    *,
+    axis: int | None = None,
+    times: int | None = None,
+    pause_s: float | None = None,
+    wait_s: float | None = None,
+    stops: int | None = None,
+    key: str | None = None,
+) -> Call[DeviceAnswer]:
+    """Begin to go there and back, so many times. The others: see move."""
+    asked = {"axis": axis, "by_steps": by_steps, "times": times, "pause_s": pause_s}
+    return _motion(device_id, "there_and_back", ShuttlePayload, asked, wait_s, stops, key)
+
+
+def zero(
+    device_id: str,
+    steps: int,
+    *,
+    axes: Sequence[int] | None = None,
+    wait_s: float | None = None,
+    stops: int | None = None,
+    key: str | None = None,
+) -> Call[DeviceAnswer]:
+    """Move gauges backwards against their stop, which is position 0 from then on. The others: see move."""
+    asked = {"axes": None if axes is None else list(axes), "steps": steps}
+    return _motion(device_id, "zero", ZeroPayload, asked, wait_s, stops, key)
 
 
 def home(
@@ -146,17 +206,24 @@ def home(
     *,
     back_off_steps: int | None = None,
     for_s: float | None = None,
+    wait_s: float | None = None,
     stops: int | None = None,
+    key: str | None = None,
 ) -> Call[DeviceAnswer]:
-    """Begin to find limit switches: `axes=[{"axis": 0, "fast_steps_per_s": -400}]`. It returns at once."""
-    body = payload(
-        HomePayload,
-        axes=_listed(axes),
-        slow_steps_per_s=slow_steps_per_s,
-        back_off_steps=back_off_steps,
-        for_s=for_s,
-    )
-    return post(_path(device_id, "home"), DeviceAnswer, body, headers=_known(stops))
+    """Begin to find limit switches: `axes=[{"axis": 0, "fast_steps_per_s": -400}]`. The others: see move."""
+    asked = {
+        "axes": _listed(axes),
+        "slow_steps_per_s": slow_steps_per_s,
+        "back_off_steps": back_off_steps,
+        "for_s": for_s,
+    }
+    return _motion(device_id, "home", HomePayload, asked, wait_s, stops, key)
+
+
+def set_soft_limits(device_id: str, axes: Sequence[Mapping[str, int | None]]) -> Call[DeviceAnswer]:
+    """Keep axes within positions: `axes=[{"axis": 0, "lowest_steps": 0, "highest_steps": 4000}]`. Nothing moves."""
+    body = payload(SoftLimitsPayload, axes=_listed(axes))
+    return Call("PUT", _path(device_id, "soft_limits"), DeviceAnswer.model_validate_json, body)
 
 
 def set_position(device_id: str, position_steps: int, axis: int = 0) -> Call[DeviceAnswer]:
@@ -236,5 +303,19 @@ def _listed(axes: Sequence[Mapping[str, object]] | None) -> list[dict[str, objec
     return None if axes is None else [dict(each) for each in axes]
 
 
-def _known(stops: int | None) -> dict[str, str]:
-    return {} if stops is None else {STOPS_HEADER: str(stops)}
+def _motion(
+    device_id: str,
+    what: str,
+    model: type[Motion],
+    asked: Mapping[str, object],
+    wait_s: float | None,
+    stops: int | None,
+    key: str | None,
+) -> Call[DeviceAnswer]:
+    body = payload(model, **asked, wait_s=wait_s)
+    headers = ({} if stops is None else {STOPS_HEADER: str(stops)}) | _keyed(key)
+    return post(_path(device_id, what), DeviceAnswer, body, headers=headers, patience_s=QUICK_S + (wait_s or 0.0))
+
+
+def _keyed(key: str | None) -> dict[str, str]:
+    return {} if key is None else {KEY_HEADER: key}

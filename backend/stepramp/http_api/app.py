@@ -53,6 +53,7 @@ from stepramp.http_api.connections import Connections
 from stepramp.http_api.door import Door
 from stepramp.http_api.errors import ErrorList, handle_errors
 from stepramp.http_api.history_keeper import HistoryKeeper
+from stepramp.http_api.idempotency import Idempotent
 from stepramp.http_api.job_registry import Jobs
 from stepramp.http_api.journal import Journal
 from stepramp.http_api.news import News
@@ -191,6 +192,7 @@ def create_app(
     app.router.routes.extend(_routes())
     handle_errors(app)
     pages.add(app)
+    app.add_middleware(Idempotent)
     app.add_middleware(Door)
     app.add_middleware(Journal)
     if access is None:

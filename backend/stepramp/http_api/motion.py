@@ -24,6 +24,7 @@ from stepramp.http_api.motion_models import (
     ZeroPayload,
 )
 from stepramp.http_api.request_numbers import RequestNumber
+from stepramp.http_api.rest import then_waits
 
 router = APIRouter(route_class=JsonRoute)
 
@@ -31,9 +32,14 @@ _CSV: dict[str, Any] = {"text/csv": {"schema": {"type": "string"}}}
 
 
 @router.post("/devices/{device_id}/move")
+@then_waits
 @ACTING.serves
 def move(request: MovePayload, device: Acting, request_number: RequestNumber) -> DeviceAnswer:
-    """Begin to move with the ramps in use, by so many steps or to positions, also from the midst of a move."""
+    """Begin to move with the ramps in use, by so many steps or to positions, also from the midst of a move.
+
+    As of all motions, the answer tells how it begins, or with `wait_s` how the device is at rest. A wait that is over
+    before, or whose client leaves, ends no motion.
+    """
     if request.is_relative:
         device.move_by(request.commands, request_number)
     else:
@@ -42,6 +48,7 @@ def move(request: MovePayload, device: Acting, request_number: RequestNumber) ->
 
 
 @router.post("/devices/{device_id}/there_and_back")
+@then_waits
 @ACTING.serves
 def there_and_back(request: ShuttlePayload, device: Acting, request_number: RequestNumber, page: Page) -> DeviceAnswer:
     """Begin to go there and back, so many times, from rest. Whatever else is asked of axes ends it, as does a stop.
@@ -53,6 +60,7 @@ def there_and_back(request: ShuttlePayload, device: Acting, request_number: Requ
 
 
 @router.post("/devices/{device_id}/run")
+@then_waits
 @ACTING.serves
 def run(request: RunPayload, device: Acting, request_number: RequestNumber, page: Page) -> DeviceAnswer:
     """Run at speeds for so long, also from the midst of a move; asked again in time, it goes on. Then it slows down.
@@ -67,6 +75,7 @@ def run(request: RunPayload, device: Acting, request_number: RequestNumber, page
 
 
 @router.post("/devices/{device_id}/line")
+@then_waits
 @ACTING.serves
 def line(request: LinePayload, device: Acting, request_number: RequestNumber) -> DeviceAnswer:
     """Begin to move along a straight line, from rest."""
@@ -83,6 +92,7 @@ def position(request: PositionPayload, device: Acting) -> DeviceAnswer:
 
 
 @router.post("/devices/{device_id}/zero")
+@then_waits
 @ACTING.serves
 def zero(request: ZeroPayload, device: Acting, request_number: RequestNumber) -> DeviceAnswer:
     """Move gauges backwards against their stop, which is position 0 from then on."""
@@ -91,6 +101,7 @@ def zero(request: ZeroPayload, device: Acting, request_number: RequestNumber) ->
 
 
 @router.post("/devices/{device_id}/home")
+@then_waits
 @ACTING.serves
 def home(request: HomePayload, device: Acting, request_number: RequestNumber, page: Page) -> DeviceAnswer:
     """Begin to find limit switches, from rest: fast towards them, slowly away until they let go, slowly back to them.

@@ -36,7 +36,16 @@ class AxisMove(Document):
         return self
 
 
-class MovePayload(Document):
+class Motion(Document):
+    """What begins a motion."""
+
+    wait_s: Annotated[float, Within(0, 86_400, "s")] = Field(
+        0.0,
+        description="How long the answer may wait until no axis moves any more; 0: it tells how the motion begins [s]",
+    )
+
+
+class MovePayload(Motion):
     """Where to move: axis 0 by so many steps or to a position, or several axes that begin together."""
 
     by_steps: Steps | None = Field(
@@ -74,7 +83,7 @@ class MovePayload(Document):
         return _commands(self.axes, name, getattr(self, name))
 
 
-class ShuttlePayload(Document):
+class ShuttlePayload(Motion):
     """How one axis is to go there and back."""
 
     axis: AxisNumber = Field(0, description=AXIS)
@@ -108,7 +117,7 @@ class AxisRun(Document):
     speed_steps_per_s: Speed = Field(description="Speed, negative for backwards; 0 stops [steps/s]")
 
 
-class RunPayload(Document):
+class RunPayload(Motion):
     """How fast to run: axis 0, or several axes."""
 
     speed_steps_per_s: Speed | None = Field(
@@ -143,7 +152,7 @@ class AxisSteps(Document):
     by_steps: Steps = Field(description="How far from here, negative for backwards [steps]")
 
 
-class LinePayload(Document):
+class LinePayload(Motion):
     """A straight line of several axes, which begin and end together."""
 
     axes: Annotated[list[AxisSteps], ListOf("axes and how far they go", most=MOST_AXES, least=1)] = Field(
@@ -229,7 +238,7 @@ class SoftLimitsPayload(Document):
         return {each.axis: Span(each.lowest_steps, each.highest_steps) for each in self.axes}
 
 
-class ZeroPayload(Document):
+class ZeroPayload(Motion):
     """Gauges that are to run against their stop, which is then position 0."""
 
     axes: AxisNumbersAsGiven = Field((0,), description="Which axes, each once")
@@ -255,7 +264,7 @@ class AxisHome(Document):
     position_steps: Steps = Field(0, description="What the place that it finds is to be called afterwards [steps]")
 
 
-class HomePayload(Document):
+class HomePayload(Motion):
     """How axes are to find their limit switches: each by itself."""
 
     axes: Annotated[list[AxisHome], ListOf("axes, each with how it finds its switch", most=MOST_AXES, least=1)] = Field(

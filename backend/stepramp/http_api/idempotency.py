@@ -1,0 +1,193 @@
+"""Requests that are asked again with the same key: what they ask for is done once, and answered as it was."""
+
+import asyncio
+import hashlib
+from collections import OrderedDict
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from time import monotonic
+
+from starlette.datastructures import Headers, MutableHeaders
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from stepramp.errors import Refused, Rejected, Rejection, StepRampError
+from stepramp.http_api.door import is_stop
+from stepramp.http_api.errors import error_response
+from stepramp.http_api.sign_in import acts, client_of
+
+KEY_HEADER = "Idempotency-Key"
+REPLAYED_HEADER = "Idempotent-Replayed"
+MOST_KEY = 200
+"""Length of the longest key [characters]."""
+MOST_KEPT = 1000
+"""So many answers are kept, the newest ones."""
+KEPT_S = 24 * 3600.0
+"""So long an answer is kept [s]."""
+MOST_ANSWER_BYTES = 500_000
+"""Of a longer answer only that there was one is kept."""
+ALLOWED_KEY = f"1 to {MOST_KEY} visible ASCII characters, given once"
+OTHER_REQUEST = "a key of its own for each request: this one was given for another one, by method, address or body"
+NOT_KEPT = (
+    "This was asked for before with the same key, and done; what came of it can't be told again. Look at the device."
+)
+
+
+@dataclass
+class _Asked:
+    """A request with a key, and what came of it."""
+
+    request: tuple[str, str]
+    ended: asyncio.Future[bool]
+    """Whether it was done; False: it was refused, and may be asked again."""
+    at_s: float
+    body: str | None = None
+    """Digest of its body, where that was read to its end."""
+    answer: list[Message] = field(default_factory=list)
+    """As it was sent, where it is kept."""
+
+
+class Idempotent:
+    """Middleware for what changes something: a key in `Idempotency-Key` stands for one request of one client.
+
+    Asked again with its key, a request waits for what came of the first one, and is answered the same. What was refused
+    may be asked again. A request with a key is done though its client leaves. Stops take no key: each is a stop.
+    """
+
+    def __init__(self, app: ASGIApp, now_s: Callable[[], float] = monotonic) -> None:
+        self._app = app
+        self._now_s = now_s
+        self._asked: OrderedDict[tuple[str, str], _Asked] = OrderedDict()
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass on what has no key, or one that is new; answer anything else."""
+        if scope["type"] != "http" or not acts(scope) or is_stop(scope):
+            await self._app(scope, receive, send)
+            return
+        keys = Headers(scope=scope).getlist(KEY_HEADER)
+        if not keys:
+            await self._app(scope, receive, send)
+        elif len(keys) > 1 or not _is_key(keys[0]):
+            given = keys[0] if len(keys) == 1 else keys
+            await error_response(Rejected([Rejection(KEY_HEADER, given, ALLOWED_KEY)]))(scope, receive, send)
+        else:
+            await self._once(keys[0], scope, receive, send)
+
+    async def _once(self, key: str, scope: Scope, receive: Receive, send: Send) -> None:
+        client = client_of(scope)
+        name = ("" if client is None else client.name, key)
+        request = (scope["method"], scope["raw_path"].decode("latin-1") + "?" + scope["query_string"].decode("latin-1"))
+        while (before := self._of(name)) is not None:
+            if before.request != request:
+                await error_response(_of_another(key))(scope, receive, send)
+                return
+            if await asyncio.shield(before.ended):
+                await _answer_again(before, key, scope, receive, send)
+                return
+        asked = _Asked(request, asyncio.get_running_loop().create_future(), self._now_s())
+        self._asked[name] = asked
+        heard = _Hearing(receive)
+        # It goes on when whoever asked leaves: asked again, it is told what came of it.
+        doing = asyncio.ensure_future(self._do(name, asked, scope, heard))
+        try:
+            answer = await asyncio.shield(doing)
+        except asyncio.CancelledError:
+            heard.leave()
+            raise
+        for message in answer:
+            await send(message)
+
+    def _of(self, name: tuple[str, str]) -> _Asked | None:
+        """Return what was asked with a key, if that is kept; forget what is too old, or too much."""
+        while self._asked:
+            oldest, asked = next(iter(self._asked.items()))
+            is_kept = len(self._asked) <= MOST_KEPT and self._now_s() - asked.at_s <= KEPT_S
+            if is_kept or not asked.ended.done():
+                break
+            del self._asked[oldest]
+        return self._asked.get(name)
+
+    async def _do(self, name: tuple[str, str], asked: _Asked, scope: Scope, heard: "_Hearing") -> list[Message]:
+        """Have it done; return its answer."""
+        answer: list[Message] = []
+
+        async def send(message: Message) -> None:
+            answer.append(message)
+
+        is_done = True  # Whatever goes wrong, unless it is known that nothing was done.
+        try:
+            await self._app(scope, heard.receive, send)
+            is_done = not _is_refusal(answer)
+            if sum(len(message.get("body", b"")) for message in answer) <= MOST_ANSWER_BYTES:
+                asked.answer = answer
+        finally:
+            asked.body = heard.digest
+            if not is_done:
+                del self._asked[name]
+            asked.ended.set_result(is_done)
+        return answer
+
+
+class _Hearing:
+    """Reads a request's body for who serves it, and what it was."""
+
+    def __init__(self, receive: Receive) -> None:
+        self._receive = receive
+        self._hash = hashlib.sha256()
+        self._left = asyncio.Event()
+        self.digest: str | None = None
+        """Of the body, once all of it was read."""
+
+    def leave(self) -> None:
+        """Note that the client has gone: nothing more comes."""
+        self._left.set()
+
+    async def receive(self) -> Message:
+        """Return the next message, as the server's own does."""
+        receiving, leaving = asyncio.ensure_future(self._receive()), asyncio.ensure_future(self._left.wait())
+        try:
+            await asyncio.wait([receiving, leaving], return_when=asyncio.FIRST_COMPLETED)
+            if not receiving.done():
+                return {"type": "http.disconnect"}
+            message = receiving.result()
+        finally:
+            receiving.cancel()
+            leaving.cancel()
+        if message["type"] == "http.request":
+            self._hash.update(message.get("body", b""))
+            if not message.get("more_body", False):
+                self.digest = self._hash.hexdigest()
+        return message
+
+    async def read(self) -> str | None:
+        """Read all of it; return its digest, None when the client has gone."""
+        while self.digest is None and (await self.receive())["type"] == "http.request":
+            pass
+        return self.digest
+
+
+def _is_refusal(answer: list[Message]) -> bool:
+    """Tell whether an answer says that nothing was done. 502 doesn't: nobody knows what a lost device has done."""
+    status = answer[0]["status"] if answer else 500
+    return 400 <= status < 500 or status == 503
+
+
+async def _answer_again(before: _Asked, key: str, scope: Scope, receive: Receive, send: Send) -> None:
+    body = await _Hearing(receive).read()
+    if before.body is not None and body is not None and body != before.body:
+        await error_response(_of_another(key))(scope, receive, send)
+        return
+    if not before.answer:
+        await error_response(Refused(NOT_KEPT))(scope, receive, send)
+        return
+    start = {**before.answer[0], "headers": list(before.answer[0]["headers"])}
+    MutableHeaders(scope=start)[REPLAYED_HEADER] = "true"
+    for message in (start, *before.answer[1:]):
+        await send(message)
+
+
+def _of_another(key: str) -> StepRampError:
+    return Rejected([Rejection(KEY_HEADER, key, OTHER_REQUEST)])
+
+
+def _is_key(text: str) -> bool:
+    return 0 < len(text) <= MOST_KEY and text.isascii() and text.isprintable() and " " not in text
