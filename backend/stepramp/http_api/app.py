@@ -50,6 +50,7 @@ from stepramp.http_api.answered import Answered
 from stepramp.http_api.audit import Audited, AuditLog
 from stepramp.http_api.client_limits import ClientLimits
 from stepramp.http_api.connections import Connections
+from stepramp.http_api.description import complete
 from stepramp.http_api.door import Door
 from stepramp.http_api.errors import ErrorList, handle_errors
 from stepramp.http_api.history_keeper import HistoryKeeper
@@ -146,15 +147,9 @@ class Application(FastAPI):
         await super().__call__(scope, receive, with_policy(scope, send))
 
     def openapi(self) -> dict[str, Any]:
-        """Return the description of the API; of connecting, it says where the device's id can be used."""
+        """Return the description of the API."""
         if self.openapi_schema is None:
-            described = super().openapi()
-            paths = [operations for path, operations in described["paths"].items() if "{device_id}" in path]
-            names = [operation["operationId"] for operations in paths for operation in operations.values()]
-            connected = described["paths"]["/api/v1/devices"]["post"]["responses"]["200"]
-            connected["links"] = {
-                name: {"operationId": name, "parameters": {"device_id": "$response.body#/id"}} for name in names
-            }
+            complete(super().openapi())
         return super().openapi()
 
 

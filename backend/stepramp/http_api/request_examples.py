@@ -1,0 +1,96 @@
+"""A body for each route that takes one, as an example: by its path, below /api/v1."""
+
+from typing import Any
+
+_DESIGN: dict[str, Any] = {
+    "schema": "stepramp/2",
+    "name": "Stage",
+    "timer": {"frequency_hz": 2_000_000},
+    "ramp": {"slew_speed_steps_per_s": 1000, "acceleration_steps_per_s2": 5000},
+    "move": {"steps": 500},
+}
+_WITH_MOTOR = _DESIGN | {
+    "motor": {
+        "resistance_ohm": 1.4,
+        "inductance_mh": 3.0,
+        "holding_torque_nm": 0.59,
+        "rated_current_a": 2.0,
+        "rotor_inertia_g_cm2": 82,
+    },
+    "drive": {"supply_v": 24},
+}
+_GAUGE = _DESIGN | {
+    "name": "Gauge",
+    "axis": {"full_steps_per_rev": 360, "microsteps": 3},
+    "ramp": {"slew_speed_steps_per_s": 1600, "acceleration_steps_per_s2": 20_000},
+    "method": {"name": "exact"},
+    "move": {"steps": 800},
+    "motor": {
+        "kind": "gauge",
+        "resistance_ohm": 260,
+        "inductance_mh": 490,
+        "holding_torque_nm": 0.004,
+        "rated_current_a": 0.019,
+        "full_steps_per_rev": 360,
+        "rotor_inertia_g_cm2": 6.1,
+    },
+    "drive": {"supply_v": 5},
+}
+_OF_DEVICE = "/devices/{device_id}"
+
+EXAMPLES: dict[str, dict[str, Any]] = {
+    "/profile": {"design": _DESIGN, "max_points": 200},
+    "/errors": {"design": _DESIGN, "methods": ["newton", "first_order"], "max_points": 200},
+    "/retarget": {
+        "design": _DESIGN,
+        "commands": [{"at_s": 0, "target_steps": 2000}, {"at_s": 0.5, "target_steps": -100}],
+        "max_points": 200,
+    },
+    "/motor/torque": {"design": _WITH_MOTOR, "speeds_rpm": [0, 300, 1200]},
+    "/motor/simulate": {"design": _WITH_MOTOR, "with_proposals": False},
+    "/motor/gauge_table": {"design": _GAUGE},
+    "/motor/fastest": {"design": _WITH_MOTOR},
+    "/motor/map": {"design": _WITH_MOTOR, "cells": 8},
+    "/curves": {"design": _DESIGN, "methods": ["newton"], "max_points": 200},
+    "/schedule": {"designs": [_DESIGN, _DESIGN | {"move": {"steps": 200}}], "mode": "line", "max_points": 200},
+    "/table/play": {
+        "table": {"rows": [[20, 3000], [50, 1500], [300, 600]]},
+        "range_steps": 945,
+        "targets": [{"at_us": 0, "target": 600}],
+    },
+    "/table/check": {"rows": [[20, 3000], [50, 1500], [300, 600]]},
+    "/table/fit": {"design": _DESIGN, "rows": 8},
+    "/table/fit/curve": {"design": _DESIGN, "most_rows": 8},
+    "/export/{format}": {"design": _DESIGN},
+    "/machine/{machine}": {"design": _DESIGN},
+    "/machine/{machine}/ramp": {"design": _DESIGN, "steps_per_mm": 250},
+    "/families/{name}/ramp": {"design": _DESIGN, "steps_per_mm": 250},
+    "/report": {"design": _DESIGN, "methods": ["newton"]},
+    "/import": {"text": "$100=250.000\n$110=500.000\n$120=10.000"},
+    "/library/search": {"text": "stage"},
+    "/library/designs": {"design": _DESIGN, "tags": ["bench"], "note": "As it came"},
+    "/library/designs/{design_id}": {"name": "Stage, left", "notes": "Stalls above 900 steps/s", "tags": ["bench"]},
+    "/library/designs/{design_id}/revisions": {"design": _DESIGN, "note": "Slower"},
+    "/library/designs/{design_id}/duplicate": {"name": "Stage, right"},
+    "/library/designs/{design_id}/records": {"revision": 1, "kind": "trace", "document": {"step": [1, 2, 3]}},
+    "/library/pushes/search": {"most": 20},
+    "/ports/find": {"port": "sim://"},
+    "/devices": {"port": "sim://"},
+    f"{_OF_DEVICE}/push": {"design": _DESIGN, "mode": "try"},
+    f"{_OF_DEVICE}/push/preview": {"design": _DESIGN},
+    f"{_OF_DEVICE}/move": {"by_steps": 200, "wait_s": 30},
+    f"{_OF_DEVICE}/there_and_back": {"by_steps": 200, "times": 3, "wait_s": 30},
+    f"{_OF_DEVICE}/run": {"speed_steps_per_s": 400, "for_s": 2},
+    f"{_OF_DEVICE}/line": {"axes": [{"axis": 0, "by_steps": 200}, {"axis": 1, "by_steps": -50}]},
+    f"{_OF_DEVICE}/position": {"position_steps": 0},
+    f"{_OF_DEVICE}/zero": {"axes": [0], "steps": 945},
+    f"{_OF_DEVICE}/home": {"axes": [{"axis": 0, "fast_steps_per_s": -400}], "slow_steps_per_s": 50},
+    f"{_OF_DEVICE}/soft_limits": {"axes": [{"axis": 0, "lowest_steps": 0, "highest_steps": 4000}]},
+    f"{_OF_DEVICE}/trace": {"traced_axis": 0},
+    f"{_OF_DEVICE}/settings": {"pulse_width_us": 5},
+    f"{_OF_DEVICE}/surroundings": {"emergency_stop": True},
+    f"{_OF_DEVICE}/backups/restore": {"source": "grbl-1", "name": "2026-11-20 09.30.00"},
+    f"{_OF_DEVICE}/import": {"design": None},
+    f"{_OF_DEVICE}/stop": {"axes": [0]},
+    f"{_OF_DEVICE}/halt": {"axes": [0]},
+}
