@@ -1,7 +1,8 @@
 # The server with its page, built by the same commands as `./dev run`.
 #   docker build -t stepramp .
-#   docker run --rm --network host --device /dev/ttyACM0 --group-add dialout stepramp
+#   docker run --rm --network host --volume stepramp:/data --device /dev/ttyACM0 --group-add dialout stepramp
 # The server listens on 127.0.0.1 only, so the container shares the host's network; leave --device out without a board.
+# The library, the backups of controllers and the audit log are in the volume. With PostgreSQL: compose.yaml.
 FROM python:3.12-slim
 
 WORKDIR /opt/stepramp
@@ -11,11 +12,16 @@ COPY backend backend
 COPY frontend frontend
 COPY docs docs
 COPY firmware/README.md firmware/README.md
-RUN ./dev install && useradd --create-home stepramp
+RUN ./dev install \
+  && .venv/bin/pip install --no-cache-dir --disable-pip-version-check --quiet --constraint requirements/test.txt "psycopg[binary]" \
+  && useradd --create-home --uid 1000 stepramp \
+  && install --directory --owner=stepramp --group=stepramp /data
 
 # Compiled numerics are kept where the user may write.
-ENV NUMBA_CACHE_DIR=/home/stepramp/.cache/numba
-USER stepramp
+ENV NUMBA_CACHE_DIR=/home/stepramp/.cache/numba STEPRAMP_DATA=/data
+USER 1000
+VOLUME /data
+EXPOSE 8000
 HEALTHCHECK --interval=30s --timeout=5s --start-period=20s \
   CMD [".venv/bin/python", "-c", "import urllib.request as r; r.urlopen('http://127.0.0.1:8000/api/v1/health', timeout=4)"]
-ENTRYPOINT [".venv/bin/stepramp", "--no-browser"]
+ENTRYPOINT [".venv/bin/stepramp", "serve", "--no-browser"]
