@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -14,52 +15,10 @@ from designs import document
 
 PACKAGE = Path(__file__).parents[2] / "backend" / "stepramp"
 
-TRIAL = '''
-"""trial: every step at half the slew speed."""
-
-import numpy as np
-
-from stepramp.methods.common.method import CLOSED_FORM, RampMethod, Style, mirrored
-
-
-def _intervals(slope, number):
-    return np.full(slope.steps, 2 * slope.slew_interval, number)
-
-
-METHOD = RampMethod(
-    rank=75,
-    label="Trial",
-    summary="half the slew speed",
-    help="Every step at half the slew speed.",
-    style=Style("#123456", "#abcdef"),
-    arithmetics=CLOSED_FORM,
-    sides=mirrored(_intervals),
+TRIAL, TRIAL_SHAPE = re.findall(
+    r"```python\n(.*?)```", (PACKAGE.parents[1] / "docs/adding_a_method.md").read_text("utf-8"), re.DOTALL
 )
-'''
-
-TRIAL_SHAPE = '''
-"""at_once: the ramp is one step at a quarter of the slew speed."""
-
-import numpy as np
-
-from stepramp.numerics.slope import Slope
-
-
-class AtOnce(Slope):
-    length = 1.0
-
-    def acceleration_over(self, steps):
-        return self.acceleration
-
-    def speeds(self, first, count, number):
-        return np.full(count, self.slew_speed / 4, number)
-
-    def durations(self, number):
-        return np.full(1, 4 * self.slew_interval, number)
-
-
-SHAPE = AtOnce
-'''
+"""The files of docs/adding_a_method.md."""
 
 ASK = """
 import json, sys
@@ -92,8 +51,8 @@ def answers(tmp_path_factory: pytest.TempPathFactory) -> Any:
     """What a server answers whose folders have one file more each, asked with a design of the new method."""
     folder = tmp_path_factory.mktemp("with_trial")
     shutil.copytree(PACKAGE, folder / "stepramp")
-    (folder / "stepramp" / "methods" / "trial.py").write_text(TRIAL)
-    (folder / "stepramp" / "shapes" / "at_once.py").write_text(TRIAL_SHAPE)
+    (folder / "stepramp" / "methods" / "trial.py").write_text(TRIAL, "utf-8")
+    (folder / "stepramp" / "shapes" / "at_once.py").write_text(TRIAL_SHAPE, "utf-8")
     shutil.copytree(PACKAGE.parents[1] / "frontend", folder / "stepramp" / "frontend")
     design = document(method={"name": "trial"}, move__steps=500)
     ran = subprocess.run(
