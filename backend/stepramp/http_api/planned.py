@@ -12,7 +12,7 @@ from starlette.datastructures import Headers
 from starlette.responses import Response
 from starlette.types import Receive, Scope, Send
 
-from stepramp.http_api.formats import FORMATS, JSON, Format
+from stepramp.http_api.formats import FORMATS, JSON, QUICKLY, Format
 from stepramp.http_api.lanes import Turns
 
 A = TypeVar("A")
@@ -77,7 +77,7 @@ class Planned(Response, Generic[A]):
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Send the answer in pieces as they come."""
-        may_zip = takes_gzip(Headers(scope=scope).get("accept-encoding", ""))
+        may_zip = not self._form.is_packed and takes_gzip(Headers(scope=scope).get("accept-encoding", ""))
         written = _Pieces(lambda: self._form.pieces(self._job()), may_zip)
         making = asyncio.ensure_future(self._lane.run(written.make))
         making.add_done_callback(written.end)
@@ -129,9 +129,9 @@ def takes_gzip(accept_encoding: str) -> bool:
 
 
 def _zipped(pieces: Iterable[bytes]) -> Iterator[bytes]:
-    """Yield pieces compressed: quickly, as a network is quicker than what saves a few bytes more."""
+    """Yield pieces compressed."""
     # 16 more asks for gzip's own header and end.
-    packer = zlib.compressobj(1, zlib.DEFLATED, zlib.MAX_WBITS + 16)
+    packer = zlib.compressobj(QUICKLY, zlib.DEFLATED, zlib.MAX_WBITS + 16)
     for piece in pieces:
         if packed := packer.compress(piece):
             yield packed
