@@ -7,8 +7,10 @@ import numpy as np
 
 from benchmarks.firmware_engine import line_run, shortest_interval, worst_of_axes
 from firmware.arduino.board import LEONARDO, LIBRARY, MEGA, UNO, Board, build, build_sketch
+from firmware.arduino.stops import Stop
 from firmware.arduino.timed import BUSY, ENGINES, SPEEDS, UNTIL_REST, move_all, run, source_of
 from firmware.checker import axis_of, lateness_us
+from firmware.emergency_stops import WORK, stopped
 from firmware.engine.jobs import Engine
 from firmware.rig import RampDesign, image
 from simulator.avr import CLOCK_HZ
@@ -44,6 +46,23 @@ def speeds() -> None:
             print(f"| {engine.name} | {name} | {CLOCK_HZ / least:,.0f} | | |", flush=True)
 
 
+def stops() -> None:
+    """Print how long after an emergency stop the last step comes, at the highest speeds; controller and library."""
+    print("\n| emergency stop of | what moves | from its edge to the last step, at most, µs |\n|---|---|---:|")
+    for name in WORK:
+        with tempfile.TemporaryDirectory() as folder:
+            print(f"| the controller | {name} | {stopped(name, 4, Path(folder)).latest_us:.1f} |", flush=True)
+    for stop in (
+        *(Stop(each, 4) for each in ENGINES),
+        Stop(Engine(UNO), 4, width_us=100),
+        Stop(Engine(UNO), 4, timer=False),
+    ):
+        with tempfile.TemporaryDirectory() as folder:
+            words = f"a sketch, {stop.engine.name if stop.timer else 'from loop()'}"
+            what = f"{stop.axes} axes" + (f", pulses of {stop.width_us} µs" if stop.width_us else "")
+            print(f"| {words} | {what} | {stop.latest_us(Path(folder)):.1f} |", flush=True)
+
+
 def size(example: str, board: Board, source: Path | None = None) -> str:
     """Return flash and RAM of an example, or of a sketch."""
     try:
@@ -72,6 +91,7 @@ def library_timer() -> None:
     sizes()
     print()
     speeds()
+    stops()
 
 
 if __name__ == "__main__":

@@ -22,7 +22,7 @@
 #include <string.h>
 
 #include "protocol_port.h"
-#include "stepramp/edge/step_rings.h"
+#include "stepramp/edge/lateness.h"
 #include "stepramp/protocol/controller.h"
 #include "stepramp/store/driver_settings.h"
 #include "whole_message.h"

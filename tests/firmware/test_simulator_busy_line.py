@@ -3,6 +3,8 @@
 Each conversation is made by its seed alone, and plays the same way to the cycle.
 """
 
+from __future__ import annotations
+
 import random
 import struct
 from collections.abc import Callable, Iterator
@@ -12,16 +14,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from firmware.checker import CYCLES_PER_S, axis_of
+from firmware.checker import axis_of
 from firmware.flight.answers import STOP_MS
 from firmware.flight.exchange import IN_TRANSMITTER_CYCLES, message_of
 from firmware.flight.pins import LAST_STEP_AFTER_HALT_MS
 from firmware.protocol import (
-    BEGIN,
     DATA,
-    END,
     HALT,
-    HELLO,
     LINE,
     MOVE_BY,
     OK,
@@ -31,25 +30,20 @@ from firmware.protocol import (
     STATUS,
     STOP,
     TRACE,
-    TRY,
-    WRITE_SETTINGS,
     Ramp,
     Settings,
     Status,
-    crc16,
-    encode_frame,
     for_axes,
-    image_parts,
 )
 from firmware.rig import RampDesign, image
+from firmware.talk import CYCLES_PER_MS, SESSION, Talk
 from firmware.test_simulator_axes import SPEEDS, STEPS
 from simulator.avr import Conversation, Frame, TimedFrame, build_firmware, build_harness, converse, missing_tools
 from tools import require
 
-CYCLES_PER_MS = CYCLES_PER_S // 1000
 WITH_INPUTS = "INPUTS=yes"
 """The build that looks at inputs all the time, in place of ramps by formula."""
-SESSION, OTHER_SESSION = 0x5354, 7
+OTHER_SESSION = 7
 LONGEST_BLOB = 128
 STOPS = 40
 MOST_EMPTY_FRAMES = 12
@@ -67,28 +61,10 @@ def tools() -> None:
 
 
 @dataclass
-class Talk:
-    """What is said to a controller."""
+class Busy(Talk):
+    """What is said in a conversation that its seed makes."""
 
-    random: random.Random
-    asked: list[TimedFrame] = field(default_factory=list)
-    tag: int = 0
-
-    def frame(self, kind: int, body: bytes = b"", session: int = SESSION) -> bytes:
-        self.tag = (self.tag + 1) & 0xFF
-        return encode_frame(struct.pack("<BHB", kind, session, self.tag) + body)
-
-    def ask(self, kind: int, body: bytes = b"", wait_ms: float = 0.0) -> None:
-        self.asked.append(TimedFrame(self.frame(kind, body), wait_cycles=int(wait_ms * CYCLES_PER_MS)))
-
-    def begin(self, ramps: bytes, settings: Settings | None = None) -> None:
-        self.ask(HELLO, b"\2")
-        self.ask(WRITE_SETTINGS, (settings or Settings()).packed())
-        self.ask(BEGIN, struct.pack("<HH", len(ramps), crc16(ramps)))
-        for part in image_parts(ramps):
-            self.ask(DATA, part)
-        self.ask(END)
-        self.ask(TRY)
+    random: random.Random = field(default_factory=random.Random)
 
     def end(self, axes: int) -> None:
         """Ask each axis how it is; see starved()."""
@@ -122,7 +98,7 @@ def damaged(frame: bytes, at: int, bit: int) -> bytes:
 # ---- stops right behind other requests
 
 
-def request_before(talk: Talk, axes: int, slew: int) -> bytes:
+def request_before(talk: Busy, axes: int, slew: int) -> bytes:
     everywhere = range(axes)
     steps = talk.random.choice([1, 50, 5000])
     return talk.random.choice(
@@ -136,7 +112,7 @@ def request_before(talk: Talk, axes: int, slew: int) -> bytes:
     )()
 
 
-def stops(talk: Talk, plan: RampDesign, axes: int) -> Iterator[tuple[int, bytes]]:
+def stops(talk: Busy, plan: RampDesign, axes: int) -> Iterator[tuple[int, bytes]]:
     """Ask for stops and halts, each right behind another request, most of them while the motors run; give the number of
     each blob and the header of the stop in it."""
     talk.ask(REPORT, b"\x32")
@@ -161,7 +137,7 @@ def stops(talk: Talk, plan: RampDesign, axes: int) -> Iterator[tuple[int, bytes]
 def test_a_stop_right_behind_another_request_is_as_quick(
     tmp_path: Path, record_property: Callable[..., None], axes: int, speed: int, seed: int
 ) -> None:
-    plan, talk = RampDesign(speed, 20 * speed, 20 * speed), Talk(random.Random(seed))
+    plan, talk = RampDesign(speed, 20 * speed, 20 * speed), Busy(random=random.Random(seed))
     talk.begin(image([plan] * axes))
     asked = list(stops(talk, plan, axes))
     talk.end(axes)
@@ -224,7 +200,7 @@ def test_a_stop_of_a_line_at_its_highest_speed_is_quick(
 ) -> None:
     """In the midst of all that keeps the processor busy, also behind the longest request that a client can send, and
     where a piece of the line ends."""
-    talk = Talk(random.Random(axes + both_edges))
+    talk = Busy(random=random.Random(axes + both_edges))
     talk.begin(just_keeping_pace(axes, slew).image(axes, fast=True), Settings(both_edges=both_edges))
     talk.ask(REPORT, b"\x32")
     talk.ask(TRACE, struct.pack("<BH", 0, 1))
@@ -258,7 +234,7 @@ def test_a_stop_is_quick_wherever_on_a_long_ramp(
     tmp_path: Path, record_property: Callable[..., None], axes: int, slew: int
 ) -> None:
     """The ramp down from there is known by then, however busy the line was."""
-    talk, ramp = Talk(random.Random(axes)), just_keeping_pace(axes, slew, 2 * SEGMENTS)
+    talk, ramp = Busy(random=random.Random(axes)), just_keeping_pace(axes, slew, 2 * SEGMENTS)
     lasting_ms = sum(interval * count for interval, count, _ in ramp.up) / CYCLES_PER_MS
     talk.begin(ramp.image(axes, fast=True))
     talk.ask(REPORT, b"\x32")
@@ -277,7 +253,7 @@ def test_a_stop_is_quick_wherever_on_a_long_ramp(
 @pytest.mark.parametrize("second", [STOP, HALT])
 def test_a_halt_is_obeyed_right_before_another_stop(tmp_path: Path, second: int) -> None:
     """Also behind a request, and when the second one names but one axis."""
-    axes, plan, talk = 4, RampDesign(30_000, 600_000, 600_000), Talk(random.Random(second))
+    axes, plan, talk = 4, RampDesign(30_000, 600_000, 600_000), Busy(random=random.Random(second))
     talk.begin(image([plan] * axes))
     blobs = []
     for _ in range(20):
@@ -307,7 +283,7 @@ def test_a_halt_is_obeyed_right_before_another_stop(tmp_path: Path, second: int)
 )
 def test_motors_never_wait_for_a_flood(tmp_path: Path, count: int, seed: int, *, with_inputs: bool) -> None:
     """It begins at any time of a move, and has pauses too short to catch up in."""
-    talk = Talk(random.Random(seed))
+    talk = Busy(random=random.Random(seed))
     plan = RampDesign(SPEEDS[count], 30 * SPEEDS[count], 40 * SPEEDS[count])
     talk.begin(image([plan] * count))
     talk.ask(MOVE_BY, for_axes(dict(enumerate(STEPS[:count]))), wait_ms=talk.random.random() * 40)
@@ -339,7 +315,7 @@ def test_a_line_of_four_never_waits_for_a_flood(
 ) -> None:
     """At its highest speed, where nearly all of the processor is taken, and a status asks how far each axis goes; nor
     when so many of the frames are stops that a disturbed line has damaged, to each of which a request gives way."""
-    talk = Talk(random.Random(seed))
+    talk = Busy(random=random.Random(seed))
     steps = (70_000, -23_456, 69_999, -69_998)
     talk.begin(image([RampDesign(86_956 if with_inputs else 88_395, 4_500_000, 4_500_000)] * 4))
     talk.ask(LINE, bytes([0b1111, 0]) + struct.pack("<4i", *steps), wait_ms=talk.random.random() * 40)
@@ -367,7 +343,7 @@ def test_a_line_of_four_never_waits_for_a_flood(
 @pytest.mark.parametrize(("seed", "with_inputs"), [(0, False), (1, False), (2, False), (0, True), (1, True)])
 def test_motors_never_wait_for_what_only_looks_like_a_stop(tmp_path: Path, seed: int, *, with_inputs: bool) -> None:
     """Right behind a move that has all four motors turn back: an axis with little time left queues its steps first."""
-    plan, talk = RampDesign(30_000, 600_000, 600_000), Talk(random.Random(seed))
+    plan, talk = RampDesign(30_000, 600_000, 600_000), Busy(random=random.Random(seed))
     axes = range(4)
     talk.begin(image([plan] * 4))
     talk.ask(REPORT, b"\x32")

@@ -25,7 +25,8 @@ from firmware.protocol import (
     values_of,
 )
 from firmware.rig import RampDesign, image
-from firmware.test_simulator_inputs import CYCLES_PER_US, OUTPUT_STATUS_BYTES, Talk
+from firmware.talk import CYCLES_PER_US, Talk
+from firmware.test_simulator_inputs import OUTPUT_STATUS_BYTES
 from simulator.avr import build_firmware, build_harness, converse, missing_tools
 from tools import require
 
@@ -59,7 +60,7 @@ def steps_of(played, axis: int):
 def going(axes: int, speed: int, kind: int, settings: Settings | None = None) -> Talk:
     """Have so many axes move, fast, for longer than it takes to make them late."""
     talk = Talk()
-    talk.begin(image([RampDesign(speed, 8 * speed, 8 * speed)] * axes), InputSettings(), settings)
+    talk.begin(image([RampDesign(speed, 8 * speed, 8 * speed)] * axes), settings, InputSettings())
     talk.ask(SET_POSITION, for_axes(dict.fromkeys(range(axes), 0)))
     steps = dict.fromkeys(range(axes), speed)
     if kind == LINE:
@@ -121,7 +122,7 @@ def test_what_is_too_late_halts_all(tmp_path: Path, axes: int, speed: int, kind:
 def test_at_its_limits_it_is_never_late(tmp_path: Path) -> None:
     """Four axes, the widest pulses that they can have: what other axes' pulses take is made up for."""
     plan, talk = RampDesign(3000, 60_000, 60_000), Talk()
-    talk.begin(image([plan] * 4), InputSettings(), Settings(pulse_width_us=36))
+    talk.begin(image([plan] * 4), Settings(pulse_width_us=36), InputSettings())
     talk.ask(RUN, for_axes(dict.fromkeys(range(4), plan.slew)))
     for _ in range(6):
         talk.ask(STATUS, b"\0", wait_ms=150)

@@ -234,7 +234,7 @@ def test_a_job_is_told_when_its_client_has_left() -> None:
         seen.append(message)
 
     async def answered() -> None:
-        await Planned(Lane("one", 1), job, wanted)({}, left, send)
+        await Planned(Lane("one", 1), job, wanted=wanted)({"headers": []}, left, send)
 
     run(answered())
     # What it raises then is nobody's trouble, and nothing is sent.

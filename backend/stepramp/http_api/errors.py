@@ -150,7 +150,9 @@ def handle_errors(app: FastAPI) -> None:
 
     async def own(_: Request, error: Exception) -> Response:
         assert isinstance(error, StepRampError)
-        return error_response(in_body(error) if type(error) is Rejected else error)
+        if isinstance(error, Rejected) and not isinstance(error, NotAcceptable):
+            error = in_body(error)
+        return error_response(error)
 
     async def invalid(_: Request, error: Exception) -> Response:
         assert isinstance(error, RequestValidationError)

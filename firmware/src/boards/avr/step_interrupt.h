@@ -71,7 +71,7 @@
 #endif
 .endm
 
-/* Where the program has inputs it can tell that steps came late: see step_rings.h. */
+/* Where the program has inputs it can tell that steps came late: see lateness.h. */
 #define LEAST_LATE 3 /* [256 ticks] machine_inputs.c never makes up for less */
 
 /* The event at r27:r26 is past: may it be so by more than is made up for? Then to \late. r25 is the timer's high byte, or

@@ -29,7 +29,7 @@
 #endif
 #endif
 
-/* Whether a program with inputs can tell that its steps came late: step_rings.h. */
+/* Whether a program with inputs can tell that its steps came late: lateness.h. */
 #if HAS_INPUTS && defined(STEPRAMP_COUNTS_LATENESS)
 #define COUNTS_LATENESS 1
 #else

@@ -47,13 +47,6 @@ struct axis_player {
     uint8_t retired;        /* offset of the segment whose events are counted next; the main loop's */
 };
 
-#if COUNTS_LATENESS
-/* What an engine may tell of lateness. Its steps may be late by what other interrupts take, and make up for that: an event that is past comes at once.
- * One that is later than `late_from` isn't made up for: it comes an interval after the one before, all behind it so much later, and `late` counts
- * by how much, up to 255. Both are of 256 ticks; the main loop sets them. */
-extern volatile uint8_t stepramp_late, stepramp_late_from;
-#endif
-
 extern struct axis_player stepramp_axis_players[MOST_AXES];
 extern struct queued_segment stepramp_queues[MOST_AXES][QUEUE_SEGMENTS];
 

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "stepramp/edge/line.h"
-#include "stepramp/edge/step_rings.h"
+#include "stepramp/edge/lateness.h"
 #include "stepramp/motion/homing.h"
 #include "stepramp/motion/machine.h"
 #include "stepramp/motion/machine_axes.h"
