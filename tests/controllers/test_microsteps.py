@@ -132,6 +132,17 @@ def test_zero_goes_no_way_that_was_made_steps_by_others(board: Board) -> None:
     assert board.controller.status().trouble is None
 
 
+def test_one_step_is_told_as_one(board: Board) -> None:
+    board.set_mode(0)
+    with pytest.raises(Refused, match=r"makes 1 step of a full step by now, and made 8 "):
+        board.controller.move_by(by(400))
+    report = board.controller.prepare_push([design(axis__microsteps=8)], 0, "try")()
+    assert any("The design has 8 steps a full step, the" in words for words in report.warnings)
+    board.set_mode(3)
+    report = board.controller.prepare_push([design(axis__microsteps=1)], 0, "try")()
+    assert any("The design has 1 step a full step, the" in words for words in report.warnings)
+
+
 def test_a_run_at_no_speed_stops_whatever_was_changed(board: Board) -> None:
     board.controller.run(at(500))
     board.bench.pass_time(0.5)

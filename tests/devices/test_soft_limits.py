@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import threading
 import time
 from collections.abc import Callable
@@ -10,6 +11,9 @@ from concurrent.futures import Future, ThreadPoolExecutor
 import pytest
 
 from controllers.conftest import Clock
+from controllers.tic.emulator import TicEmulator
+from controllers.tmcl.emulator import RESOLUTION, TmclEmulator
+from designs import design
 from devices.bench import MOTIONS, Bench, by, push
 from devices.boards import WAITED_FOR_S, UnpluggedAt
 from devices.motion import PATIENCE_S
@@ -218,4 +222,58 @@ def test_limits_go_with_what_has_a_serial_number(
     numbered |= {first: "B2", second: "A1"}
     assert devices.connect(first).view.soft_limits == {}
     assert devices.connect(second).view.soft_limits == {0: Span(-5, 5)}
+    devices.close()
+
+
+@pytest.mark.parametrize("family", ["tic", "tmcl"])
+def test_limits_that_were_set_in_other_microsteps_are_to_be_set_anew(plug_in: Callable, family: str) -> None:
+    """The same number of steps is another place then: 800 eighths of a step were 100 full steps."""
+    board = TicEmulator() if family == "tic" else TmclEmulator(time.monotonic)
+
+    def make_of_a_full_step(power: int) -> None:
+        if isinstance(board, TicEmulator):
+            board.step_mode = power
+            board.has_been_up(10.0)
+        else:
+            board.motors[0].settings[RESOLUTION] = power
+
+    make_of_a_full_step(3)
+    devices = Devices()
+    device = devices.connect(plug_in(board), family)
+    device.push([design()], mode="try")
+    device.limit({0: Span(-800, 800)})
+    make_of_a_full_step(0)
+    words = (
+        r"limits of axis 0 were set while it made 8 steps of a full step, and by now it makes 1 step, .* Set them anew"
+    )
+    motions: list[Callable[[], None]] = [
+        lambda: device.move_to([AxisCommand(0, 800, "to_steps")]),
+        lambda: device.move_by([by(1)]),
+        lambda: device.run([AxisCommand(0, 50.0, "speed_steps_per_s")], Lease({0: 50.0}, 1e6)),
+        lambda: device.go_there_and_back(Shuttle(0, 50, 1, 0.0), by(50)),
+    ]
+    for motion in motions:
+        with pytest.raises(Refused, match="makes 1 step of a full step by now|" + words):
+            motion()
+        with pytest.raises(Refused, match=words):
+            motion()
+    assert re.search(words, device.view.message or "")
+    assert device.view.target_steps == 0
+    # Set back they are where they were.
+    make_of_a_full_step(3)
+    with pytest.raises(Rejected, match="-800 to 800 steps"):
+        device.move_to([AxisCommand(0, 801, "to_steps")])
+    assert device.view.message is None
+    make_of_a_full_step(0)
+    # Also those of a device that was let go of meanwhile.
+    devices.disconnect(device.view.id)
+    device = devices.connect(device.view.port, family)
+    device.set_position([AxisCommand(0, 0, "position_steps")])
+    with pytest.raises(Refused, match=words):
+        device.move_by([by(100)])
+    device.limit({0: Span(-100, 100)})
+    assert device.view.message is None
+    with pytest.raises(Rejected, match="-100 to 100 steps"):
+        device.move_to([AxisCommand(0, 101, "to_steps")])
+    device.move_to([AxisCommand(0, 100, "to_steps")])
     devices.close()

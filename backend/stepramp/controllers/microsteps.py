@@ -3,6 +3,11 @@
 from stepramp.errors import Refused
 
 
+def steps(count: int) -> str:
+    """Return a number of steps as people read it."""
+    return f"{count:,} step{'' if count == 1 else 's'}"
+
+
 class Microsteps:
     """What an axis makes of a full step, as it was last read.
 
@@ -37,7 +42,7 @@ class Microsteps:
         self.note(count, position)
         if count != before:
             raise Refused(
-                f"{self._called} makes {count:,} steps of a full step by now, and made {before:,} ({self._setting}): "
+                f"{self._called} makes {steps(count)} of a full step by now, and made {before:,} ({self._setting}): "
                 "it was changed meanwhile. Nothing was moved: ask again, if it is to be done with these."
             )
 
@@ -47,7 +52,7 @@ class Microsteps:
         if self.count == self._counted_by:
             return None
         return (
-            f"{self._called} can't move: it makes {self.count:,} steps of a full step by now, and has counted with "
+            f"{self._called} can't move: it makes {steps(self.count)} of a full step by now, and has counted with "
             f"{self._counted_by:,} ({self._setting}), so it may be at another place than is counted. Set the position "
             "here."
         )

@@ -8,7 +8,7 @@ from time import monotonic
 
 from stepramp.controllers.contract import AxisCommand
 from stepramp.devices.leases import Leases
-from stepramp.devices.soft_limits import FREE, Span, comes_too_near, out_of_limits, refuse_beyond
+from stepramp.devices.soft_limits import FREE, Span, comes_too_near, out_of_limits, refuse_beyond, trouble_of
 from stepramp.devices.view import AxisView, DeviceView
 from stepramp.errors import Refused, Rejected, Rejection
 
@@ -85,8 +85,14 @@ def too_near(view: DeviceView, leases: Leases, steps_to_rest: StepsToRest) -> li
     ]
 
 
-def _refuse_unknown(view: DeviceView, axes: Iterable[int]) -> None:
-    """Refused for axes with soft limits that may be elsewhere than they count: limits would be at other places."""
+def _refuse_unknown(view: DeviceView, axes: Collection[int]) -> None:
+    """Refused for axes with soft limits that may be elsewhere than they count, or count by others than those.
+
+    Limits would be at other places.
+    """
+    trouble = trouble_of(view.soft_limits, {each.axis: each.microsteps for each in view.axes if each.axis in axes})
+    if trouble is not None:
+        raise Refused(trouble)
     lost = sorted(set(axes) & set(view.unknown_positions) & set(view.soft_limits))
     if any(axis.homing for axis in view.axes if axis.axis in lost):
         raise Refused("The motor moves: it is being homed. Stop it first, or wait.")

@@ -112,6 +112,8 @@ class Motions:
             self._watch.refuse_under_way()
             refuse_absent(self._view.now, spans)
             self._view.change(lambda view: view.limited(spans))
+            # What was said of those before doesn't hold any more.
+            self._watch.refresh()
 
         self._contact.ask(limit)
 

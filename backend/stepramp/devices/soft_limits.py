@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from stepramp.controllers.contract import AxisCommand
+from stepramp.controllers.microsteps import steps
 from stepramp.design import MOST_STEPS
 from stepramp.errors import Limits, Rejected, Rejection, Told
 
@@ -18,6 +19,8 @@ class Span:
 
     lowest_steps: int | None = None
     highest_steps: int | None = None
+    microsteps: int | None = None
+    """How many steps the axis made of a full step when they were set; None where that isn't told."""
 
     def contains(self, position_steps: int) -> bool:
         """Whether an axis may be there."""
@@ -73,6 +76,19 @@ def refuse_beyond(
             rejections.append(Rejection(each.field, int(each.value), allowed, limits))
     if rejections:
         raise Rejected(rejections)
+
+
+def trouble_of(spans: Spans, microsteps: Mapping[int, int | None]) -> str | None:
+    """Return what keeps axes that make so many steps of a full step from being moved, as a sentence; None: nothing."""
+    for axis, count in microsteps.items():
+        before = spans.get(axis, FREE).microsteps
+        if before and count and before != count:
+            return (
+                f"The soft limits of axis {axis} were set while it made {steps(before)} of a full step, and by now it "
+                f"makes {steps(count)}, so they would be at other places: it doesn't move. Set them anew, or take them "
+                "away."
+            )
+    return None
 
 
 def out_of_limits(command: AxisCommand, span: Span, fastest_steps_per_s: int) -> Rejection:

@@ -11,7 +11,7 @@ from stepramp.controllers.inputs import InputStatus, StopCause
 from stepramp.controllers.progress import Progress
 from stepramp.devices.proof import Proof, pending_words
 from stepramp.devices.shuttle import Shuttle
-from stepramp.devices.soft_limits import FREE, Span
+from stepramp.devices.soft_limits import FREE, Span, trouble_of
 
 
 class DeviceState(StrEnum):
@@ -168,7 +168,8 @@ class DeviceView:
         first = status.axes[0]
         resting = {axis.axis: axis.position_steps for axis in status.axes if axis.activity is Activity.READY}
         not_kept = None if self.proof is None else self.proof.trouble
-        said = (status.trouble, self.half_written, not_kept, self.unproven_damage)
+        of_limits = trouble_of(self.soft_limits, {axis.axis: axis.microsteps for axis in status.axes})
+        said = (status.trouble, of_limits, self.half_written, not_kept, self.unproven_damage)
         arrived = [axis for axis in self.zeroing if resting.get(axis) == 0]
         return replace(
             self,
@@ -251,7 +252,9 @@ class DeviceView:
 
     def limited(self, spans: Mapping[int, Span]) -> "DeviceView":
         """Return the device with these soft limits, besides those that other axes have."""
-        limits = {axis: span for axis, span in {**self.soft_limits, **spans}.items() if span != FREE}
+        microsteps = {each.axis: each.microsteps for each in self.axes}
+        now = {axis: replace(span, microsteps=microsteps.get(axis)) for axis, span in spans.items() if span != FREE}
+        limits = {**{axis: span for axis, span in self.soft_limits.items() if axis not in spans}, **now}
         axes = tuple(each.limited(limits.get(each.axis, FREE)) for each in self.axes)
         return replace(self, soft_limits=limits, axes=axes)
 

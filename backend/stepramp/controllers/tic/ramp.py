@@ -10,6 +10,7 @@ from decimal import Decimal
 from stepramp.controllers.constant_rates import with_constant_rates
 from stepramp.controllers.given_numbers import typed
 from stepramp.controllers.losses import losses, rounding
+from stepramp.controllers.microsteps import steps
 from stepramp.controllers.remark import Remark, quantity
 from stepramp.controllers.tic.wire import Write, write
 from stepramp.design import Design, RampParameters
@@ -156,7 +157,7 @@ def other_steps(design: Design, microsteps: int) -> Iterator[str]:
     """Yield that a Tic is set to other microsteps, for each full step, than a design has."""
     if design.axis.microsteps != microsteps:
         yield (
-            f"The design has {design.axis.microsteps:,} steps a full step, the Tic {microsteps:,} (its step mode): "
+            f"The design has {steps(design.axis.microsteps)} a full step, the Tic {microsteps:,} (its step mode): "
             "its steps are sent as microsteps of the Tic."
         )
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from stepramp.controllers.constant_rates import with_constant_rates
 from stepramp.controllers.contract import FigureUnit, OwnTerms, PreviewItem, PushItem, PushMode, PushPreview, PushReport
+from stepramp.controllers.microsteps import steps
 from stepramp.controllers.remark import of_axis
 from stepramp.controllers.tmcl.modules import Parameters
 from stepramp.controllers.tmcl.ramp import (
@@ -139,6 +140,6 @@ def _asked(design: Design) -> dict[str, float]:
 def _other_steps(design: Design, microsteps: int) -> Iterator[str]:
     if design.axis.microsteps != microsteps:
         yield (
-            f"The design has {design.axis.microsteps:,} steps a full step, the module {microsteps:,} (axis parameter "
+            f"The design has {steps(design.axis.microsteps)} a full step, the module {microsteps:,} (axis parameter "
             "140): its steps are sent as microsteps of the module."
         )
