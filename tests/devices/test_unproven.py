@@ -29,7 +29,7 @@ def test_a_damaged_file_is_none_and_told_until_something_is_written(tmp_path: Pa
     unproven = Unproven(tmp_path)
     assert unproven.given == {}
     assert f"was noted in {tmp_path / FILE}, which can't be read (it is damaged)" in (unproven.damage or "")
-    # A restore of what it has already leaves nothing to be proven.
+    # Whether a setting was taken isn't known: of it nothing is to be proven.
     unproven.note({"$110": None})
     assert unproven.damage is None
     assert (Unproven(tmp_path).given, Unproven(tmp_path).damage) == ({}, None)

@@ -105,6 +105,27 @@ def test_what_was_not_kept_is_told_and_mended_by_a_restore(client: TestClient, c
     assert (device["unproven"], device["proof"], device["message"]) == ([], None, None)
 
 
+def test_a_restore_that_writes_nothing_leaves_what_is_to_be_proven(
+    client: TestClient, cable: GrblOnACable, route: str, tmp_path: Path
+) -> None:
+    """What was pushed is in use, and so wanted as it is: whether it was stored nobody knows yet."""
+    [before] = ok(client.get(f"{route}/backups"))["backups"]
+    cable.grbl.eeprom.settings[110] = 500.0
+    ok(client.post(f"{route}/backups"))
+    [pushed, _] = ok(client.get(f"{route}/backups"))["backups"]
+    written = cable.grbl.eeprom.writes
+    ok(client.post(f"{route}/backups/{pushed['name']}/restore"))
+    assert cable.grbl.eeprom.writes == written
+    assert ok(client.get(route))["unproven"] == list(unproven_file(tmp_path)) == GIVEN
+    device = again(client, cable, route)
+    assert device["proof"]["not_kept"] == ["$110"]
+    assert "the controller has $110=500.000 where 240.000 was written" in device["message"]
+    # What is wanted otherwise by now isn't to be proven any more, though it needn't be written.
+    ok(client.post(f"{DEVICES}/{device['id']}/backups/{before['name']}/restore"))
+    device = ok(client.get(f"{DEVICES}/{device['id']}"))
+    assert (device["unproven"], device["message"]) == (["$120"], None)
+
+
 def test_it_outlasts_the_program(cable: GrblOnACable, tmp_path: Path) -> None:
     for is_later in (False, True):
         with TestClient(create_app(data=tmp_path), base_url="http://127.0.0.1") as client:

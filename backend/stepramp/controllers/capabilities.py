@@ -122,8 +122,11 @@ class ProvenByStart(Protocol):
     def take_given(self) -> Mapping[str, str | None]:
         """Return what settings were given since this was last asked, by name, as they were sent.
 
-        None: a setting is wanted as it was already, or whether it was taken isn't known.
+        None: whether it was taken isn't known.
         """
+
+    def take_left(self) -> Collection[str]:
+        """Return the names of settings that were wanted as they were already, and so weren't sent, since then."""
 
     def others(self, given: Mapping[str, str]) -> Mapping[str, str | None]:
         """Return those of these settings that were others when they were last read, with what they were.

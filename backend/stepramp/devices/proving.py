@@ -1,5 +1,6 @@
 """Proving that a controller has stored what it was given: by what it has after its next start."""
 
+from collections.abc import Collection
 from dataclasses import replace
 
 from stepramp.controllers.capabilities import AT_NEXT_START, ProvenByStart
@@ -55,7 +56,10 @@ class Proving:
 
     def note(self, controller: Controller) -> None:
         """Note what the controller was given just now, whatever has come of it."""
-        if isinstance(controller, ProvenByStart) and (given := controller.take_given()):
+        if not isinstance(controller, ProvenByStart):
+            return
+        given = {**dict.fromkeys(self._not_wanted(controller)), **controller.take_given()}
+        if given:
             self._unproven.note(given)
             self._view.change(
                 lambda view: replace(view, proof=None if view.proof is None else view.proof.without(given))
@@ -76,6 +80,11 @@ class Proving:
             self._view.change(lambda view: replace(view, proof=proof))
             self._view.log("%s", proof.words)
         self._show()
+
+    def _not_wanted(self, controller: ProvenByStart) -> Collection[str]:
+        """Return what was given a value before, and was left just now with another: nobody wants that any more."""
+        noted = {name: each.value for name, each in self._unproven.given.items()}
+        return controller.others({name: noted[name] for name in controller.take_left() if name in noted})
 
     def _show(self) -> None:
         self._view.change(

@@ -61,7 +61,7 @@ class Unproven:
         )
 
     def note(self, given: Mapping[str, str | None]) -> None:
-        """Note what settings were given just now; of those that are None nothing is to be proven any more."""
+        """Note what settings were given just now; of those that are None nothing is to be proven."""
         at = datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC")
         left = {name: each for name, each in self.given.items() if name not in given}
         self._keep(left | {name: Given(value, at) for name, value in given.items() if value is not None})

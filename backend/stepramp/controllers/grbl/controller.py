@@ -4,7 +4,7 @@ It answers each line, and is asked how it fares. What it keeps is written only b
 """
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from time import sleep
 
 from stepramp.controllers.capabilities import (
@@ -130,11 +130,11 @@ class GrblController(GrblMachine, StoresRamps, BacksUp, ProvenByStart):
         """Write what differs of a backup, one setting at a time, and read it back; see BacksUp."""
         backup = Backup.of(text)
         self._memory.refuse_unready()
-        self._memory.leave(backup.settings.values)
         reasons, present = {}, Backup.told(self._memory.everything())
         for entry in backup.differing(present):
             reasons[entry.name] = entry.obstacle or self._memory.refusal(entry.line)
         self._read_back()
+        self._memory.leave(backup.settings.values)
         left = [entry.name for entry in backup.differing(Backup.told(self._memory.everything()))]
         unlike = [reasons.get(name) or f"{name} is not as in the backup." for name in left]
         lacking = ", ".join(backup.lacking(present))
@@ -152,6 +152,10 @@ class GrblController(GrblMachine, StoresRamps, BacksUp, ProvenByStart):
     def take_given(self) -> Mapping[str, str | None]:
         """Return what settings of axes were given since this was last asked; see ProvenByStart."""
         return self._memory.take_given()
+
+    def take_left(self) -> Collection[str]:
+        """Return what settings were wanted as they were since this was last asked; see ProvenByStart."""
+        return self._memory.take_left()
 
     def others(self, given: Mapping[str, str]) -> Mapping[str, str | None]:
         """Return those of these settings that are others, with what they are; see ProvenByStart."""

@@ -4,7 +4,7 @@ It reads its settings as it is powered up or reset by its pin, and no more: what
 has in use, also after a reset by 0x18. Offsets and start-up lines it reads whenever it lists them.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 
 from stepramp.controllers.grbl.conversation import UNREADABLE, Answered, Conversation
 from stepramp.controllers.grbl.dialect import DEAF_ALARMS, State, moves_nothing
@@ -25,6 +25,7 @@ class Memory:
         self.settings = Settings({})
         self._startup: list[str] | None = None
         self._given: dict[str, str | None] = {}
+        self._left: set[str] = set()
 
     @property
     def may_reset(self) -> bool:
@@ -93,13 +94,18 @@ class Memory:
         return None
 
     def leave(self, numbers: Iterable[int]) -> None:
-        """Note that settings are wanted as they may be already: then they aren't written."""
-        self._given |= {f"${number}": None for number in numbers if _is_of_axis(number)}
+        """Note that settings are wanted as they are now, unless they were given something."""
+        self._left = {f"${number}" for number in numbers if _is_of_axis(number)} - self._given.keys()
 
     def take_given(self) -> Mapping[str, str | None]:
         """Return what settings of axes were given since this was last asked; see ProvenByStart."""
         given, self._given = self._given, {}
         return given
+
+    def take_left(self) -> Collection[str]:
+        """Return what settings of axes were left since this was last asked; see ProvenByStart."""
+        left, self._left = self._left, set()
+        return left
 
     def differing(self, wanted: Mapping[int, str]) -> list[int]:
         """Return the numbers of settings that are others than wanted, as they were last read."""
