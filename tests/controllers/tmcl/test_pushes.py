@@ -7,6 +7,7 @@ from collections.abc import Callable
 import pytest
 
 from controllers.bench import at, by, only_rejection, to
+from controllers.interruption import interruptions
 from controllers.tmcl import emulator
 from controllers.tmcl.bench import Bench
 from controllers.tmcl.emulator import AMAX, DMAX, FACTORY, RSAP, SAP, STAP, UNIT_MODE, VMAX, TmclEmulator
@@ -92,6 +93,46 @@ def test_keeping_after_a_stop_stores_no_speed_of_0_and_moves_nothing(bench: Benc
     controller.roll_back()
     bench.pass_time(1)
     assert (ramp_of(bench.module)[VMAX], bench.module.chip.steps) == (1048, steps)
+
+
+def push_300(controller: TmclController) -> None:
+    report = controller.prepare_push([design(ramp__slew_speed_steps_per_s=300)], 0, "keep")()
+    assert (report.verified, report.kept) == (True, True)
+
+
+WRITES: dict[str, tuple[Callable[[TmclController, str], object], int]] = {
+    "push": (lambda controller, _: push_300(controller), 314),
+    "keep": (lambda controller, _: controller.keep(), 1048),
+    "roll back": (lambda controller, _: controller.roll_back(), FACTORY[VMAX]),
+    "restore": (lambda controller, text: controller.use_backup(text), FACTORY[VMAX]),
+}
+"""What writes, and the speed that is stored by then, of the ramp of a module that had that of FACTORY stored."""
+
+
+@pytest.mark.parametrize("stores_registers", [False, True])
+@pytest.mark.parametrize("write", WRITES)
+def test_a_stop_at_any_place_of_a_write_moves_nothing_and_the_write_goes_on(
+    bench: Bench, write: str, stores_registers: bool
+) -> None:
+    bench.controller.connect()
+    text, new = bench.controller.backup(), dict(bench.module.motors[0].settings)
+    do, stored = WRITES[write]
+    for interruption in interruptions(bench, bench.controller.stop):
+        bench.module.stores_registers = False
+        bench.module.motors[0].settings |= new
+        bench.module.motors[0].stored |= new
+        bench.controller.prepare_push([design()], 0, "try")()
+        bench.module.stores_registers = stores_registers
+        bench.controller.stop()
+        with interruption:
+            do(bench.controller, text)
+        bench.pass_time(0.5)
+        assert (bench.module.chip.steps, bench.module.chip.speed) == (0, 0), interruption.place
+        assert ramp_of(bench.module, stored=True)[VMAX] == ramp_of(bench.module)[VMAX] == stored, interruption.place
+        assert not bench.controller.status().on_trial
+        if not interruption.came:
+            break
+    assert interruption.place >= 20
 
 
 def test_a_locked_memory_is_told_in_words_and_the_ramp_stays_on_trial(bench: Bench, controller: TmclController) -> None:

@@ -182,6 +182,6 @@ def test_what_is_refused_is_told_in_words_and_not_asked_again(status: int, words
     script = Script(("01 07 06 00 00 00 00 00 0e", TMCLReply(2, 1, status, 7, 0).to_buffer().hex()))
     axis, _ = axis_of(script)
     with pytest.raises(Denied, match=words) as caught:
-        axis.store(6)
+        axis.store(6, lambda: None)
     assert caught.value.status == status
     assert script.is_over()

@@ -60,13 +60,13 @@ class Axis:
                 break
         return False
 
-    def store(self, parameter: int) -> None:
-        """Store a parameter as it is; Denied when the memory is locked."""
-        self._conversation.ask(Command.STAP, parameter, self.number)
+    def store(self, parameter: int, allowed: Callable[[], None]) -> None:
+        """Store a parameter as it is; Denied when the memory is locked. allowed: see Conversation.ask."""
+        self._conversation.ask(Command.STAP, parameter, self.number, allowed=allowed)
 
-    def recall(self, parameter: int) -> None:
-        """Set a parameter to what is stored."""
-        self._conversation.ask(Command.RSAP, parameter, self.number)
+    def recall(self, parameter: int, allowed: Callable[[], None]) -> None:
+        """Set a parameter to what is stored. allowed: see Conversation.ask."""
+        self._conversation.ask(Command.RSAP, parameter, self.number, allowed=allowed)
 
     def units(self) -> Units:
         """Ask for the axis' units; Refused when they aren't known."""

@@ -1,9 +1,11 @@
 """The ramps that a module's axes use, others in their place, and those that are stored."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
+from typing import TypeVar
 
+from stepramp.controllers.contract import AnswerUnknown
 from stepramp.controllers.microsteps import Microsteps
 from stepramp.controllers.order import lowered_first
 from stepramp.controllers.progress import Progress, PushStage, Tell
@@ -15,6 +17,8 @@ from stepramp.controllers.tmcl.stopping import Stopping
 from stepramp.controllers.tmcl.units import Units
 from stepramp.controllers.tmcl.wire import Status
 from stepramp.errors import Refused
+
+T = TypeVar("T")
 
 
 class Locked(Refused):
@@ -104,11 +108,8 @@ class Ramps:
         """
         self._tell(Progress(PushStage.STORING, 0, 0))
         wanted = {number: self.in_use[number] for number in numbers}
-        for number, ramp in wanted.items():
-            axis = self._axes[number]
-            self.hold(axis)
-            for name in self._told.get(number) or [name for name, _ in ramp.named]:
-                store(axis, axis.parameters.of(name))
+        for number in wanted:
+            self.held(self._axes[number], partial(self._store, number))
         self._recall(wanted)
         if any(not ramp.is_kept_by(self.in_use[number], self.units[number]) for number, ramp in wanted.items()):
             raise Refused("The module has stored other figures than it had in use: push again, or restore a backup.")
@@ -124,30 +125,52 @@ class Ramps:
         """Use what is stored."""
         for number in numbers:
             axis = self._axes[number]
-            self.hold(axis)
-            for each in TmclRamp.figures():
-                axis.recall(axis.parameters.of(each.name))
+            self.held(axis, partial(self._load, axis))
             if axis.look().speed:
                 self._stopping.stop([number])
                 raise Refused("Loading the stored ramp has set the motor moving, and it was stopped.")
         self.on_trial = False
         self.look()
 
-    def hold(self, axis: Axis) -> None:
-        """Have an axis that rests be where its target is.
+    def held(self, axis: Axis, job: Callable[[Callable[[], None]], T]) -> T:
+        """Store or load figures of an axis that rests, while it is where its target is; return what that does.
 
         Some firmwares store, and load, the speed that an axis is told in place of that of its ramp: once it was stopped
-        that is 0, and loading the ramp's would set it moving.
+        that is 0, and loading the ramp's would set it moving. So both are done anew when a stop comes in their midst.
+
+        job: is given what is to be called before each of its commands.
         """
-        position, allowed = axis.look().position, partial(self._stopping.refuse_stopped, self._stopping.count)
-        if not any(axis.go_to(position, allowed) for _ in range(1 + MOST_REPEATS)):
+        while True:
+            stops = self._stopping.count
+            allowed = partial(self._stopping.refuse_stopped, stops)
+            try:
+                self._hold(axis, allowed)
+                return job(allowed)
+            except AnswerUnknown:
+                if self._stopping.count == stops:
+                    raise
+
+    def _hold(self, axis: Axis, allowed: Callable[[], None]) -> None:
+        seen = axis.look()
+        if seen.speed:
+            raise Refused("The motor moves: stop it first.")
+        if not any(axis.go_to(seen.position, allowed) for _ in range(1 + MOST_REPEATS)):
             raise Refused("The module doesn't take a target: is its serial line disturbed?")
 
+    def _store(self, number: int, allowed: Callable[[], None]) -> None:
+        axis = self._axes[number]
+        for name in self._told.get(number) or [name for name, _ in self.in_use[number].named]:
+            store(axis, axis.parameters.of(name), allowed)
 
-def store(axis: Axis, parameter: int) -> None:
-    """Store a parameter as it is; Locked when the memory is."""
+    def _load(self, axis: Axis, allowed: Callable[[], None]) -> None:
+        for each in TmclRamp.figures():
+            axis.recall(axis.parameters.of(each.name), allowed)
+
+
+def store(axis: Axis, parameter: int, allowed: Callable[[], None]) -> None:
+    """Store a parameter as it is; Locked when the memory is. allowed: see Conversation.ask."""
     try:
-        axis.store(parameter)
+        axis.store(parameter, allowed)
     except Denied as error:
         if error.status == Status.EEPROM_LOCKED:
             raise Locked from error

@@ -1,6 +1,7 @@
 """How a backup becomes the settings of a module again."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 
 from stepramp.controllers.order import lowered_first
 from stepramp.controllers.tmcl.axis import Axis
@@ -21,7 +22,9 @@ class Restoring:
         """Write what differs of a backup, one setting at a time, store and read it; return what couldn't be done."""
         self._ramps.on_trial = True
         remarks = [
-            remark for axis in self._axes for remark in self._of_axis(axis, backup.settings.get(axis.number, {}))
+            remark
+            for axis in self._axes
+            for remark in self._ramps.held(axis, partial(self._of_axis, axis, backup.settings.get(axis.number, {})))
         ]
         self._ramps.learn_again()
         self._ramps.on_trial = bool(remarks)
@@ -32,8 +35,8 @@ class Restoring:
         in_use = self._ramps.in_use
         return tuple(value for _, value in in_use[axis.number].named) if axis.number < len(in_use) else ()
 
-    def _of_axis(self, axis: Axis, wanted: dict[int, int]) -> Iterator[str]:
-        self._ramps.hold(axis)
+    def _of_axis(self, axis: Axis, wanted: dict[int, int], allowed: Callable[[], None]) -> list[str]:
+        remarks = []
         unit_mode = axis.parameters.unit_mode
         of_the_ramp = [axis.parameters.of(each.name) for each in TmclRamp.figures()]
         there = dict(zip(of_the_ramp, self._present(axis), strict=False))
@@ -43,11 +46,12 @@ class Restoring:
             try:
                 differs = axis.get(parameter) != wanted[parameter]
                 if differs and not axis.bring_back(parameter, wanted[parameter]):
-                    yield f"Parameter {parameter} of axis {axis.number} is not as in the backup."
+                    remarks.append(f"Parameter {parameter} of axis {axis.number} is not as in the backup.")
                 # What a push stores may have been stored in part, though it is in use.
                 if differs or parameter in of_the_ramp:
-                    store(axis, parameter)
+                    store(axis, parameter, allowed)
             except Denied as error:
-                yield f"Parameter {parameter} of axis {axis.number}: {error}"
+                remarks.append(f"Parameter {parameter} of axis {axis.number}: {error}")
             except Locked as error:
-                yield str(error)
+                remarks.append(str(error))
+        return remarks
