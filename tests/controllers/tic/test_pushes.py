@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import pytest
 
 from controllers.bench import by, only_rejection, to
+from controllers.interruption import interruptions
 from controllers.tic.bench import Bench
 from controllers.tic.emulator import TicEmulator
 from designs import design
@@ -179,3 +182,24 @@ def test_no_backup_is_written_while_the_motor_moves(bench: Bench, controller: Ti
     with pytest.raises(Refused, match="The motor moves: stop it first"):
         controller.use_backup(text)
     assert bench.tic.ramp == [0, 10_000_000, 500_000, 500_000]
+
+
+@pytest.mark.parametrize("write", ["push", "roll back", "restore"])
+def test_a_stop_at_any_place_of_a_write_loses_none_of_it(bench: Bench, write: str) -> None:
+    bench.controller.connect()
+    text, ramp = bench.controller.backup(), bench.tic.ramp
+    writes: dict[str, tuple[Callable[[], object], int]] = {
+        "push": (bench.controller.prepare_push([design(ramp__slew_speed_steps_per_s=300)], 0, "try"), 3_000_000),
+        "roll back": (bench.controller.roll_back, ramp[1]),
+        "restore": (lambda: bench.controller.use_backup(text), ramp[1]),
+    }
+    do, speed = writes[write]
+    for interruption in interruptions(bench, bench.controller.stop, apart=5):
+        bench.controller.prepare_push([design()], 0, "try")()
+        with interruption:
+            do()
+        assert bench.tic.ramp[1] == speed, interruption.place
+        if not interruption.came:
+            break
+    assert interruption.place >= 10
+    assert bench.tic.steps == 0
