@@ -16,6 +16,7 @@ from controllers.marlin.bench import Bench
 from controllers.marlin.emulator import DEFAULTS
 from designs import design
 from stepramp.controllers.contract import OwnTerms, PushReport
+from stepramp.controllers.marlin.backup import Backup
 from stepramp.controllers.marlin.controller import MarlinController
 from stepramp.controllers.marlin.ramp import marlin_ramp
 from stepramp.controllers.marlin.read_settings import read_settings
@@ -314,12 +315,23 @@ def test_a_power_cut_while_it_stores_is_restored(bench: Bench, with_an_older_one
         ("M92 X80\nM203 X0.001\nM201 X5\n", "M203 X"),
         ("M92 X80\nM203 X500\nM201 X5\nM204 P500 R500 T0.00\n", "M204 T"),
         ("G20\nM92 X80\nM203 X500\nM201 X5\n", "text"),
+        ("M92 X80\nM203 X500\nM201 X5\nM92 X0\n", "M92 X"),
+        ("M92 X80\nM203 X500\nM201 X5\nM201 X6\n", "M201 X"),
+        ("M92 X80 X-80\nM203 X500\nM201 X5\n", "M92 X"),
+        ("M92 X80\nM203 X500\nM201 X5\nM204 P500 R500 T9\nM204 T8\n", "M204 T"),
+        ("M92 X80\nM203 X500\nM201 X5\nM92 T0 E93\nM92 T1 E0\n", "M92 T1 E"),
     ],
 )
 def test_what_is_no_backup_is_rejected(bench: Bench, controller: MarlinController, text: str, field: str) -> None:
     named, _, _ = only_rejection(lambda: controller.use_backup(text))
     assert named == field
     assert bench.told() == []
+
+
+def test_a_backup_may_tell_the_same_twice_and_have_several_extruders() -> None:
+    text = "M92 X80.00\nM203 X500.00\nM201 X5.00\nM204 P500.00 T9.00\n"
+    more = "M92 X80\nM204 T9\nM92 T0 E93.00\nM92 T1 E95.00\n"
+    assert Backup.of(text + more).lines(Backup.of(text)) == ["M204 T9", "M92 T0 E93.00", "M92 T1 E95.00"]
 
 
 # What it has, as designs.

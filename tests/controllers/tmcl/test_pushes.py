@@ -295,8 +295,9 @@ def test_a_locked_memory_is_told_when_a_backup_is_written(bench: Bench, controll
         (lambda text: text.replace("parameter 5 = 4889", "parameter 5 = 7629278"), "axis 0", "a ramp that moves"),
         (lambda text: text.replace("parameter 20 = 9\n", "parameter 20 = 0\n"), "axis 0", "a ramp that moves"),
         (lambda text: text.replace("axis 0 parameter 18", "axis 0 parameter x"), "axis 0", "a ramp that moves"),
+        (lambda text: text + "axis 0 parameter 5 = 4888\n", "axis 0 parameter 5", "each parameter once in a backup"),
     ],
-    ids=["another family", "another module", "no acceleration", "a halt's", "no stopping speed", "not whole"],
+    ids=["another family", "another module", "no acceleration", "a halt's", "no stopping speed", "not whole", "twice"],
 )
 def test_what_is_no_backup_or_would_hang_it_is_rejected(
     bench: Bench, controller: TmclController, change: Callable[[str], str], field: str, words: str
@@ -337,3 +338,9 @@ def test_settings_that_no_design_can_have_are_rejected(controller: TmclControlle
     with pytest.raises(Rejected, match="With VSTART 200000 the base speed of axis 0 is 200,000; allowed"):
         read_settings(text, design())
     assert read_settings("M92 X80", design()) == []
+
+
+def test_a_figure_that_is_listed_twice_is_told(controller: TmclController) -> None:
+    [axis] = read_settings(controller.backup() + "axis 0 parameter 5 = 2445\n", design())
+    assert axis.design.ramp.acceleration_steps_per_s2 == 2445
+    assert "axis 0 parameter 5 = 4889 and 2445 are listed: the last holds." in axis.remarks

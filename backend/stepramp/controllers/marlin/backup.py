@@ -47,9 +47,9 @@ class Backup:
         settings = Settings.of(lines)
         if not settings.axes():
             told = {code for code, _ in settings.commands}
-            bad = _zeros(settings) if told >= set(ABOVE_ZERO) else []
+            bad = _senseless(settings) if told >= set(ABOVE_ZERO) else []
             raise Rejected(bad or [Rejection("text", Count(f"{len(lines)} lines"), ALLOWED)])
-        if bad := _zeros(settings):
+        if bad := _senseless(settings):
             raise Rejected(bad)
         if settings.is_in_inches:
             raise Rejected([Rejection("text", "G20", "a backup in mm (G21)")])
@@ -96,15 +96,36 @@ def _meaning(code: str, words: str) -> tuple[str, ...]:
     return (code, *(f"{word[0]}{float(word[1:] or 0):.{DECIMALS}f}" for word in words.split()))
 
 
-def _zeros(settings: Settings) -> list[Rejection]:
-    return [
-        Rejection(f"{code} {letter}", value, "a number above 0: the axis couldn't be moved without")
-        if not least
-        else Rejection(f"{code} {letter}", value, f"at least {least:g}: it would be told, or taken, as 0")
-        for code, (letters, least) in LEAST.items()
-        for letter, value in settings.words(code).items()
-        if letter in letters and not _is_at_least(value, least)
-    ]
+def _senseless(settings: Settings) -> list[Rejection]:
+    """Return what is told twice, and differently, and what no axis could be moved with."""
+    return list(_told_twice(settings)) or list(_too_little(settings))
+
+
+def _told_twice(settings: Settings) -> Iterator[Rejection]:
+    """Yield what is told twice, and differently: which of both it was nobody knows, and both would be written."""
+    told: dict[str, dict[float, str]] = {}
+    for name, value, _ in _told(settings):
+        told.setdefault(name, {}).setdefault(float(value), value)
+    for name, values in told.items():
+        if len(values) > 1:
+            yield Rejection(name, Count(" and ".join(values.values())), "each setting once in a backup")
+
+
+def _too_little(settings: Settings) -> Iterator[Rejection]:
+    for name, value, least in dict.fromkeys(_told(settings)):
+        if not _is_at_least(value, least):
+            allowed = f"at least {least:g}: it would be told, or taken, as 0"
+            yield Rejection(name, value, allowed if least else "a number above 0: the axis couldn't be moved without")
+
+
+def _told(settings: Settings) -> Iterator[tuple[str, str, float]]:
+    """Yield each number of LEAST by its name, such as M92 X, or M92 T1 E of a further extruder, and its least."""
+    for code, numbers in settings.numbers():
+        letters, least = LEAST.get(code, ("", 0.0))
+        others = [f"T{value} " for letter, value in numbers if letter == "T" and value != "0" and code != ACCELERATIONS]
+        yield from (
+            (f"{code} {''.join(others)}{letter}", value, least) for letter, value in numbers if letter in letters
+        )
 
 
 def _is_at_least(value: str, least: float) -> bool:

@@ -1,7 +1,7 @@
 """The settings of a Marlin, as it lists them after M503: the very commands that set them."""
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -86,6 +86,11 @@ class Settings:
         if self.is_of_marlin_1_0:
             return "T" if letter == EXTRUDER else "S"
         return shared_by(letter)
+
+    def numbers(self) -> Iterator[tuple[str, Sequence[tuple[str, str]]]]:
+        """Yield each command's code, and its numbers by letter, also of what is told again."""
+        for code, words in self.commands:
+            yield code, [(found["letter"], found["value"]) for found in _WORD.finditer(words)]
 
     def words(self, code: str) -> Mapping[str, str]:
         """Return the numbers of a command by letter; of a letter that is told several times, the first."""

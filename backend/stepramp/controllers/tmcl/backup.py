@@ -1,8 +1,8 @@
 """A backup of a module: its stored settings, as lines, and what of that makes sense again."""
 
 import re
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 
 from stepramp.controllers.tmcl.axis import Axis
 from stepramp.controllers.tmcl.conversation import Denied
@@ -22,6 +22,8 @@ class Backup:
 
     module: Module
     settings: dict[int, dict[int, int]]
+    twice: Mapping[str, str] = field(default_factory=dict)
+    """What is told more than once, with different values, by what it is: the last is in settings."""
 
     @classmethod
     def of(cls, text: str) -> "Backup | None":
@@ -31,11 +33,14 @@ class Backup:
         if len(modules) != 1 or modules[0] not in MODULES:
             return None
         module, settings = MODULES[modules[0]], dict[int, dict[int, int]]()
+        told: dict[str, dict[int, None]] = {}
         for found in filter(None, map(_SETTING.fullmatch, lines)):
             axis, parameter, value = int(found["axis"]), int(found["parameter"]), int(found["value"])
             if axis < module.axes and parameter in module.parameters.settings and -(2**31) <= value < 2**31:
                 settings.setdefault(axis, {})[parameter] = value
-        return cls(module, settings) if settings else None
+                told.setdefault(f"axis {axis} parameter {parameter}", {})[value] = None
+        twice = {name: " and ".join(map(str, values)) for name, values in told.items() if len(values) > 1}
+        return cls(module, settings, twice) if settings else None
 
     @classmethod
     def sound(cls, text: str, module: Module) -> "Backup":
@@ -45,7 +50,7 @@ class Backup:
             raise Rejected(
                 [Rejection("text", Count(f"{len(text.splitlines())} lines"), f"{ALLOWED}, of a {module.name}")]
             )
-        bad = []
+        bad = [Rejection(name, Count(told), "each parameter once in a backup") for name, told in backup.twice.items()]
         for axis in backup.settings:
             if (lack := backup.lack(axis)) is not None:
                 bad.append(Rejection(f"axis {axis}", lack, "a ramp that moves can be made with"))

@@ -1,6 +1,6 @@
 """Designs of what a module has told as a backup."""
 
-from stepramp.controllers.read_axis import GAIN, SPEED, ReadAxis, design_read
+from stepramp.controllers.read_axis import GAIN, SPEED, ReadAxis, design_read, with_notes
 from stepramp.controllers.remark import Remark, quantity
 from stepramp.controllers.tmcl.backup import Backup
 from stepramp.controllers.tmcl.ramp import TmclRamp
@@ -26,7 +26,7 @@ def read_settings(text: str, base: Design) -> list[ReadAxis]:
         ramp, units = backup.ramp(axis), backup.units(axis)
         if ramp is not None and units is not None:
             axes.append(_axis(axis, ramp, units, backup, base))
-    return axes
+    return with_notes(axes, [f"{name} = {told} are listed: the last holds." for name, told in backup.twice.items()])
 
 
 def _axis(axis: int, ramp: TmclRamp, units: Units, backup: Backup, base: Design) -> ReadAxis:
