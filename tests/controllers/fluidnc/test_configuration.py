@@ -30,7 +30,7 @@ def test_a_configuration_is_read_as_fluidnc_reads_it() -> None:
     assert configuration.axis(3) is None
 
 
-@pytest.mark.parametrize("value", ["NO PIN", "nan", "-1", "0", "5e-324", "fast", "1e99"])
+@pytest.mark.parametrize("value", ["NO PIN", "nan", "-1", "0", "5e-324", "fast", "1e99", "8E1", "1_000", "٨٠", "0x50"])
 def test_an_axis_without_sense(value: str) -> None:
     text = FILE.replace("steps_per_mm: 250", f"steps_per_mm: {value}")
     assert Configuration.of(text.splitlines()).axis(0) is None

@@ -90,6 +90,8 @@ def test_what_a_backup_tells_twice_is_refused_by_its_name(bench: Bench, controll
         controller.use_backup(saved(bench) + "$100=1\n")
     with pytest.raises(Rejected, match=r"\$110 is '99999999999'; allowed: a number up to 99,999,999: no machine has"):
         controller.use_backup(saved(bench).replace("$110=500.000", "$110=99999999999"))
+    with pytest.raises(Rejected, match=r"\$130 is 'abc'; allowed: a number up to 99,999,999: no machine has"):
+        controller.use_backup(saved(bench).replace("$130=200.000", "$130=abc"))
 
 
 @pytest.mark.parametrize(

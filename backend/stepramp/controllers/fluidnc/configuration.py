@@ -24,6 +24,7 @@ AT_START, AT_UNLOCKING = ("startup_line0", "startup_line1", "after_reset"), ("af
 HARMLESS = re.compile(r"(?:G(?:17|18|19|20|21|54|55|56|57|58|59|90|91|93|94)|&|\s)*", re.IGNORECASE)
 """Macros by which nothing moves or turns."""
 _ITEM = re.compile(r"(?P<blanks> *)(?P<name>[^\s:#\[$;][^:#]*):(?P<value>\s.*)?")
+_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)", re.ASCII)
 _DEFAULTS = {"steps_per_mm": "80", "max_rate_mm_per_min": "1000", "acceleration_mm_per_sec2": "25"}
 """What FluidNC takes for an item that isn't there."""
 
@@ -128,7 +129,4 @@ class Configuration:
 
 
 def _makes_sense(text: str) -> bool:
-    try:
-        return LEAST <= float(text) <= MOST
-    except ValueError:
-        return False
+    return _NUMBER.fullmatch(text.strip()) is not None and LEAST <= float(text) <= MOST

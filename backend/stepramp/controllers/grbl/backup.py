@@ -146,7 +146,8 @@ def _senseless(settings: Settings) -> Iterator[Rejection]:
             value = _number(text)
             if number < TRAVEL and not value > 0:
                 yield Rejection(f"${number}", text, "a number above 0: grbl hangs without")
-            elif abs(value) > MOST:
+            # NaN is no more than anything.
+            elif not abs(value) <= MOST:
                 yield Rejection(f"${number}", text, f"a number up to {MOST:,}: no machine has more")
 
 

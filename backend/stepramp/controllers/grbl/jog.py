@@ -77,10 +77,14 @@ def refuse_runs_too_far(
         can_be_told = partial(_can_be_told, scale)
         if can_be_told(place):
             continue
-        # One that runs already is named by none of those that are asked for now.
-        named = fields.get(axis) or AxisCommand(axis, speeds[axis], asked[0].field)
+        named = fields.get(axis) or AxisCommand(axis, speeds[axis], "")
         slowest = slowest_of(scale, slowest_steps_per_s)
-        bad.append(too_far_for(named, speeds, ahead, can_be_told, furthest(scale), slowest, scale.speed_steps_per_s))
+        found = too_far_for(named, speeds, ahead, can_be_told, furthest(scale), slowest, scale.speed_steps_per_s)
+        if axis not in fields:
+            # None of those that are asked for now names it.
+            allowed = f"with axis {axis}, which runs already, at {found.allowed}"
+            found = Rejection(asked[0].field, asked[0].value, allowed)
+        bad.append(found)
     if bad:
         raise Rejected(bad)
 
