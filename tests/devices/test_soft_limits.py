@@ -226,8 +226,11 @@ def test_limits_go_with_what_has_a_serial_number(
 
 
 @pytest.mark.parametrize("family", ["tic", "tmcl"])
-def test_limits_that_were_set_in_other_microsteps_are_to_be_set_anew(plug_in: Callable, family: str) -> None:
+def test_limits_that_were_set_in_other_microsteps_are_to_be_set_anew(
+    plug_in: Callable, family: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """The same number of steps is another place then: 800 eighths of a step were 100 full steps."""
+    monkeypatch.setattr(watch, "IDLE_POLL_S", 1000.0)
     board = TicEmulator() if family == "tic" else TmclEmulator(time.monotonic)
 
     def make_of_a_full_step(power: int) -> None:
@@ -271,8 +274,14 @@ def test_limits_that_were_set_in_other_microsteps_are_to_be_set_anew(plug_in: Ca
     device.set_position([AxisCommand(0, 0, "position_steps")])
     with pytest.raises(Refused, match=words):
         device.move_by([by(100)])
+    # They are meant in those that were shown when they were asked for, not in those that it has by then.
+    make_of_a_full_step(3)
+    device.limit({0: Span(-100, 100)})
+    assert "set while it made 1 step of a full step, and by now it makes 8 steps" in (device.view.message or "")
     device.limit({0: Span(-100, 100)})
     assert device.view.message is None
+    with pytest.raises(Refused, match="it was changed meanwhile"):
+        device.move_to([AxisCommand(0, 100, "to_steps")])
     with pytest.raises(Rejected, match="-100 to 100 steps"):
         device.move_to([AxisCommand(0, 101, "to_steps")])
     device.move_to([AxisCommand(0, 100, "to_steps")])

@@ -109,9 +109,11 @@ class Motions:
         """Keep these axes within soft limits from now on. Nothing moves."""
 
         def limit(_: Controller) -> None:
+            # Those that were shown to whoever asked.
+            microsteps = {axis.axis: axis.microsteps for axis in self._view.now.axes}
             self._watch.refuse_under_way()
             refuse_absent(self._view.now, spans)
-            self._view.change(lambda view: view.limited(spans))
+            self._view.change(lambda view: view.limited(spans, microsteps))
             # What was said of those before doesn't hold any more.
             self._watch.refresh()
 

@@ -250,9 +250,11 @@ class DeviceView:
             unknown_positions=unknown,
         )
 
-    def limited(self, spans: Mapping[int, Span]) -> "DeviceView":
-        """Return the device with these soft limits, besides those that other axes have."""
-        microsteps = {each.axis: each.microsteps for each in self.axes}
+    def limited(self, spans: Mapping[int, Span], microsteps: Mapping[int, int | None]) -> "DeviceView":
+        """Return the device with these soft limits, besides those that other axes have.
+
+        microsteps: how many steps each axis makes of a full step, as they are meant.
+        """
         now = {axis: replace(span, microsteps=microsteps.get(axis)) for axis, span in spans.items() if span != FREE}
         limits = {**{axis: span for axis, span in self.soft_limits.items() if axis not in spans}, **now}
         axes = tuple(each.limited(limits.get(each.axis, FREE)) for each in self.axes)
