@@ -58,16 +58,16 @@ def unplugged_in_a_move(board: UsbBoard, device: Device) -> None:
 
 
 @pytest.mark.parametrize(
-    "unplug",
+    ("unplug", "midst"),
     [
-        unplugged_while_idle,
-        unplugged_in_a_push,
-        unplugged_while_writing,
-        unplugged_as_a_move_begins,
-        unplugged_in_a_move,
+        (unplugged_while_idle, ""),
+        (unplugged_in_a_push, "it has the old ones or the new ones whole, never a mixture"),
+        (unplugged_while_writing, "it has the old ones or the new ones whole, never a mixture"),
+        (unplugged_as_a_move_begins, ""),
+        (unplugged_in_a_move, "Axis 0 was moving, last heard of at"),
     ],
 )
-def test_unplugging(devices: Devices, port: str, unplug: Callable[[UsbBoard, Device], None]) -> None:
+def test_unplugging(devices: Devices, port: str, unplug: Callable[[UsbBoard, Device], None], midst: str) -> None:
     other = devices.connect(port)
     other.push([design()])
     other.move_by(by_steps(LONG_MOVE))
@@ -81,6 +81,7 @@ def test_unplugging(devices: Devices, port: str, unplug: Callable[[UsbBoard, Dev
         wait_for(device, DeviceState.LOST)
     assert device.view.message is not None
     assert board.port in device.view.message
+    assert midst in device.view.message
     for refused in (lambda: device.push([design()]), lambda: device.move_by(by_steps(1)), device.stop, device.halt):
         with pytest.raises(DeviceLost):
             refused()

@@ -203,13 +203,19 @@ class Writing:
         self._leases.drop()
         self._watch.is_writing = True
         self._view.change(lambda view: replace(view, state=DeviceState.WRITING, shuttle=None))
+        is_lost = False
         try:
             self._save_first(unsaved)
             self._give(job)
+        except DeviceLost:
+            is_lost = True
+            raise
         finally:
             self._watch.is_writing = False
             self._show(None)
-            self._look_again()
+            # Lost in the midst of it, it stays writing in view: so it is told what was going on.
+            if not is_lost:
+                self._look_again()
 
     def _look_again(self) -> None:
         """Show how the controller fares once it was written to; that it is lost by then takes no report away."""
