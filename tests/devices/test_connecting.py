@@ -57,9 +57,9 @@ def test_a_mute_port_is_tried_once_for_all_who_ask(
 
     connect = Device.connect
 
-    def counted(device: Device) -> None:
+    def counted(device: Device, port: str | None) -> None:
         asked.release()
-        connect(device)
+        connect(device, port)
 
     monkeypatch.setattr(Device, "connect", counted)
     port = plug_in(Mute())

@@ -173,6 +173,11 @@ def test_what_was_lost_is_connected_again_as_one_of_its_family(
     with pytest.raises(DeviceLost):
         device.move_by(BY)
     assert device.view.state is DeviceState.LOST
+    with pytest.raises(
+        Refused,
+        match=r"Device 1, \S+wire, was connected until it was lost, as one of the family Plain, not of StepRamp: disco",
+    ):
+        devices.connect(str(port))
     port.touch()
     assert device.reconnect()
     assert (device.view.state, device.view.family, len(made)) == (DeviceState.READY, "plain", 2)

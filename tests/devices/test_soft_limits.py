@@ -285,4 +285,54 @@ def test_limits_that_were_set_in_other_microsteps_are_to_be_set_anew(
     with pytest.raises(Rejected, match="-100 to 100 steps"):
         device.move_to([AxisCommand(0, 101, "to_steps")])
     device.move_to([AxisCommand(0, 100, "to_steps")])
+
+
+@pytest.mark.parametrize("is_noticed", [True, False], ids=["lost", "not_noticed_yet"])
+def test_limits_stay_with_a_lost_board_that_somebody_connects_at_another_port(
+    clock: Clock, plug_in: Callable, unplugged_at: UnpluggedAt, monkeypatch: pytest.MonkeyPatch, is_noticed: bool
+) -> None:
+    """Before it is found there by itself: it is the same device, not one that is free to move."""
+
+    def known(port: str) -> Port:
+        return Port(port, port, usb=(0x2341, 0x0043, "A1"))
+
+    for module in (devices_module, attachment):
+        monkeypatch.setattr(module, "known_port", known)
+    moved = UnpluggedAt(clock)
+    moved.controller = unplugged_at.controller
+    first, second = plug_in(unplugged_at), plug_in(moved)
+    devices = Devices()
+    device = devices.connect(first)
+    push(device, clock)
+    device.limit({0: Span(0, 100)})
+    unplugged_at.is_plugged_in = False
+    if is_noticed:
+        with pytest.raises(DeviceLost):
+            device.trace_moves(0, 1)
+    assert devices.connect(second) is device
+    assert [(view.id, view.port, view.state) for view in devices.views()] == [("1", second, DeviceState.READY)]
+    assert (device.view.soft_limits, device.view.unknown_positions) == ({0: Span(0, 100)}, (0, 1))
+    with pytest.raises(Refused, match="Axis 0 may be elsewhere than counted"):
+        device.move_by([by(50)])
+    devices.close()
+
+
+def test_limits_outlive_a_device_that_turns_out_to_be_the_same_board(
+    plug_in: Callable, unplugged_at: UnpluggedAt, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As where the ports' list had it only once it was connected."""
+    first, second = plug_in(unplugged_at), plug_in(VirtualController())
+    monkeypatch.setattr(attachment, "known_port", lambda port: Port(port, port, usb=(0x2341, 0x0043, "A1")))
+    devices = Devices()
+    limited = devices.connect(first)
+    limited.limit({0: Span(0, 100)})
+    unplugged_at.is_plugged_in = False
+    with pytest.raises(DeviceLost):
+        limited.settings()
+    free = devices.connect(second)
+    assert (free.view.id, free.identity) == ("2", limited.identity)
+    for device in (limited, free):
+        devices.disconnect(device.view.id)
+    monkeypatch.setattr(devices_module, "known_port", attachment.known_port)
+    assert devices.connect(second).view.soft_limits == {0: Span(0, 100)}
     devices.close()

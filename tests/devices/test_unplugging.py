@@ -290,8 +290,14 @@ def test_another_board_at_the_port_of_a_lost_one_is_another_device(
         first.back_up()
     assert (first.backups(), first.view.unproven) == (saved, pending)
     assert first.called != second.called
+    # A third one takes the second one's place in what is told.
+    changed_boards.change(second, "C3")
+    assert devices.connect(changed_boards.port, "grbl").view.id == "3"
+    for lost in (first, second):
+        assert (lost.view.message or "").count("Another board is at its port now") == 1
+        assert "serial number C3: that is device 3." in (lost.view.message or "")
     # The same board back is the same device.
-    changed_boards.change(second, "A1")
+    changed_boards.change(devices.get("3"), "A1")
     assert devices.connect(changed_boards.port, "grbl") is first
     assert (first.view.state, first.view.soft_limits) == (DeviceState.READY, {0: Span(0, 1000)})
     assert first.view.proof is not None

@@ -74,7 +74,7 @@ class Attachment:
         self._writing = writing
         self._proving = proving
         self._connecting = threading.Lock()
-        self._attempt = SharedAttempt(self._connect_unless_done)
+        self._attempt = SharedAttempt()
         self._connection: Connection | None = None
         self._location: str | None = None
         self._let_go = False
@@ -105,9 +105,9 @@ class Attachment:
         """Whether the handshake is done and the device not lost."""
         return self._view.now.state not in (DeviceState.CONNECTING, DeviceState.LOST)
 
-    def connect(self) -> None:
+    def connect(self, port: str | None = None) -> None:
         """Open the port and shake hands, unless that is done already; see Device.connect."""
-        self._attempt()
+        self._attempt(lambda: self._connect_unless_done(port))
 
     def reconnect(self) -> bool:
         """Connect again if what was lost is back; see Device.reconnect."""
@@ -153,11 +153,17 @@ class Attachment:
         if (worker := self._contact.worker) is not None:
             worker.close(LAST_STOP_S)
 
-    def _connect_unless_done(self) -> None:
+    def _connect_unless_done(self, port: str | None) -> None:
         with self._connecting:
             self._let_go = False
+            present = self._view.now.port
+            is_elsewhere = port is not None and location_of(port) not in (self._location, location_of(present))
+            if is_elsewhere and self.is_connected:
+                # It was pulled out there, which nobody has noticed yet.
+                with suppress(StepRampError):
+                    self._contact.ask(lambda _: self._watch.refresh())
             if not self.is_connected:
-                self._connect(self._view.now.port)
+                self._connect(port if port is not None and is_elsewhere else present)
 
     def _connect(self, port: str, known: DeviceView | None = None) -> None:
         """Connect, or leave the device lost as it was known before; None: as it is now, and it may be another one."""

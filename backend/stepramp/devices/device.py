@@ -120,6 +120,10 @@ class Device:
         """What tells apart what is plugged in, and of what kind of controller it is taken to be; see Port."""
         return self._family.kind, self._attachment.board
 
+    def is_board(self, known: Port) -> bool:
+        """Whether what is plugged in at a port is that of this device, as far as that is told apart."""
+        return self._attachment.board == known.board
+
     @property
     def location(self) -> str:
         """Where its port leads, whatever name it was given: that which it holds, or which it would be connected at."""
@@ -138,13 +142,14 @@ class Device:
         """Whether the handshake is done and the device not lost."""
         return self._attachment.is_connected
 
-    def connect(self) -> None:
+    def connect(self, port: str | None = None) -> None:
         """Open the port and shake hands, unless that is done already; nothing moves.
 
+        port: where it is plugged in now, in case that is elsewhere than it was; None: there.
         Whoever asks for it meanwhile gets what comes of it. Raises Rejected for an address that is no port, Refused for
         a controller of another kind, DeviceLost when none answers.
         """
-        self._attachment.connect()
+        self._attachment.connect(port)
 
     def reconnect(self) -> bool:
         """Connect again if what was lost is back, at its port or, known by its serial number, at another.

@@ -127,8 +127,7 @@ class Devices:
         Raises as find_family, and Refused where a device is connected there, or was until it was lost.
         """
         if (device := self._present_at(port, location_of(port), known_port(port))) is not None:
-            title = self.families[device.view.family].title
-            raise Refused(f"The device at {port} is connected as one of the family {title}: disconnect it first.")
+            raise Refused(f"{self._as_one_of(device)}: disconnect it first.")
         return find_family(port, (self.families[each] for each in self.families_at(port)), self._remote_ports)
 
     def connect(self, port: str, family: str = USUAL_FAMILY) -> Device:
@@ -137,22 +136,18 @@ class Devices:
         family: of its controller. Whoever asks has to know it: what one family takes for a greeting may be a motion for
         another one, so none is tried.
 
-        A lost device is connected again under its id; where another board is at its port, that is a new device, and the
-        lost one stays lost. Raises as Device.connect; a new device that can't be connected
-        is forgotten, a lost one stays lost. Rejected for a family that there isn't, or not at such a port; Refused
-        while the device there counts as one of another family.
+        A lost device is connected again under its id, also at another port than it was at, where it is known by its
+        serial number; where another board is at its port, that is a new device, and the lost one stays lost. Raises as
+        Device.connect; a new device that can't be connected is forgotten, a lost one stays lost. Rejected for a family
+        that there isn't, or not at such a port; Refused while the device there counts as one of another family.
         """
         if family not in (allowed := self.families_at(port)):
             raise Rejected([Rejection("family", family, ", ".join(allowed))])
         device, is_new = self._at(port, self.families[family])
         if device.view.family != family:
-            there = self.families[device.view.family].title
-            raise Refused(
-                f"The device at {device.view.port} is connected as one of the family {there}, not of "
-                f"{self.families[family].title}: disconnect it first."
-            )
+            raise Refused(f"{self._as_one_of(device)}, not of {self.families[family].title}: disconnect it first.")
         try:
-            device.connect()
+            device.connect(port)
         except Exception:
             if is_new:
                 self._forget(device)
@@ -160,9 +155,15 @@ class Devices:
         with self._lock:
             # Another call may have failed at the same port, and forgotten the device, just before this one succeeded.
             self._devices.setdefault(device.view.id, device)
-        if is_new:
-            self._tell_displaced(device)
+        self._tell_displaced(device)
         return device
+
+    def _as_one_of(self, device: Device) -> str:
+        """Return as what a device is connected, or was until it was lost, as the beginning of a sentence."""
+        view, title = device.view, self.families[device.view.family].title
+        if view.state is not DeviceState.LOST:
+            return f"The device at {view.port} is connected as one of the family {title}"
+        return f"Device {view.id}, {device.called}, was connected until it was lost, as one of the family {title}"
 
     def disconnect(self, device_id: str) -> None:
         """Let go of a device and forget it; Refused while its motor moves."""
@@ -248,7 +249,7 @@ class Devices:
                 raise Refused("StepRamp is ending: nothing is connected any more.")
             self._last_id += 1
             device_id = str(self._last_id)
-            before = self._let_go.get((family.kind, known.board))
+            before = self._let_go.pop((family.kind, known.board), None)
             device = Device(
                 device_id,
                 known,
@@ -272,18 +273,22 @@ class Devices:
     def _one_at(self, port: str, location: str, known: Port) -> Device | None:
         """Return the device at a port, by that name rather than by another: the one that holds it, or was lost there.
 
-        known: what is plugged in there. A lost one that is another board is not there.
+        known: what is plugged in there. A lost one that is another board is not there; one that is this board is,
+        wherever it was: it has its limits.
         """
         at = [each for each in self._devices.values() if each.view.port == port or each.location == location]
         at = sorted((each for each in at if not each.is_other(known)), key=lambda each: each.view.port != port)
         held = (each for each in at if each.view.state is not DeviceState.LOST)
-        return next(held, None) or next(iter(at), None)
+        same = (each for each in self._devices.values() if each.is_board(known))
+        return next(held, None) or next(same, None) or next(iter(at), None)
 
     def _tell_displaced(self, device: Device) -> None:
         """Tell of lost devices that another one is at their port."""
+        if not (lost := self._lost()):
+            return
         port, location = device.view.port, device.location
         known = known_port(port)
-        for each in self._lost():
+        for each in lost:
             if (each.view.port == port or each.location == location) and each.is_other(known):
                 each.note_other(known, device.view.id)
 
@@ -291,10 +296,10 @@ class Devices:
         with self._lock:
             if not device.connected:
                 self._devices.pop(device.view.id, None)
-                if device.view.soft_limits or device.view.unknown_positions:
+                # Limits of the same board may be there, where it was found out late that it is the same.
+                is_kept = device.view.unknown_positions and device.identity not in self._let_go
+                if device.view.soft_limits or is_kept:
                     self._let_go[device.identity] = device.view
-                else:
-                    self._let_go.pop(device.identity, None)
         self._tell()
 
     def _tell(self) -> None:

@@ -8,24 +8,23 @@ from concurrent.futures import Future
 class SharedAttempt:
     """A job that takes long: whoever asks for it while it is being done gets what comes of that. For any thread."""
 
-    def __init__(self, job: Callable[[], None]) -> None:
-        self._job = job
+    def __init__(self) -> None:
         self._lock = threading.Lock()
         self._present: Future[None] | None = None
 
-    def __call__(self) -> None:
+    def __call__(self, job: Callable[[], None]) -> None:
         """Do it, or wait until it is done that is being done; raise what it raised."""
         with self._lock:
             is_mine = self._present is None
             present = self._present = self._present or Future()
         if is_mine:
-            self._do(present)
+            self._do(job, present)
         present.result()
 
-    def _do(self, present: "Future[None]") -> None:
+    def _do(self, job: Callable[[], None], present: "Future[None]") -> None:
         error: BaseException | None = None
         try:
-            self._job()
+            job()
         except BaseException as raised:
             error = raised
         with self._lock:

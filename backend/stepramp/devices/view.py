@@ -96,6 +96,8 @@ class DeviceView:
     """Why the device is lost, or what keeps its motors from being moved."""
     midst: tuple[str, ...] = ()
     """What was going on when it was lost, for somebody who wonders what has come of it."""
+    displaced_by: str = ""
+    """Which other board is at its port while it is lost, with which the message ends; empty for none."""
     position_steps: int = 0
     target_steps: int = 0
     speed_steps_per_s: float = 0.0
@@ -281,6 +283,7 @@ class DeviceView:
             state=DeviceState.LOST,
             message=" ".join((message, *midst)),
             midst=midst,
+            displaced_by="",
             axes=axes,
             unknown_positions=tuple(sorted({*self.unknown_positions, *(axis.axis for axis in self.axes)})),
             progress=None,
@@ -297,7 +300,8 @@ class DeviceView:
             f"Another board is at its port now, {by}: that is device {device_id}. This one is connected again once it "
             "is back."
         )
-        return replace(self, message=" ".join(each for each in (self.message, other) if each))
+        before = (self.message or "").removesuffix(self.displaced_by).rstrip()
+        return replace(self, message=f"{before} {other}".lstrip(), displaced_by=other)
 
     def still_lost(self, message: str, now: "DeviceView") -> "DeviceView":
         """Return the device as it was before an attempt to connect it failed; what it doesn't say itself is of now."""
