@@ -231,6 +231,19 @@ def test_backups_that_cant_be_listed_are_told(tmp_path: Path) -> None:
         Archive(tmp_path).sources()
 
 
+def test_a_folder_of_backups_that_can_not_be_entered_is_told(tmp_path: Path) -> None:
+    """Those of other devices can be read all the same, and those of this one that lie elsewhere."""
+    blocked, other = (Backups(tmp_path, "grbl", known_port(f"/dev/ttyUSB{each}")) for each in range(2))
+    name = other.save("figure 1")
+    blocked.folder.write_text("in the folder's place")
+    for ask in (blocked.all, lambda: blocked.read(name)):
+        with pytest.raises(Refused, match=rf"The backups in {blocked.folder} can't be listed: Not a directory"):
+            ask()
+    assert unmarked(Archive(tmp_path).read(other.folder.name, name)) == "figure 1"
+    other.former = (blocked.folder,)
+    assert unmarked(other.read(name)) == "figure 1"
+
+
 def test_backups_are_of_a_port_by_all_its_names_and_those_by_the_name_alone_are_found(
     tmp_path: Path,
 ) -> None:

@@ -52,11 +52,24 @@ def test_what_can_not_be_written_is_known_as_long_as_the_program_runs(tmp_path: 
     assert (tmp_path / FILE).read_text() == kept
 
 
-def test_what_an_older_version_noted_by_another_name_is_claimed_once(tmp_path: Path) -> None:
-    former, folder = tmp_path / "by-name", tmp_path / "by-port"
+def test_what_was_noted_of_whatever_was_at_the_port_is_told_and_claimed_by_nobody(tmp_path: Path) -> None:
+    former, one, other = (tmp_path / each for each in ("by-port", "one", "other"))
     Unproven(former).note({"$110": "216.000"})
-    found = Unproven(folder, [former])
-    assert found.given["$110"].value == "216.000"
-    found.note({"$111": "5.000"})
-    assert set(Unproven(folder, [former]).given) == {"$110", "$111"}
-    assert Unproven(former).given == {}
+    for folder in (one, other):
+        found = Unproven(folder, [tmp_path / "none", former])
+        assert found.given == {}
+        assert f"was noted in {former / FILE} by the port alone" in (found.damage or "")
+        # Until this board is written to.
+        found.note({"$111": "5.000"})
+        assert (found.damage, set(Unproven(folder, [former]).given)) == (None, {"$111"})
+    assert set(Unproven(former).given) == {"$110"}
+    # Where nothing was left to be proven, nothing is told.
+    Unproven(former).drop(["$110"])
+    assert Unproven(tmp_path / "third", [former]).damage is None
+
+
+def test_a_folder_that_can_not_be_entered_is_told_and_hinders_nothing(tmp_path: Path) -> None:
+    """As that of another user; who runs the tests may enter any, so here it is a file."""
+    (tmp_path / "folder").write_text("in its place")
+    for folders in ([tmp_path / "folder"], [tmp_path / "none", [tmp_path / "folder"]]):
+        assert "which can't be read (Not a directory)" in (Unproven(*folders).damage or "")

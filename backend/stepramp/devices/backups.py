@@ -52,25 +52,28 @@ class Archive:
 
     def sources(self) -> list[Source]:
         """Return what there are backups of, that with the newest one first; Refused when that can't be looked at."""
-        try:
-            folders = [each for each in self._folder.iterdir() if each.match("*-*-*") and each.is_dir()]
-        except FileNotFoundError:
-            return []
-        except OSError as error:
-            raise Refused(f"The backups in {self._folder} can't be listed: {error.strerror or error}.") from error
-        found = [_source(each) for each in folders]
+        found = [_source(each) for each in self._folders()]
         return sorted((each for each in found if each.backups), key=lambda each: each.backups[0].name, reverse=True)
 
     def source(self, name: str) -> Source:
         """Return one of them; NotFound when there is none of that name."""
-        for each in self.sources():
-            if each.name == name:
-                return each
+        # Whether the others can be looked at is nothing to it.
+        for folder in self._folders():
+            if folder.name == name and (found := _source(folder)).backups:
+                return found
         raise NotFound(f"There are no backups of {shown(name)}.")
 
     def read(self, source: str, name: str) -> str:
         """Return the text of a backup; NotFound when there is none of that name."""
         return _read(self._folder / self.source(source).name, name, f"of {source}")
+
+    def _folders(self) -> list[Path]:
+        try:
+            return [each for each in self._folder.iterdir() if each.match("*-*-*") and each.is_dir()]
+        except FileNotFoundError:
+            return []
+        except OSError as error:
+            raise _cant_be_listed(self._folder, error) from error
 
 
 def _source(folder: Path) -> Source:
@@ -79,13 +82,23 @@ def _source(folder: Path) -> Source:
 
 
 def _all(folder: Path) -> list[Backup]:
+    """Return what is in a folder, the newest first; Refused when that can't be looked at."""
     found = []
-    for each in sorted(folder.glob(f"*{ENDING}"), reverse=True):
-        # One may be deleted meanwhile, by whoever looks after the folder.
-        with suppress(FileNotFoundError):
-            if not each.name.startswith("."):
-                found.append(Backup(each.stem, each.stat().st_size))
+    try:
+        for each in sorted(folder.iterdir(), reverse=True):
+            # One may be deleted meanwhile, by whoever looks after the folder.
+            with suppress(FileNotFoundError):
+                if each.suffix == ENDING and not each.name.startswith("."):
+                    found.append(Backup(each.stem, each.stat().st_size))
+    except FileNotFoundError:
+        return []
+    except OSError as error:
+        raise _cant_be_listed(folder, error) from error
     return found
+
+
+def _cant_be_listed(folder: Path, error: OSError) -> Refused:
+    return Refused(f"The backups in {folder} can't be listed: {error.strerror or error}.")
 
 
 def _read(folder: Path, name: str, of: str) -> str:
@@ -168,14 +181,14 @@ class Backups:
         return name
 
     def all(self) -> list[Backup]:
-        """Return what there is, the newest first."""
+        """Return what there is, the newest first; Refused when that can't be looked at."""
         found = [backup for folder in (self.folder, *self.former) for backup in _all(folder)]
         return sorted(found, key=lambda each: each.name, reverse=True)
 
     def read(self, name: str) -> str:
         """Return the text of a backup; NotFound when there is none of that name."""
-        formerly = (each for each in self.former if name in {backup.name for backup in _all(each)})
-        return _read(next(formerly, self.folder), name, "of this device")
+        places = (each for each in (self.folder, *self.former) if name in {backup.name for backup in _all(each)})
+        return _read(next(places, self.folder), name, "of this device")
 
 
 def write_whole(file: Path, text: str) -> None:

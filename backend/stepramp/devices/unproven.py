@@ -4,6 +4,7 @@ import json
 import logging
 import os
 from collections.abc import Collection, Mapping
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -18,6 +19,11 @@ DAMAGED = (
     "What was written from here and isn't proven to be stored was noted in {file}, which can't be read ({why}): "
     "whether the controller has stored it isn't known. Compare the settings that it has with a backup of this device, "
     "or push again."
+)
+OF_THE_PORT = (
+    "What was written at this port and isn't proven to be stored was noted in {file} by the port alone, as older "
+    "versions do: whether this controller was given it isn't known. Compare the settings that it has with a backup of "
+    "this device, or push again."
 )
 
 _logger = logging.getLogger(__name__)
@@ -34,8 +40,9 @@ class Given:
 class Unproven:
     """The settings of one device by name. Not for two threads at once.
 
-    folder: that of its backups. former: where older versions have noted them, in whose place they are noted here from
-    the next change on. Where that can't be written, they are known as long as the program runs.
+    folder: that of its backups. former: where they were noted of whatever was at the port, which is told until the next
+    change, and never taken for what this device was given. Where the folder can't be written, they are known as long as
+    the program runs.
     """
 
     _unwritten: ClassVar[dict[Path, tuple[Mapping[str, Given], str]]] = {}
@@ -43,11 +50,13 @@ class Unproven:
 
     def __init__(self, folder: Path, former: Collection[Path] = ()) -> None:
         self._file = folder / FILE
-        self._former = [each / FILE for each in former]
         self.damage: str | None = None
         """Why it isn't known what was given before, and what is to be done, as a sentence; None: it is."""
-        noted = next((each for each in [self._file, *self._former] if each.exists()), self._file)
-        self.given: Mapping[str, Given] = self._read(noted)
+        self.given: Mapping[str, Given] = {}
+        try:
+            self.given = self._read(self._file)
+        except FileNotFoundError:
+            self._look_at([each / FILE for each in former])
 
     @property
     def trouble(self) -> str | None:
@@ -77,22 +86,30 @@ class Unproven:
         try:
             write_whole(self._file, json.dumps({name: asdict(each) for name, each in given.items()}, indent=1))
             self._unwritten.pop(self._file, None)
-            for each in self._former:
-                each.unlink(missing_ok=True)
         except OSError as error:
             self._unwritten[self._file] = given, error.strerror or str(error)
             _logger.warning("What isn't proven yet can't be kept in %s: %s", self._file, error.strerror or error)
 
+    def _look_at(self, former: Collection[Path]) -> None:
+        """Tell of the first of these files that has anything."""
+        for file in former:
+            with suppress(FileNotFoundError):
+                if self._read(file):
+                    self.damage = OF_THE_PORT.format(file=file)
+            if self.damage is not None:
+                return
+
     def _read(self, file: Path) -> Mapping[str, Given]:
-        if self._file in self._unwritten:
-            return self._unwritten[self._file][0]
+        """Return what is noted in a file, or would be; damage tells why that can't be read. FileNotFoundError: none."""
+        if file in self._unwritten:
+            return self._unwritten[file][0]
         try:
             told = json.loads(file.read_text(encoding="utf-8"))
             return {
                 _sensible(name): Given(_sensible(each["value"]), _sensible(each["at"])) for name, each in told.items()
             }
         except FileNotFoundError:
-            return {}
+            raise
         except (OSError, ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
             _logger.warning("What isn't proven yet can't be read from %s: %s", os.fspath(file), error)
             why = error.strerror if isinstance(error, OSError) and error.strerror else "it is damaged"
