@@ -20,7 +20,7 @@ from stepramp.controllers.stepramp.messages.motion import MoveByRequest
 from stepramp.controllers.stepramp.messages.ramps import CommitRequest, DataRequest
 from stepramp.controllers.stepramp.messages.status import StatusRequest
 from stepramp.controllers.virtual.controller import VirtualController
-from stepramp.devices import attachment, registry
+from stepramp.devices import attachment, reconnect, registry
 from stepramp.devices.device import Device
 from stepramp.devices.leases import Lease
 from stepramp.devices.registry import Devices
@@ -321,4 +321,46 @@ def test_a_board_that_is_changed_just_as_it_is_connected_again_is_refused(
         devices.connect(changed_boards.port, "grbl")
     assert first.view.state is DeviceState.LOST
     assert changed_boards.grbl.lines == []
+    devices.close()
+
+
+def test_a_board_that_the_list_of_ports_misses_once_is_known_by_its_number_all_the_same(
+    plug_in: Callable, unplugged_at: UnpluggedAt, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    usb: list[tuple[int, int, str] | None] = [(0x2341, 0x0043, "A1")]
+    for module in (registry, attachment):
+        monkeypatch.setattr(module, "known_port", lambda port: Port(port, port, usb=usb[0], leads_to=port))
+    devices = Devices()
+    device = devices.connect(plug_in(unplugged_at))
+    unplugged_at.is_plugged_in = False
+    with pytest.raises(DeviceLost):
+        device.settings()
+    unplugged_at.is_plugged_in = True
+    known, usb[0] = device.identity, None
+    assert devices.connect(device.view.port) is device
+    assert (device.identity, device.called) == (known, "USB 2341:0043, serial number A1")
+    devices.close()
+
+
+def test_a_mistake_of_ours_with_one_lost_device_keeps_none_from_being_found(
+    plug_in: Callable, unplugged_at: UnpluggedAt, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr(reconnect, "LOOK_S", 0.01)
+    mistakes = [ValueError("a mistake")]
+
+    def find_again(lost: Port) -> str:
+        if mistakes:
+            raise mistakes.pop()
+        return lost.port
+
+    monkeypatch.setattr(attachment, "find_again", find_again)
+    devices = Devices()
+    device = devices.connect(plug_in(unplugged_at))
+    unplugged_at.is_plugged_in = False
+    with pytest.raises(DeviceLost):
+        device.settings()
+    unplugged_at.is_plugged_in = True
+    devices.look_for_lost_ones()
+    wait_for(device, DeviceState.READY)
+    assert "Device 1 could not be looked for" in caplog.text
     devices.close()

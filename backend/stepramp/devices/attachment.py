@@ -205,6 +205,9 @@ class Attachment:
         known = known_port(port)
         if self.is_other(known):
             raise Refused(OTHER.format(port=port, called=self.called))
+        if known.usb is None:
+            # The list of ports may miss one for a moment: what was known of the board still holds.
+            known = replace(known, usb=self._known.usb)
         controller = self._family.make(self._connection, self._runs.give_way, self._writing.note_progress)
         controller.connect(lambda: self._stopping.greet(controller, known))
         status = controller.status()

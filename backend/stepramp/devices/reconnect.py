@@ -1,8 +1,8 @@
 """Connecting devices again that were lost, once they are back. Nothing moves by that."""
 
+import logging
 import threading
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from time import monotonic
 
 from stepramp.devices.device import Device
@@ -12,6 +12,8 @@ LOOK_S = 1.0
 """How often what was lost is looked for [s]."""
 LONGEST_PAUSE_S = 30.0
 """After attempts that fail, each pause is twice the one before, up to this [s]."""
+
+_logger = logging.getLogger(__name__)
 
 
 class Returning:
@@ -42,9 +44,13 @@ class Returning:
         due_s, pause_s = self._pauses.setdefault(device, (monotonic() + LOOK_S, LOOK_S))
         if monotonic() < due_s or self._ended.is_set():
             return
-        # It isn't answering yet, or isn't what it was: another attempt may follow.
-        with suppress(StepRampError):
+        try:
             if not device.reconnect():
                 return
+        except StepRampError:
+            pass  # It isn't answering yet, or isn't what it was: another attempt may follow.
+        except Exception:
+            # The others, and this one later, are to be found all the same.
+            _logger.exception("Device %s could not be looked for.", device.view.id)
         longer_s = min(LONGEST_PAUSE_S, 2 * pause_s)
         self._pauses[device] = (monotonic() + longer_s, longer_s)
