@@ -50,6 +50,9 @@ class Moonraker:
         self.fails_upload_after: int | None = None
         """The next upload fails after so many bytes, as on a disk that is full."""
         self.garbles_upload = False
+        self.withheld: dict[str, tuple[int, bytes]] = {}
+        """By path, what is answered instead of a file that is there: status and body."""
+        self.refuses_copies = False
         self._subscribed: dict[str, list[str] | None] = {}
         self._told: dict[str, dict[str, Any]] = {}
         self._next_s = 0.0
@@ -122,6 +125,8 @@ class Moonraker:
             return 401, _http_error(401, "Unauthorized")
         self.asked.append((f"{method} {path}", {}))
         files, place = self.printer.files, unquote(path).removeprefix("/server/files/config/")
+        if method == "GET" and place in self.withheld:
+            return self.withheld[place]
         if method == "GET" and path.startswith("/server/files/config/"):
             return (200, files[place].encode()) if place in files else (404, _http_error(404, "File not found"))
         if (method, path) == ("POST", "/server/files/upload"):
@@ -152,6 +157,7 @@ class Moonraker:
             self.printer.files[path] = data.decode()
             return 500, _http_error(500, "No space left on device")
         self.printer.files[path] = data.decode() + ("#" if self.garbles_upload else "")
+        self.withheld.pop(path, None)
         item = {"path": path, "root": "config", "modified": 1.0, "size": len(data), "permissions": "rw"}
         answer = {"item": item, "print_started": False, "print_queued": False, "action": "create_file"}
         return 201, json.dumps(answer).encode()
@@ -188,6 +194,8 @@ class Moonraker:
             case "server.files.list":
                 return [{"path": path, "modified": 1.0, "size": 1, "permissions": "rw"} for path in printer.files]
         source, dest = (params[name].removeprefix("config/") for name in ("source", "dest"))
+        if self.refuses_copies or source not in printer.files:
+            raise ApiError(400, f"File {params['source']} does not exist")
         printer.files[dest] = printer.files[source]
         return {"item": {"root": "config", "path": dest}, "action": "create_file"}
 

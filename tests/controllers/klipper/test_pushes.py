@@ -252,6 +252,32 @@ def test_a_backup_is_everything_and_restores_it(bench: Bench, controller: Klippe
     assert "POST /server/files/upload" not in bench.moonraker.methods
 
 
+@pytest.mark.parametrize("withheld", [(200, b"# f\xfcnf\n"), (503, b"{}"), (500, b"no JSON")])
+def test_a_file_that_can_not_be_read_is_copied_before_a_restore_overwrites_it(
+    bench: Bench, controller: KlipperController, withheld: tuple[int, bytes]
+) -> None:
+    saved = controller.backup()
+    edited = CONFIG + "\n# weeks of work\n"
+    bench.printer.files["printer.cfg"] = edited
+    bench.moonraker.withheld["printer.cfg"] = withheld
+    bench.moonraker.refuses_copies = True
+    with pytest.raises(Refused, match=r"printer.cfg can't be copied, so it isn't written to. Klipper at"):
+        controller.use_backup(saved)
+    assert bench.printer.files["printer.cfg"] == edited
+    bench.moonraker.refuses_copies = False
+    remarks = controller.use_backup(saved)
+    assert bench.printer.files["printer.cfg"] == CONFIG
+    [copy] = [path for path, text in bench.printer.files.items() if text == edited]
+    assert f"printer.cfg as it was is {copy} on the printer." in remarks
+
+
+def test_a_file_that_is_gone_is_written_anew(bench: Bench, controller: KlipperController) -> None:
+    saved = controller.backup()
+    del bench.printer.files["macros/start.cfg"]
+    controller.use_backup(saved)
+    assert bench.printer.files == {"printer.cfg": CONFIG, "macros/start.cfg": MACROS}
+
+
 @pytest.mark.parametrize("bytes_written", [0, 10, 200, 500])
 def test_a_power_cut_in_the_midst_of_a_write(clock: Clock, bytes_written: int) -> None:
     bench = Bench(clock)

@@ -1,12 +1,12 @@
 """The files of Klipper's configuration, as Moonraker keeps them: read, and written whole or not at all."""
 
 import hashlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import PurePosixPath
 from urllib.parse import quote
 
 from stepramp.controllers.klipper.configuration import Configuration, includes_of, paths_of
-from stepramp.controllers.klipper.conversation import Conversation
+from stepramp.controllers.klipper.conversation import Answered, Conversation
 from stepramp.controllers.klipper.told import told_json
 from stepramp.errors import Refused
 
@@ -14,6 +14,14 @@ ROOT = "config"
 """What Moonraker calls the folder of configurations."""
 MOST_FILES = 100
 _BOUNDARY = "stepramp-7f3a1c5e9b2d4860"
+
+
+class NoFile(Refused):
+    """There is no such file."""
+
+
+class Unreadable(Refused):
+    """There may be such a file, and its text isn't known."""
 
 
 class Files:
@@ -67,26 +75,32 @@ class Files:
         return found
 
     def read(self, path: str) -> str:
-        """Return a file's text; Refused when there is none, or it isn't text."""
+        """Return a file's text; NoFile when there is none, Unreadable when it isn't given, or isn't text."""
         reply = self._conversation.request("GET", f"/server/files/{ROOT}/{quote(path)}")
         if reply.status != 200:
-            raise Refused(f"Moonraker doesn't give {path}: {_words(reply.body)}")
+            kind = NoFile if reply.status == 404 else Unreadable
+            raise kind(f"Moonraker doesn't give {path}: {_words(reply.body)}")
         try:
             return reply.body.decode()
         except UnicodeDecodeError as error:
-            raise Refused(f"{path} isn't UTF-8, so it can't be written again as it is.") from error
+            raise Unreadable(f"{path} isn't UTF-8, so it can't be written again as it is.") from error
 
-    def present(self, path: str) -> str | None:
-        """Return a file's text; None when there is none that can be read."""
-        try:
-            return self.read(path)
-        except Refused:
-            return None
+    def present(self, paths: Iterable[str]) -> dict[str, str | None]:
+        """Return files' texts, None where there is no such file; those that can't be read are left out."""
+        found: dict[str, str | None] = {}
+        for path in paths:
+            try:
+                found[path] = self.read(path)
+            except NoFile:
+                found[path] = None
+            except Unreadable:
+                pass
+        return found
 
-    def write(self, path: str, text: str, before: str | None) -> None:
+    def write(self, path: str, text: str, before: Mapping[str, str | None]) -> None:
         """Write a file and read it again; Refused when it isn't taken, or isn't what was sent.
 
-        before: what was in it; None when there was none.
+        before: what was in files, as present returns it.
         """
         data = text.encode()
         place = PurePosixPath(path)
@@ -104,14 +118,18 @@ class Files:
         reply = self._conversation.request("POST", "/server/files/upload", body, kind)
         if reply.status not in (200, 201):
             # What fails in the midst of it may leave a part.
-            whole = "" if self.present(path) == before else f" {path} isn't as it was: restore a backup of this device."
+            is_whole = path in before and self.present([path]) == {path: before[path]}
+            whole = "" if is_whole else f" {path} isn't as it was: restore a backup of this device."
             raise Refused(f"Moonraker doesn't take {path}: {_words(reply.body)}{whole}")
         if self.read(path) != text:
             raise Refused(f"{path} is not what was sent: restore a backup of this device.")
 
     def copy(self, path: str, to: str) -> None:
-        """Have a file copied beside the others."""
-        self._conversation.ask("server.files.copy", {"source": f"{ROOT}/{path}", "dest": f"{ROOT}/{to}"})
+        """Have a file copied beside the others; Refused when that fails."""
+        try:
+            self._conversation.ask("server.files.copy", {"source": f"{ROOT}/{path}", "dest": f"{ROOT}/{to}"})
+        except Answered as error:
+            raise Refused(f"{path} can't be copied, so it isn't written to. {error}") from error
 
     def _included(self, found: dict[str, str], paths: Iterable[str]) -> list[str]:
         """Return the files that those which are known include, and that aren't known yet."""

@@ -191,29 +191,31 @@ class Memory:
         Rejected for a configuration with which Klipper wouldn't start: that of one that was saved while it didn't.
         """
         _reject_senseless(backup)
-        present = {path: self._files.present(path) for path in backup.files}
-        wanted = {path: text for path, text in backup.files.items() if present[path] != text}
-        if wanted:
-            kept = {path: text for path, text in present.items() if text is not None}
-            yield from self._write(kept, {**kept, **wanted})
+        present = self._files.present(backup.files)
+        is_other = present != backup.files
+        if is_other:
+            yield from self._write(present, backup.files)
         if seen is not None:
             for word, value in backup.limits.items():
                 self._conversation.script(f"SET_VELOCITY_LIMIT {word}={value!r}")
-        if wanted:
+        if is_other:
             self._expected = self._files.configuration()[0].sections
             self._stored = Limits.of(self._expected)
 
-    def _write(self, before: Mapping[str, str], wanted: Mapping[str, str]) -> Iterator[str]:
-        """Write the files that differ, each of them copied first beside it on the printer."""
+    def _write(self, before: Mapping[str, str | None], wanted: Mapping[str, str]) -> Iterator[str]:
+        """Write the files that differ, each of them copied first beside it on the printer.
+
+        before: what is in them, None where there is none; one that is missing couldn't be read, and is copied, too.
+        """
         stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
         for path, text in wanted.items():
-            if text == before.get(path):
+            if path in before and before[path] == text:
                 continue
-            if path in before:
+            if path not in before or before[path] is not None:
                 beside = f"{path.removesuffix('.cfg')}-stepramp-{stamp}.cfg"
                 self._files.copy(path, beside)
                 yield f"{path} as it was is {beside} on the printer."
-            self._files.write(path, text, before.get(path))
+            self._files.write(path, text, before)
 
     def _refuse_other(self, sections: Sections, options: Iterable[str]) -> None:
         """Refuse to change options that somebody else has changed since Klipper started."""
