@@ -7,9 +7,11 @@ shares nothing with the code under test.
 from __future__ import annotations
 
 import configparser
+import fnmatch
 import itertools
 import math
-from collections.abc import Callable
+import posixpath
+from collections.abc import Callable, Iterator
 from typing import Any
 
 CONFIG = """\
@@ -233,7 +235,17 @@ class Printer:
 
     def _read(self) -> dict[str, dict[str, str]]:
         parser = configparser.RawConfigParser(strict=False, inline_comment_prefixes=(";", "#"))
-        for path in sorted(self.files, key=lambda path: path == "printer.cfg"):
-            # The files that tests have don't say anything twice.
-            parser.read_string(self.files[path])
-        return {name: dict(parser.items(name)) for name in parser.sections() if not name.startswith("include ")}
+        parser.read_string("\n".join(self._included("printer.cfg")))
+        return {name: dict(parser.items(name)) for name in parser.sections()}
+
+    def _included(self, path: str) -> Iterator[str]:
+        """Yield the lines of a file, with those of what it includes where it does so: hidden files are in no glob."""
+        for line in self.files[path].split("\n"):
+            if not line.startswith("[include "):
+                yield line
+                continue
+            folder, _, name = posixpath.join(posixpath.dirname(path), line[9:].split("]")[0]).rpartition("/")
+            for each in sorted(self.files):
+                inside, _, last = each.rpartition("/")
+                if inside == folder and fnmatch.fnmatchcase(last, name) and not last.startswith("."):
+                    yield from self._included(each)

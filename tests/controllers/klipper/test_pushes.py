@@ -56,7 +56,7 @@ def test_keeping_writes_the_file_after_a_copy_and_klipper_reads_it_anew(
     expected = CONFIG.replace("max_velocity: 300", "max_velocity: 100").replace("max_accel: 3000", "max_accel: 1000")
     assert bench.printer.files.pop("printer.cfg") == expected
     [copy] = set(bench.printer.files) - {"macros/start.cfg"}
-    assert copy.startswith("printer-stepramp-")
+    assert copy.startswith("printer.cfg.stepramp-")
     assert bench.printer.files[copy] == CONFIG
     assert f"printer.cfg as it was is {copy} on the printer." in report.warnings
     assert bench.printer.restarts == 1
@@ -269,6 +269,65 @@ def test_a_file_that_can_not_be_read_is_copied_before_a_restore_overwrites_it(
     assert bench.printer.files["printer.cfg"] == CONFIG
     [copy] = [path for path, text in bench.printer.files.items() if text == edited]
     assert f"printer.cfg as it was is {copy} on the printer." in remarks
+
+
+def including(clock: Clock, pattern: str) -> Bench:
+    """Return a printer whose limits are in a file that is included by a pattern."""
+    main = CONFIG.replace("max_velocity: 300  ; as it came\n", "").replace("macros/*.cfg", pattern)
+    return Bench(clock, {"printer.cfg": main, "hw/limits.cfg": "[printer]\nmax_velocity = 250\n"})
+
+
+def test_no_copy_is_included(clock: Clock) -> None:
+    bench = including(clock, "hw/*.cfg")
+    controller = bench.connected()
+    saved = controller.backup()
+    assert controller.prepare_push([SLOW], 0)().verified
+    # Somebody adds a section with which Klipper doesn't start.
+    edited = bench.printer.files["hw/limits.cfg"] + "[probe_typo]\npin: PA2\n"
+    bench.printer.files["hw/limits.cfg"] = edited
+    controller.use_backup(saved)
+    assert edited in bench.printer.files.values()
+    assert (bench.printer.velocity, "probe_typo" in bench.printer.sections) == (250, False)
+
+
+def test_where_any_copy_would_be_included_nothing_is_written(clock: Clock) -> None:
+    bench = including(clock, "hw/*")
+    controller, before = bench.connected(), dict(bench.printer.files)
+    with pytest.raises(Refused, match=r"includes whatever lies beside hw/limits.cfg.*Have it include \*.cfg only"):
+        controller.prepare_push([SLOW], 0)()
+    assert bench.printer.files == before
+
+
+def test_a_restore_to_a_configuration_that_includes_more_is_not_started_and_says_what(clock: Clock) -> None:
+    bench = including(clock, "hw/*.cfg")
+    controller = bench.connected()
+    saved = controller.backup()
+    bench.printer.files["hw/new.cfg"] = "[probe_typo]\npin: PA2\n"
+    with pytest.raises(Refused, match=r"says something else: it includes hw/new.cfg, too: take that away"):
+        controller.use_backup(saved)
+    assert bench.printer.restarts == 0
+
+
+def test_files_that_change_while_they_are_written_are_not_started(bench: Bench, controller: KlipperController) -> None:
+    upload = bench.moonraker._upload
+
+    def change(kind: str, body: bytes) -> tuple[int, bytes]:
+        bench.printer.files["macros/start.cfg"] = "[probe_typo]\npin: PA2\n"
+        return upload(kind, body)
+
+    bench.moonraker._upload = change  # type: ignore[method-assign]
+    with pytest.raises(Refused, match="somebody has changed it meanwhile"):
+        controller.prepare_push([SLOW], 0)()
+    assert bench.printer.restarts == 0
+
+
+def test_a_backup_of_a_klipper_that_reads_another_file_is_not_written(
+    bench: Bench, controller: KlipperController
+) -> None:
+    text = Backup("old.cfg", {}, {"old.cfg": CONFIG}).text
+    with pytest.raises(Rejected, match=r"text is 'old.cfg'; allowed: a backup whose first file .*reads, printer.cfg"):
+        controller.use_backup(text)
+    assert "old.cfg" not in bench.printer.files
 
 
 def test_a_file_that_is_gone_is_written_anew(bench: Bench, controller: KlipperController) -> None:

@@ -10,7 +10,14 @@ from datetime import UTC, datetime
 from fractions import Fraction
 
 from stepramp.controllers.klipper.backup import Backup
-from stepramp.controllers.klipper.configuration import Configuration, Place, Sections, same_sections, with_option
+from stepramp.controllers.klipper.configuration import (
+    Configuration,
+    Place,
+    Sections,
+    paths_of,
+    same_sections,
+    with_option,
+)
 from stepramp.controllers.klipper.conversation import Answered, Conversation
 from stepramp.controllers.klipper.files import Files
 from stepramp.controllers.klipper.machine import PRINTER, Limits, Machine, Senseless
@@ -134,9 +141,11 @@ class Memory:
         for name in sorted(wanted, key=lambda name: -_line(places[name])):
             path = places[name].path
             changed[path] = with_option(changed[path], places[name], name, wanted[name])
-        if Configuration(changed, self._files.main).sections != _with(sections, wanted):
+        to_be = Configuration(changed, self._files.main)
+        if to_be.sections != _with(sections, wanted):
             raise Refused("The configuration can't be written to: its options would not be what is to be sent.")
         yield from self._write(files, changed)
+        self._require(to_be)
         self._expected = _with(self._expected, wanted)
         self._stored = Limits.of(self._expected)
         for name, value in lowered.items():
@@ -188,18 +197,23 @@ class Memory:
     def restore(self, backup: Backup, seen: Seen | None) -> Iterator[str]:
         """Write what differs of a backup, and yield what there is to say; seen: as before.
 
-        Rejected for a configuration with which Klipper wouldn't start: that of one that was saved while it didn't.
+        Rejected for a configuration with which Klipper wouldn't start: that of one that was saved while it didn't; and
+        for one that it doesn't read. Refused when it reads something else besides, once all is written.
         """
-        _reject_senseless(backup)
+        if backup.main != self._files.main:
+            allowed = f"a backup whose first file is that which Klipper reads, {self._files.main}"
+            raise Rejected([Rejection("text", backup.main, allowed)])
+        to_be = _sensible(backup)
         present = self._files.present(backup.files)
         is_other = present != backup.files
         if is_other:
             yield from self._write(present, backup.files)
+        self._require(to_be)
         if seen is not None:
             for word, value in backup.limits.items():
                 self._conversation.script(f"SET_VELOCITY_LIMIT {word}={value!r}")
         if is_other:
-            self._expected = self._files.configuration()[0].sections
+            self._expected = to_be.sections
             self._stored = Limits.of(self._expected)
 
     def _write(self, before: Mapping[str, str | None], wanted: Mapping[str, str]) -> Iterator[str]:
@@ -207,15 +221,31 @@ class Memory:
 
         before: what is in them, None where there is none; one that is missing couldn't be read, and is copied, too.
         """
+        others = [path for path, text in wanted.items() if path not in before or before[path] != text]
+        # Not .cfg: what is included is mostly all files that end so.
         stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
-        for path, text in wanted.items():
-            if path in before and before[path] == text:
-                continue
-            if path not in before or before[path] is not None:
-                beside = f"{path.removesuffix('.cfg')}-stepramp-{stamp}.cfg"
-                self._files.copy(path, beside)
-                yield f"{path} as it was is {beside} on the printer."
-            self._files.write(path, text, before)
+        copies = {path: f"{path}.stepramp-{stamp}" for path in others if path not in before or before[path] is not None}
+        included = paths_of({**dict.fromkeys(copies.values(), ""), **wanted}, self._files.main)
+        for path, beside in copies.items():
+            if beside in included:
+                raise Refused(
+                    f"The configuration includes whatever lies beside {path}, so it would include a copy of it, too, "
+                    "and nothing is written without. Have it include *.cfg only."
+                )
+        for path in others:
+            if path in copies:
+                self._files.copy(path, copies[path])
+                yield f"{path} as it was is {copies[path]} on the printer."
+            self._files.write(path, wanted[path], before)
+
+    def _require(self, to_be: Configuration) -> None:
+        """Refused unless the configuration, now that it is written, says what it was to say."""
+        configuration = self._files.configuration()[0]
+        if configuration.sections == to_be.sections:
+            return
+        more = ", ".join(path for path in configuration.paths if path not in to_be.paths)
+        what = f"it includes {more}, too: take that away" if more else "somebody has changed it meanwhile: look at it"
+        raise Refused(f"All is written, but Klipper's configuration says something else: {what} at the printer.")
 
     def _refuse_other(self, sections: Sections, options: Iterable[str]) -> None:
         """Refuse to change options that somebody else has changed since Klipper started."""
@@ -248,13 +278,16 @@ def stored_differs(stored: Limits, in_use: Limits) -> bool:
     return (stored.velocity, stored.accel) != (in_use.velocity, in_use.accel)
 
 
-def _reject_senseless(backup: Backup) -> None:
+def _sensible(backup: Backup) -> Configuration:
+    """Return the configuration of a backup; Rejected when Klipper wouldn't start with it."""
     try:
-        Machine.of(Configuration(backup.files, backup.main).sections)
+        configuration = Configuration(backup.files, backup.main)
+        Machine.of(configuration.sections)
     except (Senseless, Refused) as error:
         why = str(error).rstrip(".")
         allowed = f"a backup of a configuration that Klipper starts with, which this is not: {why}"
         raise Rejected([Rejection("text", backup.main, allowed)]) from error
+    return configuration
 
 
 def _capped(sections: Sections, options: Mapping[str, str]) -> Iterator[tuple[str, str]]:
