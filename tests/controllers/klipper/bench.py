@@ -8,13 +8,21 @@ from collections.abc import Callable
 from controllers.conftest import Clock
 from controllers.klipper.moonraker import Moonraker
 from controllers.klipper.printer import Printer
-from stepramp.controllers.contract import Activity, AxisCommand, ControllerStatus
+from designs import design
+from stepramp.controllers.contract import Activity, AxisCommand, ControllerStatus, PushMode
 from stepramp.controllers.klipper.controller import KlipperController
 from stepramp.errors import DeviceLost
 from stepramp.link.moonraker_port import FILE_S, Reply
 
 POLL_S = 0.1
 LONG_S = 120.0
+# 80 steps/mm in x, 160 in y, 400 in z.
+SLOW = design(ramp__slew_speed_steps_per_s=8000, ramp__acceleration_steps_per_s2=80_000)
+
+
+def pushed(controller: KlipperController, mode: PushMode = "keep", axis: int = 0) -> None:
+    report = controller.prepare_push([SLOW], axis, mode)()
+    assert report.verified, report
 
 
 def by(steps: int, axis: int = 0) -> AxisCommand:

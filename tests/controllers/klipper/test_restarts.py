@@ -1,0 +1,82 @@
+"""Klipper starts anew for what a push or a restore has written."""
+
+from __future__ import annotations
+
+import pytest
+
+from controllers.klipper.bench import SLOW, Bench
+from stepramp.controllers.contract import Activity
+from stepramp.controllers.klipper import memory
+from stepramp.controllers.klipper.controller import KlipperController
+from stepramp.errors import Refused
+
+
+def test_a_klipper_that_does_not_start_with_it(
+    bench: Bench, controller: KlipperController, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fails() -> None:
+        bench.printer.state, bench.printer.message = "error", "Option 'max_accel' is not valid."
+
+    monkeypatch.setattr(memory, "RESTART_S", 0.05)
+    monkeypatch.setattr(bench.printer, "restart", fails)
+    with pytest.raises(Refused, match=r"Klipper doesn't start: Option 'max_accel' is not valid. Restore a backup"):
+        controller.prepare_push([SLOW], 0)()
+
+
+def restart_in_steps(bench: Bench, monkeypatch: pytest.MonkeyPatch, *states: str) -> None:
+    """Have a restart lead through states that last for a moment each; bench.interrupt is called in each of them."""
+    restart, begun_s = bench.printer.restart, []
+
+    def begin() -> None:
+        restart()
+        bench.printer.state = states[0]
+        begun_s.append(bench.clock.now_s)
+
+    def go_on() -> None:
+        if begun_s and bench.printer.state != "shutdown":
+            passed = int((bench.clock.now_s - begun_s[0]) / 0.2)
+            bench.printer.state = [*states, "ready"][min(passed, len(states))]
+
+    monkeypatch.setattr(bench.printer, "restart", begin)
+    give_way = bench.controller._conversation._give_way
+    monkeypatch.setattr(bench.controller._conversation, "_give_way", lambda pause_s: (go_on(), give_way(pause_s)))
+
+
+@pytest.mark.parametrize("what", ["stop", "halt"])
+def test_a_stop_while_it_starts_anew_is_answered_and_the_push_proven(
+    bench: Bench, controller: KlipperController, monkeypatch: pytest.MonkeyPatch, what: str
+) -> None:
+    """At each instant: nothing moves then, and that it has started is no loss, since it was told to."""
+    restart_in_steps(bench, monkeypatch, "startup", "disconnected", "startup")
+    states: list[str] = []
+
+    def interrupt() -> None:
+        if bench.printer.restarts:
+            monkeypatch.setattr(bench, "interrupt", lambda: None)
+            getattr(controller, what)()
+            states.append(bench.printer.state)
+            monkeypatch.setattr(bench, "interrupt", interrupt)
+
+    bench.interrupt = interrupt
+    report = controller.prepare_push([SLOW], 0)()
+    bench.interrupt = lambda: None
+    assert {"startup", "disconnected", "ready"} <= set(states)
+    assert (report.verified, report.kept) == (True, True)
+    assert "printer.emergency_stop" not in bench.moonraker.methods
+    assert controller.status().activity is Activity.READY
+
+
+def test_a_halt_of_what_somebody_else_begins_as_it_has_started_is_told_by_the_push(
+    bench: Bench, controller: KlipperController, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    restart_in_steps(bench, monkeypatch, "startup")
+
+    def interrupt() -> None:
+        if bench.printer.restarts and bench.printer.state == "ready" and bench.printer.prints != "printing":
+            bench.printer.prints = "printing"
+            controller.halt()
+
+    bench.interrupt = interrupt
+    with pytest.raises(Refused, match="All is written, and Klipper was halted before it was seen to start with it"):
+        controller.prepare_push([SLOW], 0)()
+    assert bench.printer.state == "shutdown"
