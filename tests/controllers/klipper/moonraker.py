@@ -53,6 +53,10 @@ class Moonraker:
         self.withheld: dict[str, tuple[int, bytes]] = {}
         """By path, what is answered instead of a file that is there: status and body."""
         self.refuses_copies = False
+        self.is_cut_off_until_s = 0.0
+        """Until then it doesn't reach Klipper, which is going [s]."""
+        self.calls_it_ready_until_s = 0.0
+        """Until then it doesn't know that [s]."""
         self._subscribed: dict[str, list[str] | None] = {}
         self._told: dict[str, dict[str, Any]] = {}
         self._next_s = 0.0
@@ -182,9 +186,10 @@ class Moonraker:
         printer = self.printer
         match method:
             case "server.info":
+                state = "ready" if printer.clock() < self.calls_it_ready_until_s else printer.state
                 return {
-                    "klippy_connected": printer.state != "disconnected",
-                    "klippy_state": printer.state,
+                    "klippy_connected": state != "disconnected",
+                    "klippy_state": state,
                     "components": ["file_manager", "klippy_apis"],
                     "moonraker_version": "v0.9.3-1-g4e00a07",
                     "api_version_string": "1.5.0",
@@ -201,6 +206,8 @@ class Moonraker:
 
     def _of_klipper(self, method: str, params: dict[str, Any]) -> Any:
         printer = self.printer
+        if printer.clock() < self.is_cut_off_until_s:
+            raise ApiError(503, "Klippy Disconnected")
         if printer.state == "disconnected":
             raise ApiError(503, "Klippy Host not connected")
         match method:

@@ -5,10 +5,11 @@ from __future__ import annotations
 import pytest
 
 from controllers.klipper.bench import SLOW, Bench
+from controllers.klipper.printer import CONFIG
 from stepramp.controllers.contract import Activity
 from stepramp.controllers.klipper import memory
 from stepramp.controllers.klipper.controller import KlipperController
-from stepramp.errors import Refused
+from stepramp.errors import DeviceLost, Refused
 
 
 def test_a_klipper_that_does_not_start_with_it(
@@ -80,3 +81,45 @@ def test_a_halt_of_what_somebody_else_begins_as_it_has_started_is_told_by_the_pu
     with pytest.raises(Refused, match="All is written, and Klipper was halted before it was seen to start with it"):
         controller.prepare_push([SLOW], 0)()
     assert bench.printer.state == "shutdown"
+
+
+@pytest.mark.parametrize("what", ["stop", "halt"])
+def test_a_stop_just_as_klipper_goes_for_a_restart_is_answered(
+    bench: Bench, controller: KlipperController, monkeypatch: pytest.MonkeyPatch, what: str
+) -> None:
+    """Moonraker still calls it ready, and no longer reaches it."""
+    restart = bench.printer.restart
+    done: list[str] = []
+
+    def gone() -> None:
+        restart()
+        bench.printer.state, bench.moonraker.is_cut_off_until_s = "startup", bench.clock.now_s + 0.5
+        bench.moonraker.calls_it_ready_until_s = bench.clock.now_s + 0.3
+
+    def interrupt() -> None:
+        if bench.printer.restarts and not done:
+            done.append(what)
+            getattr(controller, what)()
+        if bench.printer.restarts and bench.clock.now_s > bench.moonraker.is_cut_off_until_s:
+            bench.printer.state = "ready"
+
+    monkeypatch.setattr(bench.printer, "restart", gone)
+    bench.interrupt = interrupt
+    report = controller.prepare_push([SLOW], 0)()
+    assert (done, report.verified, report.kept) == ([what], True, True)
+    assert "printer.emergency_stop" not in bench.moonraker.methods
+
+
+def test_a_restart_by_somebody_else_is_noticed_also_where_it_is_not_restarted_from_here(
+    bench: Bench, controller: KlipperController
+) -> None:
+    bench.printer.has_current = True
+
+    def restarted() -> None:
+        if bench.printer.files["printer.cfg"] != CONFIG:
+            bench.interrupt = lambda: None
+            bench.hear(['{"jsonrpc": "2.0", "method": "notify_klippy_disconnected"}'])
+
+    bench.interrupt = restarted
+    with pytest.raises(DeviceLost, match="was restarted: its position is no longer known"):
+        controller.prepare_push([SLOW], 0)()

@@ -24,7 +24,7 @@ from stepramp.controllers.contract import (
     StoredRamp,
 )
 from stepramp.controllers.klipper.backup import Backup
-from stepramp.controllers.klipper.conversation import Conversation, Port
+from stepramp.controllers.klipper.conversation import Answered, Conversation, Port
 from stepramp.controllers.klipper.machine import Limits
 from stepramp.controllers.klipper.memory import Memory, stored_differs
 from stepramp.controllers.klipper.moves import BUSY, Moves
@@ -39,6 +39,8 @@ CONNECT_S = 4.5
 """So long connecting may take, once the port is open, without a stop that is owed [s]."""
 LEFT_S = 3.5
 """So long what an earlier connection has left in Klipper's plan is given to come to rest [s]."""
+GOING_S = 2.0
+"""So long Moonraker is given to see that Klipper has gone for a restart [s]."""
 LOOK_S = 0.1
 OTHERS = (
     "What moves was told to Klipper by somebody else, and Klipper can't slow it down: end it at the printer, or halt "
@@ -233,10 +235,8 @@ class KlipperController(Controller, StoresRamps, TriesRamps, DrawsLines, BacksUp
         """
         self._stopping.note()
         self._stopping.let_end()
-        if not self._is_ready or self._rests_until_ready:
-            return
         deadline_s = monotonic() + LEFT_S
-        while self._moves.is_others(seen := self._look()):
+        while (seen := self._seen_moving()) is not None and self._moves.is_others(seen):
             if seen.is_printing or monotonic() > deadline_s:
                 raise Refused(OTHERS)
             self._conversation.wait(LOOK_S)
@@ -244,9 +244,8 @@ class KlipperController(Controller, StoresRamps, TriesRamps, DrawsLines, BacksUp
     def halt(self, axes: Collection[int] | None = None) -> None:  # noqa: ARG002  # as stop
         """Make no further step: Klipper is shut down, unless it rests. It has to be restarted and homed then."""
         self._stopping.note()
-        if not self._is_ready or self._rests_until_ready:
+        if (seen := self._seen_moving()) is None:
             return
-        seen = self._look()
         if self._conversation.awaits_script or self._moves.is_under_way(seen) or seen.is_printing or seen.is_busy:
             self._stopping.shut_down()
             self._memory.was_halted = True
@@ -265,10 +264,23 @@ class KlipperController(Controller, StoresRamps, TriesRamps, DrawsLines, BacksUp
         """Whether it was ready when it was connected."""
         return self._memory.trouble is None
 
-    @property
-    def _rests_until_ready(self) -> bool:
-        """Whether it starts anew, as it was told here, and isn't ready yet, so that nothing moves; asked now."""
-        return self._memory.is_starting and self._conversation.state() != READY
+    def _seen_moving(self) -> Seen | None:
+        """Return how it fares, asked now; None where nothing can move.
+
+        So it is where it wasn't ready when it was connected, and while it starts anew, as it was told here. Moonraker
+        may call it ready for a moment longer than it reaches it.
+        """
+        deadline_s = monotonic() + GOING_S
+        while self._is_ready:
+            if self._memory.is_starting and self._conversation.state() != READY:
+                return None
+            try:
+                return self._look()
+            except Answered:
+                if not self._memory.is_starting or monotonic() > deadline_s:
+                    raise
+            self._conversation.wait(LOOK_S)
+        return None
 
     def _refuse_unready(self) -> None:
         if not self._is_ready:

@@ -156,24 +156,32 @@ class Memory:
 
         A restart switches motors off and forgets where they are. Raises Refused when it doesn't start.
         """
-        self.is_starting, self.was_halted = True, False
-        try:
-            yield from self._start_anew(seen)
-        finally:
-            # It was told to, and may have said so only by now.
-            self._conversation.restarts = 0
-            self.is_starting = False
-
-    def _start_anew(self, seen: Seen) -> Iterator[str]:
         reason = self._reason_to_leave(seen)
         if reason is not None:
             yield f"Klipper was not restarted, so that it starts with this is known of its file only: {reason}."
             return
+        self.is_starting, self.was_halted = True, False
+        try:
+            is_restarted = self._restart()
+        finally:
+            self.is_starting = False
+        if not is_restarted:
+            yield "Klipper refuses to be restarted: that it starts with this is known of its file only."
+
+    def _restart(self) -> bool:
+        """Have Klipper start anew, and return whether it was willing to; Refused when it doesn't start."""
         try:
             self._conversation.ask("printer.restart")
         except Answered:
-            yield "Klipper refuses to be restarted: that it starts with this is known of its file only."
-            return
+            return False
+        try:
+            self._await_start()
+        finally:
+            # It was told to, and may have said so only by now.
+            self._conversation.restarts = 0
+        return True
+
+    def _await_start(self) -> None:
         state = self._conversation.await_ready(RESTART_S)
         self.learn()
         if state == SHUTDOWN and self.was_halted:
