@@ -17,7 +17,7 @@ from designs import design
 from devices.bench import MOTIONS, Bench, by, push
 from devices.boards import WAITED_FOR_S, UnpluggedAt
 from devices.motion import PATIENCE_S
-from stepramp.controllers.contract import AxisCommand
+from stepramp.controllers.contract import Activity, AxisCommand, AxisStatus, ControllerStatus
 from stepramp.controllers.stepramp.messages.motion import ZeroRequest
 from stepramp.controllers.stepramp.messages.session import HelloRequest
 from stepramp.controllers.stepramp.messages.settings import ReadSettingsRequest
@@ -28,7 +28,7 @@ from stepramp.devices.leases import Lease
 from stepramp.devices.registry import Devices
 from stepramp.devices.shuttle import Shuttle
 from stepramp.devices.soft_limits import FREE, Span
-from stepramp.devices.view import DeviceState
+from stepramp.devices.view import DeviceState, DeviceView
 from stepramp.errors import DeviceLost, Refused, Rejected
 from stepramp.link.ports import Port
 
@@ -336,3 +336,21 @@ def test_limits_outlive_a_device_that_turns_out_to_be_the_same_board(
     monkeypatch.setattr(devices_module, "known_port", attachment.known_port)
     assert devices.connect(second).view.soft_limits == {0: Span(0, 100)}
     devices.close()
+
+
+def test_where_an_axis_is_that_somebody_else_has_homed_is_to_be_said_where_it_has_limits() -> None:
+    def told(*are_homed: bool) -> ControllerStatus:
+        axes = [
+            AxisStatus(axis, Activity.READY, 0, 0, 0.0, 0, position_told=is_homed)
+            for axis, is_homed in enumerate(are_homed)
+        ]
+        return ControllerStatus(Activity.READY, tuple(axes), None, on_trial=False, motors_on=False)
+
+    view = DeviceView("1", "a port", "a printer", "klipper").with_status(told(True, False, False))
+    view = view.limited({0: Span(0, 10), 2: Span(0, 10)})
+    assert view.with_status(told(True, False, False)).unknown_positions == ()
+    view = view.with_status(told(True, True, True))
+    assert view.unknown_positions == (2,)
+    with pytest.raises(Refused, match=r"Axis 2 may be elsewhere than counted.*or by somebody else"):
+        limit_checks.refuse_targets(view, [by(1, 2)], relative=True)
+    assert view.with_known_positions([2]).with_status(told(True, True, True)).unknown_positions == ()

@@ -100,7 +100,7 @@ def _refuse_unknown(view: DeviceView, axes: Collection[int]) -> None:
         which = f"Axis {lost[0]}" if len(lost) == 1 else f"Axes {', '.join(map(str, lost))}"
         raise Refused(
             f"{which} may be elsewhere than counted, since the device was lost or disconnected, or it wasn't homed "
-            "to the end, so soft limits can't be kept: set its position, or take the limits away."
+            "to the end, or by somebody else, so soft limits can't be kept: set its position, or take the limits away."
         )
 
 

@@ -134,7 +134,7 @@ class DeviceView:
     shuttle: Shuttle | None = None
     """An axis goes there and back."""
     unknown_positions: tuple[int, ...] = ()
-    """Axes that may be elsewhere than they count, since the device was lost."""
+    """Axes that may be elsewhere than they count, since the device was lost, or somebody else has homed them."""
     zeroing: tuple[int, ...] = ()
     """Axes on their way to the stop of a gauge, which says where they are once they have come there."""
     after_homing: Mapping[int, int] = field(default_factory=dict)
@@ -173,6 +173,11 @@ class DeviceView:
         of_limits = trouble_of(self.soft_limits, {axis.axis: axis.microsteps for axis in status.axes})
         said = (status.trouble, of_limits, self.half_written, not_kept, self.unproven_damage)
         arrived = [axis for axis in self.zeroing if resting.get(axis) == 0]
+        untold = {axis.axis for axis in self.axes if not axis.position_told}
+        # Homed by somebody else: where its limits are now depends on what it counted from when they were set.
+        homed = {axis.axis for axis in status.axes if axis.position_told and axis.axis in untold} & set(
+            self.soft_limits
+        )
         return replace(
             self,
             state=STATES[status.activity],
@@ -189,6 +194,7 @@ class DeviceView:
             inputs=None if status.of_inputs is None else status.of_inputs.inputs,
             stopped_by=None if status.of_inputs is None else status.of_inputs.stopped_by,
             zeroing=tuple(axis for axis in self.zeroing if axis not in resting),
+            unknown_positions=tuple(sorted({*self.unknown_positions, *homed})),
             proving=False,
         ).with_known_positions(arrived)
 

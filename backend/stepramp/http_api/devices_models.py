@@ -348,7 +348,7 @@ class DeviceAnswer(Answer):
     )
     position_steps: int = Field(
         description="Where the motor of axis 0 is; of what is lost, where it was when it was last heard of, which is "
-        "age_s ago; 0 while age_s is null, and where its `position_told` is false [steps]"
+        "age_s ago; 0 while age_s is null. Where its `position_told` is false it says nothing, whatever it is [steps]"
     )
     target_steps: int = Field(description="Where axis 0 will come to rest, as in axes [steps]")
     speed_steps_per_s: float = Field(
@@ -412,8 +412,8 @@ class DeviceAnswer(Answer):
     progress: ProgressAnswer | None = Field(description="How far the push has come that is under way; null for none")
     shuttle: ShuttleAnswer | None = Field(description="What goes there and back; null for nothing")
     unknown_positions: list[int] = Field(
-        description="Axes that may be elsewhere than they count, since the device was lost, or disconnected while "
-        "they had soft limits; until they are set"
+        description="Axes that may be elsewhere than they count, since the device was lost, or disconnected or "
+        "homed by somebody else while they had soft limits; until they are set"
     )
     in_control: str | None = Field(
         description="The page that is in control: others must take over first. null for none; programs need none"

@@ -214,7 +214,12 @@ def test_axes_that_are_not_homed(bench: Bench, controller: KlipperController) ->
     bench.printer.homed = "xy"
     assert controller.status().trouble == "Axis z isn't homed: Klipper doesn't move it before. Home it at the printer."
     assert [axis.position_told for axis in controller.status().axes] == [True, True, False]
-    for act in (lambda: controller.move_by([by(1, 2)]), lambda: controller.run([at(10.0, 2)])):
+    for act in (
+        lambda: controller.move_by([by(1, 2)]),
+        lambda: controller.run([at(10.0, 2)]),
+        # Once it is homed it would be counted from elsewhere.
+        lambda: controller.set_position([to(0), to(0, 2)]),
+    ):
         with pytest.raises(Refused, match="Axis z isn't homed"):
             act()
     assert bench.printer.scripts == []

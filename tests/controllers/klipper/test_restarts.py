@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from controllers.klipper.bench import SLOW, Bench
+from controllers.klipper.bench import SLOW, Bench, to
 from controllers.klipper.printer import CONFIG
 from stepramp.controllers.contract import Activity
 from stepramp.controllers.klipper import memory
+from stepramp.controllers.klipper.backup import Backup
 from stepramp.controllers.klipper.controller import KlipperController
 from stepramp.errors import DeviceLost, Refused
 
@@ -123,3 +124,25 @@ def test_a_restart_by_somebody_else_is_noticed_also_where_it_is_not_restarted_fr
     bench.interrupt = restarted
     with pytest.raises(DeviceLost, match="was restarted: its position is no longer known"):
         controller.prepare_push([SLOW], 0)()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "is_kept"),
+    [
+        ("rotation_distance: 40", "rotation_distance: 20", False),
+        ("position_max: 235", "position_endstop: 235\nposition_max: 235", False),
+        ("max_velocity: 300", "max_velocity: 200", True),
+    ],
+)
+def test_positions_are_counted_as_klipper_does_once_a_restore_has_changed_its_axes(
+    bench: Bench, controller: KlipperController, old: str, new: str, is_kept: bool
+) -> None:
+    text = Backup("printer.cfg", {}, {**bench.printer.files, "printer.cfg": CONFIG.replace(old, new)}).text
+    controller.set_position([to(0)])
+    remarks = controller.use_backup(text)
+    assert bench.printer.restarts == 1
+    bench.printer.homed = "xyz"
+    [x, *_] = controller.status().axes
+    assert x.steps_per_mm is not None
+    assert x.position_steps == (0 if is_kept else 100 * x.steps_per_mm)
+    assert any("Positions are counted as Klipper does again" in each for each in remarks) is not is_kept

@@ -187,11 +187,13 @@ class KlipperController(Controller, StoresRamps, TriesRamps, DrawsLines, BacksUp
     def use_backup(self, text: str) -> tuple[str, ...]:
         """Write what differs of a backup, and have Klipper read it where that costs nothing; see BacksUp."""
         backup = Backup.of(text)
-        seen = self._quiet()
+        seen, homes_by = self._quiet(), self._memory.homes_by
         remarks = list(self._memory.restore(backup, seen))
         if seen is None:
             return (*remarks, "Klipper isn't ready: say FIRMWARE_RESTART, so that it reads its configuration again.")
         remarks += self._memory.start_anew(seen)
+        if self._memory.homes_by != homes_by and (remark := self._moves.count_as_klipper()) is not None:
+            remarks.append(remark)
         for word, name in (("VELOCITY", "max_velocity"), ("ACCEL", "max_accel")):
             has = getattr(self._look().toolhead, name)
             if word in backup.limits and backup.limits[word] != has:
@@ -223,7 +225,7 @@ class KlipperController(Controller, StoresRamps, TriesRamps, DrawsLines, BacksUp
         self._moves.ends = ends
 
     def set_position(self, positions: Sequence[AxisCommand]) -> None:
-        """Call the places where axes rest positions [steps]. Klipper isn't told of it."""
+        """Call the places where axes rest positions [steps], once they are homed. Klipper isn't told of it."""
         self._refuse_unready()
         self._moves.set_position(positions)
 

@@ -81,6 +81,12 @@ class Memory:
         loaded, stored = self.machine.limits, self.stored
         return (loaded.z_velocity, loaded.z_accel) != (stored.z_velocity, stored.z_accel)
 
+    @property
+    def homes_by(self) -> Sections:
+        """What the places of its axes follow from once they are homed: all that it has loaded but limits."""
+        options = {name: each for name, each in self._loaded.get(PRINTER, {}).items() if not name.startswith("max_")}
+        return {**self._loaded, PRINTER: options}
+
     def learn(self) -> None:
         """Read the configuration that it has loaded, or, where it has none, that in its files.
 

@@ -196,14 +196,21 @@ class Moves:
         return math.ceil(braking + (AHEAD_S + PART_S) * speed_steps_per_s)
 
     def set_position(self, positions: Sequence[AxisCommand]) -> None:
-        """Call the places where axes rest positions [steps]; Klipper isn't told."""
+        """Call the places where axes rest positions [steps]; Klipper isn't told. Refused where it doesn't know them."""
         refuse_axes(positions, len(self._places.scales))
         seen = self._conversation.look()
         if self.is_under_way(seen):
             raise Refused("The motor moves: stop it first.")
+        self._refuse_unhomed([each.axis for each in positions], seen)
         counted = self._places.counted(seen.motion_report.live_position)
         self._places.call({each.axis: int(each.value) for each in positions}, counted)
         self.rest_at(seen)
+
+    def count_as_klipper(self) -> str | None:
+        """Forget what places are called here, and return that as a sentence; None where nothing else was said."""
+        if not self._places.forget():
+            return None
+        return "Positions are counted as Klipper does again, since its axes are others than before: set them anew."
 
     def rest_at(self, seen: Seen) -> None:
         """Take where the axes are as where they set out from: when a connection begins, and positions are set."""

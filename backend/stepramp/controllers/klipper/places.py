@@ -50,3 +50,9 @@ class Places:
         """Call places something else from now on [steps]."""
         for axis, position in positions.items():
             self._offsets[axis] = position - counted[axis]
+
+    def forget(self) -> bool:
+        """Call places as Klipper counts them from now on, and return whether they were called otherwise."""
+        was_other = any(self._offsets.values())
+        self._offsets.clear()
+        return was_other
