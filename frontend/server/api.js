@@ -291,7 +291,8 @@ export const api = {
 
   /** Have a device do something else that moves nothing and has a route of its own.
    * @param {string} id @param {'position' | 'keep' | 'roll_back' | 'restore' | 'prove' | 'acknowledge' | 'control'} what
-   * @param {unknown} [body] @returns {Promise<Device>} */
+   * @param {unknown} [body] @returns {Promise<Device & {remarks?: string[]}>} what else there is to say, where it stores
+   */
   act: (id, what, body) => request('POST', `${device(id)}/${what}`, body, { withinMs: PUSH_WITHIN_MS }),
 
   /** What is saved of a device, the newest first.

@@ -59,6 +59,15 @@ def test_from_connecting_to_restoring(client: TestClient, route: str, server: Mo
     assert server.printer.velocity == 300
 
 
+def test_what_is_changed_besides_is_told_with_what_is_kept(client: TestClient, route: str) -> None:
+    ok(client.post(f"{route}/push", json={"design": document(), "to_axis": 0, "mode": "try"}))
+    kept = ok(client.post(f"{route}/keep"))
+    copied, lowered = kept["remarks"]
+    assert copied.startswith("printer.cfg as it was is printer.cfg.stepramp-")
+    assert lowered.startswith("max_z_accel is lowered to 62.5 with max_accel")
+    assert not kept["on_trial"]
+
+
 def test_a_stop_on_the_way(client: TestClient, route: str, server: MoonrakerServer) -> None:
     ok(client.post(f"{route}/push", json={"design": document(), "to_axis": 0, "mode": "try"}))
     ok(client.post(f"{route}/move", json={"by_steps": 8000}))

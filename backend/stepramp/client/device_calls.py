@@ -16,6 +16,7 @@ from stepramp.http_api.devices_models import (
     DeviceAnswer,
     DevicesAnswer,
     DisconnectedAnswer,
+    KeptAnswer,
     PortsAnswer,
     PreviewAnswer,
     PushDesigns,
@@ -94,9 +95,9 @@ def push(
     return post(_path(device_id, "push"), PushedAnswer, body, patience_s=PUSHING_S, headers=_keyed(key))
 
 
-def keep(device_id: str) -> Call[DeviceAnswer]:
+def keep(device_id: str) -> Call[KeptAnswer]:
     """Store the ramps and settings that are in use."""
-    return _told(device_id, "keep", PUSHING_S)
+    return post(_path(device_id, "keep"), KeptAnswer, patience_s=PUSHING_S)
 
 
 def roll_back(device_id: str) -> Call[DeviceAnswer]:

@@ -108,7 +108,9 @@ def _part_done(where: Where, device_id: str) -> float | None:
 
 def keep(where: Where, find: Find, format: Format = "table") -> None:
     """Store the ramps and settings that a controller uses on trial."""
-    _told(where.client.keep(find().id), "stored", format)
+    kept = where.client.keep(find().id)
+    warn(kept.remarks)
+    _told(kept, "stored", format)
 
 
 def rollback(where: Where, find: Find, format: Format = "table") -> None:

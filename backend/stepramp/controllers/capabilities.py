@@ -16,8 +16,8 @@ S = TypeVar("S", bound=Document)
 class StoresRamps(Protocol):
     """A controller that keeps ramps, and settings if it has some, when it is switched off."""
 
-    def keep(self) -> None:
-        """Store the ramps and settings in use."""
+    def keep(self) -> Sequence[str] | None:
+        """Store the ramps and settings in use; return what else there is to say, as sentences, None for nothing."""
 
 
 @runtime_checkable

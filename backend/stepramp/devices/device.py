@@ -203,9 +203,9 @@ class Device:
         """
         return self._writing.push(designs, first_axis, mode, planned)
 
-    def keep(self) -> None:
+    def keep(self) -> tuple[str, ...]:
         """Store the ramps and settings in use; see StoresRamps."""
-        self._writing.keep()
+        return self._writing.keep()
 
     def roll_back(self) -> None:
         """Use the stored ramps and settings again; see TriesRamps."""

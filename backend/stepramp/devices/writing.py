@@ -105,9 +105,11 @@ class Writing:
         first = first_axis or 0
         return Deviation.of(designs, [scales.get(first + place) for place in range(len(designs))], self._play_own)
 
-    def keep(self) -> None:
-        """Store the ramps and settings in use."""
-        self._write(StoresRamps, lambda controller: controller.keep())
+    def keep(self) -> tuple[str, ...]:
+        """Store the ramps and settings in use, and return what else there is to say, as sentences."""
+        remarks: list[str] = []
+        self._write(StoresRamps, lambda controller: remarks.extend(controller.keep() or ()))
+        return tuple(remarks)
 
     def roll_back(self) -> None:
         """Use the stored ramps and settings again."""

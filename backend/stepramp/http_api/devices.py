@@ -17,6 +17,7 @@ from stepramp.http_api.devices_models import (
     DevicesAnswer,
     DisconnectedAnswer,
     FoundAnswer,
+    KeptAnswer,
     PortPayload,
     PortsAnswer,
     PreviewAnswer,
@@ -138,10 +139,10 @@ def preview_push(device_id: str, request: PushDesigns, devices: Registry) -> Pre
 
 @router.post("/devices/{device_id}/keep")
 @ACTING.serves
-def keep(device: Acting) -> DeviceAnswer:
+def keep(device: Acting) -> KeptAnswer:
     """Store the ramps and settings that are in use, on trial or not."""
-    device.keep()
-    return DeviceAnswer.model_validate(device.view)
+    remarks = device.keep()
+    return KeptAnswer(**dict(DeviceAnswer.model_validate(device.view)), remarks=list(remarks))
 
 
 @router.post("/devices/{device_id}/roll_back")

@@ -432,6 +432,15 @@ class DeviceAnswer(Answer):
     )
 
 
+class KeptAnswer(DeviceAnswer):
+    """A device once it has stored what was in use."""
+
+    remarks: list[str] = Field(
+        description="What else there is to say, as sentences: what had to be changed besides, and where what it had "
+        "before is kept"
+    )
+
+
 class DevicesAnswer(Answer):
     """All devices."""
 

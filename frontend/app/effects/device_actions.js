@@ -140,9 +140,10 @@ export function createDeviceActions({ state, dispatch }, gestures, traced, previ
     /** @param {Device} device @param {'keep' | 'roll_back' | 'restore'} what */
     store: (device, what) =>
       request(what, async () => {
-        await api.act(device.id, what);
+        const { remarks = [] } = await api.act(device.id, what);
         if (what !== 'keep') dispatch(pushed, device.id, null);
-        dispatch(announce, { keep: 'Kept', roll_back: 'Rolled back', restore: 'Restored' }[what]);
+        if (remarks.length > 0) dispatch(tell, ['Kept.', ...remarks].join(' '), false);
+        else dispatch(announce, { keep: 'Kept', roll_back: 'Rolled back', restore: 'Restored' }[what]);
       }),
     /** Have a controller start anew, and see whether it has stored what it was given.
      * @param {Device} device */

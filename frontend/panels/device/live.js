@@ -19,7 +19,7 @@ export function createLive() {
     'div',
     { id: 'unknown-position' },
     messageLine({
-      text: `Since it was lost, restarted or homed in part only, this is what the controller counts, and may not be where it is. ${SET_POSITION}`,
+      text: `Since it was lost, restarted, homed by others or in part only, this is what the controller counts, and may not be where it is. ${SET_POSITION}`,
       isWarning: true,
     }),
   );

@@ -161,14 +161,14 @@ class KlipperController(Controller, StoresRamps, TriesRamps, DrawsLines, BacksUp
         plan = self._plan(designs, first_axis, "keep")
         return plan.preview(self._known(self._memory.in_use(self._conversation.last)))
 
-    def keep(self) -> None:
-        """Write the limits in use to the configuration; Refused when no others are stored."""
+    def keep(self) -> tuple[str, ...]:
+        """Write the limits in use to the configuration, and return what there is to say; Refused when it has them."""
         self._refuse_unready()
         in_use = self._memory.in_use(self._moves.await_rest())
         if not stored_differs(self._memory.stored, in_use):
             raise Refused("Nothing is on trial: Klipper's configuration has the limits that are in use.")
         options = {"max_accel": repr(float(in_use.accel)), "max_velocity": repr(float(in_use.velocity))}
-        list(self._memory.store(options))
+        return tuple(self._memory.store(options))
 
     def roll_back(self) -> None:
         """Set the limits that the configuration has; Refused when no others are in use."""

@@ -155,7 +155,7 @@ class Memory:
         self._expected = _with(self._expected, wanted)
         self._stored = Limits.of(self._expected)
         for name, value in lowered.items():
-            yield f"{name} is lowered to {value} with {CAPPED[name]}: Klipper doesn't start with more."
+            yield f"{name} is lowered to {float(value):,.10g} with {CAPPED[name]}: Klipper doesn't start with more."
 
     def start_anew(self, seen: Seen) -> Iterator[str]:
         """Have Klipper read its configuration, where that costs nothing, and yield what there is to say.
