@@ -347,7 +347,7 @@ def test_where_an_axis_is_that_somebody_else_has_homed_is_to_be_said_where_it_ha
         return ControllerStatus(Activity.READY, tuple(axes), None, on_trial=False, motors_on=False)
 
     view = DeviceView("1", "a port", "a printer", "klipper").with_status(told(True, False, False))
-    view = view.limited({0: Span(0, 10), 2: Span(0, 10)})
+    view = view.limited({0: Span(0, 10), 2: Span(0, 10)}, {})
     assert view.with_status(told(True, False, False)).unknown_positions == ()
     view = view.with_status(told(True, True, True))
     assert view.unknown_positions == (2,)
