@@ -194,7 +194,10 @@ def test_a_damaged_checksum_is_no_missing_one(put: str) -> None:
         with pytest.raises(Refused, match="is not as it was saved: it is damaged"):
             checked(whole[:place] + put + whole[place + 1 :], "x")
     # Several at once, and something before it.
-    for text in (whole.replace("e", "?").replace("R", "?"), "\n " + whole):
+    line, _, rest = whole.partition("\n")
+    elsewhere = ("# edited by me\n" + whole, f"{rest}{line}\n", f"$100=25\n{whole}", whole.upper(), whole.lower())
+    parts = [f"{part}\n{rest}" for part in (line[:12], line[:30], line[20:], line[40:])]
+    for text in (whole.replace("e", "?").replace("R", "?"), "\n " + whole, *elsewhere, *parts):
         with pytest.raises(Refused, match="is not as it was saved: it is damaged"):
             checked(text, "x")
 

@@ -15,7 +15,8 @@ from stepramp.client.refusals import error_of
 from stepramp.client.servers import URL_VARIABLE, Server, named, running
 from stepramp.client.urgent import ANSWER_WITHIN_S, PAUSE_S, stop_path, tls_of
 from stepramp.errors import NoServer
-from stepramp.http_api.devices_models import DeviceAnswer, DevicesAnswer
+from stepramp.http_api.devices_models import DeviceAnswer
+from stepramp.http_api.stopping_models import AllStoppedAnswer
 
 CONNECT_WITHIN_S = 5.0
 STOP_WITHIN_S = 60.0
@@ -137,9 +138,9 @@ class Client(Requests, Blocking):
         """Have axes of a device make no further step, or all; as stop."""
         return self._stop(stop_path(device_id, halt=True), DeviceAnswer, axes)
 
-    def stop_all(self) -> DevicesAnswer:
-        """Stop every device; as stop."""
-        return self._stop(stop_path(None), DevicesAnswer, None)
+    def stop_all(self) -> AllStoppedAnswer:
+        """Stop every device; as stop. `errors` of the answer tells which are stopped only as soon as they answer."""
+        return self._stop(stop_path(None), AllStoppedAnswer, None)
 
     def close(self) -> None:
         """Close its connections."""
@@ -220,9 +221,9 @@ class AsyncClient(Requests, Awaiting):
         """Have axes of a device make no further step, or all; as stop."""
         return await self._stop(stop_path(device_id, halt=True), DeviceAnswer, axes)
 
-    async def stop_all(self) -> DevicesAnswer:
-        """Stop every device; as stop."""
-        return await self._stop(stop_path(None), DevicesAnswer, None)
+    async def stop_all(self) -> AllStoppedAnswer:
+        """Stop every device; as stop. `errors` of the answer tells which are stopped only as soon as they answer."""
+        return await self._stop(stop_path(None), AllStoppedAnswer, None)
 
     async def close(self) -> None:
         """Close its connections."""

@@ -18,7 +18,9 @@ _MARK = "# StepRamp backup"
 _MARKED = re.compile(rf"{_MARK}, CRC-32 (?P<crc>[0-9a-f]{{8}}) of what follows\n")
 """The first line of a file. At its end it would be gone with what is cut off."""
 _LIKE_MARK = 0.6
-"""A text that begins with what is this much like the first line has that line, damaged. Others are at most half."""
+"""A text with a line this much like the first one has that, damaged or elsewhere. Others are at most half."""
+LEAST_OF_MARK = 8
+"""So many characters of it, and nothing else in a line, are what is left of it."""
 UNCHECKED = "Whether the backup {name} is whole can't be checked: it has no checksum, as those of older versions."
 
 
@@ -141,10 +143,16 @@ def checked(text: str, name: str) -> tuple[str, tuple[str, ...]]:
 
 
 def _has_damaged_mark(text: str) -> bool:
-    """Whether a text begins nearly as one with a checksum: without that it would be taken for one of before."""
-    whole = marked("").rstrip("\n")
-    begins = text.lstrip()[: len(whole)]
-    return SequenceMatcher(None, whole, begins, autojunk=False).ratio() > _LIKE_MARK
+    """Whether a text has nearly the line with the checksum, wherever: else it would be taken for one of before."""
+    return any(map(_is_like_mark, text.lstrip().splitlines()))
+
+
+def _is_like_mark(line: str) -> bool:
+    whole = marked("").rstrip("\n").casefold()
+    line = re.sub(r"[0-9a-f]{8}", "0" * 8, line.casefold())
+    matcher = SequenceMatcher(None, whole, line[: len(whole)], autojunk=False)
+    is_part = len(line) >= LEAST_OF_MARK and line in whole and line.strip("0 ") != ""
+    return is_part or (matcher.real_quick_ratio() > _LIKE_MARK and matcher.ratio() > _LIKE_MARK)
 
 
 class Backups:

@@ -192,11 +192,14 @@ class Devices:
             self._show_stops()
 
     def begin_to_stop(self) -> list[Future[None]]:
-        """Have every device stop, and return the results to come of those that can be asked; see Device.stop."""
-        pending = []
+        """Have every device stop; return the results to come, also of those that can't be asked: see Device.stop."""
+        pending: list[Future[None]] = []
         for device in self._all():
-            with suppress(StepRampError):
+            try:
                 pending.append(device.stop())
+            except StepRampError as error:
+                pending.append(Future())
+                pending[-1].set_exception(error)
         return pending
 
     def end_motion(self) -> None:

@@ -13,6 +13,7 @@ from fastapi import Depends, Request
 from numpy.typing import NDArray
 
 from stepramp.errors import NotAcceptable, Rejection
+from stepramp.http_api.errors import ErrorList
 from stepramp.http_api.json_response import PIECE_BYTES, json_pieces
 
 Column = NDArray[np.int64] | NDArray[np.float64]
@@ -51,7 +52,7 @@ def wanted_format(request: Request) -> Format:
     """Return the form that a request's Accept likes best. Raises NotAcceptable where it takes none of them."""
     accept = ", ".join(request.headers.getlist("accept")) or "*/*"
     try:
-        media_type = mimeparse.best_match(OFFERED, accept)
+        media_type = mimeparse.best_match(OFFERED, accept.lower())
     except mimeparse.MimeTypeParseException:
         media_type = ""
     if not media_type:
@@ -121,11 +122,12 @@ FORMATS = {
 
 AnyFormat = Annotated[Format, Depends(wanted_format)]
 IN_ANY_FORMAT: dict[int | str, dict[str, Any]] = {
+    406: {"model": ErrorList, "description": "Accept takes none of the forms that there are"},
     200: {
         "content": {
             CSV: {"schema": {"type": "string", "description": "The columns, with their names in the first line"}},
             NPZ: {"schema": {"type": "string", "format": "binary", "description": "The columns, for numpy.load"}},
         }
-    }
+    },
 }
 """What a route that sends any of them answers, beside JSON."""

@@ -97,7 +97,7 @@ async def answered(text: str | bytes, devices: Devices) -> PendingAnswer:
         try:
             if message.device is None:
                 stopping.enter_context(devices.being_stopped())
-                await stop_every(devices)
+                odd = [*(odd or ()), *await stop_every(devices)] or None
             else:
                 device = devices.get(message.device)
                 stopping.enter_context(device.being_stopped())
@@ -108,7 +108,8 @@ async def answered(text: str | bytes, devices: Devices) -> PendingAnswer:
         until_then = stopping.pop_all()
 
     def done() -> str:
-        return _text(StopMessageAnswer(did=message, devices=devices.views(), errors=odd))
+        told = {} if odd is None else {"errors": odd}
+        return _text(StopMessageAnswer.model_validate({"did": message, "devices": devices.views(), **told}))
 
     return PendingAnswer(done, until_then)
 

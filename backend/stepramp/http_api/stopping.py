@@ -12,9 +12,11 @@ from stepramp.devices.device import Device
 from stepramp.devices.registry import Devices
 from stepramp.errors import DeviceLost, Refused, StepRampError
 from stepramp.http_api.device_registry import Registry
-from stepramp.http_api.devices_models import DeviceAnswer, DevicesAnswer
+from stepramp.http_api.devices_models import DeviceAnswer
+from stepramp.http_api.errors import ErrorItem, error_items
+from stepramp.http_api.json_response import JsonResponse
 from stepramp.http_api.stop_body import MOST_BYTES, axes_of_stop
-from stepramp.http_api.stopping_models import AxesPayload
+from stepramp.http_api.stopping_models import AllStoppedAnswer, AxesPayload
 
 BODY_WITHIN_S = 0.25
 """How long the names of axes are waited for [s]. Without them all are stopped."""
@@ -28,15 +30,16 @@ AXES_IN_BODY = {
 }
 
 
-@router.post("/devices/stop")
-async def stop_all(devices: Registry) -> DevicesAnswer:
+@router.post("/devices/stop", response_model=AllStoppedAnswer)
+async def stop_all(devices: Registry) -> JsonResponse[AllStoppedAnswer]:
     """Stop every device, whatever it does, before anything else. What was asked before moves nothing afterwards.
 
-    The answer tells what was last heard of each. One that is lost or still being connected is stopped as soon as it
-    answers.
+    The answer tells what was last heard of each. One that is lost or still being connected may move on: it is stopped
+    as soon as it answers, and `errors` says so.
     """
-    await stop_every(devices)
-    return DevicesAnswer.model_validate({"devices": devices.views()})
+    owed = await stop_every(devices)
+    answer = {"devices": devices.views(), **({"errors": owed} if owed else {})}
+    return JsonResponse(AllStoppedAnswer.model_validate(answer))
 
 
 @router.post("/devices/{device_id}/stop", openapi_extra=AXES_IN_BODY)
@@ -63,10 +66,11 @@ async def halt(device_id: str, devices: Registry, request: Request) -> DeviceAns
     return DeviceAnswer.model_validate(device.view)
 
 
-async def stop_every(devices: Devices) -> None:
-    """Stop every device: return once all stops are granted or have failed; which, the devices' states tell."""
+async def stop_every(devices: Devices) -> list[ErrorItem]:
+    """Stop every device: return once all stops are granted or have failed, with why those did."""
     with devices.being_stopped():
-        await _settled(devices.begin_to_stop())
+        failures = await _settled(devices.begin_to_stop())
+    return [item for failure in failures for item in error_items(_as_owed(failure))]
 
 
 async def halt_whole(device: Device) -> None:
@@ -81,8 +85,12 @@ def _told_as_owed() -> Iterator[None]:
     try:
         yield
     except (DeviceLost, Refused) as error:
-        kind = DeviceLost if isinstance(error, DeviceLost) else Refused
-        raise kind(f"{error} It is stopped as soon as it answers.") from error
+        raise _as_owed(error) from error
+
+
+def _as_owed(error: StepRampError) -> StepRampError:
+    kind = DeviceLost if isinstance(error, DeviceLost) else Refused
+    return kind(f"{error} It is stopped as soon as it answers.")
 
 
 async def _axes(request: Request) -> Sequence[int] | None:
@@ -112,8 +120,10 @@ async def _granted(stopped: "Future[None]") -> None:
         await asyncio.sleep(0)
 
 
-async def _settled(stopped: Sequence["Future[None]"]) -> None:
-    """Wait until all stops are granted or have failed: which, the devices' states tell."""
-    for result in await asyncio.gather(*map(_granted, stopped), return_exceptions=True):
+async def _settled(stopped: Sequence["Future[None]"]) -> list[StepRampError]:
+    """Wait until all stops are granted or have failed; return why those did."""
+    results = await asyncio.gather(*map(_granted, stopped), return_exceptions=True)
+    for result in results:
         if isinstance(result, BaseException) and not isinstance(result, StepRampError):
             raise result
+    return [result for result in results if isinstance(result, StepRampError)]

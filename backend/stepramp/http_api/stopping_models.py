@@ -7,7 +7,7 @@ from pydantic import Field, model_validator
 
 from stepramp.controllers.axes import AxisNumbersOrNull
 from stepramp.http_api.answer import Answer
-from stepramp.http_api.devices_models import DeviceAnswer
+from stepramp.http_api.devices_models import DeviceAnswer, DevicesAnswer
 from stepramp.http_api.errors import ErrorItem
 from stepramp.http_api.motion_models import refuse_own_axes
 from stepramp.validation import Document, Within, refuse
@@ -79,11 +79,21 @@ class StoppedAnswer(Answer):
     number: int | None
 
 
+class AllStoppedAnswer(DevicesAnswer):
+    """All devices, which are stopped."""
+
+    errors: list[ErrorItem] | None = Field(
+        None, description="Of which devices a stop is owed, and why; left out where all are stopped"
+    )
+
+
 class StopMessageAnswer(Answer):
     """What a message to stop is answered."""
 
     did: StoppedAnswer | None = Field(None, description="What was asked for; left out when that was not understood")
     errors: list[ErrorItem] | None = Field(
-        None, description="Why it wasn't done, or what can't be used of the message; else left out"
+        None,
+        description="Why it wasn't done, of which devices a stop is owed, or what can't be used of the message; else "
+        "left out",
     )
     devices: list[DeviceAnswer] | None = Field(None, description="All devices; left out when it wasn't done")
