@@ -29,11 +29,12 @@ export function portChoicesOf({ devices: { ports, list } }) {
 /** The port in view. Until a person chooses, a device that is connected already comes first: a reload finds it again.
  * @param {State} state */
 export function portOf(state) {
-  const { list, port, id } = state.devices;
+  const { list, ports, port, id } = state.devices;
   const followed = list.find((one) => one.id === id);
   if (followed) return followed.port;
   const choices = portChoicesOf(state);
-  if (port !== null && choices.some(([value]) => value === port)) return port;
+  // Which there are may not have been told yet.
+  if (port !== null && (ports.length === 0 || choices.some(([value]) => value === port))) return port;
   return list[0]?.port ?? choices[0]?.[0] ?? '';
 }
 
@@ -43,6 +44,15 @@ export function deviceOf(state) {
   const { list, id } = state.devices;
   const port = portOf(state);
   return list.find((one) => one.id === id) ?? list.find((one) => one.port === port) ?? null;
+}
+
+/** What is kept of that over a reload: the device, its port and its axis. As long as no devices are told, what was kept before.
+ * @param {State} state @returns {[string | null, string | null, number]} */
+export function inViewOf(state) {
+  const { kept, port, axis } = state.devices;
+  if (kept !== null) return [kept.id, kept.port, kept.axis];
+  const device = deviceOf(state);
+  return [device?.id ?? null, device?.port ?? port, axis];
 }
 
 /** The families that a controller at the port in view may be of.
@@ -277,12 +287,13 @@ const situation = (() => {
   };
 })();
 
-/** The device that the head of the page tells of: what moves, or will by itself, be it the one in view or another.
+/** The device that the head of the page tells of: what moves, or will by itself, be it the one in view or another; else the one
+ * in view, or any that is connected.
  * @param {State} state */
 export function toldDeviceOf(state) {
   const { list } = state.devices;
   const moving = list.find(({ state: does }) => does === 'moving' || does === 'stopping');
-  return moving ?? list.find(({ shuttle }) => shuttle) ?? deviceOf(state);
+  return moving ?? list.find(({ shuttle }) => shuttle) ?? deviceOf(state) ?? list[0] ?? null;
 }
 
 /** Where a device is, as its panel shows it, to go on with after its state: the axis in view of the device in view, the

@@ -50,6 +50,7 @@ import { STEPS_AND_SECONDS } from '../model/units.js';
  * @property {string | null} id                the device in view, which keeps its id at another port
  * @property {Record<string, string>} chosenFamilies  now or before, by port
  * @property {number} axis                     that was chosen; a device may have fewer
+ * @property {import('../documents/in_view.js').InView | null} kept  what was in view before a reload, until the devices are told
  * @property {SectionName} section
  * @property {'view' | 'operate'} role         what this page may do, as far as the server has told
  * @property {string | null} asking            what is being asked of a device: "connect", "push" …
@@ -200,6 +201,7 @@ export const FIRST_STATE = {
     chosenFamilies: {},
     role: 'operate',
     axis: 0,
+    kept: null,
     section: 'push',
     asking: null,
     rejections: [],

@@ -42,6 +42,14 @@ def test_what_a_person_chose_stays_while_less_can_be_chosen(modules: Modules) ->
     assert after(modules, [*chosen, ["device.heard", [moved], {}]], look) == [1, 1, "/dev/other"]
 
 
+def test_the_head_of_the_page_tells_of_a_controller_that_is_connected_at_another_port(modules: Modules) -> None:
+    look = "(state, {toldDeviceOf}) => toldDeviceOf(state)?.name ?? null"
+    other = {**DEVICE, "id": "2", "port": "b", "name": "Other"}
+    assert after(modules, [["device.heard", [DEVICE], {}], ["device.choosePort", "b"]], look) == "Simulated"
+    assert after(modules, [["device.heard", [DEVICE, other], {}], ["device.choosePort", "b"]], look) == "Other"
+    assert after(modules, [["device.heard", [], {}]], look) is None
+
+
 def test_a_move_is_of_the_axis_that_was_pushed_there_last(modules: Modules) -> None:
     pushed = ["device.pushed", "1", {"designs": [document(), OTHER], "ids": [5, 7], "toAxis": 1, "crc": None}]
     look = "(state, {moveOf}) => [0, 1, 2].map((axis) => moveOf(state, '1', axis).axis)"

@@ -5,6 +5,7 @@ import { homingAfter } from '../../devices/homing.js';
 import { areEqual } from '../../model/equal.js';
 import { PAGE } from '../../server/api.js';
 import { deviceOf } from '../devices.js';
+import { tell } from './told.js';
 
 /** @typedef {import('../../model/types.js').Design} Design */
 /** @typedef {import('../../model/types.js').Device} Device */
@@ -38,7 +39,19 @@ export function heard(state, list, runs) {
     traces: onlyOf(told, traces),
     preview: preview !== null && told.has(preview.question.id) ? preview : null,
   };
-  return following(knowing(state, isBack(state, list) ? { ...known, rejections: [] } : known));
+  return following(takenAgain(knowing(state, isBack(state, list) ? { ...known, rejections: [] } : known)));
+}
+
+/** Once the devices are told after a reload: where that which was in view is not there any more, another one is, which is said.
+ * @param {State} state @returns {State} */
+function takenAgain(state) {
+  const { kept, list } = state.devices;
+  if (kept === null) return state;
+  const isThere = list.some(({ port }) => port === kept.port);
+  if (isThere || kept.id === null || list.length === 0) return knowing(state, { kept: null });
+  const next = knowing(state, { kept: null, port: null, axis: 0 });
+  const words = `The controller that was in view, at ${kept.port}, is not connected any more: ${list[0].name}, axis 0, is in view now.`;
+  return tell(next, words, true);
 }
 
 /** Whether the device in view was lost and is heard again: what was refused before is over.
@@ -113,7 +126,7 @@ export const portsCame = (state, { ports, families }) => following(knowing(state
 export const accessCame = (state, { role }) => (state.devices.role === role ? state : knowing(state, { role }));
 
 /** @param {State} state @param {string} port @returns {State} */
-export const choosePort = (state, port) => following(knowing(state, { port, id: null, rejections: [] }));
+export const choosePort = (state, port) => following(knowing(state, { port, id: null, kept: null, rejections: [] }));
 
 /** @param {State} state @param {string} port @param {string} family @returns {State} */
 export const chooseFamily = (state, port, family) =>

@@ -1,11 +1,13 @@
 // @ts-check
 // What the browser remembers: written a moment after it has changed, and at the latest when the page is left.
 
+import { keepInView, keptInView } from '../../documents/in_view.js';
 import { memory } from '../../documents/memory.js';
 import { records } from '../../documents/records.js';
 import { keptMaps } from '../../documents/stall_maps.js';
 import { FIRST_GUIDE, knownAnswers } from '../../model/guide.js';
 import { saved } from '../commands/told.js';
+import { inViewOf } from '../devices.js';
 import { isOwnWork, machineOf } from '../selectors.js';
 import { FIRST_STATE, whenChanged, whenever } from '../state.js';
 
@@ -18,7 +20,9 @@ const AFTER_MS = 200;
 /** The state that the page begins with: the first one, with what the browser remembers.
  * @param {{id: string, record: TabRecord | null}} tab and what it begins with @param {number} firstId @returns {State} */
 export function rememberedState({ id, record }, firstId) {
-  const devices = { ...FIRST_STATE.devices, chosenFamilies: memory.families(), softLimits: memory.allSoftLimits() };
+  const kept = keptInView();
+  const chosen = kept && { kept, port: kept.port, axis: kept.axis };
+  const devices = { ...FIRST_STATE.devices, ...chosen, chosenFamilies: memory.families(), softLimits: memory.allSoftLimits() };
   const shown = memory.shown() ?? FIRST_STATE.shown;
   const first = { ...FIRST_STATE, units: memory.units(), shown, devices, firstId, stallMaps: keptMaps(id) };
   if (record === null) return first;
@@ -78,6 +82,7 @@ export function saveByItself({ state, dispatch, subscribe }, tab) {
 
   save('units', (now) => [now.units], memory.keepUnits);
   save('shown', (now) => [now.shown], memory.keepShown);
+  save('in view', inViewOf, keepInView);
   subscribe(
     whenever(
       (now) => [machineOf(now), now.replaced, now.units, now.shown, now.views, now.areAllShown, now.allZoom, now.inFlight, now.library.links, now.examples, now.guide.drive, now.guide.player],
