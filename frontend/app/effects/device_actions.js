@@ -1,6 +1,7 @@
 // @ts-check
 // What is asked of devices: one thing at a time, and only ever because somebody pressed for it.
 
+import { PUSH_STOPPED } from '../../devices/ended_pushes.js';
 import { changeFor } from '../../devices/surroundings.js';
 import { api, Ended, Refusal, ServerGone, UNPROCESSABLE } from '../../server/api.js';
 import { download } from '../../ui/download.js';
@@ -14,6 +15,7 @@ import { announce, closeNotice, tell } from '../commands/told.js';
 import { mend } from '../commands/work.js';
 import { areSameQuestions, idsToPush, moveOf, previewQuestionOf } from '../devices.js';
 import { machineOf } from '../selectors.js';
+import { watchEndedPushes } from './ended_pushes.js';
 import { pushOf } from './previews.js';
 
 /** @typedef {import('../../model/types.js').Design} Design */
@@ -46,7 +48,10 @@ function nothingFound(heard) {
  * @param {Map<string, import('../state.js').TracedMove>} traced  by device, its present move if this page traces it
  * @param {{outdate: () => void}} previews
  */
-export function createDeviceActions({ state, dispatch }, gestures, traced, previews) {
+export function createDeviceActions(store, gestures, traced, previews) {
+  const { state, dispatch } = store;
+  const endedPushes = watchEndedPushes(store);
+
   /** What is refused is shown, never thrown. What an answer says of the device is not taken from it: the events tell the
    * same, and in order.
    * @param {string} what @param {() => Promise<unknown>} ask */
@@ -58,7 +63,7 @@ export function createDeviceActions({ state, dispatch }, gestures, traced, previ
       await ask();
     } catch (error) {
       if (!(error instanceof Ended)) dispatch(refused, rejectionsOf(error));
-      else if (what === 'push') dispatch(tell, 'STOP ended the push. What was being written already is written whole.', true);
+      else if (what === 'push') dispatch(tell, PUSH_STOPPED, true);
     } finally {
       dispatch(answered);
     }
@@ -122,9 +127,13 @@ export function createDeviceActions({ state, dispatch }, gestures, traced, previ
       request('push', async () => {
         // Several go to the axes from the first on, whichever is chosen.
         const what = { designs, ids: idsToPush(state()), toAxis: designs.length === 1 ? toAxis : 0 };
+        endedPushes.forget(device.id);
         const push = () => api.push(device.id, { ...pushOf(designs, toAxis), mode }, gestures.begin(device));
         const report = await refusedAsPreview(push).catch((error) => {
-          if (error instanceof Ended) dispatch(pushCutShort, device.id, { ...what, before: device.ramp });
+          if (error instanceof Ended) {
+            dispatch(pushCutShort, device.id, { ...what, before: device.ramp });
+            endedPushes.await(device);
+          }
           throw error;
         });
         if (report === null) return;
