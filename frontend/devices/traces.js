@@ -52,6 +52,9 @@ export function isEndless({ state, target_steps, position_steps }) {
   return state === 'moving' && target_steps === position_steps;
 }
 
+/** @param {import('../model/types.js').AxisState} axis */
+const isUnderWay = ({ state }) => state === 'moving' || state === 'stopping';
+
 /** Follows the axes of devices from where they set out until they set out again. */
 export function createFollower() {
   /** @type {Map<string, {samples: Samples, fromSteps: number, fromSeconds: number, isMoving: boolean}>} */
@@ -60,10 +63,19 @@ export function createFollower() {
    * @type {Map<string, number>} */
   const resting = new Map();
 
+  /** Once an axis sets out, what those made that rest is of an earlier motion.
+   * @param {Device} device */
+  function forgetEarlier({ id, axes }) {
+    const keyOf = (/** @type {import('../model/types.js').AxisState} */ { axis }) => `${id} ${axis}`;
+    const setsOut = axes.some((axis) => isUnderWay(axis) && !runs.get(keyOf(axis))?.isMoving);
+    if (!setsOut) return;
+    for (const axis of axes) if (!isUnderWay(axis) && !runs.get(keyOf(axis))?.isMoving) runs.delete(keyOf(axis));
+  }
+
   /** @param {Device} device @param {import('../model/types.js').AxisState} axis */
   function followAxis(device, axis) {
     const key = `${device.id} ${axis.axis}`;
-    const isMoving = axis.state === 'moving' || axis.state === 'stopping';
+    const isMoving = isUnderWay(axis);
     const before = runs.get(key);
     let run = before;
     const fromSteps = resting.get(key);
@@ -97,6 +109,7 @@ export function createFollower() {
   return {
     /** @param {Device} device */
     follow(device) {
+      forgetEarlier(device);
       for (const axis of device.axes) followAxis(device, axis);
     },
     /** Of devices that are not told any more nothing is known: their numbers may come to others.

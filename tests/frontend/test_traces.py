@@ -48,6 +48,22 @@ def test_moves_of_devices_that_are_not_told_any_more_are_forgotten(modules: Modu
     assert modules.evaluate(script) == [["1 0", "12 0"], ["12 0"], []]
 
 
+def test_what_an_axis_made_is_forgotten_once_another_sets_out_without_it(modules: Modules) -> None:
+    script = """async () => {
+        const follower = (await import('/devices/traces.js')).createFollower();
+        const tell = (heard_s, ...told) => {
+            const axes = told.map(([state, position_steps], axis) =>
+                ({axis, state, position_steps, target_steps: 90, speed_steps_per_s: 9}));
+            follower.follow({id: '1', heard_s, axes});
+            return ['1 0', '1 1'].map((key) => follower.runs()[key].samples?.position.length ?? null); };
+        // A line of both, of which one is told to rest first; then one of the second axis only, and one of the first.
+        return [tell(0, ['ready', 0], ['ready', 0]), tell(1, ['moving', 10], ['moving', 5]),
+            tell(2, ['moving', 20], ['ready', 9]), tell(3, ['ready', 30], ['ready', 9]),
+            tell(4, ['ready', 30], ['moving', 12]), tell(5, ['ready', 30], ['ready', 20]),
+            tell(6, ['moving', 31], ['ready', 20])]; }"""
+    assert modules.evaluate(script) == [[None, None], [1, 1], [2, 2], [3, 2], [None, 1], [None, 2], [1, None]]
+
+
 def test_what_ran_without_an_end_has_none_when_it_was_slowed_down_either(modules: Modules) -> None:
     script = """async () => {
         const follower = (await import('/devices/traces.js')).createFollower();
