@@ -157,7 +157,8 @@ def test_the_family_is_remembered_with_the_port(attached: StepRampPage, cable: T
     expect(family).to_be_hidden()
     expect(page.locator("#only-family")).to_have_text("StepRamp")
     attached.reload()
-    expect(page.locator("#port")).to_have_value(cable.port)
+    expect(page.locator("#port")).to_have_value("sim://")
+    page.locator("#port").select_option(cable.port)
     expect(family).to_have_value("tic")
 
 
