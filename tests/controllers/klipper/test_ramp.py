@@ -132,6 +132,40 @@ def test_a_configuration_that_no_design_can_be_made_of(old: str, new: str, words
         read_settings(CONFIG.replace(old, new), design())
 
 
+CUT = CONFIG[: CONFIG.index("[printer]")] + CONFIG[CONFIG.index("[stepper_x]") :] + "[printer]\nkinematics: cartesian\n"
+"""With [printer] as its last section."""
+
+
+def test_a_configuration_that_is_cut_off_says_where_it_ends_and_what_stands_for_what() -> None:
+    *_, z = read_settings(f"{CUT}max_velocity: 300\nmax_accel: 3", design())
+    assert z.design.ramp.acceleration_steps_per_s2 == 3 * 400
+    assert z.remarks == (
+        "max_z_velocity isn't told: it is taken for max_velocity, as Klipper does.",
+        "max_z_accel isn't told: it is taken for max_accel, as Klipper does.",
+        "What it includes isn't in it, and may say otherwise: macros/*.cfg.",
+        "The text ends within [printer], at max_accel: 3: if it was cut off there, its last number may lack digits, "
+        "and options that would follow are missing.",
+    )
+    whole = "max_velocity: 300\nmax_z_velocity: 5\nmax_z_accel: 100\nmax_accel: 3000"
+    for end in ("\n", "\r\n", "  # as it came", "\n[fan]\nmax_power: 1"):
+        x, *_ = read_settings(f"{CUT}{whole}{end}", design())
+        assert x.remarks == ("What it includes isn't in it, and may say otherwise: macros/*.cfg.",), end
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (CUT[: CUT.index("[printer]")], r"^\[printer\] isn't there \(nor is what is included\); allowed: a whole conf"),
+        ("[stepper_x]\nmicrosteps: 16\n", r"^\[printer\] isn't there; allowed: a whole configuration of Klipper, with"),
+        ("[stepper_x]\nmicrosteps: 16\n[printer]\nmax_velocity: 9", "its kinematics are not told"),
+        (f"{CUT}max_velo", "The configuration can't be read: .*max_velo"),
+    ],
+)
+def test_a_configuration_that_lacks_something_is_known_as_one(text: str, words: str) -> None:
+    with pytest.raises(Rejected, match=words):
+        read_settings(text, design())
+
+
 @given(st.floats(0.01, 500), st.floats(1, 50_000))
 def test_pushing_what_was_read_changes_nothing(speed: float, gain: float) -> None:
     given_speed, given_gain = f"{speed:.6f}", f"{gain:.6f}"

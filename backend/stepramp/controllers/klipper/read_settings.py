@@ -1,15 +1,25 @@
 """Designs of Klipper's configuration, as a printer.cfg or as a backup."""
 
+import re
+from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
 
 from stepramp.controllers.given_numbers import no_less
 from stepramp.controllers.klipper.backup import Backup, pasted
-from stepramp.controllers.klipper.configuration import Configuration
-from stepramp.controllers.klipper.machine import LETTERS, PRINTER, Machine, Senseless, Stepper
-from stepramp.controllers.read_axis import GAIN, SCALE, SPEED, ReadAxis, design_read
+from stepramp.controllers.klipper.configuration import Configuration, Sections, includes_of
+from stepramp.controllers.klipper.machine import LETTERS, PRINTER, Machine, Senseless, Stepper, Z
+from stepramp.controllers.read_axis import GAIN, SCALE, SPEED, ReadAxis, design_read, refused_setting, with_notes
 from stepramp.design import Design
 from stepramp.errors import Refused, Rejected, Rejection
+
+STEPPERS = frozenset(f"stepper_{letter}" for letter in LETTERS)
+"""Sections that no other text has."""
+WHOLE = "a whole configuration of Klipper, with [printer] and a section for each axis' stepper"
+Z_LIMITS = (("max_z_velocity", "max_velocity"), ("max_z_accel", "max_accel"))
+"""Options of z, and what stands for each where it isn't there."""
+_HEADER = re.compile(r"^\[([^\]\n]+)\]", re.MULTILINE)
+_ENDS_WITH_A_NUMBER = re.compile(r"\s*(?P<option>\w+)\s*[:=][^#;]*[0-9]\.?")
 
 
 def read_settings(text: str, base: Design) -> list[ReadAxis]:
@@ -20,20 +30,52 @@ def read_settings(text: str, base: Design) -> list[ReadAxis]:
     """
     # Some editors put a byte order mark before a text.
     text = text.removeprefix("\ufeff")
-    backup = Backup.read(text) or pasted(text)
+    saved = Backup.read(text)
+    backup = saved or pasted(text)
     try:
         sections = Configuration(backup.files, backup.main).sections
-    except Refused:
+    except Refused as error:
+        if STEPPERS.isdisjoint(_HEADER.findall(text)):
+            return []
+        raise Rejected([Rejection("text", "a configuration", WHOLE, reason=str(error))]) from error
+    if STEPPERS.isdisjoint(sections) and "kinematics" not in sections.get(PRINTER, {}):
         return []
-    if PRINTER not in sections or "kinematics" not in sections[PRINTER]:
-        return []
+    if PRINTER not in sections:
+        perhaps = " (nor is what is included)" if saved is None and includes_of(text) else ""
+        raise Rejected([refused_setting(f"without [{PRINTER}]", f"[{PRINTER}] isn't there{perhaps}", WHOLE)])
     try:
         machine = Machine.of(sections)
     except Senseless as error:
         raise Rejected([Rejection("text", "a configuration", "one of axes", reason=_sentence(error))]) from error
     in_use = {name.lower(): Fraction(value) for name, value in backup.limits.items() if name in ("VELOCITY", "ACCEL")}
     machine = replace(machine, limits=replace(machine.limits, **in_use))
-    return [_axis(machine, axis, stepper, base) for axis, stepper in enumerate(machine.steppers)]
+    axes = [_axis(machine, axis, stepper, base) for axis, stepper in enumerate(machine.steppers)]
+    axes[Z] = replace(axes[Z], remarks=(*axes[Z].remarks, *_stand_ins(sections)))
+    return axes if saved is not None else with_notes(axes, _of_a_paste(text))
+
+
+def _stand_ins(sections: Sections) -> Iterator[str]:
+    """Yield which limits of z aren't told, and what stands for them."""
+    for option, other in Z_LIMITS:
+        if option not in sections[PRINTER]:
+            yield f"{option} isn't told: it is taken for {other}, as Klipper does."
+
+
+def _of_a_paste(text: str) -> Iterator[str]:
+    """Yield what a configuration may lack that was copied: what it includes, and what was cut off at its end."""
+    if included := includes_of(text):
+        yield f"What it includes isn't in it, and may say otherwise: {', '.join(included)}."
+    last = text.splitlines()[-1]
+    found = _ENDS_WITH_A_NUMBER.fullmatch(last)
+    # A text that is whole ends with a line end, mostly.
+    if not text.endswith(last) or found is None:
+        return
+    *_, section = _HEADER.findall(text)
+    if section == PRINTER or section in STEPPERS:
+        yield (
+            f"The text ends within [{section}], at {last.strip()}: if it was cut off there, its last number may lack "
+            "digits, and options that would follow are missing."
+        )
 
 
 def _axis(machine: Machine, axis: int, stepper: Stepper, base: Design) -> ReadAxis:
