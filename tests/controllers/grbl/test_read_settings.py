@@ -87,6 +87,28 @@ def test_an_axis_of_which_a_setting_is_missing_is_told() -> None:
     assert told == [("text", "without $110, $120", "all settings of axis X, a line each")]
 
 
+WHOLE = "".join(f"${first + axis}={500 - first}.000\n" for first in (100, 110, 120, 130) for axis in range(3))
+
+
+@pytest.mark.parametrize(("cut", "shown"), [("$122=3", "$122=3"), ("$122=380.0\n", "$122=380.0"), ("$122=", "$122=")])
+def test_a_listing_that_is_cut_off_within_a_number_gives_no_wrong_one(cut: str, shown: str) -> None:
+    axes = read_settings(WHOLE[: WHOLE.index("$122")] + cut, design())
+    assert [axis.name for axis in axes] == ["X", "Y"]
+    assert axes[0].remarks[-1] == f"Axis Z is left out: {shown} is cut off, as it seems: the others have 3 decimals."
+    with pytest.raises(Rejected, match=r"^\$120=38 is cut off, as it seems: the others have 3 decimals; allowed: all"):
+        read_settings(WHOLE[: WHOLE.index("$120")] + "$120=38", design())
+
+
+@pytest.mark.parametrize(
+    "end", ["$122=380.000", "$122=3\nok", "$122=3 (z accel, mm/sec^2)", "$122=380.000\n$130=370.000\n$131=3"]
+)
+def test_a_listing_that_ends_otherwise_is_whole(end: str) -> None:
+    axes = read_settings(WHOLE[: WHOLE.index("$122")] + end, design())
+    assert [axis.name for axis in axes] == ["X", "Y", "Z"]
+    typed = "$100=80.5\n$110=3000\n$120=20"
+    assert [axis.name for axis in read_settings(typed, design())] == ["X"], "others differ: a person has written it"
+
+
 def test_settings_that_no_design_has() -> None:
     [(field, _, allowed)] = fields_of(lambda: read_settings("$100=3200\n$110=99999999\n$120=5", design()))
     assert field == "text"

@@ -53,9 +53,22 @@ def test_what_is_read_is_sent_again_to_the_last_unit(start: int, more: int, down
     assert axis.design.axis.microsteps == 8
 
 
+def test_a_file_that_ends_within_a_number_of_its_ramp_says_so() -> None:
+    begun = "product: 36v4\nstep_mode: 8\nmax_accel: 40000\n"
+    for cut in ("max_speed: 2000", "max_speed: 2000000\n# in use: max_speed: 2000"):
+        [axis] = read_settings(begun + cut, design())
+        assert axis.remarks[0] == (
+            "The text ends at max_speed: 2000, without a line end: if it was cut off there, that number may lack "
+            "digits, and settings that would follow are missing."
+        )
+    for end in ("max_speed: 2000\n", "max_speed: 2000\r\n", "max_speed: 2000  # slow", "max_speed: 2000\ncurrent: 1"):
+        [axis] = read_settings(begun + end, design())
+        assert not axis.remarks[0].startswith("The text ends"), end
+
+
 def test_what_is_left_out() -> None:
     """A Tic has no starting speed then, and slows down as it speeds up; its step mode isn't known."""
-    [axis] = read_settings("max_accel: 12345\nmax_speed: 7000000", design(axis__microsteps=4))
+    [axis] = read_settings("max_accel: 12345\nmax_speed: 7000000\n", design(axis__microsteps=4))
     assert TicRamp.of(axis.design) == TicRamp(0, 7_000_000, 12_345, 12_345)
     assert axis.design.axis.microsteps == 4
     assert "The step mode is not told" in axis.remarks[0]

@@ -7,6 +7,7 @@ from stepramp.controllers.grbl.settings import (
     MOST_RATE,
     STEPS_PER_MM,
     AxisSettings,
+    CutOff,
     Settings,
     acceleration_of,
     speed_of,
@@ -25,30 +26,38 @@ def read_settings(text: str, base: Design) -> list[ReadAxis]:
     Raises Rejected for settings that no design can have, or that no axis can move with. Where others can, one that
     can't is left out, and told of.
     """
-    settings = Settings.pasted(text.splitlines())
-    found = [(axis, settings.axis(axis)) for axis in range(MOST_AXES_READ)]
-    senseless = [(LETTERS[axis], listed) for axis in range(MOST_AXES_READ) if (listed := settings.senseless(axis))]
-    axes = [_axis(axis, scale, settings, base) for axis, scale in found if scale is not None]
+    lines = text.splitlines()
+    settings, cut = Settings.pasted(lines), Settings.cut_off(lines)
+    lacks = {axis: lack for axis in range(MOST_AXES_READ) if (lack := _lack(settings, axis, cut))}
+    whole = [axis for axis in range(MOST_AXES_READ) if axis not in lacks]
+    senseless = [(LETTERS[axis], listed) for axis in whole if (listed := settings.senseless(axis))]
+    axes = [_axis(axis, scale, settings, base) for axis in whole if (scale := settings.axis(axis)) is not None]
     if senseless and not axes:
         letter, listed = senseless[0]
         allowed = f"settings that axis {letter} can move with: numbers above 0"
         if "," in listed:
             allowed += ", with a point for the comma"
         raise Rejected([refused_setting(listed, f"{listed} is listed", allowed)])
-    partial = {
-        LETTERS[axis]: ", ".join(missing) for axis in range(MOST_AXES_READ) if (missing := settings.missing(axis))
-    }
-    if partial and not axes:
-        letter, lacking = next(iter(partial.items()))
-        words = f"{lacking} {'aren' if ',' in lacking else 'isn'}'t there"
-        allowed = f"all settings of axis {letter}, a line each"
-        raise Rejected([refused_setting(Count(f"without {lacking}"), words, allowed)])
+    if lacks and not axes:
+        axis, (value, words) = next(iter(lacks.items()))
+        raise Rejected([refused_setting(Count(value), words, f"all settings of axis {LETTERS[axis]}, a line each")])
     if axes:
         left_out = [f"Axis {letter} is left out: with {listed} it can't move." for letter, listed in senseless]
-        left_out += [f"Axis {letter} is left out: {lacking} isn't there." for letter, lacking in partial.items()]
-        left_out += [f"{each} are listed: the last holds." for each in Settings.told_twice(text.splitlines())]
+        left_out += [f"Axis {LETTERS[axis]} is left out: {words}." for axis, (_, words) in lacks.items()]
+        left_out += [f"{each} are listed: the last holds." for each in Settings.told_twice(lines)]
         return with_notes(axes, left_out)
     return axes
+
+
+def _lack(settings: Settings, axis: int, cut: CutOff | None) -> tuple[str, str] | None:
+    """Return what an axis lacks of which there is something: what of it is refused, and words; None for nothing."""
+    if cut is not None and cut.number in (first + axis for first in (STEPS_PER_MM, MOST_RATE, ACCELERATION)):
+        listed = f"${cut.number}={cut.value}"
+        return listed, f"{listed} is cut off, as it seems: the others have {cut.decimals} decimals"
+    if not (missing := settings.missing(axis)):
+        return None
+    names = ", ".join(missing)
+    return f"without {names}", f"{names} {'aren' if len(missing) > 1 else 'isn'}'t there"
 
 
 def _axis(axis: int, scale: AxisSettings, settings: Settings, base: Design) -> ReadAxis:

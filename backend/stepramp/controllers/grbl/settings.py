@@ -13,6 +13,8 @@ from stepramp.units import SECONDS_PER_MINUTE
 
 STEPS_PER_MM, MOST_RATE, ACCELERATION, TRAVEL = 100, 110, 120, 130
 """Numbers of the settings of the first axis; the next axis has the next numbers."""
+OF_AXES = range(STEPS_PER_MM, TRAVEL + 10)
+"""All of which grbl lists with the same number of decimals."""
 REPORTS_INCHES, SOFT_LIMITS, HOMING, STAYS_ON = 13, 20, 22, 1
 LETTERS = "XYZABCUVW"
 MM_PER_INCH = 25.4
@@ -84,6 +86,16 @@ class Known(Protocol):
 
 
 @dataclass(frozen=True)
+class CutOff:
+    """A setting whose last figures are missing."""
+
+    number: int
+    value: str
+    decimals: int
+    """So many the others have."""
+
+
+@dataclass(frozen=True)
 class Settings:
     """All of a listing, by number, as texts."""
 
@@ -109,6 +121,21 @@ class Settings:
         return [
             " and ".join(f"${number}={value}" for value in each) for number, each in listed.items() if len(each) > 1
         ]
+
+    @staticmethod
+    def cut_off(lines: Iterable[str]) -> "CutOff | None":
+        """Return the setting of an axis that ends such lines with fewer decimals than all others of axes have.
+
+        None where the last has as many, and where the others differ: a person has written them.
+        """
+        listed = [line.strip() for line in lines if line.strip()]
+        found = _PASTED.fullmatch(listed[-1]) if listed else None
+        if found is None or int(found["number"]) not in OF_AXES or found.end("value") < len(listed[-1]):
+            return None
+        others = {_decimals(value) for number, value in _pasted(listed[:-1]) if number in OF_AXES}
+        if len(others) != 1 or _decimals(found["value"]) >= (decimals := others.pop()):
+            return None
+        return CutOff(int(found["number"]), found["value"], decimals)
 
     def missing(self, axis: int) -> list[str]:
         """Return the names of settings that an axis lacks, of which another one is there."""
@@ -144,6 +171,10 @@ class Settings:
     def scale_name(self, axis: int) -> str:
         """Return what grbl calls the steps per mm of an axis."""
         return f"${STEPS_PER_MM + axis}"
+
+
+def _decimals(value: str) -> int:
+    return len(value.partition(".")[2])
 
 
 def _makes_sense(value: np.float32) -> bool:

@@ -55,7 +55,7 @@ def read_settings(text: str, base: Design) -> list[ReadAxis]:
     made_of = {field: f"{name} {told.get(name, NEW.get(name))}" for field, name in zip(FIELDS, FIGURES, strict=True)}
     design = design_read(document, "a Tic", made_of)
     is_another = bool(in_use) and _limits(stored) != _limits(told)
-    return [ReadAxis("Tic", design, tuple(_remarks(microsteps, is_another)))]
+    return [ReadAxis("Tic", design, tuple(_remarks(microsteps, is_another, _perhaps_cut(text))))]
 
 
 def told_by(text: str) -> dict[str, str]:
@@ -102,7 +102,21 @@ def _limits(settings: dict[str, str]) -> list[str | None]:
     return [told.get("max_accel" if each == "max_decel" and told[each] == "0" else each) for each in FIGURES]
 
 
-def _remarks(microsteps: int | None, is_another: bool) -> Iterator[str]:
+def _perhaps_cut(text: str) -> str | None:
+    """Return the last line of a text if it is one of the ramp's and has no end, as all lines of a whole file have."""
+    last = text.splitlines()[-1]
+    line = last.strip().removeprefix(IN_USE)
+    found = _LINE.fullmatch(line)
+    is_of_ramp = found is not None and found["name"] in FIGURES and "#" not in line
+    return line if is_of_ramp and text.endswith(last) else None
+
+
+def _remarks(microsteps: int | None, is_another: bool, cut: str | None) -> Iterator[str]:
+    if cut is not None:
+        yield (
+            f"The text ends at {cut}, without a line end: if it was cut off there, that number may lack digits, and "
+            "settings that would follow are missing."
+        )
     if is_another:
         yield "The ramp in use is taken: the one that the Tic has stored, and uses after a reset, is another."
     if microsteps is None:
