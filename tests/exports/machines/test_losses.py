@@ -190,6 +190,15 @@ def test_what_a_machine_can_t_take_is_refused(machine: str, changes: dict[str, A
     assert allowed in rejection.allowed
 
 
+@pytest.mark.parametrize("machine", ["grbl", "grblhal"])
+@pytest.mark.parametrize("change", [{"ramp__slew_speed_steps_per_s": 0.001}, {"ramp__acceleration_steps_per_s2": 1e-3}])
+def test_what_is_refused_names_the_machine_that_was_asked_for(machine: str, change: dict[str, Any]) -> None:
+    with pytest.raises(Rejected) as refused:
+        remarks(machine, **change)
+    [rejection] = refused.value.rejections
+    assert f" with {NAMES[machine]} at 50 steps/mm" in rejection.allowed
+
+
 def test_axes_that_a_machine_has_not_are_refused() -> None:
     with pytest.raises(Rejected) as refused:
         remarks("grbl", "A")

@@ -48,13 +48,18 @@ class GrblRamp:
 
     @classmethod
     def of(
-        cls, design: Design, steps_per_mm: np.float32, path: str = "", most_per_mm: np.float32 | None = None
+        cls,
+        design: Design,
+        steps_per_mm: np.float32,
+        path: str = "",
+        most_per_mm: np.float32 | None = None,
+        name: str = "grbl",
     ) -> "GrblRamp":
         """Return the ramp for a design, rounded down: too much of either would stall the motor.
 
         path: what a rejection puts before the design's fields. most_per_mm: as many as the steps per mm may be, where
-        they are told rounded: with them it is worked out. Raises Rejected for what grbl can't take: with a rate or an
-        acceleration of 0 it hangs.
+        they are told rounded: with them it is worked out. name: of grbl, or of its kin. Raises Rejected for what grbl
+        can't take: with a rate or an acceleration of 0 it hangs.
         """
         per_mm = steps_per_mm if most_per_mm is None else most_per_mm
         ramp = with_constant_rates(design, path).ramp
@@ -66,12 +71,12 @@ class GrblRamp:
             rates["deceleration_steps_per_s2"] = ramp.deceleration_steps_per_s2
         bad = []
         if speed < least_speed or rate_of(speed, per_mm) > MOST:
-            note = f" with grbl at {float(steps_per_mm):,.7g} steps/mm"
+            note = f" with {name} at {float(steps_per_mm):,.7g} steps/mm"
             limits = Limits(lowest(float(least_speed)), highest(float(most / SECONDS_PER_MINUTE)), "steps/s", note=note)
             bad.append(Rejection.outside(f"{path}ramp.slew_speed_steps_per_s", ramp.slew_speed_steps_per_s, limits))
         for field, rate in rates.items():
             if not least <= typed(rate) <= most:
-                note = f" with grbl at {float(steps_per_mm):,.7g} steps/mm, which keeps thousandths of mm/s²"
+                note = f" with {name} at {float(steps_per_mm):,.7g} steps/mm, which keeps thousandths of mm/s²"
                 limits = Limits(lowest(float(least)), highest(float(most)), "steps/s²", note=note)
                 bad.append(Rejection.outside(f"{path}ramp.{field}", rate, limits))
         if bad:

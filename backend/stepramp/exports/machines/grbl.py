@@ -28,7 +28,7 @@ def grblhal_settings(design: Design, letter: AxisLetter) -> Sheet:
 
 def _sheet(design: Design, name: str, axis: int) -> Sheet:
     scale, scale_text = kept_scale(design, name, SCALE, lambda text: exact(read(text)))
-    ramp = GrblRamp.of(design, read(scale_text))
+    ramp = GrblRamp.of(design, read(scale_text), name=name)
     rate = rate_of(typed(design.ramp.slew_speed_steps_per_s), ramp.steps_per_mm)
     settings = (
         Setting(f"${STEPS_PER_MM + axis}", "steps/mm", float(steps_per_unit(design.axis)), scale_text),
