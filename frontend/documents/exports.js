@@ -7,11 +7,15 @@ import { formatFixed, formatSignedPercent } from '../model/numbers.js';
 /** What of the request a format looks at besides the design.
  * @typedef {'name' | 'arithmetic' | 'segment_bound_ticks' | 'methods' | 'axis_letter'} ExportOption */
 /** @typedef {{name: string, label: string, help: string, kind: 'text' | 'picture' | 'page', options: ExportOption[],
- *   report?: 'html' | 'pdf', isOfMachine?: boolean, title?: string}} ExportFormat   report: it is made as a report, not
- *   exported; isOfMachine: what is lost of the design comes with it; title: what people call the machine */
+ *   report?: 'html' | 'pdf', isOfMachine?: boolean, title?: string, letters?: string[]}} ExportFormat   report: it is made
+ *   as a report, not exported; isOfMachine: what is lost of the design comes with it; title: what people call the machine;
+ *   letters: of the axes that it may have; without: all */
 
 /** @type {ExportOption[]} */
 const OF_A_FORMULA = ['name', 'arithmetic'];
+/** Letters of axes, as machines call them. */
+export const AXIS_LETTERS = ['X', 'Y', 'Z', 'A', 'B', 'C'];
+const OF_GRBL = AXIS_LETTERS.slice(0, 3);
 const PLAYED = 'C99, for moves of any length; gives the planned delays, to the tick.';
 
 /** The C code of a method, if it has some.
@@ -96,7 +100,7 @@ export const EXPORT_GROUPS = [
   {
     title: 'Other controllers',
     formats: [
-      ofMachine('grbl', 'grbl', 'Settings of one axis of grbl 1.1: steps per mm, highest speed, acceleration.', ['axis_letter']),
+      { ...ofMachine('grbl', 'grbl', 'Settings of one axis of grbl 1.1: steps per mm, highest speed, acceleration.', ['axis_letter']), letters: OF_GRBL },
       ofMachine('grblhal', 'grblHAL', 'The same for grblHAL, which may have more axes.', ['axis_letter']),
       ofMachine('fluidnc', 'FluidNC', 'Items of its YAML configuration, for one axis.', ['axis_letter']),
       ofMachine('marlin', 'Marlin, M-codes', 'What is sent to it: steps per mm, speed, acceleration.', ['axis_letter']),
@@ -168,9 +172,6 @@ export const EXPORT_GROUPS = [
     ],
   },
 ];
-
-/** Letters of axes, as machines call them. */
-export const AXIS_LETTERS = ['X', 'Y', 'Z', 'A', 'B', 'C'];
 
 export const EXPORT_FORMATS = EXPORT_GROUPS.flatMap((group) => group.formats);
 

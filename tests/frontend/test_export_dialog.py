@@ -4,9 +4,12 @@ import json
 
 import pytest
 
-from designs import document
+from designs import design, document
 from frontend.dialogs import LOST, NOBODY, OF_50_STEPS_PER_MM, REFUSED, run
 from frontend.modules import Modules
+from stepramp.errors import Rejected
+from stepramp.exports.export import Options, sheet_of
+from stepramp.exports.machines.sheet import LETTERS, AxisLetter
 
 
 @pytest.mark.parametrize(
@@ -102,6 +105,37 @@ def test_what_a_machine_is_given_is_shown_with_what_it_loses(modules: Modules) -
     assert seen[4] is True
     assert "Axis is 'A'; allowed: X" in seen[5]
     assert seen[6] == [["marlin", "X"]] * 3
+
+
+def test_of_each_machine_those_axes_are_offered_that_it_takes(modules: Modules) -> None:
+    seen = run(
+        modules,
+        """const {createExport} = await import('/panels/export/export.js');
+        const {createStore, FIRST_STATE} = await import('/app/state.js');
+        const {EXPORT_FORMATS} = await import('/documents/exports.js');
+        const store = createStore(FIRST_STATE, (error) => { throw error; });
+        const panel = createExport(store, {report: gone, exportDesign: gone, machine: gone});
+        const select = find(body, (one) => one['aria-label'] === 'Axis of the machine');
+        const seen = EXPORT_FORMATS.filter(({options}) => options.includes('axis_letter')).map(({name}) => {
+            panel.open(name); return [name, select.children.map(({value}) => value)]; });
+        const kept = [['grblhal', 'B'], ['fluidnc'], ['grbl'], ['grblhal', 'Y'], ['grbl']].map(([name, letter]) => {
+            panel.open(name); select.value = letter ?? select.value; return select.value; });
+        return [seen, kept];""",
+    )
+    offered, kept = seen
+    assert {name for name, _ in offered} >= {"grbl", "grblhal", "fluidnc", "marlin", "klipper"}
+    for name, letters in offered:
+        assert letters == [each for each in LETTERS if _takes(name, each)], name
+    assert kept == ["B", "B", "X", "Y", "Y"], "what was chosen stays where it is taken"
+
+
+def _takes(machine: str, letter: AxisLetter) -> bool:
+    try:
+        sheet_of(design(), machine, Options(axis_letter=letter))
+    except Rejected as refused:
+        assert [each.field for each in refused.rejections] == ["axis_letter"]
+        return False
+    return True
 
 
 def test_what_a_machine_loses_and_refuses_is_told_in_the_units_that_are_shown(modules: Modules) -> None:

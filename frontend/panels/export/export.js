@@ -282,7 +282,6 @@ function createOptions(onChange) {
   const numbers = ['float32', 'float64', 'fixed'].map((each) => /** @type {[string, string]} */ ([each, each]));
   arithmetic.offer([['', 'as the design, or usual'], ...numbers], '');
   const letter = picker('Axis of the machine', onChange);
-  letter.offer(AXIS_LETTERS.map((each) => [each, each]), AXIS_LETTERS[0]);
   const fields = {
     name: field('Names begin with', name),
     arithmetic: field('Computes in', arithmetic.element),
@@ -293,6 +292,9 @@ function createOptions(onChange) {
     element: element('div', { className: 'export-options' }, ...Object.values(fields)),
     /** @param {ExportFormat} format */
     showFor(format) {
+      const letters = format.letters ?? AXIS_LETTERS;
+      const chosen = letters.find((each) => each === letter.select.value) ?? letters[0];
+      letter.offer(letters.map((each) => [each, each]), chosen);
       for (const option of OPTIONS_SHOWN) fields[option].hidden = !format.options.includes(option);
     },
     /** The part of the request that the format looks at.
