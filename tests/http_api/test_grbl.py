@@ -317,6 +317,19 @@ def test_starting_from_this_machine(client: TestClient, cable: GrblOnACable) -> 
     assert not any(item["differs"] for item in preview["items"])
 
 
+def test_what_another_controller_tells_in_the_same_text_is_said_to_be_left_out(client: TestClient) -> None:
+    grbl = "$100=80.000\n$110=3000.000\n$120=200.000\nok\n"
+    marlin = "echo: M92 X80.00\necho: M203 X300.00\necho: M201 X3000.00\nok\n"
+    for text in (grbl + marlin, marlin + grbl):
+        read = client.post("/api/v1/import", json={"text": text}).json()
+        assert read["family"] == "grbl"
+        [axis] = read["axes"]
+        said = "What Marlin tells is in the text, too, and is left out: bring it on its own."
+        assert axis["remarks"][1:] == [said]
+    [axis] = client.post("/api/v1/import", json={"text": marlin}).json()["axes"]
+    assert not any("left out" in remark for remark in axis["remarks"])
+
+
 def test_a_pasted_listing(client: TestClient) -> None:
     text = "Grbl 1.1h ['$' for help]\n$100=80.000\n$110=3000.000\n$120=200.000\nok\n"
     [axis] = client.post("/api/v1/import", json={"text": text}).json()["axes"]

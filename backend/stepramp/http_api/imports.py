@@ -1,7 +1,13 @@
 """The route that makes designs of the text that a controller tells its settings as."""
 
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
+
 from fastapi import APIRouter
 
+from stepramp.controllers.families import Family
+from stepramp.controllers.read_axis import with_notes
+from stepramp.design import Design
 from stepramp.devices.backups import unmarked
 from stepramp.errors import Rejected, Rejection, shown
 from stepramp.http_api.bodies import JsonRoute
@@ -24,11 +30,22 @@ def designs_of_text(request: ImportPayload, devices: Registry) -> ImportAnswer:
     families = [each for each in devices.families.values() if each.read_settings is not None]
     for family in families:
         if family.read_settings is not None and (axes := family.read_settings(text, request.base)):
+            others = [each for each in families if each.kind != family.kind and each.same_as is None]
+            axes = with_notes(axes, _left_out(others, text, request.base))
             return ImportAnswer.model_validate({"family": family.name, "axes": axes})
     known = "; ".join(f"{family.title}'s {family.reads}" for family in families if family.same_as is None)
     allowed, begun = f"what a controller tells of itself: {known}", _begun(text)
     reason = f"What begins with {shown(begun)} is nothing that is known; allowed: {allowed}."
     raise Rejected([Rejection("text", begun, allowed, reason=reason)])
+
+
+def _left_out(families: Iterable[Family], text: str, base: Design) -> Iterator[str]:
+    """Yield which other families' settings are in a text, too."""
+    for family in families:
+        # What one of them would refuse may as well be another one's words.
+        with suppress(Rejected):
+            if family.read_settings is not None and family.read_settings(text, base):
+                yield f"What {family.title} tells is in the text, too, and is left out: bring it on its own."
 
 
 def _begun(text: str) -> str:
