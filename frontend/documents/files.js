@@ -3,7 +3,7 @@
 // read changes nothing.
 
 import { LONGEST_TEXT, readDocument, writeDocument } from './documents.js';
-import { CAPTURE_FILES, HEAD_BYTES, isListing, kindOf, KINDS_TEXT, SETTINGS_FILES, TABLE_FILES } from './kinds.js';
+import { CAPTURE_FILES, HEAD_BYTES, isListing, kindOf, KINDS_TEXT, PASTES_TEXT, SETTINGS_FILES, TABLE_FILES } from './kinds.js';
 import { LONGEST_SOURCE } from './table_text.js';
 import { element } from '../ui/dom.js';
 import { download } from '../ui/download.js';
@@ -20,6 +20,8 @@ import { download } from '../ui/download.js';
 
 const ENDING = '.stepramp.json';
 const LONGEST_NAME = 80;
+/** Into which texts of any kind may be pasted. */
+const TEXT_FIELDS = 'input:not([type="range"], [type="checkbox"], [type="radio"]), textarea';
 // What file names must not hold on one system or another, and what would write them backwards.
 const NOT_IN_NAMES = /[\\/:*?"<>|\p{Cc}\p{Bidi_Control}]+/gu;
 
@@ -106,14 +108,19 @@ async function takeFile(file, { onDocument, onTable, onCapture, onSettings }) {
   }
 }
 
-/** Take what a controller lists of itself wherever it is pasted: no field has use for that.
- * @param {(text: string) => void} onSettings */
-export function watchPastes(onSettings) {
+/** Take what a controller lists of itself wherever it is pasted: no field has use for that. Of other texts that no field takes
+ * it is said that nothing came of them.
+ * @param {Pick<Takers, 'onDocument' | 'onSettings'>} takers */
+export function watchPastes({ onDocument, onSettings }) {
   document.addEventListener('paste', (event) => {
     const text = event.clipboardData?.getData('text/plain') ?? '';
-    if (event.defaultPrevented || !isListing(text)) return;
-    event.preventDefault();
-    onSettings(text);
+    if (event.defaultPrevented) return;
+    if (isListing(text)) {
+      event.preventDefault();
+      onSettings(text);
+    } else if (!(event.target instanceof Element && event.target.matches(TEXT_FIELDS))) {
+      onDocument({ document: null, problem: `It is nothing that StepRamp reads. ${PASTES_TEXT}.` }, 'what was pasted');
+    }
   });
 }
 

@@ -15,6 +15,9 @@ export const HEAD_BYTES = 16_384;
 /** What else is there, for those who brought something else. */
 export const KINDS_TEXT =
   'A design ends in .stepramp.json, a lookup table in .c, .h, .cpp, .ino or .csv, what a logic analyser captured in .csv, .vcd or .sr; what a controller lists of itself is known by its lines';
+/** What can be pasted, for those who pasted something else. */
+export const PASTES_TEXT =
+  'What a controller tells of itself can be pasted: grbl’s lines after $$, Marlin’s after M503, FluidNC’s configuration, Klipper’s printer.cfg, a Tic’s settings file, a backup saved here; rows of a lookup table into the table. A design is opened as a file';
 const LOOKED_AT_ROWS = 50;
 const SIGROK = /^(?:;|META)\s*(?:CSV.*libsigrok|samplerate:|Channels \()/im;
 const COMMENT = /^\s*(?:[;#]|META\b|sep=)/i;

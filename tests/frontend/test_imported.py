@@ -3,6 +3,7 @@
 from datetime import UTC, datetime
 
 from designs import document
+from frontend.dialogs import run
 from frontend.modules import Modules
 
 
@@ -20,6 +21,32 @@ def test_a_remark_names_its_axis_where_it_is_not_of_all(modules: Modules) -> Non
     assert told == ["No jerk is kept.", "X: The travel is unknown.", "Z: The travel is unknown.", "Z: It is slow."]
     alone = modules.call("/model/imported.js", "remarksOf", axes[:1], units)
     assert alone == ["No jerk is kept.", "The travel is unknown."]
+
+
+def test_a_paste_of_which_nothing_comes_says_what_can_be_pasted(modules: Modules) -> None:
+    """A text that a field takes is that field's."""
+    seen = run(
+        modules,
+        """const {watchPastes} = await import('/documents/files.js');
+        globalThis.Element = class {
+            constructor(isField) { this.matches = () => isField; } };
+        const seen = [];
+        let paste;
+        document.addEventListener = (_, act) => { paste = act; };
+        watchPastes({onSettings: (text) => seen.push(text),
+            onDocument: ({problem}, from) => seen.push([from, problem])});
+        const bring = (text, isField, defaultPrevented = false) => paste({clipboardData: {getData: () => text},
+            target: new Element(isField), defaultPrevented, preventDefault() { seen.push('taken'); }});
+        bring('hello world', false); bring('$100=80.000', true); bring('3 4', true); bring('3 4', false, true);
+        delete globalThis.Element;
+        return seen;""",
+    )
+    [[origin, problem], *rest] = seen
+    assert origin == "what was pasted"
+    assert problem.startswith(
+        "It is nothing that StepRamp reads. What a controller tells of itself can be pasted: grbl"
+    )
+    assert rest == ["taken", "$100=80.000"]
 
 
 def test_a_message_tells_when_a_backup_was_saved_as_lists_do(modules: Modules) -> None:

@@ -64,8 +64,8 @@ export function createDocuments({ state, dispatch, subscribe }) {
     }
   }
 
-  watchPastes(openSettings);
   const takers = { onDocument: opening.open, onTable: (/** @type {string} */ text) => dispatch(showTableText, text), onCapture, onSettings: openSettings };
+  watchPastes(takers);
   addEventListener('hashchange', opening.openAddress);
   watchDrops(() => designOf(state())?.name ?? '', takers);
 
