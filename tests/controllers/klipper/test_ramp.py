@@ -137,7 +137,8 @@ CUT = CONFIG[: CONFIG.index("[printer]")] + CONFIG[CONFIG.index("[stepper_x]") :
 
 
 def test_a_configuration_that_is_cut_off_says_where_it_ends_and_what_stands_for_what() -> None:
-    *_, z = read_settings(f"{CUT}max_velocity: 300\nmax_accel: 3", design())
+    begun = f"{CUT}max_velocity: 300\nmax_accel: 3"
+    *_, z = read_settings(begun, design())
     assert z.design.ramp.acceleration_steps_per_s2 == 3 * 400
     assert z.remarks == (
         "max_z_velocity isn't told: it is taken for max_velocity, as Klipper does.",
@@ -146,6 +147,9 @@ def test_a_configuration_that_is_cut_off_says_where_it_ends_and_what_stands_for_
         "The text ends within [printer], at max_accel: 3: if it was cut off there, its last number may lack digits, "
         "and options that would follow are missing.",
     )
+    for text in (begun.replace("\n", "\r"), "".join(f"\n  {line}" for line in begun.splitlines())):
+        x, *_ = read_settings(text, design())
+        assert x.remarks[-1].startswith("The text ends within [printer], at max_accel: 3"), text
     whole = "max_velocity: 300\nmax_z_velocity: 5\nmax_z_accel: 100\nmax_accel: 3000"
     for end in ("\n", "\r\n", "  # as it came", "\n[fan]\nmax_power: 1"):
         x, *_ = read_settings(f"{CUT}{whole}{end}", design())

@@ -18,7 +18,7 @@ STEPPERS = frozenset(f"stepper_{letter}" for letter in LETTERS)
 WHOLE = "a whole configuration of Klipper, with [printer] and a section for each axis' stepper"
 Z_LIMITS = (("max_z_velocity", "max_velocity"), ("max_z_accel", "max_accel"))
 """Options of z, and what stands for each where it isn't there."""
-_HEADER = re.compile(r"^\[([^\]\n]+)\]", re.MULTILINE)
+_HEADER = re.compile(r"\s*\[([^\]]+)\]")
 _ENDS_WITH_A_NUMBER = re.compile(r"\s*(?P<option>\w+)\s*[:=][^#;]*[0-9]\.?")
 
 
@@ -35,7 +35,7 @@ def read_settings(text: str, base: Design) -> list[ReadAxis]:
     try:
         sections = Configuration(backup.files, backup.main).sections
     except Refused as error:
-        if STEPPERS.isdisjoint(_HEADER.findall(text)):
+        if STEPPERS.isdisjoint(_headers(text)):
             return []
         raise Rejected([Rejection("text", "a configuration", WHOLE, reason=str(error))]) from error
     if STEPPERS.isdisjoint(sections) and "kinematics" not in sections.get(PRINTER, {}):
@@ -54,6 +54,11 @@ def read_settings(text: str, base: Design) -> list[ReadAxis]:
     return axes if saved is not None else with_notes(axes, _of_a_paste(text))
 
 
+def _headers(text: str) -> list[str]:
+    """Return the names of sections in a text, also in one that is indented, and in one that can't be read."""
+    return [found[1] for found in map(_HEADER.match, text.splitlines()) if found is not None]
+
+
 def _stand_ins(sections: Sections) -> Iterator[str]:
     """Yield which limits of z aren't told, and what stands for them."""
     for option, other in Z_LIMITS:
@@ -70,7 +75,7 @@ def _of_a_paste(text: str) -> Iterator[str]:
     # A text that is whole ends with a line end, mostly.
     if not text.endswith(last) or found is None:
         return
-    *_, section = _HEADER.findall(text)
+    section = next(reversed(_headers(text)), "")
     if section == PRINTER or section in STEPPERS:
         yield (
             f"The text ends within [{section}], at {last.strip()}: if it was cut off there, its last number may lack "
