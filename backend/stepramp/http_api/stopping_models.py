@@ -76,7 +76,7 @@ class StoppedAnswer(Answer):
 
     do: Literal["stop", "halt"]
     device: str | None
-    number: int | None
+    number: int | None = Field(description="That of the message; null: it had none")
 
 
 class AllStoppedAnswer(DevicesAnswer):
