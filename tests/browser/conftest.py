@@ -44,7 +44,7 @@ class Watch:
     def _console(self, message: ConsoleMessage) -> None:
         url = message.location["url"]
         # A device was let go of while it was on its way, or what moved it again came before its trace was read.
-        is_late = (url.endswith("/preview") and "404" in message.text) or (
+        is_late = (url.endswith(("/preview", "/trace", "/backups")) and "404" in message.text) or (
             url.endswith(("/trace", "/backups")) and "409" in message.text
         )
         if message.type == "error" and not is_late:
