@@ -285,6 +285,21 @@ def test_json_in_other_charsets_is_refused(client: TestClient, charset: str) -> 
     assert error["message"] == f"The Content-Type header is {kind!r}; allowed: {allowed}."
 
 
+@pytest.mark.parametrize("route", [PROFILE, "/api/v1/capture"])
+@pytest.mark.parametrize("encodings", [["gzip"], ["identity, br"], ["identity", "zstd"]])
+def test_compressed_bodies_are_refused(client: TestClient, route: str, encodings: list[str]) -> None:
+    kind = "application/json" if route == PROFILE else "application/octet-stream"
+    headers = [("content-type", kind), *(("content-encoding", each) for each in encodings)]
+    [error] = errors_of(client.post(route, content=b"\x1f\x8b\x08", headers=headers), 415)
+    told = ", ".join(encodings)
+    assert error["message"] == f"The Content-Encoding header is {told!r}; allowed: identity, or none."
+
+
+def test_a_body_that_says_it_is_not_compressed_is_taken(client: TestClient) -> None:
+    answer = client.post(PROFILE, json={"design": document()}, headers={"content-encoding": "Identity"})
+    assert answer.status_code == 200
+
+
 @pytest.mark.parametrize("kind", ["application/json", "Application/JSON; charset=utf-8", "application/json ;x",
                                   'application/json;version=1; Charset="UTF-8"', "application/json;charset=US-ASCII",
                                   "application/json; charset=utf8"])  # fmt: skip

@@ -142,3 +142,11 @@ def test_a_websocket_is_refused_with_the_reason(client: TestClient) -> None:
     assert caught.value.status_code == 403
     assert "The Origin header is" in caught.value.json()["errors"][0]["message"]
     assert "content-security-policy" in caught.value.headers
+
+
+@pytest.mark.parametrize("path", ["/api/v1/nothing", "/api/v1/health", "/index.html", "/api/v1/devices/1/jogg"])
+def test_a_websocket_that_is_not_there_is_refused_with_the_reason(client: TestClient, path: str) -> None:
+    with pytest.raises(WebSocketDenialResponse) as caught, client.websocket_connect(path, headers=LOCAL):
+        pass
+    assert caught.value.status_code == 404
+    assert f"There is no WebSocket {path}." in caught.value.json()["errors"][0]["message"]

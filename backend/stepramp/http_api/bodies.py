@@ -44,13 +44,13 @@ MOST_TOGETHER_BYTES = 32_000_000
 OF_FILES: dict[int | str, dict[str, Any]] = {
     400: {"model": ErrorList, "description": "The body ended early"},
     413: {"model": ErrorList, "description": f"The body is larger than {MOST_FILE_BYTES:,} bytes"},
-    415: {"model": ErrorList, "description": f"The body is not {FILE_TYPE}"},
+    415: {"model": ErrorList, "description": f"The body is not {FILE_TYPE}, or compressed"},
 }
 """The same for files."""
 OF_BODIES: dict[int | str, dict[str, Any]] = {
     400: {"model": ErrorList, "description": "The body ended early"},
     413: {"model": ErrorList, "description": f"The body is larger than {MOST_BYTES:,} bytes"},
-    415: {"model": ErrorList, "description": "The body is not application/json in UTF-8"},
+    415: {"model": ErrorList, "description": "The body is not application/json in UTF-8, or compressed"},
 }
 """What is answered to a body that is not even looked at."""
 
@@ -131,6 +131,7 @@ class JsonRoute(APIRoute):
 
         async def handle_document(request: Request) -> Response:
             _refuse_other_types(request, JSON_TYPE)
+            _refuse_encodings(request)
             body = await read_body(request)
             try:
                 refuse_repeated(request.query_params, parameters)
@@ -164,10 +165,11 @@ async def read_body(request: Request) -> bytes:
 async def read_file_body(request: Request) -> list[bytes]:
     """Return the body of a FileRoute's request, in parts: to join them takes long.
 
-    Raises HTTPException with status 415 for another type, and what _parts_of raises. Most of a body that is too large
-    is taken, though not kept: a browser shows no answer that comes before it has sent all.
+    Raises HTTPException with status 415 for another type or a compressed body, and what _parts_of raises. Most of a
+    body that is too large is taken, though not kept: a browser shows no answer that comes before it has sent all.
     """
     _refuse_other_types(request, FILE_TYPE)
+    _refuse_encodings(request)
     return await _parts_of(request, MOST_FILE_BYTES, MOST_TAKEN_BYTES)
 
 
@@ -230,6 +232,13 @@ def _refuse_other_types(request: Request, allowed: str) -> None:
     if allowed == JSON_TYPE and not charsets <= JSON_CHARSETS:
         words = f"{allowed} with charset utf-8 or us-ascii, or without one"
         raise HTTPException(415, f"The Content-Type header is {shown(given)}; allowed: {words}.")
+
+
+def _refuse_encodings(request: Request) -> None:
+    """Raise HTTPException with status 415 for a body that is compressed: how large it becomes is known too late."""
+    told = ", ".join(request.headers.getlist("content-encoding"))
+    if not {each.strip().lower() for each in told.split(",")} <= {"", "identity"}:
+        raise HTTPException(415, f"The Content-Encoding header is {shown(told)}; allowed: identity, or none.")
 
 
 def _content(body: bytes) -> object:

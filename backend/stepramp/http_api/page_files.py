@@ -10,8 +10,10 @@ from anyio import to_thread
 from starlette.exceptions import HTTPException
 from starlette.responses import Response
 from starlette.staticfiles import StaticFiles
-from starlette.types import Scope
+from starlette.types import Receive, Scope, Send
 
+from stepramp.errors import NotFound, brief
+from stepramp.http_api.errors import error_response
 from stepramp.http_api.methods_models import MethodsAnswer
 from stepramp.http_api.motor_presets_models import MotorPresetsAnswer
 from stepramp.http_api.number_fields import design_fields, device_fields
@@ -59,6 +61,14 @@ class PageFiles(AskedEachTime):
         self._folder = folder
         self._written = {path: f"export default {value()};\n" for path, value in WRITTEN.items()}
         self._version = self._look()
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer a request with a file; a WebSocket, which no file can serve, with 404 and the reason."""
+        if scope["type"] == "websocket":
+            told = f"There is no WebSocket {brief(scope['path'])}. /api/v1/openapi.json describes those that are."
+            await error_response(NotFound(told))(scope, receive, send)
+        else:
+            await super().__call__(scope, receive, send)
 
     async def get_response(self, path: str, scope: Scope) -> Response:
         """Return the answer for a path, be it below the version or not. Raises 404 for another version's files."""
