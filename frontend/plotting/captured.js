@@ -37,23 +37,29 @@ export function markedStepsText(mark, { count, step }) {
  * @param {number} us */
 export const deviationText = (us) => (Math.abs(us) < NOISE_US ? '0 µs' : `${formatFigures(us, 3)} µs`);
 
+/** What the plots show of a captured move: its steps under the numbers that the plan has for them.
+ * @param {CapturedSteps} move @returns {import('../model/types.js').Measured} */
+export function measuredIn({ step, time_s: time, speed_steps_per_s: speed, interval_us: interval, deviation }) {
+  const planned = deviation?.planned_step ?? step;
+  const used = planned.flatMap((number, index) => (number > 0 ? [index] : []));
+  // A wait that an extra pulse ends is no step's.
+  const cut = new Set(deviation?.extra.step.map((number) => number - 1));
+  const of = (/** @type {(number | null)[]} */ values) => used.map((index) => values[index] ?? NaN);
+  const whole = (/** @type {(number | null)[]} */ values) => used.map((index) => (cut.has(step[index]) ? NaN : (values[index] ?? NaN)));
+  return {
+    step: of(planned),
+    time_s: of(time),
+    speed_steps_per_s: whole(speed),
+    delay_us: whole(interval),
+    deviation_us: of(deviation?.deviation_us ?? []),
+    length: null,
+  };
+}
+
 /** @param {Answer} answer @param {PlotAxis} against @param {ShownCapture} shown @returns {CapturedCurve} */
 export function capturedOver(answer, against, { move, isStale }) {
   const { deviation, short_pulses: short } = move;
-  const planned = deviation?.planned_step ?? move.step;
-  const used = planned.flatMap((step, index) => (step > 0 ? [index] : []));
-  // A wait that an extra pulse ends is no step's.
-  const cut = new Set(deviation?.extra.step.map((step) => step - 1));
-  const of = (/** @type {(number | null)[]} */ values) => used.map((index) => values[index] ?? NaN);
-  const whole = (/** @type {(number | null)[]} */ values) => used.map((index) => (cut.has(move.step[index]) ? NaN : (values[index] ?? NaN)));
-  const measured = measuredOver(answer, against, {
-    step: of(planned),
-    time_s: of(move.time_s),
-    speed_steps_per_s: whole(move.speed_steps_per_s),
-    delay_us: whole(move.interval_us),
-    deviation_us: of(deviation?.deviation_us ?? []),
-    length: null,
-  });
+  const measured = measuredOver(answer, against, measuredIn(move));
   return {
     ...measured,
     isStale,

@@ -37,7 +37,11 @@ export function createDialog({ id, title, onSubmit }, ...content) {
     element: dialog,
     /** @param {HTMLElement | null} [first] what gets the focus */
     open(first = closing) {
-      if (!dialog.open) opener = /** @type {HTMLElement | null} */ (document.activeElement);
+      if (!dialog.open) {
+        opener = /** @type {HTMLElement | null} */ (document.activeElement);
+        // The last is drawn over those that are open already.
+        document.body.append(dialog);
+      }
       dialog.show();
       first?.focus();
       if (first instanceof HTMLInputElement && first.type === 'text') first.select();

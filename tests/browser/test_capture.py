@@ -45,6 +45,32 @@ def figure(page: Page, name: str) -> Locator:
     return page.locator(f"#capture-figures dt:has-text('{name}') + dd")
 
 
+def both_edges_are_twice_the_steps(page: Page) -> None:
+    page.locator('#capture-edge [data-value="both"]').click()
+    expect(figure(page, "Steps")).to_have_text("1,000; planned 500")
+    page.locator('#capture-edge [data-value="rising"]').click()
+    expect(figure(page, "Steps")).to_have_text("500; planned 500")
+
+
+def the_kept_capture_is_shown(stepramp: StepRampPage) -> None:
+    """Kept with its design, which is saved for it, it is found and shown there later."""
+    page = stepramp.page
+    page.locator("#capture-chip").click()
+    page.locator("#capture-keep").click()
+    expect(page.locator("#notice")).to_contain_text("Capture kept in the library with “Lead-screw stage”, revision 1")
+    page.keyboard.press("Escape")
+    page.locator("#examples").click()
+    page.get_by_role("button", name="Library …").click()
+    page.locator(".library-design b", has_text="Lead-screw stage").click()
+    page.get_by_role("button", name="Show the capture of revision 1").click()
+    expect(page.locator("#library-note")).to_have_text("The capture lies over the plots now.")
+    page.keyboard.press("Escape")
+    until(lambda: "measured-deviation" in stepramp.curves())
+    shown = stepramp.curves()["measured-deviation"]
+    assert max(abs(each) for each in shown) == pytest.approx(0, abs=1)
+    assert len(shown) == 499
+
+
 def test_a_dropped_capture_is_laid_over_the_plots_and_follows_the_design(
     stepramp: StepRampPage, module_watch: Watch
 ) -> None:
@@ -74,11 +100,7 @@ def test_a_dropped_capture_is_laid_over_the_plots_and_follows_the_design(
     shortest.fill("")
     shortest.press("Enter")
     expect(figure(page, "Too short")).to_have_count(0)
-    page.locator('#capture-edge [data-value="both"]').click()
-    expect(figure(page, "Steps")).to_have_text("1,000; planned 500")
-    page.locator('#capture-edge [data-value="rising"]').click()
-    expect(figure(page, "Steps")).to_have_text("500; planned 500")
-
+    both_edges_are_twice_the_steps(page)
     page.keyboard.press("Escape")
     chip = page.locator("#capture-chip")
     expect(chip).to_contain_text("× 1")
@@ -92,6 +114,9 @@ def test_a_dropped_capture_is_laid_over_the_plots_and_follows_the_design(
     assert max(abs(each) for each in curves["capture-deviation"]) == pytest.approx(0, abs=1)
     page.locator(".scope").hover()
     expect(page.locator(".tooltip .measured")).to_have_text(re.compile(r"Capture.*µs$"))
+    page.mouse.move(5, 5)
+
+    the_kept_capture_is_shown(stepramp)
     page.mouse.move(5, 5)
 
     # Another design: the same file is held against it, and nobody has to open it again.

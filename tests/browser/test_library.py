@@ -211,7 +211,8 @@ def test_what_was_measured_and_pushed_is_shown_with_its_design(library: Library)
     page, stepramp = library.page, library.stepramp
     kept = library.design("Panel stage 2 copy")
     record = {"revision": 1, "kind": "trace", "note": "Axis 0", "document": TRACE}
-    stepramp.ask(stepramp.url, "POST", f"library/designs/{kept['id']}/records", record)
+    for each in (record, {**record, "kind": "capture", "document": {}}):
+        stepramp.ask(stepramp.url, "POST", f"library/designs/{kept['id']}/records", each)
     page.route("**/library/pushes/search", lambda route: route.fulfill(json={"count": 1, "pushes": [PUSH]}))
     stepramp.reload()
     library.open()
@@ -223,6 +224,9 @@ def test_what_was_measured_and_pushed_is_shown_with_its_design(library: Library)
     with page.expect_download() as saved:
         row.get_by_role("button", name="Download the trace of revision 1").click()
     assert json.loads(saved.value.path().read_text()) == TRACE
+    # Another program may keep whatever it likes.
+    page.get_by_role("button", name="Show the capture of revision 1").click()
+    expect(library.note).to_contain_text("It can be downloaded, but not shown")
     row.get_by_role("button", name="Show").click()
     expect(library.note).to_have_text("The trace lies over the plots now.")
     page.unroute("**/library/pushes/search")

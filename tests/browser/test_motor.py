@@ -288,6 +288,18 @@ def report_has_the_map(page: Page) -> None:
     page.locator("#export-dialog").get_by_role("button", name="Close").last.click()
 
 
+def the_kept_map_is_shown(page: Page) -> None:
+    """It comes from the library, whatever the page has."""
+    page.locator("#examples").click()
+    page.get_by_role("button", name="Library …").click()
+    page.locator(".library-design").first.click()
+    page.get_by_role("button", name="Show the stall map of revision 1").click()
+    dialog = page.locator("#map-dialog")
+    expect(dialog.locator("#map-summary")).to_contain_text("safe")
+    dialog.get_by_role("button", name="Close").last.click()
+    page.keyboard.press("Escape")
+
+
 def test_the_stall_map_is_kept_with_its_axis_and_the_design_is_a_point_on_it(stepramp: StepRampPage) -> None:
     page = stepramp.page
     page.locator("#motor-presets").select_option(NEMA_17)
@@ -316,7 +328,10 @@ def test_the_stall_map_is_kept_with_its_axis_and_the_design_is_a_point_on_it(ste
     for _ in range(3):
         page.get_by_role("button", name="Undo").click()
     assert stepramp.design() == before
+    dialog.locator("#map-keep").click()
+    expect(page.locator("#notice")).to_contain_text("Stall map kept in the library with")
     dialog.get_by_role("button", name="Close").last.click()
+    the_kept_map_is_shown(page)
     report_has_the_map(page)
     # Another mass: the map is of an earlier design. Over a reload it is still there.
     stepramp.field("load.mechanism.mass_kg").fill("2")

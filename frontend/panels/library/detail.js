@@ -121,7 +121,7 @@ export function createDetail(act) {
       record.note,
       whenText(record.kept_at),
       iconButton('export', `Download the ${named}`, () => act.saveRecord(kept, record)),
-      ...(record.kind === 'capture' ? [] : [button('Show', () => act.showRecord(kept, record), { 'aria-label': `Show the ${named}` })]),
+      button('Show', () => act.showRecord(kept, record), { 'aria-label': `Show the ${named}` }),
     );
   }
 

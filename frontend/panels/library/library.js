@@ -12,6 +12,7 @@ import { whenever } from '../../app/state.js';
 import { importedText, inHandText, outOfReachText, RECORD_NAMES } from '../../model/library.js';
 import { mapKey } from '../../model/stall_map.js';
 import { duplicateOf, MOST_AXES } from '../../model/workbench.js';
+import { measuredIn } from '../../plotting/captured.js';
 import { CHANGED_MEANWHILE, isForLater, Refusal, ServerGone } from '../../server/api.js';
 import { library } from '../../server/library.js';
 import { createDialog, dialogFoot } from '../../ui/dialog.js';
@@ -300,9 +301,20 @@ export function createLibraryPanel({ state, dispatch }, act, server = library) {
     const axis = axisOf(state());
     if (found === null || axis === null) return;
     const { document, design } = found;
-    if (kind === 'trace') {
-      dispatch(showMeasured, { of: { axis: null, design }, move: measuredFrom(document) });
-      return say('The trace lies over the plots now.');
+    try {
+      return showDocument(kind, document, design, axis);
+    } catch {
+      say('It can be downloaded, but not shown: it is not as StepRamp itself answers it.');
+    }
+  }
+
+  /** @param {KeptRecord['kind']} kind @param {any} document as another program may have made it @param {import('../../model/types.js').Design} design @param {number} axis */
+  function showDocument(kind, document, design, axis) {
+    if (kind === 'capture' && document.move === null) return say('No move was found in that capture: there is nothing to lay over the plots.');
+    if (kind !== 'stall_map') {
+      const move = kind === 'trace' ? measuredFrom(document) : measuredIn(document.move);
+      dispatch(showMeasured, { of: { axis: null, design }, move });
+      return say(`The ${RECORD_NAMES[kind].toLowerCase()} lies over the plots now.`);
     }
     const { over } = document;
     dispatch(stallMapCame, axis, over, { key: mapKey(design, over), over, id: null, stage: 'done', waitsFor: '', progress: 1, rejections: [], result: document });
