@@ -7,10 +7,13 @@ import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
+from pathlib import Path
 
 import pytest
 
 from controllers.conftest import Clock
+from controllers.grbl.emulator import GrblEmulator
+from controllers.marlin.emulator import MarlinEmulator
 from controllers.tic.emulator import TicEmulator
 from controllers.tmcl.emulator import RESOLUTION, TmclEmulator
 from designs import design
@@ -24,6 +27,7 @@ from stepramp.controllers.stepramp.messages.settings import ReadSettingsRequest
 from stepramp.controllers.virtual.controller import VirtualController
 from stepramp.devices import attachment, limit_checks, setting_out, watch
 from stepramp.devices import registry as devices_module
+from stepramp.devices.backups import Source, unmarked
 from stepramp.devices.leases import Lease
 from stepramp.devices.registry import Devices
 from stepramp.devices.shuttle import Shuttle
@@ -287,6 +291,61 @@ def test_limits_that_were_set_in_other_microsteps_are_to_be_set_anew(
     device.move_to([AxisCommand(0, 100, "to_steps")])
 
 
+@pytest.mark.parametrize("family", ["grbl", "marlin"])
+def test_limits_that_were_set_by_other_steps_per_mm_are_to_be_set_anew(
+    plug_in: Callable, family: str, tmp_path: Path
+) -> None:
+    """The same number of steps is another length then: 800 steps of 80 per mm, 10 mm, are 5 mm of 160."""
+    board = GrblEmulator() if family == "grbl" else MarlinEmulator()
+    before, after = ("$100=250.000", "$100=125.000") if family == "grbl" else ("M92 X80.00", "M92 X160.00")
+    devices = Devices(data=tmp_path)
+    device = devices.connect(plug_in(board), family)
+    device.limit({0: Span(-800, 800)})
+    device.back_up()
+    saved = unmarked(device.saved_text(str(device.view.backup)))
+    assert before in saved
+    source = Source(f"{family}-some-port", family, "some-port", [])
+    device.restore_from(source, "changed", saved.replace(before, after))
+    words = r"limits of axis 0 were set while it made (250|80) steps per mm, and by now it makes (125|160), .* Set them"
+    assert re.search(words, device.view.message or "")
+    motions: list[Callable[[], None]] = [
+        lambda: device.move_to([AxisCommand(0, 800, "to_steps")]),
+        lambda: device.move_by([by(1)]),
+        lambda: device.run([AxisCommand(0, 50.0, "speed_steps_per_s")], Lease({0: 50.0}, 1e6)),
+    ]
+    for motion in motions:
+        with pytest.raises(Refused, match=words):
+            motion()
+    # Set back they are where they were.
+    device.restore_from(source, "before", saved)
+    with pytest.raises(Rejected, match="-800 to 800 steps"):
+        device.move_to([AxisCommand(0, 801, "to_steps")])
+    assert device.view.message is None
+    device.restore_from(source, "changed", saved.replace(before, after))
+    # Also those of a device that was let go of meanwhile.
+    devices.disconnect(device.view.id)
+    device = devices.connect(device.view.port, family)
+    device.set_position([AxisCommand(0, 0, "position_steps")])
+    with pytest.raises(Refused, match=words):
+        device.move_by([by(100)])
+    device.limit({0: Span(-400, 400)})
+    assert device.view.message is None
+    device.move_to([AxisCommand(0, 400, "to_steps")])
+
+
+def test_limits_of_an_axis_whose_steps_per_mm_somebody_else_sets_are_to_be_set_anew(plug_in: Callable) -> None:
+    """At a Marlin's display, which is seen before the next motion, and refused again when that is asked for anew."""
+    board = MarlinEmulator()
+    device = Devices().connect(plug_in(board), "marlin")
+    device.limit({0: Span(-800, 800)})
+    board.change_at_the_display("M92", "X", 160.0)
+    with pytest.raises(Refused, match=r"M92|Set them anew"):
+        device.move_to([AxisCommand(0, 800, "to_steps")])
+    with pytest.raises(Refused, match="set while it made 80 steps per mm, and by now it makes 160"):
+        device.move_to([AxisCommand(0, 800, "to_steps")])
+    assert board.steps == 0
+
+
 @pytest.mark.parametrize("is_noticed", [True, False], ids=["lost", "not_noticed_yet"])
 def test_limits_stay_with_a_lost_board_that_somebody_connects_at_another_port(
     clock: Clock, plug_in: Callable, unplugged_at: UnpluggedAt, monkeypatch: pytest.MonkeyPatch, is_noticed: bool
@@ -347,7 +406,7 @@ def test_where_an_axis_is_that_somebody_else_has_homed_is_to_be_said_where_it_ha
         return ControllerStatus(Activity.READY, tuple(axes), None, on_trial=False, motors_on=False)
 
     view = DeviceView("1", "a port", "a printer", "klipper").with_status(told(True, False, False))
-    view = view.limited({0: Span(0, 10), 2: Span(0, 10)}, {})
+    view = view.limited({0: Span(0, 10), 2: Span(0, 10)}, ())
     assert view.with_status(told(True, False, False)).unknown_positions == ()
     view = view.with_status(told(True, True, True))
     assert view.unknown_positions == (2,)

@@ -90,7 +90,7 @@ def _refuse_unknown(view: DeviceView, axes: Collection[int]) -> None:
 
     Limits would be at other places.
     """
-    trouble = trouble_of(view.soft_limits, {each.axis: each.microsteps for each in view.axes if each.axis in axes})
+    trouble = trouble_of(view.soft_limits, [each for each in view.axes if each.axis in axes])
     if trouble is not None:
         raise Refused(trouble)
     lost = sorted(set(axes) & set(view.unknown_positions) & set(view.soft_limits))

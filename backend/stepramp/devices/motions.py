@@ -110,10 +110,10 @@ class Motions:
 
         def limit(_: Controller) -> None:
             # Those that were shown to whoever asked.
-            microsteps = {axis.axis: axis.microsteps for axis in self._view.now.axes}
+            shown = self._view.now.axes
             self._watch.refuse_under_way()
             refuse_absent(self._view.now, spans)
-            self._view.change(lambda view: view.limited(spans, microsteps))
+            self._view.change(lambda view: view.limited(spans, shown))
             # What was said of those before doesn't hold any more.
             self._watch.refresh()
 

@@ -81,9 +81,11 @@ class SettingOut:
     ) -> None:
         """Do what is asked of axes now. Once it is granted, what went on with them by itself ends."""
         view = self._view.now
-        if view.soft_limits and (view.state in UNDER_WAY or any(each.microsteps for each in view.axes)):
+        if view.soft_limits and (
+            view.state in UNDER_WAY or any(each.microsteps or each.steps_per_mm for each in view.axes)
+        ):
             # What is asked counts from where the axes would come to rest, not from where they were last heard, and by
-            # the microsteps that they have now.
+            # the microsteps, or steps per mm, that they have now.
             self._watch.refresh()
         begun_s = monotonic()
         with self._permit.setting_out():

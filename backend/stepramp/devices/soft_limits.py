@@ -1,7 +1,9 @@
 """Soft limits: how far axes may go, as the person at the machine says. The server keeps them; controllers know none."""
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 from stepramp.controllers.contract import AxisCommand
 from stepramp.controllers.microsteps import steps
@@ -13,6 +15,22 @@ REACTION_S = 0.5
 every 0.2 s, and the stop itself may have to be repeated once, after 0.2 s."""
 
 
+class CountsSteps(Protocol):
+    """An axis, with what a step of it is as far as it tells."""
+
+    @property
+    def axis(self) -> int:
+        """Its number."""
+
+    @property
+    def microsteps(self) -> int | None:
+        """How many steps it makes of a full step."""
+
+    @property
+    def steps_per_mm(self) -> float | None:
+        """How many it makes of a mm."""
+
+
 @dataclass(frozen=True)
 class Span:
     """Positions that an axis may be sent to [steps]; None: no limit on that side."""
@@ -21,6 +39,8 @@ class Span:
     highest_steps: int | None = None
     microsteps: int | None = None
     """How many steps the axis made of a full step when they were set; None where that isn't told."""
+    steps_per_mm: float | None = None
+    """The same of a mm."""
 
     def contains(self, position_steps: int) -> bool:
         """Whether an axis may be there."""
@@ -78,17 +98,30 @@ def refuse_beyond(
         raise Rejected(rejections)
 
 
-def trouble_of(spans: Spans, microsteps: Mapping[int, int | None]) -> str | None:
-    """Return what keeps axes that make so many steps of a full step from being moved, as a sentence; None: nothing."""
-    for axis, count in microsteps.items():
-        before = spans.get(axis, FREE).microsteps
-        if before and count and before != count:
-            return (
-                f"The soft limits of axis {axis} were set while it made {steps(before)} of a full step, and by now it "
-                f"makes {steps(count)}, so they would be at other places: it doesn't move. Set them anew, or take them "
-                "away."
-            )
+def trouble_of(spans: Spans, axes: Iterable[CountsSteps]) -> str | None:
+    """Return what keeps axes from being moved whose steps are others than when these were set, as a sentence.
+
+    None for nothing. Of the same number of steps other microsteps make another place, and other steps per mm another
+    length than was asked for.
+    """
+    for each in axes:
+        span = spans.get(each.axis, FREE)
+        if span.microsteps and each.microsteps and span.microsteps != each.microsteps:
+            before, now = f"{steps(span.microsteps)} of a full step", steps(each.microsteps)
+        elif span.steps_per_mm and each.steps_per_mm and not _is_same(span.steps_per_mm, each.steps_per_mm):
+            before, now = f"{span.steps_per_mm:,.7g} steps per mm", f"{each.steps_per_mm:,.7g}"
+        else:
+            continue
+        return (
+            f"The soft limits of axis {each.axis} were set while it made {before}, and by now it makes {now}, so they "
+            "would be at other places: it doesn't move. Set them anew, or take them away."
+        )
     return None
+
+
+def _is_same(one_per_mm: float, other_per_mm: float) -> bool:
+    """Tell whether steps per mm differ by less than any of as many steps as an axis is sent shows."""
+    return math.isclose(one_per_mm, other_per_mm, rel_tol=1 / MOST_STEPS)
 
 
 def out_of_limits(command: AxisCommand, span: Span, fastest_steps_per_s: int) -> Rejection:

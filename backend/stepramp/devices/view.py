@@ -170,7 +170,7 @@ class DeviceView:
         first = status.axes[0]
         resting = {axis.axis: axis.position_steps for axis in status.axes if axis.activity is Activity.READY}
         not_kept = None if self.proof is None else self.proof.trouble
-        of_limits = trouble_of(self.soft_limits, {axis.axis: axis.microsteps for axis in status.axes})
+        of_limits = trouble_of(self.soft_limits, status.axes)
         said = (status.trouble, of_limits, self.half_written, not_kept, self.unproven_damage)
         arrived = [axis for axis in self.zeroing if resting.get(axis) == 0]
         untold = {axis.axis for axis in self.axes if not axis.position_told}
@@ -258,12 +258,16 @@ class DeviceView:
             unknown_positions=unknown,
         )
 
-    def limited(self, spans: Mapping[int, Span], microsteps: Mapping[int, int | None]) -> "DeviceView":
+    def limited(self, spans: Mapping[int, Span], shown: Collection[AxisView]) -> "DeviceView":
         """Return the device with these soft limits, besides those that other axes have.
 
-        microsteps: how many steps each axis makes of a full step, as they are meant.
+        shown: the axes in whose steps they are meant.
         """
-        now = {axis: replace(span, microsteps=microsteps.get(axis)) for axis, span in spans.items() if span != FREE}
+        now = {axis: span for axis, span in spans.items() if span != FREE}
+        for each in shown:
+            if each.axis in now:
+                span = now[each.axis]
+                now[each.axis] = replace(span, microsteps=each.microsteps, steps_per_mm=each.steps_per_mm)
         limits = {**{axis: span for axis, span in self.soft_limits.items() if axis not in spans}, **now}
         axes = tuple(each.limited(limits.get(each.axis, FREE)) for each in self.axes)
         return replace(self, soft_limits=limits, axes=axes)

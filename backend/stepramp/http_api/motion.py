@@ -142,8 +142,9 @@ def limit(request: SoftLimitsPayload, device: Acting) -> DeviceAnswer:
     USB serial number: what leads beyond is refused, and a run slows down in time. Controllers know nothing of them, so
     that a run slows down as far before a limit as it goes in half a second; a move reaches it to the step.
     While `unknown_positions` names an axis, since its device was lost or disconnected, it isn't known where its limits
-    are: nothing moves it until its position is set, or its limits are taken away. So while its `microsteps` are others
-    than when they were set, which `message` says with both: until they are set anew, or taken away.
+    are: nothing moves it until its position is set, or its limits are taken away. So while its `microsteps`, or its
+    `steps_per_mm`, are others than when they were set, which `message` says with both: until they are set anew, or
+    taken away.
     """
     device.limit(request.spans)
     return DeviceAnswer.model_validate(device.view)
