@@ -59,7 +59,10 @@ def refuse_places(asked: Sequence[AxisCommand], targets: Mapping[int, int]) -> N
 def refuse_runs_too_far(
     asked: Sequence[AxisCommand], speeds: Mapping[int, float], ahead: Ahead, scales: Sequence[AxisSettings]
 ) -> None:
-    """Reject speeds of axes that run [steps/s] by which one is sent to a place that it can't be told to the step."""
+    """Reject speeds of axes that run [steps/s] by which one is sent to a place that it can't be told to the step.
+
+    Those asked are all that run: a run sets out from rest, and no axis joins one, nor changes its speed.
+    """
     targets = ahead(speeds)
     bad = [
         too_far_for(
