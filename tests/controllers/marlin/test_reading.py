@@ -81,6 +81,27 @@ def test_axes_that_are_left_out_are_named(old: str, new: str, read: str, said: s
     assert said in remarks(text)
 
 
+def test_of_what_is_told_again_the_last_counts_as_for_marlin_itself() -> None:
+    """Of a listing with another one, or with what was set, behind it; that of a further extruder is another number."""
+    again = "echo:  M92 X160.00 T1 E95.00\necho:  M201 X500.00 Y600.00\nM204 T300.00\n"
+    axes = {axis.name: axis.design for axis in read_settings(LISTING + again, design())}
+    scales = {name: each.axis.steps_per_rev / each.axis.travel_per_rev for name, each in axes.items()}
+    assert scales == pytest.approx({"X": 160, "Y": 80, "Z": 400, "E": 93})
+    assert axes["X"].ramp.acceleration_steps_per_s2 == pytest.approx(300 * 160)
+    said = remarks(LISTING + again)
+    assert "M92 X80.00 is left out: it is told again, as X160.00, which counts." in said
+    assert "M201 Y500.00 is left out: it is told again, as Y600.00, which counts." in said
+    assert "M201 X500.00 is left out" not in said
+    assert "M204 T500.00 is left out" in said
+    assert "M92 T1 E95.00 is left out: of several extruders" in said
+
+
+def test_of_what_is_told_again_the_last_is_not_cut_off() -> None:
+    cut = "echo:  M92 X80.00 Y80.00 Z400.00 E9\n"
+    assert [axis.name for axis in read_settings(cut + LISTING, design())] == ["X", "Y", "Z", "E"]
+    assert [axis.name for axis in read_settings(LISTING + cut, design())] == ["X", "Y", "Z"]
+
+
 CUT = "is cut off, as it seems: the others of its line have 2 decimals"
 PERHAPS = "if the text was cut off there, that number may lack digits, too"
 

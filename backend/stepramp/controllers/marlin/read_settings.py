@@ -49,7 +49,7 @@ def read_settings(text: str, base: Design) -> list[ReadAxis]:
         allowed = "M92, M203 and M201 of axis X, above 0 and not cut off"
         raise Rejected([refused_setting(Count(lack), lack, allowed) for lack in lacks])
     letters = [axis.letter for axis in axes]
-    notes = [*_left_out(settings, letters), *_perhaps_cut(settings, letters)]
+    notes = [*_left_out(settings, letters), *_told_again(settings), *_perhaps_cut(settings, letters)]
     return with_notes([_axis(axis, settings.shared_by(axis.letter), base) for axis in axes], notes)
 
 
@@ -63,7 +63,18 @@ def _left_out(settings: Settings, read: Sequence[str]) -> Iterator[str]:
         yield f"Axes other than X, Y, Z and E are left out: {', '.join(others)}."
     for code, words in settings.commands:
         if code in OF_AN_AXIS and (found := FURTHER_EXTRUDER.search(words)) is not None:
-            yield f"{code} {words} is left out: of several extruders the first is read, not {found[0]}."
+            of_it = " ".join(word for word in words.split() if word[0] in (found[0][0], EXTRUDER))
+            yield f"{code} {of_it} is left out: of several extruders the first is read, not {found[0]}."
+
+
+def _told_again(settings: Settings) -> Iterator[str]:
+    """Yield which numbers are told again, and differently, as sentences: of those the last counts, as in Marlin."""
+    for code in (*OF_AN_AXIS, ACCELERATIONS):
+        last = settings.words(code)
+        former = dict.fromkeys((letter, value) for told in settings.told_by(code) for letter, value in told.items())
+        for letter, value in former:
+            if (letter in LETTERS or code == ACCELERATIONS) and value != last[letter]:
+                yield f"{code} {letter}{value} is left out: it is told again, as {letter}{last[letter]}, which counts."
 
 
 def _perhaps_cut(settings: Settings, read: Sequence[str]) -> Iterator[str]:

@@ -92,13 +92,18 @@ class Settings:
         for code, words in self.commands:
             yield code, [(found["letter"], found["value"]) for found in _WORD.finditer(words)]
 
-    def words(self, code: str) -> Mapping[str, str]:
-        """Return the numbers of a command by letter; of a letter that is told several times, the first."""
-        told: dict[str, str] = {}
+    def told_by(self, code: str) -> Iterator[dict[str, str]]:
+        """Yield the numbers of each command of a code by letter, in their order; those of further extruders not."""
         for each, words in self.commands:
             if each == code:
-                told = {found["letter"]: found["value"] for found in _WORD.finditer(words)} | told
-        return told
+                told = {found["letter"]: found["value"] for found in _WORD.finditer(words)}
+                if code in OF_AN_AXIS and told.get("T", "0") != "0":
+                    told.pop(EXTRUDER, None)
+                yield told
+
+    def words(self, code: str) -> Mapping[str, str]:
+        """Return the numbers of a command by letter; of a letter that is told several times, the last, as it counts."""
+        return {letter: value for told in self.told_by(code) for letter, value in told.items()}
 
     def number(self, code: str, letter: str) -> Fraction | None:
         """Return a number as it is kept; None where it isn't told, or is none."""
@@ -112,12 +117,11 @@ class Settings:
 
         None for one that has as many, and where the others differ: a person has written them.
         """
-        for each, words in self.commands:
-            found = list(_WORD.finditer(words)) if each == code else []
-            if len(found) > 1 and found[-1]["letter"] == letter:
-                *others, last = (len(word["value"].partition(".")[2]) for word in found)
-                return others[0] if len(set(others)) == 1 and last < others[0] else None
-        return None
+        told = [each for each in self.told_by(code) if letter in each]
+        if not told or len(told[-1]) == 1 or list(told[-1])[-1] != letter:
+            return None
+        *others, last = (len(value.partition(".")[2]) for value in told[-1].values())
+        return others[0] if len(set(others)) == 1 and last < others[0] else None
 
     def axis(self, letter: str) -> AxisSettings | None:
         """Return what is kept of an axis; None when it isn't there, or makes no sense."""
