@@ -243,6 +243,8 @@
 
 /** What is saved of a device before it is written to. name: when, in UTC.
  * @typedef {{name: string, bytes: number}} Backup */
+/** What is saved of a device. unreadable: which folders of it can't be listed, and why, as sentences.
+ * @typedef {{backups: Backup[], unreadable: string[]}} Backups */
 /** What backups are of, connected or not.
  * @typedef {{name: string, family: string, plugged_in: string, backups: Backup[]}} BackupSource */
 

@@ -296,11 +296,11 @@ export const api = {
   act: (id, what, body) => request('POST', `${device(id)}/${what}`, body, { withinMs: PUSH_WITHIN_MS }),
 
   /** What is saved of a device, the newest first.
-   * @param {string} id @returns {Promise<{backups: import('../model/types.js').Backup[]}>} */
+   * @param {string} id @returns {Promise<import('../model/types.js').Backups>} */
   backups: (id) => request('GET', `${device(id)}/backups`),
 
   /** All backups that there are, also of controllers that aren't connected.
-   * @returns {Promise<{sources: import('../model/types.js').BackupSource[]}>} */
+   * @returns {Promise<{sources: import('../model/types.js').BackupSource[], unreadable: string[]}>} */
   archive: () => request('GET', 'backups'),
 
   /** @param {string} source @param {string} name of a backup of it @returns {Promise<string>} */

@@ -10,13 +10,16 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from command_line.conftest import Ask, begun
 from designs import design, document
 from stepramp.command_line.main import main
+from stepramp.command_line.pushing import backups
 from stepramp.design import Design
+from stepramp.http_api.backups_models import BackupAnswer, BackupsAnswer
 from stepramp.ramp.profile import profile_of
 
 pytestmark = pytest.mark.usefixtures("server", "folder")
@@ -203,3 +206,12 @@ def test_at_a_terminal_a_push_is_asked_about(device: str, answer: str, code: int
                 break
     os.close(ours)
     assert (process.returncode, last in said) == (code, True), said
+
+
+def test_folders_of_backups_that_cant_be_listed_are_told_besides(capsys: pytest.CaptureFixture[str]) -> None:
+    found = BackupsAnswer(backups=[BackupAnswer(name="2026-01-01", bytes=7)], unreadable=["One can't be listed."])
+    where = SimpleNamespace(client=SimpleNamespace(backups=lambda _: found))
+    backups(where, lambda: SimpleNamespace(id="1"))  # type: ignore[arg-type, return-value]
+    told = capsys.readouterr()
+    assert "2026-01-01" in told.out
+    assert told.err == "stepramp: warning: One can't be listed.\n"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
@@ -14,7 +15,7 @@ from stepramp.controllers.capabilities import BacksUp, StoresRamps
 from stepramp.controllers.contract import ControllerStatus, PushMode, PushReport
 from stepramp.controllers.families import Family
 from stepramp.design import Design
-from stepramp.devices.backups import Archive, Backups, Source, checked, marked, unmarked
+from stepramp.devices.backups import Archive, Archived, Backups, Source, checked, marked, unmarked
 from stepramp.devices.device import Device
 from stepramp.devices.registry import Devices
 from stepramp.devices.view import DeviceState
@@ -85,7 +86,8 @@ def device(log: list[str], made: list[Keeper], tmp_path: Path) -> Iterator[Devic
 
 def saved_in(device: Device, tmp_path: Path) -> Path:
     [folder] = (tmp_path / "data" / "of" / "mine" / "backups").iterdir()
-    assert [each.name for each in device.backups()] == [each.stem for each in sorted(folder.iterdir(), reverse=True)]
+    names = [each.stem for each in sorted(folder.iterdir(), reverse=True)]
+    assert [each.name for each in device.backups().backups] == names
     return folder
 
 
@@ -107,7 +109,7 @@ def test_it_is_on_the_disk_with_every_folder_above_it_before_anything_is_written
 
 def test_what_cant_be_read_is_no_hindrance_to_a_restore(device: Device, log: list[str], made: list[Keeper]) -> None:
     device.back_up()
-    [saved] = device.backups()
+    [saved] = device.backups().backups
     # Over another connection nothing is saved yet.
     device.disconnect()
     device.connect()
@@ -128,7 +130,7 @@ def test_nothing_else_is_written_to_one_that_cant_be_read(device: Device, made: 
 def test_what_is_written_is_reported_though_the_device_is_lost_just_then(device: Device, made: list[Keeper]) -> None:
     """What was read back is known, and nothing is half written: that it was lost tells its state, as soon as that."""
     device.back_up()
-    [saved] = device.backups()
+    [saved] = device.backups().backups
     made[-1].is_gone_once_written = True
     assert device.restore_backup(saved.name) == ("All is well.",)
     assert (device.view.state, device.view.message) == (DeviceState.LOST, "Nothing answers at a wire.")
@@ -228,10 +230,34 @@ def test_one_of_an_older_version_is_restored_and_said_to_be_unchecked(
 
 
 def test_backups_that_cant_be_listed_are_told(tmp_path: Path) -> None:
-    assert Archive(tmp_path).sources() == []
+    assert Archive(tmp_path).all() == Archived([], [])
     (tmp_path / "backups").write_text("in the folder's place")
     with pytest.raises(Refused, match=r"The backups in .*backups can't be listed: Not a directory"):
-        Archive(tmp_path).sources()
+        Archive(tmp_path).all()
+
+
+def test_what_cant_be_listed_hides_nothing_else(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A folder may not be entered, as after StepRamp ran as another user: the rest is listed, and that one named."""
+    blocked, other = (Backups(tmp_path, "grbl", known_port(f"/dev/ttyUSB{each}")) for each in range(2))
+    names = [each.save("figure 1") for each in (blocked, other)]
+    iterdir = Path.iterdir
+
+    def refuse(folder: Path) -> Iterator[Path]:
+        if folder == blocked.folder:
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+        return iterdir(folder)
+
+    monkeypatch.setattr(Path, "iterdir", refuse)
+    said = f"The backups in {blocked.folder} can't be listed: Permission denied."
+    found = Archive(tmp_path).all()
+    assert [[each.name for each in source.backups] for source in found.sources] == [names[1:]]
+    assert found.unreadable == [said]
+    # Of a device with folders of older versions, too, whichever of both it is.
+    assert other.all().unreadable == []
+    other.former, blocked.former = (blocked.folder,), (other.folder,)
+    for each in (other, blocked):
+        assert ([backup.name for backup in each.all().backups], each.all().unreadable) == (names[1:], [said])
+        assert unmarked(each.read(names[1])) == "figure 1"
 
 
 def test_a_folder_of_backups_that_can_not_be_entered_is_told(tmp_path: Path) -> None:
@@ -260,6 +286,6 @@ def test_backups_are_of_a_port_by_all_its_names_and_those_by_the_name_alone_are_
     [former] = by_link.former
     former.mkdir()
     (former / "2026-01-01.txt").write_text("figure 2")
-    assert [each.name for each in by_link.all()] == [name, "2026-01-01"]
+    assert [each.name for each in by_link.all().backups] == [name, "2026-01-01"]
     assert (unmarked(by_link.read(name)), by_link.read("2026-01-01")) == ("figure 1", "figure 2")
-    assert [each.name for each in by_name.all()] == [name]
+    assert [each.name for each in by_name.all().backups] == [name]

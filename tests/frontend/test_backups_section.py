@@ -20,16 +20,20 @@ def test_backups_that_can_not_be_listed_say_so_and_are_asked_for_again(modules: 
             design, inTheWay: '', notAtRest: '', situation: {isBusy: false}});
         const look = () => [byId('backups').hidden, byId('backups-unlisted').textContent];
         show('a'); await settled(); const seen = [look()];
-        answer = async () => [{name: '2026-01-01T00-00-00.000000Z'}]; pass(); await settled(); seen.push(look());
+        const backups = [{name: '2026-01-01T00-00-00.000000Z'}];
+        answer = async () => ({backups, unreadable: []}); pass(); await settled(); seen.push(look());
         answer = () => Promise.reject(new Refusal(500, [{message: 'StepRamp made a mistake.'}]));
         show('b'); await settled(); seen.push(look());
+        answer = async () => ({backups, unreadable: ['One can’t.', 'Another can’t.']});
+        show('d'); await settled(); seen.push(look());
         answer = () => Promise.reject(new Refusal(404, [{message: 'no'}])); show('c'); await settled();
         return [...seen, look(), waiting.size];""",
     )
     assert seen[0] == [True, f"Its backups can’t be listed: {NOBODY}"]
     assert seen[1] == [False, ""]
     assert seen[2] == [True, "StepRamp made a mistake."]
-    assert seen[3:] == [[True, ""], 0]
+    assert seen[3] == [False, "One can’t. Another can’t."]
+    assert seen[4:] == [[True, ""], 0]
 
 
 def test_a_backup_is_kept_and_restored_only_as_it_is_in_view(modules: Modules) -> None:
@@ -40,17 +44,21 @@ def test_a_backup_is_kept_and_restored_only_as_it_is_in_view(modules: Modules) -
         const answers = {};
         const source = {name: 'grbl-a', family: 'grbl', plugged_in: 'a', backups: [{name: 'new'}, {name: 'old'}]};
         const dialog = createBackups({state: () => FIRST_STATE}, {restoreFrom() {}}, {
-            archive: async () => ({sources: [source]}),
+            archive: async () => ({sources: [source], unreadable: ['Nothing can be read there.']}),
             archived: (from, name) => new Promise((done) => { answers[name] = done; })});
         dialog.open(); await settled();
+        await settled();
         const look = () => [byId('backup-text').textContent, byId('backup-download').disabled];
+        const unreadable = [byId('backups-unreadable').hidden, byId('backups-unreadable').textContent];
         const seen = [look()];
         answers.new('of the new'); await settled(); seen.push(look());
         byId('backup-name').value = 'old'; byId('backup-name').onchange(); seen.push(look());
         answers.old('of the old'); await settled(); seen.push(look());
-        return seen;""",
+        return [unreadable, ...seen];""",
     )
-    assert seen == [["", True], ["of the new", False], ["", True], ["of the old", False]]
+    assert seen == [
+        [False, "Nothing can be read there."], ["", True], ["of the new", False], ["", True], ["of the old", False],
+    ]  # fmt: skip
 
 
 @pytest.mark.parametrize(
@@ -81,8 +89,8 @@ def test_backups_of_the_device_in_view_are_shown_first(
             backups: backups.map((one) => ({{name: one}}))}});
         const dialog = createBackups({{state: () => state}}, {{restoreFrom() {{}}}}, {{
             archive: async () => ({{sources: [of('klipper-other', '2026-d'), of('grbl-other', '2026-c'),
-                of('grbl-mine', '2026-b', '2026-a')]}}),
-            backups: async () => ({{backups: {json.dumps([{"name": name} for name in saved])}}}),
+                of('grbl-mine', '2026-b', '2026-a')], unreadable: []}}),
+            backups: async () => ({{backups: {json.dumps([{"name": name} for name in saved])}, unreadable: []}}),
             archived: async (from, name) => `${{from}} ${{name}}`}});
         dialog.open(); await settled(); await settled();
         return [byId('backup-source').value, byId('backup-text').textContent];""",
@@ -95,7 +103,8 @@ def test_the_backup_that_is_lacking_is_offered_first(modules: Modules) -> None:
         modules,
         """const {createMachine} = await import('/panels/device/machine.js');
         const machine = createMachine({startFrom() {}, restoreBackup() {},
-            listBackups: async () => [{name: 'new'}, {name: 'first'}, {name: 'older'}]}, () => {});
+            listBackups: async () => ({backups: [{name: 'new'}, {name: 'first'}, {name: 'older'}], unreadable: []}),
+        }, () => {});
         body.append(machine.element);
         const seen = [];
         for (const lacks_backup of [null, 'first', 'gone', null]) {
@@ -120,7 +129,7 @@ def test_backups_that_come_late_are_not_those_of_the_device_in_view(modules: Mod
         const show = (id, backup) => machine.show({
             device: {id, backup, axes: [], capabilities: ['backup']}, axis: 0, design,
             inTheWay: '', notAtRest: '', situation: {isBusy: false}});
-        const backup = (name) => [{name}];
+        const backup = (name) => ({backups: [{name}], unreadable: []});
         const look = () => [byId('backups').hidden, byId('backup').value];
         show('1', 'old'); show('2', 'new');
         answers[1](backup('2026-01-01T00-00-00.000000Z')); await settled();

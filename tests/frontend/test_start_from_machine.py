@@ -386,7 +386,8 @@ GIVEN = (
     )
     .replace(
         "{jog: {end() {}, steer() {}}}",
-        "{jog: {end() {}, steer() {}}, listBackups: async () => [{name: '2026-11-28T06-00-00.000000Z'}]}",
+        """{jog: {end() {}, steer() {}},
+            listBackups: async () => ({backups: [{name: '2026-11-28T06-00-00.000000Z'}], unreadable: []})}""",
     )
     .replace("most_axes: 1", "most_axes: 2")
     + """

@@ -121,6 +121,7 @@ def rollback(where: Where, find: Find, format: Format = "table") -> None:
 def backups(where: Where, find: Find, format: Format = "table") -> None:
     """List what was saved of a device before it was written to."""
     answer = where.client.backups(find().id)
+    warn(answer.unreadable)
     show(format, answer, Rows(("backup", "bytes"), [(each.name, each.bytes) for each in answer.backups]))
 
 

@@ -3,15 +3,19 @@
 import os
 import re
 import zlib
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from difflib import SequenceMatcher
+from itertools import chain
 from pathlib import Path
+from typing import TypeVar
 
 from stepramp.errors import NotFound, Refused, shown
 from stepramp.link.ports import Port
 
+T = TypeVar("T")
 ENDING = ".txt"
 MOST_SLUG = 60
 _MARK = "# StepRamp backup"
@@ -46,16 +50,37 @@ class Source:
     """The newest first."""
 
 
+@dataclass(frozen=True)
+class Archived:
+    """All that there are backups of."""
+
+    sources: list[Source]
+    """That with the newest one first."""
+    unreadable: list[str]
+    """Which folders can't be listed, and why, as sentences."""
+
+
+@dataclass(frozen=True)
+class Saved:
+    """What is saved of one device."""
+
+    backups: list[Backup]
+    """The newest first."""
+    unreadable: list[str]
+    """Which of its folders can't be listed, and why, as sentences."""
+
+
 class Archive:
     """The backups of all devices that there ever were, connected or not. For any thread."""
 
     def __init__(self, data: Path) -> None:
         self._folder = data / "backups"
 
-    def sources(self) -> list[Source]:
-        """Return what there are backups of, that with the newest one first; Refused when that can't be looked at."""
-        found = [_source(each) for each in self._folders()]
-        return sorted((each for each in found if each.backups), key=lambda each: each.backups[0].name, reverse=True)
+    def all(self) -> Archived:
+        """Return what there are backups of; Refused when not even that can be looked at."""
+        found, refusals = _each(_source, self._folders())
+        sources = sorted((each for each in found if each.backups), key=lambda each: each.backups[0].name, reverse=True)
+        return Archived(sources, list(map(str, refusals)))
 
     def source(self, name: str) -> Source:
         """Return one of them; NotFound when there is none of that name."""
@@ -76,6 +101,18 @@ class Archive:
             return []
         except OSError as error:
             raise _cant_be_listed(self._folder, error) from error
+
+
+def _each(look: Callable[[Path], T], folders: Iterable[Path]) -> tuple[list[T], list[Refused]]:
+    """Look at each folder; return what was found, and why others can't be looked at."""
+    found: list[T] = []
+    refusals: list[Refused] = []
+    for folder in folders:
+        try:
+            found.append(look(folder))
+        except Refused as refusal:
+            refusals.append(refusal)
+    return found, refusals
 
 
 def _source(folder: Path) -> Source:
@@ -188,15 +225,21 @@ class Backups:
             ) from error
         return name
 
-    def all(self) -> list[Backup]:
-        """Return what there is, the newest first; Refused when that can't be looked at."""
-        found = [backup for folder in (self.folder, *self.former) for backup in _all(folder)]
-        return sorted(found, key=lambda each: each.name, reverse=True)
+    def all(self) -> Saved:
+        """Return what there is; Refused when all that there may be can't be looked at."""
+        found, refusals = _each(_all, (self.folder, *self.former))
+        backups = sorted(chain.from_iterable(found), key=lambda each: each.name, reverse=True)
+        if refusals and not backups:
+            raise refusals[0]
+        return Saved(backups, list(map(str, refusals)))
 
     def read(self, name: str) -> str:
-        """Return the text of a backup; NotFound when there is none of that name."""
-        places = (each for each in (self.folder, *self.former) if name in {backup.name for backup in _all(each)})
-        return _read(next(places, self.folder), name, "of this device")
+        """Return the text of a backup; NotFound when there is none of that name, Refused when that isn't known."""
+        found, refusals = _each(lambda folder: (folder, _all(folder)), (self.folder, *self.former))
+        place = next((folder for folder, there in found if name in {each.name for each in there}), None)
+        if place is None and refusals:
+            raise refusals[0]
+        return _read(place or self.folder, name, "of this device")
 
 
 def write_whole(file: Path, text: str) -> None:

@@ -13,7 +13,7 @@ from stepramp.controllers.read_axis import ReadAxis
 from stepramp.controllers.surroundings import Surroundings, SurroundingsChange
 from stepramp.design import Design
 from stepramp.devices.attachment import Attachment
-from stepramp.devices.backups import Backup, Backups, Source
+from stepramp.devices.backups import Backups, Saved, Source
 from stepramp.devices.contact import Contact
 from stepramp.devices.control import Control
 from stepramp.devices.homing import Homing, Homings
@@ -215,8 +215,8 @@ class Device:
         """Make the ramps and settings that were stored before the stored ones; see RestoresRamps."""
         self._writing.restore()
 
-    def backups(self) -> list[Backup]:
-        """Return what was saved of it before it was written to, the newest first; see BacksUp."""
+    def backups(self) -> Saved:
+        """Return what was saved of it before it was written to; see BacksUp."""
         return self._writing.backups()
 
     def saved_text(self, name: str) -> str:

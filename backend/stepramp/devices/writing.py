@@ -16,7 +16,7 @@ from stepramp.controllers.contract import Controller, PushMode, PushPreview, Pus
 from stepramp.controllers.own_ramp import Deviation, PlayOwn
 from stepramp.controllers.progress import Progress, PushStage
 from stepramp.design import Design
-from stepramp.devices.backups import Backup, Backups, checked
+from stepramp.devices.backups import Backups, Saved, checked
 from stepramp.devices.contact import Contact
 from stepramp.devices.leases import Leases
 from stepramp.devices.live_view import LiveView
@@ -128,12 +128,12 @@ class Writing:
         """Use other settings until a roll back or a reset."""
         self._write(HasSettings, lambda controller: controller.use_settings(settings))
 
-    def backups(self) -> list[Backup]:
-        """Return its backups, the newest first, also while it is lost; Refused when it can't be backed up."""
-        if (kept := self._backups.all()) or self._view.now.state is DeviceState.LOST:
-            return kept
-        self._contact.capable(self._contact.ready()[0], BacksUp)
-        return []
+    def backups(self) -> Saved:
+        """Return its backups, also while it is lost; Refused when it can't be backed up."""
+        saved = self._backups.all()
+        if not saved.backups and self._view.now.state is not DeviceState.LOST:
+            self._contact.capable(self._contact.ready()[0], BacksUp)
+        return saved
 
     def saved_text(self, name: str) -> str:
         """Return a backup; NotFound when there is none of that name."""

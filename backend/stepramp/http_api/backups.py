@@ -20,8 +20,11 @@ _TEXT: dict[str, Any] = {"text/plain": {"schema": {"type": "string"}}}
 @router.get("/backups")
 @ACTING.serves
 def archive(devices: Registry) -> ArchiveAnswer:
-    """Return all backups that there are, also of controllers that aren't connected."""
-    return ArchiveAnswer.model_validate({"sources": devices.archive.sources()})
+    """Return all backups that there are, also of controllers that aren't connected.
+
+    What is in a folder that may not be entered isn't among them: `unreadable` names it.
+    """
+    return ArchiveAnswer.model_validate(devices.archive.all())
 
 
 @router.get("/backups/{source}/{name}", response_class=Response, responses={200: {"content": _TEXT}})
@@ -35,7 +38,7 @@ def archived(source: str, name: str, devices: Registry) -> Response:
 @ACTING.serves
 def backups(device_id: str, devices: Registry) -> BackupsAnswer:
     """Return the backups of a device, the newest first."""
-    return BackupsAnswer.model_validate({"backups": devices.get(device_id).backups()})
+    return BackupsAnswer.model_validate(devices.get(device_id).backups())
 
 
 @router.post("/devices/{device_id}/backups")
@@ -43,7 +46,7 @@ def backups(device_id: str, devices: Registry) -> BackupsAnswer:
 def back_up(device: Acting) -> BackupsAnswer:
     """Save what the controller has now; the first push over each connection does that by itself."""
     device.back_up()
-    return BackupsAnswer.model_validate({"backups": device.backups()})
+    return BackupsAnswer.model_validate(device.backups())
 
 
 @router.get("/devices/{device_id}/backups/{name}", response_class=Response, responses={200: {"content": _TEXT}})

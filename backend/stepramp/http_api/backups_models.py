@@ -8,6 +8,8 @@ from stepramp.http_api.answer import Answer
 from stepramp.http_api.devices_models import DeviceAnswer
 from stepramp.validation import Document, Text
 
+UNREADABLE = "Which folders of them can't be listed, and why, as sentences"
+
 
 class BackupAnswer(Answer):
     """A backup of a device."""
@@ -20,6 +22,7 @@ class BackupsAnswer(Answer):
     """The backups of a device."""
 
     backups: list[BackupAnswer] = Field(description="The newest first; also those of earlier connections")
+    unreadable: list[str] = Field(description=UNREADABLE)
 
 
 class SourceAnswer(Answer):
@@ -35,6 +38,7 @@ class ArchiveAnswer(Answer):
     """All backups that there are, of devices that are connected or not."""
 
     sources: list[SourceAnswer] = Field(description="That with the newest backup first")
+    unreadable: list[str] = Field(description=UNREADABLE)
 
 
 class RestorePayload(Document):

@@ -183,7 +183,7 @@ export function createDeviceActions(store, gestures, traced, previews) {
         dispatch(tell, ['The design has what the controller has.', ...remarksIn(state().units)(found)].join(' '), false);
       }),
     /** @param {Device} device */
-    listBackups: async (device) => (await api.backups(device.id)).backups,
+    listBackups: (device) => api.backups(device.id),
     /** @param {Device} device @param {string} name of a backup */
     restoreBackup: (device, name) =>
       request('restore', async () => {

@@ -30,6 +30,7 @@ export function createBackups({ state }, act, server = api) {
   const name = picker('Saved at', () => read());
   name.select.id = 'backup-name';
   const note = element('p', { className: 'muted', id: 'backup-note', 'aria-live': 'polite' });
+  const unreadable = element('p', { className: 'reason', id: 'backups-unreadable', hidden: true });
   const lines = element('pre', { id: 'backup-text', tabIndex: 0, role: 'region', 'aria-label': 'What the controller told' });
   const why = element('p', { className: 'reason', id: 'backup-why' });
   const restore = element('button', { className: 'button', id: 'backup-restore', type: 'button', textContent: 'Restore', onclick: write });
@@ -42,6 +43,7 @@ export function createBackups({ state }, act, server = api) {
   const dialog = createDialog(
     { id: 'backups-dialog', title: 'Backups of controllers' },
     element('div', { className: 'line' }, source.element, name.element),
+    unreadable,
     note,
     lines,
     why,
@@ -62,6 +64,8 @@ export function createBackups({ state }, act, server = api) {
   async function list() {
     const found = await asked(() => server.archive());
     sources = found?.sources ?? [];
+    showText(unreadable, found?.unreadable.join(' ') ?? '');
+    unreadable.hidden = unreadable.textContent === '';
     const first = await firstShown(deviceOf(state()));
     source.element.hidden = name.element.hidden = sources.length === 0;
     if (found && sources.length === 0) showText(note, NONE);

@@ -11,6 +11,7 @@ import { hasOtherMicrosteps, isOtherScale, scaleOf, stepsPerUnit, travelAt } fro
 import { enable } from './section.js';
 
 /** @typedef {import('../../model/types.js').Backup} Backup */
+/** @typedef {import('../../model/types.js').Backups} Backups */
 /** @typedef {import('../../model/types.js').Device} Device */
 /** @typedef {import('../../model/types.js').Design} Design */
 
@@ -20,7 +21,7 @@ export const MENDING = 'Restore a backup of this device, or push again.';
 
 /**
  * @param {{startFrom: (device: Device, axis: number, design: Design, axisId: number) => void,
- *   restoreBackup: (device: Device, name: string) => void, listBackups: (device: Device) => Promise<Backup[]>}} handlers
+ *   restoreBackup: (device: Device, name: string) => void, listBackups: (device: Device) => Promise<Backups>}} handlers
  * @param {import('../../app/state.js').Dispatch} dispatch
  */
 export function createMachine(handlers, dispatch) {
@@ -57,13 +58,13 @@ export function createMachine(handlers, dispatch) {
   /** Cancelled when another device is in view: a backup of one is none of the other. */
   const listing = createQuestion({
     ask: (/** @type {Device} */ device) => handlers.listBackups(device),
-    take: (found) => offer(found, ''),
+    take: ({ backups, unreadable }) => offer(backups, unreadable.join(' ')),
     // A device that is gone meanwhile has none to choose: of that others tell.
     refuse: ({ status, message }) => offer([], status === NOT_FOUND || status === DEVICE_LOST ? '' : message),
     miss: (_, error) => offer([], `Its backups can’t be listed: ${laterText(error)}`),
   });
 
-  /** @param {Backup[]} found @param {string} why there are none to choose from; empty: there are none */
+  /** @param {Backup[]} found @param {string} why there are none, or not all, to choose from; empty: there are no more */
   function offer(found, why) {
     // The newest may have been saved when settings were half written already.
     const lacking = found.find(({ name }) => name === now?.device?.lacks_backup);
