@@ -27,6 +27,8 @@ class HalfDeaf(ThreadingHTTPServer):
         super().__init__(("127.0.0.1", 0), _Handler)
         self.unanswered = unanswered
         self.asked: list[str] = []
+        self.devices: list[dict[str, Any]] = []
+        """What it tells as stopped."""
         self.is_busy = threading.Event()
         self.is_over = threading.Event()
 
@@ -47,7 +49,7 @@ class _Handler(BaseHTTPRequestHandler):
         if self.server.unanswered:
             self.server.unanswered -= 1
             return
-        content = json.dumps({"devices": []}).encode()
+        content = json.dumps({"devices": self.server.devices}).encode()
         self.send_response(200)
         self.send_header("content-length", str(len(content)))
         self.end_headers()

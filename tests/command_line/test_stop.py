@@ -10,9 +10,10 @@ import pytest
 
 from client.test_urgent import HalfDeaf, half_deaf  # noqa: F401  # a fixture
 from command_line.conftest import Ask
+from controllers.grbl.emulator import GrblEmulator, GrblOnACable
 from stepramp.command_line.main import main
 from stepramp.command_line.server_commands import add_stop
-from stepramp.command_line.stop import HALT, WITH_VALUE, Asked, asked_by
+from stepramp.command_line.stop import HALT, WITH_VALUE, Asked, asked_by, places_of
 
 SLOW = {
     "numpy",
@@ -71,6 +72,49 @@ def test_it_loads_nothing_that_takes_long(half_deaf: HalfDeaf) -> None:  # noqa:
     )
     ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert ran.stdout.splitlines()[-1] == "[]"
+
+
+@pytest.mark.parametrize(
+    ("axes", "words"),
+    [
+        ([(0, 1200)], ", axis 0 at 1,200 steps"),
+        ([(0, 1200), (1, 0)], ", axis 0 at 1,200, axis 1 at 0 steps"),
+        ([(0, None), (1, -5)], ", axis 1 at -5 steps, axis 0 tells no position"),
+        ([(0, None)], ", axis 0 tells no position"),
+        ([], ""),
+    ],
+)
+def test_no_place_is_made_up(axes: list[tuple[int, int | None]], words: str) -> None:
+    """As of a Klipper that isn't homed, whose positions say nothing."""
+    assert places_of(axes) == words
+
+
+def test_a_server_tells_which_axes_tell_no_position(half_deaf: HalfDeaf, ask: Ask) -> None:  # noqa: F811
+    half_deaf.devices = [
+        {
+            "id": "7",
+            "port": "moonraker://printer",
+            "state": "ready",
+            "axes": [
+                {"axis": 0, "position_steps": 0, "position_told": False},
+                # A server of an older version doesn't say so.
+                {"axis": 1, "position_steps": 40},
+            ],
+        }
+    ]
+    places = "axis 1 at 40 steps, axis 0 tells no position"
+    assert ask(f"stop --server {half_deaf.url}").out == f"Stopped: device 7 at moonraker://printer, ready, {places}.\n"
+
+
+@pytest.mark.usefixtures("alone")
+@pytest.mark.skipif(sys.platform == "win32", reason="pseudo-terminals of Unix")
+def test_at_a_port_no_place_is_made_up(ask: Ask) -> None:
+    grbl = GrblEmulator()
+    grbl.eeprom.settings[100] = 0.0
+    grbl.power_up()
+    with GrblOnACable(grbl) as cable:
+        told = ask(f"stop --port {cable.port} --family grbl")
+        assert (told.code, told.out) == (0, f"Stopped: {cable.port}, axis 0 tells no position.\n"), told.err
 
 
 @pytest.mark.usefixtures("alone")

@@ -18,6 +18,7 @@ from stepramp.command_line.device_list import axes_of
 from stepramp.command_line.exit_codes import FAILED
 from stepramp.command_line.files import write
 from stepramp.command_line.output import Format, Rows, progress, show, tell, warn
+from stepramp.command_line.stop import places_of
 from stepramp.command_line.where import Where
 from stepramp.errors import DeviceLost, NoServer, Refused, Rejected, Rejection, StepRampError
 from stepramp.http_api.devices_models import AxisAnswer, DeviceAnswer
@@ -187,8 +188,8 @@ def _stop(where: Where, device: DeviceAnswer, *, is_told: bool) -> None:
         tell(f"THE STOP WAS NOT CONFIRMED: {error}")
         return
     if is_told:
-        places = ", ".join(f"axis {each.axis} at {each.position_steps:,}" for each in stopped.axes)
-        tell(f"stopped: {device.port}, {places} steps")
+        axes = ((each.axis, each.position_steps if each.position_told else None) for each in stopped.axes)
+        tell(f"stopped: {device.port}{places_of(axes)}")
 
 
 @contextmanager

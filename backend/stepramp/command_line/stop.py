@@ -6,7 +6,7 @@ What can't be understood of it stops everything all the same, and is told afterw
 import json
 import sys
 import threading
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -138,17 +138,30 @@ def _told(server: Server, status: int, answer: dict[str, Any]) -> int:
     devices = answer.get("devices", [answer])
     code = OK
     for device in devices:
-        places = ", ".join(f"axis {axis['axis']} at {axis['position_steps']:,}" for axis in device["axes"])
         if device["state"] in ("lost", "connecting"):
             _tell(
                 f"Device {device['id']} at {device['port']} is {device['state']}: it is stopped as soon as it answers."
             )
             code = NOBODY_THERE
         else:
-            print(f"Stopped: device {device['id']} at {device['port']}, {device['state']}, {places} steps.", flush=True)
+            places = places_of((axis["axis"], _position_of(axis)) for axis in device["axes"])
+            print(f"Stopped: device {device['id']} at {device['port']}, {device['state']}{places}.", flush=True)
     if not devices:
         print(f"Stopped: the server at {server.url}, which has no device.", flush=True)
     return code
+
+
+def places_of(axes: Iterable[tuple[int, int | None]]) -> str:
+    """Return where axes are [steps] as the rest of a sentence; None for one that doesn't tell: no place is made up."""
+    axes = list(axes)
+    told = ", ".join(f"axis {axis} at {place:,}" for axis, place in axes if place is not None)
+    untold = "".join(f", axis {axis} tells no position" for axis, place in axes if place is None)
+    return (f", {told} steps" if told else "") + untold
+
+
+def _position_of(axis: dict[str, Any]) -> int | None:
+    # A server of an older version doesn't say whether it is told.
+    return axis["position_steps"] if axis.get("position_told", True) else None
 
 
 def _stop_at_port(asked: Asked) -> int:

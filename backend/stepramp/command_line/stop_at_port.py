@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from stepramp.command_line.in_process import ports_of
+from stepramp.command_line.stop import places_of
 from stepramp.devices.registry import Devices
 
 
@@ -12,7 +13,8 @@ def stop_at(port: str, family: str, *, halt: bool = False, data: Path | None = N
     try:
         device = devices.connect(port, family)
         (device.halt if halt else device.stop)().result()
-        axes = ", ".join(f"axis {axis.axis} at {axis.position_steps:,}" for axis in device.view.axes)
-        return f"Stopped: {port}, {axes} steps."
+        axes = device.view.axes
+        places = places_of((axis.axis, axis.position_steps if axis.position_told else None) for axis in axes)
+        return f"Stopped: {port}{places}."
     finally:
         devices.close()
