@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from designs import design, document
 from stepramp.design import Design
-from stepramp.errors import Rejected
+from stepramp.errors import Limits, Rejected
 from stepramp.examples import all_examples
 
 NUMBERS_ABOVE_ZERO = (
@@ -62,6 +62,18 @@ def test_a_base_speed_above_the_slew_speed_is_refused() -> None:
 
 def test_a_base_speed_equal_to_the_slew_speed_is_allowed() -> None:
     assert design(ramp__base_speed_steps_per_s=1000).ramp.base_speed_steps_per_s == 1000
+
+
+@pytest.mark.parametrize(
+    ("limits", "words"),
+    [
+        (Limits(2000, 2000, "steps", is_whole=True), "only 2,000 steps"),
+        (Limits(0.5, 0.5, "mm", note=", or 0"), "only 0.5 mm, or 0"),
+        (Limits(2000, 2001, "steps", is_whole=True), "a whole number from 2,000 to 2,001 steps"),
+    ],
+)
+def test_a_range_of_one_value_is_told_as_that_value(limits: Limits, words: str) -> None:
+    assert limits.words == words
 
 
 @pytest.mark.parametrize("value", [10**12, 10_000_001, -10_000_001, 1.5, 0])

@@ -48,7 +48,9 @@ class Limits:
     @property
     def words(self) -> str:
         """What is allowed of a number."""
-        if self.lowest is not None and self.highest is not None:
+        if self.lowest is not None and self.lowest == self.highest:
+            ends = f"only {_figure(self.lowest)}"
+        elif self.lowest is not None and self.highest is not None:
             kind = "a whole number" if self.is_whole else "a number"
             ends = f"{kind} from {_figure(self.lowest)} to {_figure(self.highest)}"
         elif self.lowest is not None:

@@ -10,6 +10,7 @@ const FIGURES = 6;
  * @param {import('./types.js').Limits} limits @param {string} unit @param {number} factor from the unit they are in
  * @param {unknown} [value] that was refused, in that unit */
 export function limitsInUnit({ lowest, highest, is_whole, note }, unit, factor, value) {
+  if (lowest !== null && lowest === highest) return `only ${formatEntry(roundedTo(lowest * factor, factor, Math.round))} ${unit}${note}`;
   const low = lowest === null ? null : formatEntry(roundedTo(lowest * factor, factor, Math.ceil));
   const high = highest === null ? null : formatEntry(roundedTo(highest * factor, factor, Math.floor));
   // What is whole in another unit are steps: any number that is typed is taken for the nearest of them.

@@ -154,6 +154,14 @@ def limited(lowest: float | None, highest: float | None, note: str = "", *, is_w
             limited(-50, 500),
             "Steps is 0.05 mm (2.5 steps); allowed: a number from -1 to 10 mm, in steps of 0.02 mm.",
         ),
+        # Of a single place its length isn't rounded inwards, where nothing would be left.
+        ("length", 2.5, limited(2000, 2000), "Steps is 0.05 mm (2.5 steps); allowed: only 40 mm."),
+        (
+            "length",
+            5,
+            limited(12_345_678, 12_345_678, ", the end"),
+            "Steps is 0.1 mm (5 steps); allowed: only 246,914 mm, the end.",
+        ),
         (
             "speed",
             1050.0,
