@@ -28,8 +28,10 @@ SINCE = r"on \d{4}-\d\d-\d\d \d\d:\d\d UTC"
 
 
 @pytest.fixture
-def cable() -> Iterator[GrblOnACable]:
+def cable(monkeypatch: pytest.MonkeyPatch) -> Iterator[GrblOnACable]:
     with GrblOnACable() as cable:
+        # However busy the machine is, it notices that its port is closed before that is opened again.
+        monkeypatch.setattr(attachment, "sleep", lambda _: cable.wait_until_closed())
         yield cable
 
 
@@ -45,6 +47,7 @@ def route(client: TestClient, cable: GrblOnACable) -> str:
 def again(client: TestClient, cable: GrblOnACable, route: str) -> dict[str, Any]:
     """Disconnect it and connect it again."""
     ok(client.delete(route))
+    cable.wait_until_closed()
     return ok(client.get(connected(client, cable.port, "grbl")))
 
 
