@@ -14,6 +14,7 @@ from controllers.grbl.bench import Bench, by, to
 from controllers.grbl.emulator import Eeprom
 from designs import design
 from stepramp.controllers.contract import OwnTerms, PushReport
+from stepramp.controllers.grbl import conversation
 from stepramp.controllers.grbl.controller import IN_USE, GrblController
 from stepramp.controllers.grbl.push import PushPlan
 from stepramp.controllers.grbl.ramp import GrblRamp, grbl_losses
@@ -23,6 +24,7 @@ from stepramp.design import Design
 from stepramp.errors import DeviceLost, Refused, Rejected
 
 SCALE = "The design has 50 steps per mm, grbl 250 per mm: the design's steps are sent, not its lengths."
+PATIENCE_S = 10.0
 OWN_INTERVALS = "The method Exact is not kept: grbl works its intervals out itself, one speed for each 10 ms."
 
 
@@ -210,6 +212,15 @@ def started_again(bench: Bench) -> GrblController:
     return bench.controller
 
 
+@pytest.fixture
+def _patient(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Wait as long as for a real one: what answers at once costs nothing by that, also where the machine is busy."""
+    del bench
+    monkeypatch.setattr(conversation, "ANSWER_S", PATIENCE_S)
+    monkeypatch.setattr(conversation, "GREETING_S", PATIENCE_S)
+
+
+@pytest.mark.usefixtures("_patient")
 def test_what_is_stored_is_seen_at_its_next_start(bench: Bench, controller: GrblController) -> None:
     assert controller.has_started
     push(controller, design())
@@ -221,6 +232,7 @@ def test_what_is_stored_is_seen_at_its_next_start(bench: Bench, controller: Grbl
     assert again.others({"$110": "240.000", "$120": "20"}) == {}
 
 
+@pytest.mark.usefixtures("_patient")
 @pytest.mark.parametrize("fault", ["is_broken", "is_worn"])
 def test_what_its_eeprom_did_not_keep_is_found_by_its_next_start(
     bench: Bench, controller: GrblController, fault: str
