@@ -378,5 +378,13 @@ export function samplesOf(state) {
   return samples?.length === null ? null : samples;
 }
 
+/** Whether that move follows the ramp that is plotted, as far as the page knows: only then its ends are those of the plan.
+ * @param {State} state */
+export function isMoveOfPlotted(state) {
+  const device = deviceOf(state);
+  const [made, present] = [device && moveOf(state, device.id, deviceAxisOf(state)).design, designOf(state)];
+  return made !== null && present !== null && areSameRamps([{ ...made, move: present.move }], [present]);
+}
+
 /** @param {string} id @param {number} axis */
 const runKey = (id, axis) => `${id} ${axis}`;

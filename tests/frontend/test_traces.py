@@ -4,6 +4,7 @@ import pytest
 
 from designs import document
 from frontend.modules import Modules
+from frontend.state import DEVICE, MACHINE, after
 
 READ = """async ([answers, overAt]) => {
     const {untilComplete} = await import('/devices/traces.js');
@@ -62,6 +63,17 @@ def test_what_an_axis_made_is_forgotten_once_another_sets_out_without_it(modules
             tell(4, ['ready', 30], ['moving', 12]), tell(5, ['ready', 30], ['ready', 20]),
             tell(6, ['moving', 31], ['ready', 20])]; }"""
     assert modules.evaluate(script) == [[None, None], [1, 1], [2, 2], [3, 2], [None, 1], [None, 2], [1, None]]
+
+
+@pytest.mark.parametrize(("is_pushed", "length"), [(True, 1000), (False, None)])
+def test_a_move_of_another_ramp_than_the_plotted_one_lies_at_the_steps_that_it_made(
+    modules: Modules, is_pushed: bool, length: int | None
+) -> None:
+    pushed = {"designs": [document()], "ids": [5], "toAxis": 0, "crc": None}
+    told = [["work.begin", {**MACHINE, "ids": [5]}], ["device.heard", [{**DEVICE, "axes": [axis_at(0)]}], {}]]
+    look = """async (state) => { const {asMade} = await import('/panels/plots/layers.js');
+        return asMade(state, {position: [0, 900], length: 1000}).length; }"""
+    assert after(modules, [*told, *([["device.pushed", "1", pushed]] if is_pushed else [])], look) == length
 
 
 def test_what_ran_without_an_end_has_none_when_it_was_slowed_down_either(modules: Modules) -> None:

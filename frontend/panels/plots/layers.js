@@ -1,7 +1,7 @@
 // @ts-check
 // What is drawn of a state: the curves of the methods, and what lies beside them over the same axis.
 
-import { runningMoveOf, samplesOf } from '../../app/devices.js';
+import { isMoveOfPlotted, runningMoveOf, samplesOf } from '../../app/devices.js';
 import { axisMovesOf, measuredOf, pinnedOf, shownCaptureOf, shownOwnRampOf } from '../../app/selectors.js';
 import { besideOf } from '../../app/library.js';
 import { METHODS } from '../../model/methods.js';
@@ -41,9 +41,13 @@ export function extrasOver(state, answer, against) {
     own: own && ownOver(answer, against, own),
     measured: measured && measuredOver(answer, against, measured),
     captured: captured && capturedOver(answer, against, captured),
-    live: live && liveOver(answer, against, live),
+    live: live && liveOver(answer, against, asMade(state, live)),
   };
 }
+
+/** A move of another ramp than the plotted one lies at the steps that it made: it has no ends in common with that.
+ * @param {State} state @param {import('../../model/types.js').Samples} samples */
+export const asMade = (state, samples) => (isMoveOfPlotted(state) ? samples : { ...samples, length: null });
 
 /** What was told of a move while it ran, once it rests; of one that was traced step by step that says nothing more. A move
  * that runs is drawn by the overlay: for each sample anew.

@@ -5,7 +5,7 @@ import { removeCapture, showCapture } from '../../app/commands/capture.js';
 import { takeAway } from '../../app/commands/library.js';
 import { look as lookOtherwise, read as tellReading, selectRow, switchMethod, switchOwn, wantPoints, zoomTo } from '../../app/commands/view.js';
 import { pin, setTable, unpin } from '../../app/commands/work.js';
-import { ownPlayerOf, runningMoveOf, samplesOf } from '../../app/devices.js';
+import { isMoveOfPlotted, ownPlayerOf, runningMoveOf, samplesOf } from '../../app/devices.js';
 import { besideOf } from '../../app/library.js';
 import {
   areAxesShown,
@@ -34,7 +34,7 @@ import { ONE_PLOT } from '../../ui/layouts.js';
 import { shownValue } from '../../model/units.js';
 import { createCursor } from './cursor.js';
 import { watchGestures } from './gestures.js';
-import { curvesOver, extrasOver, restingSamplesOf } from './layers.js';
+import { asMade, curvesOver, extrasOver, restingSamplesOf } from './layers.js';
 import { createLegend } from './legend.js';
 import { createMotorMarks } from './motor_marks.js';
 import { readLook } from './look.js';
@@ -307,11 +307,14 @@ export function createPlots(root, dispatch) {
       return;
     }
     const samples = samplesOf(state);
-    const live = samples && liveOver(answer, against(), samples);
+    const live = samples && liveOver(answer, against(), asMade(state, samples));
     const step = Math.max(1, plottedStep(activeProfile(answer), move.done, move.remaining));
     const speed = shownValue(state.units, answer.design, 'speed', move.speed);
-    const place = Number.isNaN(step) ? null : { x: interpolate(curve.step, curve.x, step), speed, isOld: move.isOld };
-    legend.showLonger(place === null);
+    const isPlaced = !Number.isNaN(step);
+    legend.showLonger(!isPlaced && isMoveOfPlotted(state));
+    const planned = isPlaced ? interpolate(curve.step, curve.x, step) : null;
+    const x = live !== null && !isMoveOfPlotted(state) ? (live.x.at(-1) ?? null) : planned;
+    const place = x === null ? null : { x, speed, isOld: move.isOld };
     overlay.showMove(frame, place, live);
   }
 
@@ -327,7 +330,7 @@ export function createPlots(root, dispatch) {
     bar.show({ against: view.against, view: view.part, only: view.only, areAxesShown: areAllShown });
     bar.showPinned(pinnedOf(now) !== null);
     switches.show(view, isMeasured || captured !== null, areAllShown);
-    legend.showTrace(isMeasured || samplesOf(now) !== null, isMeasured && !isMeasuredOfDesign(now));
+    legend.showTrace(isMeasured || samplesOf(now) !== null, isMeasured ? !isMeasuredOfDesign(now) : !isMoveOfPlotted(now));
     legend.showCapture(captured);
     legend.showBeside(besideOf(now));
     legend.showOwn(areAllShown ? null : (now.answers.ownRamp?.ramp ?? null), ownPlayerOf(now)?.title ?? '', now.isOwnShown);
@@ -343,6 +346,7 @@ export function createPlots(root, dispatch) {
         isMeasuredOfDesign(now),
         shownCaptureOf(now),
         samplesOf(now) === null,
+        isMoveOfPlotted(now),
         axisMovesOf(now),
         pinnedOf(now),
         besideOf(now),
@@ -357,7 +361,7 @@ export function createPlots(root, dispatch) {
       (now) => [viewOf(now), now.shown, now.units, now.theme, measuredOf(now), shownCaptureOf(now), pinnedOf(now), besideOf(now), isSliding(now)],
       redrawAnew,
     ),
-    whenever((now) => [shownCurvesOf(now), axisMovesOf(now), restingSamplesOf(now), shownOwnRampOf(now)], drawAnew),
+    whenever((now) => [shownCurvesOf(now), axisMovesOf(now), restingSamplesOf(now), isMoveOfPlotted(now), shownOwnRampOf(now)], drawAnew),
     whenChanged((now) => [designOf(now)], (design) => design && points.show(design)),
     whenChanged(({ row }) => [row], (row) => points.select(row)),
     whenever((now) => [runningMoveOf(now)], showMove),
