@@ -35,6 +35,9 @@ import { shownValue, STEPS_AND_SECONDS, unitWord } from '../model/units.js';
  * @property {boolean} isExact   the step was computed, or lies on a plateau; false: between two computed ones */
 /** @typedef {{step: number, time_s: number, x: number, methods: MethodReading[]}} Reading */
 
+// So much further a move that runs is given room, once it lasts longer than there was.
+const REACH_GROWS_BY = 1.25;
+
 /** Index of the first element that is not less than `value`; the length if none is.
  * @param {number[]} ascending @param {number} value */
 function lowerBound(ascending, value) {
@@ -283,6 +286,15 @@ export function liveOver(answer, against, { time_s, position, speed, length }) {
   const perStep = shownValue(unitsOf(answer), answer.design, 'speed', 1);
   const { x, broken } = placed(answer, against, plotted(answer, position.map(Math.abs), length), time_s);
   return { x, velocity: broken(speed.map((each) => Math.abs(each) * perStep)) };
+}
+
+/** How far along the axis a move that runs goes: to its end, or, of the end of which only the steps are known, ever further.
+ * @param {Answer} answer @param {PlotAxis} against @param {import('../model/types.js').Samples} samples since its start */
+export function reachOver(answer, against, { time_s, length }) {
+  if (against !== 'time') return along(answer, against, [length ?? 0], [0])[0];
+  let end = activeProfile(answer).summary.duration_s;
+  while (end < (time_s.at(-1) ?? 0)) end *= REACH_GROWS_BY;
+  return along(answer, against, [], [end])[0];
 }
 
 /** Steps of a move of another length at the steps of the plotted one that they stand for.

@@ -33,7 +33,8 @@ import { isOfMotion, onePlot, PLOTS, plotsShowing, plotsThere } from './plots.js
  * @property {OwnCurve | null} [own]         what the controller in view plays itself
  * @property {Measured | null} [measured]
  * @property {import('./captured.js').CapturedCurve | null} [captured]
- * @property {{x: number[], velocity: number[]} | null} [live]  a move that runs
+ * @property {{x: number[], velocity: number[]} | null} [live]  what was told of a move that rests
+ * @property {number | null} [reach]         how far along the axis one of another ramp goes that runs
  * @property {AxisCurve[] | null} [axes]     all axes over one time instead of one axis' methods
  * @property {[number, number] | null} zoom  in axis units (not logarithms); null: as the view has it
  * @property {{width: number, height: number}} size
@@ -196,11 +197,11 @@ function phasesOf({ answer, curves }) {
 
 /** The range that a view shows.
  * @param {Scene} scene @param {Frame['phases']} phases @returns {Range} */
-function fullRange({ curves, against, view, axes, pinned, beside: laid = [], captured, own }, phases) {
-  const beside = axes ? [] : [pinned, ...laid, captured, own].flatMap((one) => (one && one.x.length > 0 ? [one] : []));
+function fullRange({ curves, against, view, axes, pinned, beside: laid = [], captured, own, live, reach }, phases) {
+  const beside = axes ? [] : [pinned, ...laid, captured, own, live].flatMap((one) => (one && one.x.length > 0 ? [one] : []));
   const all = [...(axes ?? entriesOf(curves).map(([, curve]) => curve)), ...beside];
   const ends = all.flatMap((curve) => [curve.x[0], curve.x[curve.x.length - 1]]);
-  const [first, last] = [Math.min(...ends, 0), Math.max(...ends, 0)];
+  const [first, last] = [Math.min(...ends, reach ?? 0, 0), Math.max(...ends, reach ?? 0, 0)];
   const margin = (last - first || 1) * 0.004;
   if (view === 'whole' || axes) return { low: first - margin, high: last + margin, isLog: false };
   const [begin, end] = [phases[0].from, phases[phases.length - 1].to];

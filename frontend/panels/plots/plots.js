@@ -24,7 +24,7 @@ import {
   viewOf,
 } from '../../app/selectors.js';
 import { FIRST_VIEW, remembering, whenChanged, whenever } from '../../app/state.js';
-import { activeProfile, interpolate, liveOver, plottedStep } from '../../plotting/curves.js';
+import { activeProfile, interpolate, liveOver, plottedStep, reachOver } from '../../plotting/curves.js';
 import { motorMarksOf } from '../../plotting/motor_marks.js';
 import { element } from '../../ui/dom.js';
 import { figureOf } from '../../plotting/figure.js';
@@ -79,6 +79,9 @@ export function createPlots(root, dispatch) {
   let extras = {};
   /** @type {Frame | null} */
   let frame = null;
+  /** How far along the axis a move of another ramp goes that runs; null: none does.
+   * @type {number | null} */
+  let reach = null;
   let awaitedFrame = 0;
   /** The room for the plots [px]; none: they can't be seen. */
   let size = { width: 0, height: 0 };
@@ -210,6 +213,7 @@ export function createPlots(root, dispatch) {
       third,
       acceleration,
       zoom,
+      reach,
       against: against(),
       answer,
       curves,
@@ -304,18 +308,28 @@ export function createPlots(root, dispatch) {
     if (!move || !curve || areAll()) {
       legend.showLonger(false);
       overlay.showMove(frame, null, null);
+      widen(null);
       return;
     }
-    const samples = samplesOf(state);
+    const [samples, isOfPlotted] = [samplesOf(state), isMoveOfPlotted(state)];
     const live = samples && liveOver(answer, against(), asMade(state, samples));
+    widen(samples === null || isOfPlotted ? null : reachOver(answer, against(), samples));
     const step = Math.max(1, plottedStep(activeProfile(answer), move.done, move.remaining));
     const speed = shownValue(state.units, answer.design, 'speed', move.speed);
     const isPlaced = !Number.isNaN(step);
-    legend.showLonger(!isPlaced && isMoveOfPlotted(state));
+    legend.showLonger(!isPlaced && isOfPlotted);
     const planned = isPlaced ? interpolate(curve.step, curve.x, step) : null;
-    const x = live !== null && !isMoveOfPlotted(state) ? (live.x.at(-1) ?? null) : planned;
+    const x = live !== null && !isOfPlotted ? (live.x.at(-1) ?? null) : planned;
     const place = x === null ? null : { x, speed, isOld: move.isOld };
     overlay.showMove(frame, place, live);
+  }
+
+  /** A move of another ramp has room to its end.
+   * @param {number | null} wanted */
+  function widen(wanted) {
+    if (wanted === reach) return;
+    reach = wanted;
+    redraw();
   }
 
   // ---- what is shown ----
