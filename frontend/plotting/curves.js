@@ -35,7 +35,7 @@ import { shownValue, STEPS_AND_SECONDS, unitWord } from '../model/units.js';
  * @property {boolean} isExact   the step was computed, or lies on a plateau; false: between two computed ones */
 /** @typedef {{step: number, time_s: number, x: number, methods: MethodReading[]}} Reading */
 
-// So much further a move that runs is given room, once it lasts longer than there was.
+// So much more room a move that runs is given, once it goes on, or faster, than there was room for: not anew at each sample.
 const REACH_GROWS_BY = 1.25;
 
 /** Index of the first element that is not less than `value`; the length if none is.
@@ -288,14 +288,19 @@ export function liveOver(answer, against, { time_s, position, speed, length }) {
   return { x, velocity: broken(speed.map((each) => Math.abs(each) * perStep)) };
 }
 
-/** How far along the axis a move that runs goes: to its end, or, of the end of which only the steps are known, ever further.
- * @param {Answer} answer @param {PlotAxis} against @param {import('../model/types.js').Samples} samples since its start */
-export function reachOver(answer, against, { time_s, length }) {
-  if (against !== 'time') return along(answer, against, [length ?? 0], [0])[0];
-  let end = activeProfile(answer).summary.duration_s;
-  while (end < (time_s.at(-1) ?? 0)) end *= REACH_GROWS_BY;
-  return along(answer, against, [], [end])[0];
+/** How far along the axis a move that runs goes, and how fast it gets: to its end, as far as that is known, or else ever further.
+ * @param {Answer} answer @param {PlotAxis} against @param {import('../model/types.js').Samples} samples since its start
+ * @returns {{x: number, velocity: number}} */
+export function reachOver(answer, against, { time_s, speed, length }) {
+  const { duration_s, peak_speed_steps_per_s } = activeProfile(answer).summary;
+  const end = grown(duration_s, time_s.at(-1) ?? 0);
+  const fastest = grown(peak_speed_steps_per_s, Math.max(0, ...speed.map(Math.abs)));
+  const [x] = along(answer, against, [length ?? 0], [end]);
+  return { x, velocity: shownValue(unitsOf(answer), answer.design, 'speed', fastest) };
 }
+
+/** @param {number} most as planned @param {number} needed */
+const grown = (most, needed) => (needed <= most ? most : most * REACH_GROWS_BY ** Math.ceil(Math.log(needed / most) / Math.log(REACH_GROWS_BY)));
 
 /** Steps of a move of another length at the steps of the plotted one that they stand for.
  * @param {Answer} answer @param {number[]} steps @param {number | null} length null: not known; they stay */

@@ -34,7 +34,7 @@ import { isOfMotion, onePlot, PLOTS, plotsShowing, plotsThere } from './plots.js
  * @property {Measured | null} [measured]
  * @property {import('./captured.js').CapturedCurve | null} [captured]
  * @property {{x: number[], velocity: number[]} | null} [live]  what was told of a move that rests
- * @property {number | null} [reach]         how far along the axis one of another ramp goes that runs
+ * @property {{x: number, velocity: number} | null} [reach]  how far one of another ramp goes that runs, and how fast it gets
  * @property {AxisCurve[] | null} [axes]     all axes over one time instead of one axis' methods
  * @property {[number, number] | null} zoom  in axis units (not logarithms); null: as the view has it
  * @property {{width: number, height: number}} size
@@ -201,7 +201,7 @@ function fullRange({ curves, against, view, axes, pinned, beside: laid = [], cap
   const beside = axes ? [] : [pinned, ...laid, captured, own, live].flatMap((one) => (one && one.x.length > 0 ? [one] : []));
   const all = [...(axes ?? entriesOf(curves).map(([, curve]) => curve)), ...beside];
   const ends = all.flatMap((curve) => [curve.x[0], curve.x[curve.x.length - 1]]);
-  const [first, last] = [Math.min(...ends, reach ?? 0, 0), Math.max(...ends, reach ?? 0, 0)];
+  const [first, last] = [Math.min(...ends, reach?.x ?? 0, 0), Math.max(...ends, reach?.x ?? 0, 0)];
   const margin = (last - first || 1) * 0.004;
   if (view === 'whole' || axes) return { low: first - margin, high: last + margin, isLog: false };
   const [begin, end] = [phases[0].from, phases[phases.length - 1].to];
@@ -278,7 +278,7 @@ export function activeCurve({ answer, curves }) {
 /** The lists of x and y that a plot draws.
  * @param {Scene} scene @param {PlotName} name @returns {[number[], number[]][]} */
 function listsOf(scene, name) {
-  const { curves, shown: names, axes, pinned, beside = [], third, own } = scene;
+  const { curves, shown: names, axes, pinned, beside = [], third, own, live, reach } = scene;
   const { curve, measured: ofMeasured, own: ofOwn, ofAxis } = plotOf(name, third);
   if (axes) return ofAxis === null ? [] : axes.map((one) => [one.x, ofAxis(one)]);
   const drawn = entriesOf(curves).filter(([method]) => names.has(method));
@@ -291,6 +291,8 @@ function listsOf(scene, name) {
   const isOwnThere = own && (name !== 'error' || (third ?? 'error') === 'error');
   const drawnLists = all.map((one) => pair(curve(one).x, curve(one).y));
   if (isOwnThere) drawnLists.push(pair(own.x, ofOwn(own)));
+  if (name === 'velocity' && live) drawnLists.push(pair(live.x, live.velocity));
+  if (name === 'velocity' && reach) drawnLists.push(pair([reach.x], [reach.velocity]));
   return ofMeasured ? [...drawnLists, ...measured.map((one) => pair(one.x, ofMeasured(one)))] : drawnLists;
 }
 

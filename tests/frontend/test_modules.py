@@ -120,29 +120,34 @@ def test_traces_come_in_three_a_method_the_chosen_one_last_and_widest(modules: M
 
 
 @pytest.mark.parametrize(
-    ("change", "ends"),
+    ("change", "ends", "fastest"),
     [
-        ({}, (0, 4)),
-        ({"live": {"x": [1, 9], "velocity": [0, 500]}}, (0, 9)),
-        ({"reach": 12}, (0, 12)),
-        ({"reach": -12}, (-12, 4)),
-        ({"reach": 12, "view": "up"}, (1, 3)),
+        ({}, (0, 4), 500),
+        ({"live": {"x": [1, 9], "velocity": [0, 700]}}, (0, 9), 700),
+        ({"reach": {"x": 12, "velocity": 600}}, (0, 12), 600),
+        ({"reach": {"x": -12, "velocity": 600}}, (-12, 4), 600),
+        ({"reach": {"x": 12, "velocity": 600}, "view": "up"}, (1, 3), 600),
     ],
 )
 def test_a_move_that_goes_beyond_the_plotted_one_has_room(
-    modules: Modules, change: dict[str, object], ends: tuple[int, int]
+    modules: Modules, change: dict[str, object], ends: tuple[int, int], fastest: float
 ) -> None:
-    axis = modules.evaluate(SCENE, change)["layout"]["xaxis"]
-    assert axis["range"] == pytest.approx(ends, abs=0.4)
+    layout = modules.evaluate(SCENE, change)["layout"]
+    assert layout["xaxis"]["range"] == pytest.approx(ends, abs=0.4)
+    assert layout["yaxis"]["range"][1] == pytest.approx(1.12 * fastest)
 
 
-def test_a_move_that_runs_has_room_to_its_end_or_ever_further_in_time(modules: Modules) -> None:
-    script = """async (samples) => { const {reachOver} = await import('/plotting/curves.js');
+def test_a_move_that_runs_has_room_to_its_end_or_ever_further(modules: Modules) -> None:
+    script = """async ([samples, speeds, times]) => { const {reachOver} = await import('/plotting/curves.js');
         const answer = {design: {axis: {full_steps_per_rev: 200, microsteps: 2, travel_per_rev: 8, travel_unit: 'mm'},
-            move: {steps: -500}, method: {name: 'exact'}}, profiles: {exact: {summary: {duration_s: 2}}}};
-        return [...['step', 'position'].map((against) => reachOver(answer, against, samples)), ...[[], [1.9], [2.1, 3]]
-            .map((time_s) => reachOver(answer, 'time', {...samples, time_s}))]; }"""
-    assert modules.evaluate(script, {"time_s": [3], "length": 4000}) == pytest.approx([4000, -80, 2000, 2000, 3125])
+            move: {steps: -500}, method: {name: 'exact'}},
+            profiles: {exact: {summary: {duration_s: 2, peak_speed_steps_per_s: 800}}}};
+        return [['step', 'position'].map((against) => reachOver(answer, against, samples).x),
+            times.map((time_s) => reachOver(answer, 'time', {...samples, time_s}).x),
+            speeds.map((speed) => reachOver(answer, 'step', {...samples, speed}).velocity)]; }"""
+    samples = {"time_s": [3], "speed": [7], "length": 4000}
+    told = modules.evaluate(script, [samples, [[], [800, 9], [-801], [1001]], [[], [1.9], [2.1, 3]]])
+    assert told == [[4000, -80], [2000, 2000, 3125], [800, 800, 1000, 1250]]
 
 
 def test_few_steps_are_drawn_as_steps_and_a_table_always_is(modules: Modules) -> None:

@@ -31,6 +31,7 @@ import { figureOf } from '../../plotting/figure.js';
 import { stepsIn } from '../../plotting/frame.js';
 import { REFERENCE } from '../../model/methods.js';
 import { ONE_PLOT } from '../../ui/layouts.js';
+import { areEqual } from '../../model/equal.js';
 import { shownValue } from '../../model/units.js';
 import { createCursor } from './cursor.js';
 import { watchGestures } from './gestures.js';
@@ -79,8 +80,8 @@ export function createPlots(root, dispatch) {
   let extras = {};
   /** @type {Frame | null} */
   let frame = null;
-  /** How far along the axis a move of another ramp goes that runs; null: none does.
-   * @type {number | null} */
+  /** How far a move of another ramp goes that runs, and how fast it gets; null: none does.
+   * @type {ReturnType<typeof reachOver> | null} */
   let reach = null;
   let awaitedFrame = 0;
   /** The room for the plots [px]; none: they can't be seen. */
@@ -325,9 +326,9 @@ export function createPlots(root, dispatch) {
   }
 
   /** A move of another ramp has room to its end.
-   * @param {number | null} wanted */
+   * @param {ReturnType<typeof reachOver> | null} wanted */
   function widen(wanted) {
-    if (wanted === reach) return;
+    if (areEqual(wanted, reach)) return;
     reach = wanted;
     redraw();
   }
