@@ -177,11 +177,12 @@ export const previewQuestionOf = (state) => (isDesignValid(state) ? pushQuestion
 function pushQuestionOf(state) {
   const device = deviceOf(state);
   if (state.devices.link !== 'there' || device?.state !== 'ready') return null;
-  const { id, ramp, on_trial, timer_hz, in_control } = device;
+  const { id, ramp, on_trial, timer_hz, in_control, motors_on } = device;
   const designs = designsToPush(state);
   // What a push warns of depends on its scale, too, which somebody else may set meanwhile.
   const scales = device.axes.map(({ steps_per_mm, microsteps }) => `${steps_per_mm} ${microsteps}`).join();
-  return { id, state: [ramp, on_trial, timer_hz, in_control, scales], axis: deviceAxisOf(state), designs, ids: idsToPush(state) };
+  // With motors that have current, some aren't restarted.
+  return { id, state: [ramp, on_trial, timer_hz, in_control, scales, motors_on], axis: deviceAxisOf(state), designs, ids: idsToPush(state) };
 }
 
 /** The ids of the axes whose designs a push sends.

@@ -393,6 +393,7 @@
  * @property {number} target_steps
  * @property {number} speed_steps_per_s
  * @property {number | null} timer_hz      null until it is connected, and without a step timer
+ * @property {boolean} motors_on          whether motors have current
  * @property {string | null} firmware_version
  * @property {{sequence: number | null, crc: number | null} | null} ramp
  * @property {Push | null} pushed */

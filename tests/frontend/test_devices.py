@@ -251,14 +251,14 @@ def test_what_was_pushed_is_remembered_with_the_checksum_of_the_ramps(modules: M
     assert modules.evaluate(PUSH, [document(), items]) == known
 
 
-def test_what_a_push_would_change_is_asked_anew_once_the_scale_is_another(modules: Modules) -> None:
+def test_what_a_push_would_change_is_asked_anew_once_what_it_depends_on_is_another(modules: Modules) -> None:
     script = """async ([design, was, now]) => {
         const {FIRST_STATE, createStore} = await import('/app/state.js');
         const {COMMANDS} = await import('/app/commands/commands.js');
         const {areSameQuestions, previewQuestionOf} = await import('/app/devices.js');
         const store = createStore(FIRST_STATE, (error) => { throw error; });
-        const heard = (axis) => store.dispatch(COMMANDS.device.heard, [{id: '1', port: 'sim://', state: 'ready',
-            axes: [axis], most_axes: 1, stops: 0, in_control: null}], {});
+        const heard = ({motors_on, ...axis}) => store.dispatch(COMMANDS.device.heard, [{id: '1', port: 'sim://',
+            state: 'ready', axes: [axis], most_axes: 1, stops: 0, in_control: null, motors_on}], {});
         store.dispatch(COMMANDS.work.begin,
             {axes: [design], together: 'independent', ids: [5], active: 0, kept: null});
         store.dispatch(COMMANDS.device.linked, 'there');
@@ -268,10 +268,11 @@ def test_what_a_push_would_change_is_asked_anew_once_the_scale_is_another(module
         const before = previewQuestionOf(store.state());
         heard(now);
         return areSameQuestions(before, previewQuestionOf(store.state())); }"""
-    was = {"steps_per_mm": None, "microsteps": 8, "position_steps": 0}
+    was = {"steps_per_mm": None, "microsteps": 8, "position_steps": 0, "motors_on": False}
     assert modules.evaluate(script, [document(), was, was | {"position_steps": 5}])
     assert not modules.evaluate(script, [document(), was, was | {"microsteps": 16}])
     assert not modules.evaluate(script, [document(), was, was | {"steps_per_mm": 80}])
+    assert not modules.evaluate(script, [document(), was, was | {"motors_on": True}]), "some aren't restarted then"
 
 
 REFUSED = """async ([design, rejections, meanwhile]) => {

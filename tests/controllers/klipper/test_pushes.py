@@ -85,6 +85,26 @@ def test_klipper_is_not_restarted_where_that_costs_something(
     assert "max_velocity: 100 " in bench.printer.files["printer.cfg"]
 
 
+def test_a_preview_tells_the_lines_that_are_written_and_that_klipper_is_restarted(clock: Clock) -> None:
+    config = CONFIG.replace("max_z_velocity: 5", "max_z_velocity: 150")
+    bench = Bench(clock, {"printer.cfg": config, "macros/start.cfg": MACROS})
+    controller = bench.connected()
+    told = controller.preview_push([SLOW], 0).warnings
+    assert told[:3] == (
+        "Storing it writes max_accel: 1000, max_velocity: 100, max_z_velocity: 100 to [printer] of Klipper's "
+        "configuration.",
+        "max_z_velocity is lowered to 100 with max_velocity: Klipper doesn't start with more.",
+        "Storing it restarts Klipper: its axes have to be homed again after that.",
+    )
+    assert told[1] in controller.prepare_push([SLOW], 0)().warnings
+    before, bench.printer.has_current = config.split("\n"), True
+    lines = set(bench.printer.files["printer.cfg"].split("\n")).difference(before)
+    assert lines == {"max_accel: 1000", "max_velocity: 100  ; as it came", "max_z_velocity: 100"}
+    controller.status()
+    told = controller.preview_push([SLOW], 0).warnings
+    assert told[0] == ("Storing it doesn't restart Klipper: a restart switches the motors off, and they have current.")
+
+
 def test_what_somebody_else_has_changed_is_neither_overwritten_nor_started(bench: Bench) -> None:
     controller = bench.connected()
     bench.printer.files["printer.cfg"] = CONFIG.replace("position_max: 250", "position_max: 240")

@@ -159,7 +159,8 @@ class KlipperController(Controller, StoresRamps, TriesRamps, DrawsLines, BacksUp
     def preview_push(self, designs: Sequence[Design], first_axis: int | None = None) -> PushPreview:
         """Work out what a push would change; see Controller."""
         plan = self._plan(designs, first_axis, "keep")
-        return plan.preview(self._known(self._memory.in_use(self._conversation.last)))
+        seen = self._conversation.last
+        return plan.preview(self._known(self._memory.in_use(seen)), self._memory.consequences(plan.options, seen))
 
     def keep(self) -> tuple[str, ...]:
         """Write the limits in use to the configuration, and return what there is to say; Refused when it has them."""

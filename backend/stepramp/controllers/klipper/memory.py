@@ -154,8 +154,20 @@ class Memory:
         self._require(to_be)
         self._expected = _with(self._expected, wanted)
         self._stored = Limits.of(self._expected)
-        for name, value in lowered.items():
-            yield f"{name} is lowered to {float(value):,.10g} with {CAPPED[name]}: Klipper doesn't start with more."
+        yield from _lowered_words(lowered)
+
+    def consequences(self, options: Mapping[str, str], seen: Seen) -> Iterator[str]:
+        """Yield what storing options would do besides setting them, as far as that is known by now."""
+        lowered, there = dict(_capped(self._expected, options)), self._expected.get(PRINTER, {})
+        lines = [f"{name}: {value}" for name, value in {**options, **lowered}.items() if there.get(name) != value]
+        if lines:
+            yield f"Storing it writes {', '.join(lines)} to [{PRINTER}] of Klipper's configuration."
+        yield from _lowered_words(lowered)
+        reason = self._reason_by_itself(seen)
+        if reason is None:
+            yield "Storing it restarts Klipper: its axes have to be homed again after that."
+        else:
+            yield f"Storing it doesn't restart Klipper: {reason}."
 
     def start_anew(self, seen: Seen) -> Iterator[str]:
         """Have Klipper read its configuration, where that costs nothing, and yield what there is to say.
@@ -275,6 +287,14 @@ class Memory:
         """Return why Klipper is not to be restarted, as the end of a sentence; None when it may be."""
         if seen.is_printing or seen.is_busy:
             return "it is busy"
+        if (reason := self._reason_by_itself(seen)) is not None:
+            return reason
+        if not same_sections(self._files.configuration()[0].sections, self._expected):
+            return "its files have been changed since it started, by somebody else"
+        return None
+
+    def _reason_by_itself(self, seen: Seen) -> str | None:
+        """Return the same of one that rests, without a look at its files."""
         if seen.has_current:
             return "a restart switches the motors off, and they have current"
         if self._has_unsaved:
@@ -282,8 +302,6 @@ class Memory:
         for name, options in self._loaded.items():
             if name.startswith("delayed_gcode") and _number(options.get("initial_duration", "0")) != 0:
                 return f"with [{name}] it carries something out when it starts"
-        if not same_sections(self._files.configuration()[0].sections, self._expected):
-            return "its files have been changed since it started, by somebody else"
         return None
 
 
@@ -310,6 +328,11 @@ def _capped(sections: Sections, options: Mapping[str, str]) -> Iterator[tuple[st
         there = sections.get(PRINTER, {}).get(name)
         if by in options and name not in options and there is not None and _number(there) > float(options[by]):
             yield name, options[by]
+
+
+def _lowered_words(lowered: Mapping[str, str]) -> Iterator[str]:
+    for name, value in lowered.items():
+        yield f"{name} is lowered to {float(value):,.10g} with {CAPPED[name]}: Klipper doesn't start with more."
 
 
 def _place(configuration: Configuration, name: str) -> Place:

@@ -1,6 +1,6 @@
 """Pushing designs to a Klipper: which limits are set, what came of it, and what of the designs is lost."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -80,8 +80,8 @@ class PushPlan:
             warnings=(*self._losses(), *more),
         )
 
-    def preview(self, present: Limits) -> PushPreview:
-        """Return what the push would change of limits."""
+    def preview(self, present: Limits, consequences: Iterable[str]) -> PushPreview:
+        """Return what the push would change of limits. consequences: what storing them does besides."""
         items = tuple(
             PreviewItem(each.name, each.unit, each.read_back, each.sent, each.axis, each.own)
             for each in self._items(present)
@@ -92,7 +92,7 @@ class PushPlan:
             segments=None,
             bytes=self.bytes,
             largest_deviation_us=None,
-            warnings=tuple(self._losses()),
+            warnings=(*consequences, *self._losses()),
         )
 
     def is_had(self, present: Limits) -> bool:
