@@ -80,7 +80,8 @@ import { STEPS_AND_SECONDS } from '../model/units.js';
  * @typedef {{axis: number | null, design: Design | null}} MoveOf */
 /** A move whose trace is awaited: what it is of, and by which numbers the server calls the motions that it consists of.
  * @typedef {{of: MoveOf, first: number, last: number}} TracedMove */
-/** @typedef {{of: MoveOf, move: import('../model/types.js').Measured}} MeasuredMove */
+/** record: what it is in the library's words, where it comes from there.
+ * @typedef {{of: MoveOf, move: import('../model/types.js').Measured, record?: string}} MeasuredMove */
 /** What is known of the moves of axes, by device and axis.
  * @typedef {Record<string, {samples: import('../model/types.js').Samples | null, restingPlace: number | undefined}>} Runs */
 

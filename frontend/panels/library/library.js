@@ -302,18 +302,19 @@ export function createLibraryPanel({ state, dispatch }, act, server = library) {
     if (found === null || axis === null) return;
     const { document, design } = found;
     try {
-      return showDocument(kind, document, design, axis);
+      return showDocument(kind, document, design, axis, `${RECORD_NAMES[kind]} of “${kept.name || 'unnamed'}”, revision ${revision}`);
     } catch {
       say('It can be downloaded, but not shown: it is not as StepRamp itself answers it.');
     }
   }
 
-  /** @param {KeptRecord['kind']} kind @param {any} document as another program may have made it @param {import('../../model/types.js').Design} design @param {number} axis */
-  function showDocument(kind, document, design, axis) {
+  /** @param {KeptRecord['kind']} kind @param {any} document as another program may have made it @param {import('../../model/types.js').Design} design @param {number} axis
+   * @param {string} record what it is */
+  function showDocument(kind, document, design, axis, record) {
     if (kind === 'capture' && document.move === null) return say('No move was found in that capture: there is nothing to lay over the plots.');
     if (kind !== 'stall_map') {
       const move = kind === 'trace' ? measuredFrom(document) : measuredIn(document.move);
-      dispatch(showMeasured, { of: { axis: null, design }, move });
+      dispatch(showMeasured, { of: { axis: null, design }, move, record });
       return say(`The ${RECORD_NAMES[kind].toLowerCase()} lies over the plots now.`);
     }
     const { over } = document;

@@ -14,8 +14,8 @@ import { watchStrip } from '../../ui/strip.js';
 /** @typedef {import('../../model/types.js').MethodName} MethodName */
 
 /** @param {(name: MethodName) => void} onSwitch @param {() => void} onOwn @param {{onOpen: () => void, onRemove: () => void}} capture
- * @param {(key: string) => void} onTakeAway of what is laid beside */
-export function createLegend(onSwitch, onOwn, { onOpen, onRemove }, onTakeAway) {
+ * @param {(key: string) => void} onTakeAway of what is laid beside @param {() => void} onTakeTrace */
+export function createLegend(onSwitch, onOwn, { onOpen, onRemove }, onTakeAway, onTakeTrace) {
   const chips = METHODS.map(({ name, label, plays_table: playsTable }) => {
     const figure = element('em');
     const chip = element(
@@ -28,12 +28,15 @@ export function createLegend(onSwitch, onOwn, { onOpen, onRemove }, onTakeAway) 
     return { name, label, playsTable, chip, figure };
   });
   const traceFigure = element('em');
+  const traceRemoval = { className: 'remove', id: 'remove-trace', type: 'button', title: 'Remove the trace', 'aria-label': 'Remove the trace' };
+  const removeTrace = element('button', { ...traceRemoval, onclick: onTakeTrace }, icon('remove'));
   const trace = element(
     'span',
     { className: 'chip trace', hidden: true },
     lineSwatch('--measured'),
     element('span', { textContent: 'Trace' }),
     traceFigure,
+    removeTrace,
   );
   const [ownLabel, ownFigure] = [element('span', { textContent: 'As the controller plays it' }), element('em')];
   const own = element(
@@ -51,11 +54,12 @@ export function createLegend(onSwitch, onOwn, { onOpen, onRemove }, onTakeAway) 
     element('span', { textContent: 'Capture' }),
     captureFigure,
   );
+  /** @type {{isOfAnother: boolean, isLonger: boolean, record?: string}} */
   let told = { isOfAnother: false, isLonger: false };
   function tellTrace() {
-    const { isOfAnother, isLonger } = told;
+    const { isOfAnother, isLonger, record } = told;
     showText(traceFigure, isLonger ? 'longer than planned' : isOfAnother ? 'of another ramp' : '');
-    const words = 'What the controller measured of the last move';
+    const words = record ? `${record}, from the library` : 'What the controller measured of the last move';
     trace.title = isLonger
       ? 'The move that runs is longer than the plotted one, which has no place for its middle'
       : isOfAnother
@@ -83,10 +87,12 @@ export function createLegend(onSwitch, onOwn, { onOpen, onRemove }, onTakeAway) 
   return {
     element: legend,
     /** @param {boolean} isTraced whether there is a trace among the lines
-     * @param {boolean} isOfAnother whether it is not known to be of the ramp that is plotted */
-    showTrace(isTraced, isOfAnother) {
+     * @param {boolean} isOfAnother whether it is not known to be of the ramp that is plotted
+     * @param {import('../../app/state.js').MeasuredMove | null} measured null: it runs */
+    showTrace(isTraced, isOfAnother, measured) {
       trace.hidden = !isTraced;
-      told = { ...told, isOfAnother };
+      removeTrace.hidden = measured === null;
+      told = { ...told, isOfAnother, record: measured?.record };
       tellTrace();
     },
     /** @param {boolean} isLonger whether a move runs that is longer than the plotted one, and faster than that ever gets */

@@ -2,6 +2,7 @@
 // The three plots in one figure, with zoom, views and cursor.
 
 import { removeCapture, showCapture } from '../../app/commands/capture.js';
+import { showMeasured } from '../../app/commands/device.js';
 import { takeAway } from '../../app/commands/library.js';
 import { look as lookOtherwise, read as tellReading, selectRow, switchMethod, switchOwn, wantPoints, zoomTo } from '../../app/commands/view.js';
 import { pin, setTable, unpin } from '../../app/commands/work.js';
@@ -110,7 +111,7 @@ export function createPlots(root, dispatch) {
   const legend = createLegend((name) => dispatch(switchMethod, name), () => dispatch(switchOwn), {
     onOpen: () => dispatch(showCapture, true),
     onRemove: () => dispatch(removeCapture),
-  }, (key) => dispatch(takeAway, key));
+  }, (key) => dispatch(takeAway, key), () => dispatch(showMeasured, null));
   const overlay = createOverlay(switches.elements);
   const cursor = createCursor(
     overlay,
@@ -345,7 +346,7 @@ export function createPlots(root, dispatch) {
     bar.show({ against: view.against, view: view.part, only: view.only, areAxesShown: areAllShown });
     bar.showPinned(pinnedOf(now) !== null);
     switches.show(view, isMeasured || captured !== null, areAllShown);
-    legend.showTrace(isMeasured || samplesOf(now) !== null, isMeasured ? !isMeasuredOfDesign(now) : !isMoveOfPlotted(now));
+    legend.showTrace(isMeasured || samplesOf(now) !== null, isMeasured ? !isMeasuredOfDesign(now) : !isMoveOfPlotted(now), isMeasured ? now.devices.measured : null);
     legend.showCapture(captured);
     legend.showBeside(besideOf(now));
     legend.showOwn(areAllShown ? null : (now.answers.ownRamp?.ramp ?? null), ownPlayerOf(now)?.title ?? '', now.isOwnShown);
