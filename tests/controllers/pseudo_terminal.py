@@ -64,7 +64,7 @@ class PseudoTerminal:
         """Notice that somebody has opened the near end."""
 
     def wait_until_closed(self) -> None:
-        """Wait until it is noticed that the near end is closed: opened before that, it seems to have stayed open."""
+        """Wait until it is noticed that the near end is closed: if it is opened earlier, nobody knows that it was."""
         assert self._closed.wait(PATIENCE_S)
 
     def unplug(self) -> None:

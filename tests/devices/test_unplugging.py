@@ -281,7 +281,7 @@ def test_another_board_at_the_port_of_a_lost_one_is_another_device(
     changed_boards.change(first, "B2")
     second = devices.connect(changed_boards.port, "grbl")
     assert (second.view.id, second.view.soft_limits, second.view.unproven, second.view.proof) == ("2", {}, (), None)
-    assert second.backups() == []
+    assert second.backups().backups == []
     second.back_up()
     # Whoever has the first one's id is told, and nothing is done by another board in its place.
     with pytest.raises(
@@ -299,7 +299,7 @@ def test_another_board_at_the_port_of_a_lost_one_is_another_device(
     # The same board back is the same device.
     changed_boards.change(devices.get("3"), "A1")
     assert devices.connect(changed_boards.port, "grbl") is first
-    assert (first.view.state, first.view.soft_limits) == (DeviceState.READY, {0: Span(0, 1000)})
+    assert (first.view.state, first.view.soft_limits) == (DeviceState.READY, {0: Span(0, 1000, steps_per_mm=250.0)})
     assert first.view.proof is not None
     assert set(first.view.proof.not_kept) == set(pending)
     assert devices.get("2").view.state is DeviceState.LOST
