@@ -84,6 +84,9 @@ def test_every_format_is_previewed_and_saved(dialog: ExportDialog, tmp_path: Pat
         expect(dialog.copy).to_be_enabled(enabled=name not in (*PICTURES, "html"))
     dialog.choose("csv")
     expect(dialog.preview.locator("pre")).to_contain_text("step,interval_ticks,interval_us")
+    # The last of the list, too, moves nothing but the list.
+    dialog.choose("png")
+    assert dialog.element.evaluate("(one) => [one.scrollTop, one.scrollHeight - one.clientHeight]") == [0, 0]
 
 
 def test_a_copy_goes_to_the_clipboard(dialog: ExportDialog, context: BrowserContext) -> None:
