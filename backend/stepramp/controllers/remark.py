@@ -1,6 +1,6 @@
 """Sentences about what a controller doesn't keep, with their quantities as data, to be told in other units."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import Self
 
@@ -26,6 +26,24 @@ def of_axis(axis: int, sentence: str) -> str:
     remark = Remark(f"Axis {axis}: {sentence}")
     remark.told = tuple(replace(each, axis=axis) for each in _told(sentence))
     return remark
+
+
+def of_axes(losses: Mapping[int, Iterable[str]]) -> Iterator[str]:
+    """Yield what axes lose, each sentence with the axes that it is about unless there is only one axis.
+
+    What is said of several alike is said once; quantities are each axis' own.
+    """
+    about: dict[tuple[str, tuple[Told, ...], int | None], list[int]] = {}
+    for axis, sentences in losses.items():
+        for sentence in sentences:
+            about.setdefault((sentence, _told(sentence), axis if _told(sentence) else None), []).append(axis)
+    for (sentence, _, _), axes in about.items():
+        if len(losses) == 1:
+            yield sentence
+        elif len(axes) == 1:
+            yield of_axis(axes[0], sentence)
+        else:
+            yield f"Axes {', '.join(map(str, axes[:-1]))} and {axes[-1]}: {sentence}"
 
 
 def told_in(sentences: Iterable[str]) -> tuple[tuple[Told, ...], ...]:

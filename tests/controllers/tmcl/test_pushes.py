@@ -187,7 +187,7 @@ def test_the_axis_is_chosen(six: Bench) -> None:
     assert [ramp_of(six.module, axis) == FACTORY for axis in range(6)] == [True, True, False, True, True, True]
     report = six.controller.prepare_push([design(), design(ramp__slew_speed_steps_per_s=300)], None, "keep")()
     assert {item.axis for item in report.items} == {0, 1}
-    assert any(warning.startswith("Axis 1: The method") for warning in report.warnings)
+    assert any(warning.startswith("Axes 0 and 1: The method") for warning in report.warnings)
     assert ramp_of(six.module, 1, stored=True)[VMAX] == 314
     assert ramp_of(six.module, 2, stored=True) == FACTORY
 

@@ -13,7 +13,7 @@ from stepramp.controllers.grbl.scales import other_scales, refuse_others, unlike
 from stepramp.controllers.grbl.settings import AxisSettings, Known
 from stepramp.controllers.losses import slower
 from stepramp.controllers.per_mm import PerMm
-from stepramp.controllers.remark import of_axis
+from stepramp.controllers.remark import of_axes
 from stepramp.design import Design
 from stepramp.errors import Count, Rejected, Rejection
 
@@ -141,11 +141,11 @@ class PushPlan:
             )
 
     def _losses(self) -> Iterator[str]:
-        several = len(self.designs) > 1
+        losses = dict[int, list[str]]()
         for axis, design in self.designs.items():
             rounded = self.rounding_words[axis]
-            for loss in (*fluidnc_losses(design, self.given[axis]), *(() if rounded is None else (rounded,))):
-                yield of_axis(axis, loss) if several else loss
+            losses[axis] = [*fluidnc_losses(design, self.given[axis]), *(() if rounded is None else (rounded,))]
+        return of_axes(losses)
 
 
 def rate_of(axis: int) -> str:

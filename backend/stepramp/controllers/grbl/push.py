@@ -13,7 +13,7 @@ from stepramp.controllers.grbl.scales import other_scales, refuse_others
 from stepramp.controllers.grbl.settings import ACCELERATION, MOST_RATE, AxisSettings, Settings
 from stepramp.controllers.losses import other_scale, rounding, slower
 from stepramp.controllers.order import lowered_first
-from stepramp.controllers.remark import of_axis
+from stepramp.controllers.remark import of_axes
 from stepramp.design import Design
 from stepramp.errors import Count, Rejected, Rejection
 
@@ -148,11 +148,11 @@ class PushPlan:
             )
 
     def _losses(self) -> Iterator[str]:
-        several = len(self.designs) > 1
+        losses = dict[int, list[str]]()
         for axis, design in self.designs.items():
             rounded = self.rounding_words[axis]
-            for loss in (*_losses_of(design, self.ramps[axis]), *(() if rounded is None else (rounded,))):
-                yield of_axis(axis, loss) if several else loss
+            losses[axis] = [*_losses_of(design, self.ramps[axis]), *(() if rounded is None else (rounded,))]
+        return of_axes(losses)
 
 
 def _losses_of(design: Design, ramp: GrblRamp) -> Iterator[str]:

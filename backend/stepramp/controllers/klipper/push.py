@@ -9,7 +9,7 @@ from stepramp.controllers.klipper.machine import Limits, Machine, Z
 from stepramp.controllers.klipper.ramp import KLIPPER, losses_in_use
 from stepramp.controllers.losses import slower
 from stepramp.controllers.per_mm import PerMm
-from stepramp.controllers.remark import of_axis
+from stepramp.controllers.remark import of_axes
 from stepramp.design import Design
 from stepramp.errors import Count, Rejected, Rejection
 
@@ -119,10 +119,9 @@ class PushPlan:
                 )
 
     def _losses(self) -> Iterator[str]:
-        several = len(self.designs) > 1
-        for axis, design in self.designs.items():
-            for loss in losses_in_use(design, self.given[axis], self.cruise_ratio):
-                yield of_axis(axis, loss) if several else loss
+        yield from of_axes(
+            {axis: losses_in_use(design, self.given[axis], self.cruise_ratio) for axis, design in self.designs.items()}
+        )
         if any(axis != Z for axis in self.designs):
             yield SHARED
         if self.machine.remark is not None:

@@ -27,7 +27,7 @@ from stepramp.controllers.marlin.settings import (
 )
 from stepramp.controllers.order import lowered_first
 from stepramp.controllers.per_mm import PerMm
-from stepramp.controllers.remark import Remark, of_axis, quantity
+from stepramp.controllers.remark import Remark, of_axes, quantity
 from stepramp.design import Design
 from stepramp.errors import Count, Refused, Rejected, Rejection
 
@@ -163,12 +163,12 @@ class PushPlan:
             )
 
     def _losses(self, present: Settings) -> Iterator[str]:
-        several = len(self.designs) > 1
+        losses = dict[int, list[str]]()
         for axis, design in self.designs.items():
             letter, scale = self.scales[axis].letter, self.scales[axis].steps_per_mm
             kept = self.ramps[axis].ramp_losses(design)
-            for loss in (*kept, *other_scale(design, "Marlin", scale), *_jerk(present, letter, scale)):
-                yield of_axis(axis, loss) if several else loss
+            losses[axis] = [*kept, *other_scale(design, "Marlin", scale), *_jerk(present, letter, scale)]
+        yield from of_axes(losses)
         for axis in self.designs:
             if is_rounded(scale := self.scales[axis].steps_per_mm):
                 yield _rounded_scale(self.scales[axis].letter, scale)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from stepramp.controllers.constant_rates import with_constant_rates
 from stepramp.controllers.contract import FigureUnit, OwnTerms, PreviewItem, PushItem, PushMode, PushPreview, PushReport
 from stepramp.controllers.microsteps import steps
-from stepramp.controllers.remark import of_axis
+from stepramp.controllers.remark import of_axes
 from stepramp.controllers.tmcl.modules import Parameters
 from stepramp.controllers.tmcl.ramp import (
     TmclRamp,
@@ -123,10 +123,12 @@ class PushPlan:
                 yield PushItem(NAMES[name], unit, asked[name], float(in_chip), read_back, axis, own)
 
     def _losses(self) -> Iterator[str]:
-        several = len(self.designs) > 1
-        for axis, design in self.designs.items():
-            for loss in (*tmcl_losses(design, self.units[axis]), *_other_steps(design, self.microsteps[axis])):
-                yield of_axis(axis, loss) if several else loss
+        return of_axes(
+            {
+                axis: (*tmcl_losses(design, self.units[axis]), *_other_steps(design, self.microsteps[axis]))
+                for axis, design in self.designs.items()
+            }
+        )
 
 
 def _asked(design: Design) -> dict[str, float]:
