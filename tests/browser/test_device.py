@@ -565,7 +565,7 @@ def test_a_distance_below_a_step_is_refused_as_it_was_typed(pushed: StepRampPage
             expect(page.locator("#move-in-steps")).to_be_hidden()
     pushed.move("0")
     expect(message).to_have_text(
-        "Distance is 0 mm (0 steps); allowed: a number from -42,949,600 to 42,949,600 mm, but not 0."
+        "Distance is 0 mm (0 steps); allowed: a number from -200,000 to 200,000 mm, but not 0."
     )
     pushed.move("3.333")
     expect(page.locator("#move-in-steps")).to_have_text("3.333 mm would be 166.65 steps: it is 167, 3.34 mm.")

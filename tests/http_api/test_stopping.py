@@ -403,7 +403,9 @@ def test_what_was_asked_before_there_was_the_device_does_not_move_it(client: Tes
 def test_without_soft_limits_a_way_is_bounded(client: TestClient, route: str, body: dict[str, int]) -> None:
     error = error_of(client.post(f"{route}/move", json=body), 422)
     assert (error["field"], error["value"]) == next(iter(body.items()))
-    assert "10,000,000 steps at a time where axis 0 has no soft limit" in error["allowed"]
+    assert error["allowed"] == (
+        "a whole number from -10,000,000 to 10,000,000 steps, since axis 0 has no soft limit there"
+    )
 
 
 def limits(client: TestClient, route: str, **of_axis_0: int | None) -> Any:

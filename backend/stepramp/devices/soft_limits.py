@@ -89,11 +89,10 @@ def refuse_beyond(
             limits = span.limits(note, start if relative else 0)
             rejections.append(Rejection(each.field, int(each.value), allowed, limits))
         elif abs(target - start) > MOST_STEPS and span.is_open(target - start):
-            allowed = f"a way of up to {MOST_STEPS:,} steps at a time where axis {each.axis} has no soft limit"
             origin = 0 if relative else start
             note = f", since axis {each.axis} has no soft limit there"
             limits = Limits(origin - MOST_STEPS, origin + MOST_STEPS, "steps", is_whole=True, note=note)
-            rejections.append(Rejection(each.field, int(each.value), allowed, limits))
+            rejections.append(Rejection.outside(each.field, int(each.value), limits))
     if rejections:
         raise Rejected(rejections)
 

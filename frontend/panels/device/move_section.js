@@ -1,6 +1,7 @@
 // @ts-check
 // Moves: by so much, to a place, there and back, several axes along a line.
 
+import { asTheAxisGoes } from '../../devices/ways.js';
 import { element, segmented, showText } from '../../ui/dom.js';
 import { refusalText } from '../../model/messages.js';
 import { plainField } from '../../ui/plain_field.js';
@@ -164,18 +165,22 @@ export function createMoveSection({ go }) {
   function reject(rejections) {
     const isLine = shownKind() === 'line';
     const label = shownKind() === 'to' ? 'Position' : 'Distance';
+    const told = (/** @type {import('../../model/types.js').Rejection} */ one, /** @type {number} */ axis) => {
+      const state = context?.device?.axes[axis];
+      return state ? asTheAxisGoes(one, state, shownKind() !== 'to') : one;
+    };
     return showAtPlaces(rejections, [
       ...lines.map((field, axis) => ({
         path: isLine ? new RegExp(`^axes\\.${axis}\\.by_steps$`) : NOTHING,
         input: field.input,
         problem: lineProblems[axis],
-        text: (/** @type {import('../../model/types.js').Rejection} */ one) => field.refusal(one, `Distance of axis ${axis}`),
+        text: (/** @type {import('../../model/types.js').Rejection} */ one) => field.refusal(told(one, axis), `Distance of axis ${axis}`),
       })),
       {
         path: isLine ? NOTHING : /(^|\.)(by|to)_steps$/,
         input: distance.input,
         problem,
-        text: (one) => distance.refusal(one, label),
+        text: (one) => distance.refusal(told(one, context?.axis ?? 0), label),
       },
       { path: /^times$/, input: times.input, problem: timesProblem, text: (one) => refusalText(one, 'Times') },
       { path: /^pause_s$/, input: pause.input, problem: pauseProblem, text: (one) => refusalText(one, 'The pause') },
