@@ -104,6 +104,7 @@ def test_the_whole_path_with_a_grbl(attached: StepRampPage, cable: GrblOnACable)
     expect(page.locator("#machine-scale")).to_be_hidden()
     axis = attached.design()["axis"]
     assert axis["full_steps_per_rev"] * axis["microsteps"] / axis["travel_per_rev"] == pytest.approx(250)
+    expect(page.get_by_label("Device settings: soft limits", exact=True)).to_be_enabled()
     # The difference, in both terms.
     attached.edit_and_wait(SLEW_SPEED, "900")
     preview = page.locator("#push-preview")

@@ -44,6 +44,8 @@ const LINE_PX = 40;
  * @type {Record<string, string>} */
 const STATE_WORDS = { none: 'not connected', connecting: 'waiting for the board' };
 const RESTARTS = 'It restarts to prove what it has stored.';
+/** What the settings are of a device that has all of them, and of one that keeps how it drives its pins to itself. */
+const SETTINGS = { all: 'Device settings: how it drives its pins, and soft limits', limits: 'Device settings: soft limits' };
 
 /**
  * @param {HTMLElement} root
@@ -60,7 +62,7 @@ export function createDevice(root, dispatch, act) {
 
   const pill = element('span', { className: 'pill', role: 'status' });
   const settings = createSettingsDialog({ ...act, tell: (text) => dispatch(tell, text, true) });
-  const gear = iconButton('settings', 'Device settings: how it drives its pins, and soft limits', 'gear', () => {
+  const gear = iconButton('settings', SETTINGS.all, 'gear', () => {
     const [present, situation] = [device(), state && situationOf(state)];
     if (present && situation) settings.open(present, situation);
   });
@@ -296,6 +298,8 @@ export function createDevice(root, dispatch, act) {
     connect.disabled = !isLive || now.isBusy || isMoving || state === 'restarting' || portOf(shown) === '' || (isConnected && now.isOthers) || !now.mayAct;
     find.disabled = !isLive || now.isBusy || !now.mayAct;
     connect.title = now.mayAct ? (isMoving ? 'Stop it first' : '') : 'You look on: your link allows no more';
+    gear.title = present?.capabilities.includes('settings') === false ? SETTINGS.limits : SETTINGS.all;
+    gear.setAttribute('aria-label', gear.title);
     gear.disabled = hindrance(present, now) !== '' || isMoving || now.isBusy;
     control.hidden = !now.isOthers || !isConnected;
     const others = present?.in_control_at ? `Another page, at ${present.in_control_at},` : 'Another page';
