@@ -40,7 +40,15 @@ MOTIONS: list[tuple[str, dict[str, Any]]] = [
     ("line", {"axes": [{"axis": 0, "by_steps": FAR}, {"axis": 1, "by_steps": -FAR // 3}]}),
     ("there_and_back", {"by_steps": 3, "times": 5000}),
     ("jog", {"do": "run", "axis": 1, "speed_steps_per_s": 1200}),
+    ("home", {"axes": [{"axis": 0, "fast_steps_per_s": -1500}], "slow_steps_per_s": 500}),
+    ("home", {"axes": [{"axis": 2, "fast_steps_per_s": -1500}], "slow_steps_per_s": 1500, "back_off_steps": 3}),
 ]
+LIMITS = [
+    {"input": "A0", "role": "limit", "axis": 0, "end": "low"},
+    {"input": "D9", "role": "limit", "axis": 2, "end": "low"},
+]
+SWITCH = "9:2<0"
+"""Axis 2 rests at its switch, where homing has left it, and so goes through all of it again. Axis 0 never finds its."""
 
 
 @pytest.fixture
@@ -52,7 +60,8 @@ def server() -> Iterator[ServerProcess]:
 @pytest.fixture
 def controller(tmp_path: Path) -> Iterator[SimulatedController]:
     require(*missing_tools())
-    with SimulatedController(build_firmware(), tmp_path) as controller:
+    firmware = build_firmware("INPUTS=yes")
+    with SimulatedController(firmware, tmp_path, surroundings=["--switch", SWITCH]) as controller:
         yield controller
 
 
@@ -177,7 +186,7 @@ def see_that_it_stays(rig: Rig) -> None:
     time.sleep(QUIET_S)
     later = rig.look()
     assert (later["state"], later["shuttle"]) == ("ready", None)
-    assert [axis["position_steps"] for axis in later["axes"]] == places
+    assert [(axis["position_steps"], axis["homing"]) for axis in later["axes"]] == [(place, False) for place in places]
 
 
 def test_a_thousand_stops_hold(
@@ -185,7 +194,8 @@ def test_a_thousand_stops_hold(
 ) -> None:
     device = server.ask("POST", "devices", {"port": controller.port})["id"]
     quick = document(ramp__slew_speed_steps_per_s=2000, ramp__acceleration_steps_per_s2=60_000)
-    server.ask("POST", f"devices/{device}/push", {"axes": [quick, quick], "mode": "try"})
+    server.ask("POST", f"devices/{device}/push", {"axes": [quick] * 3, "mode": "try"})
+    server.ask("PUT", f"devices/{device}/settings", {"inputs": LIMITS})
     chance = random.Random(11)
     with closing(Rig(server, device)) as rig, ThreadPoolExecutor(1) as pool:
         trials = [tried(rig, pool, chance) for _ in range(STOPS)]
