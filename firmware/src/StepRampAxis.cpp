@@ -6,6 +6,7 @@
 
 #include "boards/polled/arduino_board.h"
 #include "stepramp/edge/board_limits.h"
+#include "stepramp/edge/out_of_line.h"
 #include "stepramp/motion/machine.h"
 #include "stepramp/store/ramp_maker.h"
 
@@ -43,7 +44,7 @@ uint32_t shortest_interval()
     return (board_limit(LIMIT_SHORTEST_1_AXIS) + fast_ticks - 1u) / fast_ticks;
 }
 
-bool is_positive(float number)
+OUT_OF_LINE bool is_positive(float number)
 {
     return number > 0 && number < 1e9f;
 }

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.firmware_engine import line_run, shortest_interval, worst_of_axes
-from firmware.arduino.board import LEONARDO, LIBRARY, MEGA, UNO, Board, build, build_sketch
+from firmware.arduino.board import EXAMPLES, LEONARDO, LIBRARY, MEGA, UNO, Board, build, build_sketch
 from firmware.arduino.stops import Stop
 from firmware.arduino.timed import BUSY, ENGINES, SPEEDS, UNTIL_REST, move_all, run, source_of
 from firmware.checker import axis_of, lateness_us
@@ -76,7 +76,7 @@ def size(example: str, board: Board, source: Path | None = None) -> str:
 def sizes() -> None:
     """Print flash and RAM of the examples, played from loop() and by a timer."""
     print("\n| example | board | from loop(): flash, RAM bytes | by Timer1: flash, RAM bytes |\n|---|---|---:|---:|")
-    for example in ("ExportedRamp", "OneMotor", "LineOfTwoMotors", "Controller"):
+    for example in EXAMPLES:
         for board in (UNO, MEGA, LEONARDO):
             with tempfile.TemporaryDirectory() as folder:
                 source = Path(folder) / f"{example}-timer.ino"

@@ -18,6 +18,8 @@ Make = Callable[..., SimulatedController]
 TICK_US = 0.5
 MOST_LATE_US = 500
 """What one round of loop() may take in these examples, where nobody asks for reports."""
+BEGUN_US = 260_000
+"""By then a ramp of 375 steps has been computed, and the first of them made."""
 SLOWER = 1.04
 """So much longer a whole move may take."""
 STEP, DIRECTION, ENABLE = 2, 5, 8
@@ -70,14 +72,15 @@ def test_a_ramp_that_the_board_computes_is_played_to_and_fro(simulated_uno: Make
     edges = edges_until(simulated_uno("OneMotor"), after_s(3.4))
     moves = moves_of(edges, STEP, DIRECTION, rest_us=100_000)
     assert [(move.backward, len(move.times_us)) for move in moves[:2]] == [(False, 800), (True, 800)]
+    assert moves[0].times_us[0] < BEGUN_US
     for move in moves[:2]:
         check_move(move, exact_ticks(800, 1000, 2000, 4000))
 
 
 def test_a_button_stops_the_motor_in_flight(simulated_uno: Make) -> None:
-    edges = edges_until(simulated_uno("OneMotor", press=(14, 1250, 2700)), after_s(4.5))
+    edges = edges_until(simulated_uno("OneMotor", press=(14, 960, 2410)), after_s(4.2))
     first, second = moves_of(edges, STEP, DIRECTION, rest_us=300_000)[:2]
-    # begin() takes half a second. From slew speed 125 steps lead to rest, once what is queued has been played.
+    # begin() takes a quarter of a second. From slew speed 125 steps lead to rest, once what is queued has been played.
     assert 500 < len(first.times_us) < 800
     assert first.times_us[-1] - first.times_us[0] < 1_500_000
     assert second.backward is False

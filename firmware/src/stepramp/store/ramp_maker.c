@@ -5,6 +5,7 @@
 #include <stddef.h>
 
 #include "stepramp/edge/board_limits.h"
+#include "stepramp/edge/out_of_line.h"
 #include "stepramp/protocol/message.h"
 #include "stepramp/store/ramp_image.h"
 
@@ -23,10 +24,17 @@ enum { PLACES = 8 };
 struct side {
     float base_squared; /* [steps^2/s^2] of the base speed */
     float doubled;      /* [steps/s^2] twice the acceleration */
-    uint32_t steps;
-    float slew; /* [ticks] */
+    float slew;         /* [ticks] */
     float doubled_clock_hz;
-    uint16_t fineness;
+    float tolerance; /* so much of itself an interval may be off */
+    uint32_t steps, done;
+    float exact; /* [ticks] the first interval after those that are done */
+};
+
+/* Whole numbers, as floats: they are computed with. */
+struct segment {
+    uint16_t count;   /* of intervals */
+    float first, add; /* [ticks] */
 };
 
 /* A list that is being written. */
@@ -47,76 +55,79 @@ float ramp_maker_steps(const struct ramp_wish *wish, float acceleration)
     return (wish->speed * wish->speed - wish->base_speed * wish->base_speed) / (2 * acceleration);
 }
 
-/* The exact interval after step `i`, counted from 0: the way of one step at the mean of the speeds at its ends. */
-static float interval_of(const struct side *side, uint32_t i)
+/* The exact interval `i` steps on: the way of one step at the mean of the speeds at its ends. */
+static float interval_of(const struct side *side, uint16_t i)
 {
-    float begins = sqrtf(side->base_squared + side->doubled * (float)i);
-    float ends = sqrtf(side->base_squared + side->doubled * (float)(i + 1));
-    float interval = side->doubled_clock_hz / (begins + ends);
+    float squared = side->base_squared + side->doubled * (float)(side->done + i);
+    float interval = side->doubled_clock_hz / (sqrtf(squared) + sqrtf(squared + side->doubled));
     return interval > side->slew ? interval : side->slew;
 }
 
-static bool is_close(const struct side *side, uint32_t i, float interval)
+static bool is_close(const struct side *side, const struct segment *segment, uint16_t i, float exact)
 {
-    float exact = interval_of(side, i);
-    return interval >= side->slew && fabsf(interval - exact) <= exact / side->fineness + 1;
+    float interval = segment->first + segment->add * i;
+    return interval >= side->slew && fabsf(interval - exact) <= exact * side->tolerance + 1;
 }
 
-struct segment {
-    uint32_t first; /* [ticks] */
-    int16_t add;    /* [ticks] */
-};
-
-/* The exact interval, or one that is as low as allowed: as a ramp bends, what lies between two ends of a segment is too high. */
-static float lowered(const struct side *side, uint32_t i, bool is_low)
+/* An interval, lowered by a share: as a ramp bends, what lies between two ends of a segment is too high. */
+static float lowered(const struct side *side, float interval, float share)
 {
-    float exact = interval_of(side, i), low = is_low ? exact - exact / side->fineness : exact;
+    float low = interval - interval * share;
     return low > side->slew ? low : side->slew;
 }
 
-/* Makes a segment of `count` intervals from step `begin` on. Returns false when they aren't close to the exact ones. */
-static bool segment_fits(const struct side *side, uint32_t begin, uint16_t count, bool is_low, struct segment *segment)
+static float rounded(float number)
 {
-    segment->first = (uint32_t)ceilf(lowered(side, begin, is_low) - 0.5f);
+    return ceilf(number - 0.5f);
+}
+
+/* Makes a segment of `count` intervals. Returns false when they aren't close to the exact ones. */
+static bool make_segment(const struct side *side, struct segment *segment, uint16_t count, float share)
+{
+    uint16_t last = (uint16_t)(count - 1);
+    segment->count = count;
+    segment->first = rounded(lowered(side, side->exact, share));
     segment->add = 0;
-    if (count == 1) {
+    if (last == 0) {
         return true;
     }
-    uint16_t last = (uint16_t)(count - 1);
-    float slope = (lowered(side, begin + last, is_low) - (float)segment->first) / last;
-    if (slope < INT16_MIN) {
+    float exact = interval_of(side, last);
+    segment->add = rounded((lowered(side, exact, share) - segment->first) / last);
+    if (segment->add < INT16_MIN) {
         return false;
     }
-    segment->add = (int16_t)lroundf(slope);
+    /* In the middle it is off most: what is too long is known soonest there. */
+    if (!is_close(side, segment, last, exact) || (last > 2 && !is_close(side, segment, last / 2, interval_of(side, last / 2)))) {
+        return false;
+    }
     uint16_t stride = (uint16_t)(1 + last / PLACES);
-    for (uint16_t i = 0; i < last; i = (uint16_t)(i + stride)) {
-        if (!is_close(side, begin + i, (float)segment->first + (float)segment->add * i)) {
+    for (uint16_t i = stride; i < last; i = (uint16_t)(i + stride)) {
+        if (!is_close(side, segment, i, interval_of(side, i))) {
             return false;
         }
     }
-    return is_close(side, begin + last, (float)segment->first + (float)segment->add * last);
+    return true;
 }
 
-/* The most intervals that one segment can have from step `begin` on: doubled as long as that goes, then halved. */
-static uint16_t longest_segment(const struct side *side, uint32_t begin)
+/* Makes the longest segment that goes: its intervals are doubled as long as that goes, then halved. */
+static void make_longest(const struct side *side, struct segment *longest)
 {
-    uint32_t left = side->steps - begin;
+    uint32_t left = side->steps - side->done;
     uint16_t most = left < UINT16_MAX / 2 ? (uint16_t)left : UINT16_MAX / 2;
-    uint16_t count = 1, more = 1;
-    struct segment segment;
-    while (count + more <= most && segment_fits(side, begin, (uint16_t)(count + more), true, &segment)) {
-        count = (uint16_t)(count + more);
-        more = (uint16_t)(more * 2);
-    }
-    for (; more != 0; more /= 2) {
-        if (count + more <= most && segment_fits(side, begin, (uint16_t)(count + more), true, &segment)) {
-            count = (uint16_t)(count + more);
+    bool grows = true;
+    make_segment(side, longest, 1, side->tolerance);
+    for (uint16_t more = 1; more != 0; more = grows ? (uint16_t)(more * 2) : more / 2) {
+        struct segment segment;
+        uint16_t count = (uint16_t)(longest->count + more);
+        if (count <= most && make_segment(side, &segment, count, side->tolerance)) {
+            *longest = segment;
+        } else {
+            grows = false;
         }
     }
-    return count;
 }
 
-static void write_number(struct list *list, uint32_t number)
+static OUT_OF_LINE void write_number(struct list *list, uint32_t number)
 {
     for (; number > 0x7F; number >>= 7) {
         *list->next++ = (uint8_t)(number | 0x80);
@@ -124,53 +135,53 @@ static void write_number(struct list *list, uint32_t number)
     *list->next++ = (uint8_t)number;
 }
 
-static void write_signed(struct list *list, int32_t number)
+static OUT_OF_LINE void write_signed(struct list *list, int32_t number)
 {
     write_number(list, number < 0 ? ~((uint32_t)number << 1) : (uint32_t)number << 1);
 }
 
 /* Returns false when there is no room. */
-static bool write_side(const struct side *side, struct list *list, uint8_t most_segments)
+static bool write_side(struct side *side, struct list *list, uint8_t most_segments)
 {
     list->segments = 0;
     list->expected = 0;
     list->add = 0;
-    for (uint32_t begin = 0; begin < side->steps; list->segments++) {
+    for (; side->done < side->steps; list->segments++) {
         if (list->end - list->next < MOST_SEGMENT_BYTES || list->segments == most_segments) {
             return false;
         }
-        uint16_t count = longest_segment(side, begin);
-        struct segment segment;
-        if (!segment_fits(side, begin, count, false, &segment)) {
-            segment_fits(side, begin, count, true, &segment);
+        struct segment segment, exact;
+        side->exact = interval_of(side, 0);
+        make_longest(side, &segment);
+        if (make_segment(side, &exact, segment.count, 0)) {
+            segment = exact;
         }
-        write_number(list, count);
-        write_signed(list, (int32_t)(segment.first - list->expected));
-        write_signed(list, (int32_t)segment.add - list->add);
-        list->expected = segment.first + (uint32_t)((int32_t)segment.add * count);
-        list->add = segment.add;
-        begin += count;
+        uint32_t first = (uint32_t)segment.first;
+        int16_t add = (int16_t)segment.add;
+        write_number(list, segment.count);
+        write_signed(list, (int32_t)(first - list->expected));
+        write_signed(list, (int32_t)add - list->add);
+        list->expected = first + (uint32_t)((int32_t)add * segment.count);
+        list->add = add;
+        side->done += segment.count;
     }
     return true;
 }
 
-static struct side side_of(const struct ramp_wish *wish, float acceleration, uint16_t fineness)
+static void begin_side(struct side *side, const struct ramp_wish *wish, float acceleration)
 {
-    return (struct side){.base_squared = wish->base_speed * wish->base_speed,
-                         .doubled = 2 * acceleration,
-                         .steps = (uint32_t)ramp_maker_steps(wish, acceleration),
-                         .slew = (float)ramp_maker_interval(wish->clock_hz, wish->speed),
-                         .doubled_clock_hz = 2 * (float)wish->clock_hz,
-                         .fineness = fineness};
+    side->doubled = 2 * acceleration;
+    side->steps = (uint32_t)ramp_maker_steps(wish, acceleration);
+    side->done = 0;
 }
 
-/* Both sides, each interval off by its 1/`fineness` at most. Returns their end, or NULL: there is no room. */
-static uint8_t *write_sides(const struct ramp_wish *wish, uint8_t *bytes, uint8_t *end, uint16_t fineness)
+/* Both sides. Returns their end, or NULL: there is no room. */
+static uint8_t *write_sides(struct side *side, const struct ramp_wish *wish, uint8_t *bytes, uint8_t *end)
 {
     struct list list = {.next = bytes + LISTS_AT, .end = end};
-    struct side side = side_of(wish, wish->acceleration, fineness);
     bool is_mirrored = wish->deceleration == wish->acceleration;
-    if (!write_side(&side, &list, is_mirrored ? MOST_SEGMENTS : MOST_SEGMENTS / 2)) {
+    begin_side(side, wish, wish->acceleration);
+    if (!write_side(side, &list, is_mirrored ? MOST_SEGMENTS : MOST_SEGMENTS / 2)) {
         return NULL;
     }
     bytes[UP_AT] = list.segments;
@@ -180,9 +191,9 @@ static uint8_t *write_sides(const struct ramp_wish *wish, uint8_t *bytes, uint8_
     if (is_mirrored) {
         return list.next;
     }
-    side = side_of(wish, wish->deceleration, fineness);
     bytes[FLAGS_AT] = 0;
-    if (!write_side(&side, &list, MOST_SEGMENTS / 2)) {
+    begin_side(side, wish, wish->deceleration);
+    if (!write_side(side, &list, MOST_SEGMENTS / 2)) {
         return NULL;
     }
     bytes[DOWN_AT] = list.segments;
@@ -191,9 +202,14 @@ static uint8_t *write_sides(const struct ramp_wish *wish, uint8_t *bytes, uint8_
 
 uint16_t ramp_maker_write(const struct ramp_wish *wish, uint8_t *bytes, uint16_t room)
 {
+    uint32_t slew = ramp_maker_interval(wish->clock_hz, wish->speed);
+    struct side side = {.base_squared = wish->base_speed * wish->base_speed,
+                        .slew = (float)slew,
+                        .doubled_clock_hz = 2 * (float)wish->clock_hz};
     uint8_t *end = NULL;
     for (uint16_t fineness = FINEST; room >= LISTS_AT && end == NULL && fineness >= COARSEST; fineness /= 2) {
-        end = write_sides(wish, bytes, bytes + room, fineness);
+        side.tolerance = 1.0f / fineness;
+        end = write_sides(&side, wish, bytes, bytes + room);
     }
     if (end == NULL) {
         return 0;
@@ -201,6 +217,6 @@ uint16_t ramp_maker_write(const struct ramp_wish *wish, uint8_t *bytes, uint16_t
     uint16_t length = (uint16_t)(end - bytes);
     bytes[KIND_AT] = RAMP_OF_SEGMENTS;
     write_u16(bytes + LENGTH_AT, (uint16_t)(length - FLAGS_AT));
-    write_u32(bytes + SLEW_AT, ramp_maker_interval(wish->clock_hz, wish->speed));
+    write_u32(bytes + SLEW_AT, slew);
     return length;
 }
