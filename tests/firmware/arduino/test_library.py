@@ -135,3 +135,17 @@ def test_the_folder_for_the_library_manager_has_the_library_and_nothing_else(tmp
         assert (folder / name).read_bytes() == (LIBRARY / name).read_bytes()
     again = subprocess.run([sys.executable, script, str(folder)], capture_output=True, text=True, check=False)
     assert (again.returncode, again.stderr) == (1, f"{folder} is there already\n")
+
+
+def test_the_readme_has_all_that_names_the_megas_chip() -> None:
+    root = LIBRARY.parent
+    folders = [LIBRARY, root / "backend" / "stepramp", root / "tests" / "simulator"]
+    kinds = {".c", ".cpp", ".h", ".S", ".ino", ".py"}
+    files = [path for folder in folders for path in folder.rglob("*.*") if path.suffix in kinds]
+    files.append(root / "tests" / "firmware" / "arduino" / "board.py")
+    named = {
+        path.relative_to(root).as_posix(): len(re.findall(r"(?im)^.*mega ?2560.*$", path.read_text())) for path in files
+    }
+    text = (LIBRARY / "README.md").read_text().partition("\n## A new board\n")[2]
+    told = {file: int(lines) for file, lines in re.findall(r"^\| `(.+?)` \| (\d+) \|", text, re.MULTILINE)}
+    assert told == {file: lines for file, lines in named.items() if lines}
