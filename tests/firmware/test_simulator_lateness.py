@@ -47,7 +47,7 @@ def tools() -> None:
 
 
 def play(tmp_path: Path, talk: Talk, pin: int, times: int):
-    firmware = build_firmware("INPUTS=yes", "LATENESS=yes", f"BESIDE={LATE} -Wl,--wrap=board_milliseconds")
+    firmware = build_firmware("INPUTS=yes", f"BESIDE={LATE} -Wl,--wrap=board_milliseconds")
     presses = [(pin, begin, begin + EVERY_MS / 2) for begin in PRESSED_MS + EVERY_MS * np.arange(times)]
     return converse(firmware, tmp_path, talk.asked, presses)
 
@@ -126,7 +126,7 @@ def test_at_its_limits_it_is_never_late(tmp_path: Path) -> None:
     talk.ask(RUN, for_axes(dict.fromkeys(range(4), plan.slew)))
     for _ in range(6):
         talk.ask(STATUS, b"\0", wait_ms=150)
-    played = converse(build_firmware("INPUTS=yes", "LATENESS=yes"), tmp_path, talk.asked)
+    played = converse(build_firmware("INPUTS=yes"), tmp_path, talk.asked)
     told = [each for each in exchanges(played.frames) if each.kind == STATUS]
     assert [InputsStatus.unpack(each.reply[OUTPUT_STATUS_BYTES:]).stopped_by for each in told] == [0] * 6
     assert [struct.unpack("<B", each.reply[1:2]) for each in told] == [(1,)] * 6

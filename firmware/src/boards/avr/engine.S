@@ -62,6 +62,12 @@ stepramp_extra_width:                          /* of pulses, when WIDE is set [8
 	END_EDGE \pins
 .endm
 
+/* The compare match of an event that is past may have come as well: it isn't to be served twice. 2 cycles. Uses r24. */
+.macro FORGET_MATCH flag
+	ldi  r24, 1 << \flag
+	out  TIFR1, r24
+.endm
+
 /* Every 256th event: the high byte of the count. Goes back to `counted` unless that runs over too. Uses r24. */
 .macro COUNT_HIGH axis, counted
 	lds  r24, PLAYER(\axis, COUNT + 1)
@@ -149,7 +155,7 @@ sharing_\axis:
 	COMPARE_WITH_TIMER
 	brmi 6f
 	LEAVE
-6:	rjmp again_\channel
+6:	rjmp again_shared_\channel
 8:	COUNT_HIGH \axis, 7b
 	rcall load_\axis
 	brtc 9f
@@ -191,15 +197,15 @@ program_\channel:
 	lpm  r24, Z
 	COMPARE_WITH_TIMER
 	brmi again_\channel
+leave_\channel:
 	LEAVE
 again_\channel:
-	LEAVE_IF_STOPPED
+	GO_IF_STOPPED leave_\channel
 #if COUNTS_LATENESS
 	GO_IF_LATE late_\channel
 again_soon_\channel:
 #endif
-	ldi  r24, 1 << \flag                 /* its compare match may have come as well: it isn't to be served twice */
-	out  TIFR1, r24
+	FORGET_MATCH \flag
 	rjmp dispatch_\channel
 #if COUNTS_LATENESS
 /* What was missed isn't made up for: the next event comes an interval from now, and so do those behind it. */
@@ -223,14 +229,29 @@ late_\channel:
 
 /* ---- the interrupts ---- */
 
-/* From the vector's jump 4 to 7 cycles and ENTER. */
-.macro DISPATCH channel, first_axis, second_axis, shared, second
+/* From the vector's jump 4 to 7 cycles and ENTER. again_shared: an event of one of two axes is past. That it is shared is known: four
+ * axes at their limits leave no cycles to ask again. */
+.macro DISPATCH channel, first_axis, second_axis, flag, shared, second
 dispatch_\channel:
 	sbic GPIOR0, \shared
 	rjmp sharing_\channel
 	sbic GPIOR0, \second
 	rjmp only_\second_axis
 	rjmp only_\first_axis
+#if COUNTS_LATENESS
+late_shared_\channel:
+	rjmp late_\channel
+#endif
+#if HAS_INPUTS
+stopped_\channel:
+	rjmp leave_\channel
+#endif
+again_shared_\channel:
+	GO_IF_STOPPED stopped_\channel
+#if COUNTS_LATENESS
+	GO_IF_LATE late_shared_\channel
+#endif
+	FORGET_MATCH \flag
 sharing_\channel:
 	sbic GPIOR0, \second
 	rjmp sharing_\second_axis
@@ -250,7 +271,7 @@ TIMER1_COMPA_vect:
 	rjmp only_2
 	ONLY_AXIS 0, PIND, a, OCR1AL
 	ONLY_AXIS 2, PIND, a, OCR1AL
-	DISPATCH a, 0, 2, A_SHARED, A_SECOND
+	DISPATCH a, 0, 2, OCF1A, A_SHARED, A_SECOND
 	SHARING_AXIS 0, 2, PIND, a, OCR1AL, sbi, A_SHARED, A_SECOND
 	SHARING_AXIS 2, 0, PIND, a, OCR1AL, cbi, A_SHARED, A_SECOND
 	CHANNEL_PARTS a, 0, 2, OCR1AL, OCF1A, OCIE1A, A_SHARED, A_SECOND
@@ -266,7 +287,7 @@ TIMER1_COMPB_vect:
 	rjmp only_3
 	ONLY_AXIS 1, PIND, b, OCR1BL
 	ONLY_AXIS 3, PINB, b, OCR1BL
-	DISPATCH b, 1, 3, B_SHARED, B_SECOND
+	DISPATCH b, 1, 3, OCF1B, B_SHARED, B_SECOND
 	SHARING_AXIS 1, 3, PIND, b, OCR1BL, sbi, B_SHARED, B_SECOND
 	SHARING_AXIS 3, 1, PINB, b, OCR1BL, cbi, B_SHARED, B_SECOND
 	CHANNEL_PARTS b, 1, 3, OCR1BL, OCF1B, OCIE1B, B_SHARED, B_SECOND

@@ -119,9 +119,10 @@ next_is_known:
 	lds  r27, OCR1AH
 	COMPARE_WITH_TIMER
 	brmi line_again
+line_leave:
 	LEAVE
 line_again:
-	LEAVE_IF_STOPPED
+	GO_IF_STOPPED line_leave
 #if COUNTS_LATENESS
 	GO_IF_LATE line_late
 line_again_soon:

@@ -60,14 +60,12 @@
 
 #ifdef __ASSEMBLER__
 
-/* While a wide pulse was waited for the emergency stop may have come. Uses r24. */
-.macro LEAVE_IF_STOPPED
+/* While a wide pulse was waited for the emergency stop may have come: then to \stopped. 4 cycles. Uses r24. */
+.macro GO_IF_STOPPED stopped
 #if HAS_INPUTS
 	lds  r24, stepramp_emergency
 	tst  r24
-	breq 9f
-	LEAVE
-9:
+	brne \stopped
 #endif
 .endm
 
