@@ -100,12 +100,14 @@ def asking(rate: int) -> Callable[[BusyClient], None]:
 
 
 def sizes() -> None:
-    """Print what the firmware takes of the chip's memory."""
-    out = subprocess.run(["avr-size", str(build_firmware())], check=True, capture_output=True, text=True).stdout
-    text, data, bss = map(int, out.splitlines()[1].split()[:3])
-    static = data + bss + QUEUE_BYTES
-    print("\n| memory | bytes | of |\n|---|---:|---:|")
-    print(f"| flash | {text + data:,} | 32,256 |\n| static RAM | {static:,} | 2,048 |\n| stack | {2048 - static:,} | |")
+    """Print what the firmware takes of the chip's memory, without inputs and with them."""
+    print("\n| build | flash, of 32,256 bytes | static RAM, of 2,048 | left for the stack |\n|---|---:|---:|---:|")
+    for options in ((), ("INPUTS=yes",)):
+        elf = str(build_firmware(*options))
+        out = subprocess.run(["avr-size", elf], check=True, capture_output=True, text=True).stdout
+        text, data, bss = map(int, out.splitlines()[1].split()[:3])
+        static = data + bss + QUEUE_BYTES
+        print(f"| `{' '.join(('make', *options))}` | {text + data:,} | {static:,} | {2048 - static:,} |")
 
 
 def firmware_machine() -> None:
