@@ -13,6 +13,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
 
+import pytest
 from starlette.testclient import TestClient
 
 from controllers.pseudo_terminal import PseudoTerminal
@@ -95,12 +96,35 @@ def stopped_amid_motions(client: TestClient, device: str, turns: int) -> Iterato
 class Laws:
     """What holds for a device of every family: a class of tests that takes these has them, too."""
 
+    jogs_keep_their_speed: str | None = None
+    """How another speed is refused where a controller has to rest before."""
+
     def test_running_lasts_as_long_as_its_lease(self, client: TestClient, device: str, motor: Motor) -> None:
         ok(client.post(f"{device}/run", json={"speed_steps_per_s": 500, "for_s": 1.5}))
         wait_until(client, device, lambda device: device["position_steps"] > 100)
         rested = at_rest(client, device)
         assert 300 < rested["position_steps"] == motor.place() < 1500
         assert rested["message"] is None
+
+    def test_a_jog_gets_another_speed_on_its_way(
+        self, client: TestClient, device: str, motor: Motor, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        # A machine that is busy may hold it late.
+        monkeypatch.setattr("stepramp.http_api.jog.JOG_S", PATIENCE_S)
+        with client.websocket_connect(f"{device}/jog", headers={"host": "127.0.0.1"}) as socket:
+            for speed in (300, 600, 300):
+                socket.send_json({"do": "run", "speed_steps_per_s": speed})
+                for _ in range(6):
+                    time.sleep(0.1)
+                    socket.send_json({"do": "hold"})
+                if refusal := self.jogs_keep_their_speed:
+                    break
+                assert client.get(device).json()["state"] == "moving", speed
+            if refusal:
+                socket.send_json({"do": "run", "speed_steps_per_s": 600})
+                [error] = socket.receive_json()["errors"]
+                assert error["message"] == refusal
+        assert 100 < at_rest(client, device)["position_steps"] == motor.place()
 
     def test_there_and_back(self, client: TestClient, device: str, motor: Motor) -> None:
         ok(client.post(f"{device}/there_and_back", json={"by_steps": 60, "times": 2, "pause_s": 0}))

@@ -49,6 +49,8 @@ def motor(cable: MarlinOnACable) -> Motor:
 class TestOverTheApi(Laws):
     """What holds for a device of every family."""
 
+    jogs_keep_their_speed = "Axes that run keep their speeds: stop them first."
+
 
 @pytest.mark.parametrize("family", ["marlin", "marlin_250000"])
 def test_connecting_asks_and_moves_nothing(client: TestClient, cable: MarlinOnACable, family: str) -> None:

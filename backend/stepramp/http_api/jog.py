@@ -1,6 +1,8 @@
 """The WebSocket of a jog: an axis runs while the page, tab or program at its other end says so, and no longer."""
 
 import asyncio
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import partial
 
 from fastapi import APIRouter, WebSocket
@@ -42,7 +44,11 @@ async def jog(socket: WebSocket, device_id: str, devices: Registry, page: str | 
 
 
 class _Held:
-    """What one socket holds: nothing, or the lease of a jog."""
+    """What one socket holds: nothing, or the lease of a jog.
+
+    While an axis gets another speed, the lease that it has run on goes on, too: ended before the controller has granted
+    the new one, the axis would slow down in between, and that would count as a stop.
+    """
 
     def __init__(self, socket: WebSocket, device: Device, order: Order, page: str | None) -> None:
         self._socket = socket
@@ -52,6 +58,7 @@ class _Held:
         # A stop ends a jog for good: messages that were on their way, or a finger that still presses, begin nothing.
         self._opened = arrived_at(socket)
         self._lease: Lease | None = None
+        self._before: set[Lease] = set()
         self._beginning: set[asyncio.Task[None]] = set()
 
     async def take(self, message: str | bytes) -> None:
@@ -66,10 +73,8 @@ class _Held:
             await tell_error(self._socket, error)
             return
         if request.do == "run":
-            if self._lease is not None:
-                self._lease.end()
-            self._lease = Lease({request.axis: request.command.value}, page=self._page)
-            task = asyncio.create_task(self._begin(self._lease, request, request_number))
+            before, self._lease = self._lease, Lease({request.axis: request.command.value}, JOG_S, self._page)
+            task = asyncio.create_task(self._begin(self._lease, before, request, request_number))
             self._beginning.add(task)
             task.add_done_callback(self._beginning.discard)
         elif request.do == "hold" and self._lease is not None:
@@ -82,6 +87,8 @@ class _Held:
 
     async def _hold(self, lease: Lease) -> None:
         """Have an axis go on. When it can't, nobody has let go of it: who holds it has to know why it slows down."""
+        for former in self._before:
+            former.renew()
         why = RAN_OUT if not lease.renew() else None if lease.holds_with(self._device.view.in_control) else TAKEN
         if why is not None:
             self.let_go()
@@ -90,15 +97,31 @@ class _Held:
     def let_go(self) -> None:
         """Slow down what runs."""
         lease, self._lease = self._lease, None
-        if lease is not None:
-            self._device.end_run(lease)
+        for each in (*self._before, *([] if lease is None else [lease])):
+            self._device.end_run(each)
 
-    async def _begin(self, lease: Lease, request: JogPayload, request_number: int) -> None:
+    async def _begin(self, lease: Lease, before: Lease | None, request: JogPayload, request_number: int) -> None:
         # In a thread of its own: the messages that renew the lease or end it must not wait for the controller.
         async with served(self._socket):
             try:
-                await ACTING.run(
-                    partial(self._device.run, [request.command], lease, request_number), self._device.view.id
-                )
+                with self._going_on(before, request.axis):
+                    await ACTING.run(
+                        partial(self._device.run, [request.command], lease, request_number), self._device.view.id
+                    )
             except StepRampError as error:
                 await tell_error(self._socket, error)
+
+    @contextmanager
+    def _going_on(self, before: Lease | None, axis: int) -> Iterator[None]:
+        """Have an axis go on until it has another speed; another axis that was held slows down at once."""
+        if before is None:
+            yield
+            return
+        if set(before.speeds) != {axis}:
+            self._device.end_run(before)
+        self._before.add(before)
+        try:
+            yield
+        finally:
+            self._before.discard(before)
+            self._device.end_run(before)
