@@ -130,6 +130,14 @@ def test_another_family_is_pushed_to_and_restored(ask: Ask, grbl: str) -> None:
     restored = ask(f"restore {device} --backup '{saved}' --yes")
     assert restored.code == 0, restored.err
     assert ask(f"disconnect {device}").code == 0
+    # With the machine away they are all there, and it takes them wherever it is plugged in next.
+    every = json.loads(ask("backups --all --format json").out)["sources"]
+    [source] = [one["name"] for one in every if saved in [each["name"] for each in one["backups"]]]
+    assert f"{source},{saved}," in ask("backups --all --format csv").out
+    restored = ask(f"restore {device} --backup '{saved}' --of {source} --yes")
+    assert (restored.code, ask(f"disconnect {device}").code) == (0, 0), restored.err
+    told = ask(f"restore {device} --of {source} --yes")
+    assert (told.code, "--of is" in told.err) == (2, True), told.err
 
 
 def test_a_watched_device_is_told_as_it_changes(ask: Ask, device: str) -> None:

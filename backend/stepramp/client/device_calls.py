@@ -10,7 +10,7 @@ from urllib.parse import quote
 
 from stepramp.client.calls import CONNECTING_S, PUSHING_S, QUICK_S, Call, Pause, Script, get, payload, post
 from stepramp.client.design_calls import ADesign
-from stepramp.http_api.backups_models import BackupsAnswer, RestoredAnswer
+from stepramp.http_api.backups_models import ArchiveAnswer, BackupsAnswer, RestoredAnswer, RestorePayload
 from stepramp.http_api.devices_models import (
     ConnectPayload,
     DeviceAnswer,
@@ -115,10 +115,21 @@ def backups(device_id: str) -> Call[BackupsAnswer]:
     return get(_path(device_id, "backups"), BackupsAnswer)
 
 
+def all_backups() -> Call[ArchiveAnswer]:
+    """Return all backups that there are, also of controllers that aren't connected."""
+    return get("backups", ArchiveAnswer)
+
+
 def restore_backup(device_id: str, name: str) -> Call[RestoredAnswer]:
     """Write what differs of a backup, one setting at a time, and read it back."""
     path = _path(device_id, f"backups/{quote(name, safe='')}/restore")
     return post(path, RestoredAnswer, patience_s=PUSHING_S)
+
+
+def restore_backup_of(device_id: str, source: str, name: str) -> Call[RestoredAnswer]:
+    """Write what differs of any backup of the same family, as all_backups names them, and read it back."""
+    body = payload(RestorePayload, source=source, name=name)
+    return post(_path(device_id, "backups/restore"), RestoredAnswer, body, patience_s=PUSHING_S)
 
 
 def move(

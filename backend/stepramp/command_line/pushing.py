@@ -118,8 +118,21 @@ def rollback(where: Where, find: Find, format: Format = "table") -> None:
     _told(where.client.roll_back(find().id), "rolled back", format)
 
 
-def backups(where: Where, find: Find, format: Format = "table") -> None:
+def backups(
+    where: Where,
+    find: Find,
+    of_all: Annotated[
+        bool, typer.Option("--all", help="of all devices that there ever were, connected or not, with what each is of")
+    ] = False,
+    format: Format = "table",
+) -> None:
     """List what was saved of a device before it was written to."""
+    if of_all:
+        every = where.client.all_backups()
+        warn(every.unreadable)
+        rows = [(each.name, one.name, one.bytes) for each in every.sources for one in each.backups]
+        show(format, every, Rows(("of", "backup", "bytes"), rows))
+        return
     answer = where.client.backups(find().id)
     warn(answer.unreadable)
     show(format, answer, Rows(("backup", "bytes"), [(each.name, each.bytes) for each in answer.backups]))
@@ -132,19 +145,30 @@ def restore(
         str | None,
         typer.Option("--backup", metavar="NAME", help="one of `stepramp backups`; else what was stored before"),
     ] = None,
+    of: Annotated[
+        str | None,
+        typer.Option(
+            "--of", metavar="NAME", help="what the backup is of, as `stepramp backups --all` tells; else of this device"
+        ),
+    ] = None,
     yes: Yes = False,
     format: Format = "table",
 ) -> None:
     """Bring back what a controller had stored before, or a backup of it. Nothing moves."""
+    if of is not None and backup is None:
+        raise Rejected([Rejection("--of", of, "nothing without --backup")])
     refuse_unasked(yes)
     device = find()
-    what = "what was stored before" if backup is None else f"the backup {backup}"
+    what = "what was stored before" if backup is None else f"the backup {backup}{'' if of is None else f' of {of}'}"
     if not yes and not asked(f"Restore {what} to {device.name} at {device.port}?"):
         raise typer.Exit(FAILED)
     if backup is None:
         _told(where.client.restore(device.id), "restored", format)
         return
-    restored = where.client.restore_backup(device.id, backup)
+    client = where.client
+    restored = (
+        client.restore_backup(device.id, backup) if of is None else client.restore_backup_of(device.id, of, backup)
+    )
     warn(restored.remarks)
     _told(restored.device, "restored", format)
 
