@@ -23,8 +23,9 @@ from stepramp.devices.attachment import Attachment
 from stepramp.devices.leases import Lease
 from stepramp.devices.registry import Devices
 from stepramp.devices.shuttle import Shuttle
+from stepramp.devices.stopping import NotStopped
 from stepramp.devices.view import DeviceState
-from stepramp.errors import Refused, StepRampError
+from stepramp.errors import DeviceLost, Refused, StepRampError
 
 EXCHANGE_S = 0.1
 REST_S = 5.0
@@ -187,3 +188,80 @@ def test_a_stop_of_a_klipper_at_any_place_is_final(watched: Places, name: str, s
         tried += 1
     # At least: the look before, the part, its answer and the look after it, each with a place before and after.
     assert 12 <= tried < MOST_PLACES
+
+
+OTHERS_MOVE = "told to Klipper by somebody else"
+
+
+def print_on(tried: Tried, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Somebody prints, and the tool moves for long; nothing polls unless it is told to."""
+    monkeypatch.setattr(Attachment, "poll", lambda _: 60.0)
+    tried.printer.run("G91\nG1 X100 F60\nG90")
+    tried.printer.prints = "printing"
+    tried.pass_time(1.0)
+    tried.poll()
+    assert tried.device.view.state is DeviceState.MOVING
+
+
+def lose(tried: Tried) -> None:
+    worker_of(tried.device).lose(DeviceLost("The network is gone."))
+    worker_of(tried.device).close()
+    assert tried.device.view.state is DeviceState.LOST
+    tried.port.reopen()
+
+
+def test_a_stop_that_was_refused_does_not_keep_a_printing_klipper_from_being_connected_and_halted(
+    places: Places, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    tried = Tried(places)
+    print_on(tried, monkeypatch)
+    with pytest.raises(NotStopped, match=OTHERS_MOVE):
+        tried.device.stop().result(PATIENCE_S)
+    lose(tried)
+    tried.devices.connect(tried.device.view.port, "klipper")
+    assert tried.device.view.state is DeviceState.MOVING
+    assert OTHERS_MOVE in (tried.device.view.message or "")
+    assert tried.printer.state == "ready"
+    tried.device.halt().result(PATIENCE_S)
+    assert tried.printer.state == "shutdown"
+    tried.devices.close()
+
+
+def test_a_halt_that_is_owed_is_a_halt_once_it_is_connected(places: Places, monkeypatch: pytest.MonkeyPatch) -> None:
+    tried = Tried(places)
+    print_on(tried, monkeypatch)
+    lose(tried)
+    for stop in (tried.device.halt, tried.device.stop):
+        with pytest.raises(DeviceLost):
+            stop()
+    tried.devices.connect(tried.device.view.port, "klipper")
+    assert tried.printer.state == "shutdown"
+    assert "Klipper isn't ready" in (tried.device.view.message or "")
+    tried.devices.close()
+
+
+@pytest.mark.parametrize("settled_by", ["rest", "motion"])
+def test_a_stop_that_was_refused_is_owed_no_more_once_it_rests_or_moves_for_us(
+    places: Places, monkeypatch: pytest.MonkeyPatch, settled_by: str
+) -> None:
+    tried = Tried(places)
+    print_on(tried, monkeypatch)
+    with pytest.raises(NotStopped):
+        tried.device.stop().result(PATIENCE_S)
+    tried.printer.prints = "standby"
+    tried.printer.emergency_stop()
+    tried.printer.state = "ready"
+    tried.clock.now_s += 1.0
+    if settled_by == "rest":
+        tried.poll()
+        tried.poll()
+        assert tried.device.view.message is None
+    else:
+        tried.device.move_by([by(4000)])
+        # It rests before it was seen to.
+        tried.pass_time(REST_S)
+    tried.printer.prints = "printing"
+    lose(tried)
+    tried.devices.connect(tried.device.view.port, "klipper")
+    assert OTHERS_MOVE not in (tried.device.view.message or "")
+    tried.devices.close()

@@ -79,6 +79,16 @@ def test_a_stop_on_the_way(client: TestClient, route: str, server: MoonrakerServ
     assert len(server.printer.scripts) == told
 
 
+def test_a_stop_that_is_refused_promises_nothing(client: TestClient, route: str, server: MoonrakerServer) -> None:
+    server.printer.prints = "printing"
+    answer = client.post(f"{route}/stop")
+    [of_all] = ok(client.post(f"{DEVICES}/stop"))["errors"]
+    [told] = answer.json()["errors"]
+    assert answer.status_code == 409
+    assert told["message"] == of_all["message"]
+    assert told["message"].endswith("which shuts Klipper down. It isn't told to stop again by itself.")
+
+
 def test_a_connection_that_ends_on_the_way(client: TestClient, route: str, server: MoonrakerServer) -> None:
     server.moonraker.loses = ["printer.objects.query"]
     device = wait_until(client, route, lambda device: device["state"] == "lost")

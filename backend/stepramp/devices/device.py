@@ -359,7 +359,8 @@ class Device:
         """Slow axes, or all, down with the ramp, before anything else that was asked for; return the result to come.
 
         What was asked before moves nothing any more. Until it is granted it is owed: a device that is not connected, or
-        turns out to be lost, is stopped as soon as it is there again. Of that, Refused and DeviceLost tell.
+        turns out to be lost, is stopped as soon as it is there again. Of that, Refused and DeviceLost tell. NotStopped
+        where its controller refuses: that is owed until it rests, or sets out anew, and its view tells why.
         """
         return self._stopping.stop(axes)
 

@@ -16,10 +16,11 @@ class _To:
 
     places: frozenset[str]
     unit: tuple[int, int, str] | None
+    is_halt: bool
 
     @classmethod
-    def of(cls, at: Port) -> "_To":
-        return cls(frozenset({at.port, at.location}), at.unit)
+    def of(cls, at: Port, *, is_halt: bool) -> "_To":
+        return cls(frozenset({at.port, at.location}), at.unit, is_halt)
 
     def is_at(self, at: Port) -> bool:
         return bool(self.places & {at.port, at.location}) or (self.unit is not None and self.unit == at.unit)
@@ -46,17 +47,22 @@ class OwedStops:
         # By each stop's number.
         self._owed: dict[int, _To] = {}
 
-    def owe(self, at: Port) -> int:
-        """Note that a stop was asked for, and return its number."""
+    def owe(self, at: Port, *, is_halt: bool = False) -> int:
+        """Note that a stop was asked for, and return its number. is_halt: it is to be at once, without a ramp."""
         number = self._order.next()
         with self._lock:
-            self._owed[number] = _To.of(at)
+            self._owed[number] = _To.of(at, is_halt=is_halt)
         return number
 
     def newest(self, at: Port) -> int | None:
         """Return the number of the last stop that is owed there; None when none is."""
         with self._lock:
             return max((number for number, to in self._owed.items() if to.is_at(at)), default=None)
+
+    def is_halt(self, at: Port) -> bool:
+        """Tell whether a halt is among what is owed there: whoever asked for it wants no slowing down."""
+        with self._lock:
+            return any(to.is_halt for to in self._owed.values() if to.is_at(at))
 
     def settle(self, at: Port, number: int, *, of_all_axes: bool) -> None:
         """Note that a stop was granted there; one of all axes does what was owed before it, too.

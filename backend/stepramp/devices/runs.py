@@ -7,7 +7,7 @@ from stepramp.devices.contact import Contact
 from stepramp.devices.leases import Lease, Leases
 from stepramp.devices.limit_checks import too_near
 from stepramp.devices.live_view import LiveView
-from stepramp.devices.stopping import Stopping
+from stepramp.devices.stopping import NotStopped, Stopping
 from stepramp.errors import StepRampError
 
 
@@ -42,12 +42,14 @@ class Runs:
     def end_those_of_nobody(self, status: ControllerStatus) -> None:
         """Slow down what is found running when a controller is connected: who asked for it is gone.
 
-        It runs on because we ask the controller what it does, and nobody would end it.
+        It runs on because we ask the controller what it does, and nobody would end it. One that refuses to, as while
+        somebody else moves it, is connected all the same: it can be halted then, and its view tells why.
         """
         axes = [axis.axis for axis in status.axes if axis.runs or axis.homing]
         if axes:
-            self._stopping.take_back(axes)
-            self._view.log("axes %s ran for nobody: slowed down", axes)
+            self._view.log("axes %s run for nobody: slowed down", axes)
+            with suppress(NotStopped):
+                self._stopping.take_back(axes)
 
     def let_end(self) -> None:
         """Slow down what may run no longer."""

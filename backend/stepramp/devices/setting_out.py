@@ -131,6 +131,7 @@ class SettingOut:
         try:
             with self._permit.given(request_number, lease):
                 begin()
+            self._stopping.settle_refused(request_number)
         except DeviceLost:
             # It may wait on the way, in a machine that hangs or a network, and set out once that goes on.
             if self._permit.has_sent:

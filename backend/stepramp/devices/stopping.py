@@ -14,9 +14,9 @@ from stepramp.devices.live_view import LiveView
 from stepramp.devices.owed_stops import OwedStops
 from stepramp.devices.permit import Permit
 from stepramp.devices.stops import Stops
-from stepramp.devices.view import UNDER_WAY
+from stepramp.devices.view import UNDER_WAY, DeviceState
 from stepramp.devices.watch import Watch
-from stepramp.errors import StepRampError
+from stepramp.errors import Refused, StepRampError
 from stepramp.link.ports import Port
 
 LAST_STOP_S = 1.5
@@ -24,6 +24,10 @@ LAST_STOP_S = 1.5
 
 Send = Callable[[Collection[int] | None], None]
 """Tells a controller to stop axes, or all."""
+
+
+class NotStopped(Refused):
+    """A controller that is connected was told to stop, and has refused that."""
 
 
 @dataclass
@@ -61,6 +65,8 @@ class Stopping:
         self._known = known
         self._begun_s: dict[Send, float] = {}
         """When the last stop, and halt, of all axes began that was granted."""
+        self._refused: int | None = None
+        """The last stop that is owed and that the present controller has refused."""
 
     @contextmanager
     def being_stopped(self) -> Iterator[None]:
@@ -101,7 +107,7 @@ class Stopping:
 
     def _owe(self, what: str, axes: Collection[int] | None) -> int:
         self._view.log("%s of %s asked for", what, "all axes" if axes is None else f"axes {sorted(axes)}")
-        owed = self._owed.owe(self._known)
+        owed = self._owed.owe(self._known, is_halt=what == "halt")
         self._stops.note()
         self.show()
         return owed
@@ -111,14 +117,17 @@ class Stopping:
     def greet(self, controller: Controller, known: Port) -> None:
         """Let stops come to the controller from here on, and first of all tell it that which is owed.
 
+        One that refuses is connected all the same, or nobody could halt it; its view tells why.
         known: its port, and what is plugged in there now.
         """
         self._known = known
         self._begun_s.clear()
+        self._refused = None
         self._contact.greet(controller)
         owed = self._owed.newest(self._known)
         if owed is not None:
-            self._stop(None, controller.stop, owed)
+            with suppress(NotStopped):
+                self._stop(None, controller.halt if self._owed.is_halt(self._known) else controller.stop, owed)
 
     def slow_down(self, axes: Collection[int]) -> None:
         """Stop axes that nobody has asked to be stopped."""
@@ -131,6 +140,18 @@ class Stopping:
     def owe_what_may_have_set_out(self) -> None:
         """Stop what nobody answers for as soon as it does: whoever asked for a motion was told that it failed."""
         self._owed.owe(self._known)
+
+    def settle_at_rest(self) -> None:
+        """Owe nothing any more that was refused, once everything was seen at rest since."""
+        if not self._watch.is_view_old and self._view.now.state is DeviceState.READY:
+            self.settle_refused()
+
+    def settle_refused(self, before: float = inf) -> None:
+        """Owe nothing any more that was refused before that number: it would end what was begun since."""
+        if self._refused is not None and self._refused < before:
+            self._owed.settle(self._known, self._refused, of_all_axes=True)
+            self._refused = None
+            self._view.change(lambda view: replace(view, stop_refused=None))
 
     def _halt(self, axes: Collection[int] | None, send: Send, owed: int, turn: _Turn) -> None:
         """Halt axes, and look where that was."""
@@ -148,15 +169,28 @@ class Stopping:
         if axes is not None and not set(axes) <= {axis.axis for axis in self._view.now.axes}:
             axes = None  # Whoever names an axis that isn't there means something else than we know: all stop.
         with self._permit.set_aside():
-            self._send(axes, send, turn)
+            try:
+                self._send(axes, send, turn)
+            except Refused as error:
+                self._note_refused(owed, str(error))
+                raise NotStopped(str(error)) from error
             if owed is not None:
                 self._owed.settle(self._known, owed, of_all_axes=axes is None)
                 self._view.log("stop granted")
+                if axes is None:
+                    self.settle_refused(owed)
             self._leases.drop(axes)
             self._watch.is_view_old = self._view.now.state in UNDER_WAY
             self._view.change(lambda view: view.stopping(axes).without_errand(axes))
             if self._permit.is_unseen:
                 self._watch.refresh()
+
+    def _note_refused(self, owed: int | None, why: str) -> None:
+        if owed is not None:
+            self._refused = max(owed, self._refused or owed)
+            self._view.log("stop refused: %s", why)
+            self._view.change(lambda view: replace(view, stop_refused=why))
+            self._watch.is_view_old = True
 
     def _send(self, axes: Collection[int] | None, send: Send, turn: _Turn | None) -> None:
         """Tell the controller, unless all was stopped while it waited for its turn: nothing has set out since.

@@ -149,6 +149,8 @@ class DeviceView:
     """Where that page is; None where pages are on this machine only, or none is."""
     stops: int = 0
     """A number that grows with each stop."""
+    stop_refused: str | None = None
+    """Why it doesn't stop, though that was asked for, until it rests or sets out anew; None: it has refused no stop."""
     soft_limits: Mapping[int, Span] = field(default_factory=dict)
     """Of the axes that have some."""
     heard_s: float = field(default=0.0, compare=False)
@@ -171,7 +173,7 @@ class DeviceView:
         resting = {axis.axis: axis.position_steps for axis in status.axes if axis.activity is Activity.READY}
         not_kept = None if self.proof is None else self.proof.trouble
         of_limits = trouble_of(self.soft_limits, status.axes)
-        said = (status.trouble, of_limits, self.half_written, not_kept, self.unproven_damage)
+        said = (self.stop_refused, status.trouble, of_limits, self.half_written, not_kept, self.unproven_damage)
         arrived = [axis for axis in self.zeroing if resting.get(axis) == 0]
         untold = {axis.axis for axis in self.axes if not axis.position_told}
         # Homed by somebody else: where its limits are now depends on what it counted from when they were set.

@@ -10,6 +10,7 @@ from starlette.requests import ClientDisconnect, Request
 
 from stepramp.devices.device import Device
 from stepramp.devices.registry import Devices
+from stepramp.devices.stopping import NotStopped
 from stepramp.errors import DeviceLost, Refused, StepRampError
 from stepramp.http_api.device_registry import Registry
 from stepramp.http_api.devices_models import DeviceAnswer
@@ -35,7 +36,7 @@ async def stop_all(devices: Registry) -> JsonResponse[AllStoppedAnswer]:
     """Stop every device, whatever it does, before anything else. What was asked before moves nothing afterwards.
 
     The answer tells what was last heard of each. One that is lost or still being connected may move on: it is stopped
-    as soon as it answers, and `errors` says so.
+    as soon as it answers, and `errors` says so. One that refuses to stop goes on, and `errors` says why.
     """
     owed = await stop_every(devices)
     answer = {"devices": devices.views(), **({"errors": owed} if owed else {})}
@@ -46,7 +47,8 @@ async def stop_all(devices: Registry) -> JsonResponse[AllStoppedAnswer]:
 async def stop(device_id: str, devices: Registry, request: Request) -> DeviceAnswer:
     """Slow axes, or all, down with their ramps, before anything else. What was asked before moves nothing any more.
 
-    A device that is lost or still being connected is stopped as soon as it answers; the error says so.
+    A device that is lost or still being connected is stopped as soon as it answers; the error says so. One that refuses
+    to stop, as a printer that prints, goes on; the error says why.
     """
     device = devices.get(device_id)
     with device.being_stopped(), _told_as_owed():
@@ -58,7 +60,7 @@ async def stop(device_id: str, devices: Registry, request: Request) -> DeviceAns
 async def halt(device_id: str, devices: Registry, request: Request) -> DeviceAnswer:
     """Make no further step, before anything else; a fast motor may slip. What was asked before moves nothing.
 
-    A device that is lost or still being connected is stopped as soon as it answers; the error says so.
+    A device that is lost or still being connected is halted as soon as it answers; the error says so.
     """
     device = devices.get(device_id)
     with device.being_stopped(), _told_as_owed():
@@ -89,6 +91,8 @@ def _told_as_owed() -> Iterator[None]:
 
 
 def _as_owed(error: StepRampError) -> StepRampError:
+    if isinstance(error, NotStopped):
+        return Refused(f"{error} It isn't told to stop again by itself.")
     kind = DeviceLost if isinstance(error, DeviceLost) else Refused
     return kind(f"{error} It is stopped as soon as it answers.")
 
