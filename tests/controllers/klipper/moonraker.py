@@ -60,7 +60,7 @@ class Moonraker:
         self._subscribed: dict[str, list[str] | None] = {}
         self._told: dict[str, dict[str, Any]] = {}
         self._next_s = 0.0
-        self._told_state = printer.state
+        self._told_state, self._told_restarts = printer.state, printer.restarts
         self._waiting: list[tuple[int, str]] = []
 
     @property
@@ -108,6 +108,9 @@ class Moonraker:
     def notifications(self) -> list[str]:
         """Return what is told unasked by now."""
         said = []
+        if self.printer.restarts != self._told_restarts and self.printer.clock() >= self.calls_it_ready_until_s:
+            self._told_restarts, self._told_state = self.printer.restarts, "disconnected"
+            said.append(_notice("notify_klippy_disconnected"))
         if self.printer.state != self._told_state:
             self._told_state = self.printer.state
             said.append(_notice(f"notify_klippy_{self.printer.state}"))

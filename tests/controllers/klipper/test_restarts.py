@@ -7,7 +7,7 @@ import pytest
 from controllers.klipper.bench import SLOW, Bench, to
 from controllers.klipper.printer import CONFIG
 from stepramp.controllers.contract import Activity
-from stepramp.controllers.klipper import memory
+from stepramp.controllers.klipper import conversation, memory
 from stepramp.controllers.klipper.backup import Backup
 from stepramp.controllers.klipper.controller import KlipperController
 from stepramp.errors import DeviceLost, Refused
@@ -109,6 +109,45 @@ def test_a_stop_just_as_klipper_goes_for_a_restart_is_answered(
     report = controller.prepare_push([SLOW], 0)()
     assert (done, report.verified, report.kept) == ([what], True, True)
     assert "printer.emergency_stop" not in bench.moonraker.methods
+
+
+@pytest.mark.parametrize("unknown_s", [0.0, 0.1, 0.3, 0.6, 1.5])
+def test_a_klipper_that_moonraker_calls_ready_as_it_goes_is_waited_for(
+    bench: Bench, controller: KlipperController, monkeypatch: pytest.MonkeyPatch, unknown_s: float
+) -> None:
+    """So long Moonraker doesn't know that it has gone, and reaches it only once it is back."""
+    for module in (conversation, memory):
+        monkeypatch.setattr(module, "monotonic", bench.clock)
+    monkeypatch.setattr(conversation, "AGAIN_S", 0.25)
+    restart = bench.printer.restart
+
+    def gone() -> None:
+        restart()
+        bench.printer.state, bench.moonraker.is_cut_off_until_s = "startup", bench.clock.now_s + 2.0
+        bench.moonraker.calls_it_ready_until_s = bench.clock.now_s + unknown_s
+
+    def interrupt() -> None:
+        if bench.printer.restarts and bench.clock.now_s > bench.moonraker.is_cut_off_until_s:
+            bench.printer.state = "ready"
+
+    monkeypatch.setattr(bench.printer, "restart", gone)
+    bench.interrupt = interrupt
+    report = controller.prepare_push([SLOW], 0)()
+    assert (report.verified, report.kept) == (True, True)
+
+
+def test_a_klipper_that_is_ready_and_never_reached_is_told_with_what_was_written(
+    bench: Bench, controller: KlipperController, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for module in (conversation, memory):
+        monkeypatch.setattr(module, "monotonic", bench.clock)
+
+    def gone() -> None:
+        bench.moonraker.is_cut_off_until_s = bench.moonraker.calls_it_ready_until_s = bench.clock.now_s + 1000.0
+
+    monkeypatch.setattr(bench.printer, "restart", gone)
+    with pytest.raises(Refused, match=r"All is written, and Klipper wasn't seen to start with it.*Klippy Disconnected"):
+        controller.prepare_push([SLOW], 0)()
 
 
 def test_a_restart_by_somebody_else_is_noticed_also_where_it_is_not_restarted_from_here(

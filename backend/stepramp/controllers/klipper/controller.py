@@ -24,7 +24,7 @@ from stepramp.controllers.contract import (
     StoredRamp,
 )
 from stepramp.controllers.klipper.backup import Backup
-from stepramp.controllers.klipper.conversation import Answered, Conversation, Port
+from stepramp.controllers.klipper.conversation import GOING_S, Answered, Conversation, Port
 from stepramp.controllers.klipper.machine import Limits
 from stepramp.controllers.klipper.memory import Memory, stored_differs
 from stepramp.controllers.klipper.moves import BUSY, Moves
@@ -39,8 +39,6 @@ CONNECT_S = 4.5
 """So long connecting may take, once the port is open, without a stop that is owed [s]."""
 LEFT_S = 3.5
 """So long what an earlier connection has left in Klipper's plan is given to come to rest [s]."""
-GOING_S = 2.0
-"""So long Moonraker is given to see that Klipper has gone for a restart [s]."""
 LOOK_S = 0.1
 OTHERS = (
     "What moves was told to Klipper by somebody else, and Klipper can't slow it down: end it at the printer, or halt "

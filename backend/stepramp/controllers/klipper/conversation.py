@@ -19,6 +19,8 @@ SCRIPT_S = 4.0
 """So long that of a line of G-code is: Klipper answers once it has it in its plan, at most 2 s ahead."""
 GREETING_S = 1.5
 """So long a Klipper that starts is given while somebody connects [s]."""
+GOING_S = 2.0
+"""So long Moonraker is given to see that Klipper has gone for a restart [s]."""
 AGAIN_S = 0.25
 GIVE_WAY_S = 0.05
 """So long a more urgent call waits for what comes in at most [s]."""
@@ -115,13 +117,18 @@ class Conversation:
                 return state
             self.wait(AGAIN_S)
 
-    def await_ready(self, within_s: float) -> str:
-        """Wait until Klipper has started anew, and return its state."""
-        deadline_s = monotonic() + within_s
+    def await_ready(self, restarts: int, deadline_s: float) -> str:
+        """Wait until Klipper has started anew, by the monotonic clock until then [s], and return its state.
+
+        restarts: how many there were when it was told to. Moonraker may call it ready until it sees that it has gone.
+        """
+        gone_s = monotonic() + GOING_S
+        has_gone = False
         while True:
             self.wait(AGAIN_S)
-            state = self.state()
-            if state in (READY, SHUTDOWN) or monotonic() > deadline_s:
+            state, now_s = self.state(), monotonic()
+            has_gone = has_gone or state != READY or self.restarts > restarts or now_s > gone_s
+            if state == SHUTDOWN or (state == READY and has_gone) or now_s > deadline_s:
                 return state
 
     def state(self) -> str:

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from datetime import UTC, datetime
 from fractions import Fraction
+from time import monotonic
 
 from stepramp.controllers.klipper.backup import Backup
 from stepramp.controllers.klipper.configuration import (
@@ -188,19 +189,35 @@ class Memory:
 
     def _restart(self) -> bool:
         """Have Klipper start anew, and return whether it was willing to; Refused when it doesn't start."""
+        restarts = self._conversation.restarts
         try:
             self._conversation.ask("printer.restart")
         except Answered:
             return False
         try:
-            self._await_start()
+            self._await_start(restarts)
         finally:
             # It was told to, and may have said so only by now.
             self._conversation.restarts = 0
         return True
 
-    def _await_start(self) -> None:
-        state = self._conversation.await_ready(RESTART_S)
+    def _await_start(self, restarts: int) -> None:
+        deadline_s = monotonic() + RESTART_S
+        while True:
+            state = self._conversation.await_ready(restarts, deadline_s)
+            try:
+                self._learn_anew(state)
+            except Answered as error:
+                # Moonraker calls it ready a moment earlier than it reaches it, and a moment longer.
+                if monotonic() > deadline_s:
+                    raise Refused(
+                        f"All is written, and Klipper wasn't seen to start with it. {error} See whether it does."
+                    ) from error
+            else:
+                return
+
+    def _learn_anew(self, state: str) -> None:
+        """Learn what it has read as it started, by which it came to a state; Refused where that isn't ready."""
         self.learn()
         if state == SHUTDOWN and self.was_halted:
             raise Refused(
