@@ -64,6 +64,11 @@ class Moonraker:
         self._waiting: list[tuple[int, str]] = []
 
     @property
+    def waiting(self) -> list[str]:
+        """The G-code that waits for its turn."""
+        return [script for _, script in self._waiting]
+
+    @property
     def methods(self) -> list[str]:
         return [method for method, _ in self.asked]
 

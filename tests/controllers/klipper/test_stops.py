@@ -8,7 +8,7 @@ from contextlib import suppress
 import pytest
 
 from controllers.conftest import Clock
-from controllers.klipper.bench import Bench, at, by, to
+from controllers.klipper.bench import SLOW, Bench, at, by, to
 from designs import design
 from stepramp.controllers.contract import Activity, AnswerUnknown
 from stepramp.controllers.klipper import controller as klipper
@@ -221,6 +221,29 @@ def test_a_stop_in_the_midst_of_a_push_moves_nothing_and_the_push_goes_on(bench:
     bench.interrupt = stop
     assert controller.prepare_push([asked], 0)().verified
     assert not any("G1" in script for script in bench.printer.scripts)
+
+
+@pytest.mark.parametrize("what", ["push", "restore"])
+def test_a_stop_while_a_limit_waits_for_somebody_elses_macro_shuts_nothing_down(bench: Bench, what: str) -> None:
+    """A limit moves nothing, whenever it has its turn."""
+    controller, waited = bench.connected(), list[str]()
+    backup = controller.backup()
+    bench.printer.is_held_up = True
+
+    def stop() -> None:
+        if bench.moonraker.waiting and not waited:
+            waited.append(bench.moonraker.waiting[0])
+            controller.stop()
+            bench.hear(bench.moonraker.let_go())
+
+    bench.interrupt = stop
+    if what == "push":
+        assert controller.prepare_push([SLOW], 0, "try")().verified
+    else:
+        controller.use_backup(backup)
+    assert "SET_VELOCITY_LIMIT" in waited[0]
+    assert bench.printer.state == "ready"
+    assert "printer.emergency_stop" not in bench.moonraker.methods
 
 
 def test_what_may_not_be_sent_is_not_sent(bench: Bench, controller: KlipperController) -> None:

@@ -128,8 +128,12 @@ class Memory:
         toolhead = self._conversation.last.toolhead
         names = [name for name in options if name in AT_RUN_TIME]
         for name in lowered_first(names, lambda name: float(options[name]) > getattr(toolhead, name)):
-            self._conversation.script(f"SET_VELOCITY_LIMIT {AT_RUN_TIME[name]}={options[name]}")
+            self._limit(AT_RUN_TIME[name], options[name])
         return self.in_use(self._conversation.look())
+
+    def _limit(self, word: str, value: str) -> None:
+        """Set a limit at run time. It moves nothing, so no stop waits for it, and none shuts Klipper down for it."""
+        self._conversation.script(f"SET_VELOCITY_LIMIT {word}={value}", moves=False)
 
     def store(self, options: Mapping[str, str]) -> Iterator[str]:
         """Write options to the configuration, read it again, and yield what there is to say.
@@ -254,7 +258,7 @@ class Memory:
         self._require(to_be)
         if seen is not None:
             for word, value in backup.limits.items():
-                self._conversation.script(f"SET_VELOCITY_LIMIT {word}={value!r}")
+                self._limit(word, repr(value))
         if is_other:
             self._expected = to_be.sections
             self._stored = Limits.of(self._expected)
