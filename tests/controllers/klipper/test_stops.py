@@ -107,6 +107,20 @@ def test_what_somebody_else_prints_is_only_halted(bench: Bench, controller: Klip
     assert bench.printer.state == "shutdown"
 
 
+def test_a_paused_print_that_rests_is_stopped_already(
+    bench: Bench, controller: KlipperController, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bench.printer.prints = "paused"
+    controller.stop()
+    assert bench.printer.state == "ready"
+    # It goes to where it waits.
+    monkeypatch.setattr(klipper, "LEFT_S", 0.2)
+    bench.printer.run("G91\nG1 X100 F60")
+    bench.pass_time(1.0)
+    with pytest.raises(Refused, match="told to Klipper by somebody else"):
+        controller.stop()
+
+
 def test_what_an_earlier_connection_has_left_comes_to_rest_by_itself(bench: Bench) -> None:
     MOTIONS["by"](slow(bench))
     bench.ask_for(0.5)

@@ -232,13 +232,13 @@ class KlipperController(Controller, StoresRamps, TriesRamps, DrawsLines, BacksUp
         """Add nothing to the plan any more: it is played to its end, which is at rest, within 2 s and the slowing down.
 
         What an earlier connection has left there comes to rest by itself. Refused while what somebody else has told
-        Klipper moves, as a print: only a halt ends that.
+        Klipper moves, as a print that isn't paused: only a halt ends that.
         """
         self._stopping.note()
         self._stopping.let_end()
         deadline_s = monotonic() + LEFT_S
-        while (seen := self._seen_moving()) is not None and self._moves.is_others(seen):
-            if seen.is_printing or monotonic() > deadline_s:
+        while (seen := self._seen_moving()) is not None and self._moves.do_others_go_on(seen):
+            if seen.virtual_sdcard.is_active or monotonic() > deadline_s:
                 raise Refused(OTHERS)
             self._conversation.wait(LOOK_S)
 

@@ -96,6 +96,10 @@ class Moves:
         """Whether what moves was told by somebody else."""
         return self._route is None and (seen.is_printing or seen.motion_report.live_velocity != 0)
 
+    def do_others_go_on(self, seen: Seen) -> bool:
+        """Whether what moves now, or will by itself, was told by somebody else; a print that is paused rests."""
+        return self._route is None and (seen.virtual_sdcard.is_active or seen.motion_report.live_velocity != 0)
+
     def by(self, steps: Sequence[AxisCommand]) -> None:
         """Begin to move axes by so many steps, along a line, from where they would come to rest."""
         self._begin(steps, is_relative=True)
