@@ -13,6 +13,7 @@ from controllers.conftest import Clock
 from controllers.klipper.bench import SLOW, Bench, pushed
 from controllers.klipper.moonraker import Moonraker
 from controllers.klipper.printer import CONFIG, MACROS, Printer
+from designs import design
 from stepramp.controllers.klipper.backup import Backup
 from stepramp.controllers.klipper.controller import KlipperController
 from stepramp.errors import DeviceLost, Refused, Rejected
@@ -62,6 +63,15 @@ def including(clock: Clock, pattern: str) -> Bench:
     """Return a printer whose limits are in a file that is included by a pattern."""
     main = CONFIG.replace("max_velocity: 300  ; as it came\n", "").replace("macros/*.cfg", pattern)
     return Bench(clock, {"printer.cfg": main, "hw/limits.cfg": "[printer]\nmax_velocity = 250\n"})
+
+
+def test_each_push_leaves_a_copy_of_its_own_however_soon_it_comes(bench: Bench, controller: KlipperController) -> None:
+    faster = design(ramp__slew_speed_steps_per_s=16_000, ramp__acceleration_steps_per_s2=80_000)
+    for each in (SLOW, faster, SLOW):
+        assert controller.prepare_push([each], 0)().verified
+    copies = sorted(path for path in bench.printer.files if ".stepramp-" in path)
+    assert len(copies) == 3
+    assert bench.printer.files[copies[0]] == CONFIG
 
 
 def test_no_copy_is_included(clock: Clock) -> None:

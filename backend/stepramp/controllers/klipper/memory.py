@@ -269,8 +269,8 @@ class Memory:
         before: what is in them, None where there is none; one that is missing couldn't be read, and is copied, too.
         """
         others = [path for path, text in wanted.items() if path not in before or before[path] != text]
-        # Not .cfg: what is included is mostly all files that end so.
-        stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
+        # Not .cfg: what is included is mostly all files that end so. To the microsecond: none overwrites another.
+        stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S-%f")
         copies = {path: f"{path}.stepramp-{stamp}" for path in others if path not in before or before[path] is not None}
         included = paths_of({**dict.fromkeys(copies.values(), ""), **wanted}, self._files.main)
         for path, beside in copies.items():
