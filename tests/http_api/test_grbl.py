@@ -330,6 +330,17 @@ def test_what_another_controller_tells_in_the_same_text_is_said_to_be_left_out(c
     assert not any("left out" in remark for remark in axis["remarks"])
 
 
+def test_what_another_controller_would_refuse_in_the_same_text_is_said_to_be_left_out(client: TestClient) -> None:
+    tic, grbl = "max_speed: fast\nmax_accel: 40000\n", "$100=80.000\n$110=3000.000\n$120=200.000\nok\n"
+    read = client.post("/api/v1/import", json={"text": tic + grbl}).json()
+    assert read["family"] == "grbl"
+    reason = "max_speed is fast; allowed: whole numbers of a Tic's units."
+    said = f"What Pololu Tic tells seems to be in the text, too, and is left out: {reason}"
+    assert said in read["axes"][0]["remarks"]
+    error = error_of(client.post("/api/v1/import", json={"text": tic}), 422)
+    assert error["message"] == reason
+
+
 def test_a_pasted_listing(client: TestClient) -> None:
     text = "Grbl 1.1h ['$' for help]\n$100=80.000\n$110=3000.000\n$120=200.000\nok\n"
     [axis] = client.post("/api/v1/import", json={"text": text}).json()["axes"]

@@ -144,6 +144,11 @@ def test_what_it_has_becomes_designs(client: TestClient, route: str) -> None:
     assert [axis["design"] for axis in of_device["axes"]] == [axis["design"] for axis in of_text["axes"]]
 
 
+def test_a_configuration_with_a_fan_of_a_highest_speed_is_one(client: TestClient) -> None:
+    text = f"{CONFIG}\n[temperature_fan chamber]\nmax_speed: 1.0\n"
+    assert ok(client.post("/api/v1/import", json={"text": text}))["family"] == "klipper"
+
+
 def test_what_it_plays_is_drawn_without_one(client: TestClient) -> None:
     answer = ok(client.post("/api/v1/families/klipper/ramp", json={"design": document(), "steps_per_mm": 80}))
     assert any("Klipper works its intervals out itself" in loss for loss in answer["losses"])

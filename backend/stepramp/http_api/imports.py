@@ -28,15 +28,30 @@ def designs_of_text(request: ImportPayload, devices: Registry) -> ImportAnswer:
     # What is copied from a page may have spaces that don't break.
     text = unmarked(request.text.removeprefix("\ufeff")).replace("\N{NO-BREAK SPACE}", " ")
     families = [each for each in devices.families.values() if each.read_settings is not None]
+    refused: dict[str, tuple[str, Rejected]] = {}
     for family in families:
-        if family.read_settings is not None and (axes := family.read_settings(text, request.base)):
+        try:
+            axes = family.read_settings(text, request.base) if family.read_settings is not None else []
+        except Rejected as error:
+            # Its names may as well be another one's, which takes the text.
+            refused.setdefault(family.kind, (family.title, error))
+            continue
+        if axes:
             others = [each for each in families if each.kind != family.kind and each.same_as is None]
-            axes = with_notes(axes, _left_out(others, text, request.base))
-            return ImportAnswer.model_validate({"family": family.name, "axes": axes})
+            notes = [*_refused_words(refused.values()), *_left_out(others, text, request.base)]
+            return ImportAnswer.model_validate({"family": family.name, "axes": with_notes(axes, notes)})
+    if refused:
+        raise next(error for _, error in refused.values())
     known = "; ".join(f"{family.title}'s {family.reads}" for family in families if family.same_as is None)
     allowed, begun = f"what a controller tells of itself: {known}", _begun(text)
     reason = f"What begins with {shown(begun)} is nothing that is known; allowed: {allowed}."
     raise Rejected([Rejection("text", begun, allowed, reason=reason)])
+
+
+def _refused_words(refused: Iterable[tuple[str, Rejected]]) -> Iterator[str]:
+    """Yield which families have refused what seemed to be theirs, and why."""
+    for title, error in refused:
+        yield f"What {title} tells seems to be in the text, too, and is left out: {error}"
 
 
 def _left_out(families: Iterable[Family], text: str, base: Design) -> Iterator[str]:

@@ -96,6 +96,11 @@ def test_what_makes_no_sense_is_told_by_its_own_name(text: str, said: str) -> No
     assert refused.value.rejections[0].field == "text"
 
 
+def test_options_of_the_same_names_in_sections_are_no_settings_of_a_tic() -> None:
+    text = "[printer]\nmax_accel: 3000\n  [temperature_fan chamber]  # as it came\nmax_speed: 1.0\n"
+    assert read_settings(text, design()) == []
+
+
 @pytest.mark.parametrize(
     ("changes", "value", "words"),
     [

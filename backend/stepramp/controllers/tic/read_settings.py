@@ -10,6 +10,8 @@ from stepramp.design import Design
 from stepramp.errors import Rejected, Rejection
 
 _LINE = re.compile(r"(?P<name>[a-z_]+) *:(?P<value>[^#]*)(?:#.*)?")
+_SECTION = re.compile(r"\[[^\]]+\]")
+"""What no settings file has, and configurations of other families do."""
 FIGURES = ("starting_speed", "max_speed", "max_decel", "max_accel")
 """In the order of TicRamp; of those left out a Tic has what it comes with."""
 FIELDS = ("ramp.base_speed_steps_per_s", SPEED, "ramp.deceleration_steps_per_s2", GAIN)
@@ -33,6 +35,8 @@ def read_settings(text: str, base: Design) -> list[ReadAxis]:
     base: what holds where a Tic says nothing, as motor, timer and method. A push of such a design changes nothing.
     Raises Rejected for settings that no Tic, or no design, can have.
     """
+    if any(_SECTION.match(line.strip()) for line in text.splitlines()):
+        return []
     stored, in_use = told_by(text), in_use_by(text)
     told = stored | in_use
     if not told.keys() >= NEEDED:
