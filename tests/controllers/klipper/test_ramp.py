@@ -156,6 +156,15 @@ def test_a_configuration_that_is_cut_off_says_where_it_ends_and_what_stands_for_
         assert x.remarks == ("What it includes isn't in it, and may say otherwise: macros/*.cfg.",), end
 
 
+@pytest.mark.parametrize("end", ["gear_ratio:", "gear_ratio: ", "gear_ratio = ", "gear_ratio: 80:20,"])
+def test_a_configuration_that_is_cut_off_before_a_value_says_so(end: str) -> None:
+    *_, z = read_settings(CONFIG[: CONFIG.index("gear_ratio")] + end, design())
+    assert z.remarks[-1] == (
+        f"The text ends within [stepper_z], at {end.strip()} as it seems in the midst of a value: if it was cut off "
+        "there, the rest of that value and options that would follow are missing."
+    )
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [

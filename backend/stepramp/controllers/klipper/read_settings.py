@@ -19,7 +19,8 @@ WHOLE = "a whole configuration of Klipper, with [printer] and a section for each
 Z_LIMITS = (("max_z_velocity", "max_velocity"), ("max_z_accel", "max_accel"))
 """Options of z, and what stands for each where it isn't there."""
 _HEADER = re.compile(r"\s*\[([^\]]+)\]")
-_ENDS_WITH_A_NUMBER = re.compile(r"\s*(?P<option>\w+)\s*[:=][^#;]*[0-9]\.?")
+_ENDS_WITH_A_NUMBER = re.compile(r"\s*\w+\s*[:=][^#;]*[0-9]\.?")
+_ENDS_BEFORE_A_VALUE = re.compile(r"\s*\w+\s*[:=](?:[^#;]*,)?\s*")
 
 
 def read_settings(text: str, base: Design) -> list[ReadAxis]:
@@ -71,15 +72,19 @@ def _of_a_paste(text: str) -> Iterator[str]:
     if included := includes_of(text):
         yield f"What it includes isn't in it, and may say otherwise: {', '.join(included)}."
     last = text.splitlines()[-1]
-    found = _ENDS_WITH_A_NUMBER.fullmatch(last)
-    # A text that is whole ends with a line end, mostly.
-    if not text.endswith(last) or found is None:
-        return
     section = next(reversed(_headers(text)), "")
-    if section == PRINTER or section in STEPPERS:
+    # A text that is whole ends with a line end, mostly.
+    if not text.endswith(last) or (section != PRINTER and section not in STEPPERS):
+        return
+    if _ENDS_WITH_A_NUMBER.fullmatch(last):
         yield (
             f"The text ends within [{section}], at {last.strip()}: if it was cut off there, its last number may lack "
             "digits, and options that would follow are missing."
+        )
+    elif _ENDS_BEFORE_A_VALUE.fullmatch(last):
+        yield (
+            f"The text ends within [{section}], at {last.strip()} as it seems in the midst of a value: if it was cut "
+            "off there, the rest of that value and options that would follow are missing."
         )
 
 
