@@ -13,7 +13,7 @@ from controllers.tic.bench import Bench as TicBench
 from controllers.tmcl.bench import Bench as TmclBench
 from controllers.tmcl.emulator import RESOLUTION, TmclEmulator
 from designs import design
-from stepramp.controllers.contract import Controller
+from stepramp.controllers.contract import Controller, Rescaled
 from stepramp.controllers.tic import conversation as tic_conversation
 from stepramp.controllers.tmcl import conversation as tmcl_conversation
 from stepramp.errors import Refused
@@ -122,7 +122,7 @@ def test_zero_goes_no_way_that_was_made_steps_by_others(board: Board) -> None:
     board.bench.rest()
     board.set_mode(4)
     assert "Set the position here." in (board.controller.status().trouble or "")
-    with pytest.raises(Refused, match="it was changed meanwhile"):
+    with pytest.raises(Rescaled, match="it was changed meanwhile"):
         board.bench.controller.zero([0], 400)
     board.bench.pass_time(2)
     assert board.place() == 400

@@ -5,6 +5,7 @@ As in test_stops.py: deterministic, nothing polls unless it is told to. Time goe
 
 from __future__ import annotations
 
+import re
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, suppress
@@ -24,8 +25,9 @@ from stepramp.devices.attachment import Attachment
 from stepramp.devices.leases import Lease
 from stepramp.devices.registry import Devices
 from stepramp.devices.shuttle import Shuttle
+from stepramp.devices.soft_limits import Span
 from stepramp.devices.view import DeviceState
-from stepramp.errors import StepRampError
+from stepramp.errors import Refused, StepRampError
 from stepramp.link import lines, protocol_sim, serial_port
 
 EXCHANGE_S = 0.03
@@ -183,3 +185,38 @@ def test_a_stop_of_a_fluidnc_at_any_place_is_final(bench: Bench, name: str, stop
     while tried < MOST_PLACES and stop_at(bench, tried, stop, SCENARIOS[name]):
         tried += 1
     assert 16 <= tried < MOST_PLACES
+
+
+def back_from_a_leg(bench: Bench) -> None:
+    """Go to and fro, until it is back where it began and is about to set out again."""
+    bench.reset()
+    bench.device.go_there_and_back(Shuttle(0, 100, 3, 0.0), by(100))
+    bench.pass_time(1.0)
+    bench.poll()
+    bench.pass_time(1.0)
+    bench.look()
+    assert (bench.device.view.position_steps, bench.device.view.shuttle is None) == (0, False)
+
+
+def test_to_and_fro_that_ends_by_other_steps_per_mm_says_so_and_the_next_motion_is_refused_once(bench: Bench) -> None:
+    back_from_a_leg(bench)
+    bench.grbl.settings[100] = 125.0
+    bench.poll()
+    words = r"\$100 has changed from 250 to 125, so lengths are others now"
+    assert bench.device.view.shuttle is None
+    assert re.search(f"^To and fro has ended: {words}", bench.device.view.message or "")
+    with pytest.raises(Refused, match=words):
+        bench.device.move_by([by(250)])
+    bench.device.move_by([by(250)])
+    assert bench.device.view.message is None
+
+
+def test_to_and_fro_that_ends_at_a_soft_limit_says_so_until_something_else_is_asked_for(bench: Bench) -> None:
+    back_from_a_leg(bench)
+    bench.device.limit({0: Span(0, 50)})
+    bench.poll()
+    assert bench.device.view.shuttle is None
+    assert "To and fro has ended: " in (message := bench.device.view.message or "")
+    assert "0 to 50 steps" in message
+    bench.device.move_by([by(50)])
+    assert bench.device.view.message is None

@@ -1,6 +1,6 @@
 """How many steps a controller makes of a full step, and what comes of it that somebody else changes that meanwhile."""
 
-from stepramp.errors import Refused
+from stepramp.controllers.contract import Rescaled
 
 
 def steps(count: int) -> str:
@@ -34,14 +34,14 @@ class Microsteps:
             self._counted_by = count
 
     def refuse_changed(self, count: int, position: int) -> None:
-        """Note so many, too; Refused, once, where lengths may have been made steps by others.
+        """Note so many, too; Rescaled, once, where lengths may have been made steps by others.
 
         That a status has told them is no reason not to: who moves the axis need not have read it.
         """
         before, self._asked_by = self._asked_by, count
         self.note(count, position)
         if count != before:
-            raise Refused(
+            raise Rescaled(
                 f"{self._called} makes {steps(count)} of a full step by now, and made {before:,} ({self._setting}): "
                 "it was changed meanwhile. Nothing was moved: ask again, if it is to be done with these."
             )

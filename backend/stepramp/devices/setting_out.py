@@ -2,9 +2,10 @@
 
 from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from time import monotonic
 
-from stepramp.controllers.contract import Controller
+from stepramp.controllers.contract import Controller, Rescaled
 from stepramp.devices.contact import Contact
 from stepramp.devices.leases import Lease, Leases
 from stepramp.devices.live_view import LiveView
@@ -61,6 +62,7 @@ class SettingOut:
         at = self.moment(request_number)
 
         def set_out(controller: Controller) -> None:
+            self._refuse_untold()
             self.newly(axes, lambda: self.permitted(axes, at, lambda: begin(controller), lease), lease, then)
 
         try:
@@ -71,6 +73,13 @@ class SettingOut:
         self._view.log("%s: begun", what)
 
     # From here on: in the thread of the port.
+
+    def _refuse_untold(self) -> None:
+        """Refuse once what a shuttle was refused once: who asks now has made steps of lengths, and need not know."""
+        ended_by = self._view.now.ended_by
+        self._view.change(lambda view: replace(view, ended_by=None))
+        if isinstance(ended_by, Rescaled):
+            raise Rescaled(str(ended_by))
 
     def newly(
         self,

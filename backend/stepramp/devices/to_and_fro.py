@@ -9,7 +9,7 @@ from stepramp.devices.limit_checks import refuse_targets, refuse_there_and_back
 from stepramp.devices.live_view import LiveView
 from stepramp.devices.setting_out import SettingOut
 from stepramp.devices.shuttle import Shuttle
-from stepramp.devices.stops import Stops
+from stepramp.devices.stops import Overtaken, Stops
 from stepramp.devices.view import DeviceState
 from stepramp.devices.watch import Watch
 from stepramp.errors import Refused, Rejected
@@ -62,13 +62,23 @@ class ToAndFro:
         controller, leg = self._contact.controller, AxisCommand(shuttle.axis, shuttle.next_by_steps, "by_steps")
         try:
             self._control.refuse_without(shuttle.page)
-            refuse_targets(self._view.now, [leg], relative=True)
-            self._setting_out.again([shuttle.axis], shuttle.request_number, lambda: controller.move_by([leg]))
-        except (Refused, Rejected):
-            # A stop came, or somebody else at the controller, such as its own sketch, has begun something: it is over.
+        except Refused:
             self._show(None)
             return
-        self._show_leg(shuttle)
+        try:
+            refuse_targets(self._view.now, [leg], relative=True)
+            self._setting_out.again([shuttle.axis], shuttle.request_number, lambda: controller.move_by([leg]))
+        except Overtaken:
+            self._show(None)
+        except (Refused, Rejected) as error:
+            self._end(error)
+        else:
+            self._show_leg(shuttle)
+
+    def _end(self, error: Refused | Rejected) -> None:
+        """End it by what it was refused, and show that: nobody waits for an answer who could be told."""
+        self._view.change(lambda view: replace(view, shuttle=None, ended_by=error))
+        self._watch.refresh()
 
     def _show_leg(self, shuttle: Shuttle) -> None:
         """Note where the leg leads that has just been begun, unless it has been stopped meanwhile."""

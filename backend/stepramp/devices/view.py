@@ -12,6 +12,7 @@ from stepramp.controllers.progress import Progress
 from stepramp.devices.proof import Proof, pending_words
 from stepramp.devices.shuttle import Shuttle
 from stepramp.devices.soft_limits import FREE, Span, trouble_of
+from stepramp.errors import Refused, Rejected
 
 
 class DeviceState(StrEnum):
@@ -133,6 +134,8 @@ class DeviceView:
     """How far the push has come that is under way."""
     shuttle: Shuttle | None = None
     """An axis goes there and back."""
+    ended_by: Refused | Rejected | None = None
+    """What such a one was refused, by which it ended by itself, until another motion is asked for."""
     unknown_positions: tuple[int, ...] = ()
     """Axes that may be elsewhere than they count, since the device was lost, or somebody else has homed them."""
     zeroing: tuple[int, ...] = ()
@@ -173,7 +176,10 @@ class DeviceView:
         resting = {axis.axis: axis.position_steps for axis in status.axes if axis.activity is Activity.READY}
         not_kept = None if self.proof is None else self.proof.trouble
         of_limits = trouble_of(self.soft_limits, status.axes)
-        said = (self.stop_refused, status.trouble, of_limits, self.half_written, not_kept, self.unproven_damage)
+        words = (self.stop_refused, status.trouble, of_limits, self.half_written, not_kept, self.unproven_damage)
+        said = [each for each in words if each]
+        if self.ended_by is not None and str(self.ended_by) not in said:
+            said.append(f"To and fro has ended: {self.ended_by}")
         arrived = [axis for axis in self.zeroing if resting.get(axis) == 0]
         untold = {axis.axis for axis in self.axes if not axis.position_told}
         # Homed by somebody else: where its limits are now depends on what it counted from when they were set.
@@ -191,7 +197,7 @@ class DeviceView:
             on_trial=status.on_trial,
             motors_on=status.motors_on,
             starved=status.starved,
-            message=" ".join(each for each in said if each) or None,
+            message=" ".join(said) or None,
             midst=(),
             inputs=None if status.of_inputs is None else status.of_inputs.inputs,
             stopped_by=None if status.of_inputs is None else status.of_inputs.stopped_by,

@@ -12,6 +12,7 @@ from stepramp.controllers.contract import (
     AxisCommand,
     AxisStatus,
     Ends,
+    Rescaled,
     lasts_until_end_s,
 )
 from stepramp.controllers.grbl.conversation import Answered, Conversation
@@ -248,7 +249,7 @@ class Moves:
         if (reason := self.inability(report)) is not None:
             raise Refused(reason)
         if rescaled:
-            raise Refused(f"{', '.join(rescaled)}, so lengths are others now. Nothing was moved: ask again.")
+            raise Rescaled(f"{', '.join(rescaled)}, so lengths are others now. Nothing was moved: ask again.")
         return report
 
     def _ahead(self, speeds: Mapping[int, float], passed_s: float) -> dict[int, int]:

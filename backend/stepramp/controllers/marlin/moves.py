@@ -13,6 +13,7 @@ from stepramp.controllers.contract import (
     AxisCommand,
     AxisStatus,
     Ends,
+    Rescaled,
     lasts_until_end_s,
     values_of,
 )
@@ -232,7 +233,7 @@ class Moves:
         words = rescaled_words(self._asked_by, self._places.axes)
         self.know_scales()
         if words is not None:
-            raise Refused(f"{words} Nothing was moved: ask again, if it is to be done with these.")
+            raise Rescaled(f"{words} Nothing was moved: ask again, if it is to be done with these.")
         self.stopping.refuse_stopped(stops)
         self.trouble = None
         return self._at_rest
