@@ -376,24 +376,32 @@ def test_limits_stay_with_a_lost_board_that_somebody_connects_at_another_port(
     devices.close()
 
 
-def test_limits_outlive_a_device_that_turns_out_to_be_the_same_board(
-    plug_in: Callable, unplugged_at: UnpluggedAt, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("is_let_go", [False, True], ids=["lost", "let go of"])
+def test_limits_stay_with_a_board_that_is_told_apart_only_once_its_port_is_held(
+    plug_in: Callable, unplugged_at: UnpluggedAt, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, is_let_go: bool
 ) -> None:
-    """As where the ports' list had it only once it was connected."""
+    """As where the ports' list missed it just before: it is no device of its own without limits."""
     first, second = plug_in(unplugged_at), plug_in(VirtualController())
     monkeypatch.setattr(attachment, "known_port", lambda port: Port(port, port, usb=(0x2341, 0x0043, "A1")))
-    devices = Devices()
+    devices = Devices(data=tmp_path)
     limited = devices.connect(first)
     limited.limit({0: Span(0, 100)})
     unplugged_at.is_plugged_in = False
     with pytest.raises(DeviceLost):
         limited.settings()
-    free = devices.connect(second)
-    assert (free.view.id, free.identity) == ("2", limited.identity)
-    for device in (limited, free):
-        devices.disconnect(device.view.id)
-    monkeypatch.setattr(devices_module, "known_port", attachment.known_port)
-    assert devices.connect(second).view.soft_limits == {0: Span(0, 100)}
+    if is_let_go:
+        devices.disconnect("1")
+        again = devices.connect(second)
+        assert (again.view.soft_limits, again.view.axes[0].highest_steps) == ({0: Span(0, 100)}, 100)
+        with pytest.raises(Refused, match="Axis 0 may be elsewhere than counted"):
+            again.move_by([by(50)])
+    else:
+        with pytest.raises(Refused, match="is device 1, USB 2341:0043, serial number A1: connect it again"):
+            devices.connect(second)
+        assert [view.id for view in devices.views()] == ["1"]
+        monkeypatch.setattr(devices_module, "known_port", attachment.known_port)
+        assert devices.connect(second) is limited
+        assert limited.view.soft_limits == {0: Span(0, 100)}
     devices.close()
 
 
@@ -413,3 +421,31 @@ def test_where_an_axis_is_that_somebody_else_has_homed_is_to_be_said_where_it_ha
     with pytest.raises(Refused, match=r"Axis 2 may be elsewhere than counted.*or by somebody else"):
         limit_checks.refuse_targets(view, [by(1, 2)], relative=True)
     assert view.with_known_positions([2]).with_status(told(True, True, True)).unknown_positions == ()
+
+
+@pytest.mark.parametrize("numbers", [(None, "A1"), ("A1", None)], ids=["goes", "comes"])
+def test_limits_of_a_board_outlive_that_another_one_with_its_number_comes_or_goes(
+    plug_in: Callable,
+    unplugged_at: UnpluggedAt,
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    numbers: tuple[str | None, str | None],
+) -> None:
+    """A number that two have at the same time tells neither."""
+    told = [numbers[0]]
+    for module in (devices_module, attachment):
+        monkeypatch.setattr(module, "known_port", lambda port: Port(port, port, usb=(0x2341, 0x0043, told[0])))
+    devices = Devices(data=tmp_path)
+    device = devices.connect(plug_in(unplugged_at))
+    device.limit({0: Span(0, 100)})
+    known = device.identity
+    unplugged_at.is_plugged_in = False
+    with pytest.raises(DeviceLost):
+        device.settings()
+    unplugged_at.is_plugged_in, told[0] = True, numbers[1]
+    assert devices.connect(device.view.port) is device
+    assert device.identity == known
+    devices.disconnect("1")
+    again = devices.connect(device.view.port)
+    assert (again.view.id, again.view.soft_limits) == ("2", {0: Span(0, 100)})
+    devices.close()

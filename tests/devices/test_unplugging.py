@@ -342,6 +342,23 @@ def test_a_board_that_the_list_of_ports_misses_once_is_known_by_its_number_all_t
     devices.close()
 
 
+def test_what_the_list_of_ports_misses_at_first_has_what_was_saved_of_its_board(
+    changed_boards: ChangedBoards, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    devices = Devices(data=tmp_path)
+    first = devices.connect(changed_boards.port, "grbl")
+    first.push([design()])
+    pending, saved = first.view.unproven, first.backups()
+    assert pending
+    assert saved.backups
+    devices.disconnect("1")
+    monkeypatch.setattr(registry, "known_port", lambda port: Port(port, port, leads_to=port))
+    again = devices.connect(changed_boards.port, "grbl")
+    assert again.backups() == saved
+    assert again.view.proof is not None or again.view.unproven == pending
+    devices.close()
+
+
 def test_a_mistake_of_ours_with_one_lost_device_keeps_none_from_being_found(
     plug_in: Callable, unplugged_at: UnpluggedAt, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:

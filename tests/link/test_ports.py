@@ -82,8 +82,17 @@ def test_a_serial_number_that_two_have_tells_neither(
     monkeypatch.setattr(list_ports, "comports", lambda: attached)
     one, other = (known_port(f"/dev/ttyUSB{number}") for number in range(2))
     assert (one.identity, other.identity) == ("/dev/ttyUSB0", "/dev/ttyUSB1")
-    del attached[0]
+    gone = attached.pop(0)
     assert find_again(one) is None
+    # By itself it has the number, and is found again all the same.
+    assert find_again(other) == "/dev/ttyUSB1"
+    alone = known_port("/dev/ttyUSB1")
+    assert alone.is_board_of(other)
+    assert other.is_board_of(alone)
+    assert not alone.is_board_of(one)
+    attached.append(gone)
+    assert find_again(alone) == "/dev/ttyUSB1"
+    attached.pop()
     if serial_number == "0001":
         assert known_port("/dev/ttyUSB1").identity == "/dev/ttyUSB1"
 

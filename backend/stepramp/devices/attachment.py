@@ -1,6 +1,7 @@
 """The attachment of a device to a port: when it is connected, lost, found again and let go of."""
 
 import threading
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
 from time import sleep
@@ -39,7 +40,8 @@ class Attachment:
     """Connects a device to its port, and sees to what goes on while it is connected. For any thread.
 
     known: the port. family: how it is opened, and of what kind the controller there is. remote_ports: those of other
-    machines that may be opened.
+    machines that may be opened. learn_board: told what is plugged in, in the thread of the port, where that wasn't
+    known before; what it refuses isn't connected.
     """
 
     def __init__(
@@ -58,6 +60,7 @@ class Attachment:
         homings: Homings,
         writing: Writing,
         proving: Proving,
+        learn_board: Callable[[Port], None],
     ) -> None:
         self._known = known
         self._family = family
@@ -73,6 +76,7 @@ class Attachment:
         self._homings = homings
         self._writing = writing
         self._proving = proving
+        self._learn_board = learn_board
         self._connecting = threading.Lock()
         self._attempt = SharedAttempt()
         self._connection: Connection | None = None
@@ -82,9 +86,9 @@ class Attachment:
         self._starts_anew = False
 
     @property
-    def board(self) -> object:
-        """What tells what is plugged in apart; see Port."""
-        return self._known.board
+    def known(self) -> Port:
+        """The port, and what is plugged in there as far as that is told apart."""
+        return self._known
 
     @property
     def called(self) -> str:
@@ -206,9 +210,13 @@ class Attachment:
         known = known_port(port)
         if self.is_other(known):
             raise Refused(OTHER.format(port=port, called=self.called))
-        if known.usb is None:
-            # The list of ports may miss one for a moment: what was known of the board still holds.
+        if self._known.usb is not None:
+            # The list of ports may miss one for a moment, and its number is nobody's while another board with the same
+            # one is there: what was known of the board still holds.
             known = replace(known, usb=self._known.usb)
+        elif known.usb is not None:
+            self._learn_board(known)
+            self._known = known
         controller = self._family.make(self._connection, self._runs.give_way, self._writing.note_progress)
         controller.connect(lambda: self._stopping.greet(controller, known))
         status = controller.status()

@@ -200,10 +200,16 @@ class Backups:
     """
 
     def __init__(self, data: Path, family: str, known: Port) -> None:
+        self._data, self._family = data, family
+        self.know(known)
+
+    def know(self, known: Port) -> None:
+        """Take those of what is plugged in, as far as that is known now."""
+
         def of(identity: object) -> Path:
             text = repr(identity)
             slug = re.sub(r"[^A-Za-z0-9]+", "-", text).strip("-")[:MOST_SLUG]
-            return data / "backups" / f"{family}-{slug}-{zlib.crc32(text.encode()):08x}"
+            return self._data / "backups" / f"{self._family}-{slug}-{zlib.crc32(text.encode()):08x}"
 
         self.folder = of(known.board)
         former = () if known.unit else (known.identity, known.port)

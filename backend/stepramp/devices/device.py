@@ -3,7 +3,6 @@
 from collections.abc import Callable, Collection, Mapping, Sequence
 from concurrent.futures import Future
 from contextlib import AbstractContextManager
-from dataclasses import replace
 from pathlib import Path
 
 from stepramp.controllers.capabilities import HasSettings, TellsSettings, refusal
@@ -48,7 +47,9 @@ class Device:
     known: its port. family: of the controller there. remote_ports: those of other machines that may be opened. order:
     of all that is asked and stopped. stops_of_all: stops that are for each device. owed: stops that no controller has
     granted yet. changed: called from any thread after each change of the view. data: the folder of what outlasts the
-    program. before: what was known of what is plugged in there when it was last let go of.
+    program. learn_board: told what is plugged in, where that is known only once the port is held; Refused where that is
+    another device. before: what was known of what is plugged in there when it was last let go of; learn_board returns
+    the same.
 
     What sets motors moving takes `request_number`: when it was asked for, in that order; None: now. It is refused when
     a stop came after that. What the controller can't do, since it hasn't got the capability, is Refused in plain words.
@@ -65,13 +66,14 @@ class Device:
         owed: OwedStops,
         changed: Callable[[], None],
         data: Path,
+        learn_board: Callable[[Port], DeviceView | None],
         before: DeviceView | None = None,
     ) -> None:
         self._family = family
         stops = Stops(order, stops_of_all)
         view = DeviceView(device_id, known.port, known.name, family.name, stops=stops.last)
         if before is not None:
-            view = replace(view, soft_limits=before.soft_limits, unknown_positions=before.unknown_positions)
+            view = view.known_before(before)
         live, leases, permit = LiveView(view, changed), Leases(), Permit(stops)
         contact = Contact(live, family)
         watch = Watch(live, contact)
@@ -82,7 +84,7 @@ class Device:
         to_and_fro = ToAndFro(live, contact, watch, control, setting_out, stops)
         self._surroundings = VirtualSurroundings(live, contact, watch)
         self._homings = Homings(live, contact, watch, leases, control, setting_out)
-        backups = Backups(data, family.name, known)
+        self._learn_board_of, self._backups = learn_board, (backups := Backups(data, family.name, known))
         proving = Proving(live, Unproven(backups.folder, backups.former))
         writing = Writing(live, contact, watch, leases, backups, proving, family.play_own)
         self._live, self._control, self._stopping, self._runs, self._proving = live, control, stopping, runs, proving
@@ -103,7 +105,16 @@ class Device:
             self._homings,
             writing,
             proving,
+            self._learn_board,
         )
+
+    def _learn_board(self, known: Port) -> None:
+        """Take what is plugged in for its board, with all that is known of that; in the thread of the port."""
+        before = self._learn_board_of(known)
+        self._backups.know(known)
+        self._proving.know(Unproven(self._backups.folder, self._backups.former))
+        if before is not None:
+            self._live.change(lambda view: view.known_before(before))
 
     @property
     def view(self) -> DeviceView:
@@ -118,11 +129,16 @@ class Device:
     @property
     def identity(self) -> object:
         """What tells apart what is plugged in, and of what kind of controller it is taken to be; see Port."""
-        return self._family.kind, self._attachment.board
+        return self._family.kind, self.known.board
+
+    @property
+    def known(self) -> Port:
+        """What is known of its port and what is plugged in there."""
+        return self._attachment.known
 
     def is_board(self, known: Port) -> bool:
         """Whether what is plugged in at a port is that of this device, as far as that is told apart."""
-        return self._attachment.board == known.board
+        return known.is_board_of(self.known)
 
     @property
     def location(self) -> str:

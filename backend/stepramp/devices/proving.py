@@ -54,6 +54,10 @@ class Proving:
 
     # From here on: in the thread of the port.
 
+    def know(self, unproven: Unproven) -> None:
+        """Take what is unproven of the board that the device turns out to be."""
+        self._unproven = unproven
+
     def note(self, controller: Controller) -> None:
         """Note what the controller was given just now, whatever has come of it."""
         if not isinstance(controller, ProvenByStart):

@@ -5,6 +5,7 @@ import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
+from functools import partial
 from pathlib import Path
 
 from stepramp.controllers.families import FAMILIES, USUAL_FAMILY, Family, offer_virtual_controller
@@ -59,7 +60,7 @@ class Devices:
         self._devices: dict[str, Device] = {}
         # Devices that were forgotten and are to be remembered, by what tells apart what was plugged in and the kind of
         # its controller: soft limits, and axes that may be elsewhere than they count.
-        self._let_go: dict[object, DeviceView] = {}
+        self._let_go: dict[object, tuple[Port, DeviceView]] = {}
         self._listeners: list[Listener] = []
         self._pages = Pages(self._leave_control)
         self._last_id = 0
@@ -252,7 +253,6 @@ class Devices:
                 raise Refused("StepRamp is ending: nothing is connected any more.")
             self._last_id += 1
             device_id = str(self._last_id)
-            before = self._let_go.pop((family.kind, known.board), None)
             device = Device(
                 device_id,
                 known,
@@ -263,11 +263,34 @@ class Devices:
                 self._owed,
                 self._tell,
                 self.data,
-                before,
+                partial(self._learn_board, device_id, family.kind),
+                self._take_up(family.kind, known),
             )
             self._devices[device_id] = device
         self._tell()
         return device, True
+
+    def _learn_board(self, device_id: str, kind: str, known: Port) -> DeviceView | None:
+        """Return what was known of a board when it was let go of that is told apart only now that its port is held.
+
+        Refused where it is another device: that one has its limits.
+        """
+        with self._lock:
+            for device in self._devices.values():
+                if device.view.id != device_id and device.is_board(known):
+                    raise Refused(
+                        f"What is plugged in at {known.port} is device {device.view.id}, {device.called}: connect it "
+                        "again."
+                    )
+            return self._take_up(kind, known)
+
+    def _take_up(self, kind: str, known: Port) -> DeviceView | None:
+        """Return, once, what was known of a board when it was let go of; the lock is held."""
+        for identity, (before, view) in self._let_go.items():
+            if identity == (kind, before.board) and known.is_board_of(before):
+                del self._let_go[identity]
+                return view
+        return None
 
     def _present_at(self, port: str, location: str, known: Port) -> Device | None:
         with self._lock:
@@ -299,10 +322,8 @@ class Devices:
         with self._lock:
             if not device.connected:
                 self._devices.pop(device.view.id, None)
-                # Limits of the same board may be there, where it was found out late that it is the same.
-                is_kept = device.view.unknown_positions and device.identity not in self._let_go
-                if device.view.soft_limits or is_kept:
-                    self._let_go[device.identity] = device.view
+                if device.view.soft_limits or device.view.unknown_positions:
+                    self._let_go[device.identity] = device.known, device.view
         self._tell()
 
     def _tell(self) -> None:

@@ -266,6 +266,11 @@ class DeviceView:
             unknown_positions=unknown,
         )
 
+    def known_before(self, before: "DeviceView") -> "DeviceView":
+        """Return the device with what was known of its board when that was let go of."""
+        unknown = tuple(sorted({*self.unknown_positions, *before.unknown_positions}))
+        return replace(self, soft_limits={**before.soft_limits, **self.soft_limits}, unknown_positions=unknown)
+
     def limited(self, spans: Mapping[int, Span], shown: Collection[AxisView]) -> "DeviceView":
         """Return the device with these soft limits, besides those that other axes have.
 

@@ -83,6 +83,17 @@ class Port:
         (*kind, number), (*former_kind, former_number) = self.usb, before.usb
         return kind != former_kind or (None not in (number, former_number) and number != former_number)
 
+    def is_board_of(self, before: "Port") -> bool:
+        """Whether the same board is plugged in as before, as far as it is told apart.
+
+        One whose number another one has as well has none while both are there: then it is known by its place and kind.
+        """
+        if self.board == before.board:
+            return True
+        if self.usb is None or before.usb is None or (self.unit and before.unit):
+            return False
+        return self.location == before.location and not self.is_other_than(before)
+
     @property
     def called(self) -> str:
         """What tells what is plugged in apart, as people read it: its USB serial number, else its port or host."""
@@ -143,17 +154,19 @@ def location_of(port: str) -> str:
 def find_again(lost: Port) -> str | None:
     """Return where a port that was lost is again; None as long as it isn't.
 
-    A board with a USB serial number is known by that, wherever it comes back; any other by the name of its port, and
-    by the kind of board, if that was known.
+    A board with a USB serial number is known by that, wherever it comes back; any other, and one whose number another
+    one has by now, by the name of its port, and by the kind of board, if that was known.
     """
     if "://" in lost.port:
         return lost.port if not lost.port.startswith(VIRTUAL_PORT) or registered(lost.port) else None
     if lost.usb is None:
         return lost.port if PurePath(lost.port).is_absolute() and Path(lost.port).exists() else None
-    alike = [each.port for each in list_serial_ports() if each.usb == lost.usb]
-    if lost.usb[2] is not None:
-        return alike[0] if alike else None
-    return lost.port if location_of(lost.port) in map(location_of, alike) else None
+    listed = [each for each in list_serial_ports() if each.usb is not None]
+    if lost.unit and (alike := [each.port for each in listed if each.unit == lost.unit]):
+        return alike[0]
+    there = location_of(lost.port)
+    is_there = any(location_of(each.port) == there and not each.is_other_than(lost) for each in listed)
+    return lost.port if is_there else None
 
 
 def _usb_of(info: ListPortInfo) -> tuple[int, int, str | None] | None:
