@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import os
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -14,6 +15,7 @@ from designs import design
 from stepramp.controllers.capabilities import BacksUp, StoresRamps
 from stepramp.controllers.contract import ControllerStatus, PushMode, PushReport
 from stepramp.controllers.families import Family
+from stepramp.controllers.remark import Unwritten
 from stepramp.design import Design
 from stepramp.devices.backups import Archive, Archived, Backups, Source, checked, marked, unmarked
 from stepramp.devices.device import Device
@@ -31,6 +33,7 @@ class Keeper(PlainController, StoresRamps, BacksUp):
     is_broken = False
     is_gone = False
     is_gone_once_written = False
+    remarks: tuple[str, ...] = ("All is well.",)
 
     def status(self) -> ControllerStatus:
         if self.is_gone:
@@ -59,7 +62,7 @@ class Keeper(PlainController, StoresRamps, BacksUp):
     def use_backup(self, text: str) -> tuple[str, ...]:
         self.log.append("written")
         self.text, self.is_broken, self.is_gone = text, False, self.is_gone_once_written
-        return ("All is well.",)
+        return self.remarks
 
 
 @pytest.fixture
@@ -119,6 +122,24 @@ def test_what_cant_be_read_is_no_hindrance_to_a_restore(device: Device, log: lis
         "All is well.",
     )
     assert log[-1] == "written"
+
+
+def test_what_is_half_written_is_whole_again_only_by_all_of_a_backup_of_its_own(
+    device: Device, made: list[Keeper]
+) -> None:
+    device.back_up()
+    [saved] = device.backups().backups
+    device._live.change(lambda view: replace(view, half_written="Restore it.", lacks_backup=saved.name))
+    other, own = (Source(name, "keeper", "x", []) for name in ("keeper-elsewhere-0", device._backups.folder.name))
+    # One of long ago, as by its name.
+    assert "this backup is of another device" in device.restore_from(other, "2020", "figure 2\n")[-1]
+    assert device.view.lacks_backup == saved.name
+    made[-1].remarks = (Unwritten("$110 is not as in the backup."),)
+    assert "not all that can be written" in device.restore_backup(saved.name)[-1]
+    assert (device.view.half_written, device.view.message) == ("Restore it.", "Restore it.")
+    made[-1].remarks = ("All is well.",)
+    assert device.restore_from(own, saved.name, "figure 1\n")[-1] == "All is well."
+    assert (device.view.half_written, device.view.lacks_backup) == (None, None)
 
 
 def test_nothing_else_is_written_to_one_that_cant_be_read(device: Device, made: list[Keeper]) -> None:

@@ -97,6 +97,8 @@ class BacksUp(TellsSettings, Protocol):
     def use_backup(self, text: str) -> tuple[str, ...]:
         """Write what a backup says, one setting at a time, and read it back; return what couldn't be, as sentences.
 
+        Of what could be written and isn't as it was to be it returns an Unwritten.
+
         Rejected when the text is no backup of such a controller, Refused when it can't be written now.
         """
 

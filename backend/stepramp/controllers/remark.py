@@ -6,6 +6,9 @@ from typing import Self
 
 from stepramp.errors import StepUnit, Told
 
+UNLIKE = "is not as in the backup."
+"""How what a restore has left otherwise is told, behind its name."""
+
 
 class Remark(str):
     """A sentence that knows which parts of it are quantities."""
@@ -19,6 +22,12 @@ class Remark(str):
         remark = super().__new__(cls, "".join(map(str, parts)))
         remark.told = tuple(part for part in parts if isinstance(part, Told))
         return remark
+
+
+class Unwritten(str):
+    """A sentence on what a restore was to write, could be written, and is not as it was to be."""
+
+    __slots__ = ()
 
 
 def of_axis(axis: int, sentence: str) -> str:

@@ -216,6 +216,10 @@ class Backups:
         self.former = tuple(each for each in dict.fromkeys(map(of, former)) if each != self.folder)
         """Folders of older versions."""
 
+    def are_in(self, source: str) -> bool:
+        """Whether a source of backups, by its name, is this device."""
+        return source in {folder.name for folder in (self.folder, *self.former)}
+
     def save(self, text: str) -> str:
         """Write a backup so that it is there whole or not at all, also after a power cut; return its name.
 

@@ -253,7 +253,7 @@ class Device:
         if self._family.kind not in (source.family, theirs and theirs.kind):
             of = f"a source of the family {self._family.kind}, as the device is"
             raise Rejected([Rejection("source", source.name, of)])
-        return self._writing.restore_text(text, name)
+        return self._writing.restore_text(text, name, source.name)
 
     def prove(self) -> None:
         """Start the controller anew, and see whether it has stored what it was given: its view tells that.

@@ -347,12 +347,6 @@ class DeviceView:
         half_written = f"It was lost while it was given settings: some may be new, some old, or its defaults.{saved}"
         return replace(self, half_written=half_written, lacks_backup=self.backup)
 
-    def restored(self, name: str) -> "DeviceView":
-        """Return the device once a backup is written to it; one newer than it lacks may be of half written settings."""
-        if self.lacks_backup is not None and name > self.lacks_backup:
-            return self
-        return replace(self, half_written=None, lacks_backup=None)
-
     def let_go(self) -> "DeviceView":
         """Return the device as it is once it is disconnected on purpose.
 

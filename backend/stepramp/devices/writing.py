@@ -15,6 +15,7 @@ from stepramp.controllers.capabilities import (
 from stepramp.controllers.contract import Controller, PushMode, PushPreview, PushReport
 from stepramp.controllers.own_ramp import Deviation, PlayOwn
 from stepramp.controllers.progress import Progress, PushStage
+from stepramp.controllers.remark import Unwritten
 from stepramp.design import Design
 from stepramp.devices.backups import Backups, Saved, checked
 from stepramp.devices.contact import Contact
@@ -34,6 +35,11 @@ STILL_LACKS = (
     "What it had before it was lost is still missing: this backup is newer, and may be of what was half written. "
     "Restore {name}, or an older one."
 )
+NOT_ITS_OWN = (
+    "What it had before it was lost is still missing: this backup is of another device. Restore {name} of this one, or "
+    "an older one."
+)
+NOT_WHOLE = "It isn't as it was before it was lost: not all that can be written is as in the backup. Restore it again."
 
 
 class Writing:
@@ -152,16 +158,17 @@ class Writing:
         """Write what a backup says, and return what couldn't be, as sentences."""
         return self.restore_text(self._backups.read(name), name)
 
-    def restore_text(self, text: str, name: str) -> tuple[str, ...]:
-        """Write what a text says that is the backup of this name; as restore_backup. Refused for a damaged one."""
+    def restore_text(self, text: str, name: str, source: str | None = None) -> tuple[str, ...]:
+        """Write what a text says that is the backup of this name; as restore_backup. Refused for a damaged one.
+
+        source: the folder that it is in; None: its own.
+        """
         text, said = checked(text, name)
         remarks = list(said)
 
         def use(able: BacksUp) -> None:
             remarks.extend(able.use_backup(text))
-            self._view.change(lambda view: view.restored(name))
-            if (lacking := self._view.now.lacks_backup) is not None:
-                remarks.append(STILL_LACKS.format(name=lacking))
+            remarks.extend(self._settle_half_written(remarks, name, source))
 
         def restore(able: BacksUp) -> None:
             self._while_writing(lambda: use(able), unsaved=remarks.append)
@@ -175,6 +182,20 @@ class Writing:
         self._contact.ask_one_who(kind, lambda able: self._while_writing(lambda: job(able)))
 
     # From here on: in the thread of the port.
+
+    def _settle_half_written(self, remarks: Sequence[str], name: str, source: str | None) -> Iterator[str]:
+        """Note that what was half written is whole again by a restore, or yield why it isn't; source: as above."""
+        now = self._view.now
+        if now.half_written is None:
+            return
+        if any(isinstance(each, Unwritten) for each in remarks):
+            yield NOT_WHOLE
+        elif now.lacks_backup is not None and source is not None and not self._backups.are_in(source):
+            yield NOT_ITS_OWN.format(name=now.lacks_backup)
+        elif now.lacks_backup is not None and name > now.lacks_backup:
+            yield STILL_LACKS.format(name=now.lacks_backup)
+        else:
+            self._view.change(lambda view: replace(view, half_written=None, lacks_backup=None))
 
     def note_progress(self, progress: Progress) -> None:
         """Show how far a push has come."""

@@ -16,6 +16,7 @@ from stepramp.controllers.fluidnc.ramp import TIMER
 from stepramp.controllers.fluidnc.read_settings import read_settings
 from stepramp.controllers.grbl.conversation import Answered
 from stepramp.controllers.grbl.settings import AxisSettings
+from stepramp.controllers.remark import Unwritten
 from stepramp.errors import DeviceLost, Refused, Rejected
 
 # 250 steps/mm: 240 mm/min and 4 mm/s².
@@ -188,6 +189,7 @@ def test_what_is_refused_of_a_backup_keeps_nothing_else_from_being_set(
 ) -> None:
     text = controller.backup().replace("max_rate_mm_per_min: 500.000", "max_rate_mm_per_min: 95999.997", 1)
     refused, _ = controller.use_backup(text.replace("acceleration_mm_per_sec2: 10.000", "acceleration_mm_per_sec2: 12"))
+    assert isinstance(refused, Unwritten)
     assert "refuses '$/axes/x/max_rate_mm_per_min=96000.0'" in refused
     assert [fluidnc.settings[number] for number in (110, 120, 121, 122)] == [500, 12, 12, 12]
 

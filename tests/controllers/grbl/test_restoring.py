@@ -9,6 +9,7 @@ from controllers.grbl.emulator import Eeprom
 from designs import design
 from stepramp.controllers.contract import Activity
 from stepramp.controllers.grbl.controller import IN_USE, GrblController
+from stepramp.controllers.remark import Unwritten
 from stepramp.errors import Refused, Rejected
 
 G28_AND_G30 = "What G28 and G30 go to can't be written again: go there, and say G28.1 or G30.1."
@@ -136,6 +137,7 @@ def test_what_is_refused_keeps_nothing_else_from_being_written(bench: Bench, con
         IN_USE,
         G28_AND_G30,
     )
+    assert [isinstance(each, Unwritten) for each in remarks] == [True, True, False, False]
 
 
 @pytest.mark.usefixtures("controller")

@@ -13,6 +13,7 @@ from controllers.marlin.emulator import DEFAULTS, MarlinEmulator
 from designs import design
 from stepramp.controllers.contract import Activity, AxisCommand
 from stepramp.controllers.marlin.controller import MarlinController
+from stepramp.controllers.remark import Unwritten
 from stepramp.errors import Refused, Rejected
 
 
@@ -194,6 +195,7 @@ def test_what_could_not_be_written_is_not_stored(bench: Bench, controller: Marli
     remarks = controller.use_backup(text)
     assert any("M201 X500.00 Y500.00 Z100.00 E5000.00 is not as in the backup" in remark for remark in remarks)
     assert "It is not stored, since what is in use isn't what the backup says." in remarks
+    assert any(isinstance(each, Unwritten) for each in remarks)
     assert bench.marlin.eeprom.writes == 0
     assert controller.status().on_trial
 

@@ -20,6 +20,7 @@ from stepramp.controllers.grbl.machine import GrblMachine
 from stepramp.controllers.grbl.numbers import is_same
 from stepramp.controllers.grbl.settings import Known
 from stepramp.controllers.progress import Progress, PushStage, Tell
+from stepramp.controllers.remark import UNLIKE, Unwritten
 from stepramp.design import Design
 from stepramp.errors import Count, Refused, Rejected, Rejection
 from stepramp.link.connection import Connection
@@ -139,7 +140,7 @@ class FluidNcController(GrblMachine, TriesRamps, BacksUp):
         refused = {path: self._refusal(path, wanted[path]) for path in self._memory.in_order(wanted)}
         self._read_back()
         left = self._differing(backup, scales=True, but=lacking)
-        unlike = [refused.get(path) or f"{path} is not as in the backup." for path in left]
+        unlike = [Unwritten(refused.get(path) or f"{path} {UNLIKE}") for path in left]
         left_alone = (f"The backup doesn't have {', '.join(lacking)}: that is left as it was.",) if lacking else ()
         return (*unlike, *left_alone, NOT_WRITTEN)
 

@@ -30,6 +30,7 @@ from stepramp.controllers.grbl.motion import SLOWEST_STEPS_PER_S
 from stepramp.controllers.grbl.push import PushPlan
 from stepramp.controllers.grbl.scales import unlike_words
 from stepramp.controllers.progress import Progress, PushStage, Tell
+from stepramp.controllers.remark import UNLIKE, Unwritten
 from stepramp.design import Design
 from stepramp.errors import Refused
 from stepramp.link.connection import Connection
@@ -135,8 +136,8 @@ class GrblController(GrblMachine, StoresRamps, BacksUp, ProvenByStart):
             reasons[entry.name] = entry.obstacle or self._memory.refusal(entry.line)
         self._read_back()
         self._memory.leave(backup.settings.values)
-        left = [entry.name for entry in backup.differing(Backup.told(self._memory.everything()))]
-        unlike = [reasons.get(name) or f"{name} is not as in the backup." for name in left]
+        left = backup.differing(Backup.told(self._memory.everything()))
+        unlike = [each.obstacle or Unwritten(reasons.get(each.name) or f"{each.name} {UNLIKE}") for each in left]
         lacking = ", ".join(backup.lacking(present))
         left_alone = (f"The backup doesn't have {lacking}: that is left as it was.",) if lacking else ()
         # Offsets and start-up lines it reads from its EEPROM whenever it lists them.

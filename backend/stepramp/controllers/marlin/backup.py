@@ -16,6 +16,7 @@ from stepramp.controllers.marlin.settings import (
     Settings,
     is_rounded,
 )
+from stepramp.controllers.remark import UNLIKE
 from stepramp.errors import Count, Rejected, Rejection
 
 ALLOWED = "a backup of a Marlin: the lines that it tells after M503"
@@ -81,8 +82,8 @@ class Backup:
     def left(self, present: "Backup") -> Iterator[str]:
         """Yield what is not as in the backup, as sentences."""
         for code, words in self._differing(present):
-            able = "is not as in the backup" if code in WRITABLE else "can't be written again"
-            yield f"{code} {words} {able}."
+            able = UNLIKE if code in WRITABLE else "can't be written again."
+            yield f"{code} {words} {able}"
 
     def _differing(self, present: "Backup") -> Iterator[tuple[str, str]]:
         there = {_meaning(*each) for each in present.settings.commands}

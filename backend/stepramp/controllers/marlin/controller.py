@@ -30,13 +30,14 @@ from stepramp.controllers.marlin.moves import Moves
 from stepramp.controllers.marlin.places import Places
 from stepramp.controllers.marlin.push import RESTORE, VOLATILE, PushPlan
 from stepramp.controllers.progress import Progress, PushStage, Tell
+from stepramp.controllers.remark import Unwritten
 from stepramp.design import Design
 from stepramp.errors import Refused
 from stepramp.link.connection import Connection
 
 SETS_OUT_WITHIN_S = 0.1
 """So long it may take until a quick stop ends all steps [s]: it is read between other things."""
-NOT_ALL = "It is not stored, since what is in use isn't what the backup says."
+NOT_ALL = Unwritten("It is not stored, since what is in use isn't what the backup says.")
 SENSELESS = (
     "The settings of axis X make no sense, so no axis can be used: restore a backup of this device, or set M92, M201 "
     "and M203 at the machine."

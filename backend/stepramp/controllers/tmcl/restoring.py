@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 
 from stepramp.controllers.order import lowered_first
+from stepramp.controllers.remark import UNLIKE, Unwritten
 from stepramp.controllers.tmcl.axis import Axis
 from stepramp.controllers.tmcl.backup import Backup
 from stepramp.controllers.tmcl.conversation import Denied
@@ -36,7 +37,7 @@ class Restoring:
         return tuple(value for _, value in in_use[axis.number].named) if axis.number < len(in_use) else ()
 
     def _of_axis(self, axis: Axis, wanted: dict[int, int], allowed: Callable[[], None]) -> list[str]:
-        remarks = []
+        remarks: list[str] = []
         unit_mode = axis.parameters.unit_mode
         of_the_ramp = [axis.parameters.of(each.name) for each in TmclRamp.figures()]
         there = dict(zip(of_the_ramp, self._present(axis), strict=False))
@@ -46,12 +47,12 @@ class Restoring:
             try:
                 differs = axis.get(parameter) != wanted[parameter]
                 if differs and not axis.bring_back(parameter, wanted[parameter]):
-                    remarks.append(f"Parameter {parameter} of axis {axis.number} is not as in the backup.")
+                    remarks.append(Unwritten(f"Parameter {parameter} of axis {axis.number} {UNLIKE}"))
                 # What a push stores may have been stored in part, though it is in use.
                 if differs or parameter in of_the_ramp:
                     store(axis, parameter, allowed)
             except Denied as error:
-                remarks.append(f"Parameter {parameter} of axis {axis.number}: {error}")
+                remarks.append(Unwritten(f"Parameter {parameter} of axis {axis.number}: {error}"))
             except Locked as error:
                 remarks.append(str(error))
         return remarks
