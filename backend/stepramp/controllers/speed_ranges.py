@@ -22,7 +22,7 @@ def too_fast_for(asked: AxisCommand, slowest: float, fastest: float, why: str) -
     """Return the rejection of a speed beyond the fastest [steps/s], and why no faster one is possible."""
     note = f", {why}, and 0 or {at_least(slowest)} steps/s either way"
     most = highest(fastest, FIGURES)
-    allowed = f"from {-fastest:,.10g} to {fastest:,.10g} steps/s{note}"
+    allowed = f"from {-most:,.10g} to {most:,.10g} steps/s{note}"
     return Rejection(asked.field, asked.value, allowed, Limits(-most, most, "steps/s", note=note))
 
 
@@ -58,7 +58,8 @@ def too_far_for(
         "to the step, and this run would lead further. Homed at the machine it counts anew"
     )
     end = sign * most if is_possible else 0.0
-    limits = Limits(*((-fastest, end) if sign > 0 else (end, fastest)), "steps/s", note=f", {note}")
+    other_end = -sign * highest(fastest, FIGURES)
+    limits = Limits(min(end, other_end), max(end, other_end), "steps/s", note=f", {note}")
     this_way = f"no faster than {most:,.10g} steps/s that way" if is_possible else "0"
     return Rejection(asked.field, asked.value, f"{this_way}, {note}", limits)
 
