@@ -25,7 +25,7 @@ from stepramp.devices.device import Device
 from stepramp.devices.leases import Lease
 from stepramp.devices.registry import Devices
 from stepramp.devices.soft_limits import Span
-from stepramp.devices.view import DeviceState
+from stepramp.devices.view import AxisView, DeviceState, DeviceView
 from stepramp.devices.writing import SendPush
 from stepramp.errors import DeviceLost, Refused, StepRampError
 from stepramp.link.ports import Port
@@ -202,6 +202,15 @@ def test_what_was_last_heard_of_outlives_an_attempt_that_fails(devices: Devices,
     assert "Axis 0 was moving, last heard of at" in (view.message or "")
     assert (view.axes, view.heard_s, view.unknown_positions) == (lost.axes, lost.heard_s, (0,))
     assert view.target_steps == LONG_MOVE
+
+
+def test_all_that_went_on_outlives_attempts_that_fail() -> None:
+    moving = AxisView(0, DeviceState.MOVING, 1234, 5000, 1000.0, 1234)
+    view = DeviceView("1", "p", "p", "grbl", state=DeviceState.MOVING, axes=(moving,), half_written="Restore it.")
+    lost = view.lost("Gone.")
+    assert lost.message == "Gone. Restore it. Axis 0 was moving, last heard of at 1,234 steps."
+    again = lost.still_lost("Mute.", lost.anew("p", "p")).still_lost("Mute.", lost.anew("p", "p"))
+    assert (again.message, again.midst) == (f"Mute. {' '.join(lost.midst)}", lost.midst)
 
 
 def test_what_was_let_go_of_is_not_connected_again(devices: Devices, cable: Cable) -> None:

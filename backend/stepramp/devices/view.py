@@ -300,7 +300,8 @@ class DeviceView:
     def lost(self, message: str) -> "DeviceView":
         """Return the device as it is once its controller is no longer there: what it said last stays, and its age."""
         axes = tuple(replace(axis, state=DeviceState.LOST) for axis in self.axes)
-        midst = tuple(self._midst()) or self.midst
+        # What went on was seen while it was there: of a lost one, part of that can't be told any more.
+        midst = self.midst if self.state is DeviceState.LOST else tuple(self._midst())
         return replace(
             self,
             state=DeviceState.LOST,
