@@ -18,6 +18,7 @@ from stepramp.controllers.stepramp import conversation
 from stepramp.devices import registry as devices_module
 from stepramp.devices.device import Device
 from stepramp.devices.registry import Devices
+from stepramp.devices.shared_attempt import SharedAttempt
 from stepramp.devices.view import DeviceState
 from stepramp.errors import DeviceLost, NotFound, Refused, Rejected
 from stepramp.link.ports import Port
@@ -74,6 +75,22 @@ def test_a_mute_port_is_tried_once_for_all_who_ask(
                 each.result(PATIENCE_S)
     assert len(opened) == 1
     assert devices.views() == []
+
+
+def test_whoever_connects_at_one_port_does_not_get_what_comes_of_another() -> None:
+    attempt, at_first, goes_on = SharedAttempt(), threading.Event(), threading.Event()
+
+    def fail() -> None:
+        at_first.set()
+        assert goes_on.wait(PATIENCE_S)
+        raise DeviceLost("Nothing answers at the first.")
+
+    with ThreadPoolExecutor(1) as pool:
+        first = pool.submit(attempt, "first", fail)
+        assert at_first.wait(PATIENCE_S)
+        attempt("second", goes_on.set)
+        with pytest.raises(DeviceLost):
+            first.result(PATIENCE_S)
 
 
 def test_what_cant_be_connected_is_forgotten(devices: Devices) -> None:

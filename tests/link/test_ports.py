@@ -1,3 +1,4 @@
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
@@ -157,6 +158,18 @@ def test_all_names_of_a_port_have_one_place(tmp_path: Path) -> None:
     assert {location_of(str(name)) for name in (port, link, tmp_path / ".." / tmp_path.name / "by-id")} == {str(port)}
     for no_file in ("sim://a/../b", "socket://bad/../x", "\0"):
         assert location_of(no_file) == no_file
+
+
+@pytest.mark.parametrize(
+    ("names", "location"),
+    [
+        (("COM3", "com3", "\\\\.\\COM3"), "COM3"),
+        (("/dev/cu.usbmodem1", "/dev/tty.usbmodem1"), "/dev/cu.usbmodem1"),
+        (("/dev/ttyACM0",), "/dev/ttyACM0"),
+    ],
+)
+def test_what_windows_and_macos_call_a_port_is_one_place(names: Sequence[str], location: str) -> None:
+    assert {location_of(name) for name in names} == {location}
 
 
 def test_all_addresses_of_a_host_and_number_are_one_place() -> None:

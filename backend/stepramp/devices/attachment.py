@@ -111,7 +111,8 @@ class Attachment:
 
     def connect(self, port: str | None = None) -> None:
         """Open the port and shake hands, unless that is done already; see Device.connect."""
-        self._attempt(lambda: self._connect_unless_done(port))
+        where = location_of(self._view.now.port if port is None else port)
+        self._attempt(where, lambda: self._connect_unless_done(port))
 
     def reconnect(self) -> bool:
         """Connect again if what was lost is back; see Device.reconnect."""

@@ -10,23 +10,23 @@ class SharedAttempt:
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._present: Future[None] | None = None
+        self._present: dict[str, Future[None]] = {}
 
-    def __call__(self, job: Callable[[], None]) -> None:
-        """Do it, or wait until it is done that is being done; raise what it raised."""
+    def __call__(self, what: str, job: Callable[[], None]) -> None:
+        """Do it, or wait until that is done which is being done; raise what it raised. what: tells jobs apart."""
         with self._lock:
-            is_mine = self._present is None
-            present = self._present = self._present or Future()
+            is_mine = what not in self._present
+            present = self._present.setdefault(what, Future())
         if is_mine:
-            self._do(job, present)
+            self._do(what, job, present)
         present.result()
 
-    def _do(self, job: Callable[[], None], present: "Future[None]") -> None:
+    def _do(self, what: str, job: Callable[[], None], present: "Future[None]") -> None:
         error: BaseException | None = None
         try:
             job()
         except BaseException as raised:
             error = raised
         with self._lock:
-            self._present = None
+            del self._present[what]
         present.set_exception(error) if error is not None else present.set_result(None)

@@ -1,6 +1,7 @@
 """The serial ports that can be opened, with names that people know."""
 
 import os
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePath
@@ -104,6 +105,8 @@ class Port:
         return f"USB {vendor:04X}:{product:04X}, serial number {escaped(serial_number)}"
 
 
+_OF_WINDOWS = re.compile(r"(?:\\\\\.\\)?(?P<name>COM[0-9]+)", re.IGNORECASE)
+_CALLED_IN = re.compile(r"^/dev/tty\.")
 _TRAVELS = {"rfc2217": "RFC 2217", "socket": "bytes only", "moonraker": "Klipper's Moonraker"}
 
 
@@ -144,11 +147,16 @@ def known_port(port: str) -> Port:
 
 
 def location_of(port: str) -> str:
-    """Return what all names of a port have in common: links lead to one file, addresses to a host or to none."""
+    """Return what all names of a port have in common: links lead to one file, addresses to a host or to none.
+
+    Windows takes COM3 in small letters, too; macOS has each port as /dev/tty.… and as /dev/cu.….
+    """
     if (remote := RemotePort.of(port)) is not None:
         return str(remote.host)
+    if (windows := _OF_WINDOWS.fullmatch(port)) is not None:
+        return windows["name"].upper()
     is_file = port.isprintable() and "://" not in port and (os.path.isabs(port) or os.path.exists(port))
-    return os.path.realpath(port) if is_file else port
+    return _CALLED_IN.sub("/dev/cu.", os.path.realpath(port)) if is_file else port
 
 
 def find_again(lost: Port) -> str | None:
