@@ -260,6 +260,9 @@ class ChangedBoards(GrblOnACable):
         """Pull the board out, and plug another one in."""
         self.serial_number = None
         wait_for(device, DeviceState.LOST)
+        self.plug_in(serial_number)
+
+    def plug_in(self, serial_number: str) -> None:
         self.serial_number = serial_number
         self.grbl.eeprom = Eeprom()
         self.grbl.power_up()
@@ -305,8 +308,11 @@ def test_another_board_at_the_port_of_a_lost_one_is_another_device(
     for lost in (first, second):
         assert (lost.view.message or "").count("Another board is at its port now") == 1
         assert "serial number C3: that is device 3." in (lost.view.message or "")
+    # Once that is forgotten, nobody is told to look there.
+    devices.disconnect("3")
+    assert not any("Another board" in (lost.view.message or "") for lost in (first, second))
     # The same board back is the same device.
-    changed_boards.change(devices.get("3"), "A1")
+    changed_boards.plug_in("A1")
     assert devices.connect(changed_boards.port, "grbl") is first
     assert (first.view.state, first.view.soft_limits) == (DeviceState.READY, {0: Span(0, 1000, steps_per_mm=250.0)})
     assert first.view.proof is not None

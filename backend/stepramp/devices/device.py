@@ -153,6 +153,10 @@ class Device:
         """Tell, while it is lost, that another board is at its port, and as which device."""
         self._live.change(lambda view: view.displaced(known.called if known.unit else known.name, device_id))
 
+    def forget_other(self, device_id: str) -> None:
+        """Tell no more of a device that is forgotten as of the one at its port."""
+        self._live.change(lambda view: view.displaced_no_more(device_id))
+
     @property
     def connected(self) -> bool:
         """Whether the handshake is done and the device not lost."""

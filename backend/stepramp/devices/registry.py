@@ -324,6 +324,8 @@ class Devices:
                 self._devices.pop(device.view.id, None)
                 if device.view.soft_limits or device.view.unknown_positions:
                     self._let_go[device.identity] = device.known, device.view
+        for each in self._lost():
+            each.forget_other(device.view.id)
         self._tell()
 
     def _tell(self) -> None:

@@ -99,6 +99,8 @@ class DeviceView:
     """What was going on when it was lost, for somebody who wonders what has come of it."""
     displaced_by: str = ""
     """Which other board is at its port while it is lost, with which the message ends; empty for none."""
+    displaced_as: str = ""
+    """The id of that one."""
     position_steps: int = 0
     target_steps: int = 0
     speed_steps_per_s: float = 0.0
@@ -308,6 +310,7 @@ class DeviceView:
             message=" ".join((message, *midst)),
             midst=midst,
             displaced_by="",
+            displaced_as="",
             axes=axes,
             unknown_positions=tuple(sorted({*self.unknown_positions, *(axis.axis for axis in self.axes)})),
             progress=None,
@@ -324,8 +327,18 @@ class DeviceView:
             f"Another board is at its port now, {by}: that is device {device_id}. This one is connected again once it "
             "is back."
         )
-        before = (self.message or "").removesuffix(self.displaced_by).rstrip()
-        return replace(self, message=f"{before} {other}".lstrip(), displaced_by=other)
+        before = self._message_without_other
+        return replace(self, message=f"{before} {other}".lstrip(), displaced_by=other, displaced_as=device_id)
+
+    def displaced_no_more(self, device_id: str) -> "DeviceView":
+        """Return the device as it is once another one is forgotten, whether that was at its port or not."""
+        if not device_id or self.displaced_as != device_id:
+            return self
+        return replace(self, message=self._message_without_other or None, displaced_by="", displaced_as="")
+
+    @property
+    def _message_without_other(self) -> str:
+        return (self.message or "").removesuffix(self.displaced_by).rstrip()
 
     def still_lost(self, message: str, now: "DeviceView") -> "DeviceView":
         """Return the device as it was before an attempt to connect it failed; what it doesn't say itself is of now."""
