@@ -28,6 +28,7 @@ class HalfDeaf(ThreadingHTTPServer):
         self.unanswered = unanswered
         self.asked: list[str] = []
         self.devices: list[dict[str, Any]] = []
+        self.errors: list[dict[str, Any]] = []
         """What it tells as stopped."""
         self.is_busy = threading.Event()
         self.is_over = threading.Event()
@@ -49,7 +50,8 @@ class _Handler(BaseHTTPRequestHandler):
         if self.server.unanswered:
             self.server.unanswered -= 1
             return
-        content = json.dumps({"devices": self.server.devices}).encode()
+        known = {"devices": self.server.devices} | ({"errors": self.server.errors} if self.server.errors else {})
+        content = json.dumps(known).encode()
         self.send_response(200)
         self.send_header("content-length", str(len(content)))
         self.end_headers()

@@ -106,6 +106,16 @@ def test_a_server_tells_which_axes_tell_no_position(half_deaf: HalfDeaf, ask: As
     assert ask(f"stop --server {half_deaf.url}").out == f"Stopped: device 7 at moonraker://printer, ready, {places}.\n"
 
 
+def test_of_all_those_that_refuse_are_told(half_deaf: HalfDeaf, ask: Ask) -> None:  # noqa: F811
+    """As a Klipper that prints."""
+    axes = [{"axis": 0, "position_steps": 40, "position_told": True}]
+    half_deaf.devices = [{"id": "7", "port": "moonraker://printer", "state": "moving", "axes": axes}]
+    half_deaf.errors = [{"message": "Somebody prints."}]
+    told = ask(f"stop --server {half_deaf.url}")
+    assert (told.code, told.err) == (1, "stepramp: Somebody prints.\n")
+    assert told.out == "Asked to stop: device 7 at moonraker://printer, moving, axis 0 at 40 steps.\n"
+
+
 @pytest.mark.usefixtures("alone")
 @pytest.mark.skipif(sys.platform == "win32", reason="pseudo-terminals of Unix")
 def test_at_a_port_no_place_is_made_up(ask: Ask) -> None:

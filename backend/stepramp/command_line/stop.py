@@ -137,6 +137,10 @@ def _told(server: Server, status: int, answer: dict[str, Any]) -> int:
         return {404: FAILED, 502: NOBODY_THERE}.get(status, FAILED)
     devices = answer.get("devices", [answer])
     code = OK
+    # Of all: whose stop was refused, as of a machine that somebody else has set in motion.
+    for error in answer.get("errors") or ():
+        _tell(error["message"])
+        code = FAILED
     for device in devices:
         if device["state"] in ("lost", "connecting"):
             _tell(
@@ -145,7 +149,8 @@ def _told(server: Server, status: int, answer: dict[str, Any]) -> int:
             code = NOBODY_THERE
         else:
             places = places_of((axis["axis"], _position_of(axis)) for axis in device["axes"])
-            print(f"Stopped: device {device['id']} at {device['port']}, {device['state']}{places}.", flush=True)
+            said = "Asked to stop" if device["state"] == "moving" else "Stopped"
+            print(f"{said}: device {device['id']} at {device['port']}, {device['state']}{places}.", flush=True)
     if not devices:
         print(f"Stopped: the server at {server.url}, which has no device.", flush=True)
     return code
