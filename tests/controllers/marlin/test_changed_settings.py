@@ -182,9 +182,13 @@ def test_where_it_rests_is_called_the_same_after_a_restore_of_other_steps_per_mm
 
 def test_restoring_compares_with_what_is_in_use_by_now(bench: Bench, controller: MarlinController) -> None:
     text = controller.backup()
+    controller.move_by(by(400))
+    bench.rest()
     bench.marlin.change_at_the_display("M92", "X", 160.0)
     bench.marlin.change_at_the_display("M203", "X", 50.0)
+    assert "X from 80 to 160" in str(controller.status().trouble)
     assert controller.use_backup(text) == ()
+    assert controller.status().trouble is None
     assert bench.marlin.settings == bench.marlin.eeprom.settings == DEFAULTS
 
 

@@ -201,8 +201,9 @@ class MarlinController(Controller, StoresRamps, TriesRamps, DrawsLines, BacksUp)
             remarks += [NOT_ALL, VOLATILE]
         else:
             remarks += self._store()
-        # It was asked for, also where it has changed steps per mm.
+        # It was asked for, also where it has changed steps per mm: what was told of others is over.
         self._moves.know_scales()
+        self._moves.trouble = None
         return (*backup.left(Backup(self._memory.settings)), *remarks)
 
     def line(self, steps: Sequence[AxisCommand], ramp_axis: int | None = None) -> None:
