@@ -66,7 +66,7 @@ import { STEPS_AND_SECONDS } from '../model/units.js';
  * @property {boolean} isHaltNext              whether a press of STOP halts
  * @property {import('../devices/stopping.js').Fate} stopFate  what has become of the last STOP
  * @property {Record<string, number>} ages     of devices of which nothing new is known, for how long [whole s]
- * @property {Record<string, import('../model/types.js').SoftLimits[]>} softLimits  last set, by port */
+ * @property {Record<string, import('../model/types.js').KeptLimits[]>} softLimits  last set, by port */
 
 /** What a push would change, or why there can be none, and of what that was said.
  * @typedef {{question: import('./devices.js').PreviewQuestion, preview: import('../model/types.js').Preview | null,

@@ -8,7 +8,7 @@ import { readText as read, writeText as write } from './storage.js';
 /** @typedef {import('../model/types.js').MethodName} MethodName */
 /** @typedef {import('../model/units.js').Units} Units */
 /** @typedef {import('../model/types.js').Entry} Entry */
-/** @typedef {import('../model/types.js').SoftLimits} SoftLimits */
+/** @typedef {import('../model/types.js').KeptLimits} KeptLimits */
 /** How axes are homed, in steps and seconds, as it was typed.
  * @typedef {{axis: number, isChosen: boolean, end: 'low' | 'high', fast: Entry, position: Entry}} AxisHomeKept */
 /** @typedef {{axes: AxisHomeKept[], slow: Entry, backOff: Entry, seconds: Entry}} HomingKept */
@@ -32,7 +32,7 @@ function readFamilies() {
   }
 }
 
-/** @returns {Record<string, SoftLimits[]>} by port */
+/** @returns {Record<string, KeptLimits[]>} by port */
 function readSoftLimits() {
   try {
     const kept = JSON.parse(read(SOFT_LIMITS) ?? '{}');
@@ -62,7 +62,7 @@ function isHoming(kept) {
 }
 
 /** Whether an axis has a soft limit, and none that can't be one.
- * @param {any} limits @returns {limits is SoftLimits} */
+ * @param {any} limits @returns {limits is KeptLimits} */
 function isLimited(limits) {
   const both = [limits?.lowest_steps, limits?.highest_steps];
   const areKnown = both.every((steps) => steps === null || Number.isInteger(steps));
@@ -91,7 +91,7 @@ export const memory = {
   /** The soft limits last set at a port, of the axes that have some.
    * @param {string} port */
   softLimits: (port) => readSoftLimits()[port] ?? [],
-  /** @param {string} port @param {SoftLimits[]} axes those that are set now; others stay */
+  /** @param {string} port @param {KeptLimits[]} axes those that are set now; others stay */
   keepSoftLimits(port, axes) {
     const all = readSoftLimits();
     const others = (all[port] ?? []).filter(({ axis }) => !axes.some((one) => one.axis === axis));

@@ -347,6 +347,8 @@
 
 /** What is asked for: numbers, or the text that is none; null for no limit.
  * @typedef {{axis: number, lowest_steps: Entry | null, highest_steps: Entry | null}} SoftLimits */
+/** What is remembered of them, with what their axis told of its steps then; undefined: kept by a page that didn't ask yet.
+ * @typedef {SoftLimits & {steps_per_mm?: number | null, microsteps?: number | null}} KeptLimits */
 
 /** What an input is for. axis, end and stops: of a limit switch.
  * @typedef {{input: string, role: 'emergency_stop' | 'driver_fault' | 'limit', active: 'low' | 'high', pull_up: boolean,

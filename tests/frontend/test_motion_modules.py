@@ -116,6 +116,61 @@ def test_soft_limits_are_remembered_by_port_and_axis(modules: Modules) -> None:
     assert modules.evaluate(script) == [[], [first, ahead], [ahead], [other], [], [], [], [], []]
 
 
+def test_soft_limits_are_remembered_with_the_steps_that_their_axis_then_made(modules: Modules) -> None:
+    script = """async () => { const kept = {};
+        globalThis.localStorage = {getItem: (key) => kept[key] ?? null, setItem: (key, text) => { kept[key] = text; }};
+        const {memory} = await import('/documents/memory.js');
+        const {FIRST_STATE, createStore} = await import('/app/state.js');
+        const {createDeviceActions} = await import('/app/effects/device_actions.js');
+        const {createGestures} = await import('/server/gestures.js');
+        const {api} = await import('/server/api.js');
+        const own = api.limit;
+        const axis = (axis, steps_per_mm) => ({axis, steps_per_mm, microsteps: 16});
+        api.limit = async () => ({axes: [axis(0, 80), axis(1, 125)]});
+        const store = createStore(FIRST_STATE, (error) => { throw error; });
+        const {limit} = createDeviceActions(store, createGestures(), new Map(), {outdate() {}});
+        await limit({id: '1', port: 'C', axes: [axis(0, 80), axis(1, 250)]},
+            [{axis: 1, lowest_steps: -1250, highest_steps: null}]);
+        const seen = [memory.softLimits('C'), store.state().devices.softLimits.C];
+        api.limit = own;
+        delete globalThis.localStorage;
+        return seen; }"""
+    kept = {"axis": 1, "lowest_steps": -1250, "highest_steps": None, "steps_per_mm": 125, "microsteps": 16}
+    assert modules.evaluate(script) == [[kept], [kept]]
+
+
+OTHER = "so they may be at other places"
+
+
+@pytest.mark.parametrize(
+    ("before", "now", "text"),
+    [
+        ((250, None), (250, None), ""),
+        ((250.0000001, 16), (250, 16), ""),
+        ((None, None), (None, None), ""),
+        ((250, None), (125, None), f"were set while it made 250 steps per mm, and by now it makes 125, {OTHER}"),
+        ((80, 16), (80, 32), f"were set while it made 16 steps of a full step, and by now it makes 32, {OTHER}"),
+        (
+            (250, None),
+            (None, None),
+            f"were set while it made 250 steps per mm, and by now it doesn\u2019t tell how many, {OTHER}",
+        ),
+        (
+            (None, None),
+            (80.25, None),
+            f"were set when it was not known how many steps per mm it makes, and by now it makes 80.25, {OTHER}",
+        ),
+    ],
+)
+def test_soft_limits_of_another_scale_would_be_at_other_places(
+    modules: Modules, before: tuple[float | None, ...], now: tuple[float | None, ...], text: str
+) -> None:
+    kept, axis = (dict(zip(("steps_per_mm", "microsteps"), scale, strict=True)) for scale in (before, now))
+    assert modules.call("devices/kept_limits.js", "otherPlacesText", kept, axis) == text
+    if before == (None, None):  # As a page kept them that didn't ask yet.
+        assert modules.call("devices/kept_limits.js", "otherPlacesText", {}, axis) == text
+
+
 def test_soft_limits_in_words(modules: Modules) -> None:
     script = """async (spans) => { const {limitsText} = await import('/panels/device/limits.js');
         const design = {axis: {full_steps_per_rev: 200, microsteps: 2, travel_per_rev: 8, travel_unit: 'mm'}};

@@ -145,15 +145,17 @@ SCALED = """
     dispatch(COMMANDS.device.linked, 'there');
     const device = (scales, state = 'ready') => ({id: '1', port: 'sim://', name: 'Simulated', family: 'grbl', state,
         axes: scales.map((steps_per_mm, axis) => ({axis, state: 'ready', position_told: true, position_steps: 500,
-            target_steps: 500, speed_steps_per_s: 0, steps_per_mm, lowest_steps: -1000, highest_steps: 10_000})),
+            target_steps: 500, speed_steps_per_s: 0, steps_per_mm, microsteps: null,
+            lowest_steps: -1000, highest_steps: 10_000})),
         most_axes: 2, stops: 0, capabilities: ['line'], in_control: null, unknown_positions: [], shuttle: null,
         progress: null, unproven: [], proof: null, ramp: {sequence: null, crc: null}});
     const tell = (...told) => { dispatch(COMMANDS.device.heard, [device(...told)], {}); panel.show(store.state()); };
     const root = made('div');
     body.append(root);
-    const panel = createDevice(root, dispatch, {jog: {end() {}, begin() {}},
+    const act = {jog: {end() {}, begin() {}},
         go: (_, axis, what, sent) => asked.push([axis, what, sent]),
-        setPosition: (_, axis, steps) => asked.push([axis, 'position', steps])});
+        setPosition: (_, axis, steps) => asked.push([axis, 'position', steps])};
+    const panel = createDevice(root, dispatch, act);
     const typed = (id, text) => { byId(id).value = text; byId(id).oninput(); };
     const form = find(body, (each) => each.tag === 'form');
     const section = (name) => { dispatch(COMMANDS.device.chooseSection, name); panel.show(store.state()); };
@@ -233,7 +235,7 @@ def test_a_scale_that_is_the_designs_or_not_known_says_nothing(modules: Modules)
 
 # The same of a device that counts in microsteps of its own, so many of a full step.
 FINER = SCALED.replace("scales.map((steps_per_mm, axis)", "scales.map((microsteps, axis)").replace(
-    "steps_per_mm, lowest_steps", "steps_per_mm: null, microsteps, lowest_steps"
+    "steps_per_mm, microsteps: null", "steps_per_mm: null, microsteps"
 )
 
 
@@ -312,14 +314,48 @@ def test_soft_limits_are_set_by_the_scale_of_their_axis(modules: Modules) -> Non
     assert run(modules, script) == ["-4", "40", "-2.5", "25"]
 
 
+LIMITS = """ const limits = (axis, lowest_steps, highest_steps) => ({axis, lowest_steps, highest_steps});
+    const kept = (...all) => { dispatch(COMMANDS.device.limitsKept, 'sim://', all); panel.show(store.state()); };
+    const again = []; act.limitAgain = (_, axes) => again.push(axes);
+    const words = () => find(byId('limits-offer'), ({tag}) => tag === 'span').textContent;
+    const offered = () => byId('limits-offer').hidden ? '' : words();
+    const button = () => [byId('set-limits').hidden, byId('set-limits').disabled]; """
+
+
 def test_soft_limits_that_are_not_in_force_are_told_by_the_scale_of_their_axis(modules: Modules) -> None:
     script = (
         SCALED
-        + """ const kept = {axis: 1, lowest_steps: 0, highest_steps: 4000};
-        dispatch(COMMANDS.device.limitsKept, 'sim://', [kept]); tell([250, 400]);
-        return textOf(byId('limits-offer')); """
+        + LIMITS
+        + """ tell([250, 400]); kept({...limits(1, 0, 4000), steps_per_mm: 400, microsteps: null});
+        byId('set-limits').onclick();
+        return [offered(), button(), again]; """
     )
-    assert "axis 1 0 to 10 mm" in run(modules, script)
+    limits = [{"axis": 1, "lowest_steps": 0, "highest_steps": 4000}]
+    words = "Soft limits of this port, axis 1 0 to 10 mm, are not in force."
+    assert run(modules, script) == [words, [False, False], [limits]]
+
+
+def test_soft_limits_that_would_be_at_other_places_are_said_and_not_offered(modules: Modules) -> None:
+    script = (
+        SCALED
+        + LIMITS
+        + """ const then = {steps_per_mm: 250, microsteps: null}, first = {...limits(0, -2500, 12500), ...then};
+        kept(first); tell([125]);
+        const seen = [[offered(), button()]];
+        tell([125], 'connecting'); seen.push([offered(), button()]);
+        kept(first, {...limits(1, 0, 2500), ...then}); tell([125, 250]); byId('set-limits').onclick();
+        return [...seen, [offered(), button()], again]; """
+    )
+    words = "Soft limits of this port, \u221210 to 50 mm, are not in force."
+    why = "were set while it made 250 steps per mm, and by now it makes 125, so they may be at other places"
+    anew = "set them anew in the device settings."
+    both = "Soft limits of this port, axis 0 \u221210 to 50 mm, axis 1 0 to 10 mm, are not in force."
+    assert run(modules, script) == [
+        [f"{words} They {why}: {anew}", [True, False]],
+        [words, [False, True]],
+        [f"{both} Those of axis 0 {why}: {anew}", [False, False]],
+        [[{"axis": 1, "lowest_steps": 0, "highest_steps": 2500}]],
+    ]
 
 
 SHOWN = """

@@ -195,6 +195,6 @@ export function stopKnown(state, isHaltNext, stopFate) {
 /** @param {State} state @param {Record<string, number>} ages of those devices of which nothing new is known @returns {State} */
 export const aged = (state, ages) => (areEqual(ages, state.devices.ages) ? state : knowing(state, { ages }));
 
-/** @param {State} state @param {string} port @param {import('../../model/types.js').SoftLimits[]} axes as they are remembered
+/** @param {State} state @param {string} port @param {import('../../model/types.js').KeptLimits[]} axes as they are remembered
  * @returns {State} */
 export const limitsKept = (state, port, axes) => knowing(state, { softLimits: { ...state.devices.softLimits, [port]: axes } });

@@ -2,6 +2,7 @@
 // What is asked of devices: one thing at a time, and only ever because somebody pressed for it.
 
 import { PUSH_STOPPED } from '../../devices/ended_pushes.js';
+import { withScales } from '../../devices/kept_limits.js';
 import { changeFor } from '../../devices/surroundings.js';
 import { api, Ended, Refusal, ServerGone, UNPROCESSABLE } from '../../server/api.js';
 import { download } from '../../ui/download.js';
@@ -255,8 +256,9 @@ export function createDeviceActions(store, gestures, traced, previews) {
     /** Keep axes within soft limits, and remember those of the port; fails when they are refused.
      * @param {Device} device @param {SoftLimits[]} axes */
     async limit(device, axes) {
-      await api.limit(device.id, axes);
-      memory.keepSoftLimits(device.port, axes);
+      // By the scale that is told of it now: settings that were given before these may have changed it.
+      const limited = await api.limit(device.id, axes);
+      memory.keepSoftLimits(device.port, withScales(axes, limited.axes));
       dispatch(limitsKept, device.port, memory.softLimits(device.port));
     },
     /** Have the controller drive its pins so; fails when it is refused. What it can take may be another then.

@@ -15,7 +15,7 @@ import { inShownUnits } from '../../model/told.js';
 import { createHome } from './home.js';
 import { createInputs } from './inputs.js';
 import { createJogSection } from './jog_section.js';
-import { limitsText } from './limits.js';
+import { createLimitsOffer } from './limits_offer.js';
 import { createLive } from './live.js';
 import { createMachine } from './machine.js';
 import { createMoveSection } from './move_section.js';
@@ -98,9 +98,7 @@ export function createDevice(root, dispatch, act) {
     element('p', { className: 'message warning' }, icon('warning'), inControl),
     takeOver,
   );
-  const forgotten = element('p', { className: 'message warning' }, icon('warning'), element('span'));
-  const setLimits = element('button', { className: 'button small', id: 'set-limits', type: 'button', textContent: 'Set' });
-  const limitsOffer = element('div', { className: 'others', id: 'limits-offer', role: 'status' }, forgotten, setLimits);
+  const limitsOffer = createLimitsOffer(act);
   const live = createLive();
   const inputs = createInputs(act);
   const home = createHome(act);
@@ -148,7 +146,7 @@ export function createDevice(root, dispatch, act) {
       cannot,
       problem,
       control,
-      limitsOffer,
+      limitsOffer.element,
       live.element,
       inputs.element,
       surroundings.element,
@@ -308,30 +306,9 @@ export function createDevice(root, dispatch, act) {
     const message = present?.message ?? '';
     const trouble = present?.state === 'lost' ? `${message || 'It is lost.'} It is connected again once it is back.` : message;
     showProblem(withSavedAt(trouble), message.includes(refused) ? '' : withSavedAt(refused));
-    showForgottenLimits(shown, isConnected && !now.isOthers ? present : null, now);
+    limitsOffer.show(isConnected && !now.isOthers ? present : null, shown.devices.softLimits[present?.port ?? ''] ?? [], now);
     showAxes(shown);
     showSections(shown, now);
-  }
-
-  /** Offer to bring back into force the soft limits that are remembered of a port, of each axis that has others or none.
-   * @param {State} now @param {Device | null} present @param {Situation} situation */
-  function showForgottenLimits(now, present, { scaled, units, isBusy }) {
-    const axes = present?.axes ?? [];
-    const kept = (present ? (now.devices.softLimits[present.port] ?? []) : []).filter(({ axis, lowest_steps, highest_steps }) => {
-      const one = axes[axis];
-      return one && (one.lowest_steps !== lowest_steps || one.highest_steps !== highest_steps);
-    });
-    limitsOffer.hidden = kept.length === 0;
-    if (present === null || kept.length === 0) return;
-    const spans = kept.map((one) => {
-      const span = limitsText(units, scaled[one.axis], one);
-      return axes.length === 1 ? span : `axis ${one.axis} ${span}`;
-    });
-    const text = `Soft limits of this port, ${spans.join(', ')}, are not in force.`;
-    const shown = /** @type {HTMLElement} */ (forgotten.lastElementChild);
-    if (shown.textContent !== text) shown.textContent = text;
-    setLimits.disabled = isBusy || present.state === 'connecting';
-    setLimits.onclick = () => act.limitAgain(present, kept);
   }
 
   /** @param {string} trouble that the device has @param {string} fault what was refused, which can be closed */
