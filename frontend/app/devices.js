@@ -1,7 +1,7 @@
 // @ts-check
 // What follows from the state of devices: the one in view, what a push of it would send, and what of them moves.
 
-import { isEndless } from '../devices/traces.js';
+import { isAtTarget } from '../devices/traces.js';
 import { areSameRamps } from '../model/design.js';
 import { areEqual } from '../model/equal.js';
 import { nameText, pushRefusals } from '../model/messages.js';
@@ -353,8 +353,9 @@ export function runningMoveOf(state) {
   const one = device?.axes[axis];
   if (!device || !one || (one.state !== 'moving' && one.state !== 'stopping')) return null;
   const isOld = state.devices.link !== 'there' || (state.devices.ages[device.id] ?? null) !== null;
-  const start = state.devices.runs[runKey(device.id, axis)]?.restingPlace;
-  return runningMove(one, start, isOld);
+  const run = state.devices.runs[runKey(device.id, axis)];
+  const isEndless = isAtTarget(one) && (run?.samples?.length ?? null) === null;
+  return runningMove(one, run?.restingPlace, isOld, isEndless);
 }
 
 const runningMove = remembering(
@@ -362,8 +363,9 @@ const runningMove = remembering(
     /** @type {import('../model/types.js').AxisState} */ one,
     /** @type {number | undefined} */ start,
     /** @type {boolean} */ isOld,
+    /** @type {boolean} */ isEndless,
   ) => {
-    const remaining = isEndless(one) ? Infinity : Math.abs(one.target_steps - one.position_steps);
+    const remaining = isEndless ? Infinity : Math.abs(one.target_steps - one.position_steps);
     const done = start === undefined ? one.steps_made : Math.abs(one.position_steps - start);
     return { done, remaining, speed: one.speed_steps_per_s, isOld };
   },

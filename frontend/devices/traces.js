@@ -46,9 +46,9 @@ export async function untilComplete(look, take, isOver) {
   return known;
 }
 
-/** Whether an axis runs at a speed, and so has no target but where it is.
+/** Whether an axis that moves has no target but where it is: it runs at a speed, or has come to that of its move and isn't told to rest yet.
  * @param {import('../model/types.js').AxisState} axis */
-export function isEndless({ state, target_steps, position_steps }) {
+export function isAtTarget({ state, target_steps, position_steps }) {
   return state === 'moving' && target_steps === position_steps;
 }
 
@@ -97,12 +97,14 @@ export function createFollower() {
     if (time_s.length >= MOST_SAMPLES) {
       [time_s, position, speed] = [time_s.filter(isEven), position.filter(isEven), speed.filter(isEven)];
     }
+    const [length, isFirst] = [Math.abs(axis.target_steps - run.fromSteps), time_s.length === 0];
+    const isEndless = isAtTarget(axis) && run.samples.length !== length;
     run.samples = {
       time_s: [...time_s, heard - run.fromSeconds],
       position: [...position, Math.abs(axis.position_steps - run.fromSteps)],
       speed: [...speed, axis.speed_steps_per_s],
       // What ran without an end and was then slowed down has none either.
-      length: isEndless(axis) || (time_s.length > 0 && run.samples.length === null) ? null : Math.abs(axis.target_steps - run.fromSteps),
+      length: isEndless || (!isFirst && run.samples.length === null) ? null : length,
     };
   }
 

@@ -1,6 +1,7 @@
 """What follows from the page's state of devices after some commands."""
 
 import json
+import math
 from typing import Any
 
 import pytest
@@ -372,6 +373,16 @@ def test_what_lies_over_the_plots_is_of_the_device_in_view(modules: Modules) -> 
     heard = ["device.heard", both, {"2 0": {"samples": samples, "restingPlace": 0}}]
     assert after(modules, [heard, ["device.choosePort", "sim://"]], look) == [None, None]
     assert after(modules, [heard, ["device.choosePort", "other"]], look) == [90, 30]
+
+
+def test_what_is_told_to_move_at_its_target_is_at_its_end_unless_it_runs_without_one(modules: Modules) -> None:
+    look = "(state, {runningMoveOf}) => runningMoveOf(state).remaining"
+    axis = {"axis": 0, "state": "moving", "position_steps": 90, "target_steps": 90, "speed_steps_per_s": 5}
+    moving = [{**DEVICE, "state": "moving", "axes": [axis]}]
+    for length, remaining in [(90, 0), (None, math.inf)]:
+        samples = {"time_s": [0, 1], "position": [0, 90], "speed": [0, 5], "length": length}
+        heard: list[object] = ["device.heard", moving, {"1 0": {"samples": samples, "restingPlace": 0}}]
+        assert after(modules, [heard], look) == remaining
 
 
 @pytest.mark.parametrize(

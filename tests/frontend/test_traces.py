@@ -90,6 +90,21 @@ def test_what_ran_without_an_end_has_none_when_it_was_slowed_down_either(modules
     assert modules.evaluate(script) == [[None] * 4, [50, 50]]
 
 
+def test_a_move_that_is_still_told_to_move_at_its_target_keeps_its_end(modules: Modules) -> None:
+    script = """async () => {
+        const follower = (await import('/devices/traces.js')).createFollower();
+        const tell = (heard_s, state, position_steps, target_steps) => {
+            const axis = {axis: 0, state, position_steps, target_steps, speed_steps_per_s: 9};
+            follower.follow({id: '1', heard_s, axes: [axis]});
+            return follower.runs()['1 0'].samples?.length ?? null; };
+        const move = [tell(0, 'ready', 0, 0), tell(1, 'moving', -5, -70), tell(2, 'moving', -70, -70),
+            tell(3, 'moving', -70, -70), tell(4, 'ready', -70, -70)];
+        // A run that takes the place of a move has no end, though that had one.
+        const run = [tell(5, 'moving', 0, 200), tell(6, 'moving', 210, 210), tell(7, 'moving', 230, 230)];
+        return [move, run]; }"""
+    assert modules.evaluate(script) == [[None, 70, 70, 70, 70], [270, None, None]]
+
+
 # A page that traces moves of a device with what it may know of one: the move is answered as the test says, after
 # what happens meanwhile.
 MOVED = """async ([answer, meanwhile]) => {
