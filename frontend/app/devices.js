@@ -371,14 +371,14 @@ const runningMove = remembering(
   },
 );
 
-/** What is known of the running or last move of the axis that is worked with; null also of what had no end to go to, as
- * a jog: no plan is like it.
+/** What is known of the running or last move of the axis that is worked with, unless it was taken away; null also of what had
+ * no end to go to, as a jog: no plan is like it.
  * @param {State} state */
 export function samplesOf(state) {
   const device = deviceOf(state);
   if (device === null || !isOfAxisInHand(state, device.id)) return null;
   const samples = state.devices.runs[runKey(device.id, deviceAxisOf(state))]?.samples ?? null;
-  return samples?.length === null ? null : samples;
+  return samples === null || samples.length === null || state.devices.removed.includes(samples) ? null : samples;
 }
 
 /** Whether that move follows the ramp that is plotted, as far as the page knows: only then its ends are those of the plan.

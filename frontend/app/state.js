@@ -63,6 +63,7 @@ import { STEPS_AND_SECONDS } from '../model/units.js';
  * @property {MeasuredMove | null} measured    the move that was measured last
  * @property {Preview | null} preview
  * @property {Runs} runs
+ * @property {import('../model/types.js').Samples[]} removed  of the runs, those that a person took away from the plots
  * @property {boolean} isHaltNext              whether a press of STOP halts
  * @property {import('../devices/stopping.js').Fate} stopFate  what has become of the last STOP
  * @property {Record<string, number>} ages     of devices of which nothing new is known, for how long [whole s]
@@ -212,6 +213,7 @@ export const FIRST_STATE = {
     isTracing: true,
     traces: {},
     measured: null,
+    removed: [],
     preview: null,
     runs: {},
     isHaltNext: false,

@@ -367,10 +367,18 @@ def test_the_measured_trace(pushed: StepRampPage) -> None:
     expect(figures).to_contain_text("500, every one")
     # The virtual controller is never late.
     expect(figures).to_contain_text("0.00 µs")
-    expect(pushed.page.locator(".legend .trace")).to_be_visible()
+    chip, removal = pushed.page.locator(".legend .trace"), pushed.page.locator("#remove-trace")
+    expect(chip).to_be_visible()
+    # What was told while it ran doesn't come in the place of what was measured.
+    removal.click()
+    expect(chip).to_be_hidden()
+    pushed.device_section("trace")
     pushed.page.locator("#trace").uncheck()
     pushed.move("10")
     at_rest(pushed)
+    expect(chip).to_be_visible()
+    removal.click()
+    expect(chip).to_be_hidden()
     pushed.device_section("trace")
     expect(figures).to_contain_text("500, every one")
 

@@ -48,6 +48,7 @@ ARGUMENTS: dict[str, list[object]] = {
     "device.pushed": ["1", {"designs": [document()], "ids": [0], "toAxis": 0, "crc": None}],
     "device.pushCutShort": ["1", {"designs": [document()], "ids": [0], "toAxis": 0, "before": None}],
     "device.refused": [[{"field": None, "value": None, "allowed": None, "message": "no"}]],
+    "device.removeTrace": [],
     "device.setTracing": [False],
     "device.showMeasured": [{"of": {"axis": 0, "design": None}, "move": {"step": [1, 2]}}],
     "device.stopKnown": [True, "waiting"],

@@ -359,6 +359,35 @@ def test_a_running_move_lies_over_the_plots_of_its_own_axis_and_a_jog_over_none(
     assert after(modules, [heard(None), pushed(5)], look) == [None, 30]
 
 
+def test_a_trace_that_was_taken_away_stays_away_whichever_it_is(modules: Modules) -> None:
+    script = f"""async ([design, device, axes]) => {{ {STATE}
+        const {{heard, removeTrace, showMeasured}} = await import('/app/commands/device.js');
+        const {{samplesOf}} = await import('/app/devices.js');
+        const {{measuredOf}} = await import('/app/selectors.js');
+        const samples = (end) => ({{time_s: [0, 1], position: [0, end], speed: [0, 5], length: end}});
+        const tell = (now, ...all) => heard(now, [{{...device, axes}}],
+            Object.fromEntries(all.map((one, at) => [`1 ${{at}}`, {{samples: one, restingPlace: 0}}])));
+        const [first, second, later] = [90, 40, 70].map(samples);
+        const move = {{step: [1, 2]}};
+        const look = (now) => [measuredOf(now) !== null, samplesOf(now)?.length ?? null, now.devices.removed.length];
+        const told = tell(state, first, second), removed = removeTrace(told);
+        const measured = showMeasured(told, {{of: {{axis: 5, design: null}}, move}});
+        const others = showMeasured(told, {{of: {{axis: 7, design: null}}, move}});
+        return [told, removed, tell(removed, first, second), tell(removed, later, second), removeTrace(measured),
+            removeTrace(others)].map(look).concat([removeTrace(others).devices.measured !== null]); }}"""
+    axis = {"axis": 0, "state": "ready", "position_steps": 90, "target_steps": 90, "speed_steps_per_s": 0}
+    seen = modules.evaluate(script, [document(), DEVICE, [axis, {**axis, "axis": 1}]])
+    assert seen == [
+        [False, 90, 0],
+        [False, None, 1],
+        [False, None, 1],
+        [False, 70, 0],
+        [False, None, 1],
+        [False, None, 1],
+        True,
+    ]
+
+
 def test_what_lies_over_the_plots_is_of_the_device_in_view(modules: Modules) -> None:
     """Another one that moves meanwhile may have more axes, or fewer, and other ramps."""
     look = (

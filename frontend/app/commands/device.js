@@ -4,7 +4,8 @@
 import { homingAfter } from '../../devices/homing.js';
 import { areEqual } from '../../model/equal.js';
 import { PAGE } from '../../server/api.js';
-import { deviceOf } from '../devices.js';
+import { deviceOf, samplesOf } from '../devices.js';
+import { measuredOf } from '../selectors.js';
 import { tell } from './told.js';
 
 /** @typedef {import('../../model/types.js').Design} Design */
@@ -29,7 +30,7 @@ function following(state) {
 /** Of those that are not told any more nothing is known.
  * @param {State} state @param {Device[]} list @param {import('../state.js').Runs} runs @returns {State} */
 export function heard(state, list, runs) {
-  const { pushed, cutShort, homings, traces, preview } = state.devices;
+  const { pushed, cutShort, homings, traces, preview, removed } = state.devices;
   const told = new Set(list.map(({ id }) => id));
   const known = {
     list,
@@ -37,6 +38,7 @@ export function heard(state, list, runs) {
     ...withWritten(list, stillThere(list, onlyOf(told, pushed)), onlyOf(told, cutShort)),
     homings: homingsAfter(list, onlyOf(told, homings)),
     traces: onlyOf(told, traces),
+    removed: removed.filter((one) => Object.values(runs).some(({ samples }) => samples === one)),
     preview: preview !== null && told.has(preview.question.id) ? preview : null,
   };
   return following(takenAgain(knowing(state, isBack(state, list) ? { ...known, rejections: [] } : known)));
@@ -181,6 +183,14 @@ export const traceCame = (state, id, trace) => knowing(state, { traces: { ...sta
 
 /** @param {State} state @param {import('../state.js').MeasuredMove | null} measured @returns {State} */
 export const showMeasured = (state, measured) => (state.devices.measured === measured ? state : knowing(state, { measured }));
+
+/** Take the trace away that the plots show, be it measured or told of a move while it ran: none comes in its place.
+ * @param {State} state @returns {State} */
+export function removeTrace(state) {
+  const { measured, removed } = state.devices;
+  const told = samplesOf(state);
+  return knowing(state, { measured: measuredOf(state) === null ? measured : null, removed: told === null ? removed : [...removed, told] });
+}
 
 /** @param {State} state @param {import('../state.js').Preview | null} preview @returns {State} */
 export const previewCame = (state, preview) => (state.devices.preview === preview ? state : knowing(state, { preview }));

@@ -86,13 +86,13 @@ export function createLegend(onSwitch, onOwn, { onOpen, onRemove }, onTakeAway, 
   watchStrip(legend);
   return {
     element: legend,
-    /** @param {boolean} isTraced whether there is a trace among the lines
-     * @param {boolean} isOfAnother whether it is not known to be of the ramp that is plotted
-     * @param {import('../../app/state.js').MeasuredMove | null} measured null: it runs */
-    showTrace(isTraced, isOfAnother, measured) {
+    /** isTraced: whether there is a trace among the lines. isOfAnother: whether it is not known to be of the ramp that is plotted.
+     * isRunning: whether it is still growing. record: see MeasuredMove.
+     * @param {{isTraced: boolean, isOfAnother: boolean, isRunning: boolean, record?: string}} now */
+    showTrace({ isTraced, isOfAnother, isRunning, record }) {
       trace.hidden = !isTraced;
-      removeTrace.hidden = measured === null;
-      told = { ...told, isOfAnother, record: measured?.record };
+      removeTrace.hidden = isRunning;
+      told = { ...told, isOfAnother, record };
       tellTrace();
     },
     /** @param {boolean} isLonger whether a move runs that is longer than the plotted one, and faster than that ever gets */

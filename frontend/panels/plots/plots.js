@@ -2,7 +2,7 @@
 // The three plots in one figure, with zoom, views and cursor.
 
 import { removeCapture, showCapture } from '../../app/commands/capture.js';
-import { showMeasured } from '../../app/commands/device.js';
+import { removeTrace } from '../../app/commands/device.js';
 import { takeAway } from '../../app/commands/library.js';
 import { look as lookOtherwise, read as tellReading, selectRow, switchMethod, switchOwn, wantPoints, zoomTo } from '../../app/commands/view.js';
 import { pin, setTable, unpin } from '../../app/commands/work.js';
@@ -111,7 +111,7 @@ export function createPlots(root, dispatch) {
   const legend = createLegend((name) => dispatch(switchMethod, name), () => dispatch(switchOwn), {
     onOpen: () => dispatch(showCapture, true),
     onRemove: () => dispatch(removeCapture),
-  }, (key) => dispatch(takeAway, key), () => dispatch(showMeasured, null));
+  }, (key) => dispatch(takeAway, key), () => dispatch(removeTrace));
   const overlay = createOverlay(switches.elements);
   const cursor = createCursor(
     overlay,
@@ -346,7 +346,12 @@ export function createPlots(root, dispatch) {
     bar.show({ against: view.against, view: view.part, only: view.only, areAxesShown: areAllShown });
     bar.showPinned(pinnedOf(now) !== null);
     switches.show(view, isMeasured || captured !== null, areAllShown);
-    legend.showTrace(isMeasured || samplesOf(now) !== null, isMeasured ? !isMeasuredOfDesign(now) : !isMoveOfPlotted(now), isMeasured ? now.devices.measured : null);
+    legend.showTrace({
+      isTraced: isMeasured || samplesOf(now) !== null,
+      isOfAnother: isMeasured ? !isMeasuredOfDesign(now) : !isMoveOfPlotted(now),
+      isRunning: !isMeasured && runningMoveOf(now) !== null,
+      record: isMeasured ? now.devices.measured?.record : undefined,
+    });
     legend.showCapture(captured);
     legend.showBeside(besideOf(now));
     legend.showOwn(areAllShown ? null : (now.answers.ownRamp?.ramp ?? null), ownPlayerOf(now)?.title ?? '', now.isOwnShown);
@@ -362,6 +367,7 @@ export function createPlots(root, dispatch) {
         isMeasuredOfDesign(now),
         shownCaptureOf(now),
         samplesOf(now) === null,
+        runningMoveOf(now) === null,
         isMoveOfPlotted(now),
         axisMovesOf(now),
         pinnedOf(now),
