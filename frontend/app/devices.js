@@ -358,6 +358,14 @@ export function runningMoveOf(state) {
   return runningMove(one, run?.restingPlace, isOld, isEndless);
 }
 
+/** Whether that axis moves, or rests only until the next half of there and back.
+ * @param {State} state */
+export function isGoingOn(state) {
+  const device = deviceOf(state);
+  if (device === null || !isOfAxisInHand(state, device.id)) return false;
+  return runningMoveOf(state) !== null || device.shuttle?.axis === deviceAxisOf(state);
+}
+
 const runningMove = remembering(
   (
     /** @type {import('../model/types.js').AxisState} */ one,

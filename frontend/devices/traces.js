@@ -55,9 +55,16 @@ export function isAtTarget({ state, target_steps, position_steps }) {
 /** @param {import('../model/types.js').AxisState} axis */
 const isUnderWay = ({ state }) => state === 'moving' || state === 'stopping';
 
+/** How long a move took, or one before it, and how fast they got.
+ * @param {Samples} samples @returns {NonNullable<Samples['earlier']>} */
+function extentOf({ time_s, speed, earlier = { seconds: 0, speed: 0 } }) {
+  return { seconds: Math.max(earlier.seconds, time_s.at(-1) ?? 0), speed: Math.max(earlier.speed, ...speed.map(Math.abs)) };
+}
+
 /** Follows the axes of devices from where they set out until they set out again. */
 export function createFollower() {
-  /** @type {Map<string, {samples: Samples, fromSteps: number, fromSeconds: number, isMoving: boolean}>} */
+  /** isHalf: of there and back, which goes on.
+   * @type {Map<string, {samples: Samples, fromSteps: number, fromSeconds: number, isMoving: boolean, isHalf: boolean}>} */
   const runs = new Map();
   /** Where each axis last was at rest.
    * @type {Map<string, number>} */
@@ -81,11 +88,12 @@ export function createFollower() {
     const fromSteps = resting.get(key);
     // Of what moves already when the page begins to listen, or hears of it again, it has not seen the start.
     if (isMoving && !before?.isMoving && fromSteps !== undefined) {
-      run = { samples: { time_s: [], position: [], speed: [], length: null }, fromSteps, fromSeconds: device.heard_s, isMoving };
+      const samples = { time_s: [], position: [], speed: [], length: null, ...(before?.isHalf && { earlier: extentOf(before.samples) }) };
+      run = { samples, fromSteps, fromSeconds: device.heard_s, isMoving, isHalf: false };
       runs.set(key, run);
     }
     if (run && (isMoving || before?.isMoving)) add(run, device.heard_s, axis);
-    if (run) run.isMoving = isMoving;
+    if (run) Object.assign(run, { isMoving, isHalf: device.shuttle?.axis === axis.axis });
     if (axis.state === 'ready') resting.set(key, axis.position_steps);
   }
 
@@ -100,6 +108,7 @@ export function createFollower() {
     const [length, isFirst] = [Math.abs(axis.target_steps - run.fromSteps), time_s.length === 0];
     const isEndless = isAtTarget(axis) && run.samples.length !== length;
     run.samples = {
+      ...run.samples,
       time_s: [...time_s, heard - run.fromSeconds],
       position: [...position, Math.abs(axis.position_steps - run.fromSteps)],
       speed: [...speed, axis.speed_steps_per_s],

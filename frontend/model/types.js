@@ -323,8 +323,10 @@
  * @property {(CapturedMove & {step: number[], time_s: number[], interval_us: (number | null)[],
  *   speed_steps_per_s: (number | null)[], short_pulses: MarkedSteps | null, deviation: Deviation | null}) | null} move */
 
-/** A running move as the controller tells of it, since it set out: so many steps long; null while it has no end.
- * @typedef {{time_s: number[], position: number[], speed: number[], length: number | null}} Samples */
+/** A running move as the controller tells of it, since it set out: so many steps long; null while it has no end. earlier: of a
+ * half of there and back, how long the longest of those before it took, and how fast they got.
+ * @typedef {{time_s: number[], position: number[], speed: number[], length: number | null,
+ *   earlier?: {seconds: number, speed: number}}} Samples */
 
 /** How the controller drives its pins; see the API.
  * @typedef {Record<string, unknown>} Settings */

@@ -288,13 +288,14 @@ export function liveOver(answer, against, { time_s, position, speed, length }) {
   return { x, velocity: broken(speed.map((each) => Math.abs(each) * perStep)) };
 }
 
-/** How far along the axis a move that runs goes, and how fast it gets: to its end, as far as that is known, or else ever further.
+/** How far along the axis a move that runs goes, and how fast it gets: to its end, as far as that is known, or else ever further. A half
+ * of there and back keeps the room of those before it.
  * @param {Answer} answer @param {PlotAxis} against @param {import('../model/types.js').Samples} samples since its start
  * @returns {{x: number, velocity: number}} */
-export function reachOver(answer, against, { time_s, speed, length }) {
+export function reachOver(answer, against, { time_s, speed, length, earlier = { seconds: 0, speed: 0 } }) {
   const { duration_s, peak_speed_steps_per_s } = activeProfile(answer).summary;
-  const end = grown(duration_s, time_s.at(-1) ?? 0);
-  const fastest = grown(peak_speed_steps_per_s, Math.max(0, ...speed.map(Math.abs)));
+  const end = grown(duration_s, Math.max(earlier.seconds, time_s.at(-1) ?? 0));
+  const fastest = grown(peak_speed_steps_per_s, Math.max(earlier.speed, ...speed.map(Math.abs)));
   const [x] = along(answer, against, [length ?? 0], [end]);
   return { x, velocity: shownValue(unitsOf(answer), answer.design, 'speed', fastest) };
 }

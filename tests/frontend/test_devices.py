@@ -404,6 +404,20 @@ def test_what_lies_over_the_plots_is_of_the_device_in_view(modules: Modules) -> 
     assert after(modules, [heard, ["device.choosePort", "other"]], look) == [90, 30]
 
 
+def test_there_and_back_goes_on_while_its_axis_rests_between_two_halves(modules: Modules) -> None:
+    look = "(state, {isGoingOn}) => isGoingOn(state)"
+    axis = {"axis": 0, "state": "ready", "position_steps": 90, "target_steps": 90, "speed_steps_per_s": 0}
+
+    def told(state: str, shuttle: int | None) -> list[list[object]]:
+        told = {"axes": [{**axis, "state": state}], "shuttle": None if shuttle is None else {"axis": shuttle}}
+        return [["device.heard", [{**DEVICE, **told}], {}]]
+
+    assert [after(modules, told("moving", None), look), after(modules, told("ready", 0), look)] == [True, True]
+    assert [after(modules, told("ready", 1), look), after(modules, told("ready", None), look)] == [False, False]
+    pushed = ["device.pushed", "1", {"designs": [document()], "ids": [7], "toAxis": 0, "crc": None}]
+    assert not after(modules, [*told("ready", 0), pushed], look), "it is of another axis than the one in hand"
+
+
 def test_what_is_told_to_move_at_its_target_is_at_its_end_unless_it_runs_without_one(modules: Modules) -> None:
     look = "(state, {runningMoveOf}) => runningMoveOf(state).remaining"
     axis = {"axis": 0, "state": "moving", "position_steps": 90, "target_steps": 90, "speed_steps_per_s": 5}

@@ -105,6 +105,21 @@ def test_a_move_that_is_still_told_to_move_at_its_target_keeps_its_end(modules: 
     assert modules.evaluate(script) == [[None, 70, 70, 70, 70], [270, None, None]]
 
 
+def test_a_half_of_there_and_back_knows_how_long_and_fast_those_before_it_were(modules: Modules) -> None:
+    script = """async () => {
+        const follower = (await import('/devices/traces.js')).createFollower();
+        const tell = (heard_s, state, position_steps, speed_steps_per_s, isShuttle = true) => {
+            const axis = {axis: 0, state, position_steps, target_steps: 90, speed_steps_per_s};
+            follower.follow({id: '1', heard_s, axes: [axis], shuttle: isShuttle ? {axis: 0} : null});
+            return follower.runs()['1 0'].samples?.earlier ?? null; };
+        return [tell(0, 'ready', 0, 0, false), tell(1, 'moving', 5, 5, false), tell(4, 'moving', 50, -800),
+            tell(5, 'ready', 90, 0), tell(6, 'moving', 80, 5), tell(8, 'moving', 10, 900), tell(9, 'ready', 0, 0),
+            tell(10, 'moving', 5, 5), tell(11, 'ready', 90, 0), tell(12, 'ready', 90, 0, false),
+            tell(13, 'moving', 80, 5)]; }"""
+    first, both = {"seconds": 4, "speed": 800}, {"seconds": 4, "speed": 900}
+    assert modules.evaluate(script) == [*[None] * 4, first, first, first, both, both, both, None]
+
+
 # A page that traces moves of a device with what it may know of one: the move is answered as the test says, after
 # what happens meanwhile.
 MOVED = """async ([answer, meanwhile]) => {

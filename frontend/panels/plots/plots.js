@@ -6,7 +6,7 @@ import { removeTrace } from '../../app/commands/device.js';
 import { takeAway } from '../../app/commands/library.js';
 import { look as lookOtherwise, read as tellReading, selectRow, switchMethod, switchOwn, wantPoints, zoomTo } from '../../app/commands/view.js';
 import { pin, setTable, unpin } from '../../app/commands/work.js';
-import { isMoveOfPlotted, ownPlayerOf, runningMoveOf, samplesOf } from '../../app/devices.js';
+import { isGoingOn, isMoveOfPlotted, ownPlayerOf, runningMoveOf, samplesOf } from '../../app/devices.js';
 import { besideOf } from '../../app/library.js';
 import {
   areAxesShown,
@@ -305,17 +305,15 @@ export function createPlots(root, dispatch) {
 
   function showMove() {
     if (!frame || !answer || !state) return;
-    const curve = curves[answer.design.method.name];
-    const move = runningMoveOf(state);
-    if (!move || !curve || areAll()) {
+    const curve = areAll() ? undefined : curves[answer.design.method.name];
+    const [move, samples, isOfPlotted] = [runningMoveOf(state), samplesOf(state), isMoveOfPlotted(state)];
+    widen(samples !== null && !isOfPlotted && curve && isGoingOn(state) ? reachOver(answer, against(), samples) : null);
+    if (!move || !curve) {
       legend.showLonger(false);
       overlay.showMove(frame, null, null);
-      widen(null);
       return;
     }
-    const [samples, isOfPlotted] = [samplesOf(state), isMoveOfPlotted(state)];
     const live = samples && liveOver(answer, against(), asMade(state, samples));
-    widen(samples === null || isOfPlotted ? null : reachOver(answer, against(), samples));
     const step = Math.max(1, plottedStep(activeProfile(answer), move.done, move.remaining));
     const speed = shownValue(state.units, answer.design, 'speed', move.speed);
     const isPlaced = !Number.isNaN(step);
@@ -349,7 +347,7 @@ export function createPlots(root, dispatch) {
     legend.showTrace({
       isTraced: isMeasured || samplesOf(now) !== null,
       isOfAnother: isMeasured ? !isMeasuredOfDesign(now) : !isMoveOfPlotted(now),
-      isRunning: !isMeasured && runningMoveOf(now) !== null,
+      isRunning: !isMeasured && isGoingOn(now),
       record: isMeasured ? now.devices.measured?.record : undefined,
     });
     legend.showCapture(captured);
@@ -367,7 +365,7 @@ export function createPlots(root, dispatch) {
         isMeasuredOfDesign(now),
         shownCaptureOf(now),
         samplesOf(now) === null,
-        runningMoveOf(now) === null,
+        isGoingOn(now),
         isMoveOfPlotted(now),
         axisMovesOf(now),
         pinnedOf(now),
@@ -386,7 +384,7 @@ export function createPlots(root, dispatch) {
     whenever((now) => [shownCurvesOf(now), axisMovesOf(now), restingSamplesOf(now), isMoveOfPlotted(now), shownOwnRampOf(now)], drawAnew),
     whenChanged((now) => [designOf(now)], (design) => design && points.show(design)),
     whenChanged(({ row }) => [row], (row) => points.select(row)),
-    whenever((now) => [runningMoveOf(now)], showMove),
+    whenever((now) => [runningMoveOf(now), isGoingOn(now)], showMove),
     whenever((now) => [motorOf(now)], showMotor),
     whenChanged((now) => [(motorOf(now)?.design ?? null) !== designOf(now)], motorMarks.showStale),
     // Why the curves belong to earlier values.
