@@ -432,6 +432,7 @@
  * @property {boolean} isOthers        another page is in control
  * @property {boolean} isTracing
  * @property {Preview | null} preview  what a push would change
+ * @property {boolean} isPreviewAwaited  that can be told, and hasn't been yet
  * @property {PushRefusal[]} refusals  why the device can't take the designs
  * @property {Design[] | null} lastPushed  from this page, to this device; null: none
  * @property {Trace | null} trace      of the last traced move

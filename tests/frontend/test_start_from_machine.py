@@ -448,6 +448,26 @@ GIVEN = (
 )
 
 
+def test_that_it_is_being_worked_out_what_a_push_would_change_is_said_until_it_is_known(modules: Modules) -> None:
+    script = (
+        SHOWN
+        + """
+    const words = () => byId('push-awaited').hidden ? '' : textOf(byId('push-awaited'));
+    const known = {items: [], same: true, segments: null, bytes: 0, largest_deviation_us: null, warnings: [],
+        warnings_told: []};
+    const after = (told) => {
+        tell({axes: [], on_trial: false, motors_on: true, ...told});
+        const soon = words(); pass();
+        return [soon, words()]; };
+    const seen = [after({}), after({state: 'moving'}), after({in_control: 'other'}), after({state: 'ready'})];
+    const question = {id: '1', axis: 0, designs: [design], ids: [5], state: [null, false, null, null, '', true]};
+    dispatch(COMMANDS.device.previewCame, {question, preview: known, rejections: []});
+    return [...seen, after({})];"""
+    )
+    said = "What a push would change is being worked out \u2026"
+    assert run(modules, script) == [["", said], ["", ""], ["", ""], ["", said], ["", ""]]
+
+
 def test_while_a_controller_restarts_to_prove_what_it_has_stored_what_is_known_of_it_stays(modules: Modules) -> None:
     script = (
         GIVEN

@@ -25,6 +25,9 @@ const STAGES = {
 };
 /** What a push begins with to a controller that works its ramps out itself. */
 const READING = 'Reading its settings';
+const AWAITED = 'What a push would change is being worked out …';
+/** From when on that is said. */
+const AWAITED_MS = 500;
 
 /**
  * @param {{push: (device: Device, mode: 'keep' | 'try') => void, prove: (device: Device) => void,
@@ -57,6 +60,8 @@ export function createPushSection(handlers, dispatch) {
     element('div', { className: 'line' }, keep, rollBack),
   );
   const reason = element('p', { className: 'reason', id: 'push-reason' });
+  const awaited = element('p', { className: 'reason', id: 'push-awaited', role: 'status', textContent: AWAITED });
+  const awaitsLong = ratherLong(AWAITED_MS);
   const changes = element('div', { className: 'push-details', id: 'push-preview' });
   const refusals = createRefusals((axis, remedy) => dispatch(mend, axis, remedy));
   const filled = element('i');
@@ -83,6 +88,12 @@ export function createPushSection(handlers, dispatch) {
         : isLong
           ? `${text}: the first time, what computes ramps is made ready, which takes some seconds. STOP ends it.`
           : `${text} …`;
+  }
+
+  /** What comes soon is not announced: at each edit the line would come and go.
+   * @param {boolean} isAwaited */
+  function showAwaited(isAwaited) {
+    awaited.hidden = !awaitsLong.isSo(isAwaited, () => (awaited.hidden = false));
   }
 
   /** @param {import('../../model/types.js').Preview} preview @param {Situation} situation */
@@ -121,6 +132,7 @@ export function createPushSection(handlers, dispatch) {
       reason,
       progress,
       refusals.element,
+      awaited,
       changes,
       onTrial,
       report.element,
@@ -154,6 +166,7 @@ export function createPushSection(handlers, dispatch) {
       else waitsLong.end();
       changes.hidden = situation.preview === null || now !== null;
       if (situation.preview) showChanges(situation.preview, situation);
+      showAwaited(situation.isPreviewAwaited && blocked === '' && !situation.isBusy && now === null);
       refusals.show(situation);
       report.show(present, situation);
       proof.show(context);

@@ -29,8 +29,9 @@ export const pushedWords = (designs) => pushedParts(designs).join(' ');
 /** @param {import('../../model/types.js').RampMethod} method */
 const wordOf = (method) => (method.plays_table ? 'table' : method.label);
 
-/** Tells whether something has gone on for long, and when it begins to. */
-export function ratherLong() {
+/** Tells whether something has gone on for long, and when it begins to.
+ * @param {number} [longMs] */
+export function ratherLong(longMs = LONG_MS) {
   /** @type {ReturnType<typeof setTimeout> | undefined} */
   let timer;
   let isLong = false;
@@ -49,7 +50,7 @@ export function ratherLong() {
         timer = setTimeout(() => {
           isLong = true;
           onLong();
-        }, LONG_MS);
+        }, longMs);
       }
       return isLong;
     },
