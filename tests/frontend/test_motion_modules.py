@@ -176,11 +176,11 @@ def test_soft_limits_in_words(modules: Modules) -> None:
         const design = {axis: {full_steps_per_rev: 200, microsteps: 2, travel_per_rev: 8, travel_unit: 'mm'}};
         return ['steps', 'mm'].map((length) => spans.map(([low, high]) =>
             limitsText({length, time: 's'}, design, {lowest_steps: low, highest_steps: high}))); }"""
-    spans = [[-1000, 20000], [None, 500], [0, None], [None, None]]
+    spans = [[-1000, 20000], [None, 500], [0, None], [None, None], [-500, -500]]
     in_steps, in_mm = modules.evaluate(script, spans)
-    assert in_steps == ["\u22121,000 to 20,000 steps", "up to 500 steps", "from 0 steps", ""]
+    assert in_steps == ["\u22121,000 to 20,000 steps", "up to 500 steps", "from 0 steps", "", "only \u2212500 steps"]
     # 400 steps make one turn of 8 mm.
-    assert in_mm == ["\u221220 to 400 mm", "up to 10 mm", "from 0 mm", ""]
+    assert in_mm == ["\u221220 to 400 mm", "up to 10 mm", "from 0 mm", "", "only \u221210 mm"]
 
 
 def limited(lowest: float | None, highest: float | None, note: str = "", *, is_whole: bool = True) -> dict[str, object]:

@@ -18,7 +18,7 @@ import { showAtPlaces } from '../../ui/refusal.js';
 const MOST_AXES = 4;
 const MOST_FIGURES = 7;
 
-/** Such as "−1,000 to 20,000 steps"; empty for none.
+/** Such as "−1,000 to 20,000 steps", or "only 0 steps"; empty for none.
  * @param {Units} units @param {Design} design @param {Omit<SoftLimits, 'axis'>} limits */
 export function limitsText(units, design, { lowest_steps: lowest, highest_steps: highest }) {
   if (lowest === null && highest === null) return '';
@@ -26,7 +26,8 @@ export function limitsText(units, design, { lowest_steps: lowest, highest_steps:
     const shown = shownValue(units, design, 'length', Number(steps));
     return formatEntry(Number(shown.toPrecision(MOST_FIGURES))).replace('-', '\u2212');
   });
-  const span = highest === null ? `from ${low}` : lowest === null ? `up to ${high}` : `${low} to ${high}`;
+  const [from, to] = [lowest === null ? '' : `from ${low}`, highest === null ? '' : `up to ${high}`];
+  const span = lowest === highest ? `only ${low}` : from && to ? `${low} to ${high}` : from || to;
   return `${span} ${unitWord(units, design, 'length')}`;
 }
 
