@@ -102,6 +102,7 @@ class Printer:
     def restart(self) -> None:
         self.restarts += 1
         self.homed, self.has_current, self.state, self.message = "", False, "ready", "Printer is ready"
+        self.save_config_pending = False
         self.start()
 
     def emergency_stop(self) -> None:

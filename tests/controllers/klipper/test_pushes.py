@@ -85,6 +85,25 @@ def test_klipper_is_not_restarted_where_that_costs_something(
     assert "max_velocity: 100 " in bench.printer.files["printer.cfg"]
 
 
+def test_calibrations_made_since_it_was_connected_are_not_lost(bench: Bench, controller: KlipperController) -> None:
+    unsaved = "it has calibrations that nobody has saved yet (SAVE_CONFIG)."
+    bench.printer.save_config_pending = True
+    controller.status()
+    assert f"Storing it doesn't restart Klipper: {unsaved}" in controller.preview_push([SLOW], 0).warnings
+    bench.printer.save_config_pending = False
+    controller.status()
+    assert any("Storing it restarts" in each for each in controller.preview_push([SLOW], 0).warnings)
+
+    def calibrate() -> None:
+        # In the midst of the push.
+        bench.printer.save_config_pending = bench.printer.files["printer.cfg"] != CONFIG
+
+    bench.interrupt = calibrate
+    report = controller.prepare_push([SLOW], 0)()
+    assert bench.printer.restarts == 0
+    assert any("Klipper was not restarted" in each and each.endswith(unsaved) for each in report.warnings)
+
+
 def test_a_preview_tells_the_lines_that_are_written_and_that_klipper_is_restarted(clock: Clock) -> None:
     config = CONFIG.replace("max_z_velocity: 5", "max_z_velocity: 150")
     bench = Bench(clock, {"printer.cfg": config, "macros/start.cfg": MACROS})

@@ -81,6 +81,7 @@ def status(x: float = 0.0, velocity: float = 300, accel: float = 1500, **of_tool
             "idle_timeout": {"state": "Ready"},
             "virtual_sdcard": {"is_active": False},
             "stepper_enable": {"steppers": {"stepper_x": True}},
+            "configfile": {"save_config_pending": False},
         },
     }
 
@@ -92,8 +93,8 @@ CONNECTING: list[tuple[str, dict[str, Any] | None, Any]] = [
     ("server.files.roots", None, ROOTS),
     (
         "printer.objects.query",
-        {"objects": {"configfile": ["config", "save_config_pending"]}},
-        {"eventtime": 1.0, "status": {"configfile": {"config": CONFIG, "save_config_pending": False}}},
+        {"objects": {"configfile": ["config"]}},
+        {"eventtime": 1.0, "status": {"configfile": {"config": CONFIG}}},
     ),
     ("printer.objects.subscribe", {"objects": OBJECTS}, status()),
 ]

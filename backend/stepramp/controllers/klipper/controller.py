@@ -137,14 +137,15 @@ class KlipperController(Controller, StoresRamps, TriesRamps, DrawsLines, BacksUp
         def push() -> PushReport:
             self._refuse_unready()
             self._tell(Progress(PushStage.SENDING, 0, plan.bytes))
-            seen, remarks = self._moves.await_rest(), list[str]()
+            remarks = list[str]()
+            self._moves.await_rest()
             if mode == "keep":
                 # First what can be refused, and what lasts.
                 remarks += self._memory.store(plan.options)
             in_use = self._memory.use(plan.options)
             if mode == "keep":
                 self._tell(Progress(PushStage.READING_BACK, 0, 0))
-                remarks += self._memory.start_anew(seen)
+                remarks += self._memory.start_anew()
                 in_use = self._memory.in_use(self._look())
                 if self._memory.awaits_start:
                     remarks.append("Limits of z hold from Klipper's next start on.")
@@ -190,7 +191,7 @@ class KlipperController(Controller, StoresRamps, TriesRamps, DrawsLines, BacksUp
         remarks = list(self._memory.restore(backup, seen))
         if seen is None:
             return (*remarks, "Klipper isn't ready: say FIRMWARE_RESTART, so that it reads its configuration again.")
-        remarks += self._memory.start_anew(seen)
+        remarks += self._memory.start_anew()
         if self._memory.homes_by != homes_by and (remark := self._moves.count_as_klipper()) is not None:
             remarks.append(remark)
         for word, name in (("VELOCITY", "max_velocity"), ("ACCEL", "max_accel")):

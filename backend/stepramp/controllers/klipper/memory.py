@@ -48,7 +48,6 @@ class Memory:
         """The same with what was written since over this connection: what its files should say."""
         self._machine: Machine | None = None
         self._stored: Limits | None = None
-        self._has_unsaved = False
         self.version: str | None = None
         self.trouble: str | None = None
         """What it says while it isn't ready; None while it is."""
@@ -98,12 +97,10 @@ class Memory:
         self.version = str(told.get("software_version", "")) or None
         self.trouble = None if told.get("state") == READY else str(told.get("state_message") or told.get("state"))
         self._files.learn(str(told.get("config_file", "")))
-        query = {"objects": {"configfile": ["config", "save_config_pending"]}}
-        answer = self._conversation.ask("printer.objects.query", query)
+        answer = self._conversation.ask("printer.objects.query", {"objects": {"configfile": ["config"]}})
         status = answer.get("status") if isinstance(answer, dict) else None
         known = status.get("configfile") if isinstance(status, dict) else None
         loaded = known.get("config") if isinstance(known, dict) else None
-        self._has_unsaved = isinstance(known, dict) and known.get("save_config_pending") is True
         try:
             self._loaded = self._expected = _sections(loaded) or self._files.configuration()[0].sections
             self._machine = Machine.of(self._loaded)
@@ -174,12 +171,12 @@ class Memory:
         else:
             yield f"Storing it doesn't restart Klipper: {reason}."
 
-    def start_anew(self, seen: Seen) -> Iterator[str]:
+    def start_anew(self) -> Iterator[str]:
         """Have Klipper read its configuration, where that costs nothing, and yield what there is to say.
 
         A restart switches motors off and forgets where they are. Raises Refused when it doesn't start.
         """
-        reason = self._reason_to_leave(seen)
+        reason = self._reason_to_leave()
         if reason is not None:
             yield f"Klipper was not restarted, so that it starts with this is known of its file only: {reason}."
             return
@@ -304,13 +301,16 @@ class Memory:
                     "started. Say RESTART first."
                 )
 
-    def _reason_to_leave(self, seen: Seen) -> str | None:
+    def _reason_to_leave(self) -> str | None:
         """Return why Klipper is not to be restarted, as the end of a sentence; None when it may be."""
+        sections = self._files.configuration()[0].sections
+        # Last, since files take a while: somebody may have switched motors on, or calibrated something, meanwhile.
+        seen = self._conversation.look()
         if seen.is_printing or seen.is_busy:
             return "it is busy"
         if (reason := self._reason_by_itself(seen)) is not None:
             return reason
-        if not same_sections(self._files.configuration()[0].sections, self._expected):
+        if not same_sections(sections, self._expected):
             return "its files have been changed since it started, by somebody else"
         return None
 
@@ -318,7 +318,7 @@ class Memory:
         """Return the same of one that rests, without a look at its files."""
         if seen.has_current:
             return "a restart switches the motors off, and they have current"
-        if self._has_unsaved:
+        if seen.has_unsaved:
             return "it has calibrations that nobody has saved yet (SAVE_CONFIG)"
         for name, options in self._loaded.items():
             if name.startswith("delayed_gcode") and _number(options.get("initial_duration", "0")) != 0:

@@ -66,6 +66,12 @@ class StepperEnable(_Told):
     steppers: dict[str, bool] = {}
 
 
+class ConfigFile(_Told):
+    """What has come of its configuration since it started."""
+
+    save_config_pending: bool = False
+
+
 class Seen(_Told):
     """All that is asked for again and again."""
 
@@ -76,6 +82,7 @@ class Seen(_Told):
     idle_timeout: State = State()
     virtual_sdcard: VirtualCard = VirtualCard()
     stepper_enable: StepperEnable = StepperEnable()
+    configfile: ConfigFile = ConfigFile()
 
     @classmethod
     def of(cls, status: Mapping[str, object], name: str) -> Self:
@@ -107,6 +114,11 @@ class Seen(_Told):
         """Whether a motor has current."""
         return any(self.stepper_enable.steppers.values())
 
+    @property
+    def has_unsaved(self) -> bool:
+        """Whether it has calibrations that a restart would lose."""
+        return self.configfile.save_config_pending
+
 
 OBJECTS: dict[str, list[str] | None] = {
     "webhooks": ["state", "state_message"],
@@ -125,6 +137,7 @@ OBJECTS: dict[str, list[str] | None] = {
     "idle_timeout": ["state"],
     "virtual_sdcard": ["is_active"],
     "stepper_enable": ["steppers"],
+    "configfile": ["save_config_pending"],
 }
 """What is asked for, by the names that Klipper has for it."""
 READY, SHUTDOWN, ERROR, STARTUP, DISCONNECTED = "ready", "shutdown", "error", "startup", "disconnected"
