@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from fractions import Fraction
 
 import pytest
 from hypothesis import given
@@ -13,6 +14,8 @@ from controllers.klipper.printer import CONFIG, MACROS, Printer
 from designs import design
 from stepramp.controllers.klipper.backup import Backup
 from stepramp.controllers.klipper.controller import KlipperController
+from stepramp.controllers.klipper.ramp import KLIPPER
+from stepramp.controllers.per_mm import PerMm
 from stepramp.errors import Refused, Rejected
 
 # 80 steps/mm in x, 160 in y, 400 in z.
@@ -157,6 +160,19 @@ def test_what_is_lost_is_told_with_the_controllers_own_figures(bench: Bench) -> 
     bench.printer.cruise = 0.0
     bench.controller.status()
     assert not any("stay slower" in each for each in bench.controller.preview_push([SLOW], 0).warnings)
+
+
+def test_what_fits_exactly_is_sent_as_it_is(controller: KlipperController, printer: Printer) -> None:
+    """Each whole speed at 80 steps/mm has no more than four decimals; 9.7125 as a double is a little more than that."""
+    for speed in range(1, 1000):
+        exact = design(ramp__slew_speed_steps_per_s=speed)
+        given_speed = PerMm.of(exact, KLIPPER, own=Fraction(80)).speed
+        assert Fraction(given_speed) * 80 == speed
+    report = controller.prepare_push([design(ramp__slew_speed_steps_per_s=777)], 0)()
+    assert report.verified
+    assert "max_velocity: 9.7125 " in printer.files["printer.cfg"]
+    assert (report.items[0].sent, report.items[0].read_back) == (777, 777)
+    assert not any("rounded down" in each for each in report.warnings)
 
 
 def test_x_and_y_share_their_limits(controller: KlipperController, printer: Printer) -> None:

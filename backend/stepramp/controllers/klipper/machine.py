@@ -41,10 +41,6 @@ class _Section:
             raise self._senseless(option, f"a number from {1 / MOST:.9f} to {MOST:,}")
         return value
 
-    def double(self, option: str, usual: Fraction | None = None) -> Fraction:
-        """Return a number above 0 as Klipper keeps it."""
-        return Fraction(float(self.positive(option, usual)))
-
     def count(self, option: str, usual: int | None = None) -> int:
         """Return a whole number above 0."""
         if usual is not None and option not in self._options:
@@ -118,8 +114,9 @@ class Limits:
     def of(cls, sections: Sections) -> Self:
         """Return those of a configuration; Senseless when they make no sense."""
         section = _Section(PRINTER, sections)
-        velocity, accel = section.double("max_velocity"), section.double("max_accel")
-        return cls(velocity, accel, section.double("max_z_velocity", velocity), section.double("max_z_accel", accel))
+        velocity, accel = section.positive("max_velocity"), section.positive("max_accel")
+        z_velocity, z_accel = section.positive("max_z_velocity", velocity), section.positive("max_z_accel", accel)
+        return cls(velocity, accel, z_velocity, z_accel)
 
     def velocity_of(self, axis: int) -> Fraction:
         """Return how fast an axis may be [mm/s]."""

@@ -7,9 +7,9 @@ calibrated itself, never these, and restarts it whatever goes on.
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from datetime import UTC, datetime
-from fractions import Fraction
 from time import monotonic
 
+from stepramp.controllers.given_numbers import typed
 from stepramp.controllers.klipper.backup import Backup
 from stepramp.controllers.klipper.configuration import (
     Configuration,
@@ -116,9 +116,7 @@ class Memory:
     def in_use(self, seen: Seen) -> Limits:
         """Return the limits in use: those of z are as loaded."""
         toolhead = seen.toolhead
-        return replace(
-            self.machine.limits, velocity=Fraction(toolhead.max_velocity), accel=Fraction(toolhead.max_accel)
-        )
+        return replace(self.machine.limits, velocity=typed(toolhead.max_velocity), accel=typed(toolhead.max_accel))
 
     def use(self, options: Mapping[str, str]) -> Limits:
         """Set limits at run time, one at a time, and return those in use then; Answered when one is refused."""

@@ -107,7 +107,7 @@ class PushPlan:
             for label, unit, name, requested in zip(
                 (SPEED, ACCELERATION), ("mm/s", "mm/s²"), names, asked, strict=True
             ):
-                sent, there = Fraction(float(self.options[name])), present_of(name, present)
+                sent, there = Fraction(self.options[name]), present_of(name, present)
                 yield PushItem(
                     label,
                     "steps/s" if label == SPEED else "steps/s²",
@@ -157,8 +157,8 @@ def _refuse_faster_z(design: Design, path: str, given: PerMm, options: Mapping[s
         "max_accel": ("acceleration_steps_per_s2", given.acceleration, "steps/s²"),
     }
     for name, (field, value, unit) in fields.items():
-        most = Fraction(float(options[name])) if name in options else present_of(name, limits)
-        if Fraction(float(value)) > most:
+        most = Fraction(options[name]) if name in options else present_of(name, limits)
+        if Fraction(value) > most:
             allowed = (
                 f"at most {float(most * given.scale):,.10g} {unit}, as {name} is {float(most):,.10g}: Klipper doesn't "
                 "start with more for z"

@@ -16,13 +16,10 @@ STEPS_OF_A_CYCLE = 4
 """Full steps after which a motor's currents are as before: a turn must be a multiple of them."""
 
 
-def _as_double(text: str) -> Fraction:
-    return Fraction(float(text))
-
-
 KLIPPER = Terms(
     name="Klipper",
-    kept=_as_double,
+    # It keeps doubles: by how much such a one is off no motor can tell, and rounded down for it 9.7125 would be less.
+    kept=Fraction,
     steps_per_mm=None,
     speed=Quantity(DECIMALS, Fraction(1, 10**DECIMALS), Fraction(10**9)),
     seconds=1,

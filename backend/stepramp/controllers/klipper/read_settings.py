@@ -3,9 +3,8 @@
 import re
 from collections.abc import Iterator
 from dataclasses import replace
-from fractions import Fraction
 
-from stepramp.controllers.given_numbers import no_less
+from stepramp.controllers.given_numbers import no_less, typed
 from stepramp.controllers.klipper.backup import Backup, pasted
 from stepramp.controllers.klipper.configuration import Configuration, Sections, includes_of
 from stepramp.controllers.klipper.machine import LETTERS, PRINTER, Machine, Senseless, Stepper, Z
@@ -48,7 +47,7 @@ def read_settings(text: str, base: Design) -> list[ReadAxis]:
         machine = Machine.of(sections)
     except Senseless as error:
         raise Rejected([Rejection("text", "a configuration", "one of axes", reason=_sentence(error))]) from error
-    in_use = {name.lower(): Fraction(value) for name, value in backup.limits.items() if name in ("VELOCITY", "ACCEL")}
+    in_use = {name.lower(): typed(value) for name, value in backup.limits.items() if name in ("VELOCITY", "ACCEL")}
     machine = replace(machine, limits=replace(machine.limits, **in_use))
     axes = [_axis(machine, axis, stepper, base) for axis, stepper in enumerate(machine.steppers)]
     axes[Z] = replace(axes[Z], remarks=(*axes[Z].remarks, *_stand_ins(sections)))
