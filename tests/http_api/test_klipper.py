@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from starlette.testclient import TestClient
 
-from controllers.klipper.printer import CONFIG
+from controllers.klipper.printer import CONFIG, MACROS
 from controllers.klipper.server import MoonrakerServer
 from designs import document
 from http_api.families import DEVICES, connected, ok, wait_until
@@ -43,6 +43,10 @@ def test_from_connecting_to_restoring(client: TestClient, route: str, server: Mo
     preview = ok(client.post(f"{route}/push/preview", json={"design": design, "to_axis": 0}))
     assert [item["own"]["term"] for item in preview["items"]] == ["max_velocity", "max_accel"]
     assert list(tmp_path.rglob("*.txt")) == []
+    server.printer.files["macros/start.cfg"] += "[fan]\n"
+    preview = ok(client.post(f"{route}/push/preview", json={"design": design, "to_axis": 0}))
+    assert any(each.endswith("changed since it started, by somebody else.") for each in preview["warnings"])
+    server.printer.files["macros/start.cfg"] = MACROS
     report = ok(client.post(f"{route}/push", json={"design": design, "to_axis": 0}))
     assert (report["verified"], report["kept"]) == (True, True)
     [saved] = tmp_path.rglob("*.txt")

@@ -103,6 +103,14 @@ class BacksUp(TellsSettings, Protocol):
         """
 
 
+@runtime_checkable
+class LooksFirst(Protocol):
+    """A controller whose memory others write to, too, so that it is looked at before a push is previewed."""
+
+    def look_first(self) -> None:
+        """Read what the next preview tells besides the figures of the push, at rest."""
+
+
 AT_NEXT_START = "What the controller has stored is proven at its next start"
 """The beginning of every sentence on when that is known of a ProvenByStart."""
 WAIT_OR_RESTART = f"{AT_NEXT_START}: wait for that, or restart it now."

@@ -207,7 +207,7 @@ class Device:
         self._control.leave(page)
 
     def preview_push(self, designs: Sequence[Design], first_axis: int | None = None) -> PushPreview:
-        """Return what a push would change, without the port; see Controller."""
+        """Return what a push would change; see Controller."""
         return self._writing.preview_push(designs, first_axis)
 
     def push(

@@ -1,12 +1,14 @@
 """Writing: the ramps and settings that a controller is given."""
 
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from typing import TypeVar
 
 from stepramp.controllers.capabilities import (
     BacksUp,
     HasSettings,
+    LooksFirst,
     RestoresRamps,
     StoresRamps,
     TellsSettings,
@@ -67,8 +69,13 @@ class Writing:
         """The controller of the last connection over which a backup was saved."""
 
     def preview_push(self, designs: Sequence[Design], first_axis: int | None) -> PushPreview:
-        """Return what a push would change, without the port."""
-        preview = self._contact.ready()[0].preview_push(designs, first_axis)
+        """Return what a push would change; what others may have changed is looked at, as long as nothing is done."""
+        controller, worker = self._contact.ready()
+        if isinstance(controller, LooksFirst) and self._view.now.state is DeviceState.READY:
+            # A stop that comes first takes no preview away: it tells what was known before.
+            with suppress(Refused):
+                worker.call(controller.look_first)
+        preview = controller.preview_push(designs, first_axis)
         return _with(self._deviation(designs, first_axis), preview)
 
     def push(

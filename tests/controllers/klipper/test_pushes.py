@@ -119,12 +119,86 @@ def test_a_preview_tells_the_lines_that_are_written_and_that_klipper_is_restarte
         "Storing it restarts Klipper: its axes have to be homed again after that.",
     )
     assert told[1] in controller.prepare_push([SLOW], 0)().warnings
-    before, bench.printer.has_current = config.split("\n"), True
+    before = config.split("\n")
     lines = set(bench.printer.files["printer.cfg"].split("\n")).difference(before)
     assert lines == {"max_accel: 1000", "max_velocity: 100  ; as it came", "max_z_velocity: 100"}
-    controller.status()
+    bench.printer.has_current = True
+    controller.look_first()
+    told = controller.preview_push([design(ramp__slew_speed_steps_per_s=4000)], 0).warnings
+    assert "Storing it doesn't restart Klipper: a restart switches the motors off, and they have current." in told
+
+
+@pytest.mark.parametrize("there", ["100", "100.0"])
+def test_what_klipper_has_already_is_not_written_and_leaves_its_axes_homed(clock: Clock, there: str) -> None:
+    config = CONFIG.replace("max_velocity: 300", f"max_velocity: {there}").replace("max_accel: 3000", "max_accel: 1000")
+    bench = Bench(clock, {"printer.cfg": config, "macros/start.cfg": MACROS})
+    controller, files = bench.connected(), dict(bench.printer.files)
+    controller.look_first()
+    preview = controller.preview_push([SLOW], 0)
+    assert preview.same
+    assert preview.warnings[:2] == (
+        "Storing it writes nothing: Klipper's configuration has this already.",
+        "Storing it doesn't restart Klipper: it has started with this already.",
+    )
+    report = controller.prepare_push([SLOW], 0)()
+    assert (report.verified, report.kept) == (True, True)
+    assert "Nothing is written: Klipper's configuration has this already." in report.warnings
+    assert "Klipper was not restarted: it has started with this already." in report.warnings
+    assert (bench.printer.files, bench.printer.restarts, bench.printer.homed) == (files, 0, "xyz")
+
+
+def test_what_was_written_while_motors_had_current_is_proven_by_the_next_push(
+    controller: KlipperController, printer: Printer
+) -> None:
+    printer.has_current = True
+    pushed(controller)
+    printer.has_current = False
+    controller.look_first()
     told = controller.preview_push([SLOW], 0).warnings
-    assert told[0] == ("Storing it doesn't restart Klipper: a restart switches the motors off, and they have current.")
+    assert "Storing it restarts Klipper: its axes have to be homed again after that." in told
+    pushed(controller)
+    assert printer.restarts == 1
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        (
+            "position_max: 250",
+            "position_max: 240",
+            "Storing it doesn't restart Klipper: its files have been changed since it started, by somebody else.",
+        ),
+        (
+            "max_velocity: 300",
+            "max_velocity: 250",
+            "Storing it is refused: Klipper goes by max_velocity 300, and its file has 250: somebody has changed it "
+            "since it started. Say RESTART first.",
+        ),
+        ("", "", "Storing it is refused: Moonraker doesn't give printer.cfg: away."),
+    ],
+)
+def test_a_preview_tells_what_somebody_else_has_changed(
+    bench: Bench, controller: KlipperController, old: str, new: str, words: str
+) -> None:
+    bench.printer.files["printer.cfg"] = CONFIG.replace(old, new)
+    if "away" in words:
+        bench.moonraker.withheld["printer.cfg"] = 500, b'{"error": {"message": "away"}}'
+    controller.look_first()
+    preview = controller.preview_push([SLOW], 0)
+    assert words in preview.warnings
+    assert not preview.same
+    if words.startswith("Storing it is refused: "):
+        assert not any("restart" in each for each in preview.warnings if each != words)
+        with pytest.raises(Refused) as caught:
+            controller.prepare_push([SLOW], 0)()
+        assert words == f"Storing it is refused: {caught.value}"
+
+
+def test_files_that_are_not_given_take_no_preview_away(bench: Bench, controller: KlipperController) -> None:
+    bench.file_lasts_s = 1000.0
+    controller.look_first()
+    assert "Storing it is refused: It doesn't give its files." in controller.preview_push([SLOW], 0).warnings
+    pushed(controller, "try")
 
 
 def test_what_somebody_else_has_changed_is_neither_overwritten_nor_started(bench: Bench) -> None:

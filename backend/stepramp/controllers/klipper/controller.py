@@ -9,7 +9,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from time import monotonic, sleep
 
 from stepramp.controllers.axes import refuse_ramp_axis
-from stepramp.controllers.capabilities import BacksUp, DrawsLines, StoresRamps, TriesRamps
+from stepramp.controllers.capabilities import BacksUp, DrawsLines, LooksFirst, StoresRamps, TriesRamps
 from stepramp.controllers.contract import (
     UNDER_WAY,
     Activity,
@@ -46,7 +46,7 @@ OTHERS = (
 )
 
 
-class KlipperController(Controller, StoresRamps, TriesRamps, DrawsLines, BacksUp):
+class KlipperController(Controller, StoresRamps, TriesRamps, DrawsLines, BacksUp, LooksFirst):
     """A client of Klipper; see Controller for what its calls do."""
 
     def __init__(self, port: Port, give_way: Callable[[float], None] = sleep, tell: Tell = lambda _: None) -> None:
@@ -160,6 +160,12 @@ class KlipperController(Controller, StoresRamps, TriesRamps, DrawsLines, BacksUp
         plan = self._plan(designs, first_axis, "keep")
         seen = self._conversation.last
         return plan.preview(self._known(self._memory.in_use(seen)), self._memory.consequences(plan.options, seen))
+
+    def look_first(self) -> None:
+        """Look at how it fares, and at the configuration's files; see LooksFirst."""
+        if self._is_ready:
+            self._look()
+            self._memory.look_at_files()
 
     def keep(self) -> tuple[str, ...]:
         """Write the limits in use to the configuration, and return what there is to say; Refused when it has them."""

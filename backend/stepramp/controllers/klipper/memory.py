@@ -22,16 +22,16 @@ from stepramp.controllers.klipper.configuration import (
 from stepramp.controllers.klipper.conversation import Answered, Conversation
 from stepramp.controllers.klipper.files import Files
 from stepramp.controllers.klipper.machine import PRINTER, Limits, Machine, Senseless
+from stepramp.controllers.klipper.options import number, to_write, with_options
 from stepramp.controllers.klipper.seen import READY, SHUTDOWN, Seen
 from stepramp.controllers.order import lowered_first
-from stepramp.errors import Refused, Rejected, Rejection
+from stepramp.errors import DeviceLost, Refused, Rejected, Rejection
 
 AT_RUN_TIME = {"max_accel": "ACCEL", "max_velocity": "VELOCITY"}
 """What SET_VELOCITY_LIMIT calls the options that it sets."""
 OTHERS = {"MINIMUM_CRUISE_RATIO": "minimum_cruise_ratio", "SQUARE_CORNER_VELOCITY": "square_corner_velocity"}
 """What it sets besides, as toolhead tells it: saved, and never changed but by a restore."""
-CAPPED = {"max_z_velocity": "max_velocity", "max_z_accel": "max_accel"}
-"""Options that Klipper doesn't start with where they are above another one."""
+STARTED = "it has started with this already"
 RESTART_S = 30.0
 """So long Klipper may take to start anew [s]."""
 
@@ -46,6 +46,10 @@ class Memory:
         """What it has read when it started."""
         self._expected: Sections = {}
         """The same with what was written since over this connection: what its files should say."""
+        self._found: Sections | None = None
+        """What its files said when they were last read; None before."""
+        self._obstacle: Refused | DeviceLost | None = None
+        """Why they couldn't be read for a preview; None: they could."""
         self._machine: Machine | None = None
         self._stored: Limits | None = None
         self.version: str | None = None
@@ -97,6 +101,7 @@ class Memory:
         self.version = str(told.get("software_version", "")) or None
         self.trouble = None if told.get("state") == READY else str(told.get("state_message") or told.get("state"))
         self._files.learn(str(told.get("config_file", "")))
+        self._found = self._obstacle = None
         answer = self._conversation.ask("printer.objects.query", {"objects": {"configfile": ["config"]}})
         status = answer.get("status") if isinstance(answer, dict) else None
         known = status.get("configfile") if isinstance(status, dict) else None
@@ -135,46 +140,72 @@ class Memory:
 
         Raises Refused when it can't be written, or isn't what was sent.
         """
-        configuration, files = self._files.configuration()
+        configuration, files = self._read()
         sections = configuration.sections
-        places = {name: _place(configuration, name) for name in options}
         self._refuse_other(sections, options)
-        lowered = dict(_capped(sections, options))
-        wanted = {**options, **lowered}
-        places |= {name: _place(configuration, name) for name in lowered}
+        wanted, remarks = to_write(sections, options)
+        places = {name: _place(configuration, name) for name in wanted}
         changed = dict(files)
         # From the last line up: an option that is new moves those below it.
         for name in sorted(wanted, key=lambda name: -_line(places[name])):
             path = places[name].path
             changed[path] = with_option(changed[path], places[name], name, wanted[name])
         to_be = Configuration(changed, self._files.main)
-        if to_be.sections != _with(sections, wanted):
+        if to_be.sections != with_options(sections, wanted):
             raise Refused("The configuration can't be written to: its options would not be what is to be sent.")
         yield from self._write(files, changed)
         self._require(to_be)
-        self._expected = _with(self._expected, wanted)
+        self._expected = with_options(self._expected, wanted)
         self._stored = Limits.of(self._expected)
-        yield from _lowered_words(lowered)
+        if not wanted:
+            yield "Nothing is written: Klipper's configuration has this already."
+        yield from remarks
+
+    def look_at_files(self) -> None:
+        """Read the configuration for the next preview, which tells, too, why it can't be read."""
+        self._obstacle = None
+        try:
+            self._read()
+        except (Refused, DeviceLost) as error:
+            # Files that aren't given don't end a connection over which limits can be tried, and axes moved.
+            self._obstacle = error
 
     def consequences(self, options: Mapping[str, str], seen: Seen) -> Iterator[str]:
-        """Yield what storing options would do besides setting them, as far as that is known by now."""
-        lowered, there = dict(_capped(self._expected, options)), self._expected.get(PRINTER, {})
-        lines = [f"{name}: {value}" for name, value in {**options, **lowered}.items() if there.get(name) != value]
-        if lines:
-            yield f"Storing it writes {', '.join(lines)} to [{PRINTER}] of Klipper's configuration."
-        yield from _lowered_words(lowered)
-        reason = self._reason_by_itself(seen)
+        """Yield what storing options would do besides setting them, by the files as they were last read."""
+        sections = self._expected if self._found is None else self._found
+        try:
+            if self._obstacle is not None:
+                raise self._obstacle
+            self._refuse_other(sections, options)
+        except (Refused, DeviceLost) as error:
+            yield f"Storing it is refused: {error}"
+            return
+        wanted, remarks = to_write(sections, options)
+        if wanted:
+            lines = ", ".join(f"{name}: {value}" for name, value in wanted.items())
+            yield f"Storing it writes {lines} to [{PRINTER}] of Klipper's configuration."
+        else:
+            yield "Storing it writes nothing: Klipper's configuration has this already."
+        yield from remarks
+        reason = STARTED if self._has_startedwith_options(wanted, sections) else self._reason_to_leave(seen, sections)
         if reason is None:
             yield "Storing it restarts Klipper: its axes have to be homed again after that."
         else:
             yield f"Storing it doesn't restart Klipper: {reason}."
 
     def start_anew(self) -> Iterator[str]:
-        """Have Klipper read its configuration, where that costs nothing, and yield what there is to say.
+        """Have Klipper read its configuration, where it has to and that costs nothing, and yield what there is to say.
 
         A restart switches motors off and forgets where they are. Raises Refused when it doesn't start.
         """
-        reason = self._reason_to_leave()
+        sections = self._read()[0].sections
+        # Last, since files take a while: somebody may have switched motors on, or calibrated something, meanwhile.
+        seen = self._conversation.look()
+        if self._has_startedwith_options({}, sections):
+            yield f"Klipper was not restarted: {STARTED}."
+            return
+        is_busy = seen.is_printing or seen.is_busy
+        reason = "it is busy" if is_busy else self._reason_to_leave(seen, sections)
         if reason is not None:
             yield f"Klipper was not restarted, so that it starts with this is known of its file only: {reason}."
             return
@@ -282,7 +313,7 @@ class Memory:
 
     def _require(self, to_be: Configuration) -> None:
         """Refused unless the configuration, now that it is written, says what it was to say."""
-        configuration = self._files.configuration()[0]
+        configuration = self._read()[0]
         if configuration.sections == to_be.sections:
             return
         more = ", ".join(path for path in configuration.paths if path not in to_be.paths)
@@ -299,28 +330,30 @@ class Memory:
                     "started. Say RESTART first."
                 )
 
-    def _reason_to_leave(self) -> str | None:
-        """Return why Klipper is not to be restarted, as the end of a sentence; None when it may be."""
-        sections = self._files.configuration()[0].sections
-        # Last, since files take a while: somebody may have switched motors on, or calibrated something, meanwhile.
-        seen = self._conversation.look()
-        if seen.is_printing or seen.is_busy:
-            return "it is busy"
-        if (reason := self._reason_by_itself(seen)) is not None:
-            return reason
-        if not same_sections(sections, self._expected):
-            return "its files have been changed since it started, by somebody else"
-        return None
+    def _read(self) -> tuple[Configuration, dict[str, str]]:
+        """Return the configuration and its files as they are now."""
+        configuration, files = self._files.configuration()
+        self._found = configuration.sections
+        return configuration, files
 
-    def _reason_by_itself(self, seen: Seen) -> str | None:
-        """Return the same of one that rests, without a look at its files."""
+    def _has_startedwith_options(self, options: Mapping[str, str], sections: Sections) -> bool:
+        """Whether Klipper runs with what its files say, once options are written to these sections."""
+        return same_sections(self._loaded, with_options(sections, options))
+
+    def _reason_to_leave(self, seen: Seen, sections: Sections) -> str | None:
+        """Return why Klipper is not to be restarted while it rests, as the end of a sentence; None when it may be.
+
+        sections: what its files say, but for what is to be written.
+        """
         if seen.has_current:
             return "a restart switches the motors off, and they have current"
         if seen.has_unsaved:
             return "it has calibrations that nobody has saved yet (SAVE_CONFIG)"
         for name, options in self._loaded.items():
-            if name.startswith("delayed_gcode") and _number(options.get("initial_duration", "0")) != 0:
+            if name.startswith("delayed_gcode") and number(options.get("initial_duration", "0")) != 0:
                 return f"with [{name}] it carries something out when it starts"
+        if not same_sections(sections, self._expected):
+            return "its files have been changed since it started, by somebody else"
         return None
 
 
@@ -341,19 +374,6 @@ def _sensible(backup: Backup) -> Configuration:
     return configuration
 
 
-def _capped(sections: Sections, options: Mapping[str, str]) -> Iterator[tuple[str, str]]:
-    """Yield what has to be lowered with options, so that Klipper starts."""
-    for name, by in CAPPED.items():
-        there = sections.get(PRINTER, {}).get(name)
-        if by in options and name not in options and there is not None and _number(there) > float(options[by]):
-            yield name, options[by]
-
-
-def _lowered_words(lowered: Mapping[str, str]) -> Iterator[str]:
-    for name, value in lowered.items():
-        yield f"{name} is lowered to {float(value):,.10g} with {CAPPED[name]}: Klipper doesn't start with more."
-
-
 def _place(configuration: Configuration, name: str) -> Place:
     place = configuration.place(PRINTER, name)
     if place is None:
@@ -365,10 +385,6 @@ def _line(place: Place) -> int:
     return place.header if place.line is None else place.line
 
 
-def _with(sections: Sections, options: Mapping[str, str]) -> dict[str, dict[str, str]]:
-    return {name: {**each, **(options if name == PRINTER else {})} for name, each in sections.items()}
-
-
 def _sections(told: object) -> dict[str, dict[str, str]]:
     """Return a configuration as it is told; nothing for what is none."""
     if not isinstance(told, dict):
@@ -378,10 +394,3 @@ def _sections(told: object) -> dict[str, dict[str, str]]:
         for name, options in told.items()
         if isinstance(options, dict)
     }
-
-
-def _number(text: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        return float("inf")
