@@ -27,6 +27,7 @@ def test_a_ramp_on_trial_and_what_becomes_of_it(devices: Devices, port: str) -> 
     device.push([design(), design()], mode="try")
     device.keep()
     assert (device.view.on_trial, device.view.ramp.sequence, len(device.view.axes)) == (False, 2, 2)
+    assert (device.view.pushed.kept, device.view.pushed.sequence) == (True, 2)
     device.restore()
     assert (device.view.ramp.sequence, len(device.view.axes)) == (3, 1)
     assert device.view.state is DeviceState.READY

@@ -65,8 +65,16 @@ def test_from_connecting_to_restoring(client: TestClient, route: str, server: Mo
 
 def test_what_is_changed_besides_is_told_with_what_is_kept(client: TestClient, route: str) -> None:
     ok(client.post(f"{route}/push", json={"design": document(), "to_axis": 0, "mode": "try"}))
+    forgets = "Klipper forgets these limits when it is restarted."
+    tried = ok(client.get(route))["pushed"]
+    assert not tried["kept"]
+    assert forgets in tried["warnings"]
     kept = ok(client.post(f"{route}/keep"))
-    copied, lowered = kept["remarks"]
+    # The report is that of what is stored now.
+    assert kept["pushed"]["kept"]
+    assert forgets not in kept["pushed"]["warnings"]
+    assert set(kept["remarks"]) < set(kept["pushed"]["warnings"])
+    copied, lowered, _ = kept["remarks"]
     assert copied.startswith("printer.cfg as it was is printer.cfg.stepramp-")
     assert lowered.startswith("max_z_accel is lowered to 62.5 with max_accel")
     assert not kept["on_trial"]

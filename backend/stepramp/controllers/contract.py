@@ -1,8 +1,8 @@
 """What every family of controllers can do, whatever it speaks. What only some can, capabilities.py says."""
 
 import math
-from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Literal, Protocol
 
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepramp.controllers.inputs import InputsState
-from stepramp.controllers.remark import told_in
+from stepramp.controllers.remark import OnTrial, told_in
 from stepramp.design import Design
 from stepramp.errors import Refused, Told
 from stepramp.units import us_from_ticks
@@ -152,6 +152,11 @@ class PushReport:
     def warnings_told(self) -> tuple[tuple[Told, ...], ...]:
         """The quantities of each warning that a design's axis converts."""
         return told_in(self.warnings)
+
+    def as_kept(self, sequence: int | None, remarks: Iterable[str]) -> "PushReport":
+        """Return the report once what was on trial is stored. remarks: what storing it has told."""
+        left = (each for each in self.warnings if not isinstance(each, OnTrial))
+        return replace(self, kept=self.verified, sequence=sequence, warnings=(*left, *remarks))
 
 
 @dataclass(frozen=True)

@@ -30,6 +30,12 @@ class Unwritten(str):
     __slots__ = ()
 
 
+class OnTrial(str):
+    """A sentence about what is on trial, which holds no more once that is stored."""
+
+    __slots__ = ()
+
+
 def of_axis(axis: int, sentence: str) -> str:
     """Return a sentence about one of several axes as one that says which."""
     remark = Remark(f"Axis {axis}: {sentence}")

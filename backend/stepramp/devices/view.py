@@ -1,6 +1,6 @@
 """What is known of a device at one moment."""
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from time import monotonic
@@ -207,6 +207,13 @@ class DeviceView:
             unknown_positions=tuple(sorted({*self.unknown_positions, *homed})),
             proving=False,
         ).with_known_positions(arrived)
+
+    def with_kept(self, remarks: Iterable[str]) -> "DeviceView":
+        """Return the device once what was on trial is stored: the report of its last push is of that then."""
+        if self.pushed is None or self.pushed.kept:
+            return self
+        sequence = None if self.ramp is None else self.ramp.sequence
+        return replace(self, pushed=self.pushed.as_kept(sequence, remarks))
 
     def with_zeroing(self, axes: Collection[int]) -> "DeviceView":
         """Return the device once axes have set out to the stop of a gauge."""

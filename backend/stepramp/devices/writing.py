@@ -121,7 +121,12 @@ class Writing:
     def keep(self) -> tuple[str, ...]:
         """Store the ramps and settings in use, and return what else there is to say, as sentences."""
         remarks: list[str] = []
-        self._write(StoresRamps, lambda controller: remarks.extend(controller.keep() or ()))
+
+        def store(able: StoresRamps) -> None:
+            self._while_writing(lambda: remarks.extend(able.keep() or ()))
+            self._view.change(lambda view: view.with_kept(remarks))
+
+        self._contact.ask_one_who(StoresRamps, store)
         return tuple(remarks)
 
     def roll_back(self) -> None:

@@ -386,7 +386,7 @@ class DeviceAnswer(Answer):
     )
     pushed: PushAnswer | None = Field(
         description="The last push over this connection, or before it was started anew to prove what it has stored; "
-        "null for none"
+        "once what was on trial is kept, with what that has told. null for none"
     )
     backup: str | None = Field(
         description="The name of the last backup that was saved of it since it was connected first; null for none"

@@ -344,7 +344,8 @@ def test_nothing_is_written_while_it_moves(bench: Bench, controller: KlipperCont
 def test_keeping_what_is_on_trial(controller: KlipperController, printer: Printer) -> None:
     pushed(controller, "try")
     printer.files["printer.cfg"] = CONFIG.replace("max_z_accel = 100", "max_z_accel = 2000")
-    lowered, copied = sorted(controller.keep())
+    copied, lowered, not_restarted = controller.keep()
+    assert not_restarted == "Klipper was not restarted: that it starts with this is known of its file only."
     assert lowered == "max_z_accel is lowered to 1,000 with max_accel: Klipper doesn't start with more."
     assert copied.startswith("printer.cfg as it was is printer.cfg.stepramp-")
     assert "max_velocity: 100.0 " in printer.files["printer.cfg"]

@@ -40,6 +40,7 @@ CONNECT_S = 4.5
 LEFT_S = 3.5
 """So long what an earlier connection has left in Klipper's plan is given to come to rest [s]."""
 LOOK_S = 0.1
+NOT_RESTARTED = "Klipper was not restarted: that it starts with this is known of its file only."
 OTHERS = (
     "What moves was told to Klipper by somebody else, and Klipper can't slow it down: end it at the printer, or halt "
     "it here, which shuts Klipper down."
@@ -174,7 +175,7 @@ class KlipperController(Controller, StoresRamps, TriesRamps, DrawsLines, BacksUp
         if not stored_differs(self._memory.stored, in_use):
             raise Refused("Nothing is on trial: Klipper's configuration has the limits that are in use.")
         options = {"max_accel": repr(float(in_use.accel)), "max_velocity": repr(float(in_use.velocity))}
-        return tuple(self._memory.store(options))
+        return (*self._memory.store(options), NOT_RESTARTED)
 
     def roll_back(self) -> None:
         """Set the limits that the configuration has; Refused when no others are in use."""

@@ -9,12 +9,12 @@ from stepramp.controllers.klipper.machine import Limits, Machine, Z
 from stepramp.controllers.klipper.ramp import KLIPPER, losses_in_use
 from stepramp.controllers.losses import slower
 from stepramp.controllers.per_mm import PerMm
-from stepramp.controllers.remark import of_axes
+from stepramp.controllers.remark import OnTrial, of_axes
 from stepramp.design import Design
 from stepramp.errors import Count, Rejected, Rejection
 
 SPEED, ACCELERATION = "Full speed", "Acceleration"
-VOLATILE = "Klipper forgets these limits when it is restarted."
+VOLATILE = OnTrial("Klipper forgets these limits when it is restarted.")
 UNVERIFIED = "The limits are not those that were sent. Restore a backup of this device, or push again."
 SHARED = "max_velocity and max_accel hold for x and y together: each is sent as the slower one of both."
 

@@ -30,7 +30,7 @@ from stepramp.controllers.marlin.moves import Moves
 from stepramp.controllers.marlin.places import Places
 from stepramp.controllers.marlin.push import RESTORE, VOLATILE, PushPlan
 from stepramp.controllers.progress import Progress, PushStage, Tell
-from stepramp.controllers.remark import Unwritten
+from stepramp.controllers.remark import OnTrial, Unwritten
 from stepramp.design import Design
 from stepramp.errors import Refused
 from stepramp.link.connection import Connection
@@ -142,7 +142,7 @@ class MarlinController(Controller, StoresRamps, TriesRamps, DrawsLines, BacksUp)
                 raise
             self._tell(Progress(PushStage.READING_BACK, 0, 0))
             self._learn()
-            remarks = [] if mode == "keep" else [VOLATILE]
+            remarks: list[str] = [] if mode == "keep" else [VOLATILE]
             if mode == "keep" and not self._memory.differing(plan.wanted):
                 remarks = self._store()
             verified = not self._memory.differing(plan.wanted)
@@ -268,6 +268,6 @@ class MarlinController(Controller, StoresRamps, TriesRamps, DrawsLines, BacksUp)
             self._memory.store()
         except NotStored as error:
             self._learn()
-            return [f"It is not stored: {error}", VOLATILE]
+            return [OnTrial(f"It is not stored: {error}"), VOLATILE]
         self._learn()
         return []

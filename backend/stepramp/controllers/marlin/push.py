@@ -27,13 +27,13 @@ from stepramp.controllers.marlin.settings import (
 )
 from stepramp.controllers.order import lowered_first
 from stepramp.controllers.per_mm import PerMm
-from stepramp.controllers.remark import Remark, of_axes, quantity
+from stepramp.controllers.remark import OnTrial, Remark, of_axes, quantity
 from stepramp.design import Design
 from stepramp.errors import Count, Refused, Rejected, Rejection
 
 FULL_SPEED, GAIN, SHARED_GAIN = "Full speed", "Acceleration", "Acceleration, for all axes"
 NAMES = {SPEED: FULL_SPEED, ACCELERATION: GAIN, ACCELERATIONS: SHARED_GAIN}
-VOLATILE = "The controller forgets these settings when it is reset or switched off."
+VOLATILE = OnTrial("The controller forgets these settings when it is reset or switched off.")
 RESTORE = "The settings are not those that were sent. Restore a backup of this device, or push again."
 
 

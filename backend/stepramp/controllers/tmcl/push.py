@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from stepramp.controllers.constant_rates import with_constant_rates
 from stepramp.controllers.contract import FigureUnit, OwnTerms, PreviewItem, PushItem, PushMode, PushPreview, PushReport
 from stepramp.controllers.microsteps import steps
-from stepramp.controllers.remark import of_axes
+from stepramp.controllers.remark import OnTrial, of_axes
 from stepramp.controllers.tmcl.modules import Parameters
 from stepramp.controllers.tmcl.ramp import (
     TmclRamp,
@@ -34,7 +34,7 @@ NAMES = {
     "d1": "Deceleration below V1",
 }
 """What people call the figures of a ramp."""
-VOLATILE = "The module forgets these figures when it is reset or switched off."
+VOLATILE = OnTrial("The module forgets these figures when it is reset or switched off.")
 UNVERIFIED = (
     "The figures are not those that were sent, so they weren't stored. Roll back, restore a backup of this device, or "
     "push again."
