@@ -229,6 +229,44 @@ def test_a_client_that_does_not_read_holds_up_nobody(inside: Inside) -> None:
     run(with_lifespan(inside.app, work))
 
 
+def test_who_has_been_answered_counts_no_more_though_the_second_loop_is_not_done_yet(
+    inside: Inside, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Else 200 clients that ask again at once would be 400 at times."""
+    monkeypatch.setattr(door, "MOST_SERVED", 1)
+    ends = threading.Event()
+
+    async def app(scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] == "lifespan":
+            await inside.app(scope, receive, send)
+            return
+        await send({"type": "http.response.start", "status": 200, "headers": []})
+        await send({"type": "http.response.body", "body": b"", "more_body": False})
+        await asyncio.to_thread(ends.wait, PATIENCE_S)
+
+    async def work() -> None:
+        statuses, answered = list[int](), asyncio.Event()
+
+        async def send(message: Message) -> None:
+            statuses.extend([message["status"]] if "status" in message else [])
+            if len(statuses) == 2:
+                answered.set()
+
+        waits = request_that_goes_away
+        requests = [asyncio.create_task(outer(http_scope("/"), waits(asyncio.Event()), send))]
+        while not statuses:
+            await asyncio.sleep(0.001)
+        requests.append(asyncio.create_task(outer(http_scope("/"), waits(asyncio.Event()), send)))
+        await asyncio.wait_for(answered.wait(), PATIENCE_S)
+        assert not any(request.done() for request in requests)
+        ends.set()
+        await asyncio.gather(*requests)
+        assert statuses == [200, 200]
+
+    outer = Door(app)
+    run(with_lifespan(outer, work))
+
+
 def test_one_message_a_turn_of_the_servers_loop(inside: Inside) -> None:
     """What many senders want sent at once is not sent all before the loop looks at what has come in."""
 

@@ -11,7 +11,7 @@ import re
 import threading
 from collections import deque
 from collections.abc import Callable, Iterator
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from functools import partial
 
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
@@ -52,11 +52,33 @@ class Door:
         elif self._served >= MOST_SERVED:
             await error_response(TOO_MUCH)(scope, receive, send)
         else:
-            self._served += 1
-            try:
-                await _Crossing(self._inside, self._turns, receive, send).serve(self._app, scope)
-            finally:
-                self._served -= 1
+            with self._counted() as leave:
+
+                async def answer(message: Message) -> None:
+                    await send(message)
+                    if is_last(message):
+                        leave()
+
+                await _Crossing(self._inside, self._turns, receive, answer).serve(self._app, scope)
+
+    @contextmanager
+    def _counted(self) -> Iterator[Callable[[], None]]:
+        """Count one as served until the end, or until what is yielded is called.
+
+        That is when it has been answered: its client may ask again before the second loop is done with it.
+        """
+        is_counted = True
+        self._served += 1
+
+        def leave() -> None:
+            nonlocal is_counted
+            self._served -= is_counted
+            is_counted = False
+
+        try:
+            yield leave
+        finally:
+            leave()
 
     async def _live(self, scope: Scope, receive: Receive, send: Send) -> None:
         inside = _Inside()
