@@ -15,6 +15,7 @@ import numpy as np
 from starlette.testclient import TestClient
 
 from benchmarks.captures import captures
+from benchmarks.client_load import client_load
 from benchmarks.firmware_engine import firmware_engine
 from benchmarks.firmware_machine import firmware_machine
 from benchmarks.frame_times import frame_times
@@ -169,6 +170,12 @@ def stops() -> None:
     stop_latency()
 
 
+def clients() -> None:
+    """Print how long a small profile takes when many ask at once, with and without a device that moves."""
+    print("\n## Clients\n")
+    client_load()
+
+
 def firmware() -> None:
     """Print the tables of the firmware, or which tools are missing for them."""
     print("\n## Firmware\n")
@@ -191,4 +198,5 @@ if __name__ == "__main__":
     motors()
     frames()
     stops()
+    clients()
     firmware()

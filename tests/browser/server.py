@@ -56,6 +56,12 @@ class Server:
             self._process.stdout.close()
         self._process = None
 
+    @property
+    def pid(self) -> int:
+        """The number of its process, while it runs."""
+        assert self._process is not None
+        return self._process.pid
+
     @contextmanager
     def hung(self) -> Iterator[None]:
         """Let the server do nothing at all for a while, which ends no connection."""
