@@ -170,7 +170,7 @@ class RampShape(Document):
                 refuse(f"points.{number}.0", speed, allowed, told=(least,))
         return self
 
-    def parameters(self, *, is_down: bool) -> ShapeParameters:
+    def parameters(self, drive_train: DriveTrain | None, *, is_down: bool) -> ShapeParameters:
         """Return what the shape has of its own on the ramp up or down."""
         jerk = self.jerk_steps_per_s3
         if is_down and self.deceleration_jerk_steps_per_s3 is not None:
@@ -178,8 +178,13 @@ class RampShape(Document):
         return ShapeParameters(
             jerk=math.inf if jerk is None else jerk,
             points=tuple(self.points or ()),
+            drive_train=drive_train,
             margin=1.0 if self.margin is None else self.margin,
         )
+
+
+USUAL_RAMP_SHAPE = RampShape()
+"""Left out of documents, so that they stay readable for programs that know of no other."""
 
 
 class RampParameters(Document):
@@ -194,10 +199,9 @@ class RampParameters(Document):
         None, description="d: loss of speed a second [steps/s²]; null: the same as the acceleration"
     )
     shape: RampShape = Field(
-        RampShape(),
+        USUAL_RAMP_SHAPE,
         description="The usual one is left out of documents",
-        # So that they stay readable for programs that know of no other.
-        exclude_if=lambda shape: shape == RampShape(),
+        exclude_if=lambda shape: shape == USUAL_RAMP_SHAPE,
     )
 
     @model_validator(mode="after")
@@ -338,7 +342,7 @@ class Design(Document):
     @model_validator(mode="after")
     def _fields_of_the_version(self) -> Self:
         newer = {
-            "ramp.shape": self.ramp.shape != RampShape(),
+            "ramp.shape": self.ramp.shape != USUAL_RAMP_SHAPE,
             "move.plan": self.move.plan != USUAL_PLAN,
             **{name: getattr(self, name) is not None for name in ("motor", "drive", "load")},
         }

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any, NoReturn, Self
 
 from pydantic import (
@@ -14,6 +15,7 @@ from pydantic import (
     ValidatorFunctionWrapHandler,
     model_validator,
 )
+from pydantic.fields import FieldInfo
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, ErrorDetails, InitErrorDetails, PydanticCustomError, core_schema
 
@@ -47,10 +49,10 @@ class Document(BaseModel):
         """Have unknown fields say which ones there are; count the many: an error for each of 100,000 takes a second."""
         if not isinstance(document, dict) or cls.model_config.get("extra") != "forbid":
             return document
-        fields = {field.alias or name: field for name, field in cls.model_fields.items()}
-        unknown = [name for name in document if name not in fields]
-        if not unknown:
+        fields = _fields_of(cls)
+        if document.keys() <= fields.keys():
             return document
+        unknown = [name for name in document if name not in fields]
         known = ", ".join(
             f"{name} (missing)" if field.is_required() and name not in document else name
             for name, field in fields.items()
@@ -60,6 +62,12 @@ class Document(BaseModel):
         if len(unknown) > MOST_TOLD:
             told[unknown[MOST_TOLD]] = _Untold(len(unknown) - MOST_TOLD)
         return told
+
+
+@cache
+def _fields_of(kind: type[BaseModel]) -> dict[str, FieldInfo]:
+    """Return the fields of a document by their names in it."""
+    return {field.alias or name: field for name, field in kind.model_fields.items()}
 
 
 class UnitNamedBy(str):

@@ -19,8 +19,19 @@ from stepramp.controllers.stepramp.settings import StepRampSettings
 from stepramp.controllers.virtual.controller import VirtualController
 from stepramp.devices.device import Device
 from stepramp.errors import Overloaded
+from stepramp.http_api import lanes
 from stepramp.http_api.curves_models import CurvesAnswer
-from stepramp.http_api.lanes import A_DEVICE, CONNECTING, CORES, LONG_PLANNING, PLANNING, Lane, planning_lane
+from stepramp.http_api.lanes import (
+    A_DEVICE,
+    AT_ONCE,
+    CONNECTING,
+    CORES,
+    LONG_PLANNING,
+    PLANNING,
+    Lane,
+    planning_lane,
+    profile_turns,
+)
 from stepramp.link import protocol_sim
 from stepramp.ramp.drawing import Drawing
 
@@ -258,3 +269,60 @@ def test_a_report_waits_with_what_takes_long_and_keeps_no_stop_waiting(client: T
             assert client.post(f"{device}/stop").status_code == 200
             assert not report.done()
         assert report.result().content.startswith(b"%PDF")
+
+
+def test_a_small_profile_needs_no_thread_once_its_numerics_are_compiled(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(lanes, "COMPILED", threading.Event())
+    small, long = design(move__steps=500), design(move__steps=20_000)
+    assert profile_turns(small, None) is not AT_ONCE
+    lanes.COMPILED.set()
+    assert profile_turns(small, None) is AT_ONCE
+    assert profile_turns(long, 500) is not AT_ONCE
+    assert profile_turns(design(move__steps=5000), None) is not AT_ONCE
+
+
+def test_a_small_profile_is_the_same_at_once_as_from_a_thread(
+    client: TestClient, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(lanes, "COMPILED", threading.Event())
+    too_fast = document(timer__frequency_hz=1000.0, ramp__slew_speed_steps_per_s=5000.0)
+
+    def answers() -> list[tuple[int, str, str | None]]:
+        asked = [(document(), "application/json"), (document(), "text/csv"), (too_fast, "application/json")]
+        all_of_them = [
+            client.post("/api/v1/profile", json={"design": one, "max_points": 400}, headers={"accept": accept})
+            for one, accept in asked
+        ]
+        return [(each.status_code, each.text, each.headers.get("vary")) for each in all_of_them]
+
+    in_threads = answers()
+    lanes.COMPILED.set()
+    with taken(PLANNING, CORES):
+        assert answers() == in_threads
+    assert [status for status, _, _ in in_threads] == [200, 200, 422]
+
+
+def test_of_what_moves_nothing_is_missed_while_many_compute(client: TestClient, device: str) -> None:
+    """Each status that is told is newer than the one before, and the last is where it came to rest."""
+    over = threading.Event()
+
+    def compute() -> int:
+        answers = 0
+        while not over.is_set():
+            assert client.post("/api/v1/profile", json={"design": document()}).status_code == 200
+            answers += 1
+        return answers
+
+    with ThreadPoolExecutor(8) as callers, client.websocket_connect(f"{DEVICES}/events", headers=LOCAL) as socket:
+        computing = [callers.submit(compute) for _ in range(8)]
+        try:
+            assert client.post(f"{device}/move", json={"by_steps": 300}).json()["state"] == "moving"
+            views = [socket.receive_json()["devices"][0]]
+            while (views[-1]["state"], views[-1]["position_steps"]) != ("ready", 300):
+                views.append(socket.receive_json()["devices"][0])
+        finally:
+            over.set()
+        assert all(each.result() > 0 for each in computing)
+    for name in ("heard_s", "position_steps"):
+        assert [view[name] for view in views] == sorted(view[name] for view in views)
+    assert len({view["position_steps"] for view in views}) > 3

@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 from starlette.testclient import TestClient
 
-from designs import design, document
+from designs import document
 from stepramp.errors import Rejected
 from stepramp.http_api import lanes, memory
 from stepramp.http_api.memory import BYTES_A_STEP, MOST_BYTES, SHARE, Memory, machine_bytes, most_for_plans
@@ -53,9 +53,9 @@ def test_room_is_given_back_whatever_becomes_of_a_plan() -> None:
 
 def test_what_never_fits_is_refused_with_how_much_would() -> None:
     room = Memory(1_000_000 * BYTES_A_STEP)
-    assert room.of([design(move__steps=600_000)], "design") == 600_000 * BYTES_A_STEP
+    assert room.of(600_000, "design") == 600_000 * BYTES_A_STEP
     with pytest.raises(Rejected) as caught:
-        room.of([design(move__steps=600_000)] * 2, "designs")
+        room.of(1_200_000, "designs")
     [rejection] = caught.value.rejections
     assert (rejection.field, rejection.value) == ("designs", "1,200,000 steps")
     assert rejection.message.startswith("designs is 1,200,000 steps; allowed: at most 1,000,000 steps, of all axes")

@@ -148,6 +148,7 @@ def serve(
     config = uvicorn.Config(
         app,
         log_level="warning",
+        access_log=False,
         http=numbering(app.state.devices.order.next, app.state.connections),
         ws="websockets-sansio",
         ws_per_message_deflate=False,

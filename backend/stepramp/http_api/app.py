@@ -57,6 +57,7 @@ from stepramp.http_api.history_keeper import HistoryKeeper
 from stepramp.http_api.idempotency import Idempotent
 from stepramp.http_api.job_registry import Jobs
 from stepramp.http_api.journal import Journal
+from stepramp.http_api.lanes import COMPILED
 from stepramp.http_api.news import News
 from stepramp.http_api.request_numbers import RequestNumbering
 from stepramp.http_api.security import OwnPagesOnly, with_policy
@@ -133,6 +134,7 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
 
 def _warm_up(families: Mapping[str, Family]) -> None:
     warm_up()
+    COMPILED.set()
     warm_up_motor()
     warm_up_captures()
     plays = chain((each.play_own for each in families.values()), (each.play_own for each in MACHINES.values()))

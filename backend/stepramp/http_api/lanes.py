@@ -4,6 +4,7 @@ A stop needs none of them: see door.
 """
 
 import asyncio
+import threading
 from collections.abc import Callable, Coroutine, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
@@ -36,6 +37,11 @@ MOST_QUICK_STEPS = 5_000_000
 """More steps, of all methods or axes together, take long to compute [steps]."""
 MOST_QUICK_POINTS = 200_000
 """Answers of more points take long to send [points]."""
+MOST_AT_ONCE_STEPS, MOST_AT_ONCE_POINTS = 10_000, 500
+"""A profile of no more takes some 0.2 ms, whatever its method and shape: no longer than to hand it to a thread, and its
+answer back, while many ask. It fits into one piece."""
+COMPILED = threading.Event()
+"""Set once the numerics are compiled: before that, the first profile of a kind takes seconds."""
 
 
 class Lane:
@@ -144,6 +150,17 @@ def _device_of(arguments: dict[str, Any]) -> object:
     return arguments.get("device_id") if device is None else device.view.id
 
 
+class AtOnce:
+    """Where what takes no time worth mentioning has its turn: there and then, in the loop that it is asked for in."""
+
+    async def run(self, job: Callable[[], T]) -> T:
+        """Run a job; as Lane.run."""
+        return job()
+
+
+AT_ONCE = AtOnce()
+
+
 class Turns(Protocol):
     """Where a job has its turn."""
 
@@ -170,7 +187,15 @@ def planning_lane(
 
     Raises Rejected, naming a field of the request, where they take more memory than there is.
     """
-    size_bytes = MEMORY.of(designs, field)
-    steps = methods * sum(map(computed_steps, designs))
+    steps_of_one = sum(map(computed_steps, designs))
+    size_bytes = MEMORY.of(steps_of_one, field)
+    steps = methods * steps_of_one
     is_quick = steps <= MOST_QUICK_STEPS and min(steps, points or steps) <= MOST_QUICK_POINTS
     return PlanningTurns(PLANNING if is_quick else LONG_PLANNING, size_bytes)
+
+
+def profile_turns(design: Design, points: int | None) -> Turns:
+    """Return where a design's profile is planned; points and what is raised: as of planning_lane."""
+    steps = computed_steps(design)
+    is_small = steps <= MOST_AT_ONCE_STEPS and min(steps, points or steps) <= MOST_AT_ONCE_POINTS
+    return AT_ONCE if is_small and COMPILED.is_set() else planning_lane([design], points=points)

@@ -5,14 +5,12 @@ Quick ones, of some million steps at most, wait for none: there are but a few th
 
 import os
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TypeVar
 
-from stepramp.design import Design
 from stepramp.errors import Count, Rejected, Rejection
-from stepramp.ramp.plan import computed_steps
 
 T = TypeVar("T")
 
@@ -55,12 +53,11 @@ class Memory:
         """So many steps of all axes together may be planned at a time."""
         return self.most_bytes // BYTES_A_STEP
 
-    def of(self, designs: Sequence[Design], field: str) -> int:
-        """Return how much a plan of designs takes [bytes].
+    def of(self, steps: int, field: str) -> int:
+        """Return how much a plan of so many steps, of all axes together, takes [bytes].
 
         Raises Rejected, naming a field, when it is more than there is.
         """
-        steps = sum(map(computed_steps, designs))
         if steps > self.most_steps:
             allowed = (
                 f"at most {self.most_steps:,} steps, of all axes together: for more this machine has too little memory"

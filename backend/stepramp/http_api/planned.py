@@ -13,7 +13,7 @@ from starlette.responses import Response
 from starlette.types import Receive, Scope, Send
 
 from stepramp.http_api.formats import FORMATS, JSON, QUICKLY, Format
-from stepramp.http_api.lanes import Turns
+from stepramp.http_api.lanes import AT_ONCE, Turns
 
 A = TypeVar("A")
 
@@ -78,6 +78,9 @@ class Planned(Response, Generic[A]):
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Send the answer in pieces as they come."""
         may_zip = not self._form.is_packed and takes_gzip(Headers(scope=scope).get("accept-encoding", ""))
+        if self._lane is AT_ONCE:
+            await self._send_at_once(may_zip, send)
+            return
         written = _Pieces(lambda: self._form.pieces(self._job()), may_zip)
         making = asyncio.ensure_future(self._lane.run(written.make))
         making.add_done_callback(written.end)
@@ -93,6 +96,16 @@ class Planned(Response, Generic[A]):
                 leaving.cancel()
             written.give_up()
             making.cancel()
+
+    async def _send_at_once(self, may_zip: bool, send: Send) -> None:
+        pieces = list(self._form.pieces(self._job()))
+        if may_zip and len(pieces) > 1:
+            self.headers["content-encoding"] = "gzip"
+            pieces = list(_zipped(pieces))
+        body = b"".join(pieces)
+        self.headers["content-length"] = str(len(body))
+        await send({"type": "http.response.start", "status": self.status_code, "headers": self.raw_headers})
+        await send({"type": "http.response.body", "body": body, "more_body": False})
 
     async def _send(self, written: "_Pieces", making: asyncio.Future[None], send: Send) -> None:
         piece = await written.take()

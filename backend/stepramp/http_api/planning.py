@@ -5,7 +5,7 @@ from fastapi import APIRouter
 from stepramp.examples import all_examples
 from stepramp.http_api.bodies import JsonRoute
 from stepramp.http_api.formats import IN_ANY_FORMAT, AnyFormat
-from stepramp.http_api.lanes import planning_lane
+from stepramp.http_api.lanes import planning_lane, profile_turns
 from stepramp.http_api.planned import Planned
 from stepramp.http_api.planning_models import (
     ErrorsAnswer,
@@ -30,8 +30,8 @@ async def profile(request: ProfilePayload, as_wanted: AnyFormat) -> Planned[Prof
     `Accept: text/csv` or `application/x-npz` asks for the columns only.
     """
     design = request.design
-    lane = planning_lane([design], points=request.max_points)
-    return Planned(lane, lambda: ProfileAnswer.of(profile_of(design), tuning_report(design), request), as_wanted)
+    turns = profile_turns(design, request.max_points)
+    return Planned(turns, lambda: ProfileAnswer.of(profile_of(design), tuning_report(design), request), as_wanted)
 
 
 @router.post("/errors", responses=IN_ANY_FORMAT)

@@ -48,9 +48,9 @@ def full_slopes_of(design: Design) -> tuple[Slope, Slope]:
     ramp, shape = design.ramp, SHAPES[design.ramp.shape.name]
     speeds = design.timer.frequency_hz, ramp.base_speed_steps_per_s, ramp.slew_speed_steps_per_s
     train = design.drive_train if "margin" in shape.takes else None
-    own = [replace(ramp.shape.parameters(is_down=is_down), drive_train=train) for is_down in (False, True)]
-    up = _slope(shape, *speeds, ramp.acceleration_steps_per_s2, own[0])
-    return up, _slope(shape, *speeds, ramp.slowdown_steps_per_s2, own[1])
+    own_up, own_down = (ramp.shape.parameters(train, is_down=is_down) for is_down in (False, True))
+    up = _slope(shape, *speeds, ramp.acceleration_steps_per_s2, own_up)
+    return up, _slope(shape, *speeds, ramp.slowdown_steps_per_s2, own_down)
 
 
 def peak_of(design: Design) -> float | None:

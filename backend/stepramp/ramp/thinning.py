@@ -1,6 +1,7 @@
 """Which steps of a long move to draw, so that the curve looks the same."""
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -90,7 +91,7 @@ def _in_order(parts: Sequence[NDArray[np.int64]]) -> NDArray[np.int64]:
 def _bucket_starts(phase: Phase, buckets: int) -> NDArray[np.int64]:
     """Return where the buckets of a phase begin: evenly in time for a ramp from rest, i ~ t², so evenly in sqrt(i)."""
     steps = phase.last_step - phase.first_step + 1
-    even = np.linspace(0, 1, buckets, endpoint=False)
+    even = _even_parts(buckets)
     match phase.name:
         case "accelerate":
             cuts = np.floor(even**2 * steps)
@@ -99,6 +100,14 @@ def _bucket_starts(phase: Phase, buckets: int) -> NDArray[np.int64]:
         case _:
             cuts = np.floor(even * steps)
     return phase.first_step - 1 + cuts.astype(np.int64)
+
+
+@lru_cache(maxsize=64)
+def _even_parts(buckets: int) -> NDArray[np.float64]:
+    """Return where so many even parts of the whole begin; short answers have few, which many ask for."""
+    even = np.linspace(0, 1, buckets, endpoint=False)
+    even.setflags(write=False)
+    return even
 
 
 @compiled
