@@ -355,8 +355,7 @@ export function runningMoveOf(state) {
   if (!device || !one || (one.state !== 'moving' && one.state !== 'stopping')) return null;
   const isOld = state.devices.link !== 'there' || (state.devices.ages[device.id] ?? null) !== null;
   const run = state.devices.runs[runKey(device.id, axis)];
-  const isEndless = isAtTarget(one) && (run?.samples?.length ?? null) === null;
-  return runningMove(one, run?.restingPlace, isOld, isEndless);
+  return runningMove(one, run?.restingPlace, isOld, isAtTarget(one) && (run?.samples?.length ?? null) === null);
 }
 
 /** Whether that axis moves, or rests only until the next half of there and back.
@@ -370,9 +369,7 @@ export function isGoingOn(state) {
 const runningMove = remembering(
   (
     /** @type {import('../model/types.js').AxisState} */ one,
-    /** @type {number | undefined} */ start,
-    /** @type {boolean} */ isOld,
-    /** @type {boolean} */ isEndless,
+    /** @type {number | undefined} */ start, /** @type {boolean} */ isOld, /** @type {boolean} */ isEndless,
   ) => {
     const remaining = isEndless ? Infinity : Math.abs(one.target_steps - one.position_steps);
     const done = start === undefined ? one.steps_made : Math.abs(one.position_steps - start);
