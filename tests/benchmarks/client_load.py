@@ -13,7 +13,7 @@ which is as high as the machine and whatever else runs there allow: CPU times ch
   than the API promises.
 
 Then four axes of 10,000,000 steps are planned together, three times at once, and the most memory is told that the
-server ever had; and what is answered where they never fit.
+server ever had.
 
 usage: python tests/benchmarks/client_load.py PORT CLIENTS SECONDS      (the clients: prints latencies [ms], as JSON)
 """
