@@ -128,8 +128,8 @@ public:
     /* A gauge: back against its stop by so many steps, which then is position 0. */
     StepRampResult zero(uint8_t axis, uint16_t steps);
 
-    /* To the limit switch that lies that way: at an interval as run() has it, back off by some steps beyond the switch, and again slowly
-     * [ticks]; where it is seen then is position 0. It is moving until that is done; stop() and halt() end it. */
+    /* To the limit switch that lies that way: at an interval as run() has it, back off by some steps beyond the switch, 1 at least, and again
+     * slowly [ticks]; where it is seen then is position 0. It is moving until that is done; stop() and halt() end it. */
     StepRampResult home(uint8_t axis, int32_t interval, uint32_t slowInterval, uint16_t stepsBack = 20);
 
     /* Slows down. */
@@ -153,7 +153,7 @@ public:
 
     bool isHoming(uint8_t axis);
 
-    /* Its position is known: it has been homed, or setPosition() called, and no more after a halt, or a stop by an input, at a speed at
+    /* Its position is known: it has been homed, zeroed, or setPosition() called, and no more after a halt, or a stop by an input, at a speed at
      * which a motor may slip. Only with inputs. */
     bool isHomed(uint8_t axis);
 

@@ -75,8 +75,8 @@ public:
     /* At a speed [steps/s], no higher than the ramp's, until stop(); below 0 backward. */
     StepRampResult runAt(float speed);
 
-    /* To a limit switch at this speed [steps/s], which is the low one below 0; back off, and again slowly: there is position 0. It moves
-     * until that is done, and isHomed() then. */
+    /* To a limit switch at this speed [steps/s], which is the low one below 0; back off, by a step at least, and again slowly: there is position 0. It
+     * moves until that is done, and isHomed() then; not so if the switch stays as it is for 64 times stepsBack beyond the way to it. */
     StepRampResult home(float speed, float slowSpeed, uint16_t stepsBack = 20);
 
     void stop(); /* slows down with the ramp */

@@ -166,6 +166,7 @@ def test_a_limit_switch_is_named(client: TestClient, route: str) -> None:
         ({**HOME, "axes": HOME["axes"] * 2}, "axes.1.axis"),
         ({**HOME, "slow_steps_per_s": 0}, "slow_steps_per_s"),
         ({**HOME, "slow_steps_per_s": 1001}, "slow_steps_per_s"),
+        ({**HOME, "back_off_steps": 0}, "back_off_steps"),
         ({**HOME, "back_off_steps": 65_536}, "back_off_steps"),
         ({**HOME, "for_s": 0}, "for_s"),
     ],

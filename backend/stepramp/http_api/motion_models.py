@@ -274,7 +274,7 @@ class HomePayload(Motion):
         description="Speed of all of them away from the switch, and back to it: the slower, the more exact [steps/s]",
         json_schema_extra={"not": {"const": 0}},
     )
-    back_off_steps: Annotated[int, Within(0, 65_535, "steps")] = Field(
+    back_off_steps: Annotated[int, Within(1, 65_535, "steps")] = Field(
         50, description="How far they go on from where the switch lets go, before they come back slowly [steps]"
     )
     for_s: Annotated[float, Within(0.05, 86_400, "s")] = Field(

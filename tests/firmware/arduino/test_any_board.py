@@ -49,6 +49,7 @@ SCENARIOS = [
     "for_75_minutes",
     "emergency_stop",
     "home",
+    "two_homes",
     "short_stop",
     "bad_inputs",
     "soft_limits",

@@ -8,7 +8,7 @@ import pytest
 from firmware import protocol as p
 from firmware.controller.ramps import FOUR_AXES
 from firmware.inputs.machine import LOW_INPUT, STOP_INPUT, Machine
-from firmware.protocol import InputSettings, for_axes, values_of
+from firmware.protocol import InputSettings, Settings, for_axes, values_of
 
 SLOW = 160_000
 """100 steps/s: here all ticks are those of the fast clock."""
@@ -107,15 +107,64 @@ def test_silence_ends_it(machine: Machine, after_ms: int) -> None:
     assert machine.steps()[0] == there
 
 
-def test_a_switch_that_stays_closed_is_no_home(machine: Machine) -> None:
-    machine.ok(p.HOME, home({0: -FAST}))
+@pytest.mark.parametrize("is_closed_at_first", [True, False])
+def test_from_a_switch_that_stays_closed_it_goes_so_far_and_no_farther(
+    machine: Machine, is_closed_at_first: bool
+) -> None:
+    if is_closed_at_first:
+        machine.pull_down(LOW_INPUT)
+        machine.pass_ms(20)
+    machine.ok(p.HOME, home({0: -FAST}, slow=8000, back=3))
     machine.pass_ms(300)
     machine.pull_down(LOW_INPUT)
-    machine.go_on_ms(3000)
-    assert machine.inputs().homing == 1
-    machine.ok(p.STOP)
     machine.go_to_rest()
+    assert 64 * 3 <= machine.steps()[0] <= 64 * 3 + 50
     assert (machine.inputs().homing, machine.inputs().known) == (0, 0)
+
+
+def test_to_a_switch_that_stays_open_it_comes_back_so_far_and_no_farther(machine: Machine) -> None:
+    machine.pull_down(LOW_INPUT)
+    machine.pass_ms(20)
+    machine.ok(p.HOME, home({0: -FAST}, slow=8000, back=5))
+    machine.pass_ms(100)
+    machine.pull_down()
+    machine.go_to_rest()
+    assert -64 * 5 - 50 <= machine.steps()[0] <= -64 * 5
+    assert (machine.inputs().homing, machine.inputs().known) == (0, 0)
+
+
+def test_another_axis_that_takes_the_time_for_steps_leaves_it_under_control(machine: Machine) -> None:
+    """The second one goes faster than both could at once, which is no matter while the first one is slow."""
+    fast = p.Ramp([(4000, 200, -19)], 130, [(4000, 200, -19)])
+    machine.push(fast.image(2, fast=True))
+    machine.give(InputSettings(roles={LOW_INPUT: p.LOW_LIMIT}))
+    machine.add_switch(LOW_INPUT, 0, -700, is_backward=True)
+    machine.ok(p.HOME, home({0: -FAST}, slow=8000))
+    machine.ok(p.RUN, for_axes({1: 250}))
+    for _ in range(15):
+        machine.go_on_ms(200)
+    assert (machine.inputs().homing, machine.inputs().known & 1) == (0, 1)
+    assert -700 <= machine.steps()[0] - machine.status().position <= -698  # two steps between two looks
+
+
+def test_between_its_stages_all_that_disturbs_it_is_refused(machine: Machine) -> None:
+    """An axis is at rest there for a moment; so it is asked all the time."""
+    machine.push(p.Ramp([(2000, 50, -20)], 1000, []).image(2))
+    roles = InputSettings(roles={LOW_INPUT: p.LOW_LIMIT, 7: p.LOW_LIMIT + 1})
+    machine.give(roles)
+    machine.add_switch(LOW_INPUT, 0, -300, is_backward=True)
+    disturbances = [
+        (p.HOME, home({1: -FAST}, slow=40_000)),
+        (p.WRITE_SETTINGS, Settings().packed() + roles.packed()),
+        (p.ROLL_BACK, b""),
+        (p.LINE, bytes([2, 1]) + values_of({1: 5})),
+    ]
+    machine.ok(p.HOME, home({0: -FAST}, slow=40_000, back=100))
+    while machine.inputs().homing == 1:
+        for kind, body in disturbances:
+            reply = machine.send(kind, body)
+            assert reply[0] == p.MOVING or machine.inputs().homing == 0, hex(kind)
+    machine.go_to_rest()
 
 
 def test_what_it_can_not_do_is_refused(machine: Machine) -> None:
@@ -125,6 +174,7 @@ def test_what_it_can_not_do_is_refused(machine: Machine) -> None:
     assert machine.refused(p.HOME, home({0: -1999})) == (p.OUT_OF_RANGE, 0)
     assert machine.refused(p.HOME, home({0: -FAST}, slow=1999)) == (p.OUT_OF_RANGE, 0)
     assert machine.refused(p.HOME, home({0: -FAST}, slow=0)) == (p.OUT_OF_RANGE, 0)
+    assert machine.refused(p.HOME, home({0: -FAST}, back=0)) == (p.OUT_OF_RANGE, 0)
     assert machine.refused(p.HOME, home({0: 0})) == (p.OUT_OF_RANGE, 0)
     assert machine.refused(p.HOME, home({})) == (p.OUT_OF_RANGE, 0)
     assert machine.refused(p.HOME, home({0: -FAST})[:-1]) == (p.BAD_LENGTH, 10)

@@ -247,7 +247,7 @@ class VirtualMachine:
             shortest = min(abs(interval), slow_interval)
             longest = max(abs(interval), slow_interval)
             slew = self._playbacks[axis].slew_interval
-            fits = slew <= shortest and longest <= self._hello.longest_interval_ticks
+            fits = slew <= shortest and longest <= self._hello.longest_interval_ticks and back_off_steps > 0
             if not fits or self.inputs.limit(axis, interval) is None:
                 return Refusal(ReplyStatus.OUT_OF_RANGE, axis)
         fast = {axis: abs(interval) for axis, interval in intervals.items()}

@@ -17,12 +17,23 @@ enum stage {
     RETURNING    /* slowly, until the switch is seen */
 };
 
-static uint8_t stages[MOST_AXES];
+/* A switch that stays as it is isn't looked for for ever: slowly an axis goes as far as on the way before, and so many times the
+ * steps to back off. */
+enum { MOST_BACK_OFFS = 64 };
+
+static struct homing {
+    union {
+        uint32_t slow; /* [ticks] as long as it approaches: later it is the axis' level */
+        uint32_t most; /* [steps] of the way that it is on then */
+    };
+    union {
+        uint16_t back_off; /* [steps] until it returns */
+        uint16_t clear_at; /* [steps] while it does: where the switch was inactive last, its low bits */
+    };
+    uint8_t stage;
+    bool backward; /* the way to the switch */
+} homings[MOST_AXES];
 static bool is_any; /* axis may be homed */
-static int32_t clear_at[MOST_AXES]; /* [steps] where the switch was inactive last, while it returns */
-static uint8_t backward;            /* the way to the switch, a bit for each axis */
-static uint32_t slow;               /* [ticks] */
-static uint16_t back_off;           /* [steps] */
 
 uint8_t homing_axes(void)
 {
@@ -31,138 +42,125 @@ uint8_t homing_axes(void)
         return 0;
     }
     for (uint8_t axis = MOST_AXES; axis-- > 0;) {
-        axes = (uint8_t)(axes << 1 | (stages[axis] != NOT_HOMING));
+        axes = (uint8_t)(axes << 1 | (homings[axis].stage != NOT_HOMING));
     }
     return axes;
 }
 
 void homing_end(uint8_t axes)
 {
-    for (uint8_t axis = 0; axis < MOST_AXES; axis++, axes >>= 1) {
+    for (struct homing *homing = homings; axes != 0 && homing < homings + MOST_AXES; homing++, axes >>= 1) {
         if ((axes & 1) != 0) {
-            stages[axis] = NOT_HOMING;
+            homing->stage = NOT_HOMING;
         }
     }
 }
 
-static bool is_backward(uint8_t axis)
+static bool is_at_switch(const struct homing *homing)
 {
-    return (backward >> axis & 1) != 0;
+    return machine_limit_at((uint8_t)(homing - homings), homing->backward) != NO_INPUT;
 }
 
-static bool is_at_switch(uint8_t axis)
+static int32_t interval_towards(bool goes_backward, uint32_t interval)
 {
-    return machine_limit_at(axis, is_backward(axis)) != NO_INPUT;
+    return goes_backward ? -(int32_t)interval : (int32_t)interval;
 }
 
-static int32_t interval_towards(bool goes_backward)
+/* Prepares an axis at rest, and its interval. Returns false when it can't be homed so. */
+static inline bool prepare(uint8_t axis, int32_t *interval, uint32_t slow_interval, uint16_t steps_back)
 {
-    return goes_backward ? -(int32_t)slow : (int32_t)slow;
+    bool goes_backward = *interval < 0;
+    bool is_known = axis < stepramp_axis_count && machine_has_limit(axis, goes_backward);
+    if (!is_known || *interval == 0 || steps_back == 0 || slow_interval < ramp_image_slew_interval(stepramp_image, axis) ||
+        slow_interval > LONGEST_INTERVAL_TICKS) {
+        return false;
+    }
+    struct homing *homing = &homings[axis];
+    homing->backward = goes_backward;
+    homing->back_off = steps_back;
+    homing->slow = slow_interval;
+    homing->stage = APPROACHING;
+    if (is_at_switch(homing)) {
+        *interval = interval_towards(!goes_backward, slow_interval);
+        homing->most = (uint32_t)steps_back * MOST_BACK_OFFS;
+        homing->stage = BACKING_OFF;
+    }
+    return true;
 }
 
 uint8_t homing_begin(uint8_t axes, int32_t *intervals, uint32_t slow_interval, uint16_t steps_back,
                      uint16_t *detail)
 {
     int32_t *interval = intervals;
-    uint8_t ways = 0;
     for (uint8_t axis = 0; axis < MOST_AXES; axis++) {
-        if ((axes >> axis & 1) == 0) {
-            continue;
-        }
-        bool goes_backward = *interval < 0;
-        bool is_known = axis < stepramp_axis_count && machine_has_limit(axis, goes_backward);
-        if (!is_known || *interval == 0 || slow_interval < ramp_image_slew_interval(stepramp_image, axis) ||
-            slow_interval > LONGEST_INTERVAL_TICKS) {
+        if ((axes >> axis & 1) != 0 && !prepare(axis, interval++, slow_interval, steps_back)) {
+            homing_end(axes);
             *detail = axis;
             return STATUS_OUT_OF_RANGE;
         }
-        ways |= (uint8_t)(goes_backward << axis);
-        if (machine_limit_at(axis, goes_backward) != NO_INPUT) { /* it is there already */
-            *interval = goes_backward ? (int32_t)slow_interval : -(int32_t)slow_interval;
-        }
-        interval++;
     }
     uint8_t known = stepramp_known_positions;
     stepramp_known_positions &= (uint8_t)~axes; /* soft limits don't hold meanwhile */
     uint8_t status = machine_run(axes, intervals, detail);
     if (status != STATUS_OK) {
+        homing_end(axes);
         stepramp_known_positions = known;
-        return status;
     }
-    slow = slow_interval;
-    back_off = steps_back;
-    backward = ways;
     is_any = true;
-    for (uint8_t axis = 0; axis < MOST_AXES; axis++) {
-        if ((axes >> axis & 1) != 0) {
-            stages[axis] = is_at_switch(axis) ? BACKING_OFF : APPROACHING;
-        }
-    }
-    return STATUS_OK;
+    return status;
 }
 
 /* What follows has frames of its own: those of what isn't done at the time would take room on the stack that there is not. */
 
-/* Runs it slowly. Returns false when that can't be. */
-static OUT_OF_LINE bool run(uint8_t axis, bool goes_backward)
+/* Runs it slowly the way that it came. Returns false when that can't be. */
+static OUT_OF_LINE bool run(const struct feed *feed, struct homing *homing, bool goes_backward, uint32_t slow)
 {
     uint16_t detail;
-    int32_t interval = interval_towards(goes_backward);
-    return machine_run((uint8_t)(1u << axis), &interval, &detail) == STATUS_OK;
-}
-
-/* On from where it is, away from the switch. Returns false when that can't be. */
-static OUT_OF_LINE bool clear(uint8_t axis)
-{
-    uint16_t detail;
-    int32_t target = machine_report(axis).position;
-    axis_move_position(&target, !is_backward(axis), back_off);
-    return machine_move_to((uint8_t)(1u << axis), &target, &detail) == STATUS_OK;
+    int32_t interval = interval_towards(goes_backward, slow);
+    homing->most = (uint32_t)homing->back_off * MOST_BACK_OFFS + feed->played.steps_made;
+    return machine_run(feed->bit, &interval, &detail) == STATUS_OK;
 }
 
 /* It has seen its switch: halted slowly, where it loses no step. */
-static OUT_OF_LINE void finish(uint8_t axis)
+static OUT_OF_LINE void finish(const struct feed *feed, struct homing *homing)
 {
-    uint8_t bit = (uint8_t)(1u << axis);
-    machine_halt(bit);
-    int32_t position = machine_report(axis).position;
-    position = (int32_t)((uint32_t)position - (uint32_t)clear_at[axis]);
-    machine_set_position(bit, &position);
-    stages[axis] = NOT_HOMING;
+    machine_halt(feed->bit);
+    int32_t position = (int16_t)((uint16_t)feed->played.position - homing->clear_at);
+    machine_set_position(feed->bit, &position);
+    homing->stage = NOT_HOMING;
 }
 
 /* Returns the stage that it is in then. */
-static uint8_t next_stage(uint8_t axis)
+static uint8_t next_stage(const struct feed *feed, struct homing *homing)
 {
-    bool is_moving = machine_axis_is_moving(axis);
-    switch (stages[axis]) {
-    case APPROACHING:
-        if (is_moving) {
-            return APPROACHING;
-        }
-        return is_at_switch(axis) && run(axis, !is_backward(axis)) ? BACKING_OFF : NOT_HOMING;
-    case BACKING_OFF:
-        if (is_moving && is_at_switch(axis)) {
-            return BACKING_OFF;
-        }
-        return is_moving && clear(axis) ? CLEARING : NOT_HOMING;
-    case CLEARING:
-        if (is_moving) {
+    uint8_t stage = homing->stage;
+    if (feed_is_moving(feed)) {
+        if (stage == BACKING_OFF && !is_at_switch(homing)) {
+            homing->most = feed->played.steps_made + homing->back_off;
             return CLEARING;
         }
-        clear_at[axis] = machine_report(axis).position;
-        return run(axis, is_backward(axis)) ? RETURNING : NOT_HOMING;
-    default:
-        return is_moving ? RETURNING : NOT_HOMING;
+        if (stage != APPROACHING && feed->played.steps_made >= homing->most) {
+            machine_stop(feed->bit);
+        }
+        return stage;
     }
+    if (stage == APPROACHING && is_at_switch(homing)) {
+        return run(feed, homing, !homing->backward, homing->slow) ? BACKING_OFF : NOT_HOMING;
+    }
+    if (stage == CLEARING) {
+        stage = run(feed, homing, homing->backward, feed->axis.level) ? RETURNING : NOT_HOMING;
+        homing->clear_at = (uint16_t)feed->played.position;
+        return stage;
+    }
+    return NOT_HOMING;
 }
 
-static OUT_OF_LINE void return_to(uint8_t axis)
+static OUT_OF_LINE void return_to(const struct feed *feed, struct homing *homing)
 {
-    if (is_at_switch(axis)) {
-        finish(axis);
-    } else if (!machine_sees_limit(axis, is_backward(axis))) {
-        clear_at[axis] = machine_report(axis).position;
+    if (is_at_switch(homing)) {
+        finish(feed, homing);
+    } else if (!machine_sees_limit(feed->index, homing->backward)) {
+        homing->clear_at = (uint16_t)machine_report(feed->index).position;
     }
 }
 
@@ -172,12 +170,13 @@ void homing_go_on(void)
         return;
     }
     is_any = homing_axes() != 0;
-    for (uint8_t axis = 0; axis < MOST_AXES; axis++) {
-        if (stages[axis] == RETURNING) {
-            return_to(axis);
+    const struct feed *feed = stepramp_feeds;
+    for (struct homing *homing = homings; homing < homings + MOST_AXES; homing++, feed++) {
+        if (homing->stage == RETURNING) {
+            return_to(feed, homing);
         }
-        if (stages[axis] != NOT_HOMING) {
-            stages[axis] = next_stage(axis);
+        if (homing->stage != NOT_HOMING) {
+            homing->stage = next_stage(feed, homing);
         }
     }
 }

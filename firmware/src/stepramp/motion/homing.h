@@ -14,7 +14,7 @@ extern "C" {
 #if HAS_INPUTS
 
 /* Begins to home axes at rest. Intervals [ticks]: of the fast approach, with the sign of the direction, one for each axis of the
- * mask, which are written over; and of the slow one. Returns STATUS_OK, or why not and then changes nothing. */
+ * mask, which are written over; and of the slow one. It backs off by at least one step. Returns STATUS_OK, or why not and then changes nothing. */
 uint8_t homing_begin(uint8_t axes, int32_t *intervals, uint32_t slow_interval, uint16_t steps_back, uint16_t *detail);
 
 /* The axes that are being homed, a bit each. */

@@ -311,7 +311,7 @@ static void answer_for_axes(uint8_t kind, const uint8_t *body)
         return;
     }
 #if HAS_INPUTS
-    if (has_homing() && (WITH_HOMING(homing_axes)() & (kind == KIND_LINE ? UINT8_MAX : axes)) != 0) {
+    if (has_homing() && (WITH_HOMING(homing_axes)() & axes) != 0) {
         reply_refusal(STATUS_MOVING, 0);
         return;
     }

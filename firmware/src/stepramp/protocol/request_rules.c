@@ -1,6 +1,7 @@
 #include "stepramp/protocol/request_rules.h"
 
 #include "stepramp/edge/in_flash.h"
+#include "stepramp/motion/homing.h"
 #include "stepramp/motion/machine.h"
 #include "stepramp/protocol/message.h"
 #include "stepramp/protocol/reply.h"
@@ -75,12 +76,23 @@ bool request_length_is_good(uint8_t kind, uint8_t known, const uint8_t *body, ui
     return length == known;
 }
 
+/* Between two stages of homing an axis is at rest. */
+static bool is_moving(void)
+{
+#if HAS_INPUTS
+    if (has_homing() && WITH_HOMING(homing_axes)() != 0) {
+        return true;
+    }
+#endif
+    return machine_is_moving();
+}
+
 bool request_is_free(uint8_t known)
 {
     if ((known & DISTURBS) == 0) {
         return true;
     }
-    if ((known & IN_FLIGHT) != 0 ? machine_is_on_a_line() : machine_is_moving()) {
+    if ((known & IN_FLIGHT) != 0 ? machine_is_on_a_line() : is_moving()) {
         reply_refusal(STATUS_MOVING, 0);
         return false;
     }

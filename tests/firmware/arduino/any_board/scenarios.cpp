@@ -16,7 +16,7 @@
     } while (false)
 
 enum { PINS = 32, STEP = 2, DIRECTION = 5, ENABLE = 8, SLEW_US = 1000 };
-enum { STOP_PIN = 20, FAULT_PIN = 21, LOW_SWITCH = 22, HIGH_SWITCH = 23 };
+enum { STOP_PIN = 20, FAULT_PIN = 21, LOW_SWITCH = 22, HIGH_SWITCH = 23, SECOND_SWITCH = 24 };
 
 static unsigned long now_us;
 static int level[PINS], edges[PINS];
@@ -24,9 +24,9 @@ static bool is_output[PINS], is_pulled_up[PINS], is_grounded[PINS];
 static unsigned long rose_us[PINS], shortest_us[PINS], shortest_pulse_us;
 static uint8_t image[256];
 static uint16_t image_bytes;
-static int place; /* of the motor at STEP, by its pins */
+static int place, second_place; /* of the motors at STEP and behind it, by their pins */
 static unsigned long grounds_us = ULONG_MAX; /* the emergency stop is pressed then */
-static int low_switch_at = -1000000, high_switch_at = 1000000;
+static int low_switch_at = -1000000, high_switch_at = 1000000, second_switch_at = 1000000;
 
 /* ---- the Arduino API ---- */
 
@@ -56,7 +56,8 @@ void pinMode(uint8_t pin, uint8_t mode)
 /* A pin that nothing drives is high by its pull-up, or low. */
 int digitalRead(uint8_t pin)
 {
-    bool is_switched = (pin == LOW_SWITCH && place <= low_switch_at) || (pin == HIGH_SWITCH && place >= high_switch_at);
+    bool is_switched = (pin == LOW_SWITCH && place <= low_switch_at) || (pin == HIGH_SWITCH && place >= high_switch_at) ||
+                       (pin == SECOND_SWITCH && second_place >= second_switch_at);
     return is_pulled_up[pin] && !is_grounded[pin] && !is_switched ? HIGH : LOW;
 }
 
@@ -75,6 +76,7 @@ void digitalWrite(uint8_t pin, uint8_t value)
         shortest_us[pin] = shortest_us[pin] == 0 || since_us < shortest_us[pin] ? since_us : shortest_us[pin];
         rose_us[pin] = now_us;
         place += pin != STEP ? 0 : level[DIRECTION] == HIGH ? 1 : -1;
+        second_place += pin != STEP + 1 ? 0 : level[DIRECTION + 1] == HIGH ? 1 : -1;
     } else if (pin == STEP && (shortest_pulse_us == 0 || now_us - rose_us[pin] < shortest_pulse_us)) {
         shortest_pulse_us = now_us - rose_us[pin];
     }
@@ -363,6 +365,30 @@ static void home()
     poll_until_rest();
 }
 
+/* The second one sets out the other way, with other speeds and steps, in whatever stage the first one is. */
+static void two_homes()
+{
+    static StepRampAxis x(STEP, DIRECTION), y(STEP + 1, DIRECTION + 1);
+    low_switch_at = -37;
+    second_switch_at = 400;
+    x.setLimitSwitches(LOW_SWITCH);
+    y.setLimitSwitches(STEPRAMP_NO_PIN, SECOND_SWITCH);
+    x.setRamp(1000, 4000);
+    y.setRamp(1000, 4000);
+    CHECK(x.begin() == STEPRAMP_READY && y.begin() == STEPRAMP_READY);
+    CHECK(x.home(-500, 100, 0) == STEPRAMP_OUT_OF_RANGE);
+    for (unsigned long later_us = 0; later_us < 1500000; later_us += 125000) {
+        CHECK(x.moveTo(100) == STEPRAMP_OK && y.moveTo(-50) == STEPRAMP_OK);
+        poll_until_rest();
+        CHECK(x.home(-500, 100, 50) == STEPRAMP_OK);
+        poll_for(later_us);
+        CHECK(y.home(800, 150, 10) == STEPRAMP_OK);
+        poll_until_rest();
+        CHECK(x.isHomed() && place - x.position() == -36);
+        CHECK(y.isHomed() && second_place - y.position() == 399);
+    }
+}
+
 /* While the position is known: nowhere beyond, and a run comes to rest at the last step that is allowed. */
 static void soft_limits()
 {
@@ -453,7 +479,7 @@ int main(int count, char **words)
                      {"set", set},       {"delay_loop", delay_loop}, {"gauge", gauge},
                      {"axes", axes},     {"axis_in_flight", axis_in_flight}, {"too_many_axes", too_many_axes},
                      {"shared_pins", shared_pins}, {"for_75_minutes", for_75_minutes},
-                     {"emergency_stop", emergency_stop}, {"home", home}, {"soft_limits", soft_limits}, {"short_stop", short_stop}, {"bad_inputs", bad_inputs}};
+                     {"emergency_stop", emergency_stop}, {"home", home}, {"two_homes", two_homes}, {"soft_limits", soft_limits}, {"short_stop", short_stop}, {"bad_inputs", bad_inputs}};
     CHECK(count == 3);
     unsigned byte;
     for (const char *text = words[2]; sscanf(text, "%2x", &byte) == 1; text += 2) {
