@@ -14,6 +14,7 @@
  *   cut WRITE [VALUE]     the EEPROM write, counted from 1, in whose middle the power fails, and what that leaves there
  *   writes                EEPROM writes so far
  *   levels BITS           with inputs: the levels of their pins, a bit each
+ *   tap                   with inputs: what has stopped is acknowledged, and meanwhile an emergency stop comes and goes
  *   switch INPUT AXIS BACKWARD AT   with inputs: a switch that pulls its pin down where the axis is there or beyond
  *   steps                 steps that the pins have shown, of each axis
  */
@@ -23,6 +24,7 @@
 
 #include "protocol_port.h"
 #include "stepramp/edge/lateness.h"
+#include "stepramp/motion/machine_inputs.h"
 #include "stepramp/protocol/controller.h"
 #include "stepramp/store/driver_settings.h"
 #include "whole_message.h"
@@ -171,6 +173,13 @@ static void be_late(void)
     stepramp_late = (uint8_t)next_number();
 }
 
+/* An emergency stop comes and goes while it is acknowledged. */
+static void acknowledge_in_a_tap(void)
+{
+    port_is_tapped = true;
+    machine_acknowledge();
+}
+
 static void add_switch(void)
 {
     struct port_switch *one = &port_switches[port_switch_count++];
@@ -214,6 +223,7 @@ static const struct {
     {"hand", hand_over},            {"pass", pass},
 #if HAS_INPUTS
     {"levels", set_levels},         {"switch", add_switch}, {"late", be_late},
+    {"tap", acknowledge_in_a_tap},
 #endif
 };
 

@@ -74,6 +74,7 @@ void board_enable(bool on)
 uint16_t port_levels = 0xFFFF;
 struct port_switch port_switches[PORT_SWITCHES];
 uint8_t port_switch_count;
+bool port_is_tapped;
 static bool emergency;
 
 uint16_t inputs_read(void)
@@ -92,6 +93,10 @@ uint16_t inputs_read(void)
         if ((role & ROLE_BITS) != ROLE_NONE && is_high == ((role & INPUT_ACTIVE_HIGH) != 0)) {
             active |= (uint16_t)(1u << i);
         }
+    }
+    if (port_is_tapped) {
+        port_is_tapped = false;
+        emergency_latch();
     }
     return active;
 }

@@ -40,6 +40,7 @@ extern uint8_t port_switch_count;
 
 /* The pins' levels may have changed: an edge of an emergency stop is obeyed at once, as in an interrupt. */
 void port_look_at_edges(void);
+extern bool port_is_tapped; /* the emergency stop, for a moment behind the next look at the inputs */
 #endif
 
 /* Switches on: the controller begins. */

@@ -131,6 +131,20 @@ def test_a_fault_has_to_last_for_as_many_looks_as_set(machine: Machine) -> None:
         machine.ok(p.ACKNOWLEDGE)
 
 
+def test_one_that_comes_while_another_cause_is_acknowledged_is_told(machine: Machine) -> None:
+    machine.ok(p.RUN, for_axes({0: 3000}))
+    machine.pass_ms(300)
+    machine.driver.ask("tap")
+    there = machine.steps()[0]
+    machine.pass_ms(WHILE_SETTLING_MS)
+    assert machine.inputs().stopped_by == p.BY_EMERGENCY_STOP
+    assert (machine.status().state, machine.steps()[0]) == (p.IDLE, there)
+    machine.ok(p.ACKNOWLEDGE)
+    machine.ok(p.MOVE_BY, for_axes({0: 10}))
+    machine.go_to_rest()
+    assert machine.steps()[0] == there + 10
+
+
 def test_a_limit_stops_with_the_ramp_and_the_way_back_is_free(machine: Machine) -> None:
     machine.ok(p.SET_POSITION, for_axes({0: 0}))
     machine.add_switch(LOW_INPUT, 0, -100, is_backward=True)
@@ -165,11 +179,12 @@ def test_a_limit_stops_at_once_where_its_role_says_so(machine: Machine) -> None:
     assert machine.refused(p.MOVE_BY, for_axes({0: 1})) == (p.AT_LIMIT, HIGH_INPUT << 8)
 
 
-def test_a_switch_at_the_other_end_stops_nothing(machine: Machine) -> None:
-    machine.pull_down(LOW_INPUT)
+@pytest.mark.parametrize(("number", "way"), [(LOW_INPUT, 1), (HIGH_INPUT, -1)])
+def test_a_switch_at_the_other_end_stops_nothing(machine: Machine, number: int, way: int) -> None:
+    machine.pull_down(number)
     machine.pass_ms(20)
-    machine.ok(p.MOVE_BY, for_axes({0: 300}))
-    assert machine.go_to_rest().position == 300
+    machine.ok(p.MOVE_BY, for_axes({0: 300 * way}))
+    assert machine.go_to_rest().position == 300 * way
 
 
 def test_a_limit_of_one_axis_stops_a_line_as_a_whole(machine: Machine) -> None:
@@ -196,6 +211,29 @@ def test_a_motion_that_turns_round_into_a_limit_is_stopped(machine: Machine) -> 
     machine.pull_down(LOW_INPUT)
     status = machine.go_to_rest()
     assert status.position > -20
+
+
+@pytest.mark.parametrize("before", range(1, 9))
+def test_a_limit_stops_at_once_what_is_about_to_turn_round(machine: Machine, before: int) -> None:
+    """At 1000 steps/s, which is in the queue for 8 ms and more."""
+    machine.push(p.Ramp([], 16_000, []).image(1, fast=True))
+    machine.give(InputSettings(looks=1, roles={LOW_INPUT: p.LOW_LIMIT | p.AT_ONCE}))
+    machine.add_switch(LOW_INPUT, 0, -100, is_backward=True)
+    machine.ok(p.RUN, for_axes({0: -16_000}))
+    while machine.steps()[0] > -100 + before:
+        machine.run(1)
+    machine.driver.send(machine.frame(p.RUN, for_axes({0: 16_000})))
+    lowest = 0
+    for _ in range(600):
+        machine.run(1)
+        lowest = min(lowest, machine.steps()[0])
+    assert lowest >= -102
+    # The way back is free at once.
+    machine.ok(p.STOP)
+    machine.go_to_rest()
+    machine.ok(p.RUN, for_axes({0: 16_000}))
+    machine.pass_ms(300)
+    assert machine.steps()[0] > 0
 
 
 def test_switches_that_open_are_active_high(machine: Machine) -> None:

@@ -336,7 +336,7 @@ static void set_out(struct axis *axis)
 #if HAS_INPUTS
 bool axis_goes_backward(const struct axis *axis)
 {
-    return axis->phase == PHASE_REST ? sets_out_backward(axis) : axis->backward;
+    return axis->phase == PHASE_REST && !axis_is_at_rest(axis) ? sets_out_backward(axis) : axis->backward;
 }
 
 uint32_t axis_slowest(const struct axis *axis)

@@ -217,8 +217,10 @@ bool machine_acknowledge(void)
     if ((active & fault_inputs) != 0 || ((active | inputs_read()) & emergency_inputs) != 0) {
         return false;
     }
+    if ((stopped_by & BY_EMERGENCY_STOP) != 0) { /* else what is latched by now is a new one */
+        emergency_release();
+    }
     stopped_by = 0;
-    emergency_release();
     return true;
 }
 
@@ -231,6 +233,21 @@ static bool is_backward(uint8_t axis)
     return line_follows(axis) ? feed->pin_backward : axis_goes_backward(&feed->axis);
 }
 
+static bool stops_at_once(uint8_t input)
+{
+    return input != NO_INPUT && (stepramp_machine_settings->roles[input] & INPUT_STOPS_AT_ONCE) != 0;
+}
+
+/* It is to turn round, but what is queued still leads into a switch that stops it at once. With its ramp it slows down anyway. */
+static OUT_OF_LINE bool must_halt_before_turning(uint8_t axis)
+{
+    const struct feed *feed = &stepramp_feeds[axis];
+    struct feed_progress progress;
+    feed_progress(feed, &progress);
+    bool steps = feed_is_moving(feed) && progress.steps_made != 0; /* not on a line of another, nor before its direction has turned */
+    return steps && stops_at_once(machine_limit_at(axis, progress.backward));
+}
+
 static void look_at_limits(void)
 {
     for (uint8_t axis = 0; axis < stepramp_axis_count; axis++) {
@@ -238,12 +255,9 @@ static void look_at_limits(void)
             continue;
         }
         uint8_t input = machine_limit_at(axis, is_backward(axis));
-        if (input == NO_INPUT) {
-            continue;
-        }
-        if ((stepramp_machine_settings->roles[input] & INPUT_STOPS_AT_ONCE) != 0) {
+        if (stops_at_once(input) || must_halt_before_turning(axis)) {
             machine_halt((uint8_t)(1u << axis));
-        } else {
+        } else if (input != NO_INPUT) {
             machine_stop((uint8_t)(1u << axis));
         }
     }
