@@ -179,6 +179,34 @@ def test_homing_and_zeroing_go_wherever_the_switch_or_stop_is(known: Machine) ->
     assert known.inputs().known & 1
 
 
+def test_while_it_is_zeroed_a_position_is_not_known(known: Machine) -> None:
+    known.ok(p.ZERO, bytes([1, 100, 0]))
+    known.pass_ms(20)
+    assert known.inputs().known & 1 == 0
+    known.go_to_rest()
+    assert (known.status().position, known.inputs().known & 1) == (0, 1)
+
+
+@pytest.mark.parametrize(
+    ("kind", "body"),
+    [
+        (p.STOP, b""),
+        (p.HALT, b""),
+        (p.MOVE_TO, for_axes({0: 3100})),
+        (p.MOVE_BY, for_axes({0: 700})),
+        (p.RUN, for_axes({0: 3000})),
+    ],
+)
+def test_what_keeps_a_zeroing_from_its_end_leaves_it_unknown(known: Machine, kind: int, body: bytes) -> None:
+    known.ok(p.ZERO, struct.pack("<BH", 1, 3000))
+    known.pass_ms(100)
+    known.ok(kind, body)
+    known.pass_ms(100)
+    known.ok(p.STOP)
+    assert known.go_to_rest().position > 1000
+    assert known.inputs().known & 1 == 0
+
+
 def test_they_are_kept_and_rolled_back(driver: Driver, known: Machine) -> None:
     known.ok(p.COMMIT)
     known.run(WHOLE_COMMIT)

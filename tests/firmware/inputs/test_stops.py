@@ -145,6 +145,25 @@ def test_one_that_comes_while_another_cause_is_acknowledged_is_told(machine: Mac
     assert machine.steps()[0] == there + 10
 
 
+@pytest.mark.parametrize("number", [STOP_INPUT, FAULT_INPUT, LOW_INPUT])
+@pytest.mark.parametrize("position", [0, -50, 50])
+def test_zeroing_sets_out_backward_wherever_it_is(machine: Machine, number: int, position: int) -> None:
+    machine.ok(p.SET_POSITION, for_axes({0: position}))
+    machine.pull_down(HIGH_INPUT, number)
+    machine.pass_ms(20)
+    refusal = (p.AT_LIMIT, LOW_INPUT << 8) if number == LOW_INPUT else (p.STOPPED, 1 << number | 1 << HIGH_INPUT)
+    assert machine.refused(p.ZERO, bytes([1, 50, 0])) == refusal
+    machine.pass_ms(200)
+    assert (machine.steps()[0], machine.status().position) == (0, position)
+    assert (machine.status().state, machine.inputs().known & 1) == (p.IDLE, 1)
+    machine.pull_down(HIGH_INPUT)
+    machine.pass_ms(20)
+    machine.ok(p.ACKNOWLEDGE)
+    machine.ok(p.ZERO, bytes([1, 50, 0]))
+    machine.go_to_rest()
+    assert machine.steps()[0] == -50
+
+
 def test_a_limit_stops_with_the_ramp_and_the_way_back_is_free(machine: Machine) -> None:
     machine.ok(p.SET_POSITION, for_axes({0: 0}))
     machine.add_switch(LOW_INPUT, 0, -100, is_backward=True)

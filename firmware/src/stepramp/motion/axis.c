@@ -398,6 +398,7 @@ void axis_move_to(struct axis *axis, uint32_t slew_interval, int32_t target)
     axis->is_slewing = true;
     axis->stopping = false;
     axis->runs = false;
+    axis->seeks_zero = false;
 }
 
 void axis_run(struct axis *axis, bool backward, uint32_t interval, bool is_slewing)
@@ -441,6 +442,7 @@ void axis_stop(struct axis *axis)
 {
     axis->stopping = true;
     axis->runs = false;
+    axis->seeks_zero = false;
     turn_to_rest(axis);
     axis->target = axis->position;
     axis_move_position(&axis->target, axis->backward, steps_to_rest(axis));
@@ -453,6 +455,7 @@ void axis_halt(struct axis *axis, int32_t position)
     axis->interval = 0;
     axis->stopping = false;
     axis->runs = false;
+    axis->seeks_zero = false;
     axis->batch_left = 0;
     axis->phase = PHASE_REST;
 }

@@ -40,6 +40,7 @@ struct axis {
     bool stopping : 1; /* to rest, which has been asked for */
     bool runs : 1; /* at a speed, without a target that was asked for */
     bool ends : 1; /* a run, at a target all the same: a soft limit */
+    bool seeks_zero : 1; /* its position is known once it has come to its target, which is 0 */
     union {
         struct {
             struct packed_list up_list;

@@ -330,6 +330,10 @@ static void become_idle(struct feed *feed)
     feed->stage = FEED_IDLE;
 #if HAS_INPUTS
     feed->axis.runs = false; /* it has come to a soft limit */
+    if (feed->axis.seeks_zero) {
+        feed->axis.seeks_zero = false;
+        stepramp_known_positions |= feed->bit;
+    }
 #endif
     trace_end_move(feed->index);
 }
@@ -352,6 +356,7 @@ static void parked(struct feed *feed)
 #if HAS_INPUTS
     if (has_run_dry) {
         stepramp_known_positions &= line_is_on() ? 0 : (uint8_t)~feed->bit;
+        feed->axis.seeks_zero = false;
     }
 #endif
     feed->stage = FEED_WAITING;

@@ -207,22 +207,40 @@ void machine_set_position(uint8_t mask, const int32_t *positions)
 #endif
 }
 
+static void place(struct feed *feed, int32_t position)
+{
+    feed->played.position = position;
+    feed->axis.position = position;
+}
+
 uint8_t machine_zero(uint8_t mask, uint16_t steps, uint16_t *detail)
 {
     const int32_t zeros[MOST_AXES] = {0};
+    struct feed *feed = stepramp_feeds;
+    for (uint8_t left = stepramp_axis_count; left != 0; left--, feed++) {
+        if ((mask & feed->bit) != 0) {
+            place(feed, steps); /* from there it sets out backward */
+        }
+    }
 #if HAS_INPUTS
     uint8_t known = stepramp_known_positions;
     stepramp_known_positions = 0; /* it goes to wherever a stop is */
 #endif
     uint8_t status = machine_move_to(mask, zeros, detail);
 #if HAS_INPUTS
-    stepramp_known_positions = status == STATUS_OK ? known | mask : known;
+    stepramp_known_positions = status == STATUS_OK ? known & (uint8_t)~mask : known;
 #endif
-    for (struct feed *feed = stepramp_feeds; status == STATUS_OK && mask != 0; feed++, mask >>= 1) {
-        if ((mask & 1) != 0) {
-            feed->played.position = steps;
-            feed->axis.position = steps; /* it has not set out yet */
+    feed = stepramp_feeds;
+    for (uint8_t left = stepramp_axis_count; left != 0; left--, feed++) {
+        if ((mask & feed->bit) == 0) {
+            continue;
         }
+        if (status != STATUS_OK) {
+            place(feed, feed->axis.target); /* where it was: it is at rest */
+        }
+#if HAS_INPUTS
+        feed->axis.seeks_zero = status == STATUS_OK;
+#endif
     }
     return status;
 }
