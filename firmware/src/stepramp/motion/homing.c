@@ -30,8 +30,8 @@ static struct homing {
         uint16_t back_off; /* [steps] until it returns */
         uint16_t clear_at; /* [steps] while it does: where the switch was inactive last, its low bits */
     };
-    uint8_t stage;
-    bool backward; /* the way to the switch */
+    uint8_t stage : 4;
+    bool backward : 1; /* the way to the switch */
 } homings[MOST_AXES];
 static bool is_any; /* axis may be homed */
 
@@ -56,9 +56,9 @@ void homing_end(uint8_t axes)
     }
 }
 
-static bool is_at_switch(const struct homing *homing)
+static bool is_at_switch(uint8_t axis, const struct homing *homing)
 {
-    return machine_limit_at((uint8_t)(homing - homings), homing->backward) != NO_INPUT;
+    return machine_limit_at(axis, homing->backward) != NO_INPUT;
 }
 
 static int32_t interval_towards(bool goes_backward, uint32_t interval)
@@ -80,7 +80,7 @@ static inline bool prepare(uint8_t axis, int32_t *interval, uint32_t slow_interv
     homing->back_off = steps_back;
     homing->slow = slow_interval;
     homing->stage = APPROACHING;
-    if (is_at_switch(homing)) {
+    if (is_at_switch(axis, homing)) {
         *interval = interval_towards(!goes_backward, slow_interval);
         homing->most = (uint32_t)steps_back * MOST_BACK_OFFS;
         homing->stage = BACKING_OFF;
@@ -135,7 +135,7 @@ static uint8_t next_stage(const struct feed *feed, struct homing *homing)
 {
     uint8_t stage = homing->stage;
     if (feed_is_moving(feed)) {
-        if (stage == BACKING_OFF && !is_at_switch(homing)) {
+        if (stage == BACKING_OFF && !is_at_switch(feed->index, homing)) {
             homing->most = feed->played.steps_made + homing->back_off;
             return CLEARING;
         }
@@ -144,7 +144,7 @@ static uint8_t next_stage(const struct feed *feed, struct homing *homing)
         }
         return stage;
     }
-    if (stage == APPROACHING && is_at_switch(homing)) {
+    if (stage == APPROACHING && is_at_switch(feed->index, homing)) {
         return run(feed, homing, !homing->backward, homing->slow) ? BACKING_OFF : NOT_HOMING;
     }
     if (stage == CLEARING) {
@@ -157,7 +157,7 @@ static uint8_t next_stage(const struct feed *feed, struct homing *homing)
 
 static OUT_OF_LINE void return_to(const struct feed *feed, struct homing *homing)
 {
-    if (is_at_switch(homing)) {
+    if (is_at_switch(feed->index, homing)) {
         finish(feed, homing);
     } else if (!machine_sees_limit(feed->index, homing->backward)) {
         homing->clear_at = (uint16_t)machine_report(feed->index).position;
