@@ -196,7 +196,7 @@ def test_two_axes_are_homed_each_by_itself(bench: Bench) -> None:
     bench.controller.home(
         [AxisCommand(0, 400.0, "axes.0.fast_steps_per_s"), AxisCommand(1, -900.0, "axes.1.fast_steps_per_s")],
         AxisCommand(0, 80.0, "slow_steps_per_s"),
-        0,
+        1,
     )
     bench.rest()
     places = [axis.place_steps for axis in bench.around.axes[:2]]
