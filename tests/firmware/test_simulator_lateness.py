@@ -10,11 +10,13 @@ from firmware.flight.exchange import exchanges
 from firmware.protocol import (
     ACKNOWLEDGE,
     BY_LATENESS,
+    FAST_HZ,
     LINE,
     MOVE_BY,
     OK,
     RUN,
     SET_POSITION,
+    SLOW_HZ,
     STATUS,
     STOPPED,
     InputSettings,
@@ -31,12 +33,12 @@ from simulator.avr import build_firmware, build_harness, converse, missing_tools
 from tools import require
 
 LATE = Path(__file__).with_name("late.c")
-SHORT_PIN, LONG_PIN = 9, 10
+SHORT_PIN, LONG_PIN, MIDDLE_PIN = 9, 10, 11
 STEP_PINS = (2, 3, 4, 12)
 PRESSED_MS, EVERY_MS = 700, 16
 """When interrupts are blocked, and from one time to the next."""
 ALIKE = 0.02
-CLOSEST_US = 4.5
+CLOSEST_US = 4
 """Of two steps of an axis, whatever comes in between."""
 
 
@@ -57,10 +59,10 @@ def steps_of(played, axis: int):
     return edges["cycle"][(edges["pin"] == STEP_PINS[axis]) & (edges["value"] == 1)].astype(np.int64)
 
 
-def going(axes: int, speed: int, kind: int, settings: Settings | None = None) -> Talk:
+def going(axes: int, speed: int, kind: int, hz: int = FAST_HZ) -> Talk:
     """Have so many axes move, fast, for longer than it takes to make them late."""
     talk = Talk()
-    talk.begin(image([RampDesign(speed, 8 * speed, 8 * speed)] * axes), settings, InputSettings())
+    talk.begin(image([RampDesign(speed, 8 * speed, 8 * speed, hz)] * axes), None, InputSettings())
     talk.ask(SET_POSITION, for_axes(dict.fromkeys(range(axes), 0)))
     steps = dict.fromkeys(range(axes), speed)
     if kind == LINE:
@@ -70,13 +72,22 @@ def going(axes: int, speed: int, kind: int, settings: Settings | None = None) ->
     return talk
 
 
-@pytest.mark.parametrize(("axes", "speed", "kind"), [(1, 100_000, MOVE_BY), (4, 20_000, MOVE_BY), (4, 60_000, LINE)])
-def test_what_is_late_is_not_made_up_for(tmp_path: Path, axes: int, speed: int, kind: int) -> None:
-    """Interrupts are blocked for 0.25 ms, once: the motors stand still for so long, and go on as they were."""
-    talk = going(axes, speed, kind)
+@pytest.mark.parametrize(
+    ("axes", "speed", "kind", "hz", "pin"),
+    [
+        (1, 100_000, MOVE_BY, FAST_HZ, SHORT_PIN),
+        (4, 20_000, MOVE_BY, FAST_HZ, SHORT_PIN),
+        (4, 60_000, LINE, FAST_HZ, SHORT_PIN),
+        (1, 20_000, MOVE_BY, SLOW_HZ, MIDDLE_PIN),
+    ],
+)
+def test_what_is_late_is_not_made_up_for(tmp_path: Path, axes: int, speed: int, kind: int, hz: int, pin: int) -> None:
+    """Interrupts are blocked, once, for 0.25 ms, or 0.5 on the slow clock: the motors stand still for so long, and go
+    on as they were."""
+    talk = going(axes, speed, kind, hz)
     for axis in range(axes):
         talk.ask(STATUS, bytes([axis]), wait_ms=1300 if axis == 0 else 0)
-    played = play(tmp_path, talk, SHORT_PIN, 1)
+    played = play(tmp_path, talk, pin, 1)
     told = [each for each in exchanges(played.frames) if each.kind == STATUS]
     for axis in range(axes):
         intervals = np.diff(steps_of(played, axis))
@@ -92,6 +103,44 @@ def test_what_is_late_is_not_made_up_for(tmp_path: Path, axes: int, speed: int, 
         assert (status.position, status.starved) == (speed, 0)
     inputs = InputsStatus.unpack(told[-1].reply[OUTPUT_STATUS_BYTES:])
     assert (inputs.stopped_by, inputs.known) == (0, (1 << axes) - 1)
+
+
+@pytest.mark.parametrize(("speed", "hz", "pin"), [(800, FAST_HZ, MIDDLE_PIN), (20_000, SLOW_HZ, SHORT_PIN)])
+def test_what_is_less_late_is_made_up_for(tmp_path: Path, speed: int, hz: int, pin: int) -> None:
+    """Interrupts are blocked, once, for less than an axis' interval, which nobody sees, or less than 384 us on the slow
+    clock: soon its steps are again where they would have been."""
+    talk = going(1, speed, MOVE_BY, hz)
+    talk.ask(STATUS, b"\0", wait_ms=1300)
+    played = play(tmp_path, talk, pin, 1)
+    steps, usual = steps_of(played, 0), 16_000_000 / speed
+    intervals = np.diff(steps)
+    begin = np.searchsorted(steps, PRESSED_MS * 1000 * CYCLES_PER_US) - 1
+    [late] = np.flatnonzero(intervals[begin : begin + 60] > usual + 50 * CYCLES_PER_US) + begin
+    assert abs(steps[late + 10] - steps[late] - 10 * usual) < 5 * CYCLES_PER_US
+    assert CLOSEST_US * CYCLES_PER_US <= intervals.min() == intervals[late + 1 : late + 10].min()
+    [told] = [each for each in exchanges(played.frames) if each.kind == STATUS]
+    assert Status.unpack(told.reply[:OUTPUT_STATUS_BYTES]).position == speed
+    inputs = InputsStatus.unpack(told.reply[OUTPUT_STATUS_BYTES:])
+    assert (inputs.stopped_by, inputs.known) == (0, 1)
+
+
+def test_two_late_axes_of_one_channel_are_each_on_their_own(tmp_path: Path) -> None:
+    """A slow one's next step may be half of the timer's round ahead: the quick one's, past by then, is no later one."""
+    slow, quick, talk = RampDesign(540, 4000, 4000), RampDesign(8000, 64_000, 64_000), Talk()
+    talk.begin(image([slow, slow, quick]), None, InputSettings())
+    talk.ask(SET_POSITION, for_axes({0: 0, 2: 0}))
+    talk.ask(MOVE_BY, for_axes({0: 540, 2: 8000}))
+    talk.ask(STATUS, b"\2", wait_ms=1500)
+    played = play(tmp_path, talk, MIDDLE_PIN, 1)
+    for axis, speed in ((0, 540), (2, 8000)):
+        usual, intervals = 16_000_000 / speed, np.diff(steps_of(played, axis))
+        at_speed = intervals[len(intervals) // 10 : len(intervals) * 9 // 10]
+        assert 380 * CYCLES_PER_US < at_speed.max() - usual < 520 * CYCLES_PER_US + usual
+        assert at_speed.min() > 0.9 * usual
+    [told] = [each for each in exchanges(played.frames) if each.kind == STATUS]
+    assert Status.unpack(told.reply[:OUTPUT_STATUS_BYTES]).position == 8000
+    inputs = InputsStatus.unpack(told.reply[OUTPUT_STATUS_BYTES:])
+    assert (inputs.stopped_by, inputs.known) == (0, 0b101)
 
 
 @pytest.mark.parametrize(("axes", "speed", "kind"), [(1, 100_000, MOVE_BY), (4, 20_000, MOVE_BY), (4, 60_000, LINE)])

@@ -208,21 +208,38 @@ again_soon_\channel:
 	FORGET_MATCH \flag
 	rjmp dispatch_\channel
 #if COUNTS_LATENESS
-/* What was missed isn't made up for: the next event comes an interval from now, and so do those behind it. */
+/* What was missed isn't made up for: the next event comes an interval from now, and so do those behind it. Then the other
+ * axis: where it is past as well its time can't be compared with this one's, which may be half of the timer's round ahead. */
 late_\channel:
 	CONFIRM_LATE again_soon_\channel
+count_late_\channel:
 	COUNT_LATE \flag
 	sbic GPIOR0, \second
 	rjmp 2f
 	FROM_NOW PLAYER(\first_axis, INTERVAL)
 	sts  PLAYER(\first_axis, DUE), r26
 	sts  PLAYER(\first_axis, DUE + 1), r27
+	sbis GPIOR0, \shared
+	rjmp program_\channel
+	sbi  GPIOR0, \second
+	lds  r26, PLAYER(\second_axis, DUE)
+	lds  r27, PLAYER(\second_axis, DUE + 1)
 	rjmp 3f
 2:	FROM_NOW PLAYER(\second_axis, INTERVAL)
 	sts  PLAYER(\second_axis, DUE), r26
 	sts  PLAYER(\second_axis, DUE + 1), r27
-3:	sbic GPIOR0, \shared
+	sbis GPIOR0, \shared
+	rjmp program_\channel
+	cbi  GPIOR0, \second
+	lds  r26, PLAYER(\first_axis, DUE)
+	lds  r27, PLAYER(\first_axis, DUE + 1)
+3:	COMPARE_WITH_TIMER
+	brmi 4f
 	rjmp find_next_\channel
+4:	CONFIRM_LATE 5f
+	rjmp count_late_\channel             /* it is late, too */
+5:	lds  r26, TCNT1L                     /* or is due now */
+	lds  r27, TCNT1H
 	rjmp program_\channel
 #endif
 .endm
