@@ -70,7 +70,7 @@ public:
     /* A gauge such as the X25: its coils' four pins, which it drives itself. With a gauge, all axes are gauges. */
     void setGauge(uint8_t axis, uint8_t pin1, uint8_t pin2, uint8_t pin3, uint8_t pin4);
 
-    /* ---- inputs: before begin(). Nine at most. A sketch that calls none of these has nothing of them in it ---- */
+    /* ---- inputs: before begin(). Nine at most, each at a pin of its own and for one thing. A sketch that calls none of these has nothing of them in it ---- */
 
     /* No step after it, until it is released and acknowledged. Six at most. Where a timer makes the steps, the pin's own interrupt stops
      * them; returns false when the pin has none, or no timer does: then poll() has to see it. */

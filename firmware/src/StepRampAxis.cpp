@@ -32,6 +32,10 @@ const float MOST_STEPS = 16777214.0f;
 /* [steps/s] Slower motors want the slow clock, whose intervals may be longer. */
 const float LEAST_FAST_SPEED = 1;
 
+/* [steps/s], [steps/s^2] With less, a step, or the first one from rest, takes longer than LONGEST_INTERVAL_TICKS of the slow
+ * clock, or of the fast one. */
+const float LEAST_SPEED = 0.0075f, LEAST_ACCELERATION = 0.00012f, LEAST_FAST_ACCELERATION = 0.0072f;
+
 const uint8_t CLOCK_IS_FAST = 1;
 
 uint8_t ramps[STEPRAMP_AXIS_RAMP_BYTES];
@@ -44,9 +48,9 @@ uint32_t shortest_interval()
     return (board_limit(LIMIT_SHORTEST_1_AXIS) + fast_ticks - 1u) / fast_ticks;
 }
 
-OUT_OF_LINE bool is_positive(float number)
+OUT_OF_LINE bool is_at_least(float least, float number)
 {
-    return number > 0 && number < 1e9f;
+    return number >= least && number < 1e9f;
 }
 
 } // namespace
@@ -108,7 +112,7 @@ StepRampProblem StepRampAxis::checkImage() const
 
 StepRampProblem StepRampAxis::checkRamp() const
 {
-    if (!is_positive(speed) || clock_hz / speed > LONGEST_INTERVAL_TICKS) {
+    if (!is_at_least(LEAST_SPEED, speed)) {
         return STEPRAMP_BAD_SPEED;
     }
     if (ramp_maker_interval(clock_hz, speed) < shortest_interval()) {
@@ -118,7 +122,7 @@ StepRampProblem StepRampAxis::checkRamp() const
         return STEPRAMP_BAD_BASE_SPEED;
     }
     const ramp_wish wish = {speed, baseSpeed, acceleration, deceleration, clock_hz};
-    bool isGood = is_positive(acceleration) && is_positive(deceleration) &&
+    bool isGood = is_at_least(LEAST_ACCELERATION, acceleration) && is_at_least(LEAST_ACCELERATION, deceleration) &&
                   ramp_maker_steps(&wish, acceleration) <= MOST_STEPS && ramp_maker_steps(&wish, deceleration) <= MOST_STEPS;
     return isGood ? STEPRAMP_READY : STEPRAMP_BAD_ACCELERATION;
 }
@@ -153,42 +157,50 @@ uint16_t StepRampAxis::write(uint8_t *bytes, uint16_t room) const
     return rampBytes <= room ? rampBytes : 0;
 }
 
-/* One image for all axes. Those that have no good ramp yet are given the first one, as each needs one: they don't move. */
+/* One image for all axes. Those that have no good ramp yet are given the first one, as each needs one: they don't move. Nor does
+ * any where that fails: what others began with isn't there any more. */
 StepRampProblem StepRampAxis::beginAll()
 {
     uint8_t axes = count < STEPRAMP_AXES ? count : STEPRAMP_AXES, left = 0, number = 0;
     for (uint8_t i = 0; i < axes; i++) {
         left = (uint8_t)(left + (all[i]->check() == STEPRAMP_READY));
     }
-    uint16_t end = (uint16_t)(NUMBERS_AT + axes);
-    for (uint8_t i = 0; i < axes; i++) {
+    uint16_t end = (uint16_t)(NUMBERS_AT + axes), written = 1;
+    for (uint8_t i = 0; i < axes && written != 0; i++) {
         ramps[NUMBERS_AT + i] = 0;
-        if (all[i]->check() != STEPRAMP_READY) {
+        StepRampProblem problem = all[i]->check();
+        if (problem != STEPRAMP_READY) {
+            all[i]->found = problem; /* it may have begun with another ramp */
             continue;
         }
-        uint16_t written = all[i]->write(ramps + end, (uint16_t)((sizeof ramps - end) / left--));
-        if (written == 0) {
-            return STEPRAMP_NO_ROOM;
-        }
+        written = all[i]->write(ramps + end, (uint16_t)((sizeof ramps - end) / left--));
         ramps[NUMBERS_AT + i] = number++;
         end = (uint16_t)(end + written);
         StepRamp.setStepper(i, all[i]->stepPin, all[i]->directionPin);
     }
-#if HAS_INPUTS
-    if (has_inputs() && !WITH_INPUTS(arduino_inputs_are_good)()) {
-        return STEPRAMP_BAD_PINS;
-    }
-#endif
     const uint8_t head[NUMBERS_AT] = {IMAGE_FORMAT, (uint8_t)(clock_hz == FAST_CLOCK_HZ ? CLOCK_IS_FAST : 0), axes, number};
     memcpy(ramps, head, sizeof head);
-    return StepRamp.begin(ramps, end) ? STEPRAMP_READY : STEPRAMP_BAD_IMAGE;
+    if (written != 0 && StepRamp.begin(ramps, end)) {
+        return STEPRAMP_READY;
+    }
+    StepRampProblem problem = written == 0 ? STEPRAMP_NO_ROOM : STEPRAMP_BAD_IMAGE;
+#if HAS_INPUTS
+    if (has_inputs() && !WITH_INPUTS(arduino_inputs_are_good)()) {
+        problem = STEPRAMP_BAD_PINS;
+    }
+#endif
+    for (uint8_t i = 0; i < axes; i++) {
+        all[i]->found = problem;
+    }
+    return problem;
 }
 
 /* Its ramp can't be played at the fast clock. */
 bool StepRampAxis::wantsSlowClock() const
 {
     if (source == COMPUTED) {
-        return speed < LEAST_FAST_SPEED;
+        return !is_at_least(LEAST_FAST_SPEED, speed) || !is_at_least(LEAST_FAST_ACCELERATION, acceleration) ||
+               !is_at_least(LEAST_FAST_ACCELERATION, deceleration);
     }
     return source != NOTHING && length > CLOCK_AT && imageByte(CLOCK_AT) != CLOCK_IS_FAST;
 }
@@ -233,7 +245,7 @@ const __FlashStringHelper *StepRampAxis::problem() const
     case STEPRAMP_SPEED_TOO_HIGH:
         return F("the speed is above this board's mostSpeed()");
     case STEPRAMP_BAD_ACCELERATION:
-        return F("acceleration and deceleration must be above 0, for 16777214 steps at most");
+        return F("acceleration and deceleration must be 0.00012 at least, for 16777214 steps at most");
     case STEPRAMP_BAD_BASE_SPEED:
         return F("the base speed is below 0 or not below the speed");
     case STEPRAMP_BAD_IMAGE:

@@ -22,11 +22,12 @@ enum StepRampProblem : uint8_t {
     STEPRAMP_READY,
     STEPRAMP_TOO_MANY,         /* there are more than four axes */
     STEPRAMP_BAD_PINS,         /* the step pin and the direction pin are the same, or one of them is another axis' or an input's;
-                                * or there are more than nine inputs, or six emergency stops */
+                                * or an input is two things at once, or there are more than nine inputs, or six emergency stops */
     STEPRAMP_RAMP_MISSING,     /* neither setRamp() nor useRamp() has been called */
     STEPRAMP_BAD_SPEED,        /* it is below 0.0075 steps/s */
     STEPRAMP_SPEED_TOO_HIGH,   /* for this board: see mostSpeed() */
-    STEPRAMP_BAD_ACCELERATION, /* or deceleration: it is not above 0, or takes more than 16 million steps to the speed */
+    STEPRAMP_BAD_ACCELERATION, /* or deceleration: it is below 0.00012 steps/s^2, with which a step from rest takes
+                                * 134 s, or takes more than 16 million steps to the speed */
     STEPRAMP_BAD_BASE_SPEED,   /* it is below 0, or not below the speed */
     STEPRAMP_BAD_IMAGE,        /* an exported ramp is damaged, for several axes, too fast, or for another clock: for the fast one
                                 * where no timer makes the steps; or one of StepRamp's settings is out of its range */
@@ -58,7 +59,8 @@ public:
      * the lowest above the highest it goes nowhere. */
     void setSoftLimits(int32_t lowest, int32_t highest);
 
-    /* Makes all axes ready whose ramp is set, at rest: this one and those that have begun before. */
+    /* Makes all axes ready whose ramp is set, at rest: this one and those that have begun before. What these have been set since
+     * must be good as well: else problem() of theirs tells, and they don't move. Nor does any where there is no room for all. */
     StepRampProblem begin();
 
     /* What begin() found last, in words. */

@@ -19,7 +19,7 @@ static_assert((uint8_t)STEPRAMP_BY_EMERGENCY_STOP == (uint8_t)BY_EMERGENCY_STOP 
 
 namespace {
 
-bool are_too_many;
+bool are_bad; /* too many, or for two things at once */
 
 void use_inputs()
 {
@@ -38,16 +38,20 @@ void use_homing()
     stepramp_homing = &functions;
 }
 
-/* An input that is free, or is at this pin already: emergency stops begin with the first of them, all others with the last. */
-uint8_t input_for(uint8_t pin, bool is_stop)
+/* An input that is free, or is at this pin already: emergency stops begin with the first of them, all others with the last. None
+ * where the pin is for something else, which it would silently be no more. */
+uint8_t input_for(uint8_t pin, uint8_t role)
 {
-    uint8_t count = is_stop ? EMERGENCY_INPUTS : INPUTS, free = INPUTS;
-    for (uint8_t i = 0; i < count; i++) {
-        uint8_t input = is_stop ? (uint8_t)(count - 1 - i) : i;
+    bool is_stop = role == ROLE_EMERGENCY_STOP;
+    uint8_t free = INPUTS;
+    for (uint8_t i = 0; i < INPUTS; i++) {
+        uint8_t input = is_stop ? (uint8_t)(INPUTS - 1 - i) : i;
         if (stepramp_pins.inputs[input] == pin) {
-            return input;
+            return (stepramp_sketch_settings.roles[input] & ROLE_BITS) == role ? input : (uint8_t)INPUTS;
         }
-        free = stepramp_pins.inputs[input] == NO_PIN ? input : free;
+        if (stepramp_pins.inputs[input] == NO_PIN && (!is_stop || input < EMERGENCY_INPUTS)) {
+            free = input;
+        }
     }
     return free;
 }
@@ -55,9 +59,9 @@ uint8_t input_for(uint8_t pin, bool is_stop)
 void add_input(uint8_t pin, uint8_t role, uint8_t how)
 {
     use_inputs();
-    uint8_t input = input_for(pin, role == ROLE_EMERGENCY_STOP);
+    uint8_t input = input_for(pin, role);
     if (input == INPUTS) {
-        are_too_many = true;
+        are_bad = true;
         return;
     }
     stepramp_pins.inputs[input] = pin;
@@ -89,7 +93,7 @@ bool have_pins_of_their_own()
 
 bool arduino_inputs_are_good(void)
 {
-    return !are_too_many && have_pins_of_their_own();
+    return !are_bad && have_pins_of_their_own();
 }
 
 /* ---- wiring ---- */

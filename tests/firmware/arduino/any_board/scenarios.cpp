@@ -87,6 +87,13 @@ int Print::availableForWrite()
     return 0;
 }
 
+static bool has_timer; /* for the choice of the clock: it plays nothing here */
+
+extern "C" bool __wrap_arduino_has_timer()
+{
+    return has_timer;
+}
+
 /* ---- scenarios; the ramp has SLEW_US for slew interval, one axis or two ---- */
 
 static void begin()
@@ -262,6 +269,47 @@ static void axes()
     CHECK(shortest_us[STEP] >= SLEW_US - 20 && shortest_us[STEP + 1] >= 2 * SLEW_US - 20);
 }
 
+/* An axis that has begun doesn't move by a ramp that isn't its own, nor by none, once another has begun. */
+static void another_begins()
+{
+    static StepRampAxis x(STEP, DIRECTION), y(STEP + 1, DIRECTION + 1);
+    x.setRamp(1000, 4000);
+    y.setRamp(300, 1000);
+    CHECK(x.begin() == STEPRAMP_READY && y.begin() == STEPRAMP_READY);
+    y.setRamp(-1, 1000);
+    CHECK(x.begin() == STEPRAMP_READY && y.moveTo(1000) == STEPRAMP_NO_RAMP);
+    CHECK(strcmp((const char *)y.problem(), "the speed is below 0.0075 steps/s") == 0);
+    y.setRamp(300, 1000);
+    CHECK(y.begin() == STEPRAMP_READY && y.moveTo(10) == STEPRAMP_OK);
+    poll_until_rest();
+    x.setRamp(1000, 2);
+    CHECK(x.begin() == STEPRAMP_NO_ROOM && y.moveTo(0) == STEPRAMP_NO_RAMP && x.moveTo(1) == STEPRAMP_NO_RAMP);
+    x.setRamp(1000, 4000);
+    CHECK(x.begin() == STEPRAMP_READY && y.moveTo(0) == STEPRAMP_NO_RAMP && y.begin() == STEPRAMP_READY);
+    CHECK(y.moveTo(0) == STEPRAMP_OK && shortest_us[STEP + 1] >= 3000);
+}
+
+/* What is so slow that its first step wants the slow clock has that, and what is too slow for that is told so. */
+static void slow_ramps()
+{
+    static StepRampAxis x(STEP, DIRECTION);
+    const float slow[][2] = {{2, 0.005f}, {0.02f, 0.00012f}, {0.0075f, 1}};
+    const float accelerations[] = {0.00011f, 1e-5f, 1e-9f};
+    has_timer = true;
+    for (float tooSlow : accelerations) {
+        x.setRamp(1, tooSlow);
+        CHECK(x.begin() == STEPRAMP_BAD_ACCELERATION && strstr((const char *)x.problem(), "0.00012 at least") != nullptr);
+        x.setRamp(1, 1, tooSlow);
+        CHECK(x.begin() == STEPRAMP_BAD_ACCELERATION);
+    }
+    for (const float(&ramp)[2] : slow) {
+        x.setRamp(ramp[0], ramp[1]);
+        CHECK(x.begin() == STEPRAMP_READY && StepRamp.ticksPerSecond() == 2000000);
+    }
+    x.setRamp(2, 0.008f);
+    CHECK(x.begin() == STEPRAMP_READY && StepRamp.ticksPerSecond() == 16000000);
+}
+
 /* A run at a speed, and a stop in flight. */
 static void axis_in_flight()
 {
@@ -426,6 +474,27 @@ static void bad_inputs()
     CHECK(x.begin() == STEPRAMP_BAD_PINS && !StepRamp.begin(image, image_bytes));
 }
 
+/* A switch can't be two things at once, as one of two axes is: the first would silently be forgotten. */
+static void shared_inputs()
+{
+    static StepRampAxis x(STEP, DIRECTION), y(STEP + 1, DIRECTION + 1);
+    x.setRamp(1000, 4000);
+    x.setLimitSwitches(LOW_SWITCH);
+    x.setLimitSwitches(LOW_SWITCH, STEPRAMP_NO_PIN, STEPRAMP_AT_ONCE);
+    CHECK(x.begin() == STEPRAMP_READY);
+    y.setLimitSwitches(LOW_SWITCH);
+    CHECK(x.begin() == STEPRAMP_BAD_PINS && strcmp((const char *)x.problem(), "a pin is used twice") == 0);
+}
+
+static void shared_stop()
+{
+    static StepRampAxis x(STEP, DIRECTION);
+    x.setRamp(1000, 4000);
+    StepRamp.setDriverFault(STOP_PIN);
+    StepRamp.setEmergencyStop(STOP_PIN);
+    CHECK(x.begin() == STEPRAMP_BAD_PINS && !StepRamp.begin(image, image_bytes));
+}
+
 /* 75 minutes of motion, past the last position, too: micros() comes round at their beginning, and once more. poll() is called
  * each 2 ms, so that a step of 10 ms is late by up to that. */
 static void for_75_minutes()
@@ -477,8 +546,10 @@ int main(int count, char **words)
         void (*play)();
     } SCENARIOS[] = {{"refuse", refuse}, {"move", move},           {"run", run},
                      {"set", set},       {"delay_loop", delay_loop}, {"gauge", gauge},
-                     {"axes", axes},     {"axis_in_flight", axis_in_flight}, {"too_many_axes", too_many_axes},
-                     {"shared_pins", shared_pins}, {"for_75_minutes", for_75_minutes},
+                     {"axes", axes},     {"axis_in_flight", axis_in_flight}, {"another_begins", another_begins}, {"slow_ramps", slow_ramps},
+                     {"too_many_axes", too_many_axes},
+                     {"shared_pins", shared_pins}, {"shared_inputs", shared_inputs}, {"shared_stop", shared_stop},
+                     {"for_75_minutes", for_75_minutes},
                      {"emergency_stop", emergency_stop}, {"home", home}, {"two_homes", two_homes}, {"soft_limits", soft_limits}, {"short_stop", short_stop}, {"bad_inputs", bad_inputs}};
     CHECK(count == 3);
     unsigned byte;
