@@ -72,8 +72,10 @@
 /* Where the program has inputs it can tell that steps came late: see lateness.h. */
 #define LEAST_LATE 3 /* [256 ticks] machine_inputs.c never makes up for less */
 
-/* The event at r27:r26 is past: may it be so by more than is made up for? Then to \late. r25 is the timer's high byte, or
- * anything where a wide pulse was waited for. 3 cycles, as many as there are to spare here. */
+/* The event at r27:r26 is past: may it be so by more than is made up for? Then to \late. r25 is the timer's high byte, or 0
+ * where the only axis of a channel waited for a wide pulse: a yes of that is looked at again there, a no, where r27 is 0, 254
+ * or 255, isn't, and one late step is made up for, unless those behind it are late, too. 3 cycles, as many as there are to
+ * spare here. */
 .macro GO_IF_LATE late
 	sub  r25, r27
 	cpi  r25, LEAST_LATE

@@ -180,7 +180,7 @@ volatile uint8_t stepramp_late, stepramp_late_from;
  * main loop knows. [us], and [256 ticks] for each tick of a microsecond */
 enum { MADE_UP_FOR_US = 64, PULSES_MADE_UP_FOR = 4, MOST_LATE = 4 };
 
-/* [256 ticks] An engine has no time to look for less. */
+/* [256 ticks] An engine has no time to look for less: 384 us of the slow clock. */
 enum { LEAST_MADE_UP_FOR = 3 };
 
 void machine_lateness_configure(void)
