@@ -196,6 +196,10 @@ class NotAcceptable(Rejected):
     """The answer can't be sent in any of the forms that are taken."""
 
 
+class UnsupportedMediaType(Rejected):
+    """A body isn't in a form that is taken."""
+
+
 class NotFound(StepRampError, LookupError):
     """What was asked for does not exist."""
 

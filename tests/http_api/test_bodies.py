@@ -274,6 +274,7 @@ def test_bodies_of_another_type_are_refused(client: TestClient, route: str, kind
         f"The Content-Type header is {'missing' if kind is None else chr(39) + kind[:60]}"
     )
     assert error["message"].endswith("allowed: application/json.")
+    assert (error["field"], error["allowed"]) == ("Content-Type", "application/json")
 
 
 @pytest.mark.parametrize("charset", ["latin-1", "UTF-16", '"iso-8859-1"', "utf-8; charset=latin-1", ""])
@@ -293,6 +294,7 @@ def test_compressed_bodies_are_refused(client: TestClient, route: str, encodings
     [error] = errors_of(client.post(route, content=b"\x1f\x8b\x08", headers=headers), 415)
     told = ", ".join(encodings)
     assert error["message"] == f"The Content-Encoding header is {told!r}; allowed: identity, or none."
+    assert (error["field"], error["value"], error["allowed"]) == ("Content-Encoding", told, "identity, or none")
 
 
 def test_a_body_that_says_it_is_not_compressed_is_taken(client: TestClient) -> None:

@@ -18,7 +18,7 @@ from starlette.requests import ClientDisconnect
 from starlette.responses import Response
 from starlette.types import Receive, Scope, Send
 
-from stepramp.errors import Overloaded, Rejected, Rejection, TooOften, shown
+from stepramp.errors import Overloaded, Rejected, Rejection, TooOften, UnsupportedMediaType, shown
 from stepramp.http_api.access import ASKING
 from stepramp.http_api.errors import ErrorList, error_response
 from stepramp.http_api.json_response import JsonResponse
@@ -165,7 +165,7 @@ async def read_body(request: Request) -> bytes:
 async def read_file_body(request: Request) -> list[bytes]:
     """Return the body of a FileRoute's request, in parts: to join them takes long.
 
-    Raises HTTPException with status 415 for another type or a compressed body, and what _parts_of raises. Most of a
+    Raises UnsupportedMediaType for another type or a compressed body, and what _parts_of raises. Most of a
     body that is too large is taken, though not kept: a browser shows no answer that comes before it has sent all.
     """
     _refuse_other_types(request, FILE_TYPE)
@@ -226,19 +226,24 @@ def _refuse_other_types(request: Request, allowed: str) -> None:
     given = request.headers.get("content-type")
     kind, *parameters = (given or "").lower().split(";")
     if kind.strip() != allowed:
-        raise HTTPException(415, f"The Content-Type header is {shown(given)}; allowed: {allowed}.")
+        raise _unsupported("Content-Type", given, allowed)
     named = [each.partition("=") for each in parameters]
     charsets = {value.strip(' "') for name, _, value in named if name.strip() == "charset"}
     if allowed == JSON_TYPE and not charsets <= JSON_CHARSETS:
         words = f"{allowed} with charset utf-8 or us-ascii, or without one"
-        raise HTTPException(415, f"The Content-Type header is {shown(given)}; allowed: {words}.")
+        raise _unsupported("Content-Type", given, words)
 
 
 def _refuse_encodings(request: Request) -> None:
-    """Raise HTTPException with status 415 for a body that is compressed: how large it becomes is known too late."""
+    """Raise UnsupportedMediaType for a body that is compressed: how large it becomes is known too late."""
     told = ", ".join(request.headers.getlist("content-encoding"))
     if not {each.strip().lower() for each in told.split(",")} <= {"", "identity"}:
-        raise HTTPException(415, f"The Content-Encoding header is {shown(told)}; allowed: identity, or none.")
+        raise _unsupported("Content-Encoding", told, "identity, or none")
+
+
+def _unsupported(header: str, given: str | None, allowed: str) -> UnsupportedMediaType:
+    words = f"The {header} header is {shown(given)}; allowed: {allowed}."
+    return UnsupportedMediaType([Rejection(header, given, allowed, reason=words)])
 
 
 def _content(body: bytes) -> object:

@@ -25,6 +25,7 @@ from stepramp.errors import (
     TooOften,
     Unauthorized,
     Unavailable,
+    UnsupportedMediaType,
     brief,
 )
 from stepramp.http_api.answer import Answer
@@ -33,6 +34,7 @@ from stepramp.validation import rejected
 
 STATUS: dict[type[StepRampError], int] = {
     NotAcceptable: 406,
+    UnsupportedMediaType: 415,
     Rejected: 422,
     NotFound: 404,
     Refused: 409,
@@ -150,7 +152,7 @@ def handle_errors(app: FastAPI) -> None:
 
     async def own(_: Request, error: Exception) -> Response:
         assert isinstance(error, StepRampError)
-        if isinstance(error, Rejected) and not isinstance(error, NotAcceptable):
+        if isinstance(error, Rejected) and not isinstance(error, (NotAcceptable, UnsupportedMediaType)):
             error = in_body(error)
         return error_response(error)
 
