@@ -208,6 +208,10 @@ class Refused(StepRampError):
     """The request is sound, but can't be done in the present state."""
 
 
+class Rescaled(Refused):
+    """Lengths are other numbers of steps by now. Refused once: whoever asks again is taken to know it."""
+
+
 class Forbidden(StepRampError):
     """The request comes from a page or a host that may not control this server."""
 

@@ -254,10 +254,6 @@ class AnswerUnknown(Refused):
     """An answer was lost, and something more urgent came before the request could be repeated."""
 
 
-class Rescaled(Refused):
-    """Lengths are other numbers of steps by now. Refused once: whoever asks again is taken to know it."""
-
-
 class Controller(Protocol):
     """A controller at an open port: what every family can do. All calls raise DeviceLost when it no longer answers.
 

@@ -1,6 +1,6 @@
 """How many steps a controller makes of a full step, and what comes of it that somebody else changes that meanwhile."""
 
-from stepramp.controllers.contract import Rescaled
+from stepramp.errors import Rescaled
 
 
 def steps(count: int) -> str:

@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from time import monotonic
 
-from stepramp.controllers.contract import Controller, Rescaled
+from stepramp.controllers.contract import Controller
 from stepramp.devices.contact import Contact
 from stepramp.devices.leases import Lease, Leases
 from stepramp.devices.live_view import LiveView
@@ -14,7 +14,7 @@ from stepramp.devices.stopping import Stopping
 from stepramp.devices.stops import Order
 from stepramp.devices.view import UNDER_WAY
 from stepramp.devices.watch import Watch
-from stepramp.errors import DeviceLost, StepRampError
+from stepramp.errors import DeviceLost, Rescaled, StepRampError
 
 
 def _nothing() -> None:

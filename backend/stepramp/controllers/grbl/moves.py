@@ -12,7 +12,6 @@ from stepramp.controllers.contract import (
     AxisCommand,
     AxisStatus,
     Ends,
-    Rescaled,
     lasts_until_end_s,
 )
 from stepramp.controllers.grbl.conversation import Answered, Conversation
@@ -28,7 +27,7 @@ from stepramp.controllers.grbl.jog import fastest_feed, feed_of, jog_line, refus
 from stepramp.controllers.grbl.motion import SEGMENTS_PER_S
 from stepramp.controllers.grbl.places import Places
 from stepramp.controllers.grbl.stopping import Stopping
-from stepramp.errors import DeviceLost, Refused, Rejected
+from stepramp.errors import DeviceLost, Refused, Rejected, Rescaled
 from stepramp.units import SECONDS_PER_MINUTE
 
 AHEAD_S = 1.5

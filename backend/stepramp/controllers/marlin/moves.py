@@ -13,7 +13,6 @@ from stepramp.controllers.contract import (
     AxisCommand,
     AxisStatus,
     Ends,
-    Rescaled,
     lasts_until_end_s,
     values_of,
 )
@@ -44,7 +43,7 @@ from stepramp.controllers.marlin.way import (
     refuse_speeds,
     way_line,
 )
-from stepramp.errors import DeviceLost, Refused
+from stepramp.errors import DeviceLost, Refused, Rescaled
 from stepramp.units import SECONDS_PER_MINUTE
 
 LOOK_S = 0.1
