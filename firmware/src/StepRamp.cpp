@@ -36,7 +36,6 @@ struct settings &settings_now = stepramp_sketch_settings;
 /* Of poll(), at most: loop() has other things to do. */
 enum { MOST_ROUNDS = 2 };
 
-const uint8_t *image; /* that is used; none before begin() */
 bool has_begun;
 
 uint8_t bit_of(uint8_t axis)
@@ -82,13 +81,11 @@ void end_homing(uint8_t mask)
 #endif
 }
 
-bool inputs_are_good()
+/* Nothing moves before the next good image. */
+void forget_image()
 {
-#if HAS_INPUTS
-    return !has_inputs() || WITH_INPUTS(arduino_inputs_are_good)();
-#else
-    return true;
-#endif
+    stepramp_image = nullptr;
+    stepramp_axis_count = 0;
 }
 
 /* Nothing else is to be said to these axes now. */
@@ -186,11 +183,11 @@ bool StepRampClass::begin(const uint8_t *ramp, uint16_t length)
     } else if (isMoving()) {
         return false;
     }
-    if (!settings_are_good() || !inputs_are_good() || !ramp_image_check(ramp, length).good) {
+    if (!settings_are_good() || !arduino_pins_are_good() || !ramp_image_check(ramp, length).good) {
+        forget_image();
         return false;
     }
-    image = ramp;
-    machine_use(image, &settings_now);
+    machine_use(ramp, &settings_now);
     return true;
 }
 

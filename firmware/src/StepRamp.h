@@ -31,10 +31,11 @@ enum StepRampResult : uint8_t {
     STEPRAMP_OK = 0,
     STEPRAMP_MOVING = 4,       /* not while something moves, or not while a line is drawn */
     STEPRAMP_NO_RAMP = 5,      /* begin() has had no good ramp */
-    STEPRAMP_OUT_OF_RANGE = 6, /* there is no such axis, or no such position, or the interval is too short or too long */
+    STEPRAMP_OUT_OF_RANGE = 6, /* there is no such axis, or no such position, or the speed or interval is none that the ramp has; of home()
+                                * also: no limit switch has been set at that end */
     STEPRAMP_TOO_FAST = 12,    /* together, these axes need more time than the board has */
     STEPRAMP_STOPPED = 13,     /* an emergency stop or a driver's fault: see stoppedBy() */
-    STEPRAMP_AT_LIMIT = 14     /* a limit switch at that end is active; the other way is free */
+    STEPRAMP_AT_LIMIT = 14     /* a limit switch at that end is active, or a soft limit lies on the way; the other way is free */
 };
 
 /* What an input's switch is like, and what it does; they can be added. */
@@ -104,8 +105,8 @@ public:
     void setEnableLead(uint16_t milliseconds);     /* from enabling to the first pulse; 0 to 1000, at first 1 */
     void setEnableHold(uint16_t milliseconds);     /* from rest to disabling; at first STEPRAMP_HOLD */
 
-    /* Uses a ramp image, which must stay as it is; all positions are 0 at first. Returns false when the image, or a
-     * setting, isn't good: then nothing moves. At rest it may be called again. */
+    /* Uses a ramp image, which must stay as it is; all positions are 0 at first. Returns false when the image, a setting or a pin isn't
+     * good: then nothing moves, until it is called again with good ones. While something moves it returns false and changes nothing. */
     bool begin(const uint8_t *ramp, uint16_t length);
 
     /* Plans further steps, and makes those that are due unless a timer does. */

@@ -38,14 +38,28 @@ const float LEAST_SPEED = 0.0075f, LEAST_ACCELERATION = 0.00012f, LEAST_FAST_ACC
 
 const uint8_t CLOCK_IS_FAST = 1;
 
-uint8_t ramps[STEPRAMP_AXIS_RAMP_BYTES];
+/* What it takes to prepare a segment for each axis that moves, 0.7 ms, where a timer's steps take all of the processor that they may: see
+ * docs/serial_protocol.md, Keeping pace. */
+const uint16_t SEGMENT_TICKS = 11200, SLOW_SEGMENT_TICKS = 1400;
 
-uint32_t clock_hz = SLOW_CLOCK_HZ; /* of the ramps */
+uint8_t ramps[STEPRAMP_AXIS_RAMP_BYTES];
+uint16_t length_of_ramps; /* [bytes] of the image in it; 0: it is to be made, as an axis or a ramp is new */
+
+uint32_t clock_hz = SLOW_CLOCK_HZ; /* of the ramps that begin() is about */
 
 uint32_t shortest_interval()
 {
-    const uint8_t fast_ticks = (uint8_t)(FAST_CLOCK_HZ / clock_hz);
-    return (board_limit(LIMIT_SHORTEST_1_AXIS) + fast_ticks - 1u) / fast_ticks;
+    const uint8_t fast_ticks = FAST_CLOCK_HZ / SLOW_CLOCK_HZ; /* in a slow one */
+    uint16_t shortest = board_limit(LIMIT_SHORTEST_1_AXIS);
+    return clock_hz == FAST_CLOCK_HZ ? shortest : (uint16_t)(shortest + fast_ticks - 1u) / fast_ticks;
+}
+
+OUT_OF_LINE void write_head(uint8_t *bytes, uint8_t axes, uint8_t ramps_of_them)
+{
+    bytes[0] = IMAGE_FORMAT;
+    bytes[CLOCK_AT] = clock_hz == FAST_CLOCK_HZ ? CLOCK_IS_FAST : 0;
+    bytes[AXES_AT] = axes;
+    bytes[RAMPS_AT] = ramps_of_them;
 }
 
 OUT_OF_LINE bool is_at_least(float least, float number)
@@ -56,11 +70,13 @@ OUT_OF_LINE bool is_at_least(float least, float number)
 } // namespace
 
 StepRampAxis::StepRampAxis(uint8_t itsStepPin, uint8_t itsDirectionPin)
-    : index(count++), stepPin(itsStepPin), directionPin(itsDirectionPin), source(NOTHING), found(STEPRAMP_RAMP_MISSING)
+    : index(count++), source(NOTHING), found(STEPRAMP_RAMP_MISSING), isReady(false)
 {
+    length_of_ramps = 0;
     if (index < STEPRAMP_AXES) {
         all[index] = this;
     }
+    StepRamp.setStepper(index, itsStepPin, itsDirectionPin);
 }
 
 /* ---- the ramp ---- */
@@ -68,6 +84,7 @@ StepRampAxis::StepRampAxis(uint8_t itsStepPin, uint8_t itsDirectionPin)
 void StepRampAxis::setRamp(float newSpeed, float newAcceleration, float newDeceleration, float newBaseSpeed)
 {
     source = COMPUTED;
+    length_of_ramps = 0;
     speed = newSpeed;
     acceleration = newAcceleration;
     deceleration = newDeceleration == 0 ? newAcceleration : newDeceleration;
@@ -77,6 +94,7 @@ void StepRampAxis::setRamp(float newSpeed, float newAcceleration, float newDecel
 void StepRampAxis::useRamp(const uint8_t *newImage, uint16_t newLength)
 {
     source = EXPORTED;
+    length_of_ramps = 0;
     image = newImage;
     length = newLength;
 }
@@ -104,15 +122,18 @@ uint8_t StepRampAxis::imageByte(uint16_t at) const
 
 StepRampProblem StepRampAxis::checkImage() const
 {
-    bool isForTheClock = (imageByte(CLOCK_AT) == CLOCK_IS_FAST) == (clock_hz == FAST_CLOCK_HZ);
-    bool isOfOneAxis = length > RAMP_AT_OF_ONE_AXIS && imageByte(0) == IMAGE_FORMAT && isForTheClock &&
-                       imageByte(AXES_AT) == 1 && imageByte(RAMPS_AT) == 1 && imageByte(NUMBERS_AT) == 0;
-    return isOfOneAxis ? STEPRAMP_READY : STEPRAMP_BAD_IMAGE;
+    uint8_t head[NUMBERS_AT + 1] = {0}; /* of one axis */
+    write_head(head, 1, 1);
+    uint16_t same = 0;
+    while (same < sizeof head && length > RAMP_AT_OF_ONE_AXIS && imageByte(same) == head[same]) {
+        same++;
+    }
+    return same == sizeof head ? STEPRAMP_READY : STEPRAMP_BAD_IMAGE;
 }
 
 StepRampProblem StepRampAxis::checkRamp() const
 {
-    if (!is_at_least(LEAST_SPEED, speed)) {
+    if (!(speed >= LEAST_SPEED)) {
         return STEPRAMP_BAD_SPEED;
     }
     if (ramp_maker_interval(clock_hz, speed) < shortest_interval()) {
@@ -121,9 +142,10 @@ StepRampProblem StepRampAxis::checkRamp() const
     if (!(baseSpeed >= 0 && baseSpeed < speed)) {
         return STEPRAMP_BAD_BASE_SPEED;
     }
-    const ramp_wish wish = {speed, baseSpeed, acceleration, deceleration, clock_hz};
+    const ramp_wish wish = {speed, baseSpeed, acceleration, deceleration, clock_hz, 0};
+    float slower = acceleration < deceleration ? acceleration : deceleration;
     bool isGood = is_at_least(LEAST_ACCELERATION, acceleration) && is_at_least(LEAST_ACCELERATION, deceleration) &&
-                  ramp_maker_steps(&wish, acceleration) <= MOST_STEPS && ramp_maker_steps(&wish, deceleration) <= MOST_STEPS;
+                  ramp_maker_steps(&wish, slower) <= MOST_STEPS;
     return isGood ? STEPRAMP_READY : STEPRAMP_BAD_ACCELERATION;
 }
 
@@ -132,22 +154,17 @@ StepRampProblem StepRampAxis::check() const
     if (index >= STEPRAMP_AXES) {
         return STEPRAMP_TOO_MANY;
     }
-    for (uint8_t i = 0; i < STEPRAMP_AXES && all[i] != nullptr; i++) {
-        const StepRampAxis *other = all[i];
-        bool isShared = other->stepPin == stepPin || other->stepPin == directionPin || other->directionPin == stepPin ||
-                        other->directionPin == directionPin;
-        if (stepPin == directionPin || (other != this && isShared)) {
-            return STEPRAMP_BAD_PINS;
-        }
+    if (stepramp_pins.step[index] == NO_PIN || stepramp_pins.direction[index] == NO_PIN || !arduino_pins_are_good()) {
+        return STEPRAMP_BAD_PINS;
     }
     return source == NOTHING ? STEPRAMP_RAMP_MISSING : source == COMPUTED ? checkRamp() : checkImage();
 }
 
 /* Writes its ramp. Returns its length, or 0: there is no room. */
-uint16_t StepRampAxis::write(uint8_t *bytes, uint16_t room) const
+uint16_t StepRampAxis::write(uint8_t *bytes, uint16_t room, uint16_t segmentTicks) const
 {
     if (source == COMPUTED) {
-        const ramp_wish wish = {speed, baseSpeed, acceleration, deceleration, clock_hz};
+        const ramp_wish wish = {speed, baseSpeed, acceleration, deceleration, clock_hz, segmentTicks};
         return ramp_maker_write(&wish, bytes, room);
     }
     uint16_t rampBytes = (uint16_t)(length - RAMP_AT_OF_ONE_AXIS);
@@ -157,42 +174,47 @@ uint16_t StepRampAxis::write(uint8_t *bytes, uint16_t room) const
     return rampBytes <= room ? rampBytes : 0;
 }
 
-/* One image for all axes. Those that have no good ramp yet are given the first one, as each needs one: they don't move. Nor does
- * any where that fails: what others began with isn't there any more. */
-StepRampProblem StepRampAxis::beginAll()
+/* One image for all axes. Those that have no good ramp yet are given the first one, as each needs one: they don't move. */
+StepRampProblem StepRampAxis::makeImage(uint8_t axes)
 {
-    uint8_t axes = count < STEPRAMP_AXES ? count : STEPRAMP_AXES, left = 0, number = 0;
+    uint8_t left = 0, number = 0;
     for (uint8_t i = 0; i < axes; i++) {
-        left = (uint8_t)(left + (all[i]->check() == STEPRAMP_READY));
+        left = (uint8_t)(left + (all[i]->found == STEPRAMP_READY));
     }
-    uint16_t end = (uint16_t)(NUMBERS_AT + axes), written = 1;
-    for (uint8_t i = 0; i < axes && written != 0; i++) {
+    const uint16_t segmentTicks = arduino_has_timer() ? (clock_hz == FAST_CLOCK_HZ ? SEGMENT_TICKS : SLOW_SEGMENT_TICKS) * left : 0;
+    uint16_t end = (uint16_t)(NUMBERS_AT + axes);
+    for (uint8_t i = 0; i < axes; i++) {
         ramps[NUMBERS_AT + i] = 0;
-        StepRampProblem problem = all[i]->check();
-        if (problem != STEPRAMP_READY) {
-            all[i]->found = problem; /* it may have begun with another ramp */
+        if (all[i]->found != STEPRAMP_READY) {
             continue;
         }
-        written = all[i]->write(ramps + end, (uint16_t)((sizeof ramps - end) / left--));
+        uint16_t written = all[i]->write(ramps + end, (uint16_t)((sizeof ramps - end) / left--), segmentTicks);
+        if (written == 0) {
+            return STEPRAMP_NO_ROOM;
+        }
         ramps[NUMBERS_AT + i] = number++;
         end = (uint16_t)(end + written);
-        StepRamp.setStepper(i, all[i]->stepPin, all[i]->directionPin);
     }
-    const uint8_t head[NUMBERS_AT] = {IMAGE_FORMAT, (uint8_t)(clock_hz == FAST_CLOCK_HZ ? CLOCK_IS_FAST : 0), axes, number};
-    memcpy(ramps, head, sizeof head);
-    if (written != 0 && StepRamp.begin(ramps, end)) {
-        return STEPRAMP_READY;
-    }
-    StepRampProblem problem = written == 0 ? STEPRAMP_NO_ROOM : STEPRAMP_BAD_IMAGE;
-#if HAS_INPUTS
-    if (has_inputs() && !WITH_INPUTS(arduino_inputs_are_good)()) {
-        problem = STEPRAMP_BAD_PINS;
-    }
-#endif
+    write_head(ramps, axes, number);
+    length_of_ramps = end;
+    return STEPRAMP_READY;
+}
+
+/* The axes whose ramps are good are ready together, or none is: the image that they had before is gone then. */
+void StepRampAxis::beginAll()
+{
+    uint8_t axes = count < STEPRAMP_AXES ? count : STEPRAMP_AXES;
     for (uint8_t i = 0; i < axes; i++) {
-        all[i]->found = problem;
+        all[i]->found = all[i]->check();
     }
-    return problem;
+    StepRampProblem outcome = length_of_ramps != 0 ? STEPRAMP_READY : makeImage(axes);
+    if (!StepRamp.begin(ramps, length_of_ramps) && outcome == STEPRAMP_READY) {
+        outcome = STEPRAMP_BAD_IMAGE;
+    }
+    for (uint8_t i = 0; i < axes; i++) {
+        all[i]->found = all[i]->found == STEPRAMP_READY ? outcome : all[i]->found;
+        all[i]->isReady = all[i]->found == STEPRAMP_READY;
+    }
 }
 
 /* Its ramp can't be played at the fast clock. */
@@ -218,13 +240,14 @@ void StepRampAxis::chooseClock()
 
 StepRampProblem StepRampAxis::begin()
 {
+    if (StepRamp.isMoving()) {
+        return found = STEPRAMP_STILL_MOVING;
+    }
     chooseClock();
     found = check();
-    if (found == STEPRAMP_READY && StepRamp.isMoving()) {
-        found = STEPRAMP_STILL_MOVING;
-    }
+    isReady = false;
     if (found == STEPRAMP_READY) {
-        found = beginAll();
+        beginAll();
     }
     return found;
 }
@@ -237,21 +260,21 @@ const __FlashStringHelper *StepRampAxis::problem() const
     case STEPRAMP_TOO_MANY:
         return F("over four axes");
     case STEPRAMP_BAD_PINS:
-        return F("a pin is used twice");
+        return F("a pin is used twice or isn't there");
     case STEPRAMP_RAMP_MISSING:
         return F("no ramp: setRamp() first");
     case STEPRAMP_BAD_SPEED:
-        return F("the speed is below 0.0075 steps/s");
+        return F("the speed must be 0.0075 steps/s or more");
     case STEPRAMP_SPEED_TOO_HIGH:
         return F("the speed is above this board's mostSpeed()");
     case STEPRAMP_BAD_ACCELERATION:
-        return F("acceleration and deceleration must be 0.00012 at least, for 16777214 steps at most");
+        return F("accelerations must be 0.00012 to 1e9, for 16777214 steps at most");
     case STEPRAMP_BAD_BASE_SPEED:
         return F("the base speed is below 0 or not below the speed");
     case STEPRAMP_BAD_IMAGE:
-        return F("the exported ramp is damaged, of several axes, of another clock or too fast, or a setting is wrong");
+        return F("bad setting, or exported ramp: damaged, too fast, several axes or another clock");
     case STEPRAMP_NO_ROOM:
-        return F("the ramps need more than STEPRAMP_AXIS_RAMP_BYTES");
+        return F("all ramps: too long for their room, or too steep");
     default:
         return F("begin() is for motors at rest");
     }
@@ -261,25 +284,28 @@ const __FlashStringHelper *StepRampAxis::problem() const
 
 StepRampResult StepRampAxis::moveTo(int32_t position)
 {
-    return found == STEPRAMP_READY ? StepRamp.moveTo(index, position) : STEPRAMP_NO_RAMP;
+    return isReady ? StepRamp.moveTo(index, position) : STEPRAMP_NO_RAMP;
 }
 
 StepRampResult StepRampAxis::move(int32_t steps)
 {
-    return found == STEPRAMP_READY ? StepRamp.moveBy(index, steps) : STEPRAMP_NO_RAMP;
+    return isReady ? StepRamp.moveBy(index, steps) : STEPRAMP_NO_RAMP;
 }
 
-/* [ticks] of a speed, with its sign: 0 of none; of one that is too slow, more than may be. */
+/* [ticks] of a speed, with its sign: 0 of none; of one that is too slow, more than may be, and of one that is much too fast, less. */
 int32_t StepRampAxis::intervalOf(float itsSpeed)
 {
-    const float tooLong = (float)LONGEST_INTERVAL_TICKS + 1;
-    float ticks = itsSpeed == 0 ? 0 : clock_hz / itsSpeed;
-    return ticks >= -tooLong && ticks <= tooLong ? lroundf(ticks) : INT32_MAX;
+    if (itsSpeed == 0) {
+        return 0;
+    }
+    float ticks = StepRamp.ticksPerSecond() / itsSpeed;
+    int32_t interval = fabsf(ticks) <= LONGEST_INTERVAL_TICKS ? ramp_maker_rounded(ticks) : INT32_MAX;
+    return interval != 0 ? interval : 1;
 }
 
 StepRampResult StepRampAxis::runAt(float newSpeed)
 {
-    return found == STEPRAMP_READY ? StepRamp.run(index, intervalOf(newSpeed)) : STEPRAMP_NO_RAMP;
+    return isReady ? StepRamp.run(index, intervalOf(newSpeed)) : STEPRAMP_NO_RAMP;
 }
 
 void StepRampAxis::stop()
@@ -322,5 +348,5 @@ int32_t StepRampAxis::stepsToGo()
 
 StepRampResult StepRampAxis::setPosition(int32_t position)
 {
-    return found == STEPRAMP_READY ? StepRamp.setPosition(index, position) : STEPRAMP_NO_RAMP;
+    return isReady ? StepRamp.setPosition(index, position) : STEPRAMP_NO_RAMP;
 }

@@ -21,17 +21,18 @@
 enum StepRampProblem : uint8_t {
     STEPRAMP_READY,
     STEPRAMP_TOO_MANY,         /* there are more than four axes */
-    STEPRAMP_BAD_PINS,         /* the step pin and the direction pin are the same, or one of them is another axis' or an input's;
+    STEPRAMP_BAD_PINS,         /* one of the step and direction pins, the enable pin and the inputs' isn't there, or is two of them at once;
                                 * or an input is two things at once, or there are more than nine inputs, or six emergency stops */
     STEPRAMP_RAMP_MISSING,     /* neither setRamp() nor useRamp() has been called */
-    STEPRAMP_BAD_SPEED,        /* it is below 0.0075 steps/s */
+    STEPRAMP_BAD_SPEED,        /* it is below 0.0075 steps/s, or no number */
     STEPRAMP_SPEED_TOO_HIGH,   /* for this board: see mostSpeed() */
     STEPRAMP_BAD_ACCELERATION, /* or deceleration: it is below 0.00012 steps/s^2, with which a step from rest takes
-                                * 134 s, or takes more than 16 million steps to the speed */
+                                * 134 s, or 1e9 or more, or takes more than 16 million steps to the speed */
     STEPRAMP_BAD_BASE_SPEED,   /* it is below 0, or not below the speed */
     STEPRAMP_BAD_IMAGE,        /* an exported ramp is damaged, for several axes, too fast, or for another clock: for the fast one
                                 * where no timer makes the steps; or one of StepRamp's settings is out of its range */
-    STEPRAMP_NO_ROOM,          /* the ramps of all axes need more memory than there is for them */
+    STEPRAMP_NO_ROOM,          /* the ramps of all axes need more than STEPRAMP_AXIS_RAMP_BYTES, or a timer's more time than there is to
+                                * prepare them */
     STEPRAMP_STILL_MOVING      /* begin() is for motors at rest */
 };
 
@@ -59,8 +60,9 @@ public:
      * the lowest above the highest it goes nowhere. */
     void setSoftLimits(int32_t lowest, int32_t highest);
 
-    /* Makes all axes ready whose ramp is set, at rest: this one and those that have begun before. What these have been set since
-     * must be good as well: else problem() of theirs tells, and they don't move. Nor does any where there is no room for all. */
+    /* At rest: makes all axes ready whose ramp is set, this one and others. Their ramps are computed together, and not again before
+     * one of them is set: set all of them before the first begin(). An axis whose own ramp or pins are refused isn't ready; where
+     * the ramps of all together are refused, none is. */
     StepRampProblem begin();
 
     /* What begin() found last, in words. */
@@ -78,7 +80,8 @@ public:
     StepRampResult runAt(float speed);
 
     /* To a limit switch at this speed [steps/s], which is the low one below 0; back off, by a step at least, and again slowly: there is position 0. It
-     * moves until that is done, and isHomed() then; not so if the switch stays as it is for 64 times stepsBack beyond the way to it. */
+     * moves until that is done, and isHomed() then; not so if the switch stays as it is for 64 times stepsBack beyond the way to it.
+     * STEPRAMP_OUT_OF_RANGE where no switch has been set at that end, where a speed is above the ramp's, or 0, and where the slow one is below 0. */
     StepRampResult home(float speed, float slowSpeed, uint16_t stepsBack = 20);
 
     void stop(); /* slows down with the ramp */
@@ -104,12 +107,13 @@ private:
     enum Source : uint8_t { NOTHING, COMPUTED, EXPORTED, EXPORTED_IN_FLASH };
 
     static void chooseClock();
-    static StepRampProblem beginAll();
+    static void beginAll();
+    static StepRampProblem makeImage(uint8_t axes);
     StepRampProblem check() const;
     bool wantsSlowClock() const;
     StepRampProblem checkRamp() const;
     StepRampProblem checkImage() const;
-    uint16_t write(uint8_t *bytes, uint16_t room) const;
+    uint16_t write(uint8_t *bytes, uint16_t room, uint16_t segmentTicks) const;
     uint8_t imageByte(uint16_t at) const;
     static int32_t intervalOf(float speed);
 
@@ -117,9 +121,9 @@ private:
     static uint8_t count; /* of all, those that are too many as well */
 
     uint8_t index;
-    uint8_t stepPin, directionPin;
     Source source;
     StepRampProblem found;
+    bool isReady; /* its ramp is in the image that is used */
     float speed, acceleration, deceleration, baseSpeed; /* [steps/s], [steps/s^2] of a computed ramp */
     const uint8_t *image;
     uint16_t length; /* [bytes] of the image */

@@ -68,32 +68,11 @@ void add_input(uint8_t pin, uint8_t role, uint8_t how)
     stepramp_sketch_settings.roles[input] = (uint8_t)(role | how);
 }
 
-bool is_axis_pin(uint8_t pin)
-{
-    for (uint8_t axis = 0; axis < AXES; axis++) {
-        if (pin == stepramp_pins.step[axis] || pin == stepramp_pins.direction[axis]) {
-            return true;
-        }
-    }
-    return pin == stepramp_pins.enable;
-}
-
-bool have_pins_of_their_own()
-{
-    for (uint8_t input = 0; input < INPUTS; input++) {
-        uint8_t pin = stepramp_pins.inputs[input];
-        if (pin != NO_PIN && is_axis_pin(pin)) {
-            return false;
-        }
-    }
-    return true;
-}
-
 } // namespace
 
 bool arduino_inputs_are_good(void)
 {
-    return !are_bad && have_pins_of_their_own();
+    return !are_bad;
 }
 
 /* ---- wiring ---- */
@@ -181,7 +160,7 @@ StepRampResult StepRampClass::home(uint8_t axis, int32_t interval, uint32_t slow
 
 StepRampResult StepRampAxis::home(float fastSpeed, float slowSpeed, uint16_t stepsBack)
 {
-    if (found != STEPRAMP_READY) {
+    if (!isReady) {
         return STEPRAMP_NO_RAMP;
     }
     return slowSpeed > 0 ? StepRamp.home(index, intervalOf(fastSpeed), (uint32_t)intervalOf(slowSpeed), stepsBack)

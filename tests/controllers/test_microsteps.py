@@ -13,10 +13,10 @@ from controllers.tic.bench import Bench as TicBench
 from controllers.tmcl.bench import Bench as TmclBench
 from controllers.tmcl.emulator import RESOLUTION, TmclEmulator
 from designs import design
-from stepramp.controllers.contract import Controller, Rescaled
+from stepramp.controllers.contract import Controller
 from stepramp.controllers.tic import conversation as tic_conversation
 from stepramp.controllers.tmcl import conversation as tmcl_conversation
-from stepramp.errors import Refused
+from stepramp.errors import Refused, Rescaled
 
 ANSWER_S = 0.03
 HAS_MOVED = 400

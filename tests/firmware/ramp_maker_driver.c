@@ -7,7 +7,7 @@
 
 int main(void)
 {
-    struct ramp_wish wish;
+    struct ramp_wish wish = {0};
     unsigned room, clock_hz;
     while (scanf("%f %f %f %f %u %u", &wish.speed, &wish.base_speed, &wish.acceleration, &wish.deceleration, &clock_hz, &room) == 6) {
         wish.clock_hz = clock_hz;

@@ -133,4 +133,4 @@ def test_with_less_room_it_is_coarser_and_at_last_there_is_none(maker: Host) -> 
 
 
 def test_a_ramp_of_too_many_steps_has_no_room(maker: Host) -> None:
-    assert maker.ask(2000, 0, 2, 2, TICKS_HZ, 1000) == "-"
+    assert maker.ask(2500, 0, 0.2, 0.2, TICKS_HZ, 1000) == "-"

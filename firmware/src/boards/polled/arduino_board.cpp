@@ -12,11 +12,11 @@
 
 struct arduino_pins stepramp_pins = {{NO_PIN, NO_PIN, NO_PIN, NO_PIN},
                                     {NO_PIN, NO_PIN, NO_PIN, NO_PIN},
+                                    NO_PIN,
+                                    {NO_PIN, NO_PIN, NO_PIN, NO_PIN, NO_PIN, NO_PIN, NO_PIN, NO_PIN, NO_PIN},
                                     {{NO_PIN, NO_PIN, NO_PIN, NO_PIN},
                                      {NO_PIN, NO_PIN, NO_PIN, NO_PIN},
-                                     {NO_PIN, NO_PIN, NO_PIN, NO_PIN}},
-                                    NO_PIN,
-                                    {NO_PIN, NO_PIN, NO_PIN, NO_PIN, NO_PIN, NO_PIN, NO_PIN, NO_PIN, NO_PIN}};
+                                     {NO_PIN, NO_PIN, NO_PIN, NO_PIN}}};
 
 namespace {
 
@@ -25,6 +25,13 @@ enum { US_BITS = 4, SLOW_TICK_BITS = 3, TIME_BITS = 10 };
 
 /* micros() may go in steps of so much. */
 enum { CLOCK_GRAIN_US = 4 };
+
+/* Pins are 0 to less than this. Cores for other chips number theirs as they like. */
+#ifdef __AVR__
+enum { PINS_OF_BOARD = NUM_DIGITAL_PINS };
+#else
+enum { PINS_OF_BOARD = NO_PIN };
+#endif
 
 /* One turn of a gauge rotor's magnet has six states; these are their coils, the first pin in bit 0. */
 enum { STATES = 6 };
@@ -174,6 +181,25 @@ void note_delay(uint32_t ticks)
 }
 
 } // namespace
+
+bool arduino_pins_are_good(void)
+{
+    const uint8_t *pins = (const uint8_t *)&stepramp_pins;
+    for (uint8_t i = 0; i < sizeof stepramp_pins; i++) {
+        if (pins[i] == NO_PIN) {
+            continue;
+        }
+        bool is_alone = i >= offsetof(arduino_pins, coils) || memchr(pins, pins[i], i) == nullptr;
+        if (pins[i] >= PINS_OF_BOARD || !is_alone) {
+            return false;
+        }
+    }
+#if HAS_INPUTS
+    return !has_inputs() || WITH_INPUTS(arduino_inputs_are_good)();
+#else
+    return true;
+#endif
+}
 
 REPLACEABLE void arduino_begin(void)
 {

@@ -10,13 +10,14 @@
 
 enum { GAUGES = 3, COIL_PINS = 4, NO_PIN = 255 };
 
-/* Where everything is connected; NO_PIN: nowhere. */
+/* Where everything is connected; NO_PIN: nowhere. Nothing else than bytes, which arduino_pins_are_good() goes through: the coils are last,
+ * as they may share pins with the others: a host chooses what the pins are. */
 struct arduino_pins {
     uint8_t step[AXES];
     uint8_t direction[AXES];
-    uint8_t coils[GAUGES][COIL_PINS];
     uint8_t enable;
     uint8_t inputs[INPUTS];
+    uint8_t coils[GAUGES][COIL_PINS];
 };
 
 extern struct arduino_pins stepramp_pins;
@@ -42,7 +43,10 @@ void arduino_begin(void);
 /* Steps are made by a timer's interrupt, which the sketch has chosen. */
 bool arduino_has_timer(void);
 
-/* There are no more inputs than there may be, and none has a pin of an axis. */
+/* The board has all pins, none is two things, and inputs are good. */
+bool arduino_pins_are_good(void);
+
+/* There are no more inputs than there may be. */
 bool arduino_inputs_are_good(void);
 
 /* The inputs' pins become what the settings say. */

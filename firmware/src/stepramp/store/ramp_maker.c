@@ -14,11 +14,14 @@ enum { KIND_AT = 0, LENGTH_AT = 1, FLAGS_AT = 3, UP_AT = 4, DOWN_AT = 5, SLEW_AT
 
 enum { DOWN_IS_UP = 1, MOST_NUMBER_BYTES = 5, MOST_SEGMENT_BYTES = 3 * MOST_NUMBER_BYTES };
 
-/* An interval may be off by its 512th at first, by its 64th at last. */
-enum { FINEST = 512, COARSEST = 64 };
+/* An interval may be off by its 512th at first, by its 64th at last; by its 16th where the ramp has to keep pace, as less lets it. */
+enum { FINEST = 512, COARSEST = 64, COARSEST_IN_PACE = 16 };
 
 /* A segment is looked at in so many places at least. */
 enum { PLACES = 8 };
+
+/* So many segments are ready beforehand at least, with a round of loop() as late as it may be. */
+enum { SEGMENTS_AHEAD = 3 };
 
 /* One side of a ramp, from its slow end. */
 struct side {
@@ -27,6 +30,7 @@ struct side {
     float slew;         /* [ticks] */
     float doubled_clock_hz;
     float tolerance; /* so much of itself an interval may be off */
+    uint16_t segment_ticks; /* preparing a segment takes */
     uint32_t steps, done;
     float exact; /* [ticks] the first interval after those that are done */
 };
@@ -44,6 +48,11 @@ struct list {
     uint32_t expected; /* [ticks] the interval that would continue the last segment */
     int16_t add;       /* [ticks] of the last segment */
 };
+
+OUT_OF_LINE int32_t ramp_maker_rounded(float number)
+{
+    return (int32_t)(number < 0 ? number - 0.5f : number + 0.5f);
+}
 
 uint32_t ramp_maker_interval(uint32_t clock_hz, float speed)
 {
@@ -70,15 +79,10 @@ static bool is_close(const struct side *side, const struct segment *segment, uin
 }
 
 /* An interval, lowered by a share: as a ramp bends, what lies between two ends of a segment is too high. */
-static float lowered(const struct side *side, float interval, float share)
+static OUT_OF_LINE float lowered(const struct side *side, float interval, float share)
 {
     float low = interval - interval * share;
     return low > side->slew ? low : side->slew;
-}
-
-static float rounded(float number)
-{
-    return ceilf(number - 0.5f);
 }
 
 /* Makes a segment of `count` intervals. Returns false when they aren't close to the exact ones. */
@@ -86,22 +90,25 @@ static bool make_segment(const struct side *side, struct segment *segment, uint1
 {
     uint16_t last = (uint16_t)(count - 1);
     segment->count = count;
-    segment->first = rounded(lowered(side, side->exact, share));
+    segment->first = (float)ramp_maker_rounded(lowered(side, side->exact, share));
     segment->add = 0;
     if (last == 0) {
         return true;
     }
     float exact = interval_of(side, last);
-    segment->add = rounded((lowered(side, exact, share) - segment->first) / last);
+    float rise = lowered(side, exact, share) - segment->first;
+    segment->add = (float)ramp_maker_rounded(rise / last);
     if (segment->add < INT16_MIN) {
         return false;
     }
+    /* As the slope is rounded, it would be off by more and more: by as much at either end, then. */
+    segment->first += (float)ramp_maker_rounded((rise - segment->add * last) / 2);
     /* In the middle it is off most: what is too long is known soonest there. */
     if (!is_close(side, segment, last, exact) || (last > 2 && !is_close(side, segment, last / 2, interval_of(side, last / 2)))) {
         return false;
     }
     uint16_t stride = (uint16_t)(1 + last / PLACES);
-    for (uint16_t i = stride; i < last; i = (uint16_t)(i + stride)) {
+    for (uint16_t i = 0; i < last; i = (uint16_t)(i + stride)) {
         if (!is_close(side, segment, i, interval_of(side, i))) {
             return false;
         }
@@ -115,11 +122,11 @@ static void make_longest(const struct side *side, struct segment *longest)
     uint32_t left = side->steps - side->done;
     uint16_t most = left < UINT16_MAX / 2 ? (uint16_t)left : UINT16_MAX / 2;
     bool grows = true;
-    make_segment(side, longest, 1, side->tolerance);
+    make_segment(side, longest, 1, 0);
     for (uint16_t more = 1; more != 0; more = grows ? (uint16_t)(more * 2) : more / 2) {
         struct segment segment;
         uint16_t count = (uint16_t)(longest->count + more);
-        if (count <= most && make_segment(side, &segment, count, side->tolerance)) {
+        if (count <= most && make_segment(side, &segment, count, side->tolerance / 2)) {
             *longest = segment;
         } else {
             grows = false;
@@ -140,9 +147,10 @@ static OUT_OF_LINE void write_signed(struct list *list, int32_t number)
     write_number(list, number < 0 ? ~((uint32_t)number << 1) : (uint32_t)number << 1);
 }
 
-/* Returns false when there is no room. */
+/* Returns false when there is no room, or when it doesn't keep pace. */
 static bool write_side(struct side *side, struct list *list, uint8_t most_segments)
 {
+    uint32_t behind = 0; /* [ticks] preparing the segments is by then, at most */
     list->segments = 0;
     list->expected = 0;
     list->add = 0;
@@ -150,12 +158,9 @@ static bool write_side(struct side *side, struct list *list, uint8_t most_segmen
         if (list->end - list->next < MOST_SEGMENT_BYTES || list->segments == most_segments) {
             return false;
         }
-        struct segment segment, exact;
+        struct segment segment;
         side->exact = interval_of(side, 0);
         make_longest(side, &segment);
-        if (make_segment(side, &exact, segment.count, 0)) {
-            segment = exact;
-        }
         uint32_t first = (uint32_t)segment.first;
         int16_t add = (int16_t)segment.add;
         write_number(list, segment.count);
@@ -164,11 +169,21 @@ static bool write_side(struct side *side, struct list *list, uint8_t most_segmen
         list->expected = first + (uint32_t)((int32_t)add * segment.count);
         list->add = add;
         side->done += segment.count;
+        if (first >= side->segment_ticks) {
+            behind = 0;
+            continue;
+        }
+        uint32_t lasts = (first + list->expected) * segment.count / 2;
+        behind += side->segment_ticks;
+        behind = behind > lasts ? behind - lasts : 0;
+        if (behind > (uint32_t)side->segment_ticks * SEGMENTS_AHEAD) {
+            return false;
+        }
     }
     return true;
 }
 
-static void begin_side(struct side *side, const struct ramp_wish *wish, float acceleration)
+static OUT_OF_LINE void begin_side(struct side *side, const struct ramp_wish *wish, float acceleration)
 {
     side->doubled = 2 * acceleration;
     side->steps = (uint32_t)ramp_maker_steps(wish, acceleration);
@@ -205,9 +220,11 @@ uint16_t ramp_maker_write(const struct ramp_wish *wish, uint8_t *bytes, uint16_t
     uint32_t slew = ramp_maker_interval(wish->clock_hz, wish->speed);
     struct side side = {.base_squared = wish->base_speed * wish->base_speed,
                         .slew = (float)slew,
-                        .doubled_clock_hz = 2 * (float)wish->clock_hz};
+                        .doubled_clock_hz = 2 * (float)wish->clock_hz,
+                        .segment_ticks = wish->segment_ticks};
     uint8_t *end = NULL;
-    for (uint16_t fineness = FINEST; room >= LISTS_AT && end == NULL && fineness >= COARSEST; fineness /= 2) {
+    uint16_t coarsest = wish->segment_ticks != 0 ? COARSEST_IN_PACE : COARSEST;
+    for (uint16_t fineness = FINEST; room >= LISTS_AT && end == NULL && fineness >= coarsest; fineness /= 2) {
         side.tolerance = 1.0f / fineness;
         end = write_sides(&side, wish, bytes, bytes + room);
     }

@@ -14,7 +14,12 @@ struct ramp_wish {
     float acceleration; /* [steps/s^2] > 0 */
     float deceleration; /* [steps/s^2] > 0 */
     uint32_t clock_hz;  /* of the ticks that it is made of */
+
+    uint16_t segment_ticks; /* what preparing a segment takes: the ramp leaves that time; 0: it needn't */
 };
+
+/* To the nearest. */
+int32_t ramp_maker_rounded(float number);
 
 /* [ticks], rounded to the nearest. */
 uint32_t ramp_maker_interval(uint32_t clock_hz, float speed);
@@ -23,7 +28,8 @@ uint32_t ramp_maker_interval(uint32_t clock_hz, float speed);
 float ramp_maker_steps(const struct ramp_wish *wish, float acceleration);
 
 /* Writes the ramp, of segments: each interval within 1/512 of the exact one and a tick, or within 1/256,
- * 1/128 or 1/64 where there is less room. Returns its length [bytes], or 0: even so there is no room. */
+ * 1/128 or 1/64 where there is less room, and down to 1/16 where there is less time to prepare it. Returns its length [bytes], or 0: even so
+ * there is no room, or no time. */
 uint16_t ramp_maker_write(const struct ramp_wish *wish, uint8_t *bytes, uint16_t room);
 
 #ifdef __cplusplus

@@ -247,13 +247,19 @@ static void axes()
     CHECK(x.begin() == STEPRAMP_BAD_SPEED);
     x.setRamp(1.01f * StepRampAxis::mostSpeed(), 2000);
     CHECK(x.begin() == STEPRAMP_SPEED_TOO_HIGH);
+    x.setRamp(1e9f, 2000);
+    CHECK(x.begin() == STEPRAMP_SPEED_TOO_HIGH);
+    x.setRamp(INFINITY, 2000);
+    CHECK(x.begin() == STEPRAMP_SPEED_TOO_HIGH);
+    x.setRamp(1000, 1e9f);
+    CHECK(x.begin() == STEPRAMP_BAD_ACCELERATION && strstr((const char *)x.problem(), "to 1e9") != nullptr);
     x.setRamp(1000, -1);
     CHECK(x.begin() == STEPRAMP_BAD_ACCELERATION);
     x.setRamp(1000, 0.01f);
     CHECK(x.begin() == STEPRAMP_BAD_ACCELERATION);
     x.setRamp(1000, 2000, 0, 1000);
     CHECK(x.begin() == STEPRAMP_BAD_BASE_SPEED);
-    x.setRamp(1000, 2);
+    x.setRamp(2500, 0.2f);
     CHECK(x.begin() == STEPRAMP_NO_ROOM);
     x.useRamp(image, image_bytes);
     CHECK(x.begin() == STEPRAMP_BAD_IMAGE); /* of two axes */
@@ -278,15 +284,16 @@ static void another_begins()
     CHECK(x.begin() == STEPRAMP_READY && y.begin() == STEPRAMP_READY);
     y.setRamp(-1, 1000);
     CHECK(x.begin() == STEPRAMP_READY && y.moveTo(1000) == STEPRAMP_NO_RAMP);
-    CHECK(strcmp((const char *)y.problem(), "the speed is below 0.0075 steps/s") == 0);
+    CHECK(strcmp((const char *)y.problem(), "the speed must be 0.0075 steps/s or more") == 0);
     y.setRamp(300, 1000);
     CHECK(y.begin() == STEPRAMP_READY && y.moveTo(10) == STEPRAMP_OK);
     poll_until_rest();
-    x.setRamp(1000, 2);
+    x.setRamp(2500, 0.2f);
     CHECK(x.begin() == STEPRAMP_NO_ROOM && y.moveTo(0) == STEPRAMP_NO_RAMP && x.moveTo(1) == STEPRAMP_NO_RAMP);
     x.setRamp(1000, 4000);
-    CHECK(x.begin() == STEPRAMP_READY && y.moveTo(0) == STEPRAMP_NO_RAMP && y.begin() == STEPRAMP_READY);
-    CHECK(y.moveTo(0) == STEPRAMP_OK && shortest_us[STEP + 1] >= 3000);
+    CHECK(x.begin() == STEPRAMP_READY && y.moveTo(0) == STEPRAMP_OK);
+    poll_until_rest();
+    CHECK(shortest_us[STEP + 1] >= 3000);
 }
 
 /* What is so slow that its first step wants the slow clock has that, and what is too slow for that is told so. */
@@ -298,7 +305,7 @@ static void slow_ramps()
     has_timer = true;
     for (float tooSlow : accelerations) {
         x.setRamp(1, tooSlow);
-        CHECK(x.begin() == STEPRAMP_BAD_ACCELERATION && strstr((const char *)x.problem(), "0.00012 at least") != nullptr);
+        CHECK(x.begin() == STEPRAMP_BAD_ACCELERATION && strstr((const char *)x.problem(), "0.00012 to 1e9") != nullptr);
         x.setRamp(1, 1, tooSlow);
         CHECK(x.begin() == STEPRAMP_BAD_ACCELERATION);
     }
@@ -310,12 +317,85 @@ static void slow_ramps()
     CHECK(x.begin() == STEPRAMP_READY && StepRamp.ticksPerSecond() == 16000000);
 }
 
+static void rest_at(StepRampAxis &axis, int32_t position)
+{
+    CHECK(axis.moveTo(position) == STEPRAMP_OK);
+    poll_until_rest();
+    CHECK(axis.position() == position);
+}
+
+/* A begin() that is refused leaves what was ready as it was, or not ready: nothing moves along a ramp that nobody asked for. */
+static void refused_begin()
+{
+    static StepRampAxis x(STEP, DIRECTION), y(STEP + 1, DIRECTION + 1);
+    x.setRamp(1000, 2000);
+    CHECK(x.begin() == STEPRAMP_READY);
+    y.setRamp(0, 2000);
+    CHECK(y.begin() == STEPRAMP_BAD_SPEED && y.moveTo(1) == STEPRAMP_NO_RAMP);
+    rest_at(x, 500);
+    y.setRamp(2500, 0.2f);
+    CHECK(y.begin() == STEPRAMP_NO_ROOM && x.moveTo(0) == STEPRAMP_NO_RAMP && StepRamp.moveTo(0, 0) == STEPRAMP_NO_RAMP);
+    CHECK(strcmp((const char *)x.problem(), (const char *)y.problem()) == 0);
+    y.setRamp(500, 2000);
+    CHECK(y.begin() == STEPRAMP_READY);
+    rest_at(x, 0);
+    rest_at(y, 100);
+    StepRamp.setPulseWidth(101);
+    CHECK(y.begin() == STEPRAMP_BAD_IMAGE && x.moveTo(1) == STEPRAMP_NO_RAMP && StepRamp.moveTo(0, 1) == STEPRAMP_NO_RAMP);
+    StepRamp.setPulseWidth(0);
+    CHECK(y.begin() == STEPRAMP_READY);
+    rest_at(x, 50);
+    x.setRamp(1000, -1);
+    CHECK(y.begin() == STEPRAMP_READY && x.moveTo(0) == STEPRAMP_NO_RAMP);
+    CHECK(strncmp((const char *)x.problem(), "acceleration", 12) == 0);
+    rest_at(y, 0);
+    CHECK(shortest_us[STEP] >= SLEW_US - 20 && shortest_us[STEP + 1] >= 2 * SLEW_US - 20);
+}
+
+/* In flight begin() is refused and changes nothing, whatever is set meanwhile. */
+static void begin_in_flight()
+{
+    static StepRampAxis x(STEP, DIRECTION);
+    x.setRamp(1000, 2000);
+    CHECK(x.begin() == STEPRAMP_READY && x.runAt(900) == STEPRAMP_OK);
+    poll_for(100000);
+    x.setRamp(500, -1);
+    CHECK(x.begin() == STEPRAMP_STILL_MOVING && x.runAt(800) == STEPRAMP_OK && x.move(1) == STEPRAMP_OK);
+    CHECK(strcmp((const char *)x.problem(), "begin() is for motors at rest") == 0);
+    poll_until_rest();
+    CHECK(x.setPosition(0) == STEPRAMP_OK);
+    rest_at(x, 500);
+    CHECK(shortest_us[STEP] >= SLEW_US - 20 && shortest_us[STEP] < SLEW_US + 20);
+}
+
+/* The first begin() makes all axes ready that have a ramp, so that each ramp is computed once. */
+static void begin_together()
+{
+    static StepRampAxis x(STEP, DIRECTION), y(STEP + 1, DIRECTION + 1), z(14, 15);
+    x.setRamp(1000, 2000);
+    y.setRamp(500, 2000);
+    CHECK(x.begin() == STEPRAMP_READY && z.begin() == STEPRAMP_RAMP_MISSING);
+    rest_at(y, 100);
+    CHECK(y.begin() == STEPRAMP_READY && x.begin() == STEPRAMP_READY && y.position() == 100);
+    z.setRamp(250, 2000);
+    CHECK(z.begin() == STEPRAMP_READY);
+    rest_at(x, 500);
+    rest_at(y, 0);
+    rest_at(z, 100);
+    CHECK(shortest_us[STEP] >= SLEW_US - 20 && shortest_us[STEP + 1] >= 2 * SLEW_US - 20 && shortest_us[14] >= 4 * SLEW_US - 20);
+}
+
 /* A run at a speed, and a stop in flight. */
 static void axis_in_flight()
 {
     static StepRampAxis x(STEP, DIRECTION);
     x.setRamp(1000, 2000);
-    CHECK(x.begin() == STEPRAMP_READY && x.runAt(-1001) == STEPRAMP_OUT_OF_RANGE && x.runAt(-500) == STEPRAMP_OK);
+    CHECK(x.begin() == STEPRAMP_READY && x.runAt(-1001) == STEPRAMP_OUT_OF_RANGE);
+    const float wrong[] = {INFINITY, -INFINITY, NAN, 1e9f, -1e9f, 1e-9f};
+    for (float speed : wrong) {
+        CHECK(x.runAt(speed) == STEPRAMP_OUT_OF_RANGE);
+    }
+    CHECK(x.runAt(-500) == STEPRAMP_OK);
     poll_for(2000000);
     CHECK(shortest_us[STEP] >= 2 * SLEW_US - 20 && x.isMoving());
     x.stop();
@@ -483,7 +563,7 @@ static void shared_inputs()
     x.setLimitSwitches(LOW_SWITCH, STEPRAMP_NO_PIN, STEPRAMP_AT_ONCE);
     CHECK(x.begin() == STEPRAMP_READY);
     y.setLimitSwitches(LOW_SWITCH);
-    CHECK(x.begin() == STEPRAMP_BAD_PINS && strcmp((const char *)x.problem(), "a pin is used twice") == 0);
+    CHECK(x.begin() == STEPRAMP_BAD_PINS && strcmp((const char *)x.problem(), "a pin is used twice or isn't there") == 0);
 }
 
 static void shared_stop()
@@ -527,6 +607,25 @@ static void shared_pins()
     CHECK(x.begin() == STEPRAMP_BAD_PINS && y.begin() == STEPRAMP_BAD_PINS && z.begin() == STEPRAMP_BAD_PINS);
 }
 
+/* The enable pin has a pin of its own, too, and an axis has both of its pins. */
+static void enable_and_missing_pins()
+{
+    static StepRampAxis x(STEP, DIRECTION), y(STEP + 1, STEPRAMP_NO_PIN);
+    x.setRamp(1000, 2000);
+    y.setRamp(1000, 2000);
+    const uint8_t taken[] = {STEP, DIRECTION, STEP + 1};
+    for (uint8_t pin : taken) {
+        StepRamp.setEnablePin(pin);
+        CHECK(x.begin() == STEPRAMP_BAD_PINS && !StepRamp.begin(image, image_bytes));
+    }
+    CHECK(strcmp((const char *)x.problem(), "a pin is used twice or isn't there") == 0);
+    StepRamp.setEnablePin(ENABLE);
+    CHECK(x.begin() == STEPRAMP_READY && y.begin() == STEPRAMP_BAD_PINS && y.moveTo(1) == STEPRAMP_NO_RAMP);
+    rest_at(x, 10);
+    StepRamp.setDriverFault(ENABLE);
+    CHECK(x.begin() == STEPRAMP_BAD_PINS);
+}
+
 static void too_many_axes()
 {
     static StepRampAxis all[] = {{2, 5}, {3, 6}, {4, 7}, {12, 13}, {14, 15}};
@@ -546,7 +645,8 @@ int main(int count, char **words)
         void (*play)();
     } SCENARIOS[] = {{"refuse", refuse}, {"move", move},           {"run", run},
                      {"set", set},       {"delay_loop", delay_loop}, {"gauge", gauge},
-                     {"axes", axes},     {"axis_in_flight", axis_in_flight}, {"another_begins", another_begins}, {"slow_ramps", slow_ramps},
+                     {"axes", axes},     {"refused_begin", refused_begin}, {"begin_in_flight", begin_in_flight}, {"begin_together", begin_together},
+                     {"enable_and_missing_pins", enable_and_missing_pins}, {"axis_in_flight", axis_in_flight}, {"another_begins", another_begins}, {"slow_ramps", slow_ramps},
                      {"too_many_axes", too_many_axes},
                      {"shared_pins", shared_pins}, {"shared_inputs", shared_inputs}, {"shared_stop", shared_stop},
                      {"for_75_minutes", for_75_minutes},
