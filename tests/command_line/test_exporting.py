@@ -14,6 +14,11 @@ def test_a_design_is_exported_to_a_file(tmp_path: Path) -> None:
     assert main(["export", "grbl", "--axis-letter", "Z", str(tmp_path / "design.json"), str(tmp_path / "z.txt")]) == 0
     # 200 · 2 / 8 = 50 steps/mm.
     assert "\n$102=50\n" in (tmp_path / "z.txt").read_text()
+    image, coarse = tmp_path / "fine.h", tmp_path / "coarse.h"
+    assert main(["export", "c_ramp_image", str(tmp_path / "design.json"), str(image)]) == 0
+    bound = ["--segment-bound-ticks", "20"]
+    assert main(["export", "c_ramp_image", *bound, str(tmp_path / "design.json"), str(coarse)]) == 0
+    assert len(coarse.read_text()) < len(image.read_text())
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be"])
@@ -50,6 +55,7 @@ def test_a_design_is_not_overwritten_by_what_is_made_of_it(
     [
         (["pdf", "design.json", "-"], "format is 'pdf'; allowed: c_table, c_table_progmem"),
         (["grbl", "design.json", "-", "--axis-letter", "z"], "--axis-letter is 'z'; allowed: X, Y, Z, A, B, C."),
+        (["csv", "design.json", "-", "--segment-bound-ticks", "-1"], "--segment-bound-ticks is -1; allowed: "),
         (["csv", "absent.json", "-"], "design is 'absent.json'; allowed: a file with a design document (No such"),
         (
             ["csv", "text.json", "-"],

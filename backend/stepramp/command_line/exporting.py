@@ -31,11 +31,19 @@ def export(
             help="axis of a machine that ramps by itself, such as grbl: X, Y, Z, A, B or C",
         ),
     ] = "X",
+    segment_bound_ticks: Annotated[
+        int,
+        typer.Option(
+            "--segment-bound-ticks",
+            metavar="TICKS",
+            help="so far may an interval of segments and ramp images be off, so that they take fewer bytes",
+        ),
+    ] = 0,
 ) -> None:
     """Write a design in a format, as C code, settings of a machine or a page of plots."""
     planned = design_of(design)
     refuse_same(design, file)
-    write(file, where.client.export(planned, format, axis_letter=axis_letter))
+    write(file, where.client.export(planned, format, axis_letter=axis_letter, segment_bound_ticks=segment_bound_ticks))
 
 
 def capture(

@@ -8,7 +8,11 @@
  *     StepRamp.begin(${name}_ramp, sizeof ${name}_ramp);    false: too fast for this board
  *     StepRamp.moveTo(0, 800);                           and StepRamp.poll() in loop()
  *
- * The motor is driven from these bytes as they are: they stay in RAM. A larger bound takes fewer of them. */
+ * The motor is driven from these bytes as they are: they stay in RAM. A larger bound takes fewer of them. With a motor as an object:
+ *
+ *     StepRampAxis x(2, 5);                              x.useRamp(${name}_ramp, sizeof ${name}_ramp); x.begin();
+ *
+ * On an AVR they can be in flash until begin() copies them: write PROGMEM behind the brackets, and x.useRampInFlash(...). */
 #ifndef $guard
 #define $guard
 
