@@ -264,15 +264,15 @@ const __FlashStringHelper *StepRampAxis::problem() const
     case STEPRAMP_RAMP_MISSING:
         return F("no ramp: setRamp() first");
     case STEPRAMP_BAD_SPEED:
-        return F("the speed must be 0.0075 steps/s or more");
+        return F("the speed is below 0.0075 steps/s");
     case STEPRAMP_SPEED_TOO_HIGH:
-        return F("the speed is above this board's mostSpeed()");
+        return F("the speed is above mostSpeed()");
     case STEPRAMP_BAD_ACCELERATION:
-        return F("accelerations must be 0.00012 to 1e9, for 16777214 steps at most");
+        return F("accelerations: 0.00012 to 1e9, 16777214 steps at most");
     case STEPRAMP_BAD_BASE_SPEED:
-        return F("the base speed is below 0 or not below the speed");
+        return F("base speed: 0 or more, below the speed");
     case STEPRAMP_BAD_IMAGE:
-        return F("bad setting, or exported ramp: damaged, too fast, several axes or another clock");
+        return F("bad setting, or exported ramp: damaged, too fast, several axes, other clock");
     case STEPRAMP_NO_ROOM:
         return F("all ramps: too long for their room, or too steep");
     default:

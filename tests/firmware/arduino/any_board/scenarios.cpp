@@ -284,7 +284,7 @@ static void another_begins()
     CHECK(x.begin() == STEPRAMP_READY && y.begin() == STEPRAMP_READY);
     y.setRamp(-1, 1000);
     CHECK(x.begin() == STEPRAMP_READY && y.moveTo(1000) == STEPRAMP_NO_RAMP);
-    CHECK(strcmp((const char *)y.problem(), "the speed must be 0.0075 steps/s or more") == 0);
+    CHECK(strcmp((const char *)y.problem(), "the speed is below 0.0075 steps/s") == 0);
     y.setRamp(300, 1000);
     CHECK(y.begin() == STEPRAMP_READY && y.moveTo(10) == STEPRAMP_OK);
     poll_until_rest();
