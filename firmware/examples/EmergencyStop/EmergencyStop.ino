@@ -19,8 +19,9 @@ void setup() {
   pinMode(ACKNOWLEDGE, INPUT_PULLUP);
   StepRamp.setEmergencyStop(STOP, STEPRAMP_OPENS);
   motor.setRamp(1000, 8000);  // steps/s, steps/s^2
-  if (motor.begin() != STEPRAMP_READY) {
-    Serial.println(motor.problem());
+  StepRampProblem problem = motor.begin();
+  if (problem != STEPRAMP_READY) {
+    Serial.println(problem);  // StepRampAxis.h has its name; in words, motor.problem(), it takes 500 bytes more than an Uno has
   }
 }
 
