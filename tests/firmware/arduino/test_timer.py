@@ -16,7 +16,7 @@ from firmware.rig import RampDesign, image
 pytestmark = pytest.mark.usefixtures("arduino_tools")
 
 LATE_US = {1: 12, 2: 30, 3: 50, 4: 50}
-BEHIND_OTHERS_US = 12
+BEHIND_OTHERS_US = 15
 """Timer1's interrupts go before Timer0's and the serial port's, those of Timer3, 4 and 5 behind: then steps are later.
 Most of the rest is where several axes load a segment at the same instant."""
 LONGEST_ROUND_MS = 15
