@@ -20,7 +20,7 @@ def run(work: Coroutine[Any, Any, Result]) -> Result:
         return pool.submit(asyncio.run, work).result()
 
 
-async def with_lifespan(app: ASGIApp, work: Callable[[], Awaitable[None]]) -> None:
+async def with_lifespan(app: ASGIApp, work: Callable[[], Awaitable[None]], patience_s: float = PATIENCE_S) -> None:
     """Do some work while an application lives."""
     told: asyncio.Queue[Message] = asyncio.Queue()
     heard: asyncio.Queue[Message] = asyncio.Queue()
@@ -28,7 +28,7 @@ async def with_lifespan(app: ASGIApp, work: Callable[[], Awaitable[None]]) -> No
     await told.put({"type": "lifespan.startup"})
     assert (await heard.get())["type"] == "lifespan.startup.complete"
     try:
-        async with asyncio.timeout(PATIENCE_S):
+        async with asyncio.timeout(patience_s):
             await work()
     finally:
         await told.put({"type": "lifespan.shutdown"})

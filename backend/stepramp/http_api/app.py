@@ -59,6 +59,7 @@ from stepramp.http_api.job_registry import Jobs
 from stepramp.http_api.journal import Journal
 from stepramp.http_api.lanes import COMPILED
 from stepramp.http_api.news import News
+from stepramp.http_api.relief import Relief
 from stepramp.http_api.request_numbers import RequestNumbering
 from stepramp.http_api.security import OwnPagesOnly, with_policy
 from stepramp.http_api.sign_in import SignIn
@@ -191,6 +192,7 @@ def create_app(
     pages.add(app)
     app.add_middleware(Idempotent)
     app.add_middleware(Door)
+    app.add_middleware(Relief)
     app.add_middleware(Journal)
     if access is None:
         app.add_middleware(OwnPagesOnly)

@@ -1,0 +1,204 @@
+"""Relief: real processes, which answer just as the server does, and without which it goes on."""
+
+import asyncio
+import json
+import logging
+import threading
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
+
+import psutil
+import pytest
+from starlette.responses import PlainTextResponse
+from starlette.types import Message, Receive, Scope, Send
+
+from designs import document
+from event_loop import run, with_lifespan
+from server_process import PATIENCE_S, ServerProcess
+from stepramp.http_api import relief
+from stepramp.http_api.relief import MANY, Relief
+from stepramp.http_api.relief_process import PROFILE
+
+JSON = {"content-type": "application/json"}
+SMALL = {"design": document(), "max_points": 200}
+ASKED: list[tuple[str, dict[str, str], object]] = [
+    ("", JSON, SMALL),
+    ("?max_points=3", JSON, SMALL),
+    ("", JSON, SMALL | {"first_step": 10, "last_step": 20}),
+    ("", JSON | {"accept": "text/csv"}, SMALL),
+    ("", JSON | {"accept": "application/x-npz"}, SMALL),
+    ("", JSON | {"accept": "image/png"}, SMALL),
+    ("", JSON | {"accept-encoding": "gzip"}, SMALL),
+    ("", {"content-type": "text/plain"}, SMALL),
+    ("", JSON | {"content-encoding": "gzip"}, SMALL),
+    ("", JSON, {"design": document(ramp__slew_speed_steps_per_s=-1)}),
+    ("", JSON, {"design": document(), "max_pionts": 200}),
+    ("", JSON, "nonsense"),
+    # These take long: the server itself plans them.
+    ("", JSON, {"design": document(move__steps=50_000), "max_points": 100}),
+    ("", JSON, {"design": document(move__steps=2_000)}),
+]
+OF_EACH = ("date", "content-length", "transfer-encoding")
+"""Headers that may differ: before its numerics are compiled, the server sends in parts."""
+
+
+@pytest.fixture
+def server() -> Iterator[ServerProcess]:
+    with ServerProcess(8970) as server:
+        yield server
+
+
+def answered(server: ServerProcess, query: str, headers: dict[str, str], body: object) -> tuple[int, object, bytes]:
+    """Return what is answered, but for what differs from one answer to the next."""
+    with closing(server.connection()) as connection:
+        connection.request("POST", PROFILE + query, json.dumps(body), headers)
+        response = connection.getresponse()
+        told = sorted((name, value) for name, value in response.getheaders() if name.lower() not in OF_EACH)
+        return response.status, told, response.read()
+
+
+def others_of(server: ServerProcess) -> list[psutil.Process]:
+    """Return the server's processes of relief."""
+    children = psutil.Process(server.process.pid).children()
+    return [each for each in children if any("spawn_main" in word for word in each.cmdline())]
+
+
+def cpu_s(processes: list[psutil.Process]) -> float:
+    times = [each.cpu_times() for each in processes]
+    return sum(each.user + each.system for each in times)
+
+
+def test_other_processes_answer_just_as_the_server_and_end_with_it(server: ServerProcess) -> None:
+    expected = [answered(server, *each) for each in ASKED]
+    statuses = [200, 200, 200, 200, 200, 406, 200, 415, 415, 422, 422, 422, 200, 200]
+    assert [status for status, _, _ in expected] == statuses
+    together = ASKED * 3
+    with ThreadPoolExecutor(len(together)) as pool:
+
+        def ask_together() -> None:
+            got = list(pool.map(lambda each: answered(server, *each), together))
+            assert got == expected * 3
+
+        until(lambda: ask_together() or others_of(server))
+        others = others_of(server)
+        until(lambda: ask_together() or is_at_rest(others))
+        before_s = cpu_s(others)
+        until(lambda: ask_together() or cpu_s(others) - before_s > 0.05)
+    server.process.kill()
+    server.ended()
+    psutil.wait_procs(others, PATIENCE_S)
+    assert not any(each.is_running() for each in others)
+
+
+def is_at_rest(processes: list[psutil.Process]) -> bool:
+    before_s = cpu_s(processes)
+    time.sleep(0.2)
+    return cpu_s(processes) - before_s < 0.02
+
+
+def until(condition: Callable[[], object]) -> None:
+    end_s = time.monotonic() + PATIENCE_S
+    while not condition():
+        assert time.monotonic() < end_s
+
+
+class Crowd:
+    """Clients that ask at once, of a server that tells of itself when it answers."""
+
+    def __init__(self) -> None:
+        self.relief = Relief(self.serve, most_processes=1)
+
+    async def serve(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] == "lifespan":
+            await receive()
+            await send({"type": "lifespan.startup.complete"})
+            await receive()
+            await send({"type": "lifespan.shutdown.complete"})
+        else:
+            assert json.loads((await receive())["body"])["design"]
+            await asyncio.sleep(0.05)
+            await PlainTextResponse("here")(scope, receive, send)
+
+    async def ask(self, count: int = 2 * MANY) -> list[bytes]:
+        return await asyncio.gather(*(self.answer(SMALL) for _ in range(count)))
+
+    async def answer(self, body: object) -> bytes:
+        text, sent = json.dumps(body).encode(), list[Message]()
+        headers = [(b"content-type", b"application/json"), (b"content-length", str(len(text)).encode())]
+        messages = iter([{"type": "http.request", "body": text, "more_body": False}])
+
+        async def receive() -> Message:
+            return next(messages)
+
+        async def send(message: Message) -> None:
+            sent.append(message)
+
+        scope = {"type": "http", "method": "POST", "path": PROFILE, "headers": headers, "query_string": b""}
+        await self.relief(scope, receive, send)
+        assert [each["type"] for each in sent] == ["http.response.start", "http.response.body"]
+        return b"here" if sent[1]["body"] == b"here" else b"there"
+
+    async def is_relieved(self) -> bool:
+        return b"there" in await self.ask()
+
+    async def until_relieved(self) -> None:
+        while not await self.is_relieved():
+            pass
+
+
+@pytest.fixture
+def crowd(monkeypatch: pytest.MonkeyPatch) -> Crowd:
+    compiled = threading.Event()
+    compiled.set()
+    monkeypatch.setattr(relief, "COMPILED", compiled)
+    monkeypatch.setattr(relief, "NEEDED_S", 5.0)
+    return Crowd()
+
+
+def test_few_are_served_here_and_what_ends_by_itself_is_begun_anew(
+    crowd: Crowd, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def work() -> None:
+        assert await crowd.ask(MANY) == [b"here"] * MANY
+        assert not children()
+        await crowd.until_relieved()
+        assert await crowd.ask(MANY) == [b"here"] * MANY
+        monkeypatch.setattr(relief, "NEEDED_S", 1.0)
+        [other] = children()
+        asked = asyncio.create_task(crowd.ask(20 * MANY))
+        await asyncio.sleep(0)
+        other.kill()
+        assert b"here" in await asked
+        while await crowd.is_relieved():
+            pass
+        assert "they have ended" in caplog.text
+        await asyncio.sleep(1.2)
+        await crowd.until_relieved()
+        [anew] = children()
+        assert anew != other
+        while anew.is_running():  # Nobody asks.
+            await asyncio.sleep(0.05)
+
+    def children() -> list[psutil.Process]:
+        return [each for each in psutil.Process().children() if any("spawn_main" in word for word in each.cmdline())]
+
+    caplog.set_level(logging.WARNING)
+    run(with_lifespan(crowd.relief, work, PATIENCE_S))
+
+
+def test_without_other_processes_the_server_goes_on(
+    crowd: Crowd, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def no_pool(*_: object) -> None:
+        raise OSError("no semaphores")
+
+    async def work() -> None:
+        for _ in range(3):
+            assert await crowd.ask() == [b"here"] * 2 * MANY
+
+    monkeypatch.setattr(relief, "ProcessPoolExecutor", no_pool)
+    caplog.set_level(logging.WARNING)
+    run(with_lifespan(crowd.relief, work, PATIENCE_S))
+    assert caplog.text.count("no semaphores") == 1
