@@ -14,8 +14,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
 
-import uvicorn
-
 from stepramp.client.servers import Server, noted
 from stepramp.errors import Rejected, Rejection
 from stepramp.link.remote_ports import KEYS_VARIABLE, RemotePorts
@@ -129,7 +127,9 @@ def serve(
     how it is spoken to; None: over plain HTTP. require_token: also where it listens to this machine only; where it
     listens to others, everybody has to show one.
     """
-    # numba and FastAPI load slowly: not for --help
+    # These load slowly: not for --help, nor for a command that asks a server
+    import uvicorn  # noqa: PLC0415
+
     from stepramp.http_api.access import Access, Role  # noqa: PLC0415
     from stepramp.http_api.app import create_app  # noqa: PLC0415
     from stepramp.http_api.bodies import MOST_BYTES as MOST_BODY_BYTES  # noqa: PLC0415

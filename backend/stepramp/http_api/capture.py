@@ -1,18 +1,25 @@
 """The route for what a logic analyser captured: a file in, its steps next to a design's out. It keeps nothing."""
 
+import math
+import re
 from functools import partial
 from typing import Any
 
 from fastapi import APIRouter, Request
+from starlette.datastructures import QueryParams
 
 from stepramp.capture.analysis import analysed
 from stepramp.capture.formats.files import read_file
-from stepramp.http_api.bodies import FILE_TYPE, MOST_FILE_BYTES, OF_FILES, FileRoute, read_file_body
+from stepramp.errors import Rejected, Rejection
+from stepramp.http_api.bodies import FILE_TYPE, MOST_FILE_BYTES, OF_FILES, FileRoute, read_file_body, refuse_repeated
 from stepramp.http_api.capture_models import PARAMETERS, CaptureAnswer, CapturePayload
 from stepramp.http_api.lanes import CAPTURING
 from stepramp.http_api.planned import Planned, Wanted
+from stepramp.json_text import parsed_json, why_unreadable
 from stepramp.motor.train import NotWanted
 from stepramp.ramp.profile import profile_of
+
+_NUMBER = re.compile(r"-?[0-9]+(\.[0-9]+)?([eE][+-]?[0-9]+)?")
 
 router = APIRouter(tags=["captures"], route_class=FileRoute)
 
@@ -32,9 +39,35 @@ async def capture(request: Request) -> Planned[CaptureAnswer]:
     """
     parts = await read_file_body(request)
     # Only now: a browser shows no refusal that comes before it has sent its file.
-    payload = CapturePayload.of_parameters(request.query_params)
+    payload = _asked(request.query_params)
     wanted = Wanted()
     return Planned(CAPTURING, partial(_answer, parts, payload, wanted), wanted=wanted)
+
+
+def _asked(parameters: QueryParams) -> CapturePayload:
+    """Return what the parameters of a request say; Rejected for what can't be used."""
+    refuse_repeated(parameters, CapturePayload.model_fields)
+    return CapturePayload.checked({name: _value(name, text) for name, text in parameters.items()})
+
+
+def _value(name: str, text: str) -> object:
+    """Return a parameter's text as what it stands for."""
+    if name == "design":
+        try:
+            return parsed_json(text)
+        except Rejected as error:
+            raise Rejected([each.within("design.") for each in error.rejections]) from None
+        except ValueError as error:
+            raise Rejected(
+                [Rejection("design", text, f"a design document as JSON ({why_unreadable(error)})")]
+            ) from None
+    if name not in ("move_number", "shortest_pulse_us", "longest_wait_us", "max_points"):
+        return text
+    if name == "max_points" and text == "null":
+        return None
+    if not _NUMBER.fullmatch(text) or not math.isfinite(number := float(text)):
+        return text
+    return int(text) if text.lstrip("-").isdecimal() else number
 
 
 def _answer(parts: list[bytes], payload: CapturePayload, wanted: Wanted) -> CaptureAnswer:

@@ -1,23 +1,17 @@
 """What the route takes for captured files, and what it answers."""
 
-import math
-import re
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
-from starlette.datastructures import QueryParams
 
 from stepramp.capture.analysis import Analysis, MeasuredMove, Wanted
 from stepramp.capture.deviation import Alignment, Deviation, Figures
 from stepramp.capture.recording import MOST_EDGES, UNKNOWN, FormatName
 from stepramp.capture.steps import Edge
 from stepramp.design import MOST_STEPS, Design
-from stepramp.errors import Rejected, Rejection
 from stepramp.http_api.answer import Answer, Numbers, NumbersOrNull, WholeNumbers
-from stepramp.http_api.bodies import refuse_repeated
-from stepramp.json_text import parsed_json, why_unreadable
 from stepramp.numerics.compiled import counted
 from stepramp.ramp.profile import Phase
 from stepramp.ramp.thinning import kept_steps_of_all
@@ -28,7 +22,6 @@ MOST_LISTED = 1000
 """So many moves, and so many steps of a kind, are listed; all are counted."""
 POINTS = 2000
 
-_NUMBER = re.compile(r"-?[0-9]+(\.[0-9]+)?([eE][+-]?[0-9]+)?")
 """Python's own reading also takes blanks, `1_000`, `nan` and other scripts' digits."""
 
 
@@ -63,12 +56,6 @@ class CapturePayload(Document):
     max_points: Annotated[int, Within(10, MOST_STEPS, "points", ", or null for every step")] | None = Field(
         POINTS, description="Thin the arrays to about so many steps that keep the curves' shapes; null: every step"
     )
-
-    @classmethod
-    def of_parameters(cls, parameters: QueryParams) -> Self:
-        """Return what the parameters of a request say; Rejected for what can't be used."""
-        refuse_repeated(parameters, cls.model_fields)
-        return cls.checked({name: _value(name, text) for name, text in parameters.items()})
 
     @property
     def wanted(self) -> Wanted:
@@ -250,26 +237,6 @@ class CaptureAnswer(Answer):
             moves=[_listed(analysis, number) for number in range(min(MOST_LISTED, moves.first.size))],
             move=None if analysis.move is None else MeasuredMoveAnswer.of_move(analysis, analysis.move, payload),
         )
-
-
-def _value(name: str, text: str) -> object:
-    """Return a parameter's text as what it stands for."""
-    if name == "design":
-        try:
-            return parsed_json(text)
-        except Rejected as error:
-            raise Rejected([each.within("design.") for each in error.rejections]) from None
-        except ValueError as error:
-            raise Rejected(
-                [Rejection("design", text, f"a design document as JSON ({why_unreadable(error)})")]
-            ) from None
-    if name not in ("move_number", "shortest_pulse_us", "longest_wait_us", "max_points"):
-        return text
-    if name == "max_points" and text == "null":
-        return None
-    if not _NUMBER.fullmatch(text) or not math.isfinite(number := float(text)):
-        return text
-    return int(text) if text.lstrip("-").isdecimal() else number
 
 
 def _listed(analysis: Analysis, number: int) -> CapturedMoveAnswer:

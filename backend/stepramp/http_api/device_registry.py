@@ -1,4 +1,4 @@
-"""How the routes come by the application's devices, and who asks."""
+"""How the routes come by the application's devices and jobs, and who asks."""
 
 from typing import Annotated
 
@@ -9,6 +9,7 @@ from stepramp.devices.device import Device
 from stepramp.devices.registry import Devices
 from stepramp.http_api.bodies import refuse_repeated
 from stepramp.http_api.history_keeper import HistoryKeeper
+from stepramp.http_api.job_registry import Jobs
 from stepramp.http_api.sign_in import client_of
 
 
@@ -45,6 +46,15 @@ async def history_keeper(connection: HTTPConnection) -> HistoryKeeper:
 
 
 Keeper = Annotated[HistoryKeeper, Depends(history_keeper)]
+
+
+async def job_registry(connection: HTTPConnection) -> Jobs:
+    """Return the application's jobs."""
+    jobs: Jobs = connection.app.state.jobs
+    return jobs
+
+
+JobRegistry = Annotated[Jobs, Depends(job_registry)]
 
 
 async def asking_client(connection: HTTPConnection) -> str | None:

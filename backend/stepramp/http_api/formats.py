@@ -3,7 +3,7 @@
 import csv
 import io
 import zipfile
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Annotated, Any
@@ -11,15 +11,11 @@ from typing import Annotated, Any
 import mimeparse
 import numpy as np
 from fastapi import Depends, Request
-from numpy.typing import NDArray
 
 from stepramp.errors import NotAcceptable, Rejection
-from stepramp.http_api.errors import ErrorList
+from stepramp.http_api.columns import Table
+from stepramp.http_api.errors_models import ErrorList
 from stepramp.http_api.json_response import PIECE_BYTES, json_pieces
-
-Column = NDArray[np.int64] | NDArray[np.float64]
-Columns = Mapping[str, Column]
-"""Columns of the same length by their names."""
 
 JSON, CSV, NPZ = "application/json", "text/csv", "application/x-npz"
 OFFERED = (NPZ, CSV, JSON)
@@ -28,14 +24,6 @@ QUICKLY = 1
 """How hard long answers are compressed: a network is quicker than what would save a few bytes more."""
 ROWS = 2048
 """So many rows of a table are written at a time, while which no other thread goes on for long."""
-
-
-@dataclass(frozen=True)
-class Table:
-    """Columns under the name of what they are of; a name of '' stands for a table that is the only one."""
-
-    name: str
-    columns: Columns
 
 
 @dataclass(frozen=True)

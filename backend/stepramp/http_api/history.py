@@ -5,7 +5,7 @@ from typing import Annotated
 from fastapi import APIRouter, Depends, Request
 
 from stepramp.http_api.bodies import JsonRoute
-from stepramp.http_api.errors import ErrorList
+from stepramp.http_api.errors_models import ErrorList
 from stepramp.http_api.history_keeper import HistoryKeeper
 from stepramp.http_api.history_models import (
     PushedToAnswer,

@@ -11,10 +11,7 @@ from collections.abc import Callable, MutableMapping
 from concurrent.futures import Future, ThreadPoolExecutor
 from functools import partial
 from secrets import token_hex
-from typing import Annotated, Literal, TypeVar
-
-from fastapi import Depends
-from starlette.requests import HTTPConnection
+from typing import Literal, TypeVar
 
 from stepramp.errors import NotFound, Overloaded, StepRampError, TooOften, shown
 from stepramp.executors.priority import be_nicer
@@ -248,11 +245,3 @@ def _ended(computation: Computation, done: Future[None]) -> None:
     elif not computation.has_ended:  # What is raised by what nobody wants any more is told to nobody.
         _logger.error("A job failed", exc_info=error)
         computation.end("failed", StepRampError(f"StepRamp made a mistake: {type(error).__name__}. It is logged."))
-
-
-async def _registry(connection: HTTPConnection) -> Jobs:
-    jobs: Jobs = connection.app.state.jobs
-    return jobs
-
-
-JobRegistry = Annotated[Jobs, Depends(_registry)]

@@ -10,8 +10,8 @@ from pydantic import Field, model_validator
 from stepramp.design import MOST_NAMES, MOST_STEPS, Design, MethodName
 from stepramp.errors import Limits, Rejected, Rejection
 from stepramp.http_api.answer import Answer, Numbers, WholeNumbers
-from stepramp.http_api.errors import TOLD, ErrorItem, ToldAnswer, error_items, in_body
-from stepramp.http_api.formats import Table
+from stepramp.http_api.columns import Table
+from stepramp.http_api.errors_models import TOLD, ErrorItem, ToldAnswer, error_items, in_body
 from stepramp.methods import REFERENCE
 from stepramp.methods.common.method import TuningReport
 from stepramp.ramp.error_curves import ErrorCurves

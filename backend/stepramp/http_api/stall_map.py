@@ -7,7 +7,8 @@ from starlette.requests import Request
 
 from stepramp.executors.choice import executor
 from stepramp.http_api.bodies import JsonRoute
-from stepramp.http_api.job_registry import Computation, JobRegistry
+from stepramp.http_api.device_registry import JobRegistry
+from stepramp.http_api.job_registry import Computation
 from stepramp.http_api.json_response import JsonResponse, json_bytes
 from stepramp.http_api.stall_map_models import MapPayload, StallMapAnswer, StartedAnswer
 from stepramp.motor.map_points import own_verdict, verdict_at
