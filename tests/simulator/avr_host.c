@@ -8,6 +8,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include <simavr/avr_extint.h>
 #include <simavr/sim_avr.h>
 #include <simavr/sim_elf.h>
 
@@ -231,6 +232,15 @@ static bool attach_line(const struct options *options)
     return !options->data || load_data(options->data);
 }
 
+/* While a pin of INT0, INT1 … is low, and its interrupt one of a level, simavr looks at it in each cycle, enabled or not: most
+ * of its time went there. Nothing here has interrupts of a level. A reset turns it on again. */
+static void stop_looking_at_levels(void)
+{
+    for (uint8_t i = 0; i < EXTINT_COUNT; i++) {
+        avr_extint_set_strict_lvl_trig(avr, i, 0);
+    }
+}
+
 /* Called by simavr at each reset, whatever its reason. */
 static void on_reset(avr_io_t *unused)
 {
@@ -253,6 +263,7 @@ static bool load(const struct options *options)
     firmware.frequency = CLOCK_HZ;
     avr = avr_make_mcu_by_name(chip->name);
     avr_init(avr);
+    stop_looking_at_levels();
     avr_load_firmware(avr, &firmware);
     memset(avr->data + stack_begins(), PAINT, avr->ramend + 1 - stack_begins());
     avr->data[MCUSR] = POWER_ON;
@@ -274,6 +285,7 @@ static void reset(unsigned boot_ms)
 {
     avr_cycle_count_t now = avr->cycle;
     avr_reset(avr);
+    stop_looking_at_levels();
     avr->data[MCUSR] = EXTERNAL_RESET;
     avr->cycle = now;
     runs_from = now + CLOCK_HZ / 1000 * boot_ms;
