@@ -19,6 +19,21 @@
 #endif
 #endif
 
+/* What begin() asks of a ramp, computed or exported. Only setRamp(), or useRamp() and useRampInFlash(), refer to each, so that the linker leaves
+ * computing out of a sketch with exported ramps, and the other way round. Function pointers in an AVR's flash: RAM is scarcer. */
+struct StepRampAxis::Kind {
+    StepRampProblem (*check)(const StepRampAxis &axis);
+    bool (*wantsSlowClock)(const StepRampAxis &axis);
+    uint16_t (*write)(const StepRampAxis &axis, uint8_t *bytes, uint16_t room, uint16_t segmentTicks); /* 0: there is no room */
+};
+#ifdef __AVR__
+#define IN_PROGRAM PROGMEM
+#define OF_KIND(function) ((decltype(kind->function))pgm_read_ptr(&kind->function))
+#else
+#define IN_PROGRAM
+#define OF_KIND(function) (kind->function)
+#endif
+
 StepRampAxis *StepRampAxis::all[STEPRAMP_AXES];
 uint8_t StepRampAxis::count;
 
@@ -70,7 +85,7 @@ OUT_OF_LINE bool is_at_least(float least, float number)
 } // namespace
 
 StepRampAxis::StepRampAxis(uint8_t itsStepPin, uint8_t itsDirectionPin)
-    : index(count++), source(NOTHING), found(STEPRAMP_RAMP_MISSING), isReady(false)
+    : index(count++), kind(nullptr), found(STEPRAMP_RAMP_MISSING), isReady(false)
 {
     length_of_ramps = 0;
     if (index < STEPRAMP_AXES) {
@@ -81,28 +96,30 @@ StepRampAxis::StepRampAxis(uint8_t itsStepPin, uint8_t itsDirectionPin)
 
 /* ---- the ramp ---- */
 
-void StepRampAxis::setRamp(float newSpeed, float newAcceleration, float newDeceleration, float newBaseSpeed)
+void StepRampAxis::setRamp(float speed, float acceleration, float deceleration, float baseSpeed)
 {
-    source = COMPUTED;
+    static const Kind IN_PROGRAM computed = {checkComputed, computedWantsSlowClock, writeComputed};
+    kind = &computed;
     length_of_ramps = 0;
-    speed = newSpeed;
-    acceleration = newAcceleration;
-    deceleration = newDeceleration == 0 ? newAcceleration : newDeceleration;
-    baseSpeed = newBaseSpeed;
+    ramp.computed = {speed, acceleration, deceleration == 0 ? acceleration : deceleration, baseSpeed};
 }
 
-void StepRampAxis::useRamp(const uint8_t *newImage, uint16_t newLength)
+void StepRampAxis::useExported(const uint8_t *image, uint16_t length, bool isInFlash)
 {
-    source = EXPORTED;
+    static const Kind IN_PROGRAM exported = {checkExported, exportedWantsSlowClock, writeExported};
+    kind = &exported;
     length_of_ramps = 0;
-    image = newImage;
-    length = newLength;
+    ramp.exported = {image, length, isInFlash};
 }
 
-void StepRampAxis::useRampInFlash(const uint8_t *newImage, uint16_t newLength)
+void StepRampAxis::useRamp(const uint8_t *image, uint16_t length)
 {
-    useRamp(newImage, newLength);
-    source = EXPORTED_IN_FLASH;
+    useExported(image, length, false);
+}
+
+void StepRampAxis::useRampInFlash(const uint8_t *image, uint16_t length)
+{
+    useExported(image, length, true);
 }
 
 float StepRampAxis::mostSpeed()
@@ -113,40 +130,70 @@ float StepRampAxis::mostSpeed()
 uint8_t StepRampAxis::imageByte(uint16_t at) const
 {
 #ifdef __AVR__
-    if (source == EXPORTED_IN_FLASH) {
-        return pgm_read_byte(image + at);
+    if (ramp.exported.isInFlash) {
+        return pgm_read_byte(ramp.exported.image + at);
     }
 #endif
-    return image[at];
+    return ramp.exported.image[at];
 }
 
-StepRampProblem StepRampAxis::checkImage() const
+StepRampProblem StepRampAxis::checkExported(const StepRampAxis &axis)
 {
     uint8_t head[NUMBERS_AT + 1] = {0}; /* of one axis */
     write_head(head, 1, 1);
     uint16_t same = 0;
-    while (same < sizeof head && length > RAMP_AT_OF_ONE_AXIS && imageByte(same) == head[same]) {
+    while (same < sizeof head && axis.ramp.exported.length > RAMP_AT_OF_ONE_AXIS && axis.imageByte(same) == head[same]) {
         same++;
     }
     return same == sizeof head ? STEPRAMP_READY : STEPRAMP_BAD_IMAGE;
 }
 
-StepRampProblem StepRampAxis::checkRamp() const
+bool StepRampAxis::exportedWantsSlowClock(const StepRampAxis &axis)
 {
-    if (!(speed >= LEAST_SPEED)) {
+    return axis.ramp.exported.length > CLOCK_AT && axis.imageByte(CLOCK_AT) != CLOCK_IS_FAST;
+}
+
+uint16_t StepRampAxis::writeExported(const StepRampAxis &axis, uint8_t *bytes, uint16_t room, uint16_t)
+{
+    uint16_t rampBytes = (uint16_t)(axis.ramp.exported.length - RAMP_AT_OF_ONE_AXIS);
+    for (uint16_t i = 0; i < rampBytes && rampBytes <= room; i++) {
+        bytes[i] = axis.imageByte((uint16_t)(RAMP_AT_OF_ONE_AXIS + i));
+    }
+    return rampBytes <= room ? rampBytes : 0;
+}
+
+StepRampProblem StepRampAxis::checkComputed(const StepRampAxis &axis)
+{
+    const Computed &its = axis.ramp.computed;
+    if (!(its.speed >= LEAST_SPEED)) {
         return STEPRAMP_BAD_SPEED;
     }
-    if (ramp_maker_interval(clock_hz, speed) < shortest_interval()) {
+    if (ramp_maker_interval(clock_hz, its.speed) < shortest_interval()) {
         return STEPRAMP_SPEED_TOO_HIGH;
     }
-    if (!(baseSpeed >= 0 && baseSpeed < speed)) {
+    if (!(its.baseSpeed >= 0 && its.baseSpeed < its.speed)) {
         return STEPRAMP_BAD_BASE_SPEED;
     }
-    const ramp_wish wish = {speed, baseSpeed, acceleration, deceleration, clock_hz, 0};
-    float slower = acceleration < deceleration ? acceleration : deceleration;
-    bool isGood = is_at_least(LEAST_ACCELERATION, acceleration) && is_at_least(LEAST_ACCELERATION, deceleration) &&
+    const ramp_wish wish = {its.speed, its.baseSpeed, its.acceleration, its.deceleration, clock_hz, 0};
+    float slower = its.acceleration < its.deceleration ? its.acceleration : its.deceleration;
+    bool isGood = is_at_least(LEAST_ACCELERATION, its.acceleration) && is_at_least(LEAST_ACCELERATION, its.deceleration) &&
                   ramp_maker_steps(&wish, slower) <= MOST_STEPS;
     return isGood ? STEPRAMP_READY : STEPRAMP_BAD_ACCELERATION;
+}
+
+/* It can't be played at the fast clock. */
+bool StepRampAxis::computedWantsSlowClock(const StepRampAxis &axis)
+{
+    const Computed &its = axis.ramp.computed;
+    return !is_at_least(LEAST_FAST_SPEED, its.speed) || !is_at_least(LEAST_FAST_ACCELERATION, its.acceleration) ||
+           !is_at_least(LEAST_FAST_ACCELERATION, its.deceleration);
+}
+
+uint16_t StepRampAxis::writeComputed(const StepRampAxis &axis, uint8_t *bytes, uint16_t room, uint16_t segmentTicks)
+{
+    const Computed &its = axis.ramp.computed;
+    const ramp_wish wish = {its.speed, its.baseSpeed, its.acceleration, its.deceleration, clock_hz, segmentTicks};
+    return ramp_maker_write(&wish, bytes, room);
 }
 
 StepRampProblem StepRampAxis::check() const
@@ -157,21 +204,13 @@ StepRampProblem StepRampAxis::check() const
     if (stepramp_pins.step[index] == NO_PIN || stepramp_pins.direction[index] == NO_PIN || !arduino_pins_are_good()) {
         return STEPRAMP_BAD_PINS;
     }
-    return source == NOTHING ? STEPRAMP_RAMP_MISSING : source == COMPUTED ? checkRamp() : checkImage();
+    return kind == nullptr ? STEPRAMP_RAMP_MISSING : OF_KIND(check)(*this);
 }
 
 /* Writes its ramp. Returns its length, or 0: there is no room. */
 uint16_t StepRampAxis::write(uint8_t *bytes, uint16_t room, uint16_t segmentTicks) const
 {
-    if (source == COMPUTED) {
-        const ramp_wish wish = {speed, baseSpeed, acceleration, deceleration, clock_hz, segmentTicks};
-        return ramp_maker_write(&wish, bytes, room);
-    }
-    uint16_t rampBytes = (uint16_t)(length - RAMP_AT_OF_ONE_AXIS);
-    for (uint16_t i = 0; i < rampBytes && rampBytes <= room; i++) {
-        bytes[i] = imageByte((uint16_t)(RAMP_AT_OF_ONE_AXIS + i));
-    }
-    return rampBytes <= room ? rampBytes : 0;
+    return OF_KIND(write)(*this, bytes, room, segmentTicks);
 }
 
 /* One image for all axes. Those that have no good ramp yet are given the first one, as each needs one: they don't move. */
@@ -220,11 +259,7 @@ void StepRampAxis::beginAll()
 /* Its ramp can't be played at the fast clock. */
 bool StepRampAxis::wantsSlowClock() const
 {
-    if (source == COMPUTED) {
-        return !is_at_least(LEAST_FAST_SPEED, speed) || !is_at_least(LEAST_FAST_ACCELERATION, acceleration) ||
-               !is_at_least(LEAST_FAST_ACCELERATION, deceleration);
-    }
-    return source != NOTHING && length > CLOCK_AT && imageByte(CLOCK_AT) != CLOCK_IS_FAST;
+    return kind != nullptr && OF_KIND(wantsSlowClock)(*this);
 }
 
 /* One clock for all axes: the fast one where a timer makes the steps, unless one of them wants the slow one. */

@@ -104,29 +104,43 @@ public:
     StepRampResult setPosition(int32_t position);
 
 private:
-    enum Source : uint8_t { NOTHING, COMPUTED, EXPORTED, EXPORTED_IN_FLASH };
+    struct Kind;
+    struct Computed {
+        float speed, acceleration, deceleration, baseSpeed; /* [steps/s], [steps/s^2] */
+    };
+    struct Exported {
+        const uint8_t *image;
+        uint16_t length; /* [bytes] of the image */
+        bool isInFlash;
+    };
 
     static void chooseClock();
     static void beginAll();
     static StepRampProblem makeImage(uint8_t axes);
     StepRampProblem check() const;
     bool wantsSlowClock() const;
-    StepRampProblem checkRamp() const;
-    StepRampProblem checkImage() const;
     uint16_t write(uint8_t *bytes, uint16_t room, uint16_t segmentTicks) const;
+    void useExported(const uint8_t *image, uint16_t length, bool isInFlash);
     uint8_t imageByte(uint16_t at) const;
+    static StepRampProblem checkComputed(const StepRampAxis &axis);
+    static StepRampProblem checkExported(const StepRampAxis &axis);
+    static bool computedWantsSlowClock(const StepRampAxis &axis);
+    static bool exportedWantsSlowClock(const StepRampAxis &axis);
+    static uint16_t writeComputed(const StepRampAxis &axis, uint8_t *bytes, uint16_t room, uint16_t segmentTicks);
+    static uint16_t writeExported(const StepRampAxis &axis, uint8_t *bytes, uint16_t room, uint16_t segmentTicks);
     static int32_t intervalOf(float speed);
 
     static StepRampAxis *all[STEPRAMP_AXES];
     static uint8_t count; /* of all, those that are too many as well */
 
     uint8_t index;
-    Source source;
+    const Kind *kind; /* of its ramp; none yet: nullptr */
     StepRampProblem found;
     bool isReady; /* its ramp is in the image that is used */
-    float speed, acceleration, deceleration, baseSpeed; /* [steps/s], [steps/s^2] of a computed ramp */
-    const uint8_t *image;
-    uint16_t length; /* [bytes] of the image */
+    union {
+        Computed computed;
+        Exported exported;
+    } ramp;
 };
 
 #endif

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from firmware.arduino.board import LEONARDO, LIBRARY, MEGA, UNO, Board, build_files, build_sketch
+from firmware.arduino.sketches import image_in
 
 pytestmark = pytest.mark.usefixtures("arduino_tools")
 
@@ -83,3 +84,42 @@ def test_examples_with_a_timer_fit(
     assert sketch.warnings == ""
     assert sketch.flash_bytes <= board.flash_bytes
     assert sketch.ram_bytes <= board.ram_bytes - 400
+
+
+WITHOUT_COMPUTING = """#include <StepRampAxis.h>
+{timer}
+const uint8_t RAMP[] PROGMEM = {{{bytes}}};
+StepRampAxis motor(4, 7);
+
+void setup() {{
+  {inputs}
+  motor.useRampInFlash(RAMP, sizeof RAMP);
+  if (motor.begin() == STEPRAMP_READY) {order};
+}}
+
+void loop() {{ motor.run(); }}
+"""
+TIMER, STOP = "#include <StepRampTimer1.h>", "StepRamp.setEmergencyStop(2);"
+SWITCH, MOVE, HOME = "motor.setLimitSwitches(9);", "motor.moveTo(800)", "motor.home(-500, 100)"
+
+
+@pytest.mark.parametrize(
+    ("board", "timer", "inputs", "order"),
+    [
+        (LEONARDO, TIMER, "", MOVE),
+        (LEONARDO, "", STOP, MOVE),
+        (LEONARDO, "", SWITCH, MOVE),
+        (UNO, TIMER, STOP + SWITCH, HOME),
+    ],
+    ids=["leonardo-timer", "leonardo-stop", "leonardo-switch", "uno-all"],
+)
+def test_where_a_computed_ramp_does_not_an_exported_one_fits(
+    tmp_path: Path, board: Board, timer: str, inputs: str, order: str
+) -> None:
+    """Nothing of computing is linked then, so that 1.5 KB are left for a sketch of one's own."""
+    source = tmp_path / "exported.ino"
+    ramp = ", ".join(map(str, image_in("ExportedRamp")))
+    source.write_text(WITHOUT_COMPUTING.format(timer=timer, bytes=ramp, inputs=inputs, order=order))
+    sketch = build_sketch(source, board)
+    assert sketch.warnings == ""
+    assert sketch.flash_bytes <= board.flash_bytes - 1500
