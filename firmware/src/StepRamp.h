@@ -143,7 +143,8 @@ public:
 
     /* ---- what inputs have done ---- */
 
-    /* By STEPRAMP_BY_EMERGENCY_STOP, STEPRAMP_BY_DRIVER_FAULT, or both: nothing moves until acknowledge(). */
+    /* By STEPRAMP_BY_EMERGENCY_STOP, STEPRAMP_BY_DRIVER_FAULT, or both: nothing moves until acknowledge(), each motion is STEPRAMP_STOPPED,
+     * also to where the motor is. setPosition() is taken meanwhile, and makes the position known. */
     uint8_t stoppedBy();
 
     /* Motions are taken again; somebody should have looked before. Returns false while the input is active. */

@@ -46,6 +46,8 @@ def test_it_stops_all_until_it_is_released_and_acknowledged(machine: Machine, nu
     assert machine.inputs().stopped_by == cause
     for kind, body in MOTIONS:
         assert machine.refused(kind, body) == (p.STOPPED, 0), hex(kind)
+    for kind, body in ((p.MOVE_TO, for_axes({0: there[0]})), (p.MOVE_BY, for_axes({0: 0})), (p.RUN, for_axes({0: 0}))):
+        assert machine.refused(kind, body) == (p.STOPPED, 0), "nor where it is"
     machine.ok(p.ACKNOWLEDGE)
     assert machine.inputs().stopped_by == 0
     machine.ok(p.MOVE_BY, for_axes({0: 10}))

@@ -108,14 +108,15 @@ static void begin_order(struct feed *feed, uint32_t interval, int32_t value, boo
 }
 
 #if HAS_INPUTS
-/* Nothing keeps an axis from setting out: STATUS_OK, or what does. One that stays where it is sets out nowhere. */
+/* Nothing keeps an axis from setting out: STATUS_OK, or what does. To one that stays where it is a limit is in no way, but an emergency stop is. */
 static uint8_t check_way(uint8_t axis, int32_t value, bool is_run, uint16_t *detail)
 {
     if (!machine_way_may_be_blocked(axis)) {
         return STATUS_OK;
     }
     int32_t from = is_run ? 0 : machine_report(axis).position; /* which takes a while */
-    return value != from ? machine_check_way(axis, value < from, detail) : STATUS_OK;
+    uint8_t status = machine_check_way(axis, value < from, detail);
+    return value == from && status == STATUS_AT_LIMIT ? STATUS_OK : status;
 }
 
 IN_TABLE uint8_t machine_check_ways(uint8_t mask, const int32_t *values, bool is_run, uint16_t *detail)

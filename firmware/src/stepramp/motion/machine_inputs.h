@@ -63,7 +63,7 @@ uint8_t machine_check_run(uint8_t axis, int32_t interval, uint16_t *detail);
 uint8_t machine_check_part(uint8_t axis, bool backward, uint32_t steps, uint16_t *detail);
 
 #ifdef ARDUINO
-/* Of several axes, to places or at intervals. An axis that stays where it is isn't kept from it. */
+/* Of several axes, to places or at intervals. An axis that stays where it is isn't kept from it by a limit. */
 uint8_t machine_check_ways(uint8_t mask, const int32_t *values, bool is_run, uint16_t *detail);
 
 /* A run ends at a soft limit, if there is one. */

@@ -430,6 +430,8 @@ static void emergency_stop()
         is_grounded[pin] = false;
         poll_for(20000);
         CHECK(StepRamp.stoppedBy() == cause && x.moveTo(0) == STEPRAMP_STOPPED && x.runAt(10) == STEPRAMP_STOPPED);
+        CHECK(x.moveTo(there) == STEPRAMP_STOPPED && x.move(0) == STEPRAMP_STOPPED && x.runAt(0) == STEPRAMP_STOPPED);
+        CHECK(!x.isMoving() && x.setPosition(there) == STEPRAMP_OK && x.isHomed() && x.begin() == STEPRAMP_READY);
         CHECK(StepRamp.acknowledge() && StepRamp.stoppedBy() == STEPRAMP_BY_NOTHING && x.move(5) == STEPRAMP_OK);
         poll_until_rest();
         CHECK(place == there + 5 && x.position() == place);
