@@ -42,7 +42,10 @@ namespace {
 /* A ramp image: version, clock, axes, ramps, the number of each axis' ramp; then the ramps. */
 const uint8_t IMAGE_FORMAT = 2, CLOCK_AT = 1, AXES_AT = 2, RAMPS_AT = 3, NUMBERS_AT = 4, RAMP_AT_OF_ONE_AXIS = 5;
 
-const float MOST_STEPS = 16777214.0f;
+/* To the speed: a segment has 32,767 steps at most and takes five bytes then, and each of two sides has 125 segments. What has more is known
+ * to have no room before seconds have been spent on it. */
+const uint8_t MOST_SEGMENTS_THAT_LONG = STEPRAMP_AXIS_RAMP_BYTES / 5 < 125 ? STEPRAMP_AXIS_RAMP_BYTES / 5 : 125;
+const float MOST_STEPS = MOST_SEGMENTS_THAT_LONG * 32767.0f;
 
 /* [steps/s] Slower motors want the slow clock, whose intervals may be longer. */
 const float LEAST_FAST_SPEED = 1;
@@ -55,7 +58,10 @@ const uint8_t CLOCK_IS_FAST = 1;
 
 /* What it takes to prepare a segment for each axis that moves, 0.7 ms, where a timer's steps take all of the processor that they may: see
  * docs/serial_protocol.md, Keeping pace. */
-const uint16_t SEGMENT_TICKS = 11200, SLOW_SEGMENT_TICKS = 1400;
+const uint16_t SEGMENT_TICKS = 11200;
+
+/* What a segment must last beyond that, so that a round of loop() may take 2 ms besides: six segments at least are queued in one round. */
+const uint16_t ROUND_TICKS = 5300;
 
 uint8_t ramps[STEPRAMP_AXIS_RAMP_BYTES];
 uint16_t length_of_ramps; /* [bytes] of the image in it; 0: it is to be made, as an axis or a ramp is new */
@@ -220,7 +226,8 @@ StepRampProblem StepRampAxis::makeImage(uint8_t axes)
     for (uint8_t i = 0; i < axes; i++) {
         left = (uint8_t)(left + (all[i]->found == STEPRAMP_READY));
     }
-    const uint16_t segmentTicks = arduino_has_timer() ? (clock_hz == FAST_CLOCK_HZ ? SEGMENT_TICKS : SLOW_SEGMENT_TICKS) * left : 0;
+    const uint16_t fastTicks = arduino_has_timer() ? (uint16_t)(SEGMENT_TICKS * left + ROUND_TICKS) : 0;
+    const uint16_t segmentTicks = clock_hz == FAST_CLOCK_HZ ? fastTicks : fastTicks / (FAST_CLOCK_HZ / SLOW_CLOCK_HZ);
     uint16_t end = (uint16_t)(NUMBERS_AT + axes);
     for (uint8_t i = 0; i < axes; i++) {
         ramps[NUMBERS_AT + i] = 0;
@@ -303,7 +310,7 @@ const __FlashStringHelper *StepRampAxis::problem() const
     case STEPRAMP_SPEED_TOO_HIGH:
         return F("the speed is above mostSpeed()");
     case STEPRAMP_BAD_ACCELERATION:
-        return F("accelerations: 0.00012 to 1e9, 16777214 steps at most");
+        return F("accelerations: 0.00012 to 1e9; or too many steps");
     case STEPRAMP_BAD_BASE_SPEED:
         return F("base speed: 0 or more, below the speed");
     case STEPRAMP_BAD_IMAGE:

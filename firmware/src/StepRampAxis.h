@@ -27,7 +27,7 @@ enum StepRampProblem : uint8_t {
     STEPRAMP_BAD_SPEED,        /* it is below 0.0075 steps/s, or no number */
     STEPRAMP_SPEED_TOO_HIGH,   /* for this board: see mostSpeed() */
     STEPRAMP_BAD_ACCELERATION, /* or deceleration: it is below 0.00012 steps/s^2, with which a step from rest takes
-                                * 134 s, or 1e9 or more, or takes more than 16 million steps to the speed */
+                                * 134 s, or 1e9 or more, or takes more than 2 million steps to the speed, where there is 4 KB of RAM 4 million */
     STEPRAMP_BAD_BASE_SPEED,   /* it is below 0, or not below the speed */
     STEPRAMP_BAD_IMAGE,        /* an exported ramp is damaged, for several axes, too fast, or for another clock: for the fast one
                                 * where no timer makes the steps; or one of StepRamp's settings is out of its range */

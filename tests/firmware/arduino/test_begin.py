@@ -128,3 +128,42 @@ def test_a_ramp_that_is_ready_does_not_run_dry(
         middle = intervals[len(intervals) // 3 : len(intervals) * 2 // 3]
         assert len(intervals) == steps - 1
         assert middle.max() < 2 * 16_000_000 / speed + 60 * CYCLES_PER_US
+
+
+ROUNDS = """
+  for (const float *each : RAMPS) {
+    x.setRamp(each[0], each[1], each[2], each[3]);
+    unsigned long from = millis();
+    tell(x.begin());
+    tell(millis() - from);
+    x.move(each[0] * each[0] / each[1] + 500);
+    while (x.isMoving()) {
+      StepRamp.poll();
+      delayMicroseconds(2000);
+    }
+    tell(StepRamp.ranDry());
+  }
+"""
+SHORT_RAMPS = [
+    (30_000, 750_000, 0, 0),
+    (40_000, 400_000, 0, 0),
+    (50_000, 385_000, 0, 0),
+    (50_000, 500_000, 0, 0),
+    (60_000, 500_000, 0, 5000),
+    (60_000, 1_500_000, 0, 0),
+    (100_000, 1_430_000, 0, 0),
+]
+"""Speed, acceleration, deceleration and base speed: they take 0.04 to 0.13 s."""
+TOO_LONG = (100_000, 2000, 4000, 0)
+"""2.5 million steps: no board of 2 KB has room for that."""
+BAD_ACCELERATION = 6
+
+
+def test_loop_may_take_2_ms_besides_poll_and_what_has_no_room_is_refused_at_once(tmp_path: Path) -> None:
+    ramps = ", ".join(f"{{{list_of(ramp)}}}" for ramp in (*SHORT_RAMPS, TOO_LONG))
+    told, _ = played(tmp_path, Engine(UNO), f"const float RAMPS[][4] = {{{ramps}}};\nStepRampAxis x(2, 5);", ROUNDS)
+    problems, begun_ms, dry = told[::3], told[1::3], told[2::3]
+    assert problems == [READY] * len(SHORT_RAMPS) + [BAD_ACCELERATION]
+    assert dry == [0] * len(problems)
+    assert max(begun_ms) < 1500
+    assert begun_ms[-1] <= 10

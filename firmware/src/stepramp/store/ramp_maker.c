@@ -14,6 +14,9 @@ enum { KIND_AT = 0, LENGTH_AT = 1, FLAGS_AT = 3, UP_AT = 4, DOWN_AT = 5, SLEW_AT
 
 enum { DOWN_IS_UP = 1, MOST_NUMBER_BYTES = 5, MOST_SEGMENT_BYTES = 3 * MOST_NUMBER_BYTES };
 
+/* Of a segment. */
+enum { MOST_INTERVALS = INT16_MAX };
+
 /* An interval may be off by its 512th at first, by its 64th at last; by its 16th where the ramp has to keep pace, as less lets it. */
 enum { FINEST = 512, COARSEST = 64, COARSEST_IN_PACE = 16 };
 
@@ -116,17 +119,18 @@ static bool make_segment(const struct side *side, struct segment *segment, uint1
     return true;
 }
 
-/* Makes the longest segment that goes: its intervals are doubled as long as that goes, then halved. */
+/* Makes the longest segment that goes: more intervals are doubled as long as that goes, from as many as the last one has, then halved. */
 static void make_longest(const struct side *side, struct segment *longest)
 {
     uint32_t left = side->steps - side->done;
-    uint16_t most = left < UINT16_MAX / 2 ? (uint16_t)left : UINT16_MAX / 2;
+    uint16_t most = left < MOST_INTERVALS ? (uint16_t)left : MOST_INTERVALS;
     bool grows = true;
+    uint16_t more = longest->count;
     make_segment(side, longest, 1, 0);
-    for (uint16_t more = 1; more != 0; more = grows ? (uint16_t)(more * 2) : more / 2) {
+    for (; more != 0; more = grows ? (uint16_t)(more * 2) : more / 2) {
         struct segment segment;
-        uint16_t count = (uint16_t)(longest->count + more);
-        if (count <= most && make_segment(side, &segment, count, side->tolerance / 2)) {
+        uint32_t count = (uint32_t)longest->count + more;
+        if (count <= most && make_segment(side, &segment, (uint16_t)count, side->tolerance / 2)) {
             *longest = segment;
         } else {
             grows = false;
@@ -151,6 +155,7 @@ static OUT_OF_LINE void write_signed(struct list *list, int32_t number)
 static bool write_side(struct side *side, struct list *list, uint8_t most_segments)
 {
     uint32_t behind = 0; /* [ticks] preparing the segments is by then, at most */
+    struct segment segment = {.count = 1};
     list->segments = 0;
     list->expected = 0;
     list->add = 0;
@@ -158,7 +163,6 @@ static bool write_side(struct side *side, struct list *list, uint8_t most_segmen
         if (list->end - list->next < MOST_SEGMENT_BYTES || list->segments == most_segments) {
             return false;
         }
-        struct segment segment;
         side->exact = interval_of(side, 0);
         make_longest(side, &segment);
         uint32_t first = (uint32_t)segment.first;

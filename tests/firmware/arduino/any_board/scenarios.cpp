@@ -259,7 +259,9 @@ static void axes()
     CHECK(x.begin() == STEPRAMP_BAD_ACCELERATION);
     x.setRamp(1000, 2000, 0, 1000);
     CHECK(x.begin() == STEPRAMP_BAD_BASE_SPEED);
-    x.setRamp(2500, 0.2f);
+    x.setRamp(2500, 0.5f); /* 6.25 million steps */
+    CHECK(x.begin() == STEPRAMP_BAD_ACCELERATION);
+    x.setRamp(2500, 0.9f);
     CHECK(x.begin() == STEPRAMP_NO_ROOM);
     x.useRamp(image, image_bytes);
     CHECK(x.begin() == STEPRAMP_BAD_IMAGE); /* of two axes */
@@ -288,7 +290,7 @@ static void another_begins()
     y.setRamp(300, 1000);
     CHECK(y.begin() == STEPRAMP_READY && y.moveTo(10) == STEPRAMP_OK);
     poll_until_rest();
-    x.setRamp(2500, 0.2f);
+    x.setRamp(2500, 0.9f);
     CHECK(x.begin() == STEPRAMP_NO_ROOM && y.moveTo(0) == STEPRAMP_NO_RAMP && x.moveTo(1) == STEPRAMP_NO_RAMP);
     x.setRamp(1000, 4000);
     CHECK(x.begin() == STEPRAMP_READY && y.moveTo(0) == STEPRAMP_OK);
@@ -333,7 +335,7 @@ static void refused_begin()
     y.setRamp(0, 2000);
     CHECK(y.begin() == STEPRAMP_BAD_SPEED && y.moveTo(1) == STEPRAMP_NO_RAMP);
     rest_at(x, 500);
-    y.setRamp(2500, 0.2f);
+    y.setRamp(2500, 0.9f);
     CHECK(y.begin() == STEPRAMP_NO_ROOM && x.moveTo(0) == STEPRAMP_NO_RAMP && StepRamp.moveTo(0, 0) == STEPRAMP_NO_RAMP);
     CHECK(strcmp((const char *)x.problem(), (const char *)y.problem()) == 0);
     y.setRamp(500, 2000);
